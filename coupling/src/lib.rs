@@ -1,0 +1,4 @@
+//! Rock blocks and water in one explicit engine: scene, world, run, observers, files.
+
+pub mod scene;
+pub mod vtk;

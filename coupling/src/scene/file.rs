@@ -1,0 +1,572 @@
+//! The scene as it is written: the RON schema, nothing checked beyond types.
+//!
+//! Units are SI; angles are in degrees, and a field that is not SI says so in its name. A field of
+//! type `Option` has no fixed default: `None` means "riprap chooses", and the choice is written
+//! into the run folder's `case.ron`, so that a scene read from there leaves nothing open.
+//! `cases/README.md` documents every field; a test holds that table against these types.
+
+use serde::{Deserialize, Serialize};
+
+/// A vector or point as written, `(x, y, z)`.
+pub type Triple = (f64, f64, f64);
+
+/// A whole scene.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SceneFile {
+    /// One line that names the experiment.
+    pub title: String,
+    /// What is modelled, after whom, and what is known of the right answer.
+    #[serde(default)]
+    pub description: String,
+    /// Acceleration of gravity; m/s².
+    #[serde(default = "standard_gravity")]
+    pub gravity: Triple,
+    /// The box outside of which nothing is modelled.
+    pub domain: DomainFile,
+    /// Rock and wall materials, referred to by name.
+    #[serde(default)]
+    pub materials: Vec<MaterialFile>,
+    /// Rock blocks, walls and wavemakers.
+    #[serde(default)]
+    pub blocks: Vec<BlockFile>,
+    /// Water; without it no fluid structure is made.
+    #[serde(default)]
+    pub fluid: Option<FluidFile>,
+    /// How fluid and blocks push each other.
+    #[serde(default)]
+    pub interface: InterfaceFile,
+    /// Schemes and their numbers.
+    #[serde(default)]
+    pub numerics: NumericsFile,
+    /// How long.
+    pub time: TimeFile,
+    /// What is recorded, as in a laboratory.
+    #[serde(default)]
+    pub gauges: Vec<GaugeFile>,
+    /// What is written, and how often.
+    #[serde(default)]
+    pub output: OutputFile,
+    /// The eye of `riprap render`; fitted to the scene when left out.
+    #[serde(default)]
+    pub camera: Option<CameraFile>,
+}
+
+/// The modelled box.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct DomainFile {
+    /// Lower corner; m.
+    pub min: Triple,
+    /// Upper corner; m.
+    pub max: Triple,
+    /// Directions in which the fluid repeats itself with the period of the box. A slab a few
+    /// spacings thick and periodic across makes a 2-D flume at a 2-D price.
+    #[serde(default)]
+    pub periodic: Vec<Axis>,
+    /// What becomes of a particle or block that leaves.
+    #[serde(default)]
+    pub leaving: Leaving,
+}
+
+/// A coordinate direction.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Axis {
+    /// Along x.
+    X,
+    /// Along y.
+    Y,
+    /// Along z, up.
+    Z,
+}
+
+/// What becomes of a particle or block that leaves the domain.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Leaving {
+    /// It is removed and counted; its mass, momentum and energy are booked as removed.
+    #[default]
+    Removed,
+    /// The run stops with an error that names it.
+    Error,
+}
+
+/// A rock or wall material. Where two meet, the lesser friction, cohesion, tension and
+/// restitution hold, and the stiffnesses act in series.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct MaterialFile {
+    /// Name that blocks refer to.
+    pub name: String,
+    /// Density; kg/m³.
+    pub density: f64,
+    /// Friction angle of its joints; degrees.
+    pub friction_angle_deg: f64,
+    /// Cohesion of a joint until it breaks; Pa.
+    #[serde(default)]
+    pub cohesion: f64,
+    /// Tensile strength of a joint until it breaks; Pa.
+    #[serde(default)]
+    pub tensile_strength: f64,
+    /// Normal restitution, 0 to 1.
+    #[serde(default)]
+    pub restitution: f64,
+    /// Contact penalty stiffness of a block of this material; N/m.
+    #[serde(default)]
+    pub contact_stiffness: Option<f64>,
+    /// Shear over normal penalty stiffness.
+    #[serde(default = "default_shear_stiffness_ratio")]
+    pub shear_stiffness_ratio: f64,
+    /// Elastic moduli, kept with the block for deformable models; rigid blocks ignore them.
+    #[serde(default)]
+    pub elastic: Option<ElasticFile>,
+}
+
+/// Isotropic linear elasticity.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ElasticFile {
+    /// Young's modulus; Pa.
+    pub young_modulus: f64,
+    /// Poisson's ratio, above -1 and below 0.5.
+    pub poisson_ratio: f64,
+}
+
+/// One block, wall or wavemaker.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct BlockFile {
+    /// Unique name.
+    pub name: String,
+    /// Name of its material.
+    pub material: String,
+    /// Geometry before `placement`.
+    pub shape: ShapeFile,
+    /// Turn and shift of the shape.
+    #[serde(default)]
+    pub placement: PlacementFile,
+    /// How it moves.
+    #[serde(default)]
+    pub motion: MotionFile,
+    /// Initial velocity of the centroid, free blocks only; m/s.
+    #[serde(default)]
+    pub velocity: Triple,
+    /// Initial angular velocity, free blocks only; rad/s.
+    #[serde(default)]
+    pub angular_velocity: Triple,
+}
+
+/// Geometry of a block.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum ShapeFile {
+    /// A box along the axes.
+    Box {
+        /// Lower corner; m.
+        min: Triple,
+        /// Upper corner; m.
+        max: Triple,
+    },
+    /// A right-triangular prism: corners (0,0), (length,0), (0,height) in the x-z plane, drawn from
+    /// y = 0 to y = width.
+    Wedge {
+        /// Leg along x; m.
+        length: f64,
+        /// Leg along z; m.
+        height: f64,
+        /// Along y; m.
+        width: f64,
+    },
+    /// The convex hull of points.
+    Hull {
+        /// At least four, not in one plane; m.
+        points: Vec<Triple>,
+    },
+    /// A closed polyhedron; faces counter-clockwise seen from outside.
+    Polyhedron {
+        /// Corners; m.
+        vertices: Vec<Triple>,
+        /// Corner numbers of each face.
+        faces: Vec<Vec<u32>>,
+    },
+    /// A polygon drawn along an axis; a non-convex one becomes a rigid union of convex parts.
+    Extrusion {
+        /// Corners in the plane across the axis, in the order of the remaining axes (for `Y`:
+        /// x, z); either sense; m.
+        polygon: Vec<(f64, f64)>,
+        /// Direction of the extrusion.
+        axis: Axis,
+        /// Start along the axis; m.
+        from: f64,
+        /// End along the axis; m.
+        to: f64,
+    },
+    /// A ball.
+    Sphere {
+        /// Centre; m.
+        center: Triple,
+        /// Radius; m.
+        radius: f64,
+    },
+    /// A closed triangle mesh, STL, OBJ or VTK; every connected shell must be convex, several
+    /// shells become one rigid union.
+    Mesh {
+        /// Path, relative to the scene file.
+        file: String,
+        /// Metres per unit of the file.
+        scale: f64,
+    },
+}
+
+/// A turn about an axis through a point, then a shift.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PlacementFile {
+    /// The turn.
+    #[serde(default)]
+    pub rotate: Option<RotationFile>,
+    /// The shift, after the turn; m.
+    #[serde(default)]
+    pub translate: Triple,
+}
+
+/// A turn, right-handed.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RotationFile {
+    /// Direction of the axis; any length but zero.
+    pub axis: Triple,
+    /// Angle; degrees.
+    pub angle_deg: f64,
+    /// Point on the axis; m.
+    #[serde(default)]
+    pub about: Triple,
+}
+
+/// How a block moves.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum MotionFile {
+    /// By the forces on it.
+    #[default]
+    Free,
+    /// Not at all.
+    Fixed,
+    /// Back and forth along a line:
+    /// `amplitude · ramp(t) · sin(2π t/period + phase)`, ramp rising smoothly from 0 to 1.
+    Sinusoid {
+        /// Direction; any length but zero.
+        direction: Triple,
+        /// Half the stroke; m.
+        amplitude: f64,
+        /// Period; s.
+        period: f64,
+        /// Phase; degrees.
+        #[serde(default)]
+        phase_deg: f64,
+        /// Time of the smooth start; s.
+        #[serde(default)]
+        ramp: f64,
+    },
+    /// Along a record: CSV with columns time (s) and displacement x, y, z (m); `#` comments.
+    Table {
+        /// Path, relative to the scene file.
+        file: String,
+    },
+}
+
+/// The water.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FluidFile {
+    /// Reference density; kg/m³.
+    #[serde(default = "default_fluid_density")]
+    pub density: f64,
+    /// Dynamic viscosity of the published viscous term; Pa s. What keeps a scheme without density
+    /// diffusion calm is this number: see `cases/README.md`.
+    pub dynamic_viscosity: f64,
+    /// How fine.
+    pub resolution: ResolutionFile,
+    /// Where the water stands at the start.
+    pub regions: Vec<RegionFile>,
+}
+
+/// How fine the fluid is.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub enum ResolutionFile {
+    /// Particle spacing; m.
+    Spacing(f64),
+    /// Wanted number of particles, met within 1 %.
+    Count(u32),
+}
+
+/// A body of water at the start.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RegionFile {
+    /// Name, for messages.
+    pub name: String,
+    /// Extent.
+    pub shape: RegionShapeFile,
+    /// Initial velocity; m/s.
+    #[serde(default)]
+    pub velocity: Triple,
+}
+
+/// Extent of a body of water.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum RegionShapeFile {
+    /// A box; it must not overlap a block.
+    Box {
+        /// Lower corner; m.
+        min: Triple,
+        /// Upper corner; m.
+        max: Triple,
+    },
+    /// Everything below a level that water poured in at `seed` would reach; blocks and walls must
+    /// close the basin.
+    Below {
+        /// Still-water level, a height along z; m.
+        level: f64,
+        /// A wet point; m.
+        seed: Triple,
+    },
+}
+
+/// Penalty walls (Geraili Mikola & Sitar 2014, Eq. 22, corrected).
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct InterfaceFile {
+    /// Spring `K_S` between a particle and a surface; N/m.
+    #[serde(default)]
+    pub penalty_stiffness: Option<f64>,
+    /// Dashpot `K_D` between a particle and a surface; N s/m.
+    #[serde(default)]
+    pub penalty_damping: Option<f64>,
+}
+
+/// Schemes and their numbers.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct NumericsFile {
+    /// The fluid scheme whose numbers hold where none is given.
+    #[serde(default)]
+    pub preset: Preset,
+    /// Smoothing length over particle spacing; the support radius is twice the smoothing length.
+    #[serde(default)]
+    pub smoothing_length_ratio: Option<f64>,
+    /// Numerical sound speed; m/s. Chosen as ten times the fastest expected speed when left out.
+    #[serde(default)]
+    pub sound_speed: Option<f64>,
+    /// Fastest flow expected, from which the sound speed follows; m/s.
+    #[serde(default)]
+    pub expected_speed: Option<f64>,
+    /// Share of the fluid's stability limit that a step may use, above 0 and at most 1.
+    #[serde(default)]
+    pub time_step_factor: Option<f64>,
+    /// What is done with pressures below zero.
+    #[serde(default)]
+    pub negative_pressure: Option<NegativePressure>,
+    /// Share of the blocks' stability limit that a sub-step may use, above 0 and at most 1.
+    #[serde(default)]
+    pub block_time_step_factor: Option<f64>,
+}
+
+impl Default for NumericsFile {
+    fn default() -> Self {
+        Self {
+            preset: Preset::default(),
+            smoothing_length_ratio: None,
+            sound_speed: None,
+            expected_speed: None,
+            time_step_factor: None,
+            negative_pressure: None,
+            block_time_step_factor: None,
+        }
+    }
+}
+
+/// A fluid scheme with its numbers.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Preset {
+    /// Density by summation and Mueller's kernels, as published, misprints corrected.
+    #[default]
+    Mueller2003,
+}
+
+/// What is done with pressures below zero.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum NegativePressure {
+    /// Set to zero: water does not pull.
+    Clamped,
+    /// Kept.
+    Kept,
+}
+
+/// How long.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TimeFile {
+    /// Simulated time, after settling; s.
+    pub duration: f64,
+    /// Time before t = 0 in which the water comes to rest: blocks are held, the fluid is damped;
+    /// s. Nothing of it enters the records or the energy ledger.
+    #[serde(default)]
+    pub settle: f64,
+}
+
+/// A recording instrument.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum GaugeFile {
+    /// Height of the free surface over a point of the plan; m, NaN when dry.
+    SurfaceElevation {
+        /// Column name in `gauges.csv`.
+        name: String,
+        /// m.
+        x: f64,
+        /// m.
+        y: f64,
+    },
+    /// Pressure at a point; Pa, NaN when dry.
+    Pressure {
+        /// Column name.
+        name: String,
+        /// m.
+        position: Triple,
+    },
+    /// Fluid velocity at a point, three columns; m/s, NaN when dry.
+    Velocity {
+        /// Column name.
+        name: String,
+        /// m.
+        position: Triple,
+    },
+    /// Force and moment on a block from fluid and from contacts, twelve columns; N, N m about the
+    /// centroid.
+    BlockForce {
+        /// Column name.
+        name: String,
+        /// Name of the block.
+        block: String,
+    },
+    /// Highest point that water touches above a line of the plan; m, NaN when dry.
+    RunUp {
+        /// Column name.
+        name: String,
+        /// Start of the line, (x, y); m.
+        from: (f64, f64),
+        /// End of the line, (x, y); m.
+        to: (f64, f64),
+    },
+}
+
+/// What is written, and how often.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct OutputFile {
+    /// Between VTK frames; s. A fiftieth of the duration when left out.
+    #[serde(default)]
+    pub frame_interval: Option<f64>,
+    /// Between rows of `gauges.csv`; s. A five-hundredth of the duration when left out.
+    #[serde(default)]
+    pub gauge_interval: Option<f64>,
+    /// Between rows of `blocks.csv` and `energy.csv`; s. As `gauge_interval` when left out.
+    #[serde(default)]
+    pub ledger_interval: Option<f64>,
+    /// Arrays of the water files.
+    #[serde(default = "all_water_fields")]
+    pub water_fields: Vec<WaterField>,
+    /// Arrays of the block files besides `BlockId`.
+    #[serde(default = "all_block_fields")]
+    pub block_fields: Vec<BlockField>,
+    /// Whether contact points are written.
+    #[serde(default)]
+    pub contacts: bool,
+}
+
+impl Default for OutputFile {
+    fn default() -> Self {
+        Self {
+            frame_interval: None,
+            gauge_interval: None,
+            ledger_interval: None,
+            water_fields: all_water_fields(),
+            block_fields: all_block_fields(),
+            contacts: false,
+        }
+    }
+}
+
+/// An array of the water files.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum WaterField {
+    /// m/s.
+    Velocity,
+    /// kg/m³.
+    Density,
+    /// Pa.
+    Pressure,
+    /// Number of the particle, the same in every frame.
+    Id,
+}
+
+/// An array of the block files.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum BlockField {
+    /// Of the centroid; m/s.
+    Velocity,
+    /// rad/s.
+    AngularVelocity,
+    /// From the water; N.
+    ForceFluid,
+    /// From other blocks; N.
+    ForceContact,
+}
+
+/// The eye of `riprap render`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CameraFile {
+    /// Where it stands; m.
+    pub position: Triple,
+    /// What it looks at; m.
+    pub look_at: Triple,
+    /// Horizontal angle of view; degrees.
+    #[serde(default = "default_field_of_view")]
+    pub field_of_view_deg: f64,
+}
+
+fn standard_gravity() -> Triple {
+    (0.0, 0.0, -9.81)
+}
+
+fn default_shear_stiffness_ratio() -> f64 {
+    0.8
+}
+
+fn default_fluid_density() -> f64 {
+    1000.0
+}
+
+fn default_field_of_view() -> f64 {
+    40.0
+}
+
+fn all_water_fields() -> Vec<WaterField> {
+    vec![
+        WaterField::Velocity,
+        WaterField::Density,
+        WaterField::Pressure,
+        WaterField::Id,
+    ]
+}
+
+fn all_block_fields() -> Vec<BlockField> {
+    vec![
+        BlockField::Velocity,
+        BlockField::AngularVelocity,
+        BlockField::ForceFluid,
+        BlockField::ForceContact,
+    ]
+}
