@@ -1,0 +1,266 @@
+//! A grid of cells over the domain: which particles may be neighbours.
+//!
+//! Cells are no smaller than the support radius, so the neighbours of a particle lie in its own
+//! cell and the 26 around it. Particles are kept sorted by cell, x fastest; three cells in a row
+//! along x are one contiguous run of particles, nine runs (a few more at a periodic edge) hold all
+//! candidates. The grid does not move: what is known of a cell (which walls are near) stays true.
+
+use crate::Vec3;
+use crate::error::FluidError;
+
+/// Which directions repeat.
+pub type Periodicity = [bool; 3];
+
+/// Most runs of candidates: nine rows, cut in three at a periodic edge in x.
+pub const MAX_RUNS: usize = 27;
+
+/// A contiguous run of sorted particles, seen through a periodic image.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Run {
+    /// First particle.
+    pub start: u32,
+    /// One past the last particle.
+    pub end: u32,
+    /// Image of the run: 13 is the domain itself, see [`CellGrid::image_shift`].
+    pub image: u8,
+}
+
+/// The image that is the domain itself.
+pub const OWN_IMAGE: u8 = 13;
+
+/// A uniform grid over the domain with the particles of each cell.
+#[derive(Clone, Debug)]
+pub struct CellGrid {
+    min: Vec3,
+    max: Vec3,
+    periodic: Periodicity,
+    counts: [usize; 3],
+    cell_size: Vec3,
+    /// First particle of each cell, and one more; valid since the last sort.
+    starts: Vec<u32>,
+}
+
+impl CellGrid {
+    /// A grid over the box `min..max` with cells no smaller than `support_radius`.
+    ///
+    /// A domain much larger than its water gets coarser cells, never more than `max_cells` of them:
+    /// correct all the same, only with more candidates per particle.
+    ///
+    /// # Errors
+    ///
+    /// [`FluidError::NarrowPeriod`] when a periodic extent is less than the support radius.
+    pub fn new(
+        (min, max): (Vec3, Vec3),
+        periodic: Periodicity,
+        support_radius: f64,
+        max_cells: usize,
+    ) -> Result<Self, FluidError> {
+        let extent = max - min;
+        for axis in 0..3 {
+            // a slab of whole spacings may miss the support by round-off only
+            if periodic[axis] && extent[axis] < support_radius * (1.0 - 1e-12) {
+                return Err(FluidError::NarrowPeriod {
+                    axis,
+                    extent: extent[axis],
+                    support_radius,
+                });
+            }
+        }
+        let mut edge = support_radius;
+        let counts = loop {
+            let counts =
+                [0, 1, 2].map(|axis| ((extent[axis] / edge * (1.0 + 1e-12)) as usize).max(1));
+            if counts.iter().product::<usize>() <= max_cells.max(1) {
+                break counts;
+            }
+            edge *= 1.25;
+        };
+        Ok(Self {
+            min,
+            max,
+            periodic,
+            counts,
+            cell_size: Vec3::from_fn(|axis, _| extent[axis] / counts[axis] as f64),
+            starts: vec![0; counts.iter().product::<usize>() + 1],
+        })
+    }
+
+    /// Number of cells.
+    pub fn n_cells(&self) -> usize {
+        self.starts.len() - 1
+    }
+
+    /// Cells along x, y, z.
+    pub fn counts(&self) -> [usize; 3] {
+        self.counts
+    }
+
+    /// Size of a cell; m.
+    pub fn cell_size(&self) -> Vec3 {
+        self.cell_size
+    }
+
+    /// Lower corner of the domain; m.
+    pub fn min(&self) -> Vec3 {
+        self.min
+    }
+
+    /// Which directions repeat.
+    pub fn periodic(&self) -> Periodicity {
+        self.periodic
+    }
+
+    /// Period of each direction; m.
+    pub fn extent(&self) -> Vec3 {
+        self.max - self.min
+    }
+
+    /// Cell of a position; positions outside count to the nearest cell.
+    pub fn cell_of(&self, position: &Vec3) -> usize {
+        let [i, j, k] = self.coordinates_of(position);
+        self.cell_at([i, j, k])
+    }
+
+    /// Coordinates of the cell of a position.
+    pub fn coordinates_of(&self, position: &Vec3) -> [usize; 3] {
+        [0, 1, 2].map(|axis| {
+            let place = (position[axis] - self.min[axis]) / self.cell_size[axis];
+            // the cast saturates: NaN and negatives go to 0, overshoot is cut
+            (place as usize).min(self.counts[axis] - 1)
+        })
+    }
+
+    /// Number of the cell at coordinates within the grid.
+    pub fn cell_at(&self, [i, j, k]: [usize; 3]) -> usize {
+        (k * self.counts[1] + j) * self.counts[0] + i
+    }
+
+    /// Centre of the cell at coordinates within the grid; m.
+    pub fn cell_center(&self, coordinates: [usize; 3]) -> Vec3 {
+        self.min + Vec3::from_fn(|axis, _| (coordinates[axis] as f64 + 0.5) * self.cell_size[axis])
+    }
+
+    /// Particles of a cell, a range of sorted indices.
+    pub fn particles_in(&self, cell: usize) -> std::ops::Range<usize> {
+        self.starts[cell] as usize..self.starts[cell + 1] as usize
+    }
+
+    /// Whether a position is inside the domain; periodic directions have no outside.
+    pub fn contains(&self, position: &Vec3) -> bool {
+        (0..3).all(|axis| {
+            self.periodic[axis]
+                || (self.min[axis] <= position[axis] && position[axis] <= self.max[axis])
+        })
+    }
+
+    /// The position moved into the domain along the periodic directions; m.
+    pub fn wrapped(&self, position: Vec3) -> Vec3 {
+        let mut wrapped = position;
+        for axis in 0..3 {
+            if self.periodic[axis] {
+                let period = self.max[axis] - self.min[axis];
+                let offset = (position[axis] - self.min[axis]).rem_euclid(period);
+                // rem_euclid of a tiny negative number may round up to the period itself
+                wrapped[axis] = self.min[axis] + if offset < period { offset } else { 0.0 };
+            }
+        }
+        wrapped
+    }
+
+    /// What is added to a particle's position to see it through an image; m.
+    ///
+    /// ```text
+    /// image = (s_x + 1) + 3 (s_y + 1) + 9 (s_z + 1),   shift = s · period,   s = −1, 0, 1
+    /// ```
+    pub fn image_shift(&self, image: u8) -> Vec3 {
+        let extent = self.max - self.min;
+        let steps = [image % 3, image / 3 % 3, image / 9].map(|s| f64::from(s) - 1.0);
+        Vec3::new(
+            steps[0] * extent.x,
+            steps[1] * extent.y,
+            steps[2] * extent.z,
+        )
+    }
+
+    /// Counting sort: the order that sorts particles by cell, equal cells in the old order.
+    ///
+    /// `cell` and `order` are scratch of the caller, filled here; afterwards particle `order[s]`
+    /// belongs at place `s`.
+    pub fn sort(&mut self, positions: &[Vec3], cell: &mut Vec<u32>, order: &mut Vec<u32>) {
+        use rayon::prelude::*;
+        cell.resize(positions.len(), 0);
+        order.resize(positions.len(), 0);
+        cell.par_iter_mut()
+            .zip(positions.par_iter())
+            .with_min_len(4096)
+            .for_each(|(c, x)| *c = self.cell_of(x) as u32);
+        self.starts.fill(0);
+        for &c in cell.iter() {
+            self.starts[c as usize + 1] += 1;
+        }
+        for c in 1..self.starts.len() {
+            self.starts[c] += self.starts[c - 1];
+        }
+        // each start serves as the write cursor of its cell and ends where the next cell starts;
+        // shifting the table back by one restores the starts without a second array
+        for (a, &c) in cell.iter().enumerate() {
+            let place = &mut self.starts[c as usize];
+            order[*place as usize] = a as u32;
+            *place += 1;
+        }
+        self.starts.rotate_right(1);
+        self.starts[0] = 0;
+    }
+
+    /// The runs of candidates round a cell, in a fixed order; returns how many were filled.
+    pub fn runs_round(&self, coordinates: [usize; 3], runs: &mut [Run; MAX_RUNS]) -> usize {
+        let mut n = 0;
+        for dz in -1..=1 {
+            let Some((k, sz)) = self.step(2, coordinates[2], dz) else {
+                continue;
+            };
+            for dy in -1..=1 {
+                let Some((j, sy)) = self.step(1, coordinates[1], dy) else {
+                    continue;
+                };
+                let row = self.cell_at([0, j, k]);
+                let image_yz = 3 * sy + 9 * sz;
+                let mut push = |first: usize, last: usize, sx: u8| {
+                    let (start, end) = (self.starts[row + first], self.starts[row + last + 1]);
+                    if start < end {
+                        runs[n] = Run {
+                            start,
+                            end,
+                            image: image_yz + sx,
+                        };
+                        n += 1;
+                    }
+                };
+                let (i, n_x) = (coordinates[0], self.counts[0]);
+                if self.periodic[0] && i == 0 {
+                    push(n_x - 1, n_x - 1, 0);
+                }
+                push(i.saturating_sub(1), (i + 1).min(n_x - 1), 1);
+                if self.periodic[0] && i == n_x - 1 {
+                    push(0, 0, 2);
+                }
+            }
+        }
+        n
+    }
+
+    /// One step along an axis: the coordinate reached and the image digit (0, 1, 2).
+    fn step(&self, axis: usize, from: usize, by: i32) -> Option<(usize, u8)> {
+        let n = self.counts[axis] as i64;
+        let to = from as i64 + i64::from(by);
+        if (0..n).contains(&to) {
+            Some((to as usize, 1))
+        } else if !self.periodic[axis] {
+            None
+        } else if to < 0 {
+            Some(((to + n) as usize, 0))
+        } else {
+            Some(((to - n) as usize, 2))
+        }
+    }
+}

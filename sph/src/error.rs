@@ -1,0 +1,72 @@
+//! What can go wrong in the fluid.
+
+/// Errors of setting up or stepping the fluid.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum FluidError {
+    /// A setting is out of range.
+    #[error("fluid setting `{name}` must be {range}, got {value}")]
+    Setting {
+        /// Name of the setting.
+        name: &'static str,
+        /// What was found, in SI units.
+        value: f64,
+        /// What would be right.
+        range: &'static str,
+    },
+    /// The periodic extent is narrower than the support, so that a particle would meet itself.
+    #[error(
+        "the periodic extent along axis {axis} is {extent} m, less than the support radius {support_radius} m; widen the slab or lower the smoothing length"
+    )]
+    NarrowPeriod {
+        /// 0, 1, 2 for x, y, z.
+        axis: usize,
+        /// m.
+        extent: f64,
+        /// m.
+        support_radius: f64,
+    },
+    /// More particles than neighbour ids can number.
+    #[error(
+        "{count} fluid particles are more than the {limit} that neighbour lists can number; coarsen the spacing"
+    )]
+    TooManyParticles {
+        /// Particles asked for.
+        count: usize,
+        /// Largest possible number.
+        limit: usize,
+    },
+    /// A particle's state is no longer a number.
+    #[error(
+        "particle {id} near ({x:.4}, {y:.4}, {z:.4}) m has a non-finite {quantity}; lower `numerics.time_step_factor` or raise `fluid.dynamic_viscosity`"
+    )]
+    NonFinite {
+        /// Number of the particle.
+        id: u32,
+        /// What is not finite.
+        quantity: &'static str,
+        /// m.
+        x: f64,
+        /// m.
+        y: f64,
+        /// m.
+        z: f64,
+    },
+    /// A particle's density is far from the reference.
+    #[error(
+        "particle {id} near ({x:.4}, {y:.4}, {z:.4}) m has density {density:.1} kg/m³, more than {limit_percent:.0} % above the reference; lower `numerics.time_step_factor` or raise `numerics.sound_speed`"
+    )]
+    Compressed {
+        /// Number of the particle.
+        id: u32,
+        /// kg/m³.
+        density: f64,
+        /// Limit above the reference density; %.
+        limit_percent: f64,
+        /// m.
+        x: f64,
+        /// m.
+        y: f64,
+        /// m.
+        z: f64,
+    },
+}

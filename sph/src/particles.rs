@@ -1,0 +1,73 @@
+//! The state of the fluid, one slot per particle and quantity.
+
+use crate::Vec3;
+
+/// Fluid particles, kept sorted by cell.
+#[derive(Clone, Debug, Default)]
+pub struct Particles {
+    /// Number of the particle, given at creation; sorting never changes it.
+    pub id: Vec<u32>,
+    /// Position; written by the drift and by sorting; m.
+    pub position: Vec<Vec3>,
+    /// Velocity; written by kicks and by sorting; m/s.
+    pub velocity: Vec<Vec3>,
+    /// Density at the current positions; written by the evaluation; kg/m³.
+    pub density: Vec<f64>,
+    /// Pressure at the current positions; written by the evaluation; Pa.
+    pub pressure: Vec<f64>,
+    /// Acceleration at the current positions, gravity and walls included; m/s².
+    pub acceleration: Vec<Vec3>,
+    /// The viscous part of `acceleration`; for the energy ledger; m/s².
+    pub viscous_acceleration: Vec<Vec3>,
+}
+
+impl Particles {
+    /// Particles at rest or in motion; densities and accelerations wait for the first evaluation.
+    pub fn new(position: Vec<Vec3>, velocity: Vec<Vec3>) -> Self {
+        let n = position.len();
+        Self {
+            id: (0..n as u32).collect(),
+            position,
+            velocity,
+            density: vec![0.0; n],
+            pressure: vec![0.0; n],
+            acceleration: vec![Vec3::zeros(); n],
+            viscous_acceleration: vec![Vec3::zeros(); n],
+        }
+    }
+
+    /// Number of particles.
+    pub fn len(&self) -> usize {
+        self.id.len()
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.id.is_empty()
+    }
+
+    /// Keeps the particles whose flag is set, in order.
+    pub(crate) fn retain(&mut self, keep: &[bool]) {
+        fn filter<T: Copy>(column: &mut Vec<T>, keep: &[bool]) {
+            let mut flags = keep.iter();
+            column.retain(|_| flags.next().copied().unwrap_or(true));
+        }
+        // no `..`: a new column cannot be forgotten
+        let Self {
+            id,
+            position,
+            velocity,
+            density,
+            pressure,
+            acceleration,
+            viscous_acceleration,
+        } = self;
+        filter(id, keep);
+        filter(position, keep);
+        filter(velocity, keep);
+        filter(density, keep);
+        filter(pressure, keep);
+        filter(acceleration, keep);
+        filter(viscous_acceleration, keep);
+    }
+}

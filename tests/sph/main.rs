@@ -1,0 +1,10 @@
+//! The fluid solver against closed forms and conservation laws.
+#![expect(
+    clippy::unwrap_used,
+    clippy::print_stdout,
+    reason = "a test may stop and tell where a library may not"
+)]
+
+mod conservation;
+mod flow;
+mod support;

@@ -1,0 +1,85 @@
+//! Boxes of fluid and one way to step them.
+
+use riprap_sph::{Fluid, NegativePressure, Settings, Vec3};
+
+/// A periodic box of lattice fluid, `n` spacings of 1 m/`n[0]` along each side.
+pub struct PeriodicBox {
+    pub n: [usize; 3],
+    pub support_over_spacing: f64,
+    pub sound_speed: f64,
+    pub dynamic_viscosity: f64,
+    pub time_step_factor: f64,
+}
+
+impl Default for PeriodicBox {
+    fn default() -> Self {
+        Self {
+            n: [12, 12, 12],
+            support_over_spacing: 3.0,
+            sound_speed: 20.0,
+            dynamic_viscosity: 0.0,
+            time_step_factor: 0.5,
+        }
+    }
+}
+
+impl PeriodicBox {
+    pub fn spacing(&self) -> f64 {
+        1.0 / self.n[0] as f64
+    }
+
+    /// The fluid with positions moved by `shift` and velocities given by `velocity`.
+    pub fn fluid(&self, shift: impl Fn(&Vec3) -> Vec3, velocity: impl Fn(&Vec3) -> Vec3) -> Fluid {
+        let dp = self.spacing();
+        let extent = Vec3::new(self.n[0] as f64, self.n[1] as f64, self.n[2] as f64) * dp;
+        let mut lattice = Vec::new();
+        for k in 0..self.n[2] {
+            for j in 0..self.n[1] {
+                for i in 0..self.n[0] {
+                    lattice.push((Vec3::new(i as f64, j as f64, k as f64).add_scalar(0.5)) * dp);
+                }
+            }
+        }
+        let velocities = lattice.iter().map(velocity).collect();
+        let positions = lattice.iter().map(|x| x + shift(x)).collect();
+        let settings = Settings {
+            particle_spacing: [dp; 3],
+            smoothing_length: 0.5 * self.support_over_spacing * dp,
+            reference_density: 1000.0,
+            sound_speed: self.sound_speed,
+            dynamic_viscosity: self.dynamic_viscosity,
+            negative_pressure: NegativePressure::Kept,
+            gravity: Vec3::zeros(),
+            time_step_factor: self.time_step_factor,
+            domain: (Vec3::zeros(), extent),
+            periodic: [true; 3],
+        };
+        let mut fluid = Fluid::new(positions, velocities, settings).unwrap();
+        evaluate(&mut fluid);
+        fluid
+    }
+}
+
+pub fn evaluate(fluid: &mut Fluid) {
+    fluid.sort();
+    fluid.find_neighbors();
+    fluid.update_density().unwrap();
+    fluid.update_accelerations();
+}
+
+pub fn step(fluid: &mut Fluid, dt: f64) {
+    fluid.kick(0.5 * dt);
+    fluid.drift(dt);
+    evaluate(fluid);
+    fluid.kick(0.5 * dt);
+}
+
+/// A reproducible number in −1..1 for a lattice place.
+pub fn noise(x: &Vec3, salt: f64) -> f64 {
+    let s = (x.x * 12.9898 + x.y * 78.233 + x.z * 37.719 + salt * 11.31).sin() * 43_758.545_3;
+    2.0 * (s - s.floor()) - 1.0
+}
+
+pub fn noise3(x: &Vec3) -> Vec3 {
+    Vec3::new(noise(x, 1.0), noise(x, 2.0), noise(x, 3.0))
+}
