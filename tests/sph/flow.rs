@@ -175,7 +175,7 @@ fn the_sound_limit_is_the_stability_limit() {
         "stiffest wave: limit {limit:.4} H/c0; energy x {below:.2e} at 0.98, x {above:.2e} at 1.02"
     );
     // the limit in use must not lie above that of any wave, nor waste more than 5 %
-    assert!(0.95 <= limit && limit < 1.0, "{limit}");
+    assert!((0.95..1.0).contains(&limit), "{limit}");
     assert!(below < 30.0, "{below}");
     // |z| at 1.02 of the limit is 1.49 per step: 20 steps make far more than this
     assert!(1e4 < above, "{above}");

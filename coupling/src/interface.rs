@@ -1,0 +1,341 @@
+//! Forces between particles and the surfaces of blocks: the published penalty wall.
+//!
+//! ```text
+//! d = max(0, dp/2 − s),   v_n = (v_a − v_wall)·n
+//! F = max(0, K_S d − K_D v_n) n            on the particle; −F on the block at the foot point
+//! ```
+//! `s` is the distance to the surface and `n` its outward normal. Source: Geraili Mikola & Sitar
+//! (2014), Eq. 22, with the wall's own velocity, clamped so that a wall never pulls, and with one
+//! force per body instead of one per face, so that edges push no harder than faces. The spring
+//! starts half a spacing off the surface, where the first row of a lattice stands; the paper leaves
+//! this open.
+
+use rayon::prelude::*;
+use riprap_dda::{Blocks, Load};
+use riprap_sph::fluid::ParticleForce;
+use riprap_sph::{CellGrid, Fluid, Vec3};
+
+/// Particles per parallel task; a constant, so that results do not depend on threads.
+const CHUNK: usize = 1024;
+/// Damping ratio from which `K_D` follows when it is not given.
+pub const DAMPING_RATIO: f64 = 0.5;
+/// Depth inside a solid, in spacings, from which on a particle is put back.
+const PUSH_BACK_DEPTH: f64 = 0.1;
+/// Distance off the surface, in spacings, at which it is put back.
+const PUSH_BACK_DISTANCE: f64 = 0.05;
+
+/// Numbers of the penalty wall.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WallSettings {
+    /// `K_S`; N/m.
+    pub stiffness: f64,
+    /// `K_D`; N s/m.
+    pub damping: f64,
+    /// Particle spacing `dp`; m.
+    pub particle_spacing: f64,
+}
+
+impl WallSettings {
+    /// Distance at which the spring starts; m.
+    pub fn standoff(&self) -> f64 {
+        0.5 * self.particle_spacing
+    }
+}
+
+/// A particle within the standoff of a body.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Touch {
+    /// Index of the particle in the present order.
+    pub particle: u32,
+    /// Block that is touched.
+    pub block: u32,
+    /// Distance to the surface, below zero inside; m.
+    pub distance: f64,
+    /// Outward unit normal of the surface.
+    pub normal: Vec3,
+    /// Foot point on the surface; m.
+    pub point: Vec3,
+    /// Force on the particle; N.
+    pub force: Vec3,
+    /// Velocity of the wall at the foot point; m/s.
+    pub wall_velocity: Vec3,
+    /// Energy that the dashpot takes, and the clamp with it; W.
+    pub dissipated_power: f64,
+}
+
+/// A particle that was found inside a solid and put back.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PushedBack {
+    /// Index of the particle.
+    pub particle: u32,
+    /// Block it was in.
+    pub block: u32,
+    /// Where it goes; m.
+    pub position: Vec3,
+    /// Its new velocity; m/s.
+    pub velocity: Vec3,
+    /// Foot point on the surface; m.
+    pub point: Vec3,
+}
+
+/// Penalty walls of all blocks, with what they need to find their particles.
+#[derive(Clone, Debug)]
+pub struct Interface {
+    settings: WallSettings,
+    /// Parts of blocks that never move, near each cell.
+    fixed: PartTable,
+    /// Parts of blocks that may move, near each cell at present.
+    moving: PartTable,
+    chunks: Vec<Vec<Touch>>,
+    touches: Vec<Touch>,
+    loads: Vec<Load>,
+    /// Compliance of each block summed over its touches; 1/kg.
+    compliance: Vec<f64>,
+}
+
+/// Which parts of blocks are near each cell: packed lists.
+#[derive(Clone, Debug, Default)]
+struct PartTable {
+    starts: Vec<u32>,
+    parts: Vec<u32>,
+    pairs: Vec<(u32, u32)>,
+}
+
+impl Interface {
+    /// Walls for the blocks at their present places.
+    pub fn new(settings: WallSettings, blocks: &Blocks, grid: &CellGrid) -> Self {
+        let mut fixed = PartTable::default();
+        let standing = (0..blocks.n_parts()).filter(|&part| blocks.is_fixed(blocks.block_of_part(part)));
+        fixed.rebuild(standing, blocks, grid, settings.standoff());
+        Self {
+            settings,
+            fixed,
+            moving: PartTable::default(),
+            chunks: Vec::new(),
+            touches: Vec::new(),
+            loads: vec![Load::default(); blocks.n_blocks()],
+            compliance: vec![0.0; blocks.n_blocks()],
+        }
+    }
+
+    /// Numbers of the wall.
+    pub fn settings(&self) -> &WallSettings {
+        &self.settings
+    }
+
+    /// Particles within the standoff of a body, with their forces since [`Self::update_forces`].
+    pub fn touches(&self) -> &[Touch] {
+        &self.touches
+    }
+
+    /// Force and moment of the fluid on every block; N, N m about the centroid.
+    pub fn loads(&self) -> &[Load] {
+        &self.loads
+    }
+
+    /// Finds the particles near bodies; the fluid must be sorted.
+    pub fn find(&mut self, fluid: &Fluid, blocks: &Blocks) {
+        let moving = (0..blocks.n_parts()).filter(|&part| {
+            let block = blocks.block_of_part(part);
+            !blocks.is_fixed(block) && !blocks.is_removed(block)
+        });
+        let standoff = self.settings.standoff();
+        self.moving.rebuild(moving, blocks, fluid.grid(), standoff);
+        let positions = &fluid.particles().position;
+        self.chunks.resize_with(positions.len().div_ceil(CHUNK), Vec::new);
+        let (fixed, moving) = (&self.fixed, &self.moving);
+        self.chunks
+            .par_iter_mut()
+            .zip(positions.par_chunks(CHUNK))
+            .enumerate()
+            .for_each(|(chunk, (touches, positions))| {
+                touches.clear();
+                for (a, x) in positions.iter().enumerate() {
+                    let cell = fluid.grid().cell_of(x);
+                    let first = touches.len();
+                    for &part in fixed.near(cell).iter().chain(moving.near(cell)) {
+                        add_nearest(
+                            touches,
+                            first,
+                            ((chunk * CHUNK + a) as u32, x),
+                            (part as usize, blocks),
+                            standoff,
+                        );
+                    }
+                }
+            });
+        self.touches.clear();
+        for chunk in &self.chunks {
+            self.touches.extend_from_slice(chunk);
+        }
+    }
+
+    /// Particles deeper inside a solid than the penalty can be trusted to hold.
+    pub fn intruders(&self, fluid: &Fluid, blocks: &Blocks) -> Vec<PushedBack> {
+        let dp = self.settings.particle_spacing;
+        self.touches
+            .iter()
+            .filter(|touch| touch.distance < -PUSH_BACK_DEPTH * dp)
+            .map(|touch| {
+                let wall = blocks.velocity_at(touch.block as usize, &touch.point);
+                let velocity = fluid.particles().velocity[touch.particle as usize];
+                let approach = (velocity - wall).dot(&touch.normal);
+                PushedBack {
+                    particle: touch.particle,
+                    block: touch.block,
+                    position: touch.point + touch.normal * (PUSH_BACK_DISTANCE * dp),
+                    velocity: velocity - touch.normal * approach,
+                    point: touch.point,
+                }
+            })
+            .collect()
+    }
+
+    /// Forces of the touching pairs and their sums on the blocks.
+    ///
+    /// `held` stands for walls at rest whatever the blocks' velocities: settling.
+    pub fn update_forces(&mut self, fluid: &Fluid, blocks: &Blocks, held: bool) {
+        let WallSettings { stiffness, damping, .. } = self.settings;
+        let standoff = self.settings.standoff();
+        self.loads.fill(Load::default());
+        self.compliance.fill(0.0);
+        for touch in &mut self.touches {
+            let block = touch.block as usize;
+            touch.wall_velocity = if held {
+                Vec3::zeros()
+            } else {
+                blocks.velocity_at(block, &touch.point)
+            };
+            let velocity = fluid.particles().velocity[touch.particle as usize];
+            let approach = (velocity - touch.wall_velocity).dot(&touch.normal);
+            let spring = stiffness * (standoff - touch.distance);
+            let force = (spring - damping * approach).max(0.0);
+            touch.force = touch.normal * force;
+            // the spring stores −K d v_n; what the whole force takes beyond that is lost
+            touch.dissipated_power = (spring - force) * approach;
+            let load = &mut self.loads[block];
+            load.force -= touch.force;
+            load.torque -= (touch.point - blocks.centroid(block)).cross(&touch.force);
+            self.compliance[block] += blocks.compliance(block, &touch.point, &touch.normal);
+        }
+    }
+
+    /// The forces on particles, in order of particle.
+    pub fn particle_forces(&self) -> impl Iterator<Item = ParticleForce> {
+        self.touches.iter().map(|touch| ParticleForce {
+            particle: touch.particle,
+            force: touch.force,
+        })
+    }
+
+    /// Energy in the penalty springs; J.
+    pub fn elastic_energy(&self) -> f64 {
+        let standoff = self.settings.standoff();
+        let squares: f64 = self
+            .touches
+            .iter()
+            .map(|touch| (standoff - touch.distance).powi(2))
+            .sum();
+        0.5 * self.settings.stiffness * squares
+    }
+
+    /// Largest step that the penalty springs allow; s.
+    ///
+    /// ```text
+    /// ω² = K_S (1/m + Σ w),   dt ≤ 0.8 (2/ω) (√(1 + ξ²) − ξ),   ξ = K_D/(2 √(K_S m))
+    /// ```
+    /// `Σ w` sums the compliances of a body over its touching particles: the exact limit for equal
+    /// springs along one direction, with the body that is hit by most particles for its mass.
+    pub fn critical_time_step(&self, particle_mass: f64) -> f64 {
+        let WallSettings { stiffness, damping, .. } = self.settings;
+        let largest = self.compliance.iter().copied().fold(0.0, f64::max);
+        let omega = (stiffness * (1.0 / particle_mass + largest)).sqrt();
+        let ratio = damping / (2.0 * (stiffness * particle_mass).sqrt());
+        0.8 * 2.0 / omega * ((1.0 + ratio * ratio).sqrt() - ratio)
+    }
+}
+
+/// Adds the touch of a particle and a part, or replaces that of another part of the same block if
+/// this one is nearer: one force per body.
+fn add_nearest(
+    touches: &mut Vec<Touch>,
+    first: usize,
+    (particle, position): (u32, &Vec3),
+    (part, blocks): (usize, &Blocks),
+    standoff: f64,
+) {
+    let Some(surface) = blocks.surface_point_within(part, position, standoff) else {
+        return;
+    };
+    let block = blocks.block_of_part(part) as u32;
+    let touch = Touch {
+        particle,
+        block,
+        distance: surface.distance,
+        normal: surface.normal,
+        point: surface.point,
+        force: Vec3::zeros(),
+        wall_velocity: Vec3::zeros(),
+        dissipated_power: 0.0,
+    };
+    match touches[first..].iter_mut().find(|other| other.block == block) {
+        None => touches.push(touch),
+        Some(other) if surface.distance < other.distance => *other = touch,
+        Some(_) => {}
+    }
+}
+
+impl PartTable {
+    /// Parts near a cell, in order.
+    fn near(&self, cell: usize) -> &[u32] {
+        match self.starts.get(cell..cell + 2) {
+            Some(range) => &self.parts[range[0] as usize..range[1] as usize],
+            None => &[],
+        }
+    }
+
+    fn rebuild(
+        &mut self,
+        parts: impl Iterator<Item = usize>,
+        blocks: &Blocks,
+        grid: &CellGrid,
+        reach: f64,
+    ) {
+        self.pairs.clear();
+        let half_diagonal = 0.5 * grid.cell_size().norm();
+        for part in parts {
+            let (min, max) = blocks.part_aabb(part);
+            let first = grid.coordinates_of(&min.add_scalar(-reach));
+            let last = grid.coordinates_of(&max.add_scalar(reach));
+            for k in first[2]..=last[2] {
+                for j in first[1]..=last[1] {
+                    for i in first[0]..=last[0] {
+                        // a box far along an axis clamps to the outermost cells; the distance test
+                        // drops those, and the empty corners of a slanted body's box
+                        let center = grid.cell_center([i, j, k]);
+                        let near = blocks.surface_point_within(part, &center, reach + half_diagonal);
+                        if near.is_some() {
+                            self.pairs.push((grid.cell_at([i, j, k]) as u32, part as u32));
+                        }
+                    }
+                }
+            }
+        }
+        if self.pairs.is_empty() {
+            self.starts.clear();
+            self.parts.clear();
+            return;
+        }
+        self.pairs.sort_unstable();
+        self.starts.clear();
+        self.starts.resize(grid.n_cells() + 1, 0);
+        for &(cell, _) in &self.pairs {
+            self.starts[cell as usize + 1] += 1;
+        }
+        for cell in 1..self.starts.len() {
+            self.starts[cell] += self.starts[cell - 1];
+        }
+        self.parts.clear();
+        self.parts.extend(self.pairs.iter().map(|&(_, part)| part));
+    }
+}

@@ -1,0 +1,157 @@
+//! The accounts of a run: energy with every sink named, and momentum.
+
+use serde::Serialize;
+
+use crate::world::{Held, World};
+use riprap_sph::Vec3;
+
+/// Energy terms; J. Losses and works count from the start of the ledger.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Energy {
+    /// Of motion, fluid and free blocks.
+    pub kinetic: f64,
+    /// In the field of gravity.
+    pub potential: f64,
+    /// In contact springs and penalty walls.
+    pub elastic: f64,
+    /// Of compression of the fluid.
+    pub internal: f64,
+    /// Taken by friction between blocks.
+    pub friction: f64,
+    /// Taken by viscosity.
+    pub viscous: f64,
+    /// Taken by the dashpots of contacts and walls.
+    pub damping: f64,
+    /// Taken where particles inside a solid were put back.
+    pub pushed_back: f64,
+    /// Carried off by what left the domain.
+    pub removed: f64,
+    /// Brought in by prescribed blocks.
+    pub external_work: f64,
+    /// What the terms above leave unexplained since the start: the error of the scheme.
+    pub residual: f64,
+}
+
+impl Energy {
+    /// Kinetic, potential, elastic and internal energy; J.
+    pub fn stored(&self) -> f64 {
+        self.kinetic + self.potential + self.elastic + self.internal
+    }
+
+    /// All losses; J.
+    pub fn lost(&self) -> f64 {
+        self.friction + self.viscous + self.damping + self.pushed_back + self.removed
+    }
+}
+
+/// What interface forces did, booked with each half kick.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Ledger {
+    /// Stored energy at the start; J.
+    stored_at_start: f64,
+    /// Fluid and block momentum at the start; kg m/s.
+    momentum_at_start: Vec3,
+    /// Taken by wall dashpots; J.
+    wall_damping: f64,
+    /// Taken by putting particles back; J.
+    pub(crate) pushed_back: f64,
+    /// Given by prescribed blocks to the fluid; J.
+    wall_work: f64,
+    /// Given by blocks that are not free, and by gravity, to the fluid; kg m/s.
+    pub(crate) impulse: Vec3,
+    /// Sum of the sizes of these impulses; kg m/s.
+    exchanged: f64,
+    /// Momentum of blocks that left; kg m/s.
+    pub(crate) removed_momentum: Vec3,
+    /// Energy of blocks that left; J.
+    pub(crate) removed_energy: f64,
+}
+
+impl Ledger {
+    /// Books the interface forces and gravity over `dt`: half of a step, with each half kick.
+    pub(crate) fn book(&mut self, world: &World, dt: f64) {
+        let Some(water) = &world.water else { return };
+        let mut power = 0.0;
+        let mut work = 0.0;
+        let mut impulse = Vec3::zeros();
+        for touch in water.interface.touches() {
+            power += touch.dissipated_power;
+            let block = touch.block as usize;
+            if !world.blocks.is_free(block) {
+                work += touch.force.dot(&touch.wall_velocity);
+                impulse += touch.force;
+            }
+        }
+        let weight = world.gravity * (water.fluid.particle_mass() * water.fluid.particles().len() as f64);
+        self.wall_damping += power * dt;
+        self.wall_work += work * dt;
+        self.impulse += (impulse + weight) * dt;
+        self.exchanged += (impulse.norm() + weight.norm()) * dt;
+    }
+}
+
+impl World {
+    /// Opens the ledger: energy and momentum count from here.
+    pub(crate) fn open_ledger(&mut self) {
+        if let Some(water) = &mut self.water {
+            water.fluid.open_ledger();
+        }
+        self.ledger = Ledger::default();
+        self.ledger.stored_at_start = self.energy().stored();
+        self.ledger.momentum_at_start = self.momentum() - self.blocks.support_impulse();
+    }
+
+    /// Energy of blocks and fluid, with all that was lost and brought in since the start; J.
+    pub fn energy(&self) -> Energy {
+        let blocks = self.blocks.energies();
+        let mut energy = Energy {
+            kinetic: blocks.kinetic,
+            potential: blocks.potential,
+            elastic: blocks.elastic,
+            friction: blocks.friction,
+            damping: blocks.damping + self.ledger.wall_damping,
+            pushed_back: self.ledger.pushed_back,
+            removed: self.ledger.removed_energy,
+            external_work: blocks.external_work + self.ledger.wall_work,
+            ..Energy::default()
+        };
+        if let Some(water) = &self.water {
+            let fluid = water.fluid.energies();
+            energy.kinetic += fluid.kinetic;
+            energy.potential += fluid.potential;
+            energy.internal = fluid.internal;
+            energy.viscous = fluid.viscous;
+            energy.removed += fluid.removed;
+            energy.elastic += water.interface.elastic_energy();
+        }
+        energy.residual =
+            energy.stored() + energy.lost() - energy.external_work - self.ledger.stored_at_start;
+        energy
+    }
+
+    /// Momentum of fluid and free blocks; kg m/s.
+    pub fn momentum(&self) -> Vec3 {
+        let fluid = self.water.as_ref().map_or(Vec3::zeros(), |water| water.fluid.momentum());
+        fluid + self.blocks.momentum()
+    }
+
+    /// Momentum that nothing explains, over the momentum exchanged with walls and gravity.
+    ///
+    /// ```text
+    /// |P(t) + P_removed − P(0) − J_walls − J_gravity| / Σ |J|
+    /// ```
+    pub fn momentum_residual(&self) -> f64 {
+        let support = self.blocks.support_impulse();
+        let removed = self.ledger.removed_momentum
+            + self.water.as_ref().map_or(Vec3::zeros(), |water| water.fluid.removed().momentum);
+        let unexplained =
+            self.momentum() + removed - self.ledger.momentum_at_start - self.ledger.impulse - support;
+        let exchanged = self.ledger.exchanged + support.norm() + self.ledger.momentum_at_start.norm();
+        if exchanged == 0.0 { 0.0 } else { unexplained.norm() / exchanged }
+    }
+
+    /// Whether blocks are held at rest.
+    pub(crate) fn is_held(&self) -> bool {
+        self.held == Held::AllBlocks
+    }
+}

@@ -1,0 +1,200 @@
+//! VTK frames: water, blocks and contacts.
+
+use std::path::{Path, PathBuf};
+
+use riprap_dda::Vec3;
+
+use super::{ObserveError, Observer, Schedule};
+use crate::scene::file::{BlockField, OutputFile, WaterField};
+use crate::vtk::{self, Array, Collection, PolyData, Polygons, Values};
+use crate::world::{Water, World};
+
+/// Writes `water_00000.vtp`, `blocks_00000.vtp`, ... and their collections.
+#[derive(Debug)]
+pub struct Frames {
+    folder: PathBuf,
+    schedule: Schedule,
+    water_fields: Vec<WaterField>,
+    block_fields: Vec<BlockField>,
+    water: Option<Collection>,
+    blocks: Option<Collection>,
+    contacts: Option<Collection>,
+    n_written: u32,
+}
+
+impl Frames {
+    /// Frames of the world's kinds of objects; fixed blocks are written here, once.
+    ///
+    /// # Errors
+    ///
+    /// [`ObserveError`] when the folder cannot be written.
+    pub fn new(folder: &Path, output: &OutputFile, world: &World) -> Result<Self, ObserveError> {
+        let blocks = &world.blocks;
+        let fixed: Vec<usize> = (0..blocks.n_blocks()).filter(|&b| blocks.is_fixed(b)).collect();
+        if !fixed.is_empty() {
+            let data = block_polygons(world, &fixed, &[]);
+            vtk::write(&folder.join("fixed_blocks.vtp"), &data)?;
+        }
+        let has_movers = fixed.len() < blocks.n_blocks();
+        let collection = |stem: &str| Collection::new(folder, stem);
+        Ok(Self {
+            folder: folder.to_path_buf(),
+            schedule: Schedule::every(output.frame_interval.unwrap_or(f64::INFINITY)),
+            water_fields: output.water_fields.clone(),
+            block_fields: output.block_fields.clone(),
+            water: world.water.is_some().then(|| collection("water")),
+            blocks: has_movers.then(|| collection("blocks")),
+            contacts: output.contacts.then(|| collection("contacts")),
+            n_written: 0,
+        })
+    }
+}
+
+impl Observer for Frames {
+    fn is_due(&self, world: &World) -> bool {
+        self.schedule.is_due(world.time())
+    }
+
+    fn observe(&mut self, world: &World) -> Result<(), ObserveError> {
+        let number = self.n_written;
+        let folder = &self.folder;
+        let write = |collection: &mut Collection, stem: &str, data: &PolyData| {
+            let name = format!("{stem}_{number:05}.vtp");
+            vtk::write(&folder.join(&name), data)?;
+            collection.push(data.time, &name)
+        };
+        if let (Some(collection), Some(water)) = (&mut self.water, &world.water) {
+            let mut data = water_points(water, &self.water_fields);
+            data.time = world.time();
+            write(collection, "water", &data)?;
+        }
+        if let Some(collection) = &mut self.blocks {
+            let movers: Vec<usize> = (0..world.blocks.n_blocks())
+                .filter(|&b| !world.blocks.is_fixed(b) && !world.blocks.is_removed(b))
+                .collect();
+            write(collection, "blocks", &block_polygons(world, &movers, &self.block_fields))?;
+        }
+        if let Some(collection) = &mut self.contacts {
+            write(collection, "contacts", &contact_points(world))?;
+        }
+        self.n_written += 1;
+        self.schedule.done(world.time());
+        Ok(())
+    }
+}
+
+fn single(v: &Vec3) -> [f32; 3] {
+    [v.x as f32, v.y as f32, v.z as f32]
+}
+
+fn scalars(name: &str, values: Vec<f32>) -> Array {
+    Array {
+        name: name.to_owned(),
+        components: 1,
+        values: Values::F32(values),
+    }
+}
+
+fn vectors<'a>(name: &str, values: impl Iterator<Item = &'a Vec3>) -> Array {
+    Array {
+        name: name.to_owned(),
+        components: 3,
+        values: Values::F32(values.flat_map(single).collect()),
+    }
+}
+
+fn integers(name: &str, values: Vec<i32>) -> Array {
+    Array {
+        name: name.to_owned(),
+        components: 1,
+        values: Values::I32(values),
+    }
+}
+
+/// Particles in order of id, so that a particle keeps its place from frame to frame.
+fn water_points(water: &Water, fields: &[WaterField]) -> PolyData {
+    let particles = water.fluid.particles();
+    let mut order: Vec<usize> = (0..particles.len()).collect();
+    order.sort_unstable_by_key(|&a| particles.id[a]);
+    let column = |values: &[f64]| order.iter().map(|&a| values[a] as f32).collect();
+    let point_data = fields
+        .iter()
+        .map(|field| match field {
+            WaterField::Velocity => {
+                vectors("Velocity", order.iter().map(|&a| &particles.velocity[a]))
+            }
+            WaterField::Density => scalars("Density", column(&particles.density)),
+            WaterField::Pressure => scalars("Pressure", column(&particles.pressure)),
+            WaterField::Id => {
+                integers("Id", order.iter().map(|&a| particles.id[a] as i32).collect())
+            }
+        })
+        .collect();
+    PolyData {
+        points: order.iter().map(|&a| single(&particles.position[a])).collect(),
+        point_data,
+        ..PolyData::default()
+    }
+}
+
+/// Faces of blocks, with the values of the block on each face.
+fn block_polygons(world: &World, which: &[usize], fields: &[BlockField]) -> PolyData {
+    let blocks = &world.blocks;
+    let mut data = PolyData {
+        time: world.time(),
+        ..PolyData::default()
+    };
+    let mut owner = Vec::new();
+    let Polygons { connectivity, offsets } = &mut data.polygons;
+    for &block in which {
+        let surface = blocks.world_polygons(block);
+        let first = data.points.len() as i32;
+        data.points.extend(surface.vertices.iter().map(single));
+        for face in &surface.faces {
+            connectivity.extend(face.iter().map(|&v| first + v as i32));
+            offsets.push(connectivity.len() as i32);
+            owner.push(block);
+        }
+    }
+    let per_face = |name: &str, value: &dyn Fn(usize) -> Vec3| {
+        let values: Vec<Vec3> = owner.iter().map(|&block| value(block)).collect();
+        vectors(name, values.iter())
+    };
+    data.cell_data
+        .push(integers("BlockId", owner.iter().map(|&block| block as i32).collect()));
+    for field in fields {
+        data.cell_data.push(match field {
+            BlockField::Velocity => per_face("Velocity", &|b| blocks.velocity(b)),
+            BlockField::AngularVelocity => {
+                per_face("AngularVelocity", &|b| blocks.angular_velocity(b))
+            }
+            BlockField::ForceFluid => per_face("ForceFluid", &|b| {
+                world
+                    .water
+                    .as_ref()
+                    .map_or(Vec3::zeros(), |water| water.interface.loads()[b].force)
+            }),
+            BlockField::ForceContact => per_face("ForceContact", &|b| blocks.contact_force(b).force),
+        });
+    }
+    data
+}
+
+/// Contact points with normal, forces and state.
+fn contact_points(world: &World) -> PolyData {
+    let contacts = world.blocks.contacts();
+    PolyData {
+        points: contacts.iter().map(|c| single(&c.point)).collect(),
+        point_data: vec![
+            integers("BlockA", contacts.iter().map(|c| c.block_i as i32).collect()),
+            integers("BlockB", contacts.iter().map(|c| c.block_j as i32).collect()),
+            vectors("Normal", contacts.iter().map(|c| &c.normal)),
+            scalars("NormalForce", contacts.iter().map(|c| c.normal_force as f32).collect()),
+            vectors("ShearForce", contacts.iter().map(|c| &c.shear_force)),
+            scalars("Overlap", contacts.iter().map(|c| c.overlap as f32).collect()),
+            integers("State", contacts.iter().map(|c| c.state as i32).collect()),
+        ],
+        time: world.time(),
+        ..PolyData::default()
+    }
+}

@@ -1,0 +1,203 @@
+//! Gauges as in a laboratory: free surface, pressure, velocity, force, run-up.
+
+use std::path::Path;
+
+use riprap_dda::{Blocks, Load};
+use riprap_sph::{Fluid, Vec3};
+
+use super::{ObserveError, Observer, Schedule};
+use crate::scene::file::GaugeFile;
+use crate::scene::resolve::{Scene, vec3};
+use crate::table::{Column, Table};
+use crate::world::World;
+
+/// Distance from the ground, in spacings, within which water touches it.
+const TOUCHING_DISTANCE: f64 = 1.5;
+/// Least upward part of the normal of what counts as ground.
+const GROUND_SLOPE: f64 = 0.05;
+
+/// Writes `gauges.csv`.
+#[derive(Debug)]
+pub struct Gauges {
+    schedule: Schedule,
+    table: Table,
+    gauges: Vec<Gauge>,
+    row: Vec<f64>,
+}
+
+/// A gauge with its names resolved.
+#[derive(Clone, Debug)]
+enum Gauge {
+    SurfaceElevation { x: f64, y: f64 },
+    Pressure(Vec3),
+    Velocity(Vec3),
+    BlockForce(usize),
+    RunUp { from: [f64; 2], to: [f64; 2] },
+}
+
+impl Gauges {
+    /// A table in `folder` with the columns of the scene's gauges.
+    ///
+    /// # Errors
+    ///
+    /// [`ObserveError`] when the table cannot be created.
+    pub fn new(folder: &Path, scene: &Scene) -> Result<Self, ObserveError> {
+        let mut columns = vec![Column::new("time", "s")];
+        for gauge in &scene.file.gauges {
+            columns.extend(columns_of(gauge));
+        }
+        Ok(Self {
+            schedule: Schedule::every(scene.file.output.gauge_interval.unwrap_or(f64::INFINITY)),
+            table: Table::create(&folder.join("gauges.csv"), &columns)?,
+            gauges: scene.file.gauges.iter().map(|g| resolve(g, scene)).collect(),
+            row: Vec::with_capacity(columns.len()),
+        })
+    }
+
+    /// Columns of the scalar gauges and their units, with their places in the row; for plots.
+    pub fn scalar_columns(scene: &Scene) -> Vec<(usize, String, String)> {
+        let mut place = 1;
+        let mut scalars = Vec::new();
+        for gauge in &scene.file.gauges {
+            let columns = columns_of(gauge);
+            if let [column] = columns.as_slice() {
+                scalars.push((place, column.name.clone(), column.unit.clone()));
+            }
+            place += columns.len();
+        }
+        scalars
+    }
+
+    /// The last row written.
+    pub fn last_row(&self) -> &[f64] {
+        &self.row
+    }
+}
+
+impl Observer for Gauges {
+    fn is_due(&self, world: &World) -> bool {
+        self.schedule.is_due(world.time())
+    }
+
+    fn observe(&mut self, world: &World) -> Result<(), ObserveError> {
+        self.row.clear();
+        self.row.push(world.time());
+        for gauge in &self.gauges {
+            gauge.read(world, &mut self.row);
+        }
+        self.table.row(&self.row)?;
+        self.schedule.done(world.time());
+        Ok(())
+    }
+}
+
+fn columns_of(gauge: &GaugeFile) -> Vec<Column> {
+    match gauge {
+        GaugeFile::SurfaceElevation { name, .. } | GaugeFile::RunUp { name, .. } => {
+            vec![Column::new(name, "m")]
+        }
+        GaugeFile::Pressure { name, .. } => vec![Column::new(name, "Pa")],
+        GaugeFile::Velocity { name, .. } => {
+            ["vx", "vy", "vz"].map(|c| Column::new(&format!("{name}.{c}"), "m/s")).to_vec()
+        }
+        GaugeFile::BlockForce { name, .. } => ["fluid", "contact"]
+            .iter()
+            .flat_map(|source| {
+                [("fx", "N"), ("fy", "N"), ("fz", "N"), ("mx", "N m"), ("my", "N m"), ("mz", "N m")]
+                    .map(|(c, unit)| Column::new(&format!("{name}.{source}_{c}"), unit))
+            })
+            .collect(),
+    }
+}
+
+fn resolve(gauge: &GaugeFile, scene: &Scene) -> Gauge {
+    match gauge {
+        GaugeFile::SurfaceElevation { x, y, .. } => Gauge::SurfaceElevation { x: *x, y: *y },
+        GaugeFile::Pressure { position, .. } => Gauge::Pressure(vec3(*position)),
+        GaugeFile::Velocity { position, .. } => Gauge::Velocity(vec3(*position)),
+        GaugeFile::BlockForce { block, .. } => Gauge::BlockForce(
+            // validation has seen that the name exists
+            scene.file.blocks.iter().position(|b| &b.name == block).unwrap_or(0),
+        ),
+        GaugeFile::RunUp { from, to, .. } => Gauge::RunUp {
+            from: [from.0, from.1],
+            to: [to.0, to.1],
+        },
+    }
+}
+
+impl Gauge {
+    /// Appends what the gauge shows; NaN when it is dry.
+    fn read(&self, world: &World, row: &mut Vec<f64>) {
+        let fluid = world.water.as_ref().map(|water| &water.fluid);
+        match self {
+            Self::SurfaceElevation { x, y } => {
+                let surface = fluid.and_then(|fluid| fluid.surface_elevation(*x, *y));
+                row.push(surface.unwrap_or(f64::NAN));
+            }
+            Self::Pressure(point) => {
+                let sample = fluid.and_then(|fluid| fluid.sample(point));
+                row.push(sample.map_or(f64::NAN, |s| s.pressure));
+            }
+            Self::Velocity(point) => {
+                let sample = fluid.and_then(|fluid| fluid.sample(point));
+                let velocity = sample.map_or(Vec3::repeat(f64::NAN), |s| s.velocity);
+                row.extend(velocity.iter());
+            }
+            Self::BlockForce(block) => {
+                let from_fluid = world
+                    .water
+                    .as_ref()
+                    .map_or(Load::default(), |water| water.interface.loads()[*block]);
+                for load in [from_fluid, world.blocks.contact_force(*block)] {
+                    row.extend(load.force.iter());
+                    row.extend(load.torque.iter());
+                }
+            }
+            Self::RunUp { from, to } => {
+                let highest = fluid.and_then(|fluid| run_up(fluid, &world.blocks, from, to));
+                row.push(highest.unwrap_or(f64::NAN));
+            }
+        }
+    }
+}
+
+/// Height of the highest ground that water touches above a line of the plan; m.
+///
+/// Water touches the ground where a particle within a spacing of the line is within 1.5 spacings
+/// of a fixed surface that looks up; a drop in the air touches nothing.
+fn run_up(fluid: &Fluid, blocks: &Blocks, from: &[f64; 2], to: &[f64; 2]) -> Option<f64> {
+    let spacing = fluid.settings().particle_spacing.iter().product::<f64>().cbrt();
+    let reach = TOUCHING_DISTANCE * spacing;
+    let ground: Vec<usize> = (0..blocks.n_parts())
+        .filter(|&part| blocks.is_fixed(blocks.block_of_part(part)))
+        .collect();
+    let mut highest: Option<f64> = None;
+    for x in &fluid.particles().position {
+        if distance_to_line([x.x, x.y], from, to) > spacing {
+            continue;
+        }
+        for &part in &ground {
+            if let Some(surface) = blocks.surface_point_within(part, x, reach)
+                && GROUND_SLOPE < surface.normal.z
+            {
+                let height = surface.point.z;
+                highest = Some(highest.map_or(height, |h| h.max(height)));
+            }
+        }
+    }
+    highest
+}
+
+/// Distance of a point of the plan to a line between two points; m.
+fn distance_to_line(point: [f64; 2], from: &[f64; 2], to: &[f64; 2]) -> f64 {
+    let along = [to[0] - from[0], to[1] - from[1]];
+    let offset = [point[0] - from[0], point[1] - from[1]];
+    let length2 = along[0].powi(2) + along[1].powi(2);
+    let share = if length2 > 0.0 {
+        ((offset[0] * along[0] + offset[1] * along[1]) / length2).clamp(0.0, 1.0)
+    } else {
+        0.0
+    };
+    (offset[0] - share * along[0]).hypot(offset[1] - share * along[1])
+}

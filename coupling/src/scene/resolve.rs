@@ -1,0 +1,366 @@
+//! From a read scene to a checked one: geometry built, water filled in, every number chosen.
+
+use std::path::Path;
+
+use riprap_dda::{BlockDefinition, Material, Motion, PrescribedMotion, Shape};
+use riprap_sph::{NegativePressure as Clamping, Vec3};
+
+use crate::interface::{DAMPING_RATIO, WallSettings};
+use crate::scene::error::{Problem, Severity};
+use crate::scene::file::{
+    Axis, CameraFile, FluidFile, NegativePressure, OutputFile, Preset, SceneFile, Triple,
+};
+use crate::scene::fill::{Lattice, lattice, overlaps};
+use crate::scene::motion::motion;
+use crate::scene::shape::solid;
+
+/// A scene that can run: geometry, initial water and all numbers. Nothing in it changes.
+#[derive(Clone, Debug)]
+pub struct Scene {
+    /// The scene with every choice written out.
+    pub file: SceneFile,
+    /// Blocks in the order of the file.
+    pub blocks: Vec<BlockDefinition>,
+    /// Materials in the order of the file.
+    pub materials: Vec<Material>,
+    /// What the block solver needs.
+    pub block_settings: riprap_dda::Settings,
+    /// Water, where the scene has some.
+    pub fluid: Option<FluidScene>,
+    /// What the user should know.
+    pub warnings: Vec<Problem>,
+}
+
+/// Water at the start and its numbers.
+#[derive(Clone, Debug)]
+pub struct FluidScene {
+    /// Particles at the start.
+    pub lattice: Lattice,
+    /// What the fluid solver needs.
+    pub settings: riprap_sph::Settings,
+    /// Penalty walls.
+    pub walls: WallSettings,
+    /// Fastest flow expected, from which sound speed and stiffnesses follow; m/s.
+    pub expected_speed: f64,
+}
+
+/// Numbers of the published scheme where the scene gives none.
+mod mueller2003 {
+    /// Support of three spacings: 92 neighbours, the lattice sum of poly6 within 0.3 % of one.
+    pub const SMOOTHING_LENGTH_RATIO: f64 = 1.5;
+    /// Half the lattice limit leaves room for disorder.
+    pub const TIME_STEP_FACTOR: f64 = 0.5;
+}
+
+/// Sound speed over the fastest expected flow: density then varies by about 1 %.
+const SOUND_SPEED_RATIO: f64 = 10.0;
+/// Depth, in spacings, to which still water presses its lowest row into a penalty wall.
+const STATIC_PENETRATION: f64 = 0.1;
+/// Depth, in spacings, to which a particle at the expected speed enters a penalty wall.
+const IMPACT_PENETRATION: f64 = 0.25;
+/// Safety factor of the block step, the customary share of the bound from the contact network.
+const BLOCK_TIME_STEP_FACTOR: f64 = 0.8;
+/// Blocks press into each other by no more than this share of their size under their weight.
+const STATIC_OVERLAP: f64 = 1e-3;
+/// Blocks enter each other by no more than this share of their size at the expected speed.
+const IMPACT_OVERLAP: f64 = 0.02;
+/// Contact stiffness of scenes in which no block can move; N/m.
+const IDLE_STIFFNESS: f64 = 1e6;
+
+impl Scene {
+    /// Builds what the file describes. Paths in it are relative to `folder`.
+    ///
+    /// # Errors
+    ///
+    /// All problems of the geometry together.
+    pub fn resolve(mut file: SceneFile, folder: &Path) -> Result<Self, Vec<Problem>> {
+        let mut problems = Vec::new();
+        let solids = named_solids(&file, folder, &mut problems);
+        let motions = motions(&file, folder, &mut problems);
+        if solids.len() != file.blocks.len() || motions.len() != file.blocks.len() {
+            return Err(problems);
+        }
+        problems.extend(overlaps(&solids, &motions));
+        let lattice = match &file.fluid {
+            None => None,
+            Some(fluid) => lattice(fluid, &file.domain, &solids)
+                .map_err(|found| problems.extend(found))
+                .ok(),
+        };
+        if problems.iter().any(|p| p.severity == Severity::Error) {
+            return Err(problems);
+        }
+
+        let speed = expected_speed(&file, &solids, &motions, lattice.as_ref());
+        file.numerics.expected_speed.get_or_insert(speed);
+        resolve_output(&mut file.output, file.time.duration);
+        file.camera
+            .get_or_insert_with(|| fitted_camera(&file.domain.min, &file.domain.max, lattice.as_ref(), &solids));
+        resolve_stiffness(&mut file, &solids, &motions, speed);
+        let fluid = lattice.map(|lattice| resolve_fluid(&mut file, lattice, speed, &mut problems));
+        let block_factor = *file
+            .numerics
+            .block_time_step_factor
+            .get_or_insert(BLOCK_TIME_STEP_FACTOR);
+
+        let blocks = solids
+            .into_iter()
+            .zip(motions)
+            .zip(&file.blocks)
+            .map(|(((_, shape), motion), block)| BlockDefinition {
+                shape,
+                // validation has seen that the name exists
+                material: file
+                    .materials
+                    .iter()
+                    .position(|m| m.name == block.material)
+                    .unwrap_or(0),
+                motion,
+                velocity: vec3(block.velocity),
+                angular_velocity: vec3(block.angular_velocity),
+            })
+            .collect();
+        Ok(Self {
+            blocks,
+            materials: materials(&file),
+            block_settings: riprap_dda::Settings {
+                gravity: vec3(file.gravity),
+                time_step_factor: block_factor,
+                ..riprap_dda::Settings::default()
+            },
+            fluid,
+            warnings: problems,
+            file,
+        })
+    }
+}
+
+/// A triple of the file as a vector.
+pub fn vec3((x, y, z): Triple) -> Vec3 {
+    Vec3::new(x, y, z)
+}
+
+fn named_solids(file: &SceneFile, folder: &Path, problems: &mut Vec<Problem>) -> Vec<(String, Shape)> {
+    let mut solids = Vec::new();
+    for (index, block) in file.blocks.iter().enumerate() {
+        match solid(block, index, folder) {
+            Ok(shape) => solids.push((block.name.clone(), shape)),
+            Err(found) => problems.extend(found),
+        }
+    }
+    solids
+}
+
+fn motions(file: &SceneFile, folder: &Path, problems: &mut Vec<Problem>) -> Vec<Motion> {
+    let mut motions = Vec::new();
+    for (index, block) in file.blocks.iter().enumerate() {
+        match motion(&block.motion, &format!("blocks[{index}].motion"), folder) {
+            Ok(found) => motions.push(found),
+            Err(problem) => problems.push(problem),
+        }
+    }
+    motions
+}
+
+/// Fastest motion that the scene suggests: long waves, falls to the still-water level (or to the
+/// bottom of the domain), prescribed and initial velocities; m/s.
+fn expected_speed(
+    file: &SceneFile,
+    solids: &[(String, Shape)],
+    motions: &[Motion],
+    lattice: Option<&Lattice>,
+) -> f64 {
+    if let Some(given) = file.numerics.expected_speed {
+        return given;
+    }
+    let gravity = vec3(file.gravity).norm();
+    let depth = lattice.map_or(0.0, |l| l.depth);
+    let floor = lattice.map_or(file.domain.min.2, |l| l.still_water_level);
+    let mut fastest = (gravity * depth).sqrt();
+    for ((motion, (_, shape)), block) in motions.iter().zip(solids).zip(&file.blocks) {
+        let speed = match motion {
+            Motion::Fixed => 0.0,
+            Motion::Prescribed(prescribed) => largest_speed(prescribed, file.time.duration),
+            Motion::Free => {
+                let drop = (shape.aabb().0.z - floor).max(0.0);
+                (vec3(block.velocity).norm_squared() + 2.0 * gravity * drop).sqrt()
+            }
+        };
+        fastest = fastest.max(speed);
+    }
+    for region in file.fluid.iter().flat_map(|fluid| &fluid.regions) {
+        fastest = fastest.max(vec3(region.velocity).norm());
+    }
+    fastest
+}
+
+fn largest_speed(motion: &PrescribedMotion, duration: f64) -> f64 {
+    // a thousand looks find the maximum of any record a laboratory would drive
+    (0..=1000)
+        .map(|i| motion.velocity(duration * f64::from(i) / 1000.0).norm())
+        .fold(0.0, f64::max)
+}
+
+fn resolve_output(output: &mut OutputFile, duration: f64) {
+    output.frame_interval.get_or_insert(duration / 50.0);
+    let gauge = *output.gauge_interval.get_or_insert(duration / 500.0);
+    output.ledger_interval.get_or_insert(gauge);
+}
+
+/// Gives every material without a contact stiffness the one its heaviest demand asks for.
+///
+/// ```text
+/// K ≥ m g/(ε L)   overlap ε L at rest,        K ≥ m v²/(η L)²   overlap η L at speed v
+/// ```
+fn resolve_stiffness(
+    file: &mut SceneFile,
+    solids: &[(String, Shape)],
+    motions: &[Motion],
+    speed: f64,
+) {
+    let gravity = vec3(file.gravity).norm();
+    let mut stiffness: f64 = 0.0;
+    for (((_, shape), motion), block) in solids.iter().zip(motions).zip(&file.blocks) {
+        let density = file
+            .materials
+            .iter()
+            .find(|m| m.name == block.material)
+            .map_or(0.0, |m| m.density);
+        if matches!(motion, Motion::Free) {
+            let size = shape.volume().cbrt();
+            let mass = density * shape.volume();
+            stiffness = stiffness
+                .max(mass * gravity / (STATIC_OVERLAP * size))
+                .max(mass * (speed / (IMPACT_OVERLAP * size)).powi(2));
+        }
+    }
+    if stiffness == 0.0 {
+        stiffness = IDLE_STIFFNESS;
+    }
+    for material in &mut file.materials {
+        material.contact_stiffness.get_or_insert(stiffness);
+    }
+}
+
+fn resolve_fluid(
+    file: &mut SceneFile,
+    lattice: Lattice,
+    expected_speed: f64,
+    problems: &mut Vec<Problem>,
+) -> FluidScene {
+    let Preset::Mueller2003 = file.numerics.preset;
+    let gravity = vec3(file.gravity);
+    let (density, viscosity) = file
+        .fluid
+        .as_ref()
+        .map_or((1000.0, 0.0), |fluid: &FluidFile| (fluid.density, fluid.dynamic_viscosity));
+    let numerics = &mut file.numerics;
+    let ratio = *numerics
+        .smoothing_length_ratio
+        .get_or_insert(mueller2003::SMOOTHING_LENGTH_RATIO);
+    let factor = *numerics
+        .time_step_factor
+        .get_or_insert(mueller2003::TIME_STEP_FACTOR);
+    let negative = *numerics
+        .negative_pressure
+        .get_or_insert(NegativePressure::Clamped);
+    let least = expected_speed.max((gravity.norm() * lattice.depth).sqrt());
+    // water without gravity or motion has no speed of its own: any positive number will do
+    let fallback = if least > 0.0 { SOUND_SPEED_RATIO * least } else { 1.0 };
+    let sound_speed = *numerics.sound_speed.get_or_insert(fallback);
+    if sound_speed < 0.999 * SOUND_SPEED_RATIO * least {
+        problems.push(Problem::warning(
+            "numerics.sound_speed",
+            format!(
+                "{sound_speed:.3} m/s is less than {SOUND_SPEED_RATIO} times the fastest expected speed of \
+                 {least:.3} m/s: density will vary by {:.1} %; raise it to {:.1} m/s",
+                100.0 * (least / sound_speed).powi(2),
+                SOUND_SPEED_RATIO * least,
+            ),
+        ));
+    }
+    let spacing = lattice.particle_spacing();
+    let mass = density * lattice.particle_volume();
+    let stiffness = *file.interface.penalty_stiffness.get_or_insert(
+        (density * gravity.norm() * lattice.depth * spacing / STATIC_PENETRATION)
+            .max(mass * (least / (IMPACT_PENETRATION * spacing)).powi(2)),
+    );
+    let damping = *file
+        .interface
+        .penalty_damping
+        .get_or_insert(2.0 * DAMPING_RATIO * (stiffness * mass).sqrt());
+    FluidScene {
+        settings: riprap_sph::Settings {
+            particle_spacing: lattice.spacing,
+            smoothing_length: ratio * spacing,
+            reference_density: density,
+            sound_speed,
+            dynamic_viscosity: viscosity,
+            negative_pressure: match negative {
+                NegativePressure::Clamped => Clamping::Clamped,
+                NegativePressure::Kept => Clamping::Kept,
+            },
+            gravity,
+            time_step_factor: factor,
+            domain: (vec3(file.domain.min), vec3(file.domain.max)),
+            periodic: [Axis::X, Axis::Y, Axis::Z].map(|axis| file.domain.periodic.contains(&axis)),
+        },
+        walls: WallSettings {
+            stiffness,
+            damping,
+            particle_spacing: spacing,
+        },
+        expected_speed,
+        lattice,
+    }
+}
+
+fn materials(file: &SceneFile) -> Vec<Material> {
+    file.materials
+        .iter()
+        .map(|m| Material {
+            density: m.density,
+            friction_angle: m.friction_angle_deg.to_radians(),
+            cohesion: m.cohesion,
+            tensile_strength: m.tensile_strength,
+            restitution: m.restitution,
+            contact_stiffness: m.contact_stiffness.unwrap_or(IDLE_STIFFNESS),
+            shear_stiffness_ratio: m.shear_stiffness_ratio,
+            elastic: m.elastic.map(|e| riprap_dda::Elastic {
+                young_modulus: e.young_modulus,
+                poisson_ratio: e.poisson_ratio,
+            }),
+        })
+        .collect()
+}
+
+/// A three-quarter view of the water, or of the domain when there is none.
+fn fitted_camera(
+    min: &Triple,
+    max: &Triple,
+    lattice: Option<&Lattice>,
+    solids: &[(String, Shape)],
+) -> CameraFile {
+    let (mut low, mut high) = (vec3(*min), vec3(*max));
+    if let Some(lattice) = lattice
+        && let Some(first) = lattice.positions.first()
+    {
+        (low, high) = lattice
+            .positions
+            .iter()
+            .fold((*first, *first), |(low, high), x| (low.inf(x), high.sup(x)));
+    } else if let Some((_, shape)) = solids.first() {
+        (low, high) = solids
+            .iter()
+            .fold(shape.aabb(), |(low, high), (_, s)| (low.inf(&s.aabb().0), high.sup(&s.aabb().1)));
+    }
+    let center = 0.5 * (low + high);
+    let size = (high - low).norm().max(1e-3);
+    let eye = center + Vec3::new(0.35, -1.1, 0.55) * size;
+    CameraFile {
+        position: (eye.x, eye.y, eye.z),
+        look_at: (center.x, center.y, center.z),
+        field_of_view_deg: 40.0,
+    }
+}
+

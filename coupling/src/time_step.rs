@@ -1,0 +1,126 @@
+//! The common step of both media and what governs it.
+
+use serde::Serialize;
+
+/// Largest growth from one step to the next; drops are immediate.
+const LARGEST_GROWTH: f64 = 1.05;
+
+/// What limits a step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Cause {
+    /// Pressure waves in the fluid.
+    Sound,
+    /// Viscosity of the fluid.
+    Viscosity,
+    /// Acceleration of particles.
+    Force,
+    /// Penalty springs between particles and blocks.
+    Wall,
+    /// Contacts between blocks, where no fluid sets a longer common step.
+    Contact,
+    /// Blocks in free flight, which need no step at all: a thousandth of the duration.
+    Duration,
+    /// The step may grow by no more than 5 % at a time.
+    Growth,
+}
+
+/// Every cause, in the order of `dt_governed_by`.
+pub const CAUSES: [Cause; 7] = [
+    Cause::Sound,
+    Cause::Viscosity,
+    Cause::Force,
+    Cause::Wall,
+    Cause::Contact,
+    Cause::Duration,
+    Cause::Growth,
+];
+
+/// A step and its cause.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TimeStep {
+    /// s.
+    pub dt: f64,
+    /// What limits it.
+    pub cause: Cause,
+    /// Steps of the blocks inside it.
+    pub block_substeps: u32,
+}
+
+/// Limits of the step at the present state, each with its safety factor; s, infinite when absent.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Limits {
+    /// Limits that the common step must obey.
+    pub common: Vec<(Cause, f64)>,
+    /// Limit of the blocks, obeyed by sub-steps when there is fluid.
+    pub blocks: f64,
+}
+
+impl Limits {
+    /// The step that obeys the limits after a step of `previous` seconds.
+    ///
+    /// With fluid, blocks that need a shorter step take several inside the common one. `ceiling`
+    /// bounds a step that nothing else does.
+    pub fn choose(&self, has_fluid: bool, previous: Option<f64>, ceiling: f64) -> TimeStep {
+        let mut chosen = (Cause::Duration, ceiling);
+        let contact = (Cause::Contact, self.blocks);
+        let candidates = self.common.iter().chain((!has_fluid).then_some(&contact));
+        for &(cause, limit) in candidates {
+            if limit < chosen.1 {
+                chosen = (cause, limit);
+            }
+        }
+        let (mut cause, mut dt) = chosen;
+        if let Some(previous) = previous
+            && LARGEST_GROWTH * previous < dt
+        {
+            (cause, dt) = (Cause::Growth, LARGEST_GROWTH * previous);
+        }
+        TimeStep {
+            dt,
+            cause,
+            // an infinite limit gives zero sub-steps: one is the least
+            block_substeps: ((dt / self.blocks).ceil() as u32).max(1),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn limits() -> Limits {
+        Limits {
+            common: vec![(Cause::Sound, 2e-3), (Cause::Wall, 5e-3)],
+            blocks: 3e-4,
+        }
+    }
+
+    #[test]
+    fn fluid_sets_the_step_and_blocks_fit_theirs_inside() {
+        let step = limits().choose(true, None, 1.0);
+        assert_eq!((step.cause, step.dt, step.block_substeps), (Cause::Sound, 2e-3, 7));
+    }
+
+    #[test]
+    fn blocks_alone_take_their_own_step() {
+        let alone = Limits { common: Vec::new(), ..limits() };
+        let step = alone.choose(false, None, 1.0);
+        assert_eq!((step.cause, step.dt, step.block_substeps), (Cause::Contact, 3e-4, 1));
+    }
+
+    #[test]
+    fn free_flight_is_bounded_by_the_duration() {
+        let free = Limits { common: Vec::new(), blocks: f64::INFINITY };
+        let step = free.choose(false, None, 0.01);
+        assert_eq!((step.cause, step.dt, step.block_substeps), (Cause::Duration, 0.01, 1));
+    }
+
+    #[test]
+    fn a_step_grows_slowly_and_drops_at_once() {
+        let grown = limits().choose(true, Some(1e-3), 1.0);
+        assert_eq!(grown.cause, Cause::Growth);
+        assert!((grown.dt - 1.05e-3).abs() < 1e-15);
+        assert_eq!(limits().choose(true, Some(1.0), 1.0).dt, 2e-3);
+    }
+}

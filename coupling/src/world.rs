@@ -1,0 +1,471 @@
+//! Blocks and water at one time, and the step that takes both to the next.
+
+use std::time::{Duration, Instant};
+
+use riprap_dda::Blocks;
+use riprap_sph::{Fluid, FluidError, Vec3};
+use serde::Serialize;
+
+use crate::interface::{Interface, WallSettings};
+use crate::ledger::Ledger;
+use crate::time_step::{Cause, Limits, TimeStep};
+
+/// Everything that changes during a run. Only [`World::step`] and [`World::settle_step`] change it.
+#[derive(Debug)]
+pub struct World {
+    /// The blocks; without any, an empty system that does nothing.
+    pub blocks: Blocks,
+    /// The fluid and its walls; absent when the scene has no fluid.
+    pub water: Option<Water>,
+    /// Gravity; m/s².
+    pub gravity: Vec3,
+    /// Box that blocks may not leave; m.
+    pub(crate) domain: (Vec3, Vec3),
+    pub(crate) clock: Clock,
+    pub(crate) ledger: Ledger,
+    pub(crate) held: Held,
+    pub(crate) extremes: Extremes,
+    pub(crate) phases: PhaseTimes,
+}
+
+/// The fluid with the walls that hold it.
+#[derive(Debug)]
+pub struct Water {
+    /// Particles.
+    pub fluid: Fluid,
+    /// Their forces on blocks and back.
+    pub interface: Interface,
+}
+
+/// Time and steps.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Clock {
+    /// Simulated time; s.
+    pub time: f64,
+    /// Steps taken.
+    pub steps: u64,
+    /// Steps of the blocks inside them.
+    pub block_substeps: u64,
+    /// Size of the last step; s.
+    pub last_dt: Option<f64>,
+}
+
+/// Which blocks are held in place.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Held {
+    /// None: a run.
+    NoBlock,
+    /// All: settling.
+    AllBlocks,
+}
+
+/// Running extremes and counts of a run.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Extremes {
+    /// Largest particle speed over sound speed.
+    pub max_mach: f64,
+    /// Deepest particle inside a solid, over the spacing.
+    pub max_wall_penetration_over_spacing: f64,
+    /// Particles found inside a solid and put back.
+    pub particles_pushed_back: u64,
+    /// Blocks that left the domain.
+    pub blocks_removed: u64,
+    /// Ordered neighbour pairs summed over all steps.
+    pub pair_interactions: u64,
+    /// Particles summed over all steps.
+    pub particle_steps: u64,
+}
+
+/// Wall time by phase.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct PhaseTimes {
+    /// Sorting and neighbour search.
+    pub neighbors: Duration,
+    /// Densities and pressures.
+    pub density: Duration,
+    /// Pair forces in the fluid.
+    pub forces: Duration,
+    /// Blocks: contact detection, contact forces and motion, as one.
+    pub blocks: Duration,
+    /// Particles against blocks.
+    pub coupling: Duration,
+    /// Kicks and drifts of the fluid, step limits.
+    pub integration: Duration,
+}
+
+/// What ends a step without a new state.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum StepError {
+    /// In the fluid.
+    #[error("at t = {time:.6} s, step {step}: {source}")]
+    Fluid {
+        /// s.
+        time: f64,
+        /// Number of the step.
+        step: u64,
+        /// What happened.
+        source: FluidError,
+    },
+    /// Among the blocks.
+    #[error("at t = {time:.6} s, step {step}: {source}")]
+    Blocks {
+        /// s.
+        time: f64,
+        /// Number of the step.
+        step: u64,
+        /// What happened.
+        source: riprap_dda::StepError,
+    },
+    /// A step too small to get anywhere.
+    #[error("at t = {time:.6} s, step {step}: the step fell to {dt:e} s, limited by {cause:?}; {remedy}")]
+    Stalled {
+        /// s.
+        time: f64,
+        /// Number of the step.
+        step: u64,
+        /// s.
+        dt: f64,
+        /// What limits it.
+        cause: Cause,
+        /// What to change.
+        remedy: &'static str,
+    },
+}
+
+/// The part of the duration below which a step is refused.
+const SMALLEST_STEP_SHARE: f64 = 1e-9;
+
+impl World {
+    /// A world at time zero, with all forces evaluated.
+    ///
+    /// # Errors
+    ///
+    /// [`StepError`] when the very first evaluation fails.
+    pub fn new(
+        blocks: Blocks,
+        fluid: Option<(Fluid, WallSettings)>,
+        gravity: Vec3,
+        domain: (Vec3, Vec3),
+    ) -> Result<Self, StepError> {
+        let water = fluid.map(|(mut fluid, walls)| {
+            fluid.sort();
+            let interface = Interface::new(walls, &blocks, fluid.grid());
+            Water { fluid, interface }
+        });
+        let mut world = Self {
+            blocks,
+            water,
+            gravity,
+            domain,
+            clock: Clock::default(),
+            ledger: Ledger::default(),
+            held: Held::NoBlock,
+            extremes: Extremes::default(),
+            phases: PhaseTimes::default(),
+        };
+        world.evaluate_fluid()?;
+        world.open_ledger();
+        Ok(world)
+    }
+
+    /// Simulated time; s.
+    pub fn time(&self) -> f64 {
+        self.clock.time
+    }
+
+    /// Time and steps.
+    pub fn clock(&self) -> Clock {
+        self.clock
+    }
+
+    /// Running extremes and counts.
+    pub fn extremes(&self) -> Extremes {
+        self.extremes
+    }
+
+    /// Wall time by phase.
+    pub fn phases(&self) -> PhaseTimes {
+        self.phases
+    }
+
+    /// Limits of the step at the present state.
+    pub fn limits(&self) -> Limits {
+        let mut common = Vec::with_capacity(4);
+        if let Some(water) = &self.water {
+            let fluid = water.fluid.step_limits();
+            common.push((Cause::Sound, fluid.sound));
+            common.push((Cause::Viscosity, fluid.viscosity));
+            common.push((Cause::Force, fluid.force));
+            let wall = water.interface.critical_time_step(water.fluid.particle_mass());
+            common.push((Cause::Wall, wall));
+        }
+        Limits {
+            common,
+            blocks: self.blocks.critical_time_step().dt,
+        }
+    }
+
+    /// The step that the state asks for; `duration` bounds it where nothing else does.
+    ///
+    /// # Errors
+    ///
+    /// [`StepError::Stalled`] when it is too small to get anywhere.
+    pub fn next_step(&self, duration: f64) -> Result<TimeStep, StepError> {
+        let step = self
+            .limits()
+            .choose(self.water.is_some(), self.clock.last_dt, 1e-3 * duration);
+        if step.dt < SMALLEST_STEP_SHARE * duration || step.dt.is_nan() {
+            return Err(StepError::Stalled {
+                time: self.clock.time,
+                step: self.clock.steps,
+                dt: step.dt,
+                cause: step.cause,
+                remedy: remedy(step.cause),
+            });
+        }
+        Ok(step)
+    }
+
+    /// Takes blocks and fluid from `t` to `t + dt`.
+    ///
+    /// Kick-drift-kick of both; the blocks take their sub-steps inside the drift, the fluid's
+    /// forces reach them as impulses at the two ends.
+    ///
+    /// # Errors
+    ///
+    /// [`StepError`] with the cause and what to change; the state is then that of the failed step.
+    pub fn step(&mut self, step: TimeStep) -> Result<(), StepError> {
+        let dt = step.dt;
+        self.kick(0.5 * dt);
+        self.drift_fluid(dt);
+        self.advance_blocks(step)?;
+        self.evaluate_fluid()?;
+        self.kick(0.5 * dt);
+        self.clock.time += dt;
+        self.clock.steps += 1;
+        self.clock.block_substeps += u64::from(step.block_substeps);
+        self.clock.last_dt = Some(dt);
+        self.note_extremes();
+        Ok(())
+    }
+
+    /// A step of the fluid alone, blocks held, velocities damped by `exp(−rate · dt)`.
+    ///
+    /// # Errors
+    ///
+    /// As [`Self::step`].
+    pub fn settle_step(&mut self, dt: f64, rate: f64) -> Result<(), StepError> {
+        self.held = Held::AllBlocks;
+        if let Some(water) = &mut self.water {
+            water.fluid.kick(0.5 * dt);
+            water.fluid.drift(dt);
+        }
+        self.evaluate_fluid()?;
+        if let Some(water) = &mut self.water {
+            water.fluid.kick(0.5 * dt);
+            water.fluid.damp((-rate * dt).exp());
+        }
+        self.clock.last_dt = Some(dt);
+        Ok(())
+    }
+
+    /// Ends settling: blocks are let go, the ledger and all counts start here.
+    ///
+    /// # Errors
+    ///
+    /// As [`Self::step`].
+    pub fn release(&mut self) -> Result<(), StepError> {
+        self.held = Held::NoBlock;
+        self.extremes = Extremes::default();
+        self.evaluate_fluid()?;
+        self.open_ledger();
+        Ok(())
+    }
+
+    /// Half a kick of everything, and its entries in the ledger.
+    fn kick(&mut self, dt: f64) {
+        let start = Instant::now();
+        let mut ledger = std::mem::take(&mut self.ledger);
+        ledger.book(self, dt);
+        self.ledger = ledger;
+        if let Some(water) = &mut self.water {
+            water.fluid.kick(dt);
+            self.blocks.apply_impulse(water.interface.loads(), dt);
+        }
+        self.phases.integration += start.elapsed();
+    }
+
+    fn drift_fluid(&mut self, dt: f64) {
+        let start = Instant::now();
+        if let Some(water) = &mut self.water {
+            water.fluid.drift(dt);
+        }
+        self.phases.integration += start.elapsed();
+    }
+
+    fn advance_blocks(&mut self, step: TimeStep) -> Result<(), StepError> {
+        let start = Instant::now();
+        let advanced = self
+            .blocks
+            .advance(self.clock.time, step.dt, step.block_substeps);
+        self.phases.blocks += start.elapsed();
+        advanced.map_err(|source| StepError::Blocks {
+            time: self.clock.time,
+            step: self.clock.steps,
+            source,
+        })?;
+        self.remove_escaped_blocks();
+        Ok(())
+    }
+
+    /// Takes blocks whose centroid left the domain out of the run.
+    fn remove_escaped_blocks(&mut self) {
+        for block in 0..self.blocks.n_blocks() {
+            if !self.blocks.is_free(block) {
+                continue;
+            }
+            let x = self.blocks.centroid(block);
+            let inside = (0..3)
+                .all(|axis| self.domain.0[axis] <= x[axis] && x[axis] <= self.domain.1[axis]);
+            if !inside {
+                let before = self.blocks.energies();
+                let momentum = self.blocks.momentum();
+                self.blocks.remove(block);
+                let after = self.blocks.energies();
+                self.ledger.removed_momentum += momentum - self.blocks.momentum();
+                self.ledger.removed_energy += before.kinetic + before.potential + before.elastic
+                    - after.kinetic
+                    - after.potential
+                    - after.elastic;
+                self.extremes.blocks_removed += 1;
+            }
+        }
+    }
+
+    /// Everything that follows from the fluid's positions: cells, walls, neighbours, densities,
+    /// accelerations.
+    fn evaluate_fluid(&mut self) -> Result<(), StepError> {
+        let Some(water) = &mut self.water else {
+            return Ok(());
+        };
+        let (time, step) = (self.clock.time, self.clock.steps);
+        let failed = |source| StepError::Fluid { time, step, source };
+        let mut watch = Stopwatch::start();
+
+        water.fluid.remove_escaped();
+        water.fluid.sort();
+        self.phases.neighbors += watch.lap();
+
+        water.interface.find(&water.fluid, &self.blocks);
+        let pushed_back = water.interface.intruders(&water.fluid, &self.blocks);
+        let mass = water.fluid.particle_mass();
+        for intruder in &pushed_back {
+            let particle = intruder.particle as usize;
+            let before = water.fluid.particles().velocity[particle];
+            self.ledger.pushed_back +=
+                water.fluid.replace(particle, intruder.position, intruder.velocity);
+            let impulse = (intruder.velocity - before) * mass;
+            let block = intruder.block as usize;
+            if self.blocks.is_free(block) {
+                self.blocks.apply_impulse_at(block, &-impulse, &intruder.point);
+            } else {
+                self.ledger.impulse += impulse;
+            }
+        }
+        if !pushed_back.is_empty() {
+            self.extremes.particles_pushed_back += pushed_back.len() as u64;
+            water.fluid.sort();
+            water.interface.find(&water.fluid, &self.blocks);
+        }
+        self.phases.coupling += watch.lap();
+
+        water.fluid.find_neighbors();
+        self.phases.neighbors += watch.lap();
+        water.fluid.update_density().map_err(failed)?;
+        self.phases.density += watch.lap();
+        water.fluid.update_accelerations();
+        self.phases.forces += watch.lap();
+
+        let held = self.held == Held::AllBlocks;
+        water.interface.update_forces(&water.fluid, &self.blocks, held);
+        water.fluid.add_forces(water.interface.particle_forces());
+        self.phases.coupling += watch.lap();
+        Ok(())
+    }
+
+    fn note_extremes(&mut self) {
+        let Some(water) = &self.water else { return };
+        let fluid = &water.fluid;
+        let extremes = &mut self.extremes;
+        let spacing = water.interface.settings().particle_spacing;
+        let mach = fluid.max_speed() / fluid.settings().sound_speed;
+        extremes.max_mach = extremes.max_mach.max(mach);
+        for touch in water.interface.touches() {
+            extremes.max_wall_penetration_over_spacing = extremes
+                .max_wall_penetration_over_spacing
+                .max(-touch.distance / spacing);
+        }
+        extremes.pair_interactions += fluid.n_pairs();
+        extremes.particle_steps += fluid.particles().len() as u64;
+    }
+
+    /// A hash of every number of the state: equal hashes, equal runs.
+    pub fn state_hash(&self) -> String {
+        let mut hasher = blake3::Hasher::new();
+        hasher.update(&self.clock.time.to_le_bytes());
+        if let Some(water) = &self.water {
+            water.fluid.visit_state(|x| {
+                hasher.update(&x.to_le_bytes());
+            });
+        }
+        self.blocks.for_each_state_f64(&mut |x| {
+            hasher.update(&x.to_le_bytes());
+        });
+        hasher.finalize().to_hex()[..16].to_string()
+    }
+}
+
+fn remedy(cause: Cause) -> &'static str {
+    match cause {
+        Cause::Sound => "lower `numerics.sound_speed` or coarsen `fluid.resolution`",
+        Cause::Viscosity => "lower `fluid.dynamic_viscosity` or coarsen `fluid.resolution`",
+        Cause::Force => "something hits the water too hard: look at the last frame",
+        Cause::Wall => "lower `interface.penalty_stiffness`",
+        Cause::Contact => "lower `contact_stiffness` of the materials or remove slivers",
+        Cause::Duration | Cause::Growth => "look at the last frame",
+    }
+}
+
+/// Laps of wall time.
+struct Stopwatch(Instant);
+
+impl Stopwatch {
+    fn start() -> Self {
+        Self(Instant::now())
+    }
+
+    fn lap(&mut self) -> Duration {
+        let now = Instant::now();
+        let lap = now - self.0;
+        self.0 = now;
+        lap
+    }
+}
+
+impl Serialize for PhaseTimes {
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        use serde::ser::SerializeMap;
+        let mut map = serializer.serialize_map(None)?;
+        for (name, time) in [
+            ("neighbours", self.neighbors),
+            ("density", self.density),
+            ("forces", self.forces),
+            ("blocks", self.blocks),
+            ("coupling", self.coupling),
+            ("integration", self.integration),
+        ] {
+            map.serialize_entry(name, &time.as_secs_f64())?;
+        }
+        map.end()
+    }
+}
