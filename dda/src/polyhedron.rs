@@ -1,0 +1,189 @@
+//! Convex polyhedra: half-edge topology in flat arrays, constructors that check, walks as iterators.
+//!
+//! A [`Polyhedron`] is closed, oriented (faces counter-clockwise seen from outside), has planar
+//! faces, positive volume, and is convex. A non-convex body is a rigid union of several: see
+//! [`Polyhedron::extrusion`] and [`Shape::Polyhedra`](crate::Shape::Polyhedra).
+//!
+//! The half-edges of one face lie next to each other, in the order of its loop. Half-edge `e` runs
+//! from `origin(e)` to `origin(next(e))`, and `twin(e)` runs back along it in the neighbouring face.
+
+mod build;
+mod extrusion;
+mod hull;
+#[cfg(test)]
+mod tests;
+
+use crate::{Isometry, Vec3};
+pub use build::PolyhedronError;
+
+/// A closed convex polyhedron, in body or world coordinates; m.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Polyhedron {
+    /// Corners; m.
+    vertices: Vec<Vec3>,
+    /// Vertex that a half-edge leaves; one per half-edge.
+    origin: Vec<u32>,
+    /// The half-edge that runs back along the same edge; one per half-edge.
+    twin: Vec<u32>,
+    /// Face to the left of a half-edge, seen from outside; one per half-edge.
+    face: Vec<u32>,
+    /// First half-edge of each face, and at the end the number of half-edges; n_faces + 1.
+    face_start: Vec<u32>,
+    /// Outward unit normals; one per face.
+    face_normal: Vec<Vec3>,
+    /// `normal · x` of the points of a face; one per face; m.
+    face_offset: Vec<f64>,
+    /// One half-edge that leaves the vertex; one per vertex.
+    outgoing: Vec<u32>,
+    /// Cube root of the volume, the length that tolerances refer to; m.
+    size: f64,
+}
+
+impl Polyhedron {
+    /// The same polyhedron turned and shifted.
+    pub fn transformed(&self, placement: &Isometry) -> Self {
+        let mut moved = self.clone();
+        moved.set_transformed(self, placement);
+        moved
+    }
+
+    /// Becomes `reference` turned and shifted; both have the same topology. Allocates nothing.
+    pub(crate) fn set_transformed(&mut self, reference: &Self, placement: &Isometry) {
+        let rotation = placement.rotation.to_rotation_matrix();
+        let shift = placement.translation.vector;
+        for (x, x_ref) in self.vertices.iter_mut().zip(&reference.vertices) {
+            *x = rotation * x_ref + shift;
+        }
+        for (n, n_ref) in self.face_normal.iter_mut().zip(&reference.face_normal) {
+            *n = rotation * n_ref;
+        }
+        for ((offset, offset_ref), n) in self
+            .face_offset
+            .iter_mut()
+            .zip(&reference.face_offset)
+            .zip(&self.face_normal)
+        {
+            *offset = offset_ref + n.dot(&shift);
+        }
+    }
+
+    /// Corners; m.
+    pub fn vertices(&self) -> &[Vec3] {
+        &self.vertices
+    }
+
+    /// Number of faces.
+    pub fn n_faces(&self) -> usize {
+        self.face_normal.len()
+    }
+
+    /// Number of edges, half the number of half-edges.
+    pub fn n_edges(&self) -> usize {
+        self.origin.len() / 2
+    }
+
+    /// Cube root of the volume; m.
+    pub fn size(&self) -> f64 {
+        self.size
+    }
+
+    /// Vertex that the half-edge leaves.
+    pub fn origin(&self, half_edge: u32) -> u32 {
+        self.origin[half_edge as usize]
+    }
+
+    /// Vertex that the half-edge reaches.
+    pub fn target(&self, half_edge: u32) -> u32 {
+        self.origin(self.twin(half_edge))
+    }
+
+    /// The half-edge that runs back along the same edge.
+    pub fn twin(&self, half_edge: u32) -> u32 {
+        self.twin[half_edge as usize]
+    }
+
+    /// The half-edge that follows in the loop of the same face.
+    pub fn next(&self, half_edge: u32) -> u32 {
+        let face = self.face[half_edge as usize] as usize;
+        let after = half_edge + 1;
+        if after < self.face_start[face + 1] {
+            after
+        } else {
+            self.face_start[face]
+        }
+    }
+
+    /// Face to the left of the half-edge, seen from outside.
+    pub fn face_of(&self, half_edge: u32) -> usize {
+        self.face[half_edge as usize] as usize
+    }
+
+    /// Half-edges of a face, counter-clockwise seen from outside.
+    pub fn face_loop(&self, face: usize) -> impl Iterator<Item = u32> + '_ {
+        self.face_start[face]..self.face_start[face + 1]
+    }
+
+    /// Corners of a face, counter-clockwise seen from outside.
+    pub fn face_vertices(&self, face: usize) -> impl Iterator<Item = u32> + '_ {
+        self.loop_origins(face).iter().copied()
+    }
+
+    /// Corners of a face as a slice.
+    pub(crate) fn loop_origins(&self, face: usize) -> &[u32] {
+        &self.origin[self.face_start[face] as usize..self.face_start[face + 1] as usize]
+    }
+
+    /// Number of face loops; right even before the planes are known.
+    pub(crate) fn loop_count(&self) -> usize {
+        self.face_start.len() - 1
+    }
+
+    /// Half-edges that leave a vertex, one per edge that meets there.
+    pub fn edges_around_vertex(&self, vertex: u32) -> impl Iterator<Item = u32> + '_ {
+        let first = self.outgoing[vertex as usize];
+        std::iter::successors(Some(first), move |&e| {
+            Some(self.next(self.twin(e))).filter(|&after| after != first)
+        })
+    }
+
+    /// Faces that meet at a vertex.
+    pub fn faces_around_vertex(&self, vertex: u32) -> impl Iterator<Item = usize> + '_ {
+        self.edges_around_vertex(vertex).map(|e| self.face_of(e))
+    }
+
+    /// Faces across the edges of a face, in the order of its loop.
+    pub fn faces_around_face(&self, face: usize) -> impl Iterator<Item = usize> + '_ {
+        self.face_loop(face).map(|e| self.face_of(self.twin(e)))
+    }
+
+    /// One half-edge of every edge.
+    pub fn edges(&self) -> impl Iterator<Item = u32> + '_ {
+        (0..self.origin.len() as u32).filter(|&e| e < self.twin(e))
+    }
+
+    /// Outward unit normal of a face.
+    pub fn face_normal(&self, face: usize) -> Vec3 {
+        self.face_normal[face]
+    }
+
+    /// `normal · x` of the points of a face; m.
+    pub fn face_offset(&self, face: usize) -> f64 {
+        self.face_offset[face]
+    }
+
+    /// Distance of a point from the plane of a face, positive outside; m.
+    pub fn plane_distance(&self, face: usize, x: &Vec3) -> f64 {
+        self.face_normal[face].dot(x) - self.face_offset[face]
+    }
+
+    /// Lower and upper corner of the axis-aligned box around it; m.
+    pub fn aabb(&self) -> (Vec3, Vec3) {
+        let mut lower = self.vertices[0];
+        let mut upper = lower;
+        for x in &self.vertices {
+            lower = lower.inf(x);
+            upper = upper.sup(x);
+        }
+        (lower, upper)
+    }
+}

@@ -1,0 +1,106 @@
+//! What a block looks like: a rigid union of convex polyhedra, or a ball.
+
+use crate::{Isometry, MassProperties, Polyhedron, SurfacePoint, Vec3, mass_properties};
+
+/// Geometry of a block, in its world placement at the start.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Shape {
+    /// A rigid union of convex parts that adjoin but do not overlap: volume and moments are sums
+    /// over the parts.
+    Polyhedra(Vec<Polyhedron>),
+    /// A ball.
+    Sphere {
+        /// Centre; m.
+        center: Vec3,
+        /// Radius; m.
+        radius: f64,
+    },
+}
+
+impl Shape {
+    /// Volume; m³.
+    pub fn volume(&self) -> f64 {
+        self.mass_properties().volume
+    }
+
+    /// Volume, centroid and second moment for density 1.
+    pub fn mass_properties(&self) -> MassProperties {
+        match self {
+            Self::Polyhedra(parts) => {
+                let parts: Vec<MassProperties> = parts.iter().map(mass_properties).collect();
+                MassProperties::of_union(&parts)
+            }
+            Self::Sphere { center, radius } => MassProperties::of_sphere(*center, *radius),
+        }
+    }
+
+    /// Lower and upper corner of the axis-aligned box around it; m.
+    pub fn aabb(&self) -> (Vec3, Vec3) {
+        match self {
+            Self::Polyhedra(parts) => parts.iter().map(Polyhedron::aabb).fold(
+                (Vec3::repeat(f64::INFINITY), Vec3::repeat(f64::NEG_INFINITY)),
+                |all, part| (all.0.inf(&part.0), all.1.sup(&part.1)),
+            ),
+            Self::Sphere { center, radius } => {
+                let half = Vec3::repeat(*radius);
+                (center - half, center + half)
+            }
+        }
+    }
+
+    /// The same shape turned and shifted.
+    pub fn transformed(&self, placement: &Isometry) -> Self {
+        match self {
+            Self::Polyhedra(parts) => Self::Polyhedra(
+                parts
+                    .iter()
+                    .map(|part| part.transformed(placement))
+                    .collect(),
+            ),
+            Self::Sphere { center, radius } => Self::Sphere {
+                center: placement.transform_point(&(*center).into()).coords,
+                radius: *radius,
+            },
+        }
+    }
+
+    /// Signed distance to the surface, with foot and normal.
+    ///
+    /// Exact outside every part, and inside a single part. Inside a union the faces between parts
+    /// count as surface, so that the depth is a lower bound there.
+    pub fn signed_distance(&self, x: &Vec3) -> SurfacePoint {
+        match self {
+            Self::Polyhedra(parts) => parts
+                .iter()
+                .filter_map(|part| part.surface_point_within(x, f64::INFINITY))
+                .reduce(|best, this| if closer(&this, &best) { this } else { best })
+                .unwrap_or(SurfacePoint {
+                    distance: f64::INFINITY,
+                    normal: Vec3::z(),
+                    point: *x,
+                }),
+            Self::Sphere { center, radius } => sphere_surface_point(center, *radius, x),
+        }
+    }
+}
+
+/// Outside all parts the nearest counts, inside some the deepest: both have the least distance.
+fn closer(this: &SurfacePoint, best: &SurfacePoint) -> bool {
+    this.distance < best.distance
+}
+
+/// Closest point of a sphere; from its centre, any direction is right and up is taken.
+pub(crate) fn sphere_surface_point(center: &Vec3, radius: f64, x: &Vec3) -> SurfacePoint {
+    let offset = x - center;
+    let from_center = offset.norm();
+    let normal = if from_center > 0.0 {
+        offset / from_center
+    } else {
+        Vec3::z()
+    };
+    SurfacePoint {
+        distance: from_center - radius,
+        normal,
+        point: center + normal * radius,
+    }
+}
