@@ -1,12 +1,12 @@
 //! Files: written, read back by this program and by the VTK library, cut and damaged on purpose.
-#![allow(
+#![expect(
     clippy::unwrap_used,
-    clippy::expect_used,
     clippy::print_stdout,
     reason = "a test stops at the first thing that is wrong, and says what it skipped"
 )]
 
-use riprap::vtk::{self, Array, PolyData, Polygons, Values};
+use proptest::prelude::*;
+use riprap::vtk::{self, Array, Collection, PolyData, Polygons, Values};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -158,6 +158,223 @@ fn the_vtk_library_reads_what_was_written() {
     assert_eq!(empty["points"], 0);
     assert_eq!(empty["cells"], 0);
     assert_eq!(empty["point_arrays"]["Velocity"]["tuples"], 0);
+}
+
+#[test]
+fn no_bit_of_a_number_is_changed() {
+    let odd = [0x7fc0_1234, 0xffc0_0000, 0x7f80_0000, 0x8000_0000, 1].map(f32::from_bits);
+    let mut data = cloud(odd.len());
+    data.point_data = vec![array("Odd", 1, Values::F32(odd.to_vec()))];
+    let Values::F32(back) = &round_trip(&data).point_data[0].values else {
+        unreachable!("single precision stays single precision");
+    };
+    assert_eq!(
+        back.iter().map(|x| x.to_bits()).collect::<Vec<_>>(),
+        odd.map(f32::to_bits)
+    );
+}
+
+#[test]
+fn the_header_is_as_promised() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("x.vtp");
+    vtk::write(&path, &cloud(2)).unwrap();
+    let bytes = std::fs::read(&path).unwrap();
+    let text = String::from_utf8_lossy(&bytes);
+    let header = &text[..text.find("<AppendedData").unwrap()];
+    for promised in [
+        r#"<VTKFile type="PolyData" version="1.0" byte_order="LittleEndian" header_type="UInt64" compressor="vtkZLibDataCompressor">"#,
+        r#"<DataArray type="Float64" Name="TimeValue" NumberOfTuples="1" format="ascii">0.30000000000000004</DataArray>"#,
+        r#"<Piece NumberOfPoints="2" NumberOfVerts="2" NumberOfLines="0" NumberOfStrips="0" NumberOfPolys="0">"#,
+        r#"<PointData Scalars="Pressure" Vectors="Velocity">"#,
+        r#"<DataArray type="Float32" Name="Pressure" NumberOfComponents="1" format="appended" offset="0"/>"#,
+        r#"<DataArray type="Int32" Name="connectivity""#,
+    ] {
+        assert!(header.contains(promised), "{promised} is not in\n{header}");
+    }
+}
+
+#[test]
+fn bytes_do_not_depend_on_threads() {
+    let folder = tempfile::tempdir().unwrap();
+    let data = cloud(40_000);
+    let files: Vec<Vec<u8>> = [1, 2, 4]
+        .map(|n_threads| {
+            let pool = rayon::ThreadPoolBuilder::new()
+                .num_threads(n_threads)
+                .build()
+                .unwrap();
+            let path = folder.path().join("x.vtp");
+            pool.install(|| vtk::write(&path, &data)).unwrap();
+            std::fs::read(&path).unwrap()
+        })
+        .into();
+    assert!(files[0] == files[1] && files[0] == files[2]);
+}
+
+#[test]
+fn a_watcher_never_sees_a_piece_of_a_collection() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut collection = Collection::new(folder.path(), "water & rock");
+    let is_done = std::sync::atomic::AtomicBool::new(false);
+    let ordering = std::sync::atomic::Ordering::SeqCst;
+    std::thread::scope(|scope| {
+        let watcher = scope.spawn(|| {
+            let mut n_seen = 0;
+            while !is_done.load(ordering) {
+                if let Ok(text) = std::fs::read_to_string(folder.path().join("water & rock.pvd")) {
+                    assert!(text.ends_with("</VTKFile>\n"), "cut: {text}");
+                    n_seen += 1;
+                }
+                if let Ok(text) =
+                    std::fs::read_to_string(folder.path().join("water & rock.vtp.series"))
+                {
+                    serde_json::from_str::<serde_json::Value>(&text).unwrap();
+                }
+            }
+            n_seen
+        });
+        for frame in 0..100 {
+            collection
+                .push(
+                    f64::from(frame) * 0.1,
+                    format!("water & rock_{frame:05}.vtp"),
+                )
+                .unwrap();
+        }
+        is_done.store(true, ordering);
+        println!("opened the collection {} times", watcher.join().unwrap());
+    });
+
+    let names = std::fs::read_dir(folder.path()).unwrap();
+    let mut names: Vec<_> = names.map(|entry| entry.unwrap().file_name()).collect();
+    names.sort();
+    assert_eq!(
+        names,
+        ["water & rock.pvd", "water & rock.vtp.series"],
+        "nothing is left behind"
+    );
+    let pvd = std::fs::read_to_string(folder.path().join("water & rock.pvd")).unwrap();
+    let line = r#"<DataSet timestep="0.30000000000000004" group="" part="0" file="water &amp; rock_00003.vtp"/>"#;
+    assert!(pvd.contains(line), "{pvd}");
+    let series = std::fs::read_to_string(folder.path().join("water & rock.vtp.series")).unwrap();
+    let series: serde_json::Value = serde_json::from_str(&series).unwrap();
+    assert_eq!(series["file-series-version"], "1.0");
+    assert_eq!(series["files"][99]["name"], "water & rock_00099.vtp");
+    assert_eq!(series["files"][3]["time"].as_f64(), Some(3.0 * 0.1));
+}
+
+#[test]
+fn errors_name_the_file_and_the_reason() {
+    let nowhere = Path::new("no_such_folder/x.vtp");
+    let message = vtk::write(nowhere, &cloud(1)).unwrap_err().to_string();
+    assert!(
+        message.starts_with("cannot create no_such_folder/x.vtp: No such file"),
+        "{message}"
+    );
+    let message = vtk::read(nowhere).unwrap_err().to_string();
+    assert!(
+        message.starts_with("cannot read no_such_folder/x.vtp: No such file"),
+        "{message}"
+    );
+
+    let mut data = boxes();
+    data.polygons.connectivity[5] = 16;
+    let message = vtk::write(nowhere, &data).unwrap_err().to_string();
+    let expected = "no_such_folder/x.vtp: polygon 1 needs 3 or more corners, all among the 16 points, \
+                    and corners that end in order";
+    assert_eq!(message, expected);
+    let mut data = cloud(3);
+    data.point_data[1].components = 1;
+    let message = vtk::write(nowhere, &data).unwrap_err().to_string();
+    assert_eq!(
+        message,
+        "no_such_folder/x.vtp: array `Velocity` has 9 values, expected 3"
+    );
+    let mut data = cloud(3);
+    data.time = f64::NAN;
+    let message = vtk::write(nowhere, &data).unwrap_err().to_string();
+    assert_eq!(
+        message,
+        "no_such_folder/x.vtp: time must be finite, got NaN"
+    );
+}
+
+/// A file on a full device: the error arrives, and nothing half-written takes the name.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_failed_write_leaves_the_old_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("x.vtp");
+    vtk::write(&path, &cloud(5)).unwrap();
+    // The hidden file becomes a device on which every write says "no space left".
+    std::os::unix::fs::symlink("/dev/full", folder.path().join(".x.vtp.partial")).unwrap();
+    let message = vtk::write(&path, &cloud(6)).unwrap_err().to_string();
+    assert_eq!(
+        message,
+        format!(
+            "cannot write {}: No space left on device (os error 28)",
+            path.display()
+        )
+    );
+    assert_eq!(vtk::read(&path).unwrap(), cloud(5));
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
+}
+
+/// Our reader's answer to `bytes`.
+fn read_bytes(bytes: &[u8]) -> Result<PolyData, vtk::VtkError> {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("x.vtp");
+    std::fs::write(&path, bytes).unwrap();
+    vtk::read(&path)
+}
+
+fn written(data: &PolyData) -> Vec<u8> {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("x.vtp");
+    vtk::write(&path, data).unwrap();
+    std::fs::read(&path).unwrap()
+}
+
+proptest! {
+    #[test]
+    fn a_cut_file_is_an_error(cut in 0.0..1.0f64, is_cloud: bool) {
+        let data = if is_cloud { cloud(500) } else { boxes() };
+        let bytes = written(&data);
+        // The last byte is a line feed and may be missing.
+        let end = ((bytes.len() - 1) as f64 * cut) as usize;
+        prop_assert!(read_bytes(&bytes[..end]).is_err());
+    }
+
+    /// A flipped bit in the text may change a name; one in the numbers is noticed, or sits in an unused bit.
+    #[test]
+    fn a_flipped_bit_is_an_error_or_harmless(place in 0.0..1.0f64, bit in 0..8u32, is_cloud: bool) {
+        let data = if is_cloud { cloud(500) } else { boxes() };
+        let mut bytes = written(&data);
+        let place = (bytes.len() as f64 * place) as usize;
+        bytes[place] ^= 1 << bit;
+        let start = bytes.windows(8).position(|window| window == b"Appended").unwrap_or(0);
+        match read_bytes(&bytes) {
+            Ok(found) => prop_assert!(place < start || found == data, "flipped bit {bit} of byte {place}"),
+            Err(error) => prop_assert!(error.to_string().contains("x.vtp")),
+        }
+    }
+
+    #[test]
+    fn noise_is_an_error(bytes in proptest::collection::vec(any::<u8>(), 0..300)) {
+        prop_assert!(read_bytes(&bytes).is_err());
+    }
+
+    /// Noise in the place of the numbers, behind a header that is right.
+    #[test]
+    fn noise_behind_a_header_is_an_error(noise in proptest::collection::vec(any::<u8>(), 0..300)) {
+        let bytes = written(&cloud(20));
+        let start = bytes.windows(4).position(|window| window == b"   _").unwrap_or(0);
+        let mut damaged = bytes[..start + 4].to_vec();
+        damaged.extend(noise);
+        damaged.extend(b"\n  </AppendedData>\n</VTKFile>\n");
+        prop_assert!(read_bytes(&damaged).is_err());
+    }
 }
 
 /// What the VTK library says about `files`; nothing where Python has no such library, unless that is required.
