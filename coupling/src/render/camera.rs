@@ -49,6 +49,10 @@ pub enum Lens {
         width: f64,
         /// Top to bottom; at least one.
         panels: Vec<Panel>,
+        /// What is written over each of them.
+        labels: Vec<String>,
+        /// Height of a strip in the picture; m.
+        tall: f64,
     },
 }
 
@@ -144,6 +148,17 @@ impl Camera {
             Lens::Perspective { .. } => &[Panel::WHOLE],
             Lens::Strips { panels, .. } => panels,
         }
+    }
+
+    /// What is written over strips, and where in the picture.
+    pub fn strip_labels(&self) -> Vec<(String, (f64, f64))> {
+        let Lens::Strips { width, panels, labels, tall } = &self.lens else {
+            return Vec::new();
+        };
+        let up = self.axes().up;
+        let height = |panel: &Panel| (panel.shift.dot(&up) + 0.55 * tall) / (0.5 * width) * self.aspect;
+        let places = panels.iter().map(|panel| (0.6, height(panel)));
+        labels.iter().cloned().zip(places).collect()
     }
 
     /// Start of the ray of sight that ends in `point`, before panels are shifted; m.
@@ -244,11 +259,16 @@ fn strips(low: Vector3<f64>, high: Vector3<f64>, long: usize, azimuth_deg: f64, 
         Panel { axis: long, from, to, shift }
     });
     let panels = panels.collect();
+    let name = if long == 0 { "x" } else { "y" };
+    let label = |i: usize| {
+        let from = low[long] + i as f64 * length;
+        format!("{name} = {from:.1} ... {:.1} m", from + length)
+    };
     let look_at = 0.5 * (low + high);
     Camera {
         eye: look_at - axes.forward * (4.0 * width),
         look_at,
-        lens: Lens::Strips { width, panels },
+        lens: Lens::Strips { width, panels, labels: (0..count).map(label).collect(), tall },
         aspect,
     }
 }
