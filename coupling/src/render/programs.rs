@@ -119,8 +119,9 @@ fn call(program: &Path, arguments: &[OsString], folder: &Path) -> Result<(), Ren
     if output.status.success() {
         return Ok(());
     }
-    // The last lines name the place; what precedes them is a list of settings.
     let said = String::from_utf8_lossy(&output.stderr).into_owned();
     let lines: Vec<&str> = said.lines().filter(|line| !line.trim().is_empty()).collect();
-    Err(failed(lines[lines.len().saturating_sub(6)..].join("\n")))
+    // What precedes the last few lines is a list of settings.
+    let last = &lines[lines.len().saturating_sub(5)..];
+    Err(failed(last.iter().map(|line| line.trim()).collect::<Vec<_>>().join("; ")))
 }

@@ -148,3 +148,36 @@ fn cloud(data: &PolyData) -> Cloud {
         skipped: is_finite.iter().filter(|&&f| !f).count(),
     }
 }
+
+/// The files of a ParaView collection; none when it does not exist.
+///
+/// Only what riprap's own writer puts there is understood: one `DataSet` element per file.
+fn collection(path: &Path) -> Result<Vec<Timed>, RenderError> {
+    if !path.exists() {
+        return Ok(Vec::new());
+    }
+    let text = read_text(path)?;
+    let folder = path.parent().unwrap_or(Path::new("."));
+    let bad = |element: &str| RenderError::BadFile {
+        path: path.to_owned(),
+        reason: format!("no time or file in <DataSet{element}"),
+    };
+    text.split("<DataSet")
+        .skip(1)
+        .map(|rest| {
+            let element = rest.split_inclusive('>').next().unwrap_or(rest);
+            let time = attribute(element, "timestep").and_then(|t| t.parse::<f64>().ok());
+            let file = attribute(element, "file");
+            let (Some(time), Some(file)) = (time.filter(|t| t.is_finite()), file) else {
+                return Err(bad(element));
+            };
+            Ok(Timed { time, path: folder.join(file) })
+        })
+        .collect()
+}
+
+/// The value of `name="value"`.
+fn attribute<'a>(element: &'a str, name: &str) -> Option<&'a str> {
+    let (_, rest) = element.split_once(&format!(" {name}=\""))?;
+    rest.split_once('"').map(|(value, _)| value)
+}
