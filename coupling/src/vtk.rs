@@ -1,4 +1,26 @@
 //! VTK XML PolyData: what ParaView opens.
+//!
+//! One file holds one kind of thing at one time (`water_00042.vtp`); a [`Collection`] ties the files of a run to their
+//! times. Layout of a file, as the VTK library's own writer lays it out:
+//!
+//! ```text
+//! XML header        names, types, counts, one offset per array, TimeValue as text
+//! appended data     '_', then array after array:
+//!                   [blocks] [block size] [size of a shorter last block or 0] [compressed sizes …]  u64 each
+//!                   zlib streams, one per block
+//! ```
+//!
+//! Everything is little endian, raw after the underscore. The numbers are stored as they are: NaN stays NaN.
+
+mod check;
+mod collection;
+mod read;
+mod write;
+
+pub use check::{Fault, VtkError};
+pub use collection::Collection;
+pub use read::read;
+pub use write::{replace_file, write};
 
 /// Points and polygons with their arrays, at one time.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -44,4 +66,42 @@ pub enum Values {
     F64(Vec<f64>),
     /// Integers.
     I32(Vec<i32>),
+}
+
+impl Polygons {
+    /// Number of polygons.
+    pub fn len(&self) -> usize {
+        self.offsets.len()
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.offsets.is_empty()
+    }
+
+    /// Corner numbers of each polygon; valid polygons only, as [`read`] returns them.
+    pub fn iter(&self) -> impl Iterator<Item = &[i32]> + '_ {
+        let mut start = 0;
+        self.offsets.iter().map_while(move |&end| {
+            let corners = self.connectivity.get(start..end as usize)?;
+            start = end as usize;
+            Some(corners)
+        })
+    }
+}
+
+impl Values {
+    /// Number of values, all components counted.
+    pub fn len(&self) -> usize {
+        match self {
+            Self::F32(values) => values.len(),
+            Self::F64(values) => values.len(),
+            Self::I32(values) => values.len(),
+        }
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
 }

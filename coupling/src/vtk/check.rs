@@ -1,0 +1,214 @@
+//! What polygon data must fulfil, and what can go wrong with a file.
+
+use super::{Array, PolyData, Polygons};
+use std::io;
+use std::path::{Path, PathBuf};
+
+/// Why a VTK file or a collection could not be written or read.
+#[derive(Debug, thiserror::Error)]
+pub enum VtkError {
+    /// The operating system refused.
+    #[error("cannot {operation} {}: {cause}", path.display())]
+    Io {
+        /// What was tried, e.g. `create`.
+        operation: &'static str,
+        /// The file.
+        path: PathBuf,
+        /// What the system said.
+        cause: io::Error,
+    },
+    /// The data contradict themselves or are not what this module writes.
+    #[error("{}: {fault}", path.display())]
+    Data {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        fault: Fault,
+    },
+}
+
+impl VtkError {
+    /// For `map_err`: an error of the operating system on `path`.
+    pub(super) fn io<'a>(
+        operation: &'static str,
+        path: &'a Path,
+    ) -> impl FnOnce(io::Error) -> Self + 'a {
+        move |cause| Self::Io {
+            operation,
+            path: path.to_owned(),
+            cause,
+        }
+    }
+
+    /// For `map_err`: a fault in the data of `path`.
+    pub(super) fn data(path: &Path) -> impl FnOnce(Fault) -> Self + '_ {
+        |fault| Self::Data {
+            path: path.to_owned(),
+            fault,
+        }
+    }
+}
+
+/// What is wrong with polygon data or with a file.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum Fault {
+    /// ParaView orders frames by time.
+    #[error("time must be finite, got {time}")]
+    Time {
+        /// The time; s.
+        time: f64,
+    },
+    /// Corner numbers are 32-bit.
+    #[error(
+        "{found} points or corners are more than 32-bit numbers can count; write fewer per file"
+    )]
+    TooMany {
+        /// Number of points or corners.
+        found: usize,
+    },
+    /// Readers find arrays by name.
+    #[error("array name `{}` is empty, used twice or has control characters", name.escape_debug())]
+    Name {
+        /// The name.
+        name: String,
+    },
+    /// Scalars and vectors are all there is.
+    #[error("array `{name}` has {components} components, 1 or 3 are possible")]
+    Components {
+        /// Name of the array.
+        name: String,
+        /// Its components.
+        components: usize,
+    },
+    /// An array does not match its points or polygons.
+    #[error("array `{name}` has {found} values, expected {expected}")]
+    Length {
+        /// Name of the array.
+        name: String,
+        /// Values it has.
+        found: u64,
+        /// Values it must have.
+        expected: u64,
+    },
+    /// A polygon is not one.
+    #[error(
+        "polygon {polygon} needs 3 or more corners, all among the {n_points} points, and corners that end in order"
+    )]
+    Polygon {
+        /// Number of the polygon.
+        polygon: usize,
+        /// Number of points.
+        n_points: usize,
+    },
+    /// A part of the file is not there or is no text.
+    #[error("not a complete file of this program: {part} is missing or damaged")]
+    Missing {
+        /// The part.
+        part: &'static str,
+    },
+    /// The file is valid VTK, perhaps, but not as written here.
+    #[error("cannot read `{attribute}` = `{}`", value.escape_debug())]
+    Unsupported {
+        /// Attribute of the XML header.
+        attribute: &'static str,
+        /// Its value.
+        value: String,
+    },
+    /// Compressed bytes are damaged or cut.
+    #[error("compressed data of array `{name}` are damaged or cut")]
+    Compressed {
+        /// Name of the array.
+        name: String,
+    },
+}
+
+impl PolyData {
+    /// Checks that counts agree, corners exist and names are usable.
+    ///
+    /// # Errors
+    /// The first [`Fault`] found.
+    pub fn check(&self) -> Result<(), Fault> {
+        if !self.time.is_finite() {
+            return Err(Fault::Time { time: self.time });
+        }
+        let found = self.points.len().max(self.polygons.connectivity.len());
+        if i32::try_from(found).is_err() {
+            return Err(Fault::TooMany { found });
+        }
+        check_arrays(&self.point_data, self.points.len())?;
+        check_arrays(&self.cell_data, self.polygons.len())?;
+        // Readers count the vertex cells of a cloud as cells, so that an array over no polygon would be too short.
+        if let Some(array) = self.cell_data.first()
+            && self.polygons.is_empty()
+            && !self.points.is_empty()
+        {
+            return Err(Fault::Length {
+                name: array.name.clone(),
+                found: 0,
+                expected: self.points.len() as u64,
+            });
+        }
+        self.check_polygons()
+    }
+
+    fn check_polygons(&self) -> Result<(), Fault> {
+        let Polygons {
+            connectivity,
+            offsets,
+        } = &self.polygons;
+        let n_points = self.points.len();
+        let mut start = 0;
+        for (polygon, &end) in offsets.iter().enumerate() {
+            let corners = usize::try_from(end)
+                .ok()
+                .and_then(|end| connectivity.get(start..end));
+            let is_valid = corners.is_some_and(|corners| {
+                corners.len() >= 3
+                    && corners
+                        .iter()
+                        .all(|&c| usize::try_from(c).is_ok_and(|c| c < n_points))
+            });
+            if !is_valid {
+                return Err(Fault::Polygon { polygon, n_points });
+            }
+            start = end as usize;
+        }
+        if start == connectivity.len() {
+            Ok(())
+        } else {
+            Err(Fault::Length {
+                name: "connectivity".into(),
+                found: connectivity.len() as u64,
+                expected: start as u64,
+            })
+        }
+    }
+}
+
+fn check_arrays(arrays: &[Array], n_tuples: usize) -> Result<(), Fault> {
+    for (i, array) in arrays.iter().enumerate() {
+        let Array {
+            name,
+            components,
+            values,
+        } = array;
+        let is_repeated = arrays[..i].iter().any(|other| other.name == *name);
+        if name.is_empty() || is_repeated || name.contains(char::is_control) {
+            return Err(Fault::Name { name: name.clone() });
+        }
+        if *components != 1 && *components != 3 {
+            return Err(Fault::Components {
+                name: name.clone(),
+                components: *components,
+            });
+        }
+        if values.len() != components * n_tuples {
+            return Err(Fault::Length {
+                name: name.clone(),
+                found: values.len() as u64,
+                expected: (components * n_tuples) as u64,
+            });
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,64 @@
+//! The files of a run and their times.
+
+use super::write::{escape, replace_file};
+use super::{Fault, VtkError};
+use std::path::{Path, PathBuf};
+
+/// An index of frames, kept in both forms that ParaView opens as an animation: `<stem>.pvd` and `<stem>.vtp.series`.
+///
+/// Neither form can be appended to, so that both are written anew after each frame, under their names only once
+/// complete: the animation can be opened while the run goes on, and after a crash.
+#[derive(Debug)]
+pub struct Collection {
+    pvd: PathBuf,
+    series: PathBuf,
+    frames: Vec<(f64, String)>,
+}
+
+impl Collection {
+    /// An empty collection; writes nothing before the first frame.
+    pub fn new(folder: &Path, stem: &str) -> Self {
+        Self {
+            pvd: folder.join(format!("{stem}.pvd")),
+            series: folder.join(format!("{stem}.vtp.series")),
+            frames: Vec::new(),
+        }
+    }
+
+    /// Adds a finished file, named relative to the folder of the collection, and rewrites both forms; `time` in s.
+    ///
+    /// # Errors
+    /// [`VtkError::Data`] if `time` is not finite, [`VtkError::Io`] if the system refuses.
+    pub fn push(&mut self, time: f64, file_name: impl Into<String>) -> Result<(), VtkError> {
+        if !time.is_finite() {
+            return Err(VtkError::data(&self.pvd)(Fault::Time { time }));
+        }
+        self.frames.push((time, file_name.into()));
+        replace_file(&self.pvd, &[self.pvd_text().as_bytes()])?;
+        replace_file(&self.series, &[self.series_text().as_bytes()])
+    }
+
+    fn pvd_text(&self) -> String {
+        let mut text = String::from(
+            "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\" byte_order=\"LittleEndian\">\n  <Collection>\n",
+        );
+        for (time, file) in &self.frames {
+            let file = escape(file);
+            text += &format!(
+                "    <DataSet timestep=\"{time:?}\" group=\"\" part=\"0\" file=\"{file}\"/>\n"
+            );
+        }
+        text + "  </Collection>\n</VTKFile>\n"
+    }
+
+    fn series_text(&self) -> String {
+        let frames = self.frames.iter();
+        let files: Vec<String> = frames
+            .map(|(time, file)| format!("    {}", serde_json::json!({"name": file, "time": time})))
+            .collect();
+        format!(
+            "{{\n  \"file-series-version\": \"1.0\",\n  \"files\": [\n{}\n  ]\n}}\n",
+            files.join(",\n")
+        )
+    }
+}
