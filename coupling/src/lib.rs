@@ -1,7 +1,35 @@
 //! Rock blocks and water in one explicit engine: scene, world, run, observers, files.
+//!
+//! ```text
+//!  cases/x.ron ─parse→ SceneFile ─resolve→ Scene ─build→ World + observers
+//!    as written          checked       SI, frozen          │
+//!                                                          ▼
+//!     ┌────────────────────────────► World { blocks, water, clock }
+//!     │  step: the only &mut World        │ observe(&World), each when due
+//!     │   1 kick      fluid, blocks       ▼
+//!     │   2 drift     fluid; blocks take   runs/x/  case.ron, summary.json, *.csv,
+//!     │               sub-steps inside              *.pvd + *.vtp, overview.svg
+//!     │   3 walls, neighbours, densities,
+//!     │     forces
+//!     └── 4 kick, tick
+//! ```
+//!
+//! Invariants: what is read ([`scene::file::SceneFile`]) is never what is computed with
+//! ([`scene::resolve::Scene`], [`world::World`]); the solver crates touch no file and no clock;
+//! observers look and never change the world; steps never bend to output times; every pair force
+//! acts twice with opposite sign; results are the same bits for any number of threads.
 
+pub mod cli;
 pub mod compare;
+pub mod interface;
+pub mod ledger;
+pub mod observe;
 pub mod overview;
+pub mod render;
+pub mod run;
 pub mod scene;
+pub mod summary;
 pub mod table;
+pub mod time_step;
 pub mod vtk;
+pub mod world;

@@ -1,0 +1,378 @@
+//! Pictures of a run: a POV-Ray file per frame, and through POV-Ray and ffmpeg pictures and a film.
+//!
+//! ```text
+//! RUN/case.ron, *.pvd, *.vtp ─run_folder→ clouds and bodies ─camera, body→ what is seen
+//!                                               │ surface                    │
+//!                                               └────────────── pov ─────────┘
+//!                                     RUN/frames/ *.inc, frame_%05d.pov ─programs→ .png, film.mp4
+//! ```
+//!
+//! The run folder is only read (but for `frames/` in it); a running job is drawn up to its newest
+//! frame. Coordinates are single precision, as in the VTK files.
+
+pub mod camera;
+pub mod surface;
+
+mod body;
+mod pov;
+mod programs;
+mod run_folder;
+mod survey;
+
+pub use programs::Film;
+
+use camera::Camera;
+use run_folder::{Cloud, RunFolder};
+use std::fs;
+use std::io;
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+
+/// How water is drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum WaterLook {
+    /// A smooth surface; needs feature `surface`.
+    Surface,
+    /// Every particle as a sphere, coloured by speed.
+    Particles,
+}
+
+/// What is drawn, and how.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RenderOptions {
+    /// Every how many-th frame of the run; at least 1.
+    pub every: usize,
+    /// Which frames, by the number in their file names; all of them when `None`.
+    pub frames: Option<Range<usize>>,
+    /// Width and height of the picture; pixels.
+    pub size: (u32, u32),
+    /// How water is drawn.
+    pub water: WaterLook,
+    /// Name or path of POV-Ray.
+    pub povray: PathBuf,
+    /// Name or path of ffmpeg.
+    pub ffmpeg: PathBuf,
+}
+
+impl Default for RenderOptions {
+    fn default() -> Self {
+        Self {
+            every: 1,
+            frames: None,
+            size: (960, 540),
+            water: if cfg!(feature = "surface") { WaterLook::Surface } else { WaterLook::Particles },
+            povray: PathBuf::from("povray"),
+            ffmpeg: PathBuf::from("ffmpeg"),
+        }
+    }
+}
+
+/// What came of it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RenderSummary {
+    /// Where everything is.
+    pub folder: PathBuf,
+    /// POV-Ray files.
+    pub scenes: Vec<PathBuf>,
+    /// Pictures; empty without POV-Ray.
+    pub pictures: Vec<PathBuf>,
+    /// The film; `None` without POV-Ray or ffmpeg, or of a single frame.
+    pub film: Option<Film>,
+    /// The eye of all frames.
+    pub camera: Camera,
+    /// Speed at the upper end of the particles' colours, the same in all frames; m/s.
+    pub speed_range: f64,
+    /// Particles left out because a coordinate is not finite, over all frames.
+    pub skipped_points: usize,
+    /// Faces of blocks left out because a corner is not finite, over all frames.
+    pub skipped_faces: usize,
+    /// Particles drawn as spray beside the surface, over all frames.
+    pub spray: usize,
+}
+
+/// Why there is no picture.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum RenderError {
+    /// A file of the run cannot be read.
+    #[error("cannot read {}; is its folder a run folder, with case.ron and *.pvd in it?", path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// What the system said.
+        source: io::Error,
+    },
+    /// A file of the run is not what it should be.
+    #[error("{}: {reason}; a run by this version of riprap writes it anew", path.display())]
+    BadFile {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        reason: String,
+    },
+    /// The run has written no frame.
+    #[error("no frames in {}: neither water.pvd nor blocks.pvd lists a file; wait for the run's first output, or lower `output.frame_interval`", folder.display())]
+    NoFrames {
+        /// The run folder.
+        folder: PathBuf,
+    },
+    /// The chosen frames are none.
+    #[error("frames {}..{} are none of the {available} frames in {}; choose among 0..{available}", frames.start, frames.end, folder.display())]
+    NoSuchFrames {
+        /// What was asked for.
+        frames: Range<usize>,
+        /// Frames there are.
+        available: usize,
+        /// The run folder.
+        folder: PathBuf,
+    },
+    /// Nothing in the chosen frames can be drawn.
+    #[error("{} frames of {} have neither a finite particle nor a moving block; set `camera` in its case.ron to draw walls alone", frames, folder.display())]
+    NothingToSee {
+        /// Frames looked at.
+        frames: usize,
+        /// The run folder.
+        folder: PathBuf,
+    },
+    /// An option is out of range.
+    #[error("{option} must be {limit}, got {value}")]
+    BadOption {
+        /// Which.
+        option: &'static str,
+        /// What it was.
+        value: String,
+        /// What it may be.
+        limit: &'static str,
+    },
+    /// The camera of the scene looks nowhere.
+    #[error("camera in {} must have position and look_at apart and an angle of view above 0 and below 180 degrees", path.display())]
+    BadCamera {
+        /// The scene.
+        path: PathBuf,
+    },
+    /// No surface could be made.
+    #[error("no water surface in frame {frame}: {reason}; draw particles instead (--particles)")]
+    Surface {
+        /// Number of the frame.
+        frame: usize,
+        /// What the reconstruction said.
+        reason: String,
+    },
+    /// A file cannot be written.
+    #[error("cannot write {}; check space and permissions", path.display())]
+    Write {
+        /// The file.
+        path: PathBuf,
+        /// What the system said.
+        source: io::Error,
+    },
+    /// POV-Ray or ffmpeg failed.
+    #[error("`{command}` failed in {}: {reason}", folder.display())]
+    Program {
+        /// The command line.
+        command: String,
+        /// Where it ran.
+        folder: PathBuf,
+        /// Its last words.
+        reason: String,
+    },
+}
+
+/// Draws a run. `report` hears a line of text per event worth telling a user.
+///
+/// # Errors
+///
+/// [`RenderError`]: what cannot be read, drawn or written.
+pub fn render(
+    run_folder: &Path,
+    options: &RenderOptions,
+    report: &mut dyn FnMut(&str),
+) -> Result<RenderSummary, RenderError> {
+    check(options)?;
+    let run = run_folder::open(run_folder)?;
+    let numbers = chosen(&run, run_folder, options)?;
+    let survey = survey::survey(&run, run_folder, &numbers, options)?;
+    report(&survey.description);
+
+    let frames = run_folder.join("frames");
+    prepare(&frames, options, report)?;
+    let has_povray = programs::is_present(&options.povray, "--version");
+    let mut summary = RenderSummary {
+        folder: frames.clone(),
+        scenes: Vec::new(),
+        pictures: Vec::new(),
+        film: None,
+        camera: survey.camera.clone(),
+        speed_range: survey.speed_range,
+        skipped_points: 0,
+        skipped_faces: run.skipped_faces,
+        spray: 0,
+    };
+    let mut names = Vec::new();
+    for &number in &numbers {
+        let name = format!("frame_{number:05}");
+        let text = scene_text(&run, &survey, number, options, &mut summary)?;
+        let path = frames.join(format!("{name}.pov"));
+        write(&path, &text)?;
+        summary.scenes.push(path);
+        if has_povray {
+            summary.pictures.push(programs::picture(&options.povray, &frames, &name, options.size)?);
+        }
+        report(&format!("{name}: {} of {}", names.len() + 1, numbers.len()));
+        names.push(name);
+    }
+    if has_povray {
+        summary.film = film(&run, &numbers, &names, &frames, options, report)?;
+    } else {
+        report(&without_povray(&names, options));
+    }
+    report_skipped(&summary, report);
+    Ok(summary)
+}
+
+fn check(options: &RenderOptions) -> Result<(), RenderError> {
+    if options.every == 0 {
+        return Err(RenderError::BadOption {
+            option: "every",
+            value: "0".to_owned(),
+            limit: "at least 1",
+        });
+    }
+    let (width, height) = options.size;
+    if !(16..=16_384).contains(&width) || !(16..=16_384).contains(&height) {
+        return Err(RenderError::BadOption {
+            option: "size",
+            value: format!("{width}x{height}"),
+            limit: "16 to 16384 pixels either way",
+        });
+    }
+    if options.water == WaterLook::Surface && !cfg!(feature = "surface") {
+        return Err(RenderError::BadOption {
+            option: "water",
+            value: "surface".to_owned(),
+            limit: "particles in a build without feature `surface`",
+        });
+    }
+    Ok(())
+}
+
+/// Numbers of the frames that are drawn.
+fn chosen(
+    run: &RunFolder,
+    folder: &Path,
+    options: &RenderOptions,
+) -> Result<Vec<usize>, RenderError> {
+    let available = run.frames().len();
+    let frames = options.frames.clone().unwrap_or(0..available);
+    let numbers: Vec<usize> = (frames.start..frames.end.min(available)).step_by(options.every).collect();
+    if numbers.is_empty() {
+        return Err(RenderError::NoSuchFrames { frames, available, folder: folder.to_owned() });
+    }
+    Ok(numbers)
+}
+
+/// Makes the folder and puts the includes there; edited ones are kept.
+fn prepare(
+    frames: &Path,
+    options: &RenderOptions,
+    report: &mut dyn FnMut(&str),
+) -> Result<(), RenderError> {
+    fs::create_dir_all(frames)
+        .map_err(|source| RenderError::Write { path: frames.to_owned(), source })?;
+    for (name, text) in pov::INCLUDES {
+        let path = frames.join(name);
+        match fs::read_to_string(&path) {
+            Ok(present) if present == text => {}
+            Ok(_) => report(&format!("{} differs from riprap's own and is kept; delete it to start over", path.display())),
+            Err(_) => write(&path, text)?,
+        }
+    }
+    // POV-Ray reads this file where it is started, so that `povray frame_00000.pov` alone gives
+    // the same picture.
+    let (width, height) = options.size;
+    let ini = format!("Width={width}\nHeight={height}\nAntialias=on\nAntialias_Threshold=0.2\nDisplay=off\nOutput_File_Type=N8\n");
+    write(&frames.join("povray.ini"), &ini)
+}
+
+fn write(path: &Path, text: &str) -> Result<(), RenderError> {
+    fs::write(path, text).map_err(|source| RenderError::Write { path: path.to_owned(), source })
+}
+
+/// One frame, from files to text.
+fn scene_text(
+    run: &RunFolder,
+    survey: &survey::Survey,
+    number: usize,
+    options: &RenderOptions,
+    summary: &mut RenderSummary,
+) -> Result<String, RenderError> {
+    let time = run.frames().get(number).map_or(0.0, |f| f.time);
+    let Cloud { points, speeds, skipped } = run.cloud(number)?;
+    let (bodies, skipped_faces) = run.blocks_at(time)?;
+    summary.skipped_points += skipped;
+    summary.skipped_faces += skipped_faces;
+    let water = match options.water {
+        WaterLook::Particles => pov::Water::Particles(points, speeds),
+        WaterLook::Surface => {
+            let spacing = survey.spacing as f32;
+            let is_stray = surface::strays(&points, spacing);
+            let of_kind = |stray: bool| {
+                let same = points.iter().zip(&is_stray).filter(|&(_, &s)| s == stray);
+                same.map(|(p, _)| *p).collect::<Vec<_>>()
+            };
+            let spray = of_kind(true);
+            summary.spray += spray.len();
+            let surface = surface::surface(&of_kind(false), spacing)
+                .map_err(|reason| RenderError::Surface { frame: number, reason })?;
+            pov::Water::Surface(surface, spray)
+        }
+    };
+    Ok(pov::frame(&survey.setting(&run.scene.title), time, &water, &bodies))
+}
+
+fn film(
+    run: &RunFolder,
+    numbers: &[usize],
+    names: &[String],
+    frames: &Path,
+    options: &RenderOptions,
+    report: &mut dyn FnMut(&str),
+) -> Result<Option<Film>, RenderError> {
+    let time = |number: Option<&usize>| number.and_then(|&n| run.frames().get(n)).map_or(0.0, |f| f.time);
+    let interval = (time(numbers.last()) - time(numbers.first())) / (numbers.len().max(2) - 1) as f64;
+    if numbers.len() < 2 || interval.is_nan() || interval <= 0.0 {
+        return Ok(None);
+    }
+    if !programs::is_present(&options.ffmpeg, "-version") {
+        report("no film: ffmpeg is not on this machine; the pictures are in frames/, see render/README.md for the command");
+        return Ok(None);
+    }
+    let film = programs::film(&options.ffmpeg, frames, names, interval)?;
+    report(&format!(
+        "{}: {:.3} frames per second, {:.3} times real time",
+        film.path.display(),
+        film.frames_per_second,
+        film.speed
+    ));
+    Ok(Some(film))
+}
+
+fn without_povray(names: &[String], options: &RenderOptions) -> String {
+    let first = names.first().map_or("frame_00000", String::as_str);
+    let arguments = programs::povray_arguments(&format!("{first}.pov"), &format!("{first}.png"), options.size);
+    format!(
+        "no pictures: `{}` is not on this machine; install POV-Ray 3.7 (Debian: apt install povray) \
+         here or copy frames/ to a machine that has it, and there, in frames/: povray {}",
+        options.povray.display(),
+        arguments.join(" ")
+    )
+}
+
+fn report_skipped(summary: &RenderSummary, report: &mut dyn FnMut(&str)) {
+    if 0 < summary.skipped_points + summary.skipped_faces {
+        report(&format!(
+            "left out because not finite: {} particles and {} block faces over all frames",
+            summary.skipped_points, summary.skipped_faces
+        ));
+    }
+}

@@ -1,0 +1,66 @@
+//! Path of a field → its place in the text.
+//!
+//! RON keeps no places once a scene is read, and its own errors end at the first. So the text is
+//! walked a second time by a small reader of our own, which minds only brackets, names and commas
+//! and therefore finds its way through broken text too.
+
+pub mod path;
+mod token;
+pub mod tree;
+
+use std::ops::Range;
+
+use path::FieldPath;
+use tree::Tree;
+
+/// A place in a text.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Place {
+    /// Bytes of the text.
+    pub span: Range<usize>,
+    /// Line of its start, from 1.
+    pub line: usize,
+    /// Character of its start in that line, from 1.
+    pub column: usize,
+}
+
+/// Where the value of `path` stands in `text`. What has no text of its own, such as a default, is
+/// placed at the nearest thing around it that has.
+pub fn locate(text: &str, path: &str) -> Place {
+    let span = span_of(&Tree::new(text), path);
+    let (line, column) = line_column(text, span.start);
+    Place { span, line, column }
+}
+
+/// As [`locate`], in a text that was walked before; bytes.
+pub fn span_of(tree: &Tree<'_>, path: &str) -> Range<usize> {
+    // A broken path is no reason to lose the message it came with: it is placed at the start.
+    let path = FieldPath::parse(path).unwrap_or_default();
+    match tree.walk(&path) {
+        Ok(node) | Err((Some(node), _)) => node.span.clone(),
+        Err((None, _)) => 0..0,
+    }
+}
+
+/// Line and column, both from 1, of the byte `at`; columns count characters.
+pub fn line_column(text: &str, at: usize) -> (usize, usize) {
+    let before = text.get(..at).unwrap_or(text);
+    let line_start = before.rfind('\n').map_or(0, |newline| newline + 1);
+    let line = before.matches('\n').count() + 1;
+    let column = before.get(line_start..).unwrap_or_default();
+    // A byte order mark takes no column on any screen.
+    let column = column.trim_start_matches('\u{feff}').chars().count() + 1;
+    (line, column)
+}
+
+/// The byte at a line and column, both from 1; the end of the text when it is shorter.
+pub fn offset(text: &str, line: usize, column: usize) -> usize {
+    let start: usize = text
+        .split_inclusive('\n')
+        .take(line.saturating_sub(1))
+        .map(str::len)
+        .sum();
+    let rest = text.get(start..).unwrap_or_default();
+    let within = rest.char_indices().nth(column.saturating_sub(1));
+    start + within.map_or(rest.len(), |(at, _)| at)
+}
