@@ -11,7 +11,7 @@
 //! this open.
 
 use rayon::prelude::*;
-use riprap_dda::{Blocks, Load};
+use riprap_dda::{Blocks, Load, Motion};
 use riprap_sph::fluid::ParticleForce;
 use riprap_sph::{CellGrid, Fluid, Vec3};
 
@@ -105,7 +105,7 @@ impl Interface {
     /// Walls for the blocks at their present places.
     pub fn new(settings: WallSettings, blocks: &Blocks, grid: &CellGrid) -> Self {
         let mut fixed = PartTable::default();
-        let standing = (0..blocks.n_parts()).filter(|&part| blocks.is_fixed(blocks.block_of_part(part)));
+        let standing = (0..blocks.n_parts()).filter(|&part| matches!(blocks.motion(blocks.block_of_part(part)), Motion::Fixed));
         fixed.rebuild(standing, blocks, grid, settings.standoff());
         Self {
             settings,
@@ -137,7 +137,7 @@ impl Interface {
     pub fn find(&mut self, fluid: &Fluid, blocks: &Blocks) {
         let moving = (0..blocks.n_parts()).filter(|&part| {
             let block = blocks.block_of_part(part);
-            !blocks.is_fixed(block) && !blocks.is_removed(block)
+            !matches!(blocks.motion(block), Motion::Fixed) && !blocks.is_removed(block)
         });
         let standoff = self.settings.standoff();
         self.moving.rebuild(moving, blocks, fluid.grid(), standoff);

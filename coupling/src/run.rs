@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
-use riprap_dda::Blocks;
+use riprap_dda::{Blocks, Motion};
 use riprap_sph::Fluid;
 
 use crate::observe::frames::Frames;
@@ -79,7 +79,7 @@ pub fn build(scene: &Scene) -> Result<World, RunError> {
     let blocks = Blocks::new(
         scene.blocks.clone(),
         scene.materials.clone(),
-        scene.block_settings.clone(),
+        scene.block_settings,
     )?;
     let fluid = match &scene.fluid {
         None => None,
@@ -94,7 +94,7 @@ pub fn build(scene: &Scene) -> Result<World, RunError> {
     };
     let domain = (vec3(scene.file.domain.min), vec3(scene.file.domain.max));
     let mut world = World::new(blocks, fluid, vec3(scene.file.gravity), domain)?;
-    world.refuse_escapes(scene.file.domain.leaving);
+    world.set_leaving(scene.file.domain.leaving);
     Ok(world)
 }
 
@@ -314,8 +314,8 @@ impl<'a> Run<'a> {
             fluid_particles: self.particles_at_start,
             wall_particles: 0,
             free_blocks: count(&|b| blocks.is_free(b)),
-            fixed_blocks: count(&|b| blocks.is_fixed(b)),
-            prescribed_blocks: count(&|b| !blocks.is_free(b) && !blocks.is_fixed(b)),
+            fixed_blocks: count(&|b| world.is_fixed(b)),
+            prescribed_blocks: count(&|b| matches!(blocks.motion(b), Motion::Prescribed(_))),
             particle_spacing: self.scene.fluid.as_ref().map_or(0.0, |f| f.walls.particle_spacing),
             mean_neighbours: extremes.pair_interactions as f64 / extremes.particle_steps.max(1) as f64,
             particle_steps_per_second: extremes.particle_steps as f64 / running,
@@ -348,8 +348,8 @@ impl<'a> Run<'a> {
             neighbours: phases.neighbors.as_secs_f64(),
             density: phases.density.as_secs_f64(),
             forces: phases.forces.as_secs_f64(),
-            contact_detection: phases.contact_detection.as_secs_f64(),
-            contact_forces: phases.contact_forces.as_secs_f64(),
+            contact_detection: phases.contacts.as_secs_f64(),
+            contact_forces: 0.0,
             coupling: phases.coupling.as_secs_f64(),
             integration: phases.integration.as_secs_f64(),
             output: self.output_time,

@@ -2,12 +2,12 @@
 
 use std::time::{Duration, Instant};
 
-use riprap_dda::Blocks;
+use riprap_dda::{Blocks, Load, Motion};
 use riprap_sph::{Fluid, FluidError, Vec3};
-use serde::Serialize;
 
 use crate::interface::{Interface, WallSettings};
 use crate::ledger::Ledger;
+use crate::scene::file::Leaving;
 use crate::time_step::{Cause, Limits, TimeStep};
 
 /// Everything that changes during a run. Only [`World::step`] and [`World::settle_step`] change it.
@@ -26,6 +26,9 @@ pub struct World {
     pub(crate) held: Held,
     pub(crate) extremes: Extremes,
     pub(crate) phases: PhaseTimes,
+    /// Scratch: impulses on blocks.
+    impulses: Vec<Load>,
+    leaving: Leaving,
 }
 
 /// The fluid with the walls that hold it.
@@ -85,8 +88,8 @@ pub struct PhaseTimes {
     pub density: Duration,
     /// Pair forces in the fluid.
     pub forces: Duration,
-    /// Blocks: contact detection, contact forces and motion, as one.
-    pub blocks: Duration,
+    /// Blocks: broad and narrow phase with the contact law, which share a loop.
+    pub contacts: Duration,
     /// Particles against blocks.
     pub coupling: Duration,
     /// Kicks and drifts of the fluid, step limits.
@@ -115,6 +118,18 @@ pub enum StepError {
         step: u64,
         /// What happened.
         source: riprap_dda::StepError,
+    },
+    /// Something left the domain of a scene in which nothing may.
+    #[error("at t = {time:.6} s, step {step}: {count} {what} left the domain; enlarge `domain`, close it with walls, or set `domain.leaving` to Removed")]
+    Left {
+        /// s.
+        time: f64,
+        /// Number of the step.
+        step: u64,
+        /// How many.
+        count: u64,
+        /// Particles or blocks.
+        what: &'static str,
     },
     /// A step too small to get anywhere.
     #[error("at t = {time:.6} s, step {step}: the step fell to {dt:e} s, limited by {cause:?}; {remedy}")]
@@ -152,6 +167,7 @@ impl World {
             let interface = Interface::new(walls, &blocks, fluid.grid());
             Water { fluid, interface }
         });
+        let n_blocks = blocks.n_blocks();
         let mut world = Self {
             blocks,
             water,
@@ -162,10 +178,17 @@ impl World {
             held: Held::NoBlock,
             extremes: Extremes::default(),
             phases: PhaseTimes::default(),
+            impulses: vec![Load::default(); n_blocks],
+            leaving: Leaving::Removed,
         };
         world.evaluate_fluid()?;
         world.open_ledger();
         Ok(world)
+    }
+
+    /// Makes it an error that a particle or block leaves the domain, or not.
+    pub fn set_leaving(&mut self, leaving: Leaving) {
+        self.leaving = leaving;
     }
 
     /// Simulated time; s.
@@ -308,13 +331,23 @@ impl World {
         let advanced = self
             .blocks
             .advance(self.clock.time, step.dt, step.block_substeps);
-        self.phases.blocks += start.elapsed();
+        self.phases.contacts += start.elapsed();
         advanced.map_err(|source| StepError::Blocks {
             time: self.clock.time,
             step: self.clock.steps,
             source,
         })?;
+        let before = self.extremes.blocks_removed;
         self.remove_escaped_blocks();
+        let count = self.extremes.blocks_removed - before;
+        if count > 0 && self.leaving == Leaving::Error {
+            return Err(StepError::Left {
+                time: self.clock.time,
+                step: self.clock.steps,
+                count,
+                what: "blocks",
+            });
+        }
         Ok(())
     }
 
@@ -352,7 +385,10 @@ impl World {
         let failed = |source| StepError::Fluid { time, step, source };
         let mut watch = Stopwatch::start();
 
-        water.fluid.remove_escaped();
+        let escaped = water.fluid.remove_escaped();
+        if escaped > 0 && self.leaving == Leaving::Error {
+            return Err(StepError::Left { time, step, count: escaped, what: "particles" });
+        }
         water.fluid.sort();
         self.phases.neighbors += watch.lap();
 
@@ -367,7 +403,13 @@ impl World {
             let impulse = (intruder.velocity - before) * mass;
             let block = intruder.block as usize;
             if self.blocks.is_free(block) {
-                self.blocks.apply_impulse_at(block, &-impulse, &intruder.point);
+                let arm = intruder.point - self.blocks.centroid(block);
+                self.impulses.fill(Load::default());
+                self.impulses[block] = Load {
+                    force: -impulse,
+                    torque: arm.cross(&-impulse),
+                };
+                self.blocks.apply_impulse(&self.impulses, 1.0);
             } else {
                 self.ledger.impulse += impulse;
             }
@@ -407,6 +449,11 @@ impl World {
         }
         extremes.pair_interactions += fluid.n_pairs();
         extremes.particle_steps += fluid.particles().len() as u64;
+    }
+
+    /// Whether a block never moves.
+    pub fn is_fixed(&self, block: usize) -> bool {
+        matches!(self.blocks.motion(block), Motion::Fixed)
     }
 
     /// A hash of every number of the state: equal hashes, equal runs.
@@ -449,23 +496,5 @@ impl Stopwatch {
         let lap = now - self.0;
         self.0 = now;
         lap
-    }
-}
-
-impl Serialize for PhaseTimes {
-    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        use serde::ser::SerializeMap;
-        let mut map = serializer.serialize_map(None)?;
-        for (name, time) in [
-            ("neighbours", self.neighbors),
-            ("density", self.density),
-            ("forces", self.forces),
-            ("blocks", self.blocks),
-            ("coupling", self.coupling),
-            ("integration", self.integration),
-        ] {
-            map.serialize_entry(name, &time.as_secs_f64())?;
-        }
-        map.end()
     }
 }

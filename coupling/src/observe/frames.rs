@@ -30,7 +30,7 @@ impl Frames {
     /// [`ObserveError`] when the folder cannot be written.
     pub fn new(folder: &Path, output: &OutputFile, world: &World) -> Result<Self, ObserveError> {
         let blocks = &world.blocks;
-        let fixed: Vec<usize> = (0..blocks.n_blocks()).filter(|&b| blocks.is_fixed(b)).collect();
+        let fixed: Vec<usize> = (0..blocks.n_blocks()).filter(|&b| world.is_fixed(b)).collect();
         if !fixed.is_empty() {
             let data = block_polygons(world, &fixed, &[]);
             vtk::write(&folder.join("fixed_blocks.vtp"), &data)?;
@@ -61,7 +61,7 @@ impl Observer for Frames {
         let write = |collection: &mut Collection, stem: &str, data: &PolyData| {
             let name = format!("{stem}_{number:05}.vtp");
             vtk::write(&folder.join(&name), data)?;
-            collection.push(data.time, &name)
+            collection.push(data.time, name)
         };
         if let (Some(collection), Some(water)) = (&mut self.water, &world.water) {
             let mut data = water_points(water, &self.water_fields);
@@ -70,7 +70,7 @@ impl Observer for Frames {
         }
         if let Some(collection) = &mut self.blocks {
             let movers: Vec<usize> = (0..world.blocks.n_blocks())
-                .filter(|&b| !world.blocks.is_fixed(b) && !world.blocks.is_removed(b))
+                .filter(|&b| !world.is_fixed(b) && !world.blocks.is_removed(b))
                 .collect();
             write(collection, "blocks", &block_polygons(world, &movers, &self.block_fields))?;
         }
@@ -147,10 +147,10 @@ fn block_polygons(world: &World, which: &[usize], fields: &[BlockField]) -> Poly
     let mut owner = Vec::new();
     let Polygons { connectivity, offsets } = &mut data.polygons;
     for &block in which {
-        let surface = blocks.world_polygons(block);
+        let (vertices, faces) = blocks.world_polygons(block);
         let first = data.points.len() as i32;
-        data.points.extend(surface.vertices.iter().map(single));
-        for face in &surface.faces {
+        data.points.extend(vertices.iter().map(single));
+        for face in &faces {
             connectivity.extend(face.iter().map(|&v| first + v as i32));
             offsets.push(connectivity.len() as i32);
             owner.push(block);
@@ -186,8 +186,8 @@ fn contact_points(world: &World) -> PolyData {
     PolyData {
         points: contacts.iter().map(|c| single(&c.point)).collect(),
         point_data: vec![
-            integers("BlockA", contacts.iter().map(|c| c.block_i as i32).collect()),
-            integers("BlockB", contacts.iter().map(|c| c.block_j as i32).collect()),
+            integers("BlockA", contacts.iter().map(|c| c.blocks.0 as i32).collect()),
+            integers("BlockB", contacts.iter().map(|c| c.blocks.1 as i32).collect()),
             vectors("Normal", contacts.iter().map(|c| &c.normal)),
             scalars("NormalForce", contacts.iter().map(|c| c.normal_force as f32).collect()),
             vectors("ShearForce", contacts.iter().map(|c| &c.shear_force)),

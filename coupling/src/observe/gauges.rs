@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use riprap_dda::{Blocks, Load};
+use riprap_dda::{Blocks, Load, Motion};
 use riprap_sph::{Fluid, Vec3};
 
 use super::{ObserveError, Observer, Schedule};
@@ -170,7 +170,7 @@ fn run_up(fluid: &Fluid, blocks: &Blocks, from: &[f64; 2], to: &[f64; 2]) -> Opt
     let spacing = fluid.settings().particle_spacing.iter().product::<f64>().cbrt();
     let reach = TOUCHING_DISTANCE * spacing;
     let ground: Vec<usize> = (0..blocks.n_parts())
-        .filter(|&part| blocks.is_fixed(blocks.block_of_part(part)))
+        .filter(|&part| matches!(blocks.motion(blocks.block_of_part(part)), Motion::Fixed))
         .collect();
     let mut highest: Option<f64> = None;
     for x in &fluid.particles().position {

@@ -98,7 +98,7 @@ impl Ledgers {
     pub fn new(folder: &Path, interval: f64, world: &World) -> Result<Self, ObserveError> {
         let mut columns = vec![Column::new("time", "s")];
         columns.extend(ENERGY_COLUMNS.map(|name| Column::new(name, "J")));
-        let has_movers = (0..world.blocks.n_blocks()).any(|b| !world.blocks.is_fixed(b));
+        let has_movers = (0..world.blocks.n_blocks()).any(|b| !world.is_fixed(b));
         let blocks = has_movers
             .then(|| {
                 let columns = BLOCK_COLUMNS.map(|(name, unit)| Column::new(name, unit));
@@ -127,7 +127,7 @@ impl Observer for Ledgers {
         self.energy.row(row)?;
         if let Some(table) = &mut self.blocks {
             let blocks = &world.blocks;
-            for b in (0..blocks.n_blocks()).filter(|&b| !blocks.is_fixed(b) && !blocks.is_removed(b)) {
+            for b in (0..blocks.n_blocks()).filter(|&b| !world.is_fixed(b) && !blocks.is_removed(b)) {
                 let fluid = world
                     .water
                     .as_ref()

@@ -106,21 +106,16 @@ fn snapshot(world: &World) -> Snapshot {
     let blocks = &world.blocks;
     let outlines = (0..blocks.n_blocks())
         .filter(|&block| !blocks.is_removed(block))
-        .flat_map(|block| {
-            let surface = blocks.world_polygons(block);
-            surface
-                .parts
-                .iter()
-                .map(|range| Outline {
-                    points: convex_outline(
-                        surface.vertices[range.clone()]
-                            .iter()
-                            .map(|v| [v.x as f32, v.z as f32])
-                            .collect(),
-                    ),
-                    is_fixed: blocks.is_fixed(block),
-                })
-                .collect::<Vec<_>>()
+        .flat_map(|block| blocks.parts_of(block).map(move |part| (block, part)))
+        .map(|(block, part)| Outline {
+            points: convex_outline(
+                blocks
+                    .part_points(part)
+                    .iter()
+                    .map(|v| [v.x as f32, v.z as f32])
+                    .collect(),
+            ),
+            is_fixed: world.is_fixed(block),
         })
         .collect();
     Snapshot {

@@ -39,3 +39,109 @@ impl Problem {
         }
     }
 }
+
+use std::ops::Range;
+
+use miette::{Diagnostic, LabeledSpan, NamedSource, SourceCode};
+
+use super::locate::line_column;
+use super::parse;
+
+/// Problems of a scene in their places.
+#[derive(Debug)]
+pub struct SceneError {
+    file: String,
+    source: NamedSource<String>,
+    located: Vec<Located>,
+}
+
+/// A problem with its place.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Located {
+    /// What is wrong.
+    pub message: String,
+    /// Bytes of the text.
+    pub span: Range<usize>,
+    /// From 1.
+    pub line: usize,
+    /// From 1.
+    pub column: usize,
+    /// Whether it stops the scene.
+    pub severity: Severity,
+}
+
+impl SceneError {
+    /// Problems found in a text that was read.
+    pub fn from_problems(file: &str, text: &str, problems: Vec<Problem>) -> Self {
+        let located = problems
+            .into_iter()
+            .map(|problem| {
+                let span = parse::place(text, &problem.path);
+                Located::new(text, span, problem.message, problem.severity)
+            })
+            .collect();
+        Self::new(file, text, located)
+    }
+
+    /// The one thing that keeps a text from being read.
+    pub fn at_span(file: &str, text: &str, span: Range<usize>, message: String) -> Self {
+        let located = vec![Located::new(text, span, message, Severity::Error)];
+        Self::new(file, text, located)
+    }
+
+    fn new(file: &str, text: &str, located: Vec<Located>) -> Self {
+        Self {
+            file: file.to_owned(),
+            source: NamedSource::new(file, text.to_owned()),
+            located,
+        }
+    }
+
+    /// The problems in the order they were found.
+    pub fn located(&self) -> &[Located] {
+        &self.located
+    }
+}
+
+impl Located {
+    fn new(text: &str, span: Range<usize>, message: String, severity: Severity) -> Self {
+        let (line, column) = line_column(text, span.start);
+        Self {
+            message,
+            span,
+            line,
+            column,
+            severity,
+        }
+    }
+}
+
+/// A line per problem: `file:line:column: error: what`.
+impl std::fmt::Display for SceneError {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        for (index, problem) in self.located.iter().enumerate() {
+            let kind = match problem.severity {
+                Severity::Error => "error",
+                Severity::Warning => "warning",
+            };
+            let Located { line, column, message, .. } = problem;
+            let end = if index == 0 { "" } else { "\n" };
+            write!(f, "{end}{}:{line}:{column}: {kind}: {message}", self.file)?;
+        }
+        Ok(())
+    }
+}
+
+impl std::error::Error for SceneError {}
+
+impl Diagnostic for SceneError {
+    fn source_code(&self) -> Option<&dyn SourceCode> {
+        Some(&self.source)
+    }
+
+    fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {
+        Some(Box::new(self.located.iter().map(|problem| {
+            LabeledSpan::new_with_span(Some(problem.message.clone()), problem.span.clone())
+        })))
+    }
+}

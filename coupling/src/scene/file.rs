@@ -80,6 +80,22 @@ pub enum Axis {
     Z,
 }
 
+impl SceneFile {
+    /// Files that the scene names, relative to its folder.
+    pub fn referenced_files(&self) -> Vec<&str> {
+        let mut files = Vec::new();
+        for block in &self.blocks {
+            if let ShapeFile::Mesh { file, .. } = &block.shape {
+                files.push(file.as_str());
+            }
+            if let MotionFile::Table { file } = &block.motion {
+                files.push(file.as_str());
+            }
+        }
+        files
+    }
+}
+
 impl Axis {
     /// 0, 1, 2 for x, y, z.
     pub fn index(self) -> usize {

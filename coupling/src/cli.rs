@@ -1,0 +1,120 @@
+//! The command line: one file per command.
+
+mod check;
+mod compare;
+mod render;
+mod run;
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+
+use crate::scene::error::SceneError;
+use crate::scene::parse::Override;
+use crate::scene::{self, resolve::Scene};
+
+/// How a command ends.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Exit {
+    /// 0.
+    Done,
+    /// 1: the run failed.
+    Failed,
+    /// 2: wrong usage or scene.
+    BadInput,
+    /// 130: stopped by Ctrl-C or SIGTERM.
+    Interrupted,
+}
+
+/// Rock blocks and water in one explicit engine.
+///
+/// A scene file describes an experiment; `riprap check` says what will be modelled and what it
+/// costs, `riprap run` runs it into a folder of VTK files, CSV tables and pictures.
+#[derive(Debug, Parser)]
+#[command(name = "riprap", version, after_help = "\
+Exit codes: 0 done, 1 the run failed, 2 wrong usage or scene, 130 interrupted.
+
+First steps:
+  riprap check cases/sliding_wedge.ron
+  riprap run cases/sliding_wedge.ron
+  riprap render runs/sliding_wedge")]
+struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Run a scene into a folder.
+    Run(run::Arguments),
+    /// Check a scene and say what it will model and cost; runs nothing.
+    Check(check::Arguments),
+    /// Make pictures of a run with POV-Ray.
+    Render(render::Arguments),
+    /// Compare a recorded column with a reference.
+    Compare(compare::Arguments),
+}
+
+/// Runs the program with the arguments of the process.
+pub fn main() -> ExitCode {
+    let exit = match Arguments::parse().command {
+        Command::Run(arguments) => run::execute(&arguments),
+        Command::Check(arguments) => check::execute(&arguments),
+        Command::Render(arguments) => render::execute(&arguments),
+        Command::Compare(arguments) => compare::execute(&arguments),
+    };
+    ExitCode::from(match exit {
+        Exit::Done => 0,
+        Exit::Failed => 1,
+        Exit::BadInput => 2,
+        Exit::Interrupted => 130,
+    })
+}
+
+/// A line for the user on standard error, where it does not mix with results.
+#[expect(clippy::print_stderr, reason = "the command line talks to its user")]
+pub(crate) fn say(line: &str) {
+    eprintln!("{line}");
+}
+
+/// A result on standard output.
+#[expect(clippy::print_stdout, reason = "the command line talks to its user")]
+pub(crate) fn show(line: &str) {
+    println!("{line}");
+}
+
+/// Loads a scene; tells of its warnings, or of all that is wrong with it.
+pub(crate) fn load(case: &Path, overrides: &[Override]) -> Result<Scene, Exit> {
+    match scene::load(case, overrides) {
+        Ok((scene, warnings)) => {
+            if !warnings.located().is_empty() {
+                say(&warnings.to_string());
+            }
+            Ok(scene)
+        }
+        Err(error) => {
+            report_scene_error(&error);
+            Err(Exit::BadInput)
+        }
+    }
+}
+
+/// The plain lines, for editors and logs, and the source frame, for eyes.
+fn report_scene_error(error: &SceneError) {
+    use miette::{GraphicalReportHandler, GraphicalTheme};
+    let mut frame = String::new();
+    let handler = GraphicalReportHandler::new_themed(GraphicalTheme::unicode_nocolor());
+    let lines = error.to_string();
+    say(&lines);
+    if handler.render_report(&mut frame, error).is_ok() {
+        // the handler repeats the message above its frame; only the frame is new
+        let frame: Vec<&str> = frame.lines().skip_while(|line| !line.contains('╭')).collect();
+        say(&frame.join("\n"));
+    }
+}
+
+/// Where a case runs by default: `runs/` and the name of its file.
+pub(crate) fn default_folder(case: &Path) -> PathBuf {
+    Path::new("runs").join(case.file_stem().unwrap_or_default())
+}

@@ -1,0 +1,175 @@
+//! `riprap check`: what a scene will model and what it costs.
+
+use std::fmt::Write as _;
+use std::path::PathBuf;
+use std::time::{Duration, Instant};
+
+use riprap_dda::{Motion, Shape};
+
+use super::{Exit, load, say, show};
+use crate::run::build;
+use crate::scene::parse::Override;
+use crate::scene::resolve::Scene;
+use crate::time_step::Cause;
+use crate::world::World;
+
+/// Longest that the timed probe may take.
+const PROBE_TIME: Duration = Duration::from_secs(2);
+/// Most steps of the probe.
+const PROBE_STEPS: u32 = 50;
+
+/// Check a scene and say what it will model and cost.
+#[derive(Debug, clap::Args)]
+pub(crate) struct Arguments {
+    /// The scene, a RON file; see cases/README.md.
+    case: PathBuf,
+    /// Set a field of the scene, e.g. --set fluid.resolution="Count(5000)"; may be repeated.
+    #[arg(long = "set", value_name = "PATH=VALUE")]
+    set: Vec<Override>,
+}
+
+pub(crate) fn execute(arguments: &Arguments) -> Exit {
+    let scene = match load(&arguments.case, &arguments.set) {
+        Ok(scene) => scene,
+        Err(exit) => return exit,
+    };
+    show(&describe(&scene));
+    match cost(&scene) {
+        Ok(text) => {
+            show(&text);
+            Exit::Done
+        }
+        Err(error) => {
+            say(&format!("error: {error}"));
+            Exit::Failed
+        }
+    }
+}
+
+/// What will be modelled and what will not, and why.
+pub(crate) fn describe(scene: &Scene) -> String {
+    let mut text = format!("{}\n", scene.file.title);
+    let count = |test: fn(&Motion) -> bool| scene.blocks.iter().filter(|b| test(&b.motion)).count();
+    let free = count(|m| matches!(m, Motion::Free));
+    let fixed = count(|m| matches!(m, Motion::Fixed));
+    let prescribed = count(|m| matches!(m, Motion::Prescribed(_)));
+    let parts: usize = scene
+        .blocks
+        .iter()
+        .map(|b| match &b.shape {
+            Shape::Polyhedra(parts) => parts.len(),
+            Shape::Sphere { .. } => 1,
+        })
+        .sum();
+    let mut line = |what: &str, value: String| {
+        let _ = writeln!(text, "  {what:<14} {value}");
+    };
+    line("blocks", format!("{free} free, {prescribed} prescribed, {fixed} fixed; {parts} convex parts"));
+    line(
+        "block motion",
+        match (free, prescribed) {
+            (0, 0) => "none: fixed blocks only, so no block dynamics and no contact search".into(),
+            (0, _) => "prescribed only: no block dynamics, no contact search between walls".into(),
+            _ => format!(
+                "rigid, contact stiffness {:.3e} N/m; no deformable model in this scene",
+                scene.materials.iter().map(|m| m.contact_stiffness).fold(0.0, f64::max)
+            ),
+        },
+    );
+    match &scene.fluid {
+        None => line("fluid", "none: no fluid structures are made".into()),
+        Some(fluid) => {
+            let s = &fluid.settings;
+            let n = fluid.lattice.positions.len();
+            line(
+                "fluid",
+                format!(
+                    "{n} particles, spacing {:.4} m, {:.1} rows in {:.3} m of depth",
+                    fluid.lattice.particle_spacing(),
+                    fluid.lattice.depth / s.particle_spacing[2],
+                    fluid.lattice.depth
+                ),
+            );
+            line(
+                "scheme",
+                format!(
+                    "Mueller2003: summation density; poly6, spiky and viscous kernels, support {:.4} m; viscosity {} Pa s",
+                    s.support_radius(),
+                    s.dynamic_viscosity
+                ),
+            );
+            line(
+                "sound speed",
+                format!("{:.2} m/s, {:.1} times the fastest expected {:.2} m/s", s.sound_speed, s.sound_speed / fluid.expected_speed.max(1e-300), fluid.expected_speed),
+            );
+            line(
+                "walls",
+                format!(
+                    "penalty, K_S {:.3e} N/m, K_D {:.3e} N s/m, from half a spacing off the surface; no wall particles",
+                    fluid.walls.stiffness, fluid.walls.damping
+                ),
+            );
+        }
+    }
+    let axes: Vec<String> = scene.file.domain.periodic.iter().map(|a| format!("{a:?}")).collect();
+    if !axes.is_empty() {
+        line("periodic", format!("along {}", axes.join(", ")));
+    }
+    let time = &scene.file.time;
+    let settling = match (&scene.fluid, time.settle > 0.0) {
+        (Some(_), true) => format!(", after {} s of settling with blocks held", time.settle),
+        _ => String::new(),
+    };
+    line("time", format!("{} s{settling}", time.duration));
+    text.pop();
+    text
+}
+
+/// Step limits, steps, memory, disk and wall time from a timed probe.
+fn cost(scene: &Scene) -> Result<String, crate::run::RunError> {
+    let mut world = build(scene)?;
+    let duration = scene.file.time.duration;
+    let settle = if scene.fluid.is_some() { scene.file.time.settle } else { 0.0 };
+    let mut text = String::new();
+    let limits = world.limits();
+    let step = world.next_step(duration)?;
+    let _ = writeln!(text, "  step limits");
+    for (cause, limit) in limits.common.iter().copied().chain([(Cause::Contact, limits.blocks)]) {
+        let value = if limit.is_finite() { format!("{limit:.3e} s") } else { "no limit".into() };
+        let governs = if cause == step.cause { "  <- governs" } else { "" };
+        let name = format!("{cause:?}").to_lowercase();
+        let _ = writeln!(text, "    {name:<12} {value}{governs}");
+    }
+    let steps = ((duration + settle) / step.dt).ceil();
+    let _ = writeln!(text, "  steps          about {steps:.0}, {} block sub-steps in each", step.block_substeps);
+    let n = scene.fluid.as_ref().map_or(0, |f| f.lattice.positions.len()) as f64;
+    let neighbors = world.water.as_ref().map_or(0.0, |w| w.fluid.n_pairs() as f64 / n.max(1.0));
+    // state, scratch and sorted copies, and lists that may be twice as long as filled
+    let memory = n * (450.0 + 8.0 * neighbors) + 4e6;
+    let output = &scene.file.output;
+    let frames = duration / output.frame_interval.unwrap_or(duration);
+    // measured: about 30 bytes a particle and frame, compressed
+    let disk = frames * n * 30.0 + duration / output.gauge_interval.unwrap_or(duration) * 500.0;
+    let _ = writeln!(text, "  memory         about {:.0} MB", memory / 1e6);
+    let _ = writeln!(text, "  disk           about {:.0} MB in {frames:.0} frames", disk / 1e6);
+    let (taken, wall) = probe(&mut world, duration)?;
+    let _ = write!(
+        text,
+        "  wall time      about {:.0} s with {} threads, from {taken} steps on this machine",
+        wall.as_secs_f64() / f64::from(taken) * steps,
+        rayon::current_num_threads(),
+    );
+    Ok(text)
+}
+
+/// Takes some steps and the time they need.
+fn probe(world: &mut World, duration: f64) -> Result<(u32, Duration), crate::run::RunError> {
+    let start = Instant::now();
+    let mut taken = 0;
+    while taken < PROBE_STEPS && start.elapsed() < PROBE_TIME {
+        let step = world.next_step(duration)?;
+        world.step(step)?;
+        taken += 1;
+    }
+    Ok((taken, start.elapsed()))
+}

@@ -1,0 +1,241 @@
+//! `riprap run`.
+
+use std::io::IsTerminal;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+use super::{Exit, default_folder, load, say, show};
+use crate::cli::check::describe;
+use crate::run::{Ending, Progress, run};
+use crate::scene::parse::{self, Override};
+use crate::scene::resolve::Scene;
+use crate::summary::Summary;
+
+/// Run a scene into a folder.
+#[derive(Debug, clap::Args)]
+pub(crate) struct Arguments {
+    /// The scene, a RON file; see cases/README.md.
+    case: PathBuf,
+    /// Run folder; runs/NAME when left out.
+    #[arg(short, long, value_name = "DIR")]
+    output: Option<PathBuf>,
+    /// Set a field of the scene, e.g. --set numerics.smoothing_length_ratio=1.5; may be repeated.
+    #[arg(long = "set", value_name = "PATH=VALUE")]
+    set: Vec<Override>,
+    /// Simulated time in seconds instead of the scene's `time.duration`.
+    #[arg(long, value_name = "T")]
+    until: Option<f64>,
+    /// Threads; all cores when left out. Results do not depend on it.
+    #[arg(long, value_name = "N")]
+    threads: Option<usize>,
+    /// Write over an existing run folder.
+    #[arg(long)]
+    force: bool,
+    /// No progress, only errors.
+    #[arg(long)]
+    quiet: bool,
+}
+
+pub(crate) fn execute(arguments: &Arguments) -> Exit {
+    let mut overrides = arguments.set.clone();
+    if let Some(until) = arguments.until {
+        overrides.push(Override {
+            path: "time.duration".to_owned(),
+            value: format!("{until:?}"),
+        });
+    }
+    let scene = match load(&arguments.case, &overrides) {
+        Ok(scene) => scene,
+        Err(exit) => return exit,
+    };
+    let folder = arguments.output.clone().unwrap_or_else(|| default_folder(&arguments.case));
+    if let Err(message) = prepare(&folder, arguments.force).and_then(|()| keep_inputs(&scene, &arguments.case, &folder)) {
+        say(&format!("error: {message}"));
+        return Exit::BadInput;
+    }
+    if let Some(threads) = arguments.threads
+        && let Err(error) = rayon::ThreadPoolBuilder::new().num_threads(threads).build_global()
+    {
+        say(&format!("error: cannot start {threads} threads: {error}"));
+        return Exit::BadInput;
+    }
+    let stop = Arc::new(AtomicBool::new(false));
+    stop_on_signal(&stop);
+    if !arguments.quiet {
+        say(&describe(&scene));
+    }
+    let mut line = ProgressLine::new(arguments.quiet);
+    let ended = run(&scene, &folder, &stop, &mut |progress| line.show(progress));
+    line.end();
+    match ended {
+        Ok((summary, ending)) => {
+            if !arguments.quiet {
+                show(&closing_words(&summary, &folder));
+            }
+            match ending {
+                Ending::Completed => Exit::Done,
+                Ending::Interrupted => Exit::Interrupted,
+            }
+        }
+        Err(error) => {
+            say(&format!(
+                "error: {error}\nwhat was computed before is in {}",
+                folder.display()
+            ));
+            Exit::Failed
+        }
+    }
+}
+
+/// Makes the run folder; an old one is emptied of riprap's own files when `force` says so.
+fn prepare(folder: &Path, force: bool) -> Result<(), String> {
+    let is_used = folder.read_dir().is_ok_and(|mut entries| entries.next().is_some());
+    if is_used && !force {
+        return Err(format!(
+            "{} holds a run already; name another folder with -o or write over it with --force",
+            folder.display()
+        ));
+    }
+    if is_used {
+        remove_run(folder)?;
+    }
+    std::fs::create_dir_all(folder).map_err(|error| format!("cannot make {}: {error}", folder.display()))
+}
+
+/// Removes the files of an earlier run, and nothing else.
+fn remove_run(folder: &Path) -> Result<(), String> {
+    let entries = folder.read_dir().map_err(|error| format!("cannot read {}: {error}", folder.display()))?;
+    for path in entries.flatten().map(|entry| entry.path()) {
+        let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        let is_ours = ["water", "blocks", "contacts", "fixed_blocks"]
+            .iter()
+            .any(|stem| name.starts_with(stem) && [".vtp", ".pvd", ".series"].iter().any(|end| name.ends_with(end)))
+            || ["case.ron", "summary.json", "overview.svg", "gauges.csv", "blocks.csv", "energy.csv"]
+                .contains(&name.as_str());
+        let removed = if name == "frames" && path.is_dir() {
+            std::fs::remove_dir_all(&path)
+        } else if is_ours {
+            std::fs::remove_file(&path)
+        } else {
+            Ok(())
+        };
+        removed.map_err(|error| format!("cannot remove {}: {error}", path.display()))?;
+    }
+    Ok(())
+}
+
+/// Writes `case.ron` and copies the files it names, so that the folder can be run again by itself.
+fn keep_inputs(scene: &Scene, case: &Path, folder: &Path) -> Result<(), String> {
+    let text = parse::write(&scene.file).map_err(|error| format!("cannot write case.ron: {error}"))?;
+    let path = folder.join("case.ron");
+    std::fs::write(&path, text).map_err(|error| format!("cannot write {}: {error}", path.display()))?;
+    let source = case.parent().unwrap_or(Path::new("."));
+    for file in scene.file.referenced_files() {
+        let target = folder.join(file);
+        let copied = target
+            .parent()
+            .map_or(Ok(()), std::fs::create_dir_all)
+            .and_then(|()| std::fs::copy(source.join(file), &target));
+        copied.map_err(|error| format!("cannot copy `{file}` to {}: {error}", target.display()))?;
+    }
+    Ok(())
+}
+
+/// The first signal ends the run in good order, the second at once.
+fn stop_on_signal(stop: &Arc<AtomicBool>) {
+    let stop = Arc::clone(stop);
+    let handler = move || {
+        if stop.swap(true, Ordering::Relaxed) {
+            std::process::exit(130);
+        }
+        say("\nstopping after this step; once more to stop at once");
+    };
+    // without a handler a signal ends the program as it always did
+    if ctrlc::set_handler(handler).is_err() {
+        say("warning: signals cannot be caught here; Ctrl-C will lose the last records");
+    }
+}
+
+fn closing_words(summary: &Summary, folder: &Path) -> String {
+    format!(
+        "{}: t = {:.4} s, {} steps in {:.1} s, {:.3e} particle-steps/s, momentum residual {:.1e}, \
+         {} particles escaped\nresults in {}: overview.svg, gauges.csv, energy.csv, water.pvd for ParaView",
+        summary.stop_reason,
+        summary.simulated_time,
+        summary.steps,
+        summary.wall_time,
+        summary.particle_steps_per_second,
+        summary.momentum_residual,
+        summary.particles_escaped,
+        folder.display(),
+    )
+}
+
+/// One line that is written over on a terminal; a line now and then in a log.
+struct ProgressLine {
+    is_quiet: bool,
+    is_terminal: bool,
+    started: Instant,
+    stage_started: Instant,
+    was_settling: bool,
+    last: Option<Instant>,
+}
+
+impl ProgressLine {
+    fn new(is_quiet: bool) -> Self {
+        let now = Instant::now();
+        Self {
+            is_quiet,
+            is_terminal: std::io::stderr().is_terminal(),
+            started: now,
+            stage_started: now,
+            was_settling: false,
+            last: None,
+        }
+    }
+
+    fn show(&mut self, progress: &Progress) {
+        if self.was_settling != progress.is_settling {
+            self.was_settling = progress.is_settling;
+            self.stage_started = Instant::now();
+        }
+        let interval = Duration::from_secs(if self.is_terminal { 1 } else { 30 });
+        if self.is_quiet || self.last.is_some_and(|last| last.elapsed() < interval) {
+            return;
+        }
+        self.last = Some(Instant::now());
+        let share = (progress.time / progress.end).min(1.0);
+        let left = self.stage_started.elapsed().as_secs_f64() * (1.0 / share.max(1e-6) - 1.0);
+        let line = format!(
+            "{}step {} | t {:.4} of {:.4} s ({:.0} %) | dt {:.2e} s | contacts {} | v max {:.2} m/s | left {}:{:02}",
+            if progress.is_settling { "settling: " } else { "" },
+            progress.steps,
+            progress.time,
+            progress.end,
+            100.0 * share,
+            progress.dt,
+            progress.contacts,
+            progress.fastest,
+            left as u64 / 60,
+            left as u64 % 60,
+        );
+        self.write(&line);
+    }
+
+    #[expect(clippy::print_stderr, reason = "the command line talks to its user")]
+    fn write(&self, line: &str) {
+        if self.is_terminal {
+            eprint!("\r\x1b[K{line}");
+        } else {
+            eprintln!("[{:6.0} s] {line}", self.started.elapsed().as_secs_f64());
+        }
+    }
+
+    fn end(&self) {
+        if self.is_terminal && self.last.is_some() {
+            say("");
+        }
+    }
+}

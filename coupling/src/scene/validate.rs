@@ -1,0 +1,409 @@
+//! What can be told of a scene from the file alone; every problem, not only the first.
+
+use super::error::Problem;
+use super::file::{
+    Axis, BlockFile, FluidFile, GaugeFile, MaterialFile, MotionFile, RegionShapeFile, ResolutionFile,
+    SceneFile, ShapeFile, Triple,
+};
+use super::parse::suggestion;
+
+/// Densities outside of this range are questioned; kg/m³.
+const USUAL_DENSITY: std::ops::RangeInclusive<f64> = 100.0..=10_000.0;
+/// A domain longer than this is questioned; m.
+const USUAL_EXTENT: f64 = 1e5;
+
+/// All problems of the values of a scene.
+pub fn values(scene: &SceneFile) -> Vec<Problem> {
+    let mut check = Checks::default();
+    check.domain(scene);
+    for (index, material) in scene.materials.iter().enumerate() {
+        check.material(index, material);
+    }
+    check.unique("materials", scene.materials.iter().map(|m| m.name.as_str()));
+    for (index, block) in scene.blocks.iter().enumerate() {
+        check.block(index, block, scene);
+    }
+    check.unique("blocks", scene.blocks.iter().map(|b| b.name.as_str()));
+    if let Some(fluid) = &scene.fluid {
+        check.fluid(fluid, scene);
+    }
+    if scene.blocks.is_empty() && scene.fluid.is_none() {
+        check.refuse("", "the scene has neither blocks nor fluid; add one of them".to_owned());
+    }
+    check.numbers(scene);
+    for (index, gauge) in scene.gauges.iter().enumerate() {
+        check.gauge(index, gauge, scene);
+    }
+    check.unique("gauges", scene.gauges.iter().map(gauge_name));
+    if let Some(camera) = &scene.camera {
+        if camera.position == camera.look_at {
+            check.refuse("camera.look_at", "camera looks at itself; move position or look_at".to_owned());
+        }
+        let angle = camera.field_of_view_deg;
+        if !(0.0 < angle && angle < 170.0) {
+            check.refuse(
+                "camera.field_of_view_deg",
+                format!("camera: field of view must be between 0 and 170 degrees, found {angle}"),
+            );
+        }
+    }
+    check.problems
+}
+
+fn gauge_name(gauge: &GaugeFile) -> &str {
+    match gauge {
+        GaugeFile::SurfaceElevation { name, .. }
+        | GaugeFile::Pressure { name, .. }
+        | GaugeFile::Velocity { name, .. }
+        | GaugeFile::BlockForce { name, .. }
+        | GaugeFile::RunUp { name, .. } => name,
+    }
+}
+
+fn is_zero((x, y, z): Triple) -> bool {
+    x == 0.0 && y == 0.0 && z == 0.0
+}
+
+fn is_ordered(min: Triple, max: Triple) -> bool {
+    min.0 < max.0 && min.1 < max.1 && min.2 < max.2
+}
+
+fn is_inside(x: Triple, scene: &SceneFile) -> bool {
+    let (min, max) = (scene.domain.min, scene.domain.max);
+    min.0 <= x.0 && x.0 <= max.0 && min.1 <= x.1 && x.1 <= max.1 && min.2 <= x.2 && x.2 <= max.2
+}
+
+/// Problems as they are found.
+#[derive(Default)]
+struct Checks {
+    problems: Vec<Problem>,
+}
+
+impl Checks {
+    fn refuse(&mut self, path: impl Into<String>, message: String) {
+        self.problems.push(Problem::error(path, message));
+    }
+
+    fn question(&mut self, path: impl Into<String>, message: String) {
+        self.problems.push(Problem::warning(path, message));
+    }
+
+    fn positive(&mut self, path: String, what: &str, value: f64) {
+        if value <= 0.0 {
+            self.refuse(path, format!("{what} must be > 0, found {value}"));
+        }
+    }
+
+    fn not_negative(&mut self, path: String, what: &str, value: f64) {
+        if value < 0.0 {
+            self.refuse(path, format!("{what} must be >= 0, found {value}"));
+        }
+    }
+
+    fn share(&mut self, path: &str, what: &str, value: Option<f64>) {
+        if let Some(value) = value
+            && !(0.0 < value && value <= 1.0)
+        {
+            self.refuse(path, format!("{what} must be above 0 and at most 1, found {value}"));
+        }
+    }
+
+    fn unique<'a>(&mut self, list: &str, names: impl Iterator<Item = &'a str>) {
+        let mut seen: Vec<&str> = Vec::new();
+        for (index, name) in names.enumerate() {
+            let path = format!("{list}[{index}]");
+            if name.is_empty() {
+                self.refuse(&path, "the name is empty".to_owned());
+            }
+            if name.contains([',', '"', '\n', '\r']) {
+                self.refuse(&path, format!("the name `{name}` has a comma, quote or line break"));
+            }
+            if seen.contains(&name) {
+                self.refuse(&path, format!("the name `{name}` is taken; names in {list} must differ"));
+            }
+            seen.push(name);
+        }
+    }
+
+    fn domain(&mut self, scene: &SceneFile) {
+        let domain = &scene.domain;
+        if !is_ordered(domain.min, domain.max) {
+            self.refuse(
+                "domain.max",
+                format!("domain: max {:?} must exceed min {:?} in every direction", domain.max, domain.min),
+            );
+        }
+        let longest = (domain.max.0 - domain.min.0).max(domain.max.1 - domain.min.1);
+        if longest > USUAL_EXTENT {
+            self.question("domain", format!("domain is {longest} m long; is it in millimetres?"));
+        }
+        for (index, axis) in domain.periodic.iter().enumerate() {
+            let along = match axis {
+                Axis::X => scene.gravity.0,
+                Axis::Y => scene.gravity.1,
+                Axis::Z => scene.gravity.2,
+            };
+            let path = format!("domain.periodic[{index}]");
+            if along != 0.0 {
+                self.refuse(&path, format!("periodic along {axis:?}, but gravity acts along it; water would fall for ever"));
+            }
+            if domain.periodic[..index].contains(axis) {
+                self.refuse(&path, format!("{axis:?} is listed twice"));
+            }
+        }
+    }
+
+    fn material(&mut self, index: usize, material: &MaterialFile) {
+        let path = |field: &str| format!("materials[{index}].{field}");
+        let of = |what: &str| format!("material `{}`: {what}", material.name);
+        self.positive(path("density"), &of("density"), material.density);
+        if material.density > 0.0 && !USUAL_DENSITY.contains(&material.density) {
+            self.question(path("density"), format!("{} is {} kg/m3; is it meant?", of("density"), material.density));
+        }
+        let angle = material.friction_angle_deg;
+        if !(0.0..90.0).contains(&angle) {
+            self.refuse(
+                path("friction_angle_deg"),
+                format!("{} must be in [0, 90) degrees, found {angle}", of("friction angle")),
+            );
+        }
+        self.not_negative(path("cohesion"), &of("cohesion"), material.cohesion);
+        self.not_negative(path("tensile_strength"), &of("tensile strength"), material.tensile_strength);
+        if !(0.0..=1.0).contains(&material.restitution) {
+            self.refuse(
+                path("restitution"),
+                format!("{} must be in [0, 1], found {}", of("restitution"), material.restitution),
+            );
+        }
+        if let Some(stiffness) = material.contact_stiffness {
+            self.positive(path("contact_stiffness"), &of("contact stiffness"), stiffness);
+        }
+        self.not_negative(
+            path("shear_stiffness_ratio"),
+            &of("shear stiffness ratio"),
+            material.shear_stiffness_ratio,
+        );
+        if let Some(elastic) = material.elastic {
+            self.positive(path("elastic.young_modulus"), &of("Young's modulus"), elastic.young_modulus);
+            let ratio = elastic.poisson_ratio;
+            if !(-1.0 < ratio && ratio < 0.5) {
+                self.refuse(
+                    path("elastic.poisson_ratio"),
+                    format!("{} must be above -1 and below 0.5, found {ratio}", of("Poisson's ratio")),
+                );
+            }
+        }
+    }
+
+    fn block(&mut self, index: usize, block: &BlockFile, scene: &SceneFile) {
+        let path = |field: &str| format!("blocks[{index}].{field}");
+        let of = |what: &str| format!("block `{}`: {what}", block.name);
+        if !scene.materials.iter().any(|m| m.name == block.material) {
+            let names: Vec<&str> = scene.materials.iter().map(|m| m.name.as_str()).collect();
+            self.refuse(
+                path("material"),
+                format!(
+                    "{} `{}` is not in materials{}",
+                    of("material"),
+                    block.material,
+                    suggestion(&block.material, &names)
+                ),
+            );
+        }
+        self.shape(&path("shape"), &block.shape, &block.name);
+        if let Some(turn) = &block.placement.rotate
+            && is_zero(turn.axis)
+        {
+            self.refuse(path("placement.rotate.axis"), format!("{} has no direction", of("axis of rotation")));
+        }
+        if let MotionFile::Sinusoid { direction, amplitude, period, ramp, .. } = &block.motion {
+            if is_zero(*direction) {
+                self.refuse(path("motion.direction"), format!("{} has no direction", of("motion")));
+            }
+            self.not_negative(path("motion.amplitude"), &of("amplitude"), *amplitude);
+            self.positive(path("motion.period"), &of("period"), *period);
+            self.not_negative(path("motion.ramp"), &of("ramp"), *ramp);
+        }
+        if !matches!(block.motion, MotionFile::Free)
+            && !(is_zero(block.velocity) && is_zero(block.angular_velocity))
+        {
+            self.question(path("velocity"), of("an initial velocity has no effect on a block that is not free"));
+        }
+    }
+
+    fn shape(&mut self, path: &str, shape: &ShapeFile, name: &str) {
+        let of = |what: &str| format!("block `{name}`: {what}");
+        match shape {
+            ShapeFile::Box { min, max } => {
+                if !is_ordered(*min, *max) {
+                    self.refuse(
+                        format!("{path}.max"),
+                        format!("{} {max:?} must exceed min {min:?} in every direction", of("max")),
+                    );
+                }
+            }
+            ShapeFile::Wedge { length, height, width } => {
+                self.positive(format!("{path}.length"), &of("length"), *length);
+                self.positive(format!("{path}.height"), &of("height"), *height);
+                self.positive(format!("{path}.width"), &of("width"), *width);
+            }
+            ShapeFile::Hull { points } => {
+                if points.len() < 4 {
+                    self.refuse(
+                        format!("{path}.points"),
+                        format!("{} needs at least four points, found {}", of("hull"), points.len()),
+                    );
+                }
+            }
+            ShapeFile::Polyhedron { vertices, faces } => {
+                for (k, face) in faces.iter().enumerate() {
+                    if let Some(v) = face.iter().find(|&&v| v as usize >= vertices.len()) {
+                        self.refuse(
+                            format!("{path}.faces[{k}]"),
+                            format!("{} {k} names vertex {v}, but there are {}", of("face"), vertices.len()),
+                        );
+                    }
+                }
+            }
+            ShapeFile::Extrusion { polygon, from, to, .. } => {
+                if polygon.len() < 3 {
+                    self.refuse(
+                        format!("{path}.polygon"),
+                        format!("{} needs at least three corners, found {}", of("polygon"), polygon.len()),
+                    );
+                }
+                if from >= to {
+                    self.refuse(format!("{path}.to"), format!("{} {to} must exceed from {from}", of("to")));
+                }
+            }
+            ShapeFile::Sphere { radius, .. } => {
+                self.positive(format!("{path}.radius"), &of("radius"), *radius);
+            }
+            ShapeFile::Mesh { scale, .. } => {
+                self.positive(format!("{path}.scale"), &of("scale"), *scale);
+            }
+        }
+    }
+
+    fn fluid(&mut self, fluid: &FluidFile, scene: &SceneFile) {
+        self.positive("fluid.density".into(), "fluid: density", fluid.density);
+        self.not_negative(
+            "fluid.dynamic_viscosity".into(),
+            "fluid: dynamic viscosity",
+            fluid.dynamic_viscosity,
+        );
+        match fluid.resolution {
+            ResolutionFile::Spacing(spacing) => {
+                self.positive("fluid.resolution".into(), "fluid: spacing", spacing);
+            }
+            ResolutionFile::Count(0) => {
+                self.refuse("fluid.resolution", "fluid: count must be > 0, found 0".to_owned());
+            }
+            ResolutionFile::Count(_) => {}
+        }
+        if fluid.regions.is_empty() {
+            self.refuse("fluid.regions", "fluid: no region; add one, or leave fluid out".to_owned());
+        }
+        for (index, region) in fluid.regions.iter().enumerate() {
+            let path = format!("fluid.regions[{index}].shape");
+            match &region.shape {
+                RegionShapeFile::Box { min, max } => {
+                    if !is_ordered(*min, *max) {
+                        self.refuse(
+                            format!("{path}.max"),
+                            format!("fluid region `{}`: max {max:?} must exceed min {min:?}", region.name),
+                        );
+                    } else if !(is_inside(*min, scene) && is_inside(*max, scene)) {
+                        self.refuse(path, format!("fluid region `{}` reaches out of the domain", region.name));
+                    }
+                }
+                RegionShapeFile::Below { level, seed } => {
+                    if !is_inside(*seed, scene) {
+                        self.refuse(
+                            format!("{path}.seed"),
+                            format!("fluid region `{}`: the seed {seed:?} is outside of the domain", region.name),
+                        );
+                    }
+                    if *level <= seed.2 {
+                        self.refuse(
+                            format!("{path}.level"),
+                            format!("fluid region `{}`: the level {level} m must be above the seed at {} m", region.name, seed.2),
+                        );
+                    }
+                }
+            }
+        }
+        self.unique("fluid.regions", fluid.regions.iter().map(|r| r.name.as_str()));
+    }
+
+    fn numbers(&mut self, scene: &SceneFile) {
+        let (numerics, time, output) = (&scene.numerics, &scene.time, &scene.output);
+        let positives = [
+            ("interface.penalty_stiffness", "penalty stiffness", scene.interface.penalty_stiffness),
+            ("numerics.sound_speed", "sound speed", numerics.sound_speed),
+            ("numerics.expected_speed", "expected speed", numerics.expected_speed),
+            ("output.frame_interval", "frame interval", output.frame_interval),
+            ("output.gauge_interval", "gauge interval", output.gauge_interval),
+            ("output.ledger_interval", "ledger interval", output.ledger_interval),
+            ("time.duration", "duration", Some(time.duration)),
+        ];
+        for (path, what, value) in positives {
+            if let Some(value) = value {
+                self.positive(path.to_owned(), what, value);
+            }
+        }
+        if let Some(damping) = scene.interface.penalty_damping {
+            self.not_negative("interface.penalty_damping".into(), "penalty damping", damping);
+        }
+        self.not_negative("time.settle".into(), "settling time", time.settle);
+        self.share("numerics.time_step_factor", "time-step factor", numerics.time_step_factor);
+        self.share(
+            "numerics.block_time_step_factor",
+            "block time-step factor",
+            numerics.block_time_step_factor,
+        );
+        if let Some(ratio) = numerics.smoothing_length_ratio
+            && !(1.0..=3.0).contains(&ratio)
+        {
+            self.refuse(
+                "numerics.smoothing_length_ratio",
+                format!("smoothing length over spacing must be in [1, 3], found {ratio}: fewer neighbours than 30 or more than 900"),
+            );
+        }
+    }
+
+    fn gauge(&mut self, index: usize, gauge: &GaugeFile, scene: &SceneFile) {
+        let name = gauge_name(gauge);
+        let level = scene.domain.min.2;
+        let mut inside = |field: &str, x: Triple| {
+            if !is_inside(x, scene) {
+                self.refuse(
+                    format!("gauges[{index}].{field}"),
+                    format!("gauge `{name}` at {x:?} is outside of the domain"),
+                );
+            }
+        };
+        match gauge {
+            GaugeFile::SurfaceElevation { x, y, .. } => inside("x", (*x, *y, level)),
+            GaugeFile::Pressure { position, .. } | GaugeFile::Velocity { position, .. } => {
+                inside("position", *position);
+            }
+            GaugeFile::RunUp { from, to, .. } => {
+                inside("from", (from.0, from.1, level));
+                inside("to", (to.0, to.1, level));
+            }
+            GaugeFile::BlockForce { block, .. } => {
+                let names: Vec<&str> = scene.blocks.iter().map(|b| b.name.as_str()).collect();
+                if !names.contains(&block.as_str()) {
+                    self.refuse(
+                        format!("gauges[{index}].block"),
+                        format!("gauge `{name}`: there is no block `{block}`{}", suggestion(block, &names)),
+                    );
+                }
+            }
+        }
+        if scene.fluid.is_none() && !matches!(gauge, GaugeFile::BlockForce { .. }) {
+            self.question(format!("gauges[{index}]"), format!("gauge `{name}` measures water, but the scene has none"));
+        }
+    }
+}
