@@ -1,1 +1,151 @@
-//! The whole run on one page: `overview.svg`.
+//! The whole run on one page: `overview.svg`, made without any other program.
+//!
+//! Side views (x to the right, z up, seen from −y) with the water coloured by speed, then the gauges and the energies,
+//! one plot per unit. Input is plain data, so that a page can be made from files as well as from a running world.
+//!
+//! Particles are many: they become a picture inside the page. Everything else is lines and text that stay sharp. The page
+//! stays below 500 kB: pictures give up resolution, curves keep two points (lowest and highest) per column of pixels.
+
+mod axis;
+mod color;
+mod page;
+mod plot;
+mod raster;
+mod view;
+
+use page::{Anchor, Page, WIDTH};
+
+/// Scene at one time.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Snapshot {
+    /// Simulated time; s.
+    pub time: f64,
+    /// Particle positions; m.
+    pub positions: Vec<[f32; 3]>,
+    /// Speed of each particle; m/s.
+    pub speeds: Vec<f32>,
+    /// Silhouettes of the blocks, drawn in this order.
+    pub outlines: Vec<Outline>,
+}
+
+/// Silhouette of a block in the side view.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Outline {
+    /// Corners, x and z; m. Leave out what lies between the viewer and the water, such as a front wall.
+    pub points: Vec<[f32; 2]>,
+    /// Whether the block never moves; drawn in grey, behind the water.
+    pub is_fixed: bool,
+}
+
+/// A quantity over time.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Record {
+    /// Name for the legend.
+    pub name: String,
+    /// Unit; records of one unit share a plot.
+    pub unit: String,
+    /// Times, ascending; s.
+    pub time: Vec<f64>,
+    /// A value per time; NaN in a gap.
+    pub value: Vec<f64>,
+}
+
+/// What the page shows.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Overview {
+    /// Headline.
+    pub title: String,
+    /// Key figures; wrapped as needed, line breaks are kept.
+    pub subtitle: String,
+    /// Size of a particle; m.
+    pub particle_spacing: f64,
+    /// Usually the start, the middle and the end.
+    pub snapshots: Vec<Snapshot>,
+    /// Gauge records.
+    pub gauges: Vec<Record>,
+    /// Energy ledger.
+    pub energy: Vec<Record>,
+    /// Lower left and upper right corner of the side view, x and z; m.
+    pub view: ([f64; 2], [f64; 2]),
+}
+
+/// Draws the page.
+pub fn svg(overview: &Overview) -> String {
+    let Overview {
+        title,
+        subtitle,
+        particle_spacing,
+        snapshots,
+        gauges,
+        energy,
+        view,
+    } = overview;
+    let mut page = Page::default();
+    let mut y = heading(&mut page, title, subtitle);
+    if !snapshots.is_empty() {
+        y = view::draw(&mut page, y, snapshots, *view, *particle_spacing);
+    }
+    let times: Vec<f64> = snapshots.iter().map(|snapshot| snapshot.time).collect();
+    for (label, records) in [("gauges", gauges), ("energy", energy)] {
+        for records in by_unit(records) {
+            y = plot::draw(&mut page, y, label, &records, &times);
+        }
+    }
+    page.finish(title, y)
+}
+
+/// Headline and key figures; where the next thing may start.
+fn heading(page: &mut Page, title: &str, subtitle: &str) -> f64 {
+    let mut y = 34.0;
+    page.styled_text(
+        [24.0, y],
+        Anchor::Start,
+        "font-size=\"20\" font-weight=\"bold\" fill=\"#1a1a1a\"",
+        title,
+    );
+    // 12 px of a common sans serif fit about this often.
+    for line in wrapped(subtitle, ((WIDTH - 48.0) / 6.4) as usize) {
+        y += 18.0;
+        page.styled_text(
+            [24.0, y],
+            Anchor::Start,
+            "font-size=\"12\" fill=\"#555\"",
+            &line,
+        );
+    }
+    y + 14.0
+}
+
+/// Lines of at most `n` characters where the words allow it.
+fn wrapped(text: &str, n: usize) -> Vec<String> {
+    let mut lines = Vec::new();
+    for paragraph in text.lines() {
+        let mut line = String::new();
+        for word in paragraph.split_whitespace() {
+            if !line.is_empty() && line.chars().count() + 1 + word.chars().count() > n {
+                lines.push(std::mem::take(&mut line));
+            }
+            if !line.is_empty() {
+                line.push(' ');
+            }
+            line += word;
+        }
+        lines.push(line);
+    }
+    lines
+}
+
+/// Groups of records with a common unit, in the order of their first record.
+fn by_unit(records: &[Record]) -> Vec<Vec<&Record>> {
+    let mut groups: Vec<Vec<&Record>> = Vec::new();
+    for record in records {
+        match groups
+            .iter_mut()
+            .find(|group| group.iter().all(|other| other.unit == record.unit))
+        {
+            Some(group) => group.push(record),
+            None => groups.push(vec![record]),
+        }
+    }
+    groups
+}

@@ -20,6 +20,7 @@ mod write;
 pub use check::{Fault, VtkError};
 pub use collection::Collection;
 pub use read::read;
+pub(crate) use write::escape;
 pub use write::{replace_file, write};
 
 /// Points and polygons with their arrays, at one time.

@@ -5,6 +5,8 @@
     reason = "a test stops at the first thing that is wrong, and says what it skipped"
 )]
 
+mod overview;
+
 use proptest::prelude::*;
 use riprap::vtk::{self, Array, Collection, PolyData, Polygons, Values};
 use std::path::{Path, PathBuf};

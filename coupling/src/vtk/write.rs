@@ -175,7 +175,7 @@ impl Document {
 }
 
 /// The five characters that mean something in XML.
-pub(super) fn escape(text: &str) -> String {
+pub(crate) fn escape(text: &str) -> String {
     text.replace('&', "&amp;")
         .replace('<', "&lt;")
         .replace('>', "&gt;")

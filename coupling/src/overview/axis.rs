@@ -1,0 +1,186 @@
+//! Scales, ticks and their labels.
+
+use super::page::{Anchor, Frame, INK, Page};
+
+/// A linear scale from values to pixels.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Axis {
+    /// Value at the start.
+    pub min: f64,
+    /// Value at the end.
+    pub max: f64,
+    /// Pixel of `min`.
+    pub from: f64,
+    /// Pixel of `max`.
+    pub to: f64,
+}
+
+/// A mark on an axis.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Tick {
+    pub value: f64,
+    pub label: String,
+}
+
+impl Axis {
+    /// Pixel of `value`.
+    pub fn at(self, value: f64) -> f64 {
+        self.from + (value - self.min) / (self.max - self.min) * (self.to - self.from)
+    }
+
+    /// Round values with a mark every `distance` pixels or a little more; labels count in `unit`s.
+    pub fn ticks(self, distance: f64, unit: f64) -> Vec<Tick> {
+        let (min, max) = (self.min / unit, self.max / unit);
+        let wanted = (max - min) * distance / (self.to - self.from).abs();
+        let step = nice_up(wanted);
+        let decimals = (-step.log10() + 1e-9).ceil().clamp(0.0, 12.0) as usize;
+        // 2.5 needs a digit more than its power of ten says.
+        let decimals = decimals
+            + usize::from(((step * 10f64.powi(decimals as i32)).fract() - 0.5).abs() < 0.1);
+        let first = (min / step - 1e-6).ceil();
+        (0..100)
+            .map(|i| (first + f64::from(i)) * step)
+            .take_while(|value| *value <= max + 1e-6 * step)
+            .map(|value| Tick {
+                value: value * unit,
+                // Adding zero turns −0 into 0.
+                label: format!("{:.decimals$}", value + 0.0).replace('-', "−"),
+            })
+            .collect()
+    }
+}
+
+/// Smallest of 1, 2, 2.5, 5 times a power of ten that is not below `value`.
+pub(super) fn nice_up(value: f64) -> f64 {
+    let power = 10f64.powf(value.log10().floor());
+    let nice = [1.0, 2.0, 2.5, 5.0, 10.0]
+        .into_iter()
+        .find(|factor| factor * power >= value * (1.0 - 1e-9));
+    nice.unwrap_or(10.0) * power
+}
+
+/// The interval to show for values between `min` and `max`: never empty, never infinite.
+pub(super) fn open_range(min: f64, max: f64) -> (f64, f64) {
+    if !(min.is_finite() && max.is_finite() && min <= max) {
+        return (0.0, 1.0);
+    }
+    // Below this, ticks would differ in digits that no label shows.
+    let least = 1e-9 * min.abs().max(max.abs());
+    if max - min > least {
+        (min, max)
+    } else {
+        let half = if min == 0.0 { 0.5 } else { 0.1 * min.abs() };
+        (min - half, max + half)
+    }
+}
+
+/// Power of a thousand in which the labels of numbers up to `largest` count, and its prefix for the unit.
+pub(super) fn thousands(largest: f64) -> (f64, &'static str) {
+    match largest {
+        x if x >= 1e13 || x < 1e-9 => (1.0, ""),
+        x if x >= 1e10 => (1e9, "10⁹ "),
+        x if x >= 1e7 => (1e6, "10⁶ "),
+        x if x >= 1e4 => (1e3, "10³ "),
+        x if x >= 1e-2 => (1.0, ""),
+        x if x >= 1e-5 => (1e-3, "10⁻³ "),
+        _ => (1e-6, "10⁻⁶ "),
+    }
+}
+
+/// Draws the marks and numbers below `frame`, and a grid inside it if wanted.
+pub(super) fn draw_horizontal(
+    page: &mut Page,
+    frame: Frame,
+    ticks: &[Tick],
+    axis: Axis,
+    labels: Labels,
+) {
+    for Tick { value, label } in ticks {
+        let x = axis.at(*value);
+        page.line(
+            [x, frame.bottom()],
+            [x, frame.bottom() + 4.0],
+            &format!("stroke=\"{INK}\""),
+        );
+        if labels == Labels::Shown {
+            page.text([x, frame.bottom() + 16.0], Anchor::Middle, label);
+        }
+    }
+}
+
+/// Draws the marks and numbers left of `frame`.
+pub(super) fn draw_vertical(
+    page: &mut Page,
+    frame: Frame,
+    ticks: &[Tick],
+    axis: Axis,
+    labels: Labels,
+) {
+    for Tick { value, label } in ticks {
+        let y = axis.at(*value);
+        page.line(
+            [frame.left - 4.0, y],
+            [frame.left, y],
+            &format!("stroke=\"{INK}\""),
+        );
+        if labels == Labels::Shown {
+            page.text([frame.left - 7.0, y + 4.0], Anchor::End, label);
+        }
+    }
+}
+
+/// Whether the marks of an axis carry numbers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Labels {
+    Shown,
+    Hidden,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn labels(min: f64, max: f64, pixels: f64) -> Vec<String> {
+        let axis = Axis {
+            min,
+            max,
+            from: 0.0,
+            to: pixels,
+        };
+        axis.ticks(60.0, 1.0)
+            .into_iter()
+            .map(|tick| tick.label)
+            .collect()
+    }
+
+    #[test]
+    fn ticks_are_round_and_inside() {
+        assert_eq!(labels(0.0, 10.0, 400.0), ["0", "2", "4", "6", "8", "10"]);
+        assert_eq!(
+            labels(-0.1, 0.13, 300.0),
+            ["−0.10", "−0.05", "0.00", "0.05", "0.10"]
+        );
+        assert_eq!(
+            labels(0.0, 1.0, 250.0),
+            ["0.00", "0.25", "0.50", "0.75", "1.00"]
+        );
+        assert_eq!(
+            labels(1.2e5, 1.3e5, 250.0),
+            ["120000", "122500", "125000", "127500", "130000"]
+        );
+        assert_eq!(
+            labels(3.1, 3.4, 40.0).len(),
+            0,
+            "no room, no tick: {:?}",
+            labels(3.1, 3.4, 40.0)
+        );
+    }
+
+    #[test]
+    fn ranges_are_never_empty() {
+        assert_eq!(open_range(0.0, 0.0), (-0.5, 0.5));
+        assert_eq!(open_range(2.0, 2.0), (1.8, 2.2));
+        assert_eq!(open_range(f64::INFINITY, f64::NEG_INFINITY), (0.0, 1.0));
+        assert_eq!(open_range(1.0, 3.0), (1.0, 3.0));
+    }
+}

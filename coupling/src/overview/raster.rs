@@ -1,0 +1,184 @@
+//! Particles as a picture.
+
+use super::color;
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+
+/// Shades of speed; few enough that the pictures compress, enough that no bands show.
+pub(super) const N_SHADES: usize = 64;
+/// Palette places: 0 is transparent, then the shades, then the colour of a speed that is not a number.
+const CLEAR: u8 = 0;
+const NOT_A_NUMBER: u8 = N_SHADES as u8 + 1;
+/// Below this size in pixels a particle is drawn as a rectangle, which leaves no specks of background between neighbours.
+const SMALLEST_DISC: f64 = 5.0;
+
+/// The part of the x-z plane that a picture shows, and its size in pixels.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Window {
+    pub min: [f64; 2],
+    pub max: [f64; 2],
+    pub width: usize,
+    pub height: usize,
+}
+
+/// Particles to draw.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Water<'a> {
+    pub positions: &'a [[f32; 3]],
+    pub speeds: &'a [f32],
+    pub spacing: f64,
+    /// Speed of the last shade; m/s.
+    pub top_speed: f64,
+}
+
+/// Palette places, row after row from the top.
+pub(super) fn pixels(water: Water<'_>, window: Window) -> Vec<u8> {
+    let Window {
+        min,
+        max,
+        width,
+        height,
+    } = window;
+    let scale = [
+        width as f64 / (max[0] - min[0]),
+        height as f64 / (max[1] - min[1]),
+    ];
+    // Half a pixel at least, so that a particle always shows.
+    let radius = scale.map(|scale| (0.5 * water.spacing * scale).max(0.5));
+    let is_disc = 2.0 * radius[0].min(radius[1]) >= SMALLEST_DISC;
+    // Discs overlap a little: they would leave lens-shaped holes otherwise.
+    let radius = if is_disc {
+        radius.map(|r| 1.1 * r)
+    } else {
+        radius
+    };
+
+    let mut pixels = vec![CLEAR; width * height];
+    for a in far_to_near(water.positions) {
+        let [x, _, z] = water.positions[a].map(f64::from);
+        let center = [(x - min[0]) * scale[0], (max[1] - z) * scale[1]];
+        let shade = shade(
+            water.speeds.get(a).copied().unwrap_or(f32::NAN),
+            water.top_speed,
+        );
+        let columns = covered(center[0], radius[0], width);
+        for row in covered(center[1], radius[1], height) {
+            let dz = (row as f64 + 0.5 - center[1]) / radius[1];
+            for column in columns.clone() {
+                let dx = (column as f64 + 0.5 - center[0]) / radius[0];
+                if !is_disc || dx * dx + dz * dz <= 1.0 {
+                    pixels[row * width + column] = shade;
+                }
+            }
+        }
+    }
+    pixels
+}
+
+/// Particle numbers, those far from the viewer (large y) first; in the given order where equally far.
+fn far_to_near(positions: &[[f32; 3]]) -> Vec<usize> {
+    let mut order: Vec<usize> = (0..positions.len()).collect();
+    order.sort_by(|&a, &b| positions[b][1].total_cmp(&positions[a][1]));
+    order
+}
+
+/// Pixels whose centres lie within `radius` of `center`; none for a centre that is not a number.
+fn covered(center: f64, radius: f64, n: usize) -> std::ops::Range<usize> {
+    let first = (center - radius - 0.5).ceil().clamp(0.0, n as f64);
+    let end = (center + radius - 0.5).floor() + 1.0;
+    // A cast takes NaN to 0, so that the range is empty.
+    first as usize..end.clamp(0.0, n as f64) as usize
+}
+
+fn shade(speed: f32, top_speed: f64) -> u8 {
+    if speed.is_nan() {
+        return NOT_A_NUMBER;
+    }
+    let last = (N_SHADES - 1) as f64;
+    1 + (last * f64::from(speed) / top_speed)
+        .round()
+        .clamp(0.0, last) as u8
+}
+
+/// The picture as a PNG in a `data:` address; nothing if the encoder refuses, which it has no reason to.
+pub(super) fn data_address(pixels: &[u8], window: Window) -> Option<String> {
+    let mut palette = vec![[0xff; 3]];
+    palette.extend(color::map(N_SHADES));
+    palette.push(color::NOT_A_NUMBER);
+    let mut opacity = vec![0xff; palette.len()];
+    opacity[usize::from(CLEAR)] = 0;
+
+    let mut file = Vec::new();
+    let mut encoder = png::Encoder::new(
+        &mut file,
+        u32::try_from(window.width).ok()?,
+        u32::try_from(window.height).ok()?,
+    );
+    encoder.set_color(png::ColorType::Indexed);
+    encoder.set_depth(png::BitDepth::Eight);
+    encoder.set_palette(palette.into_flattened());
+    encoder.set_trns(opacity);
+    encoder.set_compression(png::Compression::High);
+    // Palette places are not heights: their differences mean nothing.
+    encoder.set_filter(png::Filter::NoFilter);
+    let mut writer = encoder.write_header().ok()?;
+    writer.write_image_data(pixels).ok()?;
+    writer.finish().ok()?;
+    Some(format!("data:image/png;base64,{}", STANDARD.encode(file)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const WINDOW: Window = Window {
+        min: [0.0, 0.0],
+        max: [4.0, 2.0],
+        width: 8,
+        height: 4,
+    };
+
+    fn drawn(positions: &[[f32; 3]], speeds: &[f32]) -> Vec<u8> {
+        let water = Water {
+            positions,
+            speeds,
+            spacing: 1.0,
+            top_speed: 2.0,
+        };
+        pixels(water, WINDOW)
+    }
+
+    #[test]
+    fn a_particle_covers_its_spacing() {
+        // Spacing 1 m is 2 pixels; the particle in the lower left corner fills the lower left 2 x 2 pixels.
+        let found = drawn(&[[0.5, 0.0, 0.5]], &[2.0]);
+        let lit: Vec<usize> = (0..32).filter(|&i| found[i] != CLEAR).collect();
+        assert_eq!(lit, [16, 17, 24, 25]);
+        assert_eq!(found[16], N_SHADES as u8);
+    }
+
+    #[test]
+    fn a_full_lattice_leaves_no_speck() {
+        let positions: Vec<[f32; 3]> = (0..8)
+            .map(|i| [0.5 + (i % 4) as f32, 0.0, 0.5 + (i / 4) as f32])
+            .collect();
+        assert!(drawn(&positions, &[0.0; 8]).iter().all(|&pixel| pixel == 1));
+    }
+
+    #[test]
+    fn near_particles_hide_far_ones_and_bad_numbers_show() {
+        let found = drawn(&[[0.5, 0.0, 0.5], [0.5, 3.0, 0.5]], &[0.0, 2.0]);
+        assert_eq!(found[16], 1);
+        assert_eq!(drawn(&[[0.5, 0.0, 0.5]], &[f32::NAN])[16], NOT_A_NUMBER);
+        let nowhere = [
+            [f32::NAN, 0.0, 0.5],
+            [f32::INFINITY, 0.0, 0.0],
+            [-1e30, 0.0, 1e30],
+        ];
+        assert!(
+            drawn(&nowhere, &[1.0; 3])
+                .iter()
+                .all(|&pixel| pixel == CLEAR)
+        );
+    }
+}

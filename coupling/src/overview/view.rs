@@ -1,0 +1,352 @@
+//! Side views of the scene, with axes and a colour bar.
+
+use super::axis::{self, Axis, Labels, nice_up, open_range};
+use super::color;
+use super::page::{Anchor, Frame, INK, LEFT, Page, RIGHT};
+use super::raster::{self, N_SHADES, Water, Window};
+use super::{Outline, Snapshot};
+
+/// Scenes taller than this part of their width are shown side by side, others below each other.
+const TALL: f64 = 0.6;
+/// Panels below each other are not taller than this; px.
+const MAX_HEIGHT: f64 = 300.0;
+/// Panels side by side are not taller than this; px.
+const MAX_HEIGHT_BESIDE: f64 = 420.0;
+/// A long flat scene is exaggerated upwards until its panels are this tall; px.
+const MIN_HEIGHT: f64 = 90.0;
+/// Room above a panel for its time, and below the last one for the axis; px.
+const ABOVE: f64 = 22.0;
+const BELOW: f64 = 44.0;
+/// All pictures of a page together, so that it stays below 500 kB with its curves; bytes of text.
+const PICTURE_BUDGET: usize = 250_000;
+/// Picture pixels per pixel of the page, finest first; the first that keeps the budget is taken.
+const RESOLUTIONS: [f64; 5] = [2.0, 1.5, 1.0, 0.7, 0.5];
+/// Share of the particles that are slower than the top of the colour bar: a few drops must not darken all others.
+const BELOW_TOP: f64 = 0.999;
+
+/// Where the panels stand.
+struct Layout {
+    panels: Vec<Frame>,
+    exaggeration: f64,
+    is_beside: bool,
+    min: [f64; 2],
+    max: [f64; 2],
+}
+
+/// Draws all snapshots from `y` down; where the next thing may start.
+pub(super) fn draw(
+    page: &mut Page,
+    y: f64,
+    snapshots: &[Snapshot],
+    view: ([f64; 2], [f64; 2]),
+    spacing: f64,
+) -> f64 {
+    let layout = Layout::new(y, snapshots.len(), view);
+    let top_speed = top_speed(snapshots);
+    let pictures = pictures(&layout, snapshots, spacing, top_speed);
+    let last = snapshots.len() - 1;
+    for (i, (snapshot, &frame)) in snapshots.iter().zip(&layout.panels).enumerate() {
+        layout.scene(
+            page,
+            frame,
+            snapshot,
+            pictures.get(i).and_then(Option::as_deref),
+        );
+        let time = format!("t = {:.3} s", snapshot.time);
+        let style = format!("font-size=\"12\" font-weight=\"bold\" fill=\"{INK}\"");
+        page.styled_text([frame.left, frame.top - 6.0], Anchor::Start, &style, &time);
+        let shown = |is_shown| {
+            if is_shown {
+                Labels::Shown
+            } else {
+                Labels::Hidden
+            }
+        };
+        layout.axes(
+            page,
+            frame,
+            shown(layout.is_beside || i == last),
+            shown(!layout.is_beside || i == 0),
+        );
+    }
+    if let Some(&first) = layout.panels.first()
+        && layout.exaggeration > 1.0
+    {
+        let note = format!("vertical exaggeration {} ×", layout.exaggeration);
+        page.text([first.right(), first.top - 6.0], Anchor::End, &note);
+    }
+    if snapshots
+        .iter()
+        .any(|snapshot| !snapshot.positions.is_empty())
+    {
+        color_bar(page, &layout, top_speed, fastest(snapshots) > top_speed);
+    }
+    layout
+        .panels
+        .last()
+        .map_or(y, |frame| frame.bottom() + BELOW)
+}
+
+impl Layout {
+    fn new(y: f64, n: usize, view: ([f64; 2], [f64; 2])) -> Self {
+        let (min_x, max_x) = open_range(view.0[0], view.1[0]);
+        let (min_z, max_z) = open_range(view.0[1], view.1[1]);
+        let aspect = (max_z - min_z) / (max_x - min_x);
+        let is_beside = aspect > TALL && n > 1;
+        let room = RIGHT - LEFT;
+        let mut exaggeration = 1.0;
+        let panel = |left, top, width, height| Frame {
+            left,
+            top,
+            width,
+            height,
+        };
+        let panels = if is_beside {
+            let gap = 28.0;
+            let width = ((room - gap * (n - 1) as f64) / n as f64).min(MAX_HEIGHT_BESIDE / aspect);
+            (0..n)
+                .map(|i| {
+                    panel(
+                        LEFT + i as f64 * (width + gap),
+                        y + ABOVE,
+                        width,
+                        width * aspect,
+                    )
+                })
+                .collect()
+        } else {
+            let width = room.min(MAX_HEIGHT / aspect);
+            if width * aspect < MIN_HEIGHT {
+                exaggeration = nice_up(MIN_HEIGHT / (width * aspect));
+            }
+            let height = width * aspect * exaggeration;
+            (0..n)
+                .map(|i| {
+                    panel(
+                        LEFT,
+                        y + ABOVE + i as f64 * (height + ABOVE + 10.0),
+                        width,
+                        height,
+                    )
+                })
+                .collect()
+        };
+        Self {
+            panels,
+            exaggeration,
+            is_beside,
+            min: [min_x, min_z],
+            max: [max_x, max_z],
+        }
+    }
+
+    fn x_axis(&self, frame: Frame) -> Axis {
+        Axis {
+            min: self.min[0],
+            max: self.max[0],
+            from: frame.left,
+            to: frame.right(),
+        }
+    }
+
+    fn z_axis(&self, frame: Frame) -> Axis {
+        Axis {
+            min: self.min[1],
+            max: self.max[1],
+            from: frame.bottom(),
+            to: frame.top,
+        }
+    }
+
+    fn window(&self, frame: Frame, resolution: f64) -> Window {
+        let size = |pixels: f64| (pixels * resolution).round().max(1.0) as usize;
+        Window {
+            min: self.min,
+            max: self.max,
+            width: size(frame.width),
+            height: size(frame.height),
+        }
+    }
+
+    /// Fixed blocks, then the water, then the blocks that move.
+    fn scene(&self, page: &mut Page, frame: Frame, snapshot: &Snapshot, picture: Option<&str>) {
+        page.rectangle(frame, "fill=\"#fafafa\"");
+        page.open_clipped_group(frame);
+        self.outlines(page, frame, &snapshot.outlines, true);
+        if let Some(address) = picture {
+            let Frame {
+                left,
+                top,
+                width,
+                height,
+            } = frame;
+            // `xlink:href` too: programs from before SVG 2 know no other.
+            page.push(&format!(
+                "<image x=\"{left:.1}\" y=\"{top:.1}\" width=\"{width:.1}\" height=\"{height:.1}\" \
+                 preserveAspectRatio=\"none\" xlink:href=\"{address}\"/>"
+            ));
+        }
+        self.outlines(page, frame, &snapshot.outlines, false);
+        page.close_group();
+        page.rectangle(frame, &format!("fill=\"none\" stroke=\"{INK}\""));
+    }
+
+    fn outlines(&self, page: &mut Page, frame: Frame, outlines: &[Outline], is_fixed: bool) {
+        let style = if is_fixed {
+            "fill=\"#d4d4d4\" stroke=\"#9a9a9a\" stroke-width=\"0.7\""
+        } else {
+            "fill=\"#a98a6b\" stroke=\"#4d3a28\" stroke-width=\"0.8\" stroke-linejoin=\"round\""
+        };
+        let (x, z) = (self.x_axis(frame), self.z_axis(frame));
+        let mut path = String::new();
+        for outline in outlines
+            .iter()
+            .filter(|outline| outline.is_fixed == is_fixed)
+        {
+            // A block that flew away must not leave numbers that no renderer can hold.
+            let near = |pixel: f64| pixel.clamp(-1e4, 1e4);
+            let mut command = 'M';
+            for point in outline
+                .points
+                .iter()
+                .filter(|point| point.iter().all(|c| c.is_finite()))
+            {
+                let [px, pz] = [
+                    near(x.at(f64::from(point[0]))),
+                    near(z.at(f64::from(point[1]))),
+                ];
+                path += &format!("{command}{px:.1} {pz:.1}");
+                command = 'L';
+            }
+            if command == 'L' {
+                path.push('Z');
+            }
+        }
+        // One path for all would cut holes where blocks overlap, but for this rule of filling.
+        if !path.is_empty() {
+            page.push(&format!(
+                "<path d=\"{path}\" fill-rule=\"nonzero\" {style}/>"
+            ));
+        }
+    }
+
+    fn axes(&self, page: &mut Page, frame: Frame, x_labels: Labels, z_labels: Labels) {
+        let (x, z) = (self.x_axis(frame), self.z_axis(frame));
+        axis::draw_horizontal(page, frame, &x.ticks(70.0, 1.0), x, x_labels);
+        axis::draw_vertical(page, frame, &z.ticks(26.0, 1.0), z, z_labels);
+        if x_labels == Labels::Shown {
+            page.text(
+                [frame.left + frame.width / 2.0, frame.bottom() + 32.0],
+                Anchor::Middle,
+                "x [m]",
+            );
+        }
+        if z_labels == Labels::Shown {
+            page.upright_text([frame.left - 48.0, frame.top + frame.height / 2.0], "z [m]");
+        }
+    }
+}
+
+/// One picture per snapshot, as fine as the budget allows.
+fn pictures(
+    layout: &Layout,
+    snapshots: &[Snapshot],
+    spacing: f64,
+    top_speed: f64,
+) -> Vec<Option<String>> {
+    let mut pictures = Vec::new();
+    for resolution in RESOLUTIONS {
+        pictures = snapshots
+            .iter()
+            .zip(&layout.panels)
+            .map(|(snapshot, &frame)| {
+                if snapshot.positions.is_empty() {
+                    return None;
+                }
+                let window = layout.window(frame, resolution);
+                let water = Water {
+                    positions: &snapshot.positions,
+                    speeds: &snapshot.speeds,
+                    spacing,
+                    top_speed,
+                };
+                raster::data_address(&raster::pixels(water, window), window)
+            })
+            .collect();
+        if pictures.iter().flatten().map(String::len).sum::<usize>() <= PICTURE_BUDGET {
+            break;
+        }
+    }
+    pictures
+}
+
+fn finite_speeds(snapshots: &[Snapshot]) -> impl Iterator<Item = f64> + '_ {
+    let speeds = snapshots.iter().flat_map(|snapshot| &snapshot.speeds);
+    speeds
+        .map(|&speed| f64::from(speed))
+        .filter(|speed| speed.is_finite())
+}
+
+fn fastest(snapshots: &[Snapshot]) -> f64 {
+    finite_speeds(snapshots).fold(0.0, f64::max)
+}
+
+/// Speed at the top of the colour bar: round, and above nearly all particles.
+fn top_speed(snapshots: &[Snapshot]) -> f64 {
+    let mut speeds: Vec<f64> = finite_speeds(snapshots).collect();
+    let index = (BELOW_TOP * speeds.len() as f64) as usize;
+    if index >= speeds.len() {
+        return 1.0;
+    }
+    let (_, &mut top, _) = speeds.select_nth_unstable_by(index, f64::total_cmp);
+    // Water at rest within rounding is at rest.
+    if top > 1e-9 { nice_up(top) } else { 1.0 }
+}
+
+fn color_bar(page: &mut Page, layout: &Layout, top_speed: f64, is_exceeded: bool) {
+    let Some((first, last)) = layout.panels.first().zip(layout.panels.last()) else {
+        return;
+    };
+    let frame = Frame {
+        left: last.right() + 26.0,
+        top: first.top + 4.0,
+        width: 13.0,
+        height: (first.height - 4.0).clamp(80.0, 200.0),
+    };
+    page.text([frame.left, first.top - 6.0], Anchor::Start, "speed [m/s]");
+    let step = frame.height / N_SHADES as f64;
+    for (i, shade) in color::map(N_SHADES).into_iter().enumerate() {
+        let strip = Frame {
+            top: frame.bottom() - (i + 1) as f64 * step,
+            // Strips overlap, or the background shines through between them.
+            height: step + if i == 0 { 0.0 } else { 0.6 },
+            ..frame
+        };
+        page.rectangle(strip, &format!("fill=\"{}\"", color::hex(shade)));
+    }
+    page.rectangle(
+        frame,
+        &format!("fill=\"none\" stroke=\"{INK}\" stroke-width=\"0.6\""),
+    );
+    let axis = Axis {
+        min: 0.0,
+        max: top_speed,
+        from: frame.bottom(),
+        to: frame.top,
+    };
+    for tick in axis.ticks(32.0, 1.0) {
+        let y = axis.at(tick.value);
+        let is_top = is_exceeded && tick.value > 0.999 * top_speed;
+        let label = if is_top {
+            format!("≥ {}", tick.label)
+        } else {
+            tick.label
+        };
+        page.line(
+            [frame.right(), y],
+            [frame.right() + 4.0, y],
+            &format!("stroke=\"{INK}\""),
+        );
+        page.text([frame.right() + 7.0, y + 4.0], Anchor::Start, &label);
+    }
+}
