@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::world::{Held, World};
+use crate::world::World;
 use riprap_sph::Vec3;
 
 /// Energy terms; J. Losses and works count from the start of the ledger.
@@ -148,10 +148,5 @@ impl World {
             self.momentum() + removed - self.ledger.momentum_at_start - self.ledger.impulse - support;
         let exchanged = self.ledger.exchanged + support.norm() + self.ledger.momentum_at_start.norm();
         if exchanged == 0.0 { 0.0 } else { unexplained.norm() / exchanged }
-    }
-
-    /// Whether blocks are held at rest.
-    pub(crate) fn is_held(&self) -> bool {
-        self.held == Held::AllBlocks
     }
 }

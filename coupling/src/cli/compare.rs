@@ -3,8 +3,7 @@
 use std::path::PathBuf;
 
 use super::{Exit, say, show};
-use crate::compare::Options;
-use crate::compare::report::{compare_files, json, text};
+use crate::compare::{Options, compare_files, json, text};
 
 /// Compare a recorded column with a reference.
 #[derive(Debug, clap::Args)]

@@ -104,9 +104,15 @@ fn snapshot(world: &World) -> Snapshot {
         speeds = particles.velocity.iter().map(|v| v.norm() as f32).collect();
     }
     let blocks = &world.blocks;
+    let middle = 0.5 * (world.domain.0.y + world.domain.1.y);
     let outlines = (0..blocks.n_blocks())
         .filter(|&block| !blocks.is_removed(block))
         .flat_map(|block| blocks.parts_of(block).map(move |part| (block, part)))
+        // the view is cut along the middle of the domain: side walls do not hide the water
+        .filter(|&(_, part)| {
+            let (low, high) = blocks.part_aabb(part);
+            low.y <= middle && middle <= high.y
+        })
         .map(|(block, part)| Outline {
             points: convex_outline(
                 blocks

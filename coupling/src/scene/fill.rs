@@ -327,11 +327,13 @@ impl Basin {
         while let Some(node) = queue.pop_front() {
             for (axis, forward) in (0..3).flat_map(|axis| [(axis, false), (axis, true)]) {
                 let Some(next) = self.step(node, axis, forward) else {
-                    // upward there is air, not an edge
-                    if axis == 2 && forward {
+                    let x = self.position(node);
+                    let mut outside = x;
+                    outside[axis] += if forward { self.spacing[axis] } else { -self.spacing[axis] };
+                    // upward there is air, not an edge; a wall may stand at the edge itself
+                    if (axis == 2 && forward) || !is_free(&outside) {
                         continue;
                     }
-                    let x = self.position(node);
                     return Err(format!(
                         "fluid region `{name}` leaks out of the domain at ({:.3}, {:.3}, {:.3}) m; \
                          blocks must close the basin below its level",

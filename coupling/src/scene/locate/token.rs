@@ -174,15 +174,16 @@ impl Lexer<'_> {
             body.get(n..)?.starts_with('"').then_some(n)
         });
         let prefix = rest.len() - bare.len();
+        let quote = bare.chars().next().filter(|c| ['"', '\''].contains(c));
         if let Some(n) = hashes {
             self.at += prefix + 1 + n + 1;
             let end = format!("\"{}", "#".repeat(n));
             self.advance_behind(&end, "string", start);
             return TokenKind::Text;
         }
-        if prefix == 1 && bare.starts_with(['"', '\'']) {
+        if let (1, Some(quote)) = (prefix, quote) {
             self.at += 1;
-            return self.quoted(if bare.starts_with('"') { '"' } else { '\'' });
+            return self.quoted(quote);
         }
         self.skip_word();
         TokenKind::Word
