@@ -5,6 +5,7 @@ mod compare;
 mod render;
 mod run;
 
+use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -73,15 +74,14 @@ pub fn main() -> ExitCode {
 }
 
 /// A line for the user on standard error, where it does not mix with results.
-#[expect(clippy::print_stderr, reason = "the command line talks to its user")]
 pub(crate) fn say(line: &str) {
-    eprintln!("{line}");
+    // nobody listens any more, as behind `| head`: no reason to fail
+    let _ = writeln!(std::io::stderr(), "{line}");
 }
 
 /// A result on standard output.
-#[expect(clippy::print_stdout, reason = "the command line talks to its user")]
 pub(crate) fn show(line: &str) {
-    println!("{line}");
+    let _ = writeln!(std::io::stdout(), "{line}");
 }
 
 /// Loads a scene; tells of its warnings, or of all that is wrong with it.

@@ -180,7 +180,7 @@ impl<'a> Run<'a> {
                 if stop.load(Ordering::Relaxed) {
                     return Ok(Ending::Interrupted);
                 }
-                let dt = self.world.next_step(end)?.dt;
+                let dt = self.world.next_step(self.scene.file.time.duration)?.dt;
                 let rate = if time < (1.0 - UNDAMPED_SHARE) * end { rate } else { 0.0 };
                 self.world.settle_step(dt, rate)?;
                 time += dt;

@@ -1,15 +1,18 @@
 //! A grid of cells over the domain: which particles may be neighbours.
 //!
-//! Cells are no smaller than the support radius, so the neighbours of a particle lie in its own
-//! cell and the 26 around it. Particles are kept sorted by cell, x fastest; three cells in a row
-//! along x are one contiguous run of particles, nine runs (a few more at a periodic edge) hold all
-//! candidates. The grid does not move: what is known of a cell (which walls are near) stays true.
+//! Across x cells are no smaller than the support radius, so the neighbours of a particle lie in its
+//! own row of cells and the eight around it. Particles are kept sorted by cell, x fastest, so that
+//! the part of a row within reach is one contiguous run of particles: nine runs (a few more at a
+//! periodic edge) hold all candidates. The grid does not move: what is known of a cell (which walls are near) stays true.
 
 use crate::Vec3;
 use crate::error::FluidError;
 
 /// Which directions repeat.
 pub type Periodicity = [bool; 3];
+
+/// Cells per support radius along x: rows are cut into chords of this fineness.
+const ROW_SPLIT: f64 = 4.0;
 
 /// Most runs of candidates: nine rows, cut in three at a periodic edge in x.
 pub const MAX_RUNS: usize = 27;
@@ -68,8 +71,9 @@ impl CellGrid {
         }
         let mut edge = support_radius;
         let counts = loop {
-            let counts =
-                [0, 1, 2].map(|axis| ((extent[axis] / edge * (1.0 + 1e-12)) as usize).max(1));
+            let split = [ROW_SPLIT, 1.0, 1.0];
+            let counts = [0, 1, 2]
+                .map(|axis| ((split[axis] * extent[axis] / edge * (1.0 + 1e-12)) as usize).max(1));
             if counts.iter().product::<usize>() <= max_cells.max(1) {
                 break counts;
             }
@@ -212,41 +216,78 @@ impl CellGrid {
         self.starts[0] = 0;
     }
 
-    /// The runs of candidates round a cell, in a fixed order; returns how many were filled.
-    pub fn runs_round(&self, coordinates: [usize; 3], runs: &mut [Run; MAX_RUNS]) -> usize {
+    /// The runs of particles that may be within `radius` of a position, in a fixed order; returns
+    /// how many were filled. The radius must not exceed the support radius of the grid.
+    ///
+    /// Each of the nine rows round the position is cut to the chord that a sphere of the radius
+    /// leaves in it, so that most candidates of the corners are never looked at.
+    pub fn runs_within(&self, position: &Vec3, radius: f64, runs: &mut [Run; MAX_RUNS]) -> usize {
+        let [_, j, k] = self.coordinates_of(position);
         let mut n = 0;
         for dz in -1..=1 {
-            let Some((k, sz)) = self.step(2, coordinates[2], dz) else {
-                continue;
-            };
+            let Some((layer, sz)) = self.step(2, k, dz) else { continue };
+            let height = self.distance_to_cell(2, position.z, layer, sz);
             for dy in -1..=1 {
-                let Some((j, sy)) = self.step(1, coordinates[1], dy) else {
+                let Some((row, sy)) = self.step(1, j, dy) else { continue };
+                let width = self.distance_to_cell(1, position.y, row, sy);
+                let chord2 = radius * radius - height * height - width * width;
+                if chord2 < 0.0 {
                     continue;
-                };
-                let row = self.cell_at([0, j, k]);
-                let image_yz = 3 * sy + 9 * sz;
-                let mut push = |first: usize, last: usize, sx: u8| {
-                    let (start, end) = (self.starts[row + first], self.starts[row + last + 1]);
-                    if start < end {
-                        runs[n] = Run {
-                            start,
-                            end,
-                            image: image_yz + sx,
-                        };
-                        n += 1;
-                    }
-                };
-                let (i, n_x) = (coordinates[0], self.counts[0]);
-                if self.periodic[0] && i == 0 {
-                    push(n_x - 1, n_x - 1, 0);
                 }
-                push(i.saturating_sub(1), (i + 1).min(n_x - 1), 1);
-                if self.periodic[0] && i == n_x - 1 {
-                    push(0, 0, 2);
-                }
+                let first = self.cell_at([0, row, layer]);
+                self.push_row(first, 3 * sy + 9 * sz, position.x, chord2.sqrt(), runs, &mut n);
             }
         }
         n
+    }
+
+    /// Adds the runs of a row, which starts at cell `first`, within `reach` of `x`.
+    fn push_row(
+        &self,
+        first: usize,
+        image_yz: u8,
+        x: f64,
+        reach: f64,
+        runs: &mut [Run; MAX_RUNS],
+        n: &mut usize,
+    ) {
+        let count = self.counts[0] as i64;
+        // a hair more than the reach: a cell boundary computed here and in the sort may differ by
+        // round-off
+        let cell = |x: f64| ((x - self.min.x) / self.cell_size.x).floor() as i64;
+        let (low, high) = (cell(x - 1.000_001 * reach), cell(x + 1.000_001 * reach));
+        let mut push = |from: i64, to: i64, sx: u8| {
+            let (from, to) = (from.max(0), to.min(count - 1));
+            if from <= to {
+                let start = self.starts[first + from as usize];
+                let end = self.starts[first + to as usize + 1];
+                if start < end {
+                    runs[*n] = Run { start, end, image: image_yz + sx };
+                    *n += 1;
+                }
+            }
+        };
+        if self.periodic[0] && low < 0 {
+            push(low + count, count - 1, 0);
+        }
+        // particles outside of the domain count to its outermost cells
+        push(low.min(count - 1), high.max(0), 1);
+        if self.periodic[0] && count <= high {
+            push(0, high - count, 2);
+        }
+    }
+
+    /// Distance along an axis from a coordinate to a cell seen through an image digit; m.
+    fn distance_to_cell(&self, axis: usize, x: f64, cell: usize, digit: u8) -> f64 {
+        let size = self.cell_size[axis];
+        let shift = (f64::from(digit) - 1.0) * (self.max[axis] - self.min[axis]);
+        let low = self.min[axis] + cell as f64 * size + shift;
+        // as above, and the outermost cells hold what is outside
+        let slack = 1e-6 * size;
+        let below = if cell == 0 && digit == 1 { 0.0 } else { low - slack - x };
+        let is_last = cell + 1 == self.counts[axis] && digit == 1;
+        let above = if is_last { 0.0 } else { x - (low + size + slack) };
+        below.max(above).max(0.0)
     }
 
     /// One step along an axis: the coordinate reached and the image digit (0, 1, 2).

@@ -117,19 +117,11 @@ impl Chunk {
     ) {
         self.ends.clear();
         let mut runs = [Run::default(); MAX_RUNS];
-        let (mut n_runs, mut n_candidates) = (0, 0);
-        let mut cell = usize::MAX;
+        let radius = r2_max.sqrt();
         let mut n = 0;
         for position in positions {
-            let at = grid.coordinates_of(position);
-            if grid.cell_at(at) != cell {
-                cell = grid.cell_at(at);
-                n_runs = grid.runs_round(at, &mut runs);
-                n_candidates = runs[..n_runs]
-                    .iter()
-                    .map(|r| (r.end - r.start) as usize)
-                    .sum();
-            }
+            let n_runs = grid.runs_within(position, radius, &mut runs);
+            let n_candidates: usize = runs[..n_runs].iter().map(|r| (r.end - r.start) as usize).sum();
             // room for the case that all candidates are neighbours, so that the test below can
             // write first and decide afterwards
             let room = n + n_candidates + LANES;

@@ -76,10 +76,10 @@ impl Fluid {
     fn highest_near(&self, x: f64, y: f64) -> Option<f64> {
         let grid = self.grid();
         let support = self.settings().support_radius();
-        let [i, j, _] = grid.coordinates_of(&Vec3::new(x, y, grid.min().z));
         let mut runs = [Run::default(); MAX_RUNS];
         for k in (0..grid.counts()[2]).rev() {
-            let n = grid.runs_round([i, j, k], &mut runs);
+            let point = Vec3::new(x, y, grid.cell_center([0, 0, k]).z);
+            let n = grid.runs_within(&point, support, &mut runs);
             let highest = runs[..n]
                 .iter()
                 .flat_map(|run| {
@@ -102,7 +102,7 @@ impl Fluid {
         let kernel = Poly6::new(self.settings().support_radius());
         let support2 = kernel.support_radius().powi(2);
         let mut runs = [Run::default(); MAX_RUNS];
-        let n = grid.runs_round(grid.coordinates_of(point), &mut runs);
+        let n = grid.runs_within(point, kernel.support_radius(), &mut runs);
         for run in &runs[..n] {
             let seen_from = point - grid.image_shift(run.image);
             for b in run.start as usize..run.end as usize {

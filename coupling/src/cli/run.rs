@@ -1,6 +1,6 @@
 //! `riprap run`.
 
-use std::io::IsTerminal;
+use std::io::{IsTerminal, Write as _};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -224,12 +224,11 @@ impl ProgressLine {
         self.write(&line);
     }
 
-    #[expect(clippy::print_stderr, reason = "the command line talks to its user")]
     fn write(&self, line: &str) {
         if self.is_terminal {
-            eprint!("\r\x1b[K{line}");
+            let _ = write!(std::io::stderr(), "\r\x1b[K{line}");
         } else {
-            eprintln!("[{:6.0} s] {line}", self.started.elapsed().as_secs_f64());
+            say(&format!("[{:6.0} s] {line}", self.started.elapsed().as_secs_f64()));
         }
     }
 
