@@ -33,7 +33,7 @@ impl Axis {
         let (min, max) = (self.min / unit, self.max / unit);
         let wanted = (max - min) * distance / (self.to - self.from).abs();
         let step = nice_up(wanted);
-        let decimals = (-step.log10() + 1e-9).ceil().clamp(0.0, 12.0) as usize;
+        let decimals = (-step.log10() - 1e-9).ceil().clamp(0.0, 12.0) as usize;
         // 2.5 needs a digit more than its power of ten says.
         let decimals = decimals
             + usize::from(((step * 10f64.powi(decimals as i32)).fract() - 0.5).abs() < 0.1);
@@ -156,6 +156,8 @@ mod tests {
     #[test]
     fn ticks_are_round_and_inside() {
         assert_eq!(labels(0.0, 10.0, 400.0), ["0", "2", "4", "6", "8", "10"]);
+        assert_eq!(labels(0.0, 0.3, 300.0), ["0.0", "0.1", "0.2", "0.3"]);
+        assert_eq!(labels(0.0, 3.0, 250.0), ["0", "1", "2", "3"]);
         assert_eq!(
             labels(-0.1, 0.13, 300.0),
             ["−0.10", "−0.05", "0.00", "0.05", "0.10"]

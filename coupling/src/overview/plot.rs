@@ -2,7 +2,7 @@
 
 use super::Record;
 use super::axis::{self, Axis, Labels, open_range, thousands};
-use super::page::{Anchor, Frame, INK, LEFT, Page, RIGHT, plain, shortened};
+use super::page::{Anchor, Frame, INK, LABEL, LEFT, Page, RIGHT, plain, shortened};
 
 const HEIGHT: f64 = 170.0;
 const ABOVE: f64 = 14.0;
@@ -60,10 +60,21 @@ pub(super) fn draw(
     let prefix = decorate(page, frame, horizontal, vertical);
     let unit = if unit.is_empty() { "–" } else { unit };
     page.upright_text(
-        [16.0, frame.top + frame.height / 2.0],
+        [LABEL, frame.top + frame.height / 2.0],
         &format!("{label} [{prefix}{unit}]"),
     );
-    for &time in times.iter().filter(|&&time| start <= time && time <= end) {
+    let is_shown = |time: &f64| (start..=end).contains(time);
+    let note = if times.iter().any(is_shown) {
+        "t [s]; dotted: the views above"
+    } else {
+        "t [s]"
+    };
+    page.text(
+        [frame.left + frame.width / 2.0, frame.bottom() + 32.0],
+        Anchor::Middle,
+        note,
+    );
+    for time in times.iter().copied().filter(is_shown) {
         let x = horizontal.at(time);
         let style = "stroke=\"#999\" stroke-width=\"0.8\" stroke-dasharray=\"1 3\"";
         page.line([x, frame.top], [x, frame.bottom()], style);
@@ -96,11 +107,6 @@ fn decorate(page: &mut Page, frame: Frame, horizontal: Axis, vertical: Axis) -> 
     }
     axis::draw_horizontal(page, frame, &x_ticks, horizontal, Labels::Shown);
     axis::draw_vertical(page, frame, &y_ticks, vertical, Labels::Shown);
-    page.text(
-        [frame.left + frame.width / 2.0, frame.bottom() + 32.0],
-        Anchor::Middle,
-        "t [s]",
-    );
     prefix
 }
 
