@@ -290,7 +290,8 @@ fn nothing_and_nonsense_are_drawn_without_complaint() {
         gauges: vec![
             record("gap", "m", 10, 1.0, |_| f64::NAN),
             Record::default(),
-            record("large", "m", 10, 1.0, |t| 1e300 * t),
+            record("large", "m", 10, 1.0, |t| 1e290 * t),
+            record("too large", "m", 10, 1.0, |t| f64::MAX * (t - 0.5).signum()),
         ],
         view: ([f64::NAN, 0.0], [1.0, f64::INFINITY]),
         ..Overview::default()

@@ -10,7 +10,8 @@ pub(super) const N_SHADES: usize = 64;
 const CLEAR: u8 = 0;
 const NOT_A_NUMBER: u8 = N_SHADES as u8 + 1;
 /// Below this size in pixels a particle is drawn as a rectangle, which leaves no specks of background between neighbours.
-const SMALLEST_DISC: f64 = 5.0;
+/// Smaller discs make patterns with the pixels that look like flow.
+const SMALLEST_DISC: f64 = 12.0;
 /// Size of a particle in the picture over its spacing.
 const OVERLAP: f64 = 1.1;
 
@@ -168,7 +169,7 @@ mod tests {
                 ]
             })
             .collect();
-        for width in [400, 500, 600, 700, 800] {
+        for width in [400, 500, 700, 1000, 2000] {
             let water = Water {
                 positions: &positions,
                 speeds: &[0.0; 200 * 100],

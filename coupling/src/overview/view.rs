@@ -94,8 +94,8 @@ pub(super) fn draw(
 
 impl Layout {
     fn new(y: f64, n: usize, view: ([f64; 2], [f64; 2])) -> Self {
-        let (min_x, max_x) = open_range(view.0[0], view.1[0]);
-        let (min_z, max_z) = open_range(view.0[1], view.1[1]);
+        let (min_x, max_x) = open_range(view.0[0], view.1[0], 1e-9);
+        let (min_z, max_z) = open_range(view.0[1], view.1[1], 1e-9);
         let aspect = (max_z - min_z) / (max_x - min_x);
         let is_beside = aspect > TALL && n > 1;
         let room = RIGHT - LEFT;
