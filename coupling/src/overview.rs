@@ -103,6 +103,7 @@ fn heading(page: &mut Page, title: &str, subtitle: &str) -> f64 {
         "font-size=\"20\" font-weight=\"bold\" fill=\"#1a1a1a\"",
         title,
     );
+    y += 4.0;
     // 12 px of a common sans serif fit about this often.
     for line in wrapped(subtitle, ((WIDTH - 48.0) / 6.4) as usize) {
         y += 18.0;

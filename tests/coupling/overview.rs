@@ -231,6 +231,43 @@ fn a_tall_column_of_noise() {
     assert_eq!(pictures(&page).len(), 3);
 }
 
+/// 1500 blocks with eight corners before noise in the water.
+#[test]
+fn many_blocks() {
+    let snapshots = [0.0, 1.0, 2.0].map(|time: f64| {
+        let mut snapshot = water(
+            10.0,
+            0.01,
+            |_| 2.0,
+            |x, z| (1e4 * (x * x + 3.0 * z)).sin().abs(),
+        );
+        snapshot.time = time;
+        for i in 0..1500u16 {
+            let [x, z] = [f32::from(i % 100) * 0.1, f32::from(i / 100) * 0.1];
+            let points = (0..8u8).map(|k| {
+                let (sin, cos) =
+                    (f32::from(k) * std::f32::consts::FRAC_PI_4 + f32::from(i)).sin_cos();
+                [x + 0.05 + 0.05 * cos, z + 0.05 + 0.05 * sin]
+            });
+            snapshot.outlines.push(Outline {
+                points: points.collect(),
+                is_fixed: false,
+            });
+        }
+        snapshot
+    });
+    keep(
+        "many_blocks.svg",
+        &Overview {
+            title: "Rubble".into(),
+            particle_spacing: 0.01,
+            snapshots: snapshots.into(),
+            view: ([0.0, 0.0], [10.0, 3.0]),
+            ..Overview::default()
+        },
+    );
+}
+
 #[test]
 fn nothing_and_nonsense_are_drawn_without_complaint() {
     let page = keep("empty.svg", &Overview::default());
@@ -253,7 +290,8 @@ fn nothing_and_nonsense_are_drawn_without_complaint() {
         gauges: vec![
             record("gap", "m", 10, 1.0, |_| f64::NAN),
             Record::default(),
-            record("large", "m", 10, 1.0, |t| 1e300 * t),
+            record("large", "m", 10, 1.0, |t| 1e290 * t),
+            record("too large", "m", 10, 1.0, |t| f64::MAX * (t - 0.5).signum()),
         ],
         view: ([f64::NAN, 0.0], [1.0, f64::INFINITY]),
         ..Overview::default()

@@ -33,7 +33,7 @@ impl Axis {
         let (min, max) = (self.min / unit, self.max / unit);
         let wanted = (max - min) * distance / (self.to - self.from).abs();
         let step = nice_up(wanted);
-        let decimals = (-step.log10() + 1e-9).ceil().clamp(0.0, 12.0) as usize;
+        let decimals = (-step.log10() - 1e-9).ceil().clamp(0.0, 12.0) as usize;
         // 2.5 needs a digit more than its power of ten says.
         let decimals = decimals
             + usize::from(((step * 10f64.powi(decimals as i32)).fract() - 0.5).abs() < 0.1);
@@ -59,13 +59,13 @@ pub(super) fn nice_up(value: f64) -> f64 {
     nice.unwrap_or(10.0) * power
 }
 
-/// The interval to show for values between `min` and `max`: never empty, never infinite.
-pub(super) fn open_range(min: f64, max: f64) -> (f64, f64) {
-    if !(min.is_finite() && max.is_finite() && min <= max) {
+/// The interval to show for values between `min` and `max`: finite, and not narrower than `least` of their size, so that
+/// labels need no more digits than there is room for.
+pub(super) fn open_range(min: f64, max: f64, least: f64) -> (f64, f64) {
+    if !((max - min).is_finite() && min <= max) {
         return (0.0, 1.0);
     }
-    // Below this, ticks would differ in digits that no label shows.
-    let least = 1e-9 * min.abs().max(max.abs());
+    let least = least * min.abs().max(max.abs());
     if max - min > least {
         (min, max)
     } else {
@@ -74,17 +74,28 @@ pub(super) fn open_range(min: f64, max: f64) -> (f64, f64) {
     }
 }
 
-/// Power of a thousand in which the labels of numbers up to `largest` count, and its prefix for the unit.
-pub(super) fn thousands(largest: f64) -> (f64, &'static str) {
-    match largest {
-        x if x >= 1e13 || x < 1e-9 => (1.0, ""),
-        x if x >= 1e10 => (1e9, "10⁹ "),
-        x if x >= 1e7 => (1e6, "10⁶ "),
-        x if x >= 1e4 => (1e3, "10³ "),
-        x if x >= 1e-2 => (1.0, ""),
-        x if x >= 1e-5 => (1e-3, "10⁻³ "),
-        _ => (1e-6, "10⁻⁶ "),
+/// Power of a thousand in which the labels of numbers up to `largest` count, and its name to stand before the unit.
+pub(super) fn thousands(largest: f64) -> (f64, String) {
+    if (1e-2..1e4).contains(&largest) || !(1e-290..=f64::MAX).contains(&largest) {
+        return (1.0, String::new());
     }
+    let exponent = 3 * (largest.log10() / 3.0 + 1e-9).floor() as i32;
+    let exponent_text = exponent.to_string();
+    let raised = exponent_text.chars().map(|c| match c {
+        '-' => '⁻',
+        // Unicode has the first three apart from the others.
+        '1' => '¹',
+        '2' => '²',
+        '3' => '³',
+        digit => digit
+            .to_digit(10)
+            .and_then(|d| char::from_u32(0x2070 + d))
+            .unwrap_or(digit),
+    });
+    (
+        10f64.powi(exponent),
+        format!("10{} ", raised.collect::<String>()),
+    )
 }
 
 /// Draws the marks and numbers below `frame`, and a grid inside it if wanted.
@@ -156,6 +167,8 @@ mod tests {
     #[test]
     fn ticks_are_round_and_inside() {
         assert_eq!(labels(0.0, 10.0, 400.0), ["0", "2", "4", "6", "8", "10"]);
+        assert_eq!(labels(0.0, 0.3, 300.0), ["0.0", "0.1", "0.2", "0.3"]);
+        assert_eq!(labels(0.0, 3.0, 250.0), ["0", "1", "2", "3"]);
         assert_eq!(
             labels(-0.1, 0.13, 300.0),
             ["−0.10", "−0.05", "0.00", "0.05", "0.10"]
@@ -178,9 +191,27 @@ mod tests {
 
     #[test]
     fn ranges_are_never_empty() {
-        assert_eq!(open_range(0.0, 0.0), (-0.5, 0.5));
-        assert_eq!(open_range(2.0, 2.0), (1.8, 2.2));
-        assert_eq!(open_range(f64::INFINITY, f64::NEG_INFINITY), (0.0, 1.0));
-        assert_eq!(open_range(1.0, 3.0), (1.0, 3.0));
+        assert_eq!(open_range(0.0, 0.0, 1e-6), (-0.5, 0.5));
+        assert_eq!(open_range(2.0, 2.0, 1e-6), (1.8, 2.2));
+        assert_eq!(
+            open_range(f64::INFINITY, f64::NEG_INFINITY, 1e-6),
+            (0.0, 1.0)
+        );
+        assert_eq!(open_range(1.0, 3.0, 1e-6), (1.0, 3.0));
+    }
+
+    #[test]
+    fn large_and_small_numbers_count_in_thousands() {
+        let cases = [
+            (10.0, ""),
+            (12_000.0, "10³ "),
+            (1e6, "10⁶ "),
+            (0.009, "10⁻³ "),
+            (2e-7, "10⁻⁹ "),
+            (3e120, "10¹²⁰ "),
+        ];
+        for (largest, name) in cases {
+            assert_eq!(thousands(largest).1, name);
+        }
     }
 }

@@ -9,6 +9,9 @@ pub(super) const LEFT: f64 = 76.0;
 /// Right edge of every plot; legends and the colour bar stand behind it.
 pub(super) const RIGHT: f64 = 848.0;
 
+/// Middle of the labels of vertical axes.
+pub(super) const LABEL: f64 = 18.0;
+
 pub(super) const INK: &str = "#333";
 const FAINT: &str = "#e6e6e6";
 

@@ -2,13 +2,15 @@
 
 use super::Record;
 use super::axis::{self, Axis, Labels, open_range, thousands};
-use super::page::{Anchor, Frame, INK, LEFT, Page, RIGHT, plain, shortened};
+use super::page::{Anchor, Frame, INK, LABEL, LEFT, Page, RIGHT, plain, shortened};
 
 const HEIGHT: f64 = 170.0;
 const ABOVE: f64 = 14.0;
 const BELOW: f64 = 44.0;
 /// Distance of legend lines; px.
 const LEGEND_STEP: f64 = 16.0;
+/// A record that varies less than this part of its size is shown as the constant that it is; five digits fit the margin.
+const LEAST_RANGE: f64 = 1e-4;
 /// Characters of a name that fit beside the plot.
 const LEGEND_CHARACTERS: usize = 17;
 
@@ -40,8 +42,8 @@ pub(super) fn draw(
     };
     let (start, end) = extent(records.iter().flat_map(|record| &record.time));
     let (low, high) = extent(records.iter().flat_map(|record| &record.value));
-    let (start, end) = open_range(start, end);
-    let (low, high) = open_range(low, high);
+    let (start, end) = open_range(start, end, 1e-9);
+    let (low, high) = open_range(low, high, LEAST_RANGE);
     let margin = 0.05 * (high - low);
     let horizontal = Axis {
         min: start,
@@ -60,10 +62,21 @@ pub(super) fn draw(
     let prefix = decorate(page, frame, horizontal, vertical);
     let unit = if unit.is_empty() { "–" } else { unit };
     page.upright_text(
-        [16.0, frame.top + frame.height / 2.0],
+        [LABEL, frame.top + frame.height / 2.0],
         &format!("{label} [{prefix}{unit}]"),
     );
-    for &time in times.iter().filter(|&&time| start <= time && time <= end) {
+    let is_shown = |time: &f64| (start..=end).contains(time);
+    let note = if times.iter().any(is_shown) {
+        "t [s]; dotted: the views above"
+    } else {
+        "t [s]"
+    };
+    page.text(
+        [frame.left + frame.width / 2.0, frame.bottom() + 32.0],
+        Anchor::Middle,
+        note,
+    );
+    for time in times.iter().copied().filter(is_shown) {
         let x = horizontal.at(time);
         let style = "stroke=\"#999\" stroke-width=\"0.8\" stroke-dasharray=\"1 3\"";
         page.line([x, frame.top], [x, frame.bottom()], style);
@@ -82,7 +95,7 @@ pub(super) fn draw(
 }
 
 /// Grid, marks and numbers; the power of ten in which the vertical axis counts, to stand before the unit.
-fn decorate(page: &mut Page, frame: Frame, horizontal: Axis, vertical: Axis) -> &'static str {
+fn decorate(page: &mut Page, frame: Frame, horizontal: Axis, vertical: Axis) -> String {
     let (power, prefix) = thousands(vertical.min.abs().max(vertical.max.abs()));
     let (x_ticks, y_ticks) = (horizontal.ticks(70.0, 1.0), vertical.ticks(28.0, power));
     page.rectangle(frame, "fill=\"#fff\"");
@@ -96,11 +109,6 @@ fn decorate(page: &mut Page, frame: Frame, horizontal: Axis, vertical: Axis) -> 
     }
     axis::draw_horizontal(page, frame, &x_ticks, horizontal, Labels::Shown);
     axis::draw_vertical(page, frame, &y_ticks, vertical, Labels::Shown);
-    page.text(
-        [frame.left + frame.width / 2.0, frame.bottom() + 32.0],
-        Anchor::Middle,
-        "t [s]",
-    );
     prefix
 }
 
@@ -127,12 +135,17 @@ fn legend_line(page: &mut Page, frame: Frame, i: usize, name: &str) {
     page.close_group();
 }
 
-/// Smallest and largest finite value; an empty interval the wrong way round if there is none.
+/// Smallest and largest number; an empty interval the wrong way round if there is none.
 fn extent<'a>(values: impl Iterator<Item = &'a f64>) -> (f64, f64) {
-    let finite = values.copied().filter(|value| value.is_finite());
+    let finite = values.copied().filter(|&value| is_number(value));
     finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(min, max), value| {
         (min.min(value), max.max(value))
     })
+}
+
+/// Whether a value can be drawn; sums and differences of values near the end of the number range would not be finite.
+fn is_number(value: f64) -> bool {
+    value.abs() < 1e300
 }
 
 /// The samples of one column of pixels that are kept: the lowest and the highest.
@@ -174,14 +187,17 @@ impl Extremes {
 
 /// Path of a record: no more points than the page can show, no peak lost, a gap at every NaN.
 fn curve(record: &Record, horizontal: Axis, vertical: Axis) -> String {
-    let samples = record.time.iter().zip(&record.value);
-    let points: Vec<[f64; 2]> = samples
-        .map(|(&t, &v)| [horizontal.at(t), vertical.at(v)])
-        .collect();
+    let samples = record
+        .time
+        .iter()
+        .copied()
+        .zip(record.value.iter().copied());
+    let point = |(t, v)| (is_number(t) && is_number(v)).then(|| [horizontal.at(t), vertical.at(v)]);
+    let points: Vec<Option<[f64; 2]>> = samples.map(point).collect();
     let mut path = String::new();
-    for piece in points.split(|point| !point.iter().all(|coordinate| coordinate.is_finite())) {
+    for piece in points.split(Option::is_none) {
         let mut kept: Vec<Extremes> = Vec::new();
-        for &point in piece {
+        for &point in piece.iter().flatten() {
             match kept.last_mut() {
                 Some(extremes) if extremes.column == point[0].floor() as i64 => {
                     extremes.join(point)

@@ -10,7 +10,10 @@ pub(super) const N_SHADES: usize = 64;
 const CLEAR: u8 = 0;
 const NOT_A_NUMBER: u8 = N_SHADES as u8 + 1;
 /// Below this size in pixels a particle is drawn as a rectangle, which leaves no specks of background between neighbours.
-const SMALLEST_DISC: f64 = 5.0;
+/// Smaller discs make patterns with the pixels that look like flow.
+const SMALLEST_DISC: f64 = 12.0;
+/// Size of a particle in the picture over its spacing.
+const OVERLAP: f64 = 1.1;
 
 /// The part of the x-z plane that a picture shows, and its size in pixels.
 #[derive(Clone, Copy, Debug)]
@@ -43,15 +46,10 @@ pub(super) fn pixels(water: Water<'_>, window: Window) -> Vec<u8> {
         width as f64 / (max[0] - min[0]),
         height as f64 / (max[1] - min[1]),
     ];
-    // Half a pixel at least, so that a particle always shows.
-    let radius = scale.map(|scale| (0.5 * water.spacing * scale).max(0.5));
+    // Half a pixel at least, so that a particle always shows; and a little overlap, or discs would leave lens-shaped
+    // holes and rounding would leave lines between rows.
+    let radius = scale.map(|scale| (OVERLAP * 0.5 * water.spacing * scale).max(0.5));
     let is_disc = 2.0 * radius[0].min(radius[1]) >= SMALLEST_DISC;
-    // Discs overlap a little: they would leave lens-shaped holes otherwise.
-    let radius = if is_disc {
-        radius.map(|r| 1.1 * r)
-    } else {
-        radius
-    };
 
     let mut pixels = vec![CLEAR; width * height];
     for a in far_to_near(water.positions) {
@@ -159,10 +157,35 @@ mod tests {
 
     #[test]
     fn a_full_lattice_leaves_no_speck() {
-        let positions: Vec<[f32; 3]> = (0..8)
-            .map(|i| [0.5 + (i % 4) as f32, 0.0, 0.5 + (i / 4) as f32])
+        // At the sizes that are drawn as rectangles; discs show that they are discs.
+        // 0.02 m is no round number in single precision: rows fall between pixels now and then.
+        let spacing = 0.02;
+        let positions: Vec<[f32; 3]> = (0..200 * 100)
+            .map(|i| {
+                [
+                    ((i % 200) as f32 + 0.5) * spacing,
+                    0.0,
+                    ((i / 200) as f32 + 0.5) * spacing,
+                ]
+            })
             .collect();
-        assert!(drawn(&positions, &[0.0; 8]).iter().all(|&pixel| pixel == 1));
+        for width in [400, 500, 700, 1000, 2000] {
+            let water = Water {
+                positions: &positions,
+                speeds: &[0.0; 200 * 100],
+                spacing: f64::from(spacing),
+                top_speed: 2.0,
+            };
+            let window = Window {
+                width,
+                height: width / 2,
+                ..WINDOW
+            };
+            assert!(
+                pixels(water, window).iter().all(|&pixel| pixel == 1),
+                "width {width}"
+            );
+        }
     }
 
     #[test]

@@ -1,8 +1,8 @@
 //! Side views of the scene, with axes and a colour bar.
 
-use super::axis::{self, Axis, Labels, nice_up, open_range};
+use super::axis::{self, Axis, Labels, Tick, nice_up, open_range};
 use super::color;
-use super::page::{Anchor, Frame, INK, LEFT, Page, RIGHT};
+use super::page::{Anchor, Frame, INK, LABEL, LEFT, Page, RIGHT};
 use super::raster::{self, N_SHADES, Water, Window};
 use super::{Outline, Snapshot};
 
@@ -19,10 +19,15 @@ const ABOVE: f64 = 22.0;
 const BELOW: f64 = 44.0;
 /// All pictures of a page together, so that it stays below 500 kB with its curves; bytes of text.
 const PICTURE_BUDGET: usize = 250_000;
+/// What a corner of an outline costs, and what pictures get however many outlines there are; bytes of text.
+const BYTES_PER_CORNER: usize = 10;
+const LEAST_BUDGET: usize = 60_000;
 /// Picture pixels per pixel of the page, finest first; the first that keeps the budget is taken.
 const RESOLUTIONS: [f64; 5] = [2.0, 1.5, 1.0, 0.7, 0.5];
 /// Share of the particles that are slower than the top of the colour bar: a few drops must not darken all others.
-const BELOW_TOP: f64 = 0.999;
+const BELOW_TOP: f64 = 0.995;
+/// Ends of the colour bar, times a power of ten; finer than the steps of an axis, so that the colours are used.
+const TOPS: [f64; 10] = [1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0];
 
 /// Where the panels stand.
 struct Layout {
@@ -89,8 +94,8 @@ pub(super) fn draw(
 
 impl Layout {
     fn new(y: f64, n: usize, view: ([f64; 2], [f64; 2])) -> Self {
-        let (min_x, max_x) = open_range(view.0[0], view.1[0]);
-        let (min_z, max_z) = open_range(view.0[1], view.1[1]);
+        let (min_x, max_x) = open_range(view.0[0], view.1[0], 1e-9);
+        let (min_z, max_z) = open_range(view.0[1], view.1[1], 1e-9);
         let aspect = (max_z - min_z) / (max_x - min_x);
         let is_beside = aspect > TALL && n > 1;
         let room = RIGHT - LEFT;
@@ -204,22 +209,24 @@ impl Layout {
             .filter(|outline| outline.is_fixed == is_fixed)
         {
             // A block that flew away must not leave numbers that no renderer can hold.
-            let near = |pixel: f64| pixel.clamp(-1e4, 1e4);
-            let mut command = 'M';
-            for point in outline
+            let near = |pixel: f64| (10.0 * pixel.clamp(-1e4, 1e4)).round() as i32;
+            let tenths = |n: i32| f64::from(n) / 10.0;
+            let mut before: Option<[i32; 2]> = None;
+            for &[x_m, z_m] in outline
                 .points
                 .iter()
                 .filter(|point| point.iter().all(|c| c.is_finite()))
             {
-                let [px, pz] = [
-                    near(x.at(f64::from(point[0]))),
-                    near(z.at(f64::from(point[1]))),
-                ];
-                path += &format!("{command}{px:.1} {pz:.1}");
-                command = 'L';
+                let corner @ [px, pz] = [near(x.at(f64::from(x_m))), near(z.at(f64::from(z_m)))];
+                // In whole tenths of a pixel, and relative to the corner before: half the text.
+                path += &match before {
+                    None => format!("M{} {}", tenths(px), tenths(pz)),
+                    Some([bx, bz]) => format!("l{} {}", tenths(px - bx), tenths(pz - bz)),
+                };
+                before = Some(corner);
             }
-            if command == 'L' {
-                path.push('Z');
+            if before.is_some() {
+                path.push('z');
             }
         }
         // One path for all would cut holes where blocks overlap, but for this rule of filling.
@@ -242,7 +249,7 @@ impl Layout {
             );
         }
         if z_labels == Labels::Shown {
-            page.upright_text([frame.left - 48.0, frame.top + frame.height / 2.0], "z [m]");
+            page.upright_text([LABEL, frame.top + frame.height / 2.0], "z [m]");
         }
     }
 }
@@ -254,6 +261,11 @@ fn pictures(
     spacing: f64,
     top_speed: f64,
 ) -> Vec<Option<String>> {
+    let outlines = snapshots.iter().flat_map(|snapshot| &snapshot.outlines);
+    let n_corners: usize = outlines.map(|outline| outline.points.len()).sum();
+    let budget = PICTURE_BUDGET
+        .saturating_sub(BYTES_PER_CORNER * n_corners)
+        .max(LEAST_BUDGET);
     let mut pictures = Vec::new();
     for resolution in RESOLUTIONS {
         pictures = snapshots
@@ -273,7 +285,7 @@ fn pictures(
                 raster::data_address(&raster::pixels(water, window), window)
             })
             .collect();
-        if pictures.iter().flatten().map(String::len).sum::<usize>() <= PICTURE_BUDGET {
+        if pictures.iter().flatten().map(String::len).sum::<usize>() <= budget {
             break;
         }
     }
@@ -300,7 +312,15 @@ fn top_speed(snapshots: &[Snapshot]) -> f64 {
     }
     let (_, &mut top, _) = speeds.select_nth_unstable_by(index, f64::total_cmp);
     // Water at rest within rounding is at rest.
-    if top > 1e-9 { nice_up(top) } else { 1.0 }
+    if top < 1e-9 {
+        return 1.0;
+    }
+    let power = 10f64.powf(top.log10().floor());
+    // The last one should rounding have hidden the right one.
+    TOPS.into_iter()
+        .map(|factor| factor * power)
+        .find(|&round| round >= top)
+        .unwrap_or(10.0 * power)
 }
 
 fn color_bar(page: &mut Page, layout: &Layout, top_speed: f64, is_exceeded: bool) {
@@ -334,14 +354,20 @@ fn color_bar(page: &mut Page, layout: &Layout, top_speed: f64, is_exceeded: bool
         from: frame.bottom(),
         to: frame.top,
     };
-    for tick in axis.ticks(32.0, 1.0) {
-        let y = axis.at(tick.value);
-        let is_top = is_exceeded && tick.value > 0.999 * top_speed;
-        let label = if is_top {
-            format!("≥ {}", tick.label)
-        } else {
-            tick.label
-        };
+    let mut ticks = axis.ticks(32.0, 1.0);
+    // The top has its number in any case, and room for it.
+    ticks.retain(|tick| axis.at(tick.value) > frame.top + 14.0);
+    let label = if is_exceeded {
+        format!("≥ {top_speed}")
+    } else {
+        top_speed.to_string()
+    };
+    ticks.push(Tick {
+        value: top_speed,
+        label,
+    });
+    for Tick { value, label } in ticks {
+        let y = axis.at(value);
         page.line(
             [frame.right(), y],
             [frame.right() + 4.0, y],
