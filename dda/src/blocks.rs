@@ -1,0 +1,827 @@
+//! The state of all blocks, struct of arrays, and what can be asked of it.
+
+use crate::{
+    BlockError, Contact, Energies, Isometry, Load, MassProperties, Material, Motion, Shape,
+    SurfacePoint, Vec3,
+    broad_phase::{self, Bounds},
+    contact::{Medium, Pair},
+    energy::Account,
+    kinematics::Kinematics,
+    material::Joint,
+    parts::Part,
+};
+use nalgebra::{Matrix3, Rotation3, SymmetricEigen, UnitQuaternion};
+
+/// A block as it is given.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BlockDefinition {
+    /// Geometry in its world placement at t = 0.
+    pub shape: Shape,
+    /// Position in the list of materials.
+    pub material: usize,
+    /// How it moves.
+    pub motion: Motion,
+    /// Initial velocity of the centroid, free blocks only; m/s.
+    pub velocity: Vec3,
+    /// Initial angular velocity, free blocks only; world; rad/s.
+    pub angular_velocity: Vec3,
+}
+
+/// Numbers of the solver.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Settings {
+    /// Acceleration of gravity; m/s².
+    pub gravity: Vec3,
+    /// Share `C_b` of the stability bound that a step may use, 0 < C_b ≤ 1. Default 0.8; the bound
+    /// itself is about half the true limit.
+    pub time_step_factor: f64,
+    /// Damping ratio of the shear dashpots, ≥ 0. Default 0.2: a sliding block that stops does not
+    /// ring.
+    pub shear_damping_ratio: f64,
+    /// Deepest overlap allowed, × size of the smaller part. Default 0.2.
+    pub overlap_limit: f64,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            gravity: Vec3::new(0.0, 0.0, -9.81),
+            time_step_factor: 0.8,
+            shear_damping_ratio: 0.2,
+            overlap_limit: 0.2,
+        }
+    }
+}
+
+/// A system of blocks: state, then what follows from it, then constants.
+///
+/// Columns are one per block unless said otherwise. Velocities are those of full steps.
+#[derive(Clone, Debug)]
+pub struct Blocks {
+    // State.
+    /// Centroid; m.
+    pub(crate) centroid: Vec<Vec3>,
+    /// Velocity of the centroid; m/s.
+    pub(crate) velocity: Vec<Vec3>,
+    /// World from principal axes.
+    pub(crate) attitude: Vec<UnitQuaternion<f64>>,
+    /// Angular momentum in principal axes; N m s.
+    pub(crate) angular_momentum: Vec<Vec3>,
+    /// Has it left?
+    pub(crate) is_removed: Vec<bool>,
+    /// Candidate pairs of parts with their contact history, sorted by parts.
+    pub(crate) pairs: Vec<Pair>,
+    pub(crate) friction: Account,
+    pub(crate) damping: Account,
+    pub(crate) external_work: Account,
+    /// Impulse of gravity and of fixed and prescribed blocks on free ones; N s.
+    pub(crate) support_impulse: Vec3,
+    pub(crate) n_contact_updates: u64,
+    pub(crate) n_broken_bonds: u64,
+    pub(crate) max_overlap_over_size: f64,
+
+    // Follows from the state.
+    /// Rigid motion of every block; written by integrate.
+    pub(crate) kinematics: Vec<Kinematics>,
+    /// Sum of contact forces; written by contacts.
+    pub(crate) contact_load: Vec<Load>,
+    /// The same, one sub-step before.
+    pub(crate) contact_load_before: Vec<Load>,
+    /// World geometry; one per part.
+    pub(crate) parts: Vec<Part>,
+    /// Boxes around the parts; one per part.
+    pub(crate) boxes: Vec<Bounds>,
+    /// Boxes that the candidate pairs were found with; one per part.
+    pub(crate) fat_boxes: Vec<Bounds>,
+    /// Contact points of the last step, for those who ask.
+    pub(crate) contacts: Vec<Contact>,
+    pub(crate) candidates: Vec<(u32, u32)>,
+    pub(crate) pairs_before: Vec<Pair>,
+
+    // Constants.
+    pub(crate) motion: Vec<Motion>,
+    pub(crate) mass: Vec<f64>,
+    pub(crate) volume: Vec<f64>,
+    /// Principal moments of inertia; kg m².
+    pub(crate) inertia: Vec<Vec3>,
+    /// Initial placement from principal axes.
+    pub(crate) principal: Vec<UnitQuaternion<f64>>,
+    pub(crate) initial_centroid: Vec<Vec3>,
+    /// Farthest point from the centroid; m.
+    pub(crate) radius: Vec<f64>,
+    /// First part of each block, and at the end the number of parts; n_blocks + 1.
+    pub(crate) part_start: Vec<u32>,
+    /// One per part.
+    pub(crate) block_of_part: Vec<u32>,
+    /// One per part.
+    pub(crate) material_of_part: Vec<u32>,
+    /// Geometry about the initial centroid, in the initial axes; one per part.
+    pub(crate) reference: Vec<Part>,
+    /// Margin of the fat box, zero if the part cannot move; one per part; m.
+    pub(crate) margin: Vec<f64>,
+    /// One per part.
+    pub(crate) can_move: Vec<bool>,
+    /// Constants of every pair of materials, row by row.
+    pub(crate) joints: Vec<Joint>,
+    pub(crate) n_materials: usize,
+    pub(crate) settings: Settings,
+}
+
+/// Margin of the fat boxes; × size of the part.
+const SKIN: f64 = 0.05;
+
+impl Blocks {
+    /// A system of blocks at t = 0, its contacts found and its bonds made.
+    ///
+    /// # Errors
+    ///
+    /// [`BlockError`] names the first block, material or setting that is unusable.
+    pub fn new(
+        definitions: Vec<BlockDefinition>,
+        materials: Vec<Material>,
+        settings: Settings,
+    ) -> Result<Self, BlockError> {
+        check_settings(&settings)?;
+        for (k, material) in materials.iter().enumerate() {
+            material.check(k)?;
+        }
+        let joints = materials
+            .iter()
+            .flat_map(|a| materials.iter().map(|b| Joint::between(a, b)))
+            .collect();
+        let mut this = Self::empty(joints, materials.len(), settings);
+        for (block, definition) in definitions.into_iter().enumerate() {
+            this.push(block, definition, &materials)?;
+        }
+        this.place_parts(true);
+        this.find_candidates();
+        this.bond_pairs();
+        this.evaluate_contacts(0.0);
+        this.collect_contacts();
+        Ok(this)
+    }
+
+    fn empty(joints: Vec<Joint>, n_materials: usize, settings: Settings) -> Self {
+        Self {
+            centroid: Vec::new(),
+            velocity: Vec::new(),
+            attitude: Vec::new(),
+            angular_momentum: Vec::new(),
+            is_removed: Vec::new(),
+            pairs: Vec::new(),
+            friction: Account::default(),
+            damping: Account::default(),
+            external_work: Account::default(),
+            support_impulse: Vec3::zeros(),
+            n_contact_updates: 0,
+            n_broken_bonds: 0,
+            max_overlap_over_size: 0.0,
+            kinematics: Vec::new(),
+            contact_load: Vec::new(),
+            contact_load_before: Vec::new(),
+            parts: Vec::new(),
+            boxes: Vec::new(),
+            fat_boxes: Vec::new(),
+            contacts: Vec::new(),
+            candidates: Vec::new(),
+            pairs_before: Vec::new(),
+            motion: Vec::new(),
+            mass: Vec::new(),
+            volume: Vec::new(),
+            inertia: Vec::new(),
+            principal: Vec::new(),
+            initial_centroid: Vec::new(),
+            radius: Vec::new(),
+            part_start: vec![0],
+            block_of_part: Vec::new(),
+            material_of_part: Vec::new(),
+            reference: Vec::new(),
+            margin: Vec::new(),
+            can_move: Vec::new(),
+            joints,
+            n_materials,
+            settings,
+        }
+    }
+
+    fn push(
+        &mut self,
+        block: usize,
+        definition: BlockDefinition,
+        materials: &[Material],
+    ) -> Result<(), BlockError> {
+        let BlockDefinition {
+            shape,
+            material,
+            motion,
+            velocity,
+            angular_velocity,
+        } = definition;
+        let Some(rock) = materials.get(material) else {
+            return Err(BlockError::NoSuchMaterial {
+                block,
+                material,
+                n_materials: materials.len(),
+            });
+        };
+        let properties = shape.mass_properties();
+        if !(properties.volume > 0.0 && properties.volume.is_finite()) {
+            return Err(BlockError::Empty { block });
+        }
+        if !velocity
+            .iter()
+            .chain(angular_velocity.iter())
+            .all(|c| c.is_finite())
+        {
+            return Err(BlockError::NotFinite { block });
+        }
+        let mut displacement = Vec3::zeros();
+        if let Motion::Prescribed(path) = &motion {
+            path.check(block)?;
+            displacement = path.displacement(0.0);
+        }
+        let is_free = matches!(motion, Motion::Free);
+        let (moments, principal) = principal_axes(&properties, rock.density);
+        let start = properties.centroid;
+        self.push_parts(
+            block,
+            material,
+            &shape,
+            &start,
+            !matches!(motion, Motion::Fixed),
+        );
+        self.centroid.push(start + displacement);
+        self.velocity.push(match &motion {
+            Motion::Free => velocity,
+            Motion::Fixed => Vec3::zeros(),
+            Motion::Prescribed(path) => path.velocity(0.0),
+        });
+        let spin = if is_free {
+            angular_velocity
+        } else {
+            Vec3::zeros()
+        };
+        let momentum = principal
+            .inverse_transform_vector(&spin)
+            .component_mul(&moments);
+        self.angular_momentum.push(momentum);
+        self.attitude.push(principal);
+        self.is_removed.push(false);
+        self.kinematics.push(Kinematics {
+            centroid: start,
+            velocity,
+            spin,
+            inverse_mass: 0.0,
+            inverse_inertia: Matrix3::zeros(),
+        });
+        self.contact_load.push(Load::default());
+        self.contact_load_before.push(Load::default());
+        self.mass.push(rock.density * properties.volume);
+        self.volume.push(properties.volume);
+        self.inertia.push(moments);
+        self.principal.push(principal);
+        self.initial_centroid.push(start);
+        self.motion.push(motion);
+        Ok(())
+    }
+
+    fn push_parts(
+        &mut self,
+        block: usize,
+        material: usize,
+        shape: &Shape,
+        centroid: &Vec3,
+        can_move: bool,
+    ) {
+        let shift = Isometry::translation(-centroid.x, -centroid.y, -centroid.z);
+        let first = self.reference.len();
+        match shape.transformed(&shift) {
+            Shape::Polyhedra(parts) => self
+                .reference
+                .extend(parts.into_iter().map(Part::Polyhedron)),
+            Shape::Sphere { center, radius } => {
+                self.reference.push(Part::Sphere { center, radius })
+            }
+        }
+        let mut radius = 0.0_f64;
+        for part in &self.reference[first..] {
+            radius = radius.max(part.reach_from(&Vec3::zeros()));
+            self.parts.push(part.clone());
+            self.boxes.push(part.aabb());
+            self.fat_boxes.push(part.aabb());
+            self.block_of_part.push(block as u32);
+            self.material_of_part.push(material as u32);
+            self.margin
+                .push(if can_move { SKIN * part.size() } else { 0.0 });
+            self.can_move.push(can_move);
+        }
+        self.radius.push(radius);
+        self.part_start.push(self.reference.len() as u32);
+    }
+
+    /// Brings kinematics, world geometry and boxes up to date with the state; fixed blocks only if
+    /// `all`.
+    pub(crate) fn place_parts(&mut self, all: bool) {
+        for block in 0..self.n_blocks() {
+            if !all && matches!(self.motion[block], Motion::Fixed) {
+                continue;
+            }
+            self.set_kinematics(block);
+            let place = Isometry::from_parts(self.centroid[block].into(), self.orientation(block));
+            for part in self.parts_of(block) {
+                self.parts[part].set_transformed(&self.reference[part], &place);
+                self.boxes[part] = self.parts[part].aabb();
+            }
+        }
+    }
+
+    pub(crate) fn set_kinematics(&mut self, block: usize) {
+        let is_free = self.is_free(block);
+        let turn = self.attitude[block].to_rotation_matrix();
+        let spin_rel = self.angular_momentum[block].component_div(&self.inertia[block]);
+        let mut inverse_inertia = Matrix3::zeros();
+        if is_free {
+            let inverse = self.inertia[block].map(|moment| 1.0 / moment);
+            inverse_inertia =
+                turn.matrix() * Matrix3::from_diagonal(&inverse) * turn.matrix().transpose();
+        }
+        self.kinematics[block] = Kinematics {
+            centroid: self.centroid[block],
+            velocity: self.velocity[block],
+            spin: if is_free {
+                turn * spin_rel
+            } else {
+                Vec3::zeros()
+            },
+            inverse_mass: if is_free { 1.0 / self.mass[block] } else { 0.0 },
+            inverse_inertia,
+        };
+    }
+
+    /// Lists the pairs of parts whose fat boxes overlap; pairs that stay keep their history.
+    pub(crate) fn find_candidates(&mut self) {
+        for part in 0..self.parts.len() {
+            self.fat_boxes[part] = if self.is_removed[self.block_of_part[part] as usize] {
+                NOWHERE
+            } else {
+                broad_phase::grown(&self.boxes[part], self.margin[part])
+            };
+        }
+        let mut candidates = std::mem::take(&mut self.candidates);
+        let (block_of, motion) = (&self.block_of_part, &self.motion);
+        broad_phase::candidates(
+            &self.fat_boxes,
+            &self.can_move,
+            |i, j| {
+                let (a, b) = (block_of[i as usize] as usize, block_of[j as usize] as usize);
+                let is_free = |block: usize| matches!(motion[block], Motion::Free);
+                a != b && (is_free(a) || is_free(b))
+            },
+            &mut candidates,
+        );
+        std::mem::swap(&mut self.pairs, &mut self.pairs_before);
+        let mut old = self.pairs_before.drain(..).peekable();
+        for &parts in &candidates {
+            while old.next_if(|pair| pair.parts < parts).is_some() {}
+            let pair = old.next_if(|pair| pair.parts == parts).unwrap_or_else(|| {
+                let block = |part: u32| self.block_of_part[part as usize];
+                Pair::new(parts, (block(parts.0), block(parts.1)))
+            });
+            self.pairs.push(pair);
+        }
+        drop(old);
+        self.candidates = candidates;
+    }
+
+    pub(crate) fn split_pairs(&mut self) -> (&mut Vec<Pair>, Medium<'_>, &[Bounds]) {
+        let medium = Medium {
+            parts: &self.parts,
+            kinematics: &self.kinematics,
+            joints: &self.joints,
+            material_of_part: &self.material_of_part,
+            n_materials: self.n_materials,
+            shear_damping_ratio: self.settings.shear_damping_ratio,
+        };
+        (&mut self.pairs, medium, &self.boxes)
+    }
+
+    pub(crate) fn medium(&self) -> Medium<'_> {
+        Medium {
+            parts: &self.parts,
+            kinematics: &self.kinematics,
+            joints: &self.joints,
+            material_of_part: &self.material_of_part,
+            n_materials: self.n_materials,
+            shear_damping_ratio: self.settings.shear_damping_ratio,
+        }
+    }
+
+    fn bond_pairs(&mut self) {
+        let (pairs, medium, _) = self.split_pairs();
+        pairs.iter_mut().for_each(|pair| pair.bond(&medium));
+    }
+
+    /// Takes a block out: it no longer moves, collides or counts in sums.
+    pub fn remove(&mut self, b: usize) {
+        if self.is_removed[b] {
+            return;
+        }
+        self.is_removed[b] = true;
+        for part in self.parts_of(b) {
+            self.boxes[part] = NOWHERE;
+            self.fat_boxes[part] = NOWHERE;
+            self.can_move[part] = false;
+        }
+        self.pairs
+            .retain(|pair| pair.blocks.0 as usize != b && pair.blocks.1 as usize != b);
+        self.contact_load[b] = Load::default();
+        self.velocity[b] = Vec3::zeros();
+        self.angular_momentum[b] = Vec3::zeros();
+        self.set_kinematics(b);
+        self.sum_loads();
+        self.collect_contacts();
+    }
+
+    // Counts.
+
+    /// Number of blocks, removed ones included.
+    pub fn n_blocks(&self) -> usize {
+        self.centroid.len()
+    }
+
+    /// Number of blocks that forces move.
+    pub fn n_free(&self) -> usize {
+        (0..self.n_blocks()).filter(|&b| self.is_free(b)).count()
+    }
+
+    /// Number of blocks that never move.
+    pub fn n_fixed(&self) -> usize {
+        self.count(|motion| matches!(motion, Motion::Fixed))
+    }
+
+    /// Number of blocks that follow a path.
+    pub fn n_prescribed(&self) -> usize {
+        self.count(|motion| matches!(motion, Motion::Prescribed(_)))
+    }
+
+    fn count(&self, is_wanted: impl Fn(&Motion) -> bool) -> usize {
+        (0..self.n_blocks())
+            .filter(|&b| !self.is_removed[b] && is_wanted(&self.motion[b]))
+            .count()
+    }
+
+    /// Number of blocks taken out with [`remove`](Self::remove).
+    pub fn n_removed(&self) -> usize {
+        self.is_removed
+            .iter()
+            .filter(|&&is_removed| is_removed)
+            .count()
+    }
+
+    /// Number of convex parts.
+    pub fn n_parts(&self) -> usize {
+        self.parts.len()
+    }
+
+    /// The block that a part belongs to.
+    pub fn block_of_part(&self, part: usize) -> usize {
+        self.block_of_part[part] as usize
+    }
+
+    /// The parts of a block.
+    pub fn parts_of(&self, b: usize) -> std::ops::Range<usize> {
+        self.part_start[b] as usize..self.part_start[b + 1] as usize
+    }
+
+    // One block.
+
+    /// How it moves.
+    pub fn motion(&self, b: usize) -> &Motion {
+        &self.motion[b]
+    }
+
+    /// Do forces move it?
+    pub fn is_free(&self, b: usize) -> bool {
+        matches!(self.motion[b], Motion::Free) && !self.is_removed[b]
+    }
+
+    /// Has it been taken out?
+    pub fn is_removed(&self, b: usize) -> bool {
+        self.is_removed[b]
+    }
+
+    /// Centroid, world; m.
+    pub fn centroid(&self, b: usize) -> Vec3 {
+        self.centroid[b]
+    }
+
+    /// Turn since the initial placement.
+    pub fn orientation(&self, b: usize) -> UnitQuaternion<f64> {
+        self.attitude[b] * self.principal[b].inverse()
+    }
+
+    /// Present from initial placement.
+    pub fn pose(&self, b: usize) -> Isometry {
+        let turn = self.orientation(b);
+        let shift = self.centroid[b] - turn * self.initial_centroid[b];
+        Isometry::from_parts(shift.into(), turn)
+    }
+
+    /// Velocity of the centroid; m/s.
+    pub fn velocity(&self, b: usize) -> Vec3 {
+        self.velocity[b]
+    }
+
+    /// Angular velocity, world; rad/s.
+    pub fn angular_velocity(&self, b: usize) -> Vec3 {
+        self.attitude[b] * self.angular_momentum[b].component_div(&self.inertia[b])
+    }
+
+    /// Angular momentum about the centroid, world; N m s.
+    pub fn spin_momentum(&self, b: usize) -> Vec3 {
+        self.attitude[b] * self.angular_momentum[b]
+    }
+
+    /// Mass; kg.
+    pub fn mass(&self, b: usize) -> f64 {
+        self.mass[b]
+    }
+
+    /// Volume; m³.
+    pub fn volume(&self, b: usize) -> f64 {
+        self.volume[b]
+    }
+
+    /// Inertia tensor about the centroid, world; kg m².
+    pub fn inertia(&self, b: usize) -> Matrix3<f64> {
+        let turn = self.attitude[b].to_rotation_matrix();
+        turn.matrix() * Matrix3::from_diagonal(&self.inertia[b]) * turn.matrix().transpose()
+    }
+
+    /// Farthest point of the block from its centroid; m.
+    pub fn radius(&self, b: usize) -> f64 {
+        self.radius[b]
+    }
+
+    /// Velocity of the block's material at a world point; m/s.
+    pub fn velocity_at(&self, b: usize, point: &Vec3) -> Vec3 {
+        self.kinematics[b].velocity_at(point)
+    }
+
+    /// `n·M⁻¹n` at a world point, rotation included: the acceleration along the unit vector `n`
+    /// under a unit force along it; 0 for fixed and prescribed blocks; 1/kg.
+    pub fn compliance(&self, b: usize, point: &Vec3, n: &Vec3) -> f64 {
+        self.kinematics[b].compliance(point, n)
+    }
+
+    /// Contact forces on a block at the end of the last step.
+    pub fn contact_force(&self, b: usize) -> Load {
+        self.contact_load[b]
+    }
+
+    /// Corners and faces in the present place, for output; faces counter-clockwise from outside. A
+    /// ball becomes a grid of 16 × 8 facets.
+    pub fn world_polygons(&self, b: usize) -> (Vec<Vec3>, Vec<Vec<u32>>) {
+        let (mut vertices, mut faces) = (Vec::new(), Vec::new());
+        for part in self.parts_of(b) {
+            match &self.parts[part] {
+                Part::Polyhedron(body) => {
+                    let first = vertices.len() as u32;
+                    vertices.extend_from_slice(body.vertices());
+                    faces.extend(
+                        (0..body.n_faces())
+                            .map(|f| body.face_vertices(f).map(|v| first + v).collect::<Vec<_>>()),
+                    );
+                }
+                Part::Sphere { center, radius } => {
+                    let turn = self.orientation(b);
+                    push_ball(&mut vertices, &mut faces, |unit| {
+                        center + turn * unit * *radius
+                    });
+                }
+            }
+        }
+        (vertices, faces)
+    }
+
+    // One part.
+
+    /// Box around a part, world; m. Lower above upper if its block was removed.
+    pub fn part_aabb(&self, part: usize) -> (Vec3, Vec3) {
+        self.boxes[part]
+    }
+
+    /// Closest point of a part's surface in its present place, or `None` if it is farther outside
+    /// than `cutoff` (m) or its block was removed. See [`Polyhedron::surface_point_within`].
+    ///
+    /// [`Polyhedron::surface_point_within`]: crate::Polyhedron::surface_point_within
+    pub fn surface_point_within(&self, part: usize, x: &Vec3, cutoff: f64) -> Option<SurfacePoint> {
+        if self.is_removed[self.block_of_part[part] as usize] {
+            return None;
+        }
+        self.parts[part].surface_point_within(x, cutoff)
+    }
+
+    // Sums and records.
+
+    /// Contact points of the last step.
+    pub fn contacts(&self) -> &[Contact] {
+        &self.contacts
+    }
+
+    /// Force evaluations of pairs of parts so far.
+    pub fn contact_updates(&self) -> u64 {
+        self.n_contact_updates
+    }
+
+    /// Bonds broken so far.
+    pub fn broken_bonds(&self) -> u64 {
+        self.n_broken_bonds
+    }
+
+    /// Deepest overlap so far, × size of the smaller part (cube root of its volume).
+    pub fn max_overlap_over_size(&self) -> f64 {
+        self.max_overlap_over_size
+    }
+
+    /// Energies and works; J.
+    pub fn energies(&self) -> Energies {
+        let mut energies = Energies {
+            elastic: self.pairs.iter().map(|pair| pair.elastic).sum(),
+            friction: self.friction.total(),
+            damping: self.damping.total(),
+            external_work: self.external_work.total(),
+            ..Energies::default()
+        };
+        for b in (0..self.n_blocks()).filter(|&b| self.is_free(b)) {
+            let p = self.angular_momentum[b];
+            energies.kinetic += 0.5 * self.mass[b] * self.velocity[b].norm_squared()
+                + 0.5 * p.dot(&p.component_div(&self.inertia[b]));
+            energies.potential -= self.mass[b] * self.settings.gravity.dot(&self.centroid[b]);
+        }
+        energies
+    }
+
+    /// Momentum of the free blocks; N s.
+    pub fn momentum(&self) -> Vec3 {
+        (0..self.n_blocks())
+            .filter(|&b| self.is_free(b))
+            .map(|b| self.velocity[b] * self.mass[b])
+            .sum()
+    }
+
+    /// Impulse that gravity and the contacts with fixed and prescribed blocks gave to free blocks
+    /// so far; N s.
+    pub fn support_impulse(&self) -> Vec3 {
+        self.support_impulse
+    }
+
+    /// Numbers of the solver.
+    pub fn settings(&self) -> &Settings {
+        &self.settings
+    }
+
+    /// Visits every number of the state in a fixed order: what a restart needs, and what a hash of
+    /// the state covers.
+    pub fn for_each_state_f64(&self, f: &mut dyn FnMut(f64)) {
+        for b in 0..self.n_blocks() {
+            self.centroid[b].iter().for_each(|&c| f(c));
+            self.velocity[b].iter().for_each(|&c| f(c));
+            self.attitude[b].coords.iter().for_each(|&c| f(c));
+            self.angular_momentum[b].iter().for_each(|&c| f(c));
+            f(f64::from(u8::from(self.is_removed[b])));
+        }
+        for pair in &self.pairs {
+            f(f64::from(pair.parts.0));
+            f(f64::from(pair.parts.1));
+            f(pair.elastic);
+            f(pair.bond.map_or(-1.0, |bond| bond.area));
+            if let Some(axis) = pair.axis.axis {
+                axis.normal.iter().for_each(|&c| f(c));
+                f(axis.gap);
+            }
+            f(pair.axis.verified_gap);
+            f(f64::from(pair.axis.trust));
+            for point in &pair.points {
+                f(f64::from(point.patch.key));
+                point.shear.iter().for_each(|&c| f(c));
+                f(point.normal_force);
+                f(point.normal_viscous);
+                point.shear_force.iter().for_each(|&c| f(c));
+                point.shear_viscous.iter().for_each(|&c| f(c));
+            }
+        }
+        f(self.friction.total());
+        f(self.damping.total());
+        f(self.external_work.total());
+        self.support_impulse.iter().for_each(|&c| f(c));
+        f(self.max_overlap_over_size);
+    }
+
+    pub(crate) fn collect_contacts(&mut self) {
+        self.contacts.clear();
+        for pair in &self.pairs {
+            for point in &pair.points {
+                self.contacts.push(Contact {
+                    blocks: (pair.blocks.0 as usize, pair.blocks.1 as usize),
+                    parts: (pair.parts.0 as usize, pair.parts.1 as usize),
+                    key: point.patch.key,
+                    point: point.patch.position,
+                    normal: pair.normal,
+                    normal_force: point.normal_force,
+                    shear_force: point.shear_force,
+                    overlap: point.patch.overlap,
+                    state: point.state,
+                });
+            }
+        }
+    }
+}
+
+/// A box that overlaps nothing.
+const NOWHERE: Bounds = (
+    Vec3::new(f64::INFINITY, f64::INFINITY, f64::INFINITY),
+    Vec3::new(f64::NEG_INFINITY, f64::NEG_INFINITY, f64::NEG_INFINITY),
+);
+
+/// Moments of inertia and the turn that takes principal axes to the given placement.
+fn principal_axes(properties: &MassProperties, density: f64) -> (Vec3, UnitQuaternion<f64>) {
+    let inertia = properties.inertia() * density;
+    let largest = inertia.abs().max();
+    let off_diagonal = inertia[(0, 1)]
+        .abs()
+        .max(inertia[(0, 2)].abs())
+        .max(inertia[(1, 2)].abs());
+    // Already principal: keep the axes, and the digits.
+    if off_diagonal <= 1e-14 * largest {
+        return (inertia.diagonal(), UnitQuaternion::identity());
+    }
+    let eigen = SymmetricEigen::new(inertia);
+    let mut axes = eigen.eigenvectors;
+    if axes.determinant() < 0.0 {
+        axes.set_column(0, &-axes.column(0));
+    }
+    let turn = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(axes));
+    (eigen.eigenvalues, turn)
+}
+
+fn check_settings(settings: &Settings) -> Result<(), BlockError> {
+    let refuse = |field, value, rule| Err(BlockError::Setting { field, value, rule });
+    let Settings {
+        gravity,
+        time_step_factor,
+        shear_damping_ratio,
+        overlap_limit,
+    } = *settings;
+    if let Some(&value) = gravity.iter().find(|c| !c.is_finite()) {
+        return refuse("gravity", value, "must be finite");
+    }
+    if !(time_step_factor > 0.0 && time_step_factor <= 1.0) {
+        return refuse(
+            "time_step_factor",
+            time_step_factor,
+            "must be above 0 and at most 1",
+        );
+    }
+    if !(shear_damping_ratio >= 0.0 && shear_damping_ratio.is_finite()) {
+        return refuse("shear_damping_ratio", shear_damping_ratio, "must be >= 0");
+    }
+    if !(overlap_limit > 0.0 && overlap_limit <= 1.0) {
+        return refuse(
+            "overlap_limit",
+            overlap_limit,
+            "must be above 0 and at most 1",
+        );
+    }
+    Ok(())
+}
+
+/// Corners and facets of a ball, `place` takes unit vectors to the surface.
+fn push_ball(vertices: &mut Vec<Vec3>, faces: &mut Vec<Vec<u32>>, place: impl Fn(Vec3) -> Vec3) {
+    const AROUND: u32 = 16;
+    const ALONG: u32 = 8;
+    let south = vertices.len() as u32;
+    vertices.push(place(-Vec3::z()));
+    for ring in 1..ALONG {
+        let (sin, cos) = (std::f64::consts::PI * f64::from(ring) / f64::from(ALONG)).sin_cos();
+        for k in 0..AROUND {
+            let (y, x) = (std::f64::consts::TAU * f64::from(k) / f64::from(AROUND)).sin_cos();
+            vertices.push(place(Vec3::new(sin * x, sin * y, -cos)));
+        }
+    }
+    let north = vertices.len() as u32;
+    vertices.push(place(Vec3::z()));
+    let at = |ring: u32, k: u32| south + 1 + (ring - 1) * AROUND + k % AROUND;
+    for k in 0..AROUND {
+        faces.push(vec![south, at(1, k + 1), at(1, k)]);
+        faces.push(vec![north, at(ALONG - 1, k), at(ALONG - 1, k + 1)]);
+        for ring in 1..ALONG - 1 {
+            faces.push(vec![
+                at(ring, k),
+                at(ring, k + 1),
+                at(ring + 1, k + 1),
+                at(ring + 1, k),
+            ]);
+        }
+    }
+}

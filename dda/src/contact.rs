@@ -1,0 +1,483 @@
+//! The contact law of a pair of parts: penalty springs, dashpots, Coulomb's limit, bonds.
+//!
+//! ```text
+//! normal   F_n = w K δ − w c ġ ≥ 0,     c = 2 ξ √(K_e m_e),  1/m_e = w_A + w_B (compliances along n)
+//! shear    F_t = −w K_t ξ_t − w c_t u_t,     |F_t| ≤ F_n tan φ                                  [N]
+//! ```
+//! `w` is the point's share of the patch, `δ` its overlap, `ġ` its opening rate, `ξ_t` the shear
+//! displacement since first contact, carried along as the pair turns. `K_e = K · (mean/deepest
+//! overlap)` is the stiffness that the motion of the pair as a whole feels: K of a flat face, K/2
+//! of an edge, K/3 of a corner. Forces act on B; A gets the opposite at the same point.
+//! Source: Cundall (1988), Geraili Mikola & Sitar (2013); damping clamped after Schwager & Pöschel
+//! (2007); shear history after Luding (2008).
+//!
+//! **Energy.** The springs of a patch whose shape stays the same conserve energy. A patch that
+//! changes shape (a body rocking over its edge, a corner that becomes a face) is not derived from a
+//! potential: the ledger shows a share of the elastic energy, ½ F δ, as its error.
+//!
+//! **Bonds.** Parts that lie against each other at the start with cohesion or tensile strength are
+//! bonded: they also pull, up to `T A`, and hold shear up to `c A + F_n tan φ` (A the area of the
+//! patch at the start). Past either limit the bond breaks for good.
+
+use crate::{
+    Vec3,
+    common_plane::{Axis, AxisCache, AxisKind},
+    kinematics::{Kinematics, Load},
+    material::Joint,
+    parts::Part,
+    patch::{PYRAMID, Patch, PatchPoint},
+    shape::sphere_surface_point,
+};
+
+/// Is the contact open, held by friction, or slipping?
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ContactState {
+    /// No force.
+    Open,
+    /// The shear spring holds.
+    Stick,
+    /// The shear force is at Coulomb's limit.
+    Slide,
+}
+
+/// One contact point, as reported.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Contact {
+    /// The two blocks, i and j.
+    pub blocks: (usize, usize),
+    /// The two parts, i and j.
+    pub parts: (usize, usize),
+    /// Names the point among those of its pair of parts.
+    pub key: u32,
+    /// World; m.
+    pub point: Vec3,
+    /// Unit, from i to j.
+    pub normal: Vec3,
+    /// Force on j along the normal, ≥ 0 unless bonded; N.
+    pub normal_force: f64,
+    /// Force on j across the normal; N.
+    pub shear_force: Vec3,
+    /// Overlap at the point; m.
+    pub overlap: f64,
+    /// What it does.
+    pub state: ContactState,
+}
+
+/// What a contact point remembers.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct PointState {
+    pub patch: PatchPoint,
+    /// Shear displacement `ξ_t`; m.
+    pub shear: Vec3,
+    /// Normal force on B, with its viscous part; N.
+    pub normal_force: f64,
+    pub normal_viscous: f64,
+    /// Shear force on B, with its viscous part; N.
+    pub shear_force: Vec3,
+    pub shear_viscous: Vec3,
+    pub state: ContactState,
+}
+
+/// Bond of two parts that lay against each other at the start.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Bond {
+    /// `A`; m².
+    pub area: f64,
+}
+
+/// Two parts that may touch: state first, then scratch.
+#[derive(Clone, Debug)]
+pub(crate) struct Pair {
+    pub parts: (u32, u32),
+    pub blocks: (u32, u32),
+    pub axis: AxisCache,
+    pub bond: Option<Bond>,
+    /// Points of the last force evaluation.
+    pub points: Vec<PointState>,
+    /// Normal from i to j at that time.
+    pub normal: Vec3,
+    /// Energy of the springs; J.
+    pub elastic: f64,
+
+    before: Vec<PointState>,
+    patch: Patch,
+    /// On the blocks i and j, torque about their centroids.
+    pub loads: (Load, Load),
+    /// Energy lost in the last sub-step; J.
+    pub friction: f64,
+    pub damping: f64,
+    /// Deepest overlap; m.
+    pub deepest: f64,
+    /// Did the bond break in the last evaluation?
+    pub has_broken: bool,
+}
+
+/// What the law needs beside the pair itself.
+pub(crate) struct Medium<'a> {
+    pub parts: &'a [Part],
+    pub kinematics: &'a [Kinematics],
+    pub joints: &'a [Joint],
+    pub material_of_part: &'a [u32],
+    pub n_materials: usize,
+    /// `ξ` of the shear dashpot; –.
+    pub shear_damping_ratio: f64,
+}
+
+impl Medium<'_> {
+    pub fn joint(&self, pair: &Pair) -> &Joint {
+        let material = |part: u32| self.material_of_part[part as usize] as usize;
+        &self.joints[material(pair.parts.0) * self.n_materials + material(pair.parts.1)]
+    }
+}
+
+/// Parts nearer than this at the start are bonded; × size of the smaller part.
+const BOND_REACH: f64 = 1e-4;
+
+impl Pair {
+    pub fn new(parts: (u32, u32), blocks: (u32, u32)) -> Self {
+        Self {
+            parts,
+            blocks,
+            axis: AxisCache::default(),
+            bond: None,
+            points: Vec::new(),
+            normal: Vec3::z(),
+            elastic: 0.0,
+            before: Vec::new(),
+            patch: Patch::default(),
+            loads: (Load::default(), Load::default()),
+            friction: 0.0,
+            damping: 0.0,
+            deepest: 0.0,
+            has_broken: false,
+        }
+    }
+
+    /// Glues the pair if its parts lie face to face and the joint has strength.
+    pub fn bond(&mut self, medium: &Medium) {
+        let joint = medium.joint(self);
+        let (Part::Polyhedron(a), Part::Polyhedron(b)) = (
+            &medium.parts[self.parts.0 as usize],
+            &medium.parts[self.parts.1 as usize],
+        ) else {
+            return;
+        };
+        if joint.cohesion <= 0.0 && joint.tensile_strength <= 0.0 {
+            return;
+        }
+        let axes = crate::separating_axes(a, b);
+        let axis = if axes.face_b.gap > axes.face_a.gap {
+            axes.face_b
+        } else {
+            axes.face_a
+        };
+        let reach = BOND_REACH * a.size().min(b.size());
+        if axes.best().gap > reach || axis.gap.abs() > reach {
+            return;
+        }
+        self.patch.find(a, b, &axis, true);
+        let is_flat = self.patch.points.iter().all(|p| p.overlap.abs() <= reach);
+        if self.patch.area > 0.0 && is_flat {
+            self.axis.axis = Some(axis);
+            self.bond = Some(Bond {
+                area: self.patch.area,
+            });
+        }
+    }
+
+    /// Finds the patch in the present place and the forces at the present velocities; books what
+    /// friction and dashpots took during the last `dt` (s).
+    ///
+    /// Parts whose boxes are apart (`is_near` false) are not looked at, unless they are bonded.
+    pub fn evaluate(&mut self, medium: &Medium, dt: f64, is_near: bool) {
+        std::mem::swap(&mut self.points, &mut self.before);
+        self.points.clear();
+        self.patch.points.clear();
+        self.loads = (Load::default(), Load::default());
+        self.friction = 0.0;
+        self.damping = 0.0;
+        self.deepest = 0.0;
+        self.has_broken = false;
+        let found = if is_near || self.bond.is_some() {
+            self.find_patch(medium)
+        } else {
+            None
+        };
+        if let Some((normal, deepest)) = found {
+            self.normal = normal;
+            self.deepest = deepest;
+            self.apply_law(medium, dt);
+            if self.is_overloaded(medium) {
+                self.break_bond(medium, dt);
+            }
+        }
+        self.settle_energy(medium);
+    }
+
+    /// Normal from i to j and deepest overlap, with the patch in place; `None` when apart.
+    fn find_patch(&mut self, medium: &Medium) -> Option<(Vec3, f64)> {
+        let (first, second) = (
+            &medium.parts[self.parts.0 as usize],
+            &medium.parts[self.parts.1 as usize],
+        );
+        match (first, second) {
+            (Part::Polyhedron(a), Part::Polyhedron(b)) => {
+                let axis = if self.bond.is_some() {
+                    self.axis.axis.map(|axis| glued(a, b, &axis))?
+                } else {
+                    self.axis.overlapping(a, b)?
+                };
+                self.patch.find(a, b, &axis, self.bond.is_some());
+                Some((axis.normal, (-axis.gap).max(0.0)))
+            }
+            (Part::Sphere { center, radius }, Part::Polyhedron(body)) => {
+                let surface = body.surface_point_within(center, *radius)?;
+                let overlap = radius - surface.distance;
+                self.patch
+                    .set_single(surface.point - surface.normal * (0.5 * overlap), overlap);
+                Some((-surface.normal, overlap))
+            }
+            (Part::Polyhedron(body), Part::Sphere { center, radius }) => {
+                let surface = body.surface_point_within(center, *radius)?;
+                let overlap = radius - surface.distance;
+                self.patch
+                    .set_single(surface.point - surface.normal * (0.5 * overlap), overlap);
+                Some((surface.normal, overlap))
+            }
+            (
+                Part::Sphere {
+                    center: a,
+                    radius: r,
+                },
+                Part::Sphere {
+                    center: b,
+                    radius: s,
+                },
+            ) => {
+                let surface = sphere_surface_point(a, *r, b);
+                let overlap = s - surface.distance;
+                if overlap < 0.0 {
+                    return None;
+                }
+                self.patch
+                    .set_single(surface.point - surface.normal * (0.5 * overlap), overlap);
+                Some((surface.normal, overlap))
+            }
+        }
+    }
+
+    fn apply_law(&mut self, medium: &Medium, dt: f64) {
+        let joint = medium.joint(self);
+        let (a, b) = (
+            &medium.kinematics[self.blocks.0 as usize],
+            &medium.kinematics[self.blocks.1 as usize],
+        );
+        let n = self.normal;
+        let center: Vec3 = self
+            .patch
+            .points
+            .iter()
+            .map(|p| p.position * p.weight)
+            .sum();
+        let mean: f64 = self.patch.points.iter().map(|p| p.overlap * p.weight).sum();
+        let share = if self.bond.is_some() || self.deepest <= 0.0 {
+            1.0
+        } else {
+            (mean / self.deepest).clamp(PYRAMID, 1.0)
+        };
+        let mobility = a.compliance(&center, &n) + b.compliance(&center, &n);
+        let viscosity = |stiffness: f64, ratio: f64| {
+            if mobility > 0.0 {
+                2.0 * ratio * (stiffness / mobility).sqrt()
+            } else {
+                0.0
+            }
+        };
+        let c_n = viscosity(joint.normal_stiffness * share, joint.damping_ratio);
+        let c_t = viscosity(joint.shear_stiffness * share, medium.shear_damping_ratio);
+        let mean_shear = mean_shear(&self.before);
+        let turn = 0.5 * (a.spin + b.spin).dot(&n) * dt;
+        let cohesion = self.bond.map_or(0.0, |bond| joint.cohesion * bond.area);
+        for k in 0..self.patch.points.len() {
+            let patch = self.patch.points[k];
+            let old = self.before.iter().find(|old| old.patch.key == patch.key);
+            let rate = b.velocity_at(&patch.position) - a.velocity_at(&patch.position);
+            let opening = rate.dot(&n);
+            let sliding = rate - n * opening;
+
+            let spring = patch.weight * joint.normal_stiffness * patch.overlap;
+            let mut normal_force = spring - patch.weight * c_n * opening;
+            if self.bond.is_none() {
+                normal_force = normal_force.max(0.0);
+            }
+            let normal_viscous = normal_force - spring;
+            self.damping -=
+                0.5 * (normal_viscous + old.map_or(0.0, |old| old.normal_viscous)) * opening * dt;
+
+            let k_t = patch.weight * joint.shear_stiffness;
+            let carried = carry(&old.map_or(mean_shear, |old| old.shear), &n, turn);
+            let mut shear = carried + sliding * dt;
+            let mut shear_viscous = -sliding * (patch.weight * c_t);
+            let mut shear_force = shear_viscous - shear * k_t;
+            let limit = joint.friction * normal_force.max(0.0) + cohesion * patch.weight;
+            let size = shear_force.norm();
+            let is_slipping = size > limit && self.bond.is_none();
+            let old_force = old.map_or_else(Vec3::zeros, |old| old.shear_force);
+            if is_slipping {
+                shear_force *= limit / size;
+                shear_viscous = Vec3::zeros();
+                let kept = if k_t > 0.0 {
+                    -shear_force / k_t
+                } else {
+                    Vec3::zeros()
+                };
+                self.friction -= 0.5 * (shear_force + old_force).dot(&(shear - kept));
+                shear = kept;
+            } else {
+                let old_viscous = old.map_or_else(Vec3::zeros, |old| old.shear_viscous);
+                self.damping -= 0.5 * (shear_viscous + old_viscous).dot(&sliding) * dt;
+            }
+            let force = n * normal_force + shear_force;
+            self.loads.0.add(&-force, &(patch.position - a.centroid));
+            self.loads.1.add(&force, &(patch.position - b.centroid));
+            self.points.push(PointState {
+                patch,
+                shear,
+                normal_force,
+                normal_viscous,
+                shear_force,
+                shear_viscous,
+                state: match (normal_force > 0.0, is_slipping) {
+                    (false, _) if self.bond.is_none() => ContactState::Open,
+                    (_, true) => ContactState::Slide,
+                    _ => ContactState::Stick,
+                },
+            });
+        }
+    }
+
+    /// Mohr-Coulomb with tension, for the bond as a whole.
+    fn is_overloaded(&self, medium: &Medium) -> bool {
+        let Some(bond) = self.bond else { return false };
+        let joint = medium.joint(self);
+        let normal: f64 = self.points.iter().map(|p| p.normal_force).sum();
+        let shear: Vec3 = self.points.iter().map(|p| p.shear_force).sum();
+        normal < -joint.tensile_strength * bond.area
+            || shear.norm() > joint.cohesion * bond.area + normal.max(0.0) * joint.friction
+    }
+
+    /// The bond is gone: the forces are found again without it.
+    fn break_bond(&mut self, medium: &Medium, dt: f64) {
+        let (friction, damping) = (self.friction, self.damping);
+        self.bond = None;
+        self.has_broken = true;
+        self.loads = (Load::default(), Load::default());
+        self.points.clear();
+        match self.find_patch(medium) {
+            Some((normal, deepest)) => {
+                self.normal = normal;
+                self.deepest = deepest;
+                self.apply_law(medium, dt);
+            }
+            None => self.deepest = 0.0,
+        }
+        // What the springs lose beyond slip is booked as damping by the caller's settlement.
+        self.friction = friction.max(self.friction);
+        self.damping = damping;
+    }
+
+    /// Energy of the springs now, and what was lost with points that are gone.
+    fn settle_energy(&mut self, medium: &Medium) {
+        let joint = medium.joint(self);
+        let before = self.elastic;
+        let normal = if self.patch.is_full || self.bond.is_some() {
+            let squares: f64 = self
+                .points
+                .iter()
+                .map(|p| p.patch.weight * p.patch.overlap * p.patch.overlap)
+                .sum();
+            0.5 * joint.normal_stiffness * squares
+        } else {
+            let mean: f64 = self
+                .points
+                .iter()
+                .map(|p| p.patch.weight * p.patch.overlap)
+                .sum();
+            0.5 * joint.normal_stiffness * mean * self.deepest
+        };
+        let shear: f64 = self
+            .points
+            .iter()
+            .map(|p| p.patch.weight * p.shear.norm_squared())
+            .sum();
+        self.elastic = normal + 0.5 * joint.shear_stiffness * shear;
+        let was_cut_off = self.before.iter().all(|p| p.normal_force == 0.0);
+        if self.has_broken || (self.points.is_empty() && was_cut_off) {
+            self.damping += before - self.elastic;
+        }
+    }
+
+    /// Is there any force?
+    pub fn is_touching(&self) -> bool {
+        !self.points.is_empty()
+    }
+
+    /// Rate bound of the pair for its two blocks, `Σ_k k_n w_n + k_t (w_t1 + w_t2)`; 1/s². Before
+    /// the parts touch, for the worst point of the bounding spheres given.
+    pub fn stiffness_rate(&self, medium: &Medium, radii: (f64, f64)) -> (f64, f64) {
+        let joint = medium.joint(self);
+        let rate = |block: u32, radius: f64| {
+            let body = &medium.kinematics[block as usize];
+            if self.points.is_empty() {
+                let worst = body.worst_compliance(radius);
+                (joint.normal_stiffness + 2.0 * joint.shear_stiffness) * worst
+            } else {
+                self.points
+                    .iter()
+                    .map(|p| {
+                        let along = body.compliance(&p.patch.position, &self.normal);
+                        let across = body.compliance_trace(&p.patch.position) - along;
+                        p.patch.weight
+                            * (joint.normal_stiffness * along + joint.shear_stiffness * across)
+                    })
+                    .sum()
+            }
+        };
+        (rate(self.blocks.0, radii.0), rate(self.blocks.1, radii.1))
+    }
+}
+
+/// The bonded faces in their present place.
+fn glued(a: &crate::Polyhedron, b: &crate::Polyhedron, axis: &Axis) -> Axis {
+    let normal = match axis.kind {
+        AxisKind::FaceA(face) => a.face_normal(face as usize),
+        AxisKind::FaceB(face) => -b.face_normal(face as usize),
+        _ => axis.normal,
+    };
+    Axis {
+        normal,
+        gap: crate::gap_along(a, b, &normal),
+        kind: axis.kind,
+    }
+}
+
+fn mean_shear(points: &[PointState]) -> Vec3 {
+    points.iter().map(|p| p.shear * p.patch.weight).sum()
+}
+
+/// Shear displacement carried into the present plane: turned with the pair about `n`, projected,
+/// and brought back to its length.
+fn carry(shear: &Vec3, n: &Vec3, turn: f64) -> Vec3 {
+    let length = shear.norm();
+    if length == 0.0 {
+        return Vec3::zeros();
+    }
+    let turned = shear + n.cross(shear) * turn;
+    let flat = turned - n * turned.dot(n);
+    let flat_length = flat.norm();
+    if flat_length > 0.0 {
+        flat * (length / flat_length)
+    } else {
+        Vec3::zeros()
+    }
+}

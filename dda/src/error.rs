@@ -1,0 +1,103 @@
+//! What can go wrong when blocks are made and when they move.
+
+use thiserror::Error;
+
+/// Why a system of blocks was refused.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum BlockError {
+    /// A block refers to a material that is not there.
+    #[error("block {block} has material {material}, but there are only {n_materials}")]
+    NoSuchMaterial {
+        /// The block.
+        block: usize,
+        /// Its material.
+        material: usize,
+        /// Materials given.
+        n_materials: usize,
+    },
+    /// A number of a material is out of range.
+    #[error("material {material}: {field} is {value}, {rule}")]
+    Material {
+        /// The material.
+        material: usize,
+        /// Name of the number.
+        field: &'static str,
+        /// Its value.
+        value: f64,
+        /// Its range.
+        rule: &'static str,
+    },
+    /// A block has no parts, or a ball has no size.
+    #[error("block {block} has no volume; give it at least one part or a positive radius")]
+    Empty {
+        /// The block.
+        block: usize,
+    },
+    /// A velocity is NaN or infinite.
+    #[error("block {block} has an initial velocity that is not finite")]
+    NotFinite {
+        /// The block.
+        block: usize,
+    },
+    /// A path is unusable.
+    #[error("the path of block {block} cannot be followed: {reason}")]
+    Motion {
+        /// The block.
+        block: usize,
+        /// What is wrong.
+        reason: &'static str,
+    },
+    /// A number of the settings is out of range.
+    #[error("setting {field} is {value}, {rule}")]
+    Setting {
+        /// Name of the number.
+        field: &'static str,
+        /// Its value.
+        value: f64,
+        /// Its range.
+        rule: &'static str,
+    },
+}
+
+/// Why a step failed. The state is the one of the failing sub-step, fit for a last output only.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum StepError {
+    /// A block's state is not finite.
+    #[error(
+        "block {block} has a position or velocity that is not finite at t = {time:.6} s; lower the time step"
+    )]
+    NotFinite {
+        /// The block.
+        block: usize,
+        /// Time of the sub-step; s.
+        time: f64,
+    },
+    /// Two blocks overlap too deeply.
+    #[error(
+        "blocks {first} and {second} overlap by {overlap:e} m at t = {time:.6} s, {:.0} % of the smaller one's size {size:e} m \
+         (limit {:.0} %); raise the contact stiffness, lower the time step, or part them at the start",
+        100.0 * overlap / size, 100.0 * limit
+    )]
+    Overlap {
+        /// The lower block.
+        first: usize,
+        /// The higher block.
+        second: usize,
+        /// How deep; m.
+        overlap: f64,
+        /// Size of the smaller part, the cube root of its volume; m.
+        size: f64,
+        /// Allowed; × size.
+        limit: f64,
+        /// Time of the sub-step; s.
+        time: f64,
+    },
+    /// A time step cannot be used.
+    #[error("time step {dt} s at t = {time} s; it must be finite and > 0")]
+    TimeStep {
+        /// The step; s.
+        dt: f64,
+        /// The time; s.
+        time: f64,
+    },
+}

@@ -1,0 +1,203 @@
+//! Rock materials, and the joint that two of them make where they touch.
+
+use crate::BlockError;
+
+/// Isotropic linear elasticity, kept for deformable kinematics; rigid blocks ignore it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Elastic {
+    /// Young's modulus, > 0; Pa.
+    pub young_modulus: f64,
+    /// Poisson's ratio, above −1 and below 0.5; –.
+    pub poisson_ratio: f64,
+}
+
+/// A rock or wall material.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Material {
+    /// Density, > 0; kg/m³.
+    pub density: f64,
+    /// Friction angle of its joints, 0 ≤ φ < π/2; rad.
+    pub friction_angle: f64,
+    /// Cohesion of a joint until it breaks, ≥ 0; Pa.
+    pub cohesion: f64,
+    /// Tensile strength of a joint until it breaks, ≥ 0; Pa.
+    pub tensile_strength: f64,
+    /// Normal restitution, 0 to 1; below exp(−2) = 0.135 the contact is critically damped and
+    /// rebounds with that; –.
+    pub restitution: f64,
+    /// Normal penalty stiffness of a whole contact, > 0; N/m.
+    pub contact_stiffness: f64,
+    /// Shear over normal penalty stiffness, ≥ 0; –.
+    pub shear_stiffness_ratio: f64,
+    /// Elastic moduli.
+    pub elastic: Option<Elastic>,
+}
+
+impl Material {
+    pub(crate) fn check(&self, material: usize) -> Result<(), BlockError> {
+        let Self {
+            density,
+            friction_angle,
+            cohesion,
+            tensile_strength,
+            restitution,
+            contact_stiffness,
+            shear_stiffness_ratio,
+            elastic,
+        } = *self;
+        let half_pi = std::f64::consts::FRAC_PI_2;
+        let mut fields = vec![
+            ("density", density, density > 0.0, "must be > 0 kg/m³"),
+            (
+                "friction_angle",
+                friction_angle,
+                (0.0..half_pi).contains(&friction_angle),
+                "must be in [0, π/2) rad",
+            ),
+            ("cohesion", cohesion, cohesion >= 0.0, "must be >= 0 Pa"),
+            (
+                "tensile_strength",
+                tensile_strength,
+                tensile_strength >= 0.0,
+                "must be >= 0 Pa",
+            ),
+            (
+                "restitution",
+                restitution,
+                (0.0..=1.0).contains(&restitution),
+                "must be in [0, 1]",
+            ),
+            (
+                "contact_stiffness",
+                contact_stiffness,
+                contact_stiffness > 0.0,
+                "must be > 0 N/m",
+            ),
+            (
+                "shear_stiffness_ratio",
+                shear_stiffness_ratio,
+                shear_stiffness_ratio >= 0.0,
+                "must be >= 0",
+            ),
+        ];
+        if let Some(elastic) = elastic {
+            let (e, nu) = (elastic.young_modulus, elastic.poisson_ratio);
+            fields.push(("young_modulus", e, e > 0.0, "must be > 0 Pa"));
+            fields.push((
+                "poisson_ratio",
+                nu,
+                nu > -1.0 && nu < 0.5,
+                "must be above -1 and below 0.5",
+            ));
+        }
+        match fields
+            .into_iter()
+            .find(|(_, value, is_good, _)| !(*is_good && value.is_finite()))
+        {
+            Some((field, value, _, rule)) => Err(BlockError::Material {
+                material,
+                field,
+                value,
+                rule,
+            }),
+            None => Ok(()),
+        }
+    }
+}
+
+/// Constants of the contact between two materials.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Joint {
+    /// `K`; N/m.
+    pub normal_stiffness: f64,
+    /// `K_t`; N/m.
+    pub shear_stiffness: f64,
+    /// `tan φ`; –.
+    pub friction: f64,
+    /// `c`; Pa.
+    pub cohesion: f64,
+    /// `T`; Pa.
+    pub tensile_strength: f64,
+    /// `ξ_n`, from the restitution; –.
+    pub damping_ratio: f64,
+}
+
+impl Joint {
+    /// Where two materials meet, the lesser friction, cohesion, tension and restitution hold; the
+    /// springs are halves in series, so that equal materials keep their value:
+    ///
+    /// ```text
+    /// K = 2 k₁ k₂/(k₁ + k₂)                                         [N/m]
+    /// ```
+    /// The same rule, for the products `K · ratio`, gives the shear spring.
+    pub fn between(first: &Material, second: &Material) -> Self {
+        let series = |a: f64, b: f64| {
+            if a + b > 0.0 {
+                2.0 * a * b / (a + b)
+            } else {
+                0.0
+            }
+        };
+        let shear = |m: &Material| m.contact_stiffness * m.shear_stiffness_ratio;
+        Self {
+            normal_stiffness: series(first.contact_stiffness, second.contact_stiffness),
+            shear_stiffness: series(shear(first), shear(second)),
+            friction: first.friction_angle.min(second.friction_angle).tan(),
+            cohesion: first.cohesion.min(second.cohesion),
+            tensile_strength: first.tensile_strength.min(second.tensile_strength),
+            damping_ratio: damping_ratio(first.restitution.min(second.restitution)),
+        }
+    }
+}
+
+/// Restitution of a spring and dashpot whose force is never allowed to pull.
+///
+/// ```text
+/// e = exp( −(ξ/s)(π − atan2(2ξs, s² − ξ²)) ),   s = √(1 − ξ²);   with ξ = cos θ:   e = exp(−2θ cot θ)
+/// ```
+/// Source: Schwager & Pöschel (2007). At ξ = 1 the rebound is exp(−2).
+pub fn clamped_restitution(damping_ratio: f64) -> f64 {
+    if damping_ratio >= 1.0 {
+        return (-2.0_f64).exp();
+    }
+    let theta = damping_ratio.acos();
+    (-2.0 * theta * damping_ratio / theta.sin()).exp()
+}
+
+/// Damping ratio that gives a restitution, by bisection of [`clamped_restitution`]; at most 1.
+pub fn damping_ratio(restitution: f64) -> f64 {
+    if restitution <= clamped_restitution(1.0) {
+        return 1.0;
+    }
+    let (mut low, mut high) = (0.0, 1.0);
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        if clamped_restitution(middle) > restitution {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    if restitution >= 1.0 {
+        0.0
+    } else {
+        0.5 * (low + high)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn damping_from_restitution() {
+        // Values of Schwager & Pöschel's formula, five digits.
+        for (restitution, ratio) in [(0.2, 0.73125), (0.5, 0.25528), (0.8, 0.07436)] {
+            assert!((damping_ratio(restitution) - ratio).abs() < 1e-5);
+            assert!((clamped_restitution(damping_ratio(restitution)) - restitution).abs() < 1e-12);
+        }
+        assert!((clamped_restitution(0.45595) - 0.32486).abs() < 1e-5);
+        assert_eq!(damping_ratio(1.0), 0.0);
+        assert_eq!(damping_ratio(0.0), 1.0);
+    }
+}
