@@ -235,6 +235,8 @@ fn bond_in_tension() {
     for (strength, holds) in [(1.05 * weight, true), (0.95 * weight, false)] {
         let material = Material {
             tensile_strength: 2.0 * strength,
+            // Without any, the least shear would break it.
+            cohesion: strength,
             ..rock()
         };
         let ceiling = block(cuboid([-1.0, -1.0, 1.0], [2.0, 2.0, 2.0]), Motion::Fixed);

@@ -17,9 +17,10 @@ fn threads_do_not_change_a_bit() {
             .build()
             .unwrap();
         pool.install(|| {
-            let mut blocks = blocks(pile(36), rock(), down());
-            run_steps(&mut blocks, 0.4, 1500);
-            assert!(blocks.contacts().len() > 100);
+            let mut blocks = blocks(pile(50), rock(), down());
+            run_steps(&mut blocks, 0.9, 3000);
+            // Enough to wake the threads.
+            assert!(blocks.contacts().len() > 100, "{}", blocks.contacts().len());
             bits(&blocks)
         })
     };
