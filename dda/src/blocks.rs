@@ -153,6 +153,7 @@ impl Blocks {
         for (block, definition) in definitions.into_iter().enumerate() {
             this.push(block, definition, &materials)?;
         }
+        this.note_neighbors();
         this.place_parts(true);
         this.find_candidates();
         this.bond_pairs();
@@ -306,7 +307,9 @@ impl Blocks {
         let mut radius = 0.0_f64;
         for part in &self.reference[first..] {
             radius = radius.max(part.reach_from(&Vec3::zeros()));
-            self.parts.push(part.clone());
+            let mut placed = part.clone();
+            placed.set_transformed(part, &shift.inverse());
+            self.parts.push(placed);
             self.boxes.push(part.aabb());
             self.fat_boxes.push(part.aabb());
             self.block_of_part.push(block as u32);
@@ -317,6 +320,39 @@ impl Blocks {
         }
         self.radius.push(radius);
         self.part_start.push(self.reference.len() as u32);
+    }
+
+    /// Finds the faces that nothing can touch and the corners where surfaces join, between parts of one
+    /// body and between fixed bodies.
+    fn note_neighbors(&mut self) {
+        let is_fixed = |block: u32| matches!(self.motion[block as usize], Motion::Fixed);
+        // In the initial placement, where the fixed parts can be compared.
+        let placed = self.parts.clone();
+        for part in 0..self.parts.len() {
+            let block = self.block_of_part[part];
+            let others: Vec<&crate::Polyhedron> = (0..placed.len())
+                .filter_map(|other| match &placed[other] {
+                    Part::Polyhedron(body) => {
+                        let owner = self.block_of_part[other];
+                        let moves_along = owner == block || (is_fixed(owner) && is_fixed(block));
+                        let is_near = broad_phase::overlap(
+                            &broad_phase::grown(&placed[part].aabb(), 1e-2 * body.size()),
+                            &body.aabb(),
+                        );
+                        (other != part && moves_along && is_near).then_some(body)
+                    }
+                    Part::Sphere { .. } => None,
+                })
+                .collect();
+            let turn_back =
+                self.attitude[block as usize] * self.principal[block as usize].inverse();
+            if let (Part::Polyhedron(body), Part::Polyhedron(reference)) =
+                (&mut self.parts[part], &mut self.reference[part])
+            {
+                crate::parts::note_neighbors(body, &others);
+                reference.copy_neighbors(body, &turn_back.inverse());
+            }
+        }
     }
 
     /// Brings kinematics, world geometry and boxes up to date with the state; fixed blocks only if
@@ -609,18 +645,6 @@ impl Blocks {
     /// Box around a part, world; m. Lower above upper if its block was removed.
     pub fn part_aabb(&self, part: usize) -> (Vec3, Vec3) {
         self.boxes[part]
-    }
-
-    /// Corners of a part in its present place, for output; of a ball, points all over it.
-    pub fn part_points(&self, part: usize) -> Vec<Vec3> {
-        match &self.parts[part] {
-            Part::Polyhedron(body) => body.vertices().to_vec(),
-            Part::Sphere { center, radius } => {
-                let (mut vertices, mut faces) = (Vec::new(), Vec::new());
-                push_ball(&mut vertices, &mut faces, |unit| center + unit * *radius);
-                vertices
-            }
-        }
     }
 
     /// Closest point of a part's surface in its present place, or `None` if it is farther outside

@@ -13,6 +13,10 @@
 //!   the Minkowski difference (separating axis theorem; pruning by arcs on the Gauss map after
 //!   Gregorius 2013). For overlapping bodies it is exact.
 //!
+//! Faces that other fixed parts, or parts of the same body, cover entirely are no candidates, and
+//! neither are corners that such a part carries on: a floor made of two slabs, or a slope that ends on
+//! a bed, has no edge there that a sliding body could run against.
+//!
 //! The pair keeps its axis ([`AxisCache`]) and trusts it while nothing changes much.
 
 use crate::{Polyhedron, Vec3};
@@ -190,10 +194,11 @@ pub fn separating_axes(a: &Polyhedron, b: &Polyhedron) -> SeparatingAxes {
         kind,
     };
     let mut face_a = none(AxisKind::FaceA(0));
-    for face in 0..a.n_faces() {
+    for face in (0..a.n_faces()).filter(|&face| !a.is_hidden(face)) {
         let normal = a.face_normal(face);
-        let gap = -support(b, &-normal).0 - a.face_offset(face);
-        if gap > face_a.gap {
+        let (depth, corner) = support(b, &-normal);
+        let gap = -depth - a.face_offset(face);
+        if gap > face_a.gap && (gap > 0.0 || b.is_corner(corner as u32, &-normal)) {
             face_a = Axis {
                 normal,
                 gap,
@@ -202,11 +207,11 @@ pub fn separating_axes(a: &Polyhedron, b: &Polyhedron) -> SeparatingAxes {
         }
     }
     let mut face_b = none(AxisKind::FaceB(0));
-    for face in 0..b.n_faces() {
+    for face in (0..b.n_faces()).filter(|&face| !b.is_hidden(face)) {
         let normal = -b.face_normal(face);
-        let gap = -b.face_offset(face) - support(a, &normal).0;
-        // −offset = n·x with the reversed normal: B's face is its lowest point along n.
-        if gap > face_b.gap {
+        let (height, corner) = support(a, &normal);
+        let gap = -b.face_offset(face) - height;
+        if gap > face_b.gap && (gap > 0.0 || a.is_corner(corner as u32, &normal)) {
             face_b = Axis {
                 normal,
                 gap,
@@ -214,6 +219,9 @@ pub fn separating_axes(a: &Polyhedron, b: &Polyhedron) -> SeparatingAxes {
             };
         }
     }
+    let is_ridge = |body: &Polyhedron, e: u32, direction: &Vec3| {
+        body.is_corner(body.origin(e), direction) && body.is_corner(body.target(e), direction)
+    };
     let mut edges: Option<Axis> = None;
     for edge_a in a.edges() {
         let along_a = edge_vector(a, edge_a);
@@ -246,7 +254,9 @@ pub fn separating_axes(a: &Polyhedron, b: &Polyhedron) -> SeparatingAxes {
                 &(b.vertices()[b.origin(edge_b) as usize]
                     - a.vertices()[a.origin(edge_a) as usize]),
             );
-            if edges.is_none_or(|best| gap > best.gap) {
+            if edges.is_none_or(|best| gap > best.gap)
+                && (gap > 0.0 || (is_ridge(a, edge_a, &normal) && is_ridge(b, edge_b, &-normal)))
+            {
                 edges = Some(Axis {
                     normal,
                     gap,
@@ -325,7 +335,8 @@ impl AxisCache {
         self.axis = Some(axis);
         self.verified_gap = axis.gap;
         self.trust = TRUSTED_STEPS;
-        (axis.gap <= 0.0).then_some(axis)
+        // No axis at all: nothing of the two is visible to the other here.
+        (axis.gap <= 0.0 && axis.gap > f64::NEG_INFINITY).then_some(axis)
     }
 }
 

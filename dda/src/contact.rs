@@ -190,12 +190,13 @@ impl Pair {
     ///
     /// Parts whose boxes are apart (`is_near` false) are not looked at, unless they are bonded.
     pub fn evaluate(&mut self, medium: &Medium, dt: f64, is_near: bool) {
+        self.friction = 0.0;
+        self.damping = 0.0;
+        self.book_viscous_work(medium, dt);
         std::mem::swap(&mut self.points, &mut self.before);
         self.points.clear();
         self.patch.points.clear();
         self.loads = (Load::default(), Load::default());
-        self.friction = 0.0;
-        self.damping = 0.0;
         self.deepest = 0.0;
         self.has_broken = false;
         let found = if is_near || self.bond.is_some() {
@@ -211,7 +212,23 @@ impl Pair {
                 self.break_bond(medium, dt);
             }
         }
+        self.book_viscous_work(medium, dt);
         self.settle_energy(medium);
+    }
+
+    /// Half a step's work of the dashpots: the forces act at both ends of the step, the rates are
+    /// those of its middle.
+    fn book_viscous_work(&mut self, medium: &Medium, dt: f64) {
+        let (a, b) = (
+            &medium.kinematics[self.blocks.0 as usize],
+            &medium.kinematics[self.blocks.1 as usize],
+        );
+        for point in &self.points {
+            let x = &point.patch.position;
+            let rate = b.velocity_at(x) - a.velocity_at(x);
+            let force = self.normal * point.normal_viscous + point.shear_viscous;
+            self.damping -= 0.5 * dt * force.dot(&rate);
+        }
     }
 
     /// Normal from i to j and deepest overlap, with the patch in place; `None` when apart.
@@ -311,8 +328,6 @@ impl Pair {
                 normal_force = normal_force.max(0.0);
             }
             let normal_viscous = normal_force - spring;
-            self.damping -=
-                0.5 * (normal_viscous + old.map_or(0.0, |old| old.normal_viscous)) * opening * dt;
 
             let k_t = patch.weight * joint.shear_stiffness;
             let carried = carry(&old.map_or(mean_shear, |old| old.shear), &n, turn);
@@ -333,9 +348,6 @@ impl Pair {
                 };
                 self.friction -= 0.5 * (shear_force + old_force).dot(&(shear - kept));
                 shear = kept;
-            } else {
-                let old_viscous = old.map_or_else(Vec3::zeros, |old| old.shear_viscous);
-                self.damping -= 0.5 * (shear_viscous + old_viscous).dot(&sliding) * dt;
             }
             let force = n * normal_force + shear_force;
             self.loads.0.add(&-force, &(patch.position - a.centroid));
@@ -368,7 +380,7 @@ impl Pair {
 
     /// The bond is gone: the forces are found again without it.
     fn break_bond(&mut self, medium: &Medium, dt: f64) {
-        let (friction, damping) = (self.friction, self.damping);
+        let friction = self.friction;
         self.bond = None;
         self.has_broken = true;
         self.loads = (Load::default(), Load::default());
@@ -381,9 +393,8 @@ impl Pair {
             }
             None => self.deepest = 0.0,
         }
-        // What the springs lose beyond slip is booked as damping by the caller's settlement.
-        self.friction = friction.max(self.friction);
-        self.damping = damping;
+        // Slip is counted once; what the springs lose beyond it is settled as damping.
+        self.friction -= friction;
     }
 
     /// Energy of the springs now, and what was lost with points that are gone.
@@ -412,8 +423,11 @@ impl Pair {
             .sum();
         self.elastic = normal + 0.5 * joint.shear_stiffness * shear;
         let was_cut_off = self.before.iter().all(|p| p.normal_force == 0.0);
-        if self.has_broken || (self.points.is_empty() && was_cut_off) {
+        if self.has_broken {
             self.damping += before - self.elastic;
+        } else if self.points.is_empty() && was_cut_off {
+            // No force acted any more: what the springs still held is lost.
+            self.damping = before;
         }
     }
 

@@ -74,7 +74,7 @@ pub enum StepError {
     },
     /// Two blocks overlap too deeply.
     #[error(
-        "blocks {first} and {second} overlap by {overlap:e} m at t = {time:.6} s, {:.0} % of the smaller one's size {size:e} m \
+        "blocks {first} and {second} overlap by {overlap:.3e} m at t = {time:.6} s, {:.0} % of the smaller one's size {size:.3e} m \
          (limit {:.0} %); raise the contact stiffness, lower the time step, or part them at the start",
         100.0 * overlap / size, 100.0 * limit
     )]

@@ -20,10 +20,9 @@
 //! and they are summed in the order of the list.
 //!
 //! **Limits.** Blocks are rigid; contacts ask only for the velocity, force and compliance at a point, so
-//! that deformable kinds can follow. Parts of a union collide one by one: a seam between two coplanar
-//! parts, or between two adjoining blocks, is an edge that a sliding body may feel while its overlap
-//! with the first is larger than its reach over the second; the kick stores at most the contact's own
-//! elastic energy, ½ m g δ. A fast, thin body can pass through another in one step if it travels its
+//! that deformable kinds can follow. Parts of a union, and fixed blocks that adjoin, collide one
+//! by one, each at the faces and corners that the others leave visible; adjoining blocks that move
+//! against each other keep their edges. A fast, thin body can pass through another in one step if it travels its
 //! own thickness. See `contact` for what the energy ledger can and cannot close.
 //!
 //! ```

@@ -15,6 +15,7 @@ mod tests;
 
 use crate::{Isometry, Vec3};
 pub use build::PolyhedronError;
+use nalgebra::UnitQuaternion;
 
 /// A closed convex polyhedron, in body or world coordinates; m.
 #[derive(Clone, Debug, PartialEq)]
@@ -35,9 +36,18 @@ pub struct Polyhedron {
     face_offset: Vec<f64>,
     /// One half-edge that leaves the vertex; one per vertex.
     outgoing: Vec<u32>,
+    /// Is the face covered by other bodies that move with this one? One per face; written by `parts`.
+    is_hidden: Vec<bool>,
+    /// Corners of such bodies that hold a vertex of this one, from that vertex; packed; m.
+    beyond: Vec<Vec3>,
+    /// Where those of a vertex start; n_vertices + 1.
+    beyond_start: Vec<u32>,
     /// Cube root of the volume, the length that tolerances refer to; m.
     size: f64,
 }
+
+/// A neighbour that rises by less than this sine above a vertex continues its surface.
+const SEAM_SINE: f64 = 1e-3;
 
 impl Polyhedron {
     /// The same polyhedron turned and shifted.
@@ -56,6 +66,9 @@ impl Polyhedron {
         }
         for (n, n_ref) in self.face_normal.iter_mut().zip(&reference.face_normal) {
             *n = rotation * n_ref;
+        }
+        for (to, to_ref) in self.beyond.iter_mut().zip(&reference.beyond) {
+            *to = rotation * to_ref;
         }
         for ((offset, offset_ref), n) in self
             .face_offset
@@ -169,6 +182,42 @@ impl Polyhedron {
     /// `normal · x` of the points of a face; m.
     pub fn face_offset(&self, face: usize) -> f64 {
         self.face_offset[face]
+    }
+
+    /// Marks a face as covered: nothing can touch it.
+    pub(crate) fn hide_face(&mut self, face: usize) {
+        self.is_hidden[face] = true;
+    }
+
+    pub(crate) fn is_hidden(&self, face: usize) -> bool {
+        self.is_hidden[face]
+    }
+
+    pub(crate) fn set_beyond(&mut self, beyond: &[Vec<Vec3>]) {
+        self.beyond.clear();
+        self.beyond_start.clear();
+        self.beyond_start.push(0);
+        for offsets in beyond {
+            self.beyond.extend_from_slice(offsets);
+            self.beyond_start.push(self.beyond.len() as u32);
+        }
+    }
+
+    /// Takes over what is known of the neighbours of the same body in another turn.
+    pub(crate) fn copy_neighbors(&mut self, other: &Self, turn: &UnitQuaternion<f64>) {
+        self.is_hidden.clone_from(&other.is_hidden);
+        self.beyond_start.clone_from(&other.beyond_start);
+        self.beyond = other.beyond.iter().map(|offset| turn * offset).collect();
+    }
+
+    /// Is the vertex, which is this body's farthest in a direction, also the farthest of the bodies
+    /// that hold it? If not, it lies on a seam inside a larger surface.
+    pub(crate) fn is_corner(&self, vertex: u32, direction: &Vec3) -> bool {
+        let from = self.beyond_start[vertex as usize] as usize;
+        let to = self.beyond_start[vertex as usize + 1] as usize;
+        self.beyond[from..to]
+            .iter()
+            .all(|offset| offset.dot(direction) <= SEAM_SINE * offset.norm())
     }
 
     /// Distance of a point from the plane of a face, positive outside; m.

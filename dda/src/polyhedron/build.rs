@@ -408,6 +408,9 @@ fn topology(vertices: Vec<Vec3>, faces: &[Vec<u32>]) -> Result<Polyhedron, Polyh
         face_normal: Vec::new(),
         face_offset: Vec::new(),
         outgoing: vec![0; n_vertices],
+        is_hidden: vec![false; faces.len()],
+        beyond: Vec::new(),
+        beyond_start: vec![0; n_vertices + 1],
         size: 0.0,
     };
     // (from, to, half-edge), sorted: a twin is found by bisection.

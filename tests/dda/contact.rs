@@ -1,0 +1,305 @@
+//! The contact law: collisions, limits, damping, rocking, bonds.
+
+use crate::setup::*;
+use riprap_dda::{Blocks, Material, Motion, Settings, Vec3};
+
+fn elastic() -> Material {
+    Material {
+        restitution: 1.0,
+        contact_stiffness: 1e7,
+        ..rock()
+    }
+}
+
+/// D14: two equal blocks head-on exchange their velocities in π √(m_e/K).
+#[test]
+fn head_on_collision() {
+    for is_ball in [false, true] {
+        let side = 0.4;
+        let make = |x: f64| {
+            if is_ball {
+                ball(Vec3::new(x, 0.0, 0.0), side / 2.0)
+            } else {
+                block(
+                    cuboid([x - 0.2, -0.2, -0.2], [x + 0.2, 0.2, 0.2]),
+                    Motion::Free,
+                )
+            }
+        };
+        let gap = 1e-3;
+        let definitions = vec![moving(make(0.0), [1.0, 0.0, 0.0]), make(side + gap)];
+        let mut blocks = blocks(definitions, elastic(), Vec3::zeros());
+        let duration = std::f64::consts::PI * (blocks.mass(0) / 2.0 / 1e7).sqrt();
+        let dt = duration / 2000.0;
+        let mut touching = 0;
+        for k in 0..4000 {
+            blocks.advance(f64::from(k) * dt, dt, 1).unwrap();
+            touching += u32::from(blocks.contact_force(0).force.x != 0.0);
+        }
+        assert_close("duration", f64::from(touching) * dt, duration, 5e-3);
+        assert_below("left with the first", blocks.velocity(0).x.abs(), 5e-3);
+        assert_close("gone to the second", blocks.velocity(1).x, 1.0, 5e-3);
+    }
+}
+
+/// Restitution as asked, for a flat hit; the clamped formula.
+#[test]
+fn restitution() {
+    for e in [0.2, 0.5, 0.8] {
+        let material = Material {
+            restitution: e,
+            ..elastic()
+        };
+        let stone = moving(
+            block(cuboid([0.0, 0.0, 1e-4], [0.4, 0.4, 0.4]), Motion::Free),
+            [0.0, 0.0, -1.0],
+        );
+        let mut blocks = blocks(vec![floor(), stone], material, Vec3::zeros());
+        run_steps(&mut blocks, 0.03, 20_000);
+        assert_close(&format!("rebound {e}"), blocks.velocity(1).z, e, 2e-3);
+    }
+}
+
+/// D18: collisions of free bodies keep P and L.
+#[test]
+fn collisions_keep_momentum() {
+    let mut random = Random(5);
+    for _ in 0..10 {
+        let mut first = block(random.hull(), Motion::Free);
+        let mut second = block(
+            random
+                .hull()
+                .transformed(&riprap_dda::Isometry::translation(1.6, 0.2, 0.1)),
+            Motion::Free,
+        );
+        first.velocity = Vec3::new(4.0, 0.0, 0.0);
+        first.angular_velocity = random.vector() * 3.0;
+        second.angular_velocity = random.vector() * 3.0;
+        let material = Material {
+            restitution: 0.3,
+            ..elastic()
+        };
+        let mut blocks = blocks(vec![first, second], material, Vec3::zeros());
+        let angular = |b: &Blocks| -> Vec3 {
+            (0..2)
+                .map(|k| b.spin_momentum(k) + b.centroid(k).cross(&(b.velocity(k) * b.mass(k))))
+                .sum()
+        };
+        let (p, l) = (blocks.momentum(), angular(&blocks));
+        run_steps(&mut blocks, 0.5, 10_000);
+        assert!(blocks.contact_updates() > 0, "they hit");
+        assert_below("P", (blocks.momentum() - p).norm() / p.norm(), 1e-12);
+        assert_below("L", (angular(&blocks) - l).norm() / p.norm(), 1e-12);
+    }
+}
+
+/// D22: with a lagged dashpot the step limit is (2/ω)(√(1 + ξ²) − ξ).
+#[test]
+fn step_limit_with_damping() {
+    for e in [1.0, 0.5, 0.1] {
+        let material = Material {
+            restitution: e,
+            shear_stiffness_ratio: 0.0,
+            ..elastic()
+        };
+        let weight = 2500.0 * G;
+        let xi: f64 = riprap_dda::damping_ratio(e);
+        let omega = (1e7_f64 / 2500.0).sqrt();
+        let limit = 2.0 / omega * ((1.0 + xi * xi).sqrt() - xi);
+        for (share, grows) in [(0.98, false), (1.02, true)] {
+            let sunk = weight / 1e7;
+            // A push that is small against the static overlap: no contact opens at first.
+            let stone = moving(
+                block(
+                    cuboid([0.0, 0.0, -sunk], [1.0, 1.0, 1.0 - sunk]),
+                    Motion::Free,
+                ),
+                [0.0, 0.0, 1e-6],
+            );
+            let mut blocks = blocks(vec![floor(), stone], material, down());
+            let mut largest = 0.0_f64;
+            for _ in 0..200 {
+                blocks.advance(0.0, share * limit, 1).unwrap();
+                largest = largest.max(blocks.velocity(1).z.abs());
+            }
+            println!("e {e}, xi {xi:.3}, step {share} of the limit: largest speed {largest:.2e}");
+            assert_eq!(largest > 1e-4, grows, "e {e}, share {share}: {largest:e}");
+        }
+    }
+}
+
+/// The bound never exceeds the true limit of a resting block.
+#[test]
+fn critical_step_is_safe_and_not_timid() {
+    let material = Material {
+        shear_stiffness_ratio: 0.8,
+        ..elastic()
+    };
+    let stone = block(cuboid([0.0, 0.0, -1e-3], [1.0, 1.0, 0.999]), Motion::Free);
+    let settings = Settings {
+        gravity: down(),
+        time_step_factor: 1.0,
+        shear_damping_ratio: 0.0,
+        ..Settings::default()
+    };
+    let blocks = Blocks::new(vec![floor(), stone], vec![material], settings).unwrap();
+    let bound = blocks.critical_time_step();
+    // Coupled sway and rock of a cube on springs: eigenvalues of K/m [k_t, −k_t/2; .., ..].
+    let (k_n, k_t) = (1.0_f64, 0.8_f64);
+    let (a, b, c) = (
+        k_t,
+        -k_t * 0.5 * 6.0_f64.sqrt(),
+        6.0 * (k_t / 4.0 + k_n / 12.0),
+    );
+    let largest = 0.5 * (a + c) + (0.25 * (a - c).powi(2) + b * b).sqrt();
+    let limit = 2.0 / (largest.max(k_n) * 1e7 / 2500.0).sqrt();
+    println!(
+        "bound {:.3e}, true limit {limit:.3e}, ratio {:.2}",
+        bound.dt,
+        bound.dt / limit
+    );
+    assert!(bound.dt <= limit && bound.dt >= 0.3 * limit);
+    assert_eq!((bound.block, bound.contact), (Some(1), Some((0, 1))));
+}
+
+/// An impact is never integrated with an unbounded step: the bound falls before the parts touch.
+#[test]
+fn critical_step_before_an_impact() {
+    let stone = moving(
+        block(cuboid([0.0, 0.0, 0.01], [0.4, 0.4, 0.41]), Motion::Free),
+        [0.0, 0.0, -3.0],
+    );
+    let before = blocks(vec![floor(), stone.clone()], rock(), down());
+    assert!(before.contacts().is_empty());
+    let stone = block(cuboid([0.0, 0.0, -1e-4], [0.4, 0.4, 0.4]), Motion::Free);
+    let after = blocks(vec![floor(), stone], rock(), down());
+    let (before, after) = (
+        before.critical_time_step().dt,
+        after.critical_time_step().dt,
+    );
+    println!("before {before:.2e}, after {after:.2e}");
+    assert!(before <= after);
+}
+
+/// D20: a slender block that rocks loses (1 − 1.5 sin² α)² of its energy when it changes edges.
+#[test]
+fn rocking_block() {
+    for (alpha, ratio) in [(0.1_f64, 0.97032), (0.2, 0.88510)] {
+        let (height, width) = (1.0, alpha.tan());
+        let material = Material {
+            friction_angle: 1.4,
+            contact_stiffness: 1e10,
+            ..rock()
+        };
+        // Turned about the right edge by half the angle at which it would tip.
+        let shape = cuboid([-width, -0.3, 0.0], [0.0, 0.3, height]);
+        let tilted = shape.transformed(&riprap_dda::Isometry::rotation(Vec3::y() * (0.5 * alpha)));
+        let mut blocks = blocks(vec![floor(), block(tilted, Motion::Free)], material, down());
+        let energy = |b: &Blocks| b.energies().kinetic;
+        let (mut time, mut before, mut after) = (0.0, 0.0_f64, 0.0_f64);
+        let mut has_hit = false;
+        while time < 1.5 {
+            let dt = blocks.critical_time_step().dt.min(1e-4);
+            blocks.advance(time, dt, 1).unwrap();
+            time += dt;
+            let turn = blocks.orientation(1).scaled_axis().y + 0.5 * alpha;
+            if turn > 0.02 * alpha {
+                if !has_hit {
+                    before = before.max(energy(&blocks))
+                }
+            } else {
+                has_hit = true;
+            }
+            // Past the hit and its ringing, still almost upright: the energy is kinetic.
+            if turn < -0.02 * alpha {
+                after = after.max(energy(&blocks));
+            }
+            if has_hit && blocks.angular_velocity(1).y > 0.0 && turn < -0.05 * alpha {
+                break;
+            }
+        }
+        println!("alpha {alpha}: kinetic before {before:.4}, after {after:.4}");
+        assert_close(
+            &format!("rocking, alpha {alpha}"),
+            after / before,
+            ratio,
+            2e-2,
+        );
+    }
+}
+
+/// A bond holds a block under a ceiling up to T A, then breaks for good and is counted.
+#[test]
+fn bond_in_tension() {
+    let weight = 2500.0 * G;
+    for (strength, holds) in [(1.05 * weight, true), (0.95 * weight, false)] {
+        let material = Material {
+            tensile_strength: 2.0 * strength,
+            // Without any, the least shear would break it.
+            cohesion: strength,
+            ..rock()
+        };
+        let ceiling = block(cuboid([-1.0, -1.0, 1.0], [2.0, 2.0, 2.0]), Motion::Fixed);
+        let hung = block(cuboid([0.0; 3], [1.0; 3]), Motion::Free);
+        // Let go from rest, the bond feels twice the weight.
+        let material = Material {
+            restitution: 1.0,
+            ..material
+        };
+        let mut blocks = blocks(vec![ceiling, hung], material, down());
+        run(&mut blocks, 0.2, 1.0, 1e-4);
+        assert_eq!(blocks.broken_bonds() == 0, holds);
+        assert_eq!(
+            blocks.centroid(1).z > 0.49,
+            holds,
+            "{}",
+            blocks.centroid(1).z
+        );
+    }
+}
+
+/// A bond holds on a slope steeper than the friction angle by its cohesion.
+#[test]
+fn bond_in_shear() {
+    let shear = 2500.0 * G * 40.0_f64.to_radians().sin()
+        - 2500.0 * G * 40.0_f64.to_radians().cos() * 0.5_f64.tan();
+    for (share, holds) in [(2.5, true), (0.9, false)] {
+        let material = Material {
+            cohesion: share * shear,
+            restitution: 0.2,
+            ..rock()
+        };
+        let stone = block(cuboid([0.0; 3], [1.0; 3]), Motion::Free);
+        let mut blocks = blocks(
+            vec![floor(), stone],
+            material,
+            on_slope(40.0_f64.to_radians()),
+        );
+        run(&mut blocks, 0.5, 1.0, 1e-4);
+        assert_eq!(blocks.broken_bonds() == 0, holds);
+        assert_eq!(
+            blocks.centroid(1).x < 0.51,
+            holds,
+            "{}",
+            blocks.centroid(1).x
+        );
+    }
+}
+
+/// A ball that slides at 2 m/s rolls at 10/7 m/s after 2 v/(7 μ g).
+#[test]
+fn ball_starts_to_roll() {
+    let material = Material {
+        friction_angle: 0.3_f64.atan(),
+        ..rock()
+    };
+    let weight = 2500.0 * 4.0 / 3.0 * std::f64::consts::PI * 0.001 * G;
+    let thrown = moving(
+        ball(Vec3::new(0.0, 0.0, 0.1 - weight / 1e8), 0.1),
+        [2.0, 0.0, 0.0],
+    );
+    let mut blocks = blocks(vec![floor(), thrown], material, down());
+    run(&mut blocks, 0.5, 1.0, 1e-4);
+    assert_close("rolling speed", blocks.velocity(1).x, 10.0 / 7.0, 5e-3);
+    assert_close("spin", blocks.angular_velocity(1).y, 100.0 / 7.0, 5e-3);
+}

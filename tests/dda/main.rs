@@ -1,0 +1,12 @@
+//! Validation of the block solver: exact answers, conservation, determinism, twins.
+//!
+//! Every number has a derivation or a measured value beside it.
+#![expect(clippy::unwrap_used, clippy::panic, reason = "a test may fail")]
+
+mod conservation;
+mod contact;
+mod determinism;
+mod geometry;
+mod motion;
+mod scenes;
+mod setup;
