@@ -48,7 +48,9 @@ pub fn solid(folder: &Path, file: &str, scale: f64) -> Result<Shape, String> {
         .map_err(|error| format!("cannot read `{file}`: {error}"))?
         .len();
     if size > LARGEST_FILE {
-        return Err(format!("`{file}` has {size} bytes, more than {LARGEST_FILE}; simplify the mesh"));
+        return Err(format!(
+            "`{file}` has {size} bytes, more than {LARGEST_FILE}; simplify the mesh"
+        ));
     }
     let extension = path
         .extension()
@@ -58,7 +60,9 @@ pub fn solid(folder: &Path, file: &str, scale: f64) -> Result<Shape, String> {
         "stl" => read_stl(&path),
         "obj" => read_obj(&path),
         "vtk" | "vtp" => read_vtk(&path),
-        _ => Err(format!("`{file}`: unknown kind of mesh; use .stl, .obj, .vtk or .vtp")),
+        _ => Err(format!(
+            "`{file}`: unknown kind of mesh; use .stl, .obj, .vtk or .vtp"
+        )),
     }
     .map_err(|message| format!("`{file}`: {message}"))?;
     for point in &mut soup.points {
@@ -70,7 +74,8 @@ pub fn solid(folder: &Path, file: &str, scale: f64) -> Result<Shape, String> {
     let shells = soup.welded().shells();
     let mut parts = Vec::with_capacity(shells.len());
     for (index, shell) in shells.iter().enumerate() {
-        let part = convex_part(shell).map_err(|message| format!("`{file}`, shell {}: {message}", index + 1))?;
+        let part = convex_part(shell)
+            .map_err(|message| format!("`{file}`, shell {}: {message}", index + 1))?;
         parts.push(part);
     }
     if parts.is_empty() {
@@ -196,7 +201,12 @@ impl Soup {
             .iter()
             .copied()
             .find(|&(a, b)| edges.binary_search(&(b, a)).is_err())
-            .or_else(|| edges.windows(2).find(|pair| pair[0] == pair[1]).map(|pair| pair[0]))
+            .or_else(|| {
+                edges
+                    .windows(2)
+                    .find(|pair| pair[0] == pair[1])
+                    .map(|pair| pair[0])
+            })
     }
 
     /// By the divergence theorem, about the first point; m³.
@@ -224,7 +234,7 @@ fn read_stl(path: &Path) -> Result<Soup, String> {
     let mut push = |corner: Vec3| {
         soup.points.push(corner);
         let n = soup.points.len() as u32;
-        if n % 3 == 0 {
+        if n.is_multiple_of(3) {
             soup.faces.push(vec![n - 3, n - 2, n - 1]);
         }
     };
@@ -234,21 +244,34 @@ fn read_stl(path: &Path) -> Result<Soup, String> {
             for corner in 0..3 {
                 let number = |k: usize| {
                     let at = 12 + 12 * corner + 4 * k;
-                    f64::from(f32::from_le_bytes([facet[at], facet[at + 1], facet[at + 2], facet[at + 3]]))
+                    f64::from(f32::from_le_bytes([
+                        facet[at],
+                        facet[at + 1],
+                        facet[at + 2],
+                        facet[at + 3],
+                    ]))
                 };
                 push(Vec3::new(number(0), number(1), number(2)));
             }
         }
         return Ok(soup);
     }
-    let text = std::str::from_utf8(&bytes)
-        .map_err(|_| "neither a binary STL of the stated length nor text; the file may be cut".to_owned())?;
+    let text = std::str::from_utf8(&bytes).map_err(|_| {
+        "neither a binary STL of the stated length nor text; the file may be cut".to_owned()
+    })?;
     for (index, line) in text.lines().enumerate() {
         let mut words = line.split_whitespace();
-        if words.next().is_some_and(|word| word.eq_ignore_ascii_case("vertex")) {
+        if words
+            .next()
+            .is_some_and(|word| word.eq_ignore_ascii_case("vertex"))
+        {
             let numbers: Vec<f64> = words.map_while(|word| word.parse().ok()).collect();
             let [x, y, z] = numbers[..] else {
-                return Err(format!("line {}: found `{}`, needed vertex x y z", index + 1, line.trim()));
+                return Err(format!(
+                    "line {}: found `{}`, needed vertex x y z",
+                    index + 1,
+                    line.trim()
+                ));
             };
             push(Vec3::new(x, y, z));
         }
@@ -280,7 +303,10 @@ fn read_obj(path: &Path) -> Result<Soup, String> {
         };
         let mut at = 0;
         for arity in arities {
-            let face = mesh.indices.get(at..at + arity as usize).unwrap_or_default();
+            let face = mesh
+                .indices
+                .get(at..at + arity as usize)
+                .unwrap_or_default();
             soup.faces.push(face.iter().map(|v| first + v).collect());
             at += arity as usize;
         }
@@ -300,15 +326,21 @@ fn read_vtk(path: &Path) -> Result<Soup, String> {
             return Err("points at another file; export it in one file".to_owned());
         };
         let first = soup.points.len() as u32;
-        let points: Vec<f64> = piece.points.cast_into().ok_or("has points of an unknown type")?;
+        let points: Vec<f64> = piece
+            .points
+            .cast_into()
+            .ok_or("has points of an unknown type")?;
         soup.points
             .extend(points.as_chunks::<3>().0.iter().map(|p| Vec3::from(*p)));
         if let Some(polys) = piece.polys {
             let (connectivity, offsets) = polys.into_xml();
             let mut start = 0;
             for end in offsets {
-                let face = connectivity.get(start as usize..end as usize).unwrap_or_default();
-                soup.faces.push(face.iter().map(|&v| first + v as u32).collect());
+                let face = connectivity
+                    .get(start as usize..end as usize)
+                    .unwrap_or_default();
+                soup.faces
+                    .push(face.iter().map(|&v| first + v as u32).collect());
                 start = end;
             }
         }
@@ -321,7 +353,10 @@ fn read_vtk(path: &Path) -> Result<Soup, String> {
 }
 
 #[cfg(test)]
-#[expect(clippy::unwrap_used, reason = "a test may stop where a library may not")]
+#[expect(
+    clippy::unwrap_used,
+    reason = "a test may stop where a library may not"
+)]
 mod tests {
     use super::*;
 
@@ -368,7 +403,10 @@ mod tests {
     #[test]
     fn an_open_mesh_says_where() {
         let message = load("open.stl", &stl_box([0.0; 3], [1.0; 3], 1), 1.0).unwrap_err();
-        assert!(message.contains("`open.stl`, shell 1: the surface is open at ("), "{message}");
+        assert!(
+            message.contains("`open.stl`, shell 1: the surface is open at ("),
+            "{message}"
+        );
     }
 
     #[test]

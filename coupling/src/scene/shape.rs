@@ -35,7 +35,12 @@ fn build(shape: &ShapeFile, folder: &Path) -> Result<Shape, String> {
             length,
             height,
             width,
-        } => extrusion(&[(0.0, 0.0), (*length, 0.0), (0.0, *height)], Axis::Y, 0.0, *width),
+        } => extrusion(
+            &[(0.0, 0.0), (*length, 0.0), (0.0, *height)],
+            Axis::Y,
+            0.0,
+            *width,
+        ),
         ShapeFile::Hull { points: list } => one(Polyhedron::convex_hull(&points(list))),
         ShapeFile::Polyhedron { vertices, faces } => {
             one(Polyhedron::from_faces(&points(vertices), faces))
@@ -70,5 +75,8 @@ fn placement(file: &PlacementFile) -> Isometry {
     let axis = Unit::new_normalize(vec3(turn.axis));
     let rotation = UnitQuaternion::from_axis_angle(&axis, turn.angle_deg.to_radians());
     let about = vec3(turn.about);
-    Isometry::from_parts(Translation3::from(about - rotation * about + shift), rotation)
+    Isometry::from_parts(
+        Translation3::from(about - rotation * about + shift),
+        rotation,
+    )
 }
