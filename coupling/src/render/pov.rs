@@ -53,7 +53,7 @@ pub(crate) fn frame(setting: &Setting<'_>, time: f64, water: &Water, bodies: &[B
         match water {
             Water::Surface(surface, spray) => {
                 water_mesh(&mut pov, surface, panel);
-                spheres(&mut pov, spray, 0.35 * setting.spacing, panel, |_| {
+                spheres(&mut pov, spray, 0.3 * setting.spacing, panel, |_| {
                     "Riprap_Spray_Texture".to_owned()
                 });
             }
@@ -158,7 +158,7 @@ fn head(pov: &mut Pov, setting: &Setting<'_>, time: f64) {
 /// Walls, and the outlines of those cut away.
 fn fixed(pov: &mut Pov, setting: &Setting<'_>, panel: &Panel) {
     let drawn: Vec<_> = setting.stage.drawn.iter().map(|p| in_panel(p, panel)).collect();
-    flat_mesh(pov, &drawn, "texture { Riprap_Wall_Texture }");
+    flat_mesh(pov, &drawn, "texture { Riprap_Wall_Texture } no_shadow");
     let radius = 0.0012 * setting.size;
     for polygon in &setting.stage.cut {
         let polygon = in_panel(polygon, panel);

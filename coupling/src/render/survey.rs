@@ -11,7 +11,7 @@ use std::path::Path;
 /// Frames that are looked at; more make no visible difference.
 const FRAMES: usize = 16;
 /// Particles per frame that are looked at.
-const POINTS: usize = 1500;
+const POINTS: usize = 6000;
 /// Rays of sight that decide which walls are cut.
 const RAYS: usize = 600;
 /// Share of particles faster than the upper end of the colours: a few drops of spray do not
