@@ -295,6 +295,7 @@ fn gallery() -> Result<()> {
     for (name, experiment) in [
         ("tank", synthetic_run::tank(0.02)),
         ("flume", synthetic_run::flume(0.14)),
+        ("fine_tank", synthetic_run::tank(0.0125)),
     ] {
         let run = folder.join(name);
         synthetic_run::write(&run, &experiment, "", 0)?;
