@@ -290,6 +290,10 @@ fn povray_makes_pictures_of_the_right_size_and_ffmpeg_a_film() -> Result<()> {
 
 #[test]
 #[ignore = "pictures to look at: 3 min; RIPRAP_GALLERY names the folder"]
+#[expect(
+    clippy::print_stdout,
+    reason = "seconds per frame, for whoever looks at the pictures"
+)]
 fn gallery() -> Result<()> {
     let folder = PathBuf::from(std::env::var("RIPRAP_GALLERY")?);
     for (name, experiment) in [

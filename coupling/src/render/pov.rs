@@ -304,7 +304,7 @@ fn water_mesh(pov: &mut Pov, surface: &Surface, panel: &Panel) {
     pov.line(list(&mut triangles.iter().map(corners)));
     pov.line(
         " }\n inside_vector z\n texture { Riprap_Water_Texture } \
-         interior_texture { Riprap_Water_Inside } \
+         interior_texture { Riprap_Water_Side } \
          interior { Riprap_Water_Interior } hollow no_shadow\n}",
     );
 }
