@@ -185,8 +185,10 @@ fn the_camera_of_the_scene_is_the_camera_of_the_frame() -> Result<()> {
     synthetic_run::write(run.path(), &small_tank(), camera, 0)?;
     let (summary, _) = drawn(run.path(), &text_only(WaterLook::Particles))?;
     let text = fs::read_to_string(&summary.scenes[1])?;
-    assert!(text.contains("#declare Riprap_Eye = <1, -4, 2>;"));
-    assert!(text.contains("#declare Riprap_Target = <0.5, 0, 0.25>;"));
+    // A scene of 1 to 10 m is drawn in centimetres: POV-Ray overlooks gaps below 0.001.
+    assert!(text.contains("#declare Riprap_Unit = 100;"));
+    assert!(text.contains("#declare Riprap_Eye = <100, -400, 200>;"));
+    assert!(text.contains("#declare Riprap_Target = <50, 0, 25>;"));
     assert!(text.contains("sky z right -x*image_width/image_height angle 35"));
     Ok(())
 }
