@@ -185,7 +185,7 @@ impl Patch {
                 .abs()
         };
         let total: f64 = (0..count).map(area).sum();
-        if !(total > 0.0) {
+        if total.is_nan() || total <= 0.0 {
             return;
         }
         let points = &mut self.points;
@@ -266,12 +266,20 @@ fn deepest_corners(a: &Polyhedron, b: &Polyhedron, axis: &Axis) -> Vec3 {
         _ => (b, -axis.normal),
     };
     let height = |x: &Vec3| x.dot(&toward);
-    let highest = body.vertices().iter().map(height).fold(f64::NEG_INFINITY, f64::max);
+    let highest = body
+        .vertices()
+        .iter()
+        .map(height)
+        .fold(f64::NEG_INFINITY, f64::max);
     let plane = highest + axis.gap;
     let (mut sum, mut total) = (Vec3::zeros(), 0.0);
     for x in body.vertices().iter().filter(|x| height(x) >= plane) {
         // Touching only, all count alike.
-        let depth = if axis.gap < 0.0 { height(x) - plane } else { 1.0 };
+        let depth = if axis.gap < 0.0 {
+            height(x) - plane
+        } else {
+            1.0
+        };
         sum += x * depth;
         total += depth;
     }
