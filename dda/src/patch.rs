@@ -185,7 +185,7 @@ impl Patch {
                 .abs()
         };
         let total: f64 = (0..count).map(area).sum();
-        if !(total > 0.0) {
+        if total.is_nan() || total <= 0.0 {
             return;
         }
         let points = &mut self.points;
