@@ -97,9 +97,9 @@ pub fn surface(points: &[[f32; 3]], spacing: f32) -> Result<Surface, String> {
         par_laplacian_smoothing_normals_inplace,
     };
 
-    /// Kernel support over the spacing: wide enough to bridge a disordered surface, narrow enough
-    /// to keep a wave crest.
-    const SUPPORT: f32 = 2.0;
+    /// Kernel support over the spacing: wide enough to bridge the voids between disordered
+    /// particles (at 2.0 a tank after a splash is full of bubbles), narrow enough to keep a crest.
+    const SUPPORT: f32 = 2.6;
     /// Marching-cubes cell over the spacing; half of it costs four times the triangles and looks
     /// the same after smoothing.
     const CUBE: f32 = 0.6;
@@ -186,8 +186,8 @@ mod tests {
             let spacing = 1.0 / n as f32;
             let mesh = surface(&lattice([n, n, n], spacing), spacing).unwrap_or_default();
 
-            // Measured -2.6 %, -0.7 %, -0.6 %: rounded edges.
-            assert!((mesh.volume() - 1.0).abs() < 0.03, "{n}: {}", mesh.volume());
+            // Measured +1.1 %, +1.1 %, +0.8 %: faces a little out, edges rounded.
+            assert!((mesh.volume() - 1.0).abs() < 0.02, "{n}: {}", mesh.volume());
         }
     }
 

@@ -101,7 +101,7 @@ pub(crate) fn survey(
     // Across strips one looks through the slab, else through a fraction of the scene.
     let clear = match camera.panels().first() {
         Some(panel) if panel.shift.norm() > 0.0 => 0.9 * (high - low)[1 - panel.axis],
-        _ => 0.15 * size,
+        _ => 0.1 * size,
     };
     let size = if 0.0 < size {
         size
