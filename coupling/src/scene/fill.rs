@@ -260,10 +260,11 @@ impl Basin {
     fn new(domain: &DomainFile, spacing: [f64; 3], level: f64) -> Self {
         let (min, max) = (vec3(domain.min), vec3(domain.max));
         let top = level.min(max.z);
+        let rows = |extent: f64, spacing: f64| (extent / spacing + WALL_SLACK).max(0.0) as usize;
         let counts = [
-            ((max.x - min.x) / spacing[0] + 1e-6) as usize,
-            ((max.y - min.y) / spacing[1] + 1e-6) as usize,
-            ((top - min.z) / spacing[2] + 1e-6).max(0.0) as usize,
+            rows(max.x - min.x, spacing[0]),
+            rows(max.y - min.y, spacing[1]),
+            rows(top - min.z, spacing[2]),
         ];
         let first = Vec3::new(
             min.x + 0.5 * spacing[0],

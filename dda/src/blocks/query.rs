@@ -170,6 +170,18 @@ impl Blocks {
 
     // One part.
 
+    /// Corners of a part in its present place, for output; of a ball, points all over it.
+    pub fn part_points(&self, part: usize) -> Vec<Vec3> {
+        match &self.parts[part] {
+            Part::Polyhedron(body) => body.vertices().to_vec(),
+            Part::Sphere { center, radius } => {
+                let (mut vertices, mut faces) = (Vec::new(), Vec::new());
+                push_ball(&mut vertices, &mut faces, |unit| center + unit * *radius);
+                vertices
+            }
+        }
+    }
+
     /// Box around a part, world; m. Lower above upper if its block was removed.
     pub fn part_aabb(&self, part: usize) -> (Vec3, Vec3) {
         self.boxes[part]
