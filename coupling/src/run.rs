@@ -57,8 +57,6 @@ pub struct Progress {
     pub contacts: usize,
     /// Fastest particle or block; m/s.
     pub fastest: f64,
-    /// Ledger residual over the energy turned over so far.
-    pub energy_residual: f64,
 }
 
 /// How a run ended.
@@ -276,7 +274,6 @@ impl<'a> Run<'a> {
             dt,
             contacts: blocks.contacts().len(),
             fastest: fastest_block.max(fastest_particle),
-            energy_residual: 0.0,
         }
     }
 
@@ -383,7 +380,7 @@ impl<'a> Run<'a> {
             density: phases.density.as_secs_f64(),
             forces: phases.forces.as_secs_f64(),
             contact_detection: phases.contacts.as_secs_f64(),
-            contact_forces: 0.0,
+            contact_forces: None,
             coupling: phases.coupling.as_secs_f64(),
             integration: phases.integration.as_secs_f64(),
             output: self.output_time,
