@@ -8,7 +8,7 @@ use riprap_sph::{NegativePressure as Clamping, Vec3};
 use crate::interface::{DAMPING_RATIO, WallSettings};
 use crate::scene::error::{Problem, Severity};
 use crate::scene::file::{
-    Axis, CameraFile, FluidFile, NegativePressure, OutputFile, Preset, SceneFile, Triple,
+    Axis, FluidFile, NegativePressure, OutputFile, Preset, SceneFile, Triple,
 };
 use crate::scene::fill::{Lattice, lattice, overlaps};
 use crate::scene::motion::motion;
@@ -94,14 +94,6 @@ impl Scene {
         let speed = expected_speed(&file, &solids, &motions, lattice.as_ref());
         file.numerics.expected_speed.get_or_insert(speed);
         resolve_output(&mut file.output, file.time.duration);
-        file.camera.get_or_insert_with(|| {
-            fitted_camera(
-                &file.domain.min,
-                &file.domain.max,
-                lattice.as_ref(),
-                &solids,
-            )
-        });
         resolve_stiffness(&mut file, &solids, &motions, speed);
         let fluid = lattice.map(|lattice| resolve_fluid(&mut file, lattice, speed, &mut problems));
         let block_factor = *file
@@ -348,34 +340,4 @@ fn materials(file: &SceneFile) -> Vec<Material> {
             }),
         })
         .collect()
-}
-
-/// A three-quarter view of the water, or of the domain when there is none.
-fn fitted_camera(
-    min: &Triple,
-    max: &Triple,
-    lattice: Option<&Lattice>,
-    solids: &[(String, Shape)],
-) -> CameraFile {
-    let (mut low, mut high) = (vec3(*min), vec3(*max));
-    if let Some(lattice) = lattice
-        && let Some(first) = lattice.positions.first()
-    {
-        (low, high) = lattice
-            .positions
-            .iter()
-            .fold((*first, *first), |(low, high), x| (low.inf(x), high.sup(x)));
-    } else if let Some((_, shape)) = solids.first() {
-        (low, high) = solids.iter().fold(shape.aabb(), |(low, high), (_, s)| {
-            (low.inf(&s.aabb().0), high.sup(&s.aabb().1))
-        });
-    }
-    let center = 0.5 * (low + high);
-    let size = (high - low).norm().max(1e-3);
-    let eye = center + Vec3::new(0.35, -1.1, 0.55) * size;
-    CameraFile {
-        position: (eye.x, eye.y, eye.z),
-        look_at: (center.x, center.y, center.z),
-        field_of_view_deg: 40.0,
-    }
 }
