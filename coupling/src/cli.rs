@@ -33,13 +33,17 @@ pub(crate) enum Exit {
 /// A scene file describes an experiment; `riprap check` says what will be modelled and what it
 /// costs, `riprap run` runs it into a folder of VTK files, CSV tables and pictures.
 #[derive(Debug, Parser)]
-#[command(name = "riprap", version, after_help = "\
+#[command(
+    name = "riprap",
+    version,
+    after_help = "\
 Exit codes: 0 done, 1 the run failed, 2 wrong usage or scene, 130 interrupted.
 
 First steps:
   riprap check cases/sliding_wedge.ron
   riprap run cases/sliding_wedge.ron
-  riprap render runs/sliding_wedge")]
+  riprap render runs/sliding_wedge"
+)]
 struct Arguments {
     #[command(subcommand)]
     command: Command,
@@ -109,7 +113,10 @@ fn report_scene_error(error: &SceneError) {
     say(&lines);
     if handler.render_report(&mut frame, error).is_ok() {
         // the handler repeats the message above its frame; only the frame is new
-        let frame: Vec<&str> = frame.lines().skip_while(|line| !line.contains('╭')).collect();
+        let frame: Vec<&str> = frame
+            .lines()
+            .skip_while(|line| !line.contains('╭'))
+            .collect();
         say(&frame.join("\n"));
     }
 }

@@ -105,7 +105,8 @@ impl Interface {
     /// Walls for the blocks at their present places.
     pub fn new(settings: WallSettings, blocks: &Blocks, grid: &CellGrid) -> Self {
         let mut fixed = PartTable::default();
-        let standing = (0..blocks.n_parts()).filter(|&part| matches!(blocks.motion(blocks.block_of_part(part)), Motion::Fixed));
+        let standing = (0..blocks.n_parts())
+            .filter(|&part| matches!(blocks.motion(blocks.block_of_part(part)), Motion::Fixed));
         fixed.rebuild(standing, blocks, grid, settings.standoff());
         Self {
             settings,
@@ -142,7 +143,8 @@ impl Interface {
         let standoff = self.settings.standoff();
         self.moving.rebuild(moving, blocks, fluid.grid(), standoff);
         let positions = &fluid.particles().position;
-        self.chunks.resize_with(positions.len().div_ceil(CHUNK), Vec::new);
+        self.chunks
+            .resize_with(positions.len().div_ceil(CHUNK), Vec::new);
         let (fixed, moving) = (&self.fixed, &self.moving);
         self.chunks
             .par_iter_mut()
@@ -195,7 +197,9 @@ impl Interface {
     ///
     /// `held` stands for walls at rest whatever the blocks' velocities: settling.
     pub fn update_forces(&mut self, fluid: &Fluid, blocks: &Blocks, held: bool) {
-        let WallSettings { stiffness, damping, .. } = self.settings;
+        let WallSettings {
+            stiffness, damping, ..
+        } = self.settings;
         let standoff = self.settings.standoff();
         self.loads.fill(Load::default());
         self.compliance.fill(0.0);
@@ -247,7 +251,9 @@ impl Interface {
     /// `Σ w` sums the compliances of a body over its touching particles: the exact limit for equal
     /// springs along one direction, with the body that is hit by most particles for its mass.
     pub fn critical_time_step(&self, particle_mass: f64) -> f64 {
-        let WallSettings { stiffness, damping, .. } = self.settings;
+        let WallSettings {
+            stiffness, damping, ..
+        } = self.settings;
         let largest = self.compliance.iter().copied().fold(0.0, f64::max);
         let omega = (stiffness * (1.0 / particle_mass + largest)).sqrt();
         let ratio = damping / (2.0 * (stiffness * particle_mass).sqrt());
@@ -278,7 +284,10 @@ fn add_nearest(
         wall_velocity: Vec3::zeros(),
         dissipated_power: 0.0,
     };
-    match touches[first..].iter_mut().find(|other| other.block == block) {
+    match touches[first..]
+        .iter_mut()
+        .find(|other| other.block == block)
+    {
         None => touches.push(touch),
         Some(other) if surface.distance < other.distance => *other = touch,
         Some(_) => {}
@@ -313,9 +322,11 @@ impl PartTable {
                         // a box far along an axis clamps to the outermost cells; the distance test
                         // drops those, and the empty corners of a slanted body's box
                         let center = grid.cell_center([i, j, k]);
-                        let near = blocks.surface_point_within(part, &center, reach + half_diagonal);
+                        let near =
+                            blocks.surface_point_within(part, &center, reach + half_diagonal);
                         if near.is_some() {
-                            self.pairs.push((grid.cell_at([i, j, k]) as u32, part as u32));
+                            self.pairs
+                                .push((grid.cell_at([i, j, k]) as u32, part as u32));
                         }
                     }
                 }

@@ -82,7 +82,8 @@ impl Ledger {
                 impulse += touch.force;
             }
         }
-        let weight = world.gravity * (water.fluid.particle_mass() * water.fluid.particles().len() as f64);
+        let weight =
+            world.gravity * (water.fluid.particle_mass() * water.fluid.particles().len() as f64);
         self.wall_damping += power * dt;
         self.wall_work += work * dt;
         self.impulse += (impulse + weight) * dt;
@@ -131,7 +132,10 @@ impl World {
 
     /// Momentum of fluid and free blocks; kg m/s.
     pub fn momentum(&self) -> Vec3 {
-        let fluid = self.water.as_ref().map_or(Vec3::zeros(), |water| water.fluid.momentum());
+        let fluid = self
+            .water
+            .as_ref()
+            .map_or(Vec3::zeros(), |water| water.fluid.momentum());
         fluid + self.blocks.momentum()
     }
 
@@ -143,10 +147,20 @@ impl World {
     pub fn momentum_residual(&self) -> f64 {
         let support = self.blocks.support_impulse();
         let removed = self.ledger.removed_momentum
-            + self.water.as_ref().map_or(Vec3::zeros(), |water| water.fluid.removed().momentum);
-        let unexplained =
-            self.momentum() + removed - self.ledger.momentum_at_start - self.ledger.impulse - support;
-        let exchanged = self.ledger.exchanged + support.norm() + self.ledger.momentum_at_start.norm();
-        if exchanged == 0.0 { 0.0 } else { unexplained.norm() / exchanged }
+            + self
+                .water
+                .as_ref()
+                .map_or(Vec3::zeros(), |water| water.fluid.removed().momentum);
+        let unexplained = self.momentum() + removed
+            - self.ledger.momentum_at_start
+            - self.ledger.impulse
+            - support;
+        let exchanged =
+            self.ledger.exchanged + support.norm() + self.ledger.momentum_at_start.norm();
+        if exchanged == 0.0 {
+            0.0
+        } else {
+            unexplained.norm() / exchanged
+        }
     }
 }

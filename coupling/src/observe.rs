@@ -54,7 +54,10 @@ pub struct Schedule {
 impl Schedule {
     /// Due at 0, `interval`, 2 `interval`, ...; s.
     pub fn every(interval: f64) -> Self {
-        Self { interval, n_done: 0 }
+        Self {
+            interval,
+            n_done: 0,
+        }
     }
 
     /// Whether the time has come.

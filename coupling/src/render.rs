@@ -60,7 +60,11 @@ impl Default for RenderOptions {
             every: 1,
             frames: None,
             size: (960, 540),
-            water: if cfg!(feature = "surface") { WaterLook::Surface } else { WaterLook::Particles },
+            water: if cfg!(feature = "surface") {
+                WaterLook::Surface
+            } else {
+                WaterLook::Particles
+            },
             povray: PathBuf::from("povray"),
             ffmpeg: PathBuf::from("ffmpeg"),
         }
@@ -216,7 +220,12 @@ pub fn render(
         write(&path, &text)?;
         summary.scenes.push(path);
         if has_povray {
-            summary.pictures.push(programs::picture(&options.povray, &frames, &name, options.size)?);
+            summary.pictures.push(programs::picture(
+                &options.povray,
+                &frames,
+                &name,
+                options.size,
+            )?);
         }
         report(&format!("{name}: {} of {}", names.len() + 1, numbers.len()));
         names.push(name);
@@ -264,9 +273,15 @@ fn chosen(
 ) -> Result<Vec<usize>, RenderError> {
     let available = run.frames().len();
     let frames = options.frames.clone().unwrap_or(0..available);
-    let numbers: Vec<usize> = (frames.start..frames.end.min(available)).step_by(options.every).collect();
+    let numbers: Vec<usize> = (frames.start..frames.end.min(available))
+        .step_by(options.every)
+        .collect();
     if numbers.is_empty() {
-        return Err(RenderError::NoSuchFrames { frames, available, folder: folder.to_owned() });
+        return Err(RenderError::NoSuchFrames {
+            frames,
+            available,
+            folder: folder.to_owned(),
+        });
     }
     Ok(numbers)
 }
@@ -277,25 +292,35 @@ fn prepare(
     options: &RenderOptions,
     report: &mut dyn FnMut(&str),
 ) -> Result<(), RenderError> {
-    fs::create_dir_all(frames)
-        .map_err(|source| RenderError::Write { path: frames.to_owned(), source })?;
+    fs::create_dir_all(frames).map_err(|source| RenderError::Write {
+        path: frames.to_owned(),
+        source,
+    })?;
     for (name, text) in pov::INCLUDES {
         let path = frames.join(name);
         match fs::read_to_string(&path) {
             Ok(present) if present == text => {}
-            Ok(_) => report(&format!("{} differs from riprap's own and is kept; delete it to start over", path.display())),
+            Ok(_) => report(&format!(
+                "{} differs from riprap's own and is kept; delete it to start over",
+                path.display()
+            )),
             Err(_) => write(&path, text)?,
         }
     }
     // POV-Ray reads this file where it is started, so that `povray frame_00000.pov` alone gives
     // the same picture.
     let (width, height) = options.size;
-    let ini = format!("Width={width}\nHeight={height}\nAntialias=on\nAntialias_Threshold=0.2\nDisplay=off\nOutput_File_Type=N8\n");
+    let ini = format!(
+        "Width={width}\nHeight={height}\nAntialias=on\nAntialias_Threshold=0.2\nDisplay=off\nOutput_File_Type=N8\n"
+    );
     write(&frames.join("povray.ini"), &ini)
 }
 
 fn write(path: &Path, text: &str) -> Result<(), RenderError> {
-    fs::write(path, text).map_err(|source| RenderError::Write { path: path.to_owned(), source })
+    fs::write(path, text).map_err(|source| RenderError::Write {
+        path: path.to_owned(),
+        source,
+    })
 }
 
 /// One frame, from files to text.
@@ -307,7 +332,11 @@ fn scene_text(
     summary: &mut RenderSummary,
 ) -> Result<String, RenderError> {
     let time = run.frames().get(number).map_or(0.0, |f| f.time);
-    let Cloud { points, speeds, skipped } = run.cloud(number)?;
+    let Cloud {
+        points,
+        speeds,
+        skipped,
+    } = run.cloud(number)?;
     let (bodies, skipped_faces) = run.blocks_at(time)?;
     summary.skipped_points += skipped;
     summary.skipped_faces += skipped_faces;
@@ -322,12 +351,21 @@ fn scene_text(
             };
             let spray = of_kind(true);
             summary.spray += spray.len();
-            let surface = surface::surface(&of_kind(false), spacing)
-                .map_err(|reason| RenderError::Surface { frame: number, reason })?;
+            let surface = surface::surface(&of_kind(false), spacing).map_err(|reason| {
+                RenderError::Surface {
+                    frame: number,
+                    reason,
+                }
+            })?;
             pov::Water::Surface(surface, spray)
         }
     };
-    Ok(pov::frame(&survey.setting(&run.scene.title), time, &water, &bodies))
+    Ok(pov::frame(
+        &survey.setting(&run.scene.title),
+        time,
+        &water,
+        &bodies,
+    ))
 }
 
 fn film(
@@ -338,13 +376,20 @@ fn film(
     options: &RenderOptions,
     report: &mut dyn FnMut(&str),
 ) -> Result<Option<Film>, RenderError> {
-    let time = |number: Option<&usize>| number.and_then(|&n| run.frames().get(n)).map_or(0.0, |f| f.time);
-    let interval = (time(numbers.last()) - time(numbers.first())) / (numbers.len().max(2) - 1) as f64;
+    let time = |number: Option<&usize>| {
+        number
+            .and_then(|&n| run.frames().get(n))
+            .map_or(0.0, |f| f.time)
+    };
+    let interval =
+        (time(numbers.last()) - time(numbers.first())) / (numbers.len().max(2) - 1) as f64;
     if numbers.len() < 2 || interval.is_nan() || interval <= 0.0 {
         return Ok(None);
     }
     if !programs::is_present(&options.ffmpeg, "-version") {
-        report("no film: ffmpeg is not on this machine; the pictures are in frames/, see render/README.md for the command");
+        report(
+            "no film: ffmpeg is not on this machine; the pictures are in frames/, see render/README.md for the command",
+        );
         return Ok(None);
     }
     let film = programs::film(&options.ffmpeg, frames, names, interval)?;
@@ -359,7 +404,11 @@ fn film(
 
 fn without_povray(names: &[String], options: &RenderOptions) -> String {
     let first = names.first().map_or("frame_00000", String::as_str);
-    let arguments = programs::povray_arguments(&format!("{first}.pov"), &format!("{first}.png"), options.size);
+    let arguments = programs::povray_arguments(
+        &format!("{first}.pov"),
+        &format!("{first}.png"),
+        options.size,
+    );
     format!(
         "no pictures: `{}` is not on this machine; install POV-Ray 3.7 (Debian: apt install povray) \
          here or copy frames/ to a machine that has it, and there, in frames/: povray {}",

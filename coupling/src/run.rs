@@ -148,13 +148,20 @@ impl<'a> Run<'a> {
         let observers = Observers {
             frames: Frames::new(folder, output, &world)?,
             gauges: Gauges::new(folder, scene)?,
-            ledgers: Ledgers::new(folder, output.ledger_interval.unwrap_or(f64::INFINITY), &world)?,
+            ledgers: Ledgers::new(
+                folder,
+                output.ledger_interval.unwrap_or(f64::INFINITY),
+                &world,
+            )?,
             pictures: Pictures::new(scene),
         };
         Ok(Self {
             scene,
             folder: folder.to_path_buf(),
-            particles_at_start: world.water.as_ref().map_or(0, |w| w.fluid.particles().len()),
+            particles_at_start: world
+                .water
+                .as_ref()
+                .map_or(0, |w| w.fluid.particles().len()),
             world,
             observers,
             started: Instant::now(),
@@ -181,7 +188,11 @@ impl<'a> Run<'a> {
                     return Ok(Ending::Interrupted);
                 }
                 let dt = self.world.next_step(self.scene.file.time.duration)?.dt;
-                let rate = if time < (1.0 - UNDAMPED_SHARE) * end { rate } else { 0.0 };
+                let rate = if time < (1.0 - UNDAMPED_SHARE) * end {
+                    rate
+                } else {
+                    0.0
+                };
                 self.world.settle_step(dt, rate)?;
                 time += dt;
                 steps += 1;
@@ -226,7 +237,12 @@ impl<'a> Run<'a> {
 
     fn observe(&mut self) -> Result<(), ObserveError> {
         let start = Instant::now();
-        let Observers { frames, gauges, ledgers, pictures } = &mut self.observers;
+        let Observers {
+            frames,
+            gauges,
+            ledgers,
+            pictures,
+        } = &mut self.observers;
         let world = &self.world;
         if gauges.is_due(world) {
             gauges.observe(world)?;
@@ -296,7 +312,8 @@ impl<'a> Run<'a> {
         let (clock, extremes, blocks) = (world.clock(), world.extremes(), &world.blocks);
         let wall_time = self.started.elapsed().as_secs_f64();
         let running = (wall_time - self.settling_wall_time).max(1e-9);
-        let count = |test: &dyn Fn(usize) -> bool| (0..blocks.n_blocks()).filter(|&b| test(b)).count();
+        let count =
+            |test: &dyn Fn(usize) -> bool| (0..blocks.n_blocks()).filter(|&b| test(b)).count();
         let steps = clock.steps.max(1) as f64;
         Summary {
             case: self.scene.file.title.clone(),
@@ -316,20 +333,37 @@ impl<'a> Run<'a> {
             free_blocks: count(&|b| blocks.is_free(b)),
             fixed_blocks: count(&|b| world.is_fixed(b)),
             prescribed_blocks: count(&|b| matches!(blocks.motion(b), Motion::Prescribed(_))),
-            particle_spacing: self.scene.fluid.as_ref().map_or(0.0, |f| f.walls.particle_spacing),
-            mean_neighbours: extremes.pair_interactions as f64 / extremes.particle_steps.max(1) as f64,
+            particle_spacing: self
+                .scene
+                .fluid
+                .as_ref()
+                .map_or(0.0, |f| f.walls.particle_spacing),
+            mean_neighbours: extremes.pair_interactions as f64
+                / extremes.particle_steps.max(1) as f64,
             particle_steps_per_second: extremes.particle_steps as f64 / running,
             pair_interactions_per_second: extremes.pair_interactions as f64 / running,
             contact_updates_per_second: blocks.contact_updates() as f64 / running,
             time_by_phase: self.time_by_phase(),
-            dt_min: if self.dt_min.is_finite() { self.dt_min } else { 0.0 },
+            dt_min: if self.dt_min.is_finite() {
+                self.dt_min
+            } else {
+                0.0
+            },
             dt_max: self.dt_max,
             dt_governed_by: CAUSES
                 .iter()
-                .map(|cause| (*cause, self.governed.get(cause).copied().unwrap_or(0) as f64 / steps))
+                .map(|cause| {
+                    (
+                        *cause,
+                        self.governed.get(cause).copied().unwrap_or(0) as f64 / steps,
+                    )
+                })
                 .collect(),
             max_mach: extremes.max_mach,
-            density_error_rms: world.water.as_ref().map_or(0.0, |w| w.fluid.density_error_rms()),
+            density_error_rms: world
+                .water
+                .as_ref()
+                .map_or(0.0, |w| w.fluid.density_error_rms()),
             particles_escaped: world.water.as_ref().map_or(0, |w| w.fluid.removed().count),
             particles_pushed_back: extremes.particles_pushed_back,
             blocks_escaped: extremes.blocks_removed,

@@ -99,21 +99,36 @@ mod tests {
     #[test]
     fn fluid_sets_the_step_and_blocks_fit_theirs_inside() {
         let step = limits().choose(true, None, 1.0);
-        assert_eq!((step.cause, step.dt, step.block_substeps), (Cause::Sound, 2e-3, 7));
+        assert_eq!(
+            (step.cause, step.dt, step.block_substeps),
+            (Cause::Sound, 2e-3, 7)
+        );
     }
 
     #[test]
     fn blocks_alone_take_their_own_step() {
-        let alone = Limits { common: Vec::new(), ..limits() };
+        let alone = Limits {
+            common: Vec::new(),
+            ..limits()
+        };
         let step = alone.choose(false, None, 1.0);
-        assert_eq!((step.cause, step.dt, step.block_substeps), (Cause::Contact, 3e-4, 1));
+        assert_eq!(
+            (step.cause, step.dt, step.block_substeps),
+            (Cause::Contact, 3e-4, 1)
+        );
     }
 
     #[test]
     fn free_flight_is_bounded_by_the_duration() {
-        let free = Limits { common: Vec::new(), blocks: f64::INFINITY };
+        let free = Limits {
+            common: Vec::new(),
+            blocks: f64::INFINITY,
+        };
         let step = free.choose(false, None, 0.01);
-        assert_eq!((step.cause, step.dt, step.block_substeps), (Cause::Duration, 0.01, 1));
+        assert_eq!(
+            (step.cause, step.dt, step.block_substeps),
+            (Cause::Duration, 0.01, 1)
+        );
     }
 
     #[test]

@@ -120,7 +120,9 @@ pub enum StepError {
         source: riprap_dda::StepError,
     },
     /// Something left the domain of a scene in which nothing may.
-    #[error("at t = {time:.6} s, step {step}: {count} {what} left the domain; enlarge `domain`, close it with walls, or set `domain.leaving` to Removed")]
+    #[error(
+        "at t = {time:.6} s, step {step}: {count} {what} left the domain; enlarge `domain`, close it with walls, or set `domain.leaving` to Removed"
+    )]
     Left {
         /// s.
         time: f64,
@@ -132,7 +134,9 @@ pub enum StepError {
         what: &'static str,
     },
     /// A step too small to get anywhere.
-    #[error("at t = {time:.6} s, step {step}: the step fell to {dt:e} s, limited by {cause:?}; {remedy}")]
+    #[error(
+        "at t = {time:.6} s, step {step}: the step fell to {dt:e} s, limited by {cause:?}; {remedy}"
+    )]
     Stalled {
         /// s.
         time: f64,
@@ -219,7 +223,9 @@ impl World {
             common.push((Cause::Sound, fluid.sound));
             common.push((Cause::Viscosity, fluid.viscosity));
             common.push((Cause::Force, fluid.force));
-            let wall = water.interface.critical_time_step(water.fluid.particle_mass());
+            let wall = water
+                .interface
+                .critical_time_step(water.fluid.particle_mass());
             common.push((Cause::Wall, wall));
         }
         Limits {
@@ -358,8 +364,8 @@ impl World {
                 continue;
             }
             let x = self.blocks.centroid(block);
-            let inside = (0..3)
-                .all(|axis| self.domain.0[axis] <= x[axis] && x[axis] <= self.domain.1[axis]);
+            let inside =
+                (0..3).all(|axis| self.domain.0[axis] <= x[axis] && x[axis] <= self.domain.1[axis]);
             if !inside {
                 let before = self.blocks.energies();
                 let momentum = self.blocks.momentum();
@@ -387,7 +393,12 @@ impl World {
 
         let escaped = water.fluid.remove_escaped();
         if escaped > 0 && self.leaving == Leaving::Error {
-            return Err(StepError::Left { time, step, count: escaped, what: "particles" });
+            return Err(StepError::Left {
+                time,
+                step,
+                count: escaped,
+                what: "particles",
+            });
         }
         water.fluid.sort();
         self.phases.neighbors += watch.lap();
@@ -399,7 +410,9 @@ impl World {
             let particle = intruder.particle as usize;
             let before = water.fluid.particles().velocity[particle];
             self.ledger.pushed_back +=
-                water.fluid.replace(particle, intruder.position, intruder.velocity);
+                water
+                    .fluid
+                    .replace(particle, intruder.position, intruder.velocity);
             let impulse = (intruder.velocity - before) * mass;
             let block = intruder.block as usize;
             if self.blocks.is_free(block) {
@@ -429,7 +442,9 @@ impl World {
         self.phases.forces += watch.lap();
 
         let held = self.held == Held::AllBlocks;
-        water.interface.update_forces(&water.fluid, &self.blocks, held);
+        water
+            .interface
+            .update_forces(&water.fluid, &self.blocks, held);
         water.fluid.add_forces(water.interface.particle_forces());
         self.phases.coupling += watch.lap();
         Ok(())

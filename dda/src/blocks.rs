@@ -647,6 +647,18 @@ impl Blocks {
         self.boxes[part]
     }
 
+    /// Corners of a part in its present place, for output; of a ball, points all over it.
+    pub fn part_points(&self, part: usize) -> Vec<Vec3> {
+        match &self.parts[part] {
+            Part::Polyhedron(body) => body.vertices().to_vec(),
+            Part::Sphere { center, radius } => {
+                let (mut vertices, mut faces) = (Vec::new(), Vec::new());
+                push_ball(&mut vertices, &mut faces, |unit| center + unit * *radius);
+                vertices
+            }
+        }
+    }
+
     /// Closest point of a part's surface in its present place, or `None` if it is farther outside
     /// than `cutoff` (m) or its block was removed. See [`Polyhedron::surface_point_within`].
     ///

@@ -225,17 +225,28 @@ impl CellGrid {
         let [_, j, k] = self.coordinates_of(position);
         let mut n = 0;
         for dz in -1..=1 {
-            let Some((layer, sz)) = self.step(2, k, dz) else { continue };
+            let Some((layer, sz)) = self.step(2, k, dz) else {
+                continue;
+            };
             let height = self.distance_to_cell(2, position.z, layer, sz);
             for dy in -1..=1 {
-                let Some((row, sy)) = self.step(1, j, dy) else { continue };
+                let Some((row, sy)) = self.step(1, j, dy) else {
+                    continue;
+                };
                 let width = self.distance_to_cell(1, position.y, row, sy);
                 let chord2 = radius * radius - height * height - width * width;
                 if chord2 < 0.0 {
                     continue;
                 }
                 let first = self.cell_at([0, row, layer]);
-                self.push_row(first, 3 * sy + 9 * sz, position.x, chord2.sqrt(), runs, &mut n);
+                self.push_row(
+                    first,
+                    3 * sy + 9 * sz,
+                    position.x,
+                    chord2.sqrt(),
+                    runs,
+                    &mut n,
+                );
             }
         }
         n
@@ -262,7 +273,11 @@ impl CellGrid {
                 let start = self.starts[first + from as usize];
                 let end = self.starts[first + to as usize + 1];
                 if start < end {
-                    runs[*n] = Run { start, end, image: image_yz + sx };
+                    runs[*n] = Run {
+                        start,
+                        end,
+                        image: image_yz + sx,
+                    };
                     *n += 1;
                 }
             }
@@ -284,9 +299,17 @@ impl CellGrid {
         let low = self.min[axis] + cell as f64 * size + shift;
         // as above, and the outermost cells hold what is outside
         let slack = 1e-6 * size;
-        let below = if cell == 0 && digit == 1 { 0.0 } else { low - slack - x };
+        let below = if cell == 0 && digit == 1 {
+            0.0
+        } else {
+            low - slack - x
+        };
         let is_last = cell + 1 == self.counts[axis] && digit == 1;
-        let above = if is_last { 0.0 } else { x - (low + size + slack) };
+        let above = if is_last {
+            0.0
+        } else {
+            x - (low + size + slack)
+        };
         below.max(above).max(0.0)
     }
 

@@ -121,7 +121,10 @@ impl Chunk {
         let mut n = 0;
         for position in positions {
             let n_runs = grid.runs_within(position, radius, &mut runs);
-            let n_candidates: usize = runs[..n_runs].iter().map(|r| (r.end - r.start) as usize).sum();
+            let n_candidates: usize = runs[..n_runs]
+                .iter()
+                .map(|r| (r.end - r.start) as usize)
+                .sum();
             // room for the case that all candidates are neighbours, so that the test below can
             // write first and decide afterwards
             let room = n + n_candidates + LANES;

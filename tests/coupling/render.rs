@@ -19,12 +19,22 @@ fn gallery() -> Result<()> {
     ] {
         let run = folder.join(name);
         synthetic_run::write(&run, &experiment, "", 0)?;
-        for (water, look) in [(WaterLook::Particles, "particles"), (WaterLook::Surface, "surface")] {
-            let options = RenderOptions { water, frames: Some(2..3), ..RenderOptions::default() };
+        for (water, look) in [
+            (WaterLook::Particles, "particles"),
+            (WaterLook::Surface, "surface"),
+        ] {
+            let options = RenderOptions {
+                water,
+                frames: Some(2..3),
+                ..RenderOptions::default()
+            };
             let start = Instant::now();
             let summary = render(&run, &options, &mut |line| println!("{line}"))?;
             println!("{name} {look}: {:.1} s", start.elapsed().as_secs_f64());
-            std::fs::rename(&summary.pictures[0], folder.join(format!("{name}_{look}.png")))?;
+            std::fs::rename(
+                &summary.pictures[0],
+                folder.join(format!("{name}_{look}.png")),
+            )?;
         }
     }
     Ok(())

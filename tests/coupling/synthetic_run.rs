@@ -76,12 +76,22 @@ pub fn write(folder: &Path, experiment: &Experiment, camera: &str, spoiled: usiz
          time: (duration: 1.0), {camera})\n"
     );
     fs::write(folder.join("case.ron"), case)?;
-    fs::write(folder.join("summary.json"), format!("{{\"particle_spacing\": {spacing}}}"))?;
-    let (mut water, mut blocks) = (Collection::new(folder, "water"), Collection::new(folder, "blocks"));
+    fs::write(
+        folder.join("summary.json"),
+        format!("{{\"particle_spacing\": {spacing}}}"),
+    )?;
+    let (mut water, mut blocks) = (
+        Collection::new(folder, "water"),
+        Collection::new(folder, "blocks"),
+    );
     for (i, &time) in experiment.times.iter().enumerate() {
         let mut cloud = particles(experiment, time);
         let bad = if i == 0 { spoiled } else { 0 };
-        cloud.points.iter_mut().take(bad).for_each(|p| p[0] = f32::NAN);
+        cloud
+            .points
+            .iter_mut()
+            .take(bad)
+            .for_each(|p| p[0] = f32::NAN);
         let name = format!("water_{i:05}.vtp");
         vtk::write(&folder.join(&name), &cloud)?;
         water.push(time, name)?;
@@ -99,7 +109,13 @@ fn jitter(n: usize) -> f64 {
 }
 
 fn particles(experiment: &Experiment, time: f64) -> PolyData {
-    let Experiment { water: [l, w, depth], spacing: s, surface, wedge, .. } = experiment;
+    let Experiment {
+        water: [l, w, depth],
+        spacing: s,
+        surface,
+        wedge,
+        ..
+    } = experiment;
     let cells = |x: f64| (x / s).round() as usize;
     let (mut points, mut velocity): (Vec<[f32; 3]>, Vec<f32>) = (Vec::new(), Vec::new());
     for n in 0..cells(*l) * cells(*w) * cells(2.0 * depth) {
@@ -121,12 +137,20 @@ fn particles(experiment: &Experiment, time: f64) -> PolyData {
     // Spray that no surface should be drawn around.
     for i in 0..12 {
         let at = i as f64 / 12.0;
-        points.push([(l * (0.4 + 0.2 * at)) as f32, (w * at) as f32, (depth * (1.3 + 0.2 * jitter(i))) as f32]);
+        points.push([
+            (l * (0.4 + 0.2 * at)) as f32,
+            (w * at) as f32,
+            (depth * (1.3 + 0.2 * jitter(i))) as f32,
+        ]);
         velocity.extend([0.5, 0.0, 1.0]);
     }
     PolyData {
         points,
-        point_data: vec![Array { name: "Velocity".into(), components: 3, values: Values::F32(velocity) }],
+        point_data: vec![Array {
+            name: "Velocity".into(),
+            components: 3,
+            values: Values::F32(velocity),
+        }],
         time,
         ..PolyData::default()
     }
@@ -143,16 +167,25 @@ struct Mesh {
 impl Mesh {
     fn add(&mut self, id: i32, corners: &[[f64; 3]], faces: &[&[i32]]) {
         let first = self.points.len() as i32;
-        self.points.extend(corners.iter().map(|c| c.map(|x| x as f32)));
+        self.points
+            .extend(corners.iter().map(|c| c.map(|x| x as f32)));
         for face in faces {
-            self.polygons.connectivity.extend(face.iter().map(|i| first + i));
-            self.polygons.offsets.push(self.polygons.connectivity.len() as i32);
+            self.polygons
+                .connectivity
+                .extend(face.iter().map(|i| first + i));
+            self.polygons
+                .offsets
+                .push(self.polygons.connectivity.len() as i32);
             self.ids.push(id);
         }
     }
 
     fn finish(self, time: f64) -> PolyData {
-        let ids = Array { name: "BlockId".into(), components: 1, values: Values::I32(self.ids) };
+        let ids = Array {
+            name: "BlockId".into(),
+            components: 1,
+            values: Values::I32(self.ids),
+        };
         PolyData {
             points: self.points,
             polygons: self.polygons,
@@ -163,11 +196,19 @@ impl Mesh {
     }
 }
 
-const BOX: [&[i32]; 6] =
-    [&[0, 4, 6, 2], &[1, 3, 7, 5], &[0, 1, 5, 4], &[2, 6, 7, 3], &[0, 2, 3, 1], &[4, 5, 7, 6]];
+const BOX: [&[i32]; 6] = [
+    &[0, 4, 6, 2],
+    &[1, 3, 7, 5],
+    &[0, 1, 5, 4],
+    &[2, 6, 7, 3],
+    &[0, 2, 3, 1],
+    &[4, 5, 7, 6],
+];
 
 fn corners(min: [f64; 3], max: [f64; 3]) -> Vec<[f64; 3]> {
-    (0..8).map(|i| std::array::from_fn(|k| if i >> k & 1 == 1 { max[k] } else { min[k] })).collect()
+    (0..8)
+        .map(|i| std::array::from_fn(|k| if i >> k & 1 == 1 { max[k] } else { min[k] }))
+        .collect()
 }
 
 fn block(experiment: &Experiment, time: f64) -> PolyData {
@@ -176,10 +217,16 @@ fn block(experiment: &Experiment, time: f64) -> PolyData {
     // As wide as the flume allows, turned about y.
     let wide = half.min(0.45 * experiment.water[1]);
     let angle = 0.6 + 1.3 * time / (1.0 + time);
-    let turned = corners([-half, -wide, -half], [half, wide, half]).into_iter().map(|[x, y, z]| {
-        let (s, c) = angle.sin_cos();
-        [centre[0] + c * x + s * z, centre[1] + y, centre[2] - s * x + c * z]
-    });
+    let turned = corners([-half, -wide, -half], [half, wide, half])
+        .into_iter()
+        .map(|[x, y, z]| {
+            let (s, c) = angle.sin_cos();
+            [
+                centre[0] + c * x + s * z,
+                centre[1] + y,
+                centre[2] - s * x + c * z,
+            ]
+        });
     let mut mesh = Mesh::default();
     mesh.add(3, &turned.collect::<Vec<_>>(), &BOX);
     mesh.finish(time)
@@ -191,7 +238,24 @@ fn fixed(experiment: &Experiment) -> PolyData {
         mesh.add(id, &corners(*min, *max), &BOX);
     }
     let [x, y, z] = experiment.wedge;
-    let points = [[0.0; 3], [x, 0.0, 0.0], [0.0, 0.0, z], [0.0, y, 0.0], [x, y, 0.0], [0.0, y, z]];
-    mesh.add(9, &points, &[&[0, 1, 2], &[3, 5, 4], &[0, 3, 4, 1], &[1, 4, 5, 2], &[2, 5, 3, 0]]);
+    let points = [
+        [0.0; 3],
+        [x, 0.0, 0.0],
+        [0.0, 0.0, z],
+        [0.0, y, 0.0],
+        [x, y, 0.0],
+        [0.0, y, z],
+    ];
+    mesh.add(
+        9,
+        &points,
+        &[
+            &[0, 1, 2],
+            &[3, 5, 4],
+            &[0, 3, 4, 1],
+            &[1, 4, 5, 2],
+            &[2, 5, 3, 0],
+        ],
+    );
     mesh.finish(0.0)
 }

@@ -64,7 +64,10 @@ pub(crate) fn describe(scene: &Scene) -> String {
     let mut line = |what: &str, value: String| {
         let _ = writeln!(text, "  {what:<14} {value}");
     };
-    line("blocks", format!("{free} free, {prescribed} prescribed, {fixed} fixed; {parts} convex parts"));
+    line(
+        "blocks",
+        format!("{free} free, {prescribed} prescribed, {fixed} fixed; {parts} convex parts"),
+    );
     line(
         "block motion",
         match (free, prescribed) {
@@ -72,7 +75,11 @@ pub(crate) fn describe(scene: &Scene) -> String {
             (0, _) => "prescribed only: no block dynamics, no contact search between walls".into(),
             _ => format!(
                 "rigid, contact stiffness {:.3e} N/m; no deformable model in this scene",
-                scene.materials.iter().map(|m| m.contact_stiffness).fold(0.0, f64::max)
+                scene
+                    .materials
+                    .iter()
+                    .map(|m| m.contact_stiffness)
+                    .fold(0.0, f64::max)
             ),
         },
     );
@@ -100,7 +107,12 @@ pub(crate) fn describe(scene: &Scene) -> String {
             );
             line(
                 "sound speed",
-                format!("{:.2} m/s, {:.1} times the fastest expected {:.2} m/s", s.sound_speed, s.sound_speed / fluid.expected_speed.max(1e-300), fluid.expected_speed),
+                format!(
+                    "{:.2} m/s, {:.1} times the fastest expected {:.2} m/s",
+                    s.sound_speed,
+                    s.sound_speed / fluid.expected_speed.max(1e-300),
+                    fluid.expected_speed
+                ),
             );
             line(
                 "walls",
@@ -111,7 +123,13 @@ pub(crate) fn describe(scene: &Scene) -> String {
             );
         }
     }
-    let axes: Vec<String> = scene.file.domain.periodic.iter().map(|a| format!("{a:?}")).collect();
+    let axes: Vec<String> = scene
+        .file
+        .domain
+        .periodic
+        .iter()
+        .map(|a| format!("{a:?}"))
+        .collect();
     if !axes.is_empty() {
         line("periodic", format!("along {}", axes.join(", ")));
     }
@@ -129,21 +147,48 @@ pub(crate) fn describe(scene: &Scene) -> String {
 fn cost(scene: &Scene) -> Result<String, crate::run::RunError> {
     let mut world = build(scene)?;
     let duration = scene.file.time.duration;
-    let settle = if scene.fluid.is_some() { scene.file.time.settle } else { 0.0 };
+    let settle = if scene.fluid.is_some() {
+        scene.file.time.settle
+    } else {
+        0.0
+    };
     let mut text = String::new();
     let limits = world.limits();
     let step = world.next_step(duration)?;
     let _ = writeln!(text, "  step limits");
-    for (cause, limit) in limits.common.iter().copied().chain([(Cause::Contact, limits.blocks)]) {
-        let value = if limit.is_finite() { format!("{limit:.3e} s") } else { "no limit".into() };
-        let governs = if cause == step.cause { "  <- governs" } else { "" };
+    for (cause, limit) in limits
+        .common
+        .iter()
+        .copied()
+        .chain([(Cause::Contact, limits.blocks)])
+    {
+        let value = if limit.is_finite() {
+            format!("{limit:.3e} s")
+        } else {
+            "no limit".into()
+        };
+        let governs = if cause == step.cause {
+            "  <- governs"
+        } else {
+            ""
+        };
         let name = format!("{cause:?}").to_lowercase();
         let _ = writeln!(text, "    {name:<12} {value}{governs}");
     }
     let steps = ((duration + settle) / step.dt).ceil();
-    let _ = writeln!(text, "  steps          about {steps:.0}, {} block sub-steps in each", step.block_substeps);
-    let n = scene.fluid.as_ref().map_or(0, |f| f.lattice.positions.len()) as f64;
-    let neighbors = world.water.as_ref().map_or(0.0, |w| w.fluid.n_pairs() as f64 / n.max(1.0));
+    let _ = writeln!(
+        text,
+        "  steps          about {steps:.0}, {} block sub-steps in each",
+        step.block_substeps
+    );
+    let n = scene
+        .fluid
+        .as_ref()
+        .map_or(0, |f| f.lattice.positions.len()) as f64;
+    let neighbors = world
+        .water
+        .as_ref()
+        .map_or(0.0, |w| w.fluid.n_pairs() as f64 / n.max(1.0));
     // state, scratch and sorted copies, and lists that may be twice as long as filled
     let memory = n * (450.0 + 8.0 * neighbors) + 4e6;
     let output = &scene.file.output;
@@ -151,7 +196,11 @@ fn cost(scene: &Scene) -> Result<String, crate::run::RunError> {
     // measured: about 30 bytes a particle and frame, compressed
     let disk = frames * n * 30.0 + duration / output.gauge_interval.unwrap_or(duration) * 500.0;
     let _ = writeln!(text, "  memory         about {:.0} MB", memory / 1e6);
-    let _ = writeln!(text, "  disk           about {:.0} MB in {frames:.0} frames", disk / 1e6);
+    let _ = writeln!(
+        text,
+        "  disk           about {:.0} MB in {frames:.0} frames",
+        disk / 1e6
+    );
     let (taken, wall) = probe(&mut world, duration)?;
     let _ = write!(
         text,

@@ -50,13 +50,20 @@ pub(crate) fn execute(arguments: &Arguments) -> Exit {
         Ok(scene) => scene,
         Err(exit) => return exit,
     };
-    let folder = arguments.output.clone().unwrap_or_else(|| default_folder(&arguments.case));
-    if let Err(message) = prepare(&folder, arguments.force).and_then(|()| keep_inputs(&scene, &arguments.case, &folder)) {
+    let folder = arguments
+        .output
+        .clone()
+        .unwrap_or_else(|| default_folder(&arguments.case));
+    if let Err(message) = prepare(&folder, arguments.force)
+        .and_then(|()| keep_inputs(&scene, &arguments.case, &folder))
+    {
         say(&format!("error: {message}"));
         return Exit::BadInput;
     }
     if let Some(threads) = arguments.threads
-        && let Err(error) = rayon::ThreadPoolBuilder::new().num_threads(threads).build_global()
+        && let Err(error) = rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .build_global()
     {
         say(&format!("error: cannot start {threads} threads: {error}"));
         return Exit::BadInput;
@@ -91,7 +98,9 @@ pub(crate) fn execute(arguments: &Arguments) -> Exit {
 
 /// Makes the run folder; an old one is emptied of riprap's own files when `force` says so.
 fn prepare(folder: &Path, force: bool) -> Result<(), String> {
-    let is_used = folder.read_dir().is_ok_and(|mut entries| entries.next().is_some());
+    let is_used = folder
+        .read_dir()
+        .is_ok_and(|mut entries| entries.next().is_some());
     if is_used && !force {
         return Err(format!(
             "{} holds a run already; name another folder with -o or write over it with --force",
@@ -101,19 +110,38 @@ fn prepare(folder: &Path, force: bool) -> Result<(), String> {
     if is_used {
         remove_run(folder)?;
     }
-    std::fs::create_dir_all(folder).map_err(|error| format!("cannot make {}: {error}", folder.display()))
+    std::fs::create_dir_all(folder)
+        .map_err(|error| format!("cannot make {}: {error}", folder.display()))
 }
 
 /// Removes the files of an earlier run, and nothing else.
 fn remove_run(folder: &Path) -> Result<(), String> {
-    let entries = folder.read_dir().map_err(|error| format!("cannot read {}: {error}", folder.display()))?;
+    let entries = folder
+        .read_dir()
+        .map_err(|error| format!("cannot read {}: {error}", folder.display()))?;
     for path in entries.flatten().map(|entry| entry.path()) {
-        let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        let name = path
+            .file_name()
+            .unwrap_or_default()
+            .to_string_lossy()
+            .into_owned();
         let is_ours = ["water", "blocks", "contacts", "fixed_blocks"]
             .iter()
-            .any(|stem| name.starts_with(stem) && [".vtp", ".pvd", ".series"].iter().any(|end| name.ends_with(end)))
-            || ["case.ron", "summary.json", "overview.svg", "gauges.csv", "blocks.csv", "energy.csv"]
-                .contains(&name.as_str());
+            .any(|stem| {
+                name.starts_with(stem)
+                    && [".vtp", ".pvd", ".series"]
+                        .iter()
+                        .any(|end| name.ends_with(end))
+            })
+            || [
+                "case.ron",
+                "summary.json",
+                "overview.svg",
+                "gauges.csv",
+                "blocks.csv",
+                "energy.csv",
+            ]
+            .contains(&name.as_str());
         let removed = if name == "frames" && path.is_dir() {
             std::fs::remove_dir_all(&path)
         } else if is_ours {
@@ -128,9 +156,11 @@ fn remove_run(folder: &Path) -> Result<(), String> {
 
 /// Writes `case.ron` and copies the files it names, so that the folder can be run again by itself.
 fn keep_inputs(scene: &Scene, case: &Path, folder: &Path) -> Result<(), String> {
-    let text = parse::write(&scene.file).map_err(|error| format!("cannot write case.ron: {error}"))?;
+    let text =
+        parse::write(&scene.file).map_err(|error| format!("cannot write case.ron: {error}"))?;
     let path = folder.join("case.ron");
-    std::fs::write(&path, text).map_err(|error| format!("cannot write {}: {error}", path.display()))?;
+    std::fs::write(&path, text)
+        .map_err(|error| format!("cannot write {}: {error}", path.display()))?;
     let source = case.parent().unwrap_or(Path::new("."));
     for file in scene.file.referenced_files() {
         let target = folder.join(file);
@@ -210,7 +240,11 @@ impl ProgressLine {
         let left = self.stage_started.elapsed().as_secs_f64() * (1.0 / share.max(1e-6) - 1.0);
         let line = format!(
             "{}step {} | t {:.4} of {:.4} s ({:.0} %) | dt {:.2e} s | contacts {} | v max {:.2} m/s | left {}:{:02}",
-            if progress.is_settling { "settling: " } else { "" },
+            if progress.is_settling {
+                "settling: "
+            } else {
+                ""
+            },
             progress.steps,
             progress.time,
             progress.end,
@@ -228,7 +262,10 @@ impl ProgressLine {
         if self.is_terminal {
             let _ = write!(std::io::stderr(), "\r\x1b[K{line}");
         } else {
-            say(&format!("[{:6.0} s] {line}", self.started.elapsed().as_secs_f64()));
+            say(&format!(
+                "[{:6.0} s] {line}",
+                self.started.elapsed().as_secs_f64()
+            ));
         }
     }
 

@@ -30,7 +30,9 @@ impl Frames {
     /// [`ObserveError`] when the folder cannot be written.
     pub fn new(folder: &Path, output: &OutputFile, world: &World) -> Result<Self, ObserveError> {
         let blocks = &world.blocks;
-        let fixed: Vec<usize> = (0..blocks.n_blocks()).filter(|&b| world.is_fixed(b)).collect();
+        let fixed: Vec<usize> = (0..blocks.n_blocks())
+            .filter(|&b| world.is_fixed(b))
+            .collect();
         if !fixed.is_empty() {
             let data = block_polygons(world, &fixed, &[]);
             vtk::write(&folder.join("fixed_blocks.vtp"), &data)?;
@@ -72,7 +74,11 @@ impl Observer for Frames {
             let movers: Vec<usize> = (0..world.blocks.n_blocks())
                 .filter(|&b| !world.is_fixed(b) && !world.blocks.is_removed(b))
                 .collect();
-            write(collection, "blocks", &block_polygons(world, &movers, &self.block_fields))?;
+            write(
+                collection,
+                "blocks",
+                &block_polygons(world, &movers, &self.block_fields),
+            )?;
         }
         if let Some(collection) = &mut self.contacts {
             write(collection, "contacts", &contact_points(world))?;
@@ -125,13 +131,17 @@ fn water_points(water: &Water, fields: &[WaterField]) -> PolyData {
             }
             WaterField::Density => scalars("Density", column(&particles.density)),
             WaterField::Pressure => scalars("Pressure", column(&particles.pressure)),
-            WaterField::Id => {
-                integers("Id", order.iter().map(|&a| particles.id[a] as i32).collect())
-            }
+            WaterField::Id => integers(
+                "Id",
+                order.iter().map(|&a| particles.id[a] as i32).collect(),
+            ),
         })
         .collect();
     PolyData {
-        points: order.iter().map(|&a| single(&particles.position[a])).collect(),
+        points: order
+            .iter()
+            .map(|&a| single(&particles.position[a]))
+            .collect(),
         point_data,
         ..PolyData::default()
     }
@@ -145,7 +155,10 @@ fn block_polygons(world: &World, which: &[usize], fields: &[BlockField]) -> Poly
         ..PolyData::default()
     };
     let mut owner = Vec::new();
-    let Polygons { connectivity, offsets } = &mut data.polygons;
+    let Polygons {
+        connectivity,
+        offsets,
+    } = &mut data.polygons;
     for &block in which {
         let (vertices, faces) = blocks.world_polygons(block);
         let first = data.points.len() as i32;
@@ -160,8 +173,10 @@ fn block_polygons(world: &World, which: &[usize], fields: &[BlockField]) -> Poly
         let values: Vec<Vec3> = owner.iter().map(|&block| value(block)).collect();
         vectors(name, values.iter())
     };
-    data.cell_data
-        .push(integers("BlockId", owner.iter().map(|&block| block as i32).collect()));
+    data.cell_data.push(integers(
+        "BlockId",
+        owner.iter().map(|&block| block as i32).collect(),
+    ));
     for field in fields {
         data.cell_data.push(match field {
             BlockField::Velocity => per_face("Velocity", &|b| blocks.velocity(b)),
@@ -174,7 +189,9 @@ fn block_polygons(world: &World, which: &[usize], fields: &[BlockField]) -> Poly
                     .as_ref()
                     .map_or(Vec3::zeros(), |water| water.interface.loads()[b].force)
             }),
-            BlockField::ForceContact => per_face("ForceContact", &|b| blocks.contact_force(b).force),
+            BlockField::ForceContact => {
+                per_face("ForceContact", &|b| blocks.contact_force(b).force)
+            }
         });
     }
     data
@@ -186,12 +203,24 @@ fn contact_points(world: &World) -> PolyData {
     PolyData {
         points: contacts.iter().map(|c| single(&c.point)).collect(),
         point_data: vec![
-            integers("BlockA", contacts.iter().map(|c| c.blocks.0 as i32).collect()),
-            integers("BlockB", contacts.iter().map(|c| c.blocks.1 as i32).collect()),
+            integers(
+                "BlockA",
+                contacts.iter().map(|c| c.blocks.0 as i32).collect(),
+            ),
+            integers(
+                "BlockB",
+                contacts.iter().map(|c| c.blocks.1 as i32).collect(),
+            ),
             vectors("Normal", contacts.iter().map(|c| &c.normal)),
-            scalars("NormalForce", contacts.iter().map(|c| c.normal_force as f32).collect()),
+            scalars(
+                "NormalForce",
+                contacts.iter().map(|c| c.normal_force as f32).collect(),
+            ),
             vectors("ShearForce", contacts.iter().map(|c| &c.shear_force)),
-            scalars("Overlap", contacts.iter().map(|c| c.overlap as f32).collect()),
+            scalars(
+                "Overlap",
+                contacts.iter().map(|c| c.overlap as f32).collect(),
+            ),
             integers("State", contacts.iter().map(|c| c.state as i32).collect()),
         ],
         time: world.time(),

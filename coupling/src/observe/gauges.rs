@@ -49,7 +49,12 @@ impl Gauges {
         Ok(Self {
             schedule: Schedule::every(scene.file.output.gauge_interval.unwrap_or(f64::INFINITY)),
             table: Table::create(&folder.join("gauges.csv"), &columns)?,
-            gauges: scene.file.gauges.iter().map(|g| resolve(g, scene)).collect(),
+            gauges: scene
+                .file
+                .gauges
+                .iter()
+                .map(|g| resolve(g, scene))
+                .collect(),
             row: Vec::with_capacity(columns.len()),
         })
     }
@@ -97,14 +102,21 @@ fn columns_of(gauge: &GaugeFile) -> Vec<Column> {
             vec![Column::new(name, "m")]
         }
         GaugeFile::Pressure { name, .. } => vec![Column::new(name, "Pa")],
-        GaugeFile::Velocity { name, .. } => {
-            ["vx", "vy", "vz"].map(|c| Column::new(&format!("{name}.{c}"), "m/s")).to_vec()
-        }
+        GaugeFile::Velocity { name, .. } => ["vx", "vy", "vz"]
+            .map(|c| Column::new(format!("{name}.{c}"), "m/s"))
+            .to_vec(),
         GaugeFile::BlockForce { name, .. } => ["fluid", "contact"]
             .iter()
             .flat_map(|source| {
-                [("fx", "N"), ("fy", "N"), ("fz", "N"), ("mx", "N m"), ("my", "N m"), ("mz", "N m")]
-                    .map(|(c, unit)| Column::new(&format!("{name}.{source}_{c}"), unit))
+                [
+                    ("fx", "N"),
+                    ("fy", "N"),
+                    ("fz", "N"),
+                    ("mx", "N m"),
+                    ("my", "N m"),
+                    ("mz", "N m"),
+                ]
+                .map(|(c, unit)| Column::new(format!("{name}.{source}_{c}"), unit))
             })
             .collect(),
     }
@@ -117,7 +129,12 @@ fn resolve(gauge: &GaugeFile, scene: &Scene) -> Gauge {
         GaugeFile::Velocity { position, .. } => Gauge::Velocity(vec3(*position)),
         GaugeFile::BlockForce { block, .. } => Gauge::BlockForce(
             // validation has seen that the name exists
-            scene.file.blocks.iter().position(|b| &b.name == block).unwrap_or(0),
+            scene
+                .file
+                .blocks
+                .iter()
+                .position(|b| &b.name == block)
+                .unwrap_or(0),
         ),
         GaugeFile::RunUp { from, to, .. } => Gauge::RunUp {
             from: [from.0, from.1],
@@ -167,7 +184,12 @@ impl Gauge {
 /// Water touches the ground where a particle within a spacing of the line is within 1.5 spacings
 /// of a fixed surface that looks up; a drop in the air touches nothing.
 fn run_up(fluid: &Fluid, blocks: &Blocks, from: &[f64; 2], to: &[f64; 2]) -> Option<f64> {
-    let spacing = fluid.settings().particle_spacing.iter().product::<f64>().cbrt();
+    let spacing = fluid
+        .settings()
+        .particle_spacing
+        .iter()
+        .product::<f64>()
+        .cbrt();
     let reach = TOUCHING_DISTANCE * spacing;
     let ground: Vec<usize> = (0..blocks.n_parts())
         .filter(|&part| matches!(blocks.motion(blocks.block_of_part(part)), Motion::Fixed))

@@ -127,7 +127,8 @@ impl Observer for Ledgers {
         self.energy.row(row)?;
         if let Some(table) = &mut self.blocks {
             let blocks = &world.blocks;
-            for b in (0..blocks.n_blocks()).filter(|&b| !world.is_fixed(b) && !blocks.is_removed(b)) {
+            for b in (0..blocks.n_blocks()).filter(|&b| !world.is_fixed(b) && !blocks.is_removed(b))
+            {
                 let fluid = world
                     .water
                     .as_ref()

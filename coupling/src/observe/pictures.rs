@@ -34,10 +34,19 @@ impl Pictures {
             overview: Overview {
                 title: scene.file.title.clone(),
                 subtitle: String::new(),
-                particle_spacing: scene.fluid.as_ref().map_or(0.0, |f| f.lattice.particle_spacing()),
+                particle_spacing: scene
+                    .fluid
+                    .as_ref()
+                    .map_or(0.0, |f| f.lattice.particle_spacing()),
                 snapshots: Vec::new(),
-                gauges: columns.iter().map(|(_, name, unit)| record(name, unit)).collect(),
-                energy: ENERGY_COLUMNS.iter().map(|name| record(name, "J")).collect(),
+                gauges: columns
+                    .iter()
+                    .map(|(_, name, unit)| record(name, unit))
+                    .collect(),
+                energy: ENERGY_COLUMNS
+                    .iter()
+                    .map(|name| record(name, "J"))
+                    .collect(),
                 view: ([min.0, min.2], [max.0, max.2]),
             },
             places: columns.iter().map(|(place, _, _)| *place).collect(),
@@ -80,7 +89,12 @@ impl Pictures {
     /// # Errors
     ///
     /// [`ObserveError::Write`] names the file.
-    pub fn write(&mut self, folder: &Path, world: &World, subtitle: String) -> Result<PathBuf, ObserveError> {
+    pub fn write(
+        &mut self,
+        folder: &Path,
+        world: &World,
+        subtitle: String,
+    ) -> Result<PathBuf, ObserveError> {
         self.overview.snapshots.push(snapshot(world));
         self.overview.subtitle = subtitle;
         let path = folder.join("overview.svg");
@@ -166,7 +180,17 @@ mod tests {
 
     #[test]
     fn the_outline_of_a_box_with_points_inside_is_its_corners() {
-        let points = vec![[0.0, 0.0], [1.0, 0.0], [0.5, 0.5], [1.0, 2.0], [0.0, 2.0], [0.0, 1.0]];
-        assert_eq!(convex_outline(points), [[0.0, 0.0], [1.0, 0.0], [1.0, 2.0], [0.0, 2.0]]);
+        let points = vec![
+            [0.0, 0.0],
+            [1.0, 0.0],
+            [0.5, 0.5],
+            [1.0, 2.0],
+            [0.0, 2.0],
+            [0.0, 1.0],
+        ];
+        assert_eq!(
+            convex_outline(points),
+            [[0.0, 0.0], [1.0, 0.0], [1.0, 2.0], [0.0, 2.0]]
+        );
     }
 }

@@ -21,12 +21,20 @@ pub(crate) struct Body {
 
 /// The bodies of a file, and how many faces were left out because a corner is not finite.
 pub(crate) fn bodies(data: &PolyData) -> (Vec<Body>, usize) {
-    let ids = data.cell_data.iter().find(|a| a.name == "BlockId").map(|a| &a.values);
+    let ids = data
+        .cell_data
+        .iter()
+        .find(|a| a.name == "BlockId")
+        .map(|a| &a.values);
     let mut bodies: BTreeMap<i32, (Body, BTreeMap<i32, usize>)> = BTreeMap::new();
     let (mut start, mut skipped) = (0, 0);
     for (face, &end) in data.polygons.offsets.iter().enumerate() {
         let end = usize::try_from(end).unwrap_or(start);
-        let polygon = data.polygons.connectivity.get(start..end).unwrap_or_default();
+        let polygon = data
+            .polygons
+            .connectivity
+            .get(start..end)
+            .unwrap_or_default();
         start = end.max(start);
         let id = match ids {
             Some(Values::I32(values)) => values.get(face).copied().unwrap_or_default(),
@@ -34,7 +42,10 @@ pub(crate) fn bodies(data: &PolyData) -> (Vec<Body>, usize) {
         };
         let corner = |&i: &i32| {
             let point = data.points.get(usize::try_from(i).ok()?)?;
-            point.iter().all(|x| x.is_finite()).then(|| Vector3::from(point.map(f64::from)))
+            point
+                .iter()
+                .all(|x| x.is_finite())
+                .then(|| Vector3::from(point.map(f64::from)))
         };
         let Some(corners) = polygon.iter().map(corner).collect::<Option<Vec<_>>>() else {
             skipped += 1;
@@ -51,7 +62,10 @@ pub(crate) fn bodies(data: &PolyData) -> (Vec<Body>, usize) {
         let numbered = numbered.collect();
         body.faces.push(numbered);
     }
-    (bodies.into_values().map(|(body, _)| body).collect(), skipped)
+    (
+        bodies.into_values().map(|(body, _)| body).collect(),
+        skipped,
+    )
 }
 
 impl Body {
@@ -131,7 +145,8 @@ pub(crate) fn stage(fixed: &[Body], camera: &Camera, samples: &[[f32; 3]]) -> St
                 cut.push(polygon);
             }
         }
-        let area = |faces: &[Vec<Vector3<f64>>]| faces.iter().map(|f| area_vector(f).norm()).sum::<f64>();
+        let area =
+            |faces: &[Vec<Vector3<f64>>]| faces.iter().map(|f| area_vector(f).norm()).sum::<f64>();
         if area(&cut) <= area(&seen) {
             stage.drawn.append(&mut seen);
         }
@@ -148,7 +163,9 @@ fn area_vector(polygon: &[Vector3<f64>]) -> Vector3<f64> {
         return Vector3::zeros();
     };
     let pairs = polygon.windows(2);
-    0.5 * pairs.map(|w| (w[0] - first).cross(&(w[1] - first))).sum::<Vector3<f64>>()
+    0.5 * pairs
+        .map(|w| (w[0] - first).cross(&(w[1] - first)))
+        .sum::<Vector3<f64>>()
 }
 
 fn faces_eye(polygon: &[Vector3<f64>], camera: &Camera) -> bool {
@@ -203,8 +220,16 @@ mod tests {
     use crate::vtk::{Array, Polygons};
 
     fn cuboid(min: [f64; 3], max: [f64; 3]) -> Body {
-        let corner = |i: usize| Vector3::from_fn(|k, _| if i >> k & 1 == 1 { max[k] } else { min[k] });
-        let faces = [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
+        let corner =
+            |i: usize| Vector3::from_fn(|k, _| if i >> k & 1 == 1 { max[k] } else { min[k] });
+        let faces = [
+            [0, 4, 6, 2],
+            [1, 3, 7, 5],
+            [0, 1, 5, 4],
+            [2, 6, 7, 3],
+            [0, 2, 3, 1],
+            [4, 5, 7, 6],
+        ];
         Body {
             id: 0,
             corners: (0..8).map(corner).collect(),
@@ -249,7 +274,12 @@ mod tests {
     fn a_strip_keeps_its_share_of_a_face() {
         let square = [[0.0, 0.0], [4.0, 0.0], [4.0, 1.0], [0.0, 1.0]];
         let square = square.map(|[x, y]| Vector3::new(x, y, 0.0));
-        let panel = Panel { axis: 0, from: 1.0, to: 2.5, shift: Vector3::zeros() };
+        let panel = Panel {
+            axis: 0,
+            from: 1.0,
+            to: 2.5,
+            shift: Vector3::zeros(),
+        };
         assert!((area_vector(&in_panel(&square, &panel)).norm() - 1.5).abs() < 1e-12);
     }
 
@@ -257,7 +287,10 @@ mod tests {
     fn a_face_with_nan_is_skipped_and_counted() {
         let data = PolyData {
             points: vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [f32::NAN; 3]],
-            polygons: Polygons { connectivity: vec![0, 1, 2, 0, 1, 3], offsets: vec![3, 6] },
+            polygons: Polygons {
+                connectivity: vec![0, 1, 2, 0, 1, 3],
+                offsets: vec![3, 6],
+            },
             cell_data: vec![Array {
                 name: "BlockId".to_owned(),
                 components: 1,
@@ -266,6 +299,9 @@ mod tests {
             ..PolyData::default()
         };
         let (bodies, skipped) = bodies(&data);
-        assert_eq!((bodies.len(), bodies[0].id, bodies[0].faces.len(), skipped), (1, 7, 1, 1));
+        assert_eq!(
+            (bodies.len(), bodies[0].id, bodies[0].faces.len(), skipped),
+            (1, 7, 1, 1)
+        );
     }
 }

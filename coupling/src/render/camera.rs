@@ -101,9 +101,17 @@ impl Axes {
     pub fn looking(forward: Vector3<f64>) -> Self {
         let forward = forward.normalize();
         // Straight down, z gives no direction to the picture: +y is up then, as on a map.
-        let sky = if forward.z.abs() < 0.9999 { Vector3::z() } else { Vector3::y() };
+        let sky = if forward.z.abs() < 0.9999 {
+            Vector3::z()
+        } else {
+            Vector3::y()
+        };
         let right = forward.cross(&sky).normalize();
-        Self { right, up: right.cross(&forward), forward }
+        Self {
+            right,
+            up: right.cross(&forward),
+            forward,
+        }
     }
 }
 
@@ -114,7 +122,9 @@ impl Camera {
         Self {
             eye: vector(camera.position),
             look_at: vector(camera.look_at),
-            lens: Lens::Perspective { field_of_view_deg: camera.field_of_view_deg },
+            lens: Lens::Perspective {
+                field_of_view_deg: camera.field_of_view_deg,
+            },
             aspect,
         }
     }
@@ -152,11 +162,18 @@ impl Camera {
 
     /// What is written over strips, and where in the picture.
     pub fn strip_labels(&self) -> Vec<(String, (f64, f64))> {
-        let Lens::Strips { width, panels, labels, tall } = &self.lens else {
+        let Lens::Strips {
+            width,
+            panels,
+            labels,
+            tall,
+        } = &self.lens
+        else {
             return Vec::new();
         };
         let up = self.axes().up;
-        let height = |panel: &Panel| (panel.shift.dot(&up) + 0.55 * tall) / (0.5 * width) * self.aspect;
+        let height =
+            |panel: &Panel| (panel.shift.dot(&up) + 0.55 * tall) / (0.5 * width) * self.aspect;
         let places = panels.iter().map(|panel| (0.6, height(panel)));
         labels.iter().cloned().zip(places).collect()
     }
@@ -176,7 +193,9 @@ impl Camera {
         let to_point = point - self.eye;
         let depth = to_point.dot(&axes.forward);
         let half_width = match self.lens {
-            Lens::Perspective { field_of_view_deg } => depth * (0.5 * field_of_view_deg.to_radians()).tan(),
+            Lens::Perspective { field_of_view_deg } => {
+                depth * (0.5 * field_of_view_deg.to_radians()).tan()
+            }
             Lens::Strips { width, .. } => 0.5 * width,
         };
         (0.0 < depth).then(|| {
@@ -228,21 +247,32 @@ fn perspective(points: &[[f32; 3]], azimuth_deg: f64, aspect: f64) -> Camera {
     Camera {
         eye,
         look_at: eye + axes.forward * depth,
-        lens: Lens::Perspective { field_of_view_deg: FIELD_OF_VIEW_DEG },
+        lens: Lens::Perspective {
+            field_of_view_deg: FIELD_OF_VIEW_DEG,
+        },
         aspect,
     }
 }
 
 /// A long scene as strips: as many as make its scale largest.
-fn strips(low: Vector3<f64>, high: Vector3<f64>, long: usize, azimuth_deg: f64, aspect: f64) -> Camera {
+fn strips(
+    low: Vector3<f64>,
+    high: Vector3<f64>,
+    long: usize,
+    azimuth_deg: f64,
+    aspect: f64,
+) -> Camera {
     let axes = Axes::looking(-direction(azimuth_deg, STRIP_ELEVATION_DEG));
     let extent = high - low;
     let depth = extent[1 - long];
     let tall = extent.z * axes.up.z.abs() + depth * axes.forward.z.abs();
     let pitch = tall * (1.0 + STRIP_GAP);
     // Width of a picture that holds n strips: its own width or that for its height.
-    let width_of = |n: usize| (extent[long] / n as f64 / FILL).max(n as f64 * pitch / FILL * aspect);
-    let count = (1..=24).min_by(|&a, &b| width_of(a).total_cmp(&width_of(b))).unwrap_or(1);
+    let width_of =
+        |n: usize| (extent[long] / n as f64 / FILL).max(n as f64 * pitch / FILL * aspect);
+    let count = (1..=24)
+        .min_by(|&a, &b| width_of(a).total_cmp(&width_of(b)))
+        .unwrap_or(1);
     let (length, width) = (extent[long] / count as f64, width_of(count));
 
     // Strips lie behind one another, far enough for no shadow to reach the next one. Parallel
@@ -254,9 +284,18 @@ fn strips(low: Vector3<f64>, high: Vector3<f64>, long: usize, azimuth_deg: f64, 
         let mut shift = apart * i as f64 - axes.up * down;
         shift[long] -= from + 0.5 * length - 0.5 * (low[long] + high[long]);
         // The outermost strips keep what sticks out of the sampled bounds.
-        let to = if i + 1 == count { f64::INFINITY } else { from + length };
+        let to = if i + 1 == count {
+            f64::INFINITY
+        } else {
+            from + length
+        };
         let from = if i == 0 { f64::NEG_INFINITY } else { from };
-        Panel { axis: long, from, to, shift }
+        Panel {
+            axis: long,
+            from,
+            to,
+            shift,
+        }
     });
     let panels = panels.collect();
     let name = if long == 0 { "x" } else { "y" };
@@ -268,7 +307,12 @@ fn strips(low: Vector3<f64>, high: Vector3<f64>, long: usize, azimuth_deg: f64, 
     Camera {
         eye: look_at - axes.forward * (4.0 * width),
         look_at,
-        lens: Lens::Strips { width, panels, labels: (0..count).map(label).collect(), tall },
+        lens: Lens::Strips {
+            width,
+            panels,
+            labels: (0..count).map(label).collect(),
+            tall,
+        },
         aspect,
     }
 }
@@ -299,7 +343,10 @@ mod tests {
                     .filter_map(|p| camera.project(Vector3::from(p.map(f64::from))))
                     .collect();
                 assert_eq!(seen.len(), 8);
-                let reach = seen.iter().map(|(u, v)| u.abs().max(v.abs())).fold(0.0, f64::max);
+                let reach = seen
+                    .iter()
+                    .map(|(u, v)| u.abs().max(v.abs()))
+                    .fold(0.0, f64::max);
                 assert!((reach - FILL).abs() < 1e-9, "{size:?}: {reach}");
             }
         }
@@ -313,7 +360,9 @@ mod tests {
             field_of_view_deg: 90.0,
         };
         let camera = Camera::from_scene(&camera, 2.0);
-        let (u, v) = camera.project(Vector3::new(1.0, 0.0, 0.5)).unwrap_or((0.0, 0.0));
+        let (u, v) = camera
+            .project(Vector3::new(1.0, 0.0, 0.5))
+            .unwrap_or((0.0, 0.0));
         // tan 45° · 5 m is the half width.
         assert!((u - 0.2).abs() < 1e-12 && (v - 0.2).abs() < 1e-12);
         assert_eq!(camera.project(Vector3::new(0.0, -6.0, 0.0)), None);

@@ -9,7 +9,10 @@ use std::fmt::{Display, Write};
 /// Files that every frame includes, by name and text.
 pub const INCLUDES: [(&str, &str); 3] = [
     ("scene.inc", include_str!("../../../render/scene.inc")),
-    ("materials.inc", include_str!("../../../render/materials.inc")),
+    (
+        "materials.inc",
+        include_str!("../../../render/materials.inc"),
+    ),
     ("labels.inc", include_str!("../../../render/labels.inc")),
 ];
 
@@ -59,7 +62,11 @@ pub(crate) fn frame(setting: &Setting<'_>, time: f64, water: &Water, bodies: &[B
             }
             Water::Particles(points, speeds) => {
                 spheres(&mut pov, points, 0.5 * setting.spacing, panel, |i| {
-                    let speed = speeds.as_ref().and_then(|s| s.get(i)).copied().unwrap_or(0.0);
+                    let speed = speeds
+                        .as_ref()
+                        .and_then(|s| s.get(i))
+                        .copied()
+                        .unwrap_or(0.0);
                     let share = (f64::from(speed) / setting.speed_range).clamp(0.0, 1.0);
                     let colour = (share * SPEED_COLOURS as f64) as usize;
                     format!("Riprap_Speed_Textures[{}]", colour.min(SPEED_COLOURS - 1))
@@ -94,7 +101,13 @@ fn number(x: f64) -> f32 {
 
 /// A POV-Ray string: only what its built-in font can draw, and no quote that would end it.
 fn string(text: &str) -> String {
-    let plain = |c: char| if (' '..='~').contains(&c) && c != '"' && c != '\\' { c } else { '?' };
+    let plain = |c: char| {
+        if (' '..='~').contains(&c) && c != '"' && c != '\\' {
+            c
+        } else {
+            '?'
+        }
+    };
     format!("\"{}\"", text.chars().map(plain).collect::<String>())
 }
 
@@ -115,7 +128,10 @@ fn head(pov: &mut Pov, setting: &Setting<'_>, time: f64) {
         Lens::Strips { width, .. } => (0.02 * to_target, 0.5 * width),
     };
     // A comment ends at the line's end: the title must not have one.
-    pov.line(format!("// {}, t = {time} s; written by riprap render", string(setting.title)));
+    pov.line(format!(
+        "// {}, t = {time} s; written by riprap render",
+        string(setting.title)
+    ));
     pov.line("#version 3.7;");
     for (name, value) in [
         ("Time", time),
@@ -144,7 +160,11 @@ fn head(pov: &mut Pov, setting: &Setting<'_>, time: f64) {
         Lens::Perspective { field_of_view_deg } => pov.line(format!(
             "camera {{ location Riprap_Eye sky {} right -x*image_width/image_height \
              angle {} look_at Riprap_Target }}",
-            if axes.forward.z.abs() < 0.9999 { "z" } else { "y" },
+            if axes.forward.z.abs() < 0.9999 {
+                "z"
+            } else {
+                "y"
+            },
             number(field_of_view_deg)
         )),
         Lens::Strips { .. } => pov.line(
@@ -157,7 +177,12 @@ fn head(pov: &mut Pov, setting: &Setting<'_>, time: f64) {
 
 /// Walls, and the outlines of those cut away.
 fn fixed(pov: &mut Pov, setting: &Setting<'_>, panel: &Panel) {
-    let drawn: Vec<_> = setting.stage.drawn.iter().map(|p| in_panel(p, panel)).collect();
+    let drawn: Vec<_> = setting
+        .stage
+        .drawn
+        .iter()
+        .map(|p| in_panel(p, panel))
+        .collect();
     flat_mesh(pov, &drawn, "texture { Riprap_Wall_Texture }");
     let radius = 0.0012 * setting.size;
     for polygon in &setting.stage.cut {
@@ -179,19 +204,31 @@ fn fixed(pov: &mut Pov, setting: &Setting<'_>, panel: &Panel) {
 /// A block in granite that moves with it.
 fn rock(pov: &mut Pov, setting: &Setting<'_>, body: &Body, panel: &Panel) {
     let polygons: Vec<_> = body.polygons().map(|p| in_panel(&p, panel)).collect();
-    let reference = setting.reference.iter().find(|r| r.id == body.id).unwrap_or(body);
+    let reference = setting
+        .reference
+        .iter()
+        .find(|r| r.id == body.id)
+        .unwrap_or(body);
     let (turn, shift) = body
         .motion_from(reference)
         .unwrap_or((Matrix3::identity(), Vector3::zeros()));
     let shift = shift + panel.shift;
-    let extent = reference.corners.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), p| {
-        let along = p.dot(&Vector3::new(0.577, 0.577, 0.577));
-        (low.min(along), high.max(along))
-    });
+    let extent =
+        reference
+            .corners
+            .iter()
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), p| {
+                let along = p.dot(&Vector3::new(0.577, 0.577, 0.577));
+                (low.min(along), high.max(along))
+            });
     let grain = 0.35 * (extent.1 - extent.0).max(1e-6);
     // Blocks of one shape get their own piece of the stone: the golden ratio spreads tints evenly.
     let tint = (f64::from(body.id) * 0.618_034).rem_euclid(1.0);
-    let matrix: Vec<String> = turn.iter().chain(shift.iter()).map(|&x| number(x).to_string()).collect();
+    let matrix: Vec<String> = turn
+        .iter()
+        .chain(shift.iter())
+        .map(|&x| number(x).to_string())
+        .collect();
     // POV-Ray multiplies rows from the left: its rows are our columns, the order of `iter`.
     let texture = format!(
         "texture {{ Riprap_Rock({}, {}) translate {} matrix <{}> }}",
@@ -213,11 +250,16 @@ fn flat_mesh(pov: &mut Pov, polygons: &[Vec<Vector3<f64>>], texture: &str) {
     pov.line(format!("mesh2 {{\n vertex_vectors {{ {n_vertices},"));
     let corners = solid.iter().flat_map(|p| p.iter());
     pov.line(corners.map(|&p| vector(p)).collect::<Vec<_>>().join(",\n"));
-    pov.line(format!(" }}\n face_indices {{ {},", n_vertices - 2 * solid.len()));
+    pov.line(format!(
+        " }}\n face_indices {{ {},",
+        n_vertices - 2 * solid.len()
+    ));
     let mut first = 0;
     let mut fans = Vec::new();
     for polygon in solid {
-        fans.extend((1..polygon.len() - 1).map(|i| format!("<{first}, {}, {}>", first + i, first + i + 1)));
+        fans.extend(
+            (1..polygon.len() - 1).map(|i| format!("<{first}, {}, {}>", first + i, first + i + 1)),
+        );
         first += polygon.len();
     }
     pov.line(fans.join(",\n"));
@@ -241,7 +283,8 @@ fn water_mesh(pov: &mut Pov, surface: &Surface, panel: &Panel) {
         }
     }
     let list = |values: &mut dyn Iterator<Item = String>| values.collect::<Vec<_>>().join(",\n");
-    let place = |i: &usize| vector(Vector3::from(surface.vertices[*i].map(f64::from)) + panel.shift);
+    let place =
+        |i: &usize| vector(Vector3::from(surface.vertices[*i].map(f64::from)) + panel.shift);
     let normal = |i: &usize| {
         let [x, y, z] = surface.normals[*i];
         format!("<{x:.4}, {y:.4}, {z:.4}>")
@@ -272,13 +315,18 @@ fn spheres(
     let radius = number(radius);
     for (i, point) in points.iter().enumerate().filter(|(_, p)| panel.contains(p)) {
         let at = vector(Vector3::from(point.map(f64::from)) + panel.shift);
-        pov.line(format!("sphere {{ {at}, {radius} texture {{ {} }} }}", texture(i)));
+        pov.line(format!(
+            "sphere {{ {at}, {radius} texture {{ {} }} }}",
+            texture(i)
+        ));
     }
 }
 
 /// Time, strips and the range of colours.
 fn labels(pov: &mut Pov, setting: &Setting<'_>, time: f64, water: &Water) {
-    pov.line(format!("Riprap_Label(\"t = {time:.2} s\", -0.95, 0.88, 0.075)"));
+    pov.line(format!(
+        "Riprap_Label(\"t = {time:.2} s\", -0.95, 0.88, 0.075)"
+    ));
     for (words, (x, y)) in setting.camera.strip_labels() {
         pov.line(format!(
             "Riprap_Label({}, {}, {}, 0.05)",
@@ -288,7 +336,10 @@ fn labels(pov: &mut Pov, setting: &Setting<'_>, time: f64, water: &Water) {
         ));
     }
     if let Water::Particles(_, Some(_)) = water {
-        pov.line(format!("Riprap_Speed_Bar(\"0\", \"{} m/s\")", setting.speed_range));
+        pov.line(format!(
+            "Riprap_Speed_Bar(\"0\", \"{} m/s\")",
+            setting.speed_range
+        ));
     }
 }
 

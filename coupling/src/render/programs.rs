@@ -58,7 +58,11 @@ pub(crate) fn picture(
 ) -> Result<PathBuf, RenderError> {
     let part = format!("{name}.part.png");
     let arguments = povray_arguments(&format!("{name}.pov"), &part, size);
-    call(povray, &arguments.iter().map(OsString::from).collect::<Vec<_>>(), frames)?;
+    call(
+        povray,
+        &arguments.iter().map(OsString::from).collect::<Vec<_>>(),
+        frames,
+    )?;
     let png = frames.join(format!("{name}.png"));
     rename(&frames.join(part), &png)?;
     Ok(png)
@@ -74,29 +78,65 @@ pub(crate) fn film(
     interval: f64,
 ) -> Result<Film, RenderError> {
     let real_time = 1.0 / interval;
-    let frames_per_second = if (8.0..=60.0).contains(&real_time) { real_time } else { 25.0 };
+    let frames_per_second = if (8.0..=60.0).contains(&real_time) {
+        real_time
+    } else {
+        25.0
+    };
     let list: String = names
         .iter()
-        .map(|name| format!("file '{name}.png'\nduration {:.6}\n", 1.0 / frames_per_second))
+        .map(|name| {
+            format!(
+                "file '{name}.png'\nduration {:.6}\n",
+                1.0 / frames_per_second
+            )
+        })
         .collect();
     let list_path = frames.join("film.txt");
-    fs::write(&list_path, list).map_err(|source| RenderError::Write { path: list_path, source })?;
+    fs::write(&list_path, list).map_err(|source| RenderError::Write {
+        path: list_path,
+        source,
+    })?;
     let rate = format!("{frames_per_second:.4}");
     let part = "film.part.mp4";
     // Players refuse odd sizes and colours finer than 4:2:0.
     let arguments = [
-        "-y", "-loglevel", "error", "-f", "concat", "-i", "film.txt",
-        "-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2", "-r", &rate,
-        "-c:v", "libx264", "-crf", "18", "-pix_fmt", "yuv420p", "-movflags", "+faststart", part,
+        "-y",
+        "-loglevel",
+        "error",
+        "-f",
+        "concat",
+        "-i",
+        "film.txt",
+        "-vf",
+        "pad=ceil(iw/2)*2:ceil(ih/2)*2",
+        "-r",
+        &rate,
+        "-c:v",
+        "libx264",
+        "-crf",
+        "18",
+        "-pix_fmt",
+        "yuv420p",
+        "-movflags",
+        "+faststart",
+        part,
     ];
     call(ffmpeg, &arguments.map(OsString::from), frames)?;
     let path = frames.join("film.mp4");
     rename(&frames.join(part), &path)?;
-    Ok(Film { path, frames_per_second, speed: frames_per_second * interval })
+    Ok(Film {
+        path,
+        frames_per_second,
+        speed: frames_per_second * interval,
+    })
 }
 
 fn rename(from: &Path, to: &Path) -> Result<(), RenderError> {
-    fs::rename(from, to).map_err(|source| RenderError::Write { path: to.to_owned(), source })
+    fs::rename(from, to).map_err(|source| RenderError::Write {
+        path: to.to_owned(),
+        source,
+    })
 }
 
 /// Runs a program in `folder`; what it says is kept for the error.
@@ -120,8 +160,16 @@ fn call(program: &Path, arguments: &[OsString], folder: &Path) -> Result<(), Ren
         return Ok(());
     }
     let said = String::from_utf8_lossy(&output.stderr).into_owned();
-    let lines: Vec<&str> = said.lines().filter(|line| !line.trim().is_empty()).collect();
+    let lines: Vec<&str> = said
+        .lines()
+        .filter(|line| !line.trim().is_empty())
+        .collect();
     // What precedes the last few lines is a list of settings.
     let last = &lines[lines.len().saturating_sub(5)..];
-    Err(failed(last.iter().map(|line| line.trim()).collect::<Vec<_>>().join("; ")))
+    Err(failed(
+        last.iter()
+            .map(|line| line.trim())
+            .collect::<Vec<_>>()
+            .join("; "),
+    ))
 }

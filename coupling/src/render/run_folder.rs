@@ -50,7 +50,9 @@ pub(crate) fn open(folder: &Path) -> Result<RunFolder, RenderError> {
     let water = collection(&folder.join("water.pvd"))?;
     let blocks = collection(&folder.join("blocks.pvd"))?;
     if water.is_empty() && blocks.is_empty() {
-        return Err(RenderError::NoFrames { folder: folder.to_owned() });
+        return Err(RenderError::NoFrames {
+            folder: folder.to_owned(),
+        });
     }
     let fixed_path = folder.join("fixed_blocks.vtp");
     let (fixed, skipped_faces) = if fixed_path.exists() {
@@ -59,13 +61,24 @@ pub(crate) fn open(folder: &Path) -> Result<RunFolder, RenderError> {
         (Vec::new(), 0)
     };
     let spacing = spacing(&folder.join("summary.json"), &scene)?;
-    Ok(RunFolder { scene, water, blocks, fixed, spacing, skipped_faces })
+    Ok(RunFolder {
+        scene,
+        water,
+        blocks,
+        fixed,
+        spacing,
+        skipped_faces,
+    })
 }
 
 impl RunFolder {
     /// The files that give frames their numbers: the water, or without it the blocks.
     pub fn frames(&self) -> &[Timed] {
-        if self.water.is_empty() { &self.blocks } else { &self.water }
+        if self.water.is_empty() {
+            &self.blocks
+        } else {
+            &self.water
+        }
     }
 
     /// The particles of a frame.
@@ -79,7 +92,11 @@ impl RunFolder {
     /// The moving blocks at the time nearest to `time`, and the faces left out.
     pub fn blocks_at(&self, time: f64) -> Result<(Vec<Body>, usize), RenderError> {
         let distance = |file: &&Timed| (file.time - time).abs();
-        match self.blocks.iter().min_by(|a, b| distance(a).total_cmp(&distance(b))) {
+        match self
+            .blocks
+            .iter()
+            .min_by(|a, b| distance(a).total_cmp(&distance(b)))
+        {
             Some(file) => Ok(bodies(&read(&file.path)?)),
             None => Ok((Vec::new(), 0)),
         }
@@ -87,7 +104,10 @@ impl RunFolder {
 }
 
 fn read_text(path: &Path) -> Result<String, RenderError> {
-    fs::read_to_string(path).map_err(|source| RenderError::Read { path: path.to_owned(), source })
+    fs::read_to_string(path).map_err(|source| RenderError::Read {
+        path: path.to_owned(),
+        source,
+    })
 }
 
 fn read(path: &Path) -> Result<PolyData, RenderError> {
@@ -98,11 +118,14 @@ fn read(path: &Path) -> Result<PolyData, RenderError> {
 }
 
 fn scene(path: &Path) -> Result<SceneFile, RenderError> {
-    let options = ron::Options::default().with_default_extension(ron::extensions::Extensions::IMPLICIT_SOME);
-    options.from_str(&read_text(path)?).map_err(|error| RenderError::BadFile {
-        path: path.to_owned(),
-        reason: error.to_string(),
-    })
+    let options =
+        ron::Options::default().with_default_extension(ron::extensions::Extensions::IMPLICIT_SOME);
+    options
+        .from_str(&read_text(path)?)
+        .map_err(|error| RenderError::BadFile {
+            path: path.to_owned(),
+            reason: error.to_string(),
+        })
 }
 
 /// Distance of particles: of the summary, which a running job does not have yet, or of the scene.
@@ -113,7 +136,9 @@ fn spacing(summary: &Path, scene: &SceneFile) -> Result<Option<f64>, RenderError
                 path: summary.to_owned(),
                 reason: error.to_string(),
             })?;
-        value.get("particle_spacing").and_then(serde_json::Value::as_f64)
+        value
+            .get("particle_spacing")
+            .and_then(serde_json::Value::as_f64)
     } else {
         None
     };
@@ -122,28 +147,42 @@ fn spacing(summary: &Path, scene: &SceneFile) -> Result<Option<f64>, RenderError
         ResolutionFile::Count(_) => None,
     };
     let is_usable = |s: &f64| s.is_finite() && 0.0 < *s;
-    Ok(of_summary.filter(is_usable).or_else(of_scene).filter(is_usable))
+    Ok(of_summary
+        .filter(is_usable)
+        .or_else(of_scene)
+        .filter(is_usable))
 }
 
 fn cloud(data: &PolyData) -> Cloud {
-    let velocity = data.point_data.iter().find(|a| a.name == "Velocity" && a.components == 3);
+    let velocity = data
+        .point_data
+        .iter()
+        .find(|a| a.name == "Velocity" && a.components == 3);
     let speed = |values: &Values, i: usize| -> Option<f32> {
         let norm = |v: [f64; 3]| v.iter().map(|x| x * x).sum::<f64>().sqrt() as f32;
         let at = 3 * i..3 * i + 3;
         match values {
-            Values::F32(v) => <[f32; 3]>::try_from(v.get(at)?).ok().map(|v| norm(v.map(f64::from))),
+            Values::F32(v) => <[f32; 3]>::try_from(v.get(at)?)
+                .ok()
+                .map(|v| norm(v.map(f64::from))),
             Values::F64(v) => <[f64; 3]>::try_from(v.get(at)?).ok().map(norm),
             Values::I32(_) => None,
         }
     };
-    let is_finite: Vec<bool> = data.points.iter().map(|p| p.iter().all(|x| x.is_finite())).collect();
+    let is_finite: Vec<bool> = data
+        .points
+        .iter()
+        .map(|p| p.iter().all(|x| x.is_finite()))
+        .collect();
     let kept = || (0..data.points.len()).filter(|&i| is_finite[i]);
     Cloud {
         points: kept().map(|i| data.points[i]).collect(),
         // A speed that is not finite is drawn as still water; its particle has a place all the same.
         speeds: velocity.map(|a| {
             let finite = |s: &f32| s.is_finite();
-            kept().map(|i| speed(&a.values, i).filter(finite).unwrap_or(0.0)).collect()
+            kept()
+                .map(|i| speed(&a.values, i).filter(finite).unwrap_or(0.0))
+                .collect()
         }),
         skipped: is_finite.iter().filter(|&&f| !f).count(),
     }
@@ -171,7 +210,10 @@ fn collection(path: &Path) -> Result<Vec<Timed>, RenderError> {
             let (Some(time), Some(file)) = (time.filter(|t| t.is_finite()), file) else {
                 return Err(bad(element));
             };
-            Ok(Timed { time, path: folder.join(file) })
+            Ok(Timed {
+                time,
+                path: folder.join(file),
+            })
         })
         .collect()
 }

@@ -54,7 +54,8 @@ pub fn strays(points: &[[f32; 3]], spacing: f32) -> Vec<bool> {
     let mut sorted: Vec<([i64; 3], usize)> = points.iter().map(cell).zip(0..).collect();
     sorted.sort_unstable();
 
-    let first_at_or_after = |key: [i64; 3]| sorted.partition_point(|(c, _)| c.cmp(&key) == Ordering::Less);
+    let first_at_or_after =
+        |key: [i64; 3]| sorted.partition_point(|(c, _)| c.cmp(&key) == Ordering::Less);
     points
         .iter()
         .map(|p| {
@@ -133,7 +134,13 @@ pub fn surface(points: &[[f32; 3]], spacing: f32) -> Result<Surface, String> {
         normals: normals
             .iter()
             .map(|n| [n.x, n.y, n.z])
-            .map(|n| if n.iter().all(|x| x.is_finite()) { n } else { [0.0, 0.0, 1.0] })
+            .map(|n| {
+                if n.iter().all(|x| x.is_finite()) {
+                    n
+                } else {
+                    [0.0, 0.0, 1.0]
+                }
+            })
             .collect(),
         triangles: mesh.triangles.iter().map(|t| t.map(|i| i as u32)).collect(),
     })

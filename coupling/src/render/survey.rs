@@ -34,7 +34,16 @@ pub(crate) struct Survey {
 impl Survey {
     /// For the writer of frames.
     pub fn setting<'a>(&'a self, title: &'a str) -> Setting<'a> {
-        let Self { camera, stage, reference, size, ground, spacing, speed_range, .. } = self;
+        let Self {
+            camera,
+            stage,
+            reference,
+            size,
+            ground,
+            spacing,
+            speed_range,
+            ..
+        } = self;
         Setting {
             title,
             camera,
@@ -74,10 +83,11 @@ pub(crate) fn survey(
     let reference = run.blocks_at(f64::NEG_INFINITY)?.0;
     let aspect = f64::from(options.size.0) / f64::from(options.size.1);
     let rays: Vec<[f32; 3]> = evenly(&samples, RAYS).into_iter().copied().collect();
-    let (camera, stage) = eye(run, folder, &samples, &rays, aspect)?.ok_or(RenderError::NothingToSee {
-        frames: looked_at.len(),
-        folder: folder.to_owned(),
-    })?;
+    let (camera, stage) =
+        eye(run, folder, &samples, &rays, aspect)?.ok_or(RenderError::NothingToSee {
+            frames: looked_at.len(),
+            folder: folder.to_owned(),
+        })?;
 
     let (low, high) = bounds(&samples).unwrap_or((camera.look_at, camera.look_at));
     // Along strips only the length of one counts: colours and lines are the picture's business.
@@ -85,7 +95,11 @@ pub(crate) fn survey(
         Lens::Perspective { .. } => (high - low).norm(),
         Lens::Strips { width, .. } => *width,
     };
-    let size = if 0.0 < size { size } else { (camera.look_at - camera.eye).norm() };
+    let size = if 0.0 < size {
+        size
+    } else {
+        (camera.look_at - camera.eye).norm()
+    };
     let spacing = spacing.unwrap_or(0.01 * size);
     let drawn = stage.drawn.iter().flatten().map(|p| p.z);
     let ground = drawn.fold(low.z - 0.5 * spacing, f64::min);
@@ -99,7 +113,16 @@ pub(crate) fn survey(
         place(camera.eye),
         stage.cut.len(),
     );
-    Ok(Survey { camera, stage, reference, size, ground, spacing, speed_range, description })
+    Ok(Survey {
+        camera,
+        stage,
+        reference,
+        size,
+        ground,
+        spacing,
+        speed_range,
+        description,
+    })
 }
 
 /// The scene's own eye, or of the fitted ones that which walls hide least from.
@@ -116,7 +139,9 @@ fn eye(
             let angle = file.field_of_view_deg;
             let apart = (camera.look_at - camera.eye).norm();
             if !(apart.is_finite() && 0.0 < apart && 0.0 < angle && angle < 180.0) {
-                return Err(RenderError::BadCamera { path: folder.join("case.ron") });
+                return Err(RenderError::BadCamera {
+                    path: folder.join("case.ron"),
+                });
             }
             vec![camera]
         }
@@ -134,17 +159,27 @@ fn evenly<T>(items: &[T], n: usize) -> Vec<&T> {
     if items.len() <= n {
         return items.iter().collect();
     }
-    (0..n).filter_map(|i| items.get(i * (items.len() - 1) / (n - 1))).collect()
+    (0..n)
+        .filter_map(|i| items.get(i * (items.len() - 1) / (n - 1)))
+        .collect()
 }
 
 /// Distance of particles from the cloud itself: the median distance to the nearest neighbor of a
 /// few; m.
 fn guessed_spacing(points: &[[f32; 3]]) -> Option<f64> {
     let nearest = |p: &[f32; 3]| {
-        let squares = points.iter().map(|q| (0..3).map(|k| f64::from(p[k] - q[k]).powi(2)).sum::<f64>());
-        squares.filter(|&d| 0.0 < d).min_by(f64::total_cmp).map(f64::sqrt)
+        let squares = points
+            .iter()
+            .map(|q| (0..3).map(|k| f64::from(p[k] - q[k]).powi(2)).sum::<f64>());
+        squares
+            .filter(|&d| 0.0 < d)
+            .min_by(f64::total_cmp)
+            .map(f64::sqrt)
     };
-    let mut distances: Vec<f64> = evenly(points, 101).into_iter().filter_map(nearest).collect();
+    let mut distances: Vec<f64> = evenly(points, 101)
+        .into_iter()
+        .filter_map(nearest)
+        .collect();
     distances.sort_by(f64::total_cmp);
     distances.get(distances.len() / 2).copied()
 }
@@ -153,7 +188,10 @@ fn guessed_spacing(points: &[[f32; 3]]) -> Option<f64> {
 fn upper_end(speeds: &mut [f32]) -> f64 {
     speeds.sort_by(f32::total_cmp);
     let at = ((1.0 - FASTEST) * speeds.len() as f64) as usize;
-    let fast = speeds.get(at.min(speeds.len().saturating_sub(1))).copied().unwrap_or(0.0);
+    let fast = speeds
+        .get(at.min(speeds.len().saturating_sub(1)))
+        .copied()
+        .unwrap_or(0.0);
     if fast <= 0.0 {
         return 1.0;
     }
@@ -161,7 +199,11 @@ fn upper_end(speeds: &mut [f32]) -> f64 {
     let steps = [1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0];
     // Rounded once more: 3 · 0.1 is not 0.3 and would be printed.
     let round = |x: f64| (x * 1e6).round() / 1e6;
-    steps.map(|s| round(s * decade)).into_iter().find(|&x| f64::from(fast) <= x).unwrap_or(round(10.0 * decade))
+    steps
+        .map(|s| round(s * decade))
+        .into_iter()
+        .find(|&x| f64::from(fast) <= x)
+        .unwrap_or(round(10.0 * decade))
 }
 
 fn place(v: Vector3<f64>) -> String {

@@ -124,7 +124,12 @@ impl std::fmt::Display for SceneError {
                 Severity::Error => "error",
                 Severity::Warning => "warning",
             };
-            let Located { line, column, message, .. } = problem;
+            let Located {
+                line,
+                column,
+                message,
+                ..
+            } = problem;
             let end = if index == 0 { "" } else { "\n" };
             write!(f, "{end}{}:{line}:{column}: {kind}: {message}", self.file)?;
         }

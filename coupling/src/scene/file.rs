@@ -375,6 +375,7 @@ pub struct InterfaceFile {
 /// Schemes and their numbers.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
+#[derive(Default)]
 pub struct NumericsFile {
     /// The fluid scheme whose numbers hold where none is given.
     #[serde(default)]
@@ -399,19 +400,6 @@ pub struct NumericsFile {
     pub block_time_step_factor: Option<f64>,
 }
 
-impl Default for NumericsFile {
-    fn default() -> Self {
-        Self {
-            preset: Preset::default(),
-            smoothing_length_ratio: None,
-            sound_speed: None,
-            expected_speed: None,
-            time_step_factor: None,
-            negative_pressure: None,
-            block_time_step_factor: None,
-        }
-    }
-}
 
 /// A fluid scheme with its numbers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]

@@ -82,14 +82,19 @@ fn with_count(
         if best.as_ref().is_none_or(|best| miss(&found) < miss(best)) {
             best = Some(found);
         }
-        if best.as_ref().is_some_and(|best| miss(best) < 0.1 * COUNT_TOLERANCE) {
+        if best
+            .as_ref()
+            .is_some_and(|best| miss(best) < 0.1 * COUNT_TOLERANCE)
+        {
             break;
         }
         let damping = if attempt < 20 { 0.4 } else { 0.2 };
         spacing *= share.powf(damping);
     }
     match best {
-        Some(lattice) if (lattice.positions.len() as f64 / wanted - 1.0).abs() <= COUNT_TOLERANCE => {
+        Some(lattice)
+            if (lattice.positions.len() as f64 / wanted - 1.0).abs() <= COUNT_TOLERANCE =>
+        {
             Ok(lattice)
         }
         best => Err(vec![Problem::error(
@@ -154,7 +159,11 @@ fn at_spacing(
         ));
     }
     lattice.depth = lattice.still_water_level - lowest;
-    if problems.is_empty() { Ok(lattice) } else { Err(problems) }
+    if problems.is_empty() {
+        Ok(lattice)
+    } else {
+        Err(problems)
+    }
 }
 
 /// Cell centres of a box, which must be clear of blocks.
@@ -329,7 +338,11 @@ impl Basin {
                 let Some(next) = self.step(node, axis, forward) else {
                     let x = self.position(node);
                     let mut outside = x;
-                    outside[axis] += if forward { self.spacing[axis] } else { -self.spacing[axis] };
+                    outside[axis] += if forward {
+                        self.spacing[axis]
+                    } else {
+                        -self.spacing[axis]
+                    };
                     // upward there is air, not an edge; a wall may stand at the edge itself
                     if (axis == 2 && forward) || !is_free(&outside) {
                         continue;
@@ -406,7 +419,10 @@ pub fn overlaps(solids: &[(String, Shape)], motions: &[Motion]) -> Vec<Problem> 
             if depth > 1e-2 * size {
                 problems.push(Problem::error(path, message + "; move them apart"));
             } else if depth > 1e-6 * size {
-                problems.push(Problem::warning(path, message + ": they will push each other apart"));
+                problems.push(Problem::warning(
+                    path,
+                    message + ": they will push each other apart",
+                ));
             }
         }
     }
@@ -427,7 +443,10 @@ fn depth_of(body: &Shape, other: &Shape) -> f64 {
 }
 
 #[cfg(test)]
-#[expect(clippy::unwrap_used, reason = "a test may stop where a library may not")]
+#[expect(
+    clippy::unwrap_used,
+    reason = "a test may stop where a library may not"
+)]
 mod tests {
     use super::*;
     use crate::scene::file::{Leaving, RegionFile};
@@ -488,7 +507,10 @@ mod tests {
     fn an_open_basin_names_its_leak() {
         let fluid = fluid(below(1.0), ResolutionFile::Spacing(0.1));
         let problems = lattice(&fluid, &domain(vec![]), &trough()).unwrap_err();
-        assert!(problems[0].message.contains("leaks out of the domain at ("), "{problems:?}");
+        assert!(
+            problems[0].message.contains("leaks out of the domain at ("),
+            "{problems:?}"
+        );
     }
 
     #[test]
@@ -526,7 +548,8 @@ mod tests {
     #[test]
     fn no_particle_is_nearer_to_a_slope_than_half_a_spacing() {
         let mut solids = trough();
-        let beach = Polyhedron::extrusion(&[[1.0, 0.0], [3.5, 1.5], [3.5, 0.0]], 1, -1.0, 1.4).unwrap();
+        let beach =
+            Polyhedron::extrusion(&[[1.0, 0.0], [3.5, 1.5], [3.5, 0.0]], 1, -1.0, 1.4).unwrap();
         solids.push(("beach".into(), Shape::Polyhedra(beach)));
         let fluid = fluid(below(1.0), ResolutionFile::Spacing(0.04));
         let lattice = lattice(&fluid, &domain(vec![Axis::Y]), &solids).unwrap();
@@ -540,6 +563,9 @@ mod tests {
         // 1.94 m of wetted slope
         let exact = (3.0 - 0.5 * (1.0 / 0.6) - (2.5 - 1.0 / 0.6)) * 0.4;
         let volume = lattice.positions.len() as f64 * lattice.particle_volume();
-        assert!(volume <= exact && exact - volume < 1.94 * 0.04 * 0.4, "{volume} of {exact}");
+        assert!(
+            volume <= exact && exact - volume < 1.94 * 0.04 * 0.4,
+            "{volume} of {exact}"
+        );
     }
 }

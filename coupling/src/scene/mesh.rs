@@ -39,7 +39,9 @@ pub struct MeshError {
 #[derive(Debug, thiserror::Error)]
 pub enum Fault {
     /// The path is absolute or has `..`.
-    #[error("leads out of the scene's folder; put the file beside the scene and name it from there")]
+    #[error(
+        "leads out of the scene's folder; put the file beside the scene and name it from there"
+    )]
     LeavesFolder,
     /// The system refuses it.
     #[error("cannot be read: {0}")]

@@ -44,7 +44,10 @@ pub fn motion(file: &MotionFile, path: &str, folder: &Path) -> Result<Motion, Pr
                 })
                 .and_then(|text| record(&text).map_err(|found| format!("`{file}` {found}")))
                 .map_err(|message| Problem::error(format!("{path}.file"), message))?;
-            Ok(Motion::Prescribed(PrescribedMotion::Table { time, displacement }))
+            Ok(Motion::Prescribed(PrescribedMotion::Table {
+                time,
+                displacement,
+            }))
         }
     }
 }
@@ -58,12 +61,17 @@ fn record(text: &str) -> Result<(Vec<f64>, Vec<Vec3>), String> {
         if line.is_empty() {
             continue;
         }
-        let numbers: Result<Vec<f64>, _> = line.split(',').map(|field| field.trim().parse()).collect();
+        let numbers: Result<Vec<f64>, _> =
+            line.split(',').map(|field| field.trim().parse()).collect();
         let number = index + 1;
         match numbers {
             // a heading has no number in it; a first row with one wrong letter has three
             Err(_) if heading_allowed && !has_number(line) => {}
-            Err(_) => return Err(format!("line {number}: found `{line}`, needed four numbers t, x, y, z")),
+            Err(_) => {
+                return Err(format!(
+                    "line {number}: found `{line}`, needed four numbers t, x, y, z"
+                ));
+            }
             Ok(row) => {
                 let [t, x, y, z] = row[..] else {
                     return Err(format!(
@@ -72,7 +80,9 @@ fn record(text: &str) -> Result<(Vec<f64>, Vec<Vec3>), String> {
                     ));
                 };
                 if !row.iter().all(|value| value.is_finite()) {
-                    return Err(format!("line {number}: numbers must be finite, found `{line}`"));
+                    return Err(format!(
+                        "line {number}: numbers must be finite, found `{line}`"
+                    ));
                 }
                 if times.last().is_some_and(|&last| t <= last) {
                     return Err(format!("line {number}: time must increase, found {t} s"));
@@ -95,7 +105,10 @@ fn has_number(line: &str) -> bool {
 }
 
 #[cfg(test)]
-#[expect(clippy::unwrap_used, reason = "a test may stop where a library may not")]
+#[expect(
+    clippy::unwrap_used,
+    reason = "a test may stop where a library may not"
+)]
 mod tests {
     use super::*;
 

@@ -25,11 +25,15 @@ impl std::str::FromStr for Override {
 
     fn from_str(text: &str) -> Result<Self, String> {
         match text.split_once('=') {
-            Some((path, value)) if !path.trim().is_empty() && !value.trim().is_empty() => Ok(Self {
-                path: path.trim().to_owned(),
-                value: value.trim().to_owned(),
-            }),
-            _ => Err(format!("`{text}` is not PATH=VALUE, such as time.duration=2")),
+            Some((path, value)) if !path.trim().is_empty() && !value.trim().is_empty() => {
+                Ok(Self {
+                    path: path.trim().to_owned(),
+                    value: value.trim().to_owned(),
+                })
+            }
+            _ => Err(format!(
+                "`{text}` is not PATH=VALUE, such as time.duration=2"
+            )),
         }
     }
 }
@@ -74,9 +78,7 @@ pub fn read(text: &str) -> Result<SceneFile, TextError> {
             });
         }
         // a literal such as 1e999 reads as infinity too
-        if matches!(node.kind, NodeKind::Word)
-            && word.parse::<f64>().is_ok_and(f64::is_infinite)
-        {
+        if matches!(node.kind, NodeKind::Word) && word.parse::<f64>().is_ok_and(f64::is_infinite) {
             return Err(TextError {
                 message: format!("`{path}` is {word}, more than a number can hold"),
                 span: node.span.clone(),
@@ -122,7 +124,10 @@ fn with_field(text: &str, change: &Override) -> Result<String, Problem> {
         // a whole struct is left to its default: it is written with this one field
         Err((Some(parent), reached)) if reached + 2 == path.steps().len() => {
             let mut names = change.path.rsplit('.');
-            let (field, group) = (names.next().unwrap_or_default(), names.next().unwrap_or_default());
+            let (field, group) = (
+                names.next().unwrap_or_default(),
+                names.next().unwrap_or_default(),
+            );
             match &parent.kind {
                 NodeKind::Record { inside, .. } => {
                     let mut changed = text.to_owned();
@@ -132,7 +137,9 @@ fn with_field(text: &str, change: &Override) -> Result<String, Problem> {
                 _ => Err(refuse("there is no such element".to_owned())),
             }
         }
-        Err(_) => Err(refuse("no such field; see cases/README.md for all paths".to_owned())),
+        Err(_) => Err(refuse(
+            "no such field; see cases/README.md for all paths".to_owned(),
+        )),
     }
 }
 
@@ -140,22 +147,34 @@ fn with_field(text: &str, change: &Override) -> Result<String, Problem> {
 fn explain(error: &ron::Error) -> String {
     match error {
         ron::Error::NoSuchStructField {
-            expected, found, outer, ..
+            expected,
+            found,
+            outer,
+            ..
         } => format!(
             "unknown field `{found}`{}{}",
-            outer.as_ref().map_or(String::new(), |outer| format!(" in {outer}")),
+            outer
+                .as_ref()
+                .map_or(String::new(), |outer| format!(" in {outer}")),
             suggestion(found, expected)
         ),
         ron::Error::NoSuchEnumVariant {
-            expected, found, outer, ..
+            expected,
+            found,
+            outer,
+            ..
         } => format!(
             "unknown variant `{found}`{}{}",
-            outer.as_ref().map_or(String::new(), |outer| format!(" of {outer}")),
+            outer
+                .as_ref()
+                .map_or(String::new(), |outer| format!(" of {outer}")),
             suggestion(found, expected)
         ),
         ron::Error::MissingStructField { field, outer } => format!(
             "missing field `{field}`{}",
-            outer.as_ref().map_or(String::new(), |outer| format!(" in {outer}"))
+            outer
+                .as_ref()
+                .map_or(String::new(), |outer| format!(" in {outer}"))
         ),
         other => {
             let message = other.to_string();

@@ -94,8 +94,14 @@ impl Scene {
         let speed = expected_speed(&file, &solids, &motions, lattice.as_ref());
         file.numerics.expected_speed.get_or_insert(speed);
         resolve_output(&mut file.output, file.time.duration);
-        file.camera
-            .get_or_insert_with(|| fitted_camera(&file.domain.min, &file.domain.max, lattice.as_ref(), &solids));
+        file.camera.get_or_insert_with(|| {
+            fitted_camera(
+                &file.domain.min,
+                &file.domain.max,
+                lattice.as_ref(),
+                &solids,
+            )
+        });
         resolve_stiffness(&mut file, &solids, &motions, speed);
         let fluid = lattice.map(|lattice| resolve_fluid(&mut file, lattice, speed, &mut problems));
         let block_factor = *file
@@ -140,7 +146,11 @@ pub fn vec3((x, y, z): Triple) -> Vec3 {
     Vec3::new(x, y, z)
 }
 
-fn named_solids(file: &SceneFile, folder: &Path, problems: &mut Vec<Problem>) -> Vec<(String, Shape)> {
+fn named_solids(
+    file: &SceneFile,
+    folder: &Path,
+    problems: &mut Vec<Problem>,
+) -> Vec<(String, Shape)> {
     let mut solids = Vec::new();
     for (index, block) in file.blocks.iter().enumerate() {
         match solid(block, index, folder) {
@@ -253,7 +263,9 @@ fn resolve_fluid(
     let (density, viscosity) = file
         .fluid
         .as_ref()
-        .map_or((1000.0, 0.0), |fluid: &FluidFile| (fluid.density, fluid.dynamic_viscosity));
+        .map_or((1000.0, 0.0), |fluid: &FluidFile| {
+            (fluid.density, fluid.dynamic_viscosity)
+        });
     let numerics = &mut file.numerics;
     let ratio = *numerics
         .smoothing_length_ratio
@@ -266,7 +278,11 @@ fn resolve_fluid(
         .get_or_insert(NegativePressure::Clamped);
     let least = expected_speed.max((gravity.norm() * lattice.depth).sqrt());
     // water without gravity or motion has no speed of its own: any positive number will do
-    let fallback = if least > 0.0 { SOUND_SPEED_RATIO * least } else { 1.0 };
+    let fallback = if least > 0.0 {
+        SOUND_SPEED_RATIO * least
+    } else {
+        1.0
+    };
     let sound_speed = *numerics.sound_speed.get_or_insert(fallback);
     if sound_speed < 0.999 * SOUND_SPEED_RATIO * least {
         problems.push(Problem::warning(
@@ -350,9 +366,9 @@ fn fitted_camera(
             .iter()
             .fold((*first, *first), |(low, high), x| (low.inf(x), high.sup(x)));
     } else if let Some((_, shape)) = solids.first() {
-        (low, high) = solids
-            .iter()
-            .fold(shape.aabb(), |(low, high), (_, s)| (low.inf(&s.aabb().0), high.sup(&s.aabb().1)));
+        (low, high) = solids.iter().fold(shape.aabb(), |(low, high), (_, s)| {
+            (low.inf(&s.aabb().0), high.sup(&s.aabb().1))
+        });
     }
     let center = 0.5 * (low + high);
     let size = (high - low).norm().max(1e-3);
@@ -363,4 +379,3 @@ fn fitted_camera(
         field_of_view_deg: 40.0,
     }
 }
-

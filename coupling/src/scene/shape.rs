@@ -97,7 +97,10 @@ fn blamed(shape: &ShapeFile, error: &ShapeError) -> &'static str {
                 | PolyhedronError::UnusedVertex { .. },
             ),
         ) => ".vertices",
-        (ShapeFile::Polyhedron { .. }, ShapeError::Polyhedron(PolyhedronError::NoVolume { .. })) => "",
+        (
+            ShapeFile::Polyhedron { .. },
+            ShapeError::Polyhedron(PolyhedronError::NoVolume { .. }),
+        ) => "",
         (ShapeFile::Polyhedron { .. }, _) => ".faces",
         (ShapeFile::Extrusion { from, to, .. }, _) if from == to => ".to",
         (ShapeFile::Extrusion { .. }, _) => ".polygon",

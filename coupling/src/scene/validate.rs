@@ -2,8 +2,8 @@
 
 use super::error::Problem;
 use super::file::{
-    Axis, BlockFile, FluidFile, GaugeFile, MaterialFile, MotionFile, RegionShapeFile, ResolutionFile,
-    SceneFile, ShapeFile, Triple,
+    Axis, BlockFile, FluidFile, GaugeFile, MaterialFile, MotionFile, RegionShapeFile,
+    ResolutionFile, SceneFile, ShapeFile, Triple,
 };
 use super::parse::suggestion;
 
@@ -28,7 +28,10 @@ pub fn values(scene: &SceneFile) -> Vec<Problem> {
         check.fluid(fluid, scene);
     }
     if scene.blocks.is_empty() && scene.fluid.is_none() {
-        check.refuse("", "the scene has neither blocks nor fluid; add one of them".to_owned());
+        check.refuse(
+            "",
+            "the scene has neither blocks nor fluid; add one of them".to_owned(),
+        );
     }
     check.numbers(scene);
     for (index, gauge) in scene.gauges.iter().enumerate() {
@@ -37,7 +40,10 @@ pub fn values(scene: &SceneFile) -> Vec<Problem> {
     check.unique("gauges", scene.gauges.iter().map(gauge_name));
     if let Some(camera) = &scene.camera {
         if camera.position == camera.look_at {
-            check.refuse("camera.look_at", "camera looks at itself; move position or look_at".to_owned());
+            check.refuse(
+                "camera.look_at",
+                "camera looks at itself; move position or look_at".to_owned(),
+            );
         }
         let angle = camera.field_of_view_deg;
         if !(0.0 < angle && angle < 170.0) {
@@ -104,7 +110,10 @@ impl Checks {
         if let Some(value) = value
             && !(0.0 < value && value <= 1.0)
         {
-            self.refuse(path, format!("{what} must be above 0 and at most 1, found {value}"));
+            self.refuse(
+                path,
+                format!("{what} must be above 0 and at most 1, found {value}"),
+            );
         }
     }
 
@@ -116,10 +125,16 @@ impl Checks {
                 self.refuse(&path, "the name is empty".to_owned());
             }
             if name.contains([',', '"', '\n', '\r']) {
-                self.refuse(&path, format!("the name `{name}` has a comma, quote or line break"));
+                self.refuse(
+                    &path,
+                    format!("the name `{name}` has a comma, quote or line break"),
+                );
             }
             if seen.contains(&name) {
-                self.refuse(&path, format!("the name `{name}` is taken; names in {list} must differ"));
+                self.refuse(
+                    &path,
+                    format!("the name `{name}` is taken; names in {list} must differ"),
+                );
             }
             seen.push(name);
         }
@@ -130,12 +145,18 @@ impl Checks {
         if !is_ordered(domain.min, domain.max) {
             self.refuse(
                 "domain.max",
-                format!("domain: max {:?} must exceed min {:?} in every direction", domain.max, domain.min),
+                format!(
+                    "domain: max {:?} must exceed min {:?} in every direction",
+                    domain.max, domain.min
+                ),
             );
         }
         let longest = (domain.max.0 - domain.min.0).max(domain.max.1 - domain.min.1);
         if longest > USUAL_EXTENT {
-            self.question("domain", format!("domain is {longest} m long; is it in millimetres?"));
+            self.question(
+                "domain",
+                format!("domain is {longest} m long; is it in millimetres?"),
+            );
         }
         for (index, axis) in domain.periodic.iter().enumerate() {
             let along = match axis {
@@ -158,25 +179,47 @@ impl Checks {
         let of = |what: &str| format!("material `{}`: {what}", material.name);
         self.positive(path("density"), &of("density"), material.density);
         if material.density > 0.0 && !USUAL_DENSITY.contains(&material.density) {
-            self.question(path("density"), format!("{} is {} kg/m3; is it meant?", of("density"), material.density));
+            self.question(
+                path("density"),
+                format!(
+                    "{} is {} kg/m3; is it meant?",
+                    of("density"),
+                    material.density
+                ),
+            );
         }
         let angle = material.friction_angle_deg;
         if !(0.0..90.0).contains(&angle) {
             self.refuse(
                 path("friction_angle_deg"),
-                format!("{} must be in [0, 90) degrees, found {angle}", of("friction angle")),
+                format!(
+                    "{} must be in [0, 90) degrees, found {angle}",
+                    of("friction angle")
+                ),
             );
         }
         self.not_negative(path("cohesion"), &of("cohesion"), material.cohesion);
-        self.not_negative(path("tensile_strength"), &of("tensile strength"), material.tensile_strength);
+        self.not_negative(
+            path("tensile_strength"),
+            &of("tensile strength"),
+            material.tensile_strength,
+        );
         if !(0.0..=1.0).contains(&material.restitution) {
             self.refuse(
                 path("restitution"),
-                format!("{} must be in [0, 1], found {}", of("restitution"), material.restitution),
+                format!(
+                    "{} must be in [0, 1], found {}",
+                    of("restitution"),
+                    material.restitution
+                ),
             );
         }
         if let Some(stiffness) = material.contact_stiffness {
-            self.positive(path("contact_stiffness"), &of("contact stiffness"), stiffness);
+            self.positive(
+                path("contact_stiffness"),
+                &of("contact stiffness"),
+                stiffness,
+            );
         }
         self.not_negative(
             path("shear_stiffness_ratio"),
@@ -184,12 +227,19 @@ impl Checks {
             material.shear_stiffness_ratio,
         );
         if let Some(elastic) = material.elastic {
-            self.positive(path("elastic.young_modulus"), &of("Young's modulus"), elastic.young_modulus);
+            self.positive(
+                path("elastic.young_modulus"),
+                &of("Young's modulus"),
+                elastic.young_modulus,
+            );
             let ratio = elastic.poisson_ratio;
             if !(-1.0 < ratio && ratio < 0.5) {
                 self.refuse(
                     path("elastic.poisson_ratio"),
-                    format!("{} must be above -1 and below 0.5, found {ratio}", of("Poisson's ratio")),
+                    format!(
+                        "{} must be above -1 and below 0.5, found {ratio}",
+                        of("Poisson's ratio")
+                    ),
                 );
             }
         }
@@ -214,11 +264,24 @@ impl Checks {
         if let Some(turn) = &block.placement.rotate
             && is_zero(turn.axis)
         {
-            self.refuse(path("placement.rotate.axis"), format!("{} has no direction", of("axis of rotation")));
+            self.refuse(
+                path("placement.rotate.axis"),
+                format!("{} has no direction", of("axis of rotation")),
+            );
         }
-        if let MotionFile::Sinusoid { direction, amplitude, period, ramp, .. } = &block.motion {
+        if let MotionFile::Sinusoid {
+            direction,
+            amplitude,
+            period,
+            ramp,
+            ..
+        } = &block.motion
+        {
             if is_zero(*direction) {
-                self.refuse(path("motion.direction"), format!("{} has no direction", of("motion")));
+                self.refuse(
+                    path("motion.direction"),
+                    format!("{} has no direction", of("motion")),
+                );
             }
             self.not_negative(path("motion.amplitude"), &of("amplitude"), *amplitude);
             self.positive(path("motion.period"), &of("period"), *period);
@@ -227,7 +290,10 @@ impl Checks {
         if !matches!(block.motion, MotionFile::Free)
             && !(is_zero(block.velocity) && is_zero(block.angular_velocity))
         {
-            self.question(path("velocity"), of("an initial velocity has no effect on a block that is not free"));
+            self.question(
+                path("velocity"),
+                of("an initial velocity has no effect on a block that is not free"),
+            );
         }
     }
 
@@ -238,11 +304,18 @@ impl Checks {
                 if !is_ordered(*min, *max) {
                     self.refuse(
                         format!("{path}.max"),
-                        format!("{} {max:?} must exceed min {min:?} in every direction", of("max")),
+                        format!(
+                            "{} {max:?} must exceed min {min:?} in every direction",
+                            of("max")
+                        ),
                     );
                 }
             }
-            ShapeFile::Wedge { length, height, width } => {
+            ShapeFile::Wedge {
+                length,
+                height,
+                width,
+            } => {
                 self.positive(format!("{path}.length"), &of("length"), *length);
                 self.positive(format!("{path}.height"), &of("height"), *height);
                 self.positive(format!("{path}.width"), &of("width"), *width);
@@ -251,7 +324,11 @@ impl Checks {
                 if points.len() < 4 {
                     self.refuse(
                         format!("{path}.points"),
-                        format!("{} needs at least four points, found {}", of("hull"), points.len()),
+                        format!(
+                            "{} needs at least four points, found {}",
+                            of("hull"),
+                            points.len()
+                        ),
                     );
                 }
             }
@@ -260,20 +337,33 @@ impl Checks {
                     if let Some(v) = face.iter().find(|&&v| v as usize >= vertices.len()) {
                         self.refuse(
                             format!("{path}.faces[{k}]"),
-                            format!("{} {k} names vertex {v}, but there are {}", of("face"), vertices.len()),
+                            format!(
+                                "{} {k} names vertex {v}, but there are {}",
+                                of("face"),
+                                vertices.len()
+                            ),
                         );
                     }
                 }
             }
-            ShapeFile::Extrusion { polygon, from, to, .. } => {
+            ShapeFile::Extrusion {
+                polygon, from, to, ..
+            } => {
                 if polygon.len() < 3 {
                     self.refuse(
                         format!("{path}.polygon"),
-                        format!("{} needs at least three corners, found {}", of("polygon"), polygon.len()),
+                        format!(
+                            "{} needs at least three corners, found {}",
+                            of("polygon"),
+                            polygon.len()
+                        ),
                     );
                 }
                 if from >= to {
-                    self.refuse(format!("{path}.to"), format!("{} {to} must exceed from {from}", of("to")));
+                    self.refuse(
+                        format!("{path}.to"),
+                        format!("{} {to} must exceed from {from}", of("to")),
+                    );
                 }
             }
             ShapeFile::Sphere { radius, .. } => {
@@ -297,12 +387,18 @@ impl Checks {
                 self.positive("fluid.resolution".into(), "fluid: spacing", spacing);
             }
             ResolutionFile::Count(0) => {
-                self.refuse("fluid.resolution", "fluid: count must be > 0, found 0".to_owned());
+                self.refuse(
+                    "fluid.resolution",
+                    "fluid: count must be > 0, found 0".to_owned(),
+                );
             }
             ResolutionFile::Count(_) => {}
         }
         if fluid.regions.is_empty() {
-            self.refuse("fluid.regions", "fluid: no region; add one, or leave fluid out".to_owned());
+            self.refuse(
+                "fluid.regions",
+                "fluid: no region; add one, or leave fluid out".to_owned(),
+            );
         }
         for (index, region) in fluid.regions.iter().enumerate() {
             let path = format!("fluid.regions[{index}].shape");
@@ -311,17 +407,26 @@ impl Checks {
                     if !is_ordered(*min, *max) {
                         self.refuse(
                             format!("{path}.max"),
-                            format!("fluid region `{}`: max {max:?} must exceed min {min:?}", region.name),
+                            format!(
+                                "fluid region `{}`: max {max:?} must exceed min {min:?}",
+                                region.name
+                            ),
                         );
                     } else if !(is_inside(*min, scene) && is_inside(*max, scene)) {
-                        self.refuse(path, format!("fluid region `{}` reaches out of the domain", region.name));
+                        self.refuse(
+                            path,
+                            format!("fluid region `{}` reaches out of the domain", region.name),
+                        );
                     }
                 }
                 RegionShapeFile::Below { level, seed } => {
                     if !is_inside(*seed, scene) {
                         self.refuse(
                             format!("{path}.seed"),
-                            format!("fluid region `{}`: the seed {seed:?} is outside of the domain", region.name),
+                            format!(
+                                "fluid region `{}`: the seed {seed:?} is outside of the domain",
+                                region.name
+                            ),
                         );
                     }
                     if *level <= seed.2 {
@@ -333,18 +438,41 @@ impl Checks {
                 }
             }
         }
-        self.unique("fluid.regions", fluid.regions.iter().map(|r| r.name.as_str()));
+        self.unique(
+            "fluid.regions",
+            fluid.regions.iter().map(|r| r.name.as_str()),
+        );
     }
 
     fn numbers(&mut self, scene: &SceneFile) {
         let (numerics, time, output) = (&scene.numerics, &scene.time, &scene.output);
         let positives = [
-            ("interface.penalty_stiffness", "penalty stiffness", scene.interface.penalty_stiffness),
+            (
+                "interface.penalty_stiffness",
+                "penalty stiffness",
+                scene.interface.penalty_stiffness,
+            ),
             ("numerics.sound_speed", "sound speed", numerics.sound_speed),
-            ("numerics.expected_speed", "expected speed", numerics.expected_speed),
-            ("output.frame_interval", "frame interval", output.frame_interval),
-            ("output.gauge_interval", "gauge interval", output.gauge_interval),
-            ("output.ledger_interval", "ledger interval", output.ledger_interval),
+            (
+                "numerics.expected_speed",
+                "expected speed",
+                numerics.expected_speed,
+            ),
+            (
+                "output.frame_interval",
+                "frame interval",
+                output.frame_interval,
+            ),
+            (
+                "output.gauge_interval",
+                "gauge interval",
+                output.gauge_interval,
+            ),
+            (
+                "output.ledger_interval",
+                "ledger interval",
+                output.ledger_interval,
+            ),
             ("time.duration", "duration", Some(time.duration)),
         ];
         for (path, what, value) in positives {
@@ -353,10 +481,18 @@ impl Checks {
             }
         }
         if let Some(damping) = scene.interface.penalty_damping {
-            self.not_negative("interface.penalty_damping".into(), "penalty damping", damping);
+            self.not_negative(
+                "interface.penalty_damping".into(),
+                "penalty damping",
+                damping,
+            );
         }
         self.not_negative("time.settle".into(), "settling time", time.settle);
-        self.share("numerics.time_step_factor", "time-step factor", numerics.time_step_factor);
+        self.share(
+            "numerics.time_step_factor",
+            "time-step factor",
+            numerics.time_step_factor,
+        );
         self.share(
             "numerics.block_time_step_factor",
             "block time-step factor",
@@ -397,13 +533,19 @@ impl Checks {
                 if !names.contains(&block.as_str()) {
                     self.refuse(
                         format!("gauges[{index}].block"),
-                        format!("gauge `{name}`: there is no block `{block}`{}", suggestion(block, &names)),
+                        format!(
+                            "gauge `{name}`: there is no block `{block}`{}",
+                            suggestion(block, &names)
+                        ),
                     );
                 }
             }
         }
         if scene.fluid.is_none() && !matches!(gauge, GaugeFile::BlockForce { .. }) {
-            self.question(format!("gauges[{index}]"), format!("gauge `{name}` measures water, but the scene has none"));
+            self.question(
+                format!("gauges[{index}]"),
+                format!("gauge `{name}` measures water, but the scene has none"),
+            );
         }
     }
 }

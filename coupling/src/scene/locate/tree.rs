@@ -291,9 +291,7 @@ impl Reader<'_> {
         let span = self.peek().map_or(0..0, |token| token.span.clone());
         let fits = matches!(
             (bracket, close),
-            (TokenKind::Open('('), ')')
-                | (TokenKind::Open('['), ']')
-                | (TokenKind::Open('{'), '}')
+            (TokenKind::Open('('), ')') | (TokenKind::Open('['), ']') | (TokenKind::Open('{'), '}')
         );
         if fits {
             self.at += 1;
@@ -309,13 +307,7 @@ impl Reader<'_> {
     }
 
     /// One `name: value` or `value`, and the comma behind it.
-    fn element(
-        &mut self,
-        bracket: TokenKind,
-        open: &Range<usize>,
-        depth: usize,
-        body: &mut Body,
-    ) {
+    fn element(&mut self, bracket: TokenKind, open: &Range<usize>, depth: usize, body: &mut Body) {
         let first = self.at;
         let is_field = self.kind_at(first) == Some(TokenKind::Word)
             && self.kind_at(first + 1) == Some(TokenKind::Colon)

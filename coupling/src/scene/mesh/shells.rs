@@ -78,9 +78,8 @@ pub(super) fn sort(soup: &Soup) -> Sorted {
             open.push(group[0]);
         }
     }
-    let middle = |e: &HalfEdge| {
-        0.5 * (welded.points[e.low as usize] + welded.points[e.high as usize])
-    };
+    let middle =
+        |e: &HalfEdge| 0.5 * (welded.points[e.low as usize] + welded.points[e.high as usize]);
     let seam = match (open.iter().min_by_key(|e| e.triangle), unoriented) {
         (Some(first), _) => Seam::Open {
             n_edges: open.len(),

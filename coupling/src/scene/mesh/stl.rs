@@ -67,9 +67,11 @@ fn text(text: &str) -> Result<Soup, Fault> {
         match keyword.as_str() {
             "solid" => is_inside = true,
             "endsolid" => is_inside = false,
-            "vertex" => corners.push(corner(words).ok_or_else(|| {
-                wrong(format!("found `{}`, needed `vertex x y z`", line.trim()))
-            })?),
+            "vertex" => {
+                corners.push(corner(words).ok_or_else(|| {
+                    wrong(format!("found `{}`, needed `vertex x y z`", line.trim()))
+                })?)
+            }
             "endfacet" => {
                 let [a, b, c] = corners[..] else {
                     return Err(wrong(format!(

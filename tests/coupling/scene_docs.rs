@@ -1,0 +1,90 @@
+//! `cases/README.md` documents every field of the schema, and nothing else.
+#![expect(
+    clippy::unwrap_used,
+    reason = "a test may stop where a library may not"
+)]
+
+use std::collections::BTreeSet;
+use std::path::Path;
+
+/// Fields of the schema as `Struct.field`, read from its source: what the derive sees.
+fn schema_fields() -> BTreeSet<String> {
+    let source =
+        std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("src/scene/file.rs"))
+            .unwrap();
+    let mut fields = BTreeSet::new();
+    let (mut owner, mut variant) = (None::<String>, None::<String>);
+    for line in source.lines() {
+        let text = line.trim();
+        let indent = line.len() - line.trim_start().len();
+        if let Some(name) = text
+            .strip_prefix("pub struct ")
+            .or(text.strip_prefix("pub enum "))
+        {
+            owner = Some(name.trim_end_matches(" {").to_owned());
+            variant = None;
+        } else if line == "}" {
+            owner = None;
+        } else if let Some(owner) = &owner {
+            if let Some(field) = text
+                .strip_prefix("pub ")
+                .and_then(|rest| rest.split_once(": "))
+            {
+                fields.insert(format!("{owner}.{}", field.0));
+            } else if indent == 4 && text.chars().next().is_some_and(char::is_uppercase) {
+                let name: String = text.chars().take_while(|c| c.is_alphanumeric()).collect();
+                fields.insert(format!("{owner}.{name}"));
+                variant = text.ends_with('{').then_some(name);
+            } else if let (Some(variant), 8) = (&variant, indent)
+                && let Some((field, _)) = text.split_once(": ")
+                && field.chars().all(|c| c.is_lowercase() || c == '_')
+            {
+                fields.insert(format!("{owner}.{variant}.{field}"));
+            }
+        }
+    }
+    fields
+}
+
+/// First cells of the tables, under headings that name the struct: "### `DomainFile` ...".
+fn documented_fields() -> BTreeSet<String> {
+    let text =
+        std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../cases/README.md"))
+            .unwrap();
+    let mut fields = BTreeSet::new();
+    let mut owner = String::new();
+    for line in text.lines() {
+        if let Some(heading) = line.strip_prefix("### ") {
+            owner = heading.split('`').nth(1).unwrap_or_default().to_owned();
+        } else if let Some(cell) = line.strip_prefix("| `") {
+            fields.insert(format!("{owner}.{}", cell.split('`').next().unwrap()));
+        }
+    }
+    fields
+}
+
+#[test]
+fn the_table_and_the_schema_are_the_same() {
+    let (schema, documented) = (schema_fields(), documented_fields());
+    assert!(
+        schema.len() > 80,
+        "the reader of the schema lost its way: {schema:?}"
+    );
+    let missing: Vec<_> = schema.difference(&documented).collect();
+    let invented: Vec<_> = documented.difference(&schema).collect();
+    assert!(missing.is_empty(), "cases/README.md lacks {missing:#?}");
+    assert!(
+        invented.is_empty(),
+        "cases/README.md has what the schema lacks: {invented:#?}"
+    );
+}
+
+#[test]
+fn a_scene_written_out_reads_back_the_same() {
+    for name in ["sliding_wedge", "impacting_block", "wavemaker"] {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("../cases/{name}.ron"));
+        let scene = riprap::scene::parse::read(&std::fs::read_to_string(path).unwrap()).unwrap();
+        let text = riprap::scene::parse::write(&scene).unwrap();
+        assert_eq!(riprap::scene::parse::read(&text).unwrap(), scene);
+    }
+}
