@@ -59,6 +59,10 @@ impl Blocks {
                 }
             }
         }
+        let fastest_path = (0..n)
+            .filter(|&b| matches!(self.motion[b], Motion::Prescribed(_)) && !self.is_removed[b])
+            .map(|b| self.velocity[b].norm())
+            .fold(0.0, f64::max);
         let n_others = self.n_free() + self.n_fixed() + self.n_prescribed();
         for b in (0..n).filter(|&b| self.is_free(b)) {
             if rate[b] > 0.0 {
@@ -74,7 +78,7 @@ impl Blocks {
                 }
             }
             let travel = if n_others > 1 {
-                self.travel_time(b)
+                self.travel_time(b, fastest_path)
             } else {
                 f64::INFINITY
             };
@@ -89,14 +93,16 @@ impl Blocks {
         found
     }
 
-    /// Time in which no point of the block moves farther than half its margin, gravity included:
-    /// `v t + g t²/2 = margin/2`; s.
-    fn travel_time(&self, b: usize) -> f64 {
+    /// Time in which no point of the block, with the fastest path (m/s) against it, moves farther than
+    /// half its margin, gravity included: `v t + g t²/2 = margin/2`; s.
+    fn travel_time(&self, b: usize, fastest_path: f64) -> f64 {
         let margin = self
             .parts_of(b)
             .map(|part| self.margin[part])
             .fold(f64::INFINITY, f64::min);
-        let v = self.velocity[b].norm() + self.angular_velocity(b).norm() * self.radius[b];
+        let v = fastest_path
+            + self.velocity[b].norm()
+            + self.angular_velocity(b).norm() * self.radius[b];
         let g = self.settings.gravity.norm();
         // The positive root, in the form that survives g = 0.
         margin / (v + (v * v + g * margin).sqrt())

@@ -22,7 +22,9 @@
 //! **Limits.** Blocks are rigid; contacts ask only for the velocity, force and compliance at a point, so
 //! that deformable kinds can follow. Parts of a union, and fixed blocks that adjoin, collide one
 //! by one, each at the faces and corners that the others leave visible; adjoining blocks that move
-//! against each other keep their edges. A fast, thin body can pass through another in one step if it travels its
+//! against each other keep their edges. The energy ledger of bodies that turn while they are
+//! pressed closes to some percent of the energy exchanged only, whatever the step, and may gain. A fast,
+//! thin body can pass through another in one step if it travels its
 //! own thickness. See `contact` for what the energy ledger can and cannot close.
 //!
 //! ```

@@ -89,7 +89,8 @@ impl PrescribedMotion {
                 phase,
                 ramp,
             } => {
-                if !((direction.norm() - 1.0).abs() < 1e-9) {
+                if (direction.norm() - 1.0).abs() > 1e-9 || direction.iter().any(|c| !c.is_finite())
+                {
                     refuse("the direction must be a unit vector")
                 } else if !(*period > 0.0 && period.is_finite()) {
                     refuse("the period must be > 0 s")

@@ -6,6 +6,10 @@ use crate::{
 
 /// One convex part.
 #[derive(Clone, Debug)]
+#[expect(
+    clippy::large_enum_variant,
+    reason = "balls are few, and a box would cost every polyhedron"
+)]
 pub(crate) enum Part {
     Polyhedron(Polyhedron),
     Sphere { center: Vec3, radius: f64 },
@@ -150,7 +154,7 @@ mod tests {
         .unwrap();
         let bed = Polyhedron::cuboid(Vec3::new(0.0, -2.0, -1.0), Vec3::new(8.0, 2.0, 0.0)).unwrap();
         assert_eq!(hidden(&bed, &slope), [4]); // −x
-        assert_eq!(hidden(&slope[0], &[bed.clone()]).len(), 1);
+        assert_eq!(hidden(&slope[0], std::slice::from_ref(&bed)).len(), 1);
         // The bed's end is no corner of the whole, from whatever side.
         let mut bed = bed;
         note_neighbors(&mut bed, &[&slope[0]]);
@@ -161,7 +165,7 @@ mod tests {
             .unwrap() as u32;
         assert!(
             !bed.is_corner(end, &Vec3::new(-0.866, 0.0, 0.5))
-                && bed.is_corner(end, &Vec3::new(0.0, -0.1, 0.1)) == false
+                && !bed.is_corner(end, &Vec3::new(0.0, -0.1, 0.1))
         );
         // Where two halves of a box meet, its corners stay corners.
         let halves = [beside(0.0), cube.clone()];

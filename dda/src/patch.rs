@@ -77,7 +77,7 @@ impl Patch {
         if self.points.is_empty() {
             // The face that looks at the plane misses it: a corner beside it is deepest.
             let key = u32::from(WATERLINE);
-            self.push_single(key, deepest_corner(a, b, axis), -axis.gap * PYRAMID);
+            self.push_single(key, deepest_corners(a, b, axis), -axis.gap * PYRAMID);
         }
     }
 
@@ -185,7 +185,7 @@ impl Patch {
                 .abs()
         };
         let total: f64 = (0..count).map(area).sum();
-        if !(total > 0.0) {
+        if total.is_nan() || total <= 0.0 {
             return;
         }
         let points = &mut self.points;
@@ -219,10 +219,18 @@ fn side_name(half_edge: u32, mark: u16) -> u16 {
     (half_edge & 0x3fff) as u16 | mark
 }
 
-/// Face that looks most against a direction.
+/// Of the faces at the corner that lies lowest in a direction, the one that looks most against it. Another
+/// face may look more against it, but it lies higher: a spike is met before the flat beside it.
 fn facing(body: &Polyhedron, n: &Vec3) -> usize {
+    let mut lowest = (f64::INFINITY, 0);
+    for (vertex, x) in body.vertices().iter().enumerate() {
+        let height = n.dot(x);
+        if height < lowest.0 {
+            lowest = (height, vertex as u32);
+        }
+    }
     let mut best = (f64::INFINITY, 0);
-    for face in 0..body.n_faces() {
+    for face in body.faces_around_vertex(lowest.1) {
         let cos = body.face_normal(face).dot(n);
         if cos < best.0 {
             best = (cos, face);
@@ -250,19 +258,32 @@ fn edge_contact(a: &Polyhedron, edge_a: u32, b: &Polyhedron, edge_b: u32) -> Vec
     0.5 * (p + u * on_a + q + v * on_b)
 }
 
-/// Corner of the body without the plane's face that lies deepest, lifted to the middle of the overlap.
-fn deepest_corner(a: &Polyhedron, b: &Polyhedron, axis: &Axis) -> Vec3 {
+/// Mean, by depth, of the corners that overlap of the body without the plane's face, lifted to the middle
+/// of the overlap. A mean, so that an edge that comes in level is not held at one end.
+fn deepest_corners(a: &Polyhedron, b: &Polyhedron, axis: &Axis) -> Vec3 {
     let (body, toward) = match axis.kind {
         AxisKind::FaceB(_) => (a, axis.normal),
         _ => (b, -axis.normal),
     };
-    let mut best = (f64::NEG_INFINITY, Vec3::zeros());
-    for x in body.vertices() {
-        if x.dot(&toward) > best.0 {
-            best = (x.dot(&toward), *x);
-        }
+    let height = |x: &Vec3| x.dot(&toward);
+    let highest = body
+        .vertices()
+        .iter()
+        .map(height)
+        .fold(f64::NEG_INFINITY, f64::max);
+    let plane = highest + axis.gap;
+    let (mut sum, mut total) = (Vec3::zeros(), 0.0);
+    for x in body.vertices().iter().filter(|x| height(x) >= plane) {
+        // Touching only, all count alike.
+        let depth = if axis.gap < 0.0 {
+            height(x) - plane
+        } else {
+            1.0
+        };
+        sum += x * depth;
+        total += depth;
     }
-    best.1 + toward * (0.5 * axis.gap)
+    sum / total + toward * (0.5 * axis.gap)
 }
 
 #[cfg(test)]

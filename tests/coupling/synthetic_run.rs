@@ -118,17 +118,21 @@ fn particles(experiment: &Experiment, time: f64) -> PolyData {
     } = experiment;
     let cells = |x: f64| (x / s).round() as usize;
     let (mut points, mut velocity): (Vec<[f32; 3]>, Vec<f32>) = (Vec::new(), Vec::new());
-    for n in 0..cells(*l) * cells(*w) * cells(2.0 * depth) {
-        let (i, jk) = (n % cells(*l), n / cells(*l));
-        let (j, k) = (jk % cells(*w), jk / cells(*w));
-        let [x, y, z] = [i, j, k].map(|m| (m as f64 + 0.5) * s);
-        let is_wet = z < depth + surface(x, time) && 1.0 < (x - s) / wedge[0] + z / wedge[2];
-        if is_wet {
-            let shake = 0.25 * s;
+    for n in 0..cells(*l) * cells(*w) {
+        let [x, y] = [n % cells(*l), n / cells(*l)].map(|m| (m as f64 + 0.5) * s);
+        // Columns are stretched to the surface, so that it has no steps.
+        let height = depth + surface(x, time);
+        let layers = cells(height);
+        for k in 0..layers {
+            let z = (k as f64 + 0.5) * height / layers as f64;
+            if (x - s) / wedge[0] + z / wedge[2] < 1.0 {
+                continue;
+            }
+            let shake = |i| 0.25 * s * jitter(97 * n + 3 * k + i);
             points.push([
-                (x + shake * jitter(3 * n)) as f32,
-                (y + shake * jitter(3 * n + 1)) as f32,
-                (z + shake * jitter(3 * n + 2)) as f32,
+                (x + shake(0)) as f32,
+                (y + shake(1)) as f32,
+                (z + shake(2)) as f32,
             ]);
             let rise = (surface(x, time + 1e-3) - surface(x, time)) / 1e-3;
             velocity.extend([0.4 * rise, 0.0, rise * z / depth].map(|v| v as f32));

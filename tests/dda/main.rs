@@ -2,6 +2,10 @@
 //!
 //! Every number has a derivation or a measured value beside it.
 #![expect(clippy::unwrap_used, clippy::panic, reason = "a test may fail")]
+#![expect(
+    clippy::print_stdout,
+    reason = "residuals are printed beside their limits"
+)]
 
 mod conservation;
 mod contact;

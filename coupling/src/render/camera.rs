@@ -16,11 +16,13 @@ const FIELD_OF_VIEW_DEG: f64 = 30.0;
 /// Elevation of the eye over strips; degrees. Low: a strip shows a section.
 const STRIP_ELEVATION_DEG: f64 = 9.0;
 /// Share of the picture that a fitted scene may fill.
-const FILL: f64 = 0.9;
+const FILL: f64 = 0.88;
 /// A scene longer than this many heights and widths is cut into strips.
 const LONG: f64 = 10.0;
 /// Free share of a strip's height, for its label and the eye.
-const STRIP_GAP: f64 = 0.45;
+const STRIP_GAP: f64 = 0.3;
+/// Share of the picture over strips that belongs to time and colours.
+const HEADING: f64 = 0.07;
 
 /// An eye and what is put before it.
 #[derive(Clone, Debug, PartialEq)]
@@ -173,7 +175,7 @@ impl Camera {
         };
         let up = self.axes().up;
         let height =
-            |panel: &Panel| (panel.shift.dot(&up) + 0.55 * tall) / (0.5 * width) * self.aspect;
+            |panel: &Panel| (panel.shift.dot(&up) + 0.43 * tall) / (0.5 * width) * self.aspect;
         let places = panels.iter().map(|panel| (0.6, height(panel)));
         labels.iter().cloned().zip(places).collect()
     }
@@ -268,8 +270,9 @@ fn strips(
     let tall = extent.z * axes.up.z.abs() + depth * axes.forward.z.abs();
     let pitch = tall * (1.0 + STRIP_GAP);
     // Width of a picture that holds n strips: its own width or that for its height.
-    let width_of =
-        |n: usize| (extent[long] / n as f64 / FILL).max(n as f64 * pitch / FILL * aspect);
+    let width_of = |n: usize| {
+        (extent[long] / n as f64 / FILL).max(n as f64 * pitch / (FILL - HEADING) * aspect)
+    };
     let count = (1..=24)
         .min_by(|&a, &b| width_of(a).total_cmp(&width_of(b)))
         .unwrap_or(1);
@@ -280,7 +283,7 @@ fn strips(
     let apart = axes.forward * (4.0 * width);
     let panels = (0..count).map(|i| {
         let from = low[long] + i as f64 * length;
-        let down = (i as f64 - 0.5 * (count as f64 - 1.0)) * pitch;
+        let down = (i as f64 - 0.5 * (count as f64 - 1.0)) * pitch + HEADING * width / aspect;
         let mut shift = apart * i as f64 - axes.up * down;
         shift[long] -= from + 0.5 * length - 0.5 * (low[long] + high[long]);
         // The outermost strips keep what sticks out of the sampled bounds.

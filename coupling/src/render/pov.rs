@@ -28,6 +28,8 @@ pub(crate) struct Setting<'a> {
     pub reference: &'a [Body],
     /// Length of the scene; m.
     pub size: f64,
+    /// Way through water after which its colour shows; m.
+    pub clear: f64,
     /// Height of the ground; m.
     pub ground: f64,
     /// Distance of particles; m.
@@ -46,7 +48,10 @@ pub(crate) enum Water {
 
 /// The text of one frame.
 pub(crate) fn frame(setting: &Setting<'_>, time: f64, water: &Water, bodies: &[Body]) -> String {
-    let mut pov = Pov::default();
+    let mut pov = Pov {
+        text: String::new(),
+        unit: unit(setting.size),
+    };
     head(&mut pov, setting, time);
     for panel in setting.camera.panels() {
         fixed(&mut pov, setting, panel);
@@ -56,7 +61,7 @@ pub(crate) fn frame(setting: &Setting<'_>, time: f64, water: &Water, bodies: &[B
         match water {
             Water::Surface(surface, spray) => {
                 water_mesh(&mut pov, surface, panel);
-                spheres(&mut pov, spray, 0.35 * setting.spacing, panel, |_| {
+                spheres(&mut pov, spray, 0.3 * setting.spacing, panel, |_| {
                     "Riprap_Spray_Texture".to_owned()
                 });
             }
@@ -75,17 +80,37 @@ pub(crate) fn frame(setting: &Setting<'_>, time: f64, water: &Water, bodies: &[B
         }
     }
     labels(&mut pov, setting, time, water);
-    pov.0
+    pov.text
 }
 
 /// Text under construction; writing to a `String` cannot fail.
-#[derive(Default)]
-struct Pov(String);
+struct Pov {
+    text: String,
+    /// POV-Ray's lengths per metre.
+    unit: f64,
+}
 
 impl Pov {
     fn line(&mut self, text: impl Display) {
-        let _ = writeln!(self.0, "{text}");
+        let _ = writeln!(self.text, "{text}");
     }
+
+    /// A length given in metres.
+    fn length(&self, metres: f64) -> f32 {
+        number(self.unit * metres)
+    }
+
+    /// A place given in metres.
+    fn place(&self, metres: Vector3<f64>) -> String {
+        vector(self.unit * metres)
+    }
+}
+
+/// Lengths per metre that make a scene 100 to 1000 long: POV-Ray overlooks surfaces closer than
+/// 0.001 to one another, a millimetre in a tank drawn in metres, and leaves rings where water
+/// touches walls.
+fn unit(size: f64) -> f64 {
+    10_f64.powf(3.0 - size.log10().ceil())
 }
 
 /// A POV-Ray vector.
@@ -135,17 +160,19 @@ fn head(pov: &mut Pov, setting: &Setting<'_>, time: f64) {
     pov.line("#version 3.7;");
     for (name, value) in [
         ("Time", time),
-        ("Size", setting.size),
-        ("Ground", setting.ground),
+        ("Unit", pov.unit),
+        ("Size", pov.unit * setting.size),
+        ("Clear", pov.unit * setting.clear),
+        ("Ground", pov.unit * setting.ground),
         ("Strips", strips as f64),
-        ("Label_Distance", label_distance),
-        ("Half_Width", half_width),
+        ("Label_Distance", pov.unit * label_distance),
+        ("Half_Width", pov.unit * half_width),
     ] {
         pov.line(format!("#declare Riprap_{name} = {};", number(value)));
     }
     for (name, value) in [
-        ("Eye", camera.eye),
-        ("Target", camera.look_at),
+        ("Eye", pov.unit * camera.eye),
+        ("Target", pov.unit * camera.look_at),
         ("Right", axes.right),
         ("Up", axes.up),
         ("Forward", axes.forward),
@@ -183,18 +210,17 @@ fn fixed(pov: &mut Pov, setting: &Setting<'_>, panel: &Panel) {
         .iter()
         .map(|p| in_panel(p, panel))
         .collect();
-    flat_mesh(pov, &drawn, "texture { Riprap_Wall_Texture }");
+    flat_mesh(pov, &drawn, "texture { Riprap_Wall_Texture } no_shadow");
     let radius = 0.0012 * setting.size;
     for polygon in &setting.stage.cut {
         let polygon = in_panel(polygon, panel);
         for (i, &p) in polygon.iter().enumerate() {
             let q = polygon[(i + 1) % polygon.len()];
             if (p - q).norm() > radius {
+                let (from, to, thick) = (pov.place(p), pov.place(q), pov.length(radius));
                 pov.line(format!(
-                    "cylinder {{ {}, {}, {} texture {{ Riprap_Outline_Texture }} no_shadow no_reflection }}",
-                    vector(p),
-                    vector(q),
-                    number(radius)
+                    "cylinder {{ {from}, {to}, {thick} texture {{ Riprap_Outline_Texture }} \
+                     no_shadow no_reflection }}"
                 ));
             }
         }
@@ -224,6 +250,7 @@ fn rock(pov: &mut Pov, setting: &Setting<'_>, body: &Body, panel: &Panel) {
     let grain = 0.35 * (extent.1 - extent.0).max(1e-6);
     // Blocks of one shape get their own piece of the stone: the golden ratio spreads tints evenly.
     let tint = (f64::from(body.id) * 0.618_034).rem_euclid(1.0);
+    let shift = pov.unit * shift;
     let matrix: Vec<String> = turn
         .iter()
         .chain(shift.iter())
@@ -233,8 +260,8 @@ fn rock(pov: &mut Pov, setting: &Setting<'_>, body: &Body, panel: &Panel) {
     let texture = format!(
         "texture {{ Riprap_Rock({}, {}) translate {} matrix <{}> }}",
         number(tint),
-        number(grain),
-        number(7.3 * f64::from(body.id) * grain),
+        pov.length(grain),
+        pov.length(7.3 * f64::from(body.id) * grain),
         matrix.join(", ")
     );
     flat_mesh(pov, &polygons, &texture);
@@ -249,7 +276,8 @@ fn flat_mesh(pov: &mut Pov, polygons: &[Vec<Vector3<f64>>], texture: &str) {
     let n_vertices: usize = solid.iter().map(|p| p.len()).sum();
     pov.line(format!("mesh2 {{\n vertex_vectors {{ {n_vertices},"));
     let corners = solid.iter().flat_map(|p| p.iter());
-    pov.line(corners.map(|&p| vector(p)).collect::<Vec<_>>().join(",\n"));
+    let corners: Vec<String> = corners.map(|&p| pov.place(p)).collect();
+    pov.line(corners.join(",\n"));
     pov.line(format!(
         " }}\n face_indices {{ {},",
         n_vertices - 2 * solid.len()
@@ -284,7 +312,8 @@ fn water_mesh(pov: &mut Pov, surface: &Surface, panel: &Panel) {
     }
     let list = |values: &mut dyn Iterator<Item = String>| values.collect::<Vec<_>>().join(",\n");
     let place =
-        |i: &usize| vector(Vector3::from(surface.vertices[*i].map(f64::from)) + panel.shift);
+        |i: &usize| pov.place(Vector3::from(surface.vertices[*i].map(f64::from)) + panel.shift);
+    let vertices = list(&mut used.iter().map(place));
     let normal = |i: &usize| {
         let [x, y, z] = surface.normals[*i];
         format!("<{x:.4}, {y:.4}, {z:.4}>")
@@ -294,14 +323,15 @@ fn water_mesh(pov: &mut Pov, surface: &Surface, panel: &Panel) {
         format!("<{a}, {b}, {c}>")
     };
     pov.line(format!("mesh2 {{\n vertex_vectors {{ {},", used.len()));
-    pov.line(list(&mut used.iter().map(place)));
+    pov.line(vertices);
     pov.line(format!(" }}\n normal_vectors {{ {},", used.len()));
     pov.line(list(&mut used.iter().map(normal)));
     pov.line(format!(" }}\n face_indices {{ {},", triangles.len()));
     pov.line(list(&mut triangles.iter().map(corners)));
     pov.line(
         " }\n inside_vector z\n texture { Riprap_Water_Texture } \
-         interior { Riprap_Water_Interior } no_shadow\n}",
+         interior_texture { Riprap_Water_Side } \
+         interior { Riprap_Water_Interior } hollow no_shadow\n}",
     );
 }
 
@@ -312,9 +342,9 @@ fn spheres(
     panel: &Panel,
     texture: impl Fn(usize) -> String,
 ) {
-    let radius = number(radius);
+    let radius = pov.length(radius);
     for (i, point) in points.iter().enumerate().filter(|(_, p)| panel.contains(p)) {
-        let at = vector(Vector3::from(point.map(f64::from)) + panel.shift);
+        let at = pov.place(Vector3::from(point.map(f64::from)) + panel.shift);
         pov.line(format!(
             "sphere {{ {at}, {radius} texture {{ {} }} }}",
             texture(i)

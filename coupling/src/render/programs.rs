@@ -43,9 +43,11 @@ pub(crate) fn povray_arguments(pov: &str, png: &str, size: (u32, u32)) -> Vec<St
         ANTIALIASING.to_owned(),
         format!("+WT{threads}"),
         "+FN8".to_owned(),
-        // No window, no console chatter but errors.
+        // No window, and no chatter. Not -GA: it also silences the line that a parse error is in.
         "-D".to_owned(),
-        "-GA".to_owned(),
+        "-GD".to_owned(),
+        "-GR".to_owned(),
+        "-GS".to_owned(),
     ]
 }
 

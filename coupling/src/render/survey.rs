@@ -11,7 +11,7 @@ use std::path::Path;
 /// Frames that are looked at; more make no visible difference.
 const FRAMES: usize = 16;
 /// Particles per frame that are looked at.
-const POINTS: usize = 1500;
+const POINTS: usize = 6000;
 /// Rays of sight that decide which walls are cut.
 const RAYS: usize = 600;
 /// Share of particles faster than the upper end of the colours: a few drops of spray do not
@@ -24,6 +24,7 @@ pub(crate) struct Survey {
     pub stage: Stage,
     pub reference: Vec<Body>,
     pub size: f64,
+    pub clear: f64,
     pub ground: f64,
     pub spacing: f64,
     pub speed_range: f64,
@@ -39,6 +40,7 @@ impl Survey {
             stage,
             reference,
             size,
+            clear,
             ground,
             spacing,
             speed_range,
@@ -50,6 +52,7 @@ impl Survey {
             stage,
             reference,
             size: *size,
+            clear: *clear,
             ground: *ground,
             spacing: *spacing,
             speed_range: *speed_range,
@@ -95,6 +98,11 @@ pub(crate) fn survey(
         Lens::Perspective { .. } => (high - low).norm(),
         Lens::Strips { width, .. } => *width,
     };
+    // Across strips one looks through the slab, else through a fraction of the scene.
+    let clear = match camera.panels().first() {
+        Some(panel) if panel.shift.norm() > 0.0 => 0.9 * (high - low)[1 - panel.axis],
+        _ => 0.1 * size,
+    };
     let size = if 0.0 < size {
         size
     } else {
@@ -118,6 +126,7 @@ pub(crate) fn survey(
         stage,
         reference,
         size,
+        clear,
         ground,
         spacing,
         speed_range,

@@ -322,7 +322,8 @@ pub struct FluidFile {
 pub enum ResolutionFile {
     /// Particle spacing; m.
     Spacing(f64),
-    /// Wanted number of particles, met within 1 %.
+    /// Wanted number of particles, met as nearly as whole rows allow; a miss of more than 10 % is
+    /// refused.
     Count(u32),
 }
 
@@ -399,7 +400,6 @@ pub struct NumericsFile {
     #[serde(default)]
     pub block_time_step_factor: Option<f64>,
 }
-
 
 /// A fluid scheme with its numbers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]

@@ -287,9 +287,8 @@ impl Checks {
             self.positive(path("motion.period"), &of("period"), *period);
             self.not_negative(path("motion.ramp"), &of("ramp"), *ramp);
         }
-        if !matches!(block.motion, MotionFile::Free)
-            && !(is_zero(block.velocity) && is_zero(block.angular_velocity))
-        {
+        let starts_at_rest = is_zero(block.velocity) && is_zero(block.angular_velocity);
+        if !starts_at_rest && !matches!(block.motion, MotionFile::Free) {
             self.question(
                 path("velocity"),
                 of("an initial velocity has no effect on a block that is not free"),

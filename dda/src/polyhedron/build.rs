@@ -208,7 +208,7 @@ impl Polyhedron {
         }
         // Rounding of the sums is some 1e-16 of the cube of the extent.
         let limit = 1e-14 * extent.powi(3);
-        if !(volume > limit) {
+        if volume.is_nan() || volume <= limit {
             return Err(PolyhedronError::NoVolume { volume, limit });
         }
         this.size = volume.cbrt();
@@ -309,7 +309,7 @@ impl Polyhedron {
                 })
                 .sum();
             let norm = area.norm();
-            if !(norm > 1e-20 * self.size * self.size) {
+            if norm.is_nan() || norm <= 1e-20 * self.size * self.size {
                 return Err(PolyhedronError::FlatFace { face });
             }
             let normal = area / norm;

@@ -5,7 +5,7 @@ use std::collections::VecDeque;
 use riprap_dda::{Shape, Vec3};
 
 use super::obstacles::Obstacles;
-use super::{FillError, MOST_NODES};
+use super::{FillError, MOST_NODES, rows};
 use crate::scene::file::{Axis, DomainFile};
 use crate::scene::resolve::vec3;
 
@@ -59,8 +59,7 @@ impl Basin {
             return Err(FillError::LevelAboveDomain { level, top: max.z });
         }
         let top = Vec3::new(max.x, max.y, level);
-        // a hair more than the extent, so that whole spacings are not cut by round-off
-        let counts = [0, 1, 2].map(|k| ((top[k] - min[k]) / spacing[k] + 1e-6).floor());
+        let counts = [0, 1, 2].map(|k| rows(top[k] - min[k], spacing[k]));
         if !counts.iter().all(|&n| n >= 1.0) {
             return Err(FillError::NoRow { bottom: min.z });
         }

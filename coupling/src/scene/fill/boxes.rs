@@ -3,7 +3,7 @@
 use riprap_dda::{Shape, Vec3};
 
 use super::obstacles::{Part, parts};
-use super::{FillError, MOST_NODES};
+use super::{FillError, MOST_NODES, rows};
 
 /// Depth in a block that a box of water may have by round-off or rough drawing; × spacing.
 const SLACK: f64 = 0.05;
@@ -14,8 +14,7 @@ pub(super) fn fill(
     spacing: [f64; 3],
     solids: &[(String, Shape)],
 ) -> Result<Vec<Vec3>, FillError> {
-    // a hair more than the extent, so that a box of whole spacings is not cut by round-off
-    let counts = [0, 1, 2].map(|k| ((max[k] - min[k]) / spacing[k] + 1e-6).floor().max(0.0));
+    let counts = [0, 1, 2].map(|k| rows(max[k] - min[k], spacing[k]));
     if !(counts.iter().product::<f64>() <= MOST_NODES) {
         return Err(FillError::TooManyNodes);
     }

@@ -7,15 +7,16 @@ use crate::scene::error::Problem;
 use crate::scene::file::{DomainFile, FluidFile, RegionShapeFile};
 use crate::scene::resolve::vec3;
 
-/// Wanted counts are met within this share.
-const TOLERANCE: f64 = 0.01;
+/// Whole rows may not allow a wanted count; a miss by more than this share is refused.
+const TOLERANCE: f64 = 0.1;
 /// Near enough to stop looking.
-const GOOD: f64 = 0.002;
+const GOOD: f64 = 0.005;
 /// Fills spent on the search by halving.
-const ATTEMPTS: usize = 30;
-/// Spacings tried on either side of the best one, a third of the tolerance apart in count: rows
-/// come and go in steps, so that the count is not quite monotonic.
-const NEIGHBORS: i32 = 12;
+const ATTEMPTS: usize = 20;
+/// Spacings tried on either side of the last one, and their distance: rows come and go one by
+/// one, in different directions at different spacings, so that what halving jumps over a comb finds.
+const NEIGHBORS: i32 = 30;
+const COMB: f64 = 0.0017;
 /// Coarse lattices may find no room where finer ones do; × first guess, three times.
 const REFINEMENT: f64 = 0.7;
 
@@ -63,12 +64,11 @@ pub(super) fn lattice(
             Err(_) => 0.0,
         };
     }
-    let middle = best.spacing.iter().copied().fold(spacing, f64::min);
     for k in (1..=NEIGHBORS).flat_map(|k| [-k, k]) {
-        if miss(&best) <= TOLERANCE {
+        if miss(&best) <= GOOD {
             break;
         }
-        let near = middle * (1.0 + f64::from(k) * TOLERANCE / 9.0);
+        let near = spacing * (1.0 + f64::from(k) * COMB);
         if let Some(lattice) = fill(near).ok().filter(|found| miss(found) < miss(&best)) {
             best = lattice;
         }
@@ -77,7 +77,7 @@ pub(super) fn lattice(
         return Ok(best);
     }
     let message = format!(
-        "no spacing gives {count} particles within 1 %; the nearest is {}; ask for that, or give a spacing",
+        "no spacing gives {count} particles within 10 %; the nearest is {}; ask for that, or give a spacing",
         best.positions.len()
     );
     Err(vec![Problem::error("fluid.resolution", message)])

@@ -1,0 +1,93 @@
+//! Why there is no picture, and what to do.
+
+use std::io;
+use std::ops::Range;
+use std::path::PathBuf;
+
+/// Why there is no picture.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum RenderError {
+    /// A file of the run cannot be read.
+    #[error("cannot read {}; is its folder a run folder, with case.ron and *.pvd in it?", path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// What the system said.
+        source: io::Error,
+    },
+    /// A file of the run is not what it should be.
+    #[error("{}: {reason}; a run by this version of riprap writes it anew", path.display())]
+    BadFile {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        reason: String,
+    },
+    /// The run has written no frame.
+    #[error("no frames in {}: neither water.pvd nor blocks.pvd lists a file; wait for the run's first output, or lower `output.frame_interval`", folder.display())]
+    NoFrames {
+        /// The run folder.
+        folder: PathBuf,
+    },
+    /// The chosen frames are none.
+    #[error("frames {}..{} are none of the {available} frames in {}; choose among 0..{available}", frames.start, frames.end, folder.display())]
+    NoSuchFrames {
+        /// What was asked for.
+        frames: Range<usize>,
+        /// Frames there are.
+        available: usize,
+        /// The run folder.
+        folder: PathBuf,
+    },
+    /// Nothing in the chosen frames can be drawn.
+    #[error("{} frames of {} have neither a finite particle nor a moving block; set `camera` in its case.ron to draw walls alone", frames, folder.display())]
+    NothingToSee {
+        /// Frames looked at.
+        frames: usize,
+        /// The run folder.
+        folder: PathBuf,
+    },
+    /// An option is out of range.
+    #[error("{option} must be {limit}, got {value}")]
+    BadOption {
+        /// Which.
+        option: &'static str,
+        /// What it was.
+        value: String,
+        /// What it may be.
+        limit: &'static str,
+    },
+    /// The camera of the scene looks nowhere.
+    #[error("camera in {} must have position and look_at apart and an angle of view above 0 and below 180 degrees", path.display())]
+    BadCamera {
+        /// The scene.
+        path: PathBuf,
+    },
+    /// No surface could be made.
+    #[error("no water surface in frame {frame}: {reason}; draw particles instead (--particles)")]
+    Surface {
+        /// Number of the frame.
+        frame: usize,
+        /// What the reconstruction said.
+        reason: String,
+    },
+    /// A file cannot be written.
+    #[error("cannot write {}; check space and permissions", path.display())]
+    Write {
+        /// The file.
+        path: PathBuf,
+        /// What the system said.
+        source: io::Error,
+    },
+    /// POV-Ray or ffmpeg failed.
+    #[error("`{command}` failed in {}: {reason}", folder.display())]
+    Program {
+        /// The command line.
+        command: String,
+        /// Where it ran.
+        folder: PathBuf,
+        /// Its last words.
+        reason: String,
+    },
+}

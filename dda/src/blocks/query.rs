@@ -1,0 +1,326 @@
+//! What can be asked of the blocks. Asking changes nothing.
+
+use crate::{
+    Blocks, Contact, Energies, Isometry, Load, Motion, Settings, SurfacePoint, Vec3, parts::Part,
+};
+use nalgebra::{Matrix3, UnitQuaternion};
+
+impl Blocks {
+    // Counts.
+
+    /// Number of blocks, removed ones included.
+    pub fn n_blocks(&self) -> usize {
+        self.centroid.len()
+    }
+
+    /// Number of blocks that forces move.
+    pub fn n_free(&self) -> usize {
+        (0..self.n_blocks()).filter(|&b| self.is_free(b)).count()
+    }
+
+    /// Number of blocks that never move.
+    pub fn n_fixed(&self) -> usize {
+        self.count(|motion| matches!(motion, Motion::Fixed))
+    }
+
+    /// Number of blocks that follow a path.
+    pub fn n_prescribed(&self) -> usize {
+        self.count(|motion| matches!(motion, Motion::Prescribed(_)))
+    }
+
+    fn count(&self, is_wanted: impl Fn(&Motion) -> bool) -> usize {
+        (0..self.n_blocks())
+            .filter(|&b| !self.is_removed[b] && is_wanted(&self.motion[b]))
+            .count()
+    }
+
+    /// Number of blocks taken out with [`remove`](Self::remove).
+    pub fn n_removed(&self) -> usize {
+        self.is_removed
+            .iter()
+            .filter(|&&is_removed| is_removed)
+            .count()
+    }
+
+    /// Number of convex parts.
+    pub fn n_parts(&self) -> usize {
+        self.parts.len()
+    }
+
+    /// The block that a part belongs to.
+    pub fn block_of_part(&self, part: usize) -> usize {
+        self.block_of_part[part] as usize
+    }
+
+    /// The parts of a block.
+    pub fn parts_of(&self, b: usize) -> std::ops::Range<usize> {
+        self.part_start[b] as usize..self.part_start[b + 1] as usize
+    }
+
+    // One block.
+
+    /// How it moves.
+    pub fn motion(&self, b: usize) -> &Motion {
+        &self.motion[b]
+    }
+
+    /// Do forces move it?
+    pub fn is_free(&self, b: usize) -> bool {
+        matches!(self.motion[b], Motion::Free) && !self.is_removed[b]
+    }
+
+    /// Has it been taken out?
+    pub fn is_removed(&self, b: usize) -> bool {
+        self.is_removed[b]
+    }
+
+    /// Centroid, world; m.
+    pub fn centroid(&self, b: usize) -> Vec3 {
+        self.centroid[b]
+    }
+
+    /// Turn since the initial placement.
+    pub fn orientation(&self, b: usize) -> UnitQuaternion<f64> {
+        self.attitude[b] * self.principal[b].inverse()
+    }
+
+    /// Present from initial placement.
+    pub fn pose(&self, b: usize) -> Isometry {
+        let turn = self.orientation(b);
+        let shift = self.centroid[b] - turn * self.initial_centroid[b];
+        Isometry::from_parts(shift.into(), turn)
+    }
+
+    /// Velocity of the centroid; m/s.
+    pub fn velocity(&self, b: usize) -> Vec3 {
+        self.velocity[b]
+    }
+
+    /// Angular velocity, world; rad/s.
+    pub fn angular_velocity(&self, b: usize) -> Vec3 {
+        self.attitude[b] * self.angular_momentum[b].component_div(&self.inertia[b])
+    }
+
+    /// Angular momentum about the centroid, world; N m s.
+    pub fn spin_momentum(&self, b: usize) -> Vec3 {
+        self.attitude[b] * self.angular_momentum[b]
+    }
+
+    /// Mass; kg.
+    pub fn mass(&self, b: usize) -> f64 {
+        self.mass[b]
+    }
+
+    /// Volume; m³.
+    pub fn volume(&self, b: usize) -> f64 {
+        self.volume[b]
+    }
+
+    /// Inertia tensor about the centroid, world; kg m².
+    pub fn inertia(&self, b: usize) -> Matrix3<f64> {
+        let turn = self.attitude[b].to_rotation_matrix();
+        turn.matrix() * Matrix3::from_diagonal(&self.inertia[b]) * turn.matrix().transpose()
+    }
+
+    /// Farthest point of the block from its centroid; m.
+    pub fn radius(&self, b: usize) -> f64 {
+        self.radius[b]
+    }
+
+    /// Velocity of the block's material at a world point; m/s.
+    pub fn velocity_at(&self, b: usize, point: &Vec3) -> Vec3 {
+        self.kinematics[b].velocity_at(point)
+    }
+
+    /// `n·M⁻¹n` at a world point, rotation included: the acceleration along the unit vector `n`
+    /// under a unit force along it; 0 for fixed and prescribed blocks; 1/kg.
+    pub fn compliance(&self, b: usize, point: &Vec3, n: &Vec3) -> f64 {
+        self.kinematics[b].compliance(point, n)
+    }
+
+    /// Contact forces on a block at the end of the last step.
+    pub fn contact_force(&self, b: usize) -> Load {
+        self.contact_load[b]
+    }
+
+    /// Corners and faces in the present place, for output; faces counter-clockwise from outside. A
+    /// ball becomes a grid of 16 × 8 facets.
+    pub fn world_polygons(&self, b: usize) -> (Vec<Vec3>, Vec<Vec<u32>>) {
+        let (mut vertices, mut faces) = (Vec::new(), Vec::new());
+        for part in self.parts_of(b) {
+            match &self.parts[part] {
+                Part::Polyhedron(body) => {
+                    let first = vertices.len() as u32;
+                    vertices.extend_from_slice(body.vertices());
+                    faces.extend(
+                        (0..body.n_faces())
+                            .map(|f| body.face_vertices(f).map(|v| first + v).collect::<Vec<_>>()),
+                    );
+                }
+                Part::Sphere { center, radius } => {
+                    let turn = self.orientation(b);
+                    push_ball(&mut vertices, &mut faces, |unit| {
+                        center + turn * unit * *radius
+                    });
+                }
+            }
+        }
+        (vertices, faces)
+    }
+
+    // One part.
+
+    /// Corners of a part in its present place, for output; of a ball, points all over it.
+    pub fn part_points(&self, part: usize) -> Vec<Vec3> {
+        match &self.parts[part] {
+            Part::Polyhedron(body) => body.vertices().to_vec(),
+            Part::Sphere { center, radius } => {
+                let (mut vertices, mut faces) = (Vec::new(), Vec::new());
+                push_ball(&mut vertices, &mut faces, |unit| center + unit * *radius);
+                vertices
+            }
+        }
+    }
+
+    /// Box around a part, world; m. Lower above upper if its block was removed.
+    pub fn part_aabb(&self, part: usize) -> (Vec3, Vec3) {
+        self.boxes[part]
+    }
+
+    /// Closest point of a part's surface in its present place, or `None` if it is farther outside
+    /// than `cutoff` (m) or its block was removed. See [`Polyhedron::surface_point_within`].
+    ///
+    /// [`Polyhedron::surface_point_within`]: crate::Polyhedron::surface_point_within
+    pub fn surface_point_within(&self, part: usize, x: &Vec3, cutoff: f64) -> Option<SurfacePoint> {
+        if self.is_removed[self.block_of_part[part] as usize] {
+            return None;
+        }
+        self.parts[part].surface_point_within(x, cutoff)
+    }
+
+    // Sums and records.
+
+    /// Contact points of the last step.
+    pub fn contacts(&self) -> &[Contact] {
+        &self.contacts
+    }
+
+    /// Force evaluations of pairs of parts so far.
+    pub fn contact_updates(&self) -> u64 {
+        self.n_contact_updates
+    }
+
+    /// Bonds broken so far.
+    pub fn broken_bonds(&self) -> u64 {
+        self.n_broken_bonds
+    }
+
+    /// Deepest overlap so far, × size of the smaller part (cube root of its volume).
+    pub fn max_overlap_over_size(&self) -> f64 {
+        self.max_overlap_over_size
+    }
+
+    /// Energies and works; J.
+    pub fn energies(&self) -> Energies {
+        let mut energies = Energies {
+            elastic: self.pairs.iter().map(|pair| pair.elastic).sum(),
+            friction: self.friction.total(),
+            damping: self.damping.total(),
+            external_work: self.external_work.total(),
+            ..Energies::default()
+        };
+        for b in (0..self.n_blocks()).filter(|&b| self.is_free(b)) {
+            let p = self.angular_momentum[b];
+            energies.kinetic += 0.5 * self.mass[b] * self.velocity[b].norm_squared()
+                + 0.5 * p.dot(&p.component_div(&self.inertia[b]));
+            energies.potential -= self.mass[b] * self.settings.gravity.dot(&self.centroid[b]);
+        }
+        energies
+    }
+
+    /// Momentum of the free blocks; N s.
+    pub fn momentum(&self) -> Vec3 {
+        (0..self.n_blocks())
+            .filter(|&b| self.is_free(b))
+            .map(|b| self.velocity[b] * self.mass[b])
+            .sum()
+    }
+
+    /// Impulse that gravity and the contacts with fixed and prescribed blocks gave to free blocks
+    /// so far; N s.
+    pub fn support_impulse(&self) -> Vec3 {
+        self.support_impulse
+    }
+
+    /// Numbers of the solver.
+    pub fn settings(&self) -> &Settings {
+        &self.settings
+    }
+
+    /// Visits every number of the state in a fixed order: what a restart needs, and what a hash of
+    /// the state covers.
+    pub fn for_each_state_f64(&self, f: &mut dyn FnMut(f64)) {
+        for b in 0..self.n_blocks() {
+            self.centroid[b].iter().for_each(|&c| f(c));
+            self.velocity[b].iter().for_each(|&c| f(c));
+            self.attitude[b].coords.iter().for_each(|&c| f(c));
+            self.angular_momentum[b].iter().for_each(|&c| f(c));
+            f(f64::from(u8::from(self.is_removed[b])));
+        }
+        for pair in &self.pairs {
+            f(f64::from(pair.parts.0));
+            f(f64::from(pair.parts.1));
+            f(pair.elastic);
+            f(pair.bond.map_or(-1.0, |bond| bond.area));
+            if let Some(axis) = pair.axis.axis {
+                axis.normal.iter().for_each(|&c| f(c));
+                f(axis.gap);
+            }
+            f(pair.axis.verified_gap);
+            f(f64::from(pair.axis.trust));
+            for point in &pair.points {
+                f(f64::from(point.patch.key));
+                point.shear.iter().for_each(|&c| f(c));
+                f(point.normal_force);
+                f(point.normal_viscous);
+                point.shear_force.iter().for_each(|&c| f(c));
+                point.shear_viscous.iter().for_each(|&c| f(c));
+            }
+        }
+        f(self.friction.total());
+        f(self.damping.total());
+        f(self.external_work.total());
+        self.support_impulse.iter().for_each(|&c| f(c));
+        f(self.max_overlap_over_size);
+    }
+}
+
+/// Corners and facets of a ball, `place` takes unit vectors to the surface.
+fn push_ball(vertices: &mut Vec<Vec3>, faces: &mut Vec<Vec<u32>>, place: impl Fn(Vec3) -> Vec3) {
+    const AROUND: u32 = 16;
+    const ALONG: u32 = 8;
+    let south = vertices.len() as u32;
+    vertices.push(place(-Vec3::z()));
+    for ring in 1..ALONG {
+        let (sin, cos) = (std::f64::consts::PI * f64::from(ring) / f64::from(ALONG)).sin_cos();
+        for k in 0..AROUND {
+            let (y, x) = (std::f64::consts::TAU * f64::from(k) / f64::from(AROUND)).sin_cos();
+            vertices.push(place(Vec3::new(sin * x, sin * y, -cos)));
+        }
+    }
+    let north = vertices.len() as u32;
+    vertices.push(place(Vec3::z()));
+    let at = |ring: u32, k: u32| south + 1 + (ring - 1) * AROUND + k % AROUND;
+    for k in 0..AROUND {
+        faces.push(vec![south, at(1, k + 1), at(1, k)]);
+        faces.push(vec![north, at(ALONG - 1, k), at(ALONG - 1, k + 1)]);
+        for ring in 1..ALONG - 1 {
+            faces.push(vec![
+                at(ring, k),
+                at(ring, k + 1),
+                at(ring + 1, k + 1),
+                at(ring + 1, k),
+            ]);
+        }
+    }
+}
