@@ -13,7 +13,7 @@ const TOLERANCE: f64 = 0.1;
 const GOOD: f64 = 0.005;
 /// Fills spent on the search by halving.
 const ATTEMPTS: usize = 20;
-/// Spacings tried on either side of the last one, and their distance: rows come and go one by
+/// Spacings tried on either side of the best one, and their distance: rows come and go one by
 /// one, in different directions at different spacings, so that what halving jumps over a comb finds.
 const NEIGHBORS: i32 = 30;
 const COMB: f64 = 0.0017;
@@ -33,7 +33,7 @@ pub(super) fn lattice(
     let guess = (largest_volume(fluid, domain) / wanted).cbrt();
     let (mut spacing, mut best) = first_fill(guess, fill)?;
     let (mut coarse, mut fine) = (f64::INFINITY, 0.0);
-    let mut found = n_of(&best);
+    let (mut found, mut center) = (n_of(&best), spacing);
     for _ in 0..ATTEMPTS {
         if miss(&best) <= GOOD {
             return Ok(best);
@@ -57,7 +57,7 @@ pub(super) fn lattice(
             Ok(lattice) => {
                 let n = n_of(&lattice);
                 if miss(&lattice) < miss(&best) {
-                    best = lattice;
+                    (best, center) = (lattice, spacing);
                 }
                 n
             }
@@ -68,7 +68,7 @@ pub(super) fn lattice(
         if miss(&best) <= GOOD {
             break;
         }
-        let near = spacing * (1.0 + f64::from(k) * COMB);
+        let near = center * (1.0 + f64::from(k) * COMB);
         if let Some(lattice) = fill(near).ok().filter(|found| miss(found) < miss(&best)) {
             best = lattice;
         }

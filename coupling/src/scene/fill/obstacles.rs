@@ -117,7 +117,9 @@ impl<'a> Obstacles<'a> {
     ) -> Self {
         let parts = parts(solids);
         let cells = counts.map(|n| n.div_ceil(NODES_PER_CELL));
-        let clearance = (0.5 - WALL_SLACK) * spacing.iter().product::<f64>().cbrt();
+        // the least spacing, so that a stretched periodic direction costs no row along a wall
+        let least = spacing.iter().copied().fold(f64::INFINITY, f64::min);
+        let clearance = (0.5 - WALL_SLACK) * least;
         let size = Vec3::from(spacing) * NODES_PER_CELL as f64;
         // nodes of a cell ask for points up to a step beyond their own
         let reach = clearance + spacing.iter().copied().fold(0.0, f64::max);

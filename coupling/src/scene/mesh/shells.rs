@@ -189,7 +189,7 @@ fn weld(soup: &Soup) -> Soup {
     order.sort_unstable();
     order.dedup();
     let mut place = vec![[0_u32; 3]; soup.points.len()];
-    for axis in 0..3 {
+    let mut snap = |axis: usize| {
         let value = |v: u32| soup.points[v as usize][axis];
         order.sort_unstable_by(|&a, &b| value(a).total_cmp(&value(b)).then(a.cmp(&b)));
         let mut level = 0;
@@ -199,7 +199,8 @@ fn weld(soup: &Soup) -> Soup {
             }
             place[v as usize][axis] = level;
         }
-    }
+    };
+    (0..3).for_each(&mut snap);
     order.sort_unstable_by_key(|&v| (place[v as usize], v));
     let mut new = vec![u32::MAX; soup.points.len()];
     let mut points = Vec::new();
