@@ -24,15 +24,21 @@ pub fn motion(file: &MotionFile, path: &str, folder: &Path) -> Result<Motion, Pr
             period,
             phase_deg,
             ramp,
-        } => Ok(Motion::Prescribed(PrescribedMotion::Sinusoid {
-            direction: vec3(*direction).normalize(),
-            amplitude: *amplitude,
-            period: *period,
-            phase: phase_deg.to_radians(),
-            ramp: *ramp,
-        })),
+        } => {
+            let direction = vec3(*direction).try_normalize(0.0).ok_or_else(|| {
+                Problem::error(format!("{path}.direction"), "the motion has no direction")
+            })?;
+            Ok(Motion::Prescribed(PrescribedMotion::Sinusoid {
+                direction,
+                amplitude: *amplitude,
+                period: *period,
+                phase: phase_deg.to_radians(),
+                ramp: *ramp,
+            }))
+        }
         MotionFile::Table { file } => {
             let (time, displacement) = file_inside(folder, file)
+                .map_err(|error| error.to_string())
                 .and_then(|path| {
                     std::fs::read_to_string(&path).map_err(|e| format!("cannot read `{file}`: {e}"))
                 })
@@ -59,7 +65,8 @@ fn record(text: &str) -> Result<(Vec<f64>, Vec<Vec3>), String> {
             line.split(',').map(|field| field.trim().parse()).collect();
         let number = index + 1;
         match numbers {
-            Err(_) if heading_allowed => {}
+            // a heading has no number in it; a first row with one wrong letter has three
+            Err(_) if heading_allowed && !has_number(line) => {}
             Err(_) => {
                 return Err(format!(
                     "line {number}: found `{line}`, needed four numbers t, x, y, z"
@@ -92,6 +99,11 @@ fn record(text: &str) -> Result<(Vec<f64>, Vec<Vec3>), String> {
     Ok((times, displacements))
 }
 
+fn has_number(line: &str) -> bool {
+    line.split(',')
+        .any(|field| field.trim().parse::<f64>().is_ok())
+}
+
 #[cfg(test)]
 #[expect(
     clippy::unwrap_used,
@@ -113,6 +125,7 @@ mod tests {
         for (text, expected) in [
             ("0,0,0,0\n0,1,0,0\n", "line 2: time must increase"),
             ("0,0,0,0\n1,1,0\n", "line 2: found 3 columns"),
+            ("O,0,0,0\n1,1,0,0\n", "line 1: found `O,0,0,0`"),
             ("0,0,0,0\nx,1,0,0\n", "line 2: found `x,1,0,0`"),
             ("0,0,0,0\n1,inf,0,0\n", "line 2: numbers must be finite"),
             ("0,0,0,0\n", "has 1 rows"),

@@ -3,80 +3,131 @@
 use std::path::Path;
 
 use nalgebra::{Translation3, Unit, UnitQuaternion};
-use riprap_dda::{Isometry, Polyhedron, Shape, Vec3};
+use riprap_dda::{Isometry, Polyhedron, PolyhedronError, Shape, Vec3};
 
 use super::error::Problem;
 use super::file::{Axis, BlockFile, PlacementFile, ShapeFile};
-use super::mesh;
+use super::mesh::{self, MeshError};
 use super::resolve::vec3;
 
 /// The solid of block `index` of the file, turned and shifted into place.
 ///
 /// # Errors
 ///
-/// [`Problem`]s with the path of the shape.
+/// [`Problem`]s with the path of the field that is to blame.
 pub fn solid(block: &BlockFile, index: usize, folder: &Path) -> Result<Shape, Vec<Problem>> {
-    let shape = build(&block.shape, folder).map_err(|found| {
+    let refused = |field: &str, found: String| {
         let message = format!("block `{}`: {found}", block.name);
-        vec![Problem::error(format!("blocks[{index}].shape"), message)]
-    })?;
-    Ok(shape.transformed(&placement(&block.placement)))
+        vec![Problem::error(format!("blocks[{index}].{field}"), message)]
+    };
+    let placement = placement(&block.placement)
+        .ok_or_else(|| refused("placement.rotate.axis", "the axis has no direction".into()))?;
+    match build(&block.shape, folder) {
+        Ok(shape) => Ok(shape.transformed(&placement)),
+        Err(found) => {
+            let field = blamed(&block.shape, &found);
+            Err(refused(&format!("shape{field}"), found.to_string()))
+        }
+    }
 }
 
-fn build(shape: &ShapeFile, folder: &Path) -> Result<Shape, String> {
-    let one = |polyhedron: Result<Polyhedron, _>| match polyhedron {
-        Ok(polyhedron) => Ok(Shape::Polyhedra(vec![polyhedron])),
-        Err(error) => Err(riprap_dda::PolyhedronError::to_string(&error)),
-    };
+/// Why a shape is not a solid.
+#[derive(Debug, thiserror::Error)]
+enum ShapeError {
+    #[error(transparent)]
+    Polyhedron(#[from] PolyhedronError),
+    #[error(transparent)]
+    Mesh(#[from] MeshError),
+    #[error("radius must be finite and > 0, got {0}")]
+    Radius(f64),
+    #[error("scale must be finite and > 0, got {0}")]
+    Scale(f64),
+}
+
+fn build(shape: &ShapeFile, folder: &Path) -> Result<Shape, ShapeError> {
+    let one = |part| Shape::Polyhedra(vec![part]);
     let points = |list: &[_]| list.iter().copied().map(vec3).collect::<Vec<Vec3>>();
-    match shape {
-        ShapeFile::Box { min, max } => one(Polyhedron::cuboid(vec3(*min), vec3(*max))),
+    let is_positive = |value: f64| value.is_finite() && value > 0.0;
+    Ok(match shape {
+        ShapeFile::Box { min, max } => one(Polyhedron::cuboid(vec3(*min), vec3(*max))?),
         ShapeFile::Wedge {
             length,
             height,
             width,
-        } => extrusion(
-            &[(0.0, 0.0), (*length, 0.0), (0.0, *height)],
-            Axis::Y,
-            0.0,
-            *width,
-        ),
-        ShapeFile::Hull { points: list } => one(Polyhedron::convex_hull(&points(list))),
+        } => {
+            let corners = [(0.0, 0.0), (*length, 0.0), (0.0, *height)];
+            extrusion(&corners, Axis::Y, 0.0, *width)?
+        }
+        ShapeFile::Hull { points: list } => one(Polyhedron::convex_hull(&points(list))?),
         ShapeFile::Polyhedron { vertices, faces } => {
-            one(Polyhedron::from_faces(&points(vertices), faces))
+            one(Polyhedron::from_faces(&points(vertices), faces)?)
         }
         ShapeFile::Extrusion {
             polygon,
             axis,
             from,
             to,
-        } => extrusion(polygon, *axis, *from, *to),
-        ShapeFile::Sphere { center, radius } => Ok(Shape::Sphere {
+        } => extrusion(polygon, *axis, *from, *to)?,
+        ShapeFile::Sphere { radius, .. } if !is_positive(*radius) => {
+            return Err(ShapeError::Radius(*radius));
+        }
+        ShapeFile::Sphere { center, radius } => Shape::Sphere {
             center: vec3(*center),
             radius: *radius,
-        }),
-        ShapeFile::Mesh { file, scale } => mesh::solid(folder, file, *scale),
+        },
+        ShapeFile::Mesh { scale, .. } if !is_positive(*scale) => {
+            return Err(ShapeError::Scale(*scale));
+        }
+        ShapeFile::Mesh { file, scale } => mesh::solid(folder, file, *scale)?,
+    })
+}
+
+/// The field of a shape that an error speaks of, with its dot.
+fn blamed(shape: &ShapeFile, error: &ShapeError) -> &'static str {
+    match (shape, error) {
+        (_, ShapeError::Radius(_)) => ".radius",
+        (_, ShapeError::Scale(_)) => ".scale",
+        (ShapeFile::Hull { .. }, _) => ".points",
+        (ShapeFile::Mesh { .. }, _) => ".file",
+        (
+            ShapeFile::Polyhedron { .. },
+            ShapeError::Polyhedron(
+                PolyhedronError::NotFinite { .. }
+                | PolyhedronError::RepeatedVertex { .. }
+                | PolyhedronError::UnusedVertex { .. },
+            ),
+        ) => ".vertices",
+        (
+            ShapeFile::Polyhedron { .. },
+            ShapeError::Polyhedron(PolyhedronError::NoVolume { .. }),
+        ) => "",
+        (ShapeFile::Polyhedron { .. }, _) => ".faces",
+        (ShapeFile::Extrusion { from, to, .. }, _) if from == to => ".to",
+        (ShapeFile::Extrusion { .. }, _) => ".polygon",
+        _ => "",
     }
 }
 
-fn extrusion(polygon: &[(f64, f64)], axis: Axis, from: f64, to: f64) -> Result<Shape, String> {
+fn extrusion(
+    polygon: &[(f64, f64)],
+    axis: Axis,
+    from: f64,
+    to: f64,
+) -> Result<Shape, PolyhedronError> {
     let polygon: Vec<[f64; 2]> = polygon.iter().map(|&(a, b)| [a, b]).collect();
-    Polyhedron::extrusion(&polygon, axis.index(), from, to)
-        .map(Shape::Polyhedra)
-        .map_err(|error| error.to_string())
+    Polyhedron::extrusion(&polygon, axis.index(), from, to).map(Shape::Polyhedra)
 }
 
-/// The turn about a point and the shift after it.
-fn placement(file: &PlacementFile) -> Isometry {
+/// The turn about a point and the shift after it; `None` if the axis has no direction.
+fn placement(file: &PlacementFile) -> Option<Isometry> {
     let shift = vec3(file.translate);
     let Some(turn) = &file.rotate else {
-        return Isometry::from_parts(Translation3::from(shift), UnitQuaternion::identity());
+        let still = UnitQuaternion::identity();
+        return Some(Isometry::from_parts(Translation3::from(shift), still));
     };
-    let axis = Unit::new_normalize(vec3(turn.axis));
+    let axis = Unit::try_new(vec3(turn.axis), 0.0)?;
     let rotation = UnitQuaternion::from_axis_angle(&axis, turn.angle_deg.to_radians());
     let about = vec3(turn.about);
-    Isometry::from_parts(
-        Translation3::from(about - rotation * about + shift),
-        rotation,
-    )
+    let translation = Translation3::from(about - rotation * about + shift);
+    Some(Isometry::from_parts(translation, rotation))
 }

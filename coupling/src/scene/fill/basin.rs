@@ -1,0 +1,202 @@
+//! Water poured into a basin: it fills what it reaches below a level.
+
+use std::collections::VecDeque;
+
+use riprap_dda::{Shape, Vec3};
+
+use super::obstacles::Obstacles;
+use super::{FillError, MOST_NODES, rows};
+use crate::scene::file::{Axis, DomainFile};
+use crate::scene::resolve::vec3;
+
+/// Lattice nodes of the domain below a level.
+struct Basin {
+    spacing: [f64; 3],
+    counts: [usize; 3],
+    first: Vec3,
+    periodic: [bool; 3],
+}
+
+/// What is known of a node.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Node {
+    Unknown,
+    Blocked,
+    Wet,
+}
+
+/// All nodes that water from `seed` reaches, in the order of the lattice.
+pub(super) fn fill(
+    domain: &DomainFile,
+    spacing: [f64; 3],
+    level: f64,
+    seed: &Vec3,
+    solids: &[(String, Shape)],
+) -> Result<Vec<Vec3>, FillError> {
+    let basin = Basin::new(domain, spacing, level)?;
+    let obstacles = Obstacles::new(solids, &basin.first, spacing, basin.counts);
+    let start = basin.start(seed, level, domain, &obstacles, solids)?;
+    let nodes = basin.flood(start, &obstacles)?;
+    let mut positions = Vec::new();
+    for k in 0..basin.counts[2] {
+        for j in 0..basin.counts[1] {
+            for i in 0..basin.counts[0] {
+                if nodes[basin.index([i, j, k])] == Node::Wet {
+                    positions.push(basin.position([i, j, k]));
+                }
+            }
+        }
+    }
+    Ok(positions)
+}
+
+impl Basin {
+    /// The top row stands half a spacing under the level, the others below it; in the plan the
+    /// first row stands half a spacing inside the domain.
+    fn new(domain: &DomainFile, spacing: [f64; 3], level: f64) -> Result<Self, FillError> {
+        let (min, max) = (vec3(domain.min), vec3(domain.max));
+        if !(level <= max.z) {
+            return Err(FillError::LevelAboveDomain { level, top: max.z });
+        }
+        let top = Vec3::new(max.x, max.y, level);
+        let counts = [0, 1, 2].map(|k| rows(top[k] - min[k], spacing[k]));
+        if !counts.iter().all(|&n| n >= 1.0) {
+            return Err(FillError::NoRow { bottom: min.z });
+        }
+        if counts.iter().product::<f64>() > MOST_NODES {
+            return Err(FillError::TooManyNodes);
+        }
+        Ok(Self {
+            spacing,
+            counts: counts.map(|n| n as usize),
+            first: Vec3::new(
+                min.x + 0.5 * spacing[0],
+                min.y + 0.5 * spacing[1],
+                level - (counts[2] - 0.5) * spacing[2],
+            ),
+            periodic: [Axis::X, Axis::Y, Axis::Z].map(|axis| domain.periodic.contains(&axis)),
+        })
+    }
+
+    fn position(&self, node: [usize; 3]) -> Vec3 {
+        self.first + Vec3::from_fn(|axis, _| node[axis] as f64 * self.spacing[axis])
+    }
+
+    fn index(&self, node: [usize; 3]) -> usize {
+        (node[2] * self.counts[1] + node[1]) * self.counts[0] + node[0]
+    }
+
+    /// The node one step along an axis, round the periodic directions; `None` past an edge.
+    fn step(&self, node: [usize; 3], axis: usize, forward: bool) -> Option<[usize; 3]> {
+        let n = self.counts[axis];
+        let mut next = node;
+        next[axis] = match (forward, node[axis]) {
+            (true, at) if at + 1 < n => at + 1,
+            (false, at) if at > 0 => at - 1,
+            (true, _) if self.periodic[axis] => 0,
+            (false, _) if self.periodic[axis] => n - 1,
+            _ => return None,
+        };
+        Some(next)
+    }
+
+    /// The node nearest to the seed that has room for a particle and open water between, among the
+    /// 27 about it: the seed of a coarse lattice may stand near a wall.
+    fn start(
+        &self,
+        seed: &Vec3,
+        level: f64,
+        domain: &DomainFile,
+        obstacles: &Obstacles,
+        solids: &[(String, Shape)],
+    ) -> Result<[usize; 3], FillError> {
+        let name = |block: usize| solids[block].0.clone();
+        let at = [seed.x, seed.y, seed.z];
+        let (min, max) = (vec3(domain.min), vec3(domain.max));
+        let is_inside = (0..3).all(|k| min[k] <= seed[k] && seed[k] <= max[k]);
+        if !(is_inside && seed.z < level) {
+            return Err(FillError::SeedOutside { seed: at });
+        }
+        let nearest = [0, 1, 2].map(|axis| {
+            let place = (seed[axis] - self.first[axis]) / self.spacing[axis];
+            (place.round().max(0.0) as usize).min(self.counts[axis] - 1)
+        });
+        if let Some(block) = obstacles.holder(nearest, seed) {
+            let block = name(block);
+            return Err(FillError::SeedInBlock { seed: at, block });
+        }
+        let mut best: Option<(f64, [usize; 3])> = None;
+        let mut in_the_way = None;
+        for shift in 0..27 {
+            let moved = |axis: usize, step: usize| (nearest[axis] + step).checked_sub(1);
+            let (Some(i), Some(j), Some(k)) = (
+                moved(0, shift % 3),
+                moved(1, shift / 3 % 3),
+                moved(2, shift / 9),
+            ) else {
+                continue;
+            };
+            let node = [i, j, k];
+            if (0..3).any(|axis| node[axis] >= self.counts[axis]) {
+                continue;
+            }
+            let x = self.position(node);
+            let distance = (x - seed).norm();
+            if let Some(block) = obstacles.blocker(node, &x) {
+                in_the_way = in_the_way.or(Some(block));
+            } else if best.is_none_or(|(least, _)| distance < least)
+                && !obstacles.is_crossed(node, seed, &x)
+            {
+                best = Some((distance, node));
+            }
+        }
+        best.map(|(_, node)| node)
+            .ok_or_else(|| FillError::SeedTooNarrow {
+                seed: at,
+                block: in_the_way.map_or_else(String::new, name),
+            })
+    }
+
+    fn flood(&self, start: [usize; 3], obstacles: &Obstacles) -> Result<Vec<Node>, FillError> {
+        let mut nodes = vec![Node::Unknown; self.counts.iter().product()];
+        nodes[self.index(start)] = Node::Wet;
+        let mut queue = VecDeque::from([start]);
+        while let Some(node) = queue.pop_front() {
+            let from = self.position(node);
+            for (axis, forward) in (0..3).flat_map(|axis| [(axis, false), (axis, true)]) {
+                let mut beyond = from;
+                beyond[axis] += if forward { 1.0 } else { -1.0 } * self.spacing[axis];
+                let Some(next) = self.step(node, axis, forward) else {
+                    // upward there is air, not an edge; a wall may stand at the edge itself
+                    let is_air = axis == 2 && forward;
+                    if is_air
+                        || obstacles.blocker(node, &beyond).is_some()
+                        || obstacles.is_barred(node, &from, &beyond)
+                    {
+                        continue;
+                    }
+                    return Err(FillError::Leak { at: from });
+                };
+                let index = self.index(next);
+                if nodes[index] != Node::Unknown {
+                    continue;
+                }
+                let to = self.position(next);
+                if obstacles.blocker(next, &to).is_some() {
+                    nodes[index] = Node::Blocked;
+                    continue;
+                }
+                // round a periodic direction the step is seen from both of its ends
+                let before = to - (beyond - from);
+                if obstacles.is_barred(node, &from, &beyond)
+                    || obstacles.is_barred(next, &before, &to)
+                {
+                    continue;
+                }
+                nodes[index] = Node::Wet;
+                queue.push_back(next);
+            }
+        }
+        Ok(nodes)
+    }
+}

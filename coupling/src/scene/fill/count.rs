@@ -1,0 +1,111 @@
+//! The spacing that gives a wanted number of particles.
+
+use riprap_dda::Shape;
+
+use super::{Lattice, at_spacing};
+use crate::scene::error::Problem;
+use crate::scene::file::{DomainFile, FluidFile, RegionShapeFile};
+use crate::scene::resolve::vec3;
+
+/// Whole rows may not allow a wanted count; a miss by more than this share is refused.
+const TOLERANCE: f64 = 0.1;
+/// Near enough to stop looking.
+const GOOD: f64 = 0.005;
+/// Fills spent on the search by halving.
+const ATTEMPTS: usize = 20;
+/// Spacings tried on either side of the best one, and their distance: rows come and go one by
+/// one, in different directions at different spacings, so that what halving jumps over a comb finds.
+const NEIGHBORS: i32 = 30;
+const COMB: f64 = 0.0017;
+/// Coarse lattices may find no room where finer ones do; × first guess, three times.
+const REFINEMENT: f64 = 0.7;
+
+pub(super) fn lattice(
+    fluid: &FluidFile,
+    domain: &DomainFile,
+    solids: &[(String, Shape)],
+    count: u32,
+) -> Result<Lattice, Vec<Problem>> {
+    let wanted = f64::from(count);
+    let fill = |spacing| at_spacing(fluid, domain, solids, spacing);
+    let n_of = |lattice: &Lattice| lattice.positions.len() as f64;
+    let miss = |lattice: &Lattice| (n_of(lattice) / wanted - 1.0).abs();
+    let guess = (largest_volume(fluid, domain) / wanted).cbrt();
+    let (mut spacing, mut best) = first_fill(guess, fill)?;
+    let (mut coarse, mut fine) = (f64::INFINITY, 0.0);
+    let (mut found, mut center) = (n_of(&best), spacing);
+    for _ in 0..ATTEMPTS {
+        if miss(&best) <= GOOD {
+            return Ok(best);
+        }
+        if found < wanted {
+            coarse = spacing;
+        } else {
+            fine = spacing;
+        }
+        // the count falls with the cube of the spacing; where that leaves the bracket, halve it
+        let next = spacing * (found.max(1.0) / wanted).cbrt();
+        let is_bracketed = coarse.is_finite() && fine > 0.0;
+        let margin = 0.1 * (coarse - fine);
+        spacing = if !is_bracketed || (next > fine + margin && next < coarse - margin) {
+            next
+        } else {
+            0.5 * (fine + coarse)
+        };
+        // what has no room at this spacing holds no particles
+        found = match fill(spacing) {
+            Ok(lattice) => {
+                let n = n_of(&lattice);
+                if miss(&lattice) < miss(&best) {
+                    (best, center) = (lattice, spacing);
+                }
+                n
+            }
+            Err(_) => 0.0,
+        };
+    }
+    for k in (1..=NEIGHBORS).flat_map(|k| [-k, k]) {
+        if miss(&best) <= GOOD {
+            break;
+        }
+        let near = center * (1.0 + f64::from(k) * COMB);
+        if let Some(lattice) = fill(near).ok().filter(|found| miss(found) < miss(&best)) {
+            best = lattice;
+        }
+    }
+    if miss(&best) <= TOLERANCE {
+        return Ok(best);
+    }
+    let message = format!(
+        "no spacing gives {count} particles within 10 %; the nearest is {}; ask for that, or give a spacing",
+        best.positions.len()
+    );
+    Err(vec![Problem::error("fluid.resolution", message)])
+}
+
+/// The first fill that works, from the guess on down; m.
+fn first_fill(
+    guess: f64,
+    fill: impl Fn(f64) -> Result<Lattice, Vec<Problem>>,
+) -> Result<(f64, Lattice), Vec<Problem>> {
+    let first = match fill(guess) {
+        Ok(lattice) => return Ok((guess, lattice)),
+        Err(problems) => problems,
+    };
+    (1..=3)
+        .map(|k| guess * REFINEMENT.powi(k))
+        .find_map(|spacing| fill(spacing).ok().map(|lattice| (spacing, lattice)))
+        .ok_or(first)
+}
+
+/// Volume that the regions cannot exceed; m³.
+fn largest_volume(fluid: &FluidFile, domain: &DomainFile) -> f64 {
+    let (low, high) = (vec3(domain.min), vec3(domain.max));
+    let of_region = |shape: &RegionShapeFile| match shape {
+        RegionShapeFile::Box { min, max } => (vec3(*max) - vec3(*min)).product(),
+        RegionShapeFile::Below { level, .. } => {
+            (high.x - low.x) * (high.y - low.y) * (level - low.z)
+        }
+    };
+    fluid.regions.iter().map(|r| of_region(&r.shape)).sum()
+}
