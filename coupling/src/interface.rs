@@ -9,6 +9,9 @@
 //! force per body instead of one per face, so that edges push no harder than faces. The spring
 //! starts half a spacing off the surface, where the first row of a lattice stands; the paper leaves
 //! this open.
+//!
+//! In a slab, periodic in one direction, a block is a piece of an endless prism: the fluid moves it in
+//! the plane of the slab only. What it would get across is held by the slab and booked as such.
 
 use rayon::prelude::*;
 use riprap_dda::{Blocks, Load, Motion};
@@ -82,6 +85,8 @@ pub struct PushedBack {
 #[derive(Clone, Debug)]
 pub struct Interface {
     settings: WallSettings,
+    /// The one periodic direction of a slab.
+    slab_axis: Option<usize>,
     /// Parts of blocks that never move, near each cell.
     fixed: PartTable,
     /// Parts of blocks that may move, near each cell at present.
@@ -108,8 +113,11 @@ impl Interface {
         let standing = (0..blocks.n_parts())
             .filter(|&part| matches!(blocks.motion(blocks.block_of_part(part)), Motion::Fixed));
         fixed.rebuild(standing, blocks, grid, settings.standoff());
+        let periodic = grid.periodic();
+        let n_periodic = periodic.iter().filter(|&&p| p).count();
         Self {
             settings,
+            slab_axis: (0..3).find(|&axis| n_periodic == 1 && periodic[axis]),
             fixed,
             moving: PartTable::default(),
             chunks: Vec::new(),
@@ -122,6 +130,17 @@ impl Interface {
     /// Numbers of the wall.
     pub fn settings(&self) -> &WallSettings {
         &self.settings
+    }
+
+    /// The part of a load that moves a block: in a slab, what lies in its plane.
+    pub fn in_plane(&self, mut load: Load) -> Load {
+        if let Some(axis) = self.slab_axis {
+            load.force[axis] = 0.0;
+            let turning = load.torque[axis];
+            load.torque = Vec3::zeros();
+            load.torque[axis] = turning;
+        }
+        load
     }
 
     /// Particles within the standoff of a body, with their forces since [`Self::update_forces`].
@@ -221,6 +240,9 @@ impl Interface {
             load.force -= touch.force;
             load.torque -= (touch.point - blocks.centroid(block)).cross(&touch.force);
             self.compliance[block] += blocks.compliance(block, &touch.point, &touch.normal);
+        }
+        for block in 0..self.loads.len() {
+            self.loads[block] = self.in_plane(self.loads[block]);
         }
     }
 

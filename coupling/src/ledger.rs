@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use crate::world::World;
+use riprap_dda::Load;
 use riprap_sph::Vec3;
 
 /// Energy terms; J. Losses and works count from the start of the ledger.
@@ -80,6 +81,13 @@ impl Ledger {
             if !world.blocks.is_free(block) {
                 work += touch.force.dot(&touch.wall_velocity);
                 impulse += touch.force;
+            } else {
+                // what a slab holds across its plane
+                let felt = Load {
+                    force: touch.force,
+                    ..Load::default()
+                };
+                impulse += touch.force - water.interface.in_plane(felt).force;
             }
         }
         let weight =

@@ -418,10 +418,12 @@ impl World {
             if self.blocks.is_free(block) {
                 let arm = intruder.point - self.blocks.centroid(block);
                 self.impulses.fill(Load::default());
-                self.impulses[block] = Load {
+                let felt = water.interface.in_plane(Load {
                     force: -impulse,
                     torque: arm.cross(&-impulse),
-                };
+                });
+                self.ledger.impulse += impulse + felt.force;
+                self.impulses[block] = felt;
                 self.blocks.apply_impulse(&self.impulses, 1.0);
             } else {
                 self.ledger.impulse += impulse;

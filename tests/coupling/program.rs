@@ -69,13 +69,17 @@ fn a_small_sliding_wedge_runs_to_its_end_and_makes_a_wave() {
     ] {
         assert!(folder.path().join(file).is_file(), "{file} is missing");
     }
+    // the wedge stays in the plane of its slab and in the scene
+    assert_eq!(summary["blocks_escaped"], 0);
+    let blocks = table(&folder.path().join("blocks.csv"));
+    let last = &blocks[blocks.len() - 1];
+    assert!((last[3] - 0.15).abs() < 1e-3, "sideways to {}", last[3]);
     let gauges = table(&folder.path().join("gauges.csv"));
     let first = gauges[0][1];
     let crest = gauges.iter().map(|row| row[1]).fold(f64::MIN, f64::max);
     // the wedge displaces a fifth of the depth over its own length: a wave well above a spacing
     assert!(crest - first > 0.075, "crest {crest} from {first}");
     // dry slide: 2 cm above the water the wedge moves with g (sin 25 − tan 3 cos 25)
-    let blocks = table(&folder.path().join("blocks.csv"));
     let early = blocks.iter().find(|row| row[0] > 0.02).unwrap();
     let speed = early[5].hypot(early[7]);
     // before its foot is wet; 1 % for the contact taking up its load in the first steps
