@@ -60,18 +60,18 @@ enum FillError {
          round blocks"
     )]
     InBlock { block: String, depth: f64 },
-    #[error("level {level} m is above the domain, which ends at {top} m; raise domain.max")]
+    #[error("has its level, {level} m, above the domain, which ends at {top} m; raise domain.max")]
     LevelAboveDomain { level: f64, top: f64 },
     #[error(
-        "no row of particles fits between the bottom of the domain at {bottom} m and the level"
+        "is too shallow: no row of particles fits between the bottom of the domain at {bottom} m and the level"
     )]
     NoRow { bottom: f64 },
-    #[error("the seed {seed:?} m is not below the level and inside the domain")]
+    #[error("has its seed {seed:?} m above the level or out of the domain")]
     SeedOutside { seed: [f64; 3] },
-    #[error("the seed {seed:?} m is inside block `{block}`; move it into the water")]
+    #[error("has its seed {seed:?} m inside block `{block}`; move it into the water")]
     SeedInBlock { seed: [f64; 3], block: String },
     #[error(
-        "no particle fits at the seed {seed:?} m: block `{block}` is nearer than half a spacing; move the \
+        "has no room for a particle at the seed {seed:?} m: block `{block}` is nearer than half a spacing; move the \
          seed or refine `fluid.resolution`"
     )]
     SeedTooNarrow { seed: [f64; 3], block: String },

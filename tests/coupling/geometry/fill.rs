@@ -218,15 +218,15 @@ fn what_cannot_be_filled_says_why() {
     let cases = [
         (
             below(0.8, (1.0, 0.5, 0.9)),
-            "fluid.regions[0].shape.seed: fluid region `lake` the seed [1.0, 0.5, 0.9] m is not below the level",
+            "fluid.regions[0].shape.seed: fluid region `lake` has its seed [1.0, 0.5, 0.9] m above the level or out of the domain",
         ),
         (
             below(0.8, (1.0, 0.5, -0.05)),
-            "fluid.regions[0].shape.seed: fluid region `lake` the seed [1.0, 0.5, -0.05] m is inside block `floor`",
+            "fluid.regions[0].shape.seed: fluid region `lake` has its seed [1.0, 0.5, -0.05] m inside block `floor`; move it into the water",
         ),
         (
             below(1.3, (1.0, 0.5, 0.5)),
-            "fluid.regions[0].shape.level: fluid region `lake` level 1.3 m is above the domain",
+            "fluid.regions[0].shape.level: fluid region `lake` has its level, 1.3 m, above the domain",
         ),
         (
             // the deepest node stands at x = -0.05, which is 0.05 m from both sides of the wall;
