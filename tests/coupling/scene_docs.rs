@@ -56,7 +56,9 @@ fn documented_fields() -> BTreeSet<String> {
     for line in text.lines() {
         if let Some(heading) = line.strip_prefix("### ") {
             owner = heading.split('`').nth(1).unwrap_or_default().to_owned();
-        } else if let Some(cell) = line.strip_prefix("| `") {
+        } else if let Some(cell) = line.strip_prefix("| `")
+            && !owner.is_empty()
+        {
             fields.insert(format!("{owner}.{}", cell.split('`').next().unwrap()));
         }
     }
