@@ -98,10 +98,14 @@ pub(crate) fn survey(
         Lens::Perspective { .. } => (high - low).norm(),
         Lens::Strips { width, .. } => *width,
     };
-    // Across strips one looks through the slab, else through a fraction of the scene.
+    // Across strips one looks through the slab, else through a fraction of the scene, and through a
+    // slab again where that is thinner: its water would be a pane of glass.
     let clear = match camera.panels().first() {
         Some(panel) if panel.shift.norm() > 0.0 => 0.9 * (high - low)[1 - panel.axis],
-        _ => 0.1 * size,
+        _ => {
+            let thinnest = (high - low).xy().min().max(1e-3 * size);
+            (0.1 * size).min(0.9 * thinnest)
+        }
     };
     let size = if 0.0 < size {
         size
