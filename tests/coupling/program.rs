@@ -487,6 +487,23 @@ fn compare_gives_figures_and_json() {
     assert!(output.status.success(), "{}", words(&output));
     let json: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
     let report = json.get(0).unwrap_or(&json);
+    // a reference of two columns needs no names, nor a heading
+    let bare = folder.path().join("bare.csv");
+    let text = std::fs::read_to_string(&b).unwrap();
+    std::fs::write(
+        &bare,
+        text.replacen("time [s],g1 [m]", "# digitised from a figure", 1),
+    )
+    .unwrap();
+    let again = riprap(&[
+        "compare",
+        a.to_str().unwrap(),
+        bare.to_str().unwrap(),
+        "--column",
+        "g1",
+        "--json",
+    ]);
+    assert_eq!(again.stdout, output.stdout, "{}", words(&again));
     // 1.1 sin t against sin t: the peak is 0.1 too high, sampled every 0.05 s
     assert!(
         (report["peak_error"].as_f64().unwrap() - 0.1).abs() < 1e-3,

@@ -1,13 +1,15 @@
 //! `riprap check`: what a scene will model and what it costs.
 
 use std::fmt::Write as _;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use riprap_dda::{Motion, Shape};
 
 use super::{Exit, load, say, show};
 use crate::run::build;
+use crate::scene::file::ShapeFile;
+use crate::scene::mesh;
 use crate::scene::parse::Override;
 use crate::scene::resolve::Scene;
 use crate::time_step::Cause;
@@ -33,7 +35,10 @@ pub(crate) fn execute(arguments: &Arguments) -> Exit {
         Ok(scene) => scene,
         Err(exit) => return exit,
     };
-    show(&describe(&scene));
+    show(&describe(
+        &scene,
+        arguments.case.parent().unwrap_or(Path::new(".")),
+    ));
     match cost(&scene) {
         Ok(text) => {
             show(&text);
@@ -47,7 +52,7 @@ pub(crate) fn execute(arguments: &Arguments) -> Exit {
 }
 
 /// What will be modelled and what will not, and why.
-pub(crate) fn describe(scene: &Scene) -> String {
+pub(crate) fn describe(scene: &Scene, folder: &Path) -> String {
     let mut text = format!("{}\n", scene.file.title);
     let count = |test: fn(&Motion) -> bool| scene.blocks.iter().filter(|b| test(&b.motion)).count();
     let free = count(|m| matches!(m, Motion::Free));
@@ -119,6 +124,29 @@ pub(crate) fn describe(scene: &Scene) -> String {
                 format!(
                     "penalty, K_S {:.3e} N/m, K_D {:.3e} N s/m, from half a spacing off the surface; no wall particles",
                     fluid.walls.stiffness, fluid.walls.damping
+                ),
+            );
+        }
+    }
+    for (block, file, scale) in scene.file.blocks.iter().filter_map(|b| match &b.shape {
+        ShapeFile::Mesh { file, scale } => Some((b, file, *scale)),
+        _ => None,
+    }) {
+        // the scene is read: its meshes can be, too
+        if let Ok(found) = mesh::survey(folder, file, scale) {
+            let size = found.max - found.min;
+            line(
+                "mesh",
+                format!(
+                    "`{}` from {file}: watertight {}, {} shells, {} triangles, {:.6} m3, box {:.3} x {:.3} x {:.3} m",
+                    block.name,
+                    if found.is_watertight { "yes" } else { "no" },
+                    found.n_shells,
+                    found.n_triangles,
+                    found.volume,
+                    size.x,
+                    size.y,
+                    size.z
                 ),
             );
         }

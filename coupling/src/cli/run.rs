@@ -71,7 +71,8 @@ pub(crate) fn execute(arguments: &Arguments) -> Exit {
     let stop = Arc::new(AtomicBool::new(false));
     stop_on_signal(&stop);
     if !arguments.quiet {
-        say(&describe(&scene));
+        let folder_of_case = arguments.case.parent().unwrap_or(Path::new("."));
+        say(&describe(&scene, folder_of_case));
     }
     let mut line = ProgressLine::new(arguments.quiet);
     let ended = run(&scene, &folder, &stop, &mut |progress| line.show(progress));

@@ -29,6 +29,13 @@ pub fn compare_files(
     options: Options,
 ) -> Result<Vec<Report>, CompareError> {
     let computed = read_table(computed)?;
+    if let (Some(name), Some(series)) = (column, two_columns(reference)) {
+        return Ok(vec![Report {
+            column: name.to_owned(),
+            unit: computed.unit(name)?.to_owned(),
+            comparison: compare(&Series::from_table(&computed, name)?, &series, options),
+        }]);
+    }
     let reference = read_table(reference)?;
     let names = match column {
         Some(name) => vec![name.to_owned()],
@@ -55,6 +62,32 @@ pub fn compare_files(
             })
         })
         .collect()
+}
+
+/// The series of a file of two columns, time and value, whatever their names; a heading may be there
+/// or not, `#` starts a comment. `None` when the file is anything else: it is then read as a table,
+/// with a table's errors.
+fn two_columns(path: &Path) -> Option<Series> {
+    let text = std::fs::read_to_string(path).ok()?;
+    let mut series = Series::default();
+    let mut heading_allowed = true;
+    for line in text.lines() {
+        let line = line.split('#').next().unwrap_or_default().trim();
+        if line.is_empty() {
+            continue;
+        }
+        let (time, value) = line.split_once(',')?;
+        match (time.trim().parse::<f64>(), value.trim().parse::<f64>()) {
+            (Ok(time), Ok(value)) if series.time.last().is_none_or(|&last| last < time) => {
+                series.time.push(time);
+                series.value.push(value);
+            }
+            (Err(_), Err(_)) if heading_allowed && !value.contains(',') => {}
+            _ => return None,
+        }
+        heading_allowed = false;
+    }
+    (series.time.len() > 1).then_some(series)
 }
 
 impl Series {
