@@ -3,9 +3,14 @@
 mod query;
 
 use crate::{
-    BlockError, Contact, Isometry, Load, MassProperties, Material, Motion, Shape, Vec3,
+    Attachment, BlockError, Contact, Deformability, DeformableModel, Hold, Isometry, Load,
+    MassProperties, Material, Motion, Shape, StaticDamping, Turning, Vec3,
+    attachments::{Attachments, Surroundings},
     broad_phase::{self, Bounds},
     contact::{Medium, Pair},
+    deformation::{
+        Affine12, AffineBody, Dda12, Deformable, axial, elastic_constants, symmetric, tensor,
+    },
     energy::Account,
     kinematics::Kinematics,
     material::Joint,
@@ -26,6 +31,8 @@ pub struct BlockDefinition {
     pub velocity: Vec3,
     /// Initial angular velocity, free blocks only; world; rad/s.
     pub angular_velocity: Vec3,
+    /// Makes a free block of polyhedra deformable; rigid if none.
+    pub deformability: Option<Deformability>,
 }
 
 /// Numbers of the solver.
@@ -41,6 +48,8 @@ pub struct Settings {
     pub shear_damping_ratio: f64,
     /// Deepest overlap allowed, × size of the smaller part. Default 0.2.
     pub overlap_limit: f64,
+    /// Damping for a search for a state of rest. Default none: not for blocks that move.
+    pub static_damping: Option<StaticDamping>,
 }
 
 impl Default for Settings {
@@ -50,6 +59,7 @@ impl Default for Settings {
             time_step_factor: 0.8,
             shear_damping_ratio: 0.2,
             overlap_limit: 0.2,
+            static_damping: None,
         }
     }
 }
@@ -70,10 +80,16 @@ pub struct Blocks {
     pub(crate) angular_momentum: Vec<Vec3>,
     /// Has it left?
     pub(crate) is_removed: Vec<bool>,
+    /// The blocks that deform.
+    pub(crate) deformables: Vec<Deformable>,
+    /// Loads, supports and bolts.
+    pub(crate) attachments: Attachments,
     /// Candidate pairs of parts with their contact history, sorted by parts.
     pub(crate) pairs: Vec<Pair>,
     pub(crate) friction: Account,
     pub(crate) damping: Account,
+    pub(crate) strain_damping: Account,
+    pub(crate) static_damping: Account,
     pub(crate) external_work: Account,
     /// Impulse of gravity and of fixed and prescribed blocks on free ones; N s.
     pub(crate) support_impulse: Vec3,
@@ -88,6 +104,8 @@ pub struct Blocks {
     pub(crate) contact_load: Vec<Load>,
     /// The same, one sub-step before.
     pub(crate) contact_load_before: Vec<Load>,
+    /// Straining moment of the contacts; one per deformable block; N m.
+    pub(crate) contact_stretch: Vec<Matrix3<f64>>,
     /// World geometry; one per part.
     pub(crate) parts: Vec<Part>,
     /// Boxes around the parts; one per part.
@@ -101,6 +119,10 @@ pub struct Blocks {
 
     // Constants.
     pub(crate) motion: Vec<Motion>,
+    /// Position among the deformable blocks, if it is one.
+    pub(crate) deformable_of: Vec<Option<u32>>,
+    /// What it may not do; none for any block if empty.
+    pub(crate) holds: Vec<Option<Hold>>,
     pub(crate) mass: Vec<f64>,
     pub(crate) volume: Vec<f64>,
     /// Principal moments of inertia; kg m².
@@ -170,9 +192,13 @@ impl Blocks {
             attitude: Vec::new(),
             angular_momentum: Vec::new(),
             is_removed: Vec::new(),
+            deformables: Vec::new(),
+            attachments: Attachments::default(),
             pairs: Vec::new(),
             friction: Account::default(),
             damping: Account::default(),
+            strain_damping: Account::default(),
+            static_damping: Account::default(),
             external_work: Account::default(),
             support_impulse: Vec3::zeros(),
             n_contact_updates: 0,
@@ -181,6 +207,7 @@ impl Blocks {
             kinematics: Vec::new(),
             contact_load: Vec::new(),
             contact_load_before: Vec::new(),
+            contact_stretch: Vec::new(),
             parts: Vec::new(),
             boxes: Vec::new(),
             fat_boxes: Vec::new(),
@@ -188,6 +215,8 @@ impl Blocks {
             candidates: Vec::new(),
             pairs_before: Vec::new(),
             motion: Vec::new(),
+            deformable_of: Vec::new(),
+            holds: Vec::new(),
             mass: Vec::new(),
             volume: Vec::new(),
             inertia: Vec::new(),
@@ -218,6 +247,7 @@ impl Blocks {
             motion,
             velocity,
             angular_velocity,
+            deformability,
         } = definition;
         let Some(rock) = materials.get(material) else {
             return Err(BlockError::NoSuchMaterial {
@@ -243,6 +273,16 @@ impl Blocks {
             displacement = path.displacement(0.0);
         }
         let is_free = matches!(motion, Motion::Free);
+        let deformable = match &deformability {
+            None => None,
+            Some(wanted) => Some(make_deformable(
+                block,
+                wanted,
+                (&shape, &motion),
+                rock,
+                (&properties, &angular_velocity),
+            )?),
+        };
         let (moments, principal) = principal_axes(&properties, rock.density);
         let start = properties.centroid;
         self.push_parts(
@@ -275,7 +315,14 @@ impl Blocks {
             spin,
             inverse_mass: 0.0,
             inverse_inertia: Matrix3::zeros(),
+            strain_rate: None,
         });
+        self.deformable_of.push(
+            deformable
+                .is_some()
+                .then_some(self.deformables.len() as u32),
+        );
+        self.deformables.extend(deformable);
         self.contact_load.push(Load::default());
         self.contact_load_before.push(Load::default());
         self.mass.push(rock.density * properties.volume);
@@ -366,13 +413,24 @@ impl Blocks {
             self.set_kinematics(block);
             let place = Isometry::from_parts(self.centroid[block].into(), self.orientation(block));
             for part in self.parts_of(block) {
-                self.parts[part].set_transformed(&self.reference[part], &place);
+                match self.deformable_of[block] {
+                    None => self.parts[part].set_transformed(&self.reference[part], &place),
+                    Some(k) => self.parts[part].set_deformed(
+                        &self.reference[part],
+                        &self.deformables[k as usize].body().gradient,
+                        &self.centroid[block],
+                    ),
+                }
                 self.boxes[part] = self.parts[part].aabb();
             }
         }
     }
 
     pub(crate) fn set_kinematics(&mut self, block: usize) {
+        if let Some(k) = self.deformable_of[block] {
+            self.set_deformable_kinematics(block, k as usize);
+            return;
+        }
         let is_free = self.is_free(block);
         let turn = self.attitude[block].to_rotation_matrix();
         let spin_rel = self.angular_momentum[block].component_div(&self.inertia[block]);
@@ -381,6 +439,13 @@ impl Blocks {
             let inverse = self.inertia[block].map(|moment| 1.0 / moment);
             inverse_inertia =
                 turn.matrix() * Matrix3::from_diagonal(&inverse) * turn.matrix().transpose();
+            if let Some(hold) = self.hold_of(block) {
+                inverse_inertia = hold.inverse_inertia(
+                    inverse_inertia,
+                    &self.attitude[block],
+                    &self.inertia[block],
+                );
+            }
         }
         self.kinematics[block] = Kinematics {
             centroid: self.centroid[block],
@@ -392,7 +457,111 @@ impl Blocks {
             },
             inverse_mass: if is_free { 1.0 / self.mass[block] } else { 0.0 },
             inverse_inertia,
+            strain_rate: None,
         };
+    }
+
+    /// Kinematics of a deformable block; its attitude and angular momentum follow for those who ask.
+    fn set_deformable_kinematics(&mut self, block: usize, k: usize) {
+        let is_free = self.is_free(block);
+        let deformable = &self.deformables[k];
+        let body = deformable.body();
+        let gradient = body.velocity_gradient();
+        self.attitude[block] = deformable.rotation() * self.principal[block];
+        self.angular_momentum[block] =
+            self.attitude[block].inverse_transform_vector(&deformable.angular_momentum());
+        self.kinematics[block] = Kinematics {
+            centroid: self.centroid[block],
+            velocity: self.velocity[block],
+            spin: axial(&gradient),
+            inverse_mass: if is_free { 1.0 / self.mass[block] } else { 0.0 },
+            inverse_inertia: if is_free {
+                body.present_inverse_second_moment()
+            } else {
+                Matrix3::zeros()
+            },
+            strain_rate: Some(symmetric(&gradient)),
+        };
+    }
+
+    pub(crate) fn hold_of(&self, block: usize) -> Option<&Hold> {
+        self.holds.get(block).and_then(Option::as_ref)
+    }
+
+    /// Holds a free, rigid block in some directions, or its turning, from now on.
+    ///
+    /// # Errors
+    ///
+    /// [`BlockError::Hold`] if the block does not exist, is not free and rigid, or the hold is unusable.
+    pub fn hold(&mut self, block: usize, hold: Hold) -> Result<(), BlockError> {
+        if block >= self.n_blocks() || !self.is_free(block) {
+            return Err(BlockError::Hold {
+                block,
+                reason: "it is not a free block",
+            });
+        }
+        if self.deformable_of[block].is_some() && hold.turning != Turning::Free {
+            return Err(BlockError::Hold {
+                block,
+                reason: "the turning of a deformable block cannot be held",
+            });
+        }
+        hold.check(block)?;
+        let n = self.n_blocks();
+        self.holds.resize(n, None);
+        let held = hold.held_part(&self.velocity[block]);
+        self.velocity[block] -= held;
+        let (attitude, inertia) = (self.attitude[block], self.inertia[block]);
+        hold.hold_turning(&attitude, &inertia, &mut self.angular_momentum[block]);
+        self.holds[block] = Some(hold);
+        self.set_kinematics(block);
+        Ok(())
+    }
+
+    /// Attaches loads, supports and bolts, at t = 0.
+    ///
+    /// # Errors
+    ///
+    /// [`BlockError::Attachment`] names the first that is unusable.
+    pub fn attach(&mut self, attachments: &[Attachment]) -> Result<(), BlockError> {
+        for (number, attachment) in attachments.iter().enumerate() {
+            self.attachments.push(
+                attachment,
+                number,
+                &self.centroid,
+                &self.mass,
+                &self.part_start,
+                &self.parts,
+            )?;
+        }
+        self.evaluate_attachments(true);
+        Ok(())
+    }
+
+    pub(crate) fn evaluate_attachments(&mut self, is_first: bool) {
+        if self.attachments.is_empty() {
+            return;
+        }
+        let mut attachments = std::mem::take(&mut self.attachments);
+        attachments.evaluate(
+            &Surroundings {
+                kinematics: &self.kinematics,
+                gradient: &|b| self.placement_gradient(b),
+                is_free: &|b| self.is_free(b),
+                deformable_of: &self.deformable_of,
+                parts: &self.parts,
+            },
+            is_first,
+        );
+        self.attachments = attachments;
+    }
+
+    /// World from the axes of the start: rotation, with strain where there is any.
+    fn placement_gradient(&self, block: usize) -> Matrix3<f64> {
+        match self.deformable_of[block] {
+            None => *self.orientation(block).to_rotation_matrix().matrix(),
+            Some(k) => self.deformables[k as usize].body().gradient,
+        }
     }
 
     /// Lists the pairs of parts whose fat boxes overlap; pairs that stay keep their history.
@@ -505,6 +674,49 @@ const NOWHERE: Bounds = (
     Vec3::new(f64::NEG_INFINITY, f64::NEG_INFINITY, f64::NEG_INFINITY),
 );
 
+/// The deformable body of a block, at t = 0.
+fn make_deformable(
+    block: usize,
+    wanted: &Deformability,
+    (shape, motion): (&Shape, &Motion),
+    rock: &Material,
+    (properties, spin): (&MassProperties, &Vec3),
+) -> Result<Deformable, BlockError> {
+    let refuse = |reason| Err(BlockError::Deformability { block, reason });
+    if !matches!(motion, Motion::Free) {
+        return refuse("only a free block can be deformable");
+    }
+    if !matches!(shape, Shape::Polyhedra(_)) {
+        return refuse("only a block of polyhedra can be deformable");
+    }
+    let Some(elastic) = &rock.elastic else {
+        return refuse("its material has no elastic moduli");
+    };
+    if !(wanted.strain_mass_factor >= 1.0 && wanted.strain_mass_factor.is_finite()) {
+        return refuse("the factor on the inertia of strain must be at least 1");
+    }
+    if wanted.initial_stress.iter().any(|c| !c.is_finite()) {
+        return refuse("the initial stress must be finite");
+    }
+    let second_moment = properties.second_moment * rock.density;
+    let Some(body) = AffineBody::new(
+        second_moment,
+        properties.volume,
+        spin,
+        wanted.strain_mass_factor,
+    ) else {
+        return refuse("it is flat");
+    };
+    let constants = elastic_constants(elastic, &second_moment, properties.volume);
+    let stress = tensor(&wanted.initial_stress);
+    Ok(match wanted.model {
+        DeformableModel::Affine12(law) => {
+            Deformable::Affine12(Affine12::new(body, law, constants, stress))
+        }
+        DeformableModel::Dda12 => Deformable::Dda12(Dda12::new(body, constants, stress)),
+    })
+}
+
 /// Moments of inertia and the turn that takes principal axes to the given placement.
 fn principal_axes(properties: &MassProperties, density: f64) -> (Vec3, UnitQuaternion<f64>) {
     let inertia = properties.inertia() * density;
@@ -533,6 +745,7 @@ fn check_settings(settings: &Settings) -> Result<(), BlockError> {
         time_step_factor,
         shear_damping_ratio,
         overlap_limit,
+        static_damping,
     } = *settings;
     if let Some(&value) = gravity.iter().find(|c| !c.is_finite()) {
         return refuse("gravity", value, "must be finite");
@@ -554,5 +767,16 @@ fn check_settings(settings: &Settings) -> Result<(), BlockError> {
             "must be above 0 and at most 1",
         );
     }
-    Ok(())
+    match static_damping {
+        Some(StaticDamping::MassProportional(value)) if !(value >= 0.0 && value.is_finite()) => {
+            refuse("static_damping", value, "must be >= 0 1/s")
+        }
+        Some(StaticDamping::Local(value)) if !(0.0..1.0).contains(&value) => {
+            refuse("static_damping", value, "must be in [0, 1)")
+        }
+        Some(StaticDamping::Kinetic(value)) if !(value > 0.0 && value <= 1.0) => {
+            refuse("static_damping", value, "must be above 0 and at most 1")
+        }
+        _ => Ok(()),
+    }
 }

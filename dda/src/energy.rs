@@ -3,24 +3,64 @@
 /// Energies and works; J. For blocks alone
 ///
 /// ```text
-/// kinetic + potential + elastic + friction + damping − external_work = constant
+/// kinetic + potential + elastic + strain
+///     + friction + damping + strain_damping + static_damping + plastic − external_work = constant
 /// ```
 /// up to the error of the time step and of contact patches that change shape.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Energies {
-    /// Of the free blocks.
+    /// Of the free blocks, with `added_kinetic`.
     pub kinetic: f64,
+    /// The part of `kinetic` that exists by mass scaling of strain modes only.
+    pub added_kinetic: f64,
     /// `−Σ m g·x_c` of the free blocks, zero at the world's origin.
     pub potential: f64,
-    /// Of the contact springs, normal and shear.
+    /// Of the contact springs, normal and shear, of bolts and of elastic supports.
     pub elastic: f64,
+    /// Elastic energy inside deformable blocks.
+    pub strain: f64,
     /// Lost to slip; cumulative.
     pub friction: f64,
     /// Lost to contact dashpots and broken bonds; cumulative.
     pub damping: f64,
-    /// Work of prescribed blocks on free ones; cumulative. The work of impulses given with
+    /// Lost to the viscosity of deformable blocks; cumulative.
+    pub strain_damping: f64,
+    /// Taken by the damping that a search for a state of rest may ask for; cumulative.
+    pub static_damping: f64,
+    /// Lost in bolts that yield; cumulative.
+    pub plastic: f64,
+    /// Work of prescribed blocks and of given loads on free blocks; cumulative. The work of impulses given with
     /// `apply_impulse` is their giver's to book.
     pub external_work: f64,
+}
+
+impl Energies {
+    /// What must stay the same: all stored and lost energy less the work from outside; J.
+    pub fn balance(&self) -> f64 {
+        let Self {
+            kinetic,
+            added_kinetic: _,
+            potential,
+            elastic,
+            strain,
+            friction,
+            damping,
+            strain_damping,
+            static_damping,
+            plastic,
+            external_work,
+        } = *self;
+        kinetic
+            + potential
+            + elastic
+            + strain
+            + friction
+            + damping
+            + strain_damping
+            + static_damping
+            + plastic
+            - external_work
+    }
 }
 
 /// Sum that keeps the digits that a plain sum loses.

@@ -39,6 +39,30 @@ pub enum BlockError {
         /// The block.
         block: usize,
     },
+    /// A block cannot be deformable.
+    #[error("block {block} cannot be deformable: {reason}")]
+    Deformability {
+        /// The block.
+        block: usize,
+        /// Why not.
+        reason: &'static str,
+    },
+    /// A block cannot be held so.
+    #[error("block {block} cannot be held: {reason}")]
+    Hold {
+        /// The block.
+        block: usize,
+        /// Why not.
+        reason: &'static str,
+    },
+    /// A load, support or bolt is unusable.
+    #[error("attachment {attachment} is unusable: {reason}")]
+    Attachment {
+        /// Its position in the list.
+        attachment: usize,
+        /// What is wrong.
+        reason: &'static str,
+    },
     /// A path is unusable.
     #[error("the path of block {block} cannot be followed: {reason}")]
     Motion {
@@ -88,6 +112,21 @@ pub enum StepError {
         /// Size of the smaller part, the cube root of its volume; m.
         size: f64,
         /// Allowed; × size.
+        limit: f64,
+        /// Time of the sub-step; s.
+        time: f64,
+    },
+    /// A deformable block is strained beyond what its stress law can follow.
+    #[error(
+        "block {block} is compressed to a strain of {strain:.3} at t = {time:.6} s (limit {limit}); raise its Young's modulus \
+         or lower the loads"
+    )]
+    Crushed {
+        /// The block.
+        block: usize,
+        /// Lowest principal value of Green's strain; –.
+        strain: f64,
+        /// Allowed; –.
         limit: f64,
         /// Time of the sub-step; s.
         time: f64,

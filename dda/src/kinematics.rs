@@ -1,5 +1,5 @@
 //! How a block answers at a point: velocity, force, compliance. The only three things that contacts
-//! and coupling ask, so that deformable kinds can take a rigid block's place.
+//! and coupling ask, of rigid and deformable blocks alike.
 
 use crate::Vec3;
 use nalgebra::Matrix3;
@@ -28,39 +28,90 @@ impl std::ops::AddAssign for Load {
     }
 }
 
-/// Rigid block at one instant, in the world frame; inverse mass and inertia are zero if forces do
-/// not move it.
+/// First moment of the forces on a block about its centroid, `Σ f ⊗ r`, apart into the torque, which
+/// turns, and the symmetric part, which strains.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Moment {
+    /// `Σ r × f`; N m.
+    pub torque: Vec3,
+    /// `Σ (f ⊗ r + r ⊗ f)/2`; N m.
+    pub stretch: Matrix3<f64>,
+}
+
+impl Moment {
+    /// `Σ f ⊗ r`; N m. (`[r × f]× = f rᵀ − r fᵀ`.)
+    pub fn matrix(&self) -> Matrix3<f64> {
+        self.stretch + self.torque.cross_matrix() * 0.5
+    }
+}
+
+/// Motion of a block about its centroid: rotation, and deformation where there is any. The rigid and
+/// the deformable models implement it.
+pub(crate) trait InternalMotion {
+    /// Changes the velocities by the impulse of a moment over `dt` (s), and of the stress inside.
+    fn kick(&mut self, moment: &Moment, dt: f64);
+    /// Moves the place over `dt` (s), with the velocities as they are.
+    fn drift(&mut self, dt: f64);
+    /// Takes all velocities times a factor.
+    fn scale_velocities(&mut self, factor: f64);
+}
+
+/// Straining part of the moment of a force, `(f ⊗ r + r ⊗ f)/2`; N m.
+pub(crate) fn stretch(force: &Vec3, offset_rel: &Vec3) -> Matrix3<f64> {
+    let product = force * offset_rel.transpose();
+    0.5 * (product + product.transpose())
+}
+
+/// A block at one instant, in the world frame; inverse mass and inertia are zero if forces do not
+/// move it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Kinematics {
     pub centroid: Vec3,
     pub velocity: Vec3,
     pub spin: Vec3,
     pub inverse_mass: f64,
+    /// `J⁻¹` of a rigid block, `S⁻¹` of a deformable one; 1/(kg m²).
     pub inverse_inertia: Matrix3<f64>,
+    /// `D`, deformable blocks only; 1/s.
+    pub strain_rate: Option<Matrix3<f64>>,
 }
 
 impl Kinematics {
-    /// `v(x) = v_c + ω × (x − x_c)`; m/s.
+    /// `v(x) = v_c + ω × r + D r`, `r = x − x_c`; m/s.
     pub fn velocity_at(&self, x: &Vec3) -> Vec3 {
-        self.velocity + self.spin.cross(&(x - self.centroid))
+        let r = x - self.centroid;
+        let rigid = self.velocity + self.spin.cross(&r);
+        match &self.strain_rate {
+            None => rigid,
+            Some(strain_rate) => rigid + strain_rate * r,
+        }
     }
 
     /// Acceleration of the point `x` along `n` under a unit force along `n` there.
     ///
     /// ```text
-    /// w = 1/m + (r × n)·J⁻¹(r × n)                                              [1/kg]
+    /// rigid       w = 1/m + (r × n)·J⁻¹(r × n)
+    /// deformable  w = 1/m + r·S⁻¹r, in any direction                            [1/kg]
     /// ```
     pub fn compliance(&self, x: &Vec3, n: &Vec3) -> f64 {
-        let arm = (x - self.centroid).cross(n);
+        let r = x - self.centroid;
+        let arm = if self.strain_rate.is_none() {
+            r.cross(n)
+        } else {
+            r
+        };
         self.inverse_mass + arm.dot(&(self.inverse_inertia * arm))
     }
 
     /// Sum of the compliances in three directions at right angles,
-    /// `3/m + tr(J⁻¹) r² − r·J⁻¹r`; 1/kg.
+    /// `3/m + tr(J⁻¹) r² − r·J⁻¹r`, or `3 (1/m + r·S⁻¹r)`; 1/kg.
     pub fn compliance_trace(&self, x: &Vec3) -> f64 {
         let r = x - self.centroid;
-        3.0 * self.inverse_mass + self.inverse_inertia.trace() * r.norm_squared()
-            - r.dot(&(self.inverse_inertia * r))
+        let along = r.dot(&(self.inverse_inertia * r));
+        if self.strain_rate.is_some() {
+            return 3.0 * (self.inverse_mass + along);
+        }
+        3.0 * self.inverse_mass + self.inverse_inertia.trace() * r.norm_squared() - along
     }
 
     /// No point within a radius of the centroid is more compliant; 1/kg.

@@ -47,6 +47,7 @@
 //!         motion,
 //!         velocity: Vec3::zeros(),
 //!         angular_velocity: Vec3::zeros(),
+//!         deformability: None,
 //!     })
 //! };
 //! let floor = block([-2.0, -2.0, -1.0], [2.0, 2.0, 0.0], Motion::Fixed)?;
@@ -63,13 +64,17 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod attachments;
 mod blocks;
 mod broad_phase;
 mod common_plane;
 mod contact;
+mod damping;
+mod deformation;
 mod distance;
 mod energy;
 mod error;
+mod holds;
 mod integrate;
 mod kinematics;
 mod material;
@@ -78,6 +83,7 @@ mod motion;
 mod parts;
 mod patch;
 mod polyhedron;
+mod rigid;
 mod shape;
 
 /// Vector of three `f64`.
@@ -85,18 +91,24 @@ pub type Vec3 = nalgebra::Vector3<f64>;
 /// Turn and shift.
 pub type Isometry = nalgebra::Isometry3<f64>;
 
+pub use attachments::Attachment;
 pub use blocks::{BlockDefinition, Blocks, Settings};
 pub use common_plane::{
     Axis, AxisKind, SeparatingAxes, fast_common_plane, gap_along, separating_axes,
 };
 pub use contact::{Contact, ContactState};
+pub use damping::StaticDamping;
+pub use deformation::{
+    Deformability, DeformableModel, StressLaw, Voigt, classical_mass_matrix, natural_frequencies,
+};
 pub use distance::SurfacePoint;
 pub use energy::Energies;
 pub use error::{BlockError, StepError};
+pub use holds::{Hold, Turning};
 pub use integrate::CriticalStep;
 pub use kinematics::Load;
 pub use material::{Elastic, Material, clamped_restitution, damping_ratio};
 pub use measure::{MassProperties, face_area, mass_properties, volume};
-pub use motion::{Motion, PrescribedMotion};
+pub use motion::{Accelerogram, Motion, PrescribedMotion};
 pub use polyhedron::{Polyhedron, PolyhedronError};
 pub use shape::Shape;

@@ -2,13 +2,15 @@
 
 use crate::BlockError;
 
-/// Isotropic linear elasticity, kept for deformable kinematics; rigid blocks ignore it.
+/// Isotropic linear elasticity of deformable blocks; rigid blocks ignore it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Elastic {
     /// Young's modulus, > 0; Pa.
     pub young_modulus: f64,
     /// Poisson's ratio, above −1 and below 0.5; –.
     pub poisson_ratio: f64,
+    /// Viscosity of the strain rate, ≥ 0 (Kelvin & Voigt); Pa s.
+    pub viscosity: f64,
 }
 
 /// A rock or wall material.
@@ -83,6 +85,8 @@ impl Material {
         if let Some(elastic) = elastic {
             let (e, nu) = (elastic.young_modulus, elastic.poisson_ratio);
             fields.push(("young_modulus", e, e > 0.0, "must be > 0 Pa"));
+            let eta = elastic.viscosity;
+            fields.push(("viscosity", eta, eta >= 0.0, "must be >= 0 Pa s"));
             fields.push((
                 "poisson_ratio",
                 nu,

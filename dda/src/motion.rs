@@ -38,6 +38,64 @@ pub enum PrescribedMotion {
         /// One per time; m.
         displacement: Vec<Vec3>,
     },
+    /// Base shaking.
+    Shaking(Accelerogram),
+}
+
+/// A record of acceleration along a line, integrated twice from rest. The acceleration is linear
+/// between samples, so that velocity and displacement are exact quadratics and cubics; after the
+/// record the velocity that is left stays (a record corrected for its baseline leaves none).
+#[derive(Clone, Debug, PartialEq)]
+pub struct Accelerogram {
+    direction: Vec3,
+    interval: f64,
+    acceleration: Vec<f64>,
+    /// At the samples.
+    velocity: Vec<f64>,
+    displacement: Vec<f64>,
+}
+
+impl Accelerogram {
+    /// Samples (m/s²) at 0, `interval`, 2 `interval`, ... (s) along a unit vector. What is wrong with
+    /// them is found when a block takes the path.
+    pub fn new(direction: Vec3, interval: f64, acceleration: Vec<f64>) -> Self {
+        let mut velocity = vec![0.0];
+        let mut displacement = vec![0.0];
+        let (mut v, mut d) = (0.0, 0.0);
+        for pair in acceleration.windows(2) {
+            d += v * interval + interval * interval * (pair[0] / 3.0 + pair[1] / 6.0);
+            v += 0.5 * interval * (pair[0] + pair[1]);
+            velocity.push(v);
+            displacement.push(d);
+        }
+        Self {
+            direction,
+            interval,
+            acceleration,
+            velocity,
+            displacement,
+        }
+    }
+
+    fn at(&self, time: f64) -> (Vec3, Vec3) {
+        if time <= 0.0 {
+            return (Vec3::zeros(), Vec3::zeros());
+        }
+        let k = ((time / self.interval) as usize).min(self.acceleration.len() - 1);
+        let s = time - k as f64 * self.interval;
+        let (v, d, a) = (self.velocity[k], self.displacement[k], self.acceleration[k]);
+        let (displacement, velocity) = match self.acceleration.get(k + 1) {
+            None => (d + v * s, v),
+            Some(next) => {
+                let slope = (next - a) / self.interval;
+                (
+                    d + s * (v + s * (a / 2.0 + s * slope / 6.0)),
+                    v + s * (a + s * slope / 2.0),
+                )
+            }
+        };
+        (self.direction * displacement, self.direction * velocity)
+    }
 }
 
 impl PrescribedMotion {
@@ -76,6 +134,7 @@ impl PrescribedMotion {
                 time: times,
                 displacement,
             } => table_at(times, displacement, time),
+            Self::Shaking(record) => record.at(time),
         }
     }
 
@@ -89,8 +148,7 @@ impl PrescribedMotion {
                 phase,
                 ramp,
             } => {
-                if (direction.norm() - 1.0).abs() > 1e-9 || direction.iter().any(|c| !c.is_finite())
-                {
+                if !is_unit(direction) {
                     refuse("the direction must be a unit vector")
                 } else if !(*period > 0.0 && period.is_finite()) {
                     refuse("the period must be > 0 s")
@@ -114,8 +172,25 @@ impl PrescribedMotion {
                     Ok(())
                 }
             }
+            Self::Shaking(record) => {
+                if !is_unit(&record.direction) {
+                    refuse("the direction must be a unit vector")
+                } else if !(record.interval > 0.0 && record.interval.is_finite()) {
+                    refuse("the interval of the record must be > 0 s")
+                } else if record.acceleration.is_empty()
+                    || record.acceleration.iter().any(|a| !a.is_finite())
+                {
+                    refuse("the record needs accelerations, all finite")
+                } else {
+                    Ok(())
+                }
+            }
         }
     }
+}
+
+fn is_unit(v: &Vec3) -> bool {
+    (v.norm() - 1.0).abs() <= 1e-9
 }
 
 /// Quintic step from 0 to 1 with two vanishing derivatives at both ends, and its rate; –, 1/s.
@@ -208,6 +283,20 @@ mod tests {
                 .collect(),
         };
         check_derivative(&table, -0.5, 2.0);
+        let record = Accelerogram::new(Vec3::x(), 0.1, vec![0.0, 1.0, -2.0, 3.0, 0.0]);
+        check_derivative(&PrescribedMotion::Shaking(record), -0.2, 1.0);
+    }
+
+    #[test]
+    fn a_record_is_integrated_exactly() {
+        // a = 6t, sampled: d = t³, v = 3t²; then the velocity stays.
+        let samples = (0..=10).map(|k| 0.6 * f64::from(k)).collect();
+        let record = PrescribedMotion::Shaking(Accelerogram::new(Vec3::x(), 0.1, samples));
+        for t in [0.05, 0.33, 1.0] {
+            assert!((record.displacement(t).x - t * t * t).abs() < 1e-14);
+            assert!((record.velocity(t).x - 3.0 * t * t).abs() < 1e-14);
+        }
+        assert!((record.displacement(2.0).x - 4.0).abs() < 1e-14);
     }
 
     #[test]

@@ -1,5 +1,7 @@
 //! Convex parts of blocks, as the contact search sees them.
 
+use nalgebra::Matrix3;
+
 use crate::{
     Isometry, Polyhedron, SurfacePoint, Vec3, broad_phase::Bounds, shape::sphere_surface_point,
 };
@@ -30,6 +32,23 @@ impl Part {
             ) => {
                 *center = placement.transform_point(&(*reference).into()).coords;
             }
+            _ => {}
+        }
+    }
+
+    /// Becomes `reference` under `x = shift + gradient X`; a ball only moves its centre. Allocates
+    /// nothing.
+    pub fn set_deformed(&mut self, reference: &Self, gradient: &Matrix3<f64>, shift: &Vec3) {
+        match (self, reference) {
+            (Self::Polyhedron(this), Self::Polyhedron(reference)) => {
+                this.set_deformed(reference, gradient, shift);
+            }
+            (
+                Self::Sphere { center, .. },
+                Self::Sphere {
+                    center: reference, ..
+                },
+            ) => *center = gradient * *reference + shift,
             _ => {}
         }
     }

@@ -15,7 +15,7 @@ mod tests;
 
 use crate::{Isometry, Vec3};
 pub use build::PolyhedronError;
-use nalgebra::UnitQuaternion;
+use nalgebra::{Matrix3, UnitQuaternion};
 
 /// A closed convex polyhedron, in body or world coordinates; m.
 #[derive(Clone, Debug, PartialEq)]
@@ -77,6 +77,28 @@ impl Polyhedron {
             .zip(&self.face_normal)
         {
             *offset = offset_ref + n.dot(&shift);
+        }
+    }
+
+    /// Becomes `reference` under `x = shift + gradient X`: corners by the map, normals by its
+    /// inverse transpose. Allocates nothing.
+    pub(crate) fn set_deformed(&mut self, reference: &Self, gradient: &Matrix3<f64>, shift: &Vec3) {
+        let normals = gradient
+            .try_inverse()
+            .unwrap_or_else(Matrix3::identity)
+            .transpose();
+        for (x, x_ref) in self.vertices.iter_mut().zip(&reference.vertices) {
+            *x = gradient * x_ref + shift;
+        }
+        for (to, to_ref) in self.beyond.iter_mut().zip(&reference.beyond) {
+            *to = gradient * to_ref;
+        }
+        for face in 0..self.face_normal.len() {
+            let normal = normals * reference.face_normal[face];
+            let length = normal.norm();
+            self.face_normal[face] = normal / length;
+            self.face_offset[face] =
+                reference.face_offset[face] / length + self.face_normal[face].dot(shift);
         }
     }
 

@@ -8,7 +8,9 @@
 )]
 
 mod conservation;
+mod constraints;
 mod contact;
+mod deformable;
 mod determinism;
 mod geometry;
 mod motion;

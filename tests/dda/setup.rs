@@ -28,6 +28,7 @@ pub fn block(shape: Polyhedron, motion: Motion) -> BlockDefinition {
         motion,
         velocity: Vec3::zeros(),
         angular_velocity: Vec3::zeros(),
+        deformability: None,
     }
 }
 
@@ -99,8 +100,7 @@ pub fn run_steps(blocks: &mut Blocks, end: f64, n: u32) {
 }
 
 pub fn ledger(energies: &Energies) -> f64 {
-    energies.kinetic + energies.potential + energies.elastic + energies.friction + energies.damping
-        - energies.external_work
+    energies.balance()
 }
 
 /// Reproducible numbers in [0, 1).

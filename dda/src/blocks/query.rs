@@ -1,7 +1,9 @@
 //! What can be asked of the blocks. Asking changes nothing.
 
 use crate::{
-    Blocks, Contact, Energies, Isometry, Load, Motion, Settings, SurfacePoint, Vec3, parts::Part,
+    Blocks, Contact, Energies, Isometry, Load, Motion, Settings, SurfacePoint, Vec3, Voigt,
+    deformation::{axial, voigt},
+    parts::Part,
 };
 use nalgebra::{Matrix3, UnitQuaternion};
 
@@ -98,7 +100,47 @@ impl Blocks {
 
     /// Angular velocity, world; rad/s.
     pub fn angular_velocity(&self, b: usize) -> Vec3 {
-        self.attitude[b] * self.angular_momentum[b].component_div(&self.inertia[b])
+        match self.deformable_of[b] {
+            None => self.attitude[b] * self.angular_momentum[b].component_div(&self.inertia[b]),
+            Some(k) => axial(&self.deformables[k as usize].body().velocity_gradient()),
+        }
+    }
+
+    /// Does it deform?
+    pub fn is_deformable(&self, b: usize) -> bool {
+        self.deformable_of[b].is_some()
+    }
+
+    /// Mean Cauchy stress in a deformable block, tension positive; none for a rigid one; Pa.
+    pub fn stress(&self, b: usize) -> Option<Voigt> {
+        self.deformable_of[b].map(|k| voigt(&self.deformables[k as usize].stress()))
+    }
+
+    /// Green's strain of a deformable block, in the axes of the start; none for a rigid one; –.
+    pub fn strain(&self, b: usize) -> Option<Voigt> {
+        self.deformable_of[b].map(|k| voigt(&self.deformables[k as usize].strain()))
+    }
+
+    /// Volume over initial volume: 1 for a rigid block; –.
+    pub fn volume_ratio(&self, b: usize) -> f64 {
+        self.deformable_of[b].map_or(1.0, |k| {
+            self.deformables[k as usize].body().gradient.determinant()
+        })
+    }
+
+    /// Tension and yielded length of each rock bolt, in the order they were attached; N, m.
+    pub fn bolts(&self) -> impl Iterator<Item = (f64, f64)> + '_ {
+        self.attachments.bolts()
+    }
+
+    /// Kinetic energy of a free block, without what mass scaling adds; J.
+    pub fn kinetic_energy(&self, b: usize) -> f64 {
+        let p = self.angular_momentum[b];
+        0.5 * self.mass[b] * self.velocity[b].norm_squared()
+            + match self.deformable_of[b] {
+                None => 0.5 * p.dot(&p.component_div(&self.inertia[b])),
+                Some(k) => self.deformables[k as usize].kinetic_energy(),
+            }
     }
 
     /// Angular momentum about the centroid, world; N m s.
@@ -223,17 +265,25 @@ impl Blocks {
     /// Energies and works; J.
     pub fn energies(&self) -> Energies {
         let mut energies = Energies {
-            elastic: self.pairs.iter().map(|pair| pair.elastic).sum(),
+            elastic: self.pairs.iter().map(|pair| pair.elastic).sum::<f64>()
+                + self.attachments.elastic,
+            strain_damping: self.strain_damping.total(),
+            static_damping: self.static_damping.total(),
+            plastic: self.attachments.plastic.total(),
             friction: self.friction.total(),
             damping: self.damping.total(),
-            external_work: self.external_work.total(),
+            external_work: self.external_work.total() + self.attachments.work.total(),
             ..Energies::default()
         };
         for b in (0..self.n_blocks()).filter(|&b| self.is_free(b)) {
-            let p = self.angular_momentum[b];
-            energies.kinetic += 0.5 * self.mass[b] * self.velocity[b].norm_squared()
-                + 0.5 * p.dot(&p.component_div(&self.inertia[b]));
+            energies.kinetic += self.kinetic_energy(b);
             energies.potential -= self.mass[b] * self.settings.gravity.dot(&self.centroid[b]);
+        }
+        for deformable in &self.deformables {
+            let added = deformable.body().added_kinetic_energy();
+            energies.kinetic += added;
+            energies.added_kinetic += added;
+            energies.strain += deformable.strain_energy();
         }
         energies
     }
@@ -287,6 +337,12 @@ impl Blocks {
                 point.shear_viscous.iter().for_each(|&c| f(c));
             }
         }
+        for deformable in &self.deformables {
+            deformable.for_each_state_f64(f);
+        }
+        self.attachments.for_each_state_f64(f);
+        f(self.strain_damping.total());
+        f(self.static_damping.total());
         f(self.friction.total());
         f(self.damping.total());
         f(self.external_work.total());

@@ -1,0 +1,89 @@
+//! The motion of a rigid block about its centroid.
+
+use crate::{
+    Vec3,
+    kinematics::{InternalMotion, Moment},
+};
+use nalgebra::UnitQuaternion;
+
+/// One rigid block's columns, borrowed for a step.
+pub(crate) struct Rigid6<'a> {
+    /// World from principal axes.
+    pub attitude: &'a mut UnitQuaternion<f64>,
+    /// In principal axes; N m s.
+    pub angular_momentum: &'a mut Vec3,
+    /// Principal moments; kg m².
+    pub inertia: &'a Vec3,
+}
+
+impl InternalMotion for Rigid6<'_> {
+    fn kick(&mut self, moment: &Moment, dt: f64) {
+        *self.angular_momentum += self.attitude.inverse_transform_vector(&moment.torque) * dt;
+    }
+
+    fn drift(&mut self, dt: f64) {
+        rotate(self.attitude, self.angular_momentum, self.inertia, dt);
+    }
+
+    fn scale_velocities(&mut self, factor: f64) {
+        *self.angular_momentum *= factor;
+    }
+}
+
+/// Free rotation over `dt` (s), as five rotations about the principal axes 1, 2, 3, 2, 1.
+///
+/// ```text
+/// angle θ = dt' p_k/J_k;   p := R_kᵀ(θ) p,   Q := Q R_k(θ);   dt' = dt/2, dt/2, dt, dt/2, dt/2
+/// ```
+/// Time-reversible; keeps the spatial angular momentum to round-off, the energy error bounded and
+/// second order. Source: Dullweber, Leimkuhler & McLachlan (1997).
+fn rotate(attitude: &mut UnitQuaternion<f64>, p: &mut Vec3, inertia: &Vec3, dt: f64) {
+    for (axis, share) in [(0, 0.5), (1, 0.5), (2, 1.0), (1, 0.5), (0, 0.5)] {
+        let angle = share * dt * p[axis] / inertia[axis];
+        let mut scaled = Vec3::zeros();
+        scaled[axis] = angle;
+        let turn = UnitQuaternion::from_scaled_axis(scaled);
+        *p = turn.inverse_transform_vector(p);
+        *attitude *= turn;
+    }
+    attitude.renormalize();
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// D09: a body spun about its middle axis tumbles.
+    fn tumble(dt: f64) -> (u32, f64, f64) {
+        let inertia = Vec3::new(1.0, 2.0, 3.0);
+        let mut p = Vec3::new(0.01, 1.0, 0.01).component_mul(&inertia);
+        let mut attitude = UnitQuaternion::identity();
+        let energy = |p: &Vec3| 0.5 * p.dot(&p.component_div(&inertia));
+        let (start, start_energy) = (p, energy(&p));
+        let (mut flips, mut worst) = (0, 0.0_f64);
+        for _ in 0..(2000.0 / dt).round() as u32 {
+            let before = p.y;
+            rotate(&mut attitude, &mut p, &inertia, dt);
+            flips += u32::from(before * p.y < 0.0);
+            worst = worst.max((energy(&p) / start_energy - 1.0).abs());
+        }
+        let drift = (attitude * p - start).norm() / start.norm();
+        (flips, worst, drift)
+    }
+
+    #[test]
+    fn tumbling_keeps_momentum_and_energy() {
+        let coarse = tumble(0.05);
+        let fine = tumble(0.025);
+        // 102 flips, errors 1.7e-5 and 4.3e-6: values of an independent program.
+        assert_eq!((coarse.0, fine.0), (102, 102));
+        assert!((coarse.1 / 1.7e-5 - 1.0).abs() < 0.05, "{:e}", coarse.1);
+        assert!((fine.1 / 4.3e-6 - 1.0).abs() < 0.05, "{:e}", fine.1);
+        assert!(
+            coarse.2 < 1e-12 && fine.2 < 1e-12,
+            "{:e} {:e}",
+            coarse.2,
+            fine.2
+        ); // measured 3e-14
+    }
+}
