@@ -13,8 +13,10 @@ pub struct Energy {
     pub kinetic: f64,
     /// In the field of gravity.
     pub potential: f64,
-    /// In contact springs and penalty walls.
+    /// In contact springs, bolts, supports and penalty walls.
     pub elastic: f64,
+    /// In deformable blocks.
+    pub strain: f64,
     /// Of compression of the fluid.
     pub internal: f64,
     /// Taken by friction between blocks.
@@ -23,25 +25,38 @@ pub struct Energy {
     pub viscous: f64,
     /// Taken by the dashpots of contacts and walls.
     pub damping: f64,
+    /// Taken by the viscosity of deformable blocks.
+    pub strain_damping: f64,
+    /// Taken by the damping of a search for rest.
+    pub static_damping: f64,
+    /// Taken by bolts that yield.
+    pub plastic: f64,
     /// Taken where particles inside a solid were put back.
     pub pushed_back: f64,
     /// Carried off by what left the domain.
     pub removed: f64,
-    /// Brought in by prescribed blocks.
+    /// Brought in by prescribed blocks and given loads.
     pub external_work: f64,
     /// What the terms above leave unexplained since the start: the error of the scheme.
     pub residual: f64,
 }
 
 impl Energy {
-    /// Kinetic, potential, elastic and internal energy; J.
+    /// Kinetic, potential, elastic, strain and internal energy; J.
     pub fn stored(&self) -> f64 {
-        self.kinetic + self.potential + self.elastic + self.internal
+        self.kinetic + self.potential + self.elastic + self.strain + self.internal
     }
 
     /// All losses; J.
     pub fn lost(&self) -> f64 {
-        self.friction + self.viscous + self.damping + self.pushed_back + self.removed
+        self.friction
+            + self.viscous
+            + self.damping
+            + self.strain_damping
+            + self.static_damping
+            + self.plastic
+            + self.pushed_back
+            + self.removed
     }
 }
 
@@ -117,6 +132,10 @@ impl World {
             kinetic: blocks.kinetic,
             potential: blocks.potential,
             elastic: blocks.elastic,
+            strain: blocks.strain,
+            strain_damping: blocks.strain_damping,
+            static_damping: blocks.static_damping,
+            plastic: blocks.plastic,
             friction: blocks.friction,
             damping: blocks.damping + self.ledger.wall_damping,
             pushed_back: self.ledger.pushed_back,
@@ -163,8 +182,9 @@ impl World {
             - self.ledger.momentum_at_start
             - self.ledger.impulse
             - support;
-        let exchanged =
-            self.ledger.exchanged + support.norm() + self.ledger.momentum_at_start.norm();
+        let exchanged = self.ledger.exchanged
+            + self.blocks.impulse_exchanged()
+            + self.ledger.momentum_at_start.norm();
         if exchanged == 0.0 {
             0.0
         } else {

@@ -74,11 +74,15 @@ pub enum Ending {
 ///
 /// [`RunError`] when blocks or fluid refuse their settings.
 pub fn build(scene: &Scene) -> Result<World, RunError> {
-    let blocks = Blocks::new(
+    let mut blocks = Blocks::new(
         scene.blocks.clone(),
         scene.materials.clone(),
         scene.block_settings,
     )?;
+    for (block, hold) in &scene.holds {
+        blocks.hold(*block, hold.clone())?;
+    }
+    blocks.attach(&scene.attachments)?;
     let fluid = match &scene.fluid {
         None => None,
         Some(fluid) => Some((

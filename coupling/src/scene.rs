@@ -1,5 +1,6 @@
 //! From scene text to a checked scene.
 
+mod attachments;
 pub mod error;
 pub mod file;
 pub mod fill;

@@ -52,7 +52,7 @@ pub struct Polygons {
 pub struct Array {
     /// Stable name, e.g. `Velocity`.
     pub name: String,
-    /// Numbers per tuple: 1 or 3.
+    /// Numbers per tuple: 1, 3 or 6.
     pub components: usize,
     /// Values, tuple after tuple.
     pub values: Values,

@@ -93,6 +93,8 @@ pub struct Blocks {
     pub(crate) external_work: Account,
     /// Impulse of gravity and of fixed and prescribed blocks on free ones; N s.
     pub(crate) support_impulse: Vec3,
+    /// Sum of the sizes of gravity's and the supports' impulses; N s.
+    pub(crate) impulse_exchanged: f64,
     pub(crate) n_contact_updates: u64,
     pub(crate) n_broken_bonds: u64,
     pub(crate) max_overlap_over_size: f64,
@@ -201,6 +203,7 @@ impl Blocks {
             static_damping: Account::default(),
             external_work: Account::default(),
             support_impulse: Vec3::zeros(),
+            impulse_exchanged: 0.0,
             n_contact_updates: 0,
             n_broken_bonds: 0,
             max_overlap_over_size: 0.0,

@@ -233,6 +233,7 @@ impl Blocks {
     fn half_kick(&mut self, dt: f64) {
         let gravity = self.settings.gravity;
         let mut impulse = self.attachments.outer_force * (0.5 * dt);
+        let mut exchanged = impulse.norm();
         for b in 0..self.n_blocks() {
             let mut load = self.contact_load[b];
             if let Some(attached) = self.attachments.loads.get(b) {
@@ -240,10 +241,13 @@ impl Blocks {
             }
             if !self.is_free(b) {
                 impulse -= load.force * (0.5 * dt);
+                exchanged += load.force.norm() * (0.5 * dt);
                 continue;
             }
-            load.force += gravity * self.mass[b];
-            impulse += gravity * (self.mass[b] * 0.5 * dt);
+            let weight = gravity * self.mass[b];
+            load.force += weight;
+            impulse += weight * (0.5 * dt);
+            exchanged += weight.norm() * (0.5 * dt);
             let damper = self.local_damper(b, &load);
             load += damper;
             impulse += damper.force * (0.5 * dt);
@@ -260,6 +264,7 @@ impl Blocks {
             );
         }
         self.support_impulse += impulse;
+        self.impulse_exchanged += exchanged;
     }
 
     fn local_damper(&self, b: usize, load: &Load) -> Load {

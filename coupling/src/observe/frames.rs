@@ -177,6 +177,19 @@ fn block_polygons(world: &World, which: &[usize], fields: &[BlockField]) -> Poly
         "BlockId",
         owner.iter().map(|&block| block as i32).collect(),
     ));
+    if which.iter().any(|&b| blocks.is_deformable(b)) {
+        // xx yy zz yz zx xy, tension positive; a rigid block has none
+        let stress = owner
+            .iter()
+            .flat_map(|&b| blocks.stress(b).unwrap_or([f64::NAN; 6]))
+            .map(|c| c as f32)
+            .collect();
+        data.cell_data.push(Array {
+            name: "Stress".to_owned(),
+            components: 6,
+            values: Values::F32(stress),
+        });
+    }
     for field in fields {
         data.cell_data.push(match field {
             BlockField::Velocity => per_face("Velocity", &|b| blocks.velocity(b)),

@@ -20,14 +20,18 @@ pub struct Ledgers {
 }
 
 /// Columns of `energy.csv` behind the time, in the order of [`energy_row`].
-pub const ENERGY_COLUMNS: [&str; 11] = [
+pub const ENERGY_COLUMNS: [&str; 15] = [
     "kinetic",
     "potential",
     "elastic",
+    "strain",
     "internal",
     "friction",
     "viscous",
     "damping",
+    "strain_damping",
+    "static_damping",
+    "plastic",
     "pushed_back",
     "removed",
     "external_work",
@@ -35,16 +39,20 @@ pub const ENERGY_COLUMNS: [&str; 11] = [
 ];
 
 /// The terms of the ledger in the order of [`ENERGY_COLUMNS`]; J.
-pub fn energy_row(energy: &Energy) -> [f64; 11] {
+pub fn energy_row(energy: &Energy) -> [f64; 15] {
     // no `..`: a new term cannot be forgotten
     let Energy {
         kinetic,
         potential,
         elastic,
+        strain,
         internal,
         friction,
         viscous,
         damping,
+        strain_damping,
+        static_damping,
+        plastic,
         pushed_back,
         removed,
         external_work,
@@ -54,10 +62,14 @@ pub fn energy_row(energy: &Energy) -> [f64; 11] {
         kinetic,
         potential,
         elastic,
+        strain,
         internal,
         friction,
         viscous,
         damping,
+        strain_damping,
+        static_damping,
+        plastic,
         pushed_back,
         removed,
         external_work,

@@ -30,6 +30,9 @@ pub struct SceneFile {
     /// Rock blocks, walls and wavemakers.
     #[serde(default)]
     pub blocks: Vec<BlockFile>,
+    /// Loads, supports and rock bolts on blocks.
+    #[serde(default)]
+    pub attachments: Vec<AttachmentFile>,
     /// Water; without it no fluid structure is made.
     #[serde(default)]
     pub fluid: Option<FluidFile>,
@@ -88,7 +91,7 @@ impl SceneFile {
             if let ShapeFile::Mesh { file, .. } = &block.shape {
                 files.push(file.as_str());
             }
-            if let MotionFile::Table { file } = &block.motion {
+            if let MotionFile::Table { file } | MotionFile::Shaking { file, .. } = &block.motion {
                 files.push(file.as_str());
             }
         }
@@ -143,7 +146,7 @@ pub struct MaterialFile {
     /// Shear over normal penalty stiffness.
     #[serde(default = "default_shear_stiffness_ratio")]
     pub shear_stiffness_ratio: f64,
-    /// Elastic moduli, kept with the block for deformable models; rigid blocks ignore them.
+    /// Elastic moduli, which deformable blocks need; rigid blocks ignore them.
     #[serde(default)]
     pub elastic: Option<ElasticFile>,
 }
@@ -156,6 +159,9 @@ pub struct ElasticFile {
     pub young_modulus: f64,
     /// Poisson's ratio, above -1 and below 0.5.
     pub poisson_ratio: f64,
+    /// Viscosity of the strain rate; Pa s.
+    #[serde(default)]
+    pub viscosity: f64,
 }
 
 /// One block, wall or wavemaker.
@@ -180,6 +186,121 @@ pub struct BlockFile {
     /// Initial angular velocity, free blocks only; rad/s.
     #[serde(default)]
     pub angular_velocity: Triple,
+    /// Makes a free block deformable; its material must have elastic moduli. Rigid when left out.
+    #[serde(default)]
+    pub deformable: Option<DeformableFile>,
+    /// What a free, rigid block may not do.
+    #[serde(default)]
+    pub hold: Option<HoldFile>,
+}
+
+/// How a block deforms: one strain for the whole block.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct DeformableFile {
+    /// Kinematics and stress law.
+    #[serde(default)]
+    pub model: DeformableModelFile,
+    /// Stress at t = 0: xx, yy, zz, yz, zx, xy, tension positive; Pa.
+    #[serde(default)]
+    pub initial_stress: (f64, f64, f64, f64, f64, f64),
+    /// Factor on the inertia of the strain modes, at least 1: a larger step for a slower swing.
+    #[serde(default = "one")]
+    pub strain_mass_factor: f64,
+}
+
+/// Kinematics and stress law of a deformable block.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum DeformableModelFile {
+    /// Exact affine motion, stress of Saint Venant and Kirchhoff.
+    #[default]
+    Affine,
+    /// Exact affine motion, stress linear in the stretch.
+    Corotational,
+    /// The unknowns of classical DDA, corrected; for comparison with the literature.
+    Classical,
+}
+
+/// Directions in which a block does not move, and how it may turn. Holding forces do no work.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct HoldFile {
+    /// Directions in which the centroid does not move.
+    #[serde(default)]
+    pub directions: Vec<Axis>,
+    /// How the block may turn.
+    #[serde(default)]
+    pub turning: TurningFile,
+}
+
+/// How a held block may turn.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum TurningFile {
+    /// As forces make it.
+    #[default]
+    Free,
+    /// About this axis only.
+    About(Axis),
+    /// Not at all.
+    Held,
+}
+
+/// A load, support or rock bolt. Points are places at t = 0 and move with their block.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum AttachmentFile {
+    /// Constant force at a point of a block.
+    PointLoad {
+        /// Name of the block.
+        block: String,
+        /// Where; m.
+        point: Triple,
+        /// N.
+        force: Triple,
+    },
+    /// Constant force per mass on a block, beside gravity.
+    BodyLoad {
+        /// Name of the block.
+        block: String,
+        /// m/s².
+        acceleration: Triple,
+    },
+    /// Pressure on the face of a block that looks most in a direction; it follows the face.
+    Pressure {
+        /// Name of the block.
+        block: String,
+        /// Outward direction of the face at t = 0.
+        face: Triple,
+        /// Pushes inward if > 0; Pa.
+        pressure: f64,
+    },
+    /// Spring that holds a point of a block at its place.
+    FixedPoint {
+        /// Name of the block.
+        block: String,
+        /// Where; m.
+        point: Triple,
+        /// N/m.
+        stiffness: f64,
+    },
+    /// Elastic bar that yields, between points of two blocks.
+    RockBolt {
+        /// Name of the block at one end.
+        from: String,
+        /// Place of that end; m.
+        from_point: Triple,
+        /// Name of the block at the other end.
+        to: String,
+        /// Place of that end; m.
+        to_point: Triple,
+        /// Young's modulus times section over length; N/m.
+        stiffness: f64,
+        /// Tension at t = 0; N.
+        #[serde(default)]
+        pretension: f64,
+        /// It takes no more than this; N.
+        yield_force: f64,
+    },
 }
 
 /// Geometry of a block.
@@ -299,6 +420,14 @@ pub enum MotionFile {
         /// Path, relative to the scene file.
         file: String,
     },
+    /// Base shaking by a record of acceleration, integrated twice from rest: CSV with columns time
+    /// (s, in equal steps from 0) and acceleration (m/s²); `#` comments.
+    Shaking {
+        /// Direction; any length but zero.
+        direction: Triple,
+        /// Path, relative to the scene file.
+        file: String,
+    },
 }
 
 /// The water.
@@ -399,6 +528,20 @@ pub struct NumericsFile {
     /// Share of the blocks' stability limit that a sub-step may use, above 0 and at most 1.
     #[serde(default)]
     pub block_time_step_factor: Option<f64>,
+    /// Damping of blocks in a search for a state of rest; none for blocks that move.
+    #[serde(default)]
+    pub static_damping: Option<StaticDampingFile>,
+}
+
+/// Damping for statics. What it takes stands in the ledger.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub enum StaticDampingFile {
+    /// Force against velocity, per mass; 1/s.
+    MassProportional(f64),
+    /// Share of each component of force and torque, against its velocity, in [0, 1).
+    Local(f64),
+    /// Factor on velocities after each block step, above 0 and at most 1.
+    Kinetic(f64),
 }
 
 /// A fluid scheme with its numbers.
@@ -550,6 +693,10 @@ pub struct CameraFile {
     /// Horizontal angle of view; degrees.
     #[serde(default = "default_field_of_view")]
     pub field_of_view_deg: f64,
+}
+
+fn one() -> f64 {
+    1.0
 }
 
 fn standard_gravity() -> Triple {

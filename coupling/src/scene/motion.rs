@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use riprap_dda::{Motion, PrescribedMotion, Vec3};
+use riprap_dda::{Accelerogram, Motion, PrescribedMotion, Vec3};
 
 use super::error::Problem;
 use super::file::MotionFile;
@@ -37,24 +37,61 @@ pub fn motion(file: &MotionFile, path: &str, folder: &Path) -> Result<Motion, Pr
             }))
         }
         MotionFile::Table { file } => {
-            let (time, displacement) = file_inside(folder, file)
-                .map_err(|error| error.to_string())
-                .and_then(|path| {
-                    std::fs::read_to_string(&path).map_err(|e| format!("cannot read `{file}`: {e}"))
-                })
-                .and_then(|text| record(&text).map_err(|found| format!("`{file}` {found}")))
-                .map_err(|message| Problem::error(format!("{path}.file"), message))?;
+            let rows = rows::<4>(folder, file, path, "time, x, y, z")?;
             Ok(Motion::Prescribed(PrescribedMotion::Table {
-                time,
-                displacement,
+                time: rows.iter().map(|row| row[0]).collect(),
+                displacement: rows
+                    .iter()
+                    .map(|row| Vec3::new(row[1], row[2], row[3]))
+                    .collect(),
             }))
+        }
+        MotionFile::Shaking { direction, file } => {
+            let direction = vec3(*direction).try_normalize(0.0).ok_or_else(|| {
+                Problem::error(format!("{path}.direction"), "the shaking has no direction")
+            })?;
+            let rows = rows::<2>(folder, file, path, "time, acceleration")?;
+            let interval = rows[1][0] - rows[0][0];
+            let uneven = rows
+                .iter()
+                .enumerate()
+                .find(|(k, row)| (row[0] - *k as f64 * interval).abs() > 1e-3 * interval);
+            if let Some((_, row)) = uneven {
+                return Err(Problem::error(
+                    format!("{path}.file"),
+                    format!(
+                        "`{file}`: times must go from 0 in equal steps of {interval} s; {} s does not fit",
+                        row[0]
+                    ),
+                ));
+            }
+            let record =
+                Accelerogram::new(direction, interval, rows.iter().map(|row| row[1]).collect());
+            Ok(Motion::Prescribed(PrescribedMotion::Shaking(record)))
         }
     }
 }
 
-/// Times and displacements of a record: four numbers a line, `#` comments, one optional heading.
-fn record(text: &str) -> Result<(Vec<f64>, Vec<Vec3>), String> {
-    let (mut times, mut displacements) = (Vec::new(), Vec::new());
+/// The rows of a record that the scene names at `path`.
+fn rows<const N: usize>(
+    folder: &Path,
+    file: &str,
+    path: &str,
+    columns: &str,
+) -> Result<Vec<[f64; N]>, Problem> {
+    file_inside(folder, file)
+        .map_err(|error| error.to_string())
+        .and_then(|path| {
+            std::fs::read_to_string(&path).map_err(|e| format!("cannot read `{file}`: {e}"))
+        })
+        .and_then(|text| record(&text, columns).map_err(|found| format!("`{file}` {found}")))
+        .map_err(|message| Problem::error(format!("{path}.file"), message))
+}
+
+/// Rows of a record: N numbers a line, the first a time that increases; `#` comments, one optional
+/// heading. `columns` names them for errors.
+fn record<const N: usize>(text: &str, columns: &str) -> Result<Vec<[f64; N]>, String> {
+    let mut rows: Vec<[f64; N]> = Vec::new();
     let mut heading_allowed = true;
     for (index, line) in text.lines().enumerate() {
         let line = line.split('#').next().unwrap_or_default().trim();
@@ -65,38 +102,40 @@ fn record(text: &str) -> Result<(Vec<f64>, Vec<Vec3>), String> {
             line.split(',').map(|field| field.trim().parse()).collect();
         let number = index + 1;
         match numbers {
-            // a heading has no number in it; a first row with one wrong letter has three
+            // a heading has no number in it; a first row with one wrong letter has others
             Err(_) if heading_allowed && !has_number(line) => {}
             Err(_) => {
                 return Err(format!(
-                    "line {number}: found `{line}`, needed four numbers t, x, y, z"
+                    "line {number}: found `{line}`, needed {N} numbers: {columns}"
                 ));
             }
-            Ok(row) => {
-                let [t, x, y, z] = row[..] else {
-                    return Err(format!(
-                        "line {number}: found {} columns, needed four: time, x, y, z",
-                        row.len()
-                    ));
-                };
+            Ok(found) => {
+                let row: [f64; N] = found.as_slice().try_into().map_err(|_| {
+                    format!(
+                        "line {number}: found {} columns, needed {N}: {columns}",
+                        found.len()
+                    )
+                })?;
                 if !row.iter().all(|value| value.is_finite()) {
                     return Err(format!(
                         "line {number}: numbers must be finite, found `{line}`"
                     ));
                 }
-                if times.last().is_some_and(|&last| t <= last) {
-                    return Err(format!("line {number}: time must increase, found {t} s"));
+                if rows.last().is_some_and(|last| row[0] <= last[0]) {
+                    return Err(format!(
+                        "line {number}: time must increase, found {} s",
+                        row[0]
+                    ));
                 }
-                times.push(t);
-                displacements.push(Vec3::new(x, y, z));
+                rows.push(row);
             }
         }
         heading_allowed = false;
     }
-    if times.len() < 2 {
-        return Err(format!("has {} rows, needs at least two", times.len()));
+    if rows.len() < 2 {
+        return Err(format!("has {} rows, needs at least two", rows.len()));
     }
-    Ok((times, displacements))
+    Ok(rows)
 }
 
 fn has_number(line: &str) -> bool {
@@ -114,10 +153,9 @@ mod tests {
 
     #[test]
     fn a_record_reads_with_comments_and_heading() {
-        let (time, displacement) =
-            record("# paddle\nt [s], x, y, z\n0, 0, 0, 0\r\n0.5, 0.1, 0, 0 # half\n").unwrap();
-        assert_eq!(time, [0.0, 0.5]);
-        assert_eq!(displacement[1].x, 0.1);
+        let text = "# paddle\nt [s], x, y, z\n0, 0, 0, 0\r\n0.5, 0.1, 0, 0 # half\n";
+        let rows = record::<4>(text, "time, x, y, z").unwrap();
+        assert_eq!(rows, [[0.0; 4], [0.5, 0.1, 0.0, 0.0]]);
     }
 
     #[test]
@@ -130,7 +168,7 @@ mod tests {
             ("0,0,0,0\n1,inf,0,0\n", "line 2: numbers must be finite"),
             ("0,0,0,0\n", "has 1 rows"),
         ] {
-            let message = record(text).unwrap_err();
+            let message = record::<4>(text, "time, x, y, z").unwrap_err();
             assert!(message.contains(expected), "{message}");
         }
     }

@@ -2,10 +2,11 @@
 
 use std::path::Path;
 
-use riprap_dda::{BlockDefinition, Material, Motion, PrescribedMotion, Shape};
+use riprap_dda::{Attachment, BlockDefinition, Hold, Material, Motion, PrescribedMotion, Shape};
 use riprap_sph::{NegativePressure as Clamping, Vec3};
 
 use crate::interface::{DAMPING_RATIO, WallSettings};
+use crate::scene::attachments::{attachments, deformability, hold, static_damping};
 use crate::scene::error::{Problem, Severity};
 use crate::scene::file::{
     Axis, FluidFile, NegativePressure, OutputFile, Preset, SceneFile, Triple,
@@ -21,6 +22,10 @@ pub struct Scene {
     pub file: SceneFile,
     /// Blocks in the order of the file.
     pub blocks: Vec<BlockDefinition>,
+    /// Loads, supports and bolts.
+    pub attachments: Vec<Attachment>,
+    /// Blocks that are held, by position, and how.
+    pub holds: Vec<(usize, Hold)>,
     /// Materials in the order of the file.
     pub materials: Vec<Material>,
     /// What the block solver needs.
@@ -116,14 +121,23 @@ impl Scene {
                 motion,
                 velocity: vec3(block.velocity),
                 angular_velocity: vec3(block.angular_velocity),
+                deformability: block.deformable.as_ref().map(deformability),
             })
-            .collect();
+            .collect::<Vec<_>>();
         Ok(Self {
+            attachments: attachments(&file, &blocks),
+            holds: file
+                .blocks
+                .iter()
+                .enumerate()
+                .filter_map(|(number, block)| Some((number, hold(block.hold.as_ref()?))))
+                .collect(),
             blocks,
             materials: materials(&file),
             block_settings: riprap_dda::Settings {
                 gravity: vec3(file.gravity),
                 time_step_factor: block_factor,
+                static_damping: file.numerics.static_damping.map(static_damping),
                 ..riprap_dda::Settings::default()
             },
             fluid,
@@ -337,6 +351,7 @@ fn materials(file: &SceneFile) -> Vec<Material> {
             elastic: m.elastic.map(|e| riprap_dda::Elastic {
                 young_modulus: e.young_modulus,
                 poisson_ratio: e.poisson_ratio,
+                viscosity: e.viscosity,
             }),
         })
         .collect()

@@ -2,8 +2,8 @@
 
 use super::error::Problem;
 use super::file::{
-    Axis, BlockFile, FluidFile, GaugeFile, MaterialFile, MotionFile, RegionShapeFile,
-    ResolutionFile, SceneFile, ShapeFile, Triple,
+    AttachmentFile, Axis, BlockFile, FluidFile, GaugeFile, MaterialFile, MotionFile,
+    RegionShapeFile, ResolutionFile, SceneFile, ShapeFile, StaticDampingFile, Triple, TurningFile,
 };
 use super::parse::suggestion;
 
@@ -24,6 +24,9 @@ pub fn values(scene: &SceneFile) -> Vec<Problem> {
         check.block(index, block, scene);
     }
     check.unique("blocks", scene.blocks.iter().map(|b| b.name.as_str()));
+    for (index, attachment) in scene.attachments.iter().enumerate() {
+        check.attachment(index, attachment, scene);
+    }
     if let Some(fluid) = &scene.fluid {
         check.fluid(fluid, scene);
     }
@@ -232,6 +235,11 @@ impl Checks {
                 &of("Young's modulus"),
                 elastic.young_modulus,
             );
+            self.not_negative(
+                path("elastic.viscosity"),
+                &of("viscosity"),
+                elastic.viscosity,
+            );
             let ratio = elastic.poisson_ratio;
             if !(-1.0 < ratio && ratio < 0.5) {
                 self.refuse(
@@ -269,6 +277,69 @@ impl Checks {
                 format!("{} has no direction", of("axis of rotation")),
             );
         }
+        if let MotionFile::Shaking { direction, .. } = &block.motion
+            && is_zero(*direction)
+        {
+            self.refuse(
+                path("motion.direction"),
+                format!("{} has no direction", of("motion")),
+            );
+        }
+        let is_free = matches!(block.motion, MotionFile::Free);
+        if let Some(deformable) = &block.deformable {
+            let material = scene.materials.iter().find(|m| m.name == block.material);
+            if material.is_some_and(|m| m.elastic.is_none()) {
+                self.refuse(
+                    path("deformable"),
+                    format!(
+                        "{} needs a material with elastic moduli; give `{}` its `elastic`",
+                        of("deformable"),
+                        block.material
+                    ),
+                );
+            }
+            if !is_free || matches!(block.shape, ShapeFile::Sphere { .. }) {
+                self.refuse(
+                    path("deformable"),
+                    format!(
+                        "{} must be a free block of polyhedra; leave deformable out",
+                        of("it")
+                    ),
+                );
+            }
+            if deformable.strain_mass_factor < 1.0 {
+                self.refuse(
+                    path("deformable.strain_mass_factor"),
+                    format!(
+                        "{} must be at least 1, found {}",
+                        of("strain mass factor"),
+                        deformable.strain_mass_factor
+                    ),
+                );
+            }
+        }
+        if let Some(hold) = &block.hold {
+            if !is_free {
+                self.refuse(
+                    path("hold"),
+                    of("only a free block can be held; leave hold out"),
+                );
+            }
+            if block.deformable.is_some() && hold.turning != TurningFile::Free {
+                self.refuse(
+                    path("hold.turning"),
+                    of("the turning of a deformable block cannot be held"),
+                );
+            }
+            for (k, axis) in hold.directions.iter().enumerate() {
+                if hold.directions[..k].contains(axis) {
+                    self.refuse(
+                        path(&format!("hold.directions[{k}]")),
+                        format!("{} {axis:?} is listed twice", of("hold")),
+                    );
+                }
+            }
+        }
         if let MotionFile::Sinusoid {
             direction,
             amplitude,
@@ -293,6 +364,88 @@ impl Checks {
                 path("velocity"),
                 of("an initial velocity has no effect on a block that is not free"),
             );
+        }
+    }
+
+    fn attachment(&mut self, index: usize, attachment: &AttachmentFile, scene: &SceneFile) {
+        let at = format!("attachments[{index}]");
+        let names: Vec<&str> = scene.blocks.iter().map(|b| b.name.as_str()).collect();
+        let mut known = |field: &str, block: &String| {
+            if !names.contains(&block.as_str()) {
+                self.refuse(
+                    format!("{at}.{field}"),
+                    format!(
+                        "attachment: there is no block `{block}`{}",
+                        suggestion(block, &names)
+                    ),
+                );
+            }
+        };
+        match attachment {
+            AttachmentFile::PointLoad { block, .. } | AttachmentFile::BodyLoad { block, .. } => {
+                known("block", block);
+            }
+            AttachmentFile::Pressure { block, face, .. } => {
+                known("block", block);
+                if is_zero(*face) {
+                    self.refuse(
+                        format!("{at}.face"),
+                        "attachment: the face has no direction".to_owned(),
+                    );
+                }
+            }
+            AttachmentFile::FixedPoint {
+                block, stiffness, ..
+            } => {
+                known("block", block);
+                self.positive(
+                    format!("{at}.stiffness"),
+                    "attachment: stiffness",
+                    *stiffness,
+                );
+            }
+            AttachmentFile::RockBolt {
+                from,
+                to,
+                from_point,
+                to_point,
+                stiffness,
+                pretension,
+                yield_force,
+            } => {
+                known("from", from);
+                known("to", to);
+                if from == to {
+                    self.refuse(
+                        format!("{at}.to"),
+                        format!("rock bolt: both ends are in `{to}`; it needs two blocks"),
+                    );
+                }
+                if from_point == to_point {
+                    self.refuse(
+                        format!("{at}.to_point"),
+                        "rock bolt: its ends must be apart".to_owned(),
+                    );
+                }
+                self.positive(
+                    format!("{at}.stiffness"),
+                    "rock bolt: stiffness",
+                    *stiffness,
+                );
+                self.positive(
+                    format!("{at}.yield_force"),
+                    "rock bolt: yield force",
+                    *yield_force,
+                );
+                if pretension.abs() > *yield_force {
+                    self.refuse(
+                        format!("{at}.pretension"),
+                        format!(
+                            "rock bolt: pretension {pretension} N exceeds its yield force {yield_force} N"
+                        ),
+                    );
+                }
+            }
         }
     }
 
@@ -497,6 +650,28 @@ impl Checks {
             "block time-step factor",
             numerics.block_time_step_factor,
         );
+        let damping = "numerics.static_damping";
+        match numerics.static_damping {
+            Some(StaticDampingFile::MassProportional(value)) => {
+                self.not_negative(damping.into(), "mass-proportional damping", value);
+            }
+            Some(StaticDampingFile::Local(value)) if !(0.0..1.0).contains(&value) => {
+                self.refuse(
+                    damping,
+                    format!("local damping must be in [0, 1), found {value}"),
+                );
+            }
+            Some(StaticDampingFile::Kinetic(value)) => {
+                self.share(damping, "kinetic damping", Some(value));
+            }
+            _ => {}
+        }
+        if numerics.static_damping.is_some() {
+            self.question(
+                damping,
+                "blocks are damped for a search for rest: their motion means nothing".to_owned(),
+            );
+        }
         if let Some(ratio) = numerics.smoothing_length_ratio
             && !(1.0..=3.0).contains(&ratio)
         {

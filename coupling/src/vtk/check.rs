@@ -73,7 +73,7 @@ pub enum Fault {
         name: String,
     },
     /// Scalars and vectors are all there is.
-    #[error("array `{name}` has {components} components, 1 or 3 are possible")]
+    #[error("array `{name}` has {components} components, 1, 3 or 6 are possible")]
     Components {
         /// Name of the array.
         name: String,
@@ -196,7 +196,7 @@ fn check_arrays(arrays: &[Array], n_tuples: usize) -> Result<(), Fault> {
         if name.is_empty() || is_repeated || name.contains(char::is_control) {
             return Err(Fault::Name { name: name.clone() });
         }
-        if *components != 1 && *components != 3 {
+        if ![1, 3, 6].contains(components) {
             return Err(Fault::Components {
                 name: name.clone(),
                 components: *components,

@@ -158,7 +158,7 @@ impl File<'_> {
     /// An array of `n_tuples`, or of as many as there are.
     fn array(&self, tag: &Tag<'_>, name: String, n_tuples: Option<u64>) -> Result<Array, Fault> {
         let components = tag.number("NumberOfComponents")?;
-        if components != 1 && components != 3 {
+        if ![1, 3, 6].contains(&components) {
             let components = usize::try_from(components).unwrap_or(usize::MAX);
             return Err(Fault::Components { name, components });
         }

@@ -296,10 +296,16 @@ impl Blocks {
             .sum()
     }
 
-    /// Impulse that gravity and the contacts with fixed and prescribed blocks gave to free blocks
-    /// so far; N s.
+    /// Impulse that gravity, fixed and prescribed blocks, loads, holds and damping for statics gave to
+    /// free blocks so far; N s.
     pub fn support_impulse(&self) -> Vec3 {
         self.support_impulse
+    }
+
+    /// Sum of the sizes of the impulses of gravity and of the supports, what a residual of momentum
+    /// is measured by; N s.
+    pub fn impulse_exchanged(&self) -> f64 {
+        self.impulse_exchanged
     }
 
     /// Numbers of the solver.
@@ -347,6 +353,7 @@ impl Blocks {
         f(self.damping.total());
         f(self.external_work.total());
         self.support_impulse.iter().for_each(|&c| f(c));
+        f(self.impulse_exchanged);
         f(self.max_overlap_over_size);
     }
 }

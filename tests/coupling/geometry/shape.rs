@@ -16,6 +16,8 @@ fn block(shape: ShapeFile, placement: PlacementFile) -> BlockFile {
         motion: MotionFile::Free,
         velocity: (0.0, 0.0, 0.0),
         angular_velocity: (0.0, 0.0, 0.0),
+        deformable: None,
+        hold: None,
     }
 }
 

@@ -1,0 +1,137 @@
+//! Loads, supports, bolts, holds and deformability of the file, as the block solver takes them.
+
+use riprap_dda::{
+    Attachment, BlockDefinition, Deformability, DeformableModel, Hold, Shape, StaticDamping,
+    StressLaw, Turning, Vec3,
+};
+
+use super::file::{
+    AttachmentFile, Axis, DeformableFile, DeformableModelFile, HoldFile, SceneFile,
+    StaticDampingFile, TurningFile,
+};
+use super::resolve::vec3;
+
+/// The attachments of the file; validation has seen that its blocks exist.
+pub fn attachments(file: &SceneFile, blocks: &[BlockDefinition]) -> Vec<Attachment> {
+    let number = |name: &String| {
+        file.blocks
+            .iter()
+            .position(|b| b.name == *name)
+            .unwrap_or(0)
+    };
+    file.attachments
+        .iter()
+        .map(|attachment| match attachment {
+            AttachmentFile::PointLoad {
+                block,
+                point,
+                force,
+            } => Attachment::PointLoad {
+                block: number(block),
+                point: vec3(*point),
+                force: vec3(*force),
+            },
+            AttachmentFile::BodyLoad {
+                block,
+                acceleration,
+            } => Attachment::BodyLoad {
+                block: number(block),
+                acceleration: vec3(*acceleration),
+            },
+            AttachmentFile::Pressure {
+                block,
+                face,
+                pressure,
+            } => {
+                let block = number(block);
+                let (part, face) = facing(&blocks[block].shape, &vec3(*face));
+                Attachment::FaceLoad {
+                    block,
+                    part,
+                    face,
+                    pressure: *pressure,
+                }
+            }
+            AttachmentFile::FixedPoint {
+                block,
+                point,
+                stiffness,
+            } => Attachment::FixedPoint {
+                block: number(block),
+                point: vec3(*point),
+                stiffness: *stiffness,
+            },
+            AttachmentFile::RockBolt {
+                from,
+                from_point,
+                to,
+                to_point,
+                stiffness,
+                pretension,
+                yield_force,
+            } => Attachment::RockBolt {
+                blocks: (number(from), number(to)),
+                points: (vec3(*from_point), vec3(*to_point)),
+                stiffness: *stiffness,
+                pretension: *pretension,
+                yield_force: *yield_force,
+            },
+        })
+        .collect()
+}
+
+/// Part and face whose normal is nearest to a direction; (0, 0) for a ball, which has none.
+fn facing(shape: &Shape, direction: &Vec3) -> (usize, usize) {
+    let mut best = (f64::NEG_INFINITY, (0, 0));
+    if let Shape::Polyhedra(parts) = shape {
+        for (part, body) in parts.iter().enumerate() {
+            for face in 0..body.n_faces() {
+                let along = body.face_normal(face).dot(direction);
+                if along > best.0 {
+                    best = (along, (part, face));
+                }
+            }
+        }
+    }
+    best.1
+}
+
+pub fn deformability(file: &DeformableFile) -> Deformability {
+    let (xx, yy, zz, yz, zx, xy) = file.initial_stress;
+    Deformability {
+        model: match file.model {
+            DeformableModelFile::Affine => {
+                DeformableModel::Affine12(StressLaw::SaintVenantKirchhoff)
+            }
+            DeformableModelFile::Corotational => DeformableModel::Affine12(StressLaw::Corotational),
+            DeformableModelFile::Classical => DeformableModel::Dda12,
+        },
+        initial_stress: [xx, yy, zz, yz, zx, xy],
+        strain_mass_factor: file.strain_mass_factor,
+    }
+}
+
+pub fn hold(file: &HoldFile) -> Hold {
+    Hold {
+        directions: file.directions.iter().map(|&axis| unit(axis)).collect(),
+        turning: match file.turning {
+            TurningFile::Free => Turning::Free,
+            TurningFile::About(axis) => Turning::About(unit(axis)),
+            TurningFile::Held => Turning::Held,
+        },
+    }
+}
+
+fn unit(axis: Axis) -> Vec3 {
+    let mut direction = Vec3::zeros();
+    direction[axis.index()] = 1.0;
+    direction
+}
+
+pub fn static_damping(file: StaticDampingFile) -> StaticDamping {
+    match file {
+        StaticDampingFile::MassProportional(alpha) => StaticDamping::MassProportional(alpha),
+        StaticDampingFile::Local(alpha) => StaticDamping::Local(alpha),
+        StaticDampingFile::Kinetic(kappa) => StaticDamping::Kinetic(kappa),
+    }
+}

@@ -1,0 +1,172 @@
+//! Scenes of blocks alone: deformable blocks, loads, bolts, holds, base shaking, damping.
+#![expect(
+    clippy::unwrap_used,
+    clippy::print_stdout,
+    reason = "a test may stop and tell where a library may not"
+)]
+
+#[path = "../support/mod.rs"]
+mod support;
+
+use std::path::Path;
+
+use support::{riprap, run, table, words};
+
+/// A scene with the given blocks and further fields.
+fn scene(folder: &Path, blocks: &str, further: &str) -> std::path::PathBuf {
+    let path = folder.join("scene.ron");
+    let text = format!(
+        r#"(
+    title: "blocks",
+    domain: (min: (-20, -20, -20), max: (20, 20, 20)),
+    materials: [(name: "rock", density: 2600, friction_angle_deg: 30, contact_stiffness: 1e9,
+                 elastic: (young_modulus: 1e9, poisson_ratio: 0.25, viscosity: 2e5))],
+    blocks: [{blocks}],
+    {further}
+)"#
+    );
+    std::fs::write(&path, text).unwrap();
+    path
+}
+
+/// Last row of `blocks.csv` of a block.
+fn last_row(folder: &Path, block: f64) -> Vec<f64> {
+    let rows = table(&folder.join("blocks.csv"));
+    rows.into_iter().rfind(|row| row[1] == block).unwrap()
+}
+
+const FLOOR: &str = r#"(name: "floor", material: "rock", motion: Fixed, shape: Box(min: (-9, -9, -1), max: (9, 9, 0)))"#;
+
+/// A deformable block under its weight and a pressure on its top settles as its moduli say; its stress is in the
+/// frames.
+#[test]
+fn deformable_block_under_pressure() {
+    let folder = tempfile::tempdir().unwrap();
+    let blocks = format!(
+        r#"{FLOOR}, (name: "pillar", material: "rock", shape: Box(min: (0, 0, 0), max: (1, 1, 2)),
+            deformable: (model: Corotational))"#
+    );
+    let further = r#"attachments: [Pressure(block: "pillar", face: (0, 0, 1), pressure: 1e5)],
+        time: (duration: 0.5), output: (frame_interval: 0.5)"#;
+    let out = folder.path().join("out");
+    let summary = run(&scene(folder.path(), &blocks, further), &out, &[]);
+    // centroid: contact overlap (m g + p A)/K and half of (p + ρ g H/2) H/E
+    let (load, stress) = (2600.0 * 2.0 * 9.81 + 1e5, 1e5 + 2600.0 * 9.81);
+    let expected = load / 1e9 + stress * 1.0 / 1e9;
+    let found = 1.0 - last_row(&out, 1.0)[4];
+    println!("centroid {found:.6e} m lower, expected {expected:.6e}");
+    // 0.3 %: friction at the base holds back some of the lateral strain
+    assert!((found / expected - 1.0).abs() < 3e-3);
+    let energy = &summary["energy"];
+    assert!(energy["strain"].as_f64().unwrap() > 0.0);
+    assert!(energy["strain_damping"].as_f64().unwrap() > 0.0);
+    let frame = std::fs::read(out.join("blocks_00001.vtp")).unwrap();
+    assert!(String::from_utf8_lossy(&frame).contains("Name=\"Stress\" NumberOfComponents=\"6\""));
+}
+
+/// A block hangs from a rock bolt: its tension is the weight, and the block does not turn away.
+#[test]
+fn hung_from_a_bolt() {
+    let folder = tempfile::tempdir().unwrap();
+    let blocks = r#"(name: "roof", material: "rock", motion: Fixed, shape: Box(min: (-2, -2, 3), max: (2, 2, 4))),
+        (name: "key", material: "rock", shape: Box(min: (-0.5, -0.5, 1), max: (0.5, 0.5, 2)),
+         hold: (directions: [X, Y], turning: Held))"#;
+    let further = r#"attachments: [RockBolt(from: "roof", from_point: (0, 0, 3.5), to: "key", to_point: (0, 0, 1.5),
+            stiffness: 1e7, pretension: 0, yield_force: 1e6)],
+        numerics: (static_damping: MassProportional(20)),
+        time: (duration: 2)"#;
+    let out = folder.path().join("out");
+    let summary = run(&scene(folder.path(), blocks, further), &out, &[]);
+    let sunk = 1.5 - last_row(&out, 1.0)[4];
+    let expected = 2600.0 * 9.81 / 1e7;
+    println!("hangs {sunk:.6e} m lower, expected {expected:.6e}");
+    assert!((sunk / expected - 1.0).abs() < 1e-6);
+    assert!(summary["energy"]["static_damping"].as_f64().unwrap() > 0.0);
+    println!("momentum residual {}", summary["momentum_residual"]);
+    assert!(summary["momentum_residual"].as_f64().unwrap() < 1e-9);
+}
+
+/// Base shaking from a record: a block stuck to the base follows it.
+#[test]
+fn base_shaking_from_a_record() {
+    let folder = tempfile::tempdir().unwrap();
+    // a = sin 2πt m/s² for a second and silence: the base ends at 1/(2π) m, moving no more
+    let record: String = (0..=2000)
+        .map(|k| {
+            let t = f64::from(k) * 1e-3;
+            let a = if t < 1.0 {
+                (std::f64::consts::TAU * t).sin()
+            } else {
+                0.0
+            };
+            format!("{t},{a}\n")
+        })
+        .collect();
+    std::fs::write(
+        folder.path().join("quake.csv"),
+        format!("# t [s], a [m/s2]\n{record}"),
+    )
+    .unwrap();
+    let blocks = r#"(name: "base", material: "rock", motion: Shaking(direction: (1, 0, 0), file: "quake.csv"),
+            shape: Box(min: (-9, -9, -1), max: (9, 9, 0))),
+        (name: "slab", material: "rock", shape: Box(min: (-1, -1, 0), max: (1, 1, 0.2)))"#;
+    let out = folder.path().join("out");
+    run(
+        &scene(folder.path(), blocks, "time: (duration: 1.5)"),
+        &out,
+        &[],
+    );
+    let (base, slab) = (last_row(&out, 0.0), last_row(&out, 1.0));
+    let expected = 1.0 / std::f64::consts::TAU;
+    println!("base at {:.6} m, slab at {:.6} m", base[2], slab[2]);
+    // trapezoids of a sine in 1000 steps: 1e-6
+    assert!((base[2] / expected - 1.0).abs() < 1e-5);
+    // mu g = 5.7 m/s² > 1 m/s²: it sticks, and the contact springs swing out
+    assert!((slab[2] - base[2]).abs() < 1e-5);
+}
+
+#[test]
+fn wrong_attachments_are_explained_in_their_place() {
+    let folder = tempfile::tempdir().unwrap();
+    let block = r#"(name: "stone", material: "rock", shape: Box(min: (0, 0, 0), max: (1, 1, 1)))"#;
+    for (blocks, further, expected) in [
+        (
+            block.to_owned(),
+            r#"attachments: [PointLoad(block: "ston", point: (0, 0, 0), force: (1, 0, 0))],"#,
+            "attachment: there is no block `ston`, did you mean `stone`?",
+        ),
+        (
+            block.replace("1)))", "1)), motion: Fixed, deformable: ())"),
+            "",
+            "block `stone`: it must be a free block of polyhedra; leave deformable out",
+        ),
+        (
+            block.replace("1)))", "1)), hold: (directions: [X, X]))"),
+            "",
+            "block `stone`: hold X is listed twice",
+        ),
+        (
+            block.to_owned(),
+            "numerics: (static_damping: Local(1.0)),",
+            "local damping must be in [0, 1), found 1",
+        ),
+        (
+            block.replace(
+                "1)))",
+                "1)), motion: Shaking(direction: (1, 0, 0), file: \"no.csv\"))",
+            ),
+            "",
+            "cannot read `no.csv`",
+        ),
+    ] {
+        let further = format!("{further} time: (duration: 1)");
+        let path = scene(folder.path(), &blocks, &further);
+        let output = riprap(&["check", path.to_str().unwrap()]);
+        let said = words(&output);
+        assert_eq!(output.status.code(), Some(2), "{said}");
+        assert!(
+            said.contains(expected) && said.contains("scene.ron:"),
+            "{said}"
+        );
+    }
+}
