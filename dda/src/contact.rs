@@ -4,16 +4,14 @@
 //! normal   F_n = w K δ − w c ġ ≥ 0,     c = 2 ξ √(K_e m_e),  1/m_e = w_A + w_B (compliances along n)
 //! shear    F_t = −w K_t ξ_t − w c_t u_t,     |F_t| ≤ F_n tan φ                                  [N]
 //! ```
-//! `w` is the point's share of the patch, `δ` its overlap, `ġ` its opening rate, `ξ_t` the shear
-//! displacement since first contact, carried along as the pair turns. `K_e = K · (mean/deepest
-//! overlap)` is the stiffness that the motion of the pair as a whole feels: K of a flat face, K/2
-//! of an edge, K/3 of a corner. Forces act on B; A gets the opposite at the same point.
+//! `w` is the point's weight (see `patch`), `δ` its overlap, `ġ` its opening rate, `ξ_t` the shear
+//! displacement since first contact, carried along as the pair turns. `K_e = K Σ w` is the stiffness
+//! that the motion of the pair as a whole feels. Forces act on B; A gets the opposite at the same point.
 //! Source: Cundall (1988), Geraili Mikola & Sitar (2013); damping clamped after Schwager & Pöschel
 //! (2007); shear history after Luding (2008).
 //!
-//! **Energy.** The springs of a patch whose shape stays the same conserve energy. A patch that
-//! changes shape (a body rocking over its edge, a corner that becomes a face) is not derived from a
-//! potential: the ledger shows a share of the elastic energy, ½ F δ, as its error.
+//! **Energy.** The springs of a patch have a potential while its two faces stay the same (see `patch`).
+//! When another face or edge takes over, the ledger shows the step between two potentials as its error.
 //!
 //! **Bonds.** Parts that lie against each other at the start with cohesion or tensile strength are
 //! bonded: they also pull, up to `T A`, and hold shear up to `c A + F_n tan φ` (A the area of the
@@ -25,7 +23,7 @@ use crate::{
     kinematics::{Kinematics, Load},
     material::Joint,
     parts::Part,
-    patch::{PYRAMID, Patch, PatchPoint},
+    patch::{Patch, PatchPoint, Scaling},
     shape::sphere_surface_point,
 };
 
@@ -96,8 +94,8 @@ pub(crate) struct Pair {
     pub points: Vec<PointState>,
     /// Normal from i to j at that time.
     pub normal: Vec3,
-    /// Energy of the springs; J.
-    pub elastic: f64,
+    /// Energy of the normal and of the shear springs; J.
+    pub elastic: (f64, f64),
 
     before: Vec<PointState>,
     patch: Patch,
@@ -142,7 +140,7 @@ impl Pair {
             bond: None,
             points: Vec::new(),
             normal: Vec3::z(),
-            elastic: 0.0,
+            elastic: (0.0, 0.0),
             before: Vec::new(),
             patch: Patch::default(),
             loads: (Load::default(), Load::default()),
@@ -175,7 +173,7 @@ impl Pair {
         if axes.best().gap > reach || axis.gap.abs() > reach {
             return;
         }
-        self.patch.find(a, b, &axis, true);
+        self.patch.find(a, b, &axis, joint.scaling, true);
         let is_flat = self.patch.points.iter().all(|p| p.overlap.abs() <= reach);
         if self.patch.area > 0.0 && is_flat {
             self.axis.axis = Some(axis);
@@ -192,7 +190,7 @@ impl Pair {
     pub fn evaluate(&mut self, medium: &Medium, dt: f64, is_near: bool) {
         self.friction = 0.0;
         self.damping = 0.0;
-        self.book_viscous_work(medium, dt);
+        self.book_work(medium, dt);
         std::mem::swap(&mut self.points, &mut self.before);
         self.points.clear();
         self.patch.points.clear();
@@ -212,13 +210,13 @@ impl Pair {
                 self.break_bond(medium, dt);
             }
         }
-        self.book_viscous_work(medium, dt);
+        self.book_work(medium, dt);
         self.settle_energy(medium);
     }
 
-    /// Half a step's work of the dashpots: the forces act at both ends of the step, the rates are
-    /// those of its middle.
-    fn book_viscous_work(&mut self, medium: &Medium, dt: f64) {
+    /// Half a step's work of dashpots and shear springs: the forces act at both ends of the step, the
+    /// rates are those of its middle. What the shear springs were given and do not hold has slipped.
+    fn book_work(&mut self, medium: &Medium, dt: f64) {
         let (a, b) = (
             &medium.kinematics[self.blocks.0 as usize],
             &medium.kinematics[self.blocks.1 as usize],
@@ -226,8 +224,9 @@ impl Pair {
         for point in &self.points {
             let x = &point.patch.position;
             let rate = b.velocity_at(x) - a.velocity_at(x);
-            let force = self.normal * point.normal_viscous + point.shear_viscous;
-            self.damping -= 0.5 * dt * force.dot(&rate);
+            let viscous = self.normal * point.normal_viscous + point.shear_viscous;
+            self.damping -= 0.5 * dt * viscous.dot(&rate);
+            self.friction -= 0.5 * dt * (point.shear_force - point.shear_viscous).dot(&rate);
         }
     }
 
@@ -244,7 +243,8 @@ impl Pair {
                 } else {
                     self.axis.overlapping(a, b)?
                 };
-                self.patch.find(a, b, &axis, self.bond.is_some());
+                let scaling = medium.joint(self).scaling;
+                self.patch.find(a, b, &axis, scaling, self.bond.is_some());
                 Some((axis.normal, (-axis.gap).max(0.0)))
             }
             (Part::Sphere { center, radius }, Part::Polyhedron(body)) => {
@@ -290,18 +290,13 @@ impl Pair {
             &medium.kinematics[self.blocks.1 as usize],
         );
         let n = self.normal;
+        let total: f64 = self.patch.points.iter().map(|p| p.weight).sum();
         let center: Vec3 = self
             .patch
             .points
             .iter()
-            .map(|p| p.position * p.weight)
+            .map(|p| p.position * (p.weight / total))
             .sum();
-        let mean: f64 = self.patch.points.iter().map(|p| p.overlap * p.weight).sum();
-        let share = if self.bond.is_some() || self.deepest <= 0.0 {
-            1.0
-        } else {
-            (mean / self.deepest).clamp(PYRAMID, 1.0)
-        };
         let mobility = a.compliance(&center, &n) + b.compliance(&center, &n);
         let viscosity = |stiffness: f64, ratio: f64| {
             if mobility > 0.0 {
@@ -310,11 +305,14 @@ impl Pair {
                 0.0
             }
         };
-        let c_n = viscosity(joint.normal_stiffness * share, joint.damping_ratio);
-        let c_t = viscosity(joint.shear_stiffness * share, medium.shear_damping_ratio);
-        let mean_shear = mean_shear(&self.before);
+        // Of a unit of weight: the whole contact's dashpot is 2 ξ √(K_e m_e), K_e its stiffness now.
+        let c_n = viscosity(joint.normal_stiffness * total, joint.damping_ratio) / total;
+        let c_t = viscosity(joint.shear_stiffness * total, medium.shear_damping_ratio) / total;
         let turn = 0.5 * (a.spin + b.spin).dot(&n) * dt;
-        let cohesion = self.bond.map_or(0.0, |bond| joint.cohesion * bond.area);
+        let heirs = Heirs::of(&self.patch.points, &self.before);
+        let cohesion = self
+            .bond
+            .map_or(0.0, |bond| joint.cohesion * bond.area / total);
         for k in 0..self.patch.points.len() {
             let patch = self.patch.points[k];
             let old = self.before.iter().find(|old| old.patch.key == patch.key);
@@ -330,24 +328,21 @@ impl Pair {
             let normal_viscous = normal_force - spring;
 
             let k_t = patch.weight * joint.shear_stiffness;
-            let carried = carry(&old.map_or(mean_shear, |old| old.shear), &n, turn);
+            let carried = carry(&heirs.shear(&patch, old), &n, turn);
             let mut shear = carried + sliding * dt;
             let mut shear_viscous = -sliding * (patch.weight * c_t);
             let mut shear_force = shear_viscous - shear * k_t;
             let limit = joint.friction * normal_force.max(0.0) + cohesion * patch.weight;
             let size = shear_force.norm();
             let is_slipping = size > limit && self.bond.is_none();
-            let old_force = old.map_or_else(Vec3::zeros, |old| old.shear_force);
             if is_slipping {
                 shear_force *= limit / size;
                 shear_viscous = Vec3::zeros();
-                let kept = if k_t > 0.0 {
+                shear = if k_t > 0.0 {
                     -shear_force / k_t
                 } else {
                     Vec3::zeros()
                 };
-                self.friction -= 0.5 * (shear_force + old_force).dot(&(shear - kept));
-                shear = kept;
             }
             let force = n * normal_force + shear_force;
             self.loads.0.add(&-force, &(patch.position - a.centroid));
@@ -380,7 +375,6 @@ impl Pair {
 
     /// The bond is gone: the forces are found again without it.
     fn break_bond(&mut self, medium: &Medium, dt: f64) {
-        let friction = self.friction;
         self.bond = None;
         self.has_broken = true;
         self.loads = (Load::default(), Load::default());
@@ -393,41 +387,28 @@ impl Pair {
             }
             None => self.deepest = 0.0,
         }
-        // Slip is counted once; what the springs lose beyond it is settled as damping.
-        self.friction -= friction;
     }
 
     /// Energy of the springs now, and what was lost with points that are gone.
     fn settle_energy(&mut self, medium: &Medium) {
         let joint = medium.joint(self);
         let before = self.elastic;
-        let normal = if self.patch.is_full || self.bond.is_some() {
-            let squares: f64 = self
-                .points
-                .iter()
-                .map(|p| p.patch.weight * p.patch.overlap * p.patch.overlap)
-                .sum();
-            0.5 * joint.normal_stiffness * squares
-        } else {
-            let mean: f64 = self
-                .points
-                .iter()
-                .map(|p| p.patch.weight * p.patch.overlap)
-                .sum();
-            0.5 * joint.normal_stiffness * mean * self.deepest
-        };
-        let shear: f64 = self
-            .points
-            .iter()
-            .map(|p| p.patch.weight * p.shear.norm_squared())
-            .sum();
-        self.elastic = normal + 0.5 * joint.shear_stiffness * shear;
+        let (mut normal, mut shear) = (0.0, 0.0);
+        for point in &self.points {
+            normal += point.patch.weight * point.patch.overlap * point.patch.overlap;
+            shear += point.patch.weight * point.shear.norm_squared();
+        }
+        self.elastic = (
+            0.5 * joint.normal_stiffness * normal,
+            0.5 * joint.shear_stiffness * shear,
+        );
+        self.friction += before.1 - self.elastic.1;
         let was_cut_off = self.before.iter().all(|p| p.normal_force == 0.0);
         if self.has_broken {
-            self.damping += before - self.elastic;
+            self.damping += before.0 - self.elastic.0;
         } else if self.points.is_empty() && was_cut_off {
             // No force acted any more: what the springs still held is lost.
-            self.damping = before;
+            self.damping += before.0;
         }
     }
 
@@ -444,7 +425,12 @@ impl Pair {
             let body = &medium.kinematics[block as usize];
             if self.points.is_empty() {
                 let worst = body.worst_compliance(radius);
-                (joint.normal_stiffness + 2.0 * joint.shear_stiffness) * worst
+                let weight = match joint.scaling {
+                    Scaling::Point => 1.0,
+                    // No face is larger than the great circle of the smaller bounding ball.
+                    Scaling::Area => std::f64::consts::PI * radii.0.min(radii.1).powi(2),
+                };
+                (joint.normal_stiffness + 2.0 * joint.shear_stiffness) * weight * worst
             } else {
                 self.points
                     .iter()
@@ -475,8 +461,40 @@ fn glued(a: &crate::Polyhedron, b: &crate::Polyhedron, axis: &Axis) -> Axis {
     }
 }
 
-fn mean_shear(points: &[PointState]) -> Vec3 {
-    points.iter().map(|p| p.shear * p.patch.weight).sum()
+/// How the shear springs of the last patch pass to the points of the present one, without making
+/// energy or force.
+struct Heirs {
+    /// For a patch with no point in common with the last one: its springs together.
+    mean: Vec3,
+}
+
+impl Heirs {
+    fn of(points: &[PatchPoint], before: &[PointState]) -> Self {
+        let is_known = |point: &PatchPoint| before.iter().any(|old| old.patch.key == point.key);
+        let old: f64 = before.iter().map(|p| p.patch.weight).sum();
+        let new: f64 = points.iter().map(|p| p.weight).sum();
+        if old <= 0.0 || new <= 0.0 || points.iter().any(is_known) {
+            return Self {
+                mean: Vec3::zeros(),
+            };
+        }
+        let force: Vec3 = before.iter().map(|p| p.shear * p.patch.weight).sum();
+        Self {
+            mean: force / old.max(new),
+        }
+    }
+
+    /// Displacement of a point's spring. One that has grown keeps its force, one that has shrunk its
+    /// displacement; a new one starts with nothing.
+    fn shear(&self, point: &PatchPoint, old: Option<&PointState>) -> Vec3 {
+        match old {
+            Some(old) if point.weight > old.patch.weight => {
+                old.shear * (old.patch.weight / point.weight)
+            }
+            Some(old) => old.shear,
+            None => self.mean,
+        }
+    }
 }
 
 /// Shear displacement carried into the present plane: turned with the pair about `n`, projected,

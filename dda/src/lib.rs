@@ -37,6 +37,7 @@
 //!     tensile_strength: 0.0,
 //!     restitution: 0.3,
 //!     contact_stiffness: 1e8,
+//!     joint_stiffness: None,
 //!     shear_stiffness_ratio: 0.8,
 //!     elastic: None,
 //! };

@@ -1,6 +1,6 @@
 //! Rock materials, and the joint that two of them make where they touch.
 
-use crate::BlockError;
+use crate::{BlockError, patch::Scaling};
 
 /// Isotropic linear elasticity of deformable blocks; rigid blocks ignore it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,6 +29,9 @@ pub struct Material {
     pub restitution: f64,
     /// Normal penalty stiffness of a whole contact, > 0; N/m.
     pub contact_stiffness: f64,
+    /// Normal stiffness of its joints per area, > 0; Pa/m. Where both materials have one it is used
+    /// instead of `contact_stiffness`.
+    pub joint_stiffness: Option<f64>,
     /// Shear over normal penalty stiffness, ≥ 0; –.
     pub shear_stiffness_ratio: f64,
     /// Elastic moduli.
@@ -44,6 +47,7 @@ impl Material {
             tensile_strength,
             restitution,
             contact_stiffness,
+            joint_stiffness,
             shear_stiffness_ratio,
             elastic,
         } = *self;
@@ -82,6 +86,10 @@ impl Material {
                 "must be >= 0",
             ),
         ];
+        if let Some(stiffness) = joint_stiffness {
+            let is_good = stiffness > 0.0;
+            fields.push(("joint_stiffness", stiffness, is_good, "must be > 0 Pa/m"));
+        }
         if let Some(elastic) = elastic {
             let (e, nu) = (elastic.young_modulus, elastic.poisson_ratio);
             fields.push(("young_modulus", e, e > 0.0, "must be > 0 Pa"));
@@ -112,9 +120,11 @@ impl Material {
 /// Constants of the contact between two materials.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Joint {
-    /// `K`; N/m.
+    /// What the stiffnesses refer to.
+    pub scaling: Scaling,
+    /// `K`; N/m or Pa/m.
     pub normal_stiffness: f64,
-    /// `K_t`; N/m.
+    /// `K_t`; N/m or Pa/m.
     pub shear_stiffness: f64,
     /// `tan φ`; –.
     pub friction: f64,
@@ -142,10 +152,21 @@ impl Joint {
                 0.0
             }
         };
-        let shear = |m: &Material| m.contact_stiffness * m.shear_stiffness_ratio;
+        let (scaling, k1, k2) = match (first.joint_stiffness, second.joint_stiffness) {
+            (Some(k1), Some(k2)) => (Scaling::Area, k1, k2),
+            _ => (
+                Scaling::Point,
+                first.contact_stiffness,
+                second.contact_stiffness,
+            ),
+        };
         Self {
-            normal_stiffness: series(first.contact_stiffness, second.contact_stiffness),
-            shear_stiffness: series(shear(first), shear(second)),
+            scaling,
+            normal_stiffness: series(k1, k2),
+            shear_stiffness: series(
+                k1 * first.shear_stiffness_ratio,
+                k2 * second.shear_stiffness_ratio,
+            ),
             friction: first.friction_angle.min(second.friction_angle).tan(),
             cohesion: first.cohesion.min(second.cohesion),
             tensile_strength: first.tensile_strength.min(second.tensile_strength),

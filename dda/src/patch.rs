@@ -1,14 +1,27 @@
 //! Where two overlapping polyhedra touch: the contact patch and its points.
 //!
-//! If the common plane is a face, the face of the other body that looks at it is clipped by its
+//! If the common plane is a face, the faces of the other body that look at it are clipped by its
 //! sides (Sutherland & Hodgman 1974), and what lies above the plane is cut off, so that the patch
 //! grows from nothing and never jumps. If it is made by two edges, their closest points are the
 //! contact.
 //!
-//! A fan of triangles around the middle of the patch is integrated by the midpoints of the
-//! triangles' sides, weights a third of the area each: exact for quadratics, so that force and
-//! moment of a linear overlap are exact. (Corners instead of midpoints would give the exact force
-//! but twice the rocking stiffness of a square.)
+//! **The springs have a potential**, so that a body that rocks or rolls gets back what it gave:
+//!
+//! ```text
+//! U = ½ k_a ∫ δ² dA + ½ k_v Σ_v δ_v²            δ > 0: overlap below the plane of the face     [J]
+//! ```
+//! the integral over what is below the plane, the sum over the corners of the patch as it would be
+//! if the faces lay flat on each other (area `A₀`, `n₀` corners). The corners keep a body that comes
+//! down on one of them from sinking in without resistance. The stiffness of the whole is shared out:
+//! `k_a = (1 − s) K/A₀` and `k_v = s K/n₀` for a stiffness K in N/m, so that flat faces meet with K;
+//! `k_a = k` and `k_v = k A_min` for a stiffness k in Pa/m.
+//!
+//! A fan of triangles around the middle of the patch is integrated from its corners and centroids,
+//!
+//! ```text
+//! ∫ f dA = A/12 (f₁ + f₂ + f₃) + 3A/4 f_centroid
+//! ```
+//! exact for quadratics, so that energy, force and moment of a linear overlap are exact.
 
 use crate::{
     Polyhedron, Vec3,
@@ -22,7 +35,7 @@ pub(crate) struct PatchPoint {
     pub key: u32,
     /// World; m.
     pub position: Vec3,
-    /// Share of the pair's stiffness; the shares of a patch sum to 1.
+    /// Factor on the pair's stiffness: its share, or m² for a stiffness per area.
     pub weight: f64,
     /// Overlap; m.
     pub overlap: f64,
@@ -38,46 +51,93 @@ struct Corner {
 /// Contact patch with its buffers, reused from step to step.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Patch {
-    /// Points; weights sum to 1.
     pub points: Vec<PatchPoint>,
-    /// Area, projected on the common plane; m². Zero for a point contact.
+    /// Area below the plane, projected on it; m². Zero for a point contact.
     pub area: f64,
-    /// Does the overlap reach over the whole patch, as when a face rests flat?
-    pub is_full: bool,
     corners: Vec<Corner>,
     spare: Vec<Corner>,
 }
 
+/// What the pair's stiffness refers to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Scaling {
+    /// N/m of the whole contact: weights of flat faces sum to 1.
+    Point,
+    /// Pa/m: weights are areas.
+    Area,
+}
+
 /// Side that no edge makes: the line where the overlap ends.
 const WATERLINE: u16 = u16::MAX;
+/// Stands for a side in the name of the point in the middle.
+const MIDDLE: u16 = u16::MAX - 1;
 /// Marks sides that are edges of B.
 const OF_B: u16 = 0x4000;
 /// A patch keeps at most this many corners.
 const MAX_CORNERS: usize = 8;
-/// Mean over deepest overlap of a pyramid; a point contact is one, so that an edge or corner that
-/// turns into a patch keeps its force.
-pub(crate) const PYRAMID: f64 = 1.0 / 3.0;
+/// Share `s` of the stiffness that sits in the corners of the patch.
+const CORNER_SHARE: f64 = 1.0 / 3.0;
+/// Weight of a contact of two edges, or of a corner beside the face: what a pyramid's area and tip
+/// come to on the way in, so that taking over from one costs little (a pile of hulls loses 0.6 % of
+/// its energy with 1/3, 18 % with 1/12).
+const POINT_WEIGHT: f64 = 1.0 / 3.0;
+/// `A_min` of a corner; × L² of the smaller body.
+const CORNER_AREA: f64 = 1e-3;
+/// A patch never counts as smaller than this; × L² of the smaller body.
+const LEAST_AREA: f64 = 1e-2;
+/// Faces that look at the plane by less than this cosine do not touch it.
+const LOOKS_AWAY: f64 = 1e-3;
+
+/// A face of one of the bodies, and the mark of that body's edges.
+#[derive(Clone, Copy)]
+struct Side<'a> {
+    body: &'a Polyhedron,
+    mark: u16,
+}
 
 impl Patch {
     /// Patch of two bodies with the common plane `axis`. A bonded patch keeps the parts that have
     /// opened; their overlap is negative.
-    pub fn find(&mut self, a: &Polyhedron, b: &Polyhedron, axis: &Axis, is_bonded: bool) {
+    pub fn find(
+        &mut self,
+        a: &Polyhedron,
+        b: &Polyhedron,
+        axis: &Axis,
+        scaling: Scaling,
+        is_bonded: bool,
+    ) {
         self.points.clear();
         self.area = 0.0;
-        self.is_full = false;
+        let size = a.size().min(b.size());
+        let (side_a, side_b) = (
+            Side { body: a, mark: 0 },
+            Side {
+                body: b,
+                mark: OF_B,
+            },
+        );
+        let point_weight = match scaling {
+            Scaling::Point => POINT_WEIGHT,
+            Scaling::Area => CORNER_AREA * size * size,
+        };
         match axis.kind {
-            AxisKind::FaceA(face) => self.clip_faces((a, face as usize, 0), (b, OF_B), is_bonded),
-            AxisKind::FaceB(face) => self.clip_faces((b, face as usize, OF_B), (a, 0), is_bonded),
+            AxisKind::FaceA(face) => {
+                self.clip_faces(side_a, face as usize, side_b, scaling, is_bonded);
+            }
+            AxisKind::FaceB(face) => {
+                self.clip_faces(side_b, face as usize, side_a, scaling, is_bonded);
+            }
             AxisKind::Edges(edge_a, edge_b) => {
                 let key = (edge_a & 0x3fff) << 16 | (edge_b & 0x3fff) | u32::from(OF_B);
-                self.push_single(key, edge_contact(a, edge_a, b, edge_b), -axis.gap * PYRAMID);
+                let position = edge_contact(a, edge_a, b, edge_b);
+                self.push_single(key, position, point_weight, -axis.gap);
             }
             AxisKind::Other => {}
         }
         if self.points.is_empty() {
             // The face that looks at the plane misses it: a corner beside it is deepest.
             let key = u32::from(WATERLINE);
-            self.push_single(key, deepest_corners(a, b, axis), -axis.gap * PYRAMID);
+            self.push_single(key, deepest_corners(a, b, axis), point_weight, -axis.gap);
         }
     }
 
@@ -85,50 +145,93 @@ impl Patch {
     pub fn set_single(&mut self, position: Vec3, overlap: f64) {
         self.points.clear();
         self.area = 0.0;
-        self.is_full = true;
-        self.push_single(0, position, overlap);
+        self.push_single(0, position, 1.0, overlap);
     }
 
-    fn push_single(&mut self, key: u32, position: Vec3, overlap: f64) {
+    fn push_single(&mut self, key: u32, position: Vec3, weight: f64, overlap: f64) {
         self.points.push(PatchPoint {
             key,
             position,
-            weight: 1.0,
+            weight,
             overlap,
         });
     }
 
     fn clip_faces(
         &mut self,
-        reference: (&Polyhedron, usize, u16),
-        other: (&Polyhedron, u16),
+        reference: Side,
+        face: usize,
+        other: Side,
+        scaling: Scaling,
         is_bonded: bool,
     ) {
-        let (body, face, mark) = reference;
-        let (other, other_mark) = other;
+        let n = reference.body.face_normal(face);
+        let offset = reference.body.face_offset(face);
+        let incident = facing(other.body, &n);
+        self.clip_by_sides(reference, face, other, incident);
+        let flat_area = self.fan_area(&n);
+        let count = self.corners.len();
+        if count < 3 || flat_area <= 0.0 {
+            return;
+        }
+        let size = reference.body.size().min(other.body.size());
+        let (per_area, per_corner) = match scaling {
+            Scaling::Point => (
+                (1.0 - CORNER_SHARE) / flat_area.max(LEAST_AREA * size * size),
+                CORNER_SHARE / count as f64,
+            ),
+            Scaling::Area => (1.0, CORNER_AREA * size * size),
+        };
+        for k in 0..count {
+            let (before, here) = (self.corners[(k + count - 1) % count], self.corners[k]);
+            let overlap = offset - n.dot(&here.x);
+            if overlap > 0.0 || is_bonded {
+                self.push_point(corner_key(before, here), here.x, &n, per_corner, overlap);
+            }
+        }
+        if !is_bonded {
+            self.clip(&n, offset, WATERLINE);
+        }
+        self.push_fan(&n, offset, per_area, 0);
+        if is_bonded {
+            return;
+        }
+        for side in 0..other.body.n_faces() {
+            if side == incident
+                || other.body.face_normal(side).dot(&n) > -LOOKS_AWAY
+                || !other
+                    .body
+                    .face_vertices(side)
+                    .any(|v| n.dot(&other.body.vertices()[v as usize]) < offset)
+            {
+                continue;
+            }
+            self.clip_by_sides(reference, face, other, side);
+            self.clip(&n, offset, WATERLINE);
+            let salt = (side as u32 + 1).wrapping_mul(0x9e37_79b1);
+            self.push_fan(&n, offset, per_area, salt);
+        }
+    }
+
+    /// The face of the other body inside of the prism over the reference face.
+    fn clip_by_sides(&mut self, reference: Side, face: usize, other: Side, incident: usize) {
+        let body = reference.body;
         let n = body.face_normal(face);
-        let incident = facing(other, &n);
         self.corners.clear();
-        for e in other.face_loop(incident) {
+        for e in other.body.face_loop(incident) {
             self.corners.push(Corner {
-                x: other.vertices()[other.origin(e) as usize],
-                side: side_name(e, other_mark),
+                x: other.body.vertices()[other.body.origin(e) as usize],
+                side: side_name(e, other.mark),
             });
         }
         for e in body.face_loop(face) {
             let a = body.vertices()[body.origin(e) as usize];
             let outward = (body.vertices()[body.origin(body.next(e)) as usize] - a).cross(&n);
-            self.clip(&outward, outward.dot(&a), side_name(e, mark));
+            self.clip(&outward, outward.dot(&a), side_name(e, reference.mark));
         }
-        let offset = body.face_offset(face);
-        if !is_bonded {
-            self.clip(&n, offset, WATERLINE);
-        }
-        self.is_full = self.corners.iter().all(|corner| corner.side != WATERLINE);
         while self.corners.len() > MAX_CORNERS {
             self.drop_least(&n);
         }
-        self.push_fan(&n, offset);
     }
 
     /// Keeps what lies on the side `normal · x ≤ offset`.
@@ -170,49 +273,78 @@ impl Patch {
         }
     }
 
-    fn push_fan(&mut self, n: &Vec3, offset: f64) {
-        let count = self.corners.len();
-        if count < 3 {
-            return;
-        }
-        let middle = self.corners.iter().map(|corner| corner.x).sum::<Vec3>() / count as f64;
-        let corner = |k: usize| self.corners[k % count];
-        // Seen along −n the loop of the other face runs clockwise.
-        let area = |k: usize| {
-            0.5 * (corner(k).x - middle)
-                .cross(&(corner(k + 1).x - middle))
-                .dot(n)
-                .abs()
-        };
-        let total: f64 = (0..count).map(area).sum();
-        if total.is_nan() || total <= 0.0 {
-            return;
-        }
-        let points = &mut self.points;
-        let mut push = |key: (u16, u16), x: Vec3, share: f64| {
-            let overlap = offset - n.dot(&x);
-            points.push(PatchPoint {
-                key: u32::from(key.0) << 16 | u32::from(key.1),
-                position: x + n * (0.5 * overlap),
-                weight: share / (3.0 * total),
-                overlap,
-            });
-        };
-        for k in 0..count {
-            let (before, here) = (corner(k + count - 1), corner(k));
-            push(
-                (before.side, here.side),
-                0.5 * (middle + here.x),
-                area((k + count - 1) % count) + area(k),
-            );
-            push(
-                (here.side, here.side),
-                0.5 * (here.x + corner(k + 1).x),
-                area(k),
-            );
-        }
-        self.area = total;
+    fn middle(&self) -> Vec3 {
+        self.corners.iter().map(|corner| corner.x).sum::<Vec3>() / self.corners.len() as f64
     }
+
+    /// Twice the projected area of the triangle of the middle and side k of the loop. Seen along −n
+    /// the loop of the other body's face runs clockwise.
+    fn triangle(&self, k: usize, middle: &Vec3, n: &Vec3) -> f64 {
+        let next = self.corners[(k + 1) % self.corners.len()].x;
+        (self.corners[k].x - middle)
+            .cross(&(next - middle))
+            .dot(n)
+            .abs()
+    }
+
+    fn fan_area(&self, n: &Vec3) -> f64 {
+        if self.corners.len() < 3 {
+            return 0.0;
+        }
+        let middle = self.middle();
+        (0..self.corners.len())
+            .map(|k| 0.5 * self.triangle(k, &middle, n))
+            .sum()
+    }
+
+    fn push_point(&mut self, key: u32, x: Vec3, n: &Vec3, weight: f64, overlap: f64) {
+        self.points.push(PatchPoint {
+            key,
+            position: x + n * (0.5 * overlap),
+            weight,
+            overlap,
+        });
+    }
+
+    /// Points of the polygon in the buffer, `per_area` the weight of a unit of area. The points of
+    /// different faces have different names by their `salt`; those of the main one (0) share its
+    /// corners.
+    fn push_fan(&mut self, n: &Vec3, offset: f64, per_area: f64, salt: u32) {
+        let count = self.corners.len();
+        let total = self.fan_area(n);
+        if count < 3 || total.is_nan() || total <= 0.0 {
+            return;
+        }
+        self.area += total;
+        let middle = self.middle();
+        let overlap = |x: &Vec3| offset - n.dot(x);
+        let mut before = 0.5 * self.triangle(count - 1, &middle, n);
+        for k in 0..count {
+            let (previous, here) = (self.corners[(k + count - 1) % count], self.corners[k]);
+            let next = self.corners[(k + 1) % count];
+            let area = 0.5 * self.triangle(k, &middle, n);
+            // On the waterline there is no overlap and no force.
+            if here.side != WATERLINE && previous.side != WATERLINE {
+                let weight = (before + area) / 12.0 * per_area;
+                let key = corner_key(previous, here).wrapping_add(salt);
+                match self.points.iter_mut().find(|point| point.key == key) {
+                    Some(corner) if salt == 0 => corner.weight += weight,
+                    _ => self.push_point(key, here.x, n, weight, overlap(&here.x)),
+                }
+            }
+            let centroid = (middle + here.x + next.x) / 3.0;
+            let key = corner_key(here, here).wrapping_add(salt);
+            self.push_point(key, centroid, n, 0.75 * area * per_area, overlap(&centroid));
+            before = area;
+        }
+        let key = u32::from(MIDDLE).wrapping_add(salt);
+        self.push_point(key, middle, n, total / 12.0 * per_area, overlap(&middle));
+    }
+}
+
+/// Name of the corner where one side ends and another begins.
+fn corner_key(before: Corner, here: Corner) -> u32 {
+    u32::from(before.side) << 16 | u32::from(here.side)
 }
 
 fn side_name(half_edge: u32, mark: u16) -> u16 {
@@ -296,7 +428,13 @@ mod tests {
         let a = Polyhedron::cuboid(Vec3::repeat(-0.5), Vec3::repeat(0.5)).unwrap();
         let b = a.transformed(&Isometry::new(offset, Vec3::z() * turn));
         let mut patch = Patch::default();
-        patch.find(&a, &b, &separating_axes(&a, &b).best(), false);
+        patch.find(
+            &a,
+            &b,
+            &separating_axes(&a, &b).best(),
+            Scaling::Point,
+            false,
+        );
         patch
     }
 
@@ -321,13 +459,13 @@ mod tests {
         assert!((sum(&|p| p.weight) - 1.0).abs() < 1e-15);
         assert!(sum(&|p| p.weight * (p.position - middle).x).abs() < 1e-15);
         // Mean square distance from the middle of a side of 0.7 m.
-        assert!((sum(&|p| p.weight * (p.position - middle).x.powi(2)) - 0.49 / 12.0).abs() < 1e-15);
+        let corners = CORNER_SHARE * 0.49 / 4.0 + (1.0 - CORNER_SHARE) * 0.49 / 12.0;
+        assert!((sum(&|p| p.weight * (p.position - middle).x.powi(2)) - corners).abs() < 1e-15);
         assert!(
-            patch.is_full
-                && patch
-                    .points
-                    .iter()
-                    .all(|p| (p.overlap - 1e-4).abs() < 1e-15)
+            patch
+                .points
+                .iter()
+                .all(|p| (p.overlap - 1e-4).abs() < 1e-15)
         );
     }
 
@@ -337,6 +475,7 @@ mod tests {
         let mut keys: Vec<u32> = patch.points.iter().map(|p| p.key).collect();
         keys.sort_unstable();
         keys.dedup();
-        assert_eq!(keys.len(), 16);
+        // Eight corners, eight triangles, the middle.
+        assert_eq!(keys.len(), 17);
     }
 }

@@ -244,7 +244,7 @@ fn static_damping() {
         let definitions = vec![floor(), cube_at(0.0, 0.0), cube_at(0.0, 1.0)];
         let mut blocks = Blocks::new(definitions, vec![material], settings).unwrap();
         let start = blocks.energies().balance();
-        run(&mut blocks, 4.0, 1.0, 1.0);
+        run(&mut blocks, 4.0, 0.5, 1.0);
         let name = format!("{damping:?}");
         let weight = 2500.0 * G;
         let settled = 1.5 - blocks.centroid(2).z;

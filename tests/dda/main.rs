@@ -15,4 +15,5 @@ mod determinism;
 mod geometry;
 mod motion;
 mod scenes;
+
 mod setup;

@@ -16,6 +16,7 @@ pub fn rock() -> Material {
         tensile_strength: 0.0,
         restitution: 0.0,
         contact_stiffness: 1e8,
+        joint_stiffness: None,
         shear_stiffness_ratio: 0.8,
         elastic: None,
     }

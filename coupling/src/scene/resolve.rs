@@ -347,6 +347,7 @@ fn materials(file: &SceneFile) -> Vec<Material> {
             tensile_strength: m.tensile_strength,
             restitution: m.restitution,
             contact_stiffness: m.contact_stiffness.unwrap_or(IDLE_STIFFNESS),
+            joint_stiffness: m.joint_stiffness,
             shear_stiffness_ratio: m.shear_stiffness_ratio,
             elastic: m.elastic.map(|e| riprap_dda::Elastic {
                 young_modulus: e.young_modulus,

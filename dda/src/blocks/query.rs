@@ -265,7 +265,11 @@ impl Blocks {
     /// Energies and works; J.
     pub fn energies(&self) -> Energies {
         let mut energies = Energies {
-            elastic: self.pairs.iter().map(|pair| pair.elastic).sum::<f64>()
+            elastic: self
+                .pairs
+                .iter()
+                .map(|pair| pair.elastic.0 + pair.elastic.1)
+                .sum::<f64>()
                 + self.attachments.elastic,
             strain_damping: self.strain_damping.total(),
             static_damping: self.static_damping.total(),
@@ -326,7 +330,8 @@ impl Blocks {
         for pair in &self.pairs {
             f(f64::from(pair.parts.0));
             f(f64::from(pair.parts.1));
-            f(pair.elastic);
+            f(pair.elastic.0);
+            f(pair.elastic.1);
             f(pair.bond.map_or(-1.0, |bond| bond.area));
             if let Some(axis) = pair.axis.axis {
                 axis.normal.iter().for_each(|&c| f(c));
