@@ -1,12 +1,12 @@
 //! The contact law of a pair of parts: penalty springs, dashpots, Coulomb's limit, bonds.
 //!
 //! ```text
-//! normal   F_n = w K δ − w c ġ ≥ 0,     c = 2 ξ √(K_e m_e),  1/m_e = w_A + w_B (compliances along n)
-//! shear    F_t = −w K_t ξ_t − w c_t u_t,     |F_t| ≤ F_n tan φ                                  [N]
+//! normal   F_n = w K δ − w c ġ ≥ 0,     c = 2 ξ √(K_e m_e)/Σw,  1/m_e = w_A + w_B (compliances along n)    [N]
+//! shear    see `friction`
 //! ```
-//! `w` is the point's weight (see `patch`), `δ` its overlap, `ġ` its opening rate, `ξ_t` the shear
-//! displacement since first contact, carried along as the pair turns. `K_e = K Σ w` is the stiffness
-//! that the motion of the pair as a whole feels. Forces act on B; A gets the opposite at the same point.
+//! `w` is the point's weight (see `patch`), `δ` its overlap, `ġ` its opening rate, `K_e = K Σ w` the
+//! stiffness that the motion of the pair as a whole feels. Forces act on B; A gets the opposite at the
+//! same point.
 //! Source: Cundall (1988), Geraili Mikola & Sitar (2013); damping clamped after Schwager & Pöschel
 //! (2007); shear history after Luding (2008).
 //!
@@ -20,6 +20,7 @@
 use crate::{
     Vec3,
     common_plane::{Axis, AxisCache, AxisKind},
+    friction::{ShearSpring, Sliding},
     kinematics::{Kinematics, Load},
     material::Joint,
     parts::Part,
@@ -65,8 +66,6 @@ pub struct Contact {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct PointState {
     pub patch: PatchPoint,
-    /// Shear displacement `ξ_t`; m.
-    pub shear: Vec3,
     /// Normal force on B, with its viscous part; N.
     pub normal_force: f64,
     pub normal_viscous: f64,
@@ -94,11 +93,16 @@ pub(crate) struct Pair {
     pub points: Vec<PointState>,
     /// Normal from i to j at that time.
     pub normal: Vec3,
+    /// Memory of the shear spring.
+    pub shear: ShearSpring,
+    /// Has the joint slipped or broken, so that its residual friction holds?
+    pub has_slipped: bool,
     /// Energy of the normal and of the shear springs; J.
     pub elastic: (f64, f64),
 
     before: Vec<PointState>,
     patch: Patch,
+    shear_energy: f64,
     /// On the blocks i and j, torque about their centroids.
     pub loads: (Load, Load),
     /// Energy lost in the last sub-step; J.
@@ -140,9 +144,12 @@ impl Pair {
             bond: None,
             points: Vec::new(),
             normal: Vec3::z(),
+            shear: ShearSpring::default(),
+            has_slipped: false,
             elastic: (0.0, 0.0),
             before: Vec::new(),
             patch: Patch::default(),
+            shear_energy: 0.0,
             loads: (Load::default(), Load::default()),
             friction: 0.0,
             damping: 0.0,
@@ -284,83 +291,141 @@ impl Pair {
     }
 
     fn apply_law(&mut self, medium: &Medium, dt: f64) {
-        let joint = medium.joint(self);
-        let (a, b) = (
+        self.apply_normal(medium);
+        self.apply_friction(medium, dt);
+        let (a, b) = self.bodies(medium);
+        for point in &self.points {
+            let force = self.normal * point.normal_force + point.shear_force;
+            let x = &point.patch.position;
+            self.loads.0.add(&-force, &(x - a.centroid));
+            self.loads.1.add(&force, &(x - b.centroid));
+        }
+    }
+
+    fn bodies<'a>(&self, medium: &Medium<'a>) -> (&'a Kinematics, &'a Kinematics) {
+        (
             &medium.kinematics[self.blocks.0 as usize],
             &medium.kinematics[self.blocks.1 as usize],
-        );
-        let n = self.normal;
-        let total: f64 = self.patch.points.iter().map(|p| p.weight).sum();
-        let center: Vec3 = self
-            .patch
-            .points
-            .iter()
-            .map(|p| p.position * (p.weight / total))
-            .sum();
-        let mobility = a.compliance(&center, &n) + b.compliance(&center, &n);
-        let viscosity = |stiffness: f64, ratio: f64| {
-            if mobility > 0.0 {
-                2.0 * ratio * (stiffness / mobility).sqrt()
-            } else {
-                0.0
-            }
-        };
-        // Of a unit of weight: the whole contact's dashpot is 2 ξ √(K_e m_e), K_e its stiffness now.
-        let c_n = viscosity(joint.normal_stiffness * total, joint.damping_ratio) / total;
-        let c_t = viscosity(joint.shear_stiffness * total, medium.shear_damping_ratio) / total;
-        let turn = 0.5 * (a.spin + b.spin).dot(&n) * dt;
-        let heirs = Heirs::of(&self.patch.points, &self.before);
-        let cohesion = self
-            .bond
-            .map_or(0.0, |bond| joint.cohesion * bond.area / total);
-        for k in 0..self.patch.points.len() {
-            let patch = self.patch.points[k];
-            let old = self.before.iter().find(|old| old.patch.key == patch.key);
-            let rate = b.velocity_at(&patch.position) - a.velocity_at(&patch.position);
-            let opening = rate.dot(&n);
-            let sliding = rate - n * opening;
+        )
+    }
 
+    /// Damping constant of the contact as a whole, `2 ξ √(K_e m_e)`; N s/m.
+    fn viscosity(&self, medium: &Medium, at: &Vec3, stiffness: f64, ratio: f64) -> f64 {
+        let (a, b) = self.bodies(medium);
+        let mobility = a.compliance(at, &self.normal) + b.compliance(at, &self.normal);
+        if mobility > 0.0 {
+            2.0 * ratio * (stiffness / mobility).sqrt()
+        } else {
+            0.0
+        }
+    }
+
+    fn apply_normal(&mut self, medium: &Medium) {
+        let joint = medium.joint(self);
+        let (a, b) = self.bodies(medium);
+        let points = &self.patch.points;
+        let total: f64 = points.iter().map(|p| p.weight).sum();
+        let middle: Vec3 = points.iter().map(|p| p.position * (p.weight / total)).sum();
+        let stiffness = joint.normal_stiffness * total;
+        let damping = self.viscosity(medium, &middle, stiffness, joint.damping_ratio) / total;
+        for &patch in &self.patch.points {
+            let x = &patch.position;
+            let opening = (b.velocity_at(x) - a.velocity_at(x)).dot(&self.normal);
             let spring = patch.weight * joint.normal_stiffness * patch.overlap;
-            let mut normal_force = spring - patch.weight * c_n * opening;
+            let mut normal_force = spring - patch.weight * damping * opening;
             if self.bond.is_none() {
                 normal_force = normal_force.max(0.0);
             }
-            let normal_viscous = normal_force - spring;
-
-            let k_t = patch.weight * joint.shear_stiffness;
-            let carried = carry(&heirs.shear(&patch, old), &n, turn);
-            let mut shear = carried + sliding * dt;
-            let mut shear_viscous = -sliding * (patch.weight * c_t);
-            let mut shear_force = shear_viscous - shear * k_t;
-            let limit = joint.friction * normal_force.max(0.0) + cohesion * patch.weight;
-            let size = shear_force.norm();
-            let is_slipping = size > limit && self.bond.is_none();
-            if is_slipping {
-                shear_force *= limit / size;
-                shear_viscous = Vec3::zeros();
-                shear = if k_t > 0.0 {
-                    -shear_force / k_t
-                } else {
-                    Vec3::zeros()
-                };
-            }
-            let force = n * normal_force + shear_force;
-            self.loads.0.add(&-force, &(patch.position - a.centroid));
-            self.loads.1.add(&force, &(patch.position - b.centroid));
             self.points.push(PointState {
                 patch,
-                shear,
                 normal_force,
-                normal_viscous,
-                shear_force,
-                shear_viscous,
-                state: match (normal_force > 0.0, is_slipping) {
-                    (false, _) if self.bond.is_none() => ContactState::Open,
-                    (_, true) => ContactState::Slide,
-                    _ => ContactState::Stick,
-                },
+                normal_viscous: normal_force - spring,
+                shear_force: Vec3::zeros(),
+                shear_viscous: Vec3::zeros(),
+                state: ContactState::Open,
             });
         }
+    }
+
+    fn apply_friction(&mut self, medium: &Medium, dt: f64) {
+        let joint = medium.joint(self);
+        let (a, b) = self.bodies(medium);
+        let n = self.normal;
+        let weight: f64 = self.points.iter().map(|p| p.patch.weight).sum();
+        let normal: f64 = self.points.iter().map(|p| p.normal_force.max(0.0)).sum();
+        let is_bonded = self.bond.is_some();
+        // A bond may pull: its springs lie as the patch does.
+        let share = |p: &PointState| {
+            if is_bonded || normal <= 0.0 {
+                p.patch.weight / weight
+            } else {
+                p.normal_force / normal
+            }
+        };
+        let center: Vec3 = self
+            .points
+            .iter()
+            .map(|p| p.patch.position * share(p))
+            .sum();
+        let (at_a, at_b) = (a.velocity_at(&center), b.velocity_at(&center));
+        let rate = at_b - at_a;
+        let sliding = Sliding {
+            velocity: rate - n * rate.dot(&n),
+            spin: (b.spin - a.spin).dot(&n),
+            frame_velocity: 0.5 * (at_a + at_b),
+            frame_spin: 0.5 * (a.spin + b.spin).dot(&n),
+            dt,
+        };
+        let mut spring = self.shear.moved(&n, center, weight, &sliding);
+        let stiffness = joint.shear_stiffness * weight;
+        let damping = self.viscosity(medium, &center, stiffness, medium.shear_damping_ratio);
+        let mut asked = 0.0;
+        for point in &mut self.points {
+            let (x, share) = (point.patch.position, share(point));
+            let slip = sliding.velocity + n.cross(&(x - center)) * sliding.spin;
+            point.shear_viscous = -slip * (share * damping);
+            point.shear_force = point.shear_viscous - spring.at(&x, &n) * (share * stiffness);
+            asked += point.shear_force.norm();
+        }
+        let friction = if self.has_slipped {
+            joint.residual_friction
+        } else {
+            joint.friction
+        };
+        let limit = friction * normal;
+        let is_slipping = asked > limit && !is_bonded;
+        if is_slipping {
+            let mut sum = Vec3::zeros();
+            let mut mean = 0.0;
+            for point in &mut self.points {
+                let size = point.shear_force.norm();
+                mean += share(point) * spring.at(&point.patch.position, &n).norm();
+                if size > 0.0 {
+                    point.shear_force *= limit * share(point) / size;
+                }
+                point.shear_viscous = Vec3::zeros();
+                sum += point.shear_force;
+            }
+            if stiffness > 0.0 {
+                spring.shift = -sum / stiffness;
+                spring.twist *= (limit / (stiffness * mean)).min(1.0);
+            }
+            self.has_slipped |= normal > 0.0;
+        }
+        for point in &mut self.points {
+            point.state = match (point.normal_force > 0.0, is_slipping) {
+                (false, _) if !is_bonded => ContactState::Open,
+                (_, true) => ContactState::Slide,
+                _ => ContactState::Stick,
+            };
+        }
+        let held: f64 = self
+            .points
+            .iter()
+            .map(|p| share(p) * spring.at(&p.patch.position, &n).norm_squared())
+            .sum();
+        self.shear = spring;
+        self.shear_energy = 0.5 * stiffness * held;
     }
 
     /// Mohr-Coulomb with tension, for the bond as a whole.
@@ -377,6 +442,7 @@ impl Pair {
     fn break_bond(&mut self, medium: &Medium, dt: f64) {
         self.bond = None;
         self.has_broken = true;
+        self.has_slipped = true;
         self.loads = (Load::default(), Load::default());
         self.points.clear();
         match self.find_patch(medium) {
@@ -393,15 +459,16 @@ impl Pair {
     fn settle_energy(&mut self, medium: &Medium) {
         let joint = medium.joint(self);
         let before = self.elastic;
-        let (mut normal, mut shear) = (0.0, 0.0);
-        for point in &self.points {
-            normal += point.patch.weight * point.patch.overlap * point.patch.overlap;
-            shear += point.patch.weight * point.shear.norm_squared();
+        let squares: f64 = self
+            .points
+            .iter()
+            .map(|p| p.patch.weight * p.patch.overlap * p.patch.overlap)
+            .sum();
+        if self.points.is_empty() {
+            self.shear = ShearSpring::default();
+            self.shear_energy = 0.0;
         }
-        self.elastic = (
-            0.5 * joint.normal_stiffness * normal,
-            0.5 * joint.shear_stiffness * shear,
-        );
+        self.elastic = (0.5 * joint.normal_stiffness * squares, self.shear_energy);
         self.friction += before.1 - self.elastic.1;
         let was_cut_off = self.before.iter().all(|p| p.normal_force == 0.0);
         if self.has_broken {
@@ -458,58 +525,5 @@ fn glued(a: &crate::Polyhedron, b: &crate::Polyhedron, axis: &Axis) -> Axis {
         normal,
         gap: crate::gap_along(a, b, &normal),
         kind: axis.kind,
-    }
-}
-
-/// How the shear springs of the last patch pass to the points of the present one, without making
-/// energy or force.
-struct Heirs {
-    /// For a patch with no point in common with the last one: its springs together.
-    mean: Vec3,
-}
-
-impl Heirs {
-    fn of(points: &[PatchPoint], before: &[PointState]) -> Self {
-        let is_known = |point: &PatchPoint| before.iter().any(|old| old.patch.key == point.key);
-        let old: f64 = before.iter().map(|p| p.patch.weight).sum();
-        let new: f64 = points.iter().map(|p| p.weight).sum();
-        if old <= 0.0 || new <= 0.0 || points.iter().any(is_known) {
-            return Self {
-                mean: Vec3::zeros(),
-            };
-        }
-        let force: Vec3 = before.iter().map(|p| p.shear * p.patch.weight).sum();
-        Self {
-            mean: force / old.max(new),
-        }
-    }
-
-    /// Displacement of a point's spring. One that has grown keeps its force, one that has shrunk its
-    /// displacement; a new one starts with nothing.
-    fn shear(&self, point: &PatchPoint, old: Option<&PointState>) -> Vec3 {
-        match old {
-            Some(old) if point.weight > old.patch.weight => {
-                old.shear * (old.patch.weight / point.weight)
-            }
-            Some(old) => old.shear,
-            None => self.mean,
-        }
-    }
-}
-
-/// Shear displacement carried into the present plane: turned with the pair about `n`, projected,
-/// and brought back to its length.
-fn carry(shear: &Vec3, n: &Vec3, turn: f64) -> Vec3 {
-    let length = shear.norm();
-    if length == 0.0 {
-        return Vec3::zeros();
-    }
-    let turned = shear + n.cross(shear) * turn;
-    let flat = turned - n * turned.dot(n);
-    let flat_length = flat.norm();
-    if flat_length > 0.0 {
-        flat * (length / flat_length)
-    } else {
-        Vec3::zeros()
     }
 }

@@ -33,6 +33,7 @@
 //! let rock = Material {
 //!     density: 2500.0,
 //!     friction_angle: 0.5,
+//!     residual_friction_angle: None,
 //!     cohesion: 0.0,
 //!     tensile_strength: 0.0,
 //!     restitution: 0.3,
@@ -75,6 +76,7 @@ mod deformation;
 mod distance;
 mod energy;
 mod error;
+mod friction;
 mod holds;
 mod integrate;
 mod kinematics;

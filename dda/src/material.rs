@@ -20,6 +20,8 @@ pub struct Material {
     pub density: f64,
     /// Friction angle of its joints, 0 ≤ φ < π/2; rad.
     pub friction_angle: f64,
+    /// Friction angle once a joint has slipped or broken, at most the other; the same if none; rad.
+    pub residual_friction_angle: Option<f64>,
     /// Cohesion of a joint until it breaks, ≥ 0; Pa.
     pub cohesion: f64,
     /// Tensile strength of a joint until it breaks, ≥ 0; Pa.
@@ -43,6 +45,7 @@ impl Material {
         let Self {
             density,
             friction_angle,
+            residual_friction_angle,
             cohesion,
             tensile_strength,
             restitution,
@@ -86,6 +89,11 @@ impl Material {
                 "must be >= 0",
             ),
         ];
+        if let Some(angle) = residual_friction_angle {
+            let is_good = (0.0..=friction_angle).contains(&angle);
+            let rule = "must be in [0, friction_angle] rad";
+            fields.push(("residual_friction_angle", angle, is_good, rule));
+        }
         if let Some(stiffness) = joint_stiffness {
             let is_good = stiffness > 0.0;
             fields.push(("joint_stiffness", stiffness, is_good, "must be > 0 Pa/m"));
@@ -128,6 +136,8 @@ pub(crate) struct Joint {
     pub shear_stiffness: f64,
     /// `tan φ`; –.
     pub friction: f64,
+    /// The same once it has slipped or broken.
+    pub residual_friction: f64,
     /// `c`; Pa.
     pub cohesion: f64,
     /// `T`; Pa.
@@ -152,6 +162,7 @@ impl Joint {
                 0.0
             }
         };
+        let residual = |m: &Material| m.residual_friction_angle.unwrap_or(m.friction_angle);
         let (scaling, k1, k2) = match (first.joint_stiffness, second.joint_stiffness) {
             (Some(k1), Some(k2)) => (Scaling::Area, k1, k2),
             _ => (
@@ -168,6 +179,7 @@ impl Joint {
                 k2 * second.shear_stiffness_ratio,
             ),
             friction: first.friction_angle.min(second.friction_angle).tan(),
+            residual_friction: residual(first).min(residual(second)).tan(),
             cohesion: first.cohesion.min(second.cohesion),
             tensile_strength: first.tensile_strength.min(second.tensile_strength),
             damping_ratio: damping_ratio(first.restitution.min(second.restitution)),

@@ -17,3 +17,5 @@ mod motion;
 mod scenes;
 
 mod setup;
+mod slopes;
+mod structures;

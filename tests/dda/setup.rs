@@ -12,6 +12,7 @@ pub fn rock() -> Material {
     Material {
         density: 2500.0,
         friction_angle: 0.5,
+        residual_friction_angle: None,
         cohesion: 0.0,
         tensile_strength: 0.0,
         restitution: 0.0,

@@ -343,6 +343,7 @@ fn materials(file: &SceneFile) -> Vec<Material> {
         .map(|m| Material {
             density: m.density,
             friction_angle: m.friction_angle_deg.to_radians(),
+            residual_friction_angle: m.residual_friction_angle_deg.map(f64::to_radians),
             cohesion: m.cohesion,
             tensile_strength: m.tensile_strength,
             restitution: m.restitution,

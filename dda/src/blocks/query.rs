@@ -332,6 +332,11 @@ impl Blocks {
             f(f64::from(pair.parts.1));
             f(pair.elastic.0);
             f(pair.elastic.1);
+            pair.shear.shift.iter().for_each(|&c| f(c));
+            pair.shear.center.iter().for_each(|&c| f(c));
+            f(pair.shear.twist);
+            f(pair.shear.weight);
+            f(f64::from(u8::from(pair.has_slipped)));
             f(pair.bond.map_or(-1.0, |bond| bond.area));
             if let Some(axis) = pair.axis.axis {
                 axis.normal.iter().for_each(|&c| f(c));
@@ -341,7 +346,6 @@ impl Blocks {
             f(f64::from(pair.axis.trust));
             for point in &pair.points {
                 f(f64::from(point.patch.key));
-                point.shear.iter().for_each(|&c| f(c));
                 f(point.normal_force);
                 f(point.normal_viscous);
                 point.shear_force.iter().for_each(|&c| f(c));
