@@ -103,6 +103,8 @@ pub(crate) struct Pair {
     before: Vec<PointState>,
     patch: Patch,
     shear_energy: f64,
+    /// Normal dashpot per unit of weight and shear dashpot of the whole; N s/m.
+    dashpots: (f64, f64),
     /// On the blocks i and j, torque about their centroids.
     pub loads: (Load, Load),
     /// Energy lost in the last sub-step; J.
@@ -150,6 +152,7 @@ impl Pair {
             before: Vec::new(),
             patch: Patch::default(),
             shear_energy: 0.0,
+            dashpots: (0.0, 0.0),
             loads: (Load::default(), Load::default()),
             friction: 0.0,
             damping: 0.0,
@@ -328,6 +331,7 @@ impl Pair {
         let middle: Vec3 = points.iter().map(|p| p.position * (p.weight / total)).sum();
         let stiffness = joint.normal_stiffness * total;
         let damping = self.viscosity(medium, &middle, stiffness, joint.damping_ratio) / total;
+        self.dashpots.0 = damping;
         for &patch in &self.patch.points {
             let x = &patch.position;
             let opening = (b.velocity_at(x) - a.velocity_at(x)).dot(&self.normal);
@@ -379,6 +383,7 @@ impl Pair {
         let mut spring = self.shear.moved(&n, center, weight, &sliding);
         let stiffness = joint.shear_stiffness * weight;
         let damping = self.viscosity(medium, &center, stiffness, medium.shear_damping_ratio);
+        self.dashpots.1 = damping;
         let mut asked = 0.0;
         for point in &mut self.points {
             let (x, share) = (point.patch.position, share(point));
@@ -484,34 +489,69 @@ impl Pair {
         !self.points.is_empty()
     }
 
-    /// Rate bound of the pair for its two blocks, `Σ_k k_n w_n + k_t (w_t1 + w_t2)`; 1/s². Before
-    /// the parts touch, for the worst point of the bounding spheres given.
-    pub fn stiffness_rate(&self, medium: &Medium, radii: (f64, f64)) -> (f64, f64) {
-        let joint = medium.joint(self);
-        let rate = |block: u32, radius: f64| {
-            let body = &medium.kinematics[block as usize];
-            if self.points.is_empty() {
-                let worst = body.worst_compliance(radius);
-                let weight = match joint.scaling {
-                    Scaling::Point => 1.0,
-                    // No face is larger than the great circle of the smaller bounding ball.
-                    Scaling::Area => std::f64::consts::PI * radii.0.min(radii.1).powi(2),
-                };
-                (joint.normal_stiffness + 2.0 * joint.shear_stiffness) * weight * worst
-            } else {
-                self.points
-                    .iter()
-                    .map(|p| {
-                        let along = body.compliance(&p.patch.position, &self.normal);
-                        let across = body.compliance_trace(&p.patch.position) - along;
-                        p.patch.weight
-                            * (joint.normal_stiffness * along + joint.shear_stiffness * across)
-                    })
-                    .sum()
-            }
-        };
-        (rate(self.blocks.0, radii.0), rate(self.blocks.1, radii.1))
+    /// Rate bounds of the pair for its two blocks. Before the parts touch, for the worst point of the
+    /// bounding spheres given.
+    pub fn rates(&self, medium: &Medium, radii: (f64, f64)) -> (Rates, Rates) {
+        let (a, b) = self.bodies(medium);
+        (
+            self.rates_of(medium, a, radii.0, radii),
+            self.rates_of(medium, b, radii.1, radii),
+        )
     }
+
+    fn rates_of(
+        &self,
+        medium: &Medium,
+        body: &Kinematics,
+        radius: f64,
+        radii: (f64, f64),
+    ) -> Rates {
+        let joint = medium.joint(self);
+        if self.points.is_empty() {
+            let worst = body.worst_compliance(radius);
+            let weight = match joint.scaling {
+                Scaling::Point => 1.0,
+                // No face is larger than the great circle of the smaller bounding ball.
+                Scaling::Area => std::f64::consts::PI * radii.0.min(radii.1).powi(2),
+            };
+            let (a, b) = self.bodies(medium);
+            let mobility = a.inverse_mass + b.inverse_mass;
+            let dashpot = |stiffness: f64, ratio: f64| 2.0 * ratio * (stiffness / mobility).sqrt();
+            let (k_n, k_t) = (
+                joint.normal_stiffness * weight,
+                joint.shear_stiffness * weight,
+            );
+            return Rates {
+                stiffness: (k_n + 2.0 * k_t) * worst,
+                damping: (dashpot(k_n, joint.damping_ratio)
+                    + 2.0 * dashpot(k_t, medium.shear_damping_ratio))
+                    * worst,
+            };
+        }
+        let weight: f64 = self.points.iter().map(|p| p.patch.weight).sum();
+        let (mut along, mut across) = (0.0, 0.0_f64);
+        for point in &self.points {
+            let x = &point.patch.position;
+            let compliance = body.compliance(x, &self.normal);
+            along += point.patch.weight * compliance;
+            // Shear stiffness lies where the pressure is; no point bears more than all.
+            across = across.max(body.compliance_trace(x) - compliance);
+        }
+        Rates {
+            stiffness: joint.normal_stiffness * along + joint.shear_stiffness * weight * across,
+            damping: self.dashpots.0 * along + self.dashpots.1 * across,
+        }
+    }
+}
+
+/// Bounds of the eigenvalues of `M⁻¹K` and `M⁻¹C` that a pair adds at a block,
+/// `Σ_k k_n w_n + k_t (w_t1 + w_t2)` and the same with the dashpots.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Rates {
+    /// 1/s².
+    pub stiffness: f64,
+    /// 1/s.
+    pub damping: f64,
 }
 
 /// The bonded faces in their present place.

@@ -34,11 +34,14 @@ impl Blocks {
     /// Bound of the stable sub-step, from the present contacts and those about to form.
     ///
     /// ```text
-    /// ω_i² ≤ ω_el² + s Σ ( k_n w_n + k_t (w_t1 + w_t2) )      s = 2 if the partner is free, else 1
-    /// dt   = C_b min_i (2/ω_i)(√(1 + ξ²) − ξ)                                                  [s]
+    /// ω_i² = Λ_K ≤ ω_el² + s Σ ( k_n w_n + k_t (w_t1 + w_t2) )      s = 2 if the partner is free, else 1
+    /// Λ_C ≤ 2 ξ_el ω_el + s Σ ( c_n w_n + c_t (w_t1 + w_t2) )
+    /// dt   = C_b min_i (√(Λ_C² + 4 Λ_K) − Λ_C)/Λ_K,   from   (dt/2)² Λ_K + dt/2 Λ_C ≤ 1           [s]
     /// ```
     /// ω_el is the largest natural frequency of a deformable block; springs and bolts count like
-    /// contacts. ξ is the largest damping ratio at the block. A candidate pair that does not touch yet counts
+    /// contacts. For one mode this is `(2/ω)(√(1 + ξ²) − ξ)`; a dashpot that damps the heave of a block
+    /// critically damps its rocking, which is faster, beyond that, and it is the sum over the points that
+    /// counts. A candidate pair that does not touch yet counts
     /// with its worst contact point, so that no impact starts with an unbounded step. A free block
     /// among others may also not travel more than half the margin of its candidate search.
     pub fn critical_time_step(&self) -> CriticalStep {
@@ -50,25 +53,16 @@ impl Blocks {
         let medium = self.medium();
         let n = self.n_blocks();
         let mut rate = vec![0.0; n];
-        let mut ratio = vec![0.0; n];
+        let mut damping = vec![0.0; n];
         let mut stiffest = vec![(0.0, None); n];
         for pair in &self.pairs {
             let (i, j) = (pair.blocks.0 as usize, pair.blocks.1 as usize);
-            let rates = pair.stiffness_rate(&medium, (self.radius[i], self.radius[j]));
-            for (block, partner, share) in [(i, j, rates.0), (j, i, rates.1)] {
-                let share = if self.is_free(partner) {
-                    2.0 * share
-                } else {
-                    share
-                };
+            let rates = pair.rates(&medium, (self.radius[i], self.radius[j]));
+            for (block, partner, rates) in [(i, j, rates.0), (j, i, rates.1)] {
+                let both = if self.is_free(partner) { 2.0 } else { 1.0 };
+                let share = both * rates.stiffness;
                 rate[block] += share;
-                ratio[block] = f64::max(
-                    ratio[block],
-                    f64::max(
-                        medium.joint(pair).damping_ratio,
-                        self.settings.shear_damping_ratio,
-                    ),
-                );
+                damping[block] += both * rates.damping;
                 if share > stiffest[block].0 {
                     stiffest[block] = (share, Some((i, j)));
                 }
@@ -80,7 +74,7 @@ impl Blocks {
             if let Some(k) = self.deformable_of[b] {
                 let (square, xi) = self.deformables[k as usize].stiffness_rate();
                 rate[b] += square;
-                ratio[b] = f64::max(ratio[b], xi);
+                damping[b] += 2.0 * xi * square.sqrt();
             }
         }
         let fastest_path = (0..n)
@@ -90,9 +84,8 @@ impl Blocks {
         let n_others = self.n_free() + self.n_fixed() + self.n_prescribed();
         for b in (0..n).filter(|&b| self.is_free(b)) {
             if rate[b] > 0.0 {
-                let xi: f64 = ratio[b];
-                let dt = self.settings.time_step_factor * 2.0 / rate[b].sqrt()
-                    * ((1.0 + xi * xi).sqrt() - xi);
+                let (k, c): (f64, f64) = (rate[b], damping[b]);
+                let dt = self.settings.time_step_factor * ((c * c + 4.0 * k).sqrt() - c) / k;
                 if dt < found.dt {
                     found = CriticalStep {
                         dt,

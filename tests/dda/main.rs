@@ -16,6 +16,7 @@ mod geometry;
 mod motion;
 mod scenes;
 
+mod scratch;
 mod setup;
 mod slopes;
 mod structures;
