@@ -47,6 +47,10 @@ pub struct Axis {
 
 /// Two directions are parallel below this sine; their cross product is noise.
 const PARALLEL: f64 = 1e-6;
+/// Two edges make the common plane only if nothing else reaches farther along their axis than this;
+/// × size. Round-off between almost parallel faces says otherwise, and so do edges kept from the
+/// last step that have slid past each other: the contact would be drawn where nothing touches.
+const SUPPORT_TOLERANCE: f64 = 1e-9;
 /// An edge-edge axis must beat the best face by this share of the overlap, and the axis of the last
 /// step is kept within this share: equal axes must not take turns.
 const EDGE_PREFERENCE: f64 = 0.02;
@@ -255,6 +259,7 @@ pub fn separating_axes(a: &Polyhedron, b: &Polyhedron) -> SeparatingAxes {
                     - a.vertices()[a.origin(edge_a) as usize]),
             );
             if edges.is_none_or(|best| gap > best.gap)
+                && gap_along(a, b, &normal) >= gap - SUPPORT_TOLERANCE * a.size().min(b.size())
                 && (gap > 0.0 || (is_ridge(a, edge_a, &normal) && is_ridge(b, edge_b, &-normal)))
             {
                 edges = Some(Axis {
@@ -303,7 +308,8 @@ impl AxisCache {
             if axis.gap > 0.0 {
                 return None;
             }
-            let is_contact = axis.kind != AxisKind::Other && !was_apart;
+            let is_contact =
+                axis.kind != AxisKind::Other && !was_apart && is_supported(a, b, &axis);
             if is_contact
                 && self.trust > 0
                 && (axis.gap - self.verified_gap).abs() <= TRUSTED_CHANGE * -self.verified_gap
@@ -338,6 +344,16 @@ impl AxisCache {
         // No axis at all: nothing of the two is visible to the other here.
         (axis.gap <= 0.0 && axis.gap > f64::NEG_INFINITY).then_some(axis)
     }
+}
+
+/// Are the two edges of an axis still what reaches farthest along it? Faces always are.
+fn is_supported(a: &Polyhedron, b: &Polyhedron, axis: &Axis) -> bool {
+    let AxisKind::Edges(edge_a, edge_b) = axis.kind else {
+        return true;
+    };
+    let between = b.vertices()[b.origin(edge_b) as usize] - a.vertices()[a.origin(edge_a) as usize];
+    let gap = axis.normal.dot(&between);
+    gap - axis.gap <= SUPPORT_TOLERANCE * a.size().min(b.size())
 }
 
 /// The same faces or edges in their present place.

@@ -16,7 +16,6 @@ mod geometry;
 mod motion;
 mod scenes;
 
-mod scratch;
 mod setup;
 mod slopes;
 mod structures;
