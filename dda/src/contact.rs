@@ -508,7 +508,8 @@ impl Pair {
     ) -> Rates {
         let joint = medium.joint(self);
         if self.points.is_empty() {
-            let worst = body.worst_compliance(radius);
+            let (along, sum) = body.worst_compliance(radius);
+            let across = sum - along;
             let weight = match joint.scaling {
                 Scaling::Point => 1.0,
                 // No face is larger than the great circle of the smaller bounding ball.
@@ -522,10 +523,9 @@ impl Pair {
                 joint.shear_stiffness * weight,
             );
             return Rates {
-                stiffness: (k_n + 2.0 * k_t) * worst,
-                damping: (dashpot(k_n, joint.damping_ratio)
-                    + 2.0 * dashpot(k_t, medium.shear_damping_ratio))
-                    * worst,
+                stiffness: k_n * along + k_t * across,
+                damping: dashpot(k_n, joint.damping_ratio) * along
+                    + dashpot(k_t, medium.shear_damping_ratio) * across,
             };
         }
         let weight: f64 = self.points.iter().map(|p| p.patch.weight).sum();

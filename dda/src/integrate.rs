@@ -41,8 +41,8 @@ impl Blocks {
     /// ω_el is the largest natural frequency of a deformable block; springs and bolts count like
     /// contacts. For one mode this is `(2/ω)(√(1 + ξ²) − ξ)`; a dashpot that damps the heave of a block
     /// critically damps its rocking, which is faster, beyond that, and it is the sum over the points that
-    /// counts. A candidate pair that does not touch yet counts
-    /// with its worst contact point, so that no impact starts with an unbounded step. A free block
+    /// counts. Of the candidate pairs that do not touch yet the worst one counts, with its worst
+    /// contact point: one impact at a time may start without warning. A free block
     /// among others may also not travel more than half the margin of its candidate search.
     pub fn critical_time_step(&self) -> CriticalStep {
         let mut found = CriticalStep {
@@ -54,6 +54,7 @@ impl Blocks {
         let n = self.n_blocks();
         let mut rate = vec![0.0; n];
         let mut damping = vec![0.0; n];
+        let mut next = vec![(0.0, 0.0); n];
         let mut stiffest = vec![(0.0, None); n];
         for pair in &self.pairs {
             let (i, j) = (pair.blocks.0 as usize, pair.blocks.1 as usize);
@@ -61,8 +62,13 @@ impl Blocks {
             for (block, partner, rates) in [(i, j, rates.0), (j, i, rates.1)] {
                 let both = if self.is_free(partner) { 2.0 } else { 1.0 };
                 let share = both * rates.stiffness;
-                rate[block] += share;
-                damping[block] += both * rates.damping;
+                if pair.is_touching() {
+                    rate[block] += share;
+                    damping[block] += both * rates.damping;
+                } else {
+                    next[block].0 = f64::max(next[block].0, share);
+                    next[block].1 = f64::max(next[block].1, both * rates.damping);
+                }
                 if share > stiffest[block].0 {
                     stiffest[block] = (share, Some((i, j)));
                 }
@@ -83,8 +89,8 @@ impl Blocks {
             .fold(0.0, f64::max);
         let n_others = self.n_free() + self.n_fixed() + self.n_prescribed();
         for b in (0..n).filter(|&b| self.is_free(b)) {
-            if rate[b] > 0.0 {
-                let (k, c): (f64, f64) = (rate[b], damping[b]);
+            if rate[b] + next[b].0 > 0.0 {
+                let (k, c): (f64, f64) = (rate[b] + next[b].0, damping[b] + next[b].1);
                 let dt = self.settings.time_step_factor * ((c * c + 4.0 * k).sqrt() - c) / k;
                 if dt < found.dt {
                     found = CriticalStep {

@@ -114,8 +114,17 @@ impl Kinematics {
         3.0 * self.inverse_mass + self.inverse_inertia.trace() * r.norm_squared() - along
     }
 
-    /// No point within a radius of the centroid is more compliant; 1/kg.
-    pub fn worst_compliance(&self, radius: f64) -> f64 {
-        self.inverse_mass + self.inverse_inertia.trace() * radius * radius
+    /// What no point within a radius of the centroid exceeds: the compliance in one direction, and
+    /// its sum over three at right angles; 1/kg.
+    pub fn worst_compliance(&self, radius: f64) -> (f64, f64) {
+        let square = radius * radius;
+        // No eigenvalue exceeds the norm, nor two of three the trace.
+        let largest = self.inverse_inertia.norm() * square;
+        let trace = self.inverse_inertia.trace() * square;
+        if self.strain_rate.is_some() {
+            let along = self.inverse_mass + largest;
+            return (along, 3.0 * along);
+        }
+        (self.inverse_mass + largest, 3.0 * self.inverse_mass + trace)
     }
 }

@@ -19,3 +19,4 @@ mod scenes;
 mod setup;
 mod slopes;
 mod structures;
+

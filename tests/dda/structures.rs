@@ -154,8 +154,8 @@ fn thousand_bounces() {
         let start = energy(&blocks);
         let (mut bounces, mut before, mut worst) = (0, 0.0, 0.0_f64);
         while bounces < 1000 {
-            // Fifty steps to a contact of π √(m/K).
-            let dt = std::f64::consts::PI * (blocks.mass(1) / 1e8).sqrt() / 50.0;
+            // A hundred steps to a contact of π √(m/K).
+            let dt = std::f64::consts::PI * (blocks.mass(1) / 1e8).sqrt() / 100.0;
             let dt = dt.min(blocks.critical_time_step().dt);
             blocks.advance(0.0, dt, 1).unwrap();
             let v = blocks.velocity(1).z;
