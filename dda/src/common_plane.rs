@@ -51,6 +51,9 @@ const PARALLEL: f64 = 1e-6;
 /// × size. Round-off between almost parallel faces says otherwise, and so do edges kept from the
 /// last step that have slid past each other: the contact would be drawn where nothing touches.
 const SUPPORT_TOLERANCE: f64 = 1e-9;
+/// Cosine of two degrees: an edge-edge axis nearer than that to the normal of the best face is that
+/// face. Between faces pressed together the deepest overlap is a matter of their last 1e-5 rad.
+const ALMOST_PARALLEL: f64 = 0.999_390_8;
 /// An edge-edge axis must beat the best face by this share of the overlap, and the axis of the last
 /// step is kept within this share: equal axes must not take turns.
 const EDGE_PREFERENCE: f64 = 0.02;
@@ -183,8 +186,17 @@ impl SeparatingAxes {
         } else {
             first
         };
+        let is_a_face = |edges: &Axis| {
+            [&self.face_a, &self.face_b]
+                .iter()
+                .any(|face| face.normal.dot(&edges.normal) > ALMOST_PARALLEL)
+        };
         match self.edges {
-            Some(edges) if edges.gap - face.gap > EDGE_PREFERENCE * -face.gap => edges,
+            Some(edges)
+                if edges.gap - face.gap > EDGE_PREFERENCE * -face.gap && !is_a_face(&edges) =>
+            {
+                edges
+            }
             _ => face,
         }
     }
@@ -332,7 +344,11 @@ impl AxisCache {
         let found = separating_axes(a, b).preferred(b.size() > a.size());
         let axis = match kept {
             Some(kept)
-                if found.gap <= 0.0 && found.gap - kept.gap <= KEEP_PREFERENCE * -kept.gap =>
+                if found.gap <= 0.0
+                    && found.gap - kept.gap <= KEEP_PREFERENCE * -kept.gap
+                    && (is_face(&kept)
+                        || !is_face(&found)
+                        || found.normal.dot(&kept.normal) <= ALMOST_PARALLEL) =>
             {
                 kept
             }
@@ -344,6 +360,10 @@ impl AxisCache {
         // No axis at all: nothing of the two is visible to the other here.
         (axis.gap <= 0.0 && axis.gap > f64::NEG_INFINITY).then_some(axis)
     }
+}
+
+fn is_face(axis: &Axis) -> bool {
+    matches!(axis.kind, AxisKind::FaceA(_) | AxisKind::FaceB(_))
 }
 
 /// Are the two edges of an axis still what reaches farthest along it? Faces always are.

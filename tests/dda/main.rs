@@ -20,3 +20,4 @@ mod setup;
 mod slopes;
 mod structures;
 
+
