@@ -8,17 +8,17 @@
 //! **The springs have a potential**, so that a body that rocks or rolls gets back what it gave:
 //!
 //! ```text
-//! U = ½ k_a ∫ δ² dA + ½ k_l Σ_v l_v δ_v²          δ > 0: overlap below the plane of the face     [J]
+//! U = ½ k_a ∫ δ² dA + ½ k_c Σ_v α_v/2π δ_v²        δ > 0: overlap below the plane of the face     [J]
 //! ```
 //! the integral over what is below the plane, the sum over the corners of the patch as it would be
-//! if the faces lay flat on each other (area `A₀`, perimeter `P₀`), `l_v` half the length of the two
-//! sides that meet there. The corners keep a body that comes down on one of them from sinking in
-//! without resistance. The stiffness of the whole is shared out: `k_a = (1 − s) K/A₀` and
-//! `k_l = s K/P₀` for a stiffness K in N/m, so that flat faces meet with K; `k_a = k` and
-//! `k_l = 4 k A_min/P₀` for a stiffness k in Pa/m.
+//! if the faces lay flat on each other (area `A₀`), `α_v` the angle by which its outline turns there.
+//! The corners keep a body that comes down on one of them from sinking in without resistance. The
+//! stiffness of the whole is shared out: `k_a = (1 − s) K/A₀` and `k_c = s K` for a stiffness K in
+//! N/m, so that flat faces meet with K; `k_a = k` and `k_c = 4 k A_min` for a stiffness k in Pa/m.
 //!
-//! Equal corners by count instead of by length are a trap: where two equal faces meet, a twist of
-//! round-off makes one corner two, and the torque that jumps with it shook an arch to pieces.
+//! Angles, because they add up: where two equal faces meet, a twist of round-off makes one corner two,
+//! or puts another where two sides cross at 1e-7 rad. Corners counted alike, or by the length of their
+//! sides, jump in weight there, and the torque that jumps with them shook an arch to pieces.
 //!
 //! A fan of triangles around the middle of the patch is integrated from its corners and centroids,
 //!
@@ -179,26 +179,26 @@ impl Patch {
             return;
         }
         let size = reference.body.size().min(other.body.size());
-        // Twice the length of side that a corner stands for.
-        let sides = |k: usize| {
-            let [before, here, next] = [k + count - 1, k, k + 1].map(|i| self.corners[i % count].x);
-            (here - before).norm() + (next - here).norm()
-        };
-        let perimeter: f64 = (0..count).map(sides).sum();
-        let (per_area, per_side) = match scaling {
+        let (per_area, per_angle) = match scaling {
             Scaling::Point => (
                 (1.0 - CORNER_SHARE) / flat_area.max(LEAST_AREA * size * size),
-                CORNER_SHARE / perimeter,
+                CORNER_SHARE / std::f64::consts::TAU,
             ),
-            Scaling::Area => (1.0, 4.0 * CORNER_AREA * size * size / perimeter),
+            Scaling::Area => (1.0, 4.0 * CORNER_AREA * size * size / std::f64::consts::TAU),
         };
         for k in 0..count {
-            let (before, here) = (self.corners[(k + count - 1) % count], self.corners[k]);
+            let [before, here, next] = [k + count - 1, k, k + 1].map(|i| self.corners[i % count]);
             let overlap = offset - n.dot(&here.x);
             if overlap > 0.0 || is_bonded {
-                let next = self.corners[(k + 1) % count];
-                let weight = per_side * ((here.x - before.x).norm() + (next.x - here.x).norm());
-                self.push_point(corner_key(before, here), here.x, &n, weight, overlap);
+                let (back, forth) = (here.x - before.x, next.x - here.x);
+                let turn = back.cross(&forth).norm().atan2(back.dot(&forth));
+                self.push_point(
+                    corner_key(before, here),
+                    here.x,
+                    &n,
+                    per_angle * turn,
+                    overlap,
+                );
             }
         }
         if !is_bonded {
@@ -471,7 +471,7 @@ mod tests {
         assert!((sum(&|p| p.weight) - 1.0).abs() < 1e-15);
         assert!(sum(&|p| p.weight * (p.position - middle).x).abs() < 1e-15);
         // Mean square distance from the middle of a side of 0.7 m.
-        // A rectangle: half the perimeter's length in each of four equal corners.
+        // A rectangle turns by a quarter at each corner.
         let corners = CORNER_SHARE * 0.49 / 4.0 + (1.0 - CORNER_SHARE) * 0.49 / 12.0;
         assert!((sum(&|p| p.weight * (p.position - middle).x.powi(2)) - corners).abs() < 1e-15);
         assert!(

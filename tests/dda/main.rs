@@ -20,4 +20,3 @@ mod setup;
 mod slopes;
 mod structures;
 
-

@@ -3,7 +3,11 @@ use crate::structures::*;
 use riprap_dda::*;
 #[test]
 fn arch_watch() {
-    for (f, e, share, fr) in [(1.3, 0.3, 1.0, 1.2), (1.03, 0.3, 1.0, 1.2)] {
+    for (f, e, share, fr) in [
+        (1.3, 0.3, 1.0, 1.2),
+        (1.03, 0.3, 1.0, 1.2),
+        (0.97, 0.3, 1.0, 1.2),
+    ] {
         let material = Material {
             friction_angle: fr,
             contact_stiffness: 2e10,
@@ -19,7 +23,7 @@ fn arch_watch() {
         let mut kinds = std::collections::BTreeMap::new();
         let mut last: Vec<(usize, Vec3, usize)> = vec![];
         let mut flips = 0;
-        while now < 2.0 {
+        while now < 3.0 {
             if now >= next {
                 next += 0.5;
                 let e = blocks.energies();
