@@ -355,13 +355,14 @@ impl Pair {
         let joint = medium.joint(self);
         let (a, b) = self.bodies(medium);
         let n = self.normal;
-        let weight: f64 = self.points.iter().map(|p| p.patch.weight).sum();
+        let total: f64 = self.points.iter().map(|p| p.patch.weight).sum();
+        let weight = self.patch.flat_weight;
         let normal: f64 = self.points.iter().map(|p| p.normal_force.max(0.0)).sum();
         let is_bonded = self.bond.is_some();
         // A bond may pull: its springs lie as the patch does.
         let share = |p: &PointState| {
             if is_bonded || normal <= 0.0 {
-                p.patch.weight / weight
+                p.patch.weight / total
             } else {
                 p.normal_force / normal
             }
@@ -528,7 +529,7 @@ impl Pair {
                     + dashpot(k_t, medium.shear_damping_ratio) * across,
             };
         }
-        let weight: f64 = self.points.iter().map(|p| p.patch.weight).sum();
+        let weight = self.patch.flat_weight;
         let (mut along, mut across) = (0.0, 0.0_f64);
         for point in &self.points {
             let x = &point.patch.position;

@@ -2,9 +2,11 @@
 //!
 //! ```text
 //! ξ(x) = ξ₀ + θ n × (x − c)                 displacement since first contact; c: centre of pressure    [m]
-//! F_k = −k s_k ξ(x_k) − c_t s_k u_t(x_k)     s_k = N_k/N,   k = K_t Σ w                                 [N]
+//! F_k = −k s_k ξ(x_k) − c_t s_k u_t(x_k)     s_k = N_k/N,   k = K_t W                                   [N]
 //! slips if Σ |F_k| > μ N:                    F_k := μ N_k F_k/|F_k|,   ξ cut back to that
 //! ```
+//! `W` is the weight of the patch if its faces lay flat: a base that breathes does not change it (a
+//! stiffness that followed the wet part let go a little force at each breath, and an arch crept).
 //! The stiffness is spread as the pressure is, so that under a straight push all points reach their limit
 //! together: with springs of their own, points at the edge of the pressure slip at every tremor and the
 //! block creeps. Shift and twist belong to the pair: they do not care how the clipped polygon's corners
@@ -22,7 +24,7 @@ pub(crate) struct ShearSpring {
     pub twist: f64,
     /// `c`; m.
     pub center: Vec3,
-    /// `Σ w` of the patch.
+    /// `W`.
     pub weight: f64,
 }
 

@@ -58,6 +58,8 @@ pub(crate) struct Patch {
     pub points: Vec<PatchPoint>,
     /// Area below the plane, projected on it; m². Zero for a point contact.
     pub area: f64,
+    /// Weight of the patch if its faces lay flat on each other; what shear stiffness refers to.
+    pub flat_weight: f64,
     corners: Vec<Corner>,
     spare: Vec<Corner>,
 }
@@ -134,11 +136,13 @@ impl Patch {
             AxisKind::Edges(edge_a, edge_b) => {
                 let key = (edge_a & 0x3fff) << 16 | (edge_b & 0x3fff) | u32::from(OF_B);
                 let position = edge_contact(a, edge_a, b, edge_b);
+                self.flat_weight = point_weight;
                 self.push_single(key, position, point_weight, -axis.gap);
             }
             AxisKind::Other => {}
         }
         if self.points.is_empty() {
+            self.flat_weight = point_weight;
             // The face that looks at the plane misses it: a corner beside it is deepest.
             let key = u32::from(WATERLINE);
             self.push_single(key, deepest_corners(a, b, axis), point_weight, -axis.gap);
@@ -149,6 +153,7 @@ impl Patch {
     pub fn set_single(&mut self, position: Vec3, overlap: f64) {
         self.points.clear();
         self.area = 0.0;
+        self.flat_weight = 1.0;
         self.push_single(0, position, 1.0, overlap);
     }
 
@@ -185,6 +190,10 @@ impl Patch {
                 CORNER_SHARE / std::f64::consts::TAU,
             ),
             Scaling::Area => (1.0, 4.0 * CORNER_AREA * size * size / std::f64::consts::TAU),
+        };
+        self.flat_weight = match scaling {
+            Scaling::Point => 1.0,
+            Scaling::Area => flat_area + 4.0 * CORNER_AREA * size * size,
         };
         for k in 0..count {
             let [before, here, next] = [k + count - 1, k, k + 1].map(|i| self.corners[i % count]);

@@ -19,4 +19,3 @@ mod scenes;
 mod setup;
 mod slopes;
 mod structures;
-

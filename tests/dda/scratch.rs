@@ -3,14 +3,10 @@ use crate::structures::*;
 use riprap_dda::*;
 #[test]
 fn arch_watch() {
-    for (f, e, share, fr) in [
-        (1.3, 0.3, 1.0, 1.2),
-        (1.03, 0.3, 1.0, 1.2),
-        (0.97, 0.3, 1.0, 1.2),
-    ] {
+    for (f, e, share, fr, kk) in [(1.3, 0.3, 1.0, 1.2, 2e10), (1.03, 0.3, 1.0, 1.2, 2e11), (1.06, 0.3, 1.0, 1.2, 2e10)] {
         let material = Material {
             friction_angle: fr,
-            contact_stiffness: 2e10,
+            contact_stiffness: kk,
             restitution: e,
             ..rock()
         };
