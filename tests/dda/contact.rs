@@ -244,8 +244,9 @@ fn rocking_block() {
             housner,
             2e-2,
         );
-        // A compliant flat base rolls from edge to edge over the whole face: about half the loss.
-        assert!(flat < 1.0 && flat > housner, "{flat}");
+        // A compliant flat base rolls from edge to edge over the whole face, which costs less: within 2 % at 0.1, 3.3 %
+        // at 0.2.
+        assert_close("rocking on a flat base", flat, housner, 4e-2);
     }
 }
 

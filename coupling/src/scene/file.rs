@@ -131,6 +131,9 @@ pub struct MaterialFile {
     pub density: f64,
     /// Friction angle of its joints; degrees.
     pub friction_angle_deg: f64,
+    /// Friction angle of a joint once it has slipped or broken; the same when left out; degrees.
+    #[serde(default)]
+    pub residual_friction_angle_deg: Option<f64>,
     /// Cohesion of a joint until it breaks; Pa.
     #[serde(default)]
     pub cohesion: f64,
@@ -143,6 +146,10 @@ pub struct MaterialFile {
     /// Contact penalty stiffness of a block of this material; N/m.
     #[serde(default)]
     pub contact_stiffness: Option<f64>,
+    /// Normal stiffness of its joints per area; where both materials have one it holds instead of
+    /// `contact_stiffness`; Pa/m.
+    #[serde(default)]
+    pub joint_stiffness: Option<f64>,
     /// Shear over normal penalty stiffness.
     #[serde(default = "default_shear_stiffness_ratio")]
     pub shear_stiffness_ratio: f64,

@@ -201,6 +201,20 @@ impl Checks {
                 ),
             );
         }
+        if let Some(residual) = material.residual_friction_angle_deg
+            && !(0.0..=angle).contains(&residual)
+        {
+            self.refuse(
+                path("residual_friction_angle_deg"),
+                format!(
+                    "{} must be in [0, {angle}], the friction angle, found {residual}",
+                    of("residual friction angle")
+                ),
+            );
+        }
+        if let Some(stiffness) = material.joint_stiffness {
+            self.positive(path("joint_stiffness"), &of("joint stiffness"), stiffness);
+        }
         self.not_negative(path("cohesion"), &of("cohesion"), material.cohesion);
         self.not_negative(
             path("tensile_strength"),
