@@ -67,10 +67,12 @@
 //! ```
 
 mod attachments;
+mod block_quality;
 mod blocks;
 mod broad_phase;
 mod common_plane;
 mod contact;
+mod cut;
 mod damping;
 mod deformation;
 mod distance;
@@ -79,6 +81,7 @@ mod error;
 mod friction;
 mod holds;
 mod integrate;
+mod joint_sets;
 mod kinematics;
 mod material;
 mod measure;
@@ -95,11 +98,13 @@ pub type Vec3 = nalgebra::Vector3<f64>;
 pub type Isometry = nalgebra::Isometry3<f64>;
 
 pub use attachments::Attachment;
+pub use block_quality::BlockQuality;
 pub use blocks::{BlockDefinition, Blocks, Settings};
 pub use common_plane::{
     Axis, AxisKind, SeparatingAxes, fast_common_plane, gap_along, separating_axes,
 };
 pub use contact::{Contact, ContactState};
+pub use cut::Plane;
 pub use damping::StaticDamping;
 pub use deformation::{
     Deformability, DeformableModel, StressLaw, Voigt, classical_mass_matrix, natural_frequencies,
@@ -109,6 +114,7 @@ pub use energy::Energies;
 pub use error::{BlockError, StepError};
 pub use holds::{Hold, Turning};
 pub use integrate::CriticalStep;
+pub use joint_sets::{JointError, JointSet, cut_by_joints};
 pub use kinematics::Load;
 pub use material::{Elastic, Material, clamped_restitution, damping_ratio};
 pub use measure::{MassProperties, face_area, mass_properties, volume};

@@ -13,6 +13,7 @@ mod contact;
 mod deformable;
 mod determinism;
 mod geometry;
+mod joints;
 mod motion;
 mod scenes;
 

@@ -1,0 +1,249 @@
+//! Rock masses cut into blocks by sets of joints.
+//!
+//! Orientations as geologists give them: the dip is measured down from the horizontal, the dip
+//! direction clockwise from north, which is +y; east is +x. The upward normal of a joint is
+//!
+//! ```text
+//! n = (sin dip sin dd, sin dip cos dd, cos dip)
+//! ```
+
+use crate::{Plane, Polyhedron, Vec3};
+use thiserror::Error;
+
+/// Joints of one orientation.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct JointSet {
+    /// Dip, 0 to π/2; rad.
+    pub dip: f64,
+    /// Dip direction; rad.
+    pub dip_direction: f64,
+    /// Distance of the joints, > 0; m.
+    pub spacing: f64,
+    /// A point through which one joint passes; m.
+    pub origin: Vec3,
+    /// Chance that a joint cuts a block which it meets, 0 to 1.
+    pub persistence: f64,
+    /// Standard deviation of the normal's tilt about each of two axes in the joint, ≥ 0; rad.
+    pub scatter: f64,
+    /// A joint lies off its regular place by at most this share of the spacing, 0 to 0.5.
+    pub spacing_scatter: f64,
+}
+
+/// Why a rock mass was not cut.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum JointError {
+    /// A number of a set is out of range.
+    #[error("joint set {set}: {field} is {value}, {rule}")]
+    Set {
+        /// Position of the set.
+        set: usize,
+        /// Name of the number.
+        field: &'static str,
+        /// Its value.
+        value: f64,
+        /// Its range.
+        rule: &'static str,
+    },
+    /// More blocks than allowed.
+    #[error(
+        "the joints would make about {expected:.0} blocks, more than {limit}; joint set {set} has the closest joints \
+         ({spacing} m): widen its spacing, or allow more blocks"
+    )]
+    TooMany {
+        /// Blocks expected, or made so far.
+        expected: f64,
+        /// Allowed.
+        limit: usize,
+        /// The set with the closest joints.
+        set: usize,
+        /// Its spacing; m.
+        spacing: f64,
+    },
+}
+
+impl JointSet {
+    /// Upward unit normal.
+    pub fn normal(&self) -> Vec3 {
+        let (dip, direction) = (self.dip.sin_cos(), self.dip_direction.sin_cos());
+        Vec3::new(dip.0 * direction.0, dip.0 * direction.1, dip.1)
+    }
+
+    fn check(&self, set: usize) -> Result<(), JointError> {
+        let half_pi = std::f64::consts::FRAC_PI_2;
+        let fields = [
+            (
+                "dip",
+                self.dip,
+                (0.0..=half_pi).contains(&self.dip),
+                "must be in [0, π/2] rad",
+            ),
+            ("dip_direction", self.dip_direction, true, "must be finite"),
+            ("spacing", self.spacing, self.spacing > 0.0, "must be > 0 m"),
+            ("origin", self.origin.sum(), true, "must be finite"),
+            (
+                "persistence",
+                self.persistence,
+                (0.0..=1.0).contains(&self.persistence),
+                "must be in [0, 1]",
+            ),
+            (
+                "scatter",
+                self.scatter,
+                self.scatter >= 0.0,
+                "must be >= 0 rad",
+            ),
+            (
+                "spacing_scatter",
+                self.spacing_scatter,
+                (0.0..=0.5).contains(&self.spacing_scatter),
+                "must be in [0, 0.5]",
+            ),
+        ];
+        match fields
+            .into_iter()
+            .find(|(_, value, is_good, _)| !(*is_good && value.is_finite()))
+        {
+            Some((field, value, _, rule)) => Err(JointError::Set {
+                set,
+                field,
+                value,
+                rule,
+            }),
+            None => Ok(()),
+        }
+    }
+
+    /// Joints that reach a span of heights along the normal, in order.
+    fn planes(&self, (low, high): (f64, f64), middle: &Vec3, random: &mut Random) -> Vec<Plane> {
+        let normal = self.normal();
+        let start = normal.dot(&self.origin);
+        let first = ((low - start) / self.spacing).ceil() as i64 - 1;
+        let last = ((high - start) / self.spacing).floor() as i64 + 1;
+        (first..=last)
+            .map(|k| {
+                let shift = self.spacing_scatter * (2.0 * random.uniform() - 1.0);
+                let offset = start + (k as f64 + shift) * self.spacing;
+                let (u, v) = across(&normal);
+                let tilt =
+                    u * (self.scatter * random.normal()) + v * (self.scatter * random.normal());
+                // Tilted about the point nearest to the middle of the mass.
+                let pivot = middle + normal * (offset - normal.dot(middle));
+                Plane::through(&pivot, &(normal + tilt))
+            })
+            .collect()
+    }
+}
+
+/// Cuts convex bodies by all joints of all sets, in their order. The same seed gives the same blocks.
+///
+/// Volumes of the blocks add up to those of the bodies. A joint that would only shave off a piece too
+/// thin to be a body leaves the block whole.
+///
+/// # Errors
+///
+/// [`JointError::Set`] for numbers out of range, [`JointError::TooMany`] before the first cut if the
+/// spacings say that there would be more than `max_blocks`, or as soon as there are.
+pub fn cut_by_joints(
+    bodies: Vec<Polyhedron>,
+    sets: &[JointSet],
+    seed: u64,
+    max_blocks: usize,
+) -> Result<Vec<Polyhedron>, JointError> {
+    for (k, set) in sets.iter().enumerate() {
+        set.check(k)?;
+    }
+    let too_many = |expected: f64| {
+        let closest = (0..sets.len()).min_by(|&a, &b| sets[a].spacing.total_cmp(&sets[b].spacing));
+        let set = closest.unwrap_or(0);
+        JointError::TooMany {
+            expected,
+            limit: max_blocks,
+            set,
+            spacing: sets.get(set).map_or(0.0, |set| set.spacing),
+        }
+    };
+    let expected: f64 = bodies.iter().map(|body| expected_blocks(body, sets)).sum();
+    if expected > 2.0 * max_blocks as f64 {
+        return Err(too_many(expected));
+    }
+    let mut random = Random(seed);
+    let mut blocks = bodies;
+    for set in sets {
+        let normal = set.normal();
+        let corners = || blocks.iter().flat_map(|body| body.vertices());
+        let heights = corners().map(|x| normal.dot(x));
+        let span = heights.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), h| {
+            (low.min(h), high.max(h))
+        });
+        let middle = corners().sum::<Vec3>() / corners().count().max(1) as f64;
+        // A tilted joint may reach in from outside of the span.
+        let reach = corners().map(|x| (x - middle).norm()).fold(0.0, f64::max);
+        let margin = 3.0 * set.scatter * reach;
+        for plane in set.planes((span.0 - margin, span.1 + margin), &middle, &mut random) {
+            let mut next = Vec::with_capacity(blocks.len() + 16);
+            for body in blocks {
+                let meets = {
+                    let mut sides = body.vertices().iter().map(|x| plane.height(x) > 0.0);
+                    let first = sides.next();
+                    sides.any(|side| Some(side) != first)
+                };
+                let is_cut =
+                    meets && (set.persistence >= 1.0 || random.uniform() < set.persistence);
+                match is_cut.then(|| body.cut(&plane)).flatten() {
+                    Some((below, above)) => next.extend([below, above]),
+                    None => next.push(body),
+                }
+            }
+            blocks = next;
+            if blocks.len() > max_blocks {
+                return Err(too_many(blocks.len() as f64));
+            }
+        }
+    }
+    Ok(blocks)
+}
+
+/// Volume over the volume of a cell of the three sets that make the smallest, or layers over spacing for fewer sets.
+fn expected_blocks(body: &Polyhedron, sets: &[JointSet]) -> f64 {
+    sets.iter()
+        .map(|set| {
+            let normal = set.normal();
+            let heights = body.vertices().iter().map(|x| normal.dot(x));
+            let (low, high) = heights.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), h| {
+                (low.min(h), high.max(h))
+            });
+            1.0 + set.persistence * (high - low) / set.spacing
+        })
+        .product()
+}
+
+/// Two unit vectors across a unit vector.
+fn across(n: &Vec3) -> (Vec3, Vec3) {
+    let axis = if n.x.abs() < 0.9 {
+        Vec3::x()
+    } else {
+        Vec3::y()
+    };
+    let u = n.cross(&axis).normalize();
+    (u, n.cross(&u))
+}
+
+/// Reproducible random numbers: splitmix64 (Steele, Lea & Flood 2014).
+struct Random(u64);
+
+impl Random {
+    /// In [0, 1).
+    fn uniform(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
+    }
+
+    /// Standard normal, by Box & Muller (1958).
+    fn normal(&mut self) -> f64 {
+        let radius = (-2.0 * (1.0 - self.uniform()).ln()).sqrt();
+        radius * (std::f64::consts::TAU * self.uniform()).cos()
+    }
+}

@@ -1,0 +1,129 @@
+//! Rock masses cut by joint sets.
+
+use crate::setup::*;
+use riprap_dda::{BlockQuality, JointError, JointSet, Polyhedron, Vec3, cut_by_joints, volume};
+
+fn set(dip_deg: f64, direction_deg: f64, spacing: f64) -> JointSet {
+    JointSet {
+        dip: dip_deg.to_radians(),
+        dip_direction: direction_deg.to_radians(),
+        spacing,
+        origin: Vec3::zeros(),
+        persistence: 1.0,
+        scatter: 0.0,
+        spacing_scatter: 0.0,
+    }
+}
+
+fn total(blocks: &[Polyhedron]) -> f64 {
+    blocks.iter().map(volume).sum()
+}
+
+/// Dip direction clockwise from north (+y), dip down from the horizontal.
+#[test]
+fn geologists_angles() {
+    let close = |a: Vec3, b: [f64; 3]| assert!((a - Vec3::from(b)).norm() < 1e-15, "{a} {b:?}");
+    close(set(0.0, 123.0, 1.0).normal(), [0.0, 0.0, 1.0]);
+    // Dips east at 90: its normal points east.
+    close(set(90.0, 90.0, 1.0).normal(), [1.0, 0.0, 0.0]);
+    // Dips north at 45: a ball rolls to +y.
+    let half = 0.5_f64.sqrt();
+    close(set(45.0, 0.0, 1.0).normal(), [0.0, half, half]);
+}
+
+/// Three sets at right angles cut a box into nx ny nz boxes.
+#[test]
+fn orthogonal_sets() {
+    let body = cuboid([0.0; 3], [4.0, 3.0, 2.0]);
+    let sets = [
+        set(90.0, 90.0, 0.5),
+        set(90.0, 0.0, 1.0),
+        set(0.0, 0.0, 0.4),
+    ];
+    let blocks = cut_by_joints(vec![body], &sets, 1, 1000).unwrap();
+    assert_eq!(blocks.len(), 8 * 3 * 5);
+    for block in &blocks {
+        assert!(
+            (volume(block) - 0.5 * 0.4).abs() < 1e-12,
+            "{}",
+            volume(block)
+        );
+        assert_eq!((block.n_faces(), block.vertices().len()), (6, 8));
+        let quality = BlockQuality::of(block);
+        assert!((quality.shortest_edge - 0.4).abs() < 1e-12);
+        assert!((quality.aspect - (0.25 + 1.0 + 0.16_f64).sqrt() / 0.4).abs() < 1e-9);
+    }
+}
+
+/// Ten thousand irregular blocks: volumes add up to 1e-12, every block is a closed polyhedron; far from the origin too.
+#[test]
+fn ten_thousand_blocks() {
+    let mut sets = [
+        set(60.0, 100.0, 1.0),
+        set(70.0, 210.0, 1.1),
+        set(25.0, 330.0, 0.9),
+    ];
+    for set in &mut sets {
+        set.scatter = 0.03;
+        set.spacing_scatter = 0.3;
+        set.origin = Vec3::new(0.3, 0.2, 0.1);
+    }
+    for shift in [0.0, 1e4] {
+        let offset = Vec3::repeat(shift);
+        let body = Polyhedron::cuboid(offset, offset + Vec3::repeat(21.5)).unwrap();
+        let sets = sets.map(|set| JointSet {
+            origin: set.origin + offset,
+            ..set
+        });
+        let blocks = cut_by_joints(vec![body], &sets, 7, 20_000).unwrap();
+        let error = (total(&blocks) / 21.5_f64.powi(3) - 1.0).abs();
+        println!("{} blocks", blocks.len());
+        assert!(blocks.len() > 10_000);
+        // Far away the corners themselves are rounded to 1e-12 of a block.
+        assert_below("volume", error, if shift == 0.0 { 1e-12 } else { 1e-9 });
+        for block in &blocks {
+            assert_eq!(
+                block.vertices().len() + block.n_faces(),
+                block.n_edges() + 2
+            );
+        }
+    }
+}
+
+#[test]
+fn seeds_and_persistence() {
+    let cut = |persistence: f64, seed: u64| {
+        let body = cuboid([0.0; 3], [8.0; 3]);
+        let sets = [set(50.0, 80.0, 1.0), set(60.0, 200.0, 1.0)].map(|set| JointSet {
+            persistence,
+            scatter: 0.02,
+            ..set
+        });
+        cut_by_joints(vec![body], &sets, seed, 10_000).unwrap()
+    };
+    assert_eq!(cut(0.0, 1).len(), 1);
+    assert!(cut(0.5, 1) == cut(0.5, 1) && cut(0.5, 1) != cut(0.5, 2));
+    let (half, all) = (cut(0.5, 1).len(), cut(1.0, 1).len());
+    assert!(1 < half && half < all, "{half} {all}");
+}
+
+/// What would make a million slivers is refused before the first cut, with the set to blame.
+#[test]
+fn too_many_blocks_are_refused() {
+    let body = || vec![cuboid([0.0; 3], [10.0; 3])];
+    let sets = [
+        set(90.0, 90.0, 1.0),
+        set(90.0, 0.0, 0.01),
+        set(0.0, 0.0, 0.1),
+    ];
+    let refused = cut_by_joints(body(), &sets, 1, 50_000).unwrap_err();
+    assert!(
+        matches!(refused, JointError::TooMany { set: 1, .. }),
+        "{refused}"
+    );
+    println!("{refused}");
+    let wrong = cut_by_joints(body(), &[set(95.0, 0.0, 1.0)], 1, 10)
+        .unwrap_err()
+        .to_string();
+    assert!(wrong.starts_with("joint set 0: dip is 1.658"), "{wrong}");
+}
