@@ -141,6 +141,8 @@ impl Patch {
             }
             AxisKind::Other => {}
         }
+        // A patch of no width has corners that turn by nothing.
+        self.points.retain(|point| point.weight > 0.0);
         if self.points.is_empty() {
             self.flat_weight = point_weight;
             // The face that looks at the plane misses it: a corner beside it is deepest.
@@ -427,12 +429,8 @@ fn deepest_corners(a: &Polyhedron, b: &Polyhedron, axis: &Axis) -> Vec3 {
     let plane = highest + axis.gap;
     let (mut sum, mut total) = (Vec3::zeros(), 0.0);
     for x in body.vertices().iter().filter(|x| height(x) >= plane) {
-        // Touching only, all count alike.
-        let depth = if axis.gap < 0.0 {
-            height(x) - plane
-        } else {
-            1.0
-        };
+        // Touching only, all count alike; so do corners whose depth is lost in round-off.
+        let depth = (height(x) - plane).max(f64::MIN_POSITIVE);
         sum += x * depth;
         total += depth;
     }

@@ -51,6 +51,30 @@ pub(crate) fn execute(arguments: &Arguments) -> Exit {
     }
 }
 
+/// Kinematics and contact of the free blocks.
+fn block_motion(scene: &Scene) -> String {
+    let deformable = scene
+        .blocks
+        .iter()
+        .filter(|b| b.deformability.is_some())
+        .count();
+    let kind = match deformable {
+        0 => "rigid, no deformable model in this scene".to_owned(),
+        n => format!("{n} deformable, the others rigid"),
+    };
+    let stiffest =
+        |of: fn(&riprap_dda::Material) -> f64| scene.materials.iter().map(of).fold(0.0, f64::max);
+    if scene.materials.iter().all(|m| m.joint_stiffness.is_some()) {
+        let stiffness = stiffest(|m| m.joint_stiffness.unwrap_or(0.0));
+        format!("{kind}; joint stiffness {stiffness:.3e} Pa/m")
+    } else {
+        format!(
+            "{kind}; contact stiffness {:.3e} N/m",
+            stiffest(|m| m.contact_stiffness)
+        )
+    }
+}
+
 /// What will be modelled and what will not, and why.
 pub(crate) fn describe(scene: &Scene, folder: &Path) -> String {
     let mut text = format!("{}\n", scene.file.title);
@@ -78,16 +102,22 @@ pub(crate) fn describe(scene: &Scene, folder: &Path) -> String {
         match (free, prescribed) {
             (0, 0) => "none: fixed blocks only, so no block dynamics and no contact search".into(),
             (0, _) => "prescribed only: no block dynamics, no contact search between walls".into(),
-            _ => format!(
-                "rigid, contact stiffness {:.3e} N/m; no deformable model in this scene",
-                scene
-                    .materials
-                    .iter()
-                    .map(|m| m.contact_stiffness)
-                    .fold(0.0, f64::max)
-            ),
+            _ => block_motion(scene),
         },
     );
+    for report in &scene.rock_masses {
+        line("rock mass", report.to_string());
+    }
+    if !scene.attachments.is_empty() || !scene.holds.is_empty() {
+        line(
+            "constraints",
+            format!(
+                "{} loads, supports and bolts; {} held blocks",
+                scene.attachments.len(),
+                scene.holds.len()
+            ),
+        );
+    }
     match &scene.fluid {
         None => line("fluid", "none: no fluid structures are made".into()),
         Some(fluid) => {

@@ -30,6 +30,9 @@ pub struct SceneFile {
     /// Rock blocks, walls and wavemakers.
     #[serde(default)]
     pub blocks: Vec<BlockFile>,
+    /// Bodies to be cut into blocks by joint sets; the blocks join the list of blocks.
+    #[serde(default)]
+    pub rock_masses: Vec<RockMassFile>,
     /// Loads, supports and rock bolts on blocks.
     #[serde(default)]
     pub attachments: Vec<AttachmentFile>,
@@ -87,10 +90,14 @@ impl SceneFile {
     /// Files that the scene names, relative to its folder.
     pub fn referenced_files(&self) -> Vec<&str> {
         let mut files = Vec::new();
-        for block in &self.blocks {
-            if let ShapeFile::Mesh { file, .. } = &block.shape {
+        let shapes = self.blocks.iter().map(|block| &block.shape);
+        let boundaries = self.rock_masses.iter().map(|mass| &mass.boundary);
+        for shape in shapes.chain(boundaries) {
+            if let ShapeFile::Mesh { file, .. } = shape {
                 files.push(file.as_str());
             }
+        }
+        for block in &self.blocks {
             if let MotionFile::Table { file } | MotionFile::Shaking { file, .. } = &block.motion {
                 files.push(file.as_str());
             }
@@ -199,6 +206,56 @@ pub struct BlockFile {
     /// What a free, rigid block may not do.
     #[serde(default)]
     pub hold: Option<HoldFile>,
+}
+
+/// A body cut into free blocks, named `name.0001` and on, by joint sets, one after the other.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RockMassFile {
+    /// Unique name.
+    pub name: String,
+    /// Name of its material.
+    pub material: String,
+    /// The body before it is cut: any shape but a ball.
+    pub boundary: ShapeFile,
+    /// The joints.
+    pub joint_sets: Vec<JointSetFile>,
+    /// Of the random numbers of scatter and persistence.
+    #[serde(default)]
+    pub seed: u64,
+    /// Smaller blocks are left out, and counted; m³.
+    #[serde(default)]
+    pub minimum_volume: f64,
+    /// More blocks are refused.
+    #[serde(default = "default_maximum_blocks")]
+    pub maximum_blocks: u32,
+    /// Makes the blocks deformable.
+    #[serde(default)]
+    pub deformable: Option<DeformableFile>,
+}
+
+/// Joints of one orientation.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct JointSetFile {
+    /// Dip, down from the horizontal, 0 to 90; degrees.
+    pub dip_deg: f64,
+    /// Dip direction, clockwise from north (+y); degrees.
+    pub dip_direction_deg: f64,
+    /// Distance of the joints; m.
+    pub spacing: f64,
+    /// A point through which one joint passes; m.
+    #[serde(default)]
+    pub origin: Triple,
+    /// Chance that a joint cuts a block which it meets, 0 to 1.
+    #[serde(default = "one")]
+    pub persistence: f64,
+    /// Standard deviation of the tilt of a joint; degrees.
+    #[serde(default)]
+    pub scatter_deg: f64,
+    /// A joint lies off its place by at most this share of the spacing, 0 to 0.5.
+    #[serde(default)]
+    pub spacing_scatter: f64,
 }
 
 /// How a block deforms: one strain for the whole block.
@@ -700,6 +757,10 @@ pub struct CameraFile {
     /// Horizontal angle of view; degrees.
     #[serde(default = "default_field_of_view")]
     pub field_of_view_deg: f64,
+}
+
+fn default_maximum_blocks() -> u32 {
+    20_000
 }
 
 fn one() -> f64 {

@@ -13,6 +13,7 @@ use crate::scene::file::{
 };
 use crate::scene::fill::{Lattice, lattice, overlaps};
 use crate::scene::motion::motion;
+use crate::scene::rock_mass::{RockMassReport, expand};
 use crate::scene::shape::solid;
 
 /// A scene that can run: geometry, initial water and all numbers. Nothing in it changes.
@@ -22,6 +23,8 @@ pub struct Scene {
     pub file: SceneFile,
     /// Blocks in the order of the file.
     pub blocks: Vec<BlockDefinition>,
+    /// What became of the rock masses, which are blocks now.
+    pub rock_masses: Vec<RockMassReport>,
     /// Loads, supports and bolts.
     pub attachments: Vec<Attachment>,
     /// Blocks that are held, by position, and how.
@@ -79,6 +82,7 @@ impl Scene {
     ///
     /// All problems of the geometry together.
     pub fn resolve(mut file: SceneFile, folder: &Path) -> Result<Self, Vec<Problem>> {
+        let rock_masses = expand(&mut file, folder)?;
         let mut problems = Vec::new();
         let solids = named_solids(&file, folder, &mut problems);
         let motions = motions(&file, folder, &mut problems);
@@ -125,6 +129,7 @@ impl Scene {
             })
             .collect::<Vec<_>>();
         Ok(Self {
+            rock_masses,
             attachments: attachments(&file, &blocks),
             holds: file
                 .blocks

@@ -3,7 +3,8 @@
 use super::error::Problem;
 use super::file::{
     AttachmentFile, Axis, BlockFile, FluidFile, GaugeFile, MaterialFile, MotionFile,
-    RegionShapeFile, ResolutionFile, SceneFile, ShapeFile, StaticDampingFile, Triple, TurningFile,
+    RegionShapeFile, ResolutionFile, RockMassFile, SceneFile, ShapeFile, StaticDampingFile, Triple,
+    TurningFile,
 };
 use super::parse::suggestion;
 
@@ -24,13 +25,20 @@ pub fn values(scene: &SceneFile) -> Vec<Problem> {
         check.block(index, block, scene);
     }
     check.unique("blocks", scene.blocks.iter().map(|b| b.name.as_str()));
+    for (index, mass) in scene.rock_masses.iter().enumerate() {
+        check.rock_mass(index, mass, scene);
+    }
+    check.unique(
+        "rock_masses",
+        scene.rock_masses.iter().map(|m| m.name.as_str()),
+    );
     for (index, attachment) in scene.attachments.iter().enumerate() {
         check.attachment(index, attachment, scene);
     }
     if let Some(fluid) = &scene.fluid {
         check.fluid(fluid, scene);
     }
-    if scene.blocks.is_empty() && scene.fluid.is_none() {
+    if scene.blocks.is_empty() && scene.rock_masses.is_empty() && scene.fluid.is_none() {
         check.refuse(
             "",
             "the scene has neither blocks nor fluid; add one of them".to_owned(),
@@ -379,6 +387,37 @@ impl Checks {
                 of("an initial velocity has no effect on a block that is not free"),
             );
         }
+    }
+
+    fn rock_mass(&mut self, index: usize, mass: &RockMassFile, scene: &SceneFile) {
+        let path = |field: &str| format!("rock_masses[{index}].{field}");
+        let names: Vec<&str> = scene.materials.iter().map(|m| m.name.as_str()).collect();
+        if !names.contains(&mass.material.as_str()) {
+            self.refuse(
+                path("material"),
+                format!(
+                    "rock mass `{}`: material `{}` is not in materials{}",
+                    mass.name,
+                    mass.material,
+                    suggestion(&mass.material, &names)
+                ),
+            );
+        }
+        if mass.joint_sets.is_empty() {
+            self.refuse(
+                path("joint_sets"),
+                format!(
+                    "rock mass `{}`: no joint set; add one, or make it a block",
+                    mass.name
+                ),
+            );
+        }
+        self.not_negative(
+            path("minimum_volume"),
+            &format!("rock mass `{}`: least volume", mass.name),
+            mass.minimum_volume,
+        );
+        self.shape(&path("boundary"), &mass.boundary, &mass.name);
     }
 
     fn attachment(&mut self, index: usize, attachment: &AttachmentFile, scene: &SceneFile) {
