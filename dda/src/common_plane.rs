@@ -60,6 +60,9 @@ const EDGE_PREFERENCE: f64 = 0.02;
 const KEEP_PREFERENCE: f64 = 0.05;
 /// An overlap that changed by less than this share since the last full test needs no new one ...
 const TRUSTED_CHANGE: f64 = 0.1;
+/// ... nor does one that changed by less than this (× size of the smaller body): so shallow, another
+/// axis would give nearly the same force; ...
+const TRUSTED_DEPTH: f64 = 1e-4;
 /// ... for this many steps.
 const TRUSTED_STEPS: u32 = 16;
 
@@ -324,7 +327,11 @@ impl AxisCache {
                 axis.kind != AxisKind::Other && !was_apart && is_supported(a, b, &axis);
             if is_contact
                 && self.trust > 0
-                && (axis.gap - self.verified_gap).abs() <= TRUSTED_CHANGE * -self.verified_gap
+                && (axis.gap - self.verified_gap).abs()
+                    <= f64::max(
+                        TRUSTED_CHANGE * -self.verified_gap,
+                        TRUSTED_DEPTH * a.size().min(b.size()),
+                    )
             {
                 self.trust -= 1;
                 return Some(axis);

@@ -1,8 +1,8 @@
 //! Explicit three-dimensional discontinuous deformation analysis of rock blocks.
 //!
-//! Blocks are rigid unions of convex polyhedra, or balls. They meet through penalty springs and
-//! dashpots at the points of a contact patch, with Coulomb friction that remembers its shear, and
-//! move by a central-difference step in kick-drift-kick form.
+//! Blocks are unions of convex polyhedra, rigid or with one strain each, or rigid balls. They meet
+//! through penalty springs and dashpots at the points of a contact patch, with Coulomb friction that
+//! remembers its shear, and move by a central-difference step in kick-drift-kick form.
 //!
 //! ```text
 //! m v' = Σ f + m g        Q (J ω)' = Σ r × f          [N], [N m]
@@ -10,7 +10,9 @@
 //!
 //! **Reading order.** [`Polyhedron`] (geometry), [`mass_properties`], [`Shape`], [`Material`] and the
 //! joint of two materials, [`Blocks`] (the state), then the step: [`Blocks::advance`] in `integrate`,
-//! `broad_phase`, `common_plane`, `patch`, `contact`.
+//! `broad_phase`, `common_plane`, `patch`, `contact`, `friction`. Beside it: `deformation`,
+//! `attachments`, `holds`, `damping`; and before it [`cut_by_joints`], which makes blocks of a rock
+//! mass.
 //!
 //! **Signs.** SI units. Faces counter-clockwise seen from outside, z up. A contact normal points from
 //! block i to block j; a gap below zero is overlap. World frame unless a name says otherwise
@@ -19,13 +21,10 @@
 //! **Results are the same bits for any number of threads**: each pair of parts writes its own forces,
 //! and they are summed in the order of the list.
 //!
-//! **Limits.** Blocks are rigid; contacts ask only for the velocity, force and compliance at a point, so
-//! that deformable kinds can follow. Parts of a union, and fixed blocks that adjoin, collide one
-//! by one, each at the faces and corners that the others leave visible; adjoining blocks that move
-//! against each other keep their edges. The energy ledger of bodies that turn while they are
-//! pressed closes to some percent of the energy exchanged only, whatever the step, and may gain. A fast,
-//! thin body can pass through another in one step if it travels its
-//! own thickness. See `contact` for what the energy ledger can and cannot close.
+//! **Limits.** Parts of a union, and fixed blocks that adjoin, collide one by one, each at the faces
+//! and corners that the others leave visible; adjoining blocks that move against each other keep their
+//! edges. Where another face or an edge takes a contact over, the energy ledger shows a step. A fast,
+//! thin body can pass through another in one step if it travels its own thickness.
 //!
 //! ```
 //! use riprap_dda::{BlockDefinition, Blocks, Material, Motion, Polyhedron, Settings, Shape, Vec3};

@@ -89,6 +89,9 @@ const CORNER_SHARE: f64 = 1.0 / 3.0;
 const POINT_WEIGHT: f64 = 1.0 / 3.0;
 /// `A_min` of a corner; × L² of the smaller body.
 const CORNER_AREA: f64 = 1e-3;
+/// Corners that cost less area than this are dropped: where two equal faces meet, every one is two;
+/// × L² of the smaller body.
+const NEGLIGIBLE_AREA: f64 = 1e-9;
 /// A patch never counts as smaller than this; × L² of the smaller body.
 const LEAST_AREA: f64 = 1e-2;
 /// Faces that look at the plane by less than this cosine do not touch it.
@@ -252,8 +255,13 @@ impl Patch {
             let outward = (body.vertices()[body.origin(body.next(e)) as usize] - a).cross(&n);
             self.clip(&outward, outward.dot(&a), side_name(e, reference.mark));
         }
-        while self.corners.len() > MAX_CORNERS {
-            self.drop_least(&n);
+        let size = body.size().min(other.body.size());
+        let negligible = NEGLIGIBLE_AREA * size * size;
+        while let Some((k, area)) = self.least_corner(&n)
+            && self.corners.len() > 3
+            && (area <= negligible || self.corners.len() > MAX_CORNERS)
+        {
+            self.corners.remove(k);
         }
     }
 
@@ -283,17 +291,16 @@ impl Patch {
         std::mem::swap(&mut self.corners, &mut self.spare);
     }
 
-    /// Drops the corner that costs least area.
-    fn drop_least(&mut self, n: &Vec3) {
+    /// The corner that costs least area if it is dropped, and twice that area.
+    fn least_corner(&self, n: &Vec3) -> Option<(usize, f64)> {
         let count = self.corners.len();
         let lost = |k: usize| {
             let [a, b, c] = [k + count - 1, k, k + 1].map(|i| self.corners[i % count].x);
             (b - a).cross(&(c - a)).dot(n).abs()
         };
-        let least = (0..count).min_by(|&i, &j| lost(i).total_cmp(&lost(j)));
-        if let Some(k) = least {
-            self.corners.remove(k);
-        }
+        (0..count)
+            .map(|k| (k, lost(k)))
+            .min_by(|a, b| a.1.total_cmp(&b.1))
     }
 
     fn middle(&self) -> Vec3 {

@@ -170,3 +170,40 @@ fn wrong_attachments_are_explained_in_their_place() {
         );
     }
 }
+
+/// Three joint sets at right angles cut a box into 2 x 3 x 4 blocks, which then are blocks like others.
+#[test]
+fn rock_mass_cut_by_joints() {
+    let folder = tempfile::tempdir().unwrap();
+    let further = r#"rock_masses: [(name: "mass", material: "rock", boundary: Box(min: (0, 0, 0), max: (2, 3, 4)),
+            joint_sets: [(dip_deg: 90, dip_direction_deg: 90, spacing: 1),
+                         (dip_deg: 90, dip_direction_deg: 0, spacing: 1),
+                         (dip_deg: 0, dip_direction_deg: 0, spacing: 1)])],
+        time: (duration: 0.05)"#;
+    let path = scene(folder.path(), FLOOR, further);
+    let output = riprap(&["check", path.to_str().unwrap()]);
+    let said = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert!(
+        said.contains("`mass`: 24 blocks of 1.000e0 to 1.000e0 m3"),
+        "{said}"
+    );
+    let out = folder.path().join("out");
+    let summary = run(&path, &out, &[]);
+    assert_eq!(summary["free_blocks"], 24);
+    // case.ron holds the blocks and runs alike
+    let again = run(&out.join("case.ron"), &folder.path().join("again"), &[]);
+    assert_eq!(summary["state_hash"], again["state_hash"]);
+    let close = further.replace(
+        "dip_deg: 0, dip_direction_deg: 0, spacing: 1",
+        "dip_deg: 0, dip_direction_deg: 0, spacing: 1e-5",
+    );
+    let output = riprap(&[
+        "check",
+        scene(folder.path(), FLOOR, &close).to_str().unwrap(),
+    ]);
+    assert!(
+        words(&output).contains("joint set 2 has the closest joints"),
+        "{}",
+        words(&output)
+    );
+}
