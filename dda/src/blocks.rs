@@ -610,19 +610,9 @@ impl Blocks {
             material_of_part: &self.material_of_part,
             n_materials: self.n_materials,
             shear_damping_ratio: self.settings.shear_damping_ratio,
+            radius: &self.radius,
         };
         (&mut self.pairs, medium, &self.boxes)
-    }
-
-    pub(crate) fn medium(&self) -> Medium<'_> {
-        Medium {
-            parts: &self.parts,
-            kinematics: &self.kinematics,
-            joints: &self.joints,
-            material_of_part: &self.material_of_part,
-            n_materials: self.n_materials,
-            shear_damping_ratio: self.settings.shear_damping_ratio,
-        }
     }
 
     fn bond_pairs(&mut self) {

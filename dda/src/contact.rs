@@ -107,6 +107,8 @@ pub(crate) struct Pair {
     dashpots: (f64, f64),
     /// On the blocks i and j, torque about their centroids.
     pub loads: (Load, Load),
+    /// What the pair adds to the step bound of each block, since the last evaluation.
+    pub rates: (Rates, Rates),
     /// Energy lost in the last sub-step; J.
     pub friction: f64,
     pub damping: f64,
@@ -125,6 +127,8 @@ pub(crate) struct Medium<'a> {
     pub n_materials: usize,
     /// `ξ` of the shear dashpot; –.
     pub shear_damping_ratio: f64,
+    /// Farthest point of each block from its centroid; m.
+    pub radius: &'a [f64],
 }
 
 impl Medium<'_> {
@@ -154,6 +158,7 @@ impl Pair {
             shear_energy: 0.0,
             dashpots: (0.0, 0.0),
             loads: (Load::default(), Load::default()),
+            rates: (Rates::default(), Rates::default()),
             friction: 0.0,
             damping: 0.0,
             deepest: 0.0,
@@ -222,6 +227,7 @@ impl Pair {
         }
         self.book_work(medium, dt);
         self.settle_energy(medium);
+        self.rates = self.rate_bounds(medium);
     }
 
     /// Half a step's work of dashpots and shear springs: the forces act at both ends of the step, the
@@ -490,10 +496,14 @@ impl Pair {
         !self.points.is_empty()
     }
 
-    /// Rate bounds of the pair for its two blocks. Before the parts touch, for the worst point of the
-    /// bounding spheres given.
-    pub fn rates(&self, medium: &Medium, radii: (f64, f64)) -> (Rates, Rates) {
+    /// Rate bounds of the pair for its two blocks. Before the parts touch, for the worst point of their
+    /// bounding spheres.
+    fn rate_bounds(&self, medium: &Medium) -> (Rates, Rates) {
         let (a, b) = self.bodies(medium);
+        let radii = (
+            medium.radius[self.blocks.0 as usize],
+            medium.radius[self.blocks.1 as usize],
+        );
         (
             self.rates_of(medium, a, radii.0, radii),
             self.rates_of(medium, b, radii.1, radii),
@@ -530,13 +540,20 @@ impl Pair {
             };
         }
         let weight = self.patch.flat_weight;
-        let (mut along, mut across) = (0.0, 0.0_f64);
+        let total: f64 = self.points.iter().map(|p| p.patch.weight).sum();
+        let normal: f64 = self.points.iter().map(|p| p.normal_force.max(0.0)).sum();
+        let (mut along, mut across) = (0.0, 0.0);
         for point in &self.points {
             let x = &point.patch.position;
             let compliance = body.compliance(x, &self.normal);
             along += point.patch.weight * compliance;
-            // Shear stiffness lies where the pressure is; no point bears more than all.
-            across = across.max(body.compliance_trace(x) - compliance);
+            // Shear stiffness lies where the pressure is.
+            let share = if self.bond.is_some() || normal <= 0.0 {
+                point.patch.weight / total
+            } else {
+                point.normal_force.max(0.0) / normal
+            };
+            across += share * (body.compliance_trace(x) - compliance);
         }
         Rates {
             stiffness: joint.normal_stiffness * along + joint.shear_stiffness * weight * across,

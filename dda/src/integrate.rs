@@ -50,7 +50,6 @@ impl Blocks {
             block: None,
             contact: None,
         };
-        let medium = self.medium();
         let n = self.n_blocks();
         let mut rate = vec![0.0; n];
         let mut damping = vec![0.0; n];
@@ -58,7 +57,7 @@ impl Blocks {
         let mut stiffest = vec![(0.0, None); n];
         for pair in &self.pairs {
             let (i, j) = (pair.blocks.0 as usize, pair.blocks.1 as usize);
-            let rates = pair.rates(&medium, (self.radius[i], self.radius[j]));
+            let rates = pair.rates;
             for (block, partner, rates) in [(i, j, rates.0), (j, i, rates.1)] {
                 let both = if self.is_free(partner) { 2.0 } else { 1.0 };
                 let share = both * rates.stiffness;

@@ -19,4 +19,5 @@ mod scenes;
 
 mod setup;
 mod slopes;
+mod step_bound;
 mod structures;
