@@ -3,8 +3,8 @@
 mod query;
 
 use crate::{
-    Attachment, BlockError, Contact, Deformability, DeformableModel, Hold, Isometry, Load,
-    MassProperties, Material, Motion, Shape, StaticDamping, Turning, Vec3,
+    Attachment, BlockError, Contact, ContactDetection, Deformability, DeformableModel, Hold,
+    Isometry, Load, MassProperties, Material, Motion, Shape, StaticDamping, Turning, Vec3,
     attachments::{Attachments, Surroundings},
     broad_phase::{self, Bounds},
     contact::{Medium, Pair},
@@ -48,6 +48,8 @@ pub struct Settings {
     pub shear_damping_ratio: f64,
     /// Deepest overlap allowed, × size of the smaller part. Default 0.2.
     pub overlap_limit: f64,
+    /// How common planes are found. Default verified.
+    pub contact_detection: ContactDetection,
     /// Damping for a search for a state of rest. Default none: not for blocks that move.
     pub static_damping: Option<StaticDamping>,
 }
@@ -59,6 +61,7 @@ impl Default for Settings {
             time_step_factor: 0.8,
             shear_damping_ratio: 0.2,
             overlap_limit: 0.2,
+            contact_detection: ContactDetection::default(),
             static_damping: None,
         }
     }
@@ -611,6 +614,7 @@ impl Blocks {
             n_materials: self.n_materials,
             shear_damping_ratio: self.settings.shear_damping_ratio,
             radius: &self.radius,
+            contact_detection: self.settings.contact_detection,
         };
         (&mut self.pairs, medium, &self.boxes)
     }
@@ -738,6 +742,7 @@ fn check_settings(settings: &Settings) -> Result<(), BlockError> {
         time_step_factor,
         shear_damping_ratio,
         overlap_limit,
+        contact_detection: _,
         static_damping,
     } = *settings;
     if let Some(&value) = gravity.iter().find(|c| !c.is_finite()) {

@@ -301,6 +301,17 @@ fn arcs_cross(a1: &Vec3, a2: &Vec3, b1: &Vec3, b2: &Vec3, across_a: &Vec3) -> bo
     b1_side * b2_side < 0.0 && a1_side * a2_side < 0.0 && b1_side * a2_side > 0.0
 }
 
+/// How the common plane of a pair is found.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum ContactDetection {
+    /// From the plane of the last step, verified by the separating-axis test.
+    #[default]
+    Verified,
+    /// By the fast common plane alone, from the plane of the last step, as published: a cold start
+    /// misses the common plane of some 5 % of overlapping pairs.
+    FastCommonPlane,
+}
+
 /// The axis that a pair of bodies had at the last step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct AxisCache {
@@ -314,7 +325,33 @@ pub(crate) struct AxisCache {
 
 impl AxisCache {
     /// The common plane if the bodies overlap; keeps the separating axis if not.
-    pub fn overlapping(&mut self, a: &Polyhedron, b: &Polyhedron) -> Option<Axis> {
+    pub fn overlapping(
+        &mut self,
+        a: &Polyhedron,
+        b: &Polyhedron,
+        detection: ContactDetection,
+    ) -> Option<Axis> {
+        match detection {
+            ContactDetection::Verified => self.verified(a, b),
+            ContactDetection::FastCommonPlane => {
+                let start = match self.axis {
+                    Some(axis) => renewed(a, b, &axis),
+                    None => centroid_line(a, b),
+                };
+                let climbed = fast_common_plane(a, b, &start.normal);
+                // Nothing better found: the plane of the last step is still made by the same features.
+                let axis = if climbed.kind == AxisKind::Other && is_supported(a, b, &start) {
+                    start
+                } else {
+                    climbed
+                };
+                self.axis = Some(axis);
+                (axis.gap <= 0.0).then_some(axis)
+            }
+        }
+    }
+
+    fn verified(&mut self, a: &Polyhedron, b: &Polyhedron) -> Option<Axis> {
         let mut kept = None;
         if let Some(axis) = self.axis {
             let was_apart = axis.gap > 0.0;
@@ -366,6 +403,19 @@ impl AxisCache {
         self.trust = TRUSTED_STEPS;
         // No axis at all: nothing of the two is visible to the other here.
         (axis.gap <= 0.0 && axis.gap > f64::NEG_INFINITY).then_some(axis)
+    }
+}
+
+/// The published cold start: along the line between the middles of the corners.
+fn centroid_line(a: &Polyhedron, b: &Polyhedron) -> Axis {
+    let middle =
+        |body: &Polyhedron| body.vertices().iter().sum::<Vec3>() / body.vertices().len() as f64;
+    let line = middle(b) - middle(a);
+    let normal = line.try_normalize(0.0).unwrap_or_else(Vec3::z);
+    Axis {
+        normal,
+        gap: gap_along(a, b, &normal),
+        kind: AxisKind::Other,
     }
 }
 

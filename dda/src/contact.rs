@@ -19,7 +19,7 @@
 
 use crate::{
     Vec3,
-    common_plane::{Axis, AxisCache, AxisKind},
+    common_plane::{Axis, AxisCache, AxisKind, ContactDetection},
     friction::{ShearSpring, Sliding},
     kinematics::{Kinematics, Load},
     material::Joint,
@@ -129,6 +129,7 @@ pub(crate) struct Medium<'a> {
     pub shear_damping_ratio: f64,
     /// Farthest point of each block from its centroid; m.
     pub radius: &'a [f64],
+    pub contact_detection: ContactDetection,
 }
 
 impl Medium<'_> {
@@ -257,7 +258,7 @@ impl Pair {
                 let axis = if self.bond.is_some() {
                     self.axis.axis.map(|axis| glued(a, b, &axis))?
                 } else {
-                    self.axis.overlapping(a, b)?
+                    self.axis.overlapping(a, b, medium.contact_detection)?
                 };
                 let scaling = medium.joint(self).scaling;
                 self.patch.find(a, b, &axis, scaling, self.bond.is_some());

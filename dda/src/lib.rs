@@ -100,7 +100,7 @@ pub use attachments::Attachment;
 pub use block_quality::BlockQuality;
 pub use blocks::{BlockDefinition, Blocks, Settings};
 pub use common_plane::{
-    Axis, AxisKind, SeparatingAxes, fast_common_plane, gap_along, separating_axes,
+    Axis, AxisKind, ContactDetection, SeparatingAxes, fast_common_plane, gap_along, separating_axes,
 };
 pub use contact::{Contact, ContactState};
 pub use cut::Plane;

@@ -114,7 +114,7 @@ fn common_plane_is_exact() {
     let mut random = Random(2);
     let (mut n, mut fast_misses, mut misses, mut n_disagree) = (0, 0, 0, 0);
     let (mut fast_worst, mut worst) = (0.0_f64, 0.0_f64);
-    while n < 2000 {
+    while n < 20_000 {
         let a = random.hull();
         let b = random.hull().transformed(&random.placement(0.7));
         let exact = brute_force_gap(&a, &b);
@@ -133,12 +133,12 @@ fn common_plane_is_exact() {
         fast_worst = fast_worst.max(fast);
     }
     println!(
-        "2000 overlapping pairs: verified path misses {misses} (worst {worst:.1e} m); fast common plane alone misses {:.2} % (worst {fast_worst:.3} m)",
-        f64::from(fast_misses) / 20.0
+        "20000 overlapping pairs: verified path misses {misses} (worst {worst:.1e} m); fast common plane alone misses {:.2} % (worst {fast_worst:.3} m)",
+        f64::from(fast_misses) / 200.0
     );
     assert_eq!((misses, n_disagree), (0, 0));
-    // The reason for the verification; measured 3 to 4 % elsewhere.
-    assert!(fast_misses > 0 && fast_misses < 200, "{fast_misses}");
+    // The reason for the verification; measured 5.3 %.
+    assert!(fast_misses > 0 && fast_misses < 2000, "{fast_misses}");
 }
 
 /// Mass properties of random hulls turn as tensors do.

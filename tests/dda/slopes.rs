@@ -2,7 +2,10 @@
 
 use crate::setup::*;
 use nalgebra::{Matrix3, Rotation3, UnitQuaternion};
-use riprap_dda::{BlockDefinition, Blocks, Isometry, Material, Motion, Polyhedron, Vec3};
+use riprap_dda::{
+    BlockDefinition, Blocks, ContactDetection, Isometry, Material, Motion, Polyhedron, Settings,
+    Vec3,
+};
 
 const STIFFNESS: f64 = 1e10;
 
@@ -84,6 +87,22 @@ fn gaping_base_does_not_creep() {
         .map(|c| c.point.x)
         .fold(f64::INFINITY, f64::min);
     assert!(open - blocks.centroid(1).x > -0.4, "the uphill edge gapes");
+}
+
+/// The published detection alone, warm from the last step, slides as the closed form says.
+#[test]
+fn fast_common_plane_alone() {
+    let slope = 30.0_f64.to_radians();
+    let settings = Settings {
+        gravity: on_slope(slope),
+        contact_detection: ContactDetection::FastCommonPlane,
+        ..Settings::default()
+    };
+    let definitions = vec![floor(), standing(1.0, 0.3, slope)];
+    let mut blocks = Blocks::new(definitions, vec![joint(0.3)], settings).unwrap();
+    run(&mut blocks, 1.0, 1.0, 1e-3);
+    let expected = 0.5 * G * (slope.sin() - 0.3 * slope.cos());
+    assert_close("distance", blocks.centroid(1).x, expected, 1e-3);
 }
 
 /// The same slide on a plane that really dips, turned by a random amount about the vertical.

@@ -1,13 +1,14 @@
-//! Loads, supports, bolts, holds and deformability of the file, as the block solver takes them.
+//! What the file says of loads, supports, bolts, holds, deformability, damping and detection, as the
+//! block solver takes it.
 
 use riprap_dda::{
-    Attachment, BlockDefinition, Deformability, DeformableModel, Hold, Shape, StaticDamping,
-    StressLaw, Turning, Vec3,
+    Attachment, BlockDefinition, ContactDetection, Deformability, DeformableModel, Hold, Shape,
+    StaticDamping, StressLaw, Turning, Vec3,
 };
 
 use super::file::{
-    AttachmentFile, Axis, DeformableFile, DeformableModelFile, HoldFile, SceneFile,
-    StaticDampingFile, TurningFile,
+    AttachmentFile, Axis, ContactDetectionFile, DeformableFile, DeformableModelFile, HoldFile,
+    SceneFile, StaticDampingFile, TurningFile,
 };
 use super::resolve::vec3;
 
@@ -126,6 +127,13 @@ fn unit(axis: Axis) -> Vec3 {
     let mut direction = Vec3::zeros();
     direction[axis.index()] = 1.0;
     direction
+}
+
+pub fn contact_detection(file: ContactDetectionFile) -> ContactDetection {
+    match file {
+        ContactDetectionFile::Verified => ContactDetection::Verified,
+        ContactDetectionFile::FastCommonPlane => ContactDetection::FastCommonPlane,
+    }
 }
 
 pub fn static_damping(file: StaticDampingFile) -> StaticDamping {

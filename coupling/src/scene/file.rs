@@ -592,9 +592,22 @@ pub struct NumericsFile {
     /// Share of the blocks' stability limit that a sub-step may use, above 0 and at most 1.
     #[serde(default)]
     pub block_time_step_factor: Option<f64>,
+    /// How the common plane of two blocks is found.
+    #[serde(default)]
+    pub contact_detection: ContactDetectionFile,
     /// Damping of blocks in a search for a state of rest; none for blocks that move.
     #[serde(default)]
     pub static_damping: Option<StaticDampingFile>,
+}
+
+/// How the common plane of two blocks is found.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum ContactDetectionFile {
+    /// Verified by the separating-axis test: no overlap is missed.
+    #[default]
+    Verified,
+    /// By the fast common plane alone, as published; for comparison.
+    FastCommonPlane,
 }
 
 /// Damping for statics. What it takes stands in the ledger.

@@ -6,7 +6,9 @@ use riprap_dda::{Attachment, BlockDefinition, Hold, Material, Motion, Prescribed
 use riprap_sph::{NegativePressure as Clamping, Vec3};
 
 use crate::interface::{DAMPING_RATIO, WallSettings};
-use crate::scene::attachments::{attachments, deformability, hold, static_damping};
+use crate::scene::attachments::{
+    attachments, contact_detection, deformability, hold, static_damping,
+};
 use crate::scene::error::{Problem, Severity};
 use crate::scene::file::{
     Axis, FluidFile, NegativePressure, OutputFile, Preset, SceneFile, Triple,
@@ -142,6 +144,7 @@ impl Scene {
             block_settings: riprap_dda::Settings {
                 gravity: vec3(file.gravity),
                 time_step_factor: block_factor,
+                contact_detection: contact_detection(file.numerics.contact_detection),
                 static_damping: file.numerics.static_damping.map(static_damping),
                 ..riprap_dda::Settings::default()
             },
