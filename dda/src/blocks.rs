@@ -46,7 +46,8 @@ pub struct Settings {
     /// Damping ratio of the shear dashpots, ≥ 0. Default 0.2: a sliding block that stops does not
     /// ring.
     pub shear_damping_ratio: f64,
-    /// Deepest overlap allowed, × size of the smaller part. Default 0.2.
+    /// Deepest overlap allowed, × size of the smaller part; never more than half the thickness of the thinner
+    /// one. Default 0.2.
     pub overlap_limit: f64,
     /// How common planes are found. Default verified.
     pub contact_detection: ContactDetection,
@@ -147,6 +148,9 @@ pub struct Blocks {
     pub(crate) reference: Vec<Part>,
     /// Margin of the fat box, zero if the part cannot move; one per part; m.
     pub(crate) margin: Vec<f64>,
+    /// Deepest overlap allowed: a share of the size, and so little of the thickness that no part can come
+    /// out on the other side; one per part; m.
+    pub(crate) deepest_allowed: Vec<f64>,
     /// One per part.
     pub(crate) can_move: Vec<bool>,
     /// Constants of every pair of materials, row by row.
@@ -155,6 +159,11 @@ pub struct Blocks {
     pub(crate) settings: Settings,
 }
 
+/// Overlap allowed, × thickness: two plates of equal thickness have passed each other's middle, and
+/// would be pushed out on the wrong side, at 1.
+const THICKNESS_SHARE: f64 = 0.5;
+/// Margin of the fat boxes, × thickness at most: half of it is the way that a block may go in a step.
+const SKIN_OF_THICKNESS: f64 = 0.25;
 /// Margin of the fat boxes; × size of the part.
 const SKIN: f64 = 0.05;
 
@@ -234,6 +243,7 @@ impl Blocks {
             material_of_part: Vec::new(),
             reference: Vec::new(),
             margin: Vec::new(),
+            deepest_allowed: Vec::new(),
             can_move: Vec::new(),
             joints,
             n_materials,
@@ -368,9 +378,16 @@ impl Blocks {
             self.fat_boxes.push(part.aabb());
             self.block_of_part.push(block as u32);
             self.material_of_part.push(material as u32);
-            self.margin
-                .push(if can_move { SKIN * part.size() } else { 0.0 });
+            self.margin.push(if can_move {
+                f64::min(SKIN * part.size(), SKIN_OF_THICKNESS * part.thickness())
+            } else {
+                0.0
+            });
             self.can_move.push(can_move);
+            self.deepest_allowed.push(f64::min(
+                self.settings.overlap_limit * part.size(),
+                THICKNESS_SHARE * part.thickness(),
+            ));
         }
         self.radius.push(radius);
         self.part_start.push(self.reference.len() as u32);

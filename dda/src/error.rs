@@ -99,8 +99,8 @@ pub enum StepError {
     /// Two blocks overlap too deeply.
     #[error(
         "blocks {first} and {second} overlap by {overlap:.3e} m at t = {time:.6} s, {:.0} % of the smaller one's size {size:.3e} m \
-         (limit {:.0} %); raise the contact stiffness, lower the time step, or part them at the start",
-        100.0 * overlap / size, 100.0 * limit
+         (allowed {allowed:.3e} m); raise the contact stiffness, lower the time step, or part them at the start",
+        100.0 * overlap / size
     )]
     Overlap {
         /// The lower block.
@@ -111,8 +111,8 @@ pub enum StepError {
         overlap: f64,
         /// Size of the smaller part, the cube root of its volume; m.
         size: f64,
-        /// Allowed; × size.
-        limit: f64,
+        /// Allowed: a share of the size, half the thickness of the thinner one at most; m.
+        allowed: f64,
         /// Time of the sub-step; s.
         time: f64,
     },

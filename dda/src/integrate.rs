@@ -471,18 +471,17 @@ impl Blocks {
                 });
             }
         }
-        let limit = self.settings.overlap_limit;
         for pair in &self.pairs {
-            let size = self.parts[pair.parts.0 as usize]
-                .size()
-                .min(self.parts[pair.parts.1 as usize].size());
-            if pair.deepest > limit * size {
+            let parts = [pair.parts.0 as usize, pair.parts.1 as usize];
+            let least = |of: &dyn Fn(usize) -> f64| of(parts[0]).min(of(parts[1]));
+            let allowed = least(&|part| self.deepest_allowed[part]);
+            if pair.deepest > allowed {
                 return Err(StepError::Overlap {
                     first: pair.blocks.0 as usize,
                     second: pair.blocks.1 as usize,
                     overlap: pair.deepest,
-                    size,
-                    limit,
+                    size: least(&|part| self.parts[part].size()),
+                    allowed,
                     time,
                 });
             }

@@ -23,8 +23,8 @@
 //!
 //! **Limits.** Parts of a union, and fixed blocks that adjoin, collide one by one, each at the faces
 //! and corners that the others leave visible; adjoining blocks that move against each other keep their
-//! edges. Where another face or an edge takes a contact over, the energy ledger shows a step. A fast,
-//! thin body can pass through another in one step if it travels its own thickness.
+//! edges. Where another face or an edge takes a contact over, the energy ledger shows a step. Contacts
+//! too soft for an impact end the run with an error before a body could come out on the other side.
 //!
 //! ```
 //! use riprap_dda::{BlockDefinition, Blocks, Material, Motion, Polyhedron, Settings, Shape, Vec3};

@@ -70,6 +70,19 @@ impl Part {
         }
     }
 
+    /// Smallest thickness, measured across faces; m.
+    pub fn thickness(&self) -> f64 {
+        match self {
+            Self::Polyhedron(body) => (0..body.n_faces())
+                .map(|face| {
+                    let depth = |x: &Vec3| -body.plane_distance(face, x);
+                    body.vertices().iter().map(depth).fold(0.0, f64::max)
+                })
+                .fold(f64::INFINITY, f64::min),
+            Self::Sphere { radius, .. } => 2.0 * radius,
+        }
+    }
+
     /// Farthest point from a point; m.
     pub fn reach_from(&self, x: &Vec3) -> f64 {
         match self {

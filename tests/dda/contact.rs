@@ -363,3 +363,49 @@ fn force_of_a_keel_is_the_slope_of_its_energy() {
         );
     }
 }
+
+/// Thin plates at 10 to 300 m/s against a thin wall: stopped, or the run is, but never through.
+#[test]
+fn thin_plates_do_not_pass() {
+    for stiffness in [1e7, 1e9, 1e11] {
+        for speed in [10.0, 100.0, 300.0] {
+            let material = Material {
+                restitution: 0.5,
+                contact_stiffness: stiffness,
+                ..rock()
+            };
+            let wall = block(cuboid([-2.0, -2.0, -0.01], [2.0, 2.0, 0.0]), Motion::Fixed);
+            let plate = block(cuboid([-0.5, -0.5, 0.5], [0.5, 0.5, 0.51]), Motion::Free);
+            let plate = moving(plate, [0.0, 0.0, -speed]);
+            let mut blocks = blocks(vec![wall, plate], material, Vec3::zeros());
+            let (mut time, mut outcome) = (0.0, "bounced");
+            while time < 1.2 / speed {
+                let dt = blocks.critical_time_step().dt;
+                if let Err(error) = blocks.advance(time, dt, 1) {
+                    assert!(
+                        error.to_string().contains("raise the contact stiffness"),
+                        "{error}"
+                    );
+                    outcome = "refused";
+                    break;
+                }
+                time += dt;
+            }
+            println!("K {stiffness:.0e}, {speed} m/s: {outcome}");
+            // v √(m/K) against half the thickness: what must be refused is, what must bounce does.
+            let deep = speed * (25.0 / stiffness).sqrt();
+            // Past the wall's middle it would be pushed out below.
+            assert!(
+                blocks.centroid(1).z > -0.005,
+                "through: {}",
+                blocks.centroid(1).z
+            );
+            if deep < 0.3 * 0.005 {
+                assert!(outcome == "bounced" && blocks.velocity(1).z > 0.4 * speed);
+            }
+            if deep > 2.0 * 0.005 {
+                assert_eq!(outcome, "refused");
+            }
+        }
+    }
+}

@@ -97,6 +97,10 @@ impl Pictures {
     ) -> Result<PathBuf, ObserveError> {
         self.overview.snapshots.push(snapshot(world));
         self.overview.subtitle = subtitle;
+        // a term that the scene does not have needs no line in the legend
+        self.overview
+            .energy
+            .retain(|record| record.value.iter().any(|&value| value != 0.0));
         let path = folder.join("overview.svg");
         std::fs::write(&path, svg(&self.overview)).map_err(|source| ObserveError::Write {
             path: path.display().to_string(),
