@@ -19,37 +19,40 @@ fn column(n: usize, stiffness: f64) -> Vec<BlockDefinition> {
     definitions
 }
 
-fn stand(n: usize, time: f64) -> (f64, f64) {
+/// Largest drift of a block over `time` (s) after `settling` (s), and how far the reaction is from the weight. Without
+/// settling the column starts in its equilibrium; with it, from blocks that just touch.
+fn stand(n: usize, settling: f64, time: f64) -> (f64, f64) {
     let material = Material {
         contact_stiffness: 2.5e9,
         ..rock()
     };
-    let mut blocks = blocks(column(n, 2.5e9), material, down());
+    let sunk = if settling > 0.0 { f64::INFINITY } else { 2.5e9 };
+    let mut blocks = blocks(column(n, sunk), material, down());
+    run(&mut blocks, settling, 1.0, 1e-2);
     let start: Vec<Vec3> = (1..=n).map(|b| blocks.centroid(b)).collect();
     run(&mut blocks, time, 1.0, 1e-2);
     let drift = (1..=n)
         .map(|b| (blocks.centroid(b) - start[b - 1]).norm())
         .fold(0.0, f64::max);
     let weight = n as f64 * 2500.0 * G;
-    (
-        drift,
-        (-blocks.contact_force(0).force.z / weight - 1.0).abs(),
-    )
+    let reaction = -blocks.contact_force(0).force.z;
+    (drift, (reaction / weight - 1.0).abs())
 }
 
-/// Thirty cubes stand still for 5 s.
+/// Thirty cubes, let go where they touch, swing in (the slowest mode, 51 rad/s, dies out with 2.6 1/s) and then stand
+/// still for 3 s.
 #[test]
 fn column_stands() {
-    let (drift, reaction) = stand(30, 5.0);
-    assert_below("drift of a column of 30 in 5 s, blocks", drift, 1e-5);
+    let (drift, reaction) = stand(30, 6.0, 3.0);
+    assert_below("drift of a column of 30 in 3 s, blocks", drift, 1e-5);
     assert_below("reaction over weight − 1", reaction, 1e-6);
 }
 
-/// A hundred cubes stand still for 60 s.
+/// A hundred cubes, started in equilibrium, stand still for 60 s.
 #[test]
 #[ignore = "slow: 2 min"]
 fn column_of_a_hundred_stands() {
-    let (drift, reaction) = stand(100, 60.0);
+    let (drift, reaction) = stand(100, 0.0, 60.0);
     assert_below("drift of a column of 100 in 60 s, blocks", drift, 1e-5);
     assert_below("reaction over weight − 1", reaction, 1e-6);
 }
