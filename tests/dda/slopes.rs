@@ -333,24 +333,26 @@ fn check_wedge(name: &str, n1: &Vec3, n2: &Vec3, frictions: &[f64]) -> f64 {
     worst
 }
 
-/// Five wedges (dip and dip direction of both planes) at five friction angles: N₁/W and T/W are 0.57404 and 0.51189 for
-/// the first, 0.4714 and 0.57735 for the second.
+/// Five wedges (dip and dip direction of both planes, degrees) at five friction angles, with N₁/W, N₂/W and T/W of the
+/// vector solution to five digits.
 #[test]
 fn wedges_on_two_planes() {
-    let normals = [
-        ((50.0, 60.0), (50.0, 300.0)),
-        ((45.0, 45.0), (45.0, 315.0)),
-        ((60.0, 70.0), (50.0, 310.0)),
-        ((55.0, 50.0), (65.0, 290.0)),
-        ((40.0, 30.0), (60.0, 320.0)),
-    ]
-    .map(|(a, b)| (plane_normal(a.0, a.1), plane_normal(b.0, b.1)));
-    let first = wedge_forces(&normals[0].0, &normals[0].1);
-    assert_close("N1/W", first.1, 0.57404, 1e-5);
-    assert_close("T/W", first.3, 0.51189, 1e-5);
+    let wedges = [
+        ((50.0, 60.0), (50.0, 300.0), [0.57404, 0.57404, 0.51189]),
+        ((45.0, 45.0), (45.0, 315.0), [0.4714, 0.4714, 0.57735]),
+        ((60.0, 90.0), (60.0, 330.0), [0.57143, 0.57143, 0.65465]),
+        ((70.0, 100.0), (35.0, 350.0), [0.26597, 0.79367, 0.50882]),
+        ((40.0, 30.0), (65.0, 310.0), [0.71568, 0.11852, 0.63377]),
+    ];
     let frictions = [0.0, 20.0, 30.0, 35.0, 40.0].map(|phi: f64| phi.to_radians().tan());
-    for (k, (n1, n2)) in normals.iter().enumerate() {
-        let worst = check_wedge(&format!("wedge {k}"), n1, n2, &frictions);
+    for (k, (first, second, forces)) in wedges.into_iter().enumerate() {
+        let n1 = plane_normal(first.0, first.1);
+        let n2 = plane_normal(second.0, second.1);
+        let (_, f1, f2, drive) = wedge_forces(&n1, &n2);
+        for (found, expected) in [f1, f2, drive].into_iter().zip(forces) {
+            assert!((found - expected).abs() < 5.1e-6, "{found} {expected}");
+        }
+        let worst = check_wedge(&format!("wedge {k}"), &n1, &n2, &frictions);
         assert_below("acceleration", worst, 1e-2);
     }
 }
