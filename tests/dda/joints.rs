@@ -127,3 +127,19 @@ fn too_many_blocks_are_refused() {
         .to_string();
     assert!(wrong.starts_with("joint set 0: dip is 1.658"), "{wrong}");
 }
+
+/// Four sets: 2,546 blocks in a cube of nine spacings are made, and far fewer than that allowed are refused. The product
+/// of the layers of all sets, 50,920, once refused such a mass.
+#[test]
+fn four_sets_are_not_overestimated() {
+    let sets = [
+        set(60.0, 100.0, 1.0),
+        set(70.0, 210.0, 1.0),
+        set(25.0, 330.0, 1.0),
+        set(50.0, 20.0, 1.0),
+    ];
+    let cut = |limit| cut_by_joints(vec![cuboid([0.0; 3], [9.0; 3])], &sets, 1, limit);
+    let n = cut(20_000).unwrap().len();
+    println!("{n} blocks");
+    assert!(cut(n).is_ok() && cut(n - 1).is_err() && cut(100).is_err());
+}
