@@ -64,6 +64,7 @@ fn pile(side: usize, is_hull: bool) -> Result<Blocks, Failure> {
         contact_stiffness: 1e8,
         joint_stiffness: None,
         shear_stiffness_ratio: 0.8,
+        rolling_friction: 0.0,
         elastic: None,
     };
     let mut random = Random(1);

@@ -3,18 +3,23 @@
 mod query;
 
 use crate::{
-    Attachment, BlockError, Contact, ContactDetection, Deformability, DeformableModel, Hold,
-    Isometry, Load, MassProperties, Material, Motion, Shape, StaticDamping, Turning, Vec3,
+    Attachment, BlockError, Contact, ContactDetection, ContactState, Deformability,
+    DeformableModel, Hold, Isometry, Load, MassProperties, Material, Motion, NormalLaw, Shape,
+    StaticDamping, Turning, Vec3,
     attachments::{Attachments, Surroundings},
     broad_phase::{self, Bounds},
+    chunks,
     contact::{Medium, Pair},
+    critical_step::BlockRates,
     deformation::{
         Affine12, AffineBody, Dda12, Deformable, axial, elastic_constants, symmetric, tensor,
     },
     energy::Account,
     kinematics::Kinematics,
+    links::Links,
     material::Joint,
     parts::Part,
+    sphere_contact::{Rolling, SpherePair},
 };
 use nalgebra::{Matrix3, Rotation3, SymmetricEigen, UnitQuaternion};
 
@@ -49,6 +54,8 @@ pub struct Settings {
     /// Deepest overlap allowed, × size of the smaller part; never more than half the thickness of the thinner
     /// one. Default 0.2.
     pub overlap_limit: f64,
+    /// How balls answer to being pressed. Default a linear spring; Hertz's needs elastic moduli.
+    pub normal_law: NormalLaw,
     /// How common planes are found. Default verified.
     pub contact_detection: ContactDetection,
     /// Damping for a search for a state of rest. Default none: not for blocks that move.
@@ -62,6 +69,7 @@ impl Default for Settings {
             time_step_factor: 0.8,
             shear_damping_ratio: 0.2,
             overlap_limit: 0.2,
+            normal_law: NormalLaw::default(),
             contact_detection: ContactDetection::default(),
             static_damping: None,
         }
@@ -90,6 +98,10 @@ pub struct Blocks {
     pub(crate) attachments: Attachments,
     /// Candidate pairs of parts with their contact history, sorted by parts.
     pub(crate) pairs: Vec<Pair>,
+    /// The same of which a ball is one.
+    pub(crate) sphere_pairs: Vec<SpherePair>,
+    /// One per pair of `sphere_pairs`; empty if no material resists rolling.
+    pub(crate) sphere_rolling: Vec<Rolling>,
     pub(crate) friction: Account,
     pub(crate) damping: Account,
     pub(crate) strain_damping: Account,
@@ -110,6 +122,10 @@ pub struct Blocks {
     pub(crate) contact_load: Vec<Load>,
     /// The same, one sub-step before.
     pub(crate) contact_load_before: Vec<Load>,
+    /// What the contacts add to the step bound.
+    pub(crate) rates: Vec<BlockRates>,
+    /// Deepest overlap at the last evaluation, × what is allowed, with its parts.
+    pub(crate) worst_overlap: (f64, (u32, u32)),
     /// Straining moment of the contacts; one per deformable block; N m.
     pub(crate) contact_stretch: Vec<Matrix3<f64>>,
     /// World geometry; one per part.
@@ -122,9 +138,17 @@ pub struct Blocks {
     pub(crate) contacts: Vec<Contact>,
     pub(crate) candidates: Vec<(u32, u32)>,
     pub(crate) pairs_before: Vec<Pair>,
+    pub(crate) sphere_pairs_before: Vec<(SpherePair, Rolling)>,
+    /// The pairs of each block.
+    pub(crate) links: Links,
+    pub(crate) sphere_links: Links,
 
     // Constants.
     pub(crate) motion: Vec<Motion>,
+    /// Who moves it.
+    pub(crate) role: Vec<Role>,
+    /// The blocks of that role.
+    pub(crate) special: Vec<u32>,
     /// Position among the deformable blocks, if it is one.
     pub(crate) deformable_of: Vec<Option<u32>>,
     /// What it may not do; none for any block if empty.
@@ -151,14 +175,30 @@ pub struct Blocks {
     /// Deepest overlap allowed: a share of the size, and so little of the thickness that no part can come
     /// out on the other side; one per part; m.
     pub(crate) deepest_allowed: Vec<f64>,
+    /// Cube root of the volume; one per part; m.
+    pub(crate) size: Vec<f64>,
     /// One per part.
     pub(crate) can_move: Vec<bool>,
+    pub(crate) has_rolling: bool,
     /// Constants of every pair of materials, row by row.
     pub(crate) joints: Vec<Joint>,
     pub(crate) n_materials: usize,
     pub(crate) settings: Settings,
 }
 
+/// Who moves a block in a step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Role {
+    /// Forces do not.
+    Still,
+    /// Forces: rigid and free of holds.
+    Plain,
+    /// Forces: deformable, held, or damped by its load.
+    Special,
+}
+
+/// Blocks, or pairs of balls, that one thread takes at a time.
+pub(crate) const CHUNK: usize = 512;
 /// Overlap allowed, × thickness: two plates of equal thickness have passed each other's middle, and
 /// would be pushed out on the wrong side, at 1.
 const THICKNESS_SHARE: f64 = 0.5;
@@ -182,15 +222,18 @@ impl Blocks {
         for (k, material) in materials.iter().enumerate() {
             material.check(k)?;
         }
+        let law = settings.normal_law;
         let joints = materials
             .iter()
-            .flat_map(|a| materials.iter().map(|b| Joint::between(a, b)))
+            .flat_map(|a| materials.iter().map(move |b| Joint::between(a, b, law)))
             .collect();
         let mut this = Self::empty(joints, materials.len(), settings);
+        this.has_rolling = materials.iter().any(|m| m.rolling_friction > 0.0);
         for (block, definition) in definitions.into_iter().enumerate() {
             this.push(block, definition, &materials)?;
         }
         this.note_neighbors();
+        this.note_roles();
         this.place_parts(true);
         this.find_candidates();
         this.bond_pairs();
@@ -209,6 +252,8 @@ impl Blocks {
             deformables: Vec::new(),
             attachments: Attachments::default(),
             pairs: Vec::new(),
+            sphere_pairs: Vec::new(),
+            sphere_rolling: Vec::new(),
             friction: Account::default(),
             damping: Account::default(),
             strain_damping: Account::default(),
@@ -222,6 +267,8 @@ impl Blocks {
             kinematics: Vec::new(),
             contact_load: Vec::new(),
             contact_load_before: Vec::new(),
+            rates: Vec::new(),
+            worst_overlap: (0.0, (0, 0)),
             contact_stretch: Vec::new(),
             parts: Vec::new(),
             boxes: Vec::new(),
@@ -229,7 +276,12 @@ impl Blocks {
             contacts: Vec::new(),
             candidates: Vec::new(),
             pairs_before: Vec::new(),
+            sphere_pairs_before: Vec::new(),
+            links: Links::default(),
+            sphere_links: Links::default(),
             motion: Vec::new(),
+            role: Vec::new(),
+            special: Vec::new(),
             deformable_of: Vec::new(),
             holds: Vec::new(),
             mass: Vec::new(),
@@ -244,7 +296,9 @@ impl Blocks {
             reference: Vec::new(),
             margin: Vec::new(),
             deepest_allowed: Vec::new(),
+            size: Vec::new(),
             can_move: Vec::new(),
+            has_rolling: false,
             joints,
             n_materials,
             settings,
@@ -272,6 +326,16 @@ impl Blocks {
                 n_materials: materials.len(),
             });
         };
+        if self.settings.normal_law == NormalLaw::Hertz
+            && matches!(shape, Shape::Sphere { .. })
+            && materials.iter().any(|m| m.elastic.is_none())
+        {
+            return Err(BlockError::Setting {
+                field: "normal_law",
+                value: f64::NAN,
+                rule: "Hertz needs elastic moduli of every material",
+            });
+        }
         let properties = shape.mass_properties();
         if !(properties.volume > 0.0 && properties.volume.is_finite()) {
             return Err(BlockError::Empty { block });
@@ -341,6 +405,7 @@ impl Blocks {
         self.deformables.extend(deformable);
         self.contact_load.push(Load::default());
         self.contact_load_before.push(Load::default());
+        self.rates.push(BlockRates::default());
         self.mass.push(rock.density * properties.volume);
         self.volume.push(properties.volume);
         self.inertia.push(moments);
@@ -361,9 +426,11 @@ impl Blocks {
         let shift = Isometry::translation(-centroid.x, -centroid.y, -centroid.z);
         let first = self.reference.len();
         match shape.transformed(&shift) {
-            Shape::Polyhedra(parts) => self
-                .reference
-                .extend(parts.into_iter().map(Part::Polyhedron)),
+            Shape::Polyhedra(parts) => self.reference.extend(
+                parts
+                    .into_iter()
+                    .map(|part| Part::Polyhedron(Box::new(part))),
+            ),
             Shape::Sphere { center, radius } => {
                 self.reference.push(Part::Sphere { center, radius })
             }
@@ -384,6 +451,7 @@ impl Blocks {
                 0.0
             });
             self.can_move.push(can_move);
+            self.size.push(part.size());
             self.deepest_allowed.push(f64::min(
                 self.settings.overlap_limit * part.size(),
                 THICKNESS_SHARE * part.thickness(),
@@ -399,18 +467,25 @@ impl Blocks {
         let is_fixed = |block: u32| matches!(self.motion[block as usize], Motion::Fixed);
         // In the initial placement, where the fixed parts can be compared.
         let placed = self.parts.clone();
+        let fixed: Vec<usize> = (0..placed.len())
+            .filter(|&part| is_fixed(self.block_of_part[part]))
+            .collect();
         for part in 0..self.parts.len() {
             let block = self.block_of_part[part];
-            let others: Vec<&crate::Polyhedron> = (0..placed.len())
-                .filter_map(|other| match &placed[other] {
+            let own: Vec<usize> = self.parts_of(block as usize).collect();
+            let company = if is_fixed(block) { &fixed } else { &own };
+            if company.len() < 2 || placed[part].is_sphere() {
+                continue;
+            }
+            let others: Vec<&crate::Polyhedron> = company
+                .iter()
+                .filter_map(|&other| match &placed[other] {
                     Part::Polyhedron(body) => {
-                        let owner = self.block_of_part[other];
-                        let moves_along = owner == block || (is_fixed(owner) && is_fixed(block));
                         let is_near = broad_phase::overlap(
                             &broad_phase::grown(&placed[part].aabb(), 1e-2 * body.size()),
                             &body.aabb(),
                         );
-                        (other != part && moves_along && is_near).then_some(body)
+                        (other != part && is_near).then_some(&**body)
                     }
                     Part::Sphere { .. } => None,
                 })
@@ -426,27 +501,102 @@ impl Blocks {
         }
     }
 
+    /// Sorts the blocks by who moves them.
+    fn note_roles(&mut self) {
+        let is_damped = matches!(self.settings.static_damping, Some(StaticDamping::Local(_)));
+        self.role = (0..self.n_blocks())
+            .map(|b| {
+                if !self.is_free(b) {
+                    Role::Still
+                } else if is_damped || self.deformable_of[b].is_some() || self.hold_of(b).is_some()
+                {
+                    Role::Special
+                } else {
+                    Role::Plain
+                }
+            })
+            .collect();
+        self.special = (0..self.n_blocks())
+            .filter(|&b| self.role[b] == Role::Special)
+            .map(|b| b as u32)
+            .collect();
+    }
+
     /// Brings kinematics, world geometry and boxes up to date with the state; fixed blocks only if
     /// `all`.
     pub(crate) fn place_parts(&mut self, all: bool) {
         for block in 0..self.n_blocks() {
-            if !all && matches!(self.motion[block], Motion::Fixed) {
-                continue;
-            }
-            self.set_kinematics(block);
-            let place = Isometry::from_parts(self.centroid[block].into(), self.orientation(block));
-            for part in self.parts_of(block) {
-                match self.deformable_of[block] {
-                    None => self.parts[part].set_transformed(&self.reference[part], &place),
-                    Some(k) => self.parts[part].set_deformed(
-                        &self.reference[part],
-                        &self.deformables[k as usize].body().gradient,
-                        &self.centroid[block],
-                    ),
-                }
-                self.boxes[part] = self.parts[part].aabb();
+            if self.role[block] != Role::Plain
+                && (all || !matches!(self.motion[block], Motion::Fixed))
+            {
+                self.set_kinematics(block);
             }
         }
+        self.set_plain_kinematics();
+        let Self {
+            parts,
+            boxes,
+            reference,
+            block_of_part,
+            motion,
+            attitude,
+            principal,
+            centroid,
+            deformable_of,
+            deformables,
+            ..
+        } = self;
+        let place = |first: usize, (parts, boxes): (&mut [Part], &mut [Bounds])| {
+            for ((k, part), bounds) in (first..).zip(parts).zip(boxes) {
+                let block = block_of_part[k] as usize;
+                if !all && matches!(motion[block], Motion::Fixed) {
+                    continue;
+                }
+                let turn = || attitude[block] * principal[block].inverse();
+                match (deformable_of[block], &mut *part) {
+                    (None, Part::Sphere { center, .. }) => *center = centroid[block],
+                    (None, part) => part.set_transformed(
+                        &reference[k],
+                        &Isometry::from_parts(centroid[block].into(), turn()),
+                    ),
+                    (Some(of), part) => part.set_deformed(
+                        &reference[k],
+                        &deformables[of as usize].body().gradient,
+                        &centroid[block],
+                    ),
+                }
+                *bounds = part.aabb();
+            }
+        };
+        let columns = (parts.as_mut_slice(), boxes.as_mut_slice());
+        chunks::for_each(columns, CHUNK, &place);
+    }
+
+    fn set_plain_kinematics(&mut self) {
+        let Self {
+            kinematics,
+            centroid,
+            velocity,
+            attitude,
+            angular_momentum,
+            inertia,
+            role,
+            mass,
+            ..
+        } = self;
+        let set = |first: usize, kinematics: &mut [Kinematics]| {
+            for (b, kinematics) in (first..).zip(kinematics) {
+                if role[b] == Role::Plain {
+                    *kinematics = rigid_kinematics(
+                        (centroid[b], velocity[b], mass[b]),
+                        &attitude[b],
+                        &angular_momentum[b],
+                        &inertia[b],
+                    );
+                }
+            }
+        };
+        chunks::for_each(kinematics.as_mut_slice(), CHUNK, &set);
     }
 
     pub(crate) fn set_kinematics(&mut self, block: usize) {
@@ -454,32 +604,29 @@ impl Blocks {
             self.set_deformable_kinematics(block, k as usize);
             return;
         }
-        let is_free = self.is_free(block);
-        let turn = self.attitude[block].to_rotation_matrix();
-        let spin_rel = self.angular_momentum[block].component_div(&self.inertia[block]);
-        let mut inverse_inertia = Matrix3::zeros();
-        if is_free {
-            let inverse = self.inertia[block].map(|moment| 1.0 / moment);
-            inverse_inertia =
-                turn.matrix() * Matrix3::from_diagonal(&inverse) * turn.matrix().transpose();
+        if self.is_free(block) {
+            let mut kinematics = rigid_kinematics(
+                (self.centroid[block], self.velocity[block], self.mass[block]),
+                &self.attitude[block],
+                &self.angular_momentum[block],
+                &self.inertia[block],
+            );
             if let Some(hold) = self.hold_of(block) {
-                inverse_inertia = hold.inverse_inertia(
-                    inverse_inertia,
+                kinematics.inverse_inertia = hold.inverse_inertia(
+                    kinematics.inverse_inertia,
                     &self.attitude[block],
                     &self.inertia[block],
                 );
             }
+            self.kinematics[block] = kinematics;
+            return;
         }
         self.kinematics[block] = Kinematics {
             centroid: self.centroid[block],
             velocity: self.velocity[block],
-            spin: if is_free {
-                turn * spin_rel
-            } else {
-                Vec3::zeros()
-            },
-            inverse_mass: if is_free { 1.0 / self.mass[block] } else { 0.0 },
-            inverse_inertia,
+            spin: Vec3::zeros(),
+            inverse_mass: 0.0,
+            inverse_inertia: Matrix3::zeros(),
             strain_rate: None,
         };
     }
@@ -537,6 +684,7 @@ impl Blocks {
         let (attitude, inertia) = (self.attitude[block], self.inertia[block]);
         hold.hold_turning(&attitude, &inertia, &mut self.angular_momentum[block]);
         self.holds[block] = Some(hold);
+        self.note_roles();
         self.set_kinematics(block);
         Ok(())
     }
@@ -608,21 +756,80 @@ impl Blocks {
             },
             &mut candidates,
         );
-        std::mem::swap(&mut self.pairs, &mut self.pairs_before);
-        let mut old = self.pairs_before.drain(..).peekable();
-        for &parts in &candidates {
-            while old.next_if(|pair| pair.parts < parts).is_some() {}
-            let pair = old.next_if(|pair| pair.parts == parts).unwrap_or_else(|| {
-                let block = |part: u32| self.block_of_part[part as usize];
-                Pair::new(parts, (block(parts.0), block(parts.1)))
-            });
-            self.pairs.push(pair);
-        }
-        drop(old);
         self.candidates = candidates;
+        self.keep_pairs();
+        self.keep_sphere_pairs();
+        self.link_pairs();
     }
 
-    pub(crate) fn split_pairs(&mut self) -> (&mut Vec<Pair>, Medium<'_>, &[Bounds]) {
+    fn is_of_sphere(&self, parts: (u32, u32)) -> bool {
+        self.parts[parts.0 as usize].is_sphere() || self.parts[parts.1 as usize].is_sphere()
+    }
+
+    fn blocks_of(&self, parts: (u32, u32)) -> (u32, u32) {
+        let block = |part: u32| self.block_of_part[part as usize];
+        (block(parts.0), block(parts.1))
+    }
+
+    fn keep_pairs(&mut self) {
+        std::mem::swap(&mut self.pairs, &mut self.pairs_before);
+        let mut old = std::mem::take(&mut self.pairs_before);
+        let mut rest = old.drain(..).peekable();
+        for k in 0..self.candidates.len() {
+            let parts = self.candidates[k];
+            if self.is_of_sphere(parts) {
+                continue;
+            }
+            while rest.next_if(|pair| pair.parts < parts).is_some() {}
+            let pair = rest
+                .next_if(|pair| pair.parts == parts)
+                .unwrap_or_else(|| Pair::new(parts, self.blocks_of(parts)));
+            self.pairs.push(pair);
+        }
+        drop(rest);
+        self.pairs_before = old;
+    }
+
+    fn keep_sphere_pairs(&mut self) {
+        let rolling = self
+            .sphere_rolling
+            .drain(..)
+            .chain(std::iter::repeat(Rolling::default()));
+        let mut old = std::mem::take(&mut self.sphere_pairs_before);
+        old.clear();
+        old.extend(self.sphere_pairs.drain(..).zip(rolling));
+        let mut rest = old.drain(..).peekable();
+        for k in 0..self.candidates.len() {
+            let parts = self.candidates[k];
+            if !self.is_of_sphere(parts) {
+                continue;
+            }
+            while rest.next_if(|(pair, _)| pair.parts < parts).is_some() {}
+            let (pair, rolling) = rest
+                .next_if(|(pair, _)| pair.parts == parts)
+                .unwrap_or_else(|| {
+                    (
+                        SpherePair::new(parts, self.blocks_of(parts)),
+                        Rolling::default(),
+                    )
+                });
+            self.sphere_pairs.push(pair);
+            if self.has_rolling {
+                self.sphere_rolling.push(rolling);
+            }
+        }
+        drop(rest);
+        self.sphere_pairs_before = old;
+    }
+
+    fn link_pairs(&mut self) {
+        let n = self.n_blocks();
+        self.links.set(n, self.pairs.iter().map(|pair| pair.blocks));
+        self.sphere_links
+            .set(n, self.sphere_pairs.iter().map(|pair| pair.blocks));
+    }
+
+    pub(crate) fn split_pairs(&mut self) -> (Lists<'_>, Medium<'_>, &[Bounds]) {
         let medium = Medium {
             parts: &self.parts,
             kinematics: &self.kinematics,
@@ -632,13 +839,21 @@ impl Blocks {
             shear_damping_ratio: self.settings.shear_damping_ratio,
             radius: &self.radius,
             contact_detection: self.settings.contact_detection,
+            is_hertz: self.settings.normal_law == NormalLaw::Hertz,
+            size: &self.size,
+            deepest_allowed: &self.deepest_allowed,
         };
-        (&mut self.pairs, medium, &self.boxes)
+        let lists = Lists {
+            pairs: &mut self.pairs,
+            sphere_pairs: &mut self.sphere_pairs,
+            sphere_rolling: &mut self.sphere_rolling,
+        };
+        (lists, medium, &self.boxes)
     }
 
     fn bond_pairs(&mut self) {
-        let (pairs, medium, _) = self.split_pairs();
-        pairs.iter_mut().for_each(|pair| pair.bond(&medium));
+        let (lists, medium, _) = self.split_pairs();
+        lists.pairs.iter_mut().for_each(|pair| pair.bond(&medium));
     }
 
     /// Takes a block out: it no longer moves, collides or counts in sums.
@@ -652,8 +867,14 @@ impl Blocks {
             self.fat_boxes[part] = NOWHERE;
             self.can_move[part] = false;
         }
-        self.pairs
-            .retain(|pair| pair.blocks.0 as usize != b && pair.blocks.1 as usize != b);
+        self.note_roles();
+        let stays = |blocks: (u32, u32)| blocks.0 as usize != b && blocks.1 as usize != b;
+        self.pairs.retain(|pair| stays(pair.blocks));
+        let mut pairs = self.sphere_pairs.iter();
+        self.sphere_rolling
+            .retain(|_| pairs.next().is_none_or(|pair| stays(pair.blocks)));
+        self.sphere_pairs.retain(|pair| stays(pair.blocks));
+        self.link_pairs();
         self.contact_load[b] = Load::default();
         self.velocity[b] = Vec3::zeros();
         self.angular_momentum[b] = Vec3::zeros();
@@ -679,6 +900,58 @@ impl Blocks {
                 });
             }
         }
+        for pair in self
+            .sphere_pairs
+            .iter()
+            .filter(|pair| pair.contact.is_touching)
+        {
+            let contact = &pair.contact;
+            self.contacts.push(Contact {
+                blocks: (pair.blocks.0 as usize, pair.blocks.1 as usize),
+                parts: (pair.parts.0 as usize, pair.parts.1 as usize),
+                key: 0,
+                point: contact.point,
+                normal: contact.normal,
+                normal_force: contact.normal_force,
+                shear_force: contact.force - contact.normal * contact.normal_force,
+                overlap: contact.overlap,
+                state: match (contact.normal_force > 0.0, contact.is_slipping) {
+                    (false, _) => ContactState::Open,
+                    (true, true) => ContactState::Slide,
+                    (true, false) => ContactState::Stick,
+                },
+            });
+        }
+    }
+}
+
+/// The lists of pairs, borrowed together.
+pub(crate) struct Lists<'a> {
+    pub pairs: &'a mut Vec<Pair>,
+    pub sphere_pairs: &'a mut Vec<SpherePair>,
+    pub sphere_rolling: &'a mut Vec<Rolling>,
+}
+
+fn rigid_kinematics(
+    (centroid, velocity, mass): (Vec3, Vec3, f64),
+    attitude: &UnitQuaternion<f64>,
+    angular_momentum: &Vec3,
+    inertia: &Vec3,
+) -> Kinematics {
+    let inverse = inertia.map(|moment| 1.0 / moment);
+    let inverse_inertia = if inertia.x == inertia.y && inertia.y == inertia.z {
+        Matrix3::from_diagonal(&inverse)
+    } else {
+        let turn = attitude.to_rotation_matrix();
+        turn.matrix() * Matrix3::from_diagonal(&inverse) * turn.matrix().transpose()
+    };
+    Kinematics {
+        centroid,
+        velocity,
+        spin: attitude * angular_momentum.component_mul(&inverse),
+        inverse_mass: 1.0 / mass,
+        inverse_inertia,
+        strain_rate: None,
     }
 }
 
@@ -760,6 +1033,7 @@ fn check_settings(settings: &Settings) -> Result<(), BlockError> {
         shear_damping_ratio,
         overlap_limit,
         contact_detection: _,
+        normal_law: _,
         static_damping,
     } = *settings;
     if let Some(&value) = gravity.iter().find(|c| !c.is_finite()) {

@@ -25,7 +25,6 @@ use crate::{
     material::Joint,
     parts::Part,
     patch::{Patch, PatchPoint, Scaling},
-    shape::sphere_surface_point,
 };
 
 /// Is the contact open, held by friction, or slipping?
@@ -130,12 +129,26 @@ pub(crate) struct Medium<'a> {
     /// Farthest point of each block from its centroid; m.
     pub radius: &'a [f64],
     pub contact_detection: ContactDetection,
+    /// Is Hertz's law used for balls?
+    pub is_hertz: bool,
+    /// Of each part; m.
+    pub size: &'a [f64],
+    pub deepest_allowed: &'a [f64],
 }
 
 impl Medium<'_> {
     pub fn joint(&self, pair: &Pair) -> &Joint {
+        self.joint_of(pair.parts)
+    }
+
+    pub fn joint_of(&self, parts: (u32, u32)) -> &Joint {
         let material = |part: u32| self.material_of_part[part as usize] as usize;
-        &self.joints[material(pair.parts.0) * self.n_materials + material(pair.parts.1)]
+        &self.joints[material(parts.0) * self.n_materials + material(parts.1)]
+    }
+
+    /// The lesser of both parts' values.
+    pub fn least_of(&self, parts: (u32, u32), of: &[f64]) -> f64 {
+        of[parts.0 as usize].min(of[parts.1 as usize])
     }
 }
 
@@ -206,7 +219,7 @@ impl Pair {
     pub fn evaluate(&mut self, medium: &Medium, dt: f64, is_near: bool) {
         self.friction = 0.0;
         self.damping = 0.0;
-        self.book_work(medium, dt);
+        self.book_work(medium, dt, dt);
         std::mem::swap(&mut self.points, &mut self.before);
         self.points.clear();
         self.patch.points.clear();
@@ -226,21 +239,22 @@ impl Pair {
                 self.break_bond(medium, dt);
             }
         }
-        self.book_work(medium, dt);
+        self.book_work(medium, dt, 0.0);
         self.settle_energy(medium);
         self.rates = self.rate_bounds(medium);
     }
 
     /// Half a step's work of dashpots and shear springs: the forces act at both ends of the step, the
-    /// rates are those of its middle. What the shear springs were given and do not hold has slipped.
-    fn book_work(&mut self, medium: &Medium, dt: f64) {
+    /// rates are those of its middle. What the shear springs were given and do not hold has slipped. The
+    /// points were found `ago` (s).
+    fn book_work(&mut self, medium: &Medium, dt: f64, ago: f64) {
         let (a, b) = (
             &medium.kinematics[self.blocks.0 as usize],
             &medium.kinematics[self.blocks.1 as usize],
         );
         for point in &self.points {
             let x = &point.patch.position;
-            let rate = b.velocity_at(x) - a.velocity_at(x);
+            let rate = b.velocity_from(x, ago) - a.velocity_from(x, ago);
             let viscous = self.normal * point.normal_viscous + point.shear_viscous;
             self.damping -= 0.5 * dt * viscous.dot(&rate);
             self.friction -= 0.5 * dt * (point.shear_force - point.shear_viscous).dot(&rate);
@@ -264,39 +278,7 @@ impl Pair {
                 self.patch.find(a, b, &axis, scaling, self.bond.is_some());
                 Some((axis.normal, (-axis.gap).max(0.0)))
             }
-            (Part::Sphere { center, radius }, Part::Polyhedron(body)) => {
-                let surface = body.surface_point_within(center, *radius)?;
-                let overlap = radius - surface.distance;
-                self.patch
-                    .set_single(surface.point - surface.normal * (0.5 * overlap), overlap);
-                Some((-surface.normal, overlap))
-            }
-            (Part::Polyhedron(body), Part::Sphere { center, radius }) => {
-                let surface = body.surface_point_within(center, *radius)?;
-                let overlap = radius - surface.distance;
-                self.patch
-                    .set_single(surface.point - surface.normal * (0.5 * overlap), overlap);
-                Some((surface.normal, overlap))
-            }
-            (
-                Part::Sphere {
-                    center: a,
-                    radius: r,
-                },
-                Part::Sphere {
-                    center: b,
-                    radius: s,
-                },
-            ) => {
-                let surface = sphere_surface_point(a, *r, b);
-                let overlap = s - surface.distance;
-                if overlap < 0.0 {
-                    return None;
-                }
-                self.patch
-                    .set_single(surface.point - surface.normal * (0.5 * overlap), overlap);
-                Some((surface.normal, overlap))
-            }
+            _ => None,
         }
     }
 
@@ -497,7 +479,7 @@ impl Pair {
         !self.points.is_empty()
     }
 
-    /// Rate bounds of the pair for its two blocks. Before the parts touch, for the worst point of their
+    /// Rate bounds of the pair for its two blocks, twice as much against a partner that is free. Before the parts touch, for the worst point of their
     /// bounding spheres.
     fn rate_bounds(&self, medium: &Medium) -> (Rates, Rates) {
         let (a, b) = self.bodies(medium);
@@ -505,9 +487,10 @@ impl Pair {
             medium.radius[self.blocks.0 as usize],
             medium.radius[self.blocks.1 as usize],
         );
+        let twice = |partner: &Kinematics| if partner.inverse_mass > 0.0 { 2.0 } else { 1.0 };
         (
-            self.rates_of(medium, a, radii.0, radii),
-            self.rates_of(medium, b, radii.1, radii),
+            self.rates_of(medium, a, radii.0, radii).times(twice(b)),
+            self.rates_of(medium, b, radii.1, radii).times(twice(a)),
         )
     }
 
@@ -571,6 +554,15 @@ pub(crate) struct Rates {
     pub stiffness: f64,
     /// 1/s.
     pub damping: f64,
+}
+
+impl Rates {
+    fn times(self, factor: f64) -> Self {
+        Self {
+            stiffness: factor * self.stiffness,
+            damping: factor * self.damping,
+        }
+    }
 }
 
 /// The bonded faces in their present place.

@@ -20,6 +20,9 @@ pub struct SurfacePoint {
 /// face stands in; × L.
 const CONTACT_TOLERANCE: f64 = 1e-12;
 
+/// Surfaces that rise by less are one plane; –.
+const ROUND_OFF: f64 = 1e-9;
+
 impl Polyhedron {
     /// Closest point of the surface, exact also over edges and corners, or `None` if the point is
     /// farther outside than `cutoff` (m). A point inside is never turned away.
@@ -81,6 +84,47 @@ impl Polyhedron {
             normal: (x - foot) / distance,
             point: foot,
         })
+    }
+
+    /// As [`Self::surface_point_within`], for a ball around `x` (m) that touches: none where another surface
+    /// goes on from the edge or corner that is closest, so that a ball rolls over seams.
+    pub(crate) fn touch_point_within(&self, x: &Vec3, cutoff: f64) -> Option<SurfacePoint> {
+        let surface = self.surface_point_within(x, cutoff)?;
+        if !self.has_seams() || surface.distance <= 0.0 {
+            return Some(surface);
+        }
+        let slack = CONTACT_TOLERANCE * self.size();
+        let meets = |v: u32| self.is_farthest(v, &surface.normal, ROUND_OFF);
+        let is_foot = |from: u32, to: u32| {
+            let a = self.vertices()[from as usize];
+            let along = self.vertices()[to as usize] - a;
+            let share = (surface.point - a).dot(&along) / along.norm_squared();
+            let is_on = (surface.point - a - along * share.clamp(0.0, 1.0)).norm() <= slack;
+            is_on.then_some(share)
+        };
+        for face in 0..self.n_faces() {
+            // Flat on a face there is no edge to ask.
+            if self.face_normal(face) == surface.normal {
+                return Some(surface);
+            }
+            for e in self.face_loop(face) {
+                let (from, to) = (self.origin(e), self.origin(self.next(e)));
+                let Some(share) = is_foot(from, to) else {
+                    continue;
+                };
+                let length = (self.vertices()[to as usize] - self.vertices()[from as usize]).norm();
+                let end = slack / length;
+                let is_free = if share <= end {
+                    meets(from)
+                } else if share >= 1.0 - end {
+                    meets(to)
+                } else {
+                    meets(from) || meets(to)
+                };
+                return is_free.then_some(surface);
+            }
+        }
+        Some(surface)
     }
 
     /// Does the point project into the face?

@@ -72,7 +72,7 @@ impl ShearSpring {
 
 /// Shear displacement carried into the present plane: turned with the pair about `n`, projected,
 /// and brought back to its length.
-fn carry(shear: &Vec3, n: &Vec3, turn: f64) -> Vec3 {
+pub(crate) fn carry(shear: &Vec3, n: &Vec3, turn: f64) -> Vec3 {
     let length = shear.norm();
     if length == 0.0 {
         return Vec3::zeros();

@@ -1,138 +1,42 @@
-//! Time stepping: kick, drift, kick, with exact rotations; and the largest stable step.
+//! Time stepping: kick, drift, kick, with exact rotations.
 //!
 //! ```text
 //! v += dt/2 M⁻¹f;   x += dt v,  Q := Q R;   contacts, f;   v += dt/2 M⁻¹f
 //! ```
 
 use crate::{
-    Blocks, Load, Motion, StaticDamping, StepError, Vec3, broad_phase,
+    Blocks, Load, Motion, StaticDamping, StepError, Vec3,
+    blocks::{CHUNK, Role},
+    broad_phase::{self, Bounds},
+    chunks,
     damping::local_damping,
-    kinematics::{InternalMotion, Moment, stretch},
+    kinematics::{InternalMotion, Kinematics, Moment},
     rigid::Rigid6,
 };
-use nalgebra::Matrix3;
-use rayon::prelude::*;
-
-/// Fewer pairs than this are not worth waking threads for.
-const PARALLEL_PAIRS: usize = 64;
+use nalgebra::{Matrix3, UnitQuaternion};
 
 /// Principal value of Green's strain below which Saint Venant-Kirchhoff's law softens; –.
 const CRUSHED: f64 = -0.2;
 
-/// The largest stable sub-step and who sets it.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct CriticalStep {
-    /// `C_b` × the bound; infinite when nothing limits; s.
-    pub dt: f64,
-    /// The block that sets it.
-    pub block: Option<usize>,
-    /// Its stiffest pair of blocks; none when the block's speed sets the step.
-    pub contact: Option<(usize, usize)>,
+/// Impulses of half a kick; N s.
+#[derive(Clone, Copy, Debug, Default)]
+struct Kicked {
+    /// Of gravity and of the supports on free blocks.
+    impulse: Vec3,
+    /// Sum of their sizes.
+    exchanged: f64,
+}
+
+impl Kicked {
+    fn with(self, other: Self) -> Self {
+        Self {
+            impulse: self.impulse + other.impulse,
+            exchanged: self.exchanged + other.exchanged,
+        }
+    }
 }
 
 impl Blocks {
-    /// Bound of the stable sub-step, from the present contacts and those about to form.
-    ///
-    /// ```text
-    /// ω_i² = Λ_K ≤ ω_el² + s Σ ( k_n w_n + k_t (w_t1 + w_t2) )      s = 2 if the partner is free, else 1
-    /// Λ_C ≤ 2 ξ_el ω_el + s Σ ( c_n w_n + c_t (w_t1 + w_t2) )
-    /// dt   = C_b min_i (√(Λ_C² + 4 Λ_K) − Λ_C)/Λ_K,   from   (dt/2)² Λ_K + dt/2 Λ_C ≤ 1           [s]
-    /// ```
-    /// ω_el is the largest natural frequency of a deformable block; springs and bolts count like
-    /// contacts. For one mode this is `(2/ω)(√(1 + ξ²) − ξ)`; a dashpot that damps the heave of a block
-    /// critically damps its rocking, which is faster, beyond that, and it is the sum over the points that
-    /// counts. Of the candidate pairs that do not touch yet the worst one counts, with its worst
-    /// contact point: one impact at a time may start without warning. A free block
-    /// among others may also not travel more than half the margin of its candidate search.
-    pub fn critical_time_step(&self) -> CriticalStep {
-        let mut found = CriticalStep {
-            dt: f64::INFINITY,
-            block: None,
-            contact: None,
-        };
-        let n = self.n_blocks();
-        let mut rate = vec![0.0; n];
-        let mut damping = vec![0.0; n];
-        let mut next = vec![(0.0, 0.0); n];
-        let mut stiffest = vec![(0.0, None); n];
-        for pair in &self.pairs {
-            let (i, j) = (pair.blocks.0 as usize, pair.blocks.1 as usize);
-            let rates = pair.rates;
-            for (block, partner, rates) in [(i, j, rates.0), (j, i, rates.1)] {
-                let both = if self.is_free(partner) { 2.0 } else { 1.0 };
-                let share = both * rates.stiffness;
-                if pair.is_touching() {
-                    rate[block] += share;
-                    damping[block] += both * rates.damping;
-                } else {
-                    next[block].0 = f64::max(next[block].0, share);
-                    next[block].1 = f64::max(next[block].1, both * rates.damping);
-                }
-                if share > stiffest[block].0 {
-                    stiffest[block] = (share, Some((i, j)));
-                }
-            }
-        }
-        self.attachments
-            .add_stiffness_rates(&self.kinematics, |b| self.is_free(b), &mut rate);
-        for b in 0..n {
-            if let Some(k) = self.deformable_of[b] {
-                let (square, xi) = self.deformables[k as usize].stiffness_rate();
-                rate[b] += square;
-                damping[b] += 2.0 * xi * square.sqrt();
-            }
-        }
-        let fastest_path = (0..n)
-            .filter(|&b| matches!(self.motion[b], Motion::Prescribed(_)) && !self.is_removed[b])
-            .map(|b| self.velocity[b].norm())
-            .fold(0.0, f64::max);
-        let n_others = self.n_free() + self.n_fixed() + self.n_prescribed();
-        for b in (0..n).filter(|&b| self.is_free(b)) {
-            if rate[b] + next[b].0 > 0.0 {
-                let (k, c): (f64, f64) = (rate[b] + next[b].0, damping[b] + next[b].1);
-                let dt = self.settings.time_step_factor * ((c * c + 4.0 * k).sqrt() - c) / k;
-                if dt < found.dt {
-                    found = CriticalStep {
-                        dt,
-                        block: Some(b),
-                        contact: stiffest[b].1,
-                    };
-                }
-            }
-            let travel = if n_others > 1 {
-                self.travel_time(b, fastest_path)
-            } else {
-                f64::INFINITY
-            };
-            if travel < found.dt {
-                found = CriticalStep {
-                    dt: travel,
-                    block: Some(b),
-                    contact: None,
-                };
-            }
-        }
-        found
-    }
-
-    /// Time in which no point of the block, with the fastest path (m/s) against it, moves farther than
-    /// half its margin, gravity included: `v t + g t²/2 = margin/2`; s.
-    fn travel_time(&self, b: usize, fastest_path: f64) -> f64 {
-        let margin = self
-            .parts_of(b)
-            .map(|part| self.margin[part])
-            .fold(f64::INFINITY, f64::min);
-        let v = fastest_path
-            + self.velocity[b].norm()
-            + self.angular_velocity(b).norm() * self.radius[b]
-            + self.kinematics[b]
-                .strain_rate
-                .map_or(0.0, |rate| rate.norm() * self.radius[b]);
-        let g = self.settings.gravity.norm();
-        // The positive root, in the form that survives g = 0.
-        margin / (v + (v * v + g * margin).sqrt())
-    }
-
     /// Gives every free block the impulse `loads · dt`, `v += dt M⁻¹ load`: the half kicks of a
     /// fluid. Fixed, prescribed and removed blocks ignore theirs; a deformable one takes force and
     /// torque, not strain.
@@ -220,49 +124,97 @@ impl Blocks {
         self.half_kick(dt);
         self.damp(dt);
         for b in 0..self.n_blocks() {
-            if let Motion::Prescribed(path) = &self.motion[b] {
-                self.velocity[b] = path.velocity(to);
+            match (self.role[b], &self.motion[b]) {
+                (Role::Still, Motion::Prescribed(path)) => {
+                    self.velocity[b] = path.velocity(to);
+                    self.set_kinematics(b);
+                }
+                (Role::Special, _) => self.set_kinematics(b),
+                _ => {}
             }
-            self.set_kinematics(b);
         }
+        self.set_plain_velocities();
         self.check(to)
     }
 
     fn half_kick(&mut self, dt: f64) {
-        let gravity = self.settings.gravity;
-        let mut impulse = self.attachments.outer_force * (0.5 * dt);
-        let mut exchanged = impulse.norm();
-        for b in 0..self.n_blocks() {
-            let mut load = self.contact_load[b];
-            if let Some(attached) = self.attachments.loads.get(b) {
-                load += *attached;
-            }
-            if !self.is_free(b) {
-                impulse -= load.force * (0.5 * dt);
-                exchanged += load.force.norm() * (0.5 * dt);
-                continue;
-            }
-            let weight = gravity * self.mass[b];
-            load.force += weight;
-            impulse += weight * (0.5 * dt);
-            exchanged += weight.norm() * (0.5 * dt);
-            let damper = self.local_damper(b, &load);
-            load += damper;
-            impulse += damper.force * (0.5 * dt);
-            let before = (self.velocity[b], self.angular_velocity(b));
-            self.kick(b, &load, 0.5 * dt);
-            self.hold_velocities(b);
-            let after = (self.velocity[b], self.angular_velocity(b));
-            // The kick of a force f does the work f·(v + v')/2 dt, exactly.
-            self.static_damping.book(
-                -0.25
-                    * dt
-                    * (damper.force.dot(&(before.0 + after.0))
-                        + damper.torque.dot(&(before.1 + after.1))),
-            );
+        let mut kicked = self.kick_plain(dt);
+        let outer = self.attachments.outer_force * (0.5 * dt);
+        kicked.impulse += outer;
+        kicked.exchanged += outer.norm();
+        for k in 0..self.special.len() {
+            kicked = kicked.with(self.kick_special(self.special[k] as usize, dt));
         }
-        self.support_impulse += impulse;
-        self.impulse_exchanged += exchanged;
+        self.support_impulse += kicked.impulse;
+        self.impulse_exchanged += kicked.exchanged;
+    }
+
+    /// Kicks the plain blocks; the forces on those that stand still are the supports'.
+    fn kick_plain(&mut self, dt: f64) -> Kicked {
+        let Self {
+            velocity,
+            angular_momentum,
+            attitude,
+            contact_load,
+            attachments,
+            mass,
+            role,
+            settings,
+            ..
+        } = self;
+        let (attached, gravity) = (&attachments.loads, settings.gravity);
+        type Moving<'a> = (&'a mut [Vec3], &'a mut [Vec3]);
+        let kick = |first: usize, (velocity, momentum): Moving| {
+            let mut kicked = Kicked::default();
+            for ((b, velocity), momentum) in (first..).zip(velocity).zip(momentum) {
+                if role[b] == Role::Special {
+                    continue;
+                }
+                let mut load = contact_load[b];
+                if let Some(attached) = attached.get(b) {
+                    load += *attached;
+                }
+                if role[b] == Role::Still {
+                    kicked.impulse -= load.force * (0.5 * dt);
+                    kicked.exchanged += load.force.norm() * (0.5 * dt);
+                    continue;
+                }
+                let weight = gravity * mass[b];
+                kicked.impulse += weight * (0.5 * dt);
+                kicked.exchanged += weight.norm() * (0.5 * dt);
+                *velocity += (load.force + weight) * (0.5 * dt / mass[b]);
+                *momentum += attitude[b].inverse_transform_vector(&load.torque) * (0.5 * dt);
+            }
+            kicked
+        };
+        let columns = (velocity.as_mut_slice(), angular_momentum.as_mut_slice());
+        chunks::reduce(columns, CHUNK, &kick, &Kicked::with)
+    }
+
+    fn kick_special(&mut self, b: usize, dt: f64) -> Kicked {
+        let mut load = self.contact_load[b];
+        if let Some(attached) = self.attachments.loads.get(b) {
+            load += *attached;
+        }
+        let weight = self.settings.gravity * self.mass[b];
+        load.force += weight;
+        let damper = self.local_damper(b, &load);
+        load += damper;
+        let before = (self.velocity[b], self.angular_velocity(b));
+        self.kick(b, &load, 0.5 * dt);
+        self.hold_velocities(b);
+        let after = (self.velocity[b], self.angular_velocity(b));
+        // The kick of a force f does the work f·(v + v')/2 dt, exactly.
+        self.static_damping.book(
+            -0.25
+                * dt
+                * (damper.force.dot(&(before.0 + after.0))
+                    + damper.torque.dot(&(before.1 + after.1))),
+        );
+        Kicked {
+            impulse: (weight + damper.force) * (0.5 * dt),
+            exchanged: weight.norm() * (0.5 * dt),
+        }
     }
 
     fn local_damper(&self, b: usize, load: &Load) -> Load {
@@ -301,17 +253,75 @@ impl Blocks {
     }
 
     fn drift(&mut self, from: f64, to: f64, dt: f64) {
+        for k in 0..self.special.len() {
+            let b = self.special[k] as usize;
+            self.centroid[b] += self.velocity[b] * dt;
+            self.turn(b, dt);
+        }
         for b in 0..self.n_blocks() {
-            if self.is_free(b) {
-                self.centroid[b] += self.velocity[b] * dt;
-                self.turn(b, dt);
-            } else if let Motion::Prescribed(path) = &self.motion[b] {
+            if let (Role::Still, Motion::Prescribed(path)) = (self.role[b], &self.motion[b]) {
                 let (before, after) = (path.displacement(from), path.displacement(to));
                 self.centroid[b] = self.initial_centroid[b] + after;
                 // Mean over the sub-step, as the half-step velocity of the free blocks is.
                 self.velocity[b] = (after - before) / dt;
             }
         }
+        let Self {
+            centroid,
+            attitude,
+            angular_momentum,
+            velocity,
+            inertia,
+            role,
+            ..
+        } = self;
+        type Moving<'a> = (
+            &'a mut [Vec3],
+            &'a mut [UnitQuaternion<f64>],
+            &'a mut [Vec3],
+        );
+        let drift = |first: usize, (centroid, attitude, momentum): Moving| {
+            let rows = (first..).zip(centroid).zip(attitude).zip(momentum);
+            for (((b, centroid), attitude), angular_momentum) in rows {
+                if role[b] == Role::Plain {
+                    *centroid += velocity[b] * dt;
+                    Rigid6 {
+                        attitude,
+                        angular_momentum,
+                        inertia: &inertia[b],
+                    }
+                    .drift(dt);
+                }
+            }
+        };
+        let columns = (
+            centroid.as_mut_slice(),
+            attitude.as_mut_slice(),
+            angular_momentum.as_mut_slice(),
+        );
+        chunks::for_each(columns, CHUNK, &drift);
+    }
+
+    /// Velocities of plain blocks after their last kick; their place stays.
+    fn set_plain_velocities(&mut self) {
+        let Self {
+            kinematics,
+            velocity,
+            angular_momentum,
+            attitude,
+            inertia,
+            role,
+            ..
+        } = self;
+        let set = |first: usize, kinematics: &mut [Kinematics]| {
+            for (b, kinematics) in (first..).zip(kinematics) {
+                if role[b] == Role::Plain {
+                    kinematics.velocity = velocity[b];
+                    kinematics.spin = attitude[b] * angular_momentum[b].component_div(&inertia[b]);
+                }
+            }
+        };
+        chunks::for_each(kinematics.as_mut_slice(), CHUNK, &set);
     }
 
     /// Turns and strains a free block.
@@ -348,10 +358,10 @@ impl Blocks {
         if factor == 1.0 {
             return;
         }
-        for b in (0..self.n_blocks())
-            .filter(|&b| self.is_free(b))
-            .collect::<Vec<_>>()
-        {
+        for b in 0..self.n_blocks() {
+            if !self.is_free(b) {
+                continue;
+            }
             self.static_damping
                 .book((1.0 - factor * factor) * self.kinetic_energy(b));
             self.support_impulse += self.velocity[b] * (self.mass[b] * (factor - 1.0));
@@ -366,73 +376,15 @@ impl Blocks {
     }
 
     fn is_skin_used_up(&self) -> bool {
-        (0..self.parts.len()).any(|part| {
-            self.can_move[part] && !broad_phase::holds(&self.fat_boxes[part], &self.boxes[part])
-        })
-    }
-
-    /// Contact forces in the present place, and what they lost in the last `dt` (s).
-    pub(crate) fn evaluate_contacts(&mut self, dt: f64) {
-        let (pairs, medium, boxes) = self.split_pairs();
-        let update = |pair: &mut crate::contact::Pair| {
-            let is_near =
-                broad_phase::overlap(&boxes[pair.parts.0 as usize], &boxes[pair.parts.1 as usize]);
-            pair.evaluate(&medium, dt, is_near);
+        let leaves = |first: usize, (fat, boxes): (&[Bounds], &[Bounds])| {
+            (first..)
+                .zip(fat.iter().zip(boxes))
+                .any(|(part, (fat, bounds))| {
+                    self.can_move[part] && !broad_phase::holds(fat, bounds)
+                })
         };
-        if pairs.len() < PARALLEL_PAIRS {
-            pairs.iter_mut().for_each(update);
-        } else {
-            pairs.par_iter_mut().with_min_len(8).for_each(update);
-        }
-        std::mem::swap(&mut self.contact_load, &mut self.contact_load_before);
-        self.sum_loads();
-        let parts = &self.parts;
-        for pair in &self.pairs {
-            self.friction.book(pair.friction);
-            self.damping.book(pair.damping);
-            self.n_broken_bonds += u64::from(pair.has_broken);
-            if pair.is_touching() {
-                self.n_contact_updates += 1;
-                let size = parts[pair.parts.0 as usize]
-                    .size()
-                    .min(parts[pair.parts.1 as usize].size());
-                self.max_overlap_over_size = self.max_overlap_over_size.max(pair.deepest / size);
-            }
-        }
-    }
-
-    /// Sums the pairs' forces in the order of the list, whatever thread found them.
-    pub(crate) fn sum_loads(&mut self) {
-        self.contact_load
-            .iter_mut()
-            .for_each(|load| *load = Load::default());
-        for pair in self.pairs.iter().filter(|pair| pair.is_touching()) {
-            self.contact_load[pair.blocks.0 as usize] += pair.loads.0;
-            self.contact_load[pair.blocks.1 as usize] += pair.loads.1;
-        }
-        if !self.deformables.is_empty() {
-            self.sum_stretch();
-        }
-    }
-
-    /// What the contact forces strain, deformable blocks only.
-    fn sum_stretch(&mut self) {
-        self.contact_stretch.clear();
-        self.contact_stretch
-            .resize(self.deformables.len(), Matrix3::zeros());
-        for pair in self.pairs.iter().filter(|pair| pair.is_touching()) {
-            for (block, sign) in [(pair.blocks.0, -1.0), (pair.blocks.1, 1.0)] {
-                let b = block as usize;
-                let Some(k) = self.deformable_of[b] else {
-                    continue;
-                };
-                for point in &pair.points {
-                    let force = (pair.normal * point.normal_force + point.shear_force) * sign;
-                    let offset = point.patch.position - self.kinematics[b].centroid;
-                    self.contact_stretch[k as usize] += stretch(&force, &offset);
-                }
-            }
-        }
+        let columns = (self.fat_boxes.as_slice(), self.boxes.as_slice());
+        chunks::reduce(columns, CHUNK, &leaves, &|a, b| a || b)
     }
 
     /// Work of prescribed blocks on free ones over the sub-step, force at its two ends.
@@ -446,12 +398,22 @@ impl Blocks {
     }
 
     fn check(&self, time: f64) -> Result<(), StepError> {
-        let is_finite = |b: usize| {
-            let numbers = [self.centroid[b], self.velocity[b], self.angular_momentum[b]];
-            numbers.iter().flatten().all(|c| c.is_finite())
-                && self.attitude[b].coords.iter().all(|c| c.is_finite())
+        // A sum is finite if all its terms are; one that overflows is past saving too.
+        let bad = |first: usize, (centroid, velocity, momentum): (&[Vec3], &[Vec3], &[Vec3])| {
+            (first..)
+                .zip(centroid.iter().zip(velocity).zip(momentum))
+                .find(|(b, ((x, v), l))| {
+                    let turn = self.attitude[*b].coords.sum();
+                    !(x.sum() + v.sum() + l.sum() + turn).is_finite()
+                })
+                .map(|(b, _)| b)
         };
-        if let Some(block) = (0..self.n_blocks()).find(|&b| !is_finite(b)) {
+        let columns = (
+            self.centroid.as_slice(),
+            self.velocity.as_slice(),
+            self.angular_momentum.as_slice(),
+        );
+        if let Some(block) = chunks::reduce(columns, CHUNK, &bad, &Option::or) {
             return Err(StepError::NotFinite { block, time });
         }
         for (k, block) in self
@@ -471,20 +433,19 @@ impl Blocks {
                 });
             }
         }
-        for pair in &self.pairs {
-            let parts = [pair.parts.0 as usize, pair.parts.1 as usize];
-            let least = |of: &dyn Fn(usize) -> f64| of(parts[0]).min(of(parts[1]));
-            let allowed = least(&|part| self.deepest_allowed[part]);
-            if pair.deepest > allowed {
-                return Err(StepError::Overlap {
-                    first: pair.blocks.0 as usize,
-                    second: pair.blocks.1 as usize,
-                    overlap: pair.deepest,
-                    size: least(&|part| self.parts[part].size()),
-                    allowed,
-                    time,
-                });
-            }
+        let (over_allowed, parts) = self.worst_overlap;
+        if over_allowed > 1.0 {
+            let parts = [parts.0 as usize, parts.1 as usize];
+            let least = |of: &[f64]| of[parts[0]].min(of[parts[1]]);
+            let allowed = least(&self.deepest_allowed);
+            return Err(StepError::Overlap {
+                first: self.block_of_part[parts[0]] as usize,
+                second: self.block_of_part[parts[1]] as usize,
+                overlap: over_allowed * allowed,
+                size: least(&self.size),
+                allowed,
+                time,
+            });
         }
         Ok(())
     }

@@ -87,6 +87,12 @@ impl Kinematics {
         }
     }
 
+    /// Velocity of the material that was at `x` before the drift of the last `dt` (s): what the forces
+    /// of that place work with; m/s.
+    pub fn velocity_from(&self, x: &Vec3, dt: f64) -> Vec3 {
+        self.velocity_at(&(x + self.velocity * dt))
+    }
+
     /// Acceleration of the point `x` along `n` under a unit force along `n` there.
     ///
     /// ```text

@@ -39,6 +39,7 @@
 //!     contact_stiffness: 1e8,
 //!     joint_stiffness: None,
 //!     shear_stiffness_ratio: 0.8,
+//!     rolling_friction: 0.0,
 //!     elastic: None,
 //! };
 //! let block = |from: [f64; 3], to: [f64; 3], motion| -> Result<BlockDefinition, riprap_dda::PolyhedronError> {
@@ -69,19 +70,23 @@ mod attachments;
 mod block_quality;
 mod blocks;
 mod broad_phase;
+mod chunks;
 mod common_plane;
 mod contact;
+mod critical_step;
 mod cut;
 mod damping;
 mod deformation;
 mod distance;
 mod energy;
 mod error;
+mod forces;
 mod friction;
 mod holds;
 mod integrate;
 mod joint_sets;
 mod kinematics;
+mod links;
 mod material;
 mod measure;
 mod motion;
@@ -90,6 +95,7 @@ mod patch;
 mod polyhedron;
 mod rigid;
 mod shape;
+mod sphere_contact;
 
 /// Vector of three `f64`.
 pub type Vec3 = nalgebra::Vector3<f64>;
@@ -103,6 +109,7 @@ pub use common_plane::{
     Axis, AxisKind, ContactDetection, SeparatingAxes, fast_common_plane, gap_along, separating_axes,
 };
 pub use contact::{Contact, ContactState};
+pub use critical_step::CriticalStep;
 pub use cut::Plane;
 pub use damping::StaticDamping;
 pub use deformation::{
@@ -112,10 +119,9 @@ pub use distance::SurfacePoint;
 pub use energy::Energies;
 pub use error::{BlockError, StepError};
 pub use holds::{Hold, Turning};
-pub use integrate::CriticalStep;
 pub use joint_sets::{JointError, JointSet, cut_by_joints};
 pub use kinematics::Load;
-pub use material::{Elastic, Material, clamped_restitution, damping_ratio};
+pub use material::{Elastic, Material, NormalLaw, clamped_restitution, damping_ratio};
 pub use measure::{MassProperties, face_area, mass_properties, volume};
 pub use motion::{Accelerogram, Motion, PrescribedMotion};
 pub use polyhedron::{Polyhedron, PolyhedronError};

@@ -13,6 +13,13 @@ pub struct Elastic {
     pub viscosity: f64,
 }
 
+impl Elastic {
+    /// `(1 − ν²)/E`; 1/Pa.
+    fn plane_compliance(&self) -> f64 {
+        (1.0 - self.poisson_ratio * self.poisson_ratio) / self.young_modulus
+    }
+}
+
 /// A rock or wall material.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Material {
@@ -36,6 +43,8 @@ pub struct Material {
     pub joint_stiffness: Option<f64>,
     /// Shear over normal penalty stiffness, ≥ 0; –.
     pub shear_stiffness_ratio: f64,
+    /// Resistance of balls to rolling, ≥ 0: torque over normal force and effective radius; –.
+    pub rolling_friction: f64,
     /// Elastic moduli.
     pub elastic: Option<Elastic>,
 }
@@ -52,6 +61,7 @@ impl Material {
             contact_stiffness,
             joint_stiffness,
             shear_stiffness_ratio,
+            rolling_friction,
             elastic,
         } = *self;
         let half_pi = std::f64::consts::FRAC_PI_2;
@@ -86,6 +96,12 @@ impl Material {
                 "shear_stiffness_ratio",
                 shear_stiffness_ratio,
                 shear_stiffness_ratio >= 0.0,
+                "must be >= 0",
+            ),
+            (
+                "rolling_friction",
+                rolling_friction,
+                rolling_friction >= 0.0,
                 "must be >= 0",
             ),
         ];
@@ -144,6 +160,154 @@ pub(crate) struct Joint {
     pub tensile_strength: f64,
     /// `ξ_n`, from the restitution; –.
     pub damping_ratio: f64,
+    /// Where one of the two is a ball.
+    pub spheres: SphereJoint,
+}
+
+/// How balls answer to being pressed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum NormalLaw {
+    /// Spring of the material's `contact_stiffness`.
+    #[default]
+    Linear,
+    /// Hertz's, from the elastic moduli.
+    Hertz,
+}
+
+/// Constants of the contact of a ball.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct SphereJoint {
+    pub normal: SphereSpring,
+    /// `k_t` over the tangent normal stiffness; –.
+    pub shear_ratio: f64,
+    /// `μ_s`, `μ_d`; –.
+    pub static_friction: f64,
+    pub dynamic_friction: f64,
+    /// `μ_r`; –.
+    pub rolling_friction: f64,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum SphereSpring {
+    /// `k` (N/m) and `ξ` (–).
+    Linear { stiffness: f64, damping_ratio: f64 },
+    /// `E*` (Pa) and `β` (–).
+    Hertz { modulus: f64, damping: f64 },
+}
+
+/// A ball's normal spring at one overlap.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct SpringState {
+    /// Elastic; N.
+    pub force: f64,
+    /// `dF/dδ`; N/m.
+    pub tangent: f64,
+    /// N s/m.
+    pub viscosity: f64,
+}
+
+impl SphereJoint {
+    fn between(first: &Material, second: &Material, law: NormalLaw) -> Self {
+        let residual = |m: &Material| m.residual_friction_angle.unwrap_or(m.friction_angle);
+        let (k1, k2) = (first.contact_stiffness, second.contact_stiffness);
+        let stiffness = series(k1, k2);
+        let restitution = first.restitution.min(second.restitution);
+        let shear = series(
+            k1 * first.shear_stiffness_ratio,
+            k2 * second.shear_stiffness_ratio,
+        );
+        let normal = match (law, &first.elastic, &second.elastic) {
+            (NormalLaw::Hertz, Some(a), Some(b)) => SphereSpring::Hertz {
+                modulus: 1.0 / (a.plane_compliance() + b.plane_compliance()),
+                damping: hertz_damping(restitution),
+            },
+            _ => SphereSpring::Linear {
+                stiffness,
+                damping_ratio: damping_ratio(restitution),
+            },
+        };
+        Self {
+            normal,
+            shear_ratio: shear / stiffness,
+            static_friction: first.friction_angle.min(second.friction_angle).tan(),
+            dynamic_friction: residual(first).min(residual(second)).tan(),
+            rolling_friction: 0.5 * (first.rolling_friction + second.rolling_friction),
+        }
+    }
+
+    /// At overlap `δ` (m), effective radius (m) and mobility `1/m̃` (1/kg).
+    pub fn normal(&self, overlap: f64, effective_radius: f64, mobility: f64) -> SpringState {
+        match self.normal {
+            SphereSpring::Linear {
+                stiffness,
+                damping_ratio,
+            } => SpringState {
+                force: stiffness * overlap,
+                tangent: stiffness,
+                viscosity: 2.0 * damping_ratio * (stiffness / mobility).sqrt(),
+            },
+            SphereSpring::Hertz { modulus, damping } => {
+                let k = 4.0 / 3.0 * modulus * effective_radius.sqrt();
+                let root = overlap.sqrt();
+                SpringState {
+                    force: k * overlap * root,
+                    tangent: 1.5 * k * root,
+                    viscosity: damping * (k / mobility).sqrt() * root.sqrt(),
+                }
+            }
+        }
+    }
+
+    /// Energy of the normal spring; J.
+    pub fn energy(&self, overlap: f64, effective_radius: f64) -> f64 {
+        match self.normal {
+            SphereSpring::Linear { stiffness, .. } => 0.5 * stiffness * overlap * overlap,
+            SphereSpring::Hertz { modulus, .. } => {
+                8.0 / 15.0 * modulus * effective_radius.sqrt() * overlap.powf(2.5)
+            }
+        }
+    }
+
+    /// Largest tangent stiffness until the energy that the pair has now, with the rate of closing
+    /// (m/s), is in the spring; N/m.
+    ///
+    /// ```text
+    /// 2/5 K δ_max^5/2 = 2/5 K δ^5/2 + m̃ u²/2
+    /// ```
+    pub fn tangent_bound(
+        &self,
+        overlap: f64,
+        effective_radius: f64,
+        rate: f64,
+        mobility: f64,
+    ) -> f64 {
+        match self.normal {
+            SphereSpring::Linear { stiffness, .. } => stiffness,
+            SphereSpring::Hertz { modulus, .. } => {
+                let k = 4.0 / 3.0 * modulus * effective_radius.sqrt();
+                let deepest = (overlap.powf(2.5) + 1.25 * rate * rate / (mobility * k)).powf(0.4);
+                1.5 * k * deepest.sqrt()
+            }
+        }
+    }
+
+    /// Damping ratio for the step bound of a contact to come; –.
+    pub fn damping_ratio_bound(&self) -> f64 {
+        match self.normal {
+            SphereSpring::Linear { damping_ratio, .. } => damping_ratio,
+            // β √(m̃ K) δ^1/4 = 2 ξ √(m̃ 3/2 K δ^1/2)
+            SphereSpring::Hertz { damping, .. } => 0.5 * damping / 1.5_f64.sqrt(),
+        }
+    }
+}
+
+/// Stiffness of two half springs in series, so that equal ones keep their value.
+fn series(a: f64, b: f64) -> f64 {
+    if a + b > 0.0 {
+        2.0 * a * b / (a + b)
+    } else {
+        0.0
+    }
 }
 
 impl Joint {
@@ -154,14 +318,7 @@ impl Joint {
     /// K = 2 k₁ k₂/(k₁ + k₂)                                         [N/m]
     /// ```
     /// The same rule, for the products `K · ratio`, gives the shear spring.
-    pub fn between(first: &Material, second: &Material) -> Self {
-        let series = |a: f64, b: f64| {
-            if a + b > 0.0 {
-                2.0 * a * b / (a + b)
-            } else {
-                0.0
-            }
-        };
+    pub fn between(first: &Material, second: &Material, law: NormalLaw) -> Self {
         let residual = |m: &Material| m.residual_friction_angle.unwrap_or(m.friction_angle);
         let (scaling, k1, k2) = match (first.joint_stiffness, second.joint_stiffness) {
             (Some(k1), Some(k2)) => (Scaling::Area, k1, k2),
@@ -183,6 +340,7 @@ impl Joint {
             cohesion: first.cohesion.min(second.cohesion),
             tensile_strength: first.tensile_strength.min(second.tensile_strength),
             damping_ratio: damping_ratio(first.restitution.min(second.restitution)),
+            spheres: SphereJoint::between(first, second, law),
         }
     }
 }
@@ -220,6 +378,60 @@ pub fn damping_ratio(restitution: f64) -> f64 {
     } else {
         0.5 * (low + high)
     }
+}
+
+/// Restitution of Hertz's spring with the dashpot `β`, its force never pulling. It does not depend on the
+/// speed: with `x` in units of `(m̃ v²/K)^2/5`,
+///
+/// ```text
+/// x″ = −max(0, x^3/2 + β x^1/4 x′),    x = 0, x′ = 1 at first;    e = −x′ where the force ends
+/// ```
+/// Runge-Kutta with some 3000 steps in a contact.
+fn hertz_restitution(damping: f64) -> f64 {
+    const STEP: f64 = 1e-3;
+    /// Ten contacts without damping: what is over-damped creeps back, with next to no speed.
+    const LONGEST: u32 = 30_000;
+    let force = |x: f64, v: f64| {
+        let root = x.max(0.0).sqrt();
+        x.max(0.0) * root + damping * root.sqrt() * v
+    };
+    let (mut x, mut v) = (0.0, 1.0);
+    for _ in 0..LONGEST {
+        let slope = |x: f64, v: f64| (v, -force(x, v));
+        let a = slope(x, v);
+        let b = slope(x + 0.5 * STEP * a.0, v + 0.5 * STEP * a.1);
+        let c = slope(x + 0.5 * STEP * b.0, v + 0.5 * STEP * b.1);
+        let d = slope(x + STEP * c.0, v + STEP * c.1);
+        let (before, pushed) = (v, force(x, v));
+        x += STEP / 6.0 * (a.0 + 2.0 * b.0 + 2.0 * c.0 + d.0);
+        v += STEP / 6.0 * (a.1 + 2.0 * b.1 + 2.0 * c.1 + d.1);
+        let push = force(x, v);
+        if push <= 0.0 && v < 0.0 {
+            // The force falls to zero inside the step: the rest of its impulse is a triangle.
+            let share = pushed / (pushed - push);
+            return -(before - 0.5 * pushed * share * STEP);
+        }
+    }
+    -v
+}
+
+/// `β` that gives a restitution, by bisection of [`hertz_restitution`]; at most what damps critically in
+/// effect.
+fn hertz_damping(restitution: f64) -> f64 {
+    const MOST: f64 = 4.0;
+    if restitution >= 1.0 {
+        return 0.0;
+    }
+    let (mut low, mut high) = (0.0, MOST);
+    for _ in 0..40 {
+        let middle = 0.5 * (low + high);
+        if hertz_restitution(middle) > restitution {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    0.5 * (low + high)
 }
 
 #[cfg(test)]

@@ -8,13 +8,13 @@ use crate::{
 
 /// One convex part.
 #[derive(Clone, Debug)]
-#[expect(
-    clippy::large_enum_variant,
-    reason = "balls are few, and a box would cost every polyhedron"
-)]
 pub(crate) enum Part {
-    Polyhedron(Polyhedron),
-    Sphere { center: Vec3, radius: f64 },
+    /// Boxed: a ball in thousands should not take the room of a polyhedron.
+    Polyhedron(Box<Polyhedron>),
+    Sphere {
+        center: Vec3,
+        radius: f64,
+    },
 }
 
 impl Part {
@@ -68,6 +68,10 @@ impl Part {
             Self::Polyhedron(body) => body.size(),
             Self::Sphere { radius, .. } => radius * (4.0 / 3.0 * std::f64::consts::PI).cbrt(),
         }
+    }
+
+    pub fn is_sphere(&self) -> bool {
+        matches!(self, Self::Sphere { .. })
     }
 
     /// Smallest thickness, measured across faces; m.

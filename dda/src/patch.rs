@@ -154,14 +154,6 @@ impl Patch {
         }
     }
 
-    /// Contact at one point with the whole stiffness.
-    pub fn set_single(&mut self, position: Vec3, overlap: f64) {
-        self.points.clear();
-        self.area = 0.0;
-        self.flat_weight = 1.0;
-        self.push_single(0, position, 1.0, overlap);
-    }
-
     fn push_single(&mut self, key: u32, position: Vec3, weight: f64, overlap: f64) {
         self.points.push(PatchPoint {
             key,

@@ -232,14 +232,24 @@ impl Polyhedron {
         self.beyond = other.beyond.iter().map(|offset| turn * offset).collect();
     }
 
+    /// Do other surfaces go on from any of its corners?
+    pub(crate) fn has_seams(&self) -> bool {
+        !self.beyond.is_empty()
+    }
+
     /// Is the vertex, which is this body's farthest in a direction, also the farthest of the bodies
     /// that hold it? If not, it lies on a seam inside a larger surface.
     pub(crate) fn is_corner(&self, vertex: u32, direction: &Vec3) -> bool {
+        self.is_farthest(vertex, direction, SEAM_SINE)
+    }
+
+    /// Does no body that holds the vertex rise above it in a direction by more than a sine?
+    pub(crate) fn is_farthest(&self, vertex: u32, direction: &Vec3, sine: f64) -> bool {
         let from = self.beyond_start[vertex as usize] as usize;
         let to = self.beyond_start[vertex as usize + 1] as usize;
         self.beyond[from..to]
             .iter()
-            .all(|offset| offset.dot(direction) <= SEAM_SINE * offset.norm())
+            .all(|offset| offset.dot(direction) <= sine * offset.norm())
     }
 
     /// Distance of a point from the plane of a face, positive outside; m.

@@ -35,9 +35,14 @@ impl InternalMotion for Rigid6<'_> {
 /// ```text
 /// angle θ = dt' p_k/J_k;   p := R_kᵀ(θ) p,   Q := Q R_k(θ);   dt' = dt/2, dt/2, dt, dt/2, dt/2
 /// ```
-/// Time-reversible; keeps the spatial angular momentum to round-off, the energy error bounded and
+/// One rotation about the spin itself if all moments are equal. Time-reversible; keeps the spatial angular momentum to round-off, the energy error bounded and
 /// second order. Source: Dullweber, Leimkuhler & McLachlan (1997).
 fn rotate(attitude: &mut UnitQuaternion<f64>, p: &mut Vec3, inertia: &Vec3, dt: f64) {
+    if inertia.x == inertia.y && inertia.y == inertia.z {
+        *attitude *= UnitQuaternion::from_scaled_axis(*p * (dt / inertia.x));
+        attitude.renormalize_fast();
+        return;
+    }
     for (axis, share) in [(0, 0.5), (1, 0.5), (2, 1.0), (1, 0.5), (0, 0.5)] {
         let angle = share * dt * p[axis] / inertia[axis];
         let mut scaled = Vec3::zeros();

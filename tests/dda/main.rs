@@ -19,5 +19,6 @@ mod scenes;
 
 mod setup;
 mod slopes;
+mod spheres;
 mod step_bound;
 mod structures;

@@ -19,6 +19,7 @@ pub fn rock() -> Material {
         contact_stiffness: 1e8,
         joint_stiffness: None,
         shear_stiffness_ratio: 0.8,
+        rolling_friction: 0.0,
         elastic: None,
     }
 }

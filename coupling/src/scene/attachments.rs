@@ -2,13 +2,13 @@
 //! block solver takes it.
 
 use riprap_dda::{
-    Attachment, BlockDefinition, ContactDetection, Deformability, DeformableModel, Hold, Shape,
-    StaticDamping, StressLaw, Turning, Vec3,
+    Attachment, BlockDefinition, ContactDetection, Deformability, DeformableModel, Hold, NormalLaw,
+    Shape, StaticDamping, StressLaw, Turning, Vec3,
 };
 
 use super::file::{
     AttachmentFile, Axis, ContactDetectionFile, DeformableFile, DeformableModelFile, HoldFile,
-    SceneFile, StaticDampingFile, TurningFile,
+    NormalLawFile, SceneFile, StaticDampingFile, TurningFile,
 };
 use super::resolve::vec3;
 
@@ -133,6 +133,13 @@ pub fn contact_detection(file: ContactDetectionFile) -> ContactDetection {
     match file {
         ContactDetectionFile::Verified => ContactDetection::Verified,
         ContactDetectionFile::FastCommonPlane => ContactDetection::FastCommonPlane,
+    }
+}
+
+pub fn normal_law(file: NormalLawFile) -> NormalLaw {
+    match file {
+        NormalLawFile::Linear => NormalLaw::Linear,
+        NormalLawFile::Hertz => NormalLaw::Hertz,
     }
 }
 

@@ -160,7 +160,11 @@ pub struct MaterialFile {
     /// Shear over normal penalty stiffness.
     #[serde(default = "default_shear_stiffness_ratio")]
     pub shear_stiffness_ratio: f64,
-    /// Elastic moduli, which deformable blocks need; rigid blocks ignore them.
+    /// Resistance of balls to rolling: torque over normal force and effective radius. Where two materials
+    /// meet, their mean.
+    #[serde(default)]
+    pub rolling_friction: f64,
+    /// Elastic moduli, which deformable blocks and Hertz's law need; rigid blocks ignore them.
     #[serde(default)]
     pub elastic: Option<ElasticFile>,
 }
@@ -595,6 +599,9 @@ pub struct NumericsFile {
     /// How the common plane of two blocks is found.
     #[serde(default)]
     pub contact_detection: ContactDetectionFile,
+    /// How balls answer to being pressed.
+    #[serde(default)]
+    pub normal_law: NormalLawFile,
     /// Damping of blocks in a search for a state of rest; none for blocks that move.
     #[serde(default)]
     pub static_damping: Option<StaticDampingFile>,
@@ -608,6 +615,16 @@ pub enum ContactDetectionFile {
     Verified,
     /// By the fast common plane alone, as published; for comparison.
     FastCommonPlane,
+}
+
+/// How balls answer to being pressed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum NormalLawFile {
+    /// Spring of the material's `contact_stiffness`.
+    #[default]
+    Linear,
+    /// Hertz's, from the elastic moduli, which every material then needs.
+    Hertz,
 }
 
 /// Damping for statics. What it takes stands in the ledger.

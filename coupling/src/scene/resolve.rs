@@ -7,7 +7,7 @@ use riprap_sph::{NegativePressure as Clamping, Vec3};
 
 use crate::interface::{DAMPING_RATIO, WallSettings};
 use crate::scene::attachments::{
-    attachments, contact_detection, deformability, hold, static_damping,
+    attachments, contact_detection, deformability, hold, normal_law, static_damping,
 };
 use crate::scene::error::{Problem, Severity};
 use crate::scene::file::{
@@ -145,6 +145,7 @@ impl Scene {
                 gravity: vec3(file.gravity),
                 time_step_factor: block_factor,
                 contact_detection: contact_detection(file.numerics.contact_detection),
+                normal_law: normal_law(file.numerics.normal_law),
                 static_damping: file.numerics.static_damping.map(static_damping),
                 ..riprap_dda::Settings::default()
             },
@@ -358,6 +359,7 @@ fn materials(file: &SceneFile) -> Vec<Material> {
             contact_stiffness: m.contact_stiffness.unwrap_or(IDLE_STIFFNESS),
             joint_stiffness: m.joint_stiffness,
             shear_stiffness_ratio: m.shear_stiffness_ratio,
+            rolling_friction: m.rolling_friction,
             elastic: m.elastic.map(|e| riprap_dda::Elastic {
                 young_modulus: e.young_modulus,
                 poisson_ratio: e.poisson_ratio,

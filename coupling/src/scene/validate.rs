@@ -251,6 +251,11 @@ impl Checks {
             &of("shear stiffness ratio"),
             material.shear_stiffness_ratio,
         );
+        self.not_negative(
+            path("rolling_friction"),
+            &of("rolling friction"),
+            material.rolling_friction,
+        );
         if let Some(elastic) = material.elastic {
             self.positive(
                 path("elastic.young_modulus"),

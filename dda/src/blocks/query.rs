@@ -270,6 +270,7 @@ impl Blocks {
                 .iter()
                 .map(|pair| pair.elastic.0 + pair.elastic.1)
                 .sum::<f64>()
+                + self.sphere_energy()
                 + self.attachments.elastic,
             strain_damping: self.strain_damping.total(),
             static_damping: self.static_damping.total(),
@@ -290,6 +291,19 @@ impl Blocks {
             energies.strain += deformable.strain_energy();
         }
         energies
+    }
+
+    fn sphere_energy(&self) -> f64 {
+        self.sphere_pairs
+            .iter()
+            .enumerate()
+            .map(|(k, pair)| {
+                let material = |part: u32| self.material_of_part[part as usize] as usize;
+                let joint = material(pair.parts.0) * self.n_materials + material(pair.parts.1);
+                let law = &self.joints[joint].spheres;
+                pair.energy(law, &self.parts, self.sphere_rolling.get(k))
+            })
+            .sum()
     }
 
     /// Momentum of the free blocks; N s.
@@ -350,6 +364,19 @@ impl Blocks {
                 f(point.normal_viscous);
                 point.shear_force.iter().for_each(|&c| f(c));
                 point.shear_viscous.iter().for_each(|&c| f(c));
+            }
+        }
+        for (k, pair) in self.sphere_pairs.iter().enumerate() {
+            let contact = &pair.contact;
+            f(f64::from(pair.parts.0));
+            f(f64::from(pair.parts.1));
+            f(f64::from(u8::from(contact.is_slipping)));
+            contact.force.iter().for_each(|&c| f(c));
+            contact.shear.iter().for_each(|&c| f(c));
+            f(contact.normal_force);
+            if let Some(rolling) = self.sphere_rolling.get(k) {
+                rolling.angle.iter().for_each(|&c| f(c));
+                rolling.torque.iter().for_each(|&c| f(c));
             }
         }
         for deformable in &self.deformables {

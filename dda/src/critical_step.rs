@@ -1,0 +1,132 @@
+//! The largest stable sub-step, and who sets it.
+
+use crate::{Blocks, Motion, blocks::CHUNK, chunks};
+
+/// The largest stable sub-step and who sets it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CriticalStep {
+    /// `C_b` × the bound; infinite when nothing limits; s.
+    pub dt: f64,
+    /// The block that sets it.
+    pub block: Option<usize>,
+    /// Its stiffest pair of blocks; none when the block's speed sets the step.
+    pub contact: Option<(usize, usize)>,
+}
+
+/// What the contacts of a block add up to in the step bound.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct BlockRates {
+    /// `Λ_K` (1/s²) and `Λ_C` (1/s) of the contacts that touch.
+    pub stiffness: f64,
+    pub damping: f64,
+    /// The worst of those that do not yet.
+    pub next_stiffness: f64,
+    pub next_damping: f64,
+    /// Stiffest pair, and its share.
+    pub stiffest: f64,
+    pub contact: Option<(u32, u32)>,
+}
+
+impl Blocks {
+    /// Bound of the stable sub-step, from the present contacts and those about to form.
+    ///
+    /// ```text
+    /// ω_i² = Λ_K ≤ ω_el² + s Σ ( k_n w_n + k_t (w_t1 + w_t2) )      s = 2 if the partner is free, else 1
+    /// Λ_C ≤ 2 ξ_el ω_el + s Σ ( c_n w_n + c_t (w_t1 + w_t2) )
+    /// dt   = C_b min_i (√(Λ_C² + 4 Λ_K) − Λ_C)/Λ_K,   from   (dt/2)² Λ_K + dt/2 Λ_C ≤ 1           [s]
+    /// ```
+    /// ω_el is the largest natural frequency of a deformable block; springs and bolts count like
+    /// contacts. For one mode this is `(2/ω)(√(1 + ξ²) − ξ)`; a dashpot that damps the heave of a block
+    /// critically damps its rocking, which is faster, beyond that, and it is the sum over the points that
+    /// counts. Of the candidate pairs that do not touch yet the worst one counts, with its worst
+    /// contact point: one impact at a time may start without warning. A free block
+    /// among others may also not travel more than half the margin of its candidate search.
+    pub fn critical_time_step(&self) -> CriticalStep {
+        let n = self.n_blocks();
+        let has_others = self.has_others();
+        let fastest_path = (0..if has_others { n } else { 0 })
+            .filter(|&b| matches!(self.motion[b], Motion::Prescribed(_)) && !self.is_removed[b])
+            .map(|b| self.velocity[b].norm())
+            .fold(0.0, f64::max);
+        let mut attached = Vec::new();
+        if !self.attachments.is_empty() {
+            attached.resize(n, 0.0);
+            self.attachments.add_stiffness_rates(
+                &self.kinematics,
+                |b| self.is_free(b),
+                &mut attached,
+            );
+        }
+        let slowest = |first: usize, rates: &[BlockRates]| {
+            let mut found: (f64, usize, bool) = (f64::INFINITY, usize::MAX, false);
+            for (b, rates) in (first..).zip(rates) {
+                if !self.is_free(b) {
+                    continue;
+                }
+                let mut k = rates.stiffness + rates.next_stiffness;
+                let mut c = rates.damping + rates.next_damping;
+                k += attached.get(b).copied().unwrap_or(0.0);
+                if let Some(of) = self.deformable_of[b] {
+                    let (square, xi) = self.deformables[of as usize].stiffness_rate();
+                    k += square;
+                    c += 2.0 * xi * square.sqrt();
+                }
+                let bound = if k > 0.0 {
+                    self.settings.time_step_factor * ((c * c + 4.0 * k).sqrt() - c) / k
+                } else {
+                    f64::INFINITY
+                };
+                let travel = if has_others {
+                    self.travel_time(b, fastest_path)
+                } else {
+                    f64::INFINITY
+                };
+                if bound.min(travel) < found.0 {
+                    found = (bound.min(travel), b, bound <= travel);
+                }
+            }
+            found
+        };
+        let (dt, block, is_contact) =
+            chunks::reduce(self.rates.as_slice(), CHUNK, &slowest, &|a, b| {
+                if b.0 < a.0 { b } else { a }
+            });
+        CriticalStep {
+            dt,
+            block: (dt < f64::INFINITY).then_some(block),
+            contact: self
+                .rates
+                .get(block)
+                .filter(|_| is_contact)
+                .and_then(|rates| rates.contact)
+                .map(|(i, j)| (i as usize, j as usize)),
+        }
+    }
+
+    /// Is there more than one block?
+    fn has_others(&self) -> bool {
+        self.is_removed
+            .iter()
+            .filter(|&&gone| !gone)
+            .nth(1)
+            .is_some()
+    }
+
+    /// Time in which no point of the block, with the fastest path (m/s) against it, moves farther than
+    /// half its margin, gravity included: `v t + g t²/2 = margin/2`; s.
+    fn travel_time(&self, b: usize, fastest_path: f64) -> f64 {
+        let margin = self
+            .parts_of(b)
+            .map(|part| self.margin[part])
+            .fold(f64::INFINITY, f64::min);
+        let v = fastest_path
+            + self.velocity[b].norm()
+            + self.kinematics[b].spin.norm() * self.radius[b]
+            + self.kinematics[b]
+                .strain_rate
+                .map_or(0.0, |rate| rate.norm() * self.radius[b]);
+        let g = self.settings.gravity.norm();
+        // The positive root, in the form that survives g = 0.
+        margin / (v + (v * v + g * margin).sqrt())
+    }
+}

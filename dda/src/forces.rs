@@ -1,0 +1,237 @@
+//! Contact forces of all pairs, and what they add up to for each block.
+
+use crate::{
+    Blocks, Load,
+    blocks::CHUNK,
+    broad_phase, chunks,
+    contact::{Pair, Rates},
+    critical_step::BlockRates,
+    kinematics::stretch,
+    sphere_contact::{Rolling, SpherePair},
+};
+use nalgebra::Matrix3;
+
+/// Pairs of polyhedra that one thread takes at a time.
+const PAIR_CHUNK: usize = 16;
+
+/// What the pairs of a chunk add up to in a step.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Tally {
+    /// Lost; J.
+    pub friction: f64,
+    pub damping: f64,
+    pub n_touching: u64,
+    pub n_broken: u64,
+    /// Deepest overlap, × size of the smaller part.
+    pub deepest_over_size: f64,
+    /// Deepest overlap, × what is allowed, with its parts.
+    pub worst: (f64, (u32, u32)),
+}
+
+impl Tally {
+    fn with(self, other: Self) -> Self {
+        Self {
+            friction: self.friction + other.friction,
+            damping: self.damping + other.damping,
+            n_touching: self.n_touching + other.n_touching,
+            n_broken: self.n_broken + other.n_broken,
+            deepest_over_size: self.deepest_over_size.max(other.deepest_over_size),
+            worst: if other.worst.0 > self.worst.0 {
+                other.worst
+            } else {
+                self.worst
+            },
+        }
+    }
+
+    /// Notes how deep two parts overlap; × what is allowed and × size.
+    pub fn note_overlap(&mut self, parts: (u32, u32), over_allowed: f64, over_size: f64) {
+        self.n_touching += 1;
+        self.deepest_over_size = self.deepest_over_size.max(over_size);
+        if over_allowed > self.worst.0 {
+            self.worst = (over_allowed, parts);
+        }
+    }
+}
+
+impl Blocks {
+    /// Contact forces in the present place, and what they lost in the last `dt` (s).
+    pub(crate) fn evaluate_contacts(&mut self, dt: f64) {
+        let tally = self.evaluate_pairs(dt).with(self.evaluate_spheres(dt));
+        std::mem::swap(&mut self.contact_load, &mut self.contact_load_before);
+        self.sum_loads();
+        self.friction.book(tally.friction);
+        self.damping.book(tally.damping);
+        self.n_broken_bonds += tally.n_broken;
+        self.n_contact_updates += tally.n_touching;
+        self.max_overlap_over_size = self.max_overlap_over_size.max(tally.deepest_over_size);
+        self.worst_overlap = tally.worst;
+    }
+
+    fn evaluate_pairs(&mut self, dt: f64) -> Tally {
+        let (lists, medium, boxes) = self.split_pairs();
+        let update = |_, pairs: &mut [Pair]| {
+            let mut tally = Tally::default();
+            for pair in pairs {
+                let is_near = broad_phase::overlap(
+                    &boxes[pair.parts.0 as usize],
+                    &boxes[pair.parts.1 as usize],
+                );
+                pair.evaluate(&medium, dt, is_near);
+                tally.friction += pair.friction;
+                tally.damping += pair.damping;
+                tally.n_broken += u64::from(pair.has_broken);
+                if pair.is_touching() {
+                    tally.note_overlap(
+                        pair.parts,
+                        pair.deepest / medium.least_of(pair.parts, medium.deepest_allowed),
+                        pair.deepest / medium.least_of(pair.parts, medium.size),
+                    );
+                }
+            }
+            tally
+        };
+        chunks::reduce(
+            lists.pairs.as_mut_slice(),
+            PAIR_CHUNK,
+            &update,
+            &Tally::with,
+        )
+    }
+
+    fn evaluate_spheres(&mut self, dt: f64) -> Tally {
+        let (lists, medium, _) = self.split_pairs();
+        if lists.sphere_rolling.is_empty() {
+            let update = |_, pairs: &mut [SpherePair]| {
+                let mut tally = Tally::default();
+                for pair in pairs {
+                    pair.evaluate(&medium, None, dt, &mut tally);
+                }
+                tally
+            };
+            return chunks::reduce(
+                lists.sphere_pairs.as_mut_slice(),
+                CHUNK,
+                &update,
+                &Tally::with,
+            );
+        }
+        let update = |_, (pairs, rolling): (&mut [SpherePair], &mut [Rolling])| {
+            let mut tally = Tally::default();
+            for (pair, rolling) in pairs.iter_mut().zip(rolling) {
+                pair.evaluate(&medium, Some(rolling), dt, &mut tally);
+            }
+            tally
+        };
+        let columns = (
+            lists.sphere_pairs.as_mut_slice(),
+            lists.sphere_rolling.as_mut_slice(),
+        );
+        chunks::reduce(columns, CHUNK, &update, &Tally::with)
+    }
+
+    /// Sums the pairs' forces and step bounds for each block, in the order of the lists, whatever thread
+    /// found them.
+    pub(crate) fn sum_loads(&mut self) {
+        let Self {
+            contact_load,
+            rates,
+            links,
+            sphere_links,
+            pairs,
+            sphere_pairs,
+            sphere_rolling,
+            kinematics,
+            ..
+        } = self;
+        let sum = |first: usize, (loads, rates): (&mut [Load], &mut [BlockRates])| {
+            for ((b, load), all) in (first..).zip(loads).zip(rates) {
+                *load = Load::default();
+                *all = BlockRates::default();
+                for (k, is_second) in links.of(b) {
+                    let pair = &pairs[k];
+                    let (part, rates) = if is_second {
+                        (&pair.loads.1, &pair.rates.1)
+                    } else {
+                        (&pair.loads.0, &pair.rates.0)
+                    };
+                    if pair.is_touching() {
+                        *load += *part;
+                    }
+                    all.add(rates, pair.is_touching(), pair.blocks);
+                }
+                for (k, is_second) in sphere_links.of(b) {
+                    let pair = &sphere_pairs[k];
+                    let rates = if is_second {
+                        &pair.rates.1
+                    } else {
+                        &pair.rates.0
+                    };
+                    if pair.contact.is_touching {
+                        let centroid = &kinematics[b].centroid;
+                        *load += pair.load_on(is_second, centroid, sphere_rolling.get(k));
+                    }
+                    all.add(rates, pair.contact.is_touching, pair.blocks);
+                }
+            }
+        };
+        chunks::for_each(
+            (contact_load.as_mut_slice(), rates.as_mut_slice()),
+            CHUNK,
+            &sum,
+        );
+        if !self.deformables.is_empty() {
+            self.sum_stretch();
+        }
+    }
+
+    /// What the contact forces strain, deformable blocks only.
+    fn sum_stretch(&mut self) {
+        self.contact_stretch.clear();
+        self.contact_stretch
+            .resize(self.deformables.len(), Matrix3::zeros());
+        for pair in self.pairs.iter().filter(|pair| pair.is_touching()) {
+            for (block, sign) in [(pair.blocks.0, -1.0), (pair.blocks.1, 1.0)] {
+                let b = block as usize;
+                let Some(k) = self.deformable_of[b] else {
+                    continue;
+                };
+                for point in &pair.points {
+                    let force = (pair.normal * point.normal_force + point.shear_force) * sign;
+                    let offset = point.patch.position - self.kinematics[b].centroid;
+                    self.contact_stretch[k as usize] += stretch(&force, &offset);
+                }
+            }
+        }
+        for pair in self
+            .sphere_pairs
+            .iter()
+            .filter(|pair| pair.contact.is_touching)
+        {
+            for (block, sign) in [(pair.blocks.0, -1.0), (pair.blocks.1, 1.0)] {
+                let b = block as usize;
+                if let Some(k) = self.deformable_of[b] {
+                    let offset = pair.contact.point - self.kinematics[b].centroid;
+                    self.contact_stretch[k as usize] +=
+                        stretch(&(pair.contact.force * sign), &offset);
+                }
+            }
+        }
+    }
+}
+
+impl BlockRates {
+    fn add(&mut self, rates: &Rates, is_touching: bool, blocks: (u32, u32)) {
+        if is_touching {
+            self.stiffness += rates.stiffness;
+            self.damping += rates.damping;
+        } else {
+            self.next_stiffness = self.next_stiffness.max(rates.stiffness);
+            self.next_damping = self.next_damping.max(rates.damping);
+        }
+        if rates.stiffness > self.stiffest {
+            self.stiffest = rates.stiffness;
+            self.contact = Some(blocks);
+        }
+    }
+}
