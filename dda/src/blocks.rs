@@ -3,9 +3,8 @@
 mod query;
 
 use crate::{
-    Attachment, BlockError, Contact, ContactDetection, ContactState, Deformability,
-    DeformableModel, Hold, Isometry, Load, MassProperties, Material, Motion, NormalLaw, Shape,
-    StaticDamping, Turning, Vec3,
+    Attachment, BlockError, ContactDetection, Deformability, DeformableModel, Hold, Isometry, Load,
+    MassProperties, Material, Motion, NormalLaw, Shape, StaticDamping, Turning, Vec3,
     attachments::{Attachments, Surroundings},
     broad_phase::{self, Bounds},
     chunks,
@@ -19,7 +18,7 @@ use crate::{
     links::Links,
     material::Joint,
     parts::Part,
-    sphere_contact::{Rolling, SpherePair},
+    sphere_contact::{Rolling, Scales, SphereLoads, SpherePair},
 };
 use nalgebra::{Matrix3, Rotation3, SymmetricEigen, UnitQuaternion};
 
@@ -100,6 +99,8 @@ pub struct Blocks {
     pub(crate) pairs: Vec<Pair>,
     /// The same of which a ball is one.
     pub(crate) sphere_pairs: Vec<SpherePair>,
+    /// One per pair of `sphere_pairs`.
+    pub(crate) sphere_loads: Vec<SphereLoads>,
     /// One per pair of `sphere_pairs`; empty if no material resists rolling.
     pub(crate) sphere_rolling: Vec<Rolling>,
     pub(crate) friction: Account,
@@ -134,11 +135,9 @@ pub struct Blocks {
     pub(crate) boxes: Vec<Bounds>,
     /// Boxes that the candidate pairs were found with; one per part.
     pub(crate) fat_boxes: Vec<Bounds>,
-    /// Contact points of the last step, for those who ask.
-    pub(crate) contacts: Vec<Contact>,
     pub(crate) candidates: Vec<(u32, u32)>,
     pub(crate) pairs_before: Vec<Pair>,
-    pub(crate) sphere_pairs_before: Vec<(SpherePair, Rolling)>,
+    pub(crate) sphere_pairs_before: Vec<(SpherePair, SphereLoads, Rolling)>,
     /// The pairs of each block.
     pub(crate) links: Links,
     pub(crate) sphere_links: Links,
@@ -180,6 +179,8 @@ pub struct Blocks {
     /// One per part.
     pub(crate) can_move: Vec<bool>,
     pub(crate) has_rolling: bool,
+    /// Least margin of its parts; one per block; m.
+    pub(crate) least_margin: Vec<f64>,
     /// Constants of every pair of materials, row by row.
     pub(crate) joints: Vec<Joint>,
     pub(crate) n_materials: usize,
@@ -238,7 +239,6 @@ impl Blocks {
         this.find_candidates();
         this.bond_pairs();
         this.evaluate_contacts(0.0);
-        this.collect_contacts();
         Ok(this)
     }
 
@@ -253,6 +253,7 @@ impl Blocks {
             attachments: Attachments::default(),
             pairs: Vec::new(),
             sphere_pairs: Vec::new(),
+            sphere_loads: Vec::new(),
             sphere_rolling: Vec::new(),
             friction: Account::default(),
             damping: Account::default(),
@@ -273,7 +274,6 @@ impl Blocks {
             parts: Vec::new(),
             boxes: Vec::new(),
             fat_boxes: Vec::new(),
-            contacts: Vec::new(),
             candidates: Vec::new(),
             pairs_before: Vec::new(),
             sphere_pairs_before: Vec::new(),
@@ -299,6 +299,7 @@ impl Blocks {
             size: Vec::new(),
             can_move: Vec::new(),
             has_rolling: false,
+            least_margin: Vec::new(),
             joints,
             n_materials,
             settings,
@@ -458,6 +459,9 @@ impl Blocks {
             ));
         }
         self.radius.push(radius);
+        let margins = self.margin[first..].iter().copied();
+        self.least_margin
+            .push(margins.fold(f64::INFINITY, f64::min));
         self.part_start.push(self.reference.len() as u32);
     }
 
@@ -586,7 +590,15 @@ impl Blocks {
         } = self;
         let set = |first: usize, kinematics: &mut [Kinematics]| {
             for (b, kinematics) in (first..).zip(kinematics) {
-                if role[b] == Role::Plain {
+                if role[b] != Role::Plain {
+                    continue;
+                }
+                if is_isotropic(&inertia[b]) && kinematics.inverse_mass > 0.0 {
+                    // The inertia of a ball does not turn.
+                    kinematics.centroid = centroid[b];
+                    kinematics.velocity = velocity[b];
+                    kinematics.spin = attitude[b] * angular_momentum[b] * (1.0 / inertia[b].x);
+                } else {
                     *kinematics = rigid_kinematics(
                         (centroid[b], velocity[b], mass[b]),
                         &attitude[b],
@@ -790,6 +802,15 @@ impl Blocks {
         self.pairs_before = old;
     }
 
+    fn scales_of(&self, parts: (u32, u32)) -> Scales {
+        let (i, j) = (parts.0 as usize, parts.1 as usize);
+        Scales::of(
+            (&self.parts[i], &self.parts[j]),
+            self.deepest_allowed[i].min(self.deepest_allowed[j]),
+            self.size[i].min(self.size[j]),
+        )
+    }
+
     fn keep_sphere_pairs(&mut self) {
         let rolling = self
             .sphere_rolling
@@ -797,23 +818,28 @@ impl Blocks {
             .chain(std::iter::repeat(Rolling::default()));
         let mut old = std::mem::take(&mut self.sphere_pairs_before);
         old.clear();
-        old.extend(self.sphere_pairs.drain(..).zip(rolling));
+        let pairs = self.sphere_pairs.drain(..).zip(self.sphere_loads.drain(..));
+        old.extend(
+            pairs
+                .zip(rolling)
+                .map(|((pair, loads), rolling)| (pair, loads, rolling)),
+        );
         let mut rest = old.drain(..).peekable();
         for k in 0..self.candidates.len() {
             let parts = self.candidates[k];
             if !self.is_of_sphere(parts) {
                 continue;
             }
-            while rest.next_if(|(pair, _)| pair.parts < parts).is_some() {}
-            let (pair, rolling) = rest
-                .next_if(|(pair, _)| pair.parts == parts)
+            while rest.next_if(|(pair, ..)| pair.parts < parts).is_some() {}
+            let (pair, loads, rolling) = rest
+                .next_if(|(pair, ..)| pair.parts == parts)
                 .unwrap_or_else(|| {
-                    (
-                        SpherePair::new(parts, self.blocks_of(parts)),
-                        Rolling::default(),
-                    )
+                    let blocks = self.blocks_of(parts);
+                    let pair = SpherePair::new(parts, blocks, self.scales_of(parts));
+                    (pair, SphereLoads::default(), Rolling::default())
                 });
             self.sphere_pairs.push(pair);
+            self.sphere_loads.push(loads);
             if self.has_rolling {
                 self.sphere_rolling.push(rolling);
             }
@@ -846,6 +872,7 @@ impl Blocks {
         let lists = Lists {
             pairs: &mut self.pairs,
             sphere_pairs: &mut self.sphere_pairs,
+            sphere_loads: &mut self.sphere_loads,
             sphere_rolling: &mut self.sphere_rolling,
         };
         (lists, medium, &self.boxes)
@@ -873,6 +900,9 @@ impl Blocks {
         let mut pairs = self.sphere_pairs.iter();
         self.sphere_rolling
             .retain(|_| pairs.next().is_none_or(|pair| stays(pair.blocks)));
+        let mut pairs = self.sphere_pairs.iter();
+        self.sphere_loads
+            .retain(|_| pairs.next().is_none_or(|pair| stays(pair.blocks)));
         self.sphere_pairs.retain(|pair| stays(pair.blocks));
         self.link_pairs();
         self.contact_load[b] = Load::default();
@@ -880,48 +910,6 @@ impl Blocks {
         self.angular_momentum[b] = Vec3::zeros();
         self.set_kinematics(b);
         self.sum_loads();
-        self.collect_contacts();
-    }
-
-    pub(crate) fn collect_contacts(&mut self) {
-        self.contacts.clear();
-        for pair in &self.pairs {
-            for point in &pair.points {
-                self.contacts.push(Contact {
-                    blocks: (pair.blocks.0 as usize, pair.blocks.1 as usize),
-                    parts: (pair.parts.0 as usize, pair.parts.1 as usize),
-                    key: point.patch.key,
-                    point: point.patch.position,
-                    normal: pair.normal,
-                    normal_force: point.normal_force,
-                    shear_force: point.shear_force,
-                    overlap: point.patch.overlap,
-                    state: point.state,
-                });
-            }
-        }
-        for pair in self
-            .sphere_pairs
-            .iter()
-            .filter(|pair| pair.contact.is_touching)
-        {
-            let contact = &pair.contact;
-            self.contacts.push(Contact {
-                blocks: (pair.blocks.0 as usize, pair.blocks.1 as usize),
-                parts: (pair.parts.0 as usize, pair.parts.1 as usize),
-                key: 0,
-                point: contact.point,
-                normal: contact.normal,
-                normal_force: contact.normal_force,
-                shear_force: contact.force - contact.normal * contact.normal_force,
-                overlap: contact.overlap,
-                state: match (contact.normal_force > 0.0, contact.is_slipping) {
-                    (false, _) => ContactState::Open,
-                    (true, true) => ContactState::Slide,
-                    (true, false) => ContactState::Stick,
-                },
-            });
-        }
     }
 }
 
@@ -929,7 +917,13 @@ impl Blocks {
 pub(crate) struct Lists<'a> {
     pub pairs: &'a mut Vec<Pair>,
     pub sphere_pairs: &'a mut Vec<SpherePair>,
+    pub sphere_loads: &'a mut Vec<SphereLoads>,
     pub sphere_rolling: &'a mut Vec<Rolling>,
+}
+
+/// Are all moments equal, as a ball's are?
+pub(crate) fn is_isotropic(inertia: &Vec3) -> bool {
+    inertia.x == inertia.y && inertia.y == inertia.z
 }
 
 fn rigid_kinematics(
@@ -939,7 +933,7 @@ fn rigid_kinematics(
     inertia: &Vec3,
 ) -> Kinematics {
     let inverse = inertia.map(|moment| 1.0 / moment);
-    let inverse_inertia = if inertia.x == inertia.y && inertia.y == inertia.z {
+    let inverse_inertia = if is_isotropic(inertia) {
         Matrix3::from_diagonal(&inverse)
     } else {
         let turn = attitude.to_rotation_matrix();

@@ -22,9 +22,9 @@ pub(crate) struct BlockRates {
     /// The worst of those that do not yet.
     pub next_stiffness: f64,
     pub next_damping: f64,
-    /// Stiffest pair, and its share.
+    /// Share of the stiffest pair; whether a ball is of it, and its place in the list.
     pub stiffest: f64,
-    pub contact: Option<(u32, u32)>,
+    pub contact: Option<(bool, u32)>,
 }
 
 impl Blocks {
@@ -59,6 +59,8 @@ impl Blocks {
         }
         let slowest = |first: usize, rates: &[BlockRates]| {
             let mut found: (f64, usize, bool) = (f64::INFINITY, usize::MAX, false);
+            // A block less stiff and less damped than the worst so far has nothing to say.
+            let mut worst = (0.0, 0.0);
             for (b, rates) in (first..).zip(rates) {
                 if !self.is_free(b) {
                     continue;
@@ -71,18 +73,19 @@ impl Blocks {
                     k += square;
                     c += 2.0 * xi * square.sqrt();
                 }
-                let bound = if k > 0.0 {
-                    self.settings.time_step_factor * ((c * c + 4.0 * k).sqrt() - c) / k
-                } else {
-                    f64::INFINITY
-                };
-                let travel = if has_others {
-                    self.travel_time(b, fastest_path)
-                } else {
-                    f64::INFINITY
-                };
-                if bound.min(travel) < found.0 {
-                    found = (bound.min(travel), b, bound <= travel);
+                if k > worst.0 || c > worst.1 {
+                    let bound = self.settings.time_step_factor * ((c * c + 4.0 * k).sqrt() - c) / k;
+                    if bound < found.0 {
+                        found = (bound, b, true);
+                        worst = (k, c);
+                    }
+                }
+                if has_others && self.may_travel_too_far(b, fastest_path, found.0) {
+                    let travel = self.travel_time(b, fastest_path);
+                    if travel < found.0 {
+                        found = (travel, b, false);
+                        worst = (0.0, 0.0);
+                    }
                 }
             }
             found
@@ -99,8 +102,30 @@ impl Blocks {
                 .get(block)
                 .filter(|_| is_contact)
                 .and_then(|rates| rates.contact)
-                .map(|(i, j)| (i as usize, j as usize)),
+                .map(|(is_sphere, k)| {
+                    let (i, j) = if is_sphere {
+                        self.sphere_pairs[k as usize].blocks
+                    } else {
+                        self.pairs[k as usize].blocks
+                    };
+                    (i as usize, j as usize)
+                }),
         }
+    }
+
+    /// Cheap and on the safe side: may the block travel farther in `dt` (s) than half its margin?
+    fn may_travel_too_far(&self, b: usize, fastest_path: f64, dt: f64) -> bool {
+        let body = &self.kinematics[b];
+        let radius = self.radius[b];
+        let mut square = fastest_path * fastest_path
+            + body.velocity.norm_squared()
+            + body.spin.norm_squared() * (radius * radius);
+        if let Some(rate) = &body.strain_rate {
+            square += rate.norm_squared() * (radius * radius);
+        }
+        let way = 0.5 * (self.least_margin[b] - self.settings.gravity.norm() * dt * dt);
+        // (a + b + c + d)² ≤ 4 (a² + b² + c² + d²). The step is infinite while nothing bounds it.
+        !(way > 0.0 && 4.0 * square * dt * dt <= way * way)
     }
 
     /// Is there more than one block?
@@ -115,10 +140,7 @@ impl Blocks {
     /// Time in which no point of the block, with the fastest path (m/s) against it, moves farther than
     /// half its margin, gravity included: `v t + g t²/2 = margin/2`; s.
     fn travel_time(&self, b: usize, fastest_path: f64) -> f64 {
-        let margin = self
-            .parts_of(b)
-            .map(|part| self.margin[part])
-            .fold(f64::INFINITY, f64::min);
+        let margin = self.least_margin[b];
         let v = fastest_path
             + self.velocity[b].norm()
             + self.kinematics[b].spin.norm() * self.radius[b]

@@ -7,7 +7,7 @@ use crate::{
     contact::{Pair, Rates},
     critical_step::BlockRates,
     kinematics::stretch,
-    sphere_contact::{Rolling, SpherePair},
+    sphere_contact::{Rolling, SphereLoads, SpherePair},
 };
 use nalgebra::Matrix3;
 
@@ -101,32 +101,29 @@ impl Blocks {
 
     fn evaluate_spheres(&mut self, dt: f64) -> Tally {
         let (lists, medium, _) = self.split_pairs();
+        let (pairs, loads) = (
+            lists.sphere_pairs.as_mut_slice(),
+            lists.sphere_loads.as_mut_slice(),
+        );
+        type Rows<'a> = (&'a mut [SpherePair], &'a mut [SphereLoads]);
         if lists.sphere_rolling.is_empty() {
-            let update = |_, pairs: &mut [SpherePair]| {
+            let update = |_, (pairs, loads): Rows| {
                 let mut tally = Tally::default();
-                for pair in pairs {
-                    pair.evaluate(&medium, None, dt, &mut tally);
+                for (pair, loads) in pairs.iter_mut().zip(loads) {
+                    pair.evaluate(&medium, loads, None, dt, &mut tally);
                 }
                 tally
             };
-            return chunks::reduce(
-                lists.sphere_pairs.as_mut_slice(),
-                CHUNK,
-                &update,
-                &Tally::with,
-            );
+            return chunks::reduce((pairs, loads), CHUNK, &update, &Tally::with);
         }
-        let update = |_, (pairs, rolling): (&mut [SpherePair], &mut [Rolling])| {
+        let update = |_, (rows, rolling): (Rows, &mut [Rolling])| {
             let mut tally = Tally::default();
-            for (pair, rolling) in pairs.iter_mut().zip(rolling) {
-                pair.evaluate(&medium, Some(rolling), dt, &mut tally);
+            for ((pair, loads), rolling) in rows.0.iter_mut().zip(rows.1).zip(rolling) {
+                pair.evaluate(&medium, loads, Some(rolling), dt, &mut tally);
             }
             tally
         };
-        let columns = (
-            lists.sphere_pairs.as_mut_slice(),
-            lists.sphere_rolling.as_mut_slice(),
-        );
+        let columns = ((pairs, loads), lists.sphere_rolling.as_mut_slice());
         chunks::reduce(columns, CHUNK, &update, &Tally::with)
     }
 
@@ -139,9 +136,7 @@ impl Blocks {
             links,
             sphere_links,
             pairs,
-            sphere_pairs,
-            sphere_rolling,
-            kinematics,
+            sphere_loads,
             ..
         } = self;
         let sum = |first: usize, (loads, rates): (&mut [Load], &mut [BlockRates])| {
@@ -158,20 +153,22 @@ impl Blocks {
                     if pair.is_touching() {
                         *load += *part;
                     }
-                    all.add(rates, pair.is_touching(), pair.blocks);
+                    if all.add(rates, pair.is_touching()) {
+                        all.contact = Some((false, k as u32));
+                    }
                 }
                 for (k, is_second) in sphere_links.of(b) {
-                    let pair = &sphere_pairs[k];
-                    let rates = if is_second {
-                        &pair.rates.1
+                    let pair = &sphere_loads[k];
+                    let (sign, torque, rates) = if is_second {
+                        (1.0, &pair.torques.1, &pair.rates.1)
                     } else {
-                        &pair.rates.0
+                        (-1.0, &pair.torques.0, &pair.rates.0)
                     };
-                    if pair.contact.is_touching {
-                        let centroid = &kinematics[b].centroid;
-                        *load += pair.load_on(is_second, centroid, sphere_rolling.get(k));
+                    load.force += pair.force * sign;
+                    load.torque += torque;
+                    if all.add(rates, pair.is_touching) {
+                        all.contact = Some((true, k as u32));
                     }
-                    all.add(rates, pair.contact.is_touching, pair.blocks);
                 }
             }
         };
@@ -203,17 +200,12 @@ impl Blocks {
                 }
             }
         }
-        for pair in self
-            .sphere_pairs
-            .iter()
-            .filter(|pair| pair.contact.is_touching)
-        {
+        for (pair, loads) in self.sphere_pairs.iter().zip(&self.sphere_loads) {
             for (block, sign) in [(pair.blocks.0, -1.0), (pair.blocks.1, 1.0)] {
                 let b = block as usize;
                 if let Some(k) = self.deformable_of[b] {
                     let offset = pair.contact.point - self.kinematics[b].centroid;
-                    self.contact_stretch[k as usize] +=
-                        stretch(&(pair.contact.force * sign), &offset);
+                    self.contact_stretch[k as usize] += stretch(&(loads.force * sign), &offset);
                 }
             }
         }
@@ -221,7 +213,8 @@ impl Blocks {
 }
 
 impl BlockRates {
-    fn add(&mut self, rates: &Rates, is_touching: bool, blocks: (u32, u32)) {
+    /// Adds a pair; is it the stiffest so far?
+    fn add(&mut self, rates: &Rates, is_touching: bool) -> bool {
         if is_touching {
             self.stiffness += rates.stiffness;
             self.damping += rates.damping;
@@ -229,9 +222,10 @@ impl BlockRates {
             self.next_stiffness = self.next_stiffness.max(rates.stiffness);
             self.next_damping = self.next_damping.max(rates.damping);
         }
-        if rates.stiffness > self.stiffest {
+        let is_stiffest = rates.stiffness > self.stiffest;
+        if is_stiffest {
             self.stiffest = rates.stiffness;
-            self.contact = Some(blocks);
         }
+        is_stiffest
     }
 }

@@ -107,7 +107,6 @@ impl Blocks {
             let to = time + dt * (f64::from(k + 1) / n);
             self.sub_step(from, to, dt / n)?;
         }
-        self.collect_contacts();
         Ok(())
     }
 
@@ -163,6 +162,7 @@ impl Blocks {
             ..
         } = self;
         let (attached, gravity) = (&attachments.loads, settings.gravity);
+        let heaviness = gravity.norm();
         type Moving<'a> = (&'a mut [Vec3], &'a mut [Vec3]);
         let kick = |first: usize, (velocity, momentum): Moving| {
             let mut kicked = Kicked::default();
@@ -181,7 +181,7 @@ impl Blocks {
                 }
                 let weight = gravity * mass[b];
                 kicked.impulse += weight * (0.5 * dt);
-                kicked.exchanged += weight.norm() * (0.5 * dt);
+                kicked.exchanged += heaviness * mass[b] * (0.5 * dt);
                 *velocity += (load.force + weight) * (0.5 * dt / mass[b]);
                 *momentum += attitude[b].inverse_transform_vector(&load.torque) * (0.5 * dt);
             }

@@ -2,6 +2,7 @@
 
 use crate::{
     Vec3,
+    blocks::is_isotropic,
     kinematics::{InternalMotion, Moment},
 };
 use nalgebra::UnitQuaternion;
@@ -38,7 +39,7 @@ impl InternalMotion for Rigid6<'_> {
 /// One rotation about the spin itself if all moments are equal. Time-reversible; keeps the spatial angular momentum to round-off, the energy error bounded and
 /// second order. Source: Dullweber, Leimkuhler & McLachlan (1997).
 fn rotate(attitude: &mut UnitQuaternion<f64>, p: &mut Vec3, inertia: &Vec3, dt: f64) {
-    if inertia.x == inertia.y && inertia.y == inertia.z {
+    if is_isotropic(inertia) {
         *attitude *= UnitQuaternion::from_scaled_axis(*p * (dt / inertia.x));
         attitude.renormalize_fast();
         return;

@@ -17,10 +17,10 @@
 
 use crate::{
     SurfacePoint, Vec3,
-    contact::{Medium, Rates},
+    contact::{ContactState, Medium, Rates},
     forces::Tally,
     friction::carry,
-    kinematics::{Kinematics, Load},
+    kinematics::Kinematics,
     material::SphereJoint,
     parts::Part,
 };
@@ -31,21 +31,44 @@ pub(crate) struct SpherePair {
     pub parts: (u32, u32),
     pub blocks: (u32, u32),
     pub contact: SphereContact,
-    /// What the pair adds to the step bound of each block.
-    pub rates: (Rates, Rates),
+    scales: Scales,
+}
+
+/// Lengths of a pair; m.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Scales {
+    /// `R̃`.
+    pub effective_radius: f64,
+    /// Deepest overlap allowed.
+    pub allowed_overlap: f64,
+    /// Of the smaller part.
+    pub size: f64,
+}
+
+impl Scales {
+    /// Of two parts, a ball at least one of them; the lesser of what is allowed and of their sizes.
+    pub fn of(parts: (&Part, &Part), allowed_overlap: f64, size: f64) -> Self {
+        let radius = |part: &Part| match part {
+            Part::Sphere { radius, .. } => *radius,
+            Part::Polyhedron(_) => f64::INFINITY,
+        };
+        // 1/R̃ = 1/r_i + 1/r_j, a polyhedron being flat.
+        let curvature = 1.0 / radius(parts.0) + 1.0 / radius(parts.1);
+        Self {
+            effective_radius: 1.0 / curvature,
+            allowed_overlap,
+            size,
+        }
+    }
 }
 
 /// Memory of a touching pair.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct SphereContact {
-    pub is_touching: bool,
-    pub is_slipping: bool,
     /// Unit, from i to j.
     pub normal: Vec3,
     /// World; m.
     pub point: Vec3,
-    /// On j; N.
-    pub force: Vec3,
     /// `ξ`; m.
     pub shear: Vec3,
     /// `δ`; m.
@@ -55,6 +78,20 @@ pub(crate) struct SphereContact {
     pub normal_viscous: f64,
     /// `k_t`; N/m.
     pub shear_stiffness: f64,
+    pub is_touching: bool,
+    pub is_slipping: bool,
+}
+
+/// What a pair does to its blocks; beside the pairs, because each block reads it of all its own.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct SphereLoads {
+    /// On j; N. Zero when apart.
+    pub force: Vec3,
+    /// On i and j about their centroids; N m.
+    pub torques: (Vec3, Vec3),
+    /// What the pair adds to the step bound of each block.
+    pub rates: (Rates, Rates),
+    pub is_touching: bool,
 }
 
 /// Memory of the rolling spring of a touching pair; only where a material resists rolling.
@@ -74,65 +111,159 @@ impl Rolling {
     }
 }
 
+impl SphereContact {
+    fn shear_energy(&self) -> f64 {
+        0.5 * self.shear_stiffness * self.shear.norm_squared()
+    }
+
+    pub fn state(&self) -> ContactState {
+        match (self.normal_force > 0.0, self.is_slipping) {
+            (false, _) => ContactState::Open,
+            (true, true) => ContactState::Slide,
+            (true, false) => ContactState::Stick,
+        }
+    }
+}
+
+/// One side of a contact. A ball answers without its inertia tensor.
+trait Side {
+    fn kinematics(&self) -> &Kinematics;
+    /// m/s.
+    fn velocity_at(&self, x: &Vec3) -> Vec3;
+    /// See [`Kinematics::compliance`]; 1/kg.
+    fn compliance(&self, x: &Vec3, n: &Vec3) -> f64;
+    /// See [`Kinematics::compliance_trace`]; 1/kg.
+    fn compliance_trace(&self, x: &Vec3) -> f64;
+    /// `tr J⁻¹`; 1/(kg m²).
+    fn turning_trace(&self) -> f64;
+
+    /// Velocity of the material that was at `x` before the drift of the last `dt` (s); m/s.
+    fn velocity_from(&self, x: &Vec3, dt: f64) -> Vec3 {
+        self.velocity_at(&(x + self.kinematics().velocity * dt))
+    }
+
+    /// Twice as much for the other side if this one gives way.
+    fn twice(&self) -> f64 {
+        if self.kinematics().inverse_mass > 0.0 {
+            2.0
+        } else {
+            1.0
+        }
+    }
+}
+
+struct Ball<'a>(&'a Kinematics);
+
+impl Side for Ball<'_> {
+    fn kinematics(&self) -> &Kinematics {
+        self.0
+    }
+
+    fn velocity_at(&self, x: &Vec3) -> Vec3 {
+        self.0.velocity + self.0.spin.cross(&(x - self.0.centroid))
+    }
+
+    fn compliance(&self, _: &Vec3, _: &Vec3) -> f64 {
+        self.0.inverse_mass
+    }
+
+    fn compliance_trace(&self, x: &Vec3) -> f64 {
+        let square = (x - self.0.centroid).norm_squared();
+        3.0 * self.0.inverse_mass + 2.0 * self.0.inverse_inertia.m11 * square
+    }
+
+    fn turning_trace(&self) -> f64 {
+        3.0 * self.0.inverse_inertia.m11
+    }
+}
+
+struct Body<'a>(&'a Kinematics);
+
+impl Side for Body<'_> {
+    fn kinematics(&self) -> &Kinematics {
+        self.0
+    }
+
+    fn velocity_at(&self, x: &Vec3) -> Vec3 {
+        self.0.velocity_at(x)
+    }
+
+    fn compliance(&self, x: &Vec3, n: &Vec3) -> f64 {
+        self.0.compliance(x, n)
+    }
+
+    fn compliance_trace(&self, x: &Vec3) -> f64 {
+        self.0.compliance_trace(x)
+    }
+
+    fn turning_trace(&self) -> f64 {
+        self.0.inverse_inertia.trace()
+    }
+}
+
 /// Where a ball and another part touch.
 struct Touch {
     normal: Vec3,
     point: Vec3,
     overlap: f64,
+}
+
+impl Touch {
+    /// Of balls of centre and radius.
+    fn of_balls((a, r): (&Vec3, f64), (b, s): (&Vec3, f64)) -> Option<Self> {
+        let offset = b - a;
+        let square = offset.norm_squared();
+        if square >= (r + s) * (r + s) {
+            return None;
+        }
+        let distance = square.sqrt();
+        let normal = if distance > 0.0 {
+            offset * (1.0 / distance)
+        } else {
+            Vec3::z()
+        };
+        let overlap = r + s - distance;
+        Some(Self {
+            normal,
+            point: a + normal * (r - 0.5 * overlap),
+            overlap,
+        })
+    }
+
+    fn on_surface(surface: &SurfacePoint, normal: Vec3, radius: f64) -> Self {
+        let overlap = radius - surface.distance;
+        Self {
+            normal,
+            point: surface.point - surface.normal * (0.5 * overlap),
+            overlap,
+        }
+    }
+}
+
+/// The law of a pair, and the step.
+struct Law<'a> {
+    joint: &'a SphereJoint,
     effective_radius: f64,
-}
-
-/// A side's velocities at the contact: of its material, and of turning.
-struct Sides<'a>(&'a Kinematics, &'a Kinematics);
-
-impl Sides<'_> {
-    fn rate_at(&self, x: &Vec3) -> Vec3 {
-        self.1.velocity_at(x) - self.0.velocity_at(x)
-    }
-
-    /// Of j against i, of the material that was at `x` a step ago; m/s.
-    fn rate_from(&self, x: &Vec3, dt: f64) -> Vec3 {
-        self.1.velocity_from(x, dt) - self.0.velocity_from(x, dt)
-    }
-
-    fn turning(&self) -> Vec3 {
-        self.1.spin - self.0.spin
-    }
-}
-
-impl SphereContact {
-    pub fn shear_energy(&self) -> f64 {
-        0.5 * self.shear_stiffness * self.shear.norm_squared()
-    }
+    shear_damping_ratio: f64,
+    dt: f64,
 }
 
 impl SpherePair {
-    pub fn new(parts: (u32, u32), blocks: (u32, u32)) -> Self {
+    pub fn new(parts: (u32, u32), blocks: (u32, u32), scales: Scales) -> Self {
         Self {
             parts,
             blocks,
             contact: SphereContact::default(),
-            rates: (Rates::default(), Rates::default()),
+            scales,
         }
-    }
-
-    /// Load of the contact on the i or the j side.
-    pub fn load_on(&self, is_j: bool, centroid: &Vec3, rolling: Option<&Rolling>) -> Load {
-        let sign = if is_j { 1.0 } else { -1.0 };
-        let force = self.contact.force * sign;
-        let mut torque = (self.contact.point - centroid).cross(&force);
-        if let Some(rolling) = rolling {
-            torque += rolling.torque * sign;
-        }
-        Load { force, torque }
     }
 
     /// Energy of the springs; J.
-    pub fn energy(&self, law: &SphereJoint, parts: &[Part], rolling: Option<&Rolling>) -> f64 {
+    pub fn energy(&self, law: &SphereJoint, rolling: Option<&Rolling>) -> f64 {
         if !self.contact.is_touching {
             return 0.0;
         }
-        law.energy(self.contact.overlap, effective_radius(parts, self.parts))
+        law.energy(self.contact.overlap, self.scales.effective_radius)
             + self.contact.shear_energy()
             + rolling.map_or(0.0, Rolling::energy)
     }
@@ -142,312 +273,314 @@ impl SpherePair {
     pub fn evaluate(
         &mut self,
         medium: &Medium,
+        loads: &mut SphereLoads,
         rolling: Option<&mut Rolling>,
         dt: f64,
         tally: &mut Tally,
     ) {
-        let sides = Sides(
+        let (a, b) = (
             &medium.kinematics[self.blocks.0 as usize],
             &medium.kinematics[self.blocks.1 as usize],
         );
-        if self.contact.is_touching {
-            self.book_first_half(&sides, rolling.as_deref(), dt, tally);
-        }
-        match touch(medium, self.parts) {
-            Some(found) => {
-                let law = &medium.joint_of(self.parts).spheres;
-                self.apply_law(&found, law, medium, &sides, rolling, dt, tally);
-                tally.note_overlap(
-                    self.parts,
-                    found.overlap / medium.least_of(self.parts, medium.deepest_allowed),
-                    found.overlap / medium.least_of(self.parts, medium.size),
-                );
+        let law = Law {
+            joint: &medium.joint_of(self.parts).spheres,
+            effective_radius: self.scales.effective_radius,
+            shear_damping_ratio: medium.shear_damping_ratio,
+            dt,
+        };
+        let (first, second) = (
+            &medium.parts[self.parts.0 as usize],
+            &medium.parts[self.parts.1 as usize],
+        );
+        match (first, second) {
+            (Part::Sphere { radius: r, .. }, Part::Sphere { radius: s, .. }) => {
+                let found = Touch::of_balls((&a.centroid, *r), (&b.centroid, *s));
+                let sides = (Ball(a), Ball(b));
+                self.update(found, &law, &sides, medium, (loads, rolling), tally);
             }
-            None if self.contact.is_touching => {
-                let law = &medium.joint_of(self.parts).spheres;
-                let radius = effective_radius(medium.parts, self.parts);
-                if self.contact.normal_force == 0.0 {
-                    // No force acted any more: what the spring still held is lost.
-                    tally.damping += law.energy(self.contact.overlap, radius);
-                }
-                // The shear and rolling springs' energy was booked with the first half.
+            (Part::Sphere { center, radius }, Part::Polyhedron(body)) => {
+                let surface = body.touch_point_within(center, *radius);
+                let found = surface.map(|at| Touch::on_surface(&at, -at.normal, *radius));
+                let sides = (Ball(a), Body(b));
+                self.update(found, &law, &sides, medium, (loads, rolling), tally);
+            }
+            (Part::Polyhedron(body), Part::Sphere { center, radius }) => {
+                let surface = body.touch_point_within(center, *radius);
+                let found = surface.map(|at| Touch::on_surface(&at, at.normal, *radius));
+                let sides = (Body(a), Ball(b));
+                self.update(found, &law, &sides, medium, (loads, rolling), tally);
+            }
+            (Part::Polyhedron(_), Part::Polyhedron(_)) => {}
+        }
+    }
+
+    fn update<A: Side, B: Side>(
+        &mut self,
+        found: Option<Touch>,
+        law: &Law,
+        sides: &(A, B),
+        medium: &Medium,
+        (loads, rolling): (&mut SphereLoads, Option<&mut Rolling>),
+        tally: &mut Tally,
+    ) {
+        if self.contact.is_touching {
+            book_first_half(
+                &self.contact,
+                loads,
+                rolling.as_deref(),
+                law.dt,
+                sides,
+                tally,
+            );
+        }
+        let Some(found) = found else {
+            if self.contact.is_touching && self.contact.normal_force == 0.0 {
+                // No force acted any more: what the spring still held is lost.
+                tally.damping += law.joint.energy(self.contact.overlap, law.effective_radius);
+            }
+            if self.contact.is_touching || medium.is_hertz || loads.is_new() {
+                // What shear and rolling springs held was booked with the first half.
+                self.contact = SphereContact::default();
+                *loads = SphereLoads {
+                    rates: self.rates_before_touch(law, sides, medium),
+                    ..SphereLoads::default()
+                };
                 if let Some(rolling) = rolling {
                     *rolling = Rolling::default();
                 }
-                self.contact = SphereContact::default();
-                self.note_rates_before_touch(law, medium, &sides);
             }
-            None if self.rates.0.stiffness + self.rates.1.stiffness == 0.0 || medium.is_hertz => {
-                let law = &medium.joint_of(self.parts).spheres;
-                self.note_rates_before_touch(law, medium, &sides);
-            }
-            None => {}
-        }
+            return;
+        };
+        tally.note_overlap(
+            self.parts,
+            found.overlap / self.scales.allowed_overlap,
+            found.overlap / self.scales.size,
+        );
+        self.contact
+            .apply(&found, law, sides, (loads, rolling), tally);
     }
 
-    /// Work of the forces in the first half of the step, and what the springs across the normal held.
-    fn book_first_half(
+    /// Rates of a pair that may touch in the next step.
+    fn rates_before_touch<A: Side, B: Side>(
         &self,
-        sides: &Sides,
-        rolling: Option<&Rolling>,
-        dt: f64,
-        tally: &mut Tally,
-    ) {
-        let contact = &self.contact;
-        let rate = sides.rate_from(&contact.point, dt);
-        let along = contact.normal.dot(&rate);
-        let shear = contact.force.dot(&rate) - contact.normal_force * along;
-        tally.damping -= 0.5 * dt * contact.normal_viscous * along;
-        tally.friction -= 0.5 * dt * shear;
-        tally.friction += contact.shear_energy();
-        if let Some(rolling) = rolling {
-            tally.friction -= 0.5 * dt * rolling.torque.dot(&sides.turning());
-            tally.friction += rolling.energy();
-        }
+        law: &Law,
+        sides: &(A, B),
+        medium: &Medium,
+    ) -> (Rates, Rates) {
+        let (a, b) = (sides.0.kinematics(), sides.1.kinematics());
+        let joint = law.joint;
+        let mobility = a.inverse_mass + b.inverse_mass;
+        let approach = (b.velocity - a.velocity).norm();
+        let stiffness = joint.tangent_bound(0.0, law.effective_radius, approach, mobility);
+        let dashpot = |ratio: f64, k: f64| 2.0 * ratio * (k / mobility).sqrt();
+        let viscosity = joint.damping_ratio_bound();
+        let shear = joint.shear_ratio * stiffness;
+        let of = |body: &Kinematics, twice: f64, block: u32| {
+            let (along, sum) = body.worst_compliance(medium.radius[block as usize]);
+            let across = sum - along;
+            Rates {
+                stiffness: twice * (stiffness * along + shear * across),
+                damping: twice
+                    * (dashpot(viscosity, stiffness) * along
+                        + dashpot(law.shear_damping_ratio, shear) * across),
+            }
+        };
+        (
+            of(a, sides.1.twice(), self.blocks.0),
+            of(b, sides.0.twice(), self.blocks.1),
+        )
     }
+}
 
-    #[expect(
-        clippy::too_many_arguments,
-        reason = "one place that needs all of the law"
-    )]
-    fn apply_law(
+impl SphereLoads {
+    /// Has the pair never been looked at?
+    fn is_new(&self) -> bool {
+        self.rates.0.stiffness + self.rates.1.stiffness == 0.0
+    }
+}
+
+/// Work of the forces in the first half of the step, and what the springs across the normal held.
+fn book_first_half<A: Side, B: Side>(
+    contact: &SphereContact,
+    loads: &SphereLoads,
+    rolling: Option<&Rolling>,
+    dt: f64,
+    sides: &(A, B),
+    tally: &mut Tally,
+) {
+    let x = &contact.point;
+    let rate = sides.1.velocity_from(x, dt) - sides.0.velocity_from(x, dt);
+    let along = contact.normal.dot(&rate);
+    let shear = loads.force.dot(&rate) - contact.normal_force * along;
+    tally.damping -= 0.5 * dt * contact.normal_viscous * along;
+    tally.friction += contact.shear_energy() - 0.5 * dt * shear;
+    if let Some(rolling) = rolling {
+        let turning = sides.1.kinematics().spin - sides.0.kinematics().spin;
+        tally.friction += rolling.energy() - 0.5 * dt * rolling.torque.dot(&turning);
+    }
+}
+
+impl SphereContact {
+    /// The law, in the place just found.
+    fn apply<A: Side, B: Side>(
         &mut self,
         found: &Touch,
-        law: &SphereJoint,
-        medium: &Medium,
-        sides: &Sides,
-        rolling: Option<&mut Rolling>,
-        dt: f64,
+        law: &Law,
+        sides: &(A, B),
+        (loads, rolling): (&mut SphereLoads, Option<&mut Rolling>),
         tally: &mut Tally,
     ) {
-        let contact = &mut self.contact;
-        let n = found.normal;
-        let rate = sides.rate_at(&found.point);
+        let Law {
+            joint,
+            effective_radius,
+            shear_damping_ratio,
+            dt,
+        } = *law;
+        let (a, b) = (sides.0.kinematics(), sides.1.kinematics());
+        let (n, x) = (found.normal, &found.point);
+        let rate = sides.1.velocity_at(x) - sides.0.velocity_at(x);
         let opening = n.dot(&rate);
         let slip = rate - n * opening;
-        let compliances = (
-            sides.0.compliance(&found.point, &n),
-            sides.1.compliance(&found.point, &n),
-        );
-        let mobility = compliances.0 + compliances.1;
-        let spring = law.normal(found.overlap, found.effective_radius, mobility);
-        let elastic = spring.force;
-        let normal_force = f64::max(elastic - spring.viscosity * opening, 0.0);
+        let along = (sides.0.compliance(x, &n), sides.1.compliance(x, &n));
+        let mobility = along.0 + along.1;
+        let spring = joint.normal(found.overlap, effective_radius, mobility);
+        let normal_force = f64::max(spring.force - spring.viscosity * opening, 0.0);
 
-        let shear_stiffness = law.shear_ratio * spring.tangent;
-        let turn = 0.5 * (sides.0.spin + sides.1.spin).dot(&n) * dt;
+        let shear_stiffness = joint.shear_ratio * spring.tangent;
         // A spring that has stiffened keeps its force, one that has softened its stretch: no energy is made.
-        let kept = if shear_stiffness > contact.shear_stiffness {
-            contact.shear_stiffness / shear_stiffness
+        let kept = if shear_stiffness > self.shear_stiffness {
+            self.shear_stiffness / shear_stiffness
         } else {
             1.0
         };
-        let mut stretch = carry(&contact.shear, &n, turn) * kept + slip * dt;
-        let dashpot = 2.0 * medium.shear_damping_ratio * (shear_stiffness / mobility).sqrt();
+        let turn = 0.5 * (a.spin + b.spin).dot(&n) * dt;
+        let mut stretch = carry(&self.shear, &n, turn) * kept + slip * dt;
+        let dashpot = 2.0 * shear_damping_ratio * (shear_stiffness / mobility).sqrt();
         let mut shear = -stretch * shear_stiffness - slip * dashpot;
-        let friction = if contact.is_slipping {
-            law.dynamic_friction
+        let friction = if self.is_slipping {
+            joint.dynamic_friction
         } else {
-            law.static_friction
+            joint.static_friction
         };
-        contact.is_slipping = shear.norm_squared() > (friction * normal_force).powi(2);
-        if contact.is_slipping {
-            shear *= law.dynamic_friction * normal_force / shear.norm();
+        self.is_slipping = shear.norm_squared() > (friction * normal_force).powi(2);
+        if self.is_slipping {
+            shear *= joint.dynamic_friction * normal_force / shear.norm();
             stretch = if shear_stiffness > 0.0 {
-                -shear / shear_stiffness
+                shear * (-1.0 / shear_stiffness)
             } else {
                 Vec3::zeros()
             };
         }
+        self.is_touching = true;
+        self.normal = n;
+        self.point = *x;
+        self.shear = stretch;
+        self.overlap = found.overlap;
+        self.normal_force = normal_force;
+        self.normal_viscous = normal_force - spring.force;
+        self.shear_stiffness = shear_stiffness;
+        tally.damping -= 0.5 * dt * self.normal_viscous * opening;
+        tally.friction -= 0.5 * dt * shear.dot(&slip) + self.shear_energy();
 
-        contact.is_touching = true;
-        contact.normal = n;
-        contact.point = found.point;
-        contact.force = n * normal_force + shear;
-        contact.shear = stretch;
-        contact.overlap = found.overlap;
-        contact.normal_force = normal_force;
-        contact.normal_viscous = normal_force - elastic;
-        contact.shear_stiffness = shear_stiffness;
-        tally.damping -= 0.5 * dt * contact.normal_viscous * opening;
-        tally.friction -= 0.5 * dt * shear.dot(&slip) + contact.shear_energy();
-
-        let bound = law.tangent_bound(found.overlap, found.effective_radius, opening, mobility);
-        let stiffening = bound / spring.tangent.max(f64::MIN_POSITIVE);
-        let rolling_rate = match rolling {
-            Some(rolling) if law.rolling_friction > 0.0 => {
-                let limit = law.rolling_friction * found.effective_radius * elastic;
-                rolling.apply(law, found, spring.tangent, sides, limit, dt);
-                let turning = sides.turning();
-                tally.friction -= 0.5 * dt * rolling.torque.dot(&turning) + rolling.energy();
-                rolling.stiffness * stiffening
-            }
-            _ => 0.0,
-        };
-        let shear_bound = shear_stiffness * stiffening.max(1.0);
-        let of = |body: &Kinematics, other: &Kinematics, along: f64| {
-            let both = if other.inverse_mass > 0.0 { 2.0 } else { 1.0 };
-            let across = body.compliance_trace(&found.point) - along;
-            Rates {
-                stiffness: both
-                    * (bound.max(spring.tangent) * along
-                        + shear_bound * across
-                        + rolling_rate * body.inverse_inertia.trace()),
-                damping: both
-                    * (spring.viscosity * along
-                        + dashpot * across
-                        + rolling_dashpot(rolling_rate, body, other)
-                            * body.inverse_inertia.trace()),
-            }
-        };
-        self.rates = (
-            of(sides.0, sides.1, compliances.0),
-            of(sides.1, sides.0, compliances.1),
+        let force = n * normal_force + shear;
+        let mut torques = (
+            (x - a.centroid).cross(&-force),
+            (x - b.centroid).cross(&force),
         );
-    }
-
-    /// Rates of a pair that may touch in the next step.
-    fn note_rates_before_touch(&mut self, law: &SphereJoint, medium: &Medium, sides: &Sides) {
-        let radius = effective_radius(medium.parts, self.parts);
-        let mobility = sides.0.inverse_mass + sides.1.inverse_mass;
-        let approach = (sides.1.velocity - sides.0.velocity).norm();
-        let stiffness = law.tangent_bound(0.0, radius, approach, mobility);
-        let dashpot = |ratio: f64, k: f64| 2.0 * ratio * (k / mobility).sqrt();
-        let viscosity = law.damping_ratio_bound();
-        let shear = law.shear_ratio * stiffness;
-        let of = |body: &Kinematics, other: &Kinematics, block: u32| {
-            let both = if other.inverse_mass > 0.0 { 2.0 } else { 1.0 };
-            let (along, sum) = body.worst_compliance(medium.radius[block as usize]);
-            let across = sum - along;
+        let mut turning = Rates::default();
+        // Hertz's spring stiffens: what it may become counts.
+        let bound = joint.tangent_bound(found.overlap, effective_radius, opening, mobility);
+        let stiffening = if bound > spring.tangent {
+            bound / spring.tangent.max(f64::MIN_POSITIVE)
+        } else {
+            1.0
+        };
+        if let Some(rolling) = rolling
+            && joint.rolling_friction > 0.0
+        {
+            let limit = joint.rolling_friction * effective_radius * spring.force;
+            let rate = b.spin - a.spin;
+            let dashpot = rolling.apply(law, found, spring.tangent, sides, limit);
+            tally.friction -= 0.5 * dt * rolling.torque.dot(&rate) + rolling.energy();
+            torques.0 -= rolling.torque;
+            torques.1 += rolling.torque;
+            turning = Rates {
+                stiffness: rolling.stiffness * stiffening,
+                damping: dashpot,
+            };
+        }
+        let stiffness = spring.tangent * stiffening;
+        let across = shear_stiffness * stiffening;
+        let of = |along: f64, trace: f64, turning_trace: f64, twice: f64| {
+            let rest = trace - along;
             Rates {
-                stiffness: both * (stiffness * along + shear * across),
-                damping: both
-                    * (dashpot(viscosity, stiffness) * along
-                        + dashpot(medium.shear_damping_ratio, shear) * across),
+                stiffness: twice
+                    * (stiffness * along + across * rest + turning.stiffness * turning_trace),
+                damping: twice
+                    * (spring.viscosity * along + dashpot * rest + turning.damping * turning_trace),
             }
         };
-        self.rates = (
-            of(sides.0, sides.1, self.blocks.0),
-            of(sides.1, sides.0, self.blocks.1),
-        );
+        let (first, second) = sides;
+        *loads = SphereLoads {
+            force,
+            torques,
+            rates: (
+                of(
+                    along.0,
+                    first.compliance_trace(x),
+                    first.turning_trace(),
+                    second.twice(),
+                ),
+                of(
+                    along.1,
+                    second.compliance_trace(x),
+                    second.turning_trace(),
+                    first.twice(),
+                ),
+            ),
+            is_touching: true,
+        };
     }
 }
 
 /// Damping ratio of the rolling dashpot while its spring holds; –.
 const ROLLING_DAMPING_RATIO: f64 = 0.3;
 
-fn rolling_dashpot(stiffness: f64, a: &Kinematics, b: &Kinematics) -> f64 {
-    // Mean over the axes: exact for balls.
-    let mobility = (a.inverse_inertia.trace() + b.inverse_inertia.trace()) / 3.0;
-    if mobility > 0.0 {
-        2.0 * ROLLING_DAMPING_RATIO * (stiffness / mobility).sqrt()
-    } else {
-        0.0
-    }
-}
-
 impl Rolling {
-    /// Advances the spring by the turning of a step and finds the torque, at most `limit` (N m).
-    fn apply(
+    /// Advances the spring by the turning of a step and finds the torque, at most `limit` (N m). Returns
+    /// the dashpot; N m s.
+    fn apply<A: Side, B: Side>(
         &mut self,
-        law: &SphereJoint,
+        law: &Law,
         found: &Touch,
         normal_stiffness: f64,
-        sides: &Sides,
+        sides: &(A, B),
         limit: f64,
-        dt: f64,
-    ) {
+    ) -> f64 {
         let n = found.normal;
-        let arm = law.rolling_friction * found.effective_radius;
+        let (a, b) = (sides.0.kinematics(), sides.1.kinematics());
+        let arm = law.joint.rolling_friction * law.effective_radius;
         let stiffness = 2.25 * normal_stiffness * arm * arm;
-        let turning = sides.turning();
+        let turning = b.spin - a.spin;
         let rolling = turning - n * turning.dot(&n);
-        let spin = 0.5 * (sides.0.spin + sides.1.spin).dot(&n) * dt;
+        let spin = 0.5 * (a.spin + b.spin).dot(&n) * law.dt;
         let kept = if stiffness > self.stiffness {
             self.stiffness / stiffness
         } else {
             1.0
         };
-        let angle = carry(&self.angle, &n, spin) * kept + rolling * dt;
-        let dashpot = rolling_dashpot(stiffness, sides.0, sides.1);
+        let angle = carry(&self.angle, &n, spin) * kept + rolling * law.dt;
+        // Mean over the axes: exact for balls.
+        let mobility = (sides.0.turning_trace() + sides.1.turning_trace()) / 3.0;
+        let dashpot = 2.0 * ROLLING_DAMPING_RATIO * (stiffness / mobility).sqrt();
         self.stiffness = stiffness;
         self.angle = angle;
         self.torque = -angle * stiffness - rolling * dashpot;
         let size = self.torque.norm();
         if size > limit {
-            // The limit is the spring's: the dashpot belongs to coming to rest.
             self.torque *= limit / size;
-            self.angle = -self.torque / stiffness;
+            self.angle = self.torque * (-1.0 / stiffness);
         }
-    }
-}
-
-/// `r_i r_j/(r_i + r_j)` of two balls, `r` of a ball and a polyhedron; m.
-fn effective_radius(parts: &[Part], pair: (u32, u32)) -> f64 {
-    let radius = |part: u32| match &parts[part as usize] {
-        Part::Sphere { radius, .. } => Some(*radius),
-        Part::Polyhedron(_) => None,
-    };
-    match (radius(pair.0), radius(pair.1)) {
-        (Some(r), Some(s)) => r * s / (r + s),
-        (Some(r), None) | (None, Some(r)) => r,
-        (None, None) => f64::INFINITY,
-    }
-}
-
-fn touch(medium: &Medium, parts: (u32, u32)) -> Option<Touch> {
-    let (first, second) = (
-        &medium.parts[parts.0 as usize],
-        &medium.parts[parts.1 as usize],
-    );
-    match (first, second) {
-        (
-            Part::Sphere {
-                center: a,
-                radius: r,
-            },
-            Part::Sphere {
-                center: b,
-                radius: s,
-            },
-        ) => {
-            let offset = b - a;
-            let square = offset.norm_squared();
-            if square >= (r + s) * (r + s) {
-                return None;
-            }
-            let distance = square.sqrt();
-            let normal = if distance > 0.0 {
-                offset / distance
-            } else {
-                Vec3::z()
-            };
-            let overlap = r + s - distance;
-            Some(Touch {
-                normal,
-                point: a + normal * (r - 0.5 * overlap),
-                overlap,
-                effective_radius: r * s / (r + s),
-            })
-        }
-        (Part::Sphere { center, radius }, Part::Polyhedron(body)) => {
-            let surface = body.touch_point_within(center, *radius)?;
-            Some(on_surface(&surface, -surface.normal, *radius))
-        }
-        (Part::Polyhedron(body), Part::Sphere { center, radius }) => {
-            let surface = body.touch_point_within(center, *radius)?;
-            Some(on_surface(&surface, surface.normal, *radius))
-        }
-        (Part::Polyhedron(_), Part::Polyhedron(_)) => None,
-    }
-}
-
-fn on_surface(surface: &SurfacePoint, normal: Vec3, radius: f64) -> Touch {
-    let overlap = radius - surface.distance;
-    Touch {
-        normal,
-        point: surface.point - surface.normal * (0.5 * overlap),
-        overlap,
-        effective_radius: radius,
+        dashpot
     }
 }

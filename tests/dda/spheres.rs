@@ -26,7 +26,7 @@ fn impact(material: &Material, law: NormalLaw, speed: f64, share: f64) -> (f64, 
     };
     let start = ball(Vec3::new(0.0, 0.0, radius + 1e-6), radius);
     let bodies = vec![floor(), moving(start, [0.0, 0.0, -speed])];
-    let mut system = Blocks::new(bodies, vec![material.clone()], settings).unwrap();
+    let mut system = Blocks::new(bodies, vec![*material], settings).unwrap();
     let (mut time, mut touching, mut deepest) = (0.0, 0.0, 0.0_f64);
     let mut has_touched = false;
     loop {
@@ -143,7 +143,7 @@ fn rolling_down_and_resting_on_a_slope() {
         ..glass()
     };
     let angle = 20.0_f64.to_radians();
-    let mut system = resting(material.clone(), on_slope(angle), [0.0; 3], [0.0; 3]);
+    let mut system = resting(material, on_slope(angle), [0.0; 3], [0.0; 3]);
     run(&mut system, 1.0, 0.5, 1.0);
     let expected = 5.0 / 7.0 * G * (angle.sin() - 0.0678 * angle.cos());
     assert_close("way", system.centroid(1).x, 0.5 * expected, 5e-3);

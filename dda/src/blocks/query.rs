@@ -4,6 +4,7 @@ use crate::{
     Blocks, Contact, Energies, Isometry, Load, Motion, Settings, SurfacePoint, Vec3, Voigt,
     deformation::{axial, voigt},
     parts::Part,
+    sphere_contact::{SphereLoads, SpherePair},
 };
 use nalgebra::{Matrix3, UnitQuaternion};
 
@@ -242,9 +243,39 @@ impl Blocks {
 
     // Sums and records.
 
-    /// Contact points of the last step.
-    pub fn contacts(&self) -> &[Contact] {
-        &self.contacts
+    /// Contact points of the last step, sorted by parts, those of balls last.
+    pub fn contacts(&self) -> Vec<Contact> {
+        let blocks = |pair: (u32, u32)| (pair.0 as usize, pair.1 as usize);
+        let of_pairs = self.pairs.iter().flat_map(|pair| {
+            pair.points.iter().map(move |point| Contact {
+                blocks: blocks(pair.blocks),
+                parts: blocks(pair.parts),
+                key: point.patch.key,
+                point: point.patch.position,
+                normal: pair.normal,
+                normal_force: point.normal_force,
+                shear_force: point.shear_force,
+                overlap: point.patch.overlap,
+                state: point.state,
+            })
+        });
+        let touching = |(pair, _): &(&SpherePair, &SphereLoads)| pair.contact.is_touching;
+        let of_spheres = self.sphere_pairs.iter().zip(&self.sphere_loads);
+        let of_spheres = of_spheres.filter(touching).map(|(pair, loads)| {
+            let contact = &pair.contact;
+            Contact {
+                blocks: blocks(pair.blocks),
+                parts: blocks(pair.parts),
+                key: 0,
+                point: contact.point,
+                normal: contact.normal,
+                normal_force: contact.normal_force,
+                shear_force: loads.force - contact.normal * contact.normal_force,
+                overlap: contact.overlap,
+                state: contact.state(),
+            }
+        });
+        of_pairs.chain(of_spheres).collect()
     }
 
     /// Force evaluations of pairs of parts so far.
@@ -301,7 +332,7 @@ impl Blocks {
                 let material = |part: u32| self.material_of_part[part as usize] as usize;
                 let joint = material(pair.parts.0) * self.n_materials + material(pair.parts.1);
                 let law = &self.joints[joint].spheres;
-                pair.energy(law, &self.parts, self.sphere_rolling.get(k))
+                pair.energy(law, self.sphere_rolling.get(k))
             })
             .sum()
     }
@@ -371,7 +402,7 @@ impl Blocks {
             f(f64::from(pair.parts.0));
             f(f64::from(pair.parts.1));
             f(f64::from(u8::from(contact.is_slipping)));
-            contact.force.iter().for_each(|&c| f(c));
+            self.sphere_loads[k].force.iter().for_each(|&c| f(c));
             contact.shear.iter().for_each(|&c| f(c));
             f(contact.normal_force);
             if let Some(rolling) = self.sphere_rolling.get(k) {
