@@ -22,9 +22,17 @@ pub(crate) struct BlockRates {
     /// The worst of those that do not yet.
     pub next_stiffness: f64,
     pub next_damping: f64,
-    /// Share of the stiffest pair; whether a ball is of it, and its place in the list.
+    /// Share of the stiffest pair, its list and its place there.
     pub stiffest: f64,
-    pub contact: Option<(bool, u32)>,
+    pub contact: Option<(Listed, u32)>,
+}
+
+/// The lists of pairs.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Listed {
+    Pair,
+    Sphere,
+    Surface,
 }
 
 impl Blocks {
@@ -102,11 +110,12 @@ impl Blocks {
                 .get(block)
                 .filter(|_| is_contact)
                 .and_then(|rates| rates.contact)
-                .map(|(is_sphere, k)| {
-                    let (i, j) = if is_sphere {
-                        self.sphere_pairs[k as usize].blocks
-                    } else {
-                        self.pairs[k as usize].blocks
+                .map(|(list, k)| {
+                    let k = k as usize;
+                    let (i, j) = match list {
+                        Listed::Pair => self.pairs[k].blocks,
+                        Listed::Sphere => self.sphere_pairs[k].blocks,
+                        Listed::Surface => self.surface_pairs[k].blocks,
                     };
                     (i as usize, j as usize)
                 }),

@@ -96,6 +96,8 @@ mod polyhedron;
 mod rigid;
 mod shape;
 mod sphere_contact;
+mod surface;
+mod surface_contact;
 
 /// Vector of three `f64`.
 pub type Vec3 = nalgebra::Vector3<f64>;
@@ -126,3 +128,4 @@ pub use measure::{MassProperties, face_area, mass_properties, volume};
 pub use motion::{Accelerogram, Motion, PrescribedMotion};
 pub use polyhedron::{Polyhedron, PolyhedronError};
 pub use shape::Shape;
+pub use surface::{Surface, SurfaceError};

@@ -50,7 +50,7 @@ impl Scales {
     pub fn of(parts: (&Part, &Part), allowed_overlap: f64, size: f64) -> Self {
         let radius = |part: &Part| match part {
             Part::Sphere { radius, .. } => *radius,
-            Part::Polyhedron(_) => f64::INFINITY,
+            Part::Polyhedron(_) | Part::Surface(_) => f64::INFINITY,
         };
         // 1/R̃ = 1/r_i + 1/r_j, a polyhedron being flat.
         let curvature = 1.0 / radius(parts.0) + 1.0 / radius(parts.1);
@@ -310,7 +310,7 @@ impl SpherePair {
                 let sides = (Body(a), Ball(b));
                 self.update(found, &law, &sides, medium, (loads, rolling), tally);
             }
-            (Part::Polyhedron(_), Part::Polyhedron(_)) => {}
+            _ => {}
         }
     }
 
@@ -582,5 +582,106 @@ impl Rolling {
             self.angle = self.torque * (-1.0 / stiffness);
         }
         dashpot
+    }
+}
+
+/// A place where a ball touches a surface: i is the ball, j the surface.
+#[derive(Clone, Debug)]
+pub(crate) struct BallOnSurface {
+    pub contact: SphereContact,
+    pub loads: SphereLoads,
+    pub rolling: Rolling,
+    /// From the ball into the surface, and the overlap (m), as just found.
+    found: Option<(Vec3, f64)>,
+}
+
+/// Feet whose normals turn by less are one; cos 5°.
+const ONE_FOOT: f64 = 0.996_195;
+/// A foot goes on from one of the last step if its normal turned by less; cos 45°.
+const SAME_FOOT: f64 = 0.707;
+
+impl BallOnSurface {
+    /// Forgets where the feet are, not what they remember.
+    pub fn forget(feet: &mut [Self]) {
+        for foot in feet {
+            foot.found = None;
+        }
+    }
+
+    /// Notes a foot. Of several in one direction the deepest counts.
+    pub fn note(feet: &mut Vec<Self>, normal: Vec3, overlap: f64) {
+        let found = feet.iter_mut().find(|foot| {
+            foot.found
+                .is_some_and(|(known, _)| known.dot(&normal) > ONE_FOOT)
+        });
+        if let Some(foot) = found {
+            if foot.found.is_some_and(|(_, known)| overlap > known) {
+                foot.found = Some((normal, overlap));
+            }
+            return;
+        }
+        let old = feet
+            .iter_mut()
+            .filter(|foot| foot.found.is_none() && foot.contact.normal.dot(&normal) > SAME_FOOT)
+            .max_by(|a, b| {
+                let turned = |foot: &Self| foot.contact.normal.dot(&normal);
+                turned(a).total_cmp(&turned(b))
+            });
+        match old {
+            Some(foot) => foot.found = Some((normal, overlap)),
+            None => feet.push(Self {
+                contact: SphereContact::default(),
+                loads: SphereLoads::default(),
+                rolling: Rolling::default(),
+                found: Some((normal, overlap)),
+            }),
+        }
+    }
+
+    pub fn is_found(&self) -> bool {
+        self.found.is_some()
+    }
+
+    /// Energy of the springs of a ball of a radius (m); J.
+    pub fn energy(&self, law: &SphereJoint, radius: f64) -> f64 {
+        law.energy(self.contact.overlap, radius)
+            + self.contact.shear_energy()
+            + self.rolling.energy()
+    }
+
+    /// Forces in the present place; books what the last `dt` (s) took.
+    pub fn evaluate(
+        &mut self,
+        (ball, surface): (&Kinematics, &Kinematics),
+        (joint, shear_damping_ratio): (&SphereJoint, f64),
+        radius: f64,
+        dt: f64,
+        tally: &mut Tally,
+    ) {
+        let sides = (Ball(ball), Body(surface));
+        if self.contact.is_touching {
+            let rolling = Some(&self.rolling);
+            book_first_half(&self.contact, &self.loads, rolling, dt, &sides, tally);
+        }
+        let Some((normal, overlap)) = self.found else {
+            if self.contact.normal_force == 0.0 {
+                // No force acted any more: what the spring still held is lost.
+                tally.damping += joint.energy(self.contact.overlap, radius);
+            }
+            return;
+        };
+        let law = Law {
+            joint,
+            effective_radius: radius,
+            shear_damping_ratio,
+            dt,
+        };
+        let found = Touch {
+            normal,
+            point: ball.centroid + normal * (radius - 0.5 * overlap),
+            overlap,
+        };
+        let loads = (&mut self.loads, Some(&mut self.rolling));
+        self.contact.apply(&found, &law, &sides, loads, tally);
     }
 }
