@@ -37,6 +37,10 @@ impl Polyhedron {
     /// Both parts have the corners of the cut in common, bit for bit, so that their volumes add up.
     pub fn cut(&self, plane: &Plane) -> Option<(Self, Self)> {
         let tolerance = ON_PLANE * self.size();
+        let heights = || self.vertices().iter().map(|x| plane.height(x));
+        if heights().all(|h| h >= -tolerance) || heights().all(|h| h <= tolerance) {
+            return None;
+        }
         let height: Vec<f64> = self
             .vertices()
             .iter()
@@ -49,9 +53,6 @@ impl Polyhedron {
                 }
             })
             .collect();
-        if height.iter().all(|&h| h >= 0.0) || height.iter().all(|&h| h <= 0.0) {
-            return None;
-        }
         // Corners of both parts, those of the cut behind the old ones: one per edge that crosses.
         let mut vertices = self.vertices().to_vec();
         let mut crossing = vec![u32::MAX; 2 * self.n_edges()];

@@ -8,6 +8,7 @@
 //! ```
 
 use crate::{Plane, Polyhedron, Vec3};
+use std::ops::RangeInclusive;
 use thiserror::Error;
 
 /// Joints of one orientation.
@@ -113,31 +114,37 @@ impl JointSet {
         }
     }
 
-    /// Joints that reach a span of heights along the normal, in order.
-    fn planes(&self, (low, high): (f64, f64), middle: &Vec3, random: &mut Random) -> Vec<Plane> {
+    /// Numbers of the joints that reach a span of heights along the normal, and one beyond at each end.
+    fn numbers(&self, (low, high): (f64, f64)) -> RangeInclusive<i64> {
+        let start = self.normal().dot(&self.origin);
+        // A joint in the end of the span counts as inside whichever way its height was rounded: with one
+        // joint more or less all random numbers after it would change.
+        let first = ((low - start) / self.spacing - SAME_PLACE).ceil() as i64 - 1;
+        let last = ((high - start) / self.spacing + SAME_PLACE).floor() as i64 + 1;
+        first..=last
+    }
+
+    /// Joint number `k` of a mass about `middle`.
+    fn plane(&self, k: i64, middle: &Vec3, random: &mut Random) -> Plane {
         let normal = self.normal();
-        let start = normal.dot(&self.origin);
-        let first = ((low - start) / self.spacing).ceil() as i64 - 1;
-        let last = ((high - start) / self.spacing).floor() as i64 + 1;
-        (first..=last)
-            .map(|k| {
-                let shift = self.spacing_scatter * (2.0 * random.uniform() - 1.0);
-                let offset = start + (k as f64 + shift) * self.spacing;
-                let (u, v) = across(&normal);
-                let tilt =
-                    u * (self.scatter * random.normal()) + v * (self.scatter * random.normal());
-                // Tilted about the point nearest to the middle of the mass.
-                let pivot = middle + normal * (offset - normal.dot(middle));
-                Plane::through(&pivot, &(normal + tilt))
-            })
-            .collect()
+        let shift = self.spacing_scatter * (2.0 * random.uniform() - 1.0);
+        let offset = normal.dot(&self.origin) + (k as f64 + shift) * self.spacing;
+        let (u, v) = across(&normal);
+        let tilt = u * (self.scatter * random.normal()) + v * (self.scatter * random.normal());
+        // Tilted about the point nearest to the middle of the mass.
+        let pivot = middle + normal * (offset - normal.dot(middle));
+        Plane::through(&pivot, &(normal + tilt))
     }
 }
+
+/// A joint nearer than this to the end of a mass lies in it; × spacing.
+const SAME_PLACE: f64 = 1e-9;
 
 /// Cuts convex bodies by all joints of all sets, in their order. The same seed gives the same blocks.
 ///
 /// Volumes of the blocks add up to those of the bodies. A joint that would only shave off a piece too
-/// thin to be a body leaves the block whole.
+/// thin to be a body leaves the block whole. Chance decides only about joints that would cut a block, so
+/// that a mass far from the origin, where rounding is coarser, comes out with the same blocks.
 ///
 /// # Errors
 ///
@@ -167,6 +174,8 @@ pub fn cut_by_joints(
         return Err(too_many(expected));
     }
     let mut random = Random(seed);
+    // Apart from the joints' numbers: what a joint meets does not move the next one.
+    let mut chance = Random(!seed);
     let mut blocks = bodies;
     for set in sets {
         let normal = set.normal();
@@ -179,19 +188,15 @@ pub fn cut_by_joints(
         // A tilted joint may reach in from outside of the span.
         let reach = corners().map(|x| (x - middle).norm()).fold(0.0, f64::max);
         let margin = 3.0 * set.scatter * reach;
-        for plane in set.planes((span.0 - margin, span.1 + margin), &middle, &mut random) {
+        for k in set.numbers((span.0 - margin, span.1 + margin)) {
+            let plane = set.plane(k, &middle, &mut random);
             let mut next = Vec::with_capacity(blocks.len() + 16);
             for body in blocks {
-                let meets = {
-                    let mut sides = body.vertices().iter().map(|x| plane.height(x) > 0.0);
-                    let first = sides.next();
-                    sides.any(|side| Some(side) != first)
-                };
-                let is_cut =
-                    meets && (set.persistence >= 1.0 || random.uniform() < set.persistence);
-                match is_cut.then(|| body.cut(&plane)).flatten() {
-                    Some((below, above)) => next.extend([below, above]),
-                    None => next.push(body),
+                match body.cut(&plane) {
+                    Some((below, above)) if chance.uniform() < set.persistence => {
+                        next.extend([below, above]);
+                    }
+                    _ => next.push(body),
                 }
             }
             blocks = next;

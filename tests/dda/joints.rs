@@ -107,6 +107,54 @@ fn seeds_and_persistence() {
     assert!(1 < half && half < all, "{half} {all}");
 }
 
+/// A mass far from the origin comes out like the one near it: what rounding makes of joints that only touch a block draws
+/// no chance of persistence.
+#[test]
+fn shifted_mass_has_the_same_blocks() {
+    let scattered = [
+        set(50.0, 80.0, 1.0),
+        set(60.0, 200.0, 1.0),
+        set(20.0, 320.0, 1.3),
+    ]
+    .map(|set| JointSet {
+        persistence: 0.6,
+        scatter: 0.05,
+        spacing_scatter: 0.2,
+        ..set
+    });
+    // Its joints run along faces of the cube and along those of each other's blocks.
+    let aligned = [
+        set(90.0, 90.0, 1.0),
+        set(90.0, 0.0, 0.8),
+        set(0.0, 0.0, 2.0),
+        set(90.0, 90.0, 0.5),
+    ]
+    .map(|set| JointSet {
+        persistence: 0.6,
+        ..set
+    });
+    for (name, sets) in [("scattered", &scattered[..]), ("aligned", &aligned[..])] {
+        let volumes = |shift: Vec3| -> Vec<f64> {
+            let body = Polyhedron::cuboid(shift, shift + Vec3::repeat(8.0)).unwrap();
+            let sets: Vec<JointSet> = sets
+                .iter()
+                .map(|set| JointSet {
+                    origin: set.origin + shift,
+                    ..*set
+                })
+                .collect();
+            let blocks = cut_by_joints(vec![body], &sets, 5, 20_000).unwrap();
+            blocks.iter().map(volume).collect()
+        };
+        let (near, far) = (volumes(Vec3::zeros()), volumes(Vec3::new(1e4, -2e4, 5e3)));
+        println!("{name}: {} blocks", near.len());
+        assert_eq!(near.len(), far.len());
+        let worst = near.iter().zip(&far).map(|(a, b)| (a - b).abs());
+        // The median block has 0.3 m3; corners far away are rounded to 4e-12 m.
+        assert_below("volume", worst.fold(0.0, f64::max), 1e-9);
+    }
+}
+
 /// What would make a million slivers is refused before the first cut, with the set to blame.
 #[test]
 fn too_many_blocks_are_refused() {
