@@ -62,6 +62,15 @@ pub enum JointError {
     },
 }
 
+/// A rock mass cut by joints.
+#[derive(Clone, Debug, PartialEq)]
+pub struct JointedMass {
+    /// Its blocks, in the order in which the joints made them.
+    pub blocks: Vec<Polyhedron>,
+    /// Cuts that were not made, because a piece would have been too thin to be a polyhedron.
+    pub n_uncut: usize,
+}
+
 impl JointSet {
     /// Upward unit normal.
     pub fn normal(&self) -> Vec3 {
@@ -143,8 +152,9 @@ const SAME_PLACE: f64 = 1e-9;
 /// Cuts convex bodies by all joints of all sets, in their order. The same seed gives the same blocks.
 ///
 /// Volumes of the blocks add up to those of the bodies. A joint that would only shave off a piece too
-/// thin to be a body leaves the block whole. Chance decides only about joints that would cut a block, so
-/// that a mass far from the origin, where rounding is coarser, comes out with the same blocks.
+/// thin to be a body leaves the block whole, and is counted. Chance decides only about joints that would
+/// cut a block, so that a mass far from the origin, where rounding is coarser, comes out with the same
+/// blocks.
 ///
 /// # Errors
 ///
@@ -155,7 +165,7 @@ pub fn cut_by_joints(
     sets: &[JointSet],
     seed: u64,
     max_blocks: usize,
-) -> Result<Vec<Polyhedron>, JointError> {
+) -> Result<JointedMass, JointError> {
     for (k, set) in sets.iter().enumerate() {
         set.check(k)?;
     }
@@ -177,6 +187,7 @@ pub fn cut_by_joints(
     // Apart from the joints' numbers: what a joint meets does not move the next one.
     let mut chance = Random(!seed);
     let mut blocks = bodies;
+    let mut n_uncut = 0;
     for set in sets {
         let normal = set.normal();
         let corners = || blocks.iter().flat_map(|body| body.vertices());
@@ -193,10 +204,14 @@ pub fn cut_by_joints(
             let mut next = Vec::with_capacity(blocks.len() + 16);
             for body in blocks {
                 match body.cut(&plane) {
-                    Some((below, above)) if chance.uniform() < set.persistence => {
+                    Ok(Some((below, above))) if chance.uniform() < set.persistence => {
                         next.extend([below, above]);
                     }
-                    _ => next.push(body),
+                    Ok(_) => next.push(body),
+                    Err(_) => {
+                        n_uncut += 1;
+                        next.push(body);
+                    }
                 }
             }
             blocks = next;
@@ -205,7 +220,7 @@ pub fn cut_by_joints(
             }
         }
     }
-    Ok(blocks)
+    Ok(JointedMass { blocks, n_uncut })
 }
 
 /// Blocks that joints through the whole of a body make, far from its surface: as many as points where

@@ -113,7 +113,7 @@ pub use energy::Energies;
 pub use error::{BlockError, StepError};
 pub use holds::{Hold, Turning};
 pub use integrate::CriticalStep;
-pub use joint_sets::{JointError, JointSet, cut_by_joints};
+pub use joint_sets::{JointError, JointSet, JointedMass, cut_by_joints};
 pub use kinematics::Load;
 pub use material::{Elastic, Material, clamped_restitution, damping_ratio};
 pub use measure::{MassProperties, face_area, mass_properties, volume};

@@ -40,7 +40,7 @@ fn orthogonal_sets() {
         set(90.0, 0.0, 1.0),
         set(0.0, 0.0, 0.4),
     ];
-    let blocks = cut_by_joints(vec![body], &sets, 1, 1000).unwrap();
+    let blocks = cut_by_joints(vec![body], &sets, 1, 1000).unwrap().blocks;
     assert_eq!(blocks.len(), 8 * 3 * 5);
     for block in &blocks {
         assert!(
@@ -75,7 +75,7 @@ fn ten_thousand_blocks() {
             origin: set.origin + offset,
             ..set
         });
-        let blocks = cut_by_joints(vec![body], &sets, 7, 20_000).unwrap();
+        let blocks = cut_by_joints(vec![body], &sets, 7, 20_000).unwrap().blocks;
         let error = (total(&blocks) / 21.5_f64.powi(3) - 1.0).abs();
         println!("{} blocks", blocks.len());
         assert!(blocks.len() > 10_000);
@@ -99,7 +99,9 @@ fn seeds_and_persistence() {
             scatter: 0.02,
             ..set
         });
-        cut_by_joints(vec![body], &sets, seed, 10_000).unwrap()
+        cut_by_joints(vec![body], &sets, seed, 10_000)
+            .unwrap()
+            .blocks
     };
     assert_eq!(cut(0.0, 1).len(), 1);
     assert!(cut(0.5, 1) == cut(0.5, 1) && cut(0.5, 1) != cut(0.5, 2));
@@ -143,7 +145,7 @@ fn shifted_mass_has_the_same_blocks() {
                     ..*set
                 })
                 .collect();
-            let blocks = cut_by_joints(vec![body], &sets, 5, 20_000).unwrap();
+            let blocks = cut_by_joints(vec![body], &sets, 5, 20_000).unwrap().blocks;
             blocks.iter().map(volume).collect()
         };
         let (near, far) = (volumes(Vec3::zeros()), volumes(Vec3::new(1e4, -2e4, 5e3)));
@@ -153,6 +155,18 @@ fn shifted_mass_has_the_same_blocks() {
         // The median block has 0.3 m3; corners far away are rounded to 4e-12 m.
         assert_below("volume", worst.fold(0.0, f64::max), 1e-9);
     }
+}
+
+/// A joint through a block that cannot be cut there is counted.
+#[test]
+fn cuts_that_cannot_be_made_are_counted() {
+    let knife = Polyhedron::extrusion(&[[0.0, 0.0], [1.0, 0.0], [1.0, 0.01]], 1, 0.0, 1.0).unwrap();
+    let joint = JointSet {
+        origin: Vec3::new(5e-9, 0.0, 0.0),
+        ..set(90.0, 90.0, 10.0)
+    };
+    let mass = cut_by_joints(knife.clone(), &[joint], 1, 10).unwrap();
+    assert_eq!((mass.n_uncut, &mass.blocks), (1, &knife));
 }
 
 /// What would make a million slivers is refused before the first cut, with the set to blame.
@@ -187,7 +201,7 @@ fn four_sets_are_not_overestimated() {
         set(50.0, 20.0, 1.0),
     ];
     let cut = |limit| cut_by_joints(vec![cuboid([0.0; 3], [9.0; 3])], &sets, 1, limit);
-    let n = cut(20_000).unwrap().len();
+    let n = cut(20_000).unwrap().blocks.len();
     println!("{n} blocks");
     assert!(cut(n).is_ok() && cut(n - 1).is_err() && cut(100).is_err());
 }

@@ -2,7 +2,9 @@
 
 use std::path::Path;
 
-use riprap_dda::{BlockQuality, JointError, JointSet, Polyhedron, Shape, cut_by_joints};
+use riprap_dda::{
+    BlockQuality, JointError, JointSet, JointedMass, Polyhedron, Shape, cut_by_joints,
+};
 
 use super::error::Problem;
 use super::file::{
@@ -18,6 +20,8 @@ pub struct RockMassReport {
     pub name: String,
     /// Blocks made.
     pub n_blocks: usize,
+    /// Cuts that were not made, because a piece would have been too thin to be a block.
+    pub n_uncut: usize,
     /// Blocks smaller than the least volume, left out.
     pub n_removed: usize,
     /// Their volume over that of the mass.
@@ -107,7 +111,10 @@ fn blocks_of(
     let volume: f64 = bodies.iter().map(riprap_dda::volume).sum();
     let sets: Vec<JointSet> = mass.joint_sets.iter().map(joint_set).collect();
     let cut = cut_by_joints(bodies, &sets, mass.seed, mass.maximum_blocks as usize);
-    let mut blocks = cut.map_err(|error| match error {
+    let JointedMass {
+        mut blocks,
+        n_uncut,
+    } = cut.map_err(|error| match error {
         JointError::Set { set, field, .. } => {
             let field = match field {
                 "dip" | "dip_direction" | "scatter" => format!("{field}_deg"),
@@ -135,6 +142,7 @@ fn blocks_of(
     let report = RockMassReport {
         name: mass.name.clone(),
         n_blocks: blocks.len(),
+        n_uncut,
         n_removed: n_cut - blocks.len(),
         removed_share: ((volume - kept) / volume).max(0.0),
         volumes: [
@@ -174,6 +182,13 @@ impl std::fmt::Display for RockMassReport {
         )?;
         if self.n_slivers > 0 {
             write!(f, "; {} slivers above {SLIVER}", self.n_slivers)?;
+        }
+        if self.n_uncut > 0 {
+            write!(
+                f,
+                "; {} joints left out where they would shave off a piece too thin to be a block",
+                self.n_uncut
+            )?;
         }
         if self.n_removed > 0 {
             write!(
