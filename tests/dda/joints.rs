@@ -157,6 +157,35 @@ fn shifted_mass_has_the_same_blocks() {
     }
 }
 
+/// Joints lean as a normal distribution in two directions that ends at 3σ: by σ √(π/2) = 1.253 σ in the mean if it had no
+/// end, by 1.230 σ with it.
+#[test]
+fn scatter_ends_at_three_sigma() {
+    let sigma = 0.02;
+    let body = cuboid([0.0; 3], [1.0, 1.0, 2000.0]);
+    // Too far apart to meet each other: every block but the first has its joint for a floor.
+    let sets = [JointSet {
+        scatter: sigma,
+        ..set(0.0, 0.0, 1.0)
+    }];
+    let blocks = cut_by_joints(vec![body], &sets, 3, 10_000).unwrap().blocks;
+    let slopes: Vec<f64> = blocks
+        .iter()
+        .flat_map(|block| (0..block.n_faces()).map(|face| block.face_normal(face)))
+        .filter(|normal| normal.z < -0.9 && normal.z > -1.0)
+        .map(|normal| normal.xy().norm() / -normal.z / sigma)
+        .collect();
+    let mean = slopes.iter().sum::<f64>() / slopes.len() as f64;
+    let largest = slopes.iter().copied().fold(0.0, f64::max);
+    println!(
+        "{} joints lean by {mean:.3} sigma in the mean, {largest:.3} at most",
+        slopes.len()
+    );
+    assert!(slopes.len() > 1950 && 2.8 < largest && largest < 3.0 + 1e-6);
+    // The mean of 2000 is uncertain by 0.64/√2000 = 0.014.
+    assert!((mean - 1.230).abs() < 0.05, "{mean}");
+}
+
 /// A joint through a block that cannot be cut there is counted.
 #[test]
 fn cuts_that_cannot_be_made_are_counted() {

@@ -250,7 +250,8 @@ pub struct JointSetFile {
     /// Chance that a joint cuts a block which it meets, 0 to 1.
     #[serde(default = "one")]
     pub persistence: f64,
-    /// Standard deviation of the tilt of a joint; degrees.
+    /// Standard deviation of the tilt of a joint about each of two axes; tilts beyond three of them are
+    /// drawn again; degrees.
     #[serde(default)]
     pub scatter_deg: f64,
     /// A joint lies off its place by at most this share of the spacing, 0 to 0.5.
