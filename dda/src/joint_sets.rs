@@ -47,13 +47,13 @@ pub enum JointError {
         /// Its range.
         rule: &'static str,
     },
-    /// More blocks than allowed.
+    /// More blocks than allowed. The number is the mean over all places of the joints.
     #[error(
         "the joints would make about {expected:.0} blocks, more than {limit}; joint set {set} has the closest joints \
          ({spacing} m): widen its spacing, or allow more blocks"
     )]
     TooMany {
-        /// Blocks expected, or made so far.
+        /// Blocks expected.
         expected: f64,
         /// Allowed.
         limit: usize,
@@ -152,6 +152,10 @@ impl JointSet {
 /// A joint nearer than this to the end of a mass lies in it; × spacing.
 const SAME_PLACE: f64 = 1e-9;
 
+/// Most joints of one set. Beyond the number of blocks that can be computed with; reached only where
+/// chance leaves nearly all of them out.
+const MOST_JOINTS: i64 = 1_000_000;
+
 /// Cuts convex bodies by all joints of all sets, in their order. The same seed gives the same blocks.
 ///
 /// Volumes of the blocks add up to those of the bodies. A joint that would only shave off a piece too
@@ -162,7 +166,8 @@ const SAME_PLACE: f64 = 1e-9;
 /// # Errors
 ///
 /// [`JointError::Set`] for numbers out of range, [`JointError::TooMany`] before the first cut if the
-/// spacings say that there would be more than `max_blocks`, or as soon as there are.
+/// spacings say that there would be more than `max_blocks`, or as soon as there are. No more than these
+/// are ever held in memory.
 pub fn cut_by_joints(
     bodies: Vec<Polyhedron>,
     sets: &[JointSet],
@@ -182,27 +187,33 @@ pub fn cut_by_joints(
             spacing: sets.get(set).map_or(0.0, |set| set.spacing),
         }
     };
-    let expected: f64 = bodies.iter().map(|body| expected_blocks(body, sets)).sum();
-    if expected > max_blocks as f64 {
-        return Err(too_many(expected));
+    let expected = expected_blocks(&bodies, sets);
+    // A whole number of joints may be rounded up.
+    if expected.at_least * (1.0 - SAME_PLACE) > max_blocks as f64 {
+        return Err(too_many(expected.about));
     }
     let mut random = Random(seed);
     // Apart from the joints' numbers: what a joint meets does not move the next one.
     let mut chance = Random(!seed);
     let mut blocks = bodies;
     let mut n_uncut = 0;
-    for set in sets {
-        let normal = set.normal();
+    for (number, set) in sets.iter().enumerate() {
         let corners = || blocks.iter().flat_map(|body| body.vertices());
-        let heights = corners().map(|x| normal.dot(x));
-        let span = heights.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), h| {
-            (low.min(h), high.max(h))
-        });
+        let (low, high) = span(corners(), &set.normal());
         let middle = corners().sum::<Vec3>() / corners().count().max(1) as f64;
         // A tilted joint may reach in from outside of the span: by its largest slope over the radius.
         let reach = corners().map(|x| (x - middle).norm()).fold(0.0, f64::max);
         let margin = LARGEST_LEAN * set.scatter * reach;
-        for k in set.numbers((span.0 - margin, span.1 + margin)) {
+        let numbers = set.numbers((low - margin, high + margin));
+        if numbers.end().saturating_sub(*numbers.start()) > MOST_JOINTS {
+            return Err(JointError::Set {
+                set: number,
+                field: "spacing",
+                value: set.spacing,
+                rule: "must leave at most a million joints across the mass, with the margin of their scatter",
+            });
+        }
+        for k in numbers {
             let plane = set.plane(k, &middle, &mut random);
             let mut next = Vec::with_capacity(blocks.len() + 16);
             for body in blocks {
@@ -219,32 +230,76 @@ pub fn cut_by_joints(
             }
             blocks = next;
             if blocks.len() > max_blocks {
-                return Err(too_many(blocks.len() as f64));
+                return Err(too_many(expected.about.max(blocks.len() as f64)));
             }
         }
     }
     Ok(JointedMass { blocks, n_uncut })
 }
 
-/// Blocks that joints through the whole of a body make, far from its surface: as many as points where
-/// three joints of different sets meet.
+/// How many blocks joints make of bodies.
+struct Expected {
+    /// At least so many, but for what chance and the places of single joints do.
+    at_least: f64,
+    /// In the mean over all places of the joints.
+    about: f64,
+}
+
+/// Counts blocks before the first cut. Planes cut a convex body into as many pieces as there are bodies,
+/// planes, lines where two of them meet, and points where three meet, inside of it:
 ///
 /// ```text
-/// N = V Σ_{i<j<k} |n_i · (n_j × n_k)| p_i p_j p_k/(s_i s_j s_k)        p: persistence, s: spacing
+/// N = 1 + Σ_i p_i w_i/s_i + Σ_{i<j} p_i p_j A_ij |n_i × n_j|/(s_i s_j)
+///       + V Σ_{i<j<k} p_i p_j p_k |n_i · (n_j × n_k)|/(s_i s_j s_k)
+/// w: width along the normal   A: section across the line   p: persistence   s: spacing
 /// ```
-/// Its surface adds blocks; those are counted as they are made.
-fn expected_blocks(body: &Polyhedron, sets: &[JointSet]) -> f64 {
-    let mut density = 0.0;
-    for (i, a) in sets.iter().enumerate() {
-        for (j, b) in sets.iter().enumerate().skip(i + 1) {
-            for c in &sets[j + 1..] {
-                let share = |set: &JointSet| set.persistence / set.spacing;
-                let angle = a.normal().dot(&b.normal().cross(&c.normal())).abs();
-                density += angle * share(a) * share(b) * share(c);
+/// Each term is a mean over all places of the joints. Where they lie in the faces of the body N may be as
+/// small as the largest of its terms: a cube cut by faces of cubes has as many blocks as points.
+fn expected_blocks(bodies: &[Polyhedron], sets: &[JointSet]) -> Expected {
+    let share = |set: &JointSet| set.persistence / set.spacing;
+    let mut expected = Expected {
+        at_least: 0.0,
+        about: 0.0,
+    };
+    for body in bodies {
+        let (mut planes, mut lines, mut points) = (Vec::new(), Vec::new(), 0.0);
+        for (i, a) in sets.iter().enumerate() {
+            let (low, high) = span(body.vertices().iter(), &a.normal());
+            planes.push(share(a) * (high - low));
+            for (j, b) in sets.iter().enumerate().skip(i + 1) {
+                let along = a.normal().cross(&b.normal());
+                lines.push(share(a) * share(b) * section(body, &along));
+                for c in &sets[j + 1..] {
+                    let angle = along.dot(&c.normal()).abs();
+                    points += angle * share(a) * share(b) * share(c) * crate::volume(body);
+                }
             }
         }
+        let largest = |terms: &[f64]| terms.iter().copied().fold(0.0, f64::max);
+        expected.at_least += largest(&planes).max(largest(&lines)).max(points).max(1.0);
+        expected.about += 1.0 + planes.iter().sum::<f64>() + lines.iter().sum::<f64>() + points;
     }
-    density * crate::volume(body)
+    expected
+}
+
+/// Area of a body seen along a direction, times the length of that direction.
+///
+/// ```text
+/// A |d| = ½ Σ_f A_f |n_f · d|
+/// ```
+fn section(body: &Polyhedron, along: &Vec3) -> f64 {
+    (0..body.n_faces())
+        .map(|face| 0.5 * crate::face_area(body, face) * body.face_normal(face).dot(along).abs())
+        .sum()
+}
+
+/// Lowest and highest of points along a direction; m.
+fn span<'a>(points: impl Iterator<Item = &'a Vec3>, along: &Vec3) -> (f64, f64) {
+    points
+        .map(|x| along.dot(x))
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), h| {
+            (low.min(h), high.max(h))
+        })
 }
 
 /// Joints lean by at most this; × scatter. Beyond lie exp(−3²/2) = 1.1 % of a normal distribution in two
