@@ -48,8 +48,7 @@ impl Polyhedron {
     /// Those of [`Polyhedron::from_faces`]: one part would be too thin to be a polyhedron, or two corners
     /// of the cut would fall together.
     pub fn cut(&self, plane: &Plane) -> Result<Option<(Self, Self)>, PolyhedronError> {
-        let farthest = self.vertices().iter().map(|x| x.amax()).fold(0.0, f64::max);
-        let tolerance = (ON_PLANE * self.size()).max(ROUNDING * farthest);
+        let tolerance = self.same_place();
         let heights = || self.vertices().iter().map(|x| plane.height(x));
         if heights().all(|h| h >= -tolerance) || heights().all(|h| h <= tolerance) {
             return Ok(None);
@@ -91,6 +90,12 @@ impl Polyhedron {
         }
         let above = self.part(&vertices, &height, &crossing, &rim, -1.0)?;
         Ok(Some((below, above)))
+    }
+
+    /// Points nearer to a plane than this lie on it, as far as cuts of this body are concerned; m.
+    pub(crate) fn same_place(&self) -> f64 {
+        let farthest = self.vertices().iter().map(|x| x.amax()).fold(0.0, f64::max);
+        (ON_PLANE * self.size()).max(ROUNDING * farthest)
     }
 
     /// The part where `height · side ≤ 0`, closed by the rim.

@@ -7,7 +7,10 @@
 //! n = (sin dip sin dd, sin dip cos dd, cos dip)
 //! ```
 
+mod slivers;
+
 use crate::{Plane, Polyhedron, Vec3};
+pub use slivers::{MergedMass, SliverLimits, merge_slivers};
 use std::ops::RangeInclusive;
 use thiserror::Error;
 
@@ -41,6 +44,16 @@ pub enum JointError {
         /// Position of the set.
         set: usize,
         /// Name of the number.
+        field: &'static str,
+        /// Its value.
+        value: f64,
+        /// Its range.
+        rule: &'static str,
+    },
+    /// A limit of slivers is out of range.
+    #[error("slivers: {field} is {value}, {rule}")]
+    Slivers {
+        /// Name of the limit.
         field: &'static str,
         /// Its value.
         value: f64,

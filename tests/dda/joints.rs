@@ -1,7 +1,10 @@
 //! Rock masses cut by joint sets.
 
 use crate::setup::*;
-use riprap_dda::{BlockQuality, JointError, JointSet, Polyhedron, Vec3, cut_by_joints, volume};
+use riprap_dda::{
+    BlockQuality, Isometry, JointError, JointSet, Polyhedron, SliverLimits, Vec3, cut_by_joints,
+    merge_slivers, volume,
+};
 
 fn set(dip_deg: f64, direction_deg: f64, spacing: f64) -> JointSet {
     JointSet {
@@ -291,4 +294,173 @@ fn four_sets_are_not_overestimated() {
     let n = cut(20_000).unwrap().blocks.len();
     println!("{n} blocks");
     assert!(cut(n).is_ok() && cut(n - 1).is_err() && cut(100).is_err());
+}
+
+/// A mass with slivers: three sets with scatter, and a fourth close to the third.
+fn mass_with_slivers() -> Vec<Polyhedron> {
+    let sets = [
+        set(60.0, 100.0, 1.0),
+        set(70.0, 210.0, 1.1),
+        set(25.0, 330.0, 0.9),
+        set(28.0, 325.0, 3.0),
+    ]
+    .map(|set| JointSet {
+        scatter: 0.05,
+        spacing_scatter: 0.4,
+        persistence: 0.9,
+        ..set
+    });
+    let body = cuboid([0.0; 3], [9.0, 8.0, 7.0]);
+    cut_by_joints(vec![body], &sets, 11, 20_000).unwrap().blocks
+}
+
+const LIMITS: SliverLimits = SliverLimits {
+    volume_share: 0.05,
+    aspect: 12.0,
+};
+
+fn median(blocks: &[Polyhedron]) -> f64 {
+    let mut volumes: Vec<f64> = blocks.iter().map(volume).collect();
+    volumes.sort_by(f64::total_cmp);
+    volumes[volumes.len() / 2]
+}
+
+/// The volume stays, and no sliver does.
+#[test]
+fn slivers_are_merged() {
+    let blocks = mass_with_slivers();
+    let median = median(&blocks);
+    let is_sliver = |quality: &BlockQuality| {
+        quality.volume < LIMITS.volume_share * median || quality.aspect > LIMITS.aspect
+    };
+    let n_slivers = blocks
+        .iter()
+        .filter(|block| is_sliver(&BlockQuality::of(block)))
+        .count();
+    let merged = merge_slivers(blocks.clone(), &LIMITS).unwrap();
+    let n_unions = merged.blocks.iter().filter(|parts| parts.len() > 1).count();
+    println!(
+        "{} blocks, {n_slivers} slivers; {} merged into {} blocks, {n_unions} of several parts, at most {}",
+        blocks.len(),
+        merged.n_merged,
+        merged.blocks.len(),
+        merged.blocks.iter().map(Vec::len).max().unwrap()
+    );
+    assert!(n_slivers > 100 && n_unions > 0);
+    assert_eq!(merged.n_merged + merged.blocks.len(), blocks.len());
+    let sum: f64 = merged.blocks.iter().flatten().map(volume).sum();
+    assert_below("volume", (sum / 504.0 - 1.0).abs(), 1e-12);
+    let left = merged
+        .blocks
+        .iter()
+        .filter(|parts| is_sliver(&BlockQuality::of_union(parts)));
+    assert_eq!((left.count(), merged.n_left), (0, 0));
+}
+
+/// A turned mass is merged alike: scattered blocks, and equal ones, where rounding would choose among neighbours.
+#[test]
+fn a_turned_mass_is_merged_alike() {
+    let boxes = {
+        let body = cuboid([0.0; 3], [4.0, 3.0, 2.0]);
+        let sets = [
+            set(90.0, 90.0, 1.0),
+            set(90.0, 0.0, 1.0),
+            set(0.0, 0.0, 0.12),
+        ];
+        cut_by_joints(vec![body], &sets, 1, 1000).unwrap().blocks
+    };
+    let limits = SliverLimits {
+        volume_share: 0.0,
+        aspect: 5.0,
+    };
+    for (name, blocks, limits) in [
+        ("scattered", mass_with_slivers(), LIMITS),
+        ("boxes", boxes, limits),
+    ] {
+        let turn = Isometry::new(Vec3::new(20.0, -30.0, 10.0), Vec3::new(0.3, 1.2, -0.8));
+        let turned = blocks
+            .iter()
+            .map(|block| block.transformed(&turn))
+            .collect();
+        let volumes = |blocks: Vec<Polyhedron>| -> (usize, Vec<f64>) {
+            let merged = merge_slivers(blocks, &limits).unwrap();
+            let volumes = merged
+                .blocks
+                .iter()
+                .map(|parts| parts.iter().map(volume).sum());
+            (merged.n_merged, volumes.collect())
+        };
+        let (here, there) = (volumes(blocks), volumes(turned));
+        println!("{name}: {} merged, {} blocks", here.0, here.1.len());
+        assert_eq!((here.0, here.1.len()), (there.0, there.1.len()));
+        let errors = here.1.iter().zip(&there.1).map(|(a, b)| (a - b).abs());
+        assert_below("volume", errors.fold(0.0, f64::max), 1e-12);
+    }
+}
+
+/// The same joints through the same mass, all turned about the vertical.
+#[test]
+fn a_turned_mass_is_cut_and_merged_alike() {
+    let merged = |angle_deg: f64| {
+        let turn = Isometry::rotation(Vec3::z() * -angle_deg.to_radians());
+        let body = cuboid([0.0; 3], [6.0, 5.0, 4.0]).transformed(&turn);
+        let sets = [
+            set(60.0, 100.0, 1.0),
+            set(70.0, 210.0, 1.1),
+            set(25.0, 330.0, 0.9),
+        ]
+        .map(|set| JointSet {
+            dip_direction: set.dip_direction + angle_deg.to_radians(),
+            spacing_scatter: 0.4,
+            persistence: 0.9,
+            ..set
+        });
+        let blocks = cut_by_joints(vec![body], &sets, 2, 20_000).unwrap().blocks;
+        let merged = merge_slivers(blocks, &LIMITS).unwrap();
+        (merged.n_merged, merged.blocks.len())
+    };
+    let here = merged(0.0);
+    println!("{here:?}");
+    assert!(here.0 > 10);
+    assert_eq!(here, merged(37.0));
+    assert_eq!(here, merged(161.0));
+}
+
+/// A cut is undone as one polyhedron; what is not convex has two parts; what stands apart is left.
+#[test]
+fn unions_of_slivers() {
+    let limits = SliverLimits {
+        volume_share: 0.5,
+        aspect: f64::INFINITY,
+    };
+    let cube = cuboid([0.0; 3], [1.0; 3]);
+    let counts = |blocks: Vec<Polyhedron>| {
+        let merged = merge_slivers(blocks, &limits).unwrap();
+        let parts: Vec<usize> = merged.blocks.iter().map(Vec::len).collect();
+        (parts, merged.n_merged, merged.n_left)
+    };
+    let leaf = |length: f64| cuboid([1.0, 0.0, 0.0], [1.0 + length, 1.0, 1.0]);
+    assert_eq!(counts(vec![cube.clone(), leaf(1e-6)]), (vec![1], 1, 0));
+    let stud = cuboid([1.0, 0.2, 0.2], [1.1, 0.8, 0.8]);
+    assert_eq!(counts(vec![cube.clone(), stud]), (vec![2], 1, 0));
+    let apart = cuboid([3.0, 0.0, 0.0], [3.1, 1.0, 1.0]);
+    let beside = cuboid([1.0, 1.0, 0.0], [1.1, 2.0, 1.0]);
+    assert_eq!(
+        counts(vec![
+            cube.clone(),
+            cube.transformed(&Isometry::translation(9.0, 0.0, 0.0)),
+            apart,
+            beside
+        ]),
+        (vec![1; 4], 0, 2)
+    );
+    let wrong = SliverLimits {
+        aspect: 1.0,
+        ..limits
+    };
+    let refused = merge_slivers(vec![cube], &wrong).unwrap_err().to_string();
+    assert!(
+        refused.starts_with("slivers: aspect is 1, must be >= 2"),
+        "{refused}"
+    );
 }
