@@ -223,7 +223,10 @@ pub struct RockMassFile {
     /// Of the random numbers of scatter and persistence.
     #[serde(default)]
     pub seed: u64,
-    /// Smaller blocks are left out, and counted; m³.
+    /// Joins slivers with the neighbour with which they share the largest area; kept when left out.
+    #[serde(default)]
+    pub merge_slivers: Option<SliversFile>,
+    /// Smaller blocks are left out, after slivers are merged, and counted; m³.
     #[serde(default)]
     pub minimum_volume: f64,
     /// More blocks are refused.
@@ -232,6 +235,18 @@ pub struct RockMassFile {
     /// Makes the blocks deformable.
     #[serde(default)]
     pub deformable: Option<DeformableFile>,
+}
+
+/// Which blocks of a rock mass are slivers: those that pass either limit.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SliversFile {
+    /// Less than this share of the median volume, 0 to 1.
+    #[serde(default = "default_volume_share")]
+    pub volume_share: f64,
+    /// Longer than this many times their smallest thickness, at least 2.
+    #[serde(default = "default_aspect")]
+    pub aspect: f64,
 }
 
 /// Joints of one orientation.
@@ -401,6 +416,11 @@ pub enum ShapeFile {
         /// Corner numbers of each face.
         faces: Vec<Vec<u32>>,
     },
+    /// Closed polyhedra that adjoin, as one rigid union.
+    Polyhedra {
+        /// The convex parts.
+        parts: Vec<PartFile>,
+    },
     /// A polygon drawn along an axis; a non-convex one becomes a rigid union of convex parts.
     Extrusion {
         /// Corners in the plane across the axis, in the order of the remaining axes (for `Y`:
@@ -428,6 +448,16 @@ pub enum ShapeFile {
         /// Metres per unit of the file.
         scale: f64,
     },
+}
+
+/// A closed convex polyhedron; faces counter-clockwise seen from outside.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PartFile {
+    /// Corners; m.
+    pub vertices: Vec<Triple>,
+    /// Corner numbers of each face.
+    pub faces: Vec<Vec<u32>>,
 }
 
 /// A turn about an axis through a point, then a shift.
@@ -775,6 +805,14 @@ pub struct CameraFile {
 
 fn default_maximum_blocks() -> u32 {
     20_000
+}
+
+fn default_volume_share() -> f64 {
+    0.01
+}
+
+fn default_aspect() -> f64 {
+    20.0
 }
 
 fn one() -> f64 {

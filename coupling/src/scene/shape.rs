@@ -6,7 +6,7 @@ use nalgebra::{Translation3, Unit, UnitQuaternion};
 use riprap_dda::{Isometry, Polyhedron, PolyhedronError, Shape, Vec3};
 
 use super::error::Problem;
-use super::file::{Axis, BlockFile, PlacementFile, ShapeFile};
+use super::file::{Axis, BlockFile, PartFile, PlacementFile, ShapeFile};
 use super::mesh::{self, MeshError};
 use super::resolve::vec3;
 
@@ -62,6 +62,11 @@ fn build(shape: &ShapeFile, folder: &Path) -> Result<Shape, ShapeError> {
         ShapeFile::Polyhedron { vertices, faces } => {
             one(Polyhedron::from_faces(&points(vertices), faces)?)
         }
+        ShapeFile::Polyhedra { parts } => {
+            let build =
+                |part: &PartFile| Polyhedron::from_faces(&points(&part.vertices), &part.faces);
+            Shape::Polyhedra(parts.iter().map(build).collect::<Result<_, _>>()?)
+        }
         ShapeFile::Extrusion {
             polygon,
             axis,
@@ -88,6 +93,7 @@ fn blamed(shape: &ShapeFile, error: &ShapeError) -> &'static str {
         (_, ShapeError::Radius(_)) => ".radius",
         (_, ShapeError::Scale(_)) => ".scale",
         (ShapeFile::Hull { .. }, _) => ".points",
+        (ShapeFile::Polyhedra { .. }, _) => ".parts",
         (ShapeFile::Mesh { .. }, _) => ".file",
         (
             ShapeFile::Polyhedron { .. },

@@ -538,17 +538,18 @@ impl Checks {
                 }
             }
             ShapeFile::Polyhedron { vertices, faces } => {
-                for (k, face) in faces.iter().enumerate() {
-                    if let Some(v) = face.iter().find(|&&v| v as usize >= vertices.len()) {
-                        self.refuse(
-                            format!("{path}.faces[{k}]"),
-                            format!(
-                                "{} {k} names vertex {v}, but there are {}",
-                                of("face"),
-                                vertices.len()
-                            ),
-                        );
-                    }
+                self.faces(path, vertices.len(), faces, name);
+            }
+            ShapeFile::Polyhedra { parts } => {
+                if parts.is_empty() {
+                    self.refuse(
+                        format!("{path}.parts"),
+                        of("no part; give at least one polyhedron"),
+                    );
+                }
+                for (k, part) in parts.iter().enumerate() {
+                    let path = format!("{path}.parts[{k}]");
+                    self.faces(&path, part.vertices.len(), &part.faces, name);
                 }
             }
             ShapeFile::Extrusion {
@@ -576,6 +577,19 @@ impl Checks {
             }
             ShapeFile::Mesh { scale, .. } => {
                 self.positive(format!("{path}.scale"), &of("scale"), *scale);
+            }
+        }
+    }
+
+    fn faces(&mut self, path: &str, n_vertices: usize, faces: &[Vec<u32>], name: &str) {
+        for (k, face) in faces.iter().enumerate() {
+            if let Some(v) = face.iter().find(|&&v| v as usize >= n_vertices) {
+                self.refuse(
+                    format!("{path}.faces[{k}]"),
+                    format!(
+                        "block `{name}`: face {k} names vertex {v}, but there are {n_vertices}"
+                    ),
+                );
             }
         }
     }
