@@ -98,10 +98,12 @@ impl Blocks {
             }
             found
         };
-        let (dt, block, is_contact) =
-            chunks::reduce(self.rates.as_slice(), CHUNK, &slowest, &|a, b| {
+        let rates = self.rates.as_slice();
+        let (dt, block, is_contact) = chunks::in_pool(rates.len() > 8 * CHUNK, || {
+            chunks::reduce(rates, CHUNK, &slowest, &|a, b| {
                 if b.0 < a.0 { b } else { a }
-            });
+            })
+        });
         CriticalStep {
             dt,
             block: (dt < f64::INFINITY).then_some(block),

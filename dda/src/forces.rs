@@ -13,7 +13,7 @@ use crate::{
 use nalgebra::Matrix3;
 
 /// Pairs of polyhedra that one thread takes at a time.
-const PAIR_CHUNK: usize = 16;
+pub(crate) const PAIR_CHUNK: usize = 16;
 
 /// What the pairs of a chunk add up to in a step.
 #[derive(Clone, Copy, Debug, Default)]

@@ -186,15 +186,15 @@ impl ShearSpring {
 /// Shear displacement carried into the present plane: turned with the pair about `n`, projected,
 /// and brought back to its length.
 pub(crate) fn carry(shear: &Vec3, n: &Vec3, turn: f64) -> Vec3 {
-    let length = shear.norm();
-    if length == 0.0 {
+    let square = shear.norm_squared();
+    if square == 0.0 {
         return Vec3::zeros();
     }
     let turned = shear + n.cross(shear) * turn;
     let flat = turned - n * turned.dot(n);
-    let flat_length = flat.norm();
-    if flat_length > 0.0 {
-        flat * (length / flat_length)
+    let flat_square = flat.norm_squared();
+    if flat_square > 0.0 {
+        flat * (square / flat_square).sqrt()
     } else {
         Vec3::zeros()
     }

@@ -39,10 +39,9 @@ pub(crate) struct SpherePair {
 pub(crate) struct Scales {
     /// `R̃`.
     pub effective_radius: f64,
-    /// Deepest overlap allowed.
-    pub allowed_overlap: f64,
-    /// Of the smaller part.
-    pub size: f64,
+    /// One over the deepest overlap allowed, and over the size of the smaller part; 1/m.
+    per_allowed: f64,
+    per_size: f64,
 }
 
 impl Scales {
@@ -56,8 +55,8 @@ impl Scales {
         let curvature = 1.0 / radius(parts.0) + 1.0 / radius(parts.1);
         Self {
             effective_radius: 1.0 / curvature,
-            allowed_overlap,
-            size,
+            per_allowed: 1.0 / allowed_overlap,
+            per_size: 1.0 / size,
         }
     }
 }
@@ -78,6 +77,9 @@ pub(crate) struct SphereContact {
     pub normal_viscous: f64,
     /// `k_t`; N/m.
     pub shear_stiffness: f64,
+    /// `1/m̃` (1/kg) and shear dashpot (N s/m) of the last evaluation: the same again for two balls.
+    mobility: f64,
+    dashpot: f64,
     pub is_touching: bool,
     pub is_slipping: bool,
 }
@@ -353,8 +355,8 @@ impl SpherePair {
         };
         tally.note_overlap(
             self.parts,
-            found.overlap / self.scales.allowed_overlap,
-            found.overlap / self.scales.size,
+            found.overlap * self.scales.per_allowed,
+            found.overlap * self.scales.per_size,
         );
         self.contact
             .apply(&found, law, sides, (loads, rolling), tally);
@@ -443,7 +445,8 @@ impl SphereContact {
         let slip = rate - n * opening;
         let along = (sides.0.compliance(x, &n), sides.1.compliance(x, &n));
         let mobility = along.0 + along.1;
-        let spring = joint.normal(found.overlap, effective_radius, mobility);
+        let mass = 1.0 / mobility;
+        let spring = joint.normal(found.overlap, effective_radius, mass);
         let normal_force = f64::max(spring.force - spring.viscosity * opening, 0.0);
 
         let shear_stiffness = joint.shear_ratio * spring.tangent;
@@ -455,7 +458,11 @@ impl SphereContact {
         };
         let turn = 0.5 * (a.spin + b.spin).dot(&n) * dt;
         let mut stretch = carry(&self.shear, &n, turn) * kept + slip * dt;
-        let dashpot = 2.0 * shear_damping_ratio * (shear_stiffness / mobility).sqrt();
+        let dashpot = if mobility == self.mobility && shear_stiffness == self.shear_stiffness {
+            self.dashpot
+        } else {
+            2.0 * shear_damping_ratio * (shear_stiffness / mobility).sqrt()
+        };
         let mut shear = -stretch * shear_stiffness - slip * dashpot;
         let friction = if self.is_slipping {
             joint.dynamic_friction
@@ -479,6 +486,8 @@ impl SphereContact {
         self.normal_force = normal_force;
         self.normal_viscous = normal_force - spring.force;
         self.shear_stiffness = shear_stiffness;
+        self.mobility = mobility;
+        self.dashpot = dashpot;
         tally.damping -= 0.5 * dt * self.normal_viscous * opening;
         tally.friction -= 0.5 * dt * shear.dot(&slip) + self.shear_energy();
 
