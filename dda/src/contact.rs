@@ -442,6 +442,9 @@ impl Pair {
         radius: f64,
         radii: (f64, f64),
     ) -> Rates {
+        if body.inverse_mass == 0.0 {
+            return Rates::default();
+        }
         let joint = medium.joint(self);
         if self.points.is_empty() {
             let (along, sum) = body.worst_compliance(radius);

@@ -413,6 +413,7 @@ impl Blocks {
             }
             f(pair.axis.verified_gap);
             f(f64::from(pair.axis.trust));
+            f(f64::from(pair.axis.trusted));
             for point in &pair.points {
                 f(f64::from(point.patch.key));
                 f(point.normal_force);
