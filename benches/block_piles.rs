@@ -118,7 +118,7 @@ fn main() -> Result<(), Failure> {
                     .num_threads(threads)
                     .build()?;
                 let mut rounds = Vec::new();
-                let before = blocks.contact_updates();
+                let before = (blocks.contact_updates(), blocks.axis_searches());
                 for _ in 0..5 {
                     let start = Instant::now();
                     pool.install(|| steps(&mut blocks, STEPS).map_err(|e| e.to_string()))?;
@@ -126,17 +126,20 @@ fn main() -> Result<(), Failure> {
                 }
                 rounds.sort_by(f64::total_cmp);
                 let step = rounds[2];
-                let pairs = (blocks.contact_updates() - before) as f64 / f64::from(5 * STEPS);
+                let updates = (blocks.contact_updates() - before.0) as f64;
+                let pairs = updates / f64::from(5 * STEPS);
+                let searched = (blocks.axis_searches() - before.1) as f64 / updates;
                 let ratio = *baseline.get_or_insert(step) / step;
                 println!(
                     "{} {}, {threads} threads: {:.3} ms a step, {:.1} steps/s, {pairs:.0} touching pairs, {:.2} us per pair and step, \
-                     {:.3e} contact updates/s, x {ratio:.2}; {:.1} steps per ms of settling",
+                     {:.3e} contact updates/s, {:.1} % planes kept, x {ratio:.2}; {:.1} steps per ms of settling",
                     side * side * side,
                     if is_hull { "hulls" } else { "cubes" },
                     1e3 * step,
                     1.0 / step,
                     1e6 * step / pairs,
                     pairs / step,
+                    100.0 * (1.0 - searched),
                     f64::from(n_settling) / (1e3 * SETTLING),
                 );
             }

@@ -117,6 +117,7 @@ pub struct Blocks {
     pub(crate) impulse_exchanged: f64,
     pub(crate) n_contact_updates: u64,
     pub(crate) n_broken_bonds: u64,
+    pub(crate) n_axis_searches: u64,
     pub(crate) max_overlap_over_size: f64,
 
     // Follows from the state.
@@ -270,6 +271,7 @@ impl Blocks {
             impulse_exchanged: 0.0,
             n_contact_updates: 0,
             n_broken_bonds: 0,
+            n_axis_searches: 0,
             max_overlap_over_size: 0.0,
             kinematics: Vec::new(),
             contact_load: Vec::new(),

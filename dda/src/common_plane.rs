@@ -360,6 +360,8 @@ pub(crate) struct AxisCache {
     /// Steps for which that test is still trusted, and for how many it was at first.
     pub trust: u32,
     pub trusted: u32,
+    /// Was the full test made in the last step?
+    pub has_searched: bool,
 }
 
 impl AxisCache {
@@ -370,6 +372,7 @@ impl AxisCache {
         b: &Polyhedron,
         detection: ContactDetection,
     ) -> Option<Axis> {
+        self.has_searched = false;
         match detection {
             ContactDetection::Verified => self.verified(a, b),
             ContactDetection::FastCommonPlane => {
@@ -393,10 +396,13 @@ impl AxisCache {
     fn verified(&mut self, a: &Polyhedron, b: &Polyhedron) -> Option<Axis> {
         let mut kept = None;
         if let Some(axis) = self.axis {
-            let was_apart = axis.gap > 0.0;
+            let shallow = TRUSTED_DEPTH * a.size().min(b.size());
+            // Neighbours that hardly touch flicker between apart and overlapping: no reason to search.
+            let was_apart = axis.gap > shallow;
             let axis = renewed(a, b, &axis);
             self.axis = Some(axis);
             if axis.gap > 0.0 {
+                self.trust = self.trust.saturating_sub(1);
                 return None;
             }
             let is_contact =
@@ -404,10 +410,7 @@ impl AxisCache {
             if is_contact
                 && self.trust > 0
                 && (axis.gap - self.verified_gap).abs()
-                    <= f64::max(
-                        TRUSTED_CHANGE * -self.verified_gap,
-                        TRUSTED_DEPTH * a.size().min(b.size()),
-                    )
+                    <= f64::max(TRUSTED_CHANGE * -self.verified_gap, shallow)
             {
                 self.trust -= 1;
                 return Some(axis);
@@ -424,6 +427,7 @@ impl AxisCache {
             }
             kept = is_contact.then_some(axis);
         }
+        self.has_searched = true;
         let found = separating_axes(a, b).preferred(b.size() > a.size());
         let axis = match kept {
             Some(kept)

@@ -23,6 +23,8 @@ pub(crate) struct Tally {
     pub damping: f64,
     pub n_touching: u64,
     pub n_broken: u64,
+    /// Full separating-axis tests.
+    pub n_searches: u64,
     /// Deepest overlap, × size of the smaller part.
     pub deepest_over_size: f64,
     /// Deepest overlap, × what is allowed, with its parts.
@@ -36,6 +38,7 @@ impl Tally {
             damping: self.damping + other.damping,
             n_touching: self.n_touching + other.n_touching,
             n_broken: self.n_broken + other.n_broken,
+            n_searches: self.n_searches + other.n_searches,
             deepest_over_size: self.deepest_over_size.max(other.deepest_over_size),
             worst: if other.worst.0 > self.worst.0 {
                 other.worst
@@ -66,6 +69,7 @@ impl Blocks {
         self.friction.book(tally.friction);
         self.damping.book(tally.damping);
         self.n_broken_bonds += tally.n_broken;
+        self.n_axis_searches += tally.n_searches;
         self.n_contact_updates += tally.n_touching;
         self.max_overlap_over_size = self.max_overlap_over_size.max(tally.deepest_over_size);
         self.worst_overlap = tally.worst;
@@ -84,6 +88,7 @@ impl Blocks {
                 tally.friction += pair.friction;
                 tally.damping += pair.damping;
                 tally.n_broken += u64::from(pair.has_broken);
+                tally.n_searches += u64::from(is_near && pair.axis.has_searched);
                 if pair.is_touching() {
                     tally.note_overlap(
                         pair.parts,

@@ -296,6 +296,12 @@ impl Blocks {
         self.n_contact_updates
     }
 
+    /// Full separating-axis tests so far: the rest of the contact updates went on with the common plane of
+    /// the step before.
+    pub fn axis_searches(&self) -> u64 {
+        self.n_axis_searches
+    }
+
     /// Bonds broken so far.
     pub fn broken_bonds(&self) -> u64 {
         self.n_broken_bonds
