@@ -121,7 +121,9 @@ pub use error::{BlockError, StepError};
 pub use holds::{Hold, Turning};
 pub use joint_sets::{JointError, JointSet, cut_by_joints};
 pub use kinematics::Load;
-pub use material::{Elastic, Material, NormalLaw, clamped_restitution, damping_ratio};
+pub use material::{
+    Elastic, JointOverride, Material, NormalLaw, clamped_restitution, damping_ratio,
+};
 pub use measure::{MassProperties, face_area, mass_properties, volume};
 pub use motion::{Accelerogram, Motion, PrescribedMotion};
 pub use polyhedron::{Polyhedron, PolyhedronError};
