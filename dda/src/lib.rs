@@ -93,6 +93,7 @@ mod motion;
 mod parts;
 mod patch;
 mod polyhedron;
+mod random;
 mod rigid;
 mod shape;
 mod sphere_contact;
@@ -127,4 +128,5 @@ pub use material::{
 pub use measure::{MassProperties, face_area, mass_properties, volume};
 pub use motion::{Accelerogram, Motion, PrescribedMotion};
 pub use polyhedron::{Polyhedron, PolyhedronError};
+pub use random::Random;
 pub use shape::Shape;
