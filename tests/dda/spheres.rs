@@ -246,6 +246,44 @@ fn restitution_of_a_joint_holds_for_balls_and_boxes() {
     }
 }
 
+/// One ball on three. A ball of the base turns about its foot unless the push from above goes through it, at half the
+/// angle θ = asin(1/√3) of the upper contact to the vertical: μ ≥ tan(θ/2) = 0.3178 between the balls. The floor is
+/// rougher, as it needs less.
+#[test]
+fn four_balls_stand_by_friction_alone() {
+    for (friction, stands) in [(0.31, false), (0.325, true)] {
+        let material = Material {
+            friction_angle: f64::atan(friction),
+            restitution: 0.3,
+            ..glass()
+        };
+        let joints = [joint(|j| j.friction_angle = Some(0.6_f64.atan()))];
+        let radius = 0.1;
+        let off = 2.0 * radius / 3.0_f64.sqrt();
+        let height = radius + (4.0 * radius * radius - off * off).sqrt();
+        let mut bodies = vec![floor(), ball(Vec3::new(0.0, 0.0, height), radius)];
+        for k in 0..3 {
+            let (sin, cos) = (f64::from(k) * std::f64::consts::TAU / 3.0).sin_cos();
+            bodies.push(ball(Vec3::new(off * cos, off * sin, radius), radius));
+        }
+        for body in &mut bodies[1..] {
+            body.material = 1;
+        }
+        let materials = vec![material, material];
+        let mut system =
+            Blocks::with_joints(bodies, materials, &joints, Settings::default()).unwrap();
+        run(&mut system, 3.0, 1.0, 1.0);
+        let sunk = (height - system.centroid(1).z) / radius;
+        println!("friction {friction}: the top has sunk by {sunk:.2e} radii");
+        if stands {
+            // measured 3.0e-3: springs, m g/K = 1.0e-3 radii
+            assert_below("sunk", sunk, 5e-3);
+        } else {
+            assert!(sunk > 1.0);
+        }
+    }
+}
+
 #[test]
 fn unusable_joints_are_refused() {
     let refused = |joints: &[JointOverride]| {
