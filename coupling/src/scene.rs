@@ -9,6 +9,7 @@ pub mod locate;
 pub mod mesh;
 pub mod motion;
 pub mod parse;
+pub mod raster;
 pub mod resolve;
 pub mod rock_mass;
 pub mod shape;

@@ -20,6 +20,7 @@ use crate::{
     material::Joint,
     parts::Part,
     sphere_contact::{Rolling, Scales, SphereLoads, SpherePair},
+    surface_contact::SurfacePair,
 };
 use nalgebra::{Matrix3, Rotation3, SymmetricEigen, UnitQuaternion};
 
@@ -104,6 +105,8 @@ pub struct Blocks {
     pub(crate) sphere_loads: Vec<SphereLoads>,
     /// One per pair of `sphere_pairs`; empty if no joint resists rolling.
     pub(crate) sphere_rolling: Vec<Rolling>,
+    /// The same of which a surface is one; the body first.
+    pub(crate) surface_pairs: Vec<SurfacePair>,
     pub(crate) friction: Account,
     pub(crate) damping: Account,
     pub(crate) strain_damping: Account,
@@ -138,10 +141,12 @@ pub struct Blocks {
     pub(crate) fat_boxes: Vec<Bounds>,
     pub(crate) candidates: Vec<(u32, u32)>,
     pub(crate) pairs_before: Vec<Pair>,
+    pub(crate) surface_pairs_before: Vec<SurfacePair>,
     pub(crate) sphere_pairs_before: Vec<(SpherePair, SphereLoads, Rolling)>,
     /// The pairs of each block.
     pub(crate) links: Links,
     pub(crate) sphere_links: Links,
+    pub(crate) surface_links: Links,
 
     // Constants.
     pub(crate) motion: Vec<Motion>,
@@ -264,6 +269,7 @@ impl Blocks {
             sphere_pairs: Vec::new(),
             sphere_loads: Vec::new(),
             sphere_rolling: Vec::new(),
+            surface_pairs: Vec::new(),
             friction: Account::default(),
             damping: Account::default(),
             strain_damping: Account::default(),
@@ -285,9 +291,11 @@ impl Blocks {
             fat_boxes: Vec::new(),
             candidates: Vec::new(),
             pairs_before: Vec::new(),
+            surface_pairs_before: Vec::new(),
             sphere_pairs_before: Vec::new(),
             links: Links::default(),
             sphere_links: Links::default(),
+            surface_links: Links::default(),
             motion: Vec::new(),
             role: Vec::new(),
             special: Vec::new(),
@@ -347,7 +355,12 @@ impl Blocks {
             });
         }
         let properties = shape.mass_properties();
-        if !(properties.volume > 0.0 && properties.volume.is_finite()) {
+        let is_surface = matches!(shape, Shape::Surface(_));
+        if is_surface && !matches!(motion, Motion::Fixed) {
+            return Err(BlockError::Surface { block });
+        }
+        let has_volume = properties.volume > 0.0 && properties.volume.is_finite();
+        if !has_volume && !is_surface {
             return Err(BlockError::Empty { block });
         }
         if !velocity
@@ -435,7 +448,13 @@ impl Blocks {
     ) {
         let shift = Isometry::translation(-centroid.x, -centroid.y, -centroid.z);
         let first = self.reference.len();
-        match shape.transformed(&shift) {
+        // A surface stays where it is given.
+        let about_centroid = match shape {
+            Shape::Surface(_) => shape.clone(),
+            _ => shape.transformed(&shift),
+        };
+        match about_centroid {
+            Shape::Surface(surface) => self.reference.push(Part::Surface(surface)),
             Shape::Polyhedra(parts) => self.reference.extend(
                 parts
                     .into_iter()
@@ -447,7 +466,12 @@ impl Blocks {
         }
         let mut radius = 0.0_f64;
         for part in &self.reference[first..] {
-            radius = radius.max(part.reach_from(&Vec3::zeros()));
+            let from = if part.is_surface() {
+                *centroid
+            } else {
+                Vec3::zeros()
+            };
+            radius = radius.max(part.reach_from(&from));
             let mut placed = part.clone();
             placed.set_transformed(part, &shift.inverse());
             self.parts.push(placed);
@@ -487,7 +511,7 @@ impl Blocks {
             let block = self.block_of_part[part];
             let own: Vec<usize> = self.parts_of(block as usize).collect();
             let company = if is_fixed(block) { &fixed } else { &own };
-            if company.len() < 2 || placed[part].is_sphere() {
+            if company.len() < 2 || !matches!(placed[part], Part::Polyhedron(_)) {
                 continue;
             }
             let others: Vec<&crate::Polyhedron> = company
@@ -500,7 +524,7 @@ impl Blocks {
                         );
                         (other != part && is_near).then_some(&**body)
                     }
-                    Part::Sphere { .. } => None,
+                    Part::Sphere { .. } | Part::Surface(_) => None,
                 })
                 .collect();
             let turn_back =
@@ -780,11 +804,20 @@ impl Blocks {
         self.candidates = candidates;
         self.keep_pairs();
         self.keep_sphere_pairs();
+        self.keep_surface_pairs();
         self.link_pairs();
     }
 
-    fn is_of_sphere(&self, parts: (u32, u32)) -> bool {
-        self.parts[parts.0 as usize].is_sphere() || self.parts[parts.1 as usize].is_sphere()
+    /// Which list two parts belong to.
+    fn kind_of(&self, parts: (u32, u32)) -> PairKind {
+        let (i, j) = (&self.parts[parts.0 as usize], &self.parts[parts.1 as usize]);
+        if i.is_surface() || j.is_surface() {
+            PairKind::Surface
+        } else if i.is_sphere() || j.is_sphere() {
+            PairKind::Sphere
+        } else {
+            PairKind::Polyhedra
+        }
     }
 
     fn blocks_of(&self, parts: (u32, u32)) -> (u32, u32) {
@@ -798,7 +831,7 @@ impl Blocks {
         let mut rest = old.drain(..).peekable();
         for k in 0..self.candidates.len() {
             let parts = self.candidates[k];
-            if self.is_of_sphere(parts) {
+            if self.kind_of(parts) != PairKind::Polyhedra {
                 continue;
             }
             while rest.next_if(|pair| pair.parts < parts).is_some() {}
@@ -836,7 +869,7 @@ impl Blocks {
         let mut rest = old.drain(..).peekable();
         for k in 0..self.candidates.len() {
             let parts = self.candidates[k];
-            if !self.is_of_sphere(parts) {
+            if self.kind_of(parts) != PairKind::Sphere {
                 continue;
             }
             while rest.next_if(|(pair, ..)| pair.parts < parts).is_some() {}
@@ -857,8 +890,47 @@ impl Blocks {
         self.sphere_pairs_before = old;
     }
 
+    /// Surfaces are few: the pairs are sorted by candidates, whichever of the two the body is.
+    fn keep_surface_pairs(&mut self) {
+        std::mem::swap(&mut self.surface_pairs, &mut self.surface_pairs_before);
+        let mut old = std::mem::take(&mut self.surface_pairs_before);
+        let sorted = |pair: &SurfacePair| {
+            (
+                pair.parts.0.min(pair.parts.1),
+                pair.parts.0.max(pair.parts.1),
+            )
+        };
+        let mut rest = old.drain(..).peekable();
+        for k in 0..self.candidates.len() {
+            let parts = self.candidates[k];
+            if self.kind_of(parts) != PairKind::Surface {
+                continue;
+            }
+            while rest.next_if(|pair| sorted(pair) < parts).is_some() {}
+            let mut pair = rest
+                .next_if(|pair| sorted(pair) == parts)
+                .unwrap_or_else(|| {
+                    let (body, surface) = if self.parts[parts.0 as usize].is_surface() {
+                        (parts.1, parts.0)
+                    } else {
+                        parts
+                    };
+                    let ordered = (body, surface);
+                    SurfacePair::new(ordered, self.blocks_of(ordered), &self.parts[body as usize])
+                });
+            if let Part::Surface(surface) = &self.parts[pair.parts.1 as usize] {
+                surface.near(&self.fat_boxes[pair.parts.0 as usize], &mut pair.triangles);
+            }
+            self.surface_pairs.push(pair);
+        }
+        drop(rest);
+        self.surface_pairs_before = old;
+    }
+
     fn link_pairs(&mut self) {
         let n = self.n_blocks();
+        self.surface_links
+            .set(n, self.surface_pairs.iter().map(|pair| pair.blocks));
         self.links.set(n, self.pairs.iter().map(|pair| pair.blocks));
         self.sphere_links
             .set(n, self.sphere_pairs.iter().map(|pair| pair.blocks));
@@ -881,6 +953,7 @@ impl Blocks {
         let lists = Lists {
             pairs: &mut self.pairs,
             sphere_pairs: &mut self.sphere_pairs,
+            surface_pairs: &mut self.surface_pairs,
             sphere_loads: &mut self.sphere_loads,
             sphere_rolling: &mut self.sphere_rolling,
         };
@@ -906,6 +979,7 @@ impl Blocks {
         self.note_roles();
         let stays = |blocks: (u32, u32)| blocks.0 as usize != b && blocks.1 as usize != b;
         self.pairs.retain(|pair| stays(pair.blocks));
+        self.surface_pairs.retain(|pair| stays(pair.blocks));
         let mut pairs = self.sphere_pairs.iter();
         self.sphere_rolling
             .retain(|_| pairs.next().is_none_or(|pair| stays(pair.blocks)));
@@ -922,10 +996,19 @@ impl Blocks {
     }
 }
 
+/// Which list a pair belongs to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum PairKind {
+    Polyhedra,
+    Sphere,
+    Surface,
+}
+
 /// The lists of pairs, borrowed together.
 pub(crate) struct Lists<'a> {
     pub pairs: &'a mut Vec<Pair>,
     pub sphere_pairs: &'a mut Vec<SpherePair>,
+    pub surface_pairs: &'a mut Vec<SurfacePair>,
     pub sphere_loads: &'a mut Vec<SphereLoads>,
     pub sphere_rolling: &'a mut Vec<Rolling>,
 }

@@ -1,7 +1,8 @@
 //! Loops over columns, on all threads where there is enough to do.
 //!
 //! Columns are cut at multiples of a chunk, in a tree that depends on their length alone: sums come out
-//! the same bits for any number of threads, and short columns never wake one.
+//! the same bits for any number of threads, and short columns never wake one. Threads are those of the pool
+//! that the caller runs in, see [`in_pool`].
 
 /// One column or several of one length.
 pub(crate) trait Columns: Sized + Send {
@@ -54,6 +55,16 @@ columns!(A, B, C; A);
 columns!(A, B, C, D; A);
 columns!(A, B, C, D, E; A);
 
+/// Runs `f` where the loops of this module find their threads, if there is enough to do: to enter the pool
+/// anew for every loop would cost more than most loops.
+pub(crate) fn in_pool<S: Send>(is_worthwhile: bool, f: impl FnOnce() -> S + Send) -> S {
+    if is_worthwhile && rayon::current_thread_index().is_none() {
+        rayon::scope(|_| f())
+    } else {
+        f()
+    }
+}
+
 /// Runs `f(first, chunk)` over all chunks and combines what they give, in a fixed order.
 pub(crate) fn reduce<C: Columns, S: Send>(
     columns: C,
@@ -77,10 +88,13 @@ fn reduce_from<C: Columns, S: Send>(
     }
     let middle = n.div_ceil(chunk) / 2 * chunk;
     let (left, right) = columns.split_at(middle);
-    let (left, right) = rayon::join(
-        || reduce_from(first, left, chunk, f, combine),
-        || reduce_from(first + middle, right, chunk, f, combine),
-    );
+    let left = || reduce_from(first, left, chunk, f, combine);
+    let right = || reduce_from(first + middle, right, chunk, f, combine);
+    let (left, right) = if rayon::current_thread_index().is_some() {
+        rayon::join(left, right)
+    } else {
+        (left(), right())
+    };
     combine(left, right)
 }
 

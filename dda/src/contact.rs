@@ -20,7 +20,7 @@
 use crate::{
     Vec3,
     common_plane::{Axis, AxisCache, AxisKind, ContactDetection},
-    friction::{ShearSpring, Sliding},
+    friction::{ShearSpring, Shearing},
     kinematics::{Kinematics, Load},
     material::Joint,
     parts::Part,
@@ -342,85 +342,26 @@ impl Pair {
 
     fn apply_friction(&mut self, medium: &Medium, dt: f64) {
         let joint = medium.joint(self);
-        let (a, b) = self.bodies(medium);
-        let n = self.normal;
-        let total: f64 = self.points.iter().map(|p| p.patch.weight).sum();
-        let weight = self.patch.flat_weight;
-        let normal: f64 = self.points.iter().map(|p| p.normal_force.max(0.0)).sum();
-        let is_bonded = self.bond.is_some();
-        // A bond may pull: its springs lie as the patch does.
-        let share = |p: &PointState| {
-            if is_bonded || normal <= 0.0 {
-                p.patch.weight / total
-            } else {
-                p.normal_force / normal
-            }
-        };
-        let center: Vec3 = self
-            .points
-            .iter()
-            .map(|p| p.patch.position * share(p))
-            .sum();
-        let (at_a, at_b) = (a.velocity_at(&center), b.velocity_at(&center));
-        let rate = at_b - at_a;
-        let sliding = Sliding {
-            velocity: rate - n * rate.dot(&n),
-            spin: (b.spin - a.spin).dot(&n),
-            frame_velocity: 0.5 * (at_a + at_b),
-            frame_spin: 0.5 * (a.spin + b.spin).dot(&n),
-            dt,
-        };
-        let mut spring = self.shear.moved(&n, center, weight, &sliding);
-        let stiffness = joint.shear_stiffness * weight;
-        let damping = self.viscosity(medium, &center, stiffness, medium.shear_damping_ratio);
-        self.dashpots.1 = damping;
-        let mut asked = 0.0;
-        for point in &mut self.points {
-            let (x, share) = (point.patch.position, share(point));
-            let slip = sliding.velocity + n.cross(&(x - center)) * sliding.spin;
-            point.shear_viscous = -slip * (share * damping);
-            point.shear_force = point.shear_viscous - spring.at(&x, &n) * (share * stiffness);
-            asked += point.shear_force.norm();
-        }
         let friction = if self.has_slipped {
             joint.residual_friction
         } else {
             joint.friction
         };
-        let limit = friction * normal;
-        let is_slipping = asked > limit && !is_bonded;
-        if is_slipping {
-            let mut sum = Vec3::zeros();
-            let mut mean = 0.0;
-            for point in &mut self.points {
-                let size = point.shear_force.norm();
-                mean += share(point) * spring.at(&point.patch.position, &n).norm();
-                if size > 0.0 {
-                    point.shear_force *= limit * share(point) / size;
-                }
-                point.shear_viscous = Vec3::zeros();
-                sum += point.shear_force;
-            }
-            if stiffness > 0.0 {
-                spring.shift = -sum / stiffness;
-                spring.twist *= (limit / (stiffness * mean)).min(1.0);
-            }
-            self.has_slipped |= normal > 0.0;
+        let held = Shearing {
+            bodies: self.bodies(medium),
+            normal: self.normal,
+            weight: self.patch.flat_weight,
+            stiffness: joint.shear_stiffness,
+            damping_ratio: medium.shear_damping_ratio,
+            friction,
+            is_bonded: self.bond.is_some(),
+            dt,
         }
-        for point in &mut self.points {
-            point.state = match (point.normal_force > 0.0, is_slipping) {
-                (false, _) if !is_bonded => ContactState::Open,
-                (_, true) => ContactState::Slide,
-                _ => ContactState::Stick,
-            };
-        }
-        let held: f64 = self
-            .points
-            .iter()
-            .map(|p| share(p) * spring.at(&p.patch.position, &n).norm_squared())
-            .sum();
-        self.shear = spring;
-        self.shear_energy = 0.5 * stiffness * held;
+        .apply(&mut self.points, &self.shear);
+        self.shear = held.spring;
+        self.shear_energy = held.energy;
+        self.dashpots.1 = held.damping;
+        self.has_slipped |= held.has_slipped;
     }
 
     /// Mohr-Coulomb with tension, for the bond as a whole.

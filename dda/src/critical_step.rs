@@ -22,9 +22,17 @@ pub(crate) struct BlockRates {
     /// The worst of those that do not yet.
     pub next_stiffness: f64,
     pub next_damping: f64,
-    /// Share of the stiffest pair; whether a ball is of it, and its place in the list.
+    /// Share of the stiffest pair, its list and its place there.
     pub stiffest: f64,
-    pub contact: Option<(bool, u32)>,
+    pub contact: Option<(Listed, u32)>,
+}
+
+/// The lists of pairs.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Listed {
+    Pair,
+    Sphere,
+    Surface,
 }
 
 impl Blocks {
@@ -90,10 +98,12 @@ impl Blocks {
             }
             found
         };
-        let (dt, block, is_contact) =
-            chunks::reduce(self.rates.as_slice(), CHUNK, &slowest, &|a, b| {
+        let rates = self.rates.as_slice();
+        let (dt, block, is_contact) = chunks::in_pool(rates.len() > 8 * CHUNK, || {
+            chunks::reduce(rates, CHUNK, &slowest, &|a, b| {
                 if b.0 < a.0 { b } else { a }
-            });
+            })
+        });
         CriticalStep {
             dt,
             block: (dt < f64::INFINITY).then_some(block),
@@ -102,11 +112,12 @@ impl Blocks {
                 .get(block)
                 .filter(|_| is_contact)
                 .and_then(|rates| rates.contact)
-                .map(|(is_sphere, k)| {
-                    let (i, j) = if is_sphere {
-                        self.sphere_pairs[k as usize].blocks
-                    } else {
-                        self.pairs[k as usize].blocks
+                .map(|(list, k)| {
+                    let k = k as usize;
+                    let (i, j) = match list {
+                        Listed::Pair => self.pairs[k].blocks,
+                        Listed::Sphere => self.sphere_pairs[k].blocks,
+                        Listed::Surface => self.surface_pairs[k].blocks,
                     };
                     (i as usize, j as usize)
                 }),

@@ -1,6 +1,6 @@
 //! Cutting convex polyhedra by planes.
 
-use crate::{Polyhedron, Vec3};
+use crate::{Polyhedron, PolyhedronError, Vec3};
 
 /// A plane: points with `normal · x = offset`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -27,16 +27,32 @@ impl Plane {
     }
 }
 
-/// Corners nearer to the plane than this lie on it; × L, the cube root of the volume.
-const ON_PLANE: f64 = 1e-10;
+/// Corners nearer to the plane than this lie on it; × L, the cube root of the volume. The distance below
+/// which [`Polyhedron::from_faces`] takes two vertices for one: a corner farther off is at least that far
+/// from every corner that the cut makes on its edges.
+const ON_PLANE: f64 = 1e-9;
+/// And nearer than rounding explains: the height of a point above a plane is a sum of four terms, each
+/// rounded, over a corner that is itself rounded; × largest coordinate.
+const ROUNDING: f64 = 8.0 * f64::EPSILON;
 
 impl Polyhedron {
-    /// The parts below and above a plane, or `None` if the plane leaves the body whole: because it
-    /// misses it, only touches it, or would cut off a piece too thin to be a polyhedron.
+    /// The parts below and above a plane, or `None` if the plane misses the body or only touches it: has
+    /// all corners on one side, but for 1e-9 L, L the cube root of the volume, and for the rounding of
+    /// coordinates.
     ///
-    /// Both parts have the corners of the cut in common, bit for bit, so that their volumes add up.
-    pub fn cut(&self, plane: &Plane) -> Option<(Self, Self)> {
-        let tolerance = ON_PLANE * self.size();
+    /// Both parts have the corners of the cut in common, bit for bit, and cut its face into the same
+    /// triangles, so that their volumes add up.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`Polyhedron::from_faces`]: one part would be too thin to be a polyhedron, or two corners
+    /// of the cut would fall together.
+    pub fn cut(&self, plane: &Plane) -> Result<Option<(Self, Self)>, PolyhedronError> {
+        let tolerance = self.same_place();
+        let heights = || self.vertices().iter().map(|x| plane.height(x));
+        if heights().all(|h| h >= -tolerance) || heights().all(|h| h <= tolerance) {
+            return Ok(None);
+        }
         let height: Vec<f64> = self
             .vertices()
             .iter()
@@ -49,9 +65,6 @@ impl Polyhedron {
                 }
             })
             .collect();
-        if height.iter().all(|&h| h >= 0.0) || height.iter().all(|&h| h <= 0.0) {
-            return None;
-        }
         // Corners of both parts, those of the cut behind the old ones: one per edge that crosses.
         let mut vertices = self.vertices().to_vec();
         let mut crossing = vec![u32::MAX; 2 * self.n_edges()];
@@ -70,9 +83,19 @@ impl Polyhedron {
             .collect();
         sort_around(&mut rim, &vertices, &plane.normal);
         let below = self.part(&vertices, &height, &crossing, &rim, 1.0)?;
-        rim.reverse();
+        // Turned about its first corner: corners on the plane lie up to the tolerance off it, and volumes
+        // add up only if both parts see the same fan of triangles.
+        if let Some(rest) = rim.get_mut(1..) {
+            rest.reverse();
+        }
         let above = self.part(&vertices, &height, &crossing, &rim, -1.0)?;
-        Some((below, above))
+        Ok(Some((below, above)))
+    }
+
+    /// Points nearer to a plane than this lie on it, as far as cuts of this body are concerned; m.
+    pub(crate) fn same_place(&self) -> f64 {
+        let farthest = self.vertices().iter().map(|x| x.amax()).fold(0.0, f64::max);
+        (ON_PLANE * self.size()).max(ROUNDING * farthest)
     }
 
     /// The part where `height · side ≤ 0`, closed by the rim.
@@ -83,7 +106,7 @@ impl Polyhedron {
         crossing: &[u32],
         rim: &[u32],
         side: f64,
-    ) -> Option<Self> {
+    ) -> Result<Self, PolyhedronError> {
         let mut faces: Vec<Vec<u32>> = Vec::with_capacity(self.n_faces() + 1);
         for face in 0..self.n_faces() {
             let mut corners = Vec::new();
@@ -115,7 +138,7 @@ impl Polyhedron {
             }
             *corner = *slot;
         }
-        Self::from_faces(&used, &faces).ok()
+        Self::from_faces(&used, &faces)
     }
 }
 
@@ -144,6 +167,7 @@ mod tests {
         let cube = Polyhedron::cuboid(Vec3::zeros(), Vec3::repeat(1.0)).unwrap();
         let (below, above) = cube
             .cut(&Plane::through(&Vec3::new(0.0, 0.0, 0.25), &Vec3::z()))
+            .unwrap()
             .unwrap();
         assert!((crate::volume(&below) - 0.25).abs() < 1e-15);
         assert!((crate::volume(&above) - 0.75).abs() < 1e-15);
@@ -154,14 +178,42 @@ mod tests {
         // Along a diagonal, through four corners.
         let (below, above) = cube
             .cut(&Plane::through(&Vec3::zeros(), &Vec3::new(1.0, -1.0, 0.0)))
+            .unwrap()
             .unwrap();
         assert_eq!((below.n_faces(), above.n_faces()), (5, 5));
         assert!((crate::volume(&below) - 0.5).abs() < 1e-15);
         // Touching or missing leaves it whole.
-        for z in [0.0, 1.0, 1.5, 1e-13] {
+        for z in [0.0, 1.0, 1.5, 1e-13, 9e-10] {
             let plane = Plane::through(&Vec3::new(0.0, 0.0, z), &Vec3::z());
-            assert!(cube.cut(&plane).is_none(), "z {z}");
+            assert!(cube.cut(&plane).unwrap().is_none(), "z {z}");
         }
+    }
+
+    /// A corner within the tolerance stays where it is, though the face of the cut is bent there.
+    #[test]
+    fn volumes_add_up_where_the_plane_passes_near_a_corner() {
+        let cube = Polyhedron::cuboid(Vec3::zeros(), Vec3::repeat(1.0)).unwrap();
+        let plane = Plane {
+            offset: 8e-10,
+            ..Plane::through(&Vec3::zeros(), &Vec3::new(1.0, -1.0, 0.5))
+        };
+        let (below, above) = cube.cut(&plane).unwrap().unwrap();
+        assert!(below.vertices().contains(&Vec3::zeros()));
+        // Measured 0; 1e-10 if each part had triangles of its own.
+        assert!((crate::volume(&below) + crate::volume(&above) - 1.0).abs() < 1e-15);
+    }
+
+    /// The edge of a knife, thinner than rounding can tell from nothing: refused, not passed over.
+    #[test]
+    fn a_cut_that_cannot_be_made_is_an_error() {
+        let outline = [[0.0, 0.0], [1.0, 0.0], [1.0, 0.01]];
+        let knife = Polyhedron::extrusion(&outline, 1, 0.0, 1.0).unwrap();
+        let plane = Plane::through(&Vec3::new(5e-9, 0.0, 0.0), &Vec3::x());
+        let refused = knife[0].cut(&plane);
+        assert!(
+            matches!(refused, Err(PolyhedronError::NoVolume { .. })),
+            "{refused:?}"
+        );
     }
 
     proptest! {
@@ -176,7 +228,8 @@ mod tests {
             let normal = Vec3::from(normal);
             prop_assume!(normal.norm() > 0.1);
             let Ok(hull) = Polyhedron::convex_hull(&points) else { return Ok(()) };
-            let Some((below, above)) = hull.cut(&Plane::through(&through.into(), &normal)) else {
+            let plane = Plane::through(&through.into(), &normal);
+            let Ok(Some((below, above))) = hull.cut(&plane) else {
                 return Ok(());
             };
             let [whole, first, second] = [&hull, &below, &above].map(mass_properties);

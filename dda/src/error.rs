@@ -53,6 +53,12 @@ pub enum BlockError {
         /// The block.
         block: usize,
     },
+    /// A surface is not fixed.
+    #[error("block {block} is a surface, which has no mass to move; make it fixed")]
+    Surface {
+        /// The block.
+        block: usize,
+    },
     /// A velocity is NaN or infinite.
     #[error("block {block} has an initial velocity that is not finite")]
     NotFinite {

@@ -5,14 +5,15 @@ use crate::{
     blocks::CHUNK,
     broad_phase, chunks,
     contact::{Pair, Rates},
-    critical_step::BlockRates,
+    critical_step::{BlockRates, Listed},
     kinematics::stretch,
     sphere_contact::{Rolling, SphereLoads, SpherePair},
+    surface_contact::SurfacePair,
 };
 use nalgebra::Matrix3;
 
 /// Pairs of polyhedra that one thread takes at a time.
-const PAIR_CHUNK: usize = 16;
+pub(crate) const PAIR_CHUNK: usize = 16;
 
 /// What the pairs of a chunk add up to in a step.
 #[derive(Clone, Copy, Debug, Default)]
@@ -57,7 +58,9 @@ impl Tally {
 impl Blocks {
     /// Contact forces in the present place, and what they lost in the last `dt` (s).
     pub(crate) fn evaluate_contacts(&mut self, dt: f64) {
-        let tally = self.evaluate_pairs(dt).with(self.evaluate_spheres(dt));
+        let pairs = self.evaluate_pairs(dt);
+        let spheres = self.evaluate_spheres(dt);
+        let tally = pairs.with(spheres).with(self.evaluate_surfaces(dt));
         std::mem::swap(&mut self.contact_load, &mut self.contact_load_before);
         self.sum_loads();
         self.friction.book(tally.friction);
@@ -127,6 +130,28 @@ impl Blocks {
         chunks::reduce(columns, CHUNK, &update, &Tally::with)
     }
 
+    fn evaluate_surfaces(&mut self, dt: f64) -> Tally {
+        let (lists, medium, _) = self.split_pairs();
+        let update = |_, pairs: &mut [SurfacePair]| {
+            let mut tally = Tally::default();
+            for pair in pairs {
+                pair.evaluate(&medium, dt);
+                tally.friction += pair.friction;
+                tally.damping += pair.damping;
+                if pair.is_touching {
+                    tally.note_overlap(
+                        pair.parts,
+                        pair.deepest / medium.least_of(pair.parts, medium.deepest_allowed),
+                        pair.deepest / medium.least_of(pair.parts, medium.size),
+                    );
+                }
+            }
+            tally
+        };
+        let pairs = lists.surface_pairs.as_mut_slice();
+        chunks::reduce(pairs, PAIR_CHUNK, &update, &Tally::with)
+    }
+
     /// Sums the pairs' forces and step bounds for each block, in the order of the lists, whatever thread
     /// found them.
     pub(crate) fn sum_loads(&mut self) {
@@ -137,6 +162,8 @@ impl Blocks {
             sphere_links,
             pairs,
             sphere_loads,
+            surface_links,
+            surface_pairs,
             ..
         } = self;
         let sum = |first: usize, (loads, rates): (&mut [Load], &mut [BlockRates])| {
@@ -154,7 +181,7 @@ impl Blocks {
                         *load += *part;
                     }
                     if all.add(rates, pair.is_touching()) {
-                        all.contact = Some((false, k as u32));
+                        all.contact = Some((Listed::Pair, k as u32));
                     }
                 }
                 for (k, is_second) in sphere_links.of(b) {
@@ -167,7 +194,18 @@ impl Blocks {
                     load.force += pair.force * sign;
                     load.torque += torque;
                     if all.add(rates, pair.is_touching) {
-                        all.contact = Some((true, k as u32));
+                        all.contact = Some((Listed::Sphere, k as u32));
+                    }
+                }
+                for (k, is_second) in surface_links.of(b) {
+                    let pair = &surface_pairs[k];
+                    if is_second {
+                        *load += pair.loads.1;
+                        continue;
+                    }
+                    *load += pair.loads.0;
+                    if all.add(&pair.rates, pair.is_touching) {
+                        all.contact = Some((Listed::Surface, k as u32));
                     }
                 }
             }
@@ -198,6 +236,16 @@ impl Blocks {
                     let offset = point.patch.position - self.kinematics[b].centroid;
                     self.contact_stretch[k as usize] += stretch(&force, &offset);
                 }
+            }
+        }
+        for pair in &self.surface_pairs {
+            let b = pair.blocks.0 as usize;
+            if let Some(k) = self.deformable_of[b] {
+                pair.for_each_contact(&mut |contact| {
+                    let force = -(contact.normal * contact.normal_force + contact.shear_force);
+                    let offset = contact.point - self.kinematics[b].centroid;
+                    self.contact_stretch[k as usize] += stretch(&force, &offset);
+                });
             }
         }
         for (pair, loads) in self.sphere_pairs.iter().zip(&self.sphere_loads) {

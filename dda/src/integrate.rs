@@ -10,6 +10,7 @@ use crate::{
     broad_phase::{self, Bounds},
     chunks,
     damping::local_damping,
+    forces::PAIR_CHUNK,
     kinematics::{InternalMotion, Kinematics, Moment},
     rigid::Rigid6,
 };
@@ -102,12 +103,20 @@ impl Blocks {
             return Ok(());
         }
         let n = f64::from(n_substeps.max(1));
-        for k in 0..n_substeps.max(1) {
-            let from = time + dt * (f64::from(k) / n);
-            let to = time + dt * (f64::from(k + 1) / n);
-            self.sub_step(from, to, dt / n)?;
-        }
-        Ok(())
+        chunks::in_pool(self.is_large(), || {
+            for k in 0..n_substeps.max(1) {
+                let from = time + dt * (f64::from(k) / n);
+                let to = time + dt * (f64::from(k + 1) / n);
+                self.sub_step(from, to, dt / n)?;
+            }
+            Ok(())
+        })
+    }
+
+    /// Is a step worth more than one thread?
+    pub(crate) fn is_large(&self) -> bool {
+        self.n_blocks().max(self.sphere_pairs.len()) > CHUNK
+            || self.pairs.len().max(self.surface_pairs.len()) > 2 * PAIR_CHUNK
     }
 
     fn sub_step(&mut self, from: f64, to: f64, dt: f64) -> Result<(), StepError> {

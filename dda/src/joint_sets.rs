@@ -7,7 +7,11 @@
 //! n = (sin dip sin dd, sin dip cos dd, cos dip)
 //! ```
 
+mod slivers;
+
 use crate::{Plane, Polyhedron, Vec3};
+pub use slivers::{MergedMass, SliverLimits, merge_slivers};
+use std::ops::RangeInclusive;
 use thiserror::Error;
 
 /// Joints of one orientation.
@@ -23,7 +27,9 @@ pub struct JointSet {
     pub origin: Vec3,
     /// Chance that a joint cuts a block which it meets, 0 to 1.
     pub persistence: f64,
-    /// Standard deviation of the normal's tilt about each of two axes in the joint, ≥ 0; rad.
+    /// Scatter σ of the orientation, ≥ 0: the normal leans by `σ ξ` along each of two axes in the joint,
+    /// ξ standard normal. Leans beyond 3σ, 1.1 % of all, are drawn again: joints lean by 1.23 σ in the
+    /// mean and by `atan 3σ` at most; rad.
     pub scatter: f64,
     /// A joint lies off its regular place by at most this share of the spacing, 0 to 0.5.
     pub spacing_scatter: f64,
@@ -44,13 +50,23 @@ pub enum JointError {
         /// Its range.
         rule: &'static str,
     },
-    /// More blocks than allowed.
+    /// A limit of slivers is out of range.
+    #[error("slivers: {field} is {value}, {rule}")]
+    Slivers {
+        /// Name of the limit.
+        field: &'static str,
+        /// Its value.
+        value: f64,
+        /// Its range.
+        rule: &'static str,
+    },
+    /// More blocks than allowed. The number is the mean over all places of the joints.
     #[error(
         "the joints would make about {expected:.0} blocks, more than {limit}; joint set {set} has the closest joints \
          ({spacing} m): widen its spacing, or allow more blocks"
     )]
     TooMany {
-        /// Blocks expected, or made so far.
+        /// Blocks expected.
         expected: f64,
         /// Allowed.
         limit: usize,
@@ -59,6 +75,15 @@ pub enum JointError {
         /// Its spacing; m.
         spacing: f64,
     },
+}
+
+/// A rock mass cut by joints.
+#[derive(Clone, Debug, PartialEq)]
+pub struct JointedMass {
+    /// Its blocks, in the order in which the joints made them.
+    pub blocks: Vec<Polyhedron>,
+    /// Cuts that were not made, because a piece would have been too thin to be a polyhedron.
+    pub n_uncut: usize,
 }
 
 impl JointSet {
@@ -113,42 +138,55 @@ impl JointSet {
         }
     }
 
-    /// Joints that reach a span of heights along the normal, in order.
-    fn planes(&self, (low, high): (f64, f64), middle: &Vec3, random: &mut Random) -> Vec<Plane> {
+    /// Numbers of the joints that reach a span of heights along the normal, and one beyond at each end.
+    fn numbers(&self, (low, high): (f64, f64)) -> RangeInclusive<i64> {
+        let start = self.normal().dot(&self.origin);
+        // A joint in the end of the span counts as inside whichever way its height was rounded: with one
+        // joint more or less all random numbers after it would change.
+        let first = ((low - start) / self.spacing - SAME_PLACE).ceil() as i64 - 1;
+        let last = ((high - start) / self.spacing + SAME_PLACE).floor() as i64 + 1;
+        first..=last
+    }
+
+    /// Joint number `k` of a mass about `middle`.
+    fn plane(&self, k: i64, middle: &Vec3, random: &mut Random) -> Plane {
         let normal = self.normal();
-        let start = normal.dot(&self.origin);
-        let first = ((low - start) / self.spacing).ceil() as i64 - 1;
-        let last = ((high - start) / self.spacing).floor() as i64 + 1;
-        (first..=last)
-            .map(|k| {
-                let shift = self.spacing_scatter * (2.0 * random.uniform() - 1.0);
-                let offset = start + (k as f64 + shift) * self.spacing;
-                let (u, v) = across(&normal);
-                let tilt =
-                    u * (self.scatter * random.normal()) + v * (self.scatter * random.normal());
-                // Tilted about the point nearest to the middle of the mass.
-                let pivot = middle + normal * (offset - normal.dot(middle));
-                Plane::through(&pivot, &(normal + tilt))
-            })
-            .collect()
+        let shift = self.spacing_scatter * (2.0 * random.uniform() - 1.0);
+        let offset = normal.dot(&self.origin) + (k as f64 + shift) * self.spacing;
+        let (u, v) = across(&normal);
+        let (a, b) = lean(random);
+        let tilt = (u * a + v * b) * self.scatter;
+        // Tilted about the point nearest to the middle of the mass.
+        let pivot = middle + normal * (offset - normal.dot(middle));
+        Plane::through(&pivot, &(normal + tilt))
     }
 }
+
+/// A joint nearer than this to the end of a mass lies in it; × spacing.
+const SAME_PLACE: f64 = 1e-9;
+
+/// Most joints of one set. Beyond the number of blocks that can be computed with; reached only where
+/// chance leaves nearly all of them out.
+const MOST_JOINTS: i64 = 1_000_000;
 
 /// Cuts convex bodies by all joints of all sets, in their order. The same seed gives the same blocks.
 ///
 /// Volumes of the blocks add up to those of the bodies. A joint that would only shave off a piece too
-/// thin to be a body leaves the block whole.
+/// thin to be a body leaves the block whole, and is counted. Chance decides only about joints that would
+/// cut a block, so that a mass far from the origin, where rounding is coarser, comes out with the same
+/// blocks.
 ///
 /// # Errors
 ///
 /// [`JointError::Set`] for numbers out of range, [`JointError::TooMany`] before the first cut if the
-/// spacings say that there would be more than `max_blocks`, or as soon as there are.
+/// spacings say that there would be more than `max_blocks`, or as soon as there are. No more than these
+/// are ever held in memory.
 pub fn cut_by_joints(
     bodies: Vec<Polyhedron>,
     sets: &[JointSet],
     seed: u64,
     max_blocks: usize,
-) -> Result<Vec<Polyhedron>, JointError> {
+) -> Result<JointedMass, JointError> {
     for (k, set) in sets.iter().enumerate() {
         set.check(k)?;
     }
@@ -162,66 +200,133 @@ pub fn cut_by_joints(
             spacing: sets.get(set).map_or(0.0, |set| set.spacing),
         }
     };
-    let expected: f64 = bodies.iter().map(|body| expected_blocks(body, sets)).sum();
-    if expected > max_blocks as f64 {
-        return Err(too_many(expected));
+    let expected = expected_blocks(&bodies, sets);
+    // A whole number of joints may be rounded up.
+    if expected.at_least * (1.0 - SAME_PLACE) > max_blocks as f64 {
+        return Err(too_many(expected.about));
     }
     let mut random = Random(seed);
+    // Apart from the joints' numbers: what a joint meets does not move the next one.
+    let mut chance = Random(!seed);
     let mut blocks = bodies;
-    for set in sets {
-        let normal = set.normal();
+    let mut n_uncut = 0;
+    for (number, set) in sets.iter().enumerate() {
         let corners = || blocks.iter().flat_map(|body| body.vertices());
-        let heights = corners().map(|x| normal.dot(x));
-        let span = heights.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), h| {
-            (low.min(h), high.max(h))
-        });
+        let (low, high) = span(corners(), &set.normal());
         let middle = corners().sum::<Vec3>() / corners().count().max(1) as f64;
-        // A tilted joint may reach in from outside of the span.
+        // A tilted joint may reach in from outside of the span: by its largest slope over the radius.
         let reach = corners().map(|x| (x - middle).norm()).fold(0.0, f64::max);
-        let margin = 3.0 * set.scatter * reach;
-        for plane in set.planes((span.0 - margin, span.1 + margin), &middle, &mut random) {
+        let margin = LARGEST_LEAN * set.scatter * reach;
+        let numbers = set.numbers((low - margin, high + margin));
+        if numbers.end().saturating_sub(*numbers.start()) > MOST_JOINTS {
+            return Err(JointError::Set {
+                set: number,
+                field: "spacing",
+                value: set.spacing,
+                rule: "must leave at most a million joints across the mass, with the margin of their scatter",
+            });
+        }
+        for k in numbers {
+            let plane = set.plane(k, &middle, &mut random);
             let mut next = Vec::with_capacity(blocks.len() + 16);
             for body in blocks {
-                let meets = {
-                    let mut sides = body.vertices().iter().map(|x| plane.height(x) > 0.0);
-                    let first = sides.next();
-                    sides.any(|side| Some(side) != first)
-                };
-                let is_cut =
-                    meets && (set.persistence >= 1.0 || random.uniform() < set.persistence);
-                match is_cut.then(|| body.cut(&plane)).flatten() {
-                    Some((below, above)) => next.extend([below, above]),
-                    None => next.push(body),
+                match body.cut(&plane) {
+                    Ok(Some((below, above))) if chance.uniform() < set.persistence => {
+                        next.extend([below, above]);
+                    }
+                    Ok(_) => next.push(body),
+                    Err(_) => {
+                        n_uncut += 1;
+                        next.push(body);
+                    }
                 }
             }
             blocks = next;
             if blocks.len() > max_blocks {
-                return Err(too_many(blocks.len() as f64));
+                return Err(too_many(expected.about.max(blocks.len() as f64)));
             }
         }
     }
-    Ok(blocks)
+    Ok(JointedMass { blocks, n_uncut })
 }
 
-/// Blocks that joints through the whole of a body make, far from its surface: as many as points where
-/// three joints of different sets meet.
+/// How many blocks joints make of bodies.
+struct Expected {
+    /// At least so many, but for what chance and the places of single joints do.
+    at_least: f64,
+    /// In the mean over all places of the joints.
+    about: f64,
+}
+
+/// Counts blocks before the first cut. Planes cut a convex body into as many pieces as there are bodies,
+/// planes, lines where two of them meet, and points where three meet, inside of it:
 ///
 /// ```text
-/// N = V Σ_{i<j<k} |n_i · (n_j × n_k)| p_i p_j p_k/(s_i s_j s_k)        p: persistence, s: spacing
+/// N = 1 + Σ_i p_i w_i/s_i + Σ_{i<j} p_i p_j A_ij |n_i × n_j|/(s_i s_j)
+///       + V Σ_{i<j<k} p_i p_j p_k |n_i · (n_j × n_k)|/(s_i s_j s_k)
+/// w: width along the normal   A: section across the line   p: persistence   s: spacing
 /// ```
-/// Its surface adds blocks; those are counted as they are made.
-fn expected_blocks(body: &Polyhedron, sets: &[JointSet]) -> f64 {
-    let mut density = 0.0;
-    for (i, a) in sets.iter().enumerate() {
-        for (j, b) in sets.iter().enumerate().skip(i + 1) {
-            for c in &sets[j + 1..] {
-                let share = |set: &JointSet| set.persistence / set.spacing;
-                let angle = a.normal().dot(&b.normal().cross(&c.normal())).abs();
-                density += angle * share(a) * share(b) * share(c);
+/// Each term is a mean over all places of the joints. Where they lie in the faces of the body N may be as
+/// small as the largest of its terms: a cube cut by faces of cubes has as many blocks as points.
+fn expected_blocks(bodies: &[Polyhedron], sets: &[JointSet]) -> Expected {
+    let share = |set: &JointSet| set.persistence / set.spacing;
+    let mut expected = Expected {
+        at_least: 0.0,
+        about: 0.0,
+    };
+    for body in bodies {
+        let (mut planes, mut lines, mut points) = (Vec::new(), Vec::new(), 0.0);
+        for (i, a) in sets.iter().enumerate() {
+            let (low, high) = span(body.vertices().iter(), &a.normal());
+            planes.push(share(a) * (high - low));
+            for (j, b) in sets.iter().enumerate().skip(i + 1) {
+                let along = a.normal().cross(&b.normal());
+                lines.push(share(a) * share(b) * section(body, &along));
+                for c in &sets[j + 1..] {
+                    let angle = along.dot(&c.normal()).abs();
+                    points += angle * share(a) * share(b) * share(c) * crate::volume(body);
+                }
             }
         }
+        let largest = |terms: &[f64]| terms.iter().copied().fold(0.0, f64::max);
+        expected.at_least += largest(&planes).max(largest(&lines)).max(points).max(1.0);
+        expected.about += 1.0 + planes.iter().sum::<f64>() + lines.iter().sum::<f64>() + points;
     }
-    density * crate::volume(body)
+    expected
+}
+
+/// Area of a body seen along a direction, times the length of that direction.
+///
+/// ```text
+/// A |d| = ½ Σ_f A_f |n_f · d|
+/// ```
+fn section(body: &Polyhedron, along: &Vec3) -> f64 {
+    (0..body.n_faces())
+        .map(|face| 0.5 * crate::face_area(body, face) * body.face_normal(face).dot(along).abs())
+        .sum()
+}
+
+/// Lowest and highest of points along a direction; m.
+fn span<'a>(points: impl Iterator<Item = &'a Vec3>, along: &Vec3) -> (f64, f64) {
+    points
+        .map(|x| along.dot(x))
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), h| {
+            (low.min(h), high.max(h))
+        })
+}
+
+/// Joints lean by at most this; × scatter. Beyond lie exp(−3²/2) = 1.1 % of a normal distribution in two
+/// directions. With a bound, the joints that can reach a mass are a finite number, and none is missed.
+const LARGEST_LEAN: f64 = 3.0;
+
+/// Leans in two directions, standard normal but for those beyond the largest.
+fn lean(random: &mut Random) -> (f64, f64) {
+    loop {
+        let (a, b) = (random.normal(), random.normal());
+        if a.hypot(b) <= LARGEST_LEAN {
+            return (a, b);
+        }
+    }
 }
 
 /// Two unit vectors across a unit vector.

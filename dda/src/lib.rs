@@ -11,8 +11,8 @@
 //! **Reading order.** [`Polyhedron`] (geometry), [`mass_properties`], [`Shape`], [`Material`] and the
 //! joint of two materials, [`Blocks`] (the state), then the step: [`Blocks::advance`] in `integrate`,
 //! `broad_phase`, `common_plane`, `patch`, `contact`, `friction`. Beside it: `deformation`,
-//! `attachments`, `holds`, `damping`; and before it [`cut_by_joints`], which makes blocks of a rock
-//! mass.
+//! `attachments`, `holds`, `damping`; and before it [`cut_by_joints`] and [`merge_slivers`], which
+//! make blocks of a rock mass.
 //!
 //! **Signs.** SI units. Faces counter-clockwise seen from outside, z up. A contact normal points from
 //! block i to block j; a gap below zero is overlap. World frame unless a name says otherwise
@@ -97,6 +97,8 @@ mod random;
 mod rigid;
 mod shape;
 mod sphere_contact;
+mod surface;
+mod surface_contact;
 
 /// Vector of three `f64`.
 pub type Vec3 = nalgebra::Vector3<f64>;
@@ -120,7 +122,9 @@ pub use distance::SurfacePoint;
 pub use energy::Energies;
 pub use error::{BlockError, StepError};
 pub use holds::{Hold, Turning};
-pub use joint_sets::{JointError, JointSet, cut_by_joints};
+pub use joint_sets::{
+    JointError, JointSet, JointedMass, MergedMass, SliverLimits, cut_by_joints, merge_slivers,
+};
 pub use kinematics::Load;
 pub use material::{
     Elastic, JointOverride, Material, NormalLaw, clamped_restitution, damping_ratio,
@@ -130,3 +134,4 @@ pub use motion::{Accelerogram, Motion, PrescribedMotion};
 pub use polyhedron::{Polyhedron, PolyhedronError};
 pub use random::Random;
 pub use shape::Shape;
+pub use surface::{Surface, SurfaceError};

@@ -349,8 +349,8 @@ impl SphereJoint {
         }
     }
 
-    /// At overlap `δ` (m), effective radius (m) and mobility `1/m̃` (1/kg).
-    pub fn normal(&self, overlap: f64, effective_radius: f64, mobility: f64) -> SpringState {
+    /// At overlap `δ` (m), effective radius (m) and reduced mass `m̃` (kg).
+    pub fn normal(&self, overlap: f64, effective_radius: f64, mass: f64) -> SpringState {
         match self.normal {
             SphereSpring::Linear {
                 stiffness,
@@ -358,7 +358,7 @@ impl SphereJoint {
             } => SpringState {
                 force: stiffness * overlap,
                 tangent: stiffness,
-                viscosity: 2.0 * damping_ratio * (stiffness / mobility).sqrt(),
+                viscosity: 2.0 * damping_ratio * (stiffness * mass).sqrt(),
             },
             SphereSpring::Hertz { modulus, damping } => {
                 let k = 4.0 / 3.0 * modulus * effective_radius.sqrt();
@@ -366,7 +366,7 @@ impl SphereJoint {
                 SpringState {
                     force: k * overlap * root,
                     tangent: 1.5 * k * root,
-                    viscosity: damping * (k / mobility).sqrt() * root.sqrt(),
+                    viscosity: damping * (k * mass).sqrt() * root.sqrt(),
                 }
             }
         }

@@ -1,9 +1,12 @@
 //! Convex parts of blocks, as the contact search sees them.
 
+use std::sync::Arc;
+
 use nalgebra::Matrix3;
 
 use crate::{
-    Isometry, Polyhedron, SurfacePoint, Vec3, broad_phase::Bounds, shape::sphere_surface_point,
+    Isometry, Polyhedron, Surface, SurfacePoint, Vec3, broad_phase::Bounds,
+    shape::sphere_surface_point,
 };
 
 /// One convex part.
@@ -15,6 +18,8 @@ pub(crate) enum Part {
         center: Vec3,
         radius: f64,
     },
+    /// Never moves.
+    Surface(Arc<Surface>),
 }
 
 impl Part {
@@ -59,22 +64,28 @@ impl Part {
             Self::Sphere { center, radius } => {
                 (center.add_scalar(-radius), center.add_scalar(*radius))
             }
+            Self::Surface(surface) => surface.aabb(),
         }
     }
 
-    /// Cube root of the volume; m.
+    /// Cube root of the volume, infinite for a surface; m.
     pub fn size(&self) -> f64 {
         match self {
             Self::Polyhedron(body) => body.size(),
             Self::Sphere { radius, .. } => radius * (4.0 / 3.0 * std::f64::consts::PI).cbrt(),
+            Self::Surface(_) => f64::INFINITY,
         }
+    }
+
+    pub fn is_surface(&self) -> bool {
+        matches!(self, Self::Surface(_))
     }
 
     pub fn is_sphere(&self) -> bool {
         matches!(self, Self::Sphere { .. })
     }
 
-    /// Smallest thickness, measured across faces; m.
+    /// Smallest thickness, measured across faces, infinite for a surface; m.
     pub fn thickness(&self) -> f64 {
         match self {
             Self::Polyhedron(body) => (0..body.n_faces())
@@ -84,17 +95,17 @@ impl Part {
                 })
                 .fold(f64::INFINITY, f64::min),
             Self::Sphere { radius, .. } => 2.0 * radius,
+            Self::Surface(_) => f64::INFINITY,
         }
     }
 
     /// Farthest point from a point; m.
     pub fn reach_from(&self, x: &Vec3) -> f64 {
+        let farthest =
+            |corners: &[Vec3]| corners.iter().map(|v| (v - x).norm()).fold(0.0, f64::max);
         match self {
-            Self::Polyhedron(body) => body
-                .vertices()
-                .iter()
-                .map(|v| (v - x).norm())
-                .fold(0.0, f64::max),
+            Self::Polyhedron(body) => farthest(body.vertices()),
+            Self::Surface(surface) => farthest(surface.vertices()),
             Self::Sphere { center, radius } => (center - x).norm() + radius,
         }
     }
@@ -104,6 +115,7 @@ impl Part {
             Self::Polyhedron(body) => body.surface_point_within(x, cutoff),
             Self::Sphere { center, radius } => Some(sphere_surface_point(center, *radius, x))
                 .filter(|surface| surface.distance <= cutoff),
+            Self::Surface(surface) => surface.surface_point_within(x, cutoff),
         }
     }
 }

@@ -82,13 +82,13 @@ const OF_B: u16 = 0x4000;
 /// A patch keeps at most this many corners.
 const MAX_CORNERS: usize = 8;
 /// Share `s` of the stiffness that sits in the corners of the patch.
-const CORNER_SHARE: f64 = 1.0 / 3.0;
+pub(crate) const CORNER_SHARE: f64 = 1.0 / 3.0;
 /// Weight of a contact of two edges, or of a corner beside the face: what a pyramid's area and tip
 /// come to on the way in, so that taking over from one costs little (a pile of hulls loses 0.6 % of
 /// its energy with 1/3, 18 % with 1/12).
 const POINT_WEIGHT: f64 = 1.0 / 3.0;
 /// `A_min` of a corner; × L² of the smaller body.
-const CORNER_AREA: f64 = 1e-3;
+pub(crate) const CORNER_AREA: f64 = 1e-3;
 /// Corners that cost less area than this are dropped: where two equal faces meet, every one is two;
 /// × L² of the smaller body.
 const NEGLIGIBLE_AREA: f64 = 1e-9;

@@ -1,6 +1,9 @@
 //! What a block looks like: a rigid union of convex polyhedra, or a ball.
 
-use crate::{Isometry, MassProperties, Polyhedron, SurfacePoint, Vec3, mass_properties};
+use std::sync::Arc;
+
+use crate::{Isometry, MassProperties, Polyhedron, Surface, SurfacePoint, Vec3, mass_properties};
+use nalgebra::Matrix3;
 
 /// Geometry of a block, in its world placement at the start.
 #[derive(Clone, Debug, PartialEq)]
@@ -15,6 +18,8 @@ pub enum Shape {
         /// Radius; m.
         radius: f64,
     },
+    /// Terrain or another surface of triangles, solid behind it. Has no volume and must be fixed.
+    Surface(Arc<Surface>),
 }
 
 impl Shape {
@@ -31,6 +36,14 @@ impl Shape {
                 MassProperties::of_union(&parts)
             }
             Self::Sphere { center, radius } => MassProperties::of_sphere(*center, *radius),
+            Self::Surface(surface) => {
+                let (lower, upper) = surface.aabb();
+                MassProperties {
+                    volume: 0.0,
+                    centroid: 0.5 * (lower + upper),
+                    second_moment: Matrix3::zeros(),
+                }
+            }
         }
     }
 
@@ -45,6 +58,7 @@ impl Shape {
                 let half = Vec3::repeat(*radius);
                 (center - half, center + half)
             }
+            Self::Surface(surface) => surface.aabb(),
         }
     }
 
@@ -61,6 +75,7 @@ impl Shape {
                 center: placement.transform_point(&(*center).into()).coords,
                 radius: *radius,
             },
+            Self::Surface(surface) => Self::Surface(Arc::new(surface.transformed(placement))),
         }
     }
 
@@ -73,14 +88,15 @@ impl Shape {
             Self::Polyhedra(parts) => parts
                 .iter()
                 .filter_map(|part| part.surface_point_within(x, f64::INFINITY))
-                .reduce(|best, this| if closer(&this, &best) { this } else { best })
-                .unwrap_or(SurfacePoint {
-                    distance: f64::INFINITY,
-                    normal: Vec3::z(),
-                    point: *x,
-                }),
-            Self::Sphere { center, radius } => sphere_surface_point(center, *radius, x),
+                .reduce(|best, this| if closer(&this, &best) { this } else { best }),
+            Self::Sphere { center, radius } => Some(sphere_surface_point(center, *radius, x)),
+            Self::Surface(surface) => surface.surface_point_within(x, f64::INFINITY),
         }
+        .unwrap_or(SurfacePoint {
+            distance: f64::INFINITY,
+            normal: Vec3::z(),
+            point: *x,
+        })
     }
 }
 

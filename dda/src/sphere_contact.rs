@@ -39,10 +39,9 @@ pub(crate) struct SpherePair {
 pub(crate) struct Scales {
     /// `R̃`.
     pub effective_radius: f64,
-    /// Deepest overlap allowed.
-    pub allowed_overlap: f64,
-    /// Of the smaller part.
-    pub size: f64,
+    /// One over the deepest overlap allowed, and over the size of the smaller part; 1/m.
+    per_allowed: f64,
+    per_size: f64,
 }
 
 impl Scales {
@@ -50,14 +49,14 @@ impl Scales {
     pub fn of(parts: (&Part, &Part), allowed_overlap: f64, size: f64) -> Self {
         let radius = |part: &Part| match part {
             Part::Sphere { radius, .. } => *radius,
-            Part::Polyhedron(_) => f64::INFINITY,
+            Part::Polyhedron(_) | Part::Surface(_) => f64::INFINITY,
         };
         // 1/R̃ = 1/r_i + 1/r_j, a polyhedron being flat.
         let curvature = 1.0 / radius(parts.0) + 1.0 / radius(parts.1);
         Self {
             effective_radius: 1.0 / curvature,
-            allowed_overlap,
-            size,
+            per_allowed: 1.0 / allowed_overlap,
+            per_size: 1.0 / size,
         }
     }
 }
@@ -78,6 +77,9 @@ pub(crate) struct SphereContact {
     pub normal_viscous: f64,
     /// `k_t`; N/m.
     pub shear_stiffness: f64,
+    /// `1/m̃` (1/kg) and shear dashpot (N s/m) of the last evaluation: the same again for two balls.
+    mobility: f64,
+    dashpot: f64,
     pub is_touching: bool,
     pub is_slipping: bool,
 }
@@ -310,7 +312,7 @@ impl SpherePair {
                 let sides = (Body(a), Ball(b));
                 self.update(found, &law, &sides, medium, (loads, rolling), tally);
             }
-            (Part::Polyhedron(_), Part::Polyhedron(_)) => {}
+            _ => {}
         }
     }
 
@@ -353,8 +355,8 @@ impl SpherePair {
         };
         tally.note_overlap(
             self.parts,
-            found.overlap / self.scales.allowed_overlap,
-            found.overlap / self.scales.size,
+            found.overlap * self.scales.per_allowed,
+            found.overlap * self.scales.per_size,
         );
         self.contact
             .apply(&found, law, sides, (loads, rolling), tally);
@@ -443,7 +445,8 @@ impl SphereContact {
         let slip = rate - n * opening;
         let along = (sides.0.compliance(x, &n), sides.1.compliance(x, &n));
         let mobility = along.0 + along.1;
-        let spring = joint.normal(found.overlap, effective_radius, mobility);
+        let mass = 1.0 / mobility;
+        let spring = joint.normal(found.overlap, effective_radius, mass);
         let normal_force = f64::max(spring.force - spring.viscosity * opening, 0.0);
 
         let shear_stiffness = joint.shear_ratio * spring.tangent;
@@ -455,7 +458,11 @@ impl SphereContact {
         };
         let turn = 0.5 * (a.spin + b.spin).dot(&n) * dt;
         let mut stretch = carry(&self.shear, &n, turn) * kept + slip * dt;
-        let dashpot = 2.0 * shear_damping_ratio * (shear_stiffness / mobility).sqrt();
+        let dashpot = if mobility == self.mobility && shear_stiffness == self.shear_stiffness {
+            self.dashpot
+        } else {
+            2.0 * shear_damping_ratio * (shear_stiffness / mobility).sqrt()
+        };
         let mut shear = -stretch * shear_stiffness - slip * dashpot;
         let friction = if self.is_slipping {
             joint.dynamic_friction
@@ -479,6 +486,8 @@ impl SphereContact {
         self.normal_force = normal_force;
         self.normal_viscous = normal_force - spring.force;
         self.shear_stiffness = shear_stiffness;
+        self.mobility = mobility;
+        self.dashpot = dashpot;
         tally.damping -= 0.5 * dt * self.normal_viscous * opening;
         tally.friction -= 0.5 * dt * shear.dot(&slip) + self.shear_energy();
 
@@ -582,5 +591,106 @@ impl Rolling {
             self.angle = self.torque * (-1.0 / stiffness);
         }
         dashpot
+    }
+}
+
+/// A place where a ball touches a surface: i is the ball, j the surface.
+#[derive(Clone, Debug)]
+pub(crate) struct BallOnSurface {
+    pub contact: SphereContact,
+    pub loads: SphereLoads,
+    pub rolling: Rolling,
+    /// From the ball into the surface, and the overlap (m), as just found.
+    found: Option<(Vec3, f64)>,
+}
+
+/// Feet whose normals turn by less are one; cos 5°.
+const ONE_FOOT: f64 = 0.996_195;
+/// A foot goes on from one of the last step if its normal turned by less; cos 45°.
+const SAME_FOOT: f64 = 0.707;
+
+impl BallOnSurface {
+    /// Forgets where the feet are, not what they remember.
+    pub fn forget(feet: &mut [Self]) {
+        for foot in feet {
+            foot.found = None;
+        }
+    }
+
+    /// Notes a foot. Of several in one direction the deepest counts.
+    pub fn note(feet: &mut Vec<Self>, normal: Vec3, overlap: f64) {
+        let found = feet.iter_mut().find(|foot| {
+            foot.found
+                .is_some_and(|(known, _)| known.dot(&normal) > ONE_FOOT)
+        });
+        if let Some(foot) = found {
+            if foot.found.is_some_and(|(_, known)| overlap > known) {
+                foot.found = Some((normal, overlap));
+            }
+            return;
+        }
+        let old = feet
+            .iter_mut()
+            .filter(|foot| foot.found.is_none() && foot.contact.normal.dot(&normal) > SAME_FOOT)
+            .max_by(|a, b| {
+                let turned = |foot: &Self| foot.contact.normal.dot(&normal);
+                turned(a).total_cmp(&turned(b))
+            });
+        match old {
+            Some(foot) => foot.found = Some((normal, overlap)),
+            None => feet.push(Self {
+                contact: SphereContact::default(),
+                loads: SphereLoads::default(),
+                rolling: Rolling::default(),
+                found: Some((normal, overlap)),
+            }),
+        }
+    }
+
+    pub fn is_found(&self) -> bool {
+        self.found.is_some()
+    }
+
+    /// Energy of the springs of a ball of a radius (m); J.
+    pub fn energy(&self, law: &SphereJoint, radius: f64) -> f64 {
+        law.energy(self.contact.overlap, radius)
+            + self.contact.shear_energy()
+            + self.rolling.energy()
+    }
+
+    /// Forces in the present place; books what the last `dt` (s) took.
+    pub fn evaluate(
+        &mut self,
+        (ball, surface): (&Kinematics, &Kinematics),
+        (joint, shear_damping_ratio): (&SphereJoint, f64),
+        radius: f64,
+        dt: f64,
+        tally: &mut Tally,
+    ) {
+        let sides = (Ball(ball), Body(surface));
+        if self.contact.is_touching {
+            let rolling = Some(&self.rolling);
+            book_first_half(&self.contact, &self.loads, rolling, dt, &sides, tally);
+        }
+        let Some((normal, overlap)) = self.found else {
+            if self.contact.normal_force == 0.0 {
+                // No force acted any more: what the spring still held is lost.
+                tally.damping += joint.energy(self.contact.overlap, radius);
+            }
+            return;
+        };
+        let law = Law {
+            joint,
+            effective_radius: radius,
+            shear_damping_ratio,
+            dt,
+        };
+        let found = Touch {
+            normal,
+            point: ball.centroid + normal * (radius - 0.5 * overlap),
+            overlap,
+        };
+        let loads = (&mut self.loads, Some(&mut self.rolling));
+        self.contact.apply(&found, &law, &sides, loads, tally);
     }
 }

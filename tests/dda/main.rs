@@ -22,3 +22,4 @@ mod slopes;
 mod spheres;
 mod step_bound;
 mod structures;
+mod terrain;

@@ -88,6 +88,15 @@ pub(crate) fn describe(scene: &Scene, folder: &Path) -> String {
         .map(|b| match &b.shape {
             Shape::Polyhedra(parts) => parts.len(),
             Shape::Sphere { .. } => 1,
+            Shape::Surface(_) => 0,
+        })
+        .sum();
+    let triangles: usize = scene
+        .blocks
+        .iter()
+        .map(|b| match &b.shape {
+            Shape::Surface(surface) => surface.triangles().len(),
+            Shape::Polyhedra(_) | Shape::Sphere { .. } => 0,
         })
         .sum();
     let mut line = |what: &str, value: String| {
@@ -97,6 +106,9 @@ pub(crate) fn describe(scene: &Scene, folder: &Path) -> String {
         "blocks",
         format!("{free} free, {prescribed} prescribed, {fixed} fixed; {parts} convex parts"),
     );
+    if triangles > 0 {
+        line("surfaces", format!("{triangles} triangles"));
+    }
     line(
         "block motion",
         match (free, prescribed) {

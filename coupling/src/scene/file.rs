@@ -99,7 +99,10 @@ impl SceneFile {
         let shapes = self.blocks.iter().map(|block| &block.shape);
         let boundaries = self.rock_masses.iter().map(|mass| &mass.boundary);
         for shape in shapes.chain(boundaries) {
-            if let ShapeFile::Mesh { file, .. } = shape {
+            if let ShapeFile::Mesh { file, .. }
+            | ShapeFile::Surface { file, .. }
+            | ShapeFile::Raster { file, .. } = shape
+            {
                 files.push(file.as_str());
             }
         }
@@ -260,7 +263,10 @@ pub struct RockMassFile {
     /// Of the random numbers of scatter and persistence.
     #[serde(default)]
     pub seed: u64,
-    /// Smaller blocks are left out, and counted; m³.
+    /// Joins slivers with the neighbour with which they share the largest area; kept when left out.
+    #[serde(default)]
+    pub merge_slivers: Option<SliversFile>,
+    /// Smaller blocks are left out, after slivers are merged, and counted; m³.
     #[serde(default)]
     pub minimum_volume: f64,
     /// More blocks are refused.
@@ -269,6 +275,18 @@ pub struct RockMassFile {
     /// Makes the blocks deformable.
     #[serde(default)]
     pub deformable: Option<DeformableFile>,
+}
+
+/// Which blocks of a rock mass are slivers: those that pass either limit.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SliversFile {
+    /// Less than this share of the median volume, 0 to 1.
+    #[serde(default = "default_volume_share")]
+    pub volume_share: f64,
+    /// Longer than this many times their smallest thickness, at least 2.
+    #[serde(default = "default_aspect")]
+    pub aspect: f64,
 }
 
 /// Joints of one orientation.
@@ -287,7 +305,8 @@ pub struct JointSetFile {
     /// Chance that a joint cuts a block which it meets, 0 to 1.
     #[serde(default = "one")]
     pub persistence: f64,
-    /// Standard deviation of the tilt of a joint; degrees.
+    /// Standard deviation of the tilt of a joint about each of two axes; tilts beyond three of them are
+    /// drawn again; degrees.
     #[serde(default)]
     pub scatter_deg: f64,
     /// A joint lies off its place by at most this share of the spacing, 0 to 0.5.
@@ -489,6 +508,11 @@ pub enum ShapeFile {
         /// Corner numbers of each face.
         faces: Vec<Vec<u32>>,
     },
+    /// Closed polyhedra that adjoin, as one rigid union.
+    Polyhedra {
+        /// The convex parts.
+        parts: Vec<PartFile>,
+    },
     /// A polygon drawn along an axis; a non-convex one becomes a rigid union of convex parts.
     Extrusion {
         /// Corners in the plane across the axis, in the order of the remaining axes (for `Y`:
@@ -516,6 +540,32 @@ pub enum ShapeFile {
         /// Metres per unit of the file.
         scale: f64,
     },
+    /// An open or closed surface of triangles, STL, OBJ or VTK, of a fixed block: solid on the side away
+    /// from the normals, which must look to one side.
+    Surface {
+        /// Path, relative to the scene file.
+        file: String,
+        /// Metres per unit of the file.
+        scale: f64,
+    },
+    /// Terrain of a fixed block from an ESRI ASCII grid; each square is halved along its shorter diagonal.
+    Raster {
+        /// Path, relative to the scene file.
+        file: String,
+        /// Point of the map that becomes x = y = 0; m.
+        #[serde(default)]
+        origin: (f64, f64),
+    },
+}
+
+/// A closed convex polyhedron; faces counter-clockwise seen from outside.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PartFile {
+    /// Corners; m.
+    pub vertices: Vec<Triple>,
+    /// Corner numbers of each face.
+    pub faces: Vec<Vec<u32>>,
 }
 
 /// A turn about an axis through a point, then a shift.
@@ -880,6 +930,14 @@ fn default_jitter() -> f64 {
 
 fn default_maximum_blocks() -> u32 {
     20_000
+}
+
+fn default_volume_share() -> f64 {
+    0.01
+}
+
+fn default_aspect() -> f64 {
+    20.0
 }
 
 fn one() -> f64 {

@@ -10,8 +10,9 @@ mod stl;
 mod vtk;
 
 use std::path::{Component, Path, PathBuf};
+use std::sync::Arc;
 
-use riprap_dda::{Polyhedron, PolyhedronError, Shape, Vec3, volume};
+use riprap_dda::{Polyhedron, PolyhedronError, Shape, Surface, SurfaceError, Vec3, volume};
 use shells::{Seam, Shell};
 
 /// Largest file that is read; bytes.
@@ -118,6 +119,9 @@ pub enum Fault {
         /// Of its hull; m³.
         hull: f64,
     },
+    /// Triangles that make no surface, numbered from 0 without those of no area.
+    #[error("is no surface: {0}")]
+    NoSurface(#[from] SurfaceError),
     /// A shell too fine to be a block.
     #[error(
         "shell {shell} has {n} triangles, more than {MOST_TRIANGLES_OF_A_SHELL}; simplify it: a block's contacts \
@@ -220,6 +224,22 @@ pub fn solid(folder: &Path, file: &str, scale: f64) -> Result<Shape, MeshError> 
         Seam::Open { n_edges, at } => Err(named(Fault::Open { n_edges, at })),
         Seam::Unoriented { at } => Err(named(Fault::Unoriented { at })),
     }
+}
+
+/// The surface of a mesh file, `scale` metres per unit, turned as the file has it.
+///
+/// # Errors
+///
+/// As [`solid`]; the surface need not be closed.
+pub fn surface(folder: &Path, file: &str, scale: f64) -> Result<Shape, MeshError> {
+    let named = |fault| MeshError {
+        file: file.to_owned(),
+        fault,
+    };
+    let soup = read(&file_inside(folder, file)?, scale).map_err(named)?;
+    let Soup { points, triangles } = shells::weld(&soup);
+    let surface = Surface::new(points, triangles).map_err(|error| named(error.into()))?;
+    Ok(Shape::Surface(Arc::new(surface)))
 }
 
 /// Looks at a mesh file without asking that it be closed or convex.

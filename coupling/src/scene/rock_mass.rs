@@ -2,11 +2,15 @@
 
 use std::path::Path;
 
-use riprap_dda::{BlockQuality, JointError, JointSet, Polyhedron, Shape, cut_by_joints};
+use riprap_dda::{
+    BlockQuality, JointError, JointSet, JointedMass, MergedMass, Polyhedron, Shape, SliverLimits,
+    cut_by_joints, merge_slivers,
+};
 
 use super::error::Problem;
 use super::file::{
-    BlockFile, JointSetFile, MotionFile, PlacementFile, RockMassFile, SceneFile, ShapeFile,
+    BlockFile, JointSetFile, MotionFile, PartFile, PlacementFile, RockMassFile, SceneFile,
+    ShapeFile,
 };
 use super::resolve::vec3;
 use super::shape::solid;
@@ -18,6 +22,14 @@ pub struct RockMassReport {
     pub name: String,
     /// Blocks made.
     pub n_blocks: usize,
+    /// Cuts that were not made, because a piece would have been too thin to be a block.
+    pub n_uncut: usize,
+    /// Slivers joined with a neighbour.
+    pub n_merged: usize,
+    /// Slivers that were to be joined but share no face with another block.
+    pub n_unmerged: usize,
+    /// Blocks of several convex parts.
+    pub n_unions: usize,
     /// Blocks smaller than the least volume, left out.
     pub n_removed: usize,
     /// Their volume over that of the mass.
@@ -26,6 +38,8 @@ pub struct RockMassReport {
     pub volumes: [f64; 3],
     /// Largest length over thickness of a block.
     pub worst_aspect: f64,
+    /// Smallest angle between two faces of a block; rad.
+    pub smallest_dihedral: f64,
     /// Blocks longer than 20 times their thickness.
     pub n_slivers: usize,
 }
@@ -44,12 +58,12 @@ pub fn expand(file: &mut SceneFile, folder: &Path) -> Result<Vec<RockMassReport>
     let mut reports = Vec::new();
     for (index, mass) in std::mem::take(&mut file.rock_masses).iter().enumerate() {
         match blocks_of(mass, index, folder) {
-            Ok((bodies, report)) => {
+            Ok((cut, report)) => {
                 reports.push(report);
-                let blocks = bodies
+                let blocks = cut
                     .iter()
                     .enumerate()
-                    .map(|(k, body)| block(mass, k, body));
+                    .map(|(k, parts)| block(mass, k, shape_of(parts)));
                 file.blocks.extend(blocks);
             }
             Err(found) => problems.extend(found),
@@ -62,16 +76,11 @@ pub fn expand(file: &mut SceneFile, folder: &Path) -> Result<Vec<RockMassReport>
     }
 }
 
-fn block(mass: &RockMassFile, number: usize, body: &Polyhedron) -> BlockFile {
+fn block(mass: &RockMassFile, number: usize, shape: ShapeFile) -> BlockFile {
     BlockFile {
         name: format!("{}.{:04}", mass.name, number + 1),
         material: mass.material.clone(),
-        shape: ShapeFile::Polyhedron {
-            vertices: body.vertices().iter().map(|x| (x.x, x.y, x.z)).collect(),
-            faces: (0..body.n_faces())
-                .map(|face| body.face_vertices(face).collect())
-                .collect(),
-        },
+        shape,
         placement: PlacementFile::default(),
         motion: MotionFile::Free,
         velocity: (0.0, 0.0, 0.0),
@@ -81,11 +90,30 @@ fn block(mass: &RockMassFile, number: usize, body: &Polyhedron) -> BlockFile {
     }
 }
 
+/// The shape of a block as it is written.
+fn shape_of(block: &[Polyhedron]) -> ShapeFile {
+    let written = |body: &Polyhedron| PartFile {
+        vertices: body.vertices().iter().map(|x| (x.x, x.y, x.z)).collect(),
+        faces: (0..body.n_faces())
+            .map(|face| body.face_vertices(face).collect())
+            .collect(),
+    };
+    match block {
+        [body] => {
+            let PartFile { vertices, faces } = written(body);
+            ShapeFile::Polyhedron { vertices, faces }
+        }
+        parts => ShapeFile::Polyhedra {
+            parts: parts.iter().map(written).collect(),
+        },
+    }
+}
+
 fn blocks_of(
     mass: &RockMassFile,
     index: usize,
     folder: &Path,
-) -> Result<(Vec<Polyhedron>, RockMassReport), Vec<Problem>> {
+) -> Result<(Vec<Vec<Polyhedron>>, RockMassReport), Vec<Problem>> {
     let refused = |field: &str, what: String| {
         let message = format!("rock mass `{}`: {what}", mass.name);
         vec![Problem::error(
@@ -93,10 +121,7 @@ fn blocks_of(
             message,
         )]
     };
-    let whole = BlockFile {
-        shape: mass.boundary.clone(),
-        ..block(mass, 0, &unit_cube().map_err(|e| refused("boundary", e))?)
-    };
+    let whole = block(mass, 0, mass.boundary.clone());
     let shape = solid(&whole, 0, folder).map_err(|found| {
         let texts: Vec<String> = found.into_iter().map(|problem| problem.message).collect();
         refused("boundary", texts.join("; "))
@@ -106,21 +131,32 @@ fn blocks_of(
     };
     let volume: f64 = bodies.iter().map(riprap_dda::volume).sum();
     let sets: Vec<JointSet> = mass.joint_sets.iter().map(joint_set).collect();
-    let cut = cut_by_joints(bodies, &sets, mass.seed, mass.maximum_blocks as usize);
-    let mut blocks = cut.map_err(|error| match error {
-        JointError::Set { set, field, .. } => {
-            let field = match field {
-                "dip" | "dip_direction" | "scatter" => format!("{field}_deg"),
-                _ => field.to_owned(),
+    let failed = |error: JointError| refused(&blamed(&error), error.to_string());
+    let JointedMass { blocks, n_uncut } =
+        cut_by_joints(bodies, &sets, mass.seed, mass.maximum_blocks as usize).map_err(failed)?;
+    let MergedMass {
+        mut blocks,
+        n_merged,
+        n_left,
+    } = match &mass.merge_slivers {
+        Some(file) => {
+            let limits = SliverLimits {
+                volume_share: file.volume_share,
+                aspect: file.aspect,
             };
-            refused(&format!("joint_sets[{set}].{field}"), error.to_string())
+            merge_slivers(blocks, &limits).map_err(failed)?
         }
-        JointError::TooMany { set, .. } => {
-            refused(&format!("joint_sets[{set}].spacing"), error.to_string())
-        }
-    })?;
+        None => MergedMass {
+            blocks: blocks.into_iter().map(|block| vec![block]).collect(),
+            n_merged: 0,
+            n_left: 0,
+        },
+    };
     let n_cut = blocks.len();
-    blocks.retain(|body| riprap_dda::volume(body) >= mass.minimum_volume);
+    blocks.retain(|parts| {
+        let volumes = parts.iter().map(riprap_dda::volume);
+        volumes.sum::<f64>() >= mass.minimum_volume
+    });
     if blocks.is_empty() {
         let what = format!(
             "all {n_cut} blocks are smaller than {} m3; lower minimum_volume",
@@ -128,14 +164,46 @@ fn blocks_of(
         );
         return Err(refused("minimum_volume", what));
     }
-    let qualities: Vec<BlockQuality> = blocks.iter().map(BlockQuality::of).collect();
+    let report = RockMassReport {
+        n_uncut,
+        n_merged,
+        n_unmerged: n_left,
+        n_removed: n_cut - blocks.len(),
+        ..report(&mass.name, volume, &blocks)
+    };
+    Ok((blocks, report))
+}
+
+/// The field of a rock mass that an error speaks of.
+fn blamed(error: &JointError) -> String {
+    match error {
+        JointError::Set { set, field, .. } => match *field {
+            "dip" | "dip_direction" | "scatter" => format!("joint_sets[{set}].{field}_deg"),
+            _ => format!("joint_sets[{set}].{field}"),
+        },
+        JointError::TooMany { set, .. } => format!("joint_sets[{set}].spacing"),
+        JointError::Slivers { field, .. } => format!("merge_slivers.{field}"),
+    }
+}
+
+/// What the blocks tell of themselves; `volume`: of the mass; m³.
+fn report(name: &str, volume: f64, blocks: &[Vec<Polyhedron>]) -> RockMassReport {
+    let qualities: Vec<BlockQuality> = blocks
+        .iter()
+        .map(|parts| BlockQuality::of_union(parts))
+        .collect();
     let mut volumes: Vec<f64> = qualities.iter().map(|quality| quality.volume).collect();
     volumes.sort_by(f64::total_cmp);
     let kept: f64 = volumes.iter().sum();
-    let report = RockMassReport {
-        name: mass.name.clone(),
+    let dihedrals = qualities.iter().map(|quality| quality.smallest_dihedral);
+    RockMassReport {
+        name: name.to_owned(),
         n_blocks: blocks.len(),
-        n_removed: n_cut - blocks.len(),
+        n_uncut: 0,
+        n_merged: 0,
+        n_unmerged: 0,
+        n_unions: blocks.iter().filter(|parts| parts.len() > 1).count(),
+        n_removed: 0,
         removed_share: ((volume - kept) / volume).max(0.0),
         volumes: [
             volumes[0],
@@ -143,13 +211,9 @@ fn blocks_of(
             volumes[volumes.len() - 1],
         ],
         worst_aspect: qualities.iter().map(|q| q.aspect).fold(0.0, f64::max),
+        smallest_dihedral: dihedrals.fold(f64::INFINITY, f64::min),
         n_slivers: qualities.iter().filter(|q| q.aspect > SLIVER).count(),
-    };
-    Ok((blocks, report))
-}
-
-fn unit_cube() -> Result<Polyhedron, String> {
-    Polyhedron::cuboid(vec3((0.0, 0.0, 0.0)), vec3((1.0, 1.0, 1.0))).map_err(|e| e.to_string())
+    }
 }
 
 fn joint_set(file: &JointSetFile) -> JointSet {
@@ -169,11 +233,32 @@ impl std::fmt::Display for RockMassReport {
         let [smallest, median, largest] = self.volumes;
         write!(
             f,
-            "`{}`: {} blocks of {smallest:.3e} to {largest:.3e} m3, median {median:.3e}; longest over thinnest up to {:.1}",
-            self.name, self.n_blocks, self.worst_aspect
+            "`{}`: {} blocks of {smallest:.3e} to {largest:.3e} m3, median {median:.3e}; longest over thinnest up to {:.1}, \
+             sharpest edge {:.1} deg",
+            self.name,
+            self.n_blocks,
+            self.worst_aspect,
+            self.smallest_dihedral.to_degrees()
         )?;
         if self.n_slivers > 0 {
             write!(f, "; {} slivers above {SLIVER}", self.n_slivers)?;
+        }
+        if self.n_merged > 0 {
+            write!(
+                f,
+                "; {} slivers merged, {} blocks of several parts",
+                self.n_merged, self.n_unions
+            )?;
+        }
+        if self.n_unmerged > 0 {
+            write!(f, "; {} slivers without a neighbour left", self.n_unmerged)?;
+        }
+        if self.n_uncut > 0 {
+            write!(
+                f,
+                "; {} joints left out where they would shave off a piece too thin to be a block",
+                self.n_uncut
+            )?;
         }
         if self.n_removed > 0 {
             write!(
@@ -183,5 +268,76 @@ impl std::fmt::Display for RockMassReport {
             )?;
         }
         Ok(())
+    }
+}
+
+#[cfg(test)]
+#[expect(
+    clippy::unwrap_used,
+    reason = "a test may stop where a library may not"
+)]
+mod tests {
+    use super::*;
+    use crate::scene::parse;
+    use crate::scene::resolve::Scene;
+
+    fn scene(slivers: &str) -> SceneFile {
+        let text = format!(
+            r#"(title: "a mass", domain: (min: (-9, -9, -9), max: (9, 9, 9)),
+                materials: [(name: "rock", density: 2500, friction_angle_deg: 30)],
+                rock_masses: [(name: "mass", material: "rock", boundary: Box(min: (0, 0, 0), max: (5, 4, 3)), seed: 3,
+                    joint_sets: [(dip_deg: 60, dip_direction_deg: 100, spacing: 1, scatter_deg: 3, spacing_scatter: 0.4),
+                                 (dip_deg: 70, dip_direction_deg: 210, spacing: 1, persistence: 0.8, spacing_scatter: 0.4),
+                                 (dip_deg: 25, dip_direction_deg: 330, spacing: 1, scatter_deg: 3, spacing_scatter: 0.4)],
+                    {slivers})],
+                time: (duration: 1))"#
+        );
+        parse::read(&text).unwrap()
+    }
+
+    fn volume(scene: &Scene) -> f64 {
+        scene.blocks.iter().map(|block| block.shape.volume()).sum()
+    }
+
+    /// Merged blocks keep the volume, are reported, and are written so that they read back the same.
+    #[test]
+    fn slivers_are_merged_and_written() {
+        let folder = Path::new(".");
+        let whole = Scene::resolve(scene(""), folder).unwrap();
+        let file = scene("merge_slivers: (volume_share: 0.2, aspect: 8)");
+        let merged = Scene::resolve(file, folder).unwrap();
+        let (before, after) = (&whole.rock_masses[0], &merged.rock_masses[0]);
+        assert_eq!(before.n_blocks, after.n_blocks + after.n_merged);
+        assert!(after.n_merged > 0 && after.n_unions > 0 && after.worst_aspect <= 8.0);
+        assert!((volume(&whole) / 60.0 - 1.0).abs() < 1e-12);
+        assert!((volume(&merged) / 60.0 - 1.0).abs() < 1e-12);
+        let said = after.to_string();
+        let expected = format!(
+            "; {} slivers merged, {} blocks of several parts",
+            after.n_merged, after.n_unions
+        );
+        assert!(said.contains(&expected), "{said}");
+        let text = parse::write(&merged.file).unwrap();
+        let again = Scene::resolve(parse::read(&text).unwrap(), folder).unwrap();
+        assert_eq!(again.blocks.len(), merged.blocks.len());
+        assert!(
+            again
+                .blocks
+                .iter()
+                .zip(&merged.blocks)
+                .all(|(a, b)| a.shape == b.shape)
+        );
+    }
+
+    #[test]
+    fn wrong_limits_of_slivers_are_refused_by_name() {
+        let problems = Scene::resolve(scene("merge_slivers: (aspect: 1)"), Path::new("."));
+        let problems = problems.unwrap_err();
+        assert_eq!(problems[0].path, "rock_masses[0].merge_slivers.aspect");
+        assert!(
+            problems[0].message.contains("aspect is 1, must be >= 2"),
+            "{}",
+            problems[0].message
+        );
     }
 }

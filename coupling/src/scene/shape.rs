@@ -6,8 +6,9 @@ use nalgebra::{Translation3, Unit, UnitQuaternion};
 use riprap_dda::{Isometry, Polyhedron, PolyhedronError, Shape, Vec3};
 
 use super::error::Problem;
-use super::file::{Axis, BlockFile, PlacementFile, ShapeFile};
+use super::file::{Axis, BlockFile, PartFile, PlacementFile, ShapeFile};
 use super::mesh::{self, MeshError};
+use super::raster;
 use super::resolve::vec3;
 
 /// The solid of block `index` of the file, turned and shifted into place.
@@ -62,6 +63,11 @@ fn build(shape: &ShapeFile, folder: &Path) -> Result<Shape, ShapeError> {
         ShapeFile::Polyhedron { vertices, faces } => {
             one(Polyhedron::from_faces(&points(vertices), faces)?)
         }
+        ShapeFile::Polyhedra { parts } => {
+            let build =
+                |part: &PartFile| Polyhedron::from_faces(&points(&part.vertices), &part.faces);
+            Shape::Polyhedra(parts.iter().map(build).collect::<Result<_, _>>()?)
+        }
         ShapeFile::Extrusion {
             polygon,
             axis,
@@ -75,10 +81,14 @@ fn build(shape: &ShapeFile, folder: &Path) -> Result<Shape, ShapeError> {
             center: vec3(*center),
             radius: *radius,
         },
-        ShapeFile::Mesh { scale, .. } if !is_positive(*scale) => {
+        ShapeFile::Mesh { scale, .. } | ShapeFile::Surface { scale, .. }
+            if !is_positive(*scale) =>
+        {
             return Err(ShapeError::Scale(*scale));
         }
         ShapeFile::Mesh { file, scale } => mesh::solid(folder, file, *scale)?,
+        ShapeFile::Surface { file, scale } => mesh::surface(folder, file, *scale)?,
+        ShapeFile::Raster { file, origin } => raster::terrain(folder, file, *origin)?,
     })
 }
 
@@ -88,7 +98,10 @@ fn blamed(shape: &ShapeFile, error: &ShapeError) -> &'static str {
         (_, ShapeError::Radius(_)) => ".radius",
         (_, ShapeError::Scale(_)) => ".scale",
         (ShapeFile::Hull { .. }, _) => ".points",
-        (ShapeFile::Mesh { .. }, _) => ".file",
+        (ShapeFile::Polyhedra { .. }, _) => ".parts",
+        (ShapeFile::Mesh { .. } | ShapeFile::Surface { .. } | ShapeFile::Raster { .. }, _) => {
+            ".file"
+        }
         (
             ShapeFile::Polyhedron { .. },
             ShapeError::Polyhedron(

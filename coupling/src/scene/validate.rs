@@ -304,6 +304,16 @@ impl Checks {
                 ),
             );
         }
+        let is_surface = matches!(
+            block.shape,
+            ShapeFile::Surface { .. } | ShapeFile::Raster { .. }
+        );
+        if is_surface && !matches!(block.motion, MotionFile::Fixed) {
+            self.refuse(
+                path("motion"),
+                format!("{} must be Fixed: a surface has no mass", of("motion")),
+            );
+        }
         self.shape(&path("shape"), &block.shape, &block.name);
         if let Some(turn) = &block.placement.rotate
             && is_zero(turn.axis)
@@ -694,17 +704,18 @@ impl Checks {
                 }
             }
             ShapeFile::Polyhedron { vertices, faces } => {
-                for (k, face) in faces.iter().enumerate() {
-                    if let Some(v) = face.iter().find(|&&v| v as usize >= vertices.len()) {
-                        self.refuse(
-                            format!("{path}.faces[{k}]"),
-                            format!(
-                                "{} {k} names vertex {v}, but there are {}",
-                                of("face"),
-                                vertices.len()
-                            ),
-                        );
-                    }
+                self.faces(path, vertices.len(), faces, name);
+            }
+            ShapeFile::Polyhedra { parts } => {
+                if parts.is_empty() {
+                    self.refuse(
+                        format!("{path}.parts"),
+                        of("no part; give at least one polyhedron"),
+                    );
+                }
+                for (k, part) in parts.iter().enumerate() {
+                    let path = format!("{path}.parts[{k}]");
+                    self.faces(&path, part.vertices.len(), &part.faces, name);
                 }
             }
             ShapeFile::Extrusion {
@@ -730,8 +741,29 @@ impl Checks {
             ShapeFile::Sphere { radius, .. } => {
                 self.positive(format!("{path}.radius"), &of("radius"), *radius);
             }
-            ShapeFile::Mesh { scale, .. } => {
+            ShapeFile::Mesh { scale, .. } | ShapeFile::Surface { scale, .. } => {
                 self.positive(format!("{path}.scale"), &of("scale"), *scale);
+            }
+            ShapeFile::Raster { origin, .. } => {
+                if !(origin.0.is_finite() && origin.1.is_finite()) {
+                    self.refuse(
+                        format!("{path}.origin"),
+                        format!("{} must be finite", of("origin")),
+                    );
+                }
+            }
+        }
+    }
+
+    fn faces(&mut self, path: &str, n_vertices: usize, faces: &[Vec<u32>], name: &str) {
+        for (k, face) in faces.iter().enumerate() {
+            if let Some(v) = face.iter().find(|&&v| v as usize >= n_vertices) {
+                self.refuse(
+                    format!("{path}.faces[{k}]"),
+                    format!(
+                        "block `{name}`: face {k} names vertex {v}, but there are {n_vertices}"
+                    ),
+                );
             }
         }
     }

@@ -3,6 +3,7 @@
 use crate::{
     Blocks, Contact, Energies, Isometry, Load, Motion, Settings, SurfacePoint, Vec3, Voigt,
     deformation::{axial, voigt},
+    material::SphereJoint,
     parts::Part,
     sphere_contact::{SphereLoads, SpherePair},
 };
@@ -206,6 +207,12 @@ impl Blocks {
                         center + turn * unit * *radius
                     });
                 }
+                Part::Surface(surface) => {
+                    let first = vertices.len() as u32;
+                    vertices.extend_from_slice(surface.vertices());
+                    let corners = |t: &[u32; 3]| t.iter().map(|v| first + v).collect::<Vec<_>>();
+                    faces.extend(surface.triangles().iter().map(corners));
+                }
             }
         }
         (vertices, faces)
@@ -217,6 +224,7 @@ impl Blocks {
     pub fn part_points(&self, part: usize) -> Vec<Vec3> {
         match &self.parts[part] {
             Part::Polyhedron(body) => body.vertices().to_vec(),
+            Part::Surface(surface) => surface.vertices().to_vec(),
             Part::Sphere { center, radius } => {
                 let (mut vertices, mut faces) = (Vec::new(), Vec::new());
                 push_ball(&mut vertices, &mut faces, |unit| center + unit * *radius);
@@ -243,7 +251,8 @@ impl Blocks {
 
     // Sums and records.
 
-    /// Contact points of the last step, sorted by parts, those of balls last.
+    /// Contact points of the last step, sorted by parts; those of balls after the others,
+    /// those on surfaces last, the surface second.
     pub fn contacts(&self) -> Vec<Contact> {
         let blocks = |pair: (u32, u32)| (pair.0 as usize, pair.1 as usize);
         let of_pairs = self.pairs.iter().flat_map(|pair| {
@@ -275,7 +284,11 @@ impl Blocks {
                 state: contact.state(),
             }
         });
-        of_pairs.chain(of_spheres).collect()
+        let mut contacts: Vec<Contact> = of_pairs.chain(of_spheres).collect();
+        for pair in &self.surface_pairs {
+            pair.for_each_contact(&mut |contact| contacts.push(contact));
+        }
+        contacts
     }
 
     /// Force evaluations of pairs of parts so far.
@@ -302,6 +315,7 @@ impl Blocks {
                 .map(|pair| pair.elastic.0 + pair.elastic.1)
                 .sum::<f64>()
                 + self.sphere_energy()
+                + self.surface_energy()
                 + self.attachments.elastic,
             strain_damping: self.strain_damping.total(),
             static_damping: self.static_damping.total(),
@@ -328,13 +342,23 @@ impl Blocks {
         self.sphere_pairs
             .iter()
             .enumerate()
-            .map(|(k, pair)| {
-                let material = |part: u32| self.material_of_part[part as usize] as usize;
-                let joint = material(pair.parts.0) * self.n_materials + material(pair.parts.1);
-                let law = &self.joints[joint].spheres;
-                pair.energy(law, self.sphere_rolling.get(k))
+            .map(|(k, pair)| pair.energy(self.sphere_joint(pair.parts), self.sphere_rolling.get(k)))
+            .sum()
+    }
+
+    fn surface_energy(&self) -> f64 {
+        self.surface_pairs
+            .iter()
+            .map(|pair| {
+                let radius = self.radius[pair.blocks.0 as usize];
+                pair.energy(self.sphere_joint(pair.parts), radius)
             })
             .sum()
+    }
+
+    fn sphere_joint(&self, parts: (u32, u32)) -> &SphereJoint {
+        let material = |part: u32| self.material_of_part[part as usize] as usize;
+        &self.joints[material(parts.0) * self.n_materials + material(parts.1)].spheres
     }
 
     /// Momentum of the free blocks; N s.
@@ -409,6 +433,11 @@ impl Blocks {
                 rolling.angle.iter().for_each(|&c| f(c));
                 rolling.torque.iter().for_each(|&c| f(c));
             }
+        }
+        for pair in &self.surface_pairs {
+            f(f64::from(pair.parts.0));
+            f(f64::from(pair.parts.1));
+            pair.for_each_state_f64(f);
         }
         for deformable in &self.deformables {
             deformable.for_each_state_f64(f);

@@ -161,7 +161,7 @@ fn look(name: &str, content: impl AsRef<[u8]>) -> Survey {
 fn n_parts(shape: &Shape) -> usize {
     match shape {
         Shape::Polyhedra(parts) => parts.len(),
-        Shape::Sphere { .. } => 0,
+        Shape::Sphere { .. } | Shape::Surface(_) => 0,
     }
 }
 

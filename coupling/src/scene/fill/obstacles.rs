@@ -1,7 +1,7 @@
 //! Which convex parts of blocks are near a lattice node: a grid of cells over the lattice, each
 //! with a short list of parts, so that a node asks only those.
 
-use riprap_dda::{Polyhedron, Shape, Vec3};
+use riprap_dda::{Polyhedron, Shape, Surface, Vec3};
 
 /// Share of a spacing by which a node may be nearer to a wall than half a spacing: lattices that
 /// are meant to fit are off by the digits a user types.
@@ -15,6 +15,7 @@ const NODES_PER_CELL: usize = 8;
 pub(super) enum Part<'a> {
     Convex(&'a Polyhedron),
     Ball { center: Vec3, radius: f64 },
+    Surface(&'a Surface),
 }
 
 /// All parts, each with the number of its block.
@@ -29,6 +30,7 @@ pub(super) fn parts(solids: &[(String, Shape)]) -> Vec<(usize, Part<'_>)> {
                 let (center, radius) = (*center, *radius);
                 found.push((block, Part::Ball { center, radius }));
             }
+            Shape::Surface(surface) => found.push((block, Part::Surface(surface))),
         }
     }
     found
@@ -41,6 +43,12 @@ impl Part<'_> {
             Self::Ball { center, radius } => {
                 (center.add_scalar(-radius), center.add_scalar(*radius))
             }
+            Self::Surface(surface) => {
+                // What is behind it reaches beyond its own box: as far as it is wide will do.
+                let (lower, upper) = surface.aabb();
+                let extent = (upper - lower).norm();
+                (lower.add_scalar(-extent), upper.add_scalar(extent))
+            }
         }
     }
 
@@ -51,6 +59,7 @@ impl Part<'_> {
                 .surface_point_within(x, distance)
                 .is_some_and(|surface| surface.distance < distance),
             Self::Ball { center, radius } => (x - center).norm() - radius < distance,
+            Self::Surface(surface) => height(surface, x) < distance,
         }
     }
 
@@ -61,6 +70,7 @@ impl Part<'_> {
                 .surface_point_within(x, 0.0)
                 .map_or(0.0, |surface| -surface.distance),
             Self::Ball { center, radius } => (radius - (x - center).norm()).max(0.0),
+            Self::Surface(surface) => (-height(surface, x)).max(0.0),
         }
     }
 
@@ -92,8 +102,16 @@ impl Part<'_> {
                 let nearest = from + along * share.clamp(0.0, 1.0);
                 (nearest - center).norm() < *radius
             }
+            Self::Surface(surface) => (height(surface, from) > 0.0) != (height(surface, to) > 0.0),
         }
     }
+}
+
+/// Signed distance from a surface; m.
+pub(super) fn height(surface: &Surface, x: &Vec3) -> f64 {
+    surface
+        .surface_point_within(x, f64::INFINITY)
+        .map_or(f64::INFINITY, |at| at.distance)
 }
 
 /// The parts near each cell of a lattice.

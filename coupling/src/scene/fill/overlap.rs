@@ -2,7 +2,7 @@
 
 use riprap_dda::{Motion, Polyhedron, Shape, Vec3, separating_axes};
 
-use super::obstacles::{Part, parts};
+use super::obstacles::{Part, height, parts};
 use crate::scene::error::Problem;
 
 /// Deeper than this, contact would throw the blocks apart; × size of the smaller one.
@@ -20,7 +20,10 @@ pub fn overlaps(solids: &[(String, Shape)], motions: &[Motion]) -> Vec<Problem> 
     let boxes: Vec<(Vec3, Vec3)> = parts.iter().map(|(_, part)| part.aabb()).collect();
     let sizes: Vec<f64> = solids
         .iter()
-        .map(|(_, shape)| shape.volume().cbrt())
+        .map(|(_, shape)| match shape {
+            Shape::Surface(_) => f64::INFINITY,
+            _ => shape.volume().cbrt(),
+        })
         .collect();
     let is_free = |block: usize| matches!(motions.get(block), Some(Motion::Free));
     // sorted along x, a part meets only those that begin before it ends
@@ -72,7 +75,7 @@ pub fn overlaps(solids: &[(String, Shape)], motions: &[Motion]) -> Vec<Problem> 
         .collect()
 }
 
-/// Depth of the overlap of two convex parts, 0 if they are apart; m.
+/// Depth of the overlap of two parts, 0 if they are apart; m.
 fn depth(a: &Part, b: &Part) -> f64 {
     let of_ball = |body: &Polyhedron, center: &Vec3, radius: f64| {
         body.surface_point_within(center, radius)
@@ -89,6 +92,17 @@ fn depth(a: &Part, b: &Part) -> f64 {
                 radius: other_radius,
             },
         ) => radius + other_radius - (center - other).norm(),
+        // Ridges that reach into a face without a corner behind them are left to the first step.
+        (Part::Surface(surface), Part::Convex(body))
+        | (Part::Convex(body), Part::Surface(surface)) => {
+            let depth = |x: &Vec3| -height(surface, x);
+            body.vertices().iter().map(depth).fold(0.0, f64::max)
+        }
+        (Part::Surface(surface), Part::Ball { center, radius })
+        | (Part::Ball { center, radius }, Part::Surface(surface)) => {
+            radius - height(surface, center)
+        }
+        (Part::Surface(_), Part::Surface(_)) => 0.0,
     };
     depth.max(0.0)
 }

@@ -177,7 +177,7 @@ fn angle_through_body(soup: &Soup, side: HalfEdge, other: HalfEdge) -> f64 {
 ///
 /// Each coordinate is snapped by itself: sorted values that follow within the weld distance get
 /// one number. Three sorts, whatever the mesh looks like.
-fn weld(soup: &Soup) -> Soup {
+pub(super) fn weld(soup: &Soup) -> Soup {
     let nothing = (Vec3::repeat(f64::INFINITY), Vec3::repeat(f64::NEG_INFINITY));
     let used = || soup.triangles.iter().flatten();
     let (min, max) = used().fold(nothing, |(min, max), &v| {

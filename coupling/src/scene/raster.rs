@@ -1,0 +1,263 @@
+//! Terrain from an ESRI ASCII grid.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use riprap_dda::{Shape, Surface, Vec3};
+
+use super::mesh::{Fault, MeshError, file_inside};
+
+/// Largest file that is read; bytes.
+const LARGEST_FILE: u64 = 200_000_000;
+/// Most points of a grid; each makes two triangles.
+const MOST_POINTS: usize = 2_500_000;
+
+/// What the lines before the heights say.
+struct Header {
+    n_columns: usize,
+    n_rows: usize,
+    /// Of the first column and the last row; m on the map.
+    corner: [f64; 2],
+    cell_size: f64,
+    /// Marks points without a height.
+    no_data: f64,
+}
+
+/// The terrain of a grid of heights (m), the map's `origin` (m) at x = y = 0. The points of the grid are the
+/// centres of its cells; each square of four is halved along its shorter diagonal. Where heights are missing
+/// there is a hole.
+///
+/// # Errors
+///
+/// [`MeshError`], which names the file, the line and what would be right.
+pub fn terrain(folder: &Path, file: &str, origin: (f64, f64)) -> Result<Shape, MeshError> {
+    let named = |fault| MeshError {
+        file: file.to_owned(),
+        fault,
+    };
+    let path = file_inside(folder, file)?;
+    let read = || -> Result<Surface, Fault> {
+        let bytes = std::fs::metadata(&path)?.len();
+        if bytes > LARGEST_FILE {
+            return Err(Fault::TooLarge { bytes });
+        }
+        let content = String::from_utf8_lossy(&std::fs::read(&path)?).into_owned();
+        triangulate(&content, origin)
+    };
+    read()
+        .map(|surface| Shape::Surface(Arc::new(surface)))
+        .map_err(named)
+}
+
+fn triangulate(content: &str, origin: (f64, f64)) -> Result<Surface, Fault> {
+    let (header, first_row) = header(content)?;
+    let heights = heights(content, first_row, &header)?;
+    let (columns, rows) = (header.n_columns, header.n_rows);
+    let has_height = |k: usize| heights[k] != header.no_data;
+    // Numbered without the points that have no height.
+    let mut number = vec![u32::MAX; heights.len()];
+    let mut vertices = Vec::new();
+    for k in (0..heights.len()).filter(|&k| has_height(k)) {
+        let (row, column) = (k / columns, k % columns);
+        number[k] = vertices.len() as u32;
+        vertices.push(Vec3::new(
+            header.corner[0] - origin.0 + column as f64 * header.cell_size,
+            header.corner[1] - origin.1 + (rows - 1 - row) as f64 * header.cell_size,
+            heights[k],
+        ));
+    }
+    let mut triangles = Vec::new();
+    for row in 0..rows - 1 {
+        for column in 0..columns - 1 {
+            let north = row * columns + column;
+            let south = north + columns;
+            // Counter-clockwise from above.
+            let square = [south, south + 1, north + 1, north];
+            if !square.iter().all(|&k| has_height(k)) {
+                continue;
+            }
+            let [a, b, c, d] = square.map(|k| number[k]);
+            let rise = |k: usize, l: usize| (heights[k] - heights[l]).abs();
+            if rise(square[0], square[2]) <= rise(square[1], square[3]) {
+                triangles.extend([[a, b, c], [a, c, d]]);
+            } else {
+                triangles.extend([[a, b, d], [b, c, d]]);
+            }
+        }
+    }
+    Surface::new(vertices, triangles).map_err(|error| Fault::Format(error.to_string()))
+}
+
+fn refuse(line: usize, what: impl std::fmt::Display) -> Fault {
+    Fault::Format(format!("line {line}: {what}"))
+}
+
+/// The header and the number of the first line after it, from 0.
+fn header(content: &str) -> Result<(Header, usize), Fault> {
+    let mut n_columns = None;
+    let mut n_rows = None;
+    let mut corner = [None, None];
+    let mut is_center = [false, false];
+    let mut cell_size = None;
+    let mut no_data = -9999.0;
+    let mut first_row = 0;
+    for (k, line) in content.lines().enumerate() {
+        let mut words = line.split_whitespace();
+        let Some(key) = words.next() else {
+            continue;
+        };
+        if !key.starts_with(|c: char| c.is_ascii_alphabetic()) || key.eq_ignore_ascii_case("nan") {
+            first_row = k;
+            break;
+        }
+        let value: f64 = words
+            .next()
+            .and_then(|word| word.parse().ok())
+            .filter(|value: &f64| value.is_finite())
+            .ok_or_else(|| refuse(k + 1, format!("`{key}` needs a number after it")))?;
+        let count = || {
+            let is_count = (2.0..=MOST_POINTS as f64).contains(&value) && value.fract() == 0.0;
+            is_count.then_some(value as usize).ok_or_else(|| {
+                refuse(
+                    k + 1,
+                    format!("`{key}` must be a whole number, at least 2, found {value}"),
+                )
+            })
+        };
+        match key.to_ascii_lowercase().as_str() {
+            "ncols" => n_columns = Some(count()?),
+            "nrows" => n_rows = Some(count()?),
+            "xllcorner" => corner[0] = Some(value),
+            "yllcorner" => corner[1] = Some(value),
+            "xllcenter" => (corner[0], is_center[0]) = (Some(value), true),
+            "yllcenter" => (corner[1], is_center[1]) = (Some(value), true),
+            "cellsize" if value > 0.0 => cell_size = Some(value),
+            "cellsize" => {
+                return Err(refuse(
+                    k + 1,
+                    format!("`{key}` must be > 0 m, found {value}"),
+                ));
+            }
+            "nodata_value" => no_data = value,
+            _ => {
+                let known = "ncols, nrows, xllcorner, yllcorner, xllcenter, yllcenter, cellsize, NODATA_value";
+                return Err(refuse(k + 1, format!("`{key}` is none of {known}")));
+            }
+        }
+    }
+    let missing = |key: &str| Fault::Format(format!("has no `{key}` before the heights"));
+    let cell_size = cell_size.ok_or_else(|| missing("cellsize"))?;
+    let at = |axis: usize, key: &str| {
+        let value: f64 = corner[axis].ok_or_else(|| missing(key))?;
+        let half = if is_center[axis] {
+            0.0
+        } else {
+            0.5 * cell_size
+        };
+        Ok::<f64, Fault>(value + half)
+    };
+    let header = Header {
+        n_columns: n_columns.ok_or_else(|| missing("ncols"))?,
+        n_rows: n_rows.ok_or_else(|| missing("nrows"))?,
+        corner: [at(0, "xllcorner")?, at(1, "yllcorner")?],
+        cell_size,
+        no_data,
+    };
+    if header.n_columns.saturating_mul(header.n_rows) > MOST_POINTS {
+        return Err(Fault::Format(format!(
+            "has {} x {} points, more than {MOST_POINTS}; resample it",
+            header.n_columns, header.n_rows
+        )));
+    }
+    Ok((header, first_row))
+}
+
+/// Row by row from the north, wherever the lines break.
+fn heights(content: &str, first_row: usize, header: &Header) -> Result<Vec<f64>, Fault> {
+    let n = header.n_columns * header.n_rows;
+    let mut heights = Vec::with_capacity(n);
+    for (k, line) in content.lines().enumerate().skip(first_row) {
+        for word in line.split_whitespace() {
+            let height = word
+                .parse()
+                .ok()
+                .filter(|height: &f64| height.is_finite())
+                .ok_or_else(|| refuse(k + 1, format!("`{word}` is no height")))?;
+            heights.push(height);
+        }
+    }
+    if heights.len() != n {
+        return Err(Fault::Format(format!(
+            "has {} heights; {} columns and {} rows need {n}",
+            heights.len(),
+            header.n_columns,
+            header.n_rows
+        )));
+    }
+    Ok(heights)
+}
+
+#[cfg(test)]
+#[expect(clippy::unwrap_used, reason = "a test may fail")]
+mod tests {
+    use super::*;
+
+    const GRID: &str = "ncols 3\nnrows 2\nxllcorner 100\nyllcorner 200\ncellsize 10\nNODATA_value -1\n\
+                        5 6 7\n1 2 3\n";
+
+    #[test]
+    fn rows_run_from_north_to_south() {
+        let surface = triangulate(GRID, (100.0, 200.0)).unwrap();
+        assert_eq!(surface.triangles().len(), 4);
+        let height = |x: f64, y: f64| {
+            let at = surface.vertices().iter().find(|v| v.x == x && v.y == y);
+            at.map(|v| v.z)
+        };
+        assert_eq!(height(5.0, 15.0), Some(5.0));
+        assert_eq!(height(25.0, 5.0), Some(3.0));
+        // All look up.
+        let above = Vec3::new(14.0, 9.0, 50.0);
+        let found = surface.surface_point_within(&above, f64::INFINITY).unwrap();
+        assert!(found.distance > 40.0);
+    }
+
+    #[test]
+    fn missing_heights_leave_a_hole() {
+        let surface = triangulate(&GRID.replace("5 6 7", "-1 6 7"), (0.0, 0.0)).unwrap();
+        assert_eq!(
+            (surface.triangles().len(), surface.vertices().len()),
+            (2, 5)
+        );
+    }
+
+    #[test]
+    fn faults_name_the_line() {
+        let fault = |content: &str| triangulate(content, (0.0, 0.0)).unwrap_err().to_string();
+        for (content, expected) in [
+            (GRID.replace("1 2 3", "1 2 x"), "line 8: `x` is no height"),
+            (
+                GRID.replace("1 2 3", "1 2"),
+                "has 5 heights; 3 columns and 2 rows need 6",
+            ),
+            (
+                GRID.replace("cellsize 10", "cellsize 0"),
+                "line 5: `cellsize` must be > 0 m, found 0",
+            ),
+            (
+                GRID.replace("nrows 2", "nrows 1"),
+                "line 2: `nrows` must be a whole number, at least 2, found 1",
+            ),
+            (
+                GRID.replace("nrows 2\n", ""),
+                "has no `nrows` before the heights",
+            ),
+            (
+                GRID.replace("nrows 2", "rows 2"),
+                "line 2: `rows` is none of ncols",
+            ),
+        ] {
+            let found = fault(&content);
+            assert!(found.starts_with(expected), "{found}");
+        }
+    }
+}
