@@ -74,9 +74,10 @@ pub enum Ending {
 ///
 /// [`RunError`] when blocks or fluid refuse their settings.
 pub fn build(scene: &Scene) -> Result<World, RunError> {
-    let mut blocks = Blocks::new(
+    let mut blocks = Blocks::with_joints(
         scene.blocks.clone(),
         scene.materials.clone(),
+        &scene.joints,
         scene.block_settings,
     )?;
     for (block, hold) in &scene.holds {

@@ -3,8 +3,9 @@
 mod query;
 
 use crate::{
-    Attachment, BlockError, ContactDetection, Deformability, DeformableModel, Hold, Isometry, Load,
-    MassProperties, Material, Motion, NormalLaw, Shape, StaticDamping, Turning, Vec3,
+    Attachment, BlockError, ContactDetection, Deformability, DeformableModel, Hold, Isometry,
+    JointOverride, Load, MassProperties, Material, Motion, NormalLaw, Shape, StaticDamping,
+    Turning, Vec3,
     attachments::{Attachments, Surroundings},
     broad_phase::{self, Bounds},
     chunks,
@@ -102,7 +103,7 @@ pub struct Blocks {
     pub(crate) sphere_pairs: Vec<SpherePair>,
     /// One per pair of `sphere_pairs`.
     pub(crate) sphere_loads: Vec<SphereLoads>,
-    /// One per pair of `sphere_pairs`; empty if no material resists rolling.
+    /// One per pair of `sphere_pairs`; empty if no joint resists rolling.
     pub(crate) sphere_rolling: Vec<Rolling>,
     /// The same of which a surface is one; the body first.
     pub(crate) surface_pairs: Vec<SurfacePair>,
@@ -225,17 +226,25 @@ impl Blocks {
         materials: Vec<Material>,
         settings: Settings,
     ) -> Result<Self, BlockError> {
+        Self::with_joints(definitions, materials, &[], settings)
+    }
+
+    /// The same with joints between certain materials.
+    ///
+    /// # Errors
+    ///
+    /// As [`Blocks::new`], and for the first joint that is unusable.
+    pub fn with_joints(
+        definitions: Vec<BlockDefinition>,
+        materials: Vec<Material>,
+        overrides: &[JointOverride],
+        settings: Settings,
+    ) -> Result<Self, BlockError> {
         check_settings(&settings)?;
-        for (k, material) in materials.iter().enumerate() {
-            material.check(k)?;
-        }
-        let law = settings.normal_law;
-        let joints = materials
-            .iter()
-            .flat_map(|a| materials.iter().map(move |b| Joint::between(a, b, law)))
-            .collect();
+        let joints = Joint::table(&materials, overrides, settings.normal_law)?;
+        let resists_rolling = joints.iter().any(|j| j.spheres.rolling_friction > 0.0);
         let mut this = Self::empty(joints, materials.len(), settings);
-        this.has_rolling = materials.iter().any(|m| m.rolling_friction > 0.0);
+        this.has_rolling = resists_rolling;
         for (block, definition) in definitions.into_iter().enumerate() {
             this.push(block, definition, &materials)?;
         }

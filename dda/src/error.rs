@@ -27,6 +27,26 @@ pub enum BlockError {
         /// Its range.
         rule: &'static str,
     },
+    /// A joint is not between two materials of the list, or not the only one.
+    #[error("joint override {joint} is unusable: {reason}")]
+    JointPair {
+        /// Its position in the list.
+        joint: usize,
+        /// What is wrong.
+        reason: &'static str,
+    },
+    /// A number of a joint is out of range.
+    #[error("joint override {joint}: {field} is {value}, {rule}")]
+    Joint {
+        /// Its position in the list.
+        joint: usize,
+        /// Name of the number.
+        field: &'static str,
+        /// Its value.
+        value: f64,
+        /// Its range.
+        rule: &'static str,
+    },
     /// A block has no parts, or a ball has no size.
     #[error("block {block} has no volume; give it at least one part or a positive radius")]
     Empty {

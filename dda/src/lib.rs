@@ -93,6 +93,7 @@ mod motion;
 mod parts;
 mod patch;
 mod polyhedron;
+mod random;
 mod rigid;
 mod shape;
 mod sphere_contact;
@@ -125,9 +126,12 @@ pub use joint_sets::{
     JointError, JointSet, JointedMass, MergedMass, SliverLimits, cut_by_joints, merge_slivers,
 };
 pub use kinematics::Load;
-pub use material::{Elastic, Material, NormalLaw, clamped_restitution, damping_ratio};
+pub use material::{
+    Elastic, JointOverride, Material, NormalLaw, clamped_restitution, damping_ratio,
+};
 pub use measure::{MassProperties, face_area, mass_properties, volume};
 pub use motion::{Accelerogram, Motion, PrescribedMotion};
 pub use polyhedron::{Polyhedron, PolyhedronError};
+pub use random::Random;
 pub use shape::Shape;
 pub use surface::{Surface, SurfaceError};

@@ -126,11 +126,8 @@ impl Material {
                 "must be above -1 and below 0.5",
             ));
         }
-        match fields
-            .into_iter()
-            .find(|(_, value, is_good, _)| !(*is_good && value.is_finite()))
-        {
-            Some((field, value, _, rule)) => Err(BlockError::Material {
+        match first_bad(fields) {
+            Some((field, value, rule)) => Err(BlockError::Material {
                 material,
                 field,
                 value,
@@ -138,6 +135,124 @@ impl Material {
             }),
             None => Ok(()),
         }
+    }
+}
+
+/// Name, value, whether it is in its range, and the range.
+type Field = (&'static str, f64, bool, &'static str);
+
+fn first_bad(fields: Vec<Field>) -> Option<(&'static str, f64, &'static str)> {
+    fields
+        .into_iter()
+        .find(|(_, value, is_good, _)| !(*is_good && value.is_finite()))
+        .map(|(field, value, _, rule)| (field, value, rule))
+}
+
+/// What holds where two materials meet, in place of what follows from the two. What is left out follows from
+/// them.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct JointOverride {
+    /// Positions in the list of materials, in either order; twice the same for a material against itself.
+    pub materials: (usize, usize),
+    /// Friction angle, 0 ≤ φ < π/2; rad.
+    pub friction_angle: Option<f64>,
+    /// Friction angle once the joint has slipped or broken, 0 to the friction angle; if there is a friction angle
+    /// here but none of these, the same as that; rad.
+    pub residual_friction_angle: Option<f64>,
+    /// Cohesion until the joint breaks, ≥ 0; Pa.
+    pub cohesion: Option<f64>,
+    /// Tensile strength until the joint breaks, ≥ 0; Pa.
+    pub tensile_strength: Option<f64>,
+    /// Normal restitution, 0 to 1; –.
+    pub restitution: Option<f64>,
+    /// Resistance of balls to rolling, ≥ 0: torque over normal force and effective radius; –.
+    pub rolling_friction: Option<f64>,
+}
+
+impl JointOverride {
+    fn concerns(&self, first: usize, second: usize) -> bool {
+        self.materials == (first, second) || self.materials == (second, first)
+    }
+}
+
+/// What a joint resists with.
+#[derive(Clone, Copy, Debug)]
+struct Strength {
+    friction_angle: f64,
+    residual_friction_angle: f64,
+    cohesion: f64,
+    tensile_strength: f64,
+    restitution: f64,
+    rolling_friction: f64,
+}
+
+impl Strength {
+    fn between(first: &Material, second: &Material) -> Self {
+        let residual = |m: &Material| m.residual_friction_angle.unwrap_or(m.friction_angle);
+        Self {
+            friction_angle: first.friction_angle.min(second.friction_angle),
+            residual_friction_angle: residual(first).min(residual(second)),
+            cohesion: first.cohesion.min(second.cohesion),
+            tensile_strength: first.tensile_strength.min(second.tensile_strength),
+            restitution: first.restitution.min(second.restitution),
+            rolling_friction: 0.5 * (first.rolling_friction + second.rolling_friction),
+        }
+    }
+
+    fn overridden(self, by: &JointOverride) -> Self {
+        let residual = by.residual_friction_angle.or(by.friction_angle);
+        Self {
+            friction_angle: by.friction_angle.unwrap_or(self.friction_angle),
+            residual_friction_angle: residual.unwrap_or(self.residual_friction_angle),
+            cohesion: by.cohesion.unwrap_or(self.cohesion),
+            tensile_strength: by.tensile_strength.unwrap_or(self.tensile_strength),
+            restitution: by.restitution.unwrap_or(self.restitution),
+            rolling_friction: by.rolling_friction.unwrap_or(self.rolling_friction),
+        }
+    }
+
+    fn fields(&self) -> Vec<Field> {
+        let Self {
+            friction_angle,
+            residual_friction_angle,
+            cohesion,
+            tensile_strength,
+            restitution,
+            rolling_friction,
+        } = *self;
+        vec![
+            (
+                "friction_angle",
+                friction_angle,
+                (0.0..std::f64::consts::FRAC_PI_2).contains(&friction_angle),
+                "must be in [0, π/2) rad",
+            ),
+            (
+                "residual_friction_angle",
+                residual_friction_angle,
+                (0.0..=friction_angle).contains(&residual_friction_angle),
+                "must be in [0, friction_angle] rad",
+            ),
+            ("cohesion", cohesion, cohesion >= 0.0, "must be >= 0 Pa"),
+            (
+                "tensile_strength",
+                tensile_strength,
+                tensile_strength >= 0.0,
+                "must be >= 0 Pa",
+            ),
+            (
+                "restitution",
+                restitution,
+                (0.0..=1.0).contains(&restitution),
+                "must be in [0, 1]",
+            ),
+            (
+                "rolling_friction",
+                rolling_friction,
+                rolling_friction >= 0.0,
+                "must be >= 0",
+            ),
+        ]
     }
 }
 
@@ -207,11 +322,10 @@ pub(crate) struct SpringState {
 }
 
 impl SphereJoint {
-    fn between(first: &Material, second: &Material, law: NormalLaw) -> Self {
-        let residual = |m: &Material| m.residual_friction_angle.unwrap_or(m.friction_angle);
+    fn between(first: &Material, second: &Material, strength: &Strength, law: NormalLaw) -> Self {
         let (k1, k2) = (first.contact_stiffness, second.contact_stiffness);
         let stiffness = series(k1, k2);
-        let restitution = first.restitution.min(second.restitution);
+        let restitution = strength.restitution;
         let shear = series(
             k1 * first.shear_stiffness_ratio,
             k2 * second.shear_stiffness_ratio,
@@ -229,9 +343,9 @@ impl SphereJoint {
         Self {
             normal,
             shear_ratio: shear / stiffness,
-            static_friction: first.friction_angle.min(second.friction_angle).tan(),
-            dynamic_friction: residual(first).min(residual(second)).tan(),
-            rolling_friction: 0.5 * (first.rolling_friction + second.rolling_friction),
+            static_friction: strength.friction_angle.tan(),
+            dynamic_friction: strength.residual_friction_angle.tan(),
+            rolling_friction: strength.rolling_friction,
         }
     }
 
@@ -311,15 +425,63 @@ fn series(a: f64, b: f64) -> f64 {
 }
 
 impl Joint {
-    /// Where two materials meet, the lesser friction, cohesion, tension and restitution hold; the
-    /// springs are halves in series, so that equal materials keep their value:
+    /// Joints of every pair of materials, row by row.
+    ///
+    /// # Errors
+    ///
+    /// [`BlockError::Material`] and [`BlockError::Joint`] for numbers out of range, [`BlockError::JointPair`] for
+    /// materials that are not there, or a pair with two overrides.
+    pub fn table(
+        materials: &[Material],
+        overrides: &[JointOverride],
+        law: NormalLaw,
+    ) -> Result<Vec<Self>, BlockError> {
+        for (k, material) in materials.iter().enumerate() {
+            material.check(k)?;
+        }
+        for (joint, by) in overrides.iter().enumerate() {
+            let (i, j) = by.materials;
+            let (Some(first), Some(second)) = (materials.get(i), materials.get(j)) else {
+                let reason = "there is no such material";
+                return Err(BlockError::JointPair { joint, reason });
+            };
+            if overrides[..joint].iter().any(|other| other.concerns(i, j)) {
+                let reason = "its two materials have one already";
+                return Err(BlockError::JointPair { joint, reason });
+            }
+            let strength = Strength::between(first, second).overridden(by);
+            if let Some((field, value, rule)) = first_bad(strength.fields()) {
+                return Err(BlockError::Joint {
+                    joint,
+                    field,
+                    value,
+                    rule,
+                });
+            }
+        }
+        let mut joints = Vec::with_capacity(materials.len() * materials.len());
+        for (i, first) in materials.iter().enumerate() {
+            for (j, second) in materials.iter().enumerate() {
+                let own = Strength::between(first, second);
+                let strength = match overrides.iter().find(|by| by.concerns(i, j)) {
+                    Some(by) => own.overridden(by),
+                    None => own,
+                };
+                joints.push(Self::between(first, second, &strength, law));
+            }
+        }
+        Ok(joints)
+    }
+
+    /// Where two materials meet, the lesser friction, cohesion, tension and restitution hold, and the mean
+    /// rolling friction, unless an override says otherwise; the springs are halves in series, so that equal
+    /// materials keep their value:
     ///
     /// ```text
     /// K = 2 k₁ k₂/(k₁ + k₂)                                         [N/m]
     /// ```
     /// The same rule, for the products `K · ratio`, gives the shear spring.
-    pub fn between(first: &Material, second: &Material, law: NormalLaw) -> Self {
-        let residual = |m: &Material| m.residual_friction_angle.unwrap_or(m.friction_angle);
+    fn between(first: &Material, second: &Material, strength: &Strength, law: NormalLaw) -> Self {
         let (scaling, k1, k2) = match (first.joint_stiffness, second.joint_stiffness) {
             (Some(k1), Some(k2)) => (Scaling::Area, k1, k2),
             _ => (
@@ -335,12 +497,12 @@ impl Joint {
                 k1 * first.shear_stiffness_ratio,
                 k2 * second.shear_stiffness_ratio,
             ),
-            friction: first.friction_angle.min(second.friction_angle).tan(),
-            residual_friction: residual(first).min(residual(second)).tan(),
-            cohesion: first.cohesion.min(second.cohesion),
-            tensile_strength: first.tensile_strength.min(second.tensile_strength),
-            damping_ratio: damping_ratio(first.restitution.min(second.restitution)),
-            spheres: SphereJoint::between(first, second, law),
+            friction: strength.friction_angle.tan(),
+            residual_friction: strength.residual_friction_angle.tan(),
+            cohesion: strength.cohesion,
+            tensile_strength: strength.tensile_strength,
+            damping_ratio: damping_ratio(strength.restitution),
+            spheres: SphereJoint::between(first, second, strength, law),
         }
     }
 }

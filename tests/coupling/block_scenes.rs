@@ -207,3 +207,117 @@ fn rock_mass_cut_by_joints() {
         words(&output)
     );
 }
+
+/// A ball slides on a floor: what its material makes of the floor's holds, or the joint of the two.
+#[test]
+fn a_joint_of_two_materials() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |joints: &str| {
+        let path = folder.path().join("slide.ron");
+        let text = format!(
+            r#"(title: "slide", domain: (min: (-9, -9, -9), max: (9, 9, 9)),
+                materials: [(name: "glass", density: 2500, friction_angle_deg: 20, contact_stiffness: 1e7),
+                            (name: "wall", density: 2500, friction_angle_deg: 30, contact_stiffness: 1e7)],
+                joints: [{joints}],
+                blocks: [(name: "floor", material: "wall", motion: Fixed, shape: Box(min: (-9, -9, -1), max: (9, 9, 0))),
+                         (name: "ball", material: "glass", velocity: (3, 0, 0), shape: Sphere(center: (0, 0, 0.1), radius: 0.1))],
+                time: (duration: 0.1), output: (ledger_interval: 0.05))"#
+        );
+        std::fs::write(&path, text).unwrap();
+        path
+    };
+    for (joints, angle) in [
+        ("", 20.0_f64),
+        (
+            r#"(between: ("glass", "wall"), friction_angle_deg: 35)"#,
+            35.0,
+        ),
+        (
+            r#"(between: ("wall", "glass"), residual_friction_angle_deg: 5)"#,
+            5.0,
+        ),
+    ] {
+        let out = folder.path().join(format!("out{angle}"));
+        run(&path(joints), &out, &[]);
+        let slowed = (3.0 - last_row(&out, 1.0)[5]) / 0.1;
+        let expected = 9.81 * angle.to_radians().tan();
+        println!("{angle} degrees: {slowed:.5} m/s2, expected {expected:.5}");
+        // The ball starts unloaded: its weight swings in.
+        assert!((slowed / expected - 1.0).abs() < 1e-2);
+    }
+    for (joints, expected) in [
+        (
+            r#"(between: ("glass", "wal"))"#,
+            "joint of `glass` and `wal`: material `wal` is not in materials, did you mean `wall`?",
+        ),
+        (
+            r#"(between: ("glass", "wall")), (between: ("wall", "glass"))"#,
+            "joint of `wall` and `glass`: is listed twice",
+        ),
+        (
+            r#"(between: ("glass", "wall"), residual_friction_angle_deg: 21)"#,
+            "residual friction angle must be in [0, 20], the friction angle, found 21",
+        ),
+        (
+            r#"(between: ("glass", "wall"), friction: 21)"#,
+            "unknown field `friction` in JointFile",
+        ),
+    ] {
+        let output = riprap(&["check", path(joints).to_str().unwrap()]);
+        let said = words(&output);
+        assert_eq!(output.status.code(), Some(2), "{said}");
+        assert!(said.contains(expected), "{said}");
+    }
+}
+
+/// Balls of a lattice are blocks like others.
+#[test]
+fn grains_become_balls() {
+    let folder = tempfile::tempdir().unwrap();
+    let further = r#"grains: [(name: "bead", material: "rock", region: Box(min: (-1, -1, 0), max: (1, 1, 1)),
+            diameter: (0.2, 0.2), jitter: 0.05, seed: 3, velocity: (0, 0, -1), count: 81)],
+        time: (duration: 0.05)"#;
+    let path = scene(folder.path(), FLOOR, further);
+    let output = riprap(&["check", path.to_str().unwrap()]);
+    let said = String::from_utf8_lossy(&output.stdout).into_owned();
+    // cells of 0.22 m: 9 x 9 a layer; 81 balls of 2600 π/6 0.2³ = 10.891 kg
+    let expected = "grains         `bead`: 81 balls of 2.000e-1 to 2.000e-1 m, 8.822e2 kg together";
+    assert!(said.contains(expected), "{said}");
+    let out = folder.path().join("out");
+    let summary = run(&path, &out, &[]);
+    assert_eq!(summary["free_blocks"], 81);
+    // case.ron holds the balls and runs alike
+    let again = run(&out.join("case.ron"), &folder.path().join("again"), &[]);
+    assert_eq!(summary["state_hash"], again["state_hash"]);
+    for (change, expected) in [
+        (
+            ("count: 81", "count: 325"),
+            "grains `bead`: 325 balls do not fit, only 324 do",
+        ),
+        (
+            ("\"rock\", region", "\"rok\", region"),
+            "did you mean `rock`?",
+        ),
+        (
+            ("(0.2, 0.2)", "(0.2, 0.1)"),
+            "give the smallest, then the largest",
+        ),
+        (
+            ("count: 81", "spacing: 0.2"),
+            "spacing must be at least 0.22",
+        ),
+        (("count: 81", "count: 0"), "count must be > 0"),
+    ] {
+        let wrong = further.replace(change.0, change.1);
+        let output = riprap(&[
+            "check",
+            scene(folder.path(), FLOOR, &wrong).to_str().unwrap(),
+        ]);
+        let said = words(&output);
+        assert_eq!(output.status.code(), Some(2), "{said}");
+        assert!(
+            said.contains(expected) && said.contains("scene.ron:"),
+            "{said}"
+        );
+    }
+}

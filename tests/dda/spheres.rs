@@ -5,7 +5,10 @@ use crate::setup::{
     moving, on_slope, rock, run,
 };
 use nalgebra::UnitQuaternion;
-use riprap_dda::{Blocks, Elastic, Energies, Material, Motion, NormalLaw, Settings, Vec3};
+use riprap_dda::{
+    BlockError, Blocks, Elastic, Energies, JointOverride, Material, Motion, NormalLaw, Settings,
+    Vec3,
+};
 
 /// Balls slip and roll: stiff, with springs of equal half-periods.
 fn glass() -> Material {
@@ -132,6 +135,191 @@ fn sliding_ball_begins_to_roll() {
     assert_close("way", system.centroid(1).x, 0.332_855, 5e-3);
     run(&mut system, 0.5, 0.5, 1.0);
     assert_close("speed", system.velocity(1).x, 10.0 / 7.0, 5e-3);
+}
+
+/// A joint between materials 0 and 1.
+fn joint(change: impl Fn(&mut JointOverride)) -> JointOverride {
+    let mut joint = JointOverride {
+        materials: (1, 0),
+        ..JointOverride::default()
+    };
+    change(&mut joint);
+    joint
+}
+
+/// A ball of material 1 on a floor of material 0, both as given, and what they make of each other.
+fn on_floor(
+    material: Material,
+    law: NormalLaw,
+    velocity: [f64; 3],
+    joints: &[JointOverride],
+) -> Result<Blocks, BlockError> {
+    let mass = material.density * 4.0 / 3.0 * std::f64::consts::PI * 0.125;
+    let sunk = mass * G / material.contact_stiffness;
+    let mut start = moving(ball(Vec3::new(0.0, 0.0, 0.5 - sunk), 0.5), velocity);
+    start.material = 1;
+    let settings = Settings {
+        normal_law: law,
+        ..Settings::default()
+    };
+    Blocks::with_joints(
+        vec![floor(), start],
+        vec![material, material],
+        joints,
+        settings,
+    )
+}
+
+#[test]
+fn a_joint_of_two_materials_overrides_theirs() {
+    let material = Material {
+        friction_angle: 0.3_f64.atan(),
+        contact_stiffness: 1e8,
+        ..glass()
+    };
+    // Sliding: dv/dt = −μ g, while the ball turns faster and faster.
+    for (joints, friction) in [
+        (vec![], 0.3),
+        (
+            vec![joint(|j| j.friction_angle = Some(0.6_f64.atan()))],
+            0.6,
+        ),
+        (
+            vec![joint(|j| j.residual_friction_angle = Some(0.1_f64.atan()))],
+            0.1,
+        ),
+    ] {
+        let mut system = on_floor(material, NormalLaw::Linear, [9.0, 0.0, 0.0], &joints).unwrap();
+        run(&mut system, 0.2, 0.5, 1.0);
+        let slowed = (9.0 - system.velocity(1).x) / 0.2;
+        assert_close("deceleration", slowed, friction * G, 1e-3);
+    }
+    // Rolling, where no material resists it.
+    let joints = [joint(|j| j.rolling_friction = Some(0.0678))];
+    let mut system = on_floor(material, NormalLaw::Linear, [1.0, 0.0, 0.0], &joints).unwrap();
+    run(&mut system, 0.5, 0.5, 1.0);
+    let rolling = 5.0 / 7.0 * 0.0678 * G;
+    let before = system.velocity(1).x;
+    run(&mut system, 0.5, 0.5, 1.0);
+    let slowed = (before - system.velocity(1).x) / 0.5;
+    assert_close("rolling deceleration", slowed, rolling, 1e-2);
+}
+
+#[test]
+fn restitution_of_a_joint_holds_for_balls_and_boxes() {
+    let material = Material {
+        restitution: 0.2,
+        elastic: Some(Elastic {
+            young_modulus: 2e8,
+            poisson_ratio: 0.0,
+            viscosity: 0.0,
+        }),
+        ..glass()
+    };
+    let joints = [joint(|j| j.restitution = Some(0.7))];
+    let settings = |law| Settings {
+        gravity: Vec3::zeros(),
+        normal_law: law,
+        ..Settings::default()
+    };
+    let body = cuboid([-0.5, -0.5, 1e-6], [0.5, 0.5, 1.0]);
+    for (what, law, start) in [
+        (
+            "linear ball",
+            NormalLaw::Linear,
+            ball(Vec3::new(0.0, 0.0, 0.5 + 1e-6), 0.5),
+        ),
+        (
+            "Hertz ball",
+            NormalLaw::Hertz,
+            ball(Vec3::new(0.0, 0.0, 0.5 + 1e-6), 0.5),
+        ),
+        ("box", NormalLaw::Linear, block(body, Motion::Free)),
+    ] {
+        let mut start = moving(start, [0.0, 0.0, -1.0]);
+        start.material = 1;
+        let bodies = vec![floor(), start];
+        let materials = vec![material, material];
+        let mut system = Blocks::with_joints(bodies, materials, &joints, settings(law)).unwrap();
+        run(&mut system, 1.0, 0.01, 1e-3);
+        assert_close(what, system.velocity(1).z, 0.7, 3e-3);
+    }
+}
+
+/// One ball on three. A ball of the base turns about its foot unless the push from above goes through it, at half the
+/// angle θ = asin(1/√3) of the upper contact to the vertical: μ ≥ tan(θ/2) = 0.3178 between the balls. The floor is
+/// rougher, as it needs less.
+#[test]
+fn four_balls_stand_by_friction_alone() {
+    for (friction, stands) in [(0.31, false), (0.325, true)] {
+        let material = Material {
+            friction_angle: f64::atan(friction),
+            restitution: 0.3,
+            ..glass()
+        };
+        let joints = [joint(|j| j.friction_angle = Some(0.6_f64.atan()))];
+        let radius = 0.1;
+        let off = 2.0 * radius / 3.0_f64.sqrt();
+        let height = radius + (4.0 * radius * radius - off * off).sqrt();
+        let mut bodies = vec![floor(), ball(Vec3::new(0.0, 0.0, height), radius)];
+        for k in 0..3 {
+            let (sin, cos) = (f64::from(k) * std::f64::consts::TAU / 3.0).sin_cos();
+            bodies.push(ball(Vec3::new(off * cos, off * sin, radius), radius));
+        }
+        for body in &mut bodies[1..] {
+            body.material = 1;
+        }
+        let materials = vec![material, material];
+        let mut system =
+            Blocks::with_joints(bodies, materials, &joints, Settings::default()).unwrap();
+        run(&mut system, 3.0, 1.0, 1.0);
+        let sunk = (height - system.centroid(1).z) / radius;
+        println!("friction {friction}: the top has sunk by {sunk:.2e} radii");
+        if stands {
+            // measured 3.0e-3: springs, m g/K = 1.0e-3 radii
+            assert_below("sunk", sunk, 5e-3);
+        } else {
+            assert!(sunk > 1.0);
+        }
+    }
+}
+
+#[test]
+fn unusable_joints_are_refused() {
+    let refused = |joints: &[JointOverride]| {
+        let error = on_floor(glass(), NormalLaw::Linear, [0.0; 3], joints).unwrap_err();
+        error.to_string()
+    };
+    let good = joint(|j| j.cohesion = Some(1.0));
+    let swapped = JointOverride {
+        materials: (0, 1),
+        ..good
+    };
+    for (joints, expected) in [
+        (
+            vec![joint(|j| j.materials = (0, 2))],
+            "joint override 0 is unusable: there is no such material",
+        ),
+        (
+            vec![good, swapped],
+            "joint override 1 is unusable: its two materials have one already",
+        ),
+        (
+            vec![joint(|j| j.restitution = Some(1.5))],
+            "joint override 0: restitution is 1.5, must be in [0, 1]",
+        ),
+        (
+            vec![joint(|j| j.rolling_friction = Some(f64::NAN))],
+            "joint override 0: rolling_friction is NaN, must be >= 0",
+        ),
+        // The materials' 0.5 rad holds.
+        (
+            vec![joint(|j| j.residual_friction_angle = Some(0.6))],
+            "joint override 0: residual_friction_angle is 0.6, must be in [0, friction_angle] rad",
+        ),
+    ] {
+        assert_eq!(refused(&joints), expected);
+    }
 }
 
 #[test]

@@ -120,6 +120,9 @@ pub(crate) fn describe(scene: &Scene, folder: &Path) -> String {
     for report in &scene.rock_masses {
         line("rock mass", report.to_string());
     }
+    for report in &scene.grains {
+        line("grains", report.to_string());
+    }
     if !scene.attachments.is_empty() || !scene.holds.is_empty() {
         line(
             "constraints",

@@ -1,9 +1,9 @@
-//! What the file says of loads, supports, bolts, holds, deformability, damping and detection, as the
-//! block solver takes it.
+//! What the file says of loads, supports, bolts, holds, joints, deformability, damping and detection, as
+//! the block solver takes it.
 
 use riprap_dda::{
-    Attachment, BlockDefinition, ContactDetection, Deformability, DeformableModel, Hold, NormalLaw,
-    Shape, StaticDamping, StressLaw, Turning, Vec3,
+    Attachment, BlockDefinition, ContactDetection, Deformability, DeformableModel, Hold,
+    JointOverride, NormalLaw, Shape, StaticDamping, StressLaw, Turning, Vec3,
 };
 
 use super::file::{
@@ -77,6 +77,28 @@ pub fn attachments(file: &SceneFile, blocks: &[BlockDefinition]) -> Vec<Attachme
                 pretension: *pretension,
                 yield_force: *yield_force,
             },
+        })
+        .collect()
+}
+
+/// The joints of the file; validation has seen that its materials exist.
+pub fn joints(file: &SceneFile) -> Vec<JointOverride> {
+    let number = |name: &String| {
+        file.materials
+            .iter()
+            .position(|m| m.name == *name)
+            .unwrap_or(0)
+    };
+    file.joints
+        .iter()
+        .map(|joint| JointOverride {
+            materials: (number(&joint.between.0), number(&joint.between.1)),
+            friction_angle: joint.friction_angle_deg.map(f64::to_radians),
+            residual_friction_angle: joint.residual_friction_angle_deg.map(f64::to_radians),
+            cohesion: joint.cohesion,
+            tensile_strength: joint.tensile_strength,
+            restitution: joint.restitution,
+            rolling_friction: joint.rolling_friction,
         })
         .collect()
 }

@@ -27,12 +27,18 @@ pub struct SceneFile {
     /// Rock and wall materials, referred to by name.
     #[serde(default)]
     pub materials: Vec<MaterialFile>,
+    /// What holds between two materials in place of what follows from the two.
+    #[serde(default)]
+    pub joints: Vec<JointFile>,
     /// Rock blocks, walls and wavemakers.
     #[serde(default)]
     pub blocks: Vec<BlockFile>,
     /// Bodies to be cut into blocks by joint sets; the blocks join the list of blocks.
     #[serde(default)]
     pub rock_masses: Vec<RockMassFile>,
+    /// Balls in bulk; they join the list of blocks.
+    #[serde(default)]
+    pub grains: Vec<GrainsFile>,
     /// Loads, supports and rock bolts on blocks.
     #[serde(default)]
     pub attachments: Vec<AttachmentFile>,
@@ -131,7 +137,7 @@ pub enum Leaving {
 }
 
 /// A rock or wall material. Where two meet, the lesser friction, cohesion, tension and
-/// restitution hold, and the stiffnesses act in series.
+/// restitution hold, and the stiffnesses act in series; `joints` can say otherwise.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct MaterialFile {
@@ -183,6 +189,33 @@ pub struct ElasticFile {
     /// Viscosity of the strain rate; Pa s.
     #[serde(default)]
     pub viscosity: f64,
+}
+
+/// What holds between two materials, or within one named twice; what is left out follows from the two.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct JointFile {
+    /// Names of the two materials, in either order.
+    pub between: (String, String),
+    /// Friction angle; degrees.
+    #[serde(default)]
+    pub friction_angle_deg: Option<f64>,
+    /// Friction angle once the joint has slipped or broken; that of this joint when left out, if it has one;
+    /// degrees.
+    #[serde(default)]
+    pub residual_friction_angle_deg: Option<f64>,
+    /// Cohesion until the joint breaks; Pa.
+    #[serde(default)]
+    pub cohesion: Option<f64>,
+    /// Tensile strength until the joint breaks; Pa.
+    #[serde(default)]
+    pub tensile_strength: Option<f64>,
+    /// Normal restitution, 0 to 1.
+    #[serde(default)]
+    pub restitution: Option<f64>,
+    /// Resistance of balls to rolling: torque over normal force and effective radius.
+    #[serde(default)]
+    pub rolling_friction: Option<f64>,
 }
 
 /// One block, wall or wavemaker.
@@ -279,6 +312,58 @@ pub struct JointSetFile {
     /// A joint lies off its place by at most this share of the spacing, 0 to 0.5.
     #[serde(default)]
     pub spacing_scatter: f64,
+}
+
+/// Free balls, named `name_0001` and on, on a cubic lattice, filled in from below. None overlap at the start.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct GrainsFile {
+    /// Unique name.
+    pub name: String,
+    /// Name of their material.
+    pub material: String,
+    /// Where they are at the start; no ball reaches out of it.
+    pub region: GrainRegionFile,
+    /// Smallest and largest diameter, the same for equal balls; all between are as likely; m.
+    pub diameter: (f64, f64),
+    /// How many; as many as fit when left out.
+    #[serde(default)]
+    pub count: Option<u32>,
+    /// Distance of the places of the lattice; the closest without overlap when left out: the largest diameter times
+    /// (1 + 2 jitter); m.
+    #[serde(default)]
+    pub spacing: Option<f64>,
+    /// Along each axis a ball lies off its place by at most this share of the largest diameter.
+    #[serde(default = "default_jitter")]
+    pub jitter: f64,
+    /// Of the random numbers of sizes and places.
+    #[serde(default)]
+    pub seed: u64,
+    /// Initial velocity; m/s.
+    #[serde(default)]
+    pub velocity: Triple,
+}
+
+/// Where balls are at the start.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum GrainRegionFile {
+    /// A box along the axes.
+    Box {
+        /// Lower corner; m.
+        min: Triple,
+        /// Upper corner; m.
+        max: Triple,
+    },
+    /// An upright cylinder.
+    Cylinder {
+        /// Middle of its lower end; m.
+        base: Triple,
+        /// Radius; m.
+        radius: f64,
+        /// Height; m.
+        height: f64,
+    },
 }
 
 /// How a block deforms: one strain for the whole block.
@@ -837,6 +922,10 @@ pub struct CameraFile {
     /// Horizontal angle of view; degrees.
     #[serde(default = "default_field_of_view")]
     pub field_of_view_deg: f64,
+}
+
+fn default_jitter() -> f64 {
+    0.02
 }
 
 fn default_maximum_blocks() -> u32 {

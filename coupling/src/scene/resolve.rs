@@ -2,18 +2,21 @@
 
 use std::path::Path;
 
-use riprap_dda::{Attachment, BlockDefinition, Hold, Material, Motion, PrescribedMotion, Shape};
+use riprap_dda::{
+    Attachment, BlockDefinition, Hold, JointOverride, Material, Motion, PrescribedMotion, Shape,
+};
 use riprap_sph::{NegativePressure as Clamping, Vec3};
 
 use crate::interface::{DAMPING_RATIO, WallSettings};
 use crate::scene::attachments::{
-    attachments, contact_detection, deformability, hold, normal_law, static_damping,
+    attachments, contact_detection, deformability, hold, joints, normal_law, static_damping,
 };
 use crate::scene::error::{Problem, Severity};
 use crate::scene::file::{
     Axis, FluidFile, NegativePressure, OutputFile, Preset, SceneFile, Triple,
 };
 use crate::scene::fill::{Lattice, lattice, overlaps};
+use crate::scene::grains::{self, GrainsReport};
 use crate::scene::motion::motion;
 use crate::scene::rock_mass::{RockMassReport, expand};
 use crate::scene::shape::solid;
@@ -27,12 +30,16 @@ pub struct Scene {
     pub blocks: Vec<BlockDefinition>,
     /// What became of the rock masses, which are blocks now.
     pub rock_masses: Vec<RockMassReport>,
+    /// What became of the grains, which are blocks now.
+    pub grains: Vec<GrainsReport>,
     /// Loads, supports and bolts.
     pub attachments: Vec<Attachment>,
     /// Blocks that are held, by position, and how.
     pub holds: Vec<(usize, Hold)>,
     /// Materials in the order of the file.
     pub materials: Vec<Material>,
+    /// What holds between two of them in place of what follows from the two.
+    pub joints: Vec<JointOverride>,
     /// What the block solver needs.
     pub block_settings: riprap_dda::Settings,
     /// Water, where the scene has some.
@@ -85,6 +92,7 @@ impl Scene {
     /// All problems of the geometry together.
     pub fn resolve(mut file: SceneFile, folder: &Path) -> Result<Self, Vec<Problem>> {
         let rock_masses = expand(&mut file, folder)?;
+        let grains = grains::expand(&mut file)?;
         let mut problems = Vec::new();
         let solids = named_solids(&file, folder, &mut problems);
         let motions = motions(&file, folder, &mut problems);
@@ -132,6 +140,7 @@ impl Scene {
             .collect::<Vec<_>>();
         Ok(Self {
             rock_masses,
+            grains,
             attachments: attachments(&file, &blocks),
             holds: file
                 .blocks
@@ -141,6 +150,7 @@ impl Scene {
                 .collect(),
             blocks,
             materials: materials(&file),
+            joints: joints(&file),
             block_settings: riprap_dda::Settings {
                 gravity: vec3(file.gravity),
                 time_step_factor: block_factor,

@@ -2,9 +2,9 @@
 
 use super::error::Problem;
 use super::file::{
-    AttachmentFile, Axis, BlockFile, FluidFile, GaugeFile, MaterialFile, MotionFile,
-    RegionShapeFile, ResolutionFile, RockMassFile, SceneFile, ShapeFile, StaticDampingFile, Triple,
-    TurningFile,
+    AttachmentFile, Axis, BlockFile, FluidFile, GaugeFile, GrainRegionFile, GrainsFile, JointFile,
+    MaterialFile, MotionFile, RegionShapeFile, ResolutionFile, RockMassFile, SceneFile, ShapeFile,
+    StaticDampingFile, Triple, TurningFile,
 };
 use super::parse::suggestion;
 
@@ -21,6 +21,9 @@ pub fn values(scene: &SceneFile) -> Vec<Problem> {
         check.material(index, material);
     }
     check.unique("materials", scene.materials.iter().map(|m| m.name.as_str()));
+    for (index, joint) in scene.joints.iter().enumerate() {
+        check.joint(index, joint, scene);
+    }
     for (index, block) in scene.blocks.iter().enumerate() {
         check.block(index, block, scene);
     }
@@ -32,13 +35,19 @@ pub fn values(scene: &SceneFile) -> Vec<Problem> {
         "rock_masses",
         scene.rock_masses.iter().map(|m| m.name.as_str()),
     );
+    for (index, grains) in scene.grains.iter().enumerate() {
+        check.grains(index, grains, scene);
+    }
+    check.unique("grains", scene.grains.iter().map(|g| g.name.as_str()));
     for (index, attachment) in scene.attachments.iter().enumerate() {
         check.attachment(index, attachment, scene);
     }
     if let Some(fluid) = &scene.fluid {
         check.fluid(fluid, scene);
     }
-    if scene.blocks.is_empty() && scene.rock_masses.is_empty() && scene.fluid.is_none() {
+    let has_blocks =
+        !(scene.blocks.is_empty() && scene.rock_masses.is_empty() && scene.grains.is_empty());
+    if !has_blocks && scene.fluid.is_none() {
         check.refuse(
             "",
             "the scene has neither blocks nor fluid; add one of them".to_owned(),
@@ -433,6 +442,148 @@ impl Checks {
             mass.minimum_volume,
         );
         self.shape(&path("boundary"), &mass.boundary, &mass.name);
+    }
+
+    fn joint(&mut self, index: usize, joint: &JointFile, scene: &SceneFile) {
+        let path = |field: &str| format!("joints[{index}].{field}");
+        let (first, second) = &joint.between;
+        let of = |what: &str| format!("joint of `{first}` and `{second}`: {what}");
+        let names: Vec<&str> = scene.materials.iter().map(|m| m.name.as_str()).collect();
+        let mut of_materials = Vec::new();
+        for name in [first, second] {
+            match scene.materials.iter().find(|m| m.name == *name) {
+                Some(material) => of_materials.push(material),
+                None => self.refuse(
+                    path("between"),
+                    format!(
+                        "{} `{name}` is not in materials{}",
+                        of("material"),
+                        suggestion(name, &names)
+                    ),
+                ),
+            }
+        }
+        let is_same = |other: &JointFile| {
+            let (a, b) = &other.between;
+            (a, b) == (first, second) || (b, a) == (first, second)
+        };
+        if scene.joints[..index].iter().any(is_same) {
+            self.refuse(path("between"), of("is listed twice"));
+        }
+        // left out, it is the lesser of the two materials
+        let angle = joint.friction_angle_deg.unwrap_or_else(|| {
+            let angles = of_materials.iter().map(|m| m.friction_angle_deg);
+            angles.fold(90.0, f64::min)
+        });
+        if joint.friction_angle_deg.is_some() && !(0.0..90.0).contains(&angle) {
+            self.refuse(
+                path("friction_angle_deg"),
+                format!(
+                    "{} must be in [0, 90) degrees, found {angle}",
+                    of("friction angle")
+                ),
+            );
+        }
+        if let Some(residual) = joint.residual_friction_angle_deg
+            && !(0.0..=angle).contains(&residual)
+        {
+            self.refuse(
+                path("residual_friction_angle_deg"),
+                format!(
+                    "{} must be in [0, {angle}], the friction angle, found {residual}",
+                    of("residual friction angle")
+                ),
+            );
+        }
+        for (field, what, value) in [
+            ("cohesion", "cohesion", joint.cohesion),
+            (
+                "tensile_strength",
+                "tensile strength",
+                joint.tensile_strength,
+            ),
+            (
+                "rolling_friction",
+                "rolling friction",
+                joint.rolling_friction,
+            ),
+        ] {
+            if let Some(value) = value {
+                self.not_negative(path(field), &of(what), value);
+            }
+        }
+        if let Some(restitution) = joint.restitution
+            && !(0.0..=1.0).contains(&restitution)
+        {
+            self.refuse(
+                path("restitution"),
+                format!(
+                    "{} must be in [0, 1], found {restitution}",
+                    of("restitution")
+                ),
+            );
+        }
+    }
+
+    fn grains(&mut self, index: usize, grains: &GrainsFile, scene: &SceneFile) {
+        let path = |field: &str| format!("grains[{index}].{field}");
+        let of = |what: &str| format!("grains `{}`: {what}", grains.name);
+        let names: Vec<&str> = scene.materials.iter().map(|m| m.name.as_str()).collect();
+        if !names.contains(&grains.material.as_str()) {
+            self.refuse(
+                path("material"),
+                format!(
+                    "{} `{}` is not in materials{}",
+                    of("material"),
+                    grains.material,
+                    suggestion(&grains.material, &names)
+                ),
+            );
+        }
+        let (smallest, largest) = grains.diameter;
+        self.positive(path("diameter"), &of("diameter"), smallest);
+        if largest < smallest {
+            self.refuse(
+                path("diameter"),
+                format!(
+                    "{} ({smallest}, {largest}): give the smallest, then the largest",
+                    of("diameter")
+                ),
+            );
+        }
+        self.not_negative(path("jitter"), &of("jitter"), grains.jitter);
+        let least = grains.least_spacing();
+        if let Some(spacing) = grains.spacing
+            && spacing < least
+        {
+            self.refuse(
+                path("spacing"),
+                format!(
+                    "{} must be at least {least} m, the largest diameter times (1 + 2 jitter), found {spacing}",
+                    of("spacing")
+                ),
+            );
+        }
+        if grains.count == Some(0) {
+            self.refuse(path("count"), format!("{} must be > 0", of("count")));
+        }
+        match grains.region {
+            GrainRegionFile::Box { min, max } => {
+                if !is_ordered(min, max) {
+                    self.refuse(
+                        path("region.max"),
+                        format!(
+                            "{} {max:?} must exceed min {min:?} in every direction",
+                            of("max")
+                        ),
+                    );
+                }
+            }
+            GrainRegionFile::Cylinder { radius, height, .. } => {
+                self.positive(path("region.radius"), &of("radius"), radius);
+                self.positive(path("region.height"), &of("height"), height);
+            }
+        }
     }
 
     fn attachment(&mut self, index: usize, attachment: &AttachmentFile, scene: &SceneFile) {
