@@ -7,7 +7,7 @@
 use std::time::Instant;
 
 use riprap_dda::{
-    BlockDefinition, Blocks, Isometry, Material, Motion, Polyhedron, Settings, Shape, Vec3,
+    BlockDefinition, Blocks, Isometry, Material, Motion, Polyhedron, Random, Settings, Shape, Vec3,
 };
 
 /// Simulated time before the measurement; s.
@@ -16,9 +16,6 @@ const SETTLING: f64 = 1.5;
 const STEPS: u32 = 40;
 /// Distance of the bodies at the start; m.
 const PITCH: f64 = 1.45;
-
-mod random;
-use random::Random;
 
 type Failure = Box<dyn std::error::Error>;
 
@@ -29,14 +26,19 @@ fn body(is_hull: bool, random: &mut Random) -> Result<Polyhedron, Failure> {
     // 14 points on a sphere of 0.6 m
     let points: Vec<Vec3> = (0..14)
         .map(|_| {
-            let mut v = random.vector();
+            let mut v = vector(random);
             while v.norm() > 1.0 || v.norm() < 0.1 {
-                v = random.vector();
+                v = vector(random);
             }
             v.normalize() * 0.6
         })
         .collect();
     Ok(Polyhedron::convex_hull(&points)?)
+}
+
+/// In the cube of side 2 about the origin; m.
+fn vector(random: &mut Random) -> Vec3 {
+    Vec3::new(random.uniform(), random.uniform(), random.uniform()) * 2.0 - Vec3::repeat(1.0)
 }
 
 fn pile(side: usize, is_hull: bool) -> Result<Blocks, Failure> {
@@ -53,7 +55,7 @@ fn pile(side: usize, is_hull: bool) -> Result<Blocks, Failure> {
         rolling_friction: 0.0,
         elastic: None,
     };
-    let mut random = Random(1);
+    let mut random = Random::new(1);
     let width = PITCH * side as f64;
     let far = width + 2.0;
     let mut definitions = Vec::new();
@@ -83,7 +85,7 @@ fn pile(side: usize, is_hull: bool) -> Result<Blocks, Failure> {
             (k / side / side) as f64,
         );
         let center = place.add_scalar(0.5) * PITCH + Vec3::new(0.0, 0.0, 0.2);
-        let turn = Isometry::new(center, random.vector() * 0.3);
+        let turn = Isometry::new(center, vector(&mut random) * 0.3);
         push(body(is_hull, &mut random)?.transformed(&turn), Motion::Free);
     }
     Ok(Blocks::new(definitions, vec![rock], Settings::default())?)

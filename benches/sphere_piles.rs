@@ -8,9 +8,6 @@ use std::time::Instant;
 
 use riprap_dda::{BlockDefinition, Blocks, Material, Motion, Polyhedron, Settings, Shape, Vec3};
 
-mod random;
-use random::Random;
-
 /// Simulated time before the measurement; s.
 const SETTLING: f64 = 4.0;
 /// Steps of a measurement; the median of five is reported.
@@ -19,6 +16,11 @@ const STEPS: u32 = 200;
 const PITCH: f64 = 1.1;
 
 type Failure = Box<dyn std::error::Error>;
+
+/// In the cube of side 2 about the origin; m.
+fn vector(random: &mut Random) -> Vec3 {
+    Vec3::new(random.uniform(), random.uniform(), random.uniform()) * 2.0 - Vec3::repeat(1.0)
+}
 
 fn pile(side: usize) -> Result<Blocks, Failure> {
     let rock = Material {
@@ -34,7 +36,7 @@ fn pile(side: usize) -> Result<Blocks, Failure> {
         rolling_friction: 0.0,
         elastic: None,
     };
-    let mut random = Random(1);
+    let mut random = Random::new(1);
     let width = PITCH * side as f64;
     let far = width + 2.0;
     let mut definitions = Vec::new();
@@ -64,7 +66,7 @@ fn pile(side: usize) -> Result<Blocks, Failure> {
             (k / side % side) as f64,
             (k / side / side) as f64,
         );
-        let center = place.add_scalar(0.5) * PITCH + random.vector() * 0.04;
+        let center = place.add_scalar(0.5) * PITCH + vector(&mut random) * 0.04;
         push(
             Shape::Sphere {
                 center,

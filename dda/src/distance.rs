@@ -119,7 +119,7 @@ impl Polyhedron {
                 } else if share >= 1.0 - end {
                     meets(to)
                 } else {
-                    meets(from) || meets(to)
+                    self.is_farthest_edge(e, &surface.normal, ROUND_OFF)
                 };
                 return is_free.then_some(surface);
             }

@@ -9,7 +9,7 @@
 
 mod slivers;
 
-use crate::{Plane, Polyhedron, Vec3};
+use crate::{Plane, Polyhedron, Random, Vec3};
 pub use slivers::{MergedMass, SliverLimits, merge_slivers};
 use std::ops::RangeInclusive;
 use thiserror::Error;
@@ -205,9 +205,9 @@ pub fn cut_by_joints(
     if expected.at_least * (1.0 - SAME_PLACE) > max_blocks as f64 {
         return Err(too_many(expected.about));
     }
-    let mut random = Random(seed);
+    let mut random = Random::new(seed);
     // Apart from the joints' numbers: what a joint meets does not move the next one.
-    let mut chance = Random(!seed);
+    let mut chance = Random::new(!seed);
     let mut blocks = bodies;
     let mut n_uncut = 0;
     for (number, set) in sets.iter().enumerate() {
@@ -322,7 +322,7 @@ const LARGEST_LEAN: f64 = 3.0;
 /// Leans in two directions, standard normal but for those beyond the largest.
 fn lean(random: &mut Random) -> (f64, f64) {
     loop {
-        let (a, b) = (random.normal(), random.normal());
+        let (a, b) = (normal(random), normal(random));
         if a.hypot(b) <= LARGEST_LEAN {
             return (a, b);
         }
@@ -340,22 +340,8 @@ fn across(n: &Vec3) -> (Vec3, Vec3) {
     (u, n.cross(&u))
 }
 
-/// Reproducible random numbers: splitmix64 (Steele, Lea & Flood 2014).
-struct Random(u64);
-
-impl Random {
-    /// In [0, 1).
-    fn uniform(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
-    }
-
-    /// Standard normal, by Box & Muller (1958).
-    fn normal(&mut self) -> f64 {
-        let radius = (-2.0 * (1.0 - self.uniform()).ln()).sqrt();
-        radius * (std::f64::consts::TAU * self.uniform()).cos()
-    }
+/// Standard normal, by Box & Muller (1958).
+fn normal(random: &mut Random) -> f64 {
+    let radius = (-2.0 * (1.0 - random.uniform()).ln()).sqrt();
+    radius * (std::f64::consts::TAU * random.uniform()).cos()
 }

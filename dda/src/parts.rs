@@ -132,16 +132,21 @@ pub(crate) fn note_neighbors(body: &mut Polyhedron, others: &[&Polyhedron]) {
         }
     }
     let slack = JOIN_TOLERANCE * body.size();
-    let beyond: Vec<Vec<Vec3>> = body
-        .vertices()
-        .iter()
-        .map(|x| {
-            let holders = others.iter().filter(|other| holds(other, x, slack));
-            holders
-                .flat_map(|other| other.vertices().iter().map(|v| v - x))
-                .collect()
-        })
-        .collect();
+    let extensions = |x: &Vec3| -> Vec<Vec3> {
+        let holders = others.iter().filter(|other| holds(other, x, slack));
+        holders
+            .flat_map(|other| other.vertices().iter().map(|v| v - x))
+            .collect()
+    };
+    let at = |v: u32| body.vertices()[v as usize];
+    let mut beyond: Vec<Vec<Vec3>> = body.vertices().iter().map(extensions).collect();
+    beyond.extend(body.half_edges().map(|e| {
+        if e < body.twin(e) {
+            extensions(&(0.5 * (at(body.origin(e)) + at(body.target(e)))))
+        } else {
+            Vec::new()
+        }
+    }));
     body.set_beyond(&beyond);
 }
 

@@ -38,9 +38,10 @@ pub struct Polyhedron {
     outgoing: Vec<u32>,
     /// Is the face covered by other bodies that move with this one? One per face; written by `parts`.
     is_hidden: Vec<bool>,
-    /// Corners of such bodies that hold a vertex of this one, from that vertex; packed; m.
+    /// Corners of such bodies that hold a vertex of this one, or the middle of an edge, from there;
+    /// packed; m.
     beyond: Vec<Vec3>,
-    /// Where those of a vertex start; n_vertices + 1.
+    /// Where those of a vertex start, then those of a half-edge; n_vertices + n_half_edges + 1.
     beyond_start: Vec<u32>,
     /// Cube root of the volume, the length that tolerances refer to; m.
     size: f64,
@@ -196,6 +197,11 @@ impl Polyhedron {
         (0..self.origin.len() as u32).filter(|&e| e < self.twin(e))
     }
 
+    /// All half-edges.
+    pub(crate) fn half_edges(&self) -> std::ops::Range<u32> {
+        0..self.origin.len() as u32
+    }
+
     /// Outward unit normal of a face.
     pub fn face_normal(&self, face: usize) -> Vec3 {
         self.face_normal[face]
@@ -215,6 +221,8 @@ impl Polyhedron {
         self.is_hidden[face]
     }
 
+    /// How neighbours extend from each vertex, then from the middle of each half-edge (the lower of two
+    /// twins); m.
     pub(crate) fn set_beyond(&mut self, beyond: &[Vec<Vec3>]) {
         self.beyond.clear();
         self.beyond_start.clear();
@@ -245,8 +253,18 @@ impl Polyhedron {
 
     /// Does no body that holds the vertex rise above it in a direction by more than a sine?
     pub(crate) fn is_farthest(&self, vertex: u32, direction: &Vec3, sine: f64) -> bool {
-        let from = self.beyond_start[vertex as usize] as usize;
-        let to = self.beyond_start[vertex as usize + 1] as usize;
+        self.rises_above_none(vertex as usize, direction, sine)
+    }
+
+    /// Does no body that holds the middle of the edge rise above it in a direction by more than a sine?
+    pub(crate) fn is_farthest_edge(&self, half_edge: u32, direction: &Vec3, sine: f64) -> bool {
+        let edge = half_edge.min(self.twin(half_edge));
+        self.rises_above_none(self.vertices.len() + edge as usize, direction, sine)
+    }
+
+    fn rises_above_none(&self, row: usize, direction: &Vec3, sine: f64) -> bool {
+        let from = self.beyond_start[row] as usize;
+        let to = self.beyond_start[row + 1] as usize;
         self.beyond[from..to]
             .iter()
             .all(|offset| offset.dot(direction) <= sine * offset.norm())

@@ -567,3 +567,20 @@ fn balls_of_many_sizes_come_to_rest() {
     // First order at impacts that a step cuts in two; 5e-4 measured.
     assert_below("ledger", ((ledger(&energies) - start) / lost).abs(), 2e-3);
 }
+
+#[test]
+fn edge_between_walls_holds_a_ball() {
+    // A plate that ends inside walls on both sides: its free edge is no seam.
+    let part = |from, to| block(cuboid(from, to), Motion::Fixed);
+    let plate = part([-2.0, -1.0, -0.5], [0.0, 1.0, 0.0]);
+    let walls = [
+        part([-2.0, -2.0, -1.0], [2.0, -1.0, 2.0]),
+        part([-2.0, 1.0, -1.0], [2.0, 2.0, 2.0]),
+    ];
+    let start = ball(Vec3::new(0.2, 0.0, 0.45), 0.5);
+    let [left, right] = walls;
+    let system = blocks(vec![plate, left, right, start], glass(), down());
+    let contacts = system.contacts();
+    assert_eq!(contacts.len(), 1, "{contacts:?}");
+    assert!((contacts[0].normal - Vec3::new(0.2, 0.0, 0.45).normalize()).norm() < 1e-12);
+}

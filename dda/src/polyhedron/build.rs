@@ -399,6 +399,7 @@ fn check_indices(vertices: &[Vec3], faces: &[Vec<u32>]) -> Result<(), Polyhedron
 /// Half-edges and their twins; planes and size are left open.
 fn topology(vertices: Vec<Vec3>, faces: &[Vec<u32>]) -> Result<Polyhedron, PolyhedronError> {
     let n_vertices = vertices.len();
+    let n_half_edges: usize = faces.iter().map(Vec::len).sum();
     let mut this = Polyhedron {
         vertices,
         origin: Vec::new(),
@@ -410,7 +411,7 @@ fn topology(vertices: Vec<Vec3>, faces: &[Vec<u32>]) -> Result<Polyhedron, Polyh
         outgoing: vec![0; n_vertices],
         is_hidden: vec![false; faces.len()],
         beyond: Vec::new(),
-        beyond_start: vec![0; n_vertices + 1],
+        beyond_start: vec![0; n_vertices + n_half_edges + 1],
         size: 0.0,
     };
     // (from, to, half-edge), sorted: a twin is found by bisection.
