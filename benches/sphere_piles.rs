@@ -6,7 +6,9 @@
 
 use std::time::Instant;
 
-use riprap_dda::{BlockDefinition, Blocks, Material, Motion, Polyhedron, Settings, Shape, Vec3};
+use riprap_dda::{
+    BlockDefinition, Blocks, Material, Motion, Polyhedron, Random, Settings, Shape, Vec3,
+};
 
 /// Simulated time before the measurement; s.
 const SETTLING: f64 = 4.0;
