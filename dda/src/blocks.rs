@@ -1,5 +1,7 @@
 //! The state of all blocks, struct of arrays, and how it is made; `query` is what can be asked of it.
 
+mod pairing;
+pub(crate) mod placement;
 mod query;
 
 use crate::{
@@ -8,18 +10,15 @@ use crate::{
     Turning, Vec3,
     attachments::{Attachments, Surroundings},
     broad_phase::{self, Bounds},
-    chunks,
-    contact::{Medium, Pair},
+    contact::Pair,
     critical_step::BlockRates,
-    deformation::{
-        Affine12, AffineBody, Dda12, Deformable, axial, elastic_constants, symmetric, tensor,
-    },
+    deformation::{Affine12, AffineBody, Dda12, Deformable, elastic_constants, tensor},
     energy::Account,
     kinematics::Kinematics,
     links::Links,
     material::Joint,
     parts::Part,
-    sphere_contact::{Rolling, Scales, SphereLoads, SpherePair},
+    sphere_contact::{Rolling, SphereLoads, SpherePair},
     surface_contact::SurfacePair,
 };
 use nalgebra::{Matrix3, Rotation3, SymmetricEigen, UnitQuaternion};
@@ -561,146 +560,6 @@ impl Blocks {
             .collect();
     }
 
-    /// Brings kinematics, world geometry and boxes up to date with the state; fixed blocks only if
-    /// `all`.
-    pub(crate) fn place_parts(&mut self, all: bool) {
-        for block in 0..self.n_blocks() {
-            if self.role[block] != Role::Plain
-                && (all || !matches!(self.motion[block], Motion::Fixed))
-            {
-                self.set_kinematics(block);
-            }
-        }
-        self.set_plain_kinematics();
-        let Self {
-            parts,
-            boxes,
-            reference,
-            block_of_part,
-            motion,
-            attitude,
-            principal,
-            centroid,
-            deformable_of,
-            deformables,
-            ..
-        } = self;
-        let place = |first: usize, (parts, boxes): (&mut [Part], &mut [Bounds])| {
-            for ((k, part), bounds) in (first..).zip(parts).zip(boxes) {
-                let block = block_of_part[k] as usize;
-                if !all && matches!(motion[block], Motion::Fixed) {
-                    continue;
-                }
-                let turn = || attitude[block] * principal[block].inverse();
-                match (deformable_of[block], &mut *part) {
-                    (None, Part::Sphere { center, .. }) => *center = centroid[block],
-                    (None, part) => part.set_transformed(
-                        &reference[k],
-                        &Isometry::from_parts(centroid[block].into(), turn()),
-                    ),
-                    (Some(of), part) => part.set_deformed(
-                        &reference[k],
-                        &deformables[of as usize].body().gradient,
-                        &centroid[block],
-                    ),
-                }
-                *bounds = part.aabb();
-            }
-        };
-        let columns = (parts.as_mut_slice(), boxes.as_mut_slice());
-        chunks::for_each(columns, CHUNK, &place);
-    }
-
-    fn set_plain_kinematics(&mut self) {
-        let Self {
-            kinematics,
-            centroid,
-            velocity,
-            attitude,
-            angular_momentum,
-            inertia,
-            role,
-            mass,
-            ..
-        } = self;
-        let set = |first: usize, kinematics: &mut [Kinematics]| {
-            for (b, kinematics) in (first..).zip(kinematics) {
-                if role[b] != Role::Plain {
-                    continue;
-                }
-                if is_isotropic(&inertia[b]) && kinematics.inverse_mass > 0.0 {
-                    // The inertia of a ball does not turn.
-                    kinematics.centroid = centroid[b];
-                    kinematics.velocity = velocity[b];
-                    kinematics.spin = attitude[b] * angular_momentum[b] * (1.0 / inertia[b].x);
-                } else {
-                    *kinematics = rigid_kinematics(
-                        (centroid[b], velocity[b], mass[b]),
-                        &attitude[b],
-                        &angular_momentum[b],
-                        &inertia[b],
-                    );
-                }
-            }
-        };
-        chunks::for_each(kinematics.as_mut_slice(), CHUNK, &set);
-    }
-
-    pub(crate) fn set_kinematics(&mut self, block: usize) {
-        if let Some(k) = self.deformable_of[block] {
-            self.set_deformable_kinematics(block, k as usize);
-            return;
-        }
-        if self.is_free(block) {
-            let mut kinematics = rigid_kinematics(
-                (self.centroid[block], self.velocity[block], self.mass[block]),
-                &self.attitude[block],
-                &self.angular_momentum[block],
-                &self.inertia[block],
-            );
-            if let Some(hold) = self.hold_of(block) {
-                kinematics.inverse_inertia = hold.inverse_inertia(
-                    kinematics.inverse_inertia,
-                    &self.attitude[block],
-                    &self.inertia[block],
-                );
-            }
-            self.kinematics[block] = kinematics;
-            return;
-        }
-        self.kinematics[block] = Kinematics {
-            centroid: self.centroid[block],
-            velocity: self.velocity[block],
-            spin: Vec3::zeros(),
-            inverse_mass: 0.0,
-            inverse_inertia: Matrix3::zeros(),
-            strain_rate: None,
-        };
-    }
-
-    /// Kinematics of a deformable block; its attitude and angular momentum follow for those who ask.
-    fn set_deformable_kinematics(&mut self, block: usize, k: usize) {
-        let is_free = self.is_free(block);
-        let deformable = &self.deformables[k];
-        let body = deformable.body();
-        let gradient = body.velocity_gradient();
-        self.attitude[block] = deformable.rotation() * self.principal[block];
-        self.angular_momentum[block] =
-            self.attitude[block].inverse_transform_vector(&deformable.angular_momentum());
-        self.kinematics[block] = Kinematics {
-            centroid: self.centroid[block],
-            velocity: self.velocity[block],
-            spin: axial(&gradient),
-            inverse_mass: if is_free { 1.0 / self.mass[block] } else { 0.0 },
-            inverse_inertia: if is_free {
-                body.present_inverse_second_moment()
-            } else {
-                Matrix3::zeros()
-            },
-            strain_rate: Some(symmetric(&gradient)),
-        };
-    }
-
     pub(crate) fn hold_of(&self, block: usize) -> Option<&Hold> {
         self.holds.get(block).and_then(Option::as_ref)
     }
@@ -782,191 +641,6 @@ impl Blocks {
         }
     }
 
-    /// Lists the pairs of parts whose fat boxes overlap; pairs that stay keep their history.
-    pub(crate) fn find_candidates(&mut self) {
-        for part in 0..self.parts.len() {
-            self.fat_boxes[part] = if self.is_removed[self.block_of_part[part] as usize] {
-                NOWHERE
-            } else {
-                broad_phase::grown(&self.boxes[part], self.margin[part])
-            };
-        }
-        let mut candidates = std::mem::take(&mut self.candidates);
-        let (block_of, motion) = (&self.block_of_part, &self.motion);
-        broad_phase::candidates(
-            &self.fat_boxes,
-            &self.can_move,
-            |i, j| {
-                let (a, b) = (block_of[i as usize] as usize, block_of[j as usize] as usize);
-                let is_free = |block: usize| matches!(motion[block], Motion::Free);
-                a != b && (is_free(a) || is_free(b))
-            },
-            &mut candidates,
-        );
-        self.candidates = candidates;
-        self.keep_pairs();
-        self.keep_sphere_pairs();
-        self.keep_surface_pairs();
-        self.link_pairs();
-    }
-
-    /// Which list two parts belong to.
-    fn kind_of(&self, parts: (u32, u32)) -> PairKind {
-        let (i, j) = (&self.parts[parts.0 as usize], &self.parts[parts.1 as usize]);
-        if i.is_surface() || j.is_surface() {
-            PairKind::Surface
-        } else if i.is_sphere() || j.is_sphere() {
-            PairKind::Sphere
-        } else {
-            PairKind::Polyhedra
-        }
-    }
-
-    fn blocks_of(&self, parts: (u32, u32)) -> (u32, u32) {
-        let block = |part: u32| self.block_of_part[part as usize];
-        (block(parts.0), block(parts.1))
-    }
-
-    fn keep_pairs(&mut self) {
-        std::mem::swap(&mut self.pairs, &mut self.pairs_before);
-        let mut old = std::mem::take(&mut self.pairs_before);
-        let mut rest = old.drain(..).peekable();
-        for k in 0..self.candidates.len() {
-            let parts = self.candidates[k];
-            if self.kind_of(parts) != PairKind::Polyhedra {
-                continue;
-            }
-            while rest.next_if(|pair| pair.parts < parts).is_some() {}
-            let pair = rest
-                .next_if(|pair| pair.parts == parts)
-                .unwrap_or_else(|| Pair::new(parts, self.blocks_of(parts)));
-            self.pairs.push(pair);
-        }
-        drop(rest);
-        self.pairs_before = old;
-    }
-
-    fn scales_of(&self, parts: (u32, u32)) -> Scales {
-        let (i, j) = (parts.0 as usize, parts.1 as usize);
-        Scales::of(
-            (&self.parts[i], &self.parts[j]),
-            self.deepest_allowed[i].min(self.deepest_allowed[j]),
-            self.size[i].min(self.size[j]),
-        )
-    }
-
-    fn keep_sphere_pairs(&mut self) {
-        let rolling = self
-            .sphere_rolling
-            .drain(..)
-            .chain(std::iter::repeat(Rolling::default()));
-        let mut old = std::mem::take(&mut self.sphere_pairs_before);
-        old.clear();
-        let pairs = self.sphere_pairs.drain(..).zip(self.sphere_loads.drain(..));
-        old.extend(
-            pairs
-                .zip(rolling)
-                .map(|((pair, loads), rolling)| (pair, loads, rolling)),
-        );
-        let mut rest = old.drain(..).peekable();
-        for k in 0..self.candidates.len() {
-            let parts = self.candidates[k];
-            if self.kind_of(parts) != PairKind::Sphere {
-                continue;
-            }
-            while rest.next_if(|(pair, ..)| pair.parts < parts).is_some() {}
-            let (pair, loads, rolling) = rest
-                .next_if(|(pair, ..)| pair.parts == parts)
-                .unwrap_or_else(|| {
-                    let blocks = self.blocks_of(parts);
-                    let pair = SpherePair::new(parts, blocks, self.scales_of(parts));
-                    (pair, SphereLoads::default(), Rolling::default())
-                });
-            self.sphere_pairs.push(pair);
-            self.sphere_loads.push(loads);
-            if self.has_rolling {
-                self.sphere_rolling.push(rolling);
-            }
-        }
-        drop(rest);
-        self.sphere_pairs_before = old;
-    }
-
-    /// Surfaces are few: the pairs are sorted by candidates, whichever of the two the body is.
-    fn keep_surface_pairs(&mut self) {
-        std::mem::swap(&mut self.surface_pairs, &mut self.surface_pairs_before);
-        let mut old = std::mem::take(&mut self.surface_pairs_before);
-        let sorted = |pair: &SurfacePair| {
-            (
-                pair.parts.0.min(pair.parts.1),
-                pair.parts.0.max(pair.parts.1),
-            )
-        };
-        let mut rest = old.drain(..).peekable();
-        for k in 0..self.candidates.len() {
-            let parts = self.candidates[k];
-            if self.kind_of(parts) != PairKind::Surface {
-                continue;
-            }
-            while rest.next_if(|pair| sorted(pair) < parts).is_some() {}
-            let mut pair = rest
-                .next_if(|pair| sorted(pair) == parts)
-                .unwrap_or_else(|| {
-                    let (body, surface) = if self.parts[parts.0 as usize].is_surface() {
-                        (parts.1, parts.0)
-                    } else {
-                        parts
-                    };
-                    let ordered = (body, surface);
-                    SurfacePair::new(ordered, self.blocks_of(ordered), &self.parts[body as usize])
-                });
-            if let Part::Surface(surface) = &self.parts[pair.parts.1 as usize] {
-                surface.near(&self.fat_boxes[pair.parts.0 as usize], &mut pair.triangles);
-            }
-            self.surface_pairs.push(pair);
-        }
-        drop(rest);
-        self.surface_pairs_before = old;
-    }
-
-    fn link_pairs(&mut self) {
-        let n = self.n_blocks();
-        self.surface_links
-            .set(n, self.surface_pairs.iter().map(|pair| pair.blocks));
-        self.links.set(n, self.pairs.iter().map(|pair| pair.blocks));
-        self.sphere_links
-            .set(n, self.sphere_pairs.iter().map(|pair| pair.blocks));
-    }
-
-    pub(crate) fn split_pairs(&mut self) -> (Lists<'_>, Medium<'_>, &[Bounds]) {
-        let medium = Medium {
-            parts: &self.parts,
-            kinematics: &self.kinematics,
-            joints: &self.joints,
-            material_of_part: &self.material_of_part,
-            n_materials: self.n_materials,
-            shear_damping_ratio: self.settings.shear_damping_ratio,
-            radius: &self.radius,
-            contact_detection: self.settings.contact_detection,
-            is_hertz: self.settings.normal_law == NormalLaw::Hertz,
-            size: &self.size,
-            deepest_allowed: &self.deepest_allowed,
-        };
-        let lists = Lists {
-            pairs: &mut self.pairs,
-            sphere_pairs: &mut self.sphere_pairs,
-            surface_pairs: &mut self.surface_pairs,
-            sphere_loads: &mut self.sphere_loads,
-            sphere_rolling: &mut self.sphere_rolling,
-        };
-        (lists, medium, &self.boxes)
-    }
-
-    fn bond_pairs(&mut self) {
-        let (lists, medium, _) = self.split_pairs();
-        lists.pairs.iter_mut().for_each(|pair| pair.bond(&medium));
-    }
-
     /// Takes a block out: it no longer moves, collides or counts in sums.
     pub fn remove(&mut self, b: usize) {
         if self.is_removed[b] {
@@ -995,51 +669,6 @@ impl Blocks {
         self.angular_momentum[b] = Vec3::zeros();
         self.set_kinematics(b);
         self.sum_loads();
-    }
-}
-
-/// Which list a pair belongs to.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum PairKind {
-    Polyhedra,
-    Sphere,
-    Surface,
-}
-
-/// The lists of pairs, borrowed together.
-pub(crate) struct Lists<'a> {
-    pub pairs: &'a mut Vec<Pair>,
-    pub sphere_pairs: &'a mut Vec<SpherePair>,
-    pub surface_pairs: &'a mut Vec<SurfacePair>,
-    pub sphere_loads: &'a mut Vec<SphereLoads>,
-    pub sphere_rolling: &'a mut Vec<Rolling>,
-}
-
-/// Are all moments equal, as a ball's are?
-pub(crate) fn is_isotropic(inertia: &Vec3) -> bool {
-    inertia.x == inertia.y && inertia.y == inertia.z
-}
-
-fn rigid_kinematics(
-    (centroid, velocity, mass): (Vec3, Vec3, f64),
-    attitude: &UnitQuaternion<f64>,
-    angular_momentum: &Vec3,
-    inertia: &Vec3,
-) -> Kinematics {
-    let inverse = inertia.map(|moment| 1.0 / moment);
-    let inverse_inertia = if is_isotropic(inertia) {
-        Matrix3::from_diagonal(&inverse)
-    } else {
-        let turn = attitude.to_rotation_matrix();
-        turn.matrix() * Matrix3::from_diagonal(&inverse) * turn.matrix().transpose()
-    };
-    Kinematics {
-        centroid,
-        velocity,
-        spin: attitude * angular_momentum.component_mul(&inverse),
-        inverse_mass: 1.0 / mass,
-        inverse_inertia,
-        strain_rate: None,
     }
 }
 

@@ -2,7 +2,7 @@
 
 use crate::{
     Vec3,
-    blocks::is_isotropic,
+    blocks::placement::is_isotropic,
     kinematics::{InternalMotion, Moment},
 };
 use nalgebra::{Quaternion, UnitQuaternion};

@@ -1,0 +1,215 @@
+//! The lists of pairs of parts that may touch, with what they remember.
+
+use super::NOWHERE;
+use crate::{
+    Blocks, Motion, NormalLaw,
+    broad_phase::{self, Bounds},
+    contact::{Medium, Pair},
+    parts::Part,
+    sphere_contact::{Rolling, Scales, SphereLoads, SpherePair},
+    surface_contact::SurfacePair,
+};
+
+impl Blocks {
+    /// Lists the pairs of parts whose fat boxes overlap; pairs that stay keep their history.
+    pub(crate) fn find_candidates(&mut self) {
+        for part in 0..self.parts.len() {
+            self.fat_boxes[part] = if self.is_removed[self.block_of_part[part] as usize] {
+                NOWHERE
+            } else {
+                broad_phase::grown(&self.boxes[part], self.margin[part])
+            };
+        }
+        let mut candidates = std::mem::take(&mut self.candidates);
+        let (block_of, motion) = (&self.block_of_part, &self.motion);
+        broad_phase::candidates(
+            &self.fat_boxes,
+            &self.can_move,
+            |i, j| {
+                let (a, b) = (block_of[i as usize] as usize, block_of[j as usize] as usize);
+                let is_free = |block: usize| matches!(motion[block], Motion::Free);
+                a != b && (is_free(a) || is_free(b))
+            },
+            &mut candidates,
+        );
+        self.candidates = candidates;
+        self.keep_pairs();
+        self.keep_sphere_pairs();
+        self.keep_surface_pairs();
+        self.link_pairs();
+    }
+
+    /// Which list two parts belong to.
+    fn kind_of(&self, parts: (u32, u32)) -> PairKind {
+        let (i, j) = (&self.parts[parts.0 as usize], &self.parts[parts.1 as usize]);
+        if i.is_surface() || j.is_surface() {
+            PairKind::Surface
+        } else if i.is_sphere() || j.is_sphere() {
+            PairKind::Sphere
+        } else {
+            PairKind::Polyhedra
+        }
+    }
+
+    fn blocks_of(&self, parts: (u32, u32)) -> (u32, u32) {
+        let block = |part: u32| self.block_of_part[part as usize];
+        (block(parts.0), block(parts.1))
+    }
+
+    fn keep_pairs(&mut self) {
+        std::mem::swap(&mut self.pairs, &mut self.pairs_before);
+        let mut old = std::mem::take(&mut self.pairs_before);
+        let mut rest = old.drain(..).peekable();
+        for k in 0..self.candidates.len() {
+            let parts = self.candidates[k];
+            if self.kind_of(parts) != PairKind::Polyhedra {
+                continue;
+            }
+            while rest.next_if(|pair| pair.parts < parts).is_some() {}
+            let pair = rest
+                .next_if(|pair| pair.parts == parts)
+                .unwrap_or_else(|| Pair::new(parts, self.blocks_of(parts)));
+            self.pairs.push(pair);
+        }
+        drop(rest);
+        self.pairs_before = old;
+    }
+
+    fn scales_of(&self, parts: (u32, u32)) -> Scales {
+        let (i, j) = (parts.0 as usize, parts.1 as usize);
+        Scales::of(
+            (&self.parts[i], &self.parts[j]),
+            self.deepest_allowed[i].min(self.deepest_allowed[j]),
+            self.size[i].min(self.size[j]),
+        )
+    }
+
+    fn keep_sphere_pairs(&mut self) {
+        let rolling = self
+            .sphere_rolling
+            .drain(..)
+            .chain(std::iter::repeat(Rolling::default()));
+        let mut old = std::mem::take(&mut self.sphere_pairs_before);
+        old.clear();
+        let pairs = self.sphere_pairs.drain(..).zip(self.sphere_loads.drain(..));
+        old.extend(
+            pairs
+                .zip(rolling)
+                .map(|((pair, loads), rolling)| (pair, loads, rolling)),
+        );
+        let mut rest = old.drain(..).peekable();
+        for k in 0..self.candidates.len() {
+            let parts = self.candidates[k];
+            if self.kind_of(parts) != PairKind::Sphere {
+                continue;
+            }
+            while rest.next_if(|(pair, ..)| pair.parts < parts).is_some() {}
+            let (pair, loads, rolling) = rest
+                .next_if(|(pair, ..)| pair.parts == parts)
+                .unwrap_or_else(|| {
+                    let blocks = self.blocks_of(parts);
+                    let pair = SpherePair::new(parts, blocks, self.scales_of(parts));
+                    (pair, SphereLoads::default(), Rolling::default())
+                });
+            self.sphere_pairs.push(pair);
+            self.sphere_loads.push(loads);
+            if self.has_rolling {
+                self.sphere_rolling.push(rolling);
+            }
+        }
+        drop(rest);
+        self.sphere_pairs_before = old;
+    }
+
+    /// Surfaces are few: the pairs are sorted by candidates, whichever of the two the body is.
+    fn keep_surface_pairs(&mut self) {
+        std::mem::swap(&mut self.surface_pairs, &mut self.surface_pairs_before);
+        let mut old = std::mem::take(&mut self.surface_pairs_before);
+        let sorted = |pair: &SurfacePair| {
+            (
+                pair.parts.0.min(pair.parts.1),
+                pair.parts.0.max(pair.parts.1),
+            )
+        };
+        let mut rest = old.drain(..).peekable();
+        for k in 0..self.candidates.len() {
+            let parts = self.candidates[k];
+            if self.kind_of(parts) != PairKind::Surface {
+                continue;
+            }
+            while rest.next_if(|pair| sorted(pair) < parts).is_some() {}
+            let mut pair = rest
+                .next_if(|pair| sorted(pair) == parts)
+                .unwrap_or_else(|| {
+                    let (body, surface) = if self.parts[parts.0 as usize].is_surface() {
+                        (parts.1, parts.0)
+                    } else {
+                        parts
+                    };
+                    let ordered = (body, surface);
+                    SurfacePair::new(ordered, self.blocks_of(ordered), &self.parts[body as usize])
+                });
+            if let Part::Surface(surface) = &self.parts[pair.parts.1 as usize] {
+                surface.near(&self.fat_boxes[pair.parts.0 as usize], &mut pair.triangles);
+            }
+            self.surface_pairs.push(pair);
+        }
+        drop(rest);
+        self.surface_pairs_before = old;
+    }
+
+    pub(super) fn link_pairs(&mut self) {
+        let n = self.n_blocks();
+        self.surface_links
+            .set(n, self.surface_pairs.iter().map(|pair| pair.blocks));
+        self.links.set(n, self.pairs.iter().map(|pair| pair.blocks));
+        self.sphere_links
+            .set(n, self.sphere_pairs.iter().map(|pair| pair.blocks));
+    }
+
+    pub(crate) fn split_pairs(&mut self) -> (Lists<'_>, Medium<'_>, &[Bounds]) {
+        let medium = Medium {
+            parts: &self.parts,
+            kinematics: &self.kinematics,
+            joints: &self.joints,
+            material_of_part: &self.material_of_part,
+            n_materials: self.n_materials,
+            shear_damping_ratio: self.settings.shear_damping_ratio,
+            radius: &self.radius,
+            contact_detection: self.settings.contact_detection,
+            is_hertz: self.settings.normal_law == NormalLaw::Hertz,
+            size: &self.size,
+            deepest_allowed: &self.deepest_allowed,
+        };
+        let lists = Lists {
+            pairs: &mut self.pairs,
+            sphere_pairs: &mut self.sphere_pairs,
+            surface_pairs: &mut self.surface_pairs,
+            sphere_loads: &mut self.sphere_loads,
+            sphere_rolling: &mut self.sphere_rolling,
+        };
+        (lists, medium, &self.boxes)
+    }
+
+    pub(super) fn bond_pairs(&mut self) {
+        let (lists, medium, _) = self.split_pairs();
+        lists.pairs.iter_mut().for_each(|pair| pair.bond(&medium));
+    }
+}
+
+/// Which list a pair belongs to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum PairKind {
+    Polyhedra,
+    Sphere,
+    Surface,
+}
+
+/// The lists of pairs, borrowed together.
+pub(crate) struct Lists<'a> {
+    pub pairs: &'a mut Vec<Pair>,
+    pub sphere_pairs: &'a mut Vec<SpherePair>,
+    pub surface_pairs: &'a mut Vec<SurfacePair>,
+    pub sphere_loads: &'a mut Vec<SphereLoads>,
+    pub sphere_rolling: &'a mut Vec<Rolling>,
+}

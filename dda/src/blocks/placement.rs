@@ -1,0 +1,182 @@
+//! From the state of the blocks to their kinematics and world geometry.
+
+use super::{CHUNK, Role};
+use crate::{
+    Blocks, Isometry, Motion, Vec3,
+    broad_phase::Bounds,
+    chunks,
+    deformation::{axial, symmetric},
+    kinematics::Kinematics,
+    parts::Part,
+};
+use nalgebra::{Matrix3, UnitQuaternion};
+
+impl Blocks {
+    /// Brings kinematics, world geometry and boxes up to date with the state; fixed blocks only if
+    /// `all`.
+    pub(crate) fn place_parts(&mut self, all: bool) {
+        for block in 0..self.n_blocks() {
+            if self.role[block] != Role::Plain
+                && (all || !matches!(self.motion[block], Motion::Fixed))
+            {
+                self.set_kinematics(block);
+            }
+        }
+        self.set_plain_kinematics();
+        let Self {
+            parts,
+            boxes,
+            reference,
+            block_of_part,
+            motion,
+            attitude,
+            principal,
+            centroid,
+            deformable_of,
+            deformables,
+            ..
+        } = self;
+        let place = |first: usize, (parts, boxes): (&mut [Part], &mut [Bounds])| {
+            for ((k, part), bounds) in (first..).zip(parts).zip(boxes) {
+                let block = block_of_part[k] as usize;
+                if !all && matches!(motion[block], Motion::Fixed) {
+                    continue;
+                }
+                let turn = || attitude[block] * principal[block].inverse();
+                match (deformable_of[block], &mut *part) {
+                    (None, Part::Sphere { center, .. }) => *center = centroid[block],
+                    (None, part) => part.set_transformed(
+                        &reference[k],
+                        &Isometry::from_parts(centroid[block].into(), turn()),
+                    ),
+                    (Some(of), part) => part.set_deformed(
+                        &reference[k],
+                        &deformables[of as usize].body().gradient,
+                        &centroid[block],
+                    ),
+                }
+                *bounds = part.aabb();
+            }
+        };
+        let columns = (parts.as_mut_slice(), boxes.as_mut_slice());
+        chunks::for_each(columns, CHUNK, &place);
+    }
+
+    fn set_plain_kinematics(&mut self) {
+        let Self {
+            kinematics,
+            centroid,
+            velocity,
+            attitude,
+            angular_momentum,
+            inertia,
+            role,
+            mass,
+            ..
+        } = self;
+        let set = |first: usize, kinematics: &mut [Kinematics]| {
+            for (b, kinematics) in (first..).zip(kinematics) {
+                if role[b] != Role::Plain {
+                    continue;
+                }
+                if is_isotropic(&inertia[b]) && kinematics.inverse_mass > 0.0 {
+                    // The inertia of a ball does not turn.
+                    kinematics.centroid = centroid[b];
+                    kinematics.velocity = velocity[b];
+                    kinematics.spin = attitude[b] * angular_momentum[b] * (1.0 / inertia[b].x);
+                } else {
+                    *kinematics = rigid_kinematics(
+                        (centroid[b], velocity[b], mass[b]),
+                        &attitude[b],
+                        &angular_momentum[b],
+                        &inertia[b],
+                    );
+                }
+            }
+        };
+        chunks::for_each(kinematics.as_mut_slice(), CHUNK, &set);
+    }
+
+    pub(crate) fn set_kinematics(&mut self, block: usize) {
+        if let Some(k) = self.deformable_of[block] {
+            self.set_deformable_kinematics(block, k as usize);
+            return;
+        }
+        if self.is_free(block) {
+            let mut kinematics = rigid_kinematics(
+                (self.centroid[block], self.velocity[block], self.mass[block]),
+                &self.attitude[block],
+                &self.angular_momentum[block],
+                &self.inertia[block],
+            );
+            if let Some(hold) = self.hold_of(block) {
+                kinematics.inverse_inertia = hold.inverse_inertia(
+                    kinematics.inverse_inertia,
+                    &self.attitude[block],
+                    &self.inertia[block],
+                );
+            }
+            self.kinematics[block] = kinematics;
+            return;
+        }
+        self.kinematics[block] = Kinematics {
+            centroid: self.centroid[block],
+            velocity: self.velocity[block],
+            spin: Vec3::zeros(),
+            inverse_mass: 0.0,
+            inverse_inertia: Matrix3::zeros(),
+            strain_rate: None,
+        };
+    }
+
+    /// Kinematics of a deformable block; its attitude and angular momentum follow for those who ask.
+    fn set_deformable_kinematics(&mut self, block: usize, k: usize) {
+        let is_free = self.is_free(block);
+        let deformable = &self.deformables[k];
+        let body = deformable.body();
+        let gradient = body.velocity_gradient();
+        self.attitude[block] = deformable.rotation() * self.principal[block];
+        self.angular_momentum[block] =
+            self.attitude[block].inverse_transform_vector(&deformable.angular_momentum());
+        self.kinematics[block] = Kinematics {
+            centroid: self.centroid[block],
+            velocity: self.velocity[block],
+            spin: axial(&gradient),
+            inverse_mass: if is_free { 1.0 / self.mass[block] } else { 0.0 },
+            inverse_inertia: if is_free {
+                body.present_inverse_second_moment()
+            } else {
+                Matrix3::zeros()
+            },
+            strain_rate: Some(symmetric(&gradient)),
+        };
+    }
+}
+
+/// Are all moments equal, as a ball's are?
+pub(crate) fn is_isotropic(inertia: &Vec3) -> bool {
+    inertia.x == inertia.y && inertia.y == inertia.z
+}
+
+fn rigid_kinematics(
+    (centroid, velocity, mass): (Vec3, Vec3, f64),
+    attitude: &UnitQuaternion<f64>,
+    angular_momentum: &Vec3,
+    inertia: &Vec3,
+) -> Kinematics {
+    let inverse = inertia.map(|moment| 1.0 / moment);
+    let inverse_inertia = if is_isotropic(inertia) {
+        Matrix3::from_diagonal(&inverse)
+    } else {
+        let turn = attitude.to_rotation_matrix();
+        turn.matrix() * Matrix3::from_diagonal(&inverse) * turn.matrix().transpose()
+    };
+    Kinematics {
+        centroid,
+        velocity,
+        spin: attitude * angular_momentum.component_mul(&inverse),
+        inverse_mass: 1.0 / mass,
+        inverse_inertia,
+        strain_rate: None,
+    }
+}
