@@ -14,8 +14,14 @@
 //! When another face or edge takes over, the ledger shows the step between two potentials as its error.
 //!
 //! **Bonds.** Parts that lie against each other at the start with cohesion or tensile strength are
-//! bonded: they also pull, up to `T A`, and hold shear up to `c A + F_n tan φ` (A the area of the
-//! patch at the start). Past either limit the bond breaks for good.
+//! bonded: they also pull, up to a tension of `T` at the edge of the patch, and hold shear up to
+//! `c A + F_n tan φ` (A the area of the patch at the start). Past either limit the bond breaks for good,
+//! see `bond`; of its strength there stays `c_r A + F_n tan φ_r` (A the wet area). What its springs held
+//! goes to damping.
+
+mod bond;
+
+pub(crate) use bond::Bond;
 
 use crate::{
     Vec3,
@@ -74,13 +80,6 @@ pub(crate) struct PointState {
     pub state: ContactState,
 }
 
-/// Bond of two parts that lay against each other at the start.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Bond {
-    /// `A`; m².
-    pub area: f64,
-}
-
 /// Two parts that may touch: state first, then scratch.
 #[derive(Clone, Debug)]
 pub(crate) struct Pair {
@@ -96,6 +95,8 @@ pub(crate) struct Pair {
     pub shear: ShearSpring,
     /// Has the joint slipped or broken, so that its residual friction holds?
     pub has_slipped: bool,
+    /// Has its bond broken, so that its residual cohesion holds?
+    pub is_broken: bool,
     /// Energy of the normal and of the shear springs; J.
     pub elastic: (f64, f64),
 
@@ -166,6 +167,7 @@ impl Pair {
             normal: Vec3::z(),
             shear: ShearSpring::default(),
             has_slipped: false,
+            is_broken: false,
             elastic: (0.0, 0.0),
             before: Vec::new(),
             patch: Patch::default(),
@@ -220,28 +222,45 @@ impl Pair {
         self.friction = 0.0;
         self.damping = 0.0;
         self.book_work(medium, dt, dt);
+        let mut given = 0.0;
+        if self.bond.is_some() {
+            given = self.work_of_normal_springs(medium, dt, dt);
+        }
         std::mem::swap(&mut self.points, &mut self.before);
         self.points.clear();
         self.patch.points.clear();
         self.loads = (Load::default(), Load::default());
         self.deepest = 0.0;
         self.has_broken = false;
-        let found = if is_near || self.bond.is_some() {
-            self.find_patch(medium)
-        } else {
-            None
-        };
-        if let Some((normal, deepest)) = found {
-            self.normal = normal;
-            self.deepest = deepest;
-            self.apply_law(medium, dt);
-            if self.is_overloaded(medium) {
-                self.break_bond(medium, dt);
-            }
+        // The shear spring moves once in a step, whether the bond breaks in it or not.
+        let shear = self.shear;
+        if is_near || self.bond.is_some() {
+            self.press(medium, dt);
+        }
+        if self
+            .bond
+            .is_some_and(|bond| self.is_overloaded(&bond, medium))
+        {
+            self.shear = shear;
+            self.break_bond(medium, dt);
         }
         self.book_work(medium, dt, 0.0);
         self.settle_energy(medium);
+        if self.has_broken {
+            // All that the springs of the bond held and did not give to the blocks is lost with it.
+            given += self.work_of_normal_springs(medium, dt, 0.0);
+            self.damping += std::mem::take(&mut self.friction) - given;
+        }
         self.rates = self.rate_bounds(medium);
+    }
+
+    /// Finds the patch and its forces, if there is one.
+    fn press(&mut self, medium: &Medium, dt: f64) {
+        if let Some((normal, deepest)) = self.find_patch(medium) {
+            self.normal = normal;
+            self.deepest = deepest;
+            self.apply_law(medium, dt);
+        }
     }
 
     /// Half a step's work of dashpots and shear springs: the forces act at both ends of the step, the
@@ -261,6 +280,17 @@ impl Pair {
         }
     }
 
+    /// Half a step's work of the normal springs on the blocks, as in `book_work`; J.
+    fn work_of_normal_springs(&self, medium: &Medium, dt: f64, ago: f64) -> f64 {
+        let (a, b) = self.bodies(medium);
+        let work = |point: &PointState| {
+            let x = &point.patch.position;
+            let opening = (b.velocity_from(x, ago) - a.velocity_from(x, ago)).dot(&self.normal);
+            0.5 * dt * (point.normal_force - point.normal_viscous) * opening
+        };
+        self.points.iter().map(work).sum()
+    }
+
     /// Normal from i to j and deepest overlap, with the patch in place; `None` when apart.
     fn find_patch(&mut self, medium: &Medium) -> Option<(Vec3, f64)> {
         let (first, second) = (
@@ -276,6 +306,9 @@ impl Pair {
                 };
                 let scaling = medium.joint(self).scaling;
                 self.patch.find(a, b, &axis, scaling, self.bond.is_some());
+                if self.patch.points.is_empty() {
+                    return None;
+                }
                 Some((axis.normal, (-axis.gap).max(0.0)))
             }
             _ => None,
@@ -347,6 +380,11 @@ impl Pair {
         } else {
             joint.friction
         };
+        let cohesion = if self.is_broken {
+            joint.residual_cohesion * self.patch.area
+        } else {
+            0.0
+        };
         let held = Shearing {
             bodies: self.bodies(medium),
             normal: self.normal,
@@ -354,6 +392,7 @@ impl Pair {
             stiffness: joint.shear_stiffness,
             damping_ratio: medium.shear_damping_ratio,
             friction,
+            cohesion,
             is_bonded: self.bond.is_some(),
             dt,
         }
@@ -364,31 +403,23 @@ impl Pair {
         self.has_slipped |= held.has_slipped;
     }
 
-    /// Mohr-Coulomb with tension, for the bond as a whole.
-    fn is_overloaded(&self, medium: &Medium) -> bool {
-        let Some(bond) = self.bond else { return false };
-        let joint = medium.joint(self);
-        let normal: f64 = self.points.iter().map(|p| p.normal_force).sum();
-        let shear: Vec3 = self.points.iter().map(|p| p.shear_force).sum();
-        normal < -joint.tensile_strength * bond.area
-            || shear.norm() > joint.cohesion * bond.area + normal.max(0.0) * joint.friction
+    /// Does the bond hold no longer, or has it slid off its patch?
+    fn is_overloaded(&self, bond: &Bond, medium: &Medium) -> bool {
+        let outline = self.patch.bonded_outline();
+        self.points.is_empty()
+            || bond.is_overloaded(medium.joint(self), &self.points, &self.normal, outline)
     }
 
     /// The bond is gone: the forces are found again without it.
     fn break_bond(&mut self, medium: &Medium, dt: f64) {
         self.bond = None;
         self.has_broken = true;
+        self.is_broken = true;
         self.has_slipped = true;
         self.loads = (Load::default(), Load::default());
         self.points.clear();
-        match self.find_patch(medium) {
-            Some((normal, deepest)) => {
-                self.normal = normal;
-                self.deepest = deepest;
-                self.apply_law(medium, dt);
-            }
-            None => self.deepest = 0.0,
-        }
+        self.deepest = 0.0;
+        self.press(medium, dt);
     }
 
     /// Energy of the springs now, and what was lost with points that are gone.

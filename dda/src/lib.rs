@@ -34,6 +34,7 @@
 //!     friction_angle: 0.5,
 //!     residual_friction_angle: None,
 //!     cohesion: 0.0,
+//!     residual_cohesion: 0.0,
 //!     tensile_strength: 0.0,
 //!     restitution: 0.3,
 //!     contact_stiffness: 1e8,

@@ -146,12 +146,18 @@ impl Patch {
         }
         // A patch of no width has corners that turn by nothing.
         self.points.retain(|point| point.weight > 0.0);
-        if self.points.is_empty() {
+        // A bond whose faces have slid past each other holds nothing.
+        if self.points.is_empty() && !is_bonded {
             self.flat_weight = point_weight;
             // The face that looks at the plane misses it: a corner beside it is deepest.
             let key = u32::from(WATERLINE);
             self.push_single(key, deepest_corners(a, b, axis), point_weight, -axis.gap);
         }
+    }
+
+    /// Corners of the patch last found, if it was a bonded one.
+    pub fn bonded_outline(&self) -> impl Iterator<Item = Vec3> + Clone + '_ {
+        self.corners.iter().map(|corner| corner.x)
     }
 
     fn push_single(&mut self, key: u32, position: Vec3, weight: f64, overlap: f64) {

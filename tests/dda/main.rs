@@ -7,6 +7,7 @@
     reason = "residuals are printed beside their limits"
 )]
 
+mod bonds;
 mod conservation;
 mod constraints;
 mod contact;
