@@ -14,6 +14,7 @@ mod contact;
 mod deformable;
 mod determinism;
 mod geometry;
+mod joint_springs;
 mod joints;
 mod motion;
 mod scenes;
