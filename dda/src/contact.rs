@@ -11,7 +11,7 @@
 //! (2007); shear history after Luding (2008).
 //!
 //! **Energy.** The springs of a patch have a potential while its two faces stay the same (see `patch`).
-//! When another face or edge takes over, the ledger shows the step between two potentials as its error.
+//! When another face or edge takes over, its springs go on with the energy of those before, see `takeover`.
 //!
 //! **Bonds.** Parts that lie against each other at the start with cohesion or tensile strength are
 //! bonded: they also pull, up to a tension of `T` at the edge of the patch, and hold shear up to
@@ -20,8 +20,10 @@
 //! goes to damping.
 
 mod bond;
+mod takeover;
 
 pub(crate) use bond::Bond;
+use takeover::{Features, Former};
 
 use crate::{
     Vec3,
@@ -97,6 +99,9 @@ pub(crate) struct Pair {
     pub has_slipped: bool,
     /// Has its bond broken, so that its residual cohesion holds?
     pub is_broken: bool,
+    /// What made the patch at that time, and what share of its stiffness it has, see `takeover`; –.
+    pub features: Option<Features>,
+    pub stiffness_share: f64,
     /// Energy of the normal and of the shear springs; J.
     pub elastic: (f64, f64),
 
@@ -168,6 +173,8 @@ impl Pair {
             shear: ShearSpring::default(),
             has_slipped: false,
             is_broken: false,
+            features: None,
+            stiffness_share: 1.0,
             elastic: (0.0, 0.0),
             before: Vec::new(),
             patch: Patch::default(),
@@ -222,10 +229,10 @@ impl Pair {
         self.friction = 0.0;
         self.damping = 0.0;
         self.book_work(medium, dt, dt);
-        let mut given = 0.0;
-        if self.bond.is_some() {
-            given = self.work_of_normal_springs(medium, dt, dt);
-        }
+        let former = Former {
+            normal: self.normal,
+            features: self.features.take(),
+        };
         std::mem::swap(&mut self.points, &mut self.before);
         self.points.clear();
         self.patch.points.clear();
@@ -235,30 +242,27 @@ impl Pair {
         // The shear spring moves once in a step, whether the bond breaks in it or not.
         let shear = self.shear;
         if is_near || self.bond.is_some() {
-            self.press(medium, dt);
+            self.press(medium, dt, &former);
         }
         if self
             .bond
             .is_some_and(|bond| self.is_overloaded(&bond, medium))
         {
             self.shear = shear;
-            self.break_bond(medium, dt);
+            self.break_bond(medium, dt, &former);
         }
         self.book_work(medium, dt, 0.0);
-        self.settle_energy(medium);
-        if self.has_broken {
-            // All that the springs of the bond held and did not give to the blocks is lost with it.
-            given += self.work_of_normal_springs(medium, dt, 0.0);
-            self.damping += std::mem::take(&mut self.friction) - given;
-        }
+        self.settle_energy(medium, dt, &former);
+        self.stiffen();
         self.rates = self.rate_bounds(medium);
     }
 
     /// Finds the patch and its forces, if there is one.
-    fn press(&mut self, medium: &Medium, dt: f64) {
+    fn press(&mut self, medium: &Medium, dt: f64, former: &Former) {
         if let Some((normal, deepest)) = self.find_patch(medium) {
             self.normal = normal;
             self.deepest = deepest;
+            self.keep_energy(medium, dt, former);
             self.apply_law(medium, dt);
         }
     }
@@ -280,17 +284,6 @@ impl Pair {
         }
     }
 
-    /// Half a step's work of the normal springs on the blocks, as in `book_work`; J.
-    fn work_of_normal_springs(&self, medium: &Medium, dt: f64, ago: f64) -> f64 {
-        let (a, b) = self.bodies(medium);
-        let work = |point: &PointState| {
-            let x = &point.patch.position;
-            let opening = (b.velocity_from(x, ago) - a.velocity_from(x, ago)).dot(&self.normal);
-            0.5 * dt * (point.normal_force - point.normal_viscous) * opening
-        };
-        self.points.iter().map(work).sum()
-    }
-
     /// Normal from i to j and deepest overlap, with the patch in place; `None` when apart.
     fn find_patch(&mut self, medium: &Medium) -> Option<(Vec3, f64)> {
         let (first, second) = (
@@ -309,6 +302,7 @@ impl Pair {
                 if self.patch.points.is_empty() {
                     return None;
                 }
+                self.features = Some((axis.kind, self.patch.incident));
                 Some((axis.normal, (-axis.gap).max(0.0)))
             }
             _ => None,
@@ -411,7 +405,7 @@ impl Pair {
     }
 
     /// The bond is gone: the forces are found again without it.
-    fn break_bond(&mut self, medium: &Medium, dt: f64) {
+    fn break_bond(&mut self, medium: &Medium, dt: f64, former: &Former) {
         self.bond = None;
         self.has_broken = true;
         self.is_broken = true;
@@ -419,11 +413,12 @@ impl Pair {
         self.loads = (Load::default(), Load::default());
         self.points.clear();
         self.deepest = 0.0;
-        self.press(medium, dt);
+        self.features = None;
+        self.press(medium, dt, former);
     }
 
-    /// Energy of the springs now, and what was lost with points that are gone.
-    fn settle_energy(&mut self, medium: &Medium) {
+    /// Energy of the springs now, and what was lost with a bond or with points that are gone.
+    fn settle_energy(&mut self, medium: &Medium, dt: f64, former: &Former) {
         let joint = medium.joint(self);
         let before = self.elastic;
         let squares: f64 = self
@@ -435,15 +430,18 @@ impl Pair {
             self.shear = ShearSpring::default();
             self.shear_energy = 0.0;
         }
-        self.elastic = (0.5 * joint.normal_stiffness * squares, self.shear_energy);
-        self.friction += before.1 - self.elastic.1;
-        let was_cut_off = self.before.iter().all(|p| p.normal_force == 0.0);
+        let held = 0.5 * joint.normal_stiffness * squares;
+        self.friction += before.1 - self.shear_energy;
         if self.has_broken {
-            self.damping += before.0 - self.elastic.0;
-        } else if self.points.is_empty() && was_cut_off {
-            // No force acted any more: what the springs still held is lost.
-            self.damping += before.0;
+            // All that the springs of the bond held and did not give to the blocks is lost with it.
+            let given = self.work_of_normal_springs(&self.points, &self.normal, medium, (dt, 0.0));
+            self.damping += self.energy_left(medium, dt, former) - held - given;
+            self.damping += std::mem::take(&mut self.friction);
+        } else if self.points.is_empty() && !self.before.is_empty() {
+            // The bodies have parted: what the springs still held is lost.
+            self.damping += self.energy_left(medium, dt, former);
         }
+        self.elastic = (held, self.shear_energy);
     }
 
     /// Is there any force?

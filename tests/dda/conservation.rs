@@ -137,8 +137,8 @@ fn tumbling_hull() {
             println!("hull, {scaling}: {error:.2e}");
             worst = worst.max(error);
         }
-        // Measured 3e-3 in N/m, 1.4e-2 in Pa/m: where another face takes the contact over.
-        assert_below(&format!("ledger, hull, {scaling}"), worst, 3e-2);
+        // Measured 2e-4; 3e-3 in N/m and 1.4e-2 in Pa/m when another face took a contact over with an energy of its own.
+        assert_below(&format!("ledger, hull, {scaling}"), worst, 1e-3);
     }
 }
 
@@ -228,8 +228,8 @@ pub fn pile(n: usize) -> Vec<BlockDefinition> {
     definitions
 }
 
-/// Fifty random hulls fall into a box. The ledger closes to some percent only: where another face or an edge
-/// takes a contact over, one potential ends and another begins, and impacts are resolved by a dozen steps.
+/// Fifty random hulls fall into a box. Hundreds of times another face or an edge takes a contact over: when each began
+/// with an energy of its own, the ledger closed to some percent only.
 #[test]
 fn pile_of_hulls() {
     let material = Material {
@@ -264,7 +264,8 @@ fn pile_of_hulls() {
     assert_below(
         "ledger, pile",
         (ledger(&e) - start).abs() / exchanged,
-        1e-1, // measured 0.5e-2 to 4e-2 with step and detail
+        // Measured 5e-6; 1e-5 to 1e-2 with three other seeds, where a face is met behind an edge that was just apart.
+        2e-2,
     );
 }
 
