@@ -47,6 +47,7 @@ fn pile(side: usize, is_hull: bool) -> Result<Blocks, Failure> {
         friction_angle: 0.5_f64.atan(),
         residual_friction_angle: None,
         cohesion: 0.0,
+        residual_cohesion: 0.0,
         tensile_strength: 0.0,
         restitution: 0.3,
         contact_stiffness: 1e8,

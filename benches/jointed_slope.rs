@@ -24,6 +24,7 @@ fn slope(n_blocks: f64) -> Result<Blocks, Failure> {
         friction_angle: 25.0_f64.to_radians(),
         residual_friction_angle: None,
         cohesion: 0.0,
+        residual_cohesion: 0.0,
         tensile_strength: 0.0,
         restitution: 0.2,
         contact_stiffness: 1e10,

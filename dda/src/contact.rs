@@ -11,11 +11,19 @@
 //! (2007); shear history after Luding (2008).
 //!
 //! **Energy.** The springs of a patch have a potential while its two faces stay the same (see `patch`).
-//! When another face or edge takes over, the ledger shows the step between two potentials as its error.
+//! When another face or edge takes over, its springs go on with the energy of those before, see `takeover`.
 //!
 //! **Bonds.** Parts that lie against each other at the start with cohesion or tensile strength are
-//! bonded: they also pull, up to `T A`, and hold shear up to `c A + F_n tan φ` (A the area of the
-//! patch at the start). Past either limit the bond breaks for good.
+//! bonded: they also pull, up to a tension of `T` at the edge of the patch, and hold shear up to
+//! `c A + F_n tan φ` (A the area of the patch at the start). Past either limit the bond breaks for good,
+//! see `bond`; of its strength there stays `c_r A + F_n tan φ_r` (A the wet area). What its springs held
+//! goes to damping.
+
+mod bond;
+mod takeover;
+
+pub(crate) use bond::Bond;
+use takeover::{Features, Former};
 
 use crate::{
     Vec3,
@@ -74,13 +82,6 @@ pub(crate) struct PointState {
     pub state: ContactState,
 }
 
-/// Bond of two parts that lay against each other at the start.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Bond {
-    /// `A`; m².
-    pub area: f64,
-}
-
 /// Two parts that may touch: state first, then scratch.
 #[derive(Clone, Debug)]
 pub(crate) struct Pair {
@@ -96,6 +97,11 @@ pub(crate) struct Pair {
     pub shear: ShearSpring,
     /// Has the joint slipped or broken, so that its residual friction holds?
     pub has_slipped: bool,
+    /// Has its bond broken, so that its residual cohesion holds?
+    pub is_broken: bool,
+    /// What made the patch at that time, and what share of its stiffness it has, see `takeover`; –.
+    pub features: Option<Features>,
+    pub stiffness_share: f64,
     /// Energy of the normal and of the shear springs; J.
     pub elastic: (f64, f64),
 
@@ -166,6 +172,9 @@ impl Pair {
             normal: Vec3::z(),
             shear: ShearSpring::default(),
             has_slipped: false,
+            is_broken: false,
+            features: None,
+            stiffness_share: 1.0,
             elastic: (0.0, 0.0),
             before: Vec::new(),
             patch: Patch::default(),
@@ -220,28 +229,42 @@ impl Pair {
         self.friction = 0.0;
         self.damping = 0.0;
         self.book_work(medium, dt, dt);
+        let former = Former {
+            normal: self.normal,
+            features: self.features.take(),
+        };
         std::mem::swap(&mut self.points, &mut self.before);
         self.points.clear();
         self.patch.points.clear();
         self.loads = (Load::default(), Load::default());
         self.deepest = 0.0;
         self.has_broken = false;
-        let found = if is_near || self.bond.is_some() {
-            self.find_patch(medium)
-        } else {
-            None
-        };
-        if let Some((normal, deepest)) = found {
-            self.normal = normal;
-            self.deepest = deepest;
-            self.apply_law(medium, dt);
-            if self.is_overloaded(medium) {
-                self.break_bond(medium, dt);
-            }
+        // The shear spring moves once in a step, whether the bond breaks in it or not.
+        let shear = self.shear;
+        if is_near || self.bond.is_some() {
+            self.press(medium, dt, &former);
+        }
+        if self
+            .bond
+            .is_some_and(|bond| self.is_overloaded(&bond, medium))
+        {
+            self.shear = shear;
+            self.break_bond(medium, dt, &former);
         }
         self.book_work(medium, dt, 0.0);
-        self.settle_energy(medium);
+        self.settle_energy(medium, dt, &former);
+        self.stiffen();
         self.rates = self.rate_bounds(medium);
+    }
+
+    /// Finds the patch and its forces, if there is one.
+    fn press(&mut self, medium: &Medium, dt: f64, former: &Former) {
+        if let Some((normal, deepest)) = self.find_patch(medium) {
+            self.normal = normal;
+            self.deepest = deepest;
+            self.keep_energy(medium, dt, former);
+            self.apply_law(medium, dt);
+        }
     }
 
     /// Half a step's work of dashpots and shear springs: the forces act at both ends of the step, the
@@ -276,6 +299,10 @@ impl Pair {
                 };
                 let scaling = medium.joint(self).scaling;
                 self.patch.find(a, b, &axis, scaling, self.bond.is_some());
+                if self.patch.points.is_empty() {
+                    return None;
+                }
+                self.features = Some((axis.kind, self.patch.incident));
                 Some((axis.normal, (-axis.gap).max(0.0)))
             }
             _ => None,
@@ -347,6 +374,11 @@ impl Pair {
         } else {
             joint.friction
         };
+        let cohesion = if self.is_broken {
+            joint.residual_cohesion * self.patch.area
+        } else {
+            0.0
+        };
         let held = Shearing {
             bodies: self.bodies(medium),
             normal: self.normal,
@@ -354,6 +386,7 @@ impl Pair {
             stiffness: joint.shear_stiffness,
             damping_ratio: medium.shear_damping_ratio,
             friction,
+            cohesion,
             is_bonded: self.bond.is_some(),
             dt,
         }
@@ -364,35 +397,28 @@ impl Pair {
         self.has_slipped |= held.has_slipped;
     }
 
-    /// Mohr-Coulomb with tension, for the bond as a whole.
-    fn is_overloaded(&self, medium: &Medium) -> bool {
-        let Some(bond) = self.bond else { return false };
-        let joint = medium.joint(self);
-        let normal: f64 = self.points.iter().map(|p| p.normal_force).sum();
-        let shear: Vec3 = self.points.iter().map(|p| p.shear_force).sum();
-        normal < -joint.tensile_strength * bond.area
-            || shear.norm() > joint.cohesion * bond.area + normal.max(0.0) * joint.friction
+    /// Does the bond hold no longer, or has it slid off its patch?
+    fn is_overloaded(&self, bond: &Bond, medium: &Medium) -> bool {
+        let outline = self.patch.bonded_outline();
+        self.points.is_empty()
+            || bond.is_overloaded(medium.joint(self), &self.points, &self.normal, outline)
     }
 
     /// The bond is gone: the forces are found again without it.
-    fn break_bond(&mut self, medium: &Medium, dt: f64) {
+    fn break_bond(&mut self, medium: &Medium, dt: f64, former: &Former) {
         self.bond = None;
         self.has_broken = true;
+        self.is_broken = true;
         self.has_slipped = true;
         self.loads = (Load::default(), Load::default());
         self.points.clear();
-        match self.find_patch(medium) {
-            Some((normal, deepest)) => {
-                self.normal = normal;
-                self.deepest = deepest;
-                self.apply_law(medium, dt);
-            }
-            None => self.deepest = 0.0,
-        }
+        self.deepest = 0.0;
+        self.features = None;
+        self.press(medium, dt, former);
     }
 
-    /// Energy of the springs now, and what was lost with points that are gone.
-    fn settle_energy(&mut self, medium: &Medium) {
+    /// Energy of the springs now, and what was lost with a bond or with points that are gone.
+    fn settle_energy(&mut self, medium: &Medium, dt: f64, former: &Former) {
         let joint = medium.joint(self);
         let before = self.elastic;
         let squares: f64 = self
@@ -404,15 +430,18 @@ impl Pair {
             self.shear = ShearSpring::default();
             self.shear_energy = 0.0;
         }
-        self.elastic = (0.5 * joint.normal_stiffness * squares, self.shear_energy);
-        self.friction += before.1 - self.elastic.1;
-        let was_cut_off = self.before.iter().all(|p| p.normal_force == 0.0);
+        let held = 0.5 * joint.normal_stiffness * squares;
+        self.friction += before.1 - self.shear_energy;
         if self.has_broken {
-            self.damping += before.0 - self.elastic.0;
-        } else if self.points.is_empty() && was_cut_off {
-            // No force acted any more: what the springs still held is lost.
-            self.damping += before.0;
+            // All that the springs of the bond held and did not give to the blocks is lost with it.
+            let given = self.work_of_normal_springs(&self.points, &self.normal, medium, (dt, 0.0));
+            self.damping += self.energy_left(medium, dt, former) - held - given;
+            self.damping += std::mem::take(&mut self.friction);
+        } else if self.points.is_empty() && !self.before.is_empty() {
+            // The bodies have parted: what the springs still held is lost.
+            self.damping += self.energy_left(medium, dt, former);
         }
+        self.elastic = (held, self.shear_energy);
     }
 
     /// Is there any force?

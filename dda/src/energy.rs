@@ -21,7 +21,7 @@ pub struct Energies {
     pub strain: f64,
     /// Lost to slip; cumulative.
     pub friction: f64,
-    /// Lost to contact dashpots and broken bonds; cumulative.
+    /// Lost to contact dashpots, with broken bonds and where other features took a contact over; cumulative.
     pub damping: f64,
     /// Lost to the viscosity of deformable blocks; cumulative.
     pub strain_damping: f64,

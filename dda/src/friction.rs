@@ -3,8 +3,9 @@
 //! ```text
 //! ξ(x) = ξ₀ + θ n × (x − c)                 displacement since first contact; c: centre of pressure    [m]
 //! F_k = −k s_k ξ(x_k) − c_t s_k u_t(x_k)     s_k = N_k/N,   k = K_t W                                   [N]
-//! slips if Σ |F_k| > μ N:                    F_k := μ N_k F_k/|F_k|,   ξ cut back to that
+//! slips if Σ |F_k| > C + μ N:                F_k := (C + μ N) s_k F_k/|F_k|,   ξ cut back to that
 //! ```
+//! `C` is what a broken bond has left of its cohesion, times the wet area.
 //! `W` is the weight of the patch if its faces lay flat: a base that breathes does not change it (a
 //! stiffness that followed the wet part let go a little force at each breath, and an arch crept).
 //! The stiffness is spread as the pressure is, so that under a straight push all points reach their limit
@@ -45,6 +46,8 @@ pub(crate) struct Shearing<'a> {
     pub damping_ratio: f64,
     /// `μ`; –.
     pub friction: f64,
+    /// `C`; N.
+    pub cohesion: f64,
     pub is_bonded: bool,
     /// s.
     pub dt: f64,
@@ -102,7 +105,7 @@ impl Shearing<'_> {
             point.shear_force = point.shear_viscous - spring.at(&x, &n) * (share * stiffness);
             asked += point.shear_force.norm();
         }
-        let limit = self.friction * normal;
+        let limit = self.cohesion + self.friction * normal;
         let is_slipping = asked > limit && !self.is_bonded;
         if is_slipping {
             let mut sum = Vec3::zeros();

@@ -23,7 +23,7 @@
 //!
 //! **Limits.** Parts of a union, and fixed blocks that adjoin, collide one by one, each at the faces
 //! and corners that the others leave visible; adjoining blocks that move against each other keep their
-//! edges. Where another face or an edge takes a contact over, the energy ledger shows a step. Contacts
+//! edges. Where another face or an edge takes a contact over, it goes on with the energy that was held. Contacts
 //! too soft for an impact end the run with an error before a body could come out on the other side.
 //!
 //! ```
@@ -34,6 +34,7 @@
 //!     friction_angle: 0.5,
 //!     residual_friction_angle: None,
 //!     cohesion: 0.0,
+//!     residual_cohesion: 0.0,
 //!     tensile_strength: 0.0,
 //!     restitution: 0.3,
 //!     contact_stiffness: 1e8,

@@ -31,6 +31,8 @@ pub struct Material {
     pub residual_friction_angle: Option<f64>,
     /// Cohesion of a joint until it breaks, ≥ 0; Pa.
     pub cohesion: f64,
+    /// Cohesion of a joint that has broken, 0 to `cohesion`; Pa.
+    pub residual_cohesion: f64,
     /// Tensile strength of a joint until it breaks, ≥ 0; Pa.
     pub tensile_strength: f64,
     /// Normal restitution, 0 to 1; below exp(−2) = 0.135 the contact is critically damped and
@@ -56,6 +58,7 @@ impl Material {
             friction_angle,
             residual_friction_angle,
             cohesion,
+            residual_cohesion,
             tensile_strength,
             restitution,
             contact_stiffness,
@@ -74,6 +77,12 @@ impl Material {
                 "must be in [0, π/2) rad",
             ),
             ("cohesion", cohesion, cohesion >= 0.0, "must be >= 0 Pa"),
+            (
+                "residual_cohesion",
+                residual_cohesion,
+                (0.0..=cohesion).contains(&residual_cohesion),
+                "must be in [0, cohesion] Pa",
+            ),
             (
                 "tensile_strength",
                 tensile_strength,
@@ -271,6 +280,8 @@ pub(crate) struct Joint {
     pub residual_friction: f64,
     /// `c`; Pa.
     pub cohesion: f64,
+    /// `c_r`, once it has broken; Pa.
+    pub residual_cohesion: f64,
     /// `T`; Pa.
     pub tensile_strength: f64,
     /// `ξ_n`, from the restitution; –.
@@ -500,6 +511,10 @@ impl Joint {
             friction: strength.friction_angle.tan(),
             residual_friction: strength.residual_friction_angle.tan(),
             cohesion: strength.cohesion,
+            residual_cohesion: first
+                .residual_cohesion
+                .min(second.residual_cohesion)
+                .min(strength.cohesion),
             tensile_strength: strength.tensile_strength,
             damping_ratio: damping_ratio(strength.restitution),
             spheres: SphereJoint::between(first, second, strength, law),

@@ -60,6 +60,8 @@ pub(crate) struct Patch {
     pub area: f64,
     /// Weight of the patch if its faces lay flat on each other; what shear stiffness refers to.
     pub flat_weight: f64,
+    /// The face that looks at the plane; none where the contact is a point.
+    pub incident: Option<u32>,
     corners: Vec<Corner>,
     spare: Vec<Corner>,
 }
@@ -117,6 +119,7 @@ impl Patch {
     ) {
         self.points.clear();
         self.area = 0.0;
+        self.incident = None;
         let size = a.size().min(b.size());
         let (side_a, side_b) = (
             Side { body: a, mark: 0 },
@@ -146,12 +149,19 @@ impl Patch {
         }
         // A patch of no width has corners that turn by nothing.
         self.points.retain(|point| point.weight > 0.0);
-        if self.points.is_empty() {
+        // A bond whose faces have slid past each other holds nothing.
+        if self.points.is_empty() && !is_bonded {
             self.flat_weight = point_weight;
+            self.incident = None;
             // The face that looks at the plane misses it: a corner beside it is deepest.
             let key = u32::from(WATERLINE);
             self.push_single(key, deepest_corners(a, b, axis), point_weight, -axis.gap);
         }
+    }
+
+    /// Corners of the patch last found, if it was a bonded one.
+    pub fn bonded_outline(&self) -> impl Iterator<Item = Vec3> + Clone + '_ {
+        self.corners.iter().map(|corner| corner.x)
     }
 
     fn push_single(&mut self, key: u32, position: Vec3, weight: f64, overlap: f64) {
@@ -174,6 +184,7 @@ impl Patch {
         let n = reference.body.face_normal(face);
         let offset = reference.body.face_offset(face);
         let incident = facing(other.body, &n);
+        self.incident = Some(incident as u32);
         self.clip_by_sides(reference, face, other, incident);
         let flat_area = self.fan_area(&n);
         let count = self.corners.len();

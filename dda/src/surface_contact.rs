@@ -331,6 +331,7 @@ impl SurfacePair {
                 stiffness: joint.shear_stiffness,
                 damping_ratio: medium.shear_damping_ratio,
                 friction,
+                cohesion: 0.0,
                 is_bonded: false,
                 dt,
             }

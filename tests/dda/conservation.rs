@@ -58,24 +58,88 @@ fn slide_on_a_slope() {
     assert_below("ledger, slide", error, 1e-3);
 }
 
-#[test]
-fn oblique_hit() {
-    let material = Material {
-        restitution: 0.4,
-        contact_stiffness: 3e7,
+/// Stiffness of a contact in N/m, and per area in Pa/m, for bodies of some 0.4 m.
+fn scalings(stiffness: f64) -> [(&'static str, Material); 2] {
+    let per_point = Material {
+        contact_stiffness: stiffness,
         ..rock()
     };
-    let turn = Isometry::new(Vec3::new(0.0, 0.0, 0.5), Vec3::new(0.5, 0.4, 0.2));
-    let stone = moving(
-        block(cuboid([-0.2; 3], [0.2; 3]).transformed(&turn), Motion::Free),
-        [2.0, 0.0, -3.0],
-    );
-    let start = Vec3::new(2.0, 0.0, -3.0) * 2500.0 * 0.064;
-    let mut blocks = blocks(vec![floor(), stone], material, down());
-    let error = ledger_error(&mut blocks, 0.25, 1.0);
-    check_momentum(&blocks, start);
-    // Asked 1e-3; measured 4e-5.
-    assert_below("ledger, one oblique hit", error, 1e-3);
+    let per_area = Material {
+        joint_stiffness: Some(stiffness / 0.16),
+        ..rock()
+    };
+    [("N/m", per_point), ("Pa/m", per_area)]
+}
+
+#[test]
+fn oblique_hit() {
+    for (scaling, material) in scalings(3e7) {
+        let material = Material {
+            restitution: 0.4,
+            ..material
+        };
+        let turn = Isometry::new(Vec3::new(0.0, 0.0, 0.5), Vec3::new(0.5, 0.4, 0.2));
+        let stone = moving(
+            block(cuboid([-0.2; 3], [0.2; 3]).transformed(&turn), Motion::Free),
+            [2.0, 0.0, -3.0],
+        );
+        let start = Vec3::new(2.0, 0.0, -3.0) * 2500.0 * 0.064;
+        let mut blocks = blocks(vec![floor(), stone], material, down());
+        let error = ledger_error(&mut blocks, 0.25, 1.0);
+        check_momentum(&blocks, start);
+        // Asked 1e-3; measured 4e-5 and 6e-6.
+        assert_below(&format!("ledger, one oblique hit, {scaling}"), error, 1e-3);
+    }
+}
+
+/// A block rocks from edge to edge on its flat base.
+#[test]
+fn rocking() {
+    for (scaling, material) in scalings(1e8) {
+        let material = Material {
+            friction_angle: 1.4,
+            ..material
+        };
+        let tilt = Isometry::rotation(Vec3::y() * 0.1);
+        let stone = cuboid([-0.2, -0.2, 0.0], [0.0, 0.2, 1.0]).transformed(&tilt);
+        let definitions = vec![floor(), block(stone, Motion::Free)];
+        let mut blocks = blocks(definitions, material, down());
+        let error = ledger_error(&mut blocks, 2.0, 1.0);
+        let e = blocks.energies();
+        println!(
+            "lost {:.3e} J to dashpots, {:.3e} J to friction",
+            e.damping, e.friction
+        );
+        // Measured 5e-6 and 2e-6.
+        assert_below(&format!("ledger, rocking, {scaling}"), error, 1e-4);
+    }
+}
+
+/// A hull falls on a floor, tumbles and comes to rest.
+#[test]
+fn tumbling_hull() {
+    for (scaling, material) in scalings(3e7) {
+        let mut random = Random(17);
+        let mut worst = 0.0_f64;
+        for _ in 0..6 {
+            let hull = random.hull();
+            let low = hull.vertices().iter().map(|x| x.z).fold(0.0, f64::min);
+            let place = Isometry::translation(0.0, 0.0, 0.3 - low);
+            let mut stone = block(hull.transformed(&place), Motion::Free);
+            stone.velocity = Vec3::new(1.0, 0.5, 0.0);
+            stone.angular_velocity = random.vector() * 3.0;
+            let material = Material {
+                restitution: 0.3,
+                ..material
+            };
+            let mut blocks = blocks(vec![floor(), stone], material, down());
+            let error = ledger_error(&mut blocks, 1.5, 1.0);
+            println!("hull, {scaling}: {error:.2e}");
+            worst = worst.max(error);
+        }
+        // Measured 2e-4; 3e-3 in N/m and 1.4e-2 in Pa/m when another face took a contact over with an energy of its own.
+        assert_below(&format!("ledger, hull, {scaling}"), worst, 1e-3);
+    }
 }
 
 #[test]
@@ -164,8 +228,8 @@ pub fn pile(n: usize) -> Vec<BlockDefinition> {
     definitions
 }
 
-/// Fifty random hulls fall into a box. The ledger closes to some percent only: where another face or an edge
-/// takes a contact over, one potential ends and another begins, and impacts are resolved by a dozen steps.
+/// Fifty random hulls fall into a box. Hundreds of times another face or an edge takes a contact over: when each began
+/// with an energy of its own, the ledger closed to some percent only.
 #[test]
 fn pile_of_hulls() {
     let material = Material {
@@ -200,7 +264,8 @@ fn pile_of_hulls() {
     assert_below(
         "ledger, pile",
         (ledger(&e) - start).abs() / exchanged,
-        1e-1, // measured 0.5e-2 to 4e-2 with step and detail
+        // Measured 5e-6; 1e-5 to 1e-2 with three other seeds, where a face is met behind an edge that was just apart.
+        2e-2,
     );
 }
 

@@ -290,6 +290,9 @@ fn bond_in_shear() {
     for (share, holds) in [(2.5, true), (0.9, false)] {
         let material = Material {
             cohesion: share * shear,
+            // The weight acts outside of the middle third of the base: its uphill edge pulls with
+            // 6 M/(b h²) − N/A = 28 kPa, and with some more as the block is let go.
+            tensile_strength: 1e5,
             restitution: 0.2,
             ..rock()
         };
@@ -410,4 +413,79 @@ fn thin_plates_do_not_pass() {
             }
         }
     }
+}
+
+/// Plates that spin as they meet a thin wall, and two free plates that meet: they bounce or the run is refused, never do
+/// they pass.
+#[test]
+fn spinning_and_free_plates_do_not_pass() {
+    let plate = || cuboid([-0.5, -0.5, -0.005], [0.5, 0.5, 0.005]);
+    let at = |z: f64, turn: Vec3| plate().transformed(&Isometry::new(Vec3::new(0.0, 0.0, z), turn));
+    let mut counts = (0, 0);
+    for per_area in [false, true] {
+        for stiffness in [1e7, 1e9, 1e11] {
+            let material = Material {
+                restitution: 0.5,
+                contact_stiffness: stiffness,
+                joint_stiffness: per_area.then_some(stiffness),
+                ..rock()
+            };
+            for speed in [3.0, 10.0, 30.0, 100.0, 300.0] {
+                for spin in [
+                    Vec3::zeros(),
+                    Vec3::new(0.0, 0.0, 1.0),
+                    Vec3::new(1.0, 0.3, 0.0),
+                    Vec3::new(0.7, -0.8, 2.0),
+                ] {
+                    for is_free in [false, true] {
+                        let spin = spin * speed;
+                        let turn = Vec3::new(0.1, 0.05, 0.3);
+                        let first = block(at(0.6, turn), Motion::Free);
+                        let mut first = moving(first, [0.0, 0.0, -speed]);
+                        first.angular_velocity = spin;
+                        let other = if is_free {
+                            moving(
+                                block(at(-0.6, -turn), Motion::Free),
+                                [0.0, 0.0, 0.3 * speed],
+                            )
+                        } else {
+                            let wall = cuboid([-3.0, -3.0, -0.01], [3.0, 3.0, 0.0]);
+                            block(wall, Motion::Fixed)
+                        };
+                        let definitions = vec![other, first];
+                        let mut blocks = blocks(definitions, material, Vec3::zeros());
+                        let bounced = meet(&mut blocks, 2.4 / speed);
+                        if bounced {
+                            counts.0 += 1;
+                        } else {
+                            counts.1 += 1;
+                        }
+                        // Both plates face each other over their whole width: what passed would be below.
+                        let case = format!(
+                            "K {stiffness:.0e}, per area {per_area}, {speed} m/s, {spin:?}, free {is_free}"
+                        );
+                        let gap = blocks.centroid(1).z - blocks.centroid(0).z;
+                        assert!(gap > -0.005, "passed, {case}: {gap}");
+                    }
+                }
+            }
+        }
+    }
+    println!("{} bounced, {} refused", counts.0, counts.1);
+    assert!(counts.0 > 0 && counts.1 > 0);
+}
+
+/// Runs for a time (s); false if the overlap was refused.
+fn meet(blocks: &mut Blocks, end: f64) -> bool {
+    let mut time = 0.0;
+    while time < end {
+        let dt = blocks.critical_time_step().dt;
+        if let Err(error) = blocks.advance(time, dt, 1) {
+            let text = error.to_string();
+            assert!(text.contains("raise the contact stiffness"), "{text}");
+            return false;
+        }
+        time += dt;
+    }
+    true
 }

@@ -7,12 +7,14 @@
     reason = "residuals are printed beside their limits"
 )]
 
+mod bonds;
 mod conservation;
 mod constraints;
 mod contact;
 mod deformable;
 mod determinism;
 mod geometry;
+mod joint_springs;
 mod joints;
 mod motion;
 mod scenes;

@@ -14,6 +14,7 @@ pub fn rock() -> Material {
         friction_angle: 0.5,
         residual_friction_angle: None,
         cohesion: 0.0,
+        residual_cohesion: 0.0,
         tensile_strength: 0.0,
         restitution: 0.0,
         contact_stiffness: 1e8,

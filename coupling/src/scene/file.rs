@@ -153,6 +153,9 @@ pub struct MaterialFile {
     /// Cohesion of a joint until it breaks; Pa.
     #[serde(default)]
     pub cohesion: f64,
+    /// Cohesion of a joint that has broken, at most `cohesion`; Pa.
+    #[serde(default)]
+    pub residual_cohesion: f64,
     /// Tensile strength of a joint until it breaks; Pa.
     #[serde(default)]
     pub tensile_strength: f64,

@@ -364,6 +364,7 @@ fn materials(file: &SceneFile) -> Vec<Material> {
             friction_angle: m.friction_angle_deg.to_radians(),
             residual_friction_angle: m.residual_friction_angle_deg.map(f64::to_radians),
             cohesion: m.cohesion,
+            residual_cohesion: m.residual_cohesion,
             tensile_strength: m.tensile_strength,
             restitution: m.restitution,
             contact_stiffness: m.contact_stiffness.unwrap_or(IDLE_STIFFNESS),

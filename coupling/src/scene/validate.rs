@@ -233,6 +233,17 @@ impl Checks {
             self.positive(path("joint_stiffness"), &of("joint stiffness"), stiffness);
         }
         self.not_negative(path("cohesion"), &of("cohesion"), material.cohesion);
+        if !(0.0..=material.cohesion).contains(&material.residual_cohesion) {
+            self.refuse(
+                path("residual_cohesion"),
+                format!(
+                    "{} must be in [0, {}], the cohesion, found {}",
+                    of("residual cohesion"),
+                    material.cohesion,
+                    material.residual_cohesion
+                ),
+            );
+        }
         self.not_negative(
             path("tensile_strength"),
             &of("tensile strength"),

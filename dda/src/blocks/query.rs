@@ -413,6 +413,8 @@ impl Blocks {
             f(pair.shear.weight);
             f(f64::from(u8::from(pair.has_slipped)));
             f(pair.bond.map_or(-1.0, |bond| bond.area));
+            f(f64::from(u8::from(pair.is_broken)));
+            f(pair.stiffness_share);
             if let Some(axis) = pair.axis.axis {
                 axis.normal.iter().for_each(|&c| f(c));
                 f(axis.gap);
