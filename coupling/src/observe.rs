@@ -2,8 +2,10 @@
 
 pub mod frames;
 pub mod gauges;
+pub mod ground;
 pub mod ledgers;
 pub mod pictures;
+pub mod trajectories;
 
 use crate::table::TableError;
 use crate::vtk::VtkError;

@@ -1,7 +1,7 @@
 //! The whole run on one page: `overview.svg`, made without any other program.
 //!
-//! Side views (x to the right, z up, seen from −y) with the water coloured by speed, then the gauges and the energies,
-//! one plot per unit. Input is plain data, so that a page can be made from files as well as from a running world.
+//! Side views (x to the right, z up, seen from −y) with the water coloured by speed, then charts, and the gauges and the
+//! energies, one plot per unit. Input is plain data, so that a page can be made from files as well as from a running world.
 //!
 //! Particles are many: they become a picture inside the page. Everything else is lines and text that stay sharp. The page
 //! stays below 500 kB: pictures give up resolution, curves keep two points (lowest and highest) per column of pixels.
@@ -14,6 +14,7 @@ mod raster;
 mod view;
 
 use page::{Anchor, Page, WIDTH};
+use plot::Axes;
 
 /// Scene at one time.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -50,6 +51,17 @@ pub struct Record {
     pub value: Vec<f64>,
 }
 
+/// Curves over something else than time.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Chart {
+    /// What the vertical axis shows.
+    pub label: String,
+    /// What the horizontal axis shows, with its unit.
+    pub along: String,
+    /// The curves, of one unit; `time` is what runs along.
+    pub curves: Vec<Record>,
+}
+
 /// What the page shows.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Overview {
@@ -61,6 +73,8 @@ pub struct Overview {
     pub particle_spacing: f64,
     /// Usually the start, the middle and the end.
     pub snapshots: Vec<Snapshot>,
+    /// Drawn between the views and the gauges.
+    pub charts: Vec<Chart>,
     /// Gauge records.
     pub gauges: Vec<Record>,
     /// Energy ledger.
@@ -76,6 +90,7 @@ pub fn svg(overview: &Overview) -> String {
         subtitle,
         particle_spacing,
         snapshots,
+        charts,
         gauges,
         energy,
         view,
@@ -85,10 +100,24 @@ pub fn svg(overview: &Overview) -> String {
     if !snapshots.is_empty() {
         y = view::draw(&mut page, y, snapshots, *view, *particle_spacing);
     }
+    for chart in charts {
+        let curves: Vec<&Record> = chart.curves.iter().collect();
+        let axes = Axes {
+            vertical: &chart.label,
+            horizontal: &chart.along,
+            marked: &[],
+        };
+        y = plot::draw(&mut page, y, axes, &curves);
+    }
     let times: Vec<f64> = snapshots.iter().map(|snapshot| snapshot.time).collect();
     for (label, records) in [("gauges", gauges), ("energy", energy)] {
         for records in by_unit(records) {
-            y = plot::draw(&mut page, y, label, &records, &times);
+            let axes = Axes {
+                vertical: label,
+                horizontal: "t [s]",
+                marked: &times,
+            };
+            y = plot::draw(&mut page, y, axes, &records);
         }
     }
     page.finish(title, y)

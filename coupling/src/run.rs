@@ -12,6 +12,7 @@ use crate::observe::frames::Frames;
 use crate::observe::gauges::Gauges;
 use crate::observe::ledgers::Ledgers;
 use crate::observe::pictures::Pictures;
+use crate::observe::trajectories::Trajectories;
 use crate::observe::{ObserveError, Observer};
 use crate::scene::resolve::{Scene, vec3};
 use crate::summary::{Summary, TimeByPhase, peak_memory};
@@ -141,6 +142,8 @@ struct Observers {
     frames: Frames,
     gauges: Gauges,
     ledgers: Ledgers,
+    /// Absent when the scene does not ask for them.
+    trajectories: Option<Trajectories>,
     pictures: Pictures,
 }
 
@@ -156,6 +159,10 @@ impl<'a> Run<'a> {
                 output.ledger_interval.unwrap_or(f64::INFINITY),
                 &world,
             )?,
+            trajectories: match &scene.file.trajectories {
+                None => None,
+                Some(asked) => Some(Trajectories::new(folder, asked, scene, &world)?),
+            },
             pictures: Pictures::new(scene),
         };
         Ok(Self {
@@ -244,6 +251,7 @@ impl<'a> Run<'a> {
             frames,
             gauges,
             ledgers,
+            trajectories,
             pictures,
         } = &mut self.observers;
         let world = &self.world;
@@ -254,6 +262,11 @@ impl<'a> Run<'a> {
         if ledgers.is_due(world) {
             ledgers.observe(world)?;
             pictures.note_energy(world);
+        }
+        if let Some(trajectories) = trajectories
+            && trajectories.is_due(world)
+        {
+            trajectories.observe(world)?;
         }
         pictures.note_view(world);
         if frames.is_due(world) {
@@ -299,11 +312,23 @@ impl<'a> Run<'a> {
         };
         let summary = self.summary(completed, stop_reason);
         let subtitle = subtitle(&summary);
-        let written = self
-            .observers
-            .pictures
+        let Observers {
+            trajectories,
+            pictures,
+            ..
+        } = &mut self.observers;
+        let followed = match trajectories {
+            None => Ok(()),
+            Some(trajectories) => {
+                let finished = trajectories.finish(&self.world);
+                pictures.note_trajectories(trajectories);
+                finished
+            }
+        };
+        let written = pictures
             .write(&self.folder, &self.world, subtitle)
-            .and_then(|_| summary.write(&self.folder));
+            .and_then(|_| summary.write(&self.folder))
+            .and(followed);
         let ending = ending?;
         written?;
         Ok((summary, ending))

@@ -140,6 +140,7 @@ fn a_breaking_wave() {
                 .into(),
             particle_spacing: f64::from(spacing),
             snapshots: snapshots.into(),
+            charts: Vec::new(),
             gauges: vec![
                 record("g1, x = 1.5 m", "m", 5000, 2.5, |t| wave(t, 0.3)),
                 record("g2, x = 3.0 m", "m", 5000, 2.5, |t| if (0.4..0.6).contains(&t) { f64::NAN } else { wave(t, 1.2) }),
@@ -185,6 +186,7 @@ fn a_long_flume() {
             subtitle: "first line\nsecond line \u{1} of key figures".into(),
             particle_spacing: 0.05,
             snapshots: snapshots.into(),
+            charts: Vec::new(),
             gauges: (0..9)
                 .map(|i| {
                     record(&format!("g{i}"), "m", 3000, 60.0, |t| {
@@ -287,6 +289,7 @@ fn nothing_and_nonsense_are_drawn_without_complaint() {
             },
             Snapshot::default(),
         ],
+        charts: Vec::new(),
         gauges: vec![
             record("gap", "m", 10, 1.0, |_| f64::NAN),
             Record::default(),

@@ -141,6 +141,8 @@ fn remove_run(folder: &Path) -> Result<(), String> {
                 "gauges.csv",
                 "blocks.csv",
                 "energy.csv",
+                "trajectories.csv",
+                "rockfall.csv",
             ]
             .contains(&name.as_str());
         let removed = if name == "frames" && path.is_dir() {

@@ -1,4 +1,4 @@
-//! Records over time.
+//! Records over time, or over something else.
 
 use super::Record;
 use super::axis::{self, Axis, Labels, open_range, thousands};
@@ -25,14 +25,19 @@ const DASHES: [&str; 3] = [
     " stroke-dasharray=\"2 2.5\"",
 ];
 
-/// Draws records of one unit from `y` down; where the next thing may start. Dotted lines mark `times`.
-pub(super) fn draw(
-    page: &mut Page,
-    y: f64,
-    label: &str,
-    records: &[&Record],
-    times: &[f64],
-) -> f64 {
+/// What stands at the axes of a plot.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Axes<'a> {
+    /// Of the vertical axis, without its unit.
+    pub vertical: &'a str,
+    /// Of the horizontal axis, with its unit.
+    pub horizontal: &'a str,
+    /// Times of the views, marked by dotted lines; s.
+    pub marked: &'a [f64],
+}
+
+/// Draws records of one unit from `y` down; where the next thing may start.
+pub(super) fn draw(page: &mut Page, y: f64, axes: Axes, records: &[&Record]) -> f64 {
     let legend = 8.0 + LEGEND_STEP * records.len() as f64;
     let frame = Frame {
         left: LEFT,
@@ -63,20 +68,20 @@ pub(super) fn draw(
     let unit = if unit.is_empty() { "–" } else { unit };
     page.upright_text(
         [LABEL, frame.top + frame.height / 2.0],
-        &format!("{label} [{prefix}{unit}]"),
+        &format!("{} [{prefix}{unit}]", axes.vertical),
     );
     let is_shown = |time: &f64| (start..=end).contains(time);
-    let note = if times.iter().any(is_shown) {
-        "t [s]; dotted: the views above"
+    let note = if axes.marked.iter().any(is_shown) {
+        "; dotted: the views above"
     } else {
-        "t [s]"
+        ""
     };
     page.text(
         [frame.left + frame.width / 2.0, frame.bottom() + 32.0],
         Anchor::Middle,
-        note,
+        &format!("{}{note}", axes.horizontal),
     );
-    for time in times.iter().copied().filter(is_shown) {
+    for time in axes.marked.iter().copied().filter(is_shown) {
         let x = horizontal.at(time);
         let style = "stroke=\"#999\" stroke-width=\"0.8\" stroke-dasharray=\"1 3\"";
         page.line([x, frame.top], [x, frame.bottom()], style);
@@ -154,6 +159,7 @@ struct Extremes {
     column: i64,
     low: [f64; 2],
     high: [f64; 2],
+    is_low_last: bool,
 }
 
 impl Extremes {
@@ -162,24 +168,27 @@ impl Extremes {
             column: x.floor() as i64,
             low: [x, y],
             high: [x, y],
+            is_low_last: false,
         }
     }
 
     fn join(&mut self, point: [f64; 2]) {
         if point[1] < self.low[1] {
             self.low = point;
+            self.is_low_last = true;
         }
         if point[1] > self.high[1] {
             self.high = point;
+            self.is_low_last = false;
         }
     }
 
     /// In the order of time, each once.
     fn points(self) -> impl Iterator<Item = [f64; 2]> {
-        let (first, second) = if self.low[0] <= self.high[0] {
-            (self.low, self.high)
-        } else {
+        let (first, second) = if self.is_low_last {
             (self.high, self.low)
+        } else {
+            (self.low, self.high)
         };
         std::iter::once(first).chain((first != second).then_some(second))
     }
@@ -243,6 +252,19 @@ mod tests {
         let text = path(|i| if i == 54_321 { 90.0 } else { 1.0 }, 100_000);
         assert!(text.contains("54.3 90.0"), "{text}");
         assert!(text.matches('L').count() <= 200, "{text}");
+    }
+
+    #[test]
+    fn a_stair_goes_straight_up() {
+        let stair = Record {
+            time: vec![0.0, 40.0, 40.0, 90.0],
+            value: vec![0.0, 0.0, 50.0, 50.0],
+            ..Record::default()
+        };
+        assert_eq!(
+            curve(&stair, PIXELS, PIXELS),
+            "M0.0 0.0L40.0 0.0L40.0 50.0L90.0 50.0"
+        );
     }
 
     #[test]

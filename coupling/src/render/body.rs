@@ -8,6 +8,10 @@ use std::collections::BTreeMap;
 /// Share of sampled rays of sight that a wall's face may stop before it is left out.
 const HIDING_SHARE: f64 = 0.03;
 
+/// Rays of sight end this share of their length short of their point: a block that rests on a floor has sunk into it a
+/// little, and the floor hides nothing of it.
+const SHORT_OF_END: f64 = 2e-3;
+
 /// A block or wall.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Body {
@@ -17,6 +21,8 @@ pub(crate) struct Body {
     pub corners: Vec<Vector3<f64>>,
     /// Corner numbers, counter-clockwise from outside.
     pub faces: Vec<Vec<usize>>,
+    /// Whether it is the ground from a raster, which is never cut open.
+    pub is_terrain: bool,
 }
 
 /// The bodies of a file, and how many faces were left out because a corner is not finite.
@@ -105,8 +111,10 @@ impl Body {
 /// Fixed bodies cut open towards the eye.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Stage {
-    /// Faces that are drawn.
+    /// Faces of walls that are drawn.
     pub drawn: Vec<Vec<Vector3<f64>>>,
+    /// Faces of the terrain.
+    pub terrain: Vec<Vec<Vector3<f64>>>,
     /// Faces that would hide the scene; only their outlines are drawn.
     pub cut: Vec<Vec<Vector3<f64>>>,
     /// Share of sampled rays of sight that met a wall.
@@ -121,11 +129,16 @@ pub(crate) struct Stage {
 ///    water and of the moving blocks over the whole run) is cut.
 /// 3. Where the cut faces are most of what a body turns to the eye, its other faces (rim, ends)
 ///    go with them.
+///
+/// Terrain is drawn whole: it throws shadows.
 pub(crate) fn stage(fixed: &[Body], camera: &Camera, samples: &[[f32; 3]]) -> Stage {
     let rays: Vec<_> = samples
         .iter()
         .map(|p| Vector3::from(p.map(f64::from)))
-        .map(|p| (camera.ray_start(p), p))
+        .map(|p| {
+            let from = camera.ray_start(p);
+            (from, p + SHORT_OF_END * (from - p))
+        })
         .collect();
     let mut stage = Stage::default();
     let mut is_hidden = vec![false; rays.len()];
@@ -139,11 +152,17 @@ pub(crate) fn stage(fixed: &[Body], camera: &Camera, samples: &[[f32; 3]]) -> St
                     *is_hidden = true;
                 }
             }
+            if body.is_terrain {
+                continue;
+            }
             if HIDING_SHARE * rays.len() as f64 > f64::from(stopped) || stopped == 0 {
                 seen.push(polygon);
             } else {
                 cut.push(polygon);
             }
+        }
+        if body.is_terrain {
+            stage.terrain.extend(body.polygons());
         }
         let area =
             |faces: &[Vec<Vector3<f64>>]| faces.iter().map(|f| area_vector(f).norm()).sum::<f64>();
@@ -234,7 +253,21 @@ mod tests {
             id: 0,
             corners: (0..8).map(corner).collect(),
             faces: faces.map(Vec::from).to_vec(),
+            is_terrain: false,
         }
+    }
+
+    #[test]
+    fn terrain_is_not_cut() {
+        let samples = [[0.5_f32, 0.5, 0.5]];
+        let near = Body {
+            is_terrain: true,
+            ..cuboid([-9.0, -0.1, -9.0], [9.0, 0.0, 9.0])
+        };
+        let camera = &Camera::fitted(&samples, 1.5)[0];
+        let stage = stage(&[near], camera, &samples);
+        assert!(stage.drawn.is_empty() && stage.cut.is_empty());
+        assert_eq!(stage.terrain.len(), 6);
     }
 
     #[test]

@@ -202,15 +202,16 @@ fn head(pov: &mut Pov, setting: &Setting<'_>, time: f64) {
     }
 }
 
-/// Walls, and the outlines of those cut away.
+/// Walls and terrain, and the outlines of walls cut away.
 fn fixed(pov: &mut Pov, setting: &Setting<'_>, panel: &Panel) {
-    let drawn: Vec<_> = setting
-        .stage
-        .drawn
-        .iter()
-        .map(|p| in_panel(p, panel))
-        .collect();
-    flat_mesh(pov, &drawn, "texture { Riprap_Wall_Texture } no_shadow");
+    let Stage { drawn, terrain, .. } = setting.stage;
+    for (faces, look) in [
+        (drawn, "texture { Riprap_Wall_Texture } no_shadow"),
+        (terrain, "texture { Riprap_Terrain_Texture }"),
+    ] {
+        let faces: Vec<_> = faces.iter().map(|p| in_panel(p, panel)).collect();
+        flat_mesh(pov, &faces, look);
+    }
     let radius = 0.0012 * setting.size;
     for polygon in &setting.stage.cut {
         let polygon = in_panel(polygon, panel);

@@ -2,7 +2,7 @@
 
 use super::RenderError;
 use super::body::{Body, bodies};
-use crate::scene::file::{ResolutionFile, SceneFile};
+use crate::scene::file::{ResolutionFile, SceneFile, ShapeFile};
 use crate::vtk::{self, PolyData, Values};
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -55,11 +55,16 @@ pub(crate) fn open(folder: &Path) -> Result<RunFolder, RenderError> {
         });
     }
     let fixed_path = folder.join("fixed_blocks.vtp");
-    let (fixed, skipped_faces) = if fixed_path.exists() {
+    let (mut fixed, skipped_faces) = if fixed_path.exists() {
         bodies(&read(&fixed_path)?)
     } else {
         (Vec::new(), 0)
     };
+    for body in &mut fixed {
+        let block = usize::try_from(body.id).ok();
+        let block = block.and_then(|id| scene.blocks.get(id));
+        body.is_terrain = block.is_some_and(|b| matches!(b.shape, ShapeFile::Raster { .. }));
+    }
     let spacing = spacing(&folder.join("summary.json"), &scene)?;
     Ok(RunFolder {
         scene,

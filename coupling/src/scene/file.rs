@@ -56,6 +56,9 @@ pub struct SceneFile {
     /// What is recorded, as in a laboratory.
     #[serde(default)]
     pub gauges: Vec<GaugeFile>,
+    /// Ways of falling blocks: run-out, bounce height, speed and energy; not followed when left out.
+    #[serde(default)]
+    pub trajectories: Option<TrajectoriesFile>,
     /// What is written, and how often.
     #[serde(default)]
     pub output: OutputFile,
@@ -849,6 +852,20 @@ pub enum GaugeFile {
         /// End of the line, (x, y); m.
         to: (f64, f64),
     },
+}
+
+/// Which blocks are followed on their way: `trajectories.csv` has a row per block and time, `rockfall.csv`
+/// one per block.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TrajectoriesFile {
+    /// Names of free blocks; every free block when empty.
+    #[serde(default)]
+    pub blocks: Vec<String>,
+    /// Between two looks at a block; extremes are those of the looks; s. A thousandth of the duration when
+    /// left out.
+    #[serde(default)]
+    pub interval: Option<f64>,
 }
 
 /// What is written, and how often.

@@ -4,7 +4,7 @@ use super::error::Problem;
 use super::file::{
     AttachmentFile, Axis, BlockFile, FluidFile, GaugeFile, GrainRegionFile, GrainsFile, JointFile,
     MaterialFile, MotionFile, RegionShapeFile, ResolutionFile, RockMassFile, SceneFile, ShapeFile,
-    StaticDampingFile, Triple, TurningFile,
+    StaticDampingFile, TrajectoriesFile, Triple, TurningFile,
 };
 use super::parse::suggestion;
 
@@ -58,6 +58,9 @@ pub fn values(scene: &SceneFile) -> Vec<Problem> {
         check.gauge(index, gauge, scene);
     }
     check.unique("gauges", scene.gauges.iter().map(gauge_name));
+    if let Some(trajectories) = &scene.trajectories {
+        check.trajectories(trajectories, scene);
+    }
     if let Some(camera) = &scene.camera {
         if camera.position == camera.look_at {
             check.refuse(
@@ -846,6 +849,47 @@ impl Checks {
             "fluid.regions",
             fluid.regions.iter().map(|r| r.name.as_str()),
         );
+    }
+
+    fn trajectories(&mut self, trajectories: &TrajectoriesFile, scene: &SceneFile) {
+        if let Some(interval) = trajectories.interval {
+            self.positive(
+                "trajectories.interval".into(),
+                "trajectories: interval",
+                interval,
+            );
+        }
+        let is_free = |block: &&BlockFile| matches!(block.motion, MotionFile::Free);
+        let free = scene.blocks.iter().filter(is_free);
+        let names: Vec<&str> = free.map(|block| block.name.as_str()).collect();
+        for (index, name) in trajectories.blocks.iter().enumerate() {
+            let path = format!("trajectories.blocks[{index}]");
+            if !names.contains(&name.as_str()) {
+                self.refuse(
+                    &path,
+                    format!(
+                        "trajectories: `{name}` is no free block of `blocks`{}",
+                        suggestion(name, &names)
+                    ),
+                );
+            }
+            if trajectories.blocks[..index].contains(name) {
+                self.refuse(&path, format!("trajectories: `{name}` is listed twice"));
+            }
+        }
+        if names.is_empty() && scene.rock_masses.is_empty() {
+            self.refuse(
+                "trajectories",
+                "trajectories: no block is free to move; leave trajectories out".to_owned(),
+            );
+        }
+        if scene.blocks.iter().all(|block| is_free(&block)) {
+            self.question(
+                "trajectories",
+                "trajectories: no block is fixed, so there is no ground to measure heights from"
+                    .to_owned(),
+            );
+        }
     }
 
     fn numbers(&mut self, scene: &SceneFile) {
