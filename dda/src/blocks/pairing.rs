@@ -22,13 +22,32 @@ impl Blocks {
         }
         let mut candidates = std::mem::take(&mut self.candidates);
         let (block_of, motion) = (&self.block_of_part, &self.motion);
+        let (parts, margin) = (&self.parts, &self.margin);
+        // The boxes of balls meet at their corners long before the balls do.
+        let may_meet = |i: usize, j: usize| match (&parts[i], &parts[j]) {
+            (
+                Part::Sphere {
+                    center: a,
+                    radius: r,
+                },
+                Part::Sphere {
+                    center: b,
+                    radius: s,
+                },
+            ) => {
+                // Inside its fat box a ball moves by the margin along each axis.
+                let reach = r + s + 3.0_f64.sqrt() * (margin[i] + margin[j]);
+                (b - a).norm_squared() < reach * reach
+            }
+            _ => true,
+        };
         broad_phase::candidates(
             &self.fat_boxes,
             &self.can_move,
             |i, j| {
                 let (a, b) = (block_of[i as usize] as usize, block_of[j as usize] as usize);
                 let is_free = |block: usize| matches!(motion[block], Motion::Free);
-                a != b && (is_free(a) || is_free(b))
+                a != b && (is_free(a) || is_free(b)) && may_meet(i as usize, j as usize)
             },
             &mut candidates,
         );
