@@ -50,7 +50,8 @@ fn pile(side: usize, is_hull: bool) -> Result<Blocks, Failure> {
         residual_cohesion: 0.0,
         tensile_strength: 0.0,
         restitution: 0.3,
-        contact_stiffness: 1e8,
+        // 1e8 N/m carries ten layers that come down; more layers need more.
+        contact_stiffness: 1e8 * f64::max(side as f64 / 10.0, 1.0),
         joint_stiffness: None,
         shear_stiffness_ratio: 0.8,
         rolling_friction: 0.0,

@@ -33,7 +33,8 @@ fn pile(side: usize) -> Result<Blocks, Failure> {
         residual_cohesion: 0.0,
         tensile_strength: 0.0,
         restitution: 0.3,
-        contact_stiffness: 1.4e7,
+        // 1.4e7 N/m carries 22 layers that come down; more layers need more.
+        contact_stiffness: 1.4e7 * f64::max(side as f64 / 22.0, 1.0),
         joint_stiffness: None,
         shear_stiffness_ratio: 2.0 / 7.0,
         rolling_friction: 0.0,
