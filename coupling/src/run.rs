@@ -290,7 +290,7 @@ impl<'a> Run<'a> {
             time: world.time(),
             end: self.scene.file.time.duration,
             dt,
-            contacts: blocks.contacts().len(),
+            contacts: blocks.n_contacts(),
             fastest: fastest_block.max(fastest_particle),
         }
     }

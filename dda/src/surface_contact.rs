@@ -168,6 +168,13 @@ impl SurfacePair {
         }
     }
 
+    pub fn n_contacts(&self) -> usize {
+        match &self.touch {
+            SurfaceTouch::Polyhedron(touch) => touch.points.len(),
+            SurfaceTouch::Ball(feet) => feet.len(),
+        }
+    }
+
     /// Visits the contact points.
     pub fn for_each_contact(&self, visit: &mut dyn FnMut(Contact)) {
         let pair = |of: (u32, u32)| (of.0 as usize, of.1 as usize);

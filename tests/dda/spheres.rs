@@ -495,7 +495,7 @@ fn stack_of_ten() {
             1e-6,
         );
     }
-    assert_eq!(system.contacts().len(), 10);
+    assert_eq!((system.contacts().len(), system.n_contacts()), (10, 10));
 }
 
 #[test]

@@ -291,6 +291,14 @@ impl Blocks {
         contacts
     }
 
+    /// Number of contact points of the last step, without making their list.
+    pub fn n_contacts(&self) -> usize {
+        let of_pairs: usize = self.pairs.iter().map(|pair| pair.points.len()).sum();
+        let touching = |pair: &&SpherePair| pair.contact.is_touching;
+        let of_surfaces = self.surface_pairs.iter().map(|pair| pair.n_contacts());
+        of_pairs + self.sphere_pairs.iter().filter(touching).count() + of_surfaces.sum::<usize>()
+    }
+
     /// Force evaluations of pairs of parts so far.
     pub fn contact_updates(&self) -> u64 {
         self.n_contact_updates
