@@ -10,7 +10,8 @@
 //!
 //! **Reading order.** [`Polyhedron`] (geometry), [`mass_properties`], [`Shape`], [`Material`] and the
 //! joint of two materials, [`Blocks`] (the state), then the step: [`Blocks::advance`] in `integrate`,
-//! `broad_phase`, `common_plane`, `patch`, `contact`, `friction`. Beside it: `deformation`,
+//! `broad_phase`, `common_plane`, `patch`, `contact`, `friction`; `sphere_contact` for balls and
+//! `surface_contact` for terrain; `forces`, which sums them. Beside it: `deformation`,
 //! `attachments`, `holds`, `damping`; and before it [`cut_by_joints`] and [`merge_slivers`], which
 //! make blocks of a rock mass.
 //!
