@@ -317,6 +317,18 @@ fn unusable_joints_are_refused() {
             vec![joint(|j| j.residual_friction_angle = Some(0.6))],
             "joint override 0: residual_friction_angle is 0.6, must be in [0, friction_angle] rad",
         ),
+        // The materials have no cohesion.
+        (
+            vec![joint(|j| j.residual_cohesion = Some(1.0))],
+            "joint override 0: residual_cohesion is 1, must be in [0, cohesion] Pa",
+        ),
+        (
+            vec![joint(|j| {
+                j.cohesion = Some(5.0);
+                j.residual_cohesion = Some(6.0);
+            })],
+            "joint override 0: residual_cohesion is 6, must be in [0, cohesion] Pa",
+        ),
     ] {
         assert_eq!(refused(&joints), expected);
     }

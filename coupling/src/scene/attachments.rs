@@ -96,6 +96,7 @@ pub fn joints(file: &SceneFile) -> Vec<JointOverride> {
             friction_angle: joint.friction_angle_deg.map(f64::to_radians),
             residual_friction_angle: joint.residual_friction_angle_deg.map(f64::to_radians),
             cohesion: joint.cohesion,
+            residual_cohesion: joint.residual_cohesion,
             tensile_strength: joint.tensile_strength,
             restitution: joint.restitution,
             rolling_friction: joint.rolling_friction,

@@ -213,6 +213,9 @@ pub struct JointFile {
     /// Cohesion until the joint breaks; Pa.
     #[serde(default)]
     pub cohesion: Option<f64>,
+    /// Cohesion once the joint has broken, at most the cohesion; Pa.
+    #[serde(default)]
+    pub residual_cohesion: Option<f64>,
     /// Tensile strength until the joint breaks; Pa.
     #[serde(default)]
     pub tensile_strength: Option<f64>,
