@@ -135,6 +135,8 @@ pub(crate) struct Medium<'a> {
     /// Farthest point of each block from its centroid; m.
     pub radius: &'a [f64],
     pub contact_detection: ContactDetection,
+    /// m/s².
+    pub gravity: Vec3,
     /// Is Hertz's law used for balls?
     pub is_hertz: bool,
     /// Of each part; m.
@@ -202,11 +204,7 @@ impl Pair {
             return;
         }
         let axes = crate::separating_axes(a, b);
-        let axis = if axes.face_b.gap > axes.face_a.gap {
-            axes.face_b
-        } else {
-            axes.face_a
-        };
+        let axis = axes.preferred_face(a, b, &medium.gravity);
         let reach = BOND_REACH * a.size().min(b.size());
         if axes.best().gap > reach || axis.gap.abs() > reach {
             return;
@@ -295,7 +293,8 @@ impl Pair {
                 let axis = if self.bond.is_some() {
                     self.axis.axis.map(|axis| glued(a, b, &axis))?
                 } else {
-                    self.axis.overlapping(a, b, medium.contact_detection)?
+                    self.axis
+                        .overlapping(a, b, medium.contact_detection, &medium.gravity)?
                 };
                 let scaling = medium.joint(self).scaling;
                 self.patch.find(a, b, &axis, scaling, self.bond.is_some());

@@ -196,6 +196,7 @@ impl Blocks {
             shear_damping_ratio: self.settings.shear_damping_ratio,
             radius: &self.radius,
             contact_detection: self.settings.contact_detection,
+            gravity: self.settings.gravity,
             is_hertz: self.settings.normal_law == NormalLaw::Hertz,
             size: &self.size,
             deepest_allowed: &self.deepest_allowed,
