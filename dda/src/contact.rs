@@ -309,7 +309,7 @@ impl Pair {
     }
 
     fn apply_law(&mut self, medium: &Medium, dt: f64) {
-        self.apply_normal(medium);
+        self.apply_normal(medium, dt);
         self.apply_friction(medium, dt);
         let (a, b) = self.bodies(medium);
         for point in &self.points {
@@ -338,7 +338,7 @@ impl Pair {
         }
     }
 
-    fn apply_normal(&mut self, medium: &Medium) {
+    fn apply_normal(&mut self, medium: &Medium, dt: f64) {
         let joint = medium.joint(self);
         let (a, b) = self.bodies(medium);
         let points = &self.patch.points;
@@ -347,6 +347,12 @@ impl Pair {
         let stiffness = joint.normal_stiffness * total;
         let damping = self.viscosity(medium, &middle, stiffness, joint.damping_ratio) / total;
         self.dashpots.0 = damping;
+        let mobility = a.compliance(&middle, &self.normal) + b.compliance(&middle, &self.normal);
+        let meeting = (self.before.is_empty() && self.bond.is_none()).then(|| {
+            let closing = (a.velocity_at(&middle) - b.velocity_at(&middle)).dot(&self.normal);
+            (self.deepest, closing)
+        });
+        let damping = damping * dashpot_share(damping * total * mobility, dt, meeting);
         for &patch in &self.patch.points {
             let x = &patch.position;
             let opening = (b.velocity_at(x) - a.velocity_at(x)).dot(&self.normal);
@@ -515,6 +521,28 @@ impl Pair {
             stiffness: joint.normal_stiffness * along + joint.shear_stiffness * weight * across,
             damping: self.dashpots.0 * along + self.dashpots.1 * across,
         }
+    }
+}
+
+/// Share of the dashpot that acts in a step, so that the rebound is the one asked to second order in it.
+///
+/// ```text
+/// s = 1/(1 + c w dt/4)                                    later on                                [–]
+/// s = (1/2 + δ/(u dt))/(1 + c w dt/4),   s c w dt ≤ 1     in the step in which the bodies meet
+/// ```
+/// The velocity is that of half a step ago, which was faster by `(k δ + c u) w dt/2`: damping and stiffness
+/// seem larger, and the damping ratio by `1 + c w dt/4`. The force at the end of a step stands for half a step
+/// on either side, but they met only `δ/u` ago: with a whole force the rebound was 0.40 to 0.58 for 0.5,
+/// depending on where in a step they met, with five steps in a contact. It then takes no more than all of the
+/// speed. Rate of damping `c w` (1/s); `meeting`: overlap δ (m) and closing rate u (m/s).
+pub(crate) fn dashpot_share(rate: f64, dt: f64, meeting: Option<(f64, f64)>) -> f64 {
+    let later = 1.0 / (1.0 + 0.25 * rate * dt);
+    match meeting {
+        Some((overlap, closing)) if closing * dt > 0.0 => {
+            let first = (0.5 + overlap / (closing * dt)).clamp(0.5, 1.5) * later;
+            first.min(f64::max(1.0 / (rate * dt), later))
+        }
+        _ => later,
     }
 }
 

@@ -17,11 +17,11 @@
 
 use crate::{
     SurfacePoint, Vec3,
-    contact::{ContactState, Medium, Rates},
+    contact::{ContactState, Medium, Rates, dashpot_share},
     forces::Tally,
     friction::carry,
     kinematics::Kinematics,
-    material::SphereJoint,
+    material::{SphereJoint, SphereSpring},
     parts::Part,
 };
 
@@ -447,7 +447,15 @@ impl SphereContact {
         let mobility = along.0 + along.1;
         let mass = 1.0 / mobility;
         let spring = joint.normal(found.overlap, effective_radius, mass);
-        let normal_force = f64::max(spring.force - spring.viscosity * opening, 0.0);
+        let share = match joint.normal {
+            SphereSpring::Linear { .. } => {
+                let meeting = (!self.is_touching).then_some((found.overlap, -opening));
+                dashpot_share(spring.viscosity * mobility, dt, meeting)
+            }
+            // Its dashpot starts from nothing, as its spring does.
+            SphereSpring::Hertz { .. } => 1.0,
+        };
+        let normal_force = f64::max(spring.force - share * spring.viscosity * opening, 0.0);
 
         let shear_stiffness = joint.shear_ratio * spring.tangent;
         // A spring that has stiffened keeps its force, one that has softened its stretch: no energy is made.
