@@ -524,7 +524,8 @@ impl Pair {
     }
 }
 
-/// Share of the dashpot that acts in a step, so that the rebound is the one asked to second order in it.
+/// Share of the dashpot that acts in a step, so that the rebound is in the mean the one asked, to second order
+/// in it.
 ///
 /// ```text
 /// s = 1/(1 + c w dt/4)                                    later on                                [–]
@@ -532,8 +533,8 @@ impl Pair {
 /// ```
 /// The velocity is that of half a step ago, which was faster by `(k δ + c u) w dt/2`: damping and stiffness
 /// seem larger, and the damping ratio by `1 + c w dt/4`. The force at the end of a step stands for half a step
-/// on either side, but they met only `δ/u` ago: with a whole force the rebound was 0.40 to 0.58 for 0.5,
-/// depending on where in a step they met, with five steps in a contact. It then takes no more than all of the
+/// on either side, but they met only `δ/u` ago: with a whole force the rebound of one spring was 0.40 to 0.58
+/// for 0.5, depending on where in a step they met, with five steps in a contact. It then takes no more than all of the
 /// speed. Rate of damping `c w` (1/s); `meeting`: overlap δ (m) and closing rate u (m/s).
 pub(crate) fn dashpot_share(rate: f64, dt: f64, meeting: Option<(f64, f64)>) -> f64 {
     let later = 1.0 / (1.0 + 0.25 * rate * dt);

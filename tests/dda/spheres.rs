@@ -72,7 +72,7 @@ fn linear_impact() {
 }
 
 /// At the usual step there are some five steps in a contact. Wherever in a step a ball or a box meets the floor, the
-/// rebound is near what was asked, and nearer by the square of the step.
+/// rebound is near what was asked.
 #[test]
 fn restitution_at_the_usual_step() {
     let settings = Settings {
