@@ -2,7 +2,8 @@
 //!
 //! `cargo bench -p riprap --bench heap -- 10 5 2` makes a heap of beads of 10, 5 and 2 mm each and prints its angle
 //! beside the published one; `seed=2` makes another heap, `wide=40` one in a box of 40 instead of 20 diameters, so on a
-//! plate of 30 instead of 10, `deep=8` one in a box of 8 instead of 4.
+//! plate of 30 instead of 10, `deep=8` one in a box of 8 instead of 4; `relative` one that resists the rolling of one bead
+//! against the other instead of each bead's own.
 #![expect(clippy::print_stdout, reason = "a benchmark reports")]
 
 use std::path::Path;
