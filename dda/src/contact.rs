@@ -30,7 +30,7 @@ use crate::{
     common_plane::{Axis, AxisCache, AxisKind, ContactDetection},
     friction::{ShearSpring, Shearing},
     kinematics::{Kinematics, Load},
-    material::Joint,
+    material::{Joint, RollingLaw},
     parts::Part,
     patch::{Patch, PatchPoint, Scaling},
 };
@@ -132,6 +132,7 @@ pub(crate) struct Medium<'a> {
     pub n_materials: usize,
     /// `ξ` of the shear dashpot; –.
     pub shear_damping_ratio: f64,
+    pub rolling_law: RollingLaw,
     /// Farthest point of each block from its centroid; m.
     pub radius: &'a [f64],
     pub contact_detection: ContactDetection,

@@ -316,6 +316,30 @@ pub enum NormalLaw {
     Hertz,
 }
 
+/// Which turning the rolling resistance of balls opposes, at each contact by at most `μ_r R̃ F_n`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum RollingLaw {
+    /// That of one body against the other, without the part about the normal: equal and opposite torques. Balls
+    /// that turn alike do not hold each other back.
+    ///
+    /// ```text
+    /// ω_r = (1 − n nᵀ)(ω_j − ω_i),    M_j = −M_i = −μ_r R̃ F_n ω_r/|ω_r|                                      [N m]
+    /// ```
+    /// Source: Ai, Chen, Rotter & Ooi (2011), models A and C.
+    #[default]
+    Relative,
+    /// That of each ball against the world, twist included; nothing acts on other bodies. It depends on who
+    /// watches, and makes angular momentum vanish: [`Blocks::rolling_impulse`](crate::Blocks::rolling_impulse).
+    ///
+    /// ```text
+    /// M_i = −μ_r R̃ F_n ω_i/|ω_i|,    M_j = −μ_r R̃ F_n ω_j/|ω_j|                                              [N m]
+    /// ```
+    /// Source: Zhou, Wright, Yang, Xu & Yu (1999), Physica A 269, 536-553, whose rolling coefficient is the length
+    /// `μ_r R̃`. Theirs has the direction of even the slowest turning; here a spring leads up to the limit, as with
+    /// the other law, so that a ball can rest.
+    OwnSpin,
+}
+
 /// Constants of the contact of a ball.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct SphereJoint {

@@ -3,12 +3,12 @@
 
 use riprap_dda::{
     Attachment, BlockDefinition, ContactDetection, Deformability, DeformableModel, Hold,
-    JointOverride, NormalLaw, Shape, StaticDamping, StressLaw, Turning, Vec3,
+    JointOverride, NormalLaw, RollingLaw, Shape, StaticDamping, StressLaw, Turning, Vec3,
 };
 
 use super::file::{
     AttachmentFile, Axis, ContactDetectionFile, DeformableFile, DeformableModelFile, HoldFile,
-    NormalLawFile, SceneFile, StaticDampingFile, TurningFile,
+    NormalLawFile, RollingLawFile, SceneFile, StaticDampingFile, TurningFile,
 };
 use super::resolve::vec3;
 
@@ -163,6 +163,13 @@ pub fn normal_law(file: NormalLawFile) -> NormalLaw {
     match file {
         NormalLawFile::Linear => NormalLaw::Linear,
         NormalLawFile::Hertz => NormalLaw::Hertz,
+    }
+}
+
+pub fn rolling_law(file: RollingLawFile) -> RollingLaw {
+    match file {
+        RollingLawFile::Relative => RollingLaw::Relative,
+        RollingLawFile::OwnSpin => RollingLaw::OwnSpin,
     }
 }
 

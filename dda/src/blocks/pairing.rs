@@ -194,6 +194,7 @@ impl Blocks {
             material_of_part: &self.material_of_part,
             n_materials: self.n_materials,
             shear_damping_ratio: self.settings.shear_damping_ratio,
+            rolling_law: self.settings.rolling_law,
             radius: &self.radius,
             contact_detection: self.settings.contact_detection,
             gravity: self.settings.gravity,
