@@ -454,6 +454,7 @@ fn two_pressed(law: RollingLaw, spins: [f64; 2]) -> Blocks {
         friction_angle: None,
         residual_friction_angle: None,
         cohesion: None,
+        residual_cohesion: None,
         tensile_strength: None,
         restitution: None,
         rolling_friction: Some(0.0),
