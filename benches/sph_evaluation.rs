@@ -1,103 +1,104 @@
-//! Speed of one evaluation of the fluid: sort, neighbours, densities, accelerations.
+//! Speed of the fluid's sums: a dam break column on its lattice, scene D of the trade study.
 //!
-//! `cargo bench -p riprap-sph` prints particle-evaluations and pair interactions per second by phase
-//! and the ratio of all threads to one, measured in the same run.
-#![expect(clippy::print_stdout, reason = "a benchmark reports")]
+//! `cargo bench -p riprap-sph --bench sph_evaluation -- [SPACING ...]`
 
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
-use riprap_sph::{Fluid, FluidError, NegativePressure, Settings, Vec3};
+use riprap_sph::scheme::{DensityDiffusion, Viscosity};
+use riprap_sph::{Dimensions, Fluid, Precision, Scheme, Settings, Start, Vec3};
 
-/// Evaluations per measurement; the median of five measurements is reported.
-const EVALUATIONS: u32 = 5;
-
-fn cube(n: usize) -> Result<Fluid, FluidError> {
-    let dp = 1.0 / n as f64;
-    // an irrational jitter: no lattice ties, the same in every run
-    let jitter = |i: usize| ((i as f64 * 0.618_033_988_75).fract() - 0.5) * 0.2 * dp;
-    let positions: Vec<Vec3> = (0..n * n * n)
-        .map(|a| {
-            let place = Vec3::new((a % n) as f64, (a / n % n) as f64, (a / n / n) as f64);
-            place.add_scalar(0.5) * dp + Vec3::new(jitter(a), jitter(a + 7), jitter(a + 13))
-        })
+fn main() {
+    let spacings: Vec<f64> = std::env::args()
+        .skip(1)
+        .filter_map(|a| a.parse().ok())
         .collect();
+    let spacings = if spacings.is_empty() {
+        vec![0.0116]
+    } else {
+        spacings
+    };
+    for dp in spacings {
+        for (ratio, precision) in [
+            (1.3, Precision::Single),
+            (1.3, Precision::Double),
+            (3.0_f64.sqrt(), Precision::Single),
+        ] {
+            for threads in [1, 2] {
+                let Ok(pool) = rayon::ThreadPoolBuilder::new().num_threads(threads).build() else {
+                    return;
+                };
+                pool.install(|| measure(dp, ratio, precision, threads));
+            }
+        }
+    }
+}
+
+fn column(dp: f64, ratio: f64, precision: Precision) -> Option<Fluid> {
+    let n = [0.4, 0.67, 0.3].map(|l: f64| (l / dp).round() as usize);
+    let sound_speed = 20.0 * (9.81_f64 * 0.3).sqrt();
     let settings = Settings {
         particle_spacing: [dp; 3],
-        smoothing_length: 1.5 * dp,
+        smoothing_length: ratio * dp,
         reference_density: 1000.0,
-        sound_speed: 30.0,
-        dynamic_viscosity: 1.0,
-        negative_pressure: NegativePressure::Clamped,
+        sound_speed,
+        scheme: Scheme {
+            diffusion: DensityDiffusion::Fourtakas(0.1),
+            viscosity: Viscosity::Artificial { alpha: 0.1 },
+            precision,
+            ..Scheme::standard()
+        },
+        dimensions: Dimensions::Three,
         gravity: Vec3::new(0.0, 0.0, -9.81),
-        time_step_factor: 0.5,
-        domain: (Vec3::zeros(), Vec3::repeat(1.0)),
+        time_step_factor: 0.2,
+        domain: (Vec3::zeros(), Vec3::new(1.6, 0.67, 0.6)),
         periodic: [false; 3],
     };
-    Fluid::new(
-        positions.clone(),
-        vec![Vec3::zeros(); positions.len()],
-        settings,
-    )
+    let mut start = Start::default();
+    for i in 1..=n[0] {
+        for j in 1..n[1] {
+            for k in 1..=n[2] {
+                let x = Vec3::new(i as f64, j as f64, k as f64) * dp;
+                start.pressures.push(9810.0 * (0.3 - x.z).max(0.0));
+                start.positions.push(x);
+                start.velocities.push(Vec3::zeros());
+            }
+        }
+    }
+    Fluid::new(start, settings).ok()
 }
 
-/// Median time of each phase: sort, neighbours, densities, accelerations.
-fn measure(fluid: &mut Fluid) -> Result<[Duration; 4], FluidError> {
-    let mut rounds = [const { Vec::new() }; 4];
+fn measure(dp: f64, ratio: f64, precision: Precision, threads: usize) {
+    let Some(mut fluid) = column(dp, ratio, precision) else {
+        return;
+    };
+    fluid.refresh();
+    let n = fluid.particles().len() as f64;
+    let mut best = [f64::INFINITY; 3];
     for _ in 0..5 {
-        let mut spent = [Duration::ZERO; 4];
-        for _ in 0..EVALUATIONS {
-            let mut last = Instant::now();
-            let mut lap = |phase: &mut Duration| {
-                *phase += last.elapsed();
-                last = Instant::now();
-            };
-            fluid.sort();
-            lap(&mut spent[0]);
-            fluid.find_neighbors();
-            lap(&mut spent[1]);
-            fluid.update_density()?;
-            lap(&mut spent[2]);
-            fluid.update_accelerations();
-            lap(&mut spent[3]);
+        let start = Instant::now();
+        fluid.update_rates();
+        let rates = start.elapsed().as_secs_f64();
+        fluid.advance_density(0.0);
+        let start = Instant::now();
+        if fluid.update_pressure().is_err() {
+            return;
         }
-        for (round, spent) in rounds.iter_mut().zip(spent) {
-            round.push(spent / EVALUATIONS);
+        fluid.update_accelerations();
+        let forces = start.elapsed().as_secs_f64();
+        for (best, time) in best.iter_mut().zip([rates, forces, rates + forces]) {
+            *best = best.min(time);
         }
     }
-    Ok(rounds.map(|mut round| {
-        round.sort();
-        round[round.len() / 2]
-    }))
-}
-
-fn main() -> Result<(), Box<dyn std::error::Error>> {
-    for n in [32, 50] {
-        let mut baseline = None;
-        for threads in [1, rayon::current_num_threads()] {
-            let pool = rayon::ThreadPoolBuilder::new()
-                .num_threads(threads)
-                .build()?;
-            let (phases, pairs) = pool.install(|| -> Result<_, FluidError> {
-                let mut fluid = cube(n)?;
-                let phases = measure(&mut fluid)?;
-                Ok((phases, fluid.n_pairs()))
-            })?;
-            let total: Duration = phases.iter().sum();
-            let particles = (n * n * n) as f64;
-            let per_second = particles / total.as_secs_f64();
-            let ratio = per_second / *baseline.get_or_insert(per_second);
-            let nanoseconds = phases.map(|phase| phase.as_nanos() as f64 / particles);
-            println!(
-                "{particles:6} particles, {:.0} neighbours, {threads} threads: {per_second:.3e} particle-evaluations/s, \
-                 {:.3e} pairs/s, x {ratio:.2}; ns per particle: sort {:.0}, neighbours {:.0}, density {:.0}, accelerations {:.0}",
-                pairs as f64 / particles,
-                pairs as f64 / total.as_secs_f64(),
-                nanoseconds[0],
-                nanoseconds[1],
-                nanoseconds[2],
-                nanoseconds[3],
-            );
-        }
+    #[expect(clippy::print_stdout, reason = "a benchmark prints")]
+    {
+        println!(
+            "dp {dp}: {n} particles, h {ratio:.3} dp, {precision:?}, {threads} threads, {:.0} neighbours: \
+             rates {:.0} ns, forces {:.0} ns, both {:.3e} evaluations/s, {:.3e} pairs/s",
+            fluid.n_pairs() as f64 / n,
+            1e9 * best[0] / n,
+            1e9 * best[1] / n,
+            n / best[2],
+            2.0 * fluid.n_pairs() as f64 / best[2],
+        );
     }
-    Ok(())
 }

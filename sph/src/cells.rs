@@ -39,12 +39,15 @@ pub struct CellGrid {
     periodic: Periodicity,
     counts: [usize; 3],
     cell_size: Vec3,
+    inverse_cell_size: Vec3,
+    /// Cells along x within which all neighbours of a cell lie.
+    reach_x: usize,
     /// First particle of each cell, and one more; valid since the last sort.
     starts: Vec<u32>,
 }
 
 impl CellGrid {
-    /// A grid over the box `min..max` with cells no smaller than `support_radius`.
+    /// A grid over the box `min..max` with cells no smaller than the support radius and a skin.
     ///
     /// A domain much larger than its water gets coarser cells, never more than `max_cells` of them:
     /// correct all the same, only with more candidates per particle.
@@ -55,7 +58,7 @@ impl CellGrid {
     pub fn new(
         (min, max): (Vec3, Vec3),
         periodic: Periodicity,
-        support_radius: f64,
+        (support_radius, skin): (f64, f64),
         max_cells: usize,
     ) -> Result<Self, FluidError> {
         let extent = max - min;
@@ -69,7 +72,7 @@ impl CellGrid {
                 });
             }
         }
-        let mut edge = support_radius;
+        let mut edge = support_radius + skin;
         let counts = loop {
             let split = [ROW_SPLIT, 1.0, 1.0];
             let counts = [0, 1, 2]
@@ -79,12 +82,15 @@ impl CellGrid {
             }
             edge *= 1.25;
         };
+        let cell_size = Vec3::from_fn(|axis, _| extent[axis] / counts[axis] as f64);
         Ok(Self {
             min,
             max,
             periodic,
             counts,
-            cell_size: Vec3::from_fn(|axis, _| extent[axis] / counts[axis] as f64),
+            cell_size,
+            inverse_cell_size: cell_size.map(f64::recip),
+            reach_x: ((support_radius + skin) / cell_size.x).ceil() as usize,
             starts: vec![0; counts.iter().product::<usize>() + 1],
         })
     }
@@ -126,15 +132,17 @@ impl CellGrid {
     }
 
     /// Coordinates of the cell of a position.
+    #[inline(always)]
     pub fn coordinates_of(&self, position: &Vec3) -> [usize; 3] {
         [0, 1, 2].map(|axis| {
-            let place = (position[axis] - self.min[axis]) / self.cell_size[axis];
+            let place = (position[axis] - self.min[axis]) * self.inverse_cell_size[axis];
             // the cast saturates: NaN and negatives go to 0, overshoot is cut
             (place as usize).min(self.counts[axis] - 1)
         })
     }
 
     /// Number of the cell at coordinates within the grid.
+    #[inline(always)]
     pub fn cell_at(&self, [i, j, k]: [usize; 3]) -> usize {
         (k * self.counts[1] + j) * self.counts[0] + i
     }
@@ -147,6 +155,43 @@ impl CellGrid {
     /// Particles of a cell, a range of sorted indices.
     pub fn particles_in(&self, cell: usize) -> std::ops::Range<usize> {
         self.starts[cell] as usize..self.starts[cell + 1] as usize
+    }
+
+    /// Whether any of a row's cells holds a particle.
+    pub(crate) fn has_particles(&self, row: std::ops::Range<usize>) -> bool {
+        self.starts[row.start] < self.starts[row.end]
+    }
+
+    /// Calls `visit` with the cells, row by row, that hold what may be within the support, and the skin,
+    /// of anything in `cell`.
+    pub(crate) fn rows_round(&self, cell: usize, mut visit: impl FnMut(std::ops::Range<usize>)) {
+        let [nx, ny, _] = self.counts;
+        let (i, j, k) = (cell % nx, cell / nx % ny, cell / (nx * ny));
+        let n = nx as i64;
+        let reach = self.reach_x as i64;
+        let (low, high) = (i as i64 - reach, i as i64 + reach);
+        for dz in -1..=1 {
+            let Some((layer, _)) = self.step(2, k, dz) else {
+                continue;
+            };
+            for dy in -1..=1 {
+                let Some((row, _)) = self.step(1, j, dy) else {
+                    continue;
+                };
+                let first = self.cell_at([0, row, layer]);
+                let mut piece = |from: i64, to: i64| {
+                    let (from, to) = (from.max(0), to.min(n - 1));
+                    if from <= to {
+                        visit(first + from as usize..first + to as usize + 1);
+                    }
+                };
+                piece(low, high);
+                if self.periodic[0] {
+                    piece(low + n, n - 1);
+                    piece(0, high - n);
+                }
+            }
+        }
     }
 
     /// Whether a position is inside the domain; periodic directions have no outside.
@@ -176,6 +221,7 @@ impl CellGrid {
     /// ```text
     /// image = (s_x + 1) + 3 (s_y + 1) + 9 (s_z + 1),   shift = s · period,   s = −1, 0, 1
     /// ```
+    #[inline(always)]
     pub fn image_shift(&self, image: u8) -> Vec3 {
         let extent = self.max - self.min;
         let steps = [image % 3, image / 3 % 3, image / 9].map(|s| f64::from(s) - 1.0);
@@ -216,28 +262,30 @@ impl CellGrid {
         self.starts[0] = 0;
     }
 
-    /// The runs of particles that may be within `radius` of a position, in a fixed order; returns
-    /// how many were filled. The radius must not exceed the support radius of the grid.
+    /// The runs of particles that may be within `radius` of a position, in a fixed order, those seen
+    /// through one image together where rows allow; returns how many were filled. The radius must not
+    /// exceed the one that the grid was made for.
     ///
     /// Each of the nine rows round the position is cut to the chord that a sphere of the radius
     /// leaves in it, so that most candidates of the corners are never looked at.
+    #[inline(always)]
     pub fn runs_within(&self, position: &Vec3, radius: f64, runs: &mut [Run; MAX_RUNS]) -> usize {
         let [_, j, k] = self.coordinates_of(position);
+        let squares_y = self.squared_distances(1, position.y, j);
+        let squares_z = self.squared_distances(2, position.z, k);
         let mut n = 0;
-        for dz in -1..=1 {
-            let Some((layer, sz)) = self.step(2, k, dz) else {
+        for dy in 0..3 {
+            let Some((row, sy)) = self.step(1, j, dy as i32 - 1) else {
                 continue;
             };
-            let height = self.distance_to_cell(2, position.z, layer, sz);
-            for dy in -1..=1 {
-                let Some((row, sy)) = self.step(1, j, dy) else {
-                    continue;
-                };
-                let width = self.distance_to_cell(1, position.y, row, sy);
-                let chord2 = radius * radius - height * height - width * width;
+            for dz in 0..3 {
+                let chord2 = radius * radius - squares_y[dy] - squares_z[dz];
                 if chord2 < 0.0 {
                     continue;
                 }
+                let Some((layer, sz)) = self.step(2, k, dz as i32 - 1) else {
+                    continue;
+                };
                 let first = self.cell_at([0, row, layer]);
                 self.push_row(
                     first,
@@ -252,7 +300,22 @@ impl CellGrid {
         n
     }
 
+    /// Squared distances along an axis from a coordinate to the cells before, at and after `cell`; m².
+    ///
+    /// What is outside of the grid counts to the outermost cells: those reach on without end, so that
+    /// only the near side of a neighbour matters.
+    #[inline(always)]
+    fn squared_distances(&self, axis: usize, x: f64, cell: usize) -> [f64; 3] {
+        let size = self.cell_size[axis];
+        // a cell boundary computed here and in the sort may differ by round-off
+        let slack = 1e-6 * size;
+        let before = x - (self.min[axis] + cell as f64 * size) - slack;
+        let after = size - slack - slack - before;
+        [before, 0.0, after].map(|d| d.max(0.0) * d.max(0.0))
+    }
+
     /// Adds the runs of a row, which starts at cell `first`, within `reach` of `x`.
+    #[inline(always)]
     fn push_row(
         &self,
         first: usize,
@@ -263,9 +326,11 @@ impl CellGrid {
         n: &mut usize,
     ) {
         let count = self.counts[0] as i64;
-        // a hair more than the reach: a cell boundary computed here and in the sort may differ by
-        // round-off
-        let cell = |x: f64| ((x - self.min.x) / self.cell_size.x).floor() as i64;
+        // a hair more than the reach, for round-off; truncation is the floor from -BEFORE on, and what
+        // is farther before the grid is cut to its first cell anyway
+        const BEFORE: f64 = 16.0;
+        let cell =
+            |x: f64| ((x - self.min.x) * self.inverse_cell_size.x + BEFORE) as i64 - BEFORE as i64;
         let (low, high) = (cell(x - 1.000_001 * reach), cell(x + 1.000_001 * reach));
         let mut push = |from: i64, to: i64, sx: u8| {
             let (from, to) = (from.max(0), to.min(count - 1));
@@ -292,28 +357,8 @@ impl CellGrid {
         }
     }
 
-    /// Distance along an axis from a coordinate to a cell seen through an image digit; m.
-    fn distance_to_cell(&self, axis: usize, x: f64, cell: usize, digit: u8) -> f64 {
-        let size = self.cell_size[axis];
-        let shift = (f64::from(digit) - 1.0) * (self.max[axis] - self.min[axis]);
-        let low = self.min[axis] + cell as f64 * size + shift;
-        // as above, and the outermost cells hold what is outside
-        let slack = 1e-6 * size;
-        let below = if cell == 0 && digit == 1 {
-            0.0
-        } else {
-            low - slack - x
-        };
-        let is_last = cell + 1 == self.counts[axis] && digit == 1;
-        let above = if is_last {
-            0.0
-        } else {
-            x - (low + size + slack)
-        };
-        below.max(above).max(0.0)
-    }
-
     /// One step along an axis: the coordinate reached and the image digit (0, 1, 2).
+    #[inline(always)]
     fn step(&self, axis: usize, from: usize, by: i32) -> Option<(usize, u8)> {
         let n = self.counts[axis] as i64;
         let to = from as i64 + i64::from(by);

@@ -15,6 +15,8 @@ pub struct Energies {
     pub internal: f64,
     /// Taken by viscosity since the ledger was opened.
     pub viscous: f64,
+    /// Taken by density diffusion since the ledger was opened.
+    pub diffusive: f64,
     /// Carried off by removed particles since the ledger was opened.
     pub removed: f64,
 }
@@ -38,25 +40,26 @@ impl Fluid {
     /// Energies at the current positions and velocities; J.
     pub fn energies(&self) -> Energies {
         let particles = self.particles();
-        let mass = self.particle_mass();
+        let mass = &particles.mass;
         let gravity = self.settings().gravity;
         let state = self.state_equation();
         let n = particles.len();
         Energies {
-            kinetic: 0.5 * mass * fixed_order_sum(n, |a| particles.velocity[a].norm_squared()),
-            potential: -mass * fixed_order_sum(n, |a| gravity.dot(&particles.position[a])),
-            internal: mass * fixed_order_sum(n, |a| state.specific_energy(particles.density[a])),
+            kinetic: 0.5 * fixed_order_sum(n, |a| mass[a] * particles.velocity[a].norm_squared()),
+            potential: -fixed_order_sum(n, |a| mass[a] * gravity.dot(&particles.position[a])),
+            internal: fixed_order_sum(n, |a| mass[a] * state.specific_energy(particles.density[a])),
             viscous: self.viscous_loss(),
+            diffusive: self.diffusive_loss(),
             removed: self.removed().energy,
         }
     }
 
     /// Momentum `Σ m v`; kg m/s.
     pub fn momentum(&self) -> Vec3 {
-        let velocity = &self.particles().velocity;
+        let (velocity, mass) = (&self.particles().velocity, &self.particles().mass);
         // nalgebra's vectors have no Default: sum their components as one array
-        let sum = fixed_order_sum(velocity.len(), |a| Sum3(velocity[a].into()));
-        Vec3::from(sum.0) * self.particle_mass()
+        let sum = fixed_order_sum(velocity.len(), |a| Sum3((velocity[a] * mass[a]).into()));
+        Vec3::from(sum.0)
     }
 }
 

@@ -37,23 +37,31 @@
 //!
 //! Monaghan (1994, 2005); Mueller, Charypar & Gross (2003); Geraili Mikola & Sitar (2014).
 
+pub mod boundary;
 pub mod cells;
 pub mod energy;
 pub mod error;
 pub mod fluid;
 pub mod kernel;
-pub mod mueller;
-pub mod neighbors;
+mod lanes;
 pub mod particles;
+mod points;
 pub mod sample;
+pub mod scheme;
 pub mod state_equation;
+mod sums;
+mod sweep;
+mod terms;
 
 pub use cells::{CellGrid, Periodicity};
 pub use energy::Energies;
 pub use error::FluidError;
-pub use fluid::{Fluid, ParticleForce, Settings, StepLimits};
+pub use fluid::{Fluid, ParticleForce, Settings, Start, StepLimits};
+pub use kernel::{Dimensions, KernelChoice};
 pub use particles::Particles;
-pub use state_equation::NegativePressure;
+pub use scheme::Scheme;
+pub use state_equation::{NegativePressure, StateEquation};
+pub use sweep::Precision;
 
 /// A vector or point, m, m/s, ...
 pub type Vec3 = nalgebra::Vector3<f64>;

@@ -11,14 +11,16 @@ pub struct Particles {
     pub position: Vec<Vec3>,
     /// Velocity; written by kicks and by sorting; m/s.
     pub velocity: Vec<Vec3>,
-    /// Density at the current positions; written by the evaluation; kg/m³.
+    /// Mass, which never changes; sorting moves it; kg.
+    pub mass: Vec<f64>,
+    /// Density; written by the evaluation, or taken on in time; kg/m³.
     pub density: Vec<f64>,
     /// Pressure at the current positions; written by the evaluation; Pa.
     pub pressure: Vec<f64>,
     /// Acceleration at the current positions, gravity and walls included; m/s².
     pub acceleration: Vec<Vec3>,
     /// The viscous part of `acceleration`; for the energy ledger; m/s².
-    pub viscous_acceleration: Vec<Vec3>,
+    pub viscous_acceleration: Vec<[f32; 3]>,
 }
 
 impl Particles {
@@ -29,10 +31,11 @@ impl Particles {
             id: (0..n as u32).collect(),
             position,
             velocity,
+            mass: vec![0.0; n],
             density: vec![0.0; n],
             pressure: vec![0.0; n],
             acceleration: vec![Vec3::zeros(); n],
-            viscous_acceleration: vec![Vec3::zeros(); n],
+            viscous_acceleration: vec![[0.0; 3]; n],
         }
     }
 
@@ -57,6 +60,7 @@ impl Particles {
             id,
             position,
             velocity,
+            mass,
             density,
             pressure,
             acceleration,
@@ -65,6 +69,7 @@ impl Particles {
         filter(id, keep);
         filter(position, keep);
         filter(velocity, keep);
+        filter(mass, keep);
         filter(density, keep);
         filter(pressure, keep);
         filter(acceleration, keep);

@@ -1,7 +1,7 @@
 //! Fields of the fluid at any point, as gauges see them.
 
 use crate::cells::{MAX_RUNS, Run};
-use crate::kernel::{Kernel, Poly6};
+use crate::kernel::{Dimensions, Kernel, PointKernel};
 use crate::{Fluid, Vec3};
 
 /// The fluid at a point.
@@ -26,7 +26,7 @@ impl Fluid {
     /// s(x) = Σ_b V_b W(x − x_b),   V_b = m/ρ₀
     /// ```
     pub fn filled_share(&self, point: &Vec3) -> f64 {
-        let volume = self.particle_mass() / self.settings().reference_density;
+        let volume = self.particle_volume();
         let mut share = 0.0;
         self.for_each_near(point, |_, w| share += volume * w);
         share
@@ -45,7 +45,7 @@ impl Fluid {
             pressure += w * particles.pressure[b];
             velocity += particles.velocity[b] * w;
         });
-        let volume = self.particle_mass() / self.settings().reference_density;
+        let volume = self.particle_volume();
         (LEAST_SHARE < volume * sum).then(|| Sample {
             pressure: pressure / sum,
             velocity: velocity / sum,
@@ -78,15 +78,15 @@ impl Fluid {
         let support = self.settings().support_radius();
         let mut runs = [Run::default(); MAX_RUNS];
         for k in (0..grid.counts()[2]).rev() {
-            let point = Vec3::new(x, y, grid.cell_center([0, 0, k]).z);
-            let n = grid.runs_within(&point, support, &mut runs);
+            let point = self.in_plane(Vec3::new(x, y, grid.cell_center([0, 0, k]).z));
+            let n = grid.runs_within(&point, support + self.moved(), &mut runs);
             let highest = runs[..n]
                 .iter()
                 .flat_map(|run| {
                     let shift = grid.image_shift(run.image);
                     (run.start..run.end).map(move |b| self.particles().position[b as usize] + shift)
                 })
-                .filter(|p| (p.x - x).powi(2) + (p.y - y).powi(2) < support * support)
+                .filter(|p| (p.x - x).powi(2) + (p.y - point.y).powi(2) < support * support)
                 .map(|p| p.z)
                 .fold(f64::NEG_INFINITY, f64::max);
             if highest.is_finite() {
@@ -98,20 +98,30 @@ impl Fluid {
 
     /// Calls `visit` with each particle within the support of a point and its kernel value.
     fn for_each_near(&self, point: &Vec3, mut visit: impl FnMut(usize, f64)) {
-        let grid = self.grid();
-        let kernel = Poly6::new(self.settings().support_radius());
-        let support2 = kernel.support_radius().powi(2);
+        let (grid, settings) = (self.grid(), self.settings());
+        let support = settings.support_radius();
+        let kernel = PointKernel::new(settings.scheme.kernel, support, settings.dimensions);
         let mut runs = [Run::default(); MAX_RUNS];
-        let n = grid.runs_within(point, kernel.support_radius(), &mut runs);
+        let point = self.in_plane(*point);
+        let n = grid.runs_within(&point, support + self.moved(), &mut runs);
         for run in &runs[..n] {
             let seen_from = point - grid.image_shift(run.image);
             for b in run.start as usize..run.end as usize {
                 let r2 = (seen_from - self.particles().position[b]).norm_squared();
-                if r2 < support2 {
-                    visit(b, kernel.factor() * kernel.shape(r2));
+                if r2 < support * support {
+                    visit(b, kernel.value(r2.sqrt()));
                 }
             }
         }
+    }
+
+    /// In two dimensions the point of the plane of the flow abreast of a point.
+    pub fn in_plane(&self, mut point: Vec3) -> Vec3 {
+        let settings = self.settings();
+        if let Dimensions::Two { .. } = settings.dimensions {
+            point.y = 0.5 * (settings.domain.0.y + settings.domain.1.y);
+        }
+        point
     }
 }
 

@@ -9,44 +9,105 @@ pub enum NegativePressure {
     Kept,
 }
 
-/// `p = c₀² (ρ − ρ₀)`, optionally clamped at zero.
+/// Pressure as a function of density.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum StateEquation {
+    /// `p = c₀² (ρ − ρ₀)`.
+    Linear,
+    /// `p = B ((ρ/ρ₀)⁷ − 1)`, `B = c₀² ρ₀/7`.
+    Tait,
+}
+
+/// Pressure from density with its numbers, optionally clamped at zero.
 ///
 /// Geraili Mikola & Sitar (2014), Eq. 16 prints `p = k ρ` with `k` left open; the stiffness is the
 /// squared sound speed, and the reference density must be taken off.
 #[derive(Clone, Copy, Debug)]
-pub struct LinearState {
+pub struct State {
+    /// The law.
+    pub equation: StateEquation,
     /// Reference density; kg/m³.
     pub reference_density: f64,
-    /// Sound speed; m/s.
+    /// Sound speed at the reference density; m/s.
     pub sound_speed: f64,
     /// What is done with pressures below zero.
     pub negative: NegativePressure,
 }
 
-impl LinearState {
+impl State {
     /// Pressure at a density; Pa.
     #[inline]
     pub fn pressure(&self, density: f64) -> f64 {
-        let p = self.sound_speed * self.sound_speed * (density - self.reference_density);
+        let c2 = self.sound_speed * self.sound_speed;
+        let excess = density - self.reference_density;
+        let p = match self.equation {
+            StateEquation::Linear => c2 * excess,
+            StateEquation::Tait => {
+                // (1 + s)⁷ − 1 by its factors keeps the digits of a small s
+                let s = excess / self.reference_density;
+                let (r, r2) = (1.0 + s, (1.0 + s) * (1.0 + s));
+                let sum = 1.0 + r + r2 * (1.0 + r) + r2 * r2 * (1.0 + r) + r2 * r2 * r2;
+                c2 * self.reference_density / 7.0 * s * sum
+            }
+        };
         match self.negative {
             NegativePressure::Clamped => p.max(0.0),
             NegativePressure::Kept => p,
         }
     }
 
+    /// Density at a pressure; kg/m³. Below `−B` Tait's law has none, and zero is returned.
+    pub fn density(&self, pressure: f64) -> f64 {
+        let c2 = self.sound_speed * self.sound_speed;
+        match self.equation {
+            StateEquation::Linear => self.reference_density + pressure / c2,
+            StateEquation::Tait => {
+                let b = c2 * self.reference_density / 7.0;
+                self.reference_density * (1.0 + pressure / b).max(0.0).powf(1.0 / 7.0)
+            }
+        }
+    }
+
+    /// Pressure under a depth of water at rest, compressed by its own weight; Pa.
+    ///
+    /// ```text
+    /// linear   p = c₀² ρ₀ (e^{g z/c₀²} − 1)
+    /// Tait     p = B ([1 + 6 g z/c₀²]^{7/6} − 1)
+    /// ```
+    pub fn hydrostatic_pressure(&self, gravity: f64, depth: f64) -> f64 {
+        let c2 = self.sound_speed * self.sound_speed;
+        let x = gravity * depth / c2;
+        match self.equation {
+            StateEquation::Linear => c2 * self.reference_density * x.exp_m1(),
+            StateEquation::Tait => {
+                c2 * self.reference_density / 7.0 * ((1.0 + 6.0 * x).max(0.0).powf(7.0 / 6.0) - 1.0)
+            }
+        }
+    }
+
     /// Energy of compression per mass, zero at the reference density; J/kg.
     ///
     /// ```text
-    /// e = ∫ p/ρ² dρ = c₀² [ ln(ρ/ρ₀) + ρ₀/ρ − 1 ]
+    /// e = ∫ p/ρ² dρ
+    /// linear   c₀² [ ln(1+s) − s/(1+s) ],   s = ρ/ρ₀ − 1
+    /// Tait     B/ρ₀ [ ((1+s)⁶ − 1)/6 + 1/(1+s) − 1 ]
     /// ```
     pub fn specific_energy(&self, density: f64) -> f64 {
         if self.negative == NegativePressure::Clamped && density <= self.reference_density {
             return 0.0;
         }
-        // ln(1+s) − s/(1+s) by way of ln_1p keeps its digits for the small s of nearly
-        // incompressible flow, where the two terms cancel
         let s = (density - self.reference_density) / self.reference_density;
-        self.sound_speed * self.sound_speed * (s.ln_1p() - s / (1.0 + s))
+        let c2 = self.sound_speed * self.sound_speed;
+        match self.equation {
+            // ln(1+s) − s/(1+s) by way of ln_1p keeps its digits for the small s of nearly
+            // incompressible flow, where the two terms cancel
+            StateEquation::Linear => c2 * (s.ln_1p() - s / (1.0 + s)),
+            // the same bracket as s² times a polynomial over 1 + s
+            StateEquation::Tait => {
+                let polynomial = 21.0 + s * (35.0 + s * (35.0 + s * (21.0 + s * (7.0 + s))));
+                c2 / 7.0 * s * s * polynomial / (6.0 * (1.0 + s))
+            }
+        }
     }
 }
 
@@ -54,7 +115,8 @@ impl LinearState {
 mod tests {
     use super::*;
 
-    const WATER: LinearState = LinearState {
+    const WATER: State = State {
+        equation: StateEquation::Linear,
         reference_density: 1000.0,
         sound_speed: 30.0,
         negative: NegativePressure::Clamped,
@@ -69,7 +131,7 @@ mod tests {
     #[test]
     fn clamping_is_a_choice() {
         assert_eq!(WATER.pressure(990.0), 0.0);
-        let kept = LinearState {
+        let kept = State {
             negative: NegativePressure::Kept,
             ..WATER
         };

@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use riprap_sph::Vec3;
 use riprap_sph::kernel::{Kernel, Poly6, Spiky};
 
-use crate::support::{PeriodicBox, step};
+use crate::support::{PeriodicBox, published, step};
 
 /// Amplitude of `sin(k z)` in the x velocity.
 fn shear_amplitude(fluid: &riprap_sph::Fluid, k: f64) -> f64 {
@@ -27,7 +27,7 @@ fn a_shear_wave_decays_as_viscosity_says() {
     for support_over_spacing in [3.0, 4.0] {
         let setup = PeriodicBox {
             n: [20, 6, 20],
-            dynamic_viscosity: 5.0,
+            scheme: published(5.0),
             support_over_spacing,
             ..PeriodicBox::default()
         };

@@ -8,3 +8,4 @@
 mod conservation;
 mod flow;
 mod support;
+mod tank;

@@ -1,14 +1,23 @@
 //! Boxes of fluid and one way to step them.
 
-use riprap_sph::{Fluid, NegativePressure, Settings, Vec3};
+use riprap_sph::{Dimensions, Fluid, NegativePressure, Scheme, Settings, Start, Vec3};
 
 /// A periodic box of lattice fluid, `n` spacings of 1 m/`n[0]` along each side.
 pub struct PeriodicBox {
     pub n: [usize; 3],
     pub support_over_spacing: f64,
     pub sound_speed: f64,
-    pub dynamic_viscosity: f64,
+    pub scheme: Scheme,
+    pub dimensions: Dimensions,
     pub time_step_factor: f64,
+}
+
+/// The published scheme with pressures below zero kept, for closed boxes without a free surface.
+pub fn published(dynamic_viscosity: f64) -> Scheme {
+    Scheme {
+        negative_pressure: NegativePressure::Kept,
+        ..Scheme::mueller2003(dynamic_viscosity)
+    }
 }
 
 impl Default for PeriodicBox {
@@ -17,7 +26,8 @@ impl Default for PeriodicBox {
             n: [12, 12, 12],
             support_over_spacing: 3.0,
             sound_speed: 20.0,
-            dynamic_viscosity: 0.0,
+            scheme: published(0.0),
+            dimensions: Dimensions::Three,
             time_step_factor: 0.5,
         }
     }
@@ -40,36 +50,48 @@ impl PeriodicBox {
                 }
             }
         }
-        let velocities = lattice.iter().map(velocity).collect();
-        let positions = lattice.iter().map(|x| x + shift(x)).collect();
+        let start = Start {
+            velocities: lattice.iter().map(velocity).collect(),
+            positions: lattice.iter().map(|x| x + shift(x)).collect(),
+            pressures: Vec::new(),
+        };
         let settings = Settings {
             particle_spacing: [dp; 3],
             smoothing_length: 0.5 * self.support_over_spacing * dp,
             reference_density: 1000.0,
             sound_speed: self.sound_speed,
-            dynamic_viscosity: self.dynamic_viscosity,
-            negative_pressure: NegativePressure::Kept,
+            scheme: self.scheme,
+            dimensions: self.dimensions,
             gravity: Vec3::zeros(),
             time_step_factor: self.time_step_factor,
             domain: (Vec3::zeros(), extent),
             periodic: [true; 3],
         };
-        let mut fluid = Fluid::new(positions, velocities, settings).unwrap();
+        let mut fluid = Fluid::new(start, settings).unwrap();
         evaluate(&mut fluid);
         fluid
     }
 }
 
+/// Everything that follows from the present positions and densities.
 pub fn evaluate(fluid: &mut Fluid) {
-    fluid.sort();
-    fluid.find_neighbors();
-    fluid.update_density().unwrap();
+    fluid.refresh();
+    fluid.update_pressure().unwrap();
     fluid.update_accelerations();
 }
 
+/// Kick-drift-kick, the density in the middle where it is advanced.
 pub fn step(fluid: &mut Fluid, dt: f64) {
     fluid.kick(0.5 * dt);
-    fluid.drift(dt);
+    if fluid.advances_density() {
+        fluid.drift(0.5 * dt);
+        fluid.refresh();
+        fluid.update_rates();
+        fluid.advance_density(dt);
+        fluid.drift(0.5 * dt);
+    } else {
+        fluid.drift(dt);
+    }
     evaluate(fluid);
     fluid.kick(0.5 * dt);
 }

@@ -1,0 +1,8 @@
+//! Walls: particles inside them, where these stand, and exact kernel integrals over polyhedra.
+
+pub mod integral;
+pub mod sampling;
+pub mod wall_particles;
+
+#[cfg(test)]
+mod solids;

@@ -1,0 +1,337 @@
+//! Walls of particles: the generalised wall of Adami, Hu & Adams (2012), in volumes.
+//!
+//! Bodies carry points inside their surface, each with a volume. A point takes its pressure from the
+//! fluid near it, continued to it through the acceleration of gravity less that of the wall, so that
+//! water at rest feels no force along the wall and just its weight on it:
+//!
+//! ```text
+//! p_w  = ( Σ_f p_f W + (g − a_w)·Σ_f ρ_f (x_w − x_f) W ) / Σ_f W,   not below p_min
+//! F_aw = −2 V_a V_w (ρ_w p_a + ρ_a p_w)/(ρ_a + ρ_w) ∇W_aw            −F on the wall at x_w   [N]
+//! dρ_a/dt += ρ_a V_w (v_a − v_w)·∇W_aw                                              [kg/(m³ s)]
+//! ```
+//! The printed force has V_a² + V_w² for 2 V_a V_w; this one matches the pair force of the fluid. For
+//! viscous forces a wall that does not slip moves as `2 v_w − Σ v_f W/Σ W`.
+
+use rayon::prelude::*;
+
+use crate::cells::CellGrid;
+use crate::sums;
+use crate::sweep::AnyPoints;
+use crate::terms::continuity::Rate;
+use crate::terms::disorder::Spread;
+use crate::terms::extrapolation::Extrapolated;
+use crate::terms::momentum::ForceDensity;
+use crate::{CHUNK, Fluid, Vec3};
+
+/// What the fluid does along a wall.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Slip {
+    /// It slides: no viscous force.
+    #[default]
+    Free,
+    /// It sticks.
+    None,
+}
+
+/// Points of a set of bodies, in the order of the bodies.
+#[derive(Clone, Debug)]
+pub struct WallParticles {
+    volume: Vec<f64>,
+    position: Vec<Vec3>,
+    velocity: Vec<Vec3>,
+    acceleration: Vec<Vec3>,
+    /// Pressure continued from the fluid; Pa.
+    pressure: Vec<f64>,
+    /// Velocity that viscous forces see; m/s.
+    seen_velocity: Vec<Vec3>,
+    slip: Slip,
+    grid: CellGrid,
+    /// Points sorted by cell, and their places.
+    order: Vec<u32>,
+    sorted: Vec<Vec3>,
+    points: AnyPoints,
+    /// Cells that hold points, in order.
+    occupied: Vec<u32>,
+    /// Cells whose fluid may be within the support of a point.
+    near: Vec<bool>,
+    marked: Vec<u32>,
+    /// Fluid particles near points, points near fluid.
+    wetting: Vec<u32>,
+    wet: Vec<u32>,
+    scratch: Scratch,
+}
+
+#[derive(Clone, Debug, Default)]
+struct Scratch {
+    cell: Vec<u32>,
+    rates: Vec<Rate>,
+    forces: Vec<ForceDensity>,
+    extrapolated: Vec<Extrapolated>,
+    spreads: Vec<Spread>,
+}
+
+impl WallParticles {
+    /// Points with the given volumes, in m³, for a fluid; they have no place before [`Self::place`].
+    pub fn new(fluid: &Fluid, volume: Vec<f64>, slip: Slip) -> Self {
+        let n = volume.len();
+        let grid = fluid.grid().clone();
+        Self {
+            volume,
+            position: vec![Vec3::zeros(); n],
+            velocity: vec![Vec3::zeros(); n],
+            acceleration: vec![Vec3::zeros(); n],
+            pressure: vec![0.0; n],
+            seen_velocity: vec![Vec3::zeros(); n],
+            slip,
+            near: vec![false; grid.n_cells()],
+            grid,
+            order: Vec::new(),
+            sorted: Vec::new(),
+            points: AnyPoints::default(),
+            occupied: Vec::new(),
+            marked: Vec::new(),
+            wetting: Vec::new(),
+            wet: Vec::new(),
+            scratch: Scratch::default(),
+        }
+    }
+
+    /// Number of points.
+    pub fn len(&self) -> usize {
+        self.volume.len()
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.volume.is_empty()
+    }
+
+    /// Places; m.
+    pub fn positions(&self) -> &[Vec3] {
+        &self.position
+    }
+
+    /// Volumes; m³.
+    pub fn volumes(&self) -> &[f64] {
+        &self.volume
+    }
+
+    /// Pressures continued from the fluid, zero where there is none; Pa.
+    pub fn pressures(&self) -> &[f64] {
+        &self.pressure
+    }
+
+    /// Points that had fluid within their support at the last [`Self::find_wet`].
+    pub fn wet(&self) -> &[u32] {
+        &self.wet
+    }
+
+    /// Sets place, velocity and acceleration of every point; m, m/s, m/s².
+    pub fn place(&mut self, of_point: impl Fn(usize) -> [Vec3; 3] + Sync) {
+        self.position
+            .par_iter_mut()
+            .zip(self.velocity.par_iter_mut())
+            .zip(self.acceleration.par_iter_mut())
+            .enumerate()
+            .with_min_len(CHUNK)
+            .for_each(|(w, ((x, v), a))| [*x, *v, *a] = of_point(w));
+        self.grid
+            .sort(&self.position, &mut self.scratch.cell, &mut self.order);
+        self.sorted.clear();
+        self.sorted
+            .extend(self.order.iter().map(|&w| self.position[w as usize]));
+        self.occupied.clear();
+        for &w in &self.order {
+            let cell = self.scratch.cell[w as usize];
+            if self.occupied.last() != Some(&cell) {
+                self.occupied.push(cell);
+            }
+        }
+        for &cell in &self.marked {
+            self.near[cell as usize] = false;
+        }
+        self.marked.clear();
+        for &cell in &self.occupied {
+            let (near, marked) = (&mut self.near, &mut self.marked);
+            self.grid.rows_round(cell as usize, |row| {
+                for cell in row {
+                    if !near[cell] {
+                        near[cell] = true;
+                        marked.push(cell as u32);
+                    }
+                }
+            });
+        }
+        self.marked.sort_unstable();
+    }
+
+    /// Finds out which particles and points may be within the support of each other; after every
+    /// [`Self::place`] and every sort of the fluid.
+    pub fn find_wet(&mut self, fluid: &Fluid) {
+        let cells = fluid.grid();
+        self.wetting.clear();
+        for &cell in &self.marked {
+            let particles = cells.particles_in(cell as usize);
+            self.wetting.extend(particles.map(|a| a as u32));
+        }
+        self.wet.clear();
+        for &cell in &self.occupied {
+            let mut is_wet = false;
+            cells.rows_round(cell as usize, |row| {
+                is_wet |= cells.has_particles(row);
+            });
+            if is_wet {
+                let points = self.grid.particles_in(cell as usize);
+                self.wet.extend(points.map(|k| self.order[k]));
+            }
+        }
+    }
+
+    fn neighborhood<'a>(&'a self, fluid: &'a Fluid) -> sums::Neighborhood<'a> {
+        sums::Neighborhood {
+            grid: &self.grid,
+            frame: &fluid.frame,
+            points: &self.points,
+            moved: 0.0,
+        }
+    }
+
+    /// Adds what the walls do to the rates of density.
+    pub fn add_rates(&mut self, fluid: &mut Fluid) {
+        if self.wetting.is_empty() {
+            return;
+        }
+        let (order, velocity, volume) = (&self.order, &self.velocity, &self.volume);
+        self.points.pack(
+            fluid.settings.scheme.precision,
+            &fluid.frame,
+            &self.sorted,
+            |k| {
+                let w = order[k] as usize;
+                let v = velocity[w];
+                [v.x, v.y, v.z, 0.0, volume[w]]
+            },
+        );
+        let mut rates = std::mem::take(&mut self.scratch.rates);
+        rates.resize(self.wetting.len(), Rate::default());
+        sums::wall_rates(fluid, self.neighborhood(fluid), &self.wetting, &mut rates);
+        for (&a, rate) in self.wetting.iter().zip(&rates) {
+            let sum = &mut fluid.scratch.rates[a as usize];
+            sum.flow += rate.flow;
+            sum.n_found += rate.n_found;
+        }
+        self.scratch.rates = rates;
+    }
+
+    /// Adds what the walls do to the spread of the particles.
+    pub fn add_spreads(&mut self, fluid: &mut Fluid) {
+        if self.wetting.is_empty() {
+            return;
+        }
+        let mut spreads = std::mem::take(&mut self.scratch.spreads);
+        spreads.resize(self.wetting.len(), Spread::default());
+        // the points still hold the volumes of the last rates
+        sums::wall_spreads(fluid, self.neighborhood(fluid), &self.wetting, &mut spreads);
+        for (&a, spread) in self.wetting.iter().zip(&spreads) {
+            fluid.scratch.spreads[a as usize] += *spread;
+        }
+        self.scratch.spreads = spreads;
+    }
+
+    /// Continues pressure and velocity of the fluid to the points. `follow` is the share of the wall's
+    /// own acceleration that the pressure follows: 1 where it is known, 0 where it is not.
+    pub fn extrapolate(&mut self, fluid: &Fluid, follow: f64) {
+        let mut sums_of_points = std::mem::take(&mut self.scratch.extrapolated);
+        sums_of_points.resize(self.wet.len(), Extrapolated::default());
+        sums::extrapolation(fluid, &self.position, &self.wet, &mut sums_of_points);
+        self.pressure.fill(0.0);
+        self.seen_velocity.copy_from_slice(&self.velocity);
+        for (&w, sum) in self.wet.iter().zip(&sums_of_points) {
+            if sum.weight <= 0.0 {
+                continue;
+            }
+            let w = w as usize;
+            let pull = fluid.settings.gravity - self.acceleration[w] * follow;
+            let pressure = (sum.pressure + pull.dot(&Vec3::from(sum.moment))) / sum.weight;
+            // a wall does not pull
+            self.pressure[w] = pressure.max(0.0);
+            if self.slip == Slip::None {
+                self.seen_velocity[w] =
+                    self.velocity[w] * 2.0 - Vec3::from(sum.velocity) / sum.weight;
+            }
+        }
+        self.scratch.extrapolated = sums_of_points;
+    }
+
+    /// Adds the forces of the walls to the accelerations; returns their sum, and the power of viscosity
+    /// is booked with the kick as that of the fluid; N.
+    pub fn add_forces(&mut self, fluid: &mut Fluid) -> Vec3 {
+        if self.wetting.is_empty() {
+            return Vec3::zeros();
+        }
+        let Self {
+            order,
+            seen_velocity,
+            pressure,
+            volume,
+            ..
+        } = self;
+        self.points.pack(
+            fluid.settings.scheme.precision,
+            &fluid.frame,
+            &self.sorted,
+            |k| {
+                let w = order[k] as usize;
+                let v = seen_velocity[w];
+                // a point that no fluid sees has no pressure, and takes no part
+                [v.x, v.y, v.z, pressure[w], volume[w]]
+            },
+        );
+        let mut forces = std::mem::take(&mut self.scratch.forces);
+        forces.resize(self.wetting.len(), ForceDensity::default());
+        sums::wall_forces(
+            fluid,
+            self.neighborhood(fluid),
+            &self.wetting,
+            self.slip,
+            &mut forces,
+        );
+        let mut total = Vec3::zeros();
+        let particles = &mut fluid.particles;
+        for (&a, force) in self.wetting.iter().zip(&forces) {
+            let a = a as usize;
+            let (by_pressure, by_viscosity) =
+                (Vec3::from(force.pressure), Vec3::from(force.viscous));
+            let both = by_pressure + by_viscosity;
+            particles.acceleration[a] += both / particles.density[a];
+            for (sum, f) in particles.viscous_acceleration[a]
+                .iter_mut()
+                .zip(&by_viscosity)
+            {
+                *sum += (f / particles.density[a]) as f32;
+            }
+            total += both * (particles.mass[a] / particles.density[a]);
+        }
+        self.scratch.forces = forces;
+        total
+    }
+
+    /// Calls `visit` with every wet point and the force of the fluid on it, in order; N.
+    pub fn visit_reactions(&mut self, fluid: &Fluid, mut visit: impl FnMut(usize, Vec3)) {
+        let mut forces = std::mem::take(&mut self.scratch.forces);
+        forces.resize(self.wet.len(), ForceDensity::default());
+        sums::reactions(
+            fluid,
+            (&self.position, &self.seen_velocity, &self.pressure),
+            &self.wet,
+            self.slip,
+            &mut forces,
+        );
+        for (&w, force) in self.wet.iter().zip(&forces) {
+            let w = w as usize;
+            let both = Vec3::from(force.pressure) + Vec3::from(force.viscous);
+            visit(w, both * self.volume[w]);
+        }
+        self.scratch.forces = forces;
+    }
+}

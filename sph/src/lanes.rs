@@ -1,0 +1,647 @@
+//! Several numbers at once: the arithmetic of pair loops in vector registers, chosen when the
+//! program runs.
+//!
+//! A sum over neighbours is written once, over any [`Lanes`]; [`Machine`] says which registers this
+//! processor has. With AVX2 and fused multiply-add a register holds eight `f32` or four `f64`; the
+//! portable machine does the same work in arrays. Both add in the same order, but fused and
+//! separate roundings differ in the last bits: results are the same bits on machines of one kind.
+
+use std::ops::{Add, Div, Mul, Sub};
+
+/// Values of a record: place (three), and what a sum reads of a neighbour (five).
+pub(crate) const RECORD: usize = 8;
+/// Candidates that the filter tests together; columns are padded by as many.
+pub(crate) const FILTER_WIDTH: usize = 8;
+
+/// What a sum reads of a particle, in one cache line or half of one.
+pub(crate) trait Record: Copy + Send + Sync {
+    /// Coordinates in the frame of the sums, and five values.
+    fn pack(place: &Place, values: [f64; 5]) -> Self;
+    /// The same without a place: more values of a particle, of which sums use what they need.
+    fn of_values(values: [f64; RECORD]) -> Self;
+    /// A value as it is stored.
+    fn value(&self, which: usize) -> f64;
+}
+
+/// A position twice: in metres, and in the integers of the frame.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Place {
+    /// m.
+    pub metres: [f64; 3],
+    /// Quanta of the frame; differences wrap.
+    pub quanta: [i32; 3],
+}
+
+/// Single precision: 32 bytes. Coordinates are integers in disguise: differences are exact.
+#[derive(Clone, Copy, Debug, Default)]
+#[repr(C, align(32))]
+pub(crate) struct Single([f32; RECORD]);
+
+/// Double precision: 64 bytes.
+#[derive(Clone, Copy, Debug, Default)]
+#[repr(C, align(64))]
+pub(crate) struct Double([f64; RECORD]);
+
+impl Record for Single {
+    fn pack(place: &Place, values: [f64; 5]) -> Self {
+        let [x, y, z] = place.quanta.map(|q| f32::from_bits(q as u32));
+        let [a, b, c, d, e] = values.map(|v| v as f32);
+        Self([x, y, z, a, b, c, d, e])
+    }
+
+    fn of_values(values: [f64; RECORD]) -> Self {
+        Self(values.map(|v| v as f32))
+    }
+
+    fn value(&self, which: usize) -> f64 {
+        f64::from(self.0[which])
+    }
+}
+
+impl Record for Double {
+    fn pack(place: &Place, values: [f64; 5]) -> Self {
+        let [x, y, z] = place.metres;
+        let [a, b, c, d, e] = values;
+        Self([x, y, z, a, b, c, d, e])
+    }
+
+    fn of_values(values: [f64; RECORD]) -> Self {
+        Self(values)
+    }
+
+    fn value(&self, which: usize) -> f64 {
+        self.0[which]
+    }
+}
+
+/// A register of numbers and its arithmetic.
+pub(crate) trait Lanes:
+    Copy
+    + Send
+    + Sync
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+{
+    /// Numbers in a register.
+    const WIDTH: usize;
+    /// Proof that the processor has such registers.
+    type Machine: Copy + Send + Sync;
+    /// Records that fill it.
+    type Record: Record;
+
+    /// The same number in all lanes.
+    fn splat(machine: Self::Machine, value: f64) -> Self;
+    /// `self · b + c`.
+    fn mul_add(self, b: Self, c: Self) -> Self;
+    /// Square root.
+    fn sqrt(self) -> Self;
+    /// The larger, lane by lane.
+    fn max(self, other: Self) -> Self;
+    /// The smaller, lane by lane.
+    fn min(self, other: Self) -> Self;
+    /// Sum over the lanes, in a fixed order.
+    fn sum(self) -> f64;
+    /// The records of `WIDTH` particles, one register per value.
+    fn gather(machine: Self::Machine, records: &[Self::Record], ids: &[u32]) -> [Self; RECORD];
+    /// One coordinate of a place, ready for [`Self::separation`].
+    fn coordinate(machine: Self::Machine, place: &Place, axis: usize) -> Self;
+    /// `self − other` for coordinates; `scale` is the quantum in metres.
+    fn separation(self, other: Self, scale: Self) -> Self;
+}
+
+/// Registers of a kind of processor.
+pub(crate) trait Machine: Copy + Send + Sync {
+    /// Single precision.
+    type F32: Lanes<Machine = Self, Record = Single>;
+    /// Double precision.
+    type F64: Lanes<Machine = Self, Record = Double>;
+
+    /// Runs `task` compiled for this machine; everything in it must be inlined.
+    fn run<T: Task>(self, task: T);
+
+    /// Appends the particles of `start..end` closer than the radius to `found`, from `n` on; returns
+    /// the new end. Room for `FILTER_WIDTH` more must be left.
+    fn filter(
+        self,
+        columns: &[Vec<i32>; 3],
+        range: std::ops::Range<usize>,
+        from: &Sight,
+        found: &mut [u32],
+        n: usize,
+    ) -> usize;
+}
+
+/// Work that a machine runs.
+pub(crate) trait Task {
+    /// Does it.
+    fn run(self);
+}
+
+/// Where a filter looks from, and how far.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Sight {
+    /// Quanta.
+    pub place: [i32; 3],
+    /// Metres per quantum.
+    pub scale: [f32; 3],
+    /// Squared radius; m².
+    pub radius2: f32,
+}
+
+/// Any processor.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Portable;
+
+/// Arrays in the place of registers.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Array<T, const N: usize>([T; N]);
+
+macro_rules! portable {
+    ($scalar:ty, $width:literal, $record:ty, $separation:expr, $coordinate:expr) => {
+        portable!(operator $scalar, $width, Add, add, +);
+        portable!(operator $scalar, $width, Sub, sub, -);
+        portable!(operator $scalar, $width, Mul, mul, *);
+        portable!(operator $scalar, $width, Div, div, /);
+
+        impl Array<$scalar, $width> {
+            #[inline(always)]
+            fn zip(self, other: Self, f: impl Fn($scalar, $scalar) -> $scalar) -> Self {
+                Self(std::array::from_fn(|lane| f(self.0[lane], other.0[lane])))
+            }
+        }
+
+        impl Lanes for Array<$scalar, $width> {
+            const WIDTH: usize = $width;
+            type Machine = Portable;
+            type Record = $record;
+
+            #[inline(always)]
+            fn splat(_: Portable, value: f64) -> Self {
+                Self([value as $scalar; $width])
+            }
+
+            #[inline(always)]
+            fn mul_add(self, b: Self, c: Self) -> Self {
+                self * b + c
+            }
+
+            #[inline(always)]
+            fn sqrt(self) -> Self {
+                Self(self.0.map(<$scalar>::sqrt))
+            }
+
+            #[inline(always)]
+            fn max(self, other: Self) -> Self {
+                self.zip(other, <$scalar>::max)
+            }
+
+            #[inline(always)]
+            fn min(self, other: Self) -> Self {
+                self.zip(other, <$scalar>::min)
+            }
+
+            #[inline(always)]
+            fn sum(self) -> f64 {
+                self.0.iter().map(|&x| f64::from(x)).sum()
+            }
+
+            #[inline(always)]
+            fn gather(_: Portable, records: &[$record], ids: &[u32]) -> [Self; RECORD] {
+                std::array::from_fn(|value| {
+                    Self(std::array::from_fn(|lane| records[ids[lane] as usize].0[value]))
+                })
+            }
+
+            #[inline(always)]
+            fn coordinate(_: Portable, place: &Place, axis: usize) -> Self {
+                Self([$coordinate(place, axis); $width])
+            }
+
+            #[inline(always)]
+            fn separation(self, other: Self, scale: Self) -> Self {
+                Self(std::array::from_fn(|lane| {
+                    $separation(self.0[lane], other.0[lane], scale.0[lane])
+                }))
+            }
+        }
+    };
+    (operator $scalar:ty, $width:literal, $trait:ident, $method:ident, $op:tt) => {
+        impl $trait for Array<$scalar, $width> {
+            type Output = Self;
+
+            #[inline(always)]
+            fn $method(self, other: Self) -> Self {
+                Self(std::array::from_fn(|lane| self.0[lane] $op other.0[lane]))
+            }
+        }
+    };
+}
+
+portable!(
+    f32,
+    8,
+    Single,
+    |a: f32, b: f32, scale: f32| {
+        (a.to_bits() as i32).wrapping_sub(b.to_bits() as i32) as f32 * scale
+    },
+    |place: &Place, axis: usize| f32::from_bits(place.quanta[axis] as u32)
+);
+portable!(
+    f64,
+    4,
+    Double,
+    |a: f64, b: f64, _scale: f64| a - b,
+    |place: &Place, axis: usize| place.metres[axis]
+);
+
+impl Machine for Portable {
+    type F32 = Array<f32, 8>;
+    type F64 = Array<f64, 4>;
+
+    fn run<T: Task>(self, task: T) {
+        task.run();
+    }
+
+    #[inline(always)]
+    fn filter(
+        self,
+        [x, y, z]: &[Vec<i32>; 3],
+        range: std::ops::Range<usize>,
+        from: &Sight,
+        found: &mut [u32],
+        mut n: usize,
+    ) -> usize {
+        for b in range {
+            let offset = |axis: usize, column: &[i32]| {
+                from.place[axis].wrapping_sub(column[b]) as f32 * from.scale[axis]
+            };
+            let (dx, dy, dz) = (offset(0, x), offset(1, y), offset(2, z));
+            // written first and counted afterwards: no branch on the distance
+            found[n] = b as u32;
+            n += usize::from(dx * dx + dy * dy + dz * dz < from.radius2);
+        }
+        n
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+pub(crate) use avx2::Avx2;
+
+#[cfg(target_arch = "x86_64")]
+mod avx2 {
+    use std::arch::x86_64::{__m128, __m256, __m256d, __m256i};
+
+    use pulp::x86::V3;
+    use pulp::{NullaryFnOnce, cast};
+
+    use super::*;
+
+    /// A processor with AVX2 and fused multiply-add.
+    #[derive(Clone, Copy, Debug)]
+    pub(crate) struct Avx2(V3);
+
+    /// Eight of single precision.
+    #[derive(Clone, Copy, Debug)]
+    pub(crate) struct F32x8(V3, __m256);
+
+    /// Four of double precision.
+    #[derive(Clone, Copy, Debug)]
+    pub(crate) struct F64x4(V3, __m256d);
+
+    impl Avx2 {
+        /// The machine, if this processor is one.
+        pub(crate) fn detect() -> Option<Self> {
+            V3::try_new().map(Self)
+        }
+    }
+
+    macro_rules! operators {
+        ($lanes:ty, $($trait:ident $method:ident $intrinsic:ident),*) => {$(
+            impl $trait for $lanes {
+                type Output = Self;
+
+                #[inline(always)]
+                fn $method(self, other: Self) -> Self {
+                    Self(self.0, self.0.avx.$intrinsic(self.1, other.1))
+                }
+            }
+        )*};
+    }
+
+    operators!(F32x8, Add add _mm256_add_ps, Sub sub _mm256_sub_ps, Mul mul _mm256_mul_ps, Div div _mm256_div_ps);
+    operators!(F64x4, Add add _mm256_add_pd, Sub sub _mm256_sub_pd, Mul mul _mm256_mul_pd, Div div _mm256_div_pd);
+
+    impl Lanes for F32x8 {
+        const WIDTH: usize = 8;
+        type Machine = Avx2;
+        type Record = Single;
+
+        #[inline(always)]
+        fn splat(machine: Avx2, value: f64) -> Self {
+            Self(machine.0, machine.0.avx._mm256_set1_ps(value as f32))
+        }
+
+        #[inline(always)]
+        fn mul_add(self, b: Self, c: Self) -> Self {
+            Self(self.0, self.0.fma._mm256_fmadd_ps(self.1, b.1, c.1))
+        }
+
+        #[inline(always)]
+        fn sqrt(self) -> Self {
+            Self(self.0, self.0.avx._mm256_sqrt_ps(self.1))
+        }
+
+        #[inline(always)]
+        fn max(self, other: Self) -> Self {
+            Self(self.0, self.0.avx._mm256_max_ps(self.1, other.1))
+        }
+
+        #[inline(always)]
+        fn min(self, other: Self) -> Self {
+            Self(self.0, self.0.avx._mm256_min_ps(self.1, other.1))
+        }
+
+        #[inline(always)]
+        fn sum(self) -> f64 {
+            let lanes: [f32; 8] = cast(self.1);
+            lanes.iter().map(|&x| f64::from(x)).sum()
+        }
+
+        #[inline(always)]
+        fn gather(machine: Avx2, records: &[Single], ids: &[u32]) -> [Self; RECORD] {
+            let [a, b, c, d] = transposed_single(machine, records, ids, 0);
+            let [e, f, g, h] = transposed_single(machine, records, ids, 4);
+            let m = machine.0;
+            [
+                Self(m, a),
+                Self(m, b),
+                Self(m, c),
+                Self(m, d),
+                Self(m, e),
+                Self(m, f),
+                Self(m, g),
+                Self(m, h),
+            ]
+        }
+
+        #[inline(always)]
+        fn coordinate(machine: Avx2, place: &Place, axis: usize) -> Self {
+            let value = machine.0.avx._mm256_set1_epi32(place.quanta[axis]);
+            Self(machine.0, cast::<__m256i, __m256>(value))
+        }
+
+        #[inline(always)]
+        fn separation(self, other: Self, scale: Self) -> Self {
+            let quanta = self.0.avx2._mm256_sub_epi32(cast(self.1), cast(other.1));
+            Self(self.0, self.0.avx._mm256_cvtepi32_ps(quanta)) * scale
+        }
+    }
+
+    impl Lanes for F64x4 {
+        const WIDTH: usize = 4;
+        type Machine = Avx2;
+        type Record = Double;
+
+        #[inline(always)]
+        fn splat(machine: Avx2, value: f64) -> Self {
+            Self(machine.0, machine.0.avx._mm256_set1_pd(value))
+        }
+
+        #[inline(always)]
+        fn mul_add(self, b: Self, c: Self) -> Self {
+            Self(self.0, self.0.fma._mm256_fmadd_pd(self.1, b.1, c.1))
+        }
+
+        #[inline(always)]
+        fn sqrt(self) -> Self {
+            Self(self.0, self.0.avx._mm256_sqrt_pd(self.1))
+        }
+
+        #[inline(always)]
+        fn max(self, other: Self) -> Self {
+            Self(self.0, self.0.avx._mm256_max_pd(self.1, other.1))
+        }
+
+        #[inline(always)]
+        fn min(self, other: Self) -> Self {
+            Self(self.0, self.0.avx._mm256_min_pd(self.1, other.1))
+        }
+
+        #[inline(always)]
+        fn sum(self) -> f64 {
+            let lanes: [f64; 4] = cast(self.1);
+            lanes.iter().sum()
+        }
+
+        #[inline(always)]
+        fn gather(machine: Avx2, records: &[Double], ids: &[u32]) -> [Self; RECORD] {
+            let [a, b, c, d] = transposed_double(machine, records, ids, 0);
+            let [e, f, g, h] = transposed_double(machine, records, ids, 4);
+            let m = machine.0;
+            [
+                Self(m, a),
+                Self(m, b),
+                Self(m, c),
+                Self(m, d),
+                Self(m, e),
+                Self(m, f),
+                Self(m, g),
+                Self(m, h),
+            ]
+        }
+
+        #[inline(always)]
+        fn coordinate(machine: Avx2, place: &Place, axis: usize) -> Self {
+            Self(machine.0, machine.0.avx._mm256_set1_pd(place.metres[axis]))
+        }
+
+        #[inline(always)]
+        fn separation(self, other: Self, _scale: Self) -> Self {
+            self - other
+        }
+    }
+
+    /// Four values of eight records, from value `first` on. Functions and not closures: closures are
+    /// not inlined here, and intrinsics that are called cost more than all the rest.
+    #[inline(always)]
+    fn transposed_single(
+        machine: Avx2,
+        records: &[Single],
+        ids: &[u32],
+        first: usize,
+    ) -> [__m256; 4] {
+        let avx = machine.0.avx;
+        // lanes 0..4 in the low halves, 4..8 in the high ones: two 4 x 4 transposes at once
+        let rows = [
+            pair_of_rows(machine, records, [ids[0], ids[4]], first),
+            pair_of_rows(machine, records, [ids[1], ids[5]], first),
+            pair_of_rows(machine, records, [ids[2], ids[6]], first),
+            pair_of_rows(machine, records, [ids[3], ids[7]], first),
+        ];
+        let low01 = avx._mm256_unpacklo_ps(rows[0], rows[1]);
+        let high01 = avx._mm256_unpackhi_ps(rows[0], rows[1]);
+        let low23 = avx._mm256_unpacklo_ps(rows[2], rows[3]);
+        let high23 = avx._mm256_unpackhi_ps(rows[2], rows[3]);
+        [
+            avx._mm256_shuffle_ps::<0b01_00_01_00>(low01, low23),
+            avx._mm256_shuffle_ps::<0b11_10_11_10>(low01, low23),
+            avx._mm256_shuffle_ps::<0b01_00_01_00>(high01, high23),
+            avx._mm256_shuffle_ps::<0b11_10_11_10>(high01, high23),
+        ]
+    }
+
+    #[inline(always)]
+    fn pair_of_rows(
+        machine: Avx2,
+        records: &[Single],
+        [low, high]: [u32; 2],
+        first: usize,
+    ) -> __m256 {
+        let avx = machine.0.avx;
+        avx._mm256_insertf128_ps::<1>(
+            avx._mm256_castps128_ps256(quad(&records[low as usize], first)),
+            quad(&records[high as usize], first),
+        )
+    }
+
+    #[inline(always)]
+    fn quad(record: &Single, first: usize) -> __m128 {
+        let r = &record.0;
+        cast::<[f32; 4], __m128>([r[first], r[first + 1], r[first + 2], r[first + 3]])
+    }
+
+    /// Four values of four records, from value `first` on.
+    #[inline(always)]
+    fn transposed_double(
+        machine: Avx2,
+        records: &[Double],
+        ids: &[u32],
+        first: usize,
+    ) -> [__m256d; 4] {
+        let avx = machine.0.avx;
+        let rows = [
+            row(&records[ids[0] as usize], first),
+            row(&records[ids[1] as usize], first),
+            row(&records[ids[2] as usize], first),
+            row(&records[ids[3] as usize], first),
+        ];
+        let low01 = avx._mm256_unpacklo_pd(rows[0], rows[1]);
+        let high01 = avx._mm256_unpackhi_pd(rows[0], rows[1]);
+        let low23 = avx._mm256_unpacklo_pd(rows[2], rows[3]);
+        let high23 = avx._mm256_unpackhi_pd(rows[2], rows[3]);
+        [
+            avx._mm256_permute2f128_pd::<0x20>(low01, low23),
+            avx._mm256_permute2f128_pd::<0x20>(high01, high23),
+            avx._mm256_permute2f128_pd::<0x31>(low01, low23),
+            avx._mm256_permute2f128_pd::<0x31>(high01, high23),
+        ]
+    }
+
+    #[inline(always)]
+    fn row(record: &Double, first: usize) -> __m256d {
+        let r = &record.0;
+        cast::<[f64; 4], __m256d>([r[first], r[first + 1], r[first + 2], r[first + 3]])
+    }
+
+    /// Metres along one axis to eight candidates.
+    #[inline(always)]
+    fn offsets(machine: Avx2, column: &[i32], place: i32, scale: f32) -> __m256 {
+        let (avx, avx2) = (machine.0.avx, machine.0.avx2);
+        let lanes: [i32; FILTER_WIDTH] = [
+            column[0], column[1], column[2], column[3], column[4], column[5], column[6], column[7],
+        ];
+        let quanta = avx2._mm256_sub_epi32(
+            avx._mm256_set1_epi32(place),
+            cast::<[i32; FILTER_WIDTH], __m256i>(lanes),
+        );
+        avx._mm256_mul_ps(avx._mm256_cvtepi32_ps(quanta), avx._mm256_set1_ps(scale))
+    }
+
+    /// A task as the dispatcher wants it.
+    struct Call<T>(T);
+
+    impl<T: Task> NullaryFnOnce for Call<T> {
+        type Output = ();
+
+        #[inline(always)]
+        fn call(self) {
+            self.0.run();
+        }
+    }
+
+    /// For every pattern of eight bits, the lanes whose bit is set, in order.
+    static PACKED: [[u32; FILTER_WIDTH]; 256] = packed();
+
+    const fn packed() -> [[u32; FILTER_WIDTH]; 256] {
+        let mut table = [[0; FILTER_WIDTH]; 256];
+        let mut pattern = 0;
+        while pattern < 256 {
+            let (mut lane, mut n) = (0, 0);
+            while lane < FILTER_WIDTH {
+                if pattern >> lane & 1 == 1 {
+                    table[pattern][n] = lane as u32;
+                    n += 1;
+                }
+                lane += 1;
+            }
+            pattern += 1;
+        }
+        table
+    }
+
+    impl Machine for Avx2 {
+        type F32 = F32x8;
+        type F64 = F64x4;
+
+        #[inline(always)]
+        fn run<T: Task>(self, task: T) {
+            self.0.vectorize(Call(task));
+        }
+
+        #[inline(always)]
+        fn filter(
+            self,
+            columns: &[Vec<i32>; 3],
+            range: std::ops::Range<usize>,
+            from: &Sight,
+            found: &mut [u32],
+            mut n: usize,
+        ) -> usize {
+            let (avx, avx2, fma) = (self.0.avx, self.0.avx2, self.0.fma);
+            let radius2 = avx._mm256_set1_ps(from.radius2);
+            let mut first = range.start;
+            while first < range.end {
+                let seen = first..first + FILTER_WIDTH;
+                let [x, y, z] = columns;
+                let dx = offsets(self, &x[seen.clone()], from.place[0], from.scale[0]);
+                let dy = offsets(self, &y[seen.clone()], from.place[1], from.scale[1]);
+                let dz = offsets(self, &z[seen], from.place[2], from.scale[2]);
+                let r2 = fma._mm256_fmadd_ps(
+                    dx,
+                    dx,
+                    fma._mm256_fmadd_ps(dy, dy, avx._mm256_mul_ps(dz, dz)),
+                );
+                let near = avx._mm256_cmp_ps::<{ std::arch::x86_64::_CMP_LT_OQ }>(r2, radius2);
+                // lanes beyond the end belong to other cells
+                let left = range.end - first;
+                let inside = if left < FILTER_WIDTH {
+                    (1 << left) - 1
+                } else {
+                    0xff
+                };
+                let pattern = avx._mm256_movemask_ps(near) as usize & inside;
+                let packed = avx2._mm256_add_epi32(
+                    cast::<[u32; FILTER_WIDTH], __m256i>(PACKED[pattern]),
+                    avx._mm256_set1_epi32(first as i32),
+                );
+                let packed: [u32; FILTER_WIDTH] = cast(packed);
+                found[n..n + FILTER_WIDTH].copy_from_slice(&packed);
+                n += pattern.count_ones() as usize;
+                first += FILTER_WIDTH;
+            }
+            n
+        }
+    }
+}

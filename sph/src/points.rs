@@ -1,0 +1,132 @@
+//! Points sorted by cell, as pair loops read them.
+//!
+//! Coordinates of the loops are integers of a small quantum: differences are exact in 32 bits
+//! wherever in the domain two points are, and an `f32` holds a difference within the support to one
+//! part in 10⁷. Periodic directions have a quantum that divides their period, so that an image is an
+//! integer shift.
+
+use rayon::prelude::*;
+
+use crate::cells::CellGrid;
+use crate::lanes::{FILTER_WIDTH, Place, RECORD, Record};
+use crate::{CHUNK, Vec3};
+
+/// Quanta per support radius, at least; `f32` keeps differences up to twice as many exactly.
+const QUANTA_PER_RADIUS: f64 = (1 << 22) as f64;
+
+/// Turns positions into quanta.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Frame {
+    origin: [f64; 3],
+    /// m.
+    quantum: [f64; 3],
+    inverse: [f64; 3],
+}
+
+impl Frame {
+    /// The frame of a grid whose pairs are closer than `support_radius`.
+    pub(crate) fn new(grid: &CellGrid, support_radius: f64) -> Self {
+        let extent = grid.extent();
+        let quantum: [f64; 3] = std::array::from_fn(|axis| {
+            if grid.periodic()[axis] {
+                // a power of two of quanta in a period, at least as fine as elsewhere
+                let whole = extent[axis] / support_radius * QUANTA_PER_RADIUS;
+                extent[axis] / whole.log2().ceil().exp2()
+            } else {
+                support_radius / QUANTA_PER_RADIUS
+            }
+        });
+        Self {
+            origin: grid.min().into(),
+            quantum,
+            inverse: quantum.map(f64::recip),
+        }
+    }
+
+    /// Metres per quantum along each axis.
+    pub(crate) fn quantum(&self) -> [f64; 3] {
+        self.quantum
+    }
+
+    /// A position in both forms.
+    #[inline(always)]
+    pub(crate) fn place(&self, x: &Vec3) -> Place {
+        Place {
+            metres: [x.x, x.y, x.z],
+            quanta: std::array::from_fn(|axis| {
+                // the cast to 64 bits saturates, that to 32 wraps, as differences do
+                ((x[axis] - self.origin[axis]) * self.inverse[axis]) as i64 as i32
+            }),
+        }
+    }
+}
+
+/// Points sorted by cell: coordinates for the filter, records for the sums.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Points<R> {
+    /// Quanta along each axis, padded so that a whole register may be read at the end.
+    columns: [Vec<i32>; 3],
+    /// One per point, and one that adds nothing to any sum.
+    records: Vec<R>,
+}
+
+impl<R: Record + Default> Points<R> {
+    /// Writes places and values of all points; `values` gives five numbers for each.
+    pub(crate) fn pack(
+        &mut self,
+        frame: &Frame,
+        positions: &[Vec3],
+        values: impl Fn(usize) -> [f64; 5] + Sync,
+    ) {
+        let n = positions.len();
+        for column in &mut self.columns {
+            column.resize(n + FILTER_WIDTH, 0);
+        }
+        self.records.resize(n + 1, R::default());
+        self.records[n] = R::default();
+        let [x, y, z] = &mut self.columns;
+        self.records[..n]
+            .par_chunks_mut(CHUNK)
+            .zip(x[..n].par_chunks_mut(CHUNK))
+            .zip(y[..n].par_chunks_mut(CHUNK))
+            .zip(z[..n].par_chunks_mut(CHUNK))
+            .zip(positions.par_chunks(CHUNK))
+            .enumerate()
+            .for_each(|(chunk, ((((records, x), y), z), positions))| {
+                for (k, position) in positions.iter().enumerate() {
+                    let place = frame.place(position);
+                    [x[k], y[k], z[k]] = place.quanta;
+                    records[k] = R::pack(&place, values(chunk * CHUNK + k));
+                }
+            });
+    }
+
+    /// Writes values of all points in the place of coordinates and values.
+    pub(crate) fn pack_values(&mut self, n: usize, values: impl Fn(usize) -> [f64; RECORD] + Sync) {
+        self.records.resize(n + 1, R::default());
+        self.records[n] = R::default();
+        self.records[..n]
+            .par_chunks_mut(CHUNK)
+            .enumerate()
+            .for_each(|(chunk, records)| {
+                for (k, record) in records.iter_mut().enumerate() {
+                    *record = R::of_values(values(chunk * CHUNK + k));
+                }
+            });
+    }
+
+    /// Columns of quanta.
+    pub(crate) fn columns(&self) -> &[Vec<i32>; 3] {
+        &self.columns
+    }
+
+    /// Records; the last belongs to no point.
+    pub(crate) fn records(&self) -> &[R] {
+        &self.records
+    }
+
+    /// Index of the record that adds nothing.
+    pub(crate) fn nothing(&self) -> u32 {
+        self.records.len() as u32 - 1
+    }
+}

@@ -1,0 +1,178 @@
+//! The choices that make a scheme, and the presets.
+//!
+//! | | `Mueller2003` | `Standard` | `Reference` |
+//! |---|---|---|---|
+//! | kernel | Mueller's | Wendland C2 | Wendland C2 |
+//! | `h`/spacing | 1.5 | 1.3 | 2.0 |
+//! | density | summation | continuity | continuity |
+//! | density diffusion | none | Fourtakas 0.1 | Antuono 0.1 |
+//! | viscosity | published, dynamic viscosity of the fluid | artificial 0.02 | laminar, viscosity of the fluid |
+//! | shifting | none | none | 2 |
+//! | negative pressure | clamped | kept | kept |
+//! | stepping | symplectic Euler | kick-drift-kick | kick-drift-kick |
+//! | step factor | 0.5 of the limit | 0.5 `h/(c₀ + v)` | 0.2 `h/(c₀ + v)` |
+//! | pair sums | double | single | double |
+//!
+//! Sources: Mueller, Charypar & Gross (2003) with Geraili Mikola & Sitar (2014); Molteni & Colagrossi
+//! (2009), Fourtakas et al. (2019) and Antuono et al. (2010, 2012) for the diffusions and their 0.1;
+//! Monaghan (1994) for the artificial viscosity; Lind et al. (2012) for shifting; Colagrossi et al.
+//! (2013) for the wide support of waves that travel far.
+
+use crate::kernel::KernelChoice;
+use crate::state_equation::{NegativePressure, StateEquation};
+use crate::sweep::Precision;
+
+/// How density is found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum DensityMethod {
+    /// `ρ_a = Σ m_b W_ab / S`, S the sum over the undisturbed lattice: low near surfaces and walls.
+    Summation,
+    /// `dρ_a/dt = ρ_a Σ V_b v_ab·∇W`, integrated.
+    Continuity,
+}
+
+/// What smooths the density. Each holds its coefficient δ, customarily 0.1.
+///
+/// ```text
+/// D_a = δ h c₀ Σ V_b ψ_ab·∇W                                                 [kg/(m³ s)]
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum DensityDiffusion {
+    /// None.
+    None,
+    /// `ψ = 2 (ρ_b − ρ_a)(x_b − x_a)/r²`: wrong near free surfaces, where it works on the
+    /// hydrostatic gradient. Molteni & Colagrossi (2009).
+    MolteniColagrossi(f64),
+    /// The same of the density less its hydrostatic part. Fourtakas et al. (2019), with the linear
+    /// equation of state.
+    Fourtakas(f64),
+    /// The same less the mean of the renormalised density gradients: third order. Antuono et al.
+    /// (2010).
+    Antuono(f64),
+}
+
+/// What resists shear.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Viscosity {
+    /// Nothing.
+    None,
+    /// `μ Σ V_b (v_b − v_a) ∇²W/ρ_a`, Mueller's viscous kernel; Pa s.
+    Published {
+        /// Dynamic viscosity; Pa s.
+        dynamic_viscosity: f64,
+    },
+    /// Monaghan's: on approaching pairs only, `Π = −α c₀ h (v·x)/(ρ (r² + 0.01 h²))`.
+    Artificial {
+        /// Coefficient α, 0.01 to 0.1.
+        alpha: f64,
+    },
+    /// `2(d+2) ν Σ m_b/ρ (v·x)/(r² + 0.01 h²) ∇W`: conserves angular momentum.
+    Laminar {
+        /// Kinematic viscosity; m²/s.
+        kinematic_viscosity: f64,
+    },
+    /// `2 ν Σ m_b/ρ (x·∇W)/(r² + 0.01 h²) v`, Morris, Fox & Zhu (1997): better in shear.
+    Morris {
+        /// Kinematic viscosity; m²/s.
+        kinematic_viscosity: f64,
+    },
+}
+
+/// What keeps particles evenly spread.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Shifting {
+    /// Nothing.
+    None,
+    /// `δx = −A h |v| dt ∇C`, none at the free surface. Lind et al. (2012), coefficients as in
+    /// common use.
+    Fickian {
+        /// Coefficient A, customarily 2.
+        coefficient: f64,
+    },
+}
+
+/// How a step is taken.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stepping {
+    /// Half kick, half drift, density, half drift, forces, half kick: second order, reversible.
+    KickDriftKick,
+    /// Two evaluations of everything, at the half and at the full step.
+    PredictorCorrector,
+}
+
+/// A scheme: one choice per part.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Scheme {
+    /// Kernel.
+    pub kernel: KernelChoice,
+    /// Density.
+    pub density: DensityMethod,
+    /// Equation of state.
+    pub state_equation: StateEquation,
+    /// What is done with pressures below zero.
+    pub negative_pressure: NegativePressure,
+    /// Density diffusion; none with summation.
+    pub diffusion: DensityDiffusion,
+    /// Viscosity.
+    pub viscosity: Viscosity,
+    /// Shifting.
+    pub shifting: Shifting,
+    /// Stepping.
+    pub stepping: Stepping,
+    /// Width of numbers in pair sums.
+    pub precision: Precision,
+}
+
+/// δ of the presets: the value of every code in common use.
+pub const DIFFUSION: f64 = 0.1;
+/// α of `Standard`: within Monaghan's 0.01 to 0.1 for water; with δ = 0.1 it keeps a still tank still.
+pub const ALPHA: f64 = 0.02;
+/// A of shifting. Lind et al. (2012).
+pub const SHIFTING: f64 = 2.0;
+
+impl Scheme {
+    /// The published scheme, misprints corrected.
+    pub fn mueller2003(dynamic_viscosity: f64) -> Self {
+        Self {
+            kernel: KernelChoice::Mueller,
+            density: DensityMethod::Summation,
+            state_equation: StateEquation::Linear,
+            negative_pressure: NegativePressure::Clamped,
+            diffusion: DensityDiffusion::None,
+            viscosity: Viscosity::Published { dynamic_viscosity },
+            shifting: Shifting::None,
+            stepping: Stepping::KickDriftKick,
+            precision: Precision::Double,
+        }
+    }
+
+    /// What coastal engineers use: accurate at a fair price.
+    pub fn standard() -> Self {
+        Self {
+            kernel: KernelChoice::WendlandC2,
+            density: DensityMethod::Continuity,
+            state_equation: StateEquation::Linear,
+            negative_pressure: NegativePressure::Kept,
+            diffusion: DensityDiffusion::Fourtakas(DIFFUSION),
+            viscosity: Viscosity::Artificial { alpha: ALPHA },
+            shifting: Shifting::None,
+            stepping: Stepping::KickDriftKick,
+            precision: Precision::Single,
+        }
+    }
+
+    /// Accuracy first.
+    pub fn reference(kinematic_viscosity: f64) -> Self {
+        Self {
+            diffusion: DensityDiffusion::Antuono(DIFFUSION),
+            viscosity: Viscosity::Laminar {
+                kinematic_viscosity,
+            },
+            shifting: Shifting::Fickian {
+                coefficient: SHIFTING,
+            },
+            precision: Precision::Double,
+            ..Self::standard()
+        }
+    }
+}

@@ -1,0 +1,664 @@
+//! The fluid's sums over neighbours: settings become types here, once per sum and not once per pair.
+
+use crate::boundary::wall_particles::Slip;
+use crate::cells::CellGrid;
+use crate::fluid::Settings;
+use crate::kernel::{CubicSpline, KernelChoice, Mueller, PairKernel, WendlandC2};
+use crate::lanes::{Lanes, Machine};
+use crate::points::Frame;
+use crate::scheme::{DensityDiffusion, Viscosity};
+use crate::sweep::{AnyPoints, PackedIn, Receivers, Sources, Sum, Term, dispatch, sweep};
+use crate::terms::continuity::{
+    Continuity, Diffusion, GradientDiffusion, JumpDiffusion, NoDiffusion, Rate, RateOwn,
+};
+use crate::terms::disorder::{Disorder, Spread};
+use crate::terms::extrapolation::{Extrapolated, Extrapolation};
+use crate::terms::gradient::{Gradient, Gradients};
+use crate::terms::momentum::{
+    Central, ForceDensity, ForceOwn, Inviscid, Momentum, PairPressure, PairViscosity, Published,
+    Shear, SumOfPressures, WeightedByDensity,
+};
+use crate::terms::summation::Summation;
+use crate::{Fluid, Vec3};
+
+/// Points in their cells.
+#[derive(Clone, Copy)]
+pub(crate) struct Neighborhood<'a> {
+    pub grid: &'a CellGrid,
+    pub frame: &'a Frame,
+    pub points: &'a AnyPoints,
+    /// Farthest that they, or the receivers, may be from where they were sorted; m.
+    pub moved: f64,
+}
+
+/// What all sums share.
+struct Setup<'a> {
+    settings: &'a Settings,
+    from: Neighborhood<'a>,
+    receivers: Receivers<'a>,
+}
+
+impl Setup<'_> {
+    /// Sums a term into `out`.
+    fn sweep<L, T>(&self, machine: L::Machine, term: &T, out: &mut [T::Out]) -> u64
+    where
+        L: Lanes,
+        L::Machine: Machine,
+        L::Record: Default + PackedIn,
+        T: Term<L>,
+    {
+        let sources = Sources {
+            grid: self.from.grid,
+            frame: self.from.frame,
+            points: L::Record::of(self.from.points),
+            support_radius: self.settings.support_radius(),
+            moved: self.from.moved,
+        };
+        sweep::<L, T>(machine, term, &sources, self.receivers, out)
+    }
+
+    fn kernel<L: Lanes, K: PairKernel<L>>(&self, machine: L::Machine) -> K {
+        K::new(
+            machine,
+            self.settings.support_radius(),
+            self.settings.dimensions,
+        )
+    }
+}
+
+/// Runs `$self.with::<L, K>($machine)` for the kernel of the settings.
+macro_rules! for_kernel {
+    ($self:ident, $machine:ident, $lanes:ident) => {
+        match $self.setup.settings.scheme.kernel {
+            KernelChoice::WendlandC2 => $self.with::<$lanes, WendlandC2<$lanes>>($machine),
+            KernelChoice::CubicSpline => $self.with::<$lanes, CubicSpline<$lanes>>($machine),
+            KernelChoice::Mueller => $self.with::<$lanes, Mueller<$lanes>>($machine),
+        }
+    };
+}
+
+/// Makes a struct a [`Sum`] by its `with`.
+macro_rules! sum_over_kernels {
+    ($name:ident) => {
+        impl Sum for $name<'_> {
+            fn run<L>(self, machine: L::Machine)
+            where
+                L: Lanes,
+                L::Machine: Machine,
+                L::Record: Default + PackedIn,
+            {
+                for_kernel!(self, machine, L)
+            }
+        }
+    };
+}
+
+impl Fluid {
+    fn neighborhood<'a>(&'a self, points: &'a AnyPoints) -> Neighborhood<'a> {
+        Neighborhood {
+            grid: &self.grid,
+            frame: &self.frame,
+            points,
+            moved: self.moved(),
+        }
+    }
+
+    fn everyone(&self) -> Receivers<'_> {
+        Receivers {
+            positions: &self.particles.position,
+            chosen: None,
+        }
+    }
+
+    /// Packs velocity, density less the reference, and volume.
+    fn pack_flow(&self, points: &mut AnyPoints) {
+        let p = &self.particles;
+        let reference = self.settings.reference_density;
+        points.pack(
+            self.settings.scheme.precision,
+            &self.frame,
+            &p.position,
+            |a| {
+                let (v, rho) = (p.velocity[a], p.density[a]);
+                [v.x, v.y, v.z, rho - reference, p.mass[a] / rho]
+            },
+        );
+    }
+
+    /// Packs velocity, pressure and volume: what [`forces`] and walls read.
+    pub(crate) fn pack_forces(&mut self) {
+        let p = &self.particles;
+        self.scratch.points.pack(
+            self.settings.scheme.precision,
+            &self.frame,
+            &p.position,
+            |a| {
+                let v = p.velocity[a];
+                [v.x, v.y, v.z, p.pressure[a], p.mass[a] / p.density[a]]
+            },
+        );
+    }
+}
+
+struct Summations<'a> {
+    setup: Setup<'a>,
+    out: &'a mut [f64],
+    n_found: &'a mut u64,
+}
+sum_over_kernels!(Summations);
+
+impl Summations<'_> {
+    fn with<L, K>(self, machine: L::Machine)
+    where
+        L: Lanes,
+        L::Machine: Machine,
+        L::Record: Default + PackedIn,
+        K: PairKernel<L>,
+    {
+        let term = Summation::new(machine, self.setup.kernel::<L, K>(machine));
+        *self.n_found = self.setup.sweep::<L, _>(machine, &term, self.out);
+    }
+}
+
+/// Density by summation, times a factor; returns the number of ordered pairs.
+pub(crate) fn summation(fluid: &mut Fluid, factor: f64) -> u64 {
+    let mut points = std::mem::take(&mut fluid.scratch.points);
+    let mut density = std::mem::take(&mut fluid.particles.density);
+    let mut n_found = 0;
+    let mass = &fluid.particles.mass;
+    points.pack(
+        fluid.settings.scheme.precision,
+        &fluid.frame,
+        &fluid.particles.position,
+        |a| [mass[a] * factor, 0.0, 0.0, 0.0, 0.0],
+    );
+    dispatch(
+        fluid.settings.scheme.precision,
+        Summations {
+            setup: Setup {
+                settings: &fluid.settings,
+                from: fluid.neighborhood(&points),
+                receivers: fluid.everyone(),
+            },
+            out: &mut density,
+            n_found: &mut n_found,
+        },
+    );
+    fluid.particles.density = density;
+    fluid.scratch.points = points;
+    n_found - fluid.particles.len() as u64
+}
+
+struct Rates<'a> {
+    setup: Setup<'a>,
+    own: RateOwn<'a>,
+    /// Gradients of density, packed, for Antuono's diffusion.
+    gradients: &'a AnyPoints,
+    out: &'a mut [Rate],
+    n_found: &'a mut u64,
+}
+sum_over_kernels!(Rates);
+
+impl Rates<'_> {
+    fn with<L, K>(self, machine: L::Machine)
+    where
+        L: Lanes,
+        L::Machine: Machine,
+        L::Record: Default + PackedIn,
+        K: PairKernel<L>,
+    {
+        let s = self.setup.settings;
+        let h = s.smoothing_length;
+        let strength = |delta: f64| delta * h * s.sound_speed;
+        match s.scheme.diffusion {
+            DensityDiffusion::None => {
+                self.diffused::<L, K, _>(machine, NoDiffusion(L::splat(machine, 0.0)));
+            }
+            DensityDiffusion::MolteniColagrossi(delta) => {
+                let none = Vec3::zeros();
+                self.diffused::<L, K, _>(
+                    machine,
+                    JumpDiffusion::new(machine, none, h, strength(delta)),
+                );
+            }
+            DensityDiffusion::Fourtakas(delta) => {
+                let hydrostatic =
+                    s.gravity * (-s.reference_density / (s.sound_speed * s.sound_speed));
+                self.diffused::<L, K, _>(
+                    machine,
+                    JumpDiffusion::new(machine, hydrostatic, h, strength(delta)),
+                );
+            }
+            DensityDiffusion::Antuono(delta) => {
+                let gradients = L::Record::of(self.gradients).records();
+                self.diffused::<L, K, _>(
+                    machine,
+                    GradientDiffusion::new(machine, h, strength(delta), gradients),
+                );
+            }
+        }
+    }
+
+    fn diffused<L, K, D>(self, machine: L::Machine, diffusion: D)
+    where
+        L: Lanes,
+        L::Machine: Machine,
+        L::Record: Default + PackedIn,
+        K: PairKernel<L>,
+        D: Diffusion<L>,
+    {
+        let term = Continuity::new(
+            machine,
+            self.setup.kernel::<L, K>(machine),
+            diffusion,
+            self.own,
+            self.setup.settings.reference_density,
+        );
+        *self.n_found = self.setup.sweep::<L, _>(machine, &term, self.out);
+    }
+}
+
+/// Rates of density in the fluid; returns the number of ordered pairs.
+pub(crate) fn rates(fluid: &mut Fluid) -> u64 {
+    let mut points = std::mem::take(&mut fluid.scratch.points);
+    let mut out = std::mem::take(&mut fluid.scratch.rates);
+    fluid.pack_flow(&mut points);
+    out.resize(fluid.particles.len(), Rate::default());
+    let mut n_found = 0;
+    dispatch(
+        fluid.settings.scheme.precision,
+        Rates {
+            setup: Setup {
+                settings: &fluid.settings,
+                from: fluid.neighborhood(&points),
+                receivers: fluid.everyone(),
+            },
+            own: RateOwn {
+                velocity: &fluid.particles.velocity,
+                density: &fluid.particles.density,
+            },
+            gradients: &fluid.scratch.extra,
+            out: &mut out,
+            n_found: &mut n_found,
+        },
+    );
+    fluid.scratch.points = points;
+    fluid.scratch.rates = out;
+    n_found - fluid.particles.len() as u64
+}
+
+struct GradientSums<'a, const VELOCITY: bool> {
+    setup: Setup<'a>,
+    own: RateOwn<'a>,
+    out: &'a mut [Gradients],
+}
+
+impl<const VELOCITY: bool> Sum for GradientSums<'_, VELOCITY> {
+    fn run<L>(self, machine: L::Machine)
+    where
+        L: Lanes,
+        L::Machine: Machine,
+        L::Record: Default + PackedIn,
+    {
+        for_kernel!(self, machine, L)
+    }
+}
+
+impl<const VELOCITY: bool> GradientSums<'_, VELOCITY> {
+    fn with<L, K>(self, machine: L::Machine)
+    where
+        L: Lanes,
+        L::Machine: Machine,
+        L::Record: Default + PackedIn,
+        K: PairKernel<L>,
+    {
+        let settings = self.setup.settings;
+        let term = Gradient::<L, K, VELOCITY>::new(
+            machine,
+            self.setup.kernel::<L, K>(machine),
+            self.own,
+            settings.reference_density,
+            settings.dimensions,
+        );
+        self.setup.sweep::<L, _>(machine, &term, self.out);
+    }
+}
+
+/// Renormalised gradients of density, and of velocity where asked, into the scratch; those of density
+/// also packed for the sums.
+pub(crate) fn gradients<const VELOCITY: bool>(fluid: &mut Fluid) {
+    let mut points = std::mem::take(&mut fluid.scratch.points);
+    let mut out = std::mem::take(&mut fluid.scratch.gradients);
+    let mut packed = std::mem::take(&mut fluid.scratch.extra);
+    fluid.pack_flow(&mut points);
+    out.resize(fluid.particles.len(), Gradients::default());
+    dispatch(
+        fluid.settings.scheme.precision,
+        GradientSums::<VELOCITY> {
+            setup: Setup {
+                settings: &fluid.settings,
+                from: fluid.neighborhood(&points),
+                receivers: fluid.everyone(),
+            },
+            own: RateOwn {
+                velocity: &fluid.particles.velocity,
+                density: &fluid.particles.density,
+            },
+            out: &mut out,
+        },
+    );
+    packed.pack_values(fluid.settings.scheme.precision, out.len(), |a| {
+        let g = out[a].density;
+        [g.x, g.y, g.z, 0.0, 0.0, 0.0, 0.0, 0.0]
+    });
+    fluid.scratch.points = points;
+    fluid.scratch.gradients = out;
+    fluid.scratch.extra = packed;
+}
+
+struct Spreads<'a> {
+    setup: Setup<'a>,
+    out: &'a mut [Spread],
+}
+sum_over_kernels!(Spreads);
+
+impl Spreads<'_> {
+    fn with<L, K>(self, machine: L::Machine)
+    where
+        L: Lanes,
+        L::Machine: Machine,
+        L::Record: Default + PackedIn,
+        K: PairKernel<L>,
+    {
+        let term = Disorder::new(machine, self.setup.kernel::<L, K>(machine));
+        self.setup.sweep::<L, _>(machine, &term, self.out);
+    }
+}
+
+/// Spread of the fluid's particles into the scratch.
+pub(crate) fn spreads(fluid: &mut Fluid) {
+    let mut points = std::mem::take(&mut fluid.scratch.points);
+    let mut out = std::mem::take(&mut fluid.scratch.spreads);
+    fluid.pack_flow(&mut points);
+    out.resize(fluid.particles.len(), Spread::default());
+    dispatch(
+        fluid.settings.scheme.precision,
+        Spreads {
+            setup: Setup {
+                settings: &fluid.settings,
+                from: fluid.neighborhood(&points),
+                receivers: fluid.everyone(),
+            },
+            out: &mut out,
+        },
+    );
+    fluid.scratch.points = points;
+    fluid.scratch.spreads = out;
+}
+
+/// Which pressure a pair of a force sum shares.
+#[derive(Clone, Copy)]
+enum Between {
+    FluidAndFluid,
+    FluidAndWall,
+}
+
+struct Forces<'a> {
+    setup: Setup<'a>,
+    own: ForceOwn<'a>,
+    between: Between,
+    viscosity: Viscosity,
+    out: &'a mut [ForceDensity],
+}
+sum_over_kernels!(Forces);
+
+impl Forces<'_> {
+    fn with<L, K>(self, machine: L::Machine)
+    where
+        L: Lanes,
+        L::Machine: Machine,
+        L::Record: Default + PackedIn,
+        K: PairKernel<L>,
+    {
+        match self.between {
+            Between::FluidAndFluid => self.pressed::<L, K, _>(machine, SumOfPressures),
+            Between::FluidAndWall => {
+                let s = self.setup.settings;
+                let joint = WeightedByDensity::new(machine, s.reference_density, s.sound_speed);
+                self.pressed::<L, K, _>(machine, joint);
+            }
+        }
+    }
+
+    fn pressed<L, K, P>(self, machine: L::Machine, pressure: P)
+    where
+        L: Lanes,
+        L::Machine: Machine,
+        L::Record: Default + PackedIn,
+        K: PairKernel<L>,
+        P: PairPressure<L>,
+    {
+        let s = self.setup.settings;
+        let h = s.smoothing_length;
+        let rho = s.reference_density;
+        let laminar_factor = 2.0 * (s.dimensions.count() + 2.0);
+        match self.viscosity {
+            Viscosity::None => self.sheared::<L, K, _, _>(machine, pressure, Inviscid),
+            Viscosity::Published { dynamic_viscosity } => {
+                let term = Published::new(machine, dynamic_viscosity, s.support_radius());
+                self.sheared::<L, K, _, _>(machine, pressure, term);
+            }
+            Viscosity::Artificial { alpha } => {
+                let term = Central::<L, true>::new(machine, rho * alpha * s.sound_speed * h, h);
+                self.sheared::<L, K, _, _>(machine, pressure, term);
+            }
+            Viscosity::Laminar {
+                kinematic_viscosity,
+            } => {
+                let factor = laminar_factor * rho * kinematic_viscosity;
+                let term = Central::<L, false>::new(machine, factor, h);
+                self.sheared::<L, K, _, _>(machine, pressure, term);
+            }
+            Viscosity::Morris {
+                kinematic_viscosity,
+            } => {
+                let term = Shear::new(machine, 2.0 * rho * kinematic_viscosity, h);
+                self.sheared::<L, K, _, _>(machine, pressure, term);
+            }
+        }
+    }
+
+    fn sheared<L, K, P, V>(self, machine: L::Machine, pressure: P, viscosity: V)
+    where
+        L: Lanes,
+        L::Machine: Machine,
+        L::Record: Default + PackedIn,
+        K: PairKernel<L>,
+        P: PairPressure<L>,
+        V: PairViscosity<L>,
+    {
+        let kernel = self.setup.kernel::<L, K>(machine);
+        let term = Momentum::new(machine, kernel, pressure, viscosity, self.own);
+        self.setup.sweep::<L, _>(machine, &term, self.out);
+    }
+}
+
+/// Forces of pressure and viscosity in the fluid, per volume, into the scratch; after
+/// [`Fluid::pack_forces`].
+pub(crate) fn forces(fluid: &mut Fluid) {
+    let points = std::mem::take(&mut fluid.scratch.points);
+    let mut out = std::mem::take(&mut fluid.scratch.forces);
+    out.resize(fluid.particles.len(), ForceDensity::default());
+    dispatch(
+        fluid.settings.scheme.precision,
+        Forces {
+            setup: Setup {
+                settings: &fluid.settings,
+                from: fluid.neighborhood(&points),
+                receivers: fluid.everyone(),
+            },
+            own: ForceOwn {
+                velocity: &fluid.particles.velocity,
+                pressure: &fluid.particles.pressure,
+            },
+            between: Between::FluidAndFluid,
+            viscosity: fluid.settings.scheme.viscosity,
+            out: &mut out,
+        },
+    );
+    fluid.scratch.points = points;
+    fluid.scratch.forces = out;
+}
+
+/// Some of many receivers.
+fn some<'a>(positions: &'a [Vec3], chosen: &'a [u32]) -> Receivers<'a> {
+    Receivers {
+        positions,
+        chosen: Some(chosen),
+    }
+}
+
+/// Rates of density of some particles from wall points, which hold velocity and volume.
+pub(crate) fn wall_rates(fluid: &Fluid, walls: Neighborhood, chosen: &[u32], out: &mut [Rate]) {
+    let without_diffusion = Settings {
+        scheme: crate::Scheme {
+            diffusion: DensityDiffusion::None,
+            ..fluid.settings.scheme
+        },
+        ..fluid.settings.clone()
+    };
+    let mut n_found = 0;
+    dispatch(
+        fluid.settings.scheme.precision,
+        Rates {
+            setup: Setup {
+                settings: &without_diffusion,
+                from: walls,
+                receivers: some(&fluid.particles.position, chosen),
+            },
+            own: RateOwn {
+                velocity: &fluid.particles.velocity,
+                density: &fluid.particles.density,
+            },
+            gradients: walls.points,
+            out,
+            n_found: &mut n_found,
+        },
+    );
+}
+
+/// Spread of some particles as far as wall points make it.
+pub(crate) fn wall_spreads(fluid: &Fluid, walls: Neighborhood, chosen: &[u32], out: &mut [Spread]) {
+    dispatch(
+        fluid.settings.scheme.precision,
+        Spreads {
+            setup: Setup {
+                settings: &fluid.settings,
+                from: walls,
+                receivers: some(&fluid.particles.position, chosen),
+            },
+            out,
+        },
+    );
+}
+
+/// Viscosity of a fluid along a wall.
+fn along_wall(fluid: &Fluid, slip: Slip) -> Viscosity {
+    match slip {
+        Slip::Free => Viscosity::None,
+        Slip::None => fluid.settings.scheme.viscosity,
+    }
+}
+
+/// Forces per volume of wall points, which hold velocity, pressure and volume, on some particles.
+pub(crate) fn wall_forces(
+    fluid: &Fluid,
+    walls: Neighborhood,
+    chosen: &[u32],
+    slip: Slip,
+    out: &mut [ForceDensity],
+) {
+    dispatch(
+        fluid.settings.scheme.precision,
+        Forces {
+            setup: Setup {
+                settings: &fluid.settings,
+                from: walls,
+                receivers: some(&fluid.particles.position, chosen),
+            },
+            own: ForceOwn {
+                velocity: &fluid.particles.velocity,
+                pressure: &fluid.particles.pressure,
+            },
+            between: Between::FluidAndWall,
+            viscosity: along_wall(fluid, slip),
+            out,
+        },
+    );
+}
+
+/// Forces per volume of the fluid on some wall points at given places, with given velocities and
+/// pressures; after [`Fluid::pack_forces`].
+pub(crate) fn reactions(
+    fluid: &Fluid,
+    (positions, velocity, pressure): (&[Vec3], &[Vec3], &[f64]),
+    chosen: &[u32],
+    slip: Slip,
+    out: &mut [ForceDensity],
+) {
+    dispatch(
+        fluid.settings.scheme.precision,
+        Forces {
+            setup: Setup {
+                settings: &fluid.settings,
+                from: fluid.neighborhood(&fluid.scratch.points),
+                receivers: some(positions, chosen),
+            },
+            own: ForceOwn { velocity, pressure },
+            between: Between::FluidAndWall,
+            viscosity: along_wall(fluid, slip),
+            out,
+        },
+    );
+}
+
+struct Extrapolations<'a> {
+    setup: Setup<'a>,
+    out: &'a mut [Extrapolated],
+}
+sum_over_kernels!(Extrapolations);
+
+impl Extrapolations<'_> {
+    fn with<L, K>(self, machine: L::Machine)
+    where
+        L: Lanes,
+        L::Machine: Machine,
+        L::Record: Default + PackedIn,
+        K: PairKernel<L>,
+    {
+        let s = self.setup.settings;
+        let kernel = self.setup.kernel::<L, K>(machine);
+        let term = Extrapolation::new(machine, kernel, s.reference_density, s.sound_speed);
+        self.setup.sweep::<L, _>(machine, &term, self.out);
+    }
+}
+
+/// Pressure and velocity of the fluid continued to some points; after [`Fluid::pack_forces`].
+pub(crate) fn extrapolation(
+    fluid: &Fluid,
+    positions: &[Vec3],
+    chosen: &[u32],
+    out: &mut [Extrapolated],
+) {
+    dispatch(
+        fluid.settings.scheme.precision,
+        Extrapolations {
+            setup: Setup {
+                settings: &fluid.settings,
+                from: fluid.neighborhood(&fluid.scratch.points),
+                receivers: some(positions, chosen),
+            },
+            out,
+        },
+    );
+}

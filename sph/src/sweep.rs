@@ -1,0 +1,346 @@
+//! Sums over neighbours: one loop for all of them.
+//!
+//! For each receiving particle the candidates of nine rows of cells are filtered by distance into a
+//! short buffer, eight at a time and without a branch; what is left is summed a register at a time.
+//! A [`Term`] says what is summed. Each particle adds its own neighbours in the order of the cells,
+//! so that results do not depend on the number of threads.
+
+use rayon::prelude::*;
+
+use crate::cells::{CellGrid, MAX_RUNS, OWN_IMAGE, Run};
+use crate::lanes::{FILTER_WIDTH, Lanes, Machine, Portable, RECORD, Record, Sight, Task};
+use crate::points::{Frame, Points};
+use crate::terms::splat3;
+use crate::{CHUNK, Vec3};
+
+/// Neighbours in a buffer before they are summed: 2 KiB, within the first cache.
+const BUFFER: usize = 512;
+/// Widening of the filter's radius, for its rounding: kernels vanish beyond the support anyway.
+const FILTER_MARGIN: f64 = 1.0 + 1e-5;
+
+/// Width of the numbers in pair sums. Positions, velocities and densities are `f64` always.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Precision {
+    /// Single: differences of positions and the sums themselves to 7 digits; twice as fast.
+    #[default]
+    Single,
+    /// Double.
+    Double,
+}
+
+/// A pair as registers hold it: receiver `a`, neighbours `b`.
+#[derive(Clone, Copy)]
+pub(crate) struct Pair<L> {
+    /// `x_a − x_b`; m.
+    pub offset: [L; 3],
+    /// `|x_a − x_b|²`; m².
+    pub r2: L,
+    /// What the neighbours' records hold.
+    pub b: [L; 5],
+}
+
+/// What is summed over neighbours.
+pub(crate) trait Term<L: Lanes>: Sync {
+    /// Values of the receiver, the same in all lanes.
+    type Own: Copy;
+    /// Sums under way.
+    type Sums;
+    /// What comes of them.
+    type Out: Send;
+
+    /// Values of receiver `a`.
+    fn own(&self, machine: L::Machine, a: usize) -> Self::Own;
+    /// Sums of nothing.
+    fn zero(&self, machine: L::Machine) -> Self::Sums;
+    /// Adds a register of neighbours; `ids` are their indices.
+    fn add(&self, own: &Self::Own, pair: &Pair<L>, ids: &[u32], sums: &mut Self::Sums);
+    /// Writes the result of receiver `a`; `n_found` neighbours were within the support, itself included.
+    fn finish(&self, a: usize, sums: Self::Sums, n_found: u32, out: &mut Self::Out);
+}
+
+/// Where sums take their neighbours from.
+pub(crate) struct Sources<'a, R> {
+    pub grid: &'a CellGrid,
+    pub frame: &'a Frame,
+    pub points: &'a Points<R>,
+    /// Support radius; m.
+    pub support_radius: f64,
+    /// Farthest that points may have moved since the grid was sorted; m.
+    pub moved: f64,
+}
+
+/// Who receives: all particles, or some of them.
+#[derive(Clone, Copy)]
+pub(crate) struct Receivers<'a> {
+    pub positions: &'a [Vec3],
+    /// Indices of those who receive; everyone when absent.
+    pub chosen: Option<&'a [u32]>,
+}
+
+impl Receivers<'_> {
+    fn len(&self) -> usize {
+        self.chosen.map_or(self.positions.len(), <[u32]>::len)
+    }
+
+    #[inline(always)]
+    fn index(&self, k: usize) -> usize {
+        self.chosen.map_or(k, |chosen| chosen[k] as usize)
+    }
+}
+
+/// Sums `term` over the neighbours of every receiver into `out`, one slot per receiver; returns how many
+/// neighbours were found, receivers that meet themselves among them.
+pub(crate) fn sweep<L, T>(
+    machine: L::Machine,
+    term: &T,
+    sources: &Sources<L::Record>,
+    receivers: Receivers,
+    out: &mut [T::Out],
+) -> u64
+where
+    L: Lanes,
+    L::Machine: Machine,
+    L::Record: Default,
+    T: Term<L>,
+{
+    debug_assert_eq!(out.len(), receivers.len());
+    out.par_chunks_mut(CHUNK)
+        .enumerate()
+        .map(|(chunk, out)| {
+            let mut n_found = 0;
+            machine.run(Chunk::<L, T> {
+                machine,
+                term,
+                sources,
+                receivers,
+                first: chunk * CHUNK,
+                out,
+                n_found: &mut n_found,
+            });
+            n_found
+        })
+        .sum()
+}
+
+/// The work of one thread at a time.
+struct Chunk<'a, L: Lanes, T: Term<L>> {
+    machine: L::Machine,
+    term: &'a T,
+    sources: &'a Sources<'a, L::Record>,
+    receivers: Receivers<'a>,
+    first: usize,
+    out: &'a mut [T::Out],
+    n_found: &'a mut u64,
+}
+
+impl<L, T> Task for Chunk<'_, L, T>
+where
+    L: Lanes,
+    L::Machine: Machine,
+    L::Record: Default,
+    T: Term<L>,
+{
+    #[inline(always)]
+    fn run(self) {
+        let Self {
+            machine,
+            term,
+            sources,
+            receivers,
+            first,
+            out,
+            n_found: total,
+        } = self;
+        let Sources {
+            grid,
+            frame,
+            points,
+            support_radius,
+            moved,
+        } = *sources;
+        let scale = frame.quantum().map(|q| q as f32);
+        let quanta = splat3(machine, frame.quantum());
+        let reach = support_radius + 2.0 * moved;
+        let radius2 = (support_radius * support_radius * FILTER_MARGIN) as f32;
+        let mut runs = [Run::default(); MAX_RUNS];
+        let mut found = [0u32; BUFFER];
+        for (k, out) in out.iter_mut().enumerate() {
+            let a = receivers.index(first + k);
+            let position = &receivers.positions[a];
+            let n_runs = grid.runs_within(position, reach, &mut runs);
+            let own = term.own(machine, a);
+            let mut sums = term.zero(machine);
+            let mut n_found = 0;
+            let mut from = 0;
+            // one pass per image: all its neighbours are seen from the same shifted place
+            while from < n_runs {
+                let image = runs[from].image;
+                let place = if image == OWN_IMAGE {
+                    frame.place(position)
+                } else {
+                    frame.place(&(position - grid.image_shift(image)))
+                };
+                let sight = Sight {
+                    place: place.quanta,
+                    scale,
+                    radius2,
+                };
+                let seen = Seen::<L> {
+                    machine,
+                    place: [
+                        L::coordinate(machine, &place, 0),
+                        L::coordinate(machine, &place, 1),
+                        L::coordinate(machine, &place, 2),
+                    ],
+                    quanta,
+                };
+                let mut n = 0;
+                while from < n_runs && runs[from].image == image {
+                    let mut start = runs[from].start as usize;
+                    let end = runs[from].end as usize;
+                    while start < end {
+                        // as many candidates as the buffer surely holds
+                        let room = (BUFFER - FILTER_WIDTH - n) / FILTER_WIDTH * FILTER_WIDTH;
+                        if room == 0 {
+                            seen.add_all(term, &own, points, (&mut found, n), &mut sums);
+                            n_found += n as u32;
+                            n = 0;
+                            continue;
+                        }
+                        let stop = end.min(start + room);
+                        n = machine.filter(points.columns(), start..stop, &sight, &mut found, n);
+                        start = stop;
+                    }
+                    from += 1;
+                }
+                seen.add_all(term, &own, points, (&mut found, n), &mut sums);
+                n_found += n as u32;
+            }
+            term.finish(a, sums, n_found, out);
+            *total += u64::from(n_found);
+        }
+    }
+}
+
+/// The receiver's place, as seen through an image.
+struct Seen<L: Lanes> {
+    machine: L::Machine,
+    place: [L; 3],
+    quanta: [L; 3],
+}
+
+impl<L: Lanes> Seen<L>
+where
+    L::Record: Default,
+{
+    #[inline(always)]
+    fn add_all<T: Term<L>>(
+        &self,
+        term: &T,
+        own: &T::Own,
+        points: &Points<L::Record>,
+        (found, n): (&mut [u32; BUFFER], usize),
+        sums: &mut T::Sums,
+    ) {
+        let whole = n.next_multiple_of(L::WIDTH);
+        found[n..whole].fill(points.nothing());
+        for ids in found[..whole].chunks_exact(L::WIDTH) {
+            let [x, y, z, b0, b1, b2, b3, b4]: [L; RECORD] =
+                L::gather(self.machine, points.records(), ids);
+            let offset = [
+                self.place[0].separation(x, self.quanta[0]),
+                self.place[1].separation(y, self.quanta[1]),
+                self.place[2].separation(z, self.quanta[2]),
+            ];
+            let r2 = offset[0].mul_add(
+                offset[0],
+                offset[1].mul_add(offset[1], offset[2] * offset[2]),
+            );
+            let pair = Pair {
+                offset,
+                r2,
+                b: [b0, b1, b2, b3, b4],
+            };
+            term.add(own, &pair, ids, sums);
+        }
+    }
+}
+
+/// A sum that can be built for any registers; [`dispatch`] picks them.
+pub(crate) trait Sum {
+    /// Runs it with registers `L`.
+    fn run<L>(self, machine: L::Machine)
+    where
+        L: Lanes,
+        L::Machine: Machine,
+        L::Record: Default + PackedIn;
+}
+
+/// Runs a sum on the machine at hand.
+pub(crate) fn dispatch(precision: Precision, sum: impl Sum) {
+    #[cfg(target_arch = "x86_64")]
+    if let Some(machine) = crate::lanes::Avx2::detect() {
+        return match precision {
+            Precision::Single => sum.run::<<crate::lanes::Avx2 as Machine>::F32>(machine),
+            Precision::Double => sum.run::<<crate::lanes::Avx2 as Machine>::F64>(machine),
+        };
+    }
+    match precision {
+        Precision::Single => sum.run::<<Portable as Machine>::F32>(Portable),
+        Precision::Double => sum.run::<<Portable as Machine>::F64>(Portable),
+    }
+}
+
+/// Points in both precisions; only one is ever filled.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct AnyPoints {
+    single: Points<crate::lanes::Single>,
+    double: Points<crate::lanes::Double>,
+}
+
+/// A record that knows its points among [`AnyPoints`].
+pub(crate) trait PackedIn: Record {
+    /// The points of this precision.
+    fn of(points: &AnyPoints) -> &Points<Self>;
+}
+
+impl PackedIn for crate::lanes::Single {
+    fn of(points: &AnyPoints) -> &Points<Self> {
+        &points.single
+    }
+}
+
+impl PackedIn for crate::lanes::Double {
+    fn of(points: &AnyPoints) -> &Points<Self> {
+        &points.double
+    }
+}
+
+impl AnyPoints {
+    /// Writes places and values of all points in the given precision.
+    pub(crate) fn pack(
+        &mut self,
+        precision: Precision,
+        frame: &Frame,
+        positions: &[Vec3],
+        values: impl Fn(usize) -> [f64; 5] + Sync,
+    ) {
+        match precision {
+            Precision::Single => self.single.pack(frame, positions, values),
+            Precision::Double => self.double.pack(frame, positions, values),
+        }
+    }
+
+    /// Writes values without places, for sums that read more of a particle than one record holds.
+    pub(crate) fn pack_values(
+        &mut self,
+        precision: Precision,
+        n: usize,
+        values: impl Fn(usize) -> [f64; RECORD] + Sync,
+    ) {
+        match precision {
+            Precision::Single => self.single.pack_values(n, values),
+            Precision::Double => self.double.pack_values(n, values),
+        }
+    }
+}

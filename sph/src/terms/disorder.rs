@@ -1,0 +1,68 @@
+//! How unevenly particles are spread, and how near the free surface they are.
+
+use crate::kernel::PairKernel;
+use crate::lanes::Lanes;
+use crate::sweep::{Pair, Term};
+use crate::terms::{Lanes3, add_scaled, totals};
+
+/// Spread of the neighbours of a particle.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Spread {
+    /// `∇C = Σ V_b ∇W`; 1/m.
+    pub concentration_gradient: [f64; 3],
+    /// `∇·x = −Σ V_b x·∇W`: the number of dimensions inside, half of it at a plane surface.
+    pub divergence: f64,
+}
+
+impl std::ops::AddAssign for Spread {
+    fn add_assign(&mut self, other: Self) {
+        for axis in 0..3 {
+            self.concentration_gradient[axis] += other.concentration_gradient[axis];
+        }
+        self.divergence += other.divergence;
+    }
+}
+
+/// The sums of [`Spread`]. Records hold the volume last.
+pub(crate) struct Disorder<L, K> {
+    kernel: K,
+    zero: L,
+}
+
+impl<L: Lanes, K: PairKernel<L>> Disorder<L, K> {
+    pub(crate) fn new(machine: L::Machine, kernel: K) -> Self {
+        Self {
+            kernel,
+            zero: L::splat(machine, 0.0),
+        }
+    }
+}
+
+impl<L: Lanes, K: PairKernel<L>> Term<L> for Disorder<L, K> {
+    type Own = ();
+    type Sums = (Lanes3<L>, L);
+    type Out = Spread;
+
+    #[inline(always)]
+    fn own(&self, _: L::Machine, _: usize) {}
+
+    #[inline(always)]
+    fn zero(&self, _: L::Machine) -> Self::Sums {
+        ([self.zero; 3], self.zero)
+    }
+
+    #[inline(always)]
+    fn add(&self, _: &(), pair: &Pair<L>, _: &[u32], (gradient, divergence): &mut Self::Sums) {
+        let weight = pair.b[4] * self.kernel.gradient_factor(pair.r2);
+        add_scaled(gradient, weight, &pair.offset);
+        *divergence = weight.mul_add(pair.r2, *divergence);
+    }
+
+    #[inline(always)]
+    fn finish(&self, _: usize, (gradient, divergence): Self::Sums, _: u32, out: &mut Spread) {
+        *out = Spread {
+            concentration_gradient: totals(gradient),
+            divergence: -divergence.sum(),
+        };
+    }
+}

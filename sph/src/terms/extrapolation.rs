@@ -1,0 +1,93 @@
+//! The fluid's pressure and velocity continued into a wall.
+//!
+//! Records hold velocity, pressure and volume.
+
+use crate::kernel::PairKernel;
+use crate::lanes::Lanes;
+use crate::sweep::{Pair, Term};
+use crate::terms::{Lanes3, add_scaled, totals};
+
+/// Sums over the fluid near a point, each weighted with `V_f W`.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Extrapolated {
+    /// `Σ V W`: the share of the support that is fluid.
+    pub weight: f64,
+    /// `Σ p V W`; Pa.
+    pub pressure: f64,
+    /// `Σ ρ (x_w − x_f) V W`; kg/m².
+    pub moment: [f64; 3],
+    /// `Σ v V W`; m/s.
+    pub velocity: [f64; 3],
+}
+
+/// The sums of [`Extrapolated`].
+pub(crate) struct Extrapolation<L, K> {
+    kernel: K,
+    reference_density: L,
+    inverse_c2: L,
+    zero: L,
+}
+
+impl<L: Lanes, K: PairKernel<L>> Extrapolation<L, K> {
+    pub(crate) fn new(
+        machine: L::Machine,
+        kernel: K,
+        reference_density: f64,
+        sound_speed: f64,
+    ) -> Self {
+        Self {
+            kernel,
+            reference_density: L::splat(machine, reference_density),
+            inverse_c2: L::splat(machine, 1.0 / (sound_speed * sound_speed)),
+            zero: L::splat(machine, 0.0),
+        }
+    }
+}
+
+/// Sums under way.
+pub(crate) struct ExtrapolationSums<L> {
+    weight: L,
+    pressure: L,
+    moment: Lanes3<L>,
+    velocity: Lanes3<L>,
+}
+
+impl<L: Lanes, K: PairKernel<L>> Term<L> for Extrapolation<L, K> {
+    type Own = ();
+    type Sums = ExtrapolationSums<L>;
+    type Out = Extrapolated;
+
+    #[inline(always)]
+    fn own(&self, _: L::Machine, _: usize) {}
+
+    #[inline(always)]
+    fn zero(&self, _: L::Machine) -> Self::Sums {
+        ExtrapolationSums {
+            weight: self.zero,
+            pressure: self.zero,
+            moment: [self.zero; 3],
+            velocity: [self.zero; 3],
+        }
+    }
+
+    #[inline(always)]
+    fn add(&self, _: &(), pair: &Pair<L>, _: &[u32], sums: &mut Self::Sums) {
+        let [vx, vy, vz, pressure, volume] = pair.b;
+        let weight = volume * self.kernel.value(pair.r2);
+        sums.weight = sums.weight + weight;
+        sums.pressure = weight.mul_add(pressure, sums.pressure);
+        let density = pressure.mul_add(self.inverse_c2, self.reference_density);
+        add_scaled(&mut sums.moment, weight * density, &pair.offset);
+        add_scaled(&mut sums.velocity, weight, &[vx, vy, vz]);
+    }
+
+    #[inline(always)]
+    fn finish(&self, _: usize, sums: Self::Sums, _: u32, out: &mut Extrapolated) {
+        *out = Extrapolated {
+            weight: sums.weight.sum(),
+            pressure: sums.pressure.sum(),
+            moment: totals(sums.moment),
+            velocity: totals(sums.velocity),
+        };
+    }
+}

@@ -1,0 +1,46 @@
+//! Density by summation.
+
+use crate::kernel::PairKernel;
+use crate::lanes::Lanes;
+use crate::sweep::{Pair, Term};
+
+/// `Σ_b m_b W_ab`, b = a included; kg/m³. Records hold the mass first.
+///
+/// Geraili Mikola & Sitar (2014), Eq. 12 sums over the wrong index in print.
+pub(crate) struct Summation<L, K> {
+    kernel: K,
+    zero: L,
+}
+
+impl<L: Lanes, K: PairKernel<L>> Summation<L, K> {
+    pub(crate) fn new(machine: L::Machine, kernel: K) -> Self {
+        Self {
+            kernel,
+            zero: L::splat(machine, 0.0),
+        }
+    }
+}
+
+impl<L: Lanes, K: PairKernel<L>> Term<L> for Summation<L, K> {
+    type Own = ();
+    type Sums = L;
+    type Out = f64;
+
+    #[inline(always)]
+    fn own(&self, _: L::Machine, _: usize) {}
+
+    #[inline(always)]
+    fn zero(&self, _: L::Machine) -> L {
+        self.zero
+    }
+
+    #[inline(always)]
+    fn add(&self, _: &(), pair: &Pair<L>, _: &[u32], sum: &mut L) {
+        *sum = pair.b[0].mul_add(self.kernel.value(pair.r2), *sum);
+    }
+
+    #[inline(always)]
+    fn finish(&self, _: usize, sum: L, _: u32, out: &mut f64) {
+        *out = sum.sum();
+    }
+}
