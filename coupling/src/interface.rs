@@ -246,6 +246,15 @@ impl Interface {
         }
     }
 
+    /// Adds forces and moments on blocks that walls of another kind make; N, N m.
+    pub fn add_loads(&mut self, loads: &[Load]) {
+        for block in 0..self.loads.len() {
+            let more = self.in_plane(loads[block]);
+            self.loads[block].force += more.force;
+            self.loads[block].torque += more.torque;
+        }
+    }
+
     /// The forces on particles, in order of particle.
     pub fn particle_forces(&self) -> impl Iterator<Item = ParticleForce> {
         self.touches.iter().map(|touch| ParticleForce {
@@ -276,6 +285,9 @@ impl Interface {
         let WallSettings {
             stiffness, damping, ..
         } = self.settings;
+        if stiffness == 0.0 {
+            return f64::INFINITY;
+        }
         let largest = self.compliance.iter().copied().fold(0.0, f64::max);
         let omega = (stiffness * (1.0 / particle_mass + largest)).sqrt();
         let ratio = damping / (2.0 * (stiffness * particle_mass).sqrt());

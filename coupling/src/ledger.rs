@@ -23,6 +23,8 @@ pub struct Energy {
     pub friction: f64,
     /// Taken by viscosity.
     pub viscous: f64,
+    /// Of compression, taken by density diffusion.
+    pub diffusive: f64,
     /// Taken by the dashpots of contacts and walls.
     pub damping: f64,
     /// Taken by the viscosity of deformable blocks.
@@ -51,6 +53,7 @@ impl Energy {
     pub fn lost(&self) -> f64 {
         self.friction
             + self.viscous
+            + self.diffusive
             + self.damping
             + self.strain_damping
             + self.static_damping
@@ -105,8 +108,16 @@ impl Ledger {
                 impulse += touch.force - water.interface.in_plane(felt).force;
             }
         }
-        let weight =
-            world.gravity * (water.fluid.particle_mass() * water.fluid.particles().len() as f64);
+        if let Some(walls) = &water.walls {
+            work += walls.power();
+            impulse += walls.force_on_fluid();
+            for (block, load) in walls.loads().iter().enumerate() {
+                if world.blocks.is_free(block) {
+                    impulse += water.interface.in_plane(*load).force;
+                }
+            }
+        }
+        let weight = world.gravity * water.fluid.mass();
         self.wall_damping += power * dt;
         self.wall_work += work * dt;
         self.impulse += (impulse + weight) * dt;
@@ -149,6 +160,7 @@ impl World {
             energy.potential += fluid.potential;
             energy.internal = fluid.internal;
             energy.viscous = fluid.viscous;
+            energy.diffusive = fluid.diffusive;
             energy.removed += fluid.removed;
             energy.elastic += water.interface.elastic_energy();
         }

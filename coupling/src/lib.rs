@@ -32,4 +32,5 @@ pub mod summary;
 pub mod table;
 pub mod time_step;
 pub mod vtk;
+pub mod walls;
 pub mod world;

@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
 use riprap_dda::{Blocks, Motion};
-use riprap_sph::Fluid;
+use riprap_sph::{Fluid, Precision, Start};
 
 use crate::observe::frames::Frames;
 use crate::observe::gauges::Gauges;
@@ -14,10 +14,12 @@ use crate::observe::ledgers::Ledgers;
 use crate::observe::pictures::Pictures;
 use crate::observe::trajectories::Trajectories;
 use crate::observe::{ObserveError, Observer};
+use crate::scene::file::WallMethodFile;
 use crate::scene::resolve::{Scene, vec3};
 use crate::summary::{Summary, TimeByPhase, peak_memory};
 use crate::time_step::{CAUSES, Cause};
-use crate::world::{StepError, World};
+use crate::walls::ParticleWalls;
+use crate::world::{StepError, WaterAtStart, World};
 
 /// Damping rate of settling times its duration: what moves at first is damped by `e⁻²⁰` at the end.
 const SETTLING_DECAY: f64 = 20.0;
@@ -87,14 +89,21 @@ pub fn build(scene: &Scene) -> Result<World, RunError> {
     blocks.attach(&scene.attachments)?;
     let fluid = match &scene.fluid {
         None => None,
-        Some(fluid) => Some((
-            Fluid::new(
-                fluid.lattice.positions.clone(),
-                fluid.lattice.velocities.clone(),
-                fluid.settings.clone(),
-            )?,
-            fluid.walls,
-        )),
+        Some(water) => {
+            let start = Start {
+                positions: water.lattice.positions.clone(),
+                velocities: water.lattice.velocities.clone(),
+                pressures: water.pressures.clone(),
+            };
+            let fluid = Fluid::new(start, water.settings.clone())?;
+            let walls = (water.wall_method == WallMethodFile::Particles)
+                .then(|| ParticleWalls::new(&scene.blocks, &blocks, &fluid, water.slip));
+            Some(WaterAtStart {
+                fluid,
+                penalty: water.walls,
+                walls,
+            })
+        }
     };
     let domain = (vec3(scene.file.domain.min), vec3(scene.file.domain.max));
     let mut world = World::new(blocks, fluid, vec3(scene.file.gravity), domain)?;
@@ -347,7 +356,7 @@ impl<'a> Run<'a> {
             version: env!("CARGO_PKG_VERSION").to_owned(),
             commit: option_env!("RIPRAP_COMMIT").unwrap_or("unknown").to_owned(),
             threads: rayon::current_num_threads(),
-            precision: "f64".to_owned(),
+            precision: precision(self.scene).to_owned(),
             completed,
             stop_reason,
             simulated_time: world.time(),
@@ -356,7 +365,11 @@ impl<'a> Run<'a> {
             steps: clock.steps,
             block_substeps: clock.block_substeps,
             fluid_particles: self.particles_at_start,
-            wall_particles: 0,
+            wall_particles: world
+                .water
+                .as_ref()
+                .and_then(|w| w.walls.as_ref())
+                .map_or(0, ParticleWalls::n_points),
             free_blocks: count(&|b| blocks.is_free(b)),
             fixed_blocks: count(&|b| world.is_fixed(b)),
             prescribed_blocks: count(&|b| matches!(blocks.motion(b), Motion::Prescribed(_))),
@@ -415,6 +428,14 @@ impl<'a> Run<'a> {
             integration: phases.integration.as_secs_f64(),
             output: self.output_time,
         }
+    }
+}
+
+/// Width of the numbers in the fluid's sums; blocks are always in double precision.
+fn precision(scene: &Scene) -> &'static str {
+    match scene.fluid.as_ref().map(|f| f.settings.scheme.precision) {
+        Some(Precision::Single) => "f32 pair sums",
+        Some(Precision::Double) | None => "f64",
     }
 }
 

@@ -9,6 +9,7 @@ use crate::interface::{Interface, WallSettings};
 use crate::ledger::Ledger;
 use crate::scene::file::Leaving;
 use crate::time_step::{Cause, Limits, TimeStep};
+use crate::walls::ParticleWalls;
 
 /// Everything that changes during a run. Only [`World::step`] and [`World::settle_step`] change it.
 #[derive(Debug)]
@@ -36,8 +37,21 @@ pub struct World {
 pub struct Water {
     /// Particles.
     pub fluid: Fluid,
-    /// Their forces on blocks and back.
+    /// Penalty walls; where others hold the fluid, without stiffness: only what keeps particles out of solids.
     pub interface: Interface,
+    /// Walls of particles.
+    pub walls: Option<ParticleWalls>,
+}
+
+/// The fluid with what its walls are made of.
+#[derive(Debug)]
+pub struct WaterAtStart {
+    /// Particles.
+    pub fluid: Fluid,
+    /// Numbers of penalty walls, or of what only keeps particles out of solids.
+    pub penalty: WallSettings,
+    /// Walls of particles.
+    pub walls: Option<ParticleWalls>,
 }
 
 /// Time and steps.
@@ -162,14 +176,23 @@ impl World {
     /// [`StepError`] when the very first evaluation fails.
     pub fn new(
         blocks: Blocks,
-        fluid: Option<(Fluid, WallSettings)>,
+        fluid: Option<WaterAtStart>,
         gravity: Vec3,
         domain: (Vec3, Vec3),
     ) -> Result<Self, StepError> {
-        let water = fluid.map(|(mut fluid, walls)| {
-            fluid.sort();
-            let interface = Interface::new(walls, &blocks, fluid.grid());
-            Water { fluid, interface }
+        let water = fluid.map(|start| {
+            let WaterAtStart {
+                mut fluid,
+                penalty,
+                walls,
+            } = start;
+            fluid.refresh();
+            let interface = Interface::new(penalty, &blocks, fluid.grid());
+            Water {
+                fluid,
+                interface,
+                walls,
+            }
         });
         let n_blocks = blocks.n_blocks();
         let mut world = Self {
@@ -185,7 +208,7 @@ impl World {
             impulses: vec![Load::default(); n_blocks],
             leaving: Leaving::Removed,
         };
-        world.evaluate_fluid()?;
+        world.evaluate_fluid(0.0)?;
         world.open_ledger();
         Ok(world)
     }
@@ -266,9 +289,10 @@ impl World {
     pub fn step(&mut self, step: TimeStep) -> Result<(), StepError> {
         let dt = step.dt;
         self.kick(0.5 * dt);
-        self.drift_fluid(dt);
+        self.note_walls();
         self.advance_blocks(step)?;
-        self.evaluate_fluid()?;
+        self.advance_fluid(dt)?;
+        self.evaluate_fluid(dt)?;
         self.kick(0.5 * dt);
         self.clock.time += dt;
         self.clock.steps += 1;
@@ -287,9 +311,10 @@ impl World {
         self.held = Held::AllBlocks;
         if let Some(water) = &mut self.water {
             water.fluid.kick(0.5 * dt);
-            water.fluid.drift(dt);
         }
-        self.evaluate_fluid()?;
+        self.note_walls();
+        self.advance_fluid(dt)?;
+        self.evaluate_fluid(dt)?;
         if let Some(water) = &mut self.water {
             water.fluid.kick(0.5 * dt);
             water.fluid.damp((-rate * dt).exp());
@@ -306,7 +331,7 @@ impl World {
     pub fn release(&mut self) -> Result<(), StepError> {
         self.held = Held::NoBlock;
         self.extremes = Extremes::default();
-        self.evaluate_fluid()?;
+        self.evaluate_fluid(0.0)?;
         self.open_ledger();
         Ok(())
     }
@@ -324,12 +349,66 @@ impl World {
         self.phases.integration += start.elapsed();
     }
 
-    fn drift_fluid(&mut self, dt: f64) {
-        let start = Instant::now();
-        if let Some(water) = &mut self.water {
-            water.fluid.drift(dt);
+    fn note_walls(&mut self) {
+        if let Some(walls) = self.water.as_mut().and_then(|water| water.walls.as_mut()) {
+            walls.note_start(&self.blocks);
         }
-        self.phases.integration += start.elapsed();
+    }
+
+    /// Takes the fluid's positions to the end of the step, and its density too where that is advanced: half
+    /// way, with the walls where they are then.
+    fn advance_fluid(&mut self, dt: f64) -> Result<(), StepError> {
+        let mut watch = Stopwatch::start();
+        let Some(water) = &mut self.water else {
+            return Ok(());
+        };
+        if !water.fluid.advances_density() {
+            water.fluid.drift(dt);
+            self.phases.integration += watch.lap();
+            return Ok(());
+        }
+        water.fluid.drift(0.5 * dt);
+        self.phases.integration += watch.lap();
+        self.refresh_fluid()?;
+        self.phases.neighbors += watch.lap();
+        let Some(water) = &mut self.water else {
+            return Ok(());
+        };
+        if let Some(walls) = &mut water.walls {
+            if self.held == Held::NoBlock {
+                walls.place_half_way(&self.blocks, dt);
+            }
+            walls.find(&water.fluid);
+        }
+        self.phases.coupling += watch.lap();
+        water.fluid.update_rates();
+        self.phases.density += watch.lap();
+        if let Some(walls) = &mut water.walls {
+            walls.add_rates(&mut water.fluid);
+        }
+        self.phases.coupling += watch.lap();
+        water.fluid.advance_density(dt);
+        self.phases.density += watch.lap();
+        water.fluid.drift(0.5 * dt);
+        self.phases.integration += watch.lap();
+        Ok(())
+    }
+
+    /// Sorts the fluid where it has moved far enough; what left the domain is removed.
+    fn refresh_fluid(&mut self) -> Result<(), StepError> {
+        let Some(water) = &mut self.water else {
+            return Ok(());
+        };
+        let escaped = water.fluid.refresh();
+        if escaped > 0 && self.leaving == Leaving::Error {
+            return Err(StepError::Left {
+                time: self.clock.time,
+                step: self.clock.steps,
+                count: escaped,
+                what: "particles",
+            });
+        }
+        Ok(())
     }
 
     fn advance_blocks(&mut self, step: TimeStep) -> Result<(), StepError> {
@@ -381,34 +460,25 @@ impl World {
         }
     }
 
-    /// Everything that follows from the fluid's positions: cells, walls, neighbours, densities,
-    /// accelerations.
-    fn evaluate_fluid(&mut self) -> Result<(), StepError> {
-        let Some(water) = &mut self.water else {
-            return Ok(());
-        };
+    /// Everything that follows from the fluid's positions at the end of a step of `dt`: cells, walls,
+    /// densities and pressures, accelerations.
+    fn evaluate_fluid(&mut self, dt: f64) -> Result<(), StepError> {
         let (time, step) = (self.clock.time, self.clock.steps);
         let failed = |source| StepError::Fluid { time, step, source };
         let mut watch = Stopwatch::start();
-
-        let escaped = water.fluid.remove_escaped();
-        if escaped > 0 && self.leaving == Leaving::Error {
-            return Err(StepError::Left {
-                time,
-                step,
-                count: escaped,
-                what: "particles",
-            });
-        }
-        water.fluid.sort();
+        self.refresh_fluid()?;
         self.phases.neighbors += watch.lap();
+        let held = self.held == Held::AllBlocks;
+        let Some(water) = &mut self.water else {
+            return Ok(());
+        };
 
         water.interface.find(&water.fluid, &self.blocks);
         let pushed_back = water.interface.intruders(&water.fluid, &self.blocks);
-        let mass = water.fluid.particle_mass();
         for intruder in &pushed_back {
             let particle = intruder.particle as usize;
             let before = water.fluid.particles().velocity[particle];
+            let mass = water.fluid.particles().mass[particle];
             self.ledger.pushed_back +=
                 water
                     .fluid
@@ -431,23 +501,45 @@ impl World {
         }
         if !pushed_back.is_empty() {
             self.extremes.particles_pushed_back += pushed_back.len() as u64;
-            water.fluid.sort();
+            water.fluid.refresh();
             water.interface.find(&water.fluid, &self.blocks);
+        }
+        if let Some(walls) = &mut water.walls {
+            let moved = (!held && 0.0 < dt).then_some(dt);
+            walls.place_at_end(&self.blocks, moved);
+            walls.find(&water.fluid);
         }
         self.phases.coupling += watch.lap();
 
-        water.fluid.find_neighbors();
-        self.phases.neighbors += watch.lap();
-        water.fluid.update_density().map_err(failed)?;
+        if water.fluid.shifts() && 0.0 < dt {
+            water.fluid.update_spread();
+            if let Some(walls) = &mut water.walls {
+                walls.add_spreads(&mut water.fluid);
+            }
+            water.fluid.shift(dt);
+            water.fluid.refresh();
+            water.interface.find(&water.fluid, &self.blocks);
+            if let Some(walls) = &mut water.walls {
+                walls.find(&water.fluid);
+            }
+        }
+        water.fluid.update_pressure().map_err(failed)?;
         self.phases.density += watch.lap();
+        if let Some(walls) = &mut water.walls {
+            walls.extrapolate(&water.fluid);
+        }
+        self.phases.coupling += watch.lap();
         water.fluid.update_accelerations();
         self.phases.forces += watch.lap();
 
-        let held = self.held == Held::AllBlocks;
         water
             .interface
             .update_forces(&water.fluid, &self.blocks, held);
         water.fluid.add_forces(water.interface.particle_forces());
+        if let Some(walls) = &mut water.walls {
+            walls.add_forces(&mut water.fluid, &self.blocks);
+            water.interface.add_loads(walls.loads());
+        }
         self.phases.coupling += watch.lap();
         Ok(())
     }
@@ -492,7 +584,9 @@ impl World {
 fn remedy(cause: Cause) -> &'static str {
     match cause {
         Cause::Sound => "lower `numerics.sound_speed` or coarsen `fluid.resolution`",
-        Cause::Viscosity => "lower `fluid.dynamic_viscosity` or coarsen `fluid.resolution`",
+        Cause::Viscosity => {
+            "lower `fluid.dynamic_viscosity` or `numerics.viscosity`, or coarsen `fluid.resolution`"
+        }
         Cause::Force => "something hits the water too hard: look at the last frame",
         Cause::Wall => "lower `interface.penalty_stiffness`",
         Cause::Contact => "lower `contact_stiffness` of the materials or remove slivers",

@@ -8,7 +8,7 @@ use riprap_dda::{Motion, Shape};
 
 use super::{Exit, load, say, show};
 use crate::run::build;
-use crate::scene::file::ShapeFile;
+use crate::scene::file::{ShapeFile, WallMethodFile};
 use crate::scene::mesh;
 use crate::scene::parse::Override;
 use crate::scene::resolve::Scene;
@@ -142,7 +142,7 @@ pub(crate) fn describe(scene: &Scene, folder: &Path) -> String {
                 "fluid",
                 format!(
                     "{n} particles, spacing {:.4} m, {:.1} rows in {:.3} m of depth",
-                    fluid.lattice.particle_spacing(),
+                    fluid.walls.particle_spacing,
                     fluid.lattice.depth / s.particle_spacing[2],
                     fluid.lattice.depth
                 ),
@@ -150,9 +150,14 @@ pub(crate) fn describe(scene: &Scene, folder: &Path) -> String {
             line(
                 "scheme",
                 format!(
-                    "Mueller2003: summation density; poly6, spiky and viscous kernels, support {:.4} m; viscosity {} Pa s",
+                    "{:?}: {:?} kernel, support {:.4} m, {:?} density, {:?}, {:?}, {:?} precision",
+                    scene.file.numerics.preset,
+                    s.scheme.kernel,
                     s.support_radius(),
-                    s.dynamic_viscosity
+                    s.scheme.density,
+                    s.scheme.diffusion,
+                    s.scheme.viscosity,
+                    s.scheme.precision,
                 ),
             );
             line(
@@ -166,10 +171,15 @@ pub(crate) fn describe(scene: &Scene, folder: &Path) -> String {
             );
             line(
                 "walls",
-                format!(
-                    "penalty, K_S {:.3e} N/m, K_D {:.3e} N s/m, from half a spacing off the surface; no wall particles",
-                    fluid.walls.stiffness, fluid.walls.damping
-                ),
+                match fluid.wall_method {
+                    WallMethodFile::Penalty => format!(
+                        "penalty, K_S {:.3e} N/m, K_D {:.3e} N s/m, from half a spacing off the surface",
+                        fluid.walls.stiffness, fluid.walls.damping
+                    ),
+                    WallMethodFile::Particles => {
+                        "particles inside, pressure continued from the fluid".to_owned()
+                    }
+                },
             );
         }
     }

@@ -20,7 +20,7 @@ pub struct Ledgers {
 }
 
 /// Columns of `energy.csv` behind the time, in the order of [`energy_row`].
-pub const ENERGY_COLUMNS: [&str; 15] = [
+pub const ENERGY_COLUMNS: [&str; 16] = [
     "kinetic",
     "potential",
     "elastic",
@@ -28,6 +28,7 @@ pub const ENERGY_COLUMNS: [&str; 15] = [
     "internal",
     "friction",
     "viscous",
+    "diffusive",
     "damping",
     "strain_damping",
     "static_damping",
@@ -39,7 +40,7 @@ pub const ENERGY_COLUMNS: [&str; 15] = [
 ];
 
 /// The terms of the ledger in the order of [`ENERGY_COLUMNS`]; J.
-pub fn energy_row(energy: &Energy) -> [f64; 15] {
+pub fn energy_row(energy: &Energy) -> [f64; 16] {
     // no `..`: a new term cannot be forgotten
     let Energy {
         kinetic,
@@ -49,6 +50,7 @@ pub fn energy_row(energy: &Energy) -> [f64; 15] {
         internal,
         friction,
         viscous,
+        diffusive,
         damping,
         strain_damping,
         static_damping,
@@ -66,6 +68,7 @@ pub fn energy_row(energy: &Energy) -> [f64; 15] {
         internal,
         friction,
         viscous,
+        diffusive,
         damping,
         strain_damping,
         static_damping,

@@ -40,7 +40,7 @@ impl Pictures {
                 particle_spacing: scene
                     .fluid
                     .as_ref()
-                    .map_or(0.0, |f| f.lattice.particle_spacing()),
+                    .map_or(0.0, |f| f.walls.particle_spacing),
                 snapshots: Vec::new(),
                 charts: Vec::new(),
                 gauges: columns

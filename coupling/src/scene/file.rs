@@ -82,6 +82,10 @@ pub struct DomainFile {
     /// What becomes of a particle or block that leaves.
     #[serde(default)]
     pub leaving: Leaving,
+    /// Whether the flow is in space or in a vertical plane along x; then nothing depends on y, and masses and
+    /// forces are those of a slice as wide as the domain.
+    #[serde(default)]
+    pub dimensions: DimensionsFile,
 }
 
 /// A coordinate direction.
@@ -649,8 +653,9 @@ pub struct FluidFile {
     /// Reference density; kg/m³.
     #[serde(default = "default_fluid_density")]
     pub density: f64,
-    /// Dynamic viscosity of the published viscous term; Pa s. What keeps a scheme without density
-    /// diffusion calm is this number: see `cases/README.md`.
+    /// Dynamic viscosity, for schemes whose viscosity is that of the fluid; Pa s. What keeps the published
+    /// scheme calm is this number: see `cases/README.md`.
+    #[serde(default = "default_dynamic_viscosity")]
     pub dynamic_viscosity: f64,
     /// How fine.
     pub resolution: ResolutionFile,
@@ -702,16 +707,42 @@ pub enum RegionShapeFile {
     },
 }
 
-/// Penalty walls (Geraili Mikola & Sitar 2014, Eq. 22, corrected).
+/// How fluid and blocks push each other.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct InterfaceFile {
+    /// How walls hold the fluid; the preset's way when left out.
+    #[serde(default)]
+    pub walls: Option<WallMethodFile>,
+    /// Whether the fluid slides along walls; with penalty walls it always does.
+    #[serde(default)]
+    pub slip: SlipFile,
     /// Spring `K_S` between a particle and a surface; N/m.
     #[serde(default)]
     pub penalty_stiffness: Option<f64>,
     /// Dashpot `K_D` between a particle and a surface; N s/m.
     #[serde(default)]
     pub penalty_damping: Option<f64>,
+}
+
+/// How walls hold the fluid.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum WallMethodFile {
+    /// A spring and a dashpot between each particle and each surface, as published: cheap, and off by about
+    /// a tenth in forces.
+    Penalty,
+    /// Particles inside the walls, with pressures continued from the fluid.
+    Particles,
+}
+
+/// What the fluid does along a wall.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum SlipFile {
+    /// It slides.
+    #[default]
+    Free,
+    /// It sticks.
+    None,
 }
 
 /// Schemes and their numbers.
@@ -722,6 +753,27 @@ pub struct NumericsFile {
     /// The fluid scheme whose numbers hold where none is given.
     #[serde(default)]
     pub preset: Preset,
+    /// Smoothing kernel.
+    #[serde(default)]
+    pub kernel: Option<KernelFile>,
+    /// How density is found.
+    #[serde(default)]
+    pub density: Option<DensityFile>,
+    /// Pressure from density.
+    #[serde(default)]
+    pub state_equation: Option<StateEquationFile>,
+    /// What smooths the density of `Continuity`; the number is its coefficient, customarily 0.1.
+    #[serde(default)]
+    pub density_diffusion: Option<DensityDiffusionFile>,
+    /// What resists shear.
+    #[serde(default)]
+    pub viscosity: Option<ViscosityFile>,
+    /// What keeps particles evenly spread.
+    #[serde(default)]
+    pub shifting: Option<ShiftingFile>,
+    /// Width of numbers in the sums over neighbours.
+    #[serde(default)]
+    pub precision: Option<PrecisionFile>,
     /// Smoothing length over particle spacing; the support radius is twice the smoothing length.
     #[serde(default)]
     pub smoothing_length_ratio: Option<f64>,
@@ -799,8 +851,97 @@ pub enum StaticDampingFile {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Preset {
     /// Density by summation and Mueller's kernels, as published, misprints corrected.
-    #[default]
     Mueller2003,
+    /// What coastal engineers use: Wendland's kernel, density from continuity with diffusion, particles in walls.
+    #[default]
+    Standard,
+    /// Accuracy first: a wider kernel, third-order diffusion, shifting, double precision, a smaller step.
+    Reference,
+}
+
+/// Dimensions of the flow.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum DimensionsFile {
+    /// In a vertical plane.
+    Two,
+    /// In space.
+    #[default]
+    Three,
+}
+
+/// A smoothing kernel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum KernelFile {
+    /// Poly6 for density, spiky for pressure; in space only.
+    Mueller,
+    /// Wendland's C2.
+    WendlandC2,
+    /// The cubic spline, for comparison: particles pair above some 60 neighbours.
+    CubicSpline,
+}
+
+/// How density is found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum DensityFile {
+    /// By a sum over neighbours: low near surfaces and walls.
+    Summation,
+    /// By integrating the equation of continuity.
+    Continuity,
+}
+
+/// Pressure from density.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum StateEquationFile {
+    /// `p = c₀² (ρ − ρ₀)`.
+    Linear,
+    /// `p = c₀² ρ₀/7 ((ρ/ρ₀)⁷ − 1)`.
+    Tait,
+}
+
+/// What smooths the density, with its coefficient.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub enum DensityDiffusionFile {
+    /// Nothing.
+    None,
+    /// Works on the hydrostatic gradient too: wrong near free surfaces.
+    MolteniColagrossi(f64),
+    /// Spares the hydrostatic gradient.
+    Fourtakas(f64),
+    /// Spares every linear gradient; one more sum.
+    Antuono(f64),
+}
+
+/// What resists shear. All but the artificial one use the viscosity of the fluid.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub enum ViscosityFile {
+    /// Nothing.
+    None,
+    /// The published form.
+    Published,
+    /// Monaghan's, with its coefficient, 0.01 to 0.1.
+    Artificial(f64),
+    /// Along the line of centres: conserves angular momentum.
+    Laminar,
+    /// Along the difference of velocities: better in shear.
+    Morris,
+}
+
+/// What keeps particles evenly spread.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub enum ShiftingFile {
+    /// Nothing.
+    None,
+    /// Towards where particles are sparse, with its coefficient, customarily 2.
+    Fickian(f64),
+}
+
+/// Width of numbers in the sums over neighbours; everything else is in double precision.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum PrecisionFile {
+    /// 7 digits, twice as fast.
+    Single,
+    /// 16 digits.
+    Double,
 }
 
 /// What is done with pressures below zero.
@@ -990,6 +1131,11 @@ fn default_shear_stiffness_ratio() -> f64 {
 
 fn default_fluid_density() -> f64 {
     1000.0
+}
+
+/// Water at 20 degrees; Pa s.
+fn default_dynamic_viscosity() -> f64 {
+    1.002e-3
 }
 
 fn default_field_of_view() -> f64 {

@@ -7,9 +7,12 @@ mod obstacles;
 mod overlap;
 
 use riprap_dda::{Shape, Vec3};
+use riprap_sph::Dimensions;
 
 use super::error::Problem;
-use super::file::{Axis, DomainFile, FluidFile, RegionFile, RegionShapeFile, ResolutionFile};
+use super::file::{
+    Axis, DimensionsFile, DomainFile, FluidFile, RegionFile, RegionShapeFile, ResolutionFile,
+};
 use super::resolve::vec3;
 use obstacles::WALL_SLACK;
 pub use overlap::overlaps;
@@ -42,9 +45,12 @@ impl Lattice {
         self.spacing.iter().product()
     }
 
-    /// Cube root of the particle volume; m.
-    pub fn particle_spacing(&self) -> f64 {
-        self.particle_volume().cbrt()
+    /// Spacing of a cubic or square lattice of the same volume; m.
+    pub fn particle_spacing(&self, dimensions: Dimensions) -> f64 {
+        match dimensions {
+            Dimensions::Three => self.particle_volume().cbrt(),
+            Dimensions::Two { .. } => (self.spacing[0] * self.spacing[2]).sqrt(),
+        }
     }
 }
 
@@ -103,10 +109,14 @@ pub fn lattice(
     }
 }
 
-/// Spacings along x, y, z: a periodic direction takes the nearest one that closes on itself.
+/// Spacings along x, y, z: a periodic direction takes the nearest one that closes on itself; a flow in a plane
+/// has one row across.
 fn spacings(domain: &DomainFile, wanted: f64) -> [f64; 3] {
     let extent = vec3(domain.max) - vec3(domain.min);
     let mut spacing = [wanted; 3];
+    if domain.dimensions == DimensionsFile::Two {
+        spacing[1] = extent.y;
+    }
     for axis in domain.periodic.iter().map(|axis: &Axis| axis.index()) {
         spacing[axis] = extent[axis] / (extent[axis] / wanted).round().max(1.0);
     }
@@ -259,6 +269,7 @@ mod tests {
             max: (4.0, 0.4, 2.0),
             periodic,
             leaving: Leaving::Removed,
+            dimensions: DimensionsFile::Three,
         }
     }
 

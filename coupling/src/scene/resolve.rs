@@ -5,17 +5,16 @@ use std::path::Path;
 use riprap_dda::{
     Attachment, BlockDefinition, Hold, JointOverride, Material, Motion, PrescribedMotion, Shape,
 };
-use riprap_sph::{NegativePressure as Clamping, Vec3};
+use riprap_sph::Vec3;
+use riprap_sph::boundary::wall_particles::Slip;
 
-use crate::interface::{DAMPING_RATIO, WallSettings};
+use crate::interface::WallSettings;
 use crate::scene::attachments::{
     attachments, contact_detection, deformability, hold, joints, normal_law, rolling_law,
     static_damping,
 };
 use crate::scene::error::{Problem, Severity};
-use crate::scene::file::{
-    Axis, FluidFile, NegativePressure, OutputFile, Preset, SceneFile, Triple,
-};
+use crate::scene::file::{OutputFile, SceneFile, Triple, WallMethodFile};
 use crate::scene::fill::{Lattice, lattice, overlaps};
 use crate::scene::grains::{self, GrainsReport};
 use crate::scene::motion::motion;
@@ -56,26 +55,18 @@ pub struct FluidScene {
     pub lattice: Lattice,
     /// What the fluid solver needs.
     pub settings: riprap_sph::Settings,
-    /// Penalty walls.
+    /// Penalty walls; without stiffness where particles hold the fluid.
     pub walls: WallSettings,
+    /// How walls hold the fluid.
+    pub wall_method: WallMethodFile,
+    /// Whether it slides along them.
+    pub slip: Slip,
+    /// Pressure of each particle of the lattice at the start; Pa.
+    pub pressures: Vec<f64>,
     /// Fastest flow expected, from which sound speed and stiffnesses follow; m/s.
     pub expected_speed: f64,
 }
 
-/// Numbers of the published scheme where the scene gives none.
-mod mueller2003 {
-    /// Support of three spacings: 92 neighbours, the lattice sum of poly6 within 0.3 % of one.
-    pub const SMOOTHING_LENGTH_RATIO: f64 = 1.5;
-    /// Half the lattice limit leaves room for disorder.
-    pub const TIME_STEP_FACTOR: f64 = 0.5;
-}
-
-/// Sound speed over the fastest expected flow: density then varies by about 1 %.
-const SOUND_SPEED_RATIO: f64 = 10.0;
-/// Depth, in spacings, to which still water presses its lowest row into a penalty wall.
-const STATIC_PENETRATION: f64 = 0.1;
-/// Depth, in spacings, to which a particle at the expected speed enters a penalty wall.
-const IMPACT_PENETRATION: f64 = 0.25;
 /// Safety factor of the block step, the customary share of the bound from the contact network.
 const BLOCK_TIME_STEP_FACTOR: f64 = 0.8;
 /// Blocks press into each other by no more than this share of their size under their weight.
@@ -121,7 +112,8 @@ impl Scene {
             interval.get_or_insert(file.time.duration / TRAJECTORY_SAMPLES);
         }
         resolve_stiffness(&mut file, &solids, &motions, speed);
-        let fluid = lattice.map(|lattice| resolve_fluid(&mut file, lattice, speed, &mut problems));
+        let fluid =
+            lattice.map(|lattice| super::fluid::resolve(&mut file, lattice, speed, &mut problems));
         let block_factor = *file
             .numerics
             .block_time_step_factor
@@ -282,85 +274,6 @@ fn resolve_stiffness(
     }
     for material in &mut file.materials {
         material.contact_stiffness.get_or_insert(stiffness);
-    }
-}
-
-fn resolve_fluid(
-    file: &mut SceneFile,
-    lattice: Lattice,
-    expected_speed: f64,
-    problems: &mut Vec<Problem>,
-) -> FluidScene {
-    let Preset::Mueller2003 = file.numerics.preset;
-    let gravity = vec3(file.gravity);
-    let (density, viscosity) = file
-        .fluid
-        .as_ref()
-        .map_or((1000.0, 0.0), |fluid: &FluidFile| {
-            (fluid.density, fluid.dynamic_viscosity)
-        });
-    let numerics = &mut file.numerics;
-    let ratio = *numerics
-        .smoothing_length_ratio
-        .get_or_insert(mueller2003::SMOOTHING_LENGTH_RATIO);
-    let factor = *numerics
-        .time_step_factor
-        .get_or_insert(mueller2003::TIME_STEP_FACTOR);
-    let negative = *numerics
-        .negative_pressure
-        .get_or_insert(NegativePressure::Clamped);
-    let least = expected_speed.max((gravity.norm() * lattice.depth).sqrt());
-    // water without gravity or motion has no speed of its own: any positive number will do
-    let fallback = if least > 0.0 {
-        SOUND_SPEED_RATIO * least
-    } else {
-        1.0
-    };
-    let sound_speed = *numerics.sound_speed.get_or_insert(fallback);
-    if sound_speed < 0.999 * SOUND_SPEED_RATIO * least {
-        problems.push(Problem::warning(
-            "numerics.sound_speed",
-            format!(
-                "{sound_speed:.3} m/s is less than {SOUND_SPEED_RATIO} times the fastest expected speed of \
-                 {least:.3} m/s: density will vary by {:.1} %; raise it to {:.1} m/s",
-                100.0 * (least / sound_speed).powi(2),
-                SOUND_SPEED_RATIO * least,
-            ),
-        ));
-    }
-    let spacing = lattice.particle_spacing();
-    let mass = density * lattice.particle_volume();
-    let stiffness = *file.interface.penalty_stiffness.get_or_insert(
-        (density * gravity.norm() * lattice.depth * spacing / STATIC_PENETRATION)
-            .max(mass * (least / (IMPACT_PENETRATION * spacing)).powi(2)),
-    );
-    let damping = *file
-        .interface
-        .penalty_damping
-        .get_or_insert(2.0 * DAMPING_RATIO * (stiffness * mass).sqrt());
-    FluidScene {
-        settings: riprap_sph::Settings {
-            particle_spacing: lattice.spacing,
-            smoothing_length: ratio * spacing,
-            reference_density: density,
-            sound_speed,
-            dynamic_viscosity: viscosity,
-            negative_pressure: match negative {
-                NegativePressure::Clamped => Clamping::Clamped,
-                NegativePressure::Kept => Clamping::Kept,
-            },
-            gravity,
-            time_step_factor: factor,
-            domain: (vec3(file.domain.min), vec3(file.domain.max)),
-            periodic: [Axis::X, Axis::Y, Axis::Z].map(|axis| file.domain.periodic.contains(&axis)),
-        },
-        walls: WallSettings {
-            stiffness,
-            damping,
-            particle_spacing: spacing,
-        },
-        expected_speed,
-        lattice,
     }
 }
 

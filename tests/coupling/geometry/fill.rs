@@ -5,10 +5,12 @@ use std::time::Instant;
 use proptest::prelude::*;
 use riprap::scene::error::{Problem, Severity};
 use riprap::scene::file::{
-    Axis, DomainFile, FluidFile, Leaving, RegionFile, RegionShapeFile, ResolutionFile, Triple,
+    Axis, DimensionsFile, DomainFile, FluidFile, Leaving, RegionFile, RegionShapeFile,
+    ResolutionFile, Triple,
 };
 use riprap::scene::fill::{Lattice, lattice, overlaps};
 use riprap_dda::{Motion, Polyhedron, Shape, Vec3};
+use riprap_sph::Dimensions;
 
 type Solids = Vec<(String, Shape)>;
 
@@ -18,6 +20,7 @@ fn domain(min: Triple, max: Triple, periodic: &[Axis]) -> DomainFile {
         max,
         periodic: periodic.to_vec(),
         leaving: Leaving::Removed,
+        dimensions: DimensionsFile::Three,
     }
 }
 
@@ -142,7 +145,9 @@ fn a_periodic_slab_closes_on_itself() {
     let found = lattice(&water, &slab, &tank()).unwrap();
     assert_eq!(found.positions.len(), 20 * 3 * 8);
     assert!((found.spacing[1] - 0.11).abs() < 1e-15);
-    assert!((found.particle_spacing() - (0.1 * 0.11 * 0.1_f64).cbrt()).abs() < 1e-15);
+    assert!(
+        (found.particle_spacing(Dimensions::Three) - (0.1 * 0.11 * 0.1_f64).cbrt()).abs() < 1e-15
+    );
     // the last row and the first, a period on, are one spacing apart
     let (first, last) = found
         .positions
