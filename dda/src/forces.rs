@@ -7,7 +7,9 @@ use crate::{
     contact::{Pair, Rates},
     critical_step::{BlockRates, Listed},
     kinematics::stretch,
-    sphere_contact::{Rolling, SphereLoads, SpherePair},
+    sphere_contact::{
+        PairRates, Rolling, SphereContact, SphereLoads, SphereMark, SpherePair, SphereRow,
+    },
     surface_contact::SurfacePair,
 };
 use nalgebra::Matrix3;
@@ -109,29 +111,49 @@ impl Blocks {
 
     fn evaluate_spheres(&mut self, dt: f64) -> Tally {
         let (lists, medium, _) = self.split_pairs();
-        let (pairs, loads) = (
-            lists.sphere_pairs.as_mut_slice(),
-            lists.sphere_loads.as_mut_slice(),
+        type Rows<'a> = (
+            &'a [SpherePair],
+            &'a mut [SphereMark],
+            &'a mut [SphereContact],
+            &'a mut [SphereLoads],
+            &'a mut [PairRates],
         );
-        type Rows<'a> = (&'a mut [SpherePair], &'a mut [SphereLoads]);
-        if lists.sphere_rolling.is_empty() {
-            let update = |_, (pairs, loads): Rows| {
-                let mut tally = Tally::default();
-                for (pair, loads) in pairs.iter_mut().zip(loads) {
-                    pair.evaluate(&medium, loads, None, dt, &mut tally);
-                }
-                tally
-            };
-            return chunks::reduce((pairs, loads), CHUNK, &update, &Tally::with);
-        }
-        let update = |_, (rows, rolling): (Rows, &mut [Rolling])| {
+        let columns = (
+            lists.sphere_pairs.as_slice(),
+            lists.sphere_marks.as_mut_slice(),
+            lists.sphere_contacts.as_mut_slice(),
+            lists.sphere_loads.as_mut_slice(),
+            lists.sphere_rates.as_mut_slice(),
+        );
+        let evaluate = |rows: Rows, rolling: Option<&mut [Rolling]>| {
             let mut tally = Tally::default();
-            for ((pair, loads), rolling) in rows.0.iter_mut().zip(rows.1).zip(rolling) {
-                pair.evaluate(&medium, loads, Some(rolling), dt, &mut tally);
+            let mut rolling = rolling.into_iter().flatten();
+            let rows = rows
+                .0
+                .iter()
+                .zip(rows.1)
+                .zip(rows.2)
+                .zip(rows.3)
+                .zip(rows.4);
+            for ((((pair, mark), contact), loads), rates) in rows {
+                let row = SphereRow {
+                    pair,
+                    mark,
+                    contact,
+                    loads,
+                    rates,
+                    rolling: rolling.next(),
+                };
+                row.evaluate(&medium, dt, &mut tally);
             }
             tally
         };
-        let columns = ((pairs, loads), lists.sphere_rolling.as_mut_slice());
+        if lists.sphere_rolling.is_empty() {
+            let update = |_, rows: Rows| evaluate(rows, None);
+            return chunks::reduce(columns, CHUNK, &update, &Tally::with);
+        }
+        let update = |_, (rows, rolling): (Rows, &mut [Rolling])| evaluate(rows, Some(rolling));
+        let columns = (columns, lists.sphere_rolling.as_mut_slice());
         chunks::reduce(columns, CHUNK, &update, &Tally::with)
     }
 
@@ -166,51 +188,77 @@ impl Blocks {
             links,
             sphere_links,
             pairs,
+            sphere_marks,
             sphere_loads,
+            sphere_rates,
+            sphere_rolling,
             surface_links,
             surface_pairs,
+            kinematics,
+            has_new_links,
             ..
         } = self;
         let sum = |first: usize, (loads, rates): (&mut [Load], &mut [BlockRates])| {
             for ((b, load), all) in (first..).zip(loads).zip(rates) {
                 *load = Load::default();
-                *all = BlockRates::default();
+                let mut has_new_rates = *has_new_links;
                 for (k, is_second) in links.of(b) {
+                    has_new_rates = true;
                     let pair = &pairs[k];
-                    let (part, rates) = if is_second {
-                        (&pair.loads.1, &pair.rates.1)
-                    } else {
-                        (&pair.loads.0, &pair.rates.0)
-                    };
                     if pair.is_touching() {
-                        *load += *part;
-                    }
-                    if all.add(rates, pair.is_touching()) {
-                        all.contact = Some((Listed::Pair, k as u32));
+                        *load += if is_second {
+                            pair.loads.1
+                        } else {
+                            pair.loads.0
+                        };
                     }
                 }
+                let centroid = kinematics[b].centroid;
                 for (k, is_second) in sphere_links.of(b) {
-                    let pair = &sphere_loads[k];
-                    let (sign, torque, rates) = if is_second {
-                        (1.0, &pair.torques.1, &pair.rates.1)
-                    } else {
-                        (-1.0, &pair.torques.0, &pair.rates.0)
-                    };
-                    load.force += pair.force * sign;
-                    load.torque += torque;
-                    if all.add(rates, pair.is_touching) {
-                        all.contact = Some((Listed::Sphere, k as u32));
+                    has_new_rates |= sphere_marks[k].has_new_rates;
+                    if !sphere_marks[k].is_touching {
+                        continue;
+                    }
+                    let SphereLoads { force, point } = &sphere_loads[k];
+                    let sign = if is_second { 1.0 } else { -1.0 };
+                    load.add(&(force * sign), &(point - centroid));
+                    if let Some(rolling) = sphere_rolling.get(k) {
+                        load.torque += rolling.torque * sign;
                     }
                 }
                 for (k, is_second) in surface_links.of(b) {
+                    has_new_rates = true;
                     let pair = &surface_pairs[k];
-                    if is_second {
-                        *load += pair.loads.1;
-                        continue;
-                    }
-                    *load += pair.loads.0;
-                    if all.add(&pair.rates, pair.is_touching) {
-                        all.contact = Some((Listed::Surface, k as u32));
+                    *load += if is_second {
+                        pair.loads.1
+                    } else {
+                        pair.loads.0
+                    };
+                }
+                if !has_new_rates {
+                    continue;
+                }
+                *all = BlockRates::default();
+                for (k, is_second) in links.of(b) {
+                    let pair = &pairs[k];
+                    all.add(
+                        side(&pair.rates, is_second),
+                        pair.is_touching(),
+                        (Listed::Pair, k as u32),
+                    );
+                }
+                for (k, is_second) in sphere_links.of(b) {
+                    all.add(
+                        side(&sphere_rates[k], is_second),
+                        sphere_marks[k].is_touching,
+                        (Listed::Sphere, k as u32),
+                    );
+                }
+                for (k, is_second) in surface_links.of(b) {
+                    if !is_second {
+                        let pair = &surface_pairs[k];
+                        let contact = (Listed::Surface, k as u32);
+                        all.add(&pair.rates, pair.is_touching, contact);
                     }
                 }
             }
@@ -220,6 +268,7 @@ impl Blocks {
             CHUNK,
             &sum,
         );
+        self.has_new_links = false;
         if !self.deformables.is_empty() {
             self.sum_stretch();
         }
@@ -253,11 +302,12 @@ impl Blocks {
                 });
             }
         }
-        for (pair, loads) in self.sphere_pairs.iter().zip(&self.sphere_loads) {
+        for (k, pair) in self.sphere_pairs.iter().enumerate() {
+            let loads = &self.sphere_loads[k];
             for (block, sign) in [(pair.blocks.0, -1.0), (pair.blocks.1, 1.0)] {
                 let b = block as usize;
                 if let Some(k) = self.deformable_of[b] {
-                    let offset = pair.contact.point - self.kinematics[b].centroid;
+                    let offset = loads.point - self.kinematics[b].centroid;
                     self.contact_stretch[k as usize] += stretch(&(loads.force * sign), &offset);
                 }
             }
@@ -266,8 +316,8 @@ impl Blocks {
 }
 
 impl BlockRates {
-    /// Adds a pair; is it the stiffest so far?
-    fn add(&mut self, rates: &Rates, is_touching: bool) -> bool {
+    /// Adds a pair, and notes the stiffest so far.
+    fn add(&mut self, rates: &Rates, is_touching: bool, contact: (Listed, u32)) {
         if is_touching {
             self.stiffness += rates.stiffness;
             self.damping += rates.damping;
@@ -275,10 +325,13 @@ impl BlockRates {
             self.next_stiffness = self.next_stiffness.max(rates.stiffness);
             self.next_damping = self.next_damping.max(rates.damping);
         }
-        let is_stiffest = rates.stiffness > self.stiffest;
-        if is_stiffest {
+        if rates.stiffness > self.stiffest {
             self.stiffest = rates.stiffness;
+            self.contact = Some(contact);
         }
-        is_stiffest
     }
+}
+
+fn side<T>(of: &(T, T), is_second: bool) -> &T {
+    if is_second { &of.1 } else { &of.0 }
 }
