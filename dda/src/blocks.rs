@@ -10,7 +10,7 @@ use crate::{
     Turning, Vec3,
     attachments::{Attachments, Surroundings},
     broad_phase::{self, Bounds},
-    contact::Pair,
+    contact::{Pair, Workspace},
     critical_step::BlockRates,
     deformation::{Affine12, AffineBody, Dda12, Deformable, elastic_constants, tensor},
     energy::Account,
@@ -145,6 +145,8 @@ pub struct Blocks {
     pub(crate) fat_boxes: Vec<Bounds>,
     pub(crate) candidates: Vec<(u32, u32)>,
     pub(crate) pairs_before: Vec<Pair>,
+    /// One per chunk of `pairs`, or more.
+    pub(crate) workspaces: Vec<Workspace>,
     pub(crate) surface_pairs_before: Vec<SurfacePair>,
     pub(crate) sphere_pairs_before: Vec<SpherePairBefore>,
     /// The pairs of each block.
@@ -258,7 +260,7 @@ impl Blocks {
         this.place_parts(true);
         this.find_candidates();
         this.bond_pairs();
-        this.evaluate_contacts(0.0);
+        this.evaluate_contacts(0.0, &mut |_| {});
         Ok(this)
     }
 
@@ -301,6 +303,7 @@ impl Blocks {
             fat_boxes: Vec::new(),
             candidates: Vec::new(),
             pairs_before: Vec::new(),
+            workspaces: Vec::new(),
             surface_pairs_before: Vec::new(),
             sphere_pairs_before: Vec::new(),
             links: Links::default(),

@@ -3,9 +3,11 @@
 use crate::{
     Blocks, Load,
     blocks::CHUNK,
-    broad_phase, chunks,
-    contact::{Pair, Rates},
+    broad_phase,
+    chunks::{self, PerChunk},
+    contact::{Pair, Rates, Workspace},
     critical_step::{BlockRates, Listed},
+    integrate::Phase,
     kinematics::stretch,
     sphere_contact::{
         PairRates, Rolling, SphereContact, SphereLoads, SphereMark, SpherePair, SphereRow,
@@ -62,12 +64,14 @@ impl Tally {
 
 impl Blocks {
     /// Contact forces in the present place, and what they lost in the last `dt` (s).
-    pub(crate) fn evaluate_contacts(&mut self, dt: f64) {
+    pub(crate) fn evaluate_contacts(&mut self, dt: f64, ended: &mut impl FnMut(Phase)) {
         let pairs = self.evaluate_pairs(dt);
         let spheres = self.evaluate_spheres(dt);
         let tally = pairs.with(spheres).with(self.evaluate_surfaces(dt));
+        ended(Phase::Contacts);
         std::mem::swap(&mut self.contact_load, &mut self.contact_load_before);
         self.sum_loads();
+        ended(Phase::Sums);
         self.friction.book(tally.friction);
         self.damping.book(tally.damping);
         self.n_broken_bonds += tally.n_broken;
@@ -79,19 +83,26 @@ impl Blocks {
 
     fn evaluate_pairs(&mut self, dt: f64) -> Tally {
         let (lists, medium, boxes) = self.split_pairs();
-        let update = |_, pairs: &mut [Pair]| {
+        type Rows<'a> = (&'a mut [Pair], PerChunk<'a, Workspace>);
+        let update = |_, (pairs, workspaces): Rows| {
             let mut tally = Tally::default();
+            let Some(work) = workspaces.rows.first_mut() else {
+                return tally;
+            };
             for pair in pairs {
                 let is_near = broad_phase::overlap(
                     &boxes[pair.parts.0 as usize],
                     &boxes[pair.parts.1 as usize],
                 );
-                pair.evaluate(&medium, dt, is_near);
+                if pair.is_idle && !is_near {
+                    continue;
+                }
+                pair.evaluate(&medium, dt, is_near, work);
                 tally.friction += pair.friction;
                 tally.damping += pair.damping;
                 tally.n_broken += u64::from(pair.has_broken);
                 tally.n_searches += u64::from(is_near && pair.axis.has_searched);
-                if pair.is_touching() {
+                if pair.is_touching {
                     tally.note_overlap(
                         pair.parts,
                         pair.deepest / medium.least_of(pair.parts, medium.deepest_allowed),
@@ -101,12 +112,13 @@ impl Blocks {
             }
             tally
         };
-        chunks::reduce(
-            lists.pairs.as_mut_slice(),
-            PAIR_CHUNK,
-            &update,
-            &Tally::with,
-        )
+        let pairs = lists.pairs.as_mut_slice();
+        let workspaces = PerChunk {
+            rows: lists.workspaces.as_mut_slice(),
+            len: pairs.len(),
+            chunk: PAIR_CHUNK,
+        };
+        chunks::reduce((pairs, workspaces), PAIR_CHUNK, &update, &Tally::with)
     }
 
     fn evaluate_spheres(&mut self, dt: f64) -> Tally {
@@ -205,7 +217,7 @@ impl Blocks {
                 for (k, is_second) in links.of(b) {
                     has_new_rates = true;
                     let pair = &pairs[k];
-                    if pair.is_touching() {
+                    if pair.is_touching {
                         *load += if is_second {
                             pair.loads.1
                         } else {
@@ -243,7 +255,7 @@ impl Blocks {
                     let pair = &pairs[k];
                     all.add(
                         side(&pair.rates, is_second),
-                        pair.is_touching(),
+                        pair.is_touching,
                         (Listed::Pair, k as u32),
                     );
                 }
@@ -279,7 +291,7 @@ impl Blocks {
         self.contact_stretch.clear();
         self.contact_stretch
             .resize(self.deformables.len(), Matrix3::zeros());
-        for pair in self.pairs.iter().filter(|pair| pair.is_touching()) {
+        for pair in self.pairs.iter().filter(|pair| pair.is_touching) {
             for (block, sign) in [(pair.blocks.0, -1.0), (pair.blocks.1, 1.0)] {
                 let b = block as usize;
                 let Some(k) = self.deformable_of[b] else {

@@ -4,7 +4,8 @@ use super::NOWHERE;
 use crate::{
     Blocks, Motion, NormalLaw,
     broad_phase::{self, Bounds},
-    contact::{Medium, Pair},
+    contact::{Medium, Pair, Workspace},
+    forces::PAIR_CHUNK,
     parts::Part,
     sphere_contact::{
         PairRates, Rolling, Scales, SphereContact, SphereLoads, SphereMark, SpherePair,
@@ -94,6 +95,10 @@ impl Blocks {
         }
         drop(rest);
         self.pairs_before = old;
+        let n_chunks = self.pairs.len().div_ceil(PAIR_CHUNK);
+        if self.workspaces.len() < n_chunks {
+            self.workspaces.resize_with(n_chunks, Workspace::default);
+        }
     }
 
     fn scales_of(&self, parts: (u32, u32)) -> Scales {
@@ -206,6 +211,7 @@ impl Blocks {
         let medium = Medium {
             parts: &self.parts,
             kinematics: &self.kinematics,
+            role: &self.role,
             joints: &self.joints,
             material_of_part: &self.material_of_part,
             n_materials: self.n_materials,
@@ -218,6 +224,7 @@ impl Blocks {
         };
         let lists = Lists {
             pairs: &mut self.pairs,
+            workspaces: &mut self.workspaces,
             sphere_pairs: &self.sphere_pairs,
             surface_pairs: &mut self.surface_pairs,
             sphere_marks: &mut self.sphere_marks,
@@ -257,6 +264,7 @@ enum PairKind {
 /// The lists of pairs, borrowed together.
 pub(crate) struct Lists<'a> {
     pub pairs: &'a mut Vec<Pair>,
+    pub workspaces: &'a mut Vec<Workspace>,
     pub sphere_pairs: &'a Vec<SpherePair>,
     pub surface_pairs: &'a mut Vec<SurfacePair>,
     pub sphere_marks: &'a mut Vec<SphereMark>,
