@@ -347,3 +347,76 @@ impl BlockRates {
 fn side<T>(of: &(T, T), is_second: bool) -> &T {
     if is_second { &of.1 } else { &of.0 }
 }
+
+#[cfg(test)]
+#[expect(clippy::unwrap_used, reason = "a test may fail")]
+mod tests {
+    use super::*;
+    use crate::{BlockDefinition, Material, Motion, Polyhedron, Settings, Shape, Vec3};
+
+    /// Balls, a cube among them, that fall on a floor.
+    fn shower() -> Blocks {
+        let rock = Material {
+            density: 2500.0,
+            friction_angle: 0.5,
+            residual_friction_angle: None,
+            cohesion: 0.0,
+            residual_cohesion: 0.0,
+            tensile_strength: 0.0,
+            restitution: 0.5,
+            contact_stiffness: 1e7,
+            joint_stiffness: None,
+            shear_stiffness_ratio: 0.5,
+            rolling_friction: 0.0,
+            elastic: None,
+        };
+        let body = |shape, motion| BlockDefinition {
+            shape,
+            material: 0,
+            motion,
+            velocity: Vec3::zeros(),
+            angular_velocity: Vec3::zeros(),
+            deformability: None,
+        };
+        let cuboid = |from: [f64; 3], to: [f64; 3]| {
+            Shape::Polyhedra(vec![Polyhedron::cuboid(from.into(), to.into()).unwrap()])
+        };
+        let mut bodies = vec![
+            body(cuboid([-5.0, -5.0, -1.0], [5.0, 5.0, 0.0]), Motion::Fixed),
+            body(cuboid([0.0, 0.0, 1.5], [0.8, 0.8, 2.3]), Motion::Free),
+        ];
+        for k in 0..64 {
+            let place = Vec3::from([k % 4, k / 4 % 4, k / 16].map(f64::from));
+            let sideways = Vec3::new(0.1 * place.z, 0.05 * place.x, 0.0);
+            let center = place * 0.9 + sideways + Vec3::new(-1.5, -1.5, 2.9);
+            let ball = Shape::Sphere {
+                center,
+                radius: 0.4,
+            };
+            bodies.push(body(ball, Motion::Free));
+        }
+        Blocks::new(bodies, vec![rock], Settings::default()).unwrap()
+    }
+
+    #[test]
+    fn rates_that_are_kept_are_those_that_a_new_sum_gives() {
+        let mut blocks = shower();
+        let (mut kept, mut n_contacts) = (0, 0);
+        for _ in 0..4000 {
+            let dt = blocks.critical_time_step().dt;
+            blocks.advance(0.0, dt, 1).unwrap();
+            kept += usize::from(blocks.sphere_marks.iter().all(|mark| !mark.has_new_rates));
+            n_contacts = n_contacts.max(blocks.n_contacts());
+            let before = blocks.critical_time_step();
+            let rates = blocks.rates.clone();
+            blocks.has_new_links = true;
+            blocks.sum_loads();
+            assert_eq!(blocks.critical_time_step(), before);
+            for (new, old) in blocks.rates.iter().zip(&rates) {
+                let all = |r: &BlockRates| (r.stiffness, r.damping, r.next_stiffness, r.stiffest);
+                assert_eq!(all(new), all(old));
+            }
+        }
+        assert!(kept > 100 && n_contacts > 60, "{kept} {n_contacts}");
+    }
+}
