@@ -2,14 +2,15 @@
 //!
 //! `cargo bench -p riprap --bench heap -- 10 5 2` makes a heap of beads of 10, 5 and 2 mm each and prints its angle
 //! beside the published one; `seed=2` makes another heap, `wide=40` one in a box of 40 instead of 20 diameters, so on a
-//! plate of 30 instead of 10, `deep=8` one in a box of 8 instead of 4.
+//! plate of 30 instead of 10, `deep=8` one in a box of 8 instead of 4; `relative` one that resists the rolling of one bead
+//! against the other instead of each bead's own.
 #![expect(clippy::print_stdout, reason = "a benchmark reports")]
 
 use std::path::Path;
 use std::time::Instant;
 
 use riprap::run::build;
-use riprap::scene::file::{GrainRegionFile, SceneFile, ShapeFile, Triple};
+use riprap::scene::file::{GrainRegionFile, RollingLawFile, SceneFile, ShapeFile, Triple};
 use riprap::scene::parse;
 use riprap::scene::resolve::Scene;
 use riprap::world::World;
@@ -41,6 +42,7 @@ struct Variant {
     /// Inside the box; diameters.
     width: f64,
     depth: f64,
+    law: RollingLawFile,
 }
 
 /// The case for another diameter: lengths, and what follows from them so that overlaps and times keep their
@@ -55,10 +57,12 @@ fn heap(variant: &Variant) -> Result<Scene, Failure> {
         seed,
         width,
         depth,
+        law,
     } = variant;
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../cases");
     let text = std::fs::read_to_string(folder.join("heap.ron"))?;
     let mut file: SceneFile = parse::read(&text).map_err(|error| error.message)?;
+    file.numerics.rolling_law = law;
     let scale = diameter / DIAMETER;
     // what lies beyond the middle of the box moves away
     let moved = |x: f64, from: f64, to: f64| {
@@ -186,6 +190,7 @@ fn measure(variant: &Variant) -> Result<(), Failure> {
         seed,
         width,
         depth,
+        law,
     } = variant;
     let mut world = build(&scene)?;
     let n = world.blocks.n_free();
@@ -209,7 +214,7 @@ fn measure(variant: &Variant) -> Result<(), Failure> {
         .iter()
         .find(|(d, _)| (d - millimetres).abs() < 1e-6);
     println!(
-        "d {millimetres} mm, seed {seed}, box {width} d x {depth} d: {} of {n} beads stay, {} above the plate, at rest after {:.2} s \
+        "d {millimetres} mm, {law:?}, seed {seed}, box {width} d x {depth} d: {} of {n} beads stay, {} above the plate, at rest after {:.2} s \
          (kinetic energy {:.1e} m g d), {} steps, {:.0} s of wall",
         beads.len(),
         on_plate.len(),
@@ -246,6 +251,7 @@ fn measure(variant: &Variant) -> Result<(), Failure> {
 
 fn main() -> Result<(), Failure> {
     let (mut seed, mut width, mut depth) = (1, WIDTH, DEPTH);
+    let mut law = RollingLawFile::OwnSpin;
     let mut diameters = Vec::new();
     for argument in std::env::args().skip(1) {
         if let Some(value) = argument.strip_prefix("seed=") {
@@ -254,6 +260,8 @@ fn main() -> Result<(), Failure> {
             width = value.parse()?;
         } else if let Some(value) = argument.strip_prefix("deep=") {
             depth = value.parse()?;
+        } else if argument == "relative" {
+            law = RollingLawFile::Relative;
         } else if let Ok(millimetres) = argument.parse::<f64>() {
             diameters.push(1e-3 * millimetres);
         }
@@ -269,6 +277,7 @@ fn main() -> Result<(), Failure> {
                 seed,
                 width,
                 depth,
+                law,
             })
         })
     })

@@ -6,8 +6,8 @@ mod query;
 
 use crate::{
     Attachment, BlockError, ContactDetection, Deformability, DeformableModel, Hold, Isometry,
-    JointOverride, Load, MassProperties, Material, Motion, NormalLaw, Shape, StaticDamping,
-    Turning, Vec3,
+    JointOverride, Load, MassProperties, Material, Motion, NormalLaw, RollingLaw, Shape,
+    StaticDamping, Turning, Vec3,
     attachments::{Attachments, Surroundings},
     broad_phase::{self, Bounds},
     contact::{Pair, Workspace},
@@ -57,6 +57,8 @@ pub struct Settings {
     pub overlap_limit: f64,
     /// How balls answer to being pressed. Default a linear spring; Hertz's needs elastic moduli.
     pub normal_law: NormalLaw,
+    /// Which turning of balls is resisted. Default that of one against the other.
+    pub rolling_law: RollingLaw,
     /// How common planes are found. Default verified.
     pub contact_detection: ContactDetection,
     /// Damping for a search for a state of rest. Default none: not for blocks that move.
@@ -71,6 +73,7 @@ impl Default for Settings {
             shear_damping_ratio: 0.2,
             overlap_limit: 0.2,
             normal_law: NormalLaw::default(),
+            rolling_law: RollingLaw::default(),
             contact_detection: ContactDetection::default(),
             static_damping: None,
         }
@@ -119,6 +122,8 @@ pub struct Blocks {
     pub(crate) support_impulse: Vec3,
     /// Sum of the sizes of gravity's and the supports' impulses; N s.
     pub(crate) impulse_exchanged: f64,
+    /// Angular impulse that rolling resistance gave to balls without giving it back elsewhere; N m s.
+    pub(crate) rolling_impulse: Vec3,
     pub(crate) n_contact_updates: u64,
     pub(crate) n_broken_bonds: u64,
     pub(crate) n_axis_searches: u64,
@@ -288,6 +293,7 @@ impl Blocks {
             external_work: Account::default(),
             support_impulse: Vec3::zeros(),
             impulse_exchanged: 0.0,
+            rolling_impulse: Vec3::zeros(),
             n_contact_updates: 0,
             n_broken_bonds: 0,
             n_axis_searches: 0,
@@ -768,6 +774,7 @@ fn check_settings(settings: &Settings) -> Result<(), BlockError> {
         overlap_limit,
         contact_detection: _,
         normal_law: _,
+        rolling_law: _,
         static_damping,
     } = *settings;
     if let Some(&value) = gravity.iter().find(|c| !c.is_finite()) {

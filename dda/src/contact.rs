@@ -31,7 +31,7 @@ use crate::{
     common_plane::{Axis, AxisCache, AxisKind, ContactDetection},
     friction::{ShearSpring, Shearing},
     kinematics::{Kinematics, Load},
-    material::Joint,
+    material::{Joint, RollingLaw},
     parts::Part,
     patch::{Patch, PatchPoint, Scaling},
 };
@@ -148,9 +148,12 @@ pub(crate) struct Medium<'a> {
     pub n_materials: usize,
     /// `ξ` of the shear dashpot; –.
     pub shear_damping_ratio: f64,
+    pub rolling_law: RollingLaw,
     /// Farthest point of each block from its centroid; m.
     pub radius: &'a [f64],
     pub contact_detection: ContactDetection,
+    /// m/s².
+    pub gravity: Vec3,
     /// Is Hertz's law used for balls?
     pub is_hertz: bool,
     /// Of each part; m.
@@ -218,11 +221,7 @@ impl Pair {
             return;
         }
         let axes = crate::separating_axes(a, b);
-        let axis = if axes.face_b.gap > axes.face_a.gap {
-            axes.face_b
-        } else {
-            axes.face_a
-        };
+        let axis = axes.preferred_face(a, b, &medium.gravity);
         let reach = BOND_REACH * a.size().min(b.size());
         if axes.best().gap > reach || axis.gap.abs() > reach {
             return;
@@ -286,7 +285,7 @@ impl Pair {
             self.normal = normal;
             self.deepest = deepest;
             self.keep_energy(medium, dt, former, patch);
-            self.apply_law(medium, dt, patch);
+            self.apply_law(medium, dt, former, patch);
         }
     }
 
@@ -318,7 +317,8 @@ impl Pair {
                 let axis = if self.bond.is_some() {
                     self.axis.axis.map(|axis| glued(a, b, &axis))?
                 } else {
-                    self.axis.overlapping(a, b, medium.contact_detection)?
+                    self.axis
+                        .overlapping(a, b, medium.contact_detection, &medium.gravity)?
                 };
                 let scaling = medium.joint(self).scaling;
                 patch.find(a, b, &axis, scaling, self.bond.is_some());
@@ -332,8 +332,8 @@ impl Pair {
         }
     }
 
-    fn apply_law(&mut self, medium: &Medium, dt: f64, patch: &Patch) {
-        self.apply_normal(medium, patch);
+    fn apply_law(&mut self, medium: &Medium, dt: f64, former: &Former, patch: &Patch) {
+        self.apply_normal(medium, dt, former, patch);
         self.apply_friction(medium, dt, patch);
         let (a, b) = self.bodies(medium);
         for point in &self.points {
@@ -351,26 +351,26 @@ impl Pair {
         )
     }
 
-    /// Damping constant of the contact as a whole, `2 ξ √(K_e m_e)`; N s/m.
-    fn viscosity(&self, medium: &Medium, at: &Vec3, stiffness: f64, ratio: f64) -> f64 {
-        let (a, b) = self.bodies(medium);
-        let mobility = a.compliance(at, &self.normal) + b.compliance(at, &self.normal);
-        if mobility > 0.0 {
-            2.0 * ratio * (stiffness / mobility).sqrt()
-        } else {
-            0.0
-        }
-    }
-
-    fn apply_normal(&mut self, medium: &Medium, patch: &Patch) {
+    fn apply_normal(&mut self, medium: &Medium, dt: f64, former: &Former, patch: &Patch) {
         let joint = medium.joint(self);
         let (a, b) = self.bodies(medium);
         let points = &patch.points;
         let total: f64 = points.iter().map(|p| p.weight).sum();
         let middle: Vec3 = points.iter().map(|p| p.position * (p.weight / total)).sum();
         let stiffness = joint.normal_stiffness * total;
-        let damping = self.viscosity(medium, &middle, stiffness, joint.damping_ratio) / total;
+        let mobility = a.compliance(&middle, &self.normal) + b.compliance(&middle, &self.normal);
+        // 2 ξ √(K_e m_e), N s/m.
+        let damping = if mobility > 0.0 {
+            2.0 * joint.damping_ratio * (stiffness / mobility).sqrt() / total
+        } else {
+            0.0
+        };
         self.dashpots.0 = damping;
+        let meeting = (former.points.is_empty() && self.bond.is_none()).then(|| {
+            let closing = (a.velocity_at(&middle) - b.velocity_at(&middle)).dot(&self.normal);
+            (self.deepest, closing)
+        });
+        let damping = damping * dashpot_share(damping * total * mobility, dt, meeting);
         for &patch in points {
             let x = &patch.position;
             let opening = (b.velocity_at(x) - a.velocity_at(x)).dot(&self.normal);
@@ -535,6 +535,29 @@ impl Pair {
             stiffness: joint.normal_stiffness * along + joint.shear_stiffness * weight * across,
             damping: self.dashpots.0 * along + self.dashpots.1 * across,
         }
+    }
+}
+
+/// Share of the dashpot that acts in a step, so that the rebound is in the mean the one asked, to second order
+/// in it.
+///
+/// ```text
+/// s = 1/(1 + c w dt/4)                                    later on                                [–]
+/// s = (1/2 + δ/(u dt))/(1 + c w dt/4),   s c w dt ≤ 1     in the step in which the bodies meet
+/// ```
+/// The velocity is that of half a step ago, which was faster by `(k δ + c u) w dt/2`: damping and stiffness
+/// seem larger, and the damping ratio by `1 + c w dt/4`. The force at the end of a step stands for half a step
+/// on either side, but they met only `δ/u` ago: with a whole force the rebound of one spring was 0.40 to 0.58
+/// for 0.5, depending on where in a step they met, with five steps in a contact. It then takes no more than all of the
+/// speed. Rate of damping `c w` (1/s); `meeting`: overlap δ (m) and closing rate u (m/s).
+pub(crate) fn dashpot_share(rate: f64, dt: f64, meeting: Option<(f64, f64)>) -> f64 {
+    let later = 1.0 / (1.0 + 0.25 * rate * dt);
+    match meeting {
+        Some((overlap, closing)) if closing * dt > 0.0 => {
+            let first = (0.5 + overlap / (closing * dt)).clamp(0.5, 1.5) * later;
+            first.min(f64::max(1.0 / (rate * dt), later))
+        }
+        _ => later,
     }
 }
 

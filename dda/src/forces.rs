@@ -1,7 +1,7 @@
 //! Contact forces of all pairs, and what they add up to for each block.
 
 use crate::{
-    Blocks, Load,
+    Blocks, Load, Vec3,
     blocks::CHUNK,
     broad_phase,
     chunks::{self, PerChunk},
@@ -25,6 +25,8 @@ pub(crate) struct Tally {
     /// Lost; J.
     pub friction: f64,
     pub damping: f64,
+    /// Angular impulse that rolling resistance took out of both sides together; N m s.
+    pub rolling_impulse: Vec3,
     pub n_touching: u64,
     pub n_broken: u64,
     /// Full separating-axis tests.
@@ -40,6 +42,7 @@ impl Tally {
         Self {
             friction: self.friction + other.friction,
             damping: self.damping + other.damping,
+            rolling_impulse: self.rolling_impulse + other.rolling_impulse,
             n_touching: self.n_touching + other.n_touching,
             n_broken: self.n_broken + other.n_broken,
             n_searches: self.n_searches + other.n_searches,
@@ -74,6 +77,7 @@ impl Blocks {
         ended(Phase::Sums);
         self.friction.book(tally.friction);
         self.damping.book(tally.damping);
+        self.rolling_impulse += tally.rolling_impulse;
         self.n_broken_bonds += tally.n_broken;
         self.n_axis_searches += tally.n_searches;
         self.n_contact_updates += tally.n_touching;
@@ -177,6 +181,7 @@ impl Blocks {
                 pair.evaluate(&medium, dt);
                 tally.friction += pair.friction;
                 tally.damping += pair.damping;
+                tally.rolling_impulse += pair.rolling_impulse;
                 if pair.is_touching {
                     tally.note_overlap(
                         pair.parts,
@@ -235,7 +240,7 @@ impl Blocks {
                     let sign = if is_second { 1.0 } else { -1.0 };
                     load.add(&(force * sign), &(point - centroid));
                     if let Some(rolling) = sphere_rolling.get(k) {
-                        load.torque += rolling.torque * sign;
+                        load.torque += side(&rolling.torques, is_second);
                     }
                 }
                 for (k, is_second) in surface_links.of(b) {

@@ -5,7 +5,11 @@
 //!
 //! ```text
 //! n = (sin dip sin dd, sin dip cos dd, cos dip)
+//! s = (cos dd, −sin dd, 0)                          strike
+//! d = (cos dip sin dd, cos dip cos dd, −sin dip)    down the dip
 //! ```
+//! Orientations scatter about s and d, so that a mass turned about the vertical with its joints comes out as
+//! the same blocks, turned. About another axis it does not: s and d stay horizontal and downhill.
 
 mod slivers;
 
@@ -27,8 +31,7 @@ pub struct JointSet {
     pub origin: Vec3,
     /// Chance that a joint cuts a block which it meets, 0 to 1.
     pub persistence: f64,
-    /// Scatter σ of the orientation, ≥ 0: the normal leans by `σ ξ` along each of two axes in the joint,
-    /// ξ standard normal. Leans beyond 3σ, 1.1 % of all, are drawn again: joints lean by 1.23 σ in the
+    /// Scatter σ of the orientation, ≥ 0: the normal leans by `σ ξ` along its strike and its dip, ξ standard normal. Leans beyond 3σ, 1.1 % of all, are drawn again: joints lean by 1.23 σ in the
     /// mean and by `atan 3σ` at most; rad.
     pub scatter: f64,
     /// A joint lies off its regular place by at most this share of the spacing, 0 to 0.5.
@@ -93,6 +96,14 @@ impl JointSet {
         Vec3::new(dip.0 * direction.0, dip.0 * direction.1, dip.1)
     }
 
+    /// Unit vectors along the strike and down the dip.
+    fn axes(&self) -> (Vec3, Vec3) {
+        let (dip, direction) = (self.dip.sin_cos(), self.dip_direction.sin_cos());
+        let strike = Vec3::new(direction.1, -direction.0, 0.0);
+        let down = Vec3::new(dip.1 * direction.0, dip.1 * direction.1, -dip.0);
+        (strike, down)
+    }
+
     fn check(&self, set: usize) -> Result<(), JointError> {
         let half_pi = std::f64::consts::FRAC_PI_2;
         let fields = [
@@ -153,9 +164,9 @@ impl JointSet {
         let normal = self.normal();
         let shift = self.spacing_scatter * (2.0 * random.uniform() - 1.0);
         let offset = normal.dot(&self.origin) + (k as f64 + shift) * self.spacing;
-        let (u, v) = across(&normal);
+        let (strike, down) = self.axes();
         let (a, b) = lean(random);
-        let tilt = (u * a + v * b) * self.scatter;
+        let tilt = (strike * a + down * b) * self.scatter;
         // Tilted about the point nearest to the middle of the mass.
         let pivot = middle + normal * (offset - normal.dot(middle));
         Plane::through(&pivot, &(normal + tilt))
@@ -327,17 +338,6 @@ fn lean(random: &mut Random) -> (f64, f64) {
             return (a, b);
         }
     }
-}
-
-/// Two unit vectors across a unit vector.
-fn across(n: &Vec3) -> (Vec3, Vec3) {
-    let axis = if n.x.abs() < 0.9 {
-        Vec3::x()
-    } else {
-        Vec3::y()
-    };
-    let u = n.cross(&axis).normalize();
-    (u, n.cross(&u))
 }
 
 /// Standard normal, by Box & Muller (1958).

@@ -130,7 +130,7 @@ pub use joint_sets::{
 };
 pub use kinematics::Load;
 pub use material::{
-    Elastic, JointOverride, Material, NormalLaw, clamped_restitution, damping_ratio,
+    Elastic, JointOverride, Material, NormalLaw, RollingLaw, clamped_restitution, damping_ratio,
 };
 pub use measure::{MassProperties, face_area, mass_properties, volume};
 pub use motion::{Accelerogram, Motion, PrescribedMotion};

@@ -170,6 +170,9 @@ pub struct JointOverride {
     pub residual_friction_angle: Option<f64>,
     /// Cohesion until the joint breaks, ≥ 0; Pa.
     pub cohesion: Option<f64>,
+    /// Cohesion once the joint has broken, 0 to the cohesion; if there is none here, what follows from the two, at
+    /// most the cohesion; Pa.
+    pub residual_cohesion: Option<f64>,
     /// Tensile strength until the joint breaks, ≥ 0; Pa.
     pub tensile_strength: Option<f64>,
     /// Normal restitution, 0 to 1; –.
@@ -190,6 +193,7 @@ struct Strength {
     friction_angle: f64,
     residual_friction_angle: f64,
     cohesion: f64,
+    residual_cohesion: f64,
     tensile_strength: f64,
     restitution: f64,
     rolling_friction: f64,
@@ -202,6 +206,7 @@ impl Strength {
             friction_angle: first.friction_angle.min(second.friction_angle),
             residual_friction_angle: residual(first).min(residual(second)),
             cohesion: first.cohesion.min(second.cohesion),
+            residual_cohesion: first.residual_cohesion.min(second.residual_cohesion),
             tensile_strength: first.tensile_strength.min(second.tensile_strength),
             restitution: first.restitution.min(second.restitution),
             rolling_friction: 0.5 * (first.rolling_friction + second.rolling_friction),
@@ -210,10 +215,14 @@ impl Strength {
 
     fn overridden(self, by: &JointOverride) -> Self {
         let residual = by.residual_friction_angle.or(by.friction_angle);
+        let cohesion = by.cohesion.unwrap_or(self.cohesion);
         Self {
             friction_angle: by.friction_angle.unwrap_or(self.friction_angle),
             residual_friction_angle: residual.unwrap_or(self.residual_friction_angle),
-            cohesion: by.cohesion.unwrap_or(self.cohesion),
+            cohesion,
+            residual_cohesion: by
+                .residual_cohesion
+                .unwrap_or_else(|| self.residual_cohesion.min(cohesion)),
             tensile_strength: by.tensile_strength.unwrap_or(self.tensile_strength),
             restitution: by.restitution.unwrap_or(self.restitution),
             rolling_friction: by.rolling_friction.unwrap_or(self.rolling_friction),
@@ -225,6 +234,7 @@ impl Strength {
             friction_angle,
             residual_friction_angle,
             cohesion,
+            residual_cohesion,
             tensile_strength,
             restitution,
             rolling_friction,
@@ -243,6 +253,12 @@ impl Strength {
                 "must be in [0, friction_angle] rad",
             ),
             ("cohesion", cohesion, cohesion >= 0.0, "must be >= 0 Pa"),
+            (
+                "residual_cohesion",
+                residual_cohesion,
+                (0.0..=cohesion).contains(&residual_cohesion),
+                "must be in [0, cohesion] Pa",
+            ),
             (
                 "tensile_strength",
                 tensile_strength,
@@ -298,6 +314,30 @@ pub enum NormalLaw {
     Linear,
     /// Hertz's, from the elastic moduli.
     Hertz,
+}
+
+/// Which turning the rolling resistance of balls opposes, at each contact by at most `μ_r R̃ F_n`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum RollingLaw {
+    /// That of one body against the other, without the part about the normal: equal and opposite torques. Balls
+    /// that turn alike do not hold each other back.
+    ///
+    /// ```text
+    /// ω_r = (1 − n nᵀ)(ω_j − ω_i),    M_j = −M_i = −μ_r R̃ F_n ω_r/|ω_r|                                      [N m]
+    /// ```
+    /// Source: Ai, Chen, Rotter & Ooi (2011), models A and C.
+    #[default]
+    Relative,
+    /// That of each ball against the world, twist included; nothing acts on other bodies. It depends on who
+    /// watches, and makes angular momentum vanish: [`Blocks::rolling_impulse`](crate::Blocks::rolling_impulse).
+    ///
+    /// ```text
+    /// M_i = −μ_r R̃ F_n ω_i/|ω_i|,    M_j = −μ_r R̃ F_n ω_j/|ω_j|                                              [N m]
+    /// ```
+    /// Source: Zhou, Wright, Yang, Xu & Yu (1999), Physica A 269, 536-553, whose rolling coefficient is the length
+    /// `μ_r R̃`. Theirs has the direction of even the slowest turning; here a spring leads up to the limit, as with
+    /// the other law, so that a ball can rest.
+    OwnSpin,
 }
 
 /// Constants of the contact of a ball.
@@ -523,10 +563,7 @@ impl Joint {
             friction: strength.friction_angle.tan(),
             residual_friction: strength.residual_friction_angle.tan(),
             cohesion: strength.cohesion,
-            residual_cohesion: first
-                .residual_cohesion
-                .min(second.residual_cohesion)
-                .min(strength.cohesion),
+            residual_cohesion: strength.residual_cohesion,
             tensile_strength: strength.tensile_strength,
             damping_ratio: damping_ratio(strength.restitution),
             spheres: SphereJoint::between(first, second, strength, law),

@@ -5,23 +5,24 @@
 //! linear   F_n = k δ − 2 ξ √(k m̃) u_n ≥ 0
 //! Hertz    F_n = K δ^3/2 − β √(m̃ K) δ^1/4 u_n ≥ 0,    K = 4/3 E* √R̃                                [N]
 //! shear    F_t = −k_t ξ − 2 ξ_t √(k_t m̃) u_t,   |F_t| ≤ μ_s F_n, once it slips μ_d F_n, until it holds again
-//! rolling  M = −k_r θ − c_r ω_t,   k_r = 9/4 k_n μ_r² R̃²,   |M| ≤ μ_r R̃ F_n,el                      [N m]
+//! rolling  M = −k_r θ − c_r ω_r,   k_r = 9/4 k_n μ_r² R̃²,   |M| ≤ μ_r R̃ F_n,el                      [N m]
 //! ```
 //! `1/m̃` is the sum of both sides' compliances along the normal, `R̃ = r_i r_j/(r_i + r_j)`, or `r` against
 //! a polyhedron; ξ and β are those that give the restitution with a force that never pulls (Schwager &
 //! Pöschel 2007). Sources: Cundall & Strack (1979), Tsuji, Tanaka & Ishida (1992), Luding (2008); rolling:
-//! Ai, Chen, Rotter & Ooi (2011), whose limit is the constant directional torque of Zhou et al. (1999) and
-//! whose spring lets a ball come to rest.
+//! Ai, Chen, Rotter & Ooi (2011), whose spring lets a ball come to rest. What `ω_r` and `θ`, its integral, turn
+//! against: see [`RollingLaw`].
 //!
-//! The force acts in the middle of the overlap, so that angular momentum is kept.
+//! The force acts in the middle of the overlap, so that angular momentum is kept, but for
+//! [`RollingLaw::OwnSpin`], whose sink is booked.
 
 use crate::{
     SurfacePoint, Vec3,
-    contact::{ContactState, Medium, Rates},
+    contact::{ContactState, Medium, Rates, dashpot_share},
     forces::Tally,
     friction::carry,
     kinematics::{Kinematics, Load},
-    material::SphereJoint,
+    material::{RollingLaw, SphereJoint},
     parts::Part,
 };
 
@@ -118,17 +119,36 @@ pub(crate) struct SphereLoads {
 /// Memory of the rolling spring of a touching pair; only where a material resists rolling.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Rolling {
-    /// `θ`, of j against i; rad.
-    pub angle: Vec3,
-    /// On j; N m.
-    pub torque: Vec3,
+    /// `θ`, of i and of j on their own, or of j against i and nothing; rad.
+    pub angles: (Vec3, Vec3),
+    /// On i and j; N m.
+    pub torques: (Vec3, Vec3),
     /// `k_r`; N m.
     pub stiffness: f64,
 }
 
 impl Rolling {
     pub fn energy(&self) -> f64 {
-        0.5 * self.stiffness * self.angle.norm_squared()
+        0.5 * self.stiffness * (self.angles.0.norm_squared() + self.angles.1.norm_squared())
+    }
+
+    pub fn for_each_state_f64(&self, f: &mut dyn FnMut(f64)) {
+        for v in [
+            &self.angles.0,
+            &self.angles.1,
+            &self.torques.0,
+            &self.torques.1,
+        ] {
+            v.iter().for_each(|&c| f(c));
+        }
+    }
+
+    /// Books half a step (s) of the torques.
+    fn book_half<A: Side, B: Side>(&self, dt: f64, sides: &(A, B), tally: &mut Tally) {
+        let (a, b) = (sides.0.kinematics(), sides.1.kinematics());
+        let power = self.torques.0.dot(&a.spin) + self.torques.1.dot(&b.spin);
+        tally.friction -= 0.5 * dt * power;
+        tally.rolling_impulse += (self.torques.0 + self.torques.1) * (0.5 * dt);
     }
 }
 
@@ -172,6 +192,8 @@ trait Side {
     fn compliance_trace(&self, x: &Vec3) -> f64;
     /// `tr J⁻¹`; 1/(kg m²).
     fn turning_trace(&self) -> f64;
+    /// What [`RollingLaw::OwnSpin`] opposes, nothing but of balls; rad/s.
+    fn own_spin(&self) -> Vec3;
 
     /// Velocity of the material that was at `x` before the drift of the last `dt` (s); m/s.
     fn velocity_from(&self, x: &Vec3, dt: f64) -> Vec3 {
@@ -219,6 +241,10 @@ impl Side for Ball<'_> {
         3.0 * self.0.inverse_inertia.m11
     }
 
+    fn own_spin(&self) -> Vec3 {
+        self.0.spin
+    }
+
     fn has_steady_rates(&self) -> bool {
         true
     }
@@ -245,6 +271,10 @@ impl Side for Body<'_> {
 
     fn turning_trace(&self) -> f64 {
         self.0.inverse_inertia.trace()
+    }
+
+    fn own_spin(&self) -> Vec3 {
+        Vec3::zeros()
     }
 }
 
@@ -291,8 +321,11 @@ impl Touch {
 struct Law<'a> {
     joint: &'a SphereJoint,
     effective_radius: f64,
+    rolling_law: RollingLaw,
     shear_damping_ratio: f64,
     dt: f64,
+    /// Do the bodies meet in this step?
+    is_meeting: bool,
 }
 
 impl SphereRow<'_> {
@@ -354,8 +387,10 @@ impl SphereRow<'_> {
         let law = Law {
             joint,
             effective_radius: scales.effective_radius,
+            rolling_law: medium.rolling_law,
             shear_damping_ratio: medium.shear_damping_ratio,
             dt,
+            is_meeting: !was_touching,
         };
         if was_touching {
             let rolling = self.rolling.as_deref();
@@ -450,8 +485,8 @@ fn book_first_half<A: Side, B: Side>(
     tally.damping -= 0.5 * dt * contact.normal_viscous * along;
     tally.friction += contact.shear_energy() - 0.5 * dt * shear;
     if let Some(rolling) = rolling {
-        let turning = sides.1.kinematics().spin - sides.0.kinematics().spin;
-        tally.friction += rolling.energy() - 0.5 * dt * rolling.torque.dot(&turning);
+        tally.friction += rolling.energy();
+        rolling.book_half(dt, sides, tally);
     }
 }
 
@@ -461,8 +496,8 @@ struct Pressed {
     opening: f64,
     /// Normal; N/m.
     tangent: f64,
-    /// Of the rolling dashpot; N m s.
-    rolling_dashpot: f64,
+    /// Of the rolling dashpots of both sides; N m s.
+    rolling_dashpots: (f64, f64),
 }
 
 impl SphereContact {
@@ -479,8 +514,10 @@ impl SphereContact {
         let Law {
             joint,
             effective_radius,
+            rolling_law: _,
             shear_damping_ratio,
             dt,
+            is_meeting,
         } = *law;
         let (a, b) = (sides.0.kinematics(), sides.1.kinematics());
         let (n, x) = (found.normal, &found.point);
@@ -495,8 +532,14 @@ impl SphereContact {
             self.viscosity = joint.viscosity(found.overlap, effective_radius, 1.0 / mobility);
             self.dashpot = 2.0 * shear_damping_ratio * (shear_stiffness / mobility).sqrt();
         }
-        let dashpot = self.dashpot;
-        let normal_force = f64::max(spring.force - self.viscosity * opening, 0.0);
+        let share = if joint.is_linear() {
+            let meeting = is_meeting.then_some((found.overlap, -opening));
+            dashpot_share(self.viscosity * mobility, dt, meeting)
+        } else {
+            // Hertz's dashpot starts from nothing, as its spring does.
+            1.0
+        };
+        let normal_force = f64::max(spring.force - share * self.viscosity * opening, 0.0);
 
         // A spring that has stiffened keeps its force, one that has softened its stretch: no energy is made.
         let kept = if shear_stiffness > self.shear_stiffness {
@@ -506,7 +549,7 @@ impl SphereContact {
         };
         let turn = 0.5 * (a.spin + b.spin).dot(&n) * dt;
         let mut stretch = carry(&self.shear, &n, turn) * kept + slip * dt;
-        let mut shear = -stretch * shear_stiffness - slip * dashpot;
+        let mut shear = -stretch * shear_stiffness - slip * self.dashpot;
         let friction = if self.is_slipping {
             joint.dynamic_friction
         } else {
@@ -533,19 +576,19 @@ impl SphereContact {
             force: n * normal_force + shear,
             point: *x,
         };
-        let mut rolling_dashpot = 0.0;
+        let mut rolling_dashpots = (0.0, 0.0);
         if let Some(rolling) = rolling
             && joint.rolling_friction > 0.0
         {
             let limit = joint.rolling_friction * effective_radius * spring.force;
-            let rate = b.spin - a.spin;
-            rolling_dashpot = rolling.apply(law, found, spring.tangent, sides, limit);
-            tally.friction -= 0.5 * dt * rolling.torque.dot(&rate) + rolling.energy();
+            rolling_dashpots = rolling.apply(law, found, spring.tangent, sides, limit);
+            tally.friction -= rolling.energy();
+            rolling.book_half(dt, sides, tally);
         }
         Pressed {
             opening,
             tangent: spring.tangent,
-            rolling_dashpot,
+            rolling_dashpots,
         }
     }
 
@@ -558,9 +601,8 @@ impl SphereContact {
         pressed: &Pressed,
         rolling: Option<&Rolling>,
     ) -> PairRates {
-        let joint = law.joint;
         // Hertz's spring stiffens: what it may become counts.
-        let bound = joint.tangent_bound(
+        let bound = law.joint.tangent_bound(
             found.overlap,
             law.effective_radius,
             pressed.opening,
@@ -573,37 +615,32 @@ impl SphereContact {
         };
         let stiffness = pressed.tangent * stiffening;
         let across = self.shear_stiffness * stiffening;
-        let turning = match rolling {
-            Some(rolling) if joint.rolling_friction > 0.0 => Rates {
-                stiffness: rolling.stiffness * stiffening,
-                damping: pressed.rolling_dashpot,
-            },
-            _ => Rates::default(),
+        let turning_stiffness = rolling.map_or(0.0, |rolling| rolling.stiffness * stiffening);
+        let turning = |dashpot: f64, trace: f64| Rates {
+            stiffness: turning_stiffness * trace,
+            damping: dashpot * trace,
         };
-        let of = |along: f64, trace: f64, turning_trace: f64, twice: f64| {
+        let of = |along: f64, trace: f64, turning: Rates, twice: f64| {
             let rest = trace - along;
             Rates {
-                stiffness: twice
-                    * (stiffness * along + across * rest + turning.stiffness * turning_trace),
-                damping: twice
-                    * (self.viscosity * along
-                        + self.dashpot * rest
-                        + turning.damping * turning_trace),
+                stiffness: twice * (stiffness * along + across * rest + turning.stiffness),
+                damping: twice * (self.viscosity * along + self.dashpot * rest + turning.damping),
             }
         };
         let (first, second) = sides;
         let (n, x) = (&found.normal, &found.point);
+        let dashpots = pressed.rolling_dashpots;
         (
             of(
                 first.compliance(x, n),
                 first.compliance_trace(x),
-                first.turning_trace(),
+                turning(dashpots.0, first.turning_trace()),
                 second.twice(),
             ),
             of(
                 second.compliance(x, n),
                 second.compliance_trace(x),
-                second.turning_trace(),
+                turning(dashpots.1, second.turning_trace()),
                 first.twice(),
             ),
         )
@@ -614,8 +651,8 @@ impl SphereContact {
 const ROLLING_DAMPING_RATIO: f64 = 0.3;
 
 impl Rolling {
-    /// Advances the spring by the turning of a step and finds the torque, at most `limit` (N m). Returns
-    /// the dashpot; N m s.
+    /// Advances the springs by the turning of a step and finds the torques, each at most `limit` (N m). Returns
+    /// the dashpot of each side; N m s.
     fn apply<A: Side, B: Side>(
         &mut self,
         law: &Law,
@@ -623,32 +660,59 @@ impl Rolling {
         normal_stiffness: f64,
         sides: &(A, B),
         limit: f64,
-    ) -> f64 {
+    ) -> (f64, f64) {
         let n = found.normal;
         let (a, b) = (sides.0.kinematics(), sides.1.kinematics());
         let arm = law.joint.rolling_friction * law.effective_radius;
         let stiffness = 2.25 * normal_stiffness * arm * arm;
-        let turning = b.spin - a.spin;
-        let rolling = turning - n * turning.dot(&n);
-        let spin = 0.5 * (a.spin + b.spin).dot(&n) * law.dt;
         let kept = if stiffness > self.stiffness {
             self.stiffness / stiffness
         } else {
             1.0
         };
-        let angle = carry(&self.angle, &n, spin) * kept + rolling * law.dt;
-        // Mean over the axes: exact for balls.
-        let mobility = (sides.0.turning_trace() + sides.1.turning_trace()) / 3.0;
-        let dashpot = 2.0 * ROLLING_DAMPING_RATIO * (stiffness / mobility).sqrt();
         self.stiffness = stiffness;
-        self.angle = angle;
-        self.torque = -angle * stiffness - rolling * dashpot;
-        let size = self.torque.norm();
-        if size > limit {
-            self.torque *= limit / size;
-            self.angle = self.torque * (-1.0 / stiffness);
+        let damping = |mobility: f64| 2.0 * ROLLING_DAMPING_RATIO * (stiffness / mobility).sqrt();
+        let spring = |angle: Vec3, rate: Vec3, dashpot: f64| {
+            let torque = -angle * stiffness - rate * dashpot;
+            let size = torque.norm();
+            if size > limit {
+                let torque = torque * (limit / size);
+                (torque * (-1.0 / stiffness), torque)
+            } else {
+                (angle, torque)
+            }
+        };
+        // Mean over the axes: exact for balls.
+        let mobilities = (sides.0.turning_trace() / 3.0, sides.1.turning_trace() / 3.0);
+        match law.rolling_law {
+            RollingLaw::Relative => {
+                let turning = b.spin - a.spin;
+                let rolling = turning - n * turning.dot(&n);
+                let spin = 0.5 * (a.spin + b.spin).dot(&n) * law.dt;
+                let angle = carry(&self.angles.0, &n, spin) * kept + rolling * law.dt;
+                let dashpot = damping(mobilities.0 + mobilities.1);
+                let (angle, torque) = spring(angle, rolling, dashpot);
+                self.angles.0 = angle;
+                self.torques = (-torque, torque);
+                (dashpot, dashpot)
+            }
+            RollingLaw::OwnSpin => {
+                let own = |angle: Vec3, rate: Vec3, mobility: f64| {
+                    // What cannot turn needs no dashpot.
+                    let dashpot = if mobility > 0.0 {
+                        damping(mobility)
+                    } else {
+                        0.0
+                    };
+                    (spring(angle * kept + rate * law.dt, rate, dashpot), dashpot)
+                };
+                let first = own(self.angles.0, sides.0.own_spin(), mobilities.0);
+                let second = own(self.angles.1, sides.1.own_spin(), mobilities.1);
+                self.angles = (first.0.0, second.0.0);
+                self.torques = (first.0.1, second.0.1);
+                (first.1, second.1)
+            }
         }
-        dashpot
     }
 }
 
@@ -724,7 +788,7 @@ impl BallOnSurface {
     pub fn evaluate(
         &mut self,
         (ball, surface): (&Kinematics, &Kinematics),
-        (joint, shear_damping_ratio): (&SphereJoint, f64),
+        (joint, rolling_law, shear_damping_ratio): (&SphereJoint, RollingLaw, f64),
         radius: f64,
         dt: f64,
         tally: &mut Tally,
@@ -744,8 +808,10 @@ impl BallOnSurface {
         let law = Law {
             joint,
             effective_radius: radius,
+            rolling_law,
             shear_damping_ratio,
             dt,
+            is_meeting: !self.is_touching,
         };
         let found = Touch {
             normal,
@@ -768,11 +834,11 @@ impl BallOnSurface {
         (
             Load {
                 force: -force,
-                torque: torque(ball, &-force) - self.rolling.torque,
+                torque: torque(ball, &-force) + self.rolling.torques.0,
             },
             Load {
                 force,
-                torque: torque(surface, &force) + self.rolling.torque,
+                torque: torque(surface, &force) + self.rolling.torques.1,
             },
         )
     }

@@ -49,6 +49,8 @@ pub(crate) struct SurfacePair {
     /// Energy lost in the last sub-step; J.
     pub friction: f64,
     pub damping: f64,
+    /// See [`Tally::rolling_impulse`]; N m s.
+    pub rolling_impulse: Vec3,
     /// Deepest overlap; m.
     pub deepest: f64,
 }
@@ -130,6 +132,7 @@ impl SurfacePair {
             rates: Rates::default(),
             is_touching: false,
             friction: 0.0,
+            rolling_impulse: Vec3::zeros(),
             damping: 0.0,
             deepest: 0.0,
         }
@@ -151,6 +154,7 @@ impl SurfacePair {
         };
         self.friction = 0.0;
         self.damping = 0.0;
+        self.rolling_impulse = Vec3::zeros();
         self.deepest = 0.0;
         self.loads = (Load::default(), Load::default());
         match (&mut self.touch, &medium.parts[self.parts.0 as usize]) {
@@ -240,8 +244,7 @@ impl SurfacePair {
                     foot.contact.shear.iter().for_each(|&c| f(c));
                     foot.loads.force.iter().for_each(|&c| f(c));
                     f(f64::from(u8::from(foot.contact.is_slipping)));
-                    foot.rolling.angle.iter().for_each(|&c| f(c));
-                    foot.rolling.torque.iter().for_each(|&c| f(c));
+                    foot.rolling.for_each_state_f64(f);
                 }
             }
         }
@@ -402,6 +405,7 @@ impl SurfacePair {
         }
         let law = (
             &medium.joint_of(self.parts).spheres,
+            medium.rolling_law,
             medium.shear_damping_ratio,
         );
         self.is_touching = false;
@@ -421,6 +425,7 @@ impl SurfacePair {
         }
         self.friction = tally.friction;
         self.damping = tally.damping;
+        self.rolling_impulse = tally.rolling_impulse;
         feet.retain(|foot| foot.is_found());
     }
 }

@@ -259,6 +259,14 @@ fn a_joint_of_two_materials() {
             "residual friction angle must be in [0, 20], the friction angle, found 21",
         ),
         (
+            r#"(between: ("glass", "wall"), residual_cohesion: 1)"#,
+            "residual cohesion must be in [0, 0], the cohesion, found 1",
+        ),
+        (
+            r#"(between: ("glass", "wall"), cohesion: 5, residual_cohesion: -1)"#,
+            "residual cohesion must be in [0, 5], the cohesion, found -1",
+        ),
+        (
             r#"(between: ("glass", "wall"), friction: 21)"#,
             "unknown field `friction` in JointFile",
         ),

@@ -1,7 +1,7 @@
 //! Bonds: strength in bending, shear and tension, what is left of it, what becomes of their energy.
 
 use crate::setup::*;
-use riprap_dda::{BlockDefinition, Blocks, Load, Material, Motion, Vec3};
+use riprap_dda::{BlockDefinition, Blocks, JointOverride, Load, Material, Motion, Settings, Vec3};
 
 fn glue(tensile_strength: f64, cohesion: f64) -> Material {
     Material {
@@ -95,21 +95,39 @@ fn direct_tension() {
     assert_close("direct tension, T A", peak, strength * area, 1e-2);
 }
 
-/// Direct shear under a normal load: peak c A + N tan φ, then c_r A + N tan φ_r.
+/// Direct shear under a normal load: peak c A + N tan φ, then c_r A + N tan φ_r. The strength is that of the material,
+/// or what a joint says in its place.
 #[test]
 fn direct_shear() {
-    for joint_stiffness in [None, Some(1e10)] {
+    let of_material = |joint_stiffness| Material {
+        friction_angle: 35.0_f64.to_radians(),
+        residual_friction_angle: Some(25.0_f64.to_radians()),
+        residual_cohesion: 2e4,
+        joint_stiffness,
+        ..glue(1e5, 1e5)
+    };
+    let weaker = Material {
+        residual_cohesion: 1e3,
+        ..of_material(None)
+    };
+    let said = JointOverride {
+        residual_cohesion: Some(2e4),
+        ..JointOverride::default()
+    };
+    for (material, joints) in [
+        (of_material(None), vec![]),
+        (of_material(Some(1e10)), vec![]),
+        (weaker, vec![said]),
+    ] {
         let (area, normal) = (1.0 * 0.5, 5e4);
-        let material = Material {
-            friction_angle: 35.0_f64.to_radians(),
-            residual_friction_angle: Some(25.0_f64.to_radians()),
-            residual_cohesion: 2e4,
-            joint_stiffness,
-            ..glue(1e5, 1e5)
-        };
         // Thin, so that what turns it once it slides is small.
         let stone = block(cuboid([0.0; 3], [1.0, 0.5, 0.05]), Motion::Free);
-        let mut blocks = blocks(vec![floor(), stone], material, Vec3::zeros());
+        let settings = Settings {
+            gravity: Vec3::zeros(),
+            ..Settings::default()
+        };
+        let bodies = vec![floor(), stone];
+        let mut blocks = Blocks::with_joints(bodies, vec![material], &joints, settings).unwrap();
         let peak_expected = 1e5 * area + normal * 35.0_f64.to_radians().tan();
         let residual_expected = 2e4 * area + normal * 25.0_f64.to_radians().tan();
         let press = Load {

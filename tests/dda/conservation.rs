@@ -264,8 +264,8 @@ fn pile_of_hulls() {
     assert_below(
         "ledger, pile",
         (ledger(&e) - start).abs() / exchanged,
-        // Measured 5e-6; 1e-5 to 1e-2 with three other seeds, where a face is met behind an edge that was just apart.
-        2e-2,
+        // Asked 1e-3; measured 2e-4. Seeds 8 to 12 come to 4e-7 to 1.3e-3: any change of the rounding is another pile.
+        2e-3,
     );
 }
 

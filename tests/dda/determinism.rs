@@ -179,17 +179,10 @@ fn slide_and_stack_in_any_order_and_frame() {
                     .map(|(a, b)| (a - b).norm())
                     .fold(0.0, f64::max);
                 let scaling = joint_stiffness.map_or("N/m", |_| "Pa/m");
-                // Of two equal boxes the face of the one that was named first makes the common plane: that shows
-                // with the overlap times the angle between them, 1e-3 x 1e-3.
-                let limit = if (name, what) == ("stack of equals", "order") {
-                    1e-5
-                } else {
-                    1e-9
-                };
                 assert_below(
                     &format!("{name}, {what}, {scaling}, sizes"),
                     error / 0.5,
-                    limit,
+                    1e-9,
                 );
             }
         }

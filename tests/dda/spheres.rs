@@ -6,8 +6,8 @@ use crate::setup::{
 };
 use nalgebra::UnitQuaternion;
 use riprap_dda::{
-    BlockError, Blocks, Elastic, Energies, JointOverride, Material, Motion, NormalLaw, Settings,
-    Vec3,
+    BlockDefinition, BlockError, Blocks, Elastic, Energies, JointOverride, Material, Motion,
+    NormalLaw, RollingLaw, Settings, Vec3,
 };
 
 /// Balls slip and roll: stiff, with springs of equal half-periods.
@@ -67,6 +67,50 @@ fn linear_impact() {
             // Seen in steps of a hundredth of the limit: about period/400.
             assert_close("duration", duration, period, 5e-3);
             assert_close("overlap", deepest, (mass / 1e6).sqrt(), 1e-3);
+        }
+    }
+}
+
+/// At the usual step there are some five steps in a contact. Wherever in a step a ball or a box meets the floor, the
+/// rebound is near what was asked.
+#[test]
+fn restitution_at_the_usual_step() {
+    let settings = Settings {
+        gravity: Vec3::zeros(),
+        ..Settings::default()
+    };
+    for what in ["ball", "box"] {
+        for (restitution, share, tolerance) in [
+            // Measured 0.022, 0.006, 0.041, 0.013, 0.0014; 0.041, 0.018, 0.040, 0.026, 0.006 while the dashpot took
+            // a whole step's force in the step in which the bodies meet, and the lag of its velocity was not made up.
+            (0.8, 1.0, 0.03),
+            (0.8, 0.5, 0.01),
+            (0.5, 1.0, 0.05),
+            (0.5, 0.5, 0.016),
+            (0.5, 0.1, 0.002),
+        ] {
+            let material = Material {
+                restitution,
+                ..glass()
+            };
+            let (mut sum, mut worst) = (0.0, 0.0_f64);
+            for phase in 0..20 {
+                let height = 1e-4 + 1e-3 * f64::from(phase) * share;
+                let start = if what == "ball" {
+                    ball(Vec3::new(0.0, 0.0, 0.5 + height), 0.5)
+                } else {
+                    let body = cuboid([-0.5, -0.5, height], [0.5, 0.5, 1.0 + height]);
+                    block(body, Motion::Free)
+                };
+                let bodies = vec![floor(), moving(start, [0.0, 0.0, -1.0])];
+                let mut system = Blocks::new(bodies, vec![material], settings).unwrap();
+                run(&mut system, 0.4, share, 1.0);
+                let rebound = system.velocity(1).z;
+                sum += rebound / 20.0;
+                worst = worst.max((rebound - restitution).abs());
+            }
+            println!("{what}, {restitution} asked, {share} of the step: {sum:.4} in the mean");
+            assert_below("worst rebound", worst, tolerance);
         }
     }
 }
@@ -317,6 +361,18 @@ fn unusable_joints_are_refused() {
             vec![joint(|j| j.residual_friction_angle = Some(0.6))],
             "joint override 0: residual_friction_angle is 0.6, must be in [0, friction_angle] rad",
         ),
+        // The materials have no cohesion.
+        (
+            vec![joint(|j| j.residual_cohesion = Some(1.0))],
+            "joint override 0: residual_cohesion is 1, must be in [0, cohesion] Pa",
+        ),
+        (
+            vec![joint(|j| {
+                j.cohesion = Some(5.0);
+                j.residual_cohesion = Some(6.0);
+            })],
+            "joint override 0: residual_cohesion is 6, must be in [0, cohesion] Pa",
+        ),
     ] {
         assert_eq!(refused(&joints), expected);
     }
@@ -364,6 +420,126 @@ fn rolling_ball_stops() {
     assert_below("speed", system.velocity(1).norm(), 1e-4);
 }
 
+/// Two balls pressed together between two plates without friction, each with its own spin about y; the torques of
+/// rolling alone act, of the balls' contact only.
+fn two_pressed(law: RollingLaw, spins: [f64; 2]) -> Blocks {
+    let material = Material {
+        friction_angle: 0.0,
+        rolling_friction: 0.1,
+        contact_stiffness: 1e8,
+        ..glass()
+    };
+    let settings = Settings {
+        gravity: Vec3::zeros(),
+        rolling_law: law,
+        ..Settings::default()
+    };
+    let press = 1e-3;
+    let bodies = spins.iter().zip([-1.0, 1.0]).map(|(&spin, side)| {
+        let mut start = ball(Vec3::new(0.0, 0.0, side * (0.5 - 0.5 * press)), 0.5);
+        start.angular_velocity = Vec3::new(0.0, spin, 0.0);
+        start
+    });
+    let plate = |from: f64, to: f64| BlockDefinition {
+        material: 1,
+        ..block(cuboid([-2.0, -2.0, from], [2.0, 2.0, to]), Motion::Fixed)
+    };
+    let mut all = vec![
+        plate(-3.0, -1.0 + 1.5 * press),
+        plate(1.0 - 1.5 * press, 3.0),
+    ];
+    all.extend(bodies);
+    let joint = JointOverride {
+        materials: (0, 1),
+        friction_angle: None,
+        residual_friction_angle: None,
+        cohesion: None,
+        residual_cohesion: None,
+        tensile_strength: None,
+        restitution: None,
+        rolling_friction: Some(0.0),
+    };
+    Blocks::with_joints(all, vec![material; 2], &[joint], settings).unwrap()
+}
+
+#[test]
+fn balls_that_turn_alike_slow_down_by_their_own_spin_only() {
+    let mass = 2500.0 * 4.0 / 3.0 * std::f64::consts::PI * 0.125;
+    let inertia = 0.4 * mass * 0.25;
+    // μ_r R̃ F_n, with the force of the overlap of 1e-3 m.
+    let torque = 0.1 * 0.25 * 1e8 * 1e-3;
+    let time = 0.5 * 20.0 * inertia / torque;
+    for (law, spins, slowed) in [
+        (RollingLaw::Relative, [20.0, 20.0], [20.0, 20.0]),
+        (RollingLaw::Relative, [20.0, -20.0], [10.0, -10.0]),
+        (RollingLaw::Relative, [20.0, 0.0], [10.0, 10.0]),
+        (RollingLaw::OwnSpin, [20.0, 20.0], [10.0, 10.0]),
+        (RollingLaw::OwnSpin, [20.0, -20.0], [10.0, -10.0]),
+        (RollingLaw::OwnSpin, [20.0, 0.0], [10.0, 0.0]),
+    ] {
+        let mut system = two_pressed(law, spins);
+        let before = (angular_momentum(&system), ledger(&system.energies()));
+        run(&mut system, time, 0.5, 1.0);
+        for (ball, expected) in [(2, slowed[0]), (3, slowed[1])] {
+            let spin = system.angular_velocity(ball).y;
+            // The dashpots reach the limit in the first step; measured 1e-13.
+            assert_below(
+                &format!("{law:?} of {spins:?}, ball {ball}"),
+                (spin - expected).abs() / 20.0,
+                1e-11,
+            );
+        }
+        let scale = 40.0 * inertia;
+        let lost = angular_momentum(&system) - before.0;
+        assert_below(
+            "angular momentum less what the law took",
+            (lost - system.rolling_impulse()).norm() / scale,
+            1e-12,
+        );
+        let taken: f64 = slowed.iter().sum::<f64>() - spins.iter().sum::<f64>();
+        assert_below("sink", (lost.y - inertia * taken).abs() / scale, 1e-11);
+        assert_below(
+            "ledger",
+            (ledger(&system.energies()) - before.1).abs() / (0.5 * inertia * 400.0),
+            1e-11,
+        );
+    }
+}
+
+#[test]
+fn own_spin_stops_a_ball_as_it_rolls_and_spins() {
+    let material = Material {
+        friction_angle: 0.6_f64.atan(),
+        rolling_friction: 0.0678,
+        contact_stiffness: 1e8,
+        ..glass()
+    };
+    let settings = Settings {
+        gravity: down(),
+        rolling_law: RollingLaw::OwnSpin,
+        ..Settings::default()
+    };
+    let mass = 2500.0 * 4.0 / 3.0 * std::f64::consts::PI * 0.125;
+    let start = ball(Vec3::new(0.0, 0.0, 0.5 - mass * G / 1e8), 0.5);
+    // G05: rolling alone, the two laws are one.
+    let mut rolling = moving(start.clone(), [1.0, 0.0, 0.0]);
+    rolling.angular_velocity = Vec3::new(0.0, 2.0, 0.0);
+    let mut system = Blocks::new(vec![floor(), rolling], vec![material], settings).unwrap();
+    run(&mut system, 6.0, 0.8, 1.0);
+    let expected = 1.0 / (2.0 * 5.0 / 7.0 * 0.0678 * G);
+    assert_close("way", system.centroid(1).x, expected, 1e-2);
+    assert_below("speed", system.velocity(1).norm(), 1e-4);
+    // Spinning on the spot: ω = ω₀ − 5/2 μ_r g t/r.
+    let mut spinning = start;
+    spinning.angular_velocity = Vec3::new(0.0, 0.0, 5.0);
+    let mut system = Blocks::new(vec![floor(), spinning], vec![material], settings).unwrap();
+    let rest = 5.0 * 0.4 * 0.5 / (0.0678 * G);
+    run(&mut system, 0.5 * rest, 0.8, 1.0);
+    assert_close("spin", system.angular_velocity(1).z, 2.5, 1e-11);
+    run(&mut system, 2.0 * rest, 0.8, 1.0);
+    assert_below("at rest", system.angular_velocity(1).norm(), 1e-3);
+}
+
 #[test]
 fn full_stick_turns_the_tangential_speed_round() {
     // Equal half-periods of heave and shear: k_t = 2/7 k_n. The bed has no weight to move.
@@ -389,7 +565,7 @@ fn full_stick_turns_the_tangential_speed_round() {
 }
 
 /// Three balls that collide, slide and roll on each other.
-fn collision(turn: &UnitQuaternion<f64>) -> Blocks {
+fn collision(turn: &UnitQuaternion<f64>, rolling_law: RollingLaw) -> Blocks {
     let material = Material {
         restitution: 0.5,
         rolling_friction: 0.05,
@@ -409,6 +585,7 @@ fn collision(turn: &UnitQuaternion<f64>) -> Blocks {
     }
     let settings = Settings {
         gravity: Vec3::zeros(),
+        rolling_law,
         ..Settings::default()
     };
     Blocks::new(bodies, vec![material], settings).unwrap()
@@ -424,7 +601,13 @@ fn angular_momentum(system: &Blocks) -> Vec3 {
 
 #[test]
 fn collisions_conserve_momentum_and_close_the_ledger() {
-    let mut system = collision(&UnitQuaternion::identity());
+    for law in [RollingLaw::Relative, RollingLaw::OwnSpin] {
+        conserves(collision(&UnitQuaternion::identity(), law));
+    }
+}
+
+/// Angular momentum but for what the own-spin law takes.
+fn conserves(mut system: Blocks) {
     let scale = (0..3).map(|b| system.mass(b) * 3.0).sum::<f64>();
     let (momentum, angular) = (system.momentum(), angular_momentum(&system));
     let energies = system.energies();
@@ -438,7 +621,7 @@ fn collisions_conserve_momentum_and_close_the_ledger() {
     );
     assert_below(
         "angular",
-        (angular_momentum(&system) - angular).norm() / scale,
+        (angular_momentum(&system) - angular - system.rolling_impulse()).norm() / scale,
         1e-12,
     );
     let Energies {
@@ -459,7 +642,13 @@ fn collisions_conserve_momentum_and_close_the_ledger() {
 #[test]
 fn turned_collision_is_the_same_collision() {
     let turn = UnitQuaternion::from_scaled_axis(Vec3::new(1.0, -0.4, 0.7));
-    let mut pair = [collision(&UnitQuaternion::identity()), collision(&turn)];
+    let still = UnitQuaternion::identity();
+    for law in [RollingLaw::Relative, RollingLaw::OwnSpin] {
+        turned_is_the_same([collision(&still, law), collision(&turn, law)], &turn);
+    }
+}
+
+fn turned_is_the_same(mut pair: [Blocks; 2], turn: &UnitQuaternion<f64>) {
     for system in &mut pair {
         system.advance(0.0, 0.3, 3000).unwrap();
     }

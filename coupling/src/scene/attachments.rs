@@ -3,12 +3,12 @@
 
 use riprap_dda::{
     Attachment, BlockDefinition, ContactDetection, Deformability, DeformableModel, Hold,
-    JointOverride, NormalLaw, Shape, StaticDamping, StressLaw, Turning, Vec3,
+    JointOverride, NormalLaw, RollingLaw, Shape, StaticDamping, StressLaw, Turning, Vec3,
 };
 
 use super::file::{
     AttachmentFile, Axis, ContactDetectionFile, DeformableFile, DeformableModelFile, HoldFile,
-    NormalLawFile, SceneFile, StaticDampingFile, TurningFile,
+    NormalLawFile, RollingLawFile, SceneFile, StaticDampingFile, TurningFile,
 };
 use super::resolve::vec3;
 
@@ -96,6 +96,7 @@ pub fn joints(file: &SceneFile) -> Vec<JointOverride> {
             friction_angle: joint.friction_angle_deg.map(f64::to_radians),
             residual_friction_angle: joint.residual_friction_angle_deg.map(f64::to_radians),
             cohesion: joint.cohesion,
+            residual_cohesion: joint.residual_cohesion,
             tensile_strength: joint.tensile_strength,
             restitution: joint.restitution,
             rolling_friction: joint.rolling_friction,
@@ -162,6 +163,13 @@ pub fn normal_law(file: NormalLawFile) -> NormalLaw {
     match file {
         NormalLawFile::Linear => NormalLaw::Linear,
         NormalLawFile::Hertz => NormalLaw::Hertz,
+    }
+}
+
+pub fn rolling_law(file: RollingLawFile) -> RollingLaw {
+    match file {
+        RollingLawFile::Relative => RollingLaw::Relative,
+        RollingLawFile::OwnSpin => RollingLaw::OwnSpin,
     }
 }
 

@@ -213,6 +213,9 @@ pub struct JointFile {
     /// Cohesion until the joint breaks; Pa.
     #[serde(default)]
     pub cohesion: Option<f64>,
+    /// Cohesion once the joint has broken, at most the cohesion; Pa.
+    #[serde(default)]
+    pub residual_cohesion: Option<f64>,
     /// Tensile strength until the joint breaks; Pa.
     #[serde(default)]
     pub tensile_strength: Option<f64>,
@@ -743,6 +746,9 @@ pub struct NumericsFile {
     /// How balls answer to being pressed.
     #[serde(default)]
     pub normal_law: NormalLawFile,
+    /// Which turning the rolling resistance of balls opposes.
+    #[serde(default)]
+    pub rolling_law: RollingLawFile,
     /// Damping of blocks in a search for a state of rest; none for blocks that move.
     #[serde(default)]
     pub static_damping: Option<StaticDampingFile>,
@@ -766,6 +772,16 @@ pub enum NormalLawFile {
     Linear,
     /// Hertz's, from the elastic moduli, which every material then needs.
     Hertz,
+}
+
+/// Which turning the rolling resistance of balls opposes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum RollingLawFile {
+    /// That of one against the other: equal and opposite torques.
+    #[default]
+    Relative,
+    /// That of each ball on its own, as published by Zhou et al. (1999); angular momentum is lost.
+    OwnSpin,
 }
 
 /// Damping for statics. What it takes stands in the ledger.

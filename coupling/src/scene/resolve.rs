@@ -9,7 +9,8 @@ use riprap_sph::{NegativePressure as Clamping, Vec3};
 
 use crate::interface::{DAMPING_RATIO, WallSettings};
 use crate::scene::attachments::{
-    attachments, contact_detection, deformability, hold, joints, normal_law, static_damping,
+    attachments, contact_detection, deformability, hold, joints, normal_law, rolling_law,
+    static_damping,
 };
 use crate::scene::error::{Problem, Severity};
 use crate::scene::file::{
@@ -162,6 +163,7 @@ impl Scene {
                 time_step_factor: block_factor,
                 contact_detection: contact_detection(file.numerics.contact_detection),
                 normal_law: normal_law(file.numerics.normal_law),
+                rolling_law: rolling_law(file.numerics.rolling_law),
                 static_damping: file.numerics.static_damping.map(static_damping),
                 ..riprap_dda::Settings::default()
             },

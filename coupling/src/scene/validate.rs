@@ -509,6 +509,21 @@ impl Checks {
                 ),
             );
         }
+        let cohesion = joint.cohesion.unwrap_or_else(|| {
+            let cohesions = of_materials.iter().map(|m| m.cohesion);
+            cohesions.fold(f64::INFINITY, f64::min)
+        });
+        if let Some(residual) = joint.residual_cohesion
+            && !(0.0..=cohesion).contains(&residual)
+        {
+            self.refuse(
+                path("residual_cohesion"),
+                format!(
+                    "{} must be in [0, {cohesion}], the cohesion, found {residual}",
+                    of("residual cohesion")
+                ),
+            );
+        }
         for (field, what, value) in [
             ("cohesion", "cohesion", joint.cohesion),
             (

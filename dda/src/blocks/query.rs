@@ -399,6 +399,12 @@ impl Blocks {
         self.impulse_exchanged
     }
 
+    /// Angular impulse that [`RollingLaw::OwnSpin`](crate::RollingLaw::OwnSpin) gave to balls so far, which no other
+    /// body took up: what the balance of angular momentum lacks; zero with the other law; N m s.
+    pub fn rolling_impulse(&self) -> Vec3 {
+        self.rolling_impulse
+    }
+
     /// Numbers of the solver.
     pub fn settings(&self) -> &Settings {
         &self.settings
@@ -451,8 +457,7 @@ impl Blocks {
             contact.shear.iter().for_each(|&c| f(c));
             f(contact.normal_force);
             if let Some(rolling) = self.sphere_rolling.get(k) {
-                rolling.angle.iter().for_each(|&c| f(c));
-                rolling.torque.iter().for_each(|&c| f(c));
+                rolling.for_each_state_f64(f);
             }
         }
         for pair in &self.surface_pairs {
@@ -470,6 +475,7 @@ impl Blocks {
         f(self.damping.total());
         f(self.external_work.total());
         self.support_impulse.iter().for_each(|&c| f(c));
+        self.rolling_impulse.iter().for_each(|&c| f(c));
         f(self.impulse_exchanged);
         f(self.max_overlap_over_size);
     }
