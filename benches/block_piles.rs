@@ -1,7 +1,7 @@
 //! Speed of blocks: random hulls and cubes that have fallen into a bin.
 //!
 //! `cargo bench -p riprap-dda` settles 125 and 1000 of each, then times steps on one and on all threads.
-//! `cargo bench -p riprap-dda -- N` does it for about N bodies.
+//! `cargo bench -p riprap-dda -- N` does it for about N bodies, `-- N hulls` and `-- N cubes` for one kind of them.
 #![expect(clippy::print_stdout, reason = "a benchmark reports")]
 
 mod piles;
@@ -33,8 +33,14 @@ fn body(is_hull: bool, random: &mut Random) -> Result<Polyhedron, Failure> {
 
 fn main() -> Result<(), Failure> {
     let sides = piles::wanted().map_or(vec![5, 10], |n| vec![n.cbrt().round() as usize]);
+    let is_named = |kind: &str| std::env::args().any(|argument| argument == kind);
+    let kinds = match (is_named("cubes"), is_named("hulls")) {
+        (true, false) => vec![false],
+        (false, true) => vec![true],
+        _ => vec![false, true],
+    };
     for side in sides {
-        for is_hull in [false, true] {
+        for &is_hull in &kinds {
             let pile = Pile {
                 side,
                 pitch: 1.45,

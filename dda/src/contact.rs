@@ -467,8 +467,8 @@ impl Pair {
         self.elastic = (held, self.shear_energy);
     }
 
-    /// Rate bounds of the pair for its two blocks, twice as much against a partner that is free. Before the parts touch, for the worst point of their
-    /// bounding spheres. `weight` is the flat weight of the patch.
+    /// Rate bounds of the pair for its two blocks, twice as much against a partner that is free. Before the parts
+    /// touch, for the worst point of their bounding spheres. `weight` is the flat weight of the patch.
     fn rate_bounds(&self, medium: &Medium, weight: f64) -> (Rates, Rates) {
         let (a, b) = self.bodies(medium);
         let radii = (
