@@ -97,11 +97,11 @@ pub struct TimeByPhase {
     pub density: f64,
     /// Pair forces in the fluid.
     pub forces: f64,
-    /// Broad phase, narrow phase and contact law of the blocks, and their motion: each pair is found
-    /// and evaluated in one go.
+    /// Which pairs of blocks may touch.
     pub contact_detection: f64,
-    /// The contact law by itself: not measured apart from its detection, hence null.
-    pub contact_forces: Option<f64>,
+    /// Narrow phase and contact law of the blocks, which share a loop: each pair is found and evaluated in one
+    /// go.
+    pub contact_forces: f64,
     /// Particles against blocks.
     pub coupling: f64,
     /// Kicks, drifts and step limits of both media.

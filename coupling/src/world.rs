@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use riprap_dda::{Blocks, Load, Motion};
+use riprap_dda::{Blocks, Load, Motion, Phase};
 use riprap_sph::{Fluid, FluidError, Vec3};
 
 use crate::interface::{Interface, WallSettings};
@@ -102,11 +102,13 @@ pub struct PhaseTimes {
     pub density: Duration,
     /// Pair forces in the fluid.
     pub forces: Duration,
-    /// Blocks: broad and narrow phase with the contact law, which share a loop.
+    /// Blocks: which pairs may touch.
+    pub broad_phase: Duration,
+    /// Blocks: narrow phase with the contact law, which share a loop, and the sums for each block.
     pub contacts: Duration,
     /// Particles against blocks.
     pub coupling: Duration,
-    /// Kicks and drifts of the fluid, step limits.
+    /// Kicks and drifts of both media, step limits.
     pub integration: Duration,
 }
 
@@ -412,11 +414,18 @@ impl World {
     }
 
     fn advance_blocks(&mut self, step: TimeStep) -> Result<(), StepError> {
-        let start = Instant::now();
-        let advanced = self
-            .blocks
-            .advance(self.clock.time, step.dt, step.block_substeps);
-        self.phases.contacts += start.elapsed();
+        let mut watch = Stopwatch::start();
+        let Self { blocks, phases, .. } = self;
+        let mut ended = |phase| {
+            let time = match phase {
+                Phase::Motion => &mut phases.integration,
+                Phase::BroadPhase => &mut phases.broad_phase,
+                Phase::Contacts | Phase::Sums => &mut phases.contacts,
+            };
+            *time += watch.lap();
+        };
+        let n_substeps = step.block_substeps;
+        let advanced = blocks.advance_watched(self.clock.time, step.dt, n_substeps, &mut ended);
         advanced.map_err(|source| StepError::Blocks {
             time: self.clock.time,
             step: self.clock.steps,

@@ -10,7 +10,7 @@ use crate::{
     StaticDamping, Turning, Vec3,
     attachments::{Attachments, Surroundings},
     broad_phase::{self, Bounds},
-    contact::Pair,
+    contact::{Pair, Workspace},
     critical_step::BlockRates,
     deformation::{Affine12, AffineBody, Dda12, Deformable, elastic_constants, tensor},
     energy::Account,
@@ -18,10 +18,11 @@ use crate::{
     links::Links,
     material::Joint,
     parts::Part,
-    sphere_contact::{Rolling, SphereLoads, SpherePair},
+    sphere_contact::{PairRates, Rolling, SphereContact, SphereLoads, SphereMark, SpherePair},
     surface_contact::SurfacePair,
 };
 use nalgebra::{Matrix3, Rotation3, SymmetricEigen, UnitQuaternion};
+use pairing::SpherePairBefore;
 
 /// A block as it is given.
 #[derive(Clone, Debug, PartialEq)]
@@ -103,9 +104,12 @@ pub struct Blocks {
     pub(crate) pairs: Vec<Pair>,
     /// The same of which a ball is one.
     pub(crate) sphere_pairs: Vec<SpherePair>,
-    /// One per pair of `sphere_pairs`.
+    /// One per pair of `sphere_pairs`, as the columns that follow.
+    pub(crate) sphere_marks: Vec<SphereMark>,
+    pub(crate) sphere_contacts: Vec<SphereContact>,
     pub(crate) sphere_loads: Vec<SphereLoads>,
-    /// One per pair of `sphere_pairs`; empty if no joint resists rolling.
+    pub(crate) sphere_rates: Vec<PairRates>,
+    /// Empty if no joint resists rolling.
     pub(crate) sphere_rolling: Vec<Rolling>,
     /// The same of which a surface is one; the body first.
     pub(crate) surface_pairs: Vec<SurfacePair>,
@@ -146,12 +150,16 @@ pub struct Blocks {
     pub(crate) fat_boxes: Vec<Bounds>,
     pub(crate) candidates: Vec<(u32, u32)>,
     pub(crate) pairs_before: Vec<Pair>,
+    /// One per chunk of `pairs`, or more.
+    pub(crate) workspaces: Vec<Workspace>,
     pub(crate) surface_pairs_before: Vec<SurfacePair>,
-    pub(crate) sphere_pairs_before: Vec<(SpherePair, SphereLoads, Rolling)>,
+    pub(crate) sphere_pairs_before: Vec<SpherePairBefore>,
     /// The pairs of each block.
     pub(crate) links: Links,
     pub(crate) sphere_links: Links,
     pub(crate) surface_links: Links,
+    /// Are the links others than when the rates were summed?
+    pub(crate) has_new_links: bool,
 
     // Constants.
     pub(crate) motion: Vec<Motion>,
@@ -257,7 +265,7 @@ impl Blocks {
         this.place_parts(true);
         this.find_candidates();
         this.bond_pairs();
-        this.evaluate_contacts(0.0);
+        this.evaluate_contacts(0.0, &mut |_| {});
         Ok(this)
     }
 
@@ -272,7 +280,10 @@ impl Blocks {
             attachments: Attachments::default(),
             pairs: Vec::new(),
             sphere_pairs: Vec::new(),
+            sphere_marks: Vec::new(),
+            sphere_contacts: Vec::new(),
             sphere_loads: Vec::new(),
+            sphere_rates: Vec::new(),
             sphere_rolling: Vec::new(),
             surface_pairs: Vec::new(),
             friction: Account::default(),
@@ -298,11 +309,13 @@ impl Blocks {
             fat_boxes: Vec::new(),
             candidates: Vec::new(),
             pairs_before: Vec::new(),
+            workspaces: Vec::new(),
             surface_pairs_before: Vec::new(),
             sphere_pairs_before: Vec::new(),
             links: Links::default(),
             sphere_links: Links::default(),
             surface_links: Links::default(),
+            has_new_links: true,
             motion: Vec::new(),
             role: Vec::new(),
             special: Vec::new(),
@@ -662,13 +675,17 @@ impl Blocks {
         let stays = |blocks: (u32, u32)| blocks.0 as usize != b && blocks.1 as usize != b;
         self.pairs.retain(|pair| stays(pair.blocks));
         self.surface_pairs.retain(|pair| stays(pair.blocks));
-        let mut pairs = self.sphere_pairs.iter();
-        self.sphere_rolling
-            .retain(|_| pairs.next().is_none_or(|pair| stays(pair.blocks)));
-        let mut pairs = self.sphere_pairs.iter();
-        self.sphere_loads
-            .retain(|_| pairs.next().is_none_or(|pair| stays(pair.blocks)));
-        self.sphere_pairs.retain(|pair| stays(pair.blocks));
+        fn keep<T>(column: &mut Vec<T>, stays: &[bool]) {
+            let mut stays = stays.iter();
+            column.retain(|_| stays.next().is_none_or(|&stays| stays));
+        }
+        let left: Vec<bool> = self.sphere_pairs.iter().map(|p| stays(p.blocks)).collect();
+        keep(&mut self.sphere_pairs, &left);
+        keep(&mut self.sphere_marks, &left);
+        keep(&mut self.sphere_contacts, &left);
+        keep(&mut self.sphere_loads, &left);
+        keep(&mut self.sphere_rates, &left);
+        keep(&mut self.sphere_rolling, &left);
         self.link_pairs();
         self.contact_load[b] = Load::default();
         self.velocity[b] = Vec3::zeros();

@@ -30,6 +30,27 @@ impl<T: Send> Columns for &mut [T] {
     }
 }
 
+/// A column of one row for each chunk of the others.
+pub(crate) struct PerChunk<'a, T> {
+    pub rows: &'a mut [T],
+    /// Length of the other columns.
+    pub len: usize,
+    pub chunk: usize,
+}
+
+impl<T: Send> Columns for PerChunk<'_, T> {
+    fn len(&self) -> usize {
+        self.len
+    }
+
+    fn split_at(self, k: usize) -> (Self, Self) {
+        let Self { rows, len, chunk } = self;
+        let (left, right) = rows.split_at_mut(k / chunk);
+        let of = |rows, len| Self { rows, len, chunk };
+        (of(left, k), of(right, len - k))
+    }
+}
+
 macro_rules! columns {
     ($($name:ident),+; $first:ident) => {
         impl<$($name: Columns),+> Columns for ($($name,)+) {
@@ -106,6 +127,21 @@ pub(crate) fn for_each<C: Columns>(columns: C, chunk: usize, f: &(impl Fn(usize,
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn every_chunk_has_its_own_row() {
+        let mut rows = [0; 4];
+        let numbers = [1; 23];
+        let per_chunk = PerChunk {
+            rows: &mut rows,
+            len: numbers.len(),
+            chunk: 7,
+        };
+        for_each((numbers.as_slice(), per_chunk), 7, &|_, (numbers, own)| {
+            own.rows[0] += numbers.iter().sum::<usize>();
+        });
+        assert_eq!(rows, [7, 7, 7, 2]);
+    }
 
     #[test]
     fn every_row_once_and_the_same_sum_for_any_number_of_threads() {

@@ -27,6 +27,7 @@ use takeover::{Features, Former};
 
 use crate::{
     Vec3,
+    blocks::Role,
     common_plane::{Axis, AxisCache, AxisKind, ContactDetection},
     friction::{ShearSpring, Shearing},
     kinematics::{Kinematics, Load},
@@ -82,11 +83,20 @@ pub(crate) struct PointState {
     pub state: ContactState,
 }
 
-/// Two parts that may touch: state first, then scratch.
+/// Two parts that may touch.
+///
+/// First what is read of a pair whose boxes are apart: one cache line, and most pairs are that.
 #[derive(Clone, Debug)]
+#[repr(C, align(64))]
 pub(crate) struct Pair {
     pub parts: (u32, u32),
     pub blocks: (u32, u32),
+    /// What the pair adds to the step bound of each block, since the last evaluation.
+    pub rates: (Rates, Rates),
+    /// Is there any force?
+    pub is_touching: bool,
+    /// Would another evaluation change nothing while the boxes stay apart?
+    pub is_idle: bool,
     pub axis: AxisCache,
     pub bond: Option<Bond>,
     /// Points of the last force evaluation.
@@ -105,15 +115,11 @@ pub(crate) struct Pair {
     /// Energy of the normal and of the shear springs; J.
     pub elastic: (f64, f64),
 
-    before: Vec<PointState>,
-    patch: Patch,
     shear_energy: f64,
     /// Normal dashpot per unit of weight and shear dashpot of the whole; N s/m.
     dashpots: (f64, f64),
     /// On the blocks i and j, torque about their centroids.
     pub loads: (Load, Load),
-    /// What the pair adds to the step bound of each block, since the last evaluation.
-    pub rates: (Rates, Rates),
     /// Energy lost in the last sub-step; J.
     pub friction: f64,
     pub damping: f64,
@@ -123,10 +129,20 @@ pub(crate) struct Pair {
     pub has_broken: bool,
 }
 
+/// Buffers of an evaluation, one for the pairs of a chunk: with buffers of their own, thousands of pairs would
+/// not fit the caches.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Workspace {
+    /// Points of the step before.
+    before: Vec<PointState>,
+    patch: Patch,
+}
+
 /// What the law needs beside the pair itself.
 pub(crate) struct Medium<'a> {
     pub parts: &'a [Part],
     pub kinematics: &'a [Kinematics],
+    pub role: &'a [Role],
     pub joints: &'a [Joint],
     pub material_of_part: &'a [u32],
     pub n_materials: usize,
@@ -169,6 +185,9 @@ impl Pair {
         Self {
             parts,
             blocks,
+            rates: (Rates::default(), Rates::default()),
+            is_touching: false,
+            is_idle: false,
             axis: AxisCache::default(),
             bond: None,
             points: Vec::new(),
@@ -179,12 +198,9 @@ impl Pair {
             features: None,
             stiffness_share: 1.0,
             elastic: (0.0, 0.0),
-            before: Vec::new(),
-            patch: Patch::default(),
             shear_energy: 0.0,
             dashpots: (0.0, 0.0),
             loads: (Load::default(), Load::default()),
-            rates: (Rates::default(), Rates::default()),
             friction: 0.0,
             damping: 0.0,
             deepest: 0.0,
@@ -210,13 +226,12 @@ impl Pair {
         if axes.best().gap > reach || axis.gap.abs() > reach {
             return;
         }
-        self.patch.find(a, b, &axis, joint.scaling, true);
-        let is_flat = self.patch.points.iter().all(|p| p.overlap.abs() <= reach);
-        if self.patch.area > 0.0 && is_flat {
+        let mut patch = Patch::default();
+        patch.find(a, b, &axis, joint.scaling, true);
+        let is_flat = patch.points.iter().all(|p| p.overlap.abs() <= reach);
+        if patch.area > 0.0 && is_flat {
             self.axis.axis = Some(axis);
-            self.bond = Some(Bond {
-                area: self.patch.area,
-            });
+            self.bond = Some(Bond { area: patch.area });
         }
     }
 
@@ -224,45 +239,53 @@ impl Pair {
     /// friction and dashpots took during the last `dt` (s).
     ///
     /// Parts whose boxes are apart (`is_near` false) are not looked at, unless they are bonded.
-    pub fn evaluate(&mut self, medium: &Medium, dt: f64, is_near: bool) {
+    pub fn evaluate(&mut self, medium: &Medium, dt: f64, is_near: bool, work: &mut Workspace) {
         self.friction = 0.0;
         self.damping = 0.0;
         self.book_work(medium, dt, dt);
+        let Workspace { before, patch } = work;
+        before.clear();
+        before.append(&mut self.points);
         let former = Former {
             normal: self.normal,
             features: self.features.take(),
+            points: before,
         };
-        std::mem::swap(&mut self.points, &mut self.before);
-        self.points.clear();
-        self.patch.points.clear();
+        patch.points.clear();
         self.loads = (Load::default(), Load::default());
         self.deepest = 0.0;
         self.has_broken = false;
         // The shear spring moves once in a step, whether the bond breaks in it or not.
         let shear = self.shear;
         if is_near || self.bond.is_some() {
-            self.press(medium, dt, &former);
+            self.press(medium, dt, &former, patch);
         }
         if self
             .bond
-            .is_some_and(|bond| self.is_overloaded(&bond, medium))
+            .is_some_and(|bond| self.is_overloaded(&bond, medium, patch))
         {
             self.shear = shear;
-            self.break_bond(medium, dt, &former);
+            self.break_bond(medium, dt, &former, patch);
         }
         self.book_work(medium, dt, 0.0);
         self.settle_energy(medium, dt, &former);
         self.stiffen();
-        self.rates = self.rate_bounds(medium);
+        self.rates = self.rate_bounds(medium, patch.flat_weight);
+        self.is_touching = !self.points.is_empty();
+        // The compliances of blocks that deform or are held change as they turn.
+        let is_steady = |block: u32| medium.role[block as usize] != Role::Special;
+        self.is_idle = !(is_near || self.is_touching || self.bond.is_some() || self.has_broken)
+            && is_steady(self.blocks.0)
+            && is_steady(self.blocks.1);
     }
 
     /// Finds the patch and its forces, if there is one.
-    fn press(&mut self, medium: &Medium, dt: f64, former: &Former) {
-        if let Some((normal, deepest)) = self.find_patch(medium) {
+    fn press(&mut self, medium: &Medium, dt: f64, former: &Former, patch: &mut Patch) {
+        if let Some((normal, deepest)) = self.find_patch(medium, patch) {
             self.normal = normal;
             self.deepest = deepest;
-            self.keep_energy(medium, dt, former);
-            self.apply_law(medium, dt);
+            self.keep_energy(medium, dt, former, patch);
+            self.apply_law(medium, dt, former, patch);
         }
     }
 
@@ -284,7 +307,7 @@ impl Pair {
     }
 
     /// Normal from i to j and deepest overlap, with the patch in place; `None` when apart.
-    fn find_patch(&mut self, medium: &Medium) -> Option<(Vec3, f64)> {
+    fn find_patch(&mut self, medium: &Medium, patch: &mut Patch) -> Option<(Vec3, f64)> {
         let (first, second) = (
             &medium.parts[self.parts.0 as usize],
             &medium.parts[self.parts.1 as usize],
@@ -298,20 +321,20 @@ impl Pair {
                         .overlapping(a, b, medium.contact_detection, &medium.gravity)?
                 };
                 let scaling = medium.joint(self).scaling;
-                self.patch.find(a, b, &axis, scaling, self.bond.is_some());
-                if self.patch.points.is_empty() {
+                patch.find(a, b, &axis, scaling, self.bond.is_some());
+                if patch.points.is_empty() {
                     return None;
                 }
-                self.features = Some((axis.kind, self.patch.incident));
+                self.features = Some((axis.kind, patch.incident));
                 Some((axis.normal, (-axis.gap).max(0.0)))
             }
             _ => None,
         }
     }
 
-    fn apply_law(&mut self, medium: &Medium, dt: f64) {
-        self.apply_normal(medium, dt);
-        self.apply_friction(medium, dt);
+    fn apply_law(&mut self, medium: &Medium, dt: f64, former: &Former, patch: &Patch) {
+        self.apply_normal(medium, dt, former, patch);
+        self.apply_friction(medium, dt, patch);
         let (a, b) = self.bodies(medium);
         for point in &self.points {
             let force = self.normal * point.normal_force + point.shear_force;
@@ -328,33 +351,27 @@ impl Pair {
         )
     }
 
-    /// Damping constant of the contact as a whole, `2 ξ √(K_e m_e)`; N s/m.
-    fn viscosity(&self, medium: &Medium, at: &Vec3, stiffness: f64, ratio: f64) -> f64 {
-        let (a, b) = self.bodies(medium);
-        let mobility = a.compliance(at, &self.normal) + b.compliance(at, &self.normal);
-        if mobility > 0.0 {
-            2.0 * ratio * (stiffness / mobility).sqrt()
-        } else {
-            0.0
-        }
-    }
-
-    fn apply_normal(&mut self, medium: &Medium, dt: f64) {
+    fn apply_normal(&mut self, medium: &Medium, dt: f64, former: &Former, patch: &Patch) {
         let joint = medium.joint(self);
         let (a, b) = self.bodies(medium);
-        let points = &self.patch.points;
+        let points = &patch.points;
         let total: f64 = points.iter().map(|p| p.weight).sum();
         let middle: Vec3 = points.iter().map(|p| p.position * (p.weight / total)).sum();
         let stiffness = joint.normal_stiffness * total;
-        let damping = self.viscosity(medium, &middle, stiffness, joint.damping_ratio) / total;
-        self.dashpots.0 = damping;
         let mobility = a.compliance(&middle, &self.normal) + b.compliance(&middle, &self.normal);
-        let meeting = (self.before.is_empty() && self.bond.is_none()).then(|| {
+        // 2 ξ √(K_e m_e), N s/m.
+        let damping = if mobility > 0.0 {
+            2.0 * joint.damping_ratio * (stiffness / mobility).sqrt() / total
+        } else {
+            0.0
+        };
+        self.dashpots.0 = damping;
+        let meeting = (former.points.is_empty() && self.bond.is_none()).then(|| {
             let closing = (a.velocity_at(&middle) - b.velocity_at(&middle)).dot(&self.normal);
             (self.deepest, closing)
         });
         let damping = damping * dashpot_share(damping * total * mobility, dt, meeting);
-        for &patch in &self.patch.points {
+        for &patch in points {
             let x = &patch.position;
             let opening = (b.velocity_at(x) - a.velocity_at(x)).dot(&self.normal);
             let spring = patch.weight * joint.normal_stiffness * patch.overlap;
@@ -373,7 +390,7 @@ impl Pair {
         }
     }
 
-    fn apply_friction(&mut self, medium: &Medium, dt: f64) {
+    fn apply_friction(&mut self, medium: &Medium, dt: f64, patch: &Patch) {
         let joint = medium.joint(self);
         let friction = if self.has_slipped {
             joint.residual_friction
@@ -381,14 +398,14 @@ impl Pair {
             joint.friction
         };
         let cohesion = if self.is_broken {
-            joint.residual_cohesion * self.patch.area
+            joint.residual_cohesion * patch.area
         } else {
             0.0
         };
         let held = Shearing {
             bodies: self.bodies(medium),
             normal: self.normal,
-            weight: self.patch.flat_weight,
+            weight: patch.flat_weight,
             stiffness: joint.shear_stiffness,
             damping_ratio: medium.shear_damping_ratio,
             friction,
@@ -404,14 +421,14 @@ impl Pair {
     }
 
     /// Does the bond hold no longer, or has it slid off its patch?
-    fn is_overloaded(&self, bond: &Bond, medium: &Medium) -> bool {
-        let outline = self.patch.bonded_outline();
+    fn is_overloaded(&self, bond: &Bond, medium: &Medium, patch: &Patch) -> bool {
+        let outline = patch.bonded_outline();
         self.points.is_empty()
             || bond.is_overloaded(medium.joint(self), &self.points, &self.normal, outline)
     }
 
     /// The bond is gone: the forces are found again without it.
-    fn break_bond(&mut self, medium: &Medium, dt: f64, former: &Former) {
+    fn break_bond(&mut self, medium: &Medium, dt: f64, former: &Former, patch: &mut Patch) {
         self.bond = None;
         self.has_broken = true;
         self.is_broken = true;
@@ -420,7 +437,7 @@ impl Pair {
         self.points.clear();
         self.deepest = 0.0;
         self.features = None;
-        self.press(medium, dt, former);
+        self.press(medium, dt, former, patch);
     }
 
     /// Energy of the springs now, and what was lost with a bond or with points that are gone.
@@ -443,21 +460,16 @@ impl Pair {
             let given = self.work_of_normal_springs(&self.points, &self.normal, medium, (dt, 0.0));
             self.damping += self.energy_left(medium, dt, former) - held - given;
             self.damping += std::mem::take(&mut self.friction);
-        } else if self.points.is_empty() && !self.before.is_empty() {
+        } else if self.points.is_empty() && !former.points.is_empty() {
             // The bodies have parted: what the springs still held is lost.
             self.damping += self.energy_left(medium, dt, former);
         }
         self.elastic = (held, self.shear_energy);
     }
 
-    /// Is there any force?
-    pub fn is_touching(&self) -> bool {
-        !self.points.is_empty()
-    }
-
-    /// Rate bounds of the pair for its two blocks, twice as much against a partner that is free. Before the parts touch, for the worst point of their
-    /// bounding spheres.
-    fn rate_bounds(&self, medium: &Medium) -> (Rates, Rates) {
+    /// Rate bounds of the pair for its two blocks, twice as much against a partner that is free. Before the parts
+    /// touch, for the worst point of their bounding spheres. `weight` is the flat weight of the patch.
+    fn rate_bounds(&self, medium: &Medium, weight: f64) -> (Rates, Rates) {
         let (a, b) = self.bodies(medium);
         let radii = (
             medium.radius[self.blocks.0 as usize],
@@ -465,8 +477,10 @@ impl Pair {
         );
         let twice = |partner: &Kinematics| if partner.inverse_mass > 0.0 { 2.0 } else { 1.0 };
         (
-            self.rates_of(medium, a, radii.0, radii).times(twice(b)),
-            self.rates_of(medium, b, radii.1, radii).times(twice(a)),
+            self.rates_of(medium, a, radii.0, (radii, weight))
+                .times(twice(b)),
+            self.rates_of(medium, b, radii.1, (radii, weight))
+                .times(twice(a)),
         )
     }
 
@@ -475,7 +489,7 @@ impl Pair {
         medium: &Medium,
         body: &Kinematics,
         radius: f64,
-        radii: (f64, f64),
+        (radii, weight): ((f64, f64), f64),
     ) -> Rates {
         if body.inverse_mass == 0.0 {
             return Rates::default();
@@ -502,7 +516,6 @@ impl Pair {
                     + dashpot(k_t, medium.shear_damping_ratio) * across,
             };
         }
-        let weight = self.patch.flat_weight;
         let total: f64 = self.points.iter().map(|p| p.patch.weight).sum();
         let normal: f64 = self.points.iter().map(|p| p.normal_force.max(0.0)).sum();
         let (mut along, mut across) = (0.0, 0.0);

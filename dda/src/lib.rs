@@ -124,6 +124,7 @@ pub use distance::SurfacePoint;
 pub use energy::Energies;
 pub use error::{BlockError, StepError};
 pub use holds::{Hold, Turning};
+pub use integrate::Phase;
 pub use joint_sets::{
     JointError, JointSet, JointedMass, MergedMass, SliverLimits, cut_by_joints, merge_slivers,
 };

@@ -368,8 +368,6 @@ pub(crate) struct SpringState {
     pub force: f64,
     /// `dF/dδ`; N/m.
     pub tangent: f64,
-    /// N s/m.
-    pub viscosity: f64,
 }
 
 impl SphereJoint {
@@ -401,26 +399,40 @@ impl SphereJoint {
     }
 
     /// At overlap `δ` (m), effective radius (m) and reduced mass `m̃` (kg).
-    pub fn normal(&self, overlap: f64, effective_radius: f64, mass: f64) -> SpringState {
+    pub fn normal(&self, overlap: f64, effective_radius: f64) -> SpringState {
         match self.normal {
-            SphereSpring::Linear {
-                stiffness,
-                damping_ratio,
-            } => SpringState {
+            SphereSpring::Linear { stiffness, .. } => SpringState {
                 force: stiffness * overlap,
                 tangent: stiffness,
-                viscosity: 2.0 * damping_ratio * (stiffness * mass).sqrt(),
             },
-            SphereSpring::Hertz { modulus, damping } => {
+            SphereSpring::Hertz { modulus, .. } => {
                 let k = 4.0 / 3.0 * modulus * effective_radius.sqrt();
                 let root = overlap.sqrt();
                 SpringState {
                     force: k * overlap * root,
                     tangent: 1.5 * k * root,
-                    viscosity: damping * (k * mass).sqrt() * root.sqrt(),
                 }
             }
         }
+    }
+
+    /// Normal dashpot at one overlap, between bodies of effective mass `mass` (kg); N s/m.
+    pub fn viscosity(&self, overlap: f64, effective_radius: f64, mass: f64) -> f64 {
+        match self.normal {
+            SphereSpring::Linear {
+                stiffness,
+                damping_ratio,
+            } => 2.0 * damping_ratio * (stiffness * mass).sqrt(),
+            SphereSpring::Hertz { modulus, damping } => {
+                let k = 4.0 / 3.0 * modulus * effective_radius.sqrt();
+                damping * (k * mass).sqrt() * overlap.sqrt().sqrt()
+            }
+        }
+    }
+
+    /// Are stiffness and dashpots the same at any overlap?
+    pub fn is_linear(&self) -> bool {
+        matches!(self.normal, SphereSpring::Linear { .. })
     }
 
     /// Energy of the normal spring; J.

@@ -119,6 +119,7 @@ impl Patch {
     ) {
         self.points.clear();
         self.area = 0.0;
+        self.flat_weight = 0.0;
         self.incident = None;
         let size = a.size().min(b.size());
         let (side_a, side_b) = (

@@ -40,7 +40,17 @@ impl InternalMotion for Rigid6<'_> {
 /// second order. Source: Dullweber, Leimkuhler & McLachlan (1997).
 fn rotate(attitude: &mut UnitQuaternion<f64>, p: &mut Vec3, inertia: &Vec3, dt: f64) {
     if is_isotropic(inertia) {
-        *attitude *= UnitQuaternion::from_scaled_axis(*p * (dt / inertia.x));
+        // Half the angle along the axis; sin(x)/x by its series, as in `sin_cos`, spares root and division.
+        let half = *p * (0.5 * dt / inertia.x);
+        let square = half.norm_squared();
+        let turn = if square > 1e-4 {
+            UnitQuaternion::from_scaled_axis(half * 2.0)
+        } else {
+            let sinc = 1.0 - square / 6.0 * (1.0 - square / 20.0 * (1.0 - square / 42.0));
+            let cos = 1.0 - square / 2.0 * (1.0 - square / 12.0 * (1.0 - square / 30.0));
+            UnitQuaternion::new_unchecked(Quaternion::from_parts(cos, half * sinc))
+        };
+        *attitude *= turn;
         attitude.renormalize_fast();
         return;
     }

@@ -21,22 +21,45 @@ use crate::{
     contact::{ContactState, Medium, Rates, dashpot_share},
     forces::Tally,
     friction::carry,
-    kinematics::Kinematics,
-    material::{RollingLaw, SphereJoint, SphereSpring},
+    kinematics::{Kinematics, Load},
+    material::{RollingLaw, SphereJoint},
     parts::Part,
 };
 
-/// Two parts that may touch, a ball at least one of them.
-#[derive(Clone, Debug)]
+/// Two parts that may touch, a ball at least one of them: what is read of a pair that stays apart, as half of
+/// them do. The rest lies in columns of its own, which only those that touch bring into the caches.
+#[derive(Clone, Copy, Debug)]
 pub(crate) struct SpherePair {
     pub parts: (u32, u32),
     pub blocks: (u32, u32),
-    pub contact: SphereContact,
-    scales: Scales,
 }
 
+/// Where a pair stands.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct SphereMark {
+    pub is_touching: bool,
+    /// Are its rates others than after the last evaluation?
+    pub has_new_rates: bool,
+    /// Was it ever looked at?
+    is_known: bool,
+}
+
+/// One row of all columns of a pair.
+pub(crate) struct SphereRow<'a> {
+    pub pair: &'a SpherePair,
+    pub mark: &'a mut SphereMark,
+    pub contact: &'a mut SphereContact,
+    pub loads: &'a mut SphereLoads,
+    pub rates: &'a mut PairRates,
+    /// Only where a joint resists rolling.
+    pub rolling: Option<&'a mut Rolling>,
+}
+
+/// What a pair adds to the step bound of each of its blocks.
+pub(crate) type PairRates = (Rates, Rates);
+
 /// Lengths of a pair; m.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Scales {
     /// `R̃`.
     pub effective_radius: f64,
@@ -67,8 +90,6 @@ impl Scales {
 pub(crate) struct SphereContact {
     /// Unit, from i to j.
     pub normal: Vec3,
-    /// World; m.
-    pub point: Vec3,
     /// `ξ`; m.
     pub shear: Vec3,
     /// `δ`; m.
@@ -78,10 +99,11 @@ pub(crate) struct SphereContact {
     pub normal_viscous: f64,
     /// `k_t`; N/m.
     pub shear_stiffness: f64,
-    /// `1/m̃` (1/kg) and shear dashpot (N s/m) of the last evaluation: the same again for two balls.
+    /// `1/m̃` (1/kg), normal and shear dashpot (N s/m) of the last evaluation: the same again for two balls.
     mobility: f64,
+    viscosity: f64,
     dashpot: f64,
-    pub is_touching: bool,
+    scales: Scales,
     pub is_slipping: bool,
 }
 
@@ -90,11 +112,8 @@ pub(crate) struct SphereContact {
 pub(crate) struct SphereLoads {
     /// On j; N. Zero when apart.
     pub force: Vec3,
-    /// On i and j about their centroids; N m.
-    pub torques: (Vec3, Vec3),
-    /// What the pair adds to the step bound of each block.
-    pub rates: (Rates, Rates),
-    pub is_touching: bool,
+    /// Where it acts; world; m.
+    pub point: Vec3,
 }
 
 /// Memory of the rolling spring of a touching pair; only where a material resists rolling.
@@ -134,6 +153,21 @@ impl Rolling {
 }
 
 impl SphereContact {
+    /// Of a pair that does not touch.
+    pub fn apart(scales: Scales) -> Self {
+        Self {
+            scales,
+            ..Self::default()
+        }
+    }
+
+    /// Energy of the springs of a pair that touches; J.
+    pub fn energy(&self, law: &SphereJoint, rolling: Option<&Rolling>) -> f64 {
+        law.energy(self.overlap, self.scales.effective_radius)
+            + self.shear_energy()
+            + rolling.map_or(0.0, Rolling::energy)
+    }
+
     fn shear_energy(&self) -> f64 {
         0.5 * self.shear_stiffness * self.shear.norm_squared()
     }
@@ -154,7 +188,7 @@ trait Side {
     fn velocity_at(&self, x: &Vec3) -> Vec3;
     /// See [`Kinematics::compliance`]; 1/kg.
     fn compliance(&self, x: &Vec3, n: &Vec3) -> f64;
-    /// See [`Kinematics::compliance_trace`]; 1/kg.
+    /// See [`Kinematics::compliance_trace`], of a ball what no overlap exceeds; 1/kg.
     fn compliance_trace(&self, x: &Vec3) -> f64;
     /// `tr J⁻¹`; 1/(kg m²).
     fn turning_trace(&self) -> f64;
@@ -164,6 +198,11 @@ trait Side {
     /// Velocity of the material that was at `x` before the drift of the last `dt` (s); m/s.
     fn velocity_from(&self, x: &Vec3, dt: f64) -> Vec3 {
         self.velocity_at(&(x + self.kinematics().velocity * dt))
+    }
+
+    /// Do its compliances stay what they are?
+    fn has_steady_rates(&self) -> bool {
+        self.kinematics().inverse_mass == 0.0
     }
 
     /// Twice as much for the other side if this one gives way.
@@ -176,7 +215,8 @@ trait Side {
     }
 }
 
-struct Ball<'a>(&'a Kinematics);
+/// A ball and its radius (m).
+struct Ball<'a>(&'a Kinematics, f64);
 
 impl Side for Ball<'_> {
     fn kinematics(&self) -> &Kinematics {
@@ -191,9 +231,10 @@ impl Side for Ball<'_> {
         self.0.inverse_mass
     }
 
-    fn compliance_trace(&self, x: &Vec3) -> f64 {
-        let square = (x - self.0.centroid).norm_squared();
-        3.0 * self.0.inverse_mass + 2.0 * self.0.inverse_inertia.m11 * square
+    /// The arm is the radius less half the overlap. With the radius itself the bound stays the same for as long
+    /// as two balls touch, and need not be summed again in every step.
+    fn compliance_trace(&self, _: &Vec3) -> f64 {
+        3.0 * self.0.inverse_mass + 2.0 * self.0.inverse_inertia.m11 * (self.1 * self.1)
     }
 
     fn turning_trace(&self) -> f64 {
@@ -202,6 +243,10 @@ impl Side for Ball<'_> {
 
     fn own_spin(&self) -> Vec3 {
         self.0.spin
+    }
+
+    fn has_steady_rates(&self) -> bool {
+        true
     }
 }
 
@@ -279,121 +324,119 @@ struct Law<'a> {
     rolling_law: RollingLaw,
     shear_damping_ratio: f64,
     dt: f64,
+    /// Do the bodies meet in this step?
+    is_meeting: bool,
 }
 
-impl SpherePair {
-    pub fn new(parts: (u32, u32), blocks: (u32, u32), scales: Scales) -> Self {
-        Self {
-            parts,
-            blocks,
-            contact: SphereContact::default(),
-            scales,
-        }
-    }
-
-    /// Energy of the springs; J.
-    pub fn energy(&self, law: &SphereJoint, rolling: Option<&Rolling>) -> f64 {
-        if !self.contact.is_touching {
-            return 0.0;
-        }
-        law.energy(self.contact.overlap, self.scales.effective_radius)
-            + self.contact.shear_energy()
-            + rolling.map_or(0.0, Rolling::energy)
-    }
-
+impl SphereRow<'_> {
     /// Finds the contact in the present place and its force at the present velocities; books what was
     /// lost during the last `dt` (s).
-    pub fn evaluate(
-        &mut self,
-        medium: &Medium,
-        loads: &mut SphereLoads,
-        rolling: Option<&mut Rolling>,
-        dt: f64,
-        tally: &mut Tally,
-    ) {
-        let (a, b) = (
-            &medium.kinematics[self.blocks.0 as usize],
-            &medium.kinematics[self.blocks.1 as usize],
-        );
-        let law = Law {
-            joint: &medium.joint_of(self.parts).spheres,
-            effective_radius: self.scales.effective_radius,
-            rolling_law: medium.rolling_law,
-            shear_damping_ratio: medium.shear_damping_ratio,
-            dt,
-        };
+    pub fn evaluate(self, medium: &Medium, dt: f64, tally: &mut Tally) {
+        let parts = self.pair.parts;
         let (first, second) = (
-            &medium.parts[self.parts.0 as usize],
-            &medium.parts[self.parts.1 as usize],
+            &medium.parts[parts.0 as usize],
+            &medium.parts[parts.1 as usize],
+        );
+        let (a, b) = (
+            &medium.kinematics[self.pair.blocks.0 as usize],
+            &medium.kinematics[self.pair.blocks.1 as usize],
         );
         match (first, second) {
-            (Part::Sphere { radius: r, .. }, Part::Sphere { radius: s, .. }) => {
-                let found = Touch::of_balls((&a.centroid, *r), (&b.centroid, *s));
-                let sides = (Ball(a), Ball(b));
-                self.update(found, &law, &sides, medium, (loads, rolling), tally);
+            (
+                Part::Sphere {
+                    center: x,
+                    radius: r,
+                },
+                Part::Sphere {
+                    center: y,
+                    radius: s,
+                },
+            ) => {
+                let found = Touch::of_balls((x, *r), (y, *s));
+                self.update(found, &(Ball(a, *r), Ball(b, *s)), medium, dt, tally);
             }
             (Part::Sphere { center, radius }, Part::Polyhedron(body)) => {
                 let surface = body.touch_point_within(center, *radius);
                 let found = surface.map(|at| Touch::on_surface(&at, -at.normal, *radius));
-                let sides = (Ball(a), Body(b));
-                self.update(found, &law, &sides, medium, (loads, rolling), tally);
+                self.update(found, &(Ball(a, *radius), Body(b)), medium, dt, tally);
             }
             (Part::Polyhedron(body), Part::Sphere { center, radius }) => {
                 let surface = body.touch_point_within(center, *radius);
                 let found = surface.map(|at| Touch::on_surface(&at, at.normal, *radius));
-                let sides = (Body(a), Ball(b));
-                self.update(found, &law, &sides, medium, (loads, rolling), tally);
+                self.update(found, &(Body(a), Ball(b, *radius)), medium, dt, tally);
             }
             _ => {}
         }
     }
 
     fn update<A: Side, B: Side>(
-        &mut self,
+        mut self,
         found: Option<Touch>,
-        law: &Law,
         sides: &(A, B),
         medium: &Medium,
-        (loads, rolling): (&mut SphereLoads, Option<&mut Rolling>),
+        dt: f64,
         tally: &mut Tally,
     ) {
-        if self.contact.is_touching {
-            book_first_half(
-                &self.contact,
-                loads,
-                rolling.as_deref(),
-                law.dt,
-                sides,
-                tally,
-            );
+        let was_touching = self.mark.is_touching;
+        self.mark.has_new_rates = false;
+        if found.is_none() && !was_touching && self.mark.is_known && !medium.is_hertz {
+            return;
         }
+        let joint = &medium.joint_of(self.pair.parts).spheres;
+        let scales = self.contact.scales;
+        let law = Law {
+            joint,
+            effective_radius: scales.effective_radius,
+            rolling_law: medium.rolling_law,
+            shear_damping_ratio: medium.shear_damping_ratio,
+            dt,
+            is_meeting: !was_touching,
+        };
+        if was_touching {
+            let rolling = self.rolling.as_deref();
+            book_first_half(self.contact, self.loads, rolling, dt, sides, tally);
+        }
+        self.mark.is_known = true;
+        self.mark.is_touching = found.is_some();
         let Some(found) = found else {
-            if self.contact.is_touching && self.contact.normal_force == 0.0 {
+            if was_touching && self.contact.normal_force == 0.0 {
                 // No force acted any more: what the spring still held is lost.
-                tally.damping += law.joint.energy(self.contact.overlap, law.effective_radius);
+                tally.damping += joint.energy(self.contact.overlap, law.effective_radius);
             }
-            if self.contact.is_touching || medium.is_hertz || loads.is_new() {
-                // What shear and rolling springs held was booked with the first half.
-                self.contact = SphereContact::default();
-                *loads = SphereLoads {
-                    rates: self.rates_before_touch(law, sides, medium),
-                    ..SphereLoads::default()
-                };
-                if let Some(rolling) = rolling {
-                    *rolling = Rolling::default();
-                }
+            // What shear and rolling springs held was booked with the first half.
+            *self.contact = SphereContact::apart(scales);
+            *self.loads = SphereLoads::default();
+            *self.rates = self.pair.rates_before_touch(&law, sides, medium);
+            self.mark.has_new_rates = true;
+            if let Some(rolling) = self.rolling {
+                *rolling = Rolling::default();
             }
             return;
         };
         tally.note_overlap(
-            self.parts,
-            found.overlap * self.scales.per_allowed,
-            found.overlap * self.scales.per_size,
+            self.pair.parts,
+            found.overlap * scales.per_allowed,
+            found.overlap * scales.per_size,
         );
-        self.contact
-            .apply(&found, law, sides, (loads, rolling), tally);
+        let rolling = self.rolling.as_deref_mut();
+        let pressed = self
+            .contact
+            .apply(&found, &law, sides, self.loads, rolling, tally);
+        let is_steady = was_touching
+            && joint.is_linear()
+            && joint.rolling_friction == 0.0
+            && sides.0.has_steady_rates()
+            && sides.1.has_steady_rates();
+        if !is_steady {
+            *self.rates =
+                self.contact
+                    .rates(&found, &law, sides, &pressed, self.rolling.as_deref());
+            self.mark.has_new_rates = true;
+        }
     }
+}
 
+impl SpherePair {
     /// Rates of a pair that may touch in the next step.
     fn rates_before_touch<A: Side, B: Side>(
         &self,
@@ -426,13 +469,6 @@ impl SpherePair {
     }
 }
 
-impl SphereLoads {
-    /// Has the pair never been looked at?
-    fn is_new(&self) -> bool {
-        self.rates.0.stiffness + self.rates.1.stiffness == 0.0
-    }
-}
-
 /// Work of the forces in the first half of the step, and what the springs across the normal held.
 fn book_first_half<A: Side, B: Side>(
     contact: &SphereContact,
@@ -442,7 +478,7 @@ fn book_first_half<A: Side, B: Side>(
     sides: &(A, B),
     tally: &mut Tally,
 ) {
-    let x = &contact.point;
+    let x = &loads.point;
     let rate = sides.1.velocity_from(x, dt) - sides.0.velocity_from(x, dt);
     let along = contact.normal.dot(&rate);
     let shear = loads.force.dot(&rate) - contact.normal_force * along;
@@ -454,6 +490,16 @@ fn book_first_half<A: Side, B: Side>(
     }
 }
 
+/// What the step bound asks of a contact just evaluated.
+struct Pressed {
+    /// m/s.
+    opening: f64,
+    /// Normal; N/m.
+    tangent: f64,
+    /// Of the rolling dashpots of both sides; N m s.
+    rolling_dashpots: (f64, f64),
+}
+
 impl SphereContact {
     /// The law, in the place just found.
     fn apply<A: Side, B: Side>(
@@ -461,36 +507,40 @@ impl SphereContact {
         found: &Touch,
         law: &Law,
         sides: &(A, B),
-        (loads, rolling): (&mut SphereLoads, Option<&mut Rolling>),
+        loads: &mut SphereLoads,
+        rolling: Option<&mut Rolling>,
         tally: &mut Tally,
-    ) {
+    ) -> Pressed {
         let Law {
             joint,
             effective_radius,
             rolling_law: _,
             shear_damping_ratio,
             dt,
+            is_meeting,
         } = *law;
         let (a, b) = (sides.0.kinematics(), sides.1.kinematics());
         let (n, x) = (found.normal, &found.point);
         let rate = sides.1.velocity_at(x) - sides.0.velocity_at(x);
         let opening = n.dot(&rate);
         let slip = rate - n * opening;
-        let along = (sides.0.compliance(x, &n), sides.1.compliance(x, &n));
-        let mobility = along.0 + along.1;
-        let mass = 1.0 / mobility;
-        let spring = joint.normal(found.overlap, effective_radius, mass);
-        let share = match joint.normal {
-            SphereSpring::Linear { .. } => {
-                let meeting = (!self.is_touching).then_some((found.overlap, -opening));
-                dashpot_share(spring.viscosity * mobility, dt, meeting)
-            }
-            // Its dashpot starts from nothing, as its spring does.
-            SphereSpring::Hertz { .. } => 1.0,
-        };
-        let normal_force = f64::max(spring.force - share * spring.viscosity * opening, 0.0);
-
+        let mobility = sides.0.compliance(x, &n) + sides.1.compliance(x, &n);
+        let spring = joint.normal(found.overlap, effective_radius);
         let shear_stiffness = joint.shear_ratio * spring.tangent;
+        if !(mobility == self.mobility && joint.is_linear()) {
+            self.mobility = mobility;
+            self.viscosity = joint.viscosity(found.overlap, effective_radius, 1.0 / mobility);
+            self.dashpot = 2.0 * shear_damping_ratio * (shear_stiffness / mobility).sqrt();
+        }
+        let share = if joint.is_linear() {
+            let meeting = is_meeting.then_some((found.overlap, -opening));
+            dashpot_share(self.viscosity * mobility, dt, meeting)
+        } else {
+            // Hertz's dashpot starts from nothing, as its spring does.
+            1.0
+        };
+        let normal_force = f64::max(spring.force - share * self.viscosity * opening, 0.0);
+
         // A spring that has stiffened keeps its force, one that has softened its stretch: no energy is made.
         let kept = if shear_stiffness > self.shear_stiffness {
             self.shear_stiffness / shear_stiffness
@@ -499,12 +549,7 @@ impl SphereContact {
         };
         let turn = 0.5 * (a.spin + b.spin).dot(&n) * dt;
         let mut stretch = carry(&self.shear, &n, turn) * kept + slip * dt;
-        let dashpot = if mobility == self.mobility && shear_stiffness == self.shear_stiffness {
-            self.dashpot
-        } else {
-            2.0 * shear_damping_ratio * (shear_stiffness / mobility).sqrt()
-        };
-        let mut shear = -stretch * shear_stiffness - slip * dashpot;
+        let mut shear = -stretch * shear_stiffness - slip * self.dashpot;
         let friction = if self.is_slipping {
             joint.dynamic_friction
         } else {
@@ -519,79 +564,86 @@ impl SphereContact {
                 Vec3::zeros()
             };
         }
-        self.is_touching = true;
         self.normal = n;
-        self.point = *x;
         self.shear = stretch;
         self.overlap = found.overlap;
         self.normal_force = normal_force;
         self.normal_viscous = normal_force - spring.force;
         self.shear_stiffness = shear_stiffness;
-        self.mobility = mobility;
-        self.dashpot = dashpot;
         tally.damping -= 0.5 * dt * self.normal_viscous * opening;
         tally.friction -= 0.5 * dt * shear.dot(&slip) + self.shear_energy();
-
-        let force = n * normal_force + shear;
-        let mut torques = (
-            (x - a.centroid).cross(&-force),
-            (x - b.centroid).cross(&force),
-        );
-        let mut turning = (Rates::default(), Rates::default());
-        // Hertz's spring stiffens: what it may become counts.
-        let bound = joint.tangent_bound(found.overlap, effective_radius, opening, mobility);
-        let stiffening = if bound > spring.tangent {
-            bound / spring.tangent.max(f64::MIN_POSITIVE)
-        } else {
-            1.0
+        *loads = SphereLoads {
+            force: n * normal_force + shear,
+            point: *x,
         };
+        let mut rolling_dashpots = (0.0, 0.0);
         if let Some(rolling) = rolling
             && joint.rolling_friction > 0.0
         {
             let limit = joint.rolling_friction * effective_radius * spring.force;
-            let dashpots = rolling.apply(law, found, spring.tangent, sides, limit);
+            rolling_dashpots = rolling.apply(law, found, spring.tangent, sides, limit);
             tally.friction -= rolling.energy();
             rolling.book_half(dt, sides, tally);
-            torques.0 += rolling.torques.0;
-            torques.1 += rolling.torques.1;
-            let of = |dashpot: f64, trace: f64| Rates {
-                stiffness: rolling.stiffness * stiffening * trace,
-                damping: dashpot * trace,
-            };
-            turning = (
-                of(dashpots.0, sides.0.turning_trace()),
-                of(dashpots.1, sides.1.turning_trace()),
-            );
         }
-        let stiffness = spring.tangent * stiffening;
-        let across = shear_stiffness * stiffening;
+        Pressed {
+            opening,
+            tangent: spring.tangent,
+            rolling_dashpots,
+        }
+    }
+
+    /// What the contact just evaluated adds to the step bound.
+    fn rates<A: Side, B: Side>(
+        &self,
+        found: &Touch,
+        law: &Law,
+        sides: &(A, B),
+        pressed: &Pressed,
+        rolling: Option<&Rolling>,
+    ) -> PairRates {
+        // Hertz's spring stiffens: what it may become counts.
+        let bound = law.joint.tangent_bound(
+            found.overlap,
+            law.effective_radius,
+            pressed.opening,
+            self.mobility,
+        );
+        let stiffening = if bound > pressed.tangent {
+            bound / pressed.tangent.max(f64::MIN_POSITIVE)
+        } else {
+            1.0
+        };
+        let stiffness = pressed.tangent * stiffening;
+        let across = self.shear_stiffness * stiffening;
+        let turning_stiffness = rolling.map_or(0.0, |rolling| rolling.stiffness * stiffening);
+        let turning = |dashpot: f64, trace: f64| Rates {
+            stiffness: turning_stiffness * trace,
+            damping: dashpot * trace,
+        };
         let of = |along: f64, trace: f64, turning: Rates, twice: f64| {
             let rest = trace - along;
             Rates {
                 stiffness: twice * (stiffness * along + across * rest + turning.stiffness),
-                damping: twice * (spring.viscosity * along + dashpot * rest + turning.damping),
+                damping: twice * (self.viscosity * along + self.dashpot * rest + turning.damping),
             }
         };
         let (first, second) = sides;
-        *loads = SphereLoads {
-            force,
-            torques,
-            rates: (
-                of(
-                    along.0,
-                    first.compliance_trace(x),
-                    turning.0,
-                    second.twice(),
-                ),
-                of(
-                    along.1,
-                    second.compliance_trace(x),
-                    turning.1,
-                    first.twice(),
-                ),
+        let (n, x) = (&found.normal, &found.point);
+        let dashpots = pressed.rolling_dashpots;
+        (
+            of(
+                first.compliance(x, n),
+                first.compliance_trace(x),
+                turning(dashpots.0, first.turning_trace()),
+                second.twice(),
             ),
-            is_touching: true,
-        };
+            of(
+                second.compliance(x, n),
+                second.compliance_trace(x),
+                turning(dashpots.1, second.turning_trace()),
+                first.twice(),
+            ),
+        )
     }
 }
 
@@ -669,7 +721,9 @@ impl Rolling {
 pub(crate) struct BallOnSurface {
     pub contact: SphereContact,
     pub loads: SphereLoads,
+    pub rates: PairRates,
     pub rolling: Rolling,
+    is_touching: bool,
     /// From the ball into the surface, and the overlap (m), as just found.
     found: Option<(Vec3, f64)>,
 }
@@ -711,7 +765,9 @@ impl BallOnSurface {
             None => feet.push(Self {
                 contact: SphereContact::default(),
                 loads: SphereLoads::default(),
+                rates: PairRates::default(),
                 rolling: Rolling::default(),
+                is_touching: false,
                 found: Some((normal, overlap)),
             }),
         }
@@ -737,8 +793,8 @@ impl BallOnSurface {
         dt: f64,
         tally: &mut Tally,
     ) {
-        let sides = (Ball(ball), Body(surface));
-        if self.contact.is_touching {
+        let sides = (Ball(ball, radius), Body(surface));
+        if self.is_touching {
             let rolling = Some(&self.rolling);
             book_first_half(&self.contact, &self.loads, rolling, dt, &sides, tally);
         }
@@ -755,13 +811,35 @@ impl BallOnSurface {
             rolling_law,
             shear_damping_ratio,
             dt,
+            is_meeting: !self.is_touching,
         };
         let found = Touch {
             normal,
             point: ball.centroid + normal * (radius - 0.5 * overlap),
             overlap,
         };
-        let loads = (&mut self.loads, Some(&mut self.rolling));
-        self.contact.apply(&found, &law, &sides, loads, tally);
+        let (loads, rolling) = (&mut self.loads, Some(&mut self.rolling));
+        let pressed = self
+            .contact
+            .apply(&found, &law, &sides, loads, rolling, tally);
+        let rolling = Some(&self.rolling);
+        self.rates = self.contact.rates(&found, &law, &sides, &pressed, rolling);
+        self.is_touching = true;
+    }
+
+    /// Force and torque on the ball and on the surface, about their centroids.
+    pub fn forces(&self, ball: &Kinematics, surface: &Kinematics) -> (Load, Load) {
+        let SphereLoads { force, point } = self.loads;
+        let torque = |body: &Kinematics, force: &Vec3| (point - body.centroid).cross(force);
+        (
+            Load {
+                force: -force,
+                torque: torque(ball, &-force) + self.rolling.torques.0,
+            },
+            Load {
+                force,
+                torque: torque(surface, &force) + self.rolling.torques.1,
+            },
+        )
     }
 }

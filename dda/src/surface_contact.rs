@@ -206,7 +206,7 @@ impl SurfacePair {
                         blocks,
                         parts,
                         key,
-                        point: contact.point,
+                        point: foot.loads.point,
                         normal: contact.normal,
                         normal_force: contact.normal_force,
                         shear_force: foot.loads.force - contact.normal * contact.normal_force,
@@ -416,16 +416,11 @@ impl SurfacePair {
             if foot.is_found() {
                 self.is_touching = true;
                 self.deepest = self.deepest.max(foot.contact.overlap);
-                self.loads.0 += Load {
-                    force: -foot.loads.force,
-                    torque: foot.loads.torques.0,
-                };
-                self.loads.1 += Load {
-                    force: foot.loads.force,
-                    torque: foot.loads.torques.1,
-                };
-                self.rates.stiffness += foot.loads.rates.0.stiffness;
-                self.rates.damping += foot.loads.rates.0.damping;
+                let (on_ball, on_surface) = foot.forces(blocks.0, blocks.1);
+                self.loads.0 += on_ball;
+                self.loads.1 += on_surface;
+                self.rates.stiffness += foot.rates.0.stiffness;
+                self.rates.damping += foot.rates.0.damping;
             }
         }
         self.friction = tally.friction;

@@ -4,9 +4,12 @@ use super::NOWHERE;
 use crate::{
     Blocks, Motion, NormalLaw,
     broad_phase::{self, Bounds},
-    contact::{Medium, Pair},
+    contact::{Medium, Pair, Workspace},
+    forces::PAIR_CHUNK,
     parts::Part,
-    sphere_contact::{Rolling, Scales, SphereLoads, SpherePair},
+    sphere_contact::{
+        PairRates, Rolling, Scales, SphereContact, SphereLoads, SphereMark, SpherePair,
+    },
     surface_contact::SurfacePair,
 };
 
@@ -92,6 +95,10 @@ impl Blocks {
         }
         drop(rest);
         self.pairs_before = old;
+        let n_chunks = self.pairs.len().div_ceil(PAIR_CHUNK);
+        if self.workspaces.len() < n_chunks {
+            self.workspaces.resize_with(n_chunks, Workspace::default);
+        }
     }
 
     fn scales_of(&self, parts: (u32, u32)) -> Scales {
@@ -104,36 +111,49 @@ impl Blocks {
     }
 
     fn keep_sphere_pairs(&mut self) {
-        let rolling = self
-            .sphere_rolling
-            .drain(..)
-            .chain(std::iter::repeat(Rolling::default()));
         let mut old = std::mem::take(&mut self.sphere_pairs_before);
         old.clear();
-        let pairs = self.sphere_pairs.drain(..).zip(self.sphere_loads.drain(..));
-        old.extend(
-            pairs
-                .zip(rolling)
-                .map(|((pair, loads), rolling)| (pair, loads, rolling)),
-        );
+        old.extend((0..self.sphere_pairs.len()).map(|k| SpherePairBefore {
+            pair: self.sphere_pairs[k],
+            mark: self.sphere_marks[k],
+            contact: self.sphere_contacts[k],
+            loads: self.sphere_loads[k],
+            rates: self.sphere_rates[k],
+            rolling: self.sphere_rolling.get(k).copied().unwrap_or_default(),
+        }));
+        self.sphere_pairs.clear();
+        self.sphere_marks.clear();
+        self.sphere_contacts.clear();
+        self.sphere_loads.clear();
+        self.sphere_rates.clear();
+        self.sphere_rolling.clear();
         let mut rest = old.drain(..).peekable();
         for k in 0..self.candidates.len() {
             let parts = self.candidates[k];
             if self.kind_of(parts) != PairKind::Sphere {
                 continue;
             }
-            while rest.next_if(|(pair, ..)| pair.parts < parts).is_some() {}
-            let (pair, loads, rolling) = rest
-                .next_if(|(pair, ..)| pair.parts == parts)
-                .unwrap_or_else(|| {
-                    let blocks = self.blocks_of(parts);
-                    let pair = SpherePair::new(parts, blocks, self.scales_of(parts));
-                    (pair, SphereLoads::default(), Rolling::default())
+            while rest.next_if(|old| old.pair.parts < parts).is_some() {}
+            let row = rest
+                .next_if(|old| old.pair.parts == parts)
+                .unwrap_or_else(|| SpherePairBefore {
+                    pair: SpherePair {
+                        parts,
+                        blocks: self.blocks_of(parts),
+                    },
+                    mark: SphereMark::default(),
+                    contact: SphereContact::apart(self.scales_of(parts)),
+                    loads: SphereLoads::default(),
+                    rates: PairRates::default(),
+                    rolling: Rolling::default(),
                 });
-            self.sphere_pairs.push(pair);
-            self.sphere_loads.push(loads);
+            self.sphere_pairs.push(row.pair);
+            self.sphere_marks.push(row.mark);
+            self.sphere_contacts.push(row.contact);
+            self.sphere_loads.push(row.loads);
+            self.sphere_rates.push(row.rates);
             if self.has_rolling {
-                self.sphere_rolling.push(rolling);
+                self.sphere_rolling.push(row.rolling);
             }
         }
         drop(rest);
@@ -179,6 +199,7 @@ impl Blocks {
 
     pub(super) fn link_pairs(&mut self) {
         let n = self.n_blocks();
+        self.has_new_links = true;
         self.surface_links
             .set(n, self.surface_pairs.iter().map(|pair| pair.blocks));
         self.links.set(n, self.pairs.iter().map(|pair| pair.blocks));
@@ -190,6 +211,7 @@ impl Blocks {
         let medium = Medium {
             parts: &self.parts,
             kinematics: &self.kinematics,
+            role: &self.role,
             joints: &self.joints,
             material_of_part: &self.material_of_part,
             n_materials: self.n_materials,
@@ -204,9 +226,13 @@ impl Blocks {
         };
         let lists = Lists {
             pairs: &mut self.pairs,
-            sphere_pairs: &mut self.sphere_pairs,
+            workspaces: &mut self.workspaces,
+            sphere_pairs: &self.sphere_pairs,
             surface_pairs: &mut self.surface_pairs,
+            sphere_marks: &mut self.sphere_marks,
+            sphere_contacts: &mut self.sphere_contacts,
             sphere_loads: &mut self.sphere_loads,
+            sphere_rates: &mut self.sphere_rates,
             sphere_rolling: &mut self.sphere_rolling,
         };
         (lists, medium, &self.boxes)
@@ -216,6 +242,17 @@ impl Blocks {
         let (lists, medium, _) = self.split_pairs();
         lists.pairs.iter_mut().for_each(|pair| pair.bond(&medium));
     }
+}
+
+/// A row of all columns of the pairs with a ball, while their list is made anew.
+#[derive(Clone, Debug)]
+pub(crate) struct SpherePairBefore {
+    pair: SpherePair,
+    mark: SphereMark,
+    contact: SphereContact,
+    loads: SphereLoads,
+    rates: PairRates,
+    rolling: Rolling,
 }
 
 /// Which list a pair belongs to.
@@ -229,8 +266,12 @@ enum PairKind {
 /// The lists of pairs, borrowed together.
 pub(crate) struct Lists<'a> {
     pub pairs: &'a mut Vec<Pair>,
-    pub sphere_pairs: &'a mut Vec<SpherePair>,
+    pub workspaces: &'a mut Vec<Workspace>,
+    pub sphere_pairs: &'a Vec<SpherePair>,
     pub surface_pairs: &'a mut Vec<SurfacePair>,
+    pub sphere_marks: &'a mut Vec<SphereMark>,
+    pub sphere_contacts: &'a mut Vec<SphereContact>,
     pub sphere_loads: &'a mut Vec<SphereLoads>,
+    pub sphere_rates: &'a mut Vec<PairRates>,
     pub sphere_rolling: &'a mut Vec<Rolling>,
 }

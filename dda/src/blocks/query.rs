@@ -5,7 +5,6 @@ use crate::{
     deformation::{axial, voigt},
     material::SphereJoint,
     parts::Part,
-    sphere_contact::{SphereLoads, SpherePair},
 };
 use nalgebra::{Matrix3, UnitQuaternion};
 
@@ -268,15 +267,14 @@ impl Blocks {
                 state: point.state,
             })
         });
-        let touching = |(pair, _): &(&SpherePair, &SphereLoads)| pair.contact.is_touching;
-        let of_spheres = self.sphere_pairs.iter().zip(&self.sphere_loads);
-        let of_spheres = of_spheres.filter(touching).map(|(pair, loads)| {
-            let contact = &pair.contact;
+        let of_spheres = self.touching_spheres().map(|k| {
+            let (pair, loads) = (&self.sphere_pairs[k], &self.sphere_loads[k]);
+            let contact = &self.sphere_contacts[k];
             Contact {
                 blocks: blocks(pair.blocks),
                 parts: blocks(pair.parts),
                 key: 0,
-                point: contact.point,
+                point: loads.point,
                 normal: contact.normal,
                 normal_force: contact.normal_force,
                 shear_force: loads.force - contact.normal * contact.normal_force,
@@ -294,9 +292,8 @@ impl Blocks {
     /// Number of contact points of the last step, without making their list.
     pub fn n_contacts(&self) -> usize {
         let of_pairs: usize = self.pairs.iter().map(|pair| pair.points.len()).sum();
-        let touching = |pair: &&SpherePair| pair.contact.is_touching;
         let of_surfaces = self.surface_pairs.iter().map(|pair| pair.n_contacts());
-        of_pairs + self.sphere_pairs.iter().filter(touching).count() + of_surfaces.sum::<usize>()
+        of_pairs + self.touching_spheres().count() + of_surfaces.sum::<usize>()
     }
 
     /// Force evaluations of pairs of parts so far.
@@ -353,11 +350,18 @@ impl Blocks {
     }
 
     fn sphere_energy(&self) -> f64 {
-        self.sphere_pairs
-            .iter()
-            .enumerate()
-            .map(|(k, pair)| pair.energy(self.sphere_joint(pair.parts), self.sphere_rolling.get(k)))
+        self.touching_spheres()
+            .map(|k| {
+                let joint = self.sphere_joint(self.sphere_pairs[k].parts);
+                self.sphere_contacts[k].energy(joint, self.sphere_rolling.get(k))
+            })
             .sum()
+    }
+
+    /// Places in the list of pairs with a ball.
+    fn touching_spheres(&self) -> impl Iterator<Item = usize> + '_ {
+        let marks = self.sphere_marks.iter().enumerate();
+        marks.filter(|(_, mark)| mark.is_touching).map(|(k, _)| k)
     }
 
     fn surface_energy(&self) -> f64 {
@@ -445,7 +449,7 @@ impl Blocks {
             }
         }
         for (k, pair) in self.sphere_pairs.iter().enumerate() {
-            let contact = &pair.contact;
+            let contact = &self.sphere_contacts[k];
             f(f64::from(pair.parts.0));
             f(f64::from(pair.parts.1));
             f(f64::from(u8::from(contact.is_slipping)));

@@ -15,7 +15,11 @@
 //! deep, without one before, still comes from nothing.
 
 use super::{Medium, Pair, PointState};
-use crate::{Vec3, common_plane::AxisKind};
+use crate::{
+    Vec3,
+    common_plane::AxisKind,
+    patch::{Patch, PatchPoint},
+};
 
 /// No contact becomes softer than this share; –.
 const SOFTEST: f64 = 1e-3;
@@ -25,21 +29,28 @@ const SOFTEST: f64 = 1e-3;
 pub(crate) type Features = (AxisKind, Option<u32>);
 
 /// The contact as it was in the step before.
-pub(super) struct Former {
+pub(super) struct Former<'a> {
     pub normal: Vec3,
     pub features: Option<Features>,
+    pub points: &'a [PointState],
 }
 
 impl Pair {
     /// Scales the weights of the patch just found.
-    pub(super) fn keep_energy(&mut self, medium: &Medium, dt: f64, former: &Former) {
-        if self.before.is_empty() || self.has_broken {
+    pub(super) fn keep_energy(
+        &mut self,
+        medium: &Medium,
+        dt: f64,
+        former: &Former,
+        patch: &mut Patch,
+    ) {
+        if former.points.is_empty() || self.has_broken {
             self.stiffness_share = 1.0;
             return;
         }
         if self.features != former.features {
             let left = self.energy_left(medium, dt, former);
-            let asked = self.energy_asked(medium, dt);
+            let asked = self.energy_asked(medium, dt, patch);
             self.stiffness_share = if asked > 0.0 {
                 (left / asked).clamp(SOFTEST, 1.0)
             } else {
@@ -48,7 +59,7 @@ impl Pair {
             self.damping += (left - self.stiffness_share * asked).max(0.0);
         }
         if self.stiffness_share < 1.0 {
-            for point in &mut self.patch.points {
+            for point in &mut patch.points {
                 point.weight *= self.stiffness_share;
             }
         }
@@ -56,19 +67,20 @@ impl Pair {
 
     /// What the normal springs of the step before hold after its first half, in which they worked; J.
     pub(super) fn energy_left(&self, medium: &Medium, dt: f64, former: &Former) -> f64 {
-        self.elastic.0 - self.work_of_normal_springs(&self.before, &former.normal, medium, (dt, dt))
+        self.elastic.0
+            - self.work_of_normal_springs(former.points, &former.normal, medium, (dt, dt))
     }
 
     /// What the springs of the present patch hold and give in the second half of the step; J.
-    fn energy_asked(&self, medium: &Medium, dt: f64) -> f64 {
+    fn energy_asked(&self, medium: &Medium, dt: f64, patch: &Patch) -> f64 {
         let stiffness = medium.joint(self).normal_stiffness;
         let (a, b) = self.bodies(medium);
-        let of = |point: &crate::patch::PatchPoint| {
+        let of = |point: &PatchPoint| {
             let x = &point.position;
             let opening = (b.velocity_at(x) - a.velocity_at(x)).dot(&self.normal);
             0.5 * stiffness * point.weight * point.overlap * (point.overlap + dt * opening)
         };
-        self.patch.points.iter().map(of).sum()
+        patch.points.iter().map(of).sum()
     }
 
     /// A softer contact takes up what it lost in this step.
