@@ -365,8 +365,11 @@ mod avx2 {
 
         #[inline(always)]
         fn sum(self) -> f64 {
-            let lanes: [f32; 8] = cast(self.1);
-            lanes.iter().map(|&x| f64::from(x)).sum()
+            let avx = self.0.avx;
+            let low = avx._mm256_cvtps_pd(avx._mm256_castps256_ps128(self.1));
+            let high = avx._mm256_cvtps_pd(avx._mm256_extractf128_ps::<1>(self.1));
+            let [a, b, c, d]: [f64; 4] = cast(avx._mm256_add_pd(low, high));
+            (a + b) + (c + d)
         }
 
         #[inline(always)]
@@ -431,8 +434,8 @@ mod avx2 {
 
         #[inline(always)]
         fn sum(self) -> f64 {
-            let lanes: [f64; 4] = cast(self.1);
-            lanes.iter().sum()
+            let [a, b, c, d]: [f64; 4] = cast(self.1);
+            (a + b) + (c + d)
         }
 
         #[inline(always)]
@@ -559,6 +562,35 @@ mod avx2 {
         avx._mm256_mul_ps(avx._mm256_cvtepi32_ps(quanta), avx._mm256_set1_ps(scale))
     }
 
+    /// Which of eight candidates are within the radius, a bit each.
+    #[inline(always)]
+    fn near(machine: Avx2, [x, y, z]: [&[i32]; 3], from: &Sight, radius2: __m256) -> usize {
+        let (avx, fma) = (machine.0.avx, machine.0.fma);
+        let dx = offsets(machine, x, from.place[0], from.scale[0]);
+        let dy = offsets(machine, y, from.place[1], from.scale[1]);
+        let dz = offsets(machine, z, from.place[2], from.scale[2]);
+        let r2 = fma._mm256_fmadd_ps(
+            dx,
+            dx,
+            fma._mm256_fmadd_ps(dy, dy, avx._mm256_mul_ps(dz, dz)),
+        );
+        let near = avx._mm256_cmp_ps::<{ std::arch::x86_64::_CMP_LT_OQ }>(r2, radius2);
+        avx._mm256_movemask_ps(near) as usize
+    }
+
+    /// Appends the candidates of a pattern, counted from `first`; returns the new end.
+    #[inline(always)]
+    fn append(machine: Avx2, pattern: usize, first: u32, found: &mut [u32], n: usize) -> usize {
+        let (avx, avx2) = (machine.0.avx, machine.0.avx2);
+        let packed = avx2._mm256_add_epi32(
+            cast::<[u32; FILTER_WIDTH], __m256i>(PACKED[pattern & 0xff]),
+            avx._mm256_set1_epi32(first as i32),
+        );
+        let packed: [u32; FILTER_WIDTH] = cast(packed);
+        found[n..n + FILTER_WIDTH].copy_from_slice(&packed);
+        n + pattern.count_ones() as usize
+    }
+
     /// A task as the dispatcher wants it.
     struct Call<T>(T);
 
@@ -609,37 +641,30 @@ mod avx2 {
             found: &mut [u32],
             mut n: usize,
         ) -> usize {
-            let (avx, avx2, fma) = (self.0.avx, self.0.avx2, self.0.fma);
-            let radius2 = avx._mm256_set1_ps(from.radius2);
-            let mut first = range.start;
-            while first < range.end {
-                let seen = first..first + FILTER_WIDTH;
-                let [x, y, z] = columns;
-                let dx = offsets(self, &x[seen.clone()], from.place[0], from.scale[0]);
-                let dy = offsets(self, &y[seen.clone()], from.place[1], from.scale[1]);
-                let dz = offsets(self, &z[seen], from.place[2], from.scale[2]);
-                let r2 = fma._mm256_fmadd_ps(
-                    dx,
-                    dx,
-                    fma._mm256_fmadd_ps(dy, dy, avx._mm256_mul_ps(dz, dz)),
-                );
-                let near = avx._mm256_cmp_ps::<{ std::arch::x86_64::_CMP_LT_OQ }>(r2, radius2);
+            let radius2 = self.0.avx._mm256_set1_ps(from.radius2);
+            let whole = range.len() / FILTER_WIDTH * FILTER_WIDTH;
+            let end = range.start + range.len().next_multiple_of(FILTER_WIDTH);
+            let [x, y, z] = columns;
+            let (x, y, z) = (
+                &x[range.start..end],
+                &y[range.start..end],
+                &z[range.start..end],
+            );
+            let mut first = range.start as u32;
+            let blocks = x[..whole]
+                .chunks_exact(FILTER_WIDTH)
+                .zip(y[..whole].chunks_exact(FILTER_WIDTH))
+                .zip(z[..whole].chunks_exact(FILTER_WIDTH));
+            for ((x, y), z) in blocks {
+                let pattern = near(self, [x, y, z], from, radius2);
+                n = append(self, pattern, first, found, n);
+                first += FILTER_WIDTH as u32;
+            }
+            if whole < range.len() {
+                let pattern = near(self, [&x[whole..], &y[whole..], &z[whole..]], from, radius2);
                 // lanes beyond the end belong to other cells
-                let left = range.end - first;
-                let inside = if left < FILTER_WIDTH {
-                    (1 << left) - 1
-                } else {
-                    0xff
-                };
-                let pattern = avx._mm256_movemask_ps(near) as usize & inside;
-                let packed = avx2._mm256_add_epi32(
-                    cast::<[u32; FILTER_WIDTH], __m256i>(PACKED[pattern]),
-                    avx._mm256_set1_epi32(first as i32),
-                );
-                let packed: [u32; FILTER_WIDTH] = cast(packed);
-                found[n..n + FILTER_WIDTH].copy_from_slice(&packed);
-                n += pattern.count_ones() as usize;
-                first += FILTER_WIDTH;
+                let inside = (1 << (range.len() - whole)) - 1;
+                n = append(self, pattern & inside, first, found, n);
             }
             n
         }
