@@ -177,8 +177,18 @@ impl Crowd {
         let wall_pressure = relative(&numbers(walls.pressures()), &numbers(&twin.wall_pressure));
         let reaction = relative(&reactions, &twin.reaction);
 
-        let before = fluid.particles().density.clone();
         let dt = 1e-6;
+        let mut shifted = fluid.clone();
+        shifted.update_spread();
+        walls.add_spreads(&mut shifted);
+        shifted.shift(dt);
+        let p = fluid.particles();
+        let shifts: Vec<Vec3> = (0..n)
+            .map(|a| {
+                (shifted.particles().position[a] - p.position[a]) / (dt * p.velocity[a].norm())
+            })
+            .collect();
+        let before = fluid.particles().density.clone();
         fluid.update_rates();
         walls.add_rates(&mut fluid);
         fluid.advance_density(dt);
@@ -200,17 +210,6 @@ impl Crowd {
         );
         let rate = relative(&crowded(&rates), &crowded(&twin.rate));
 
-        let mut shifted = fluid.clone();
-        shifted.update_spread();
-        walls.add_spreads(&mut shifted);
-        shifted.shift(dt);
-        let p = fluid.particles();
-        let shifts: Vec<Vec3> = (0..n)
-            .map(|a| {
-                (shifted.particles().position[a] - p.position[a]) / (dt * p.velocity[a].norm())
-            })
-            .collect();
-        // density has moved on by the rates of 1e-6 s since: no more than 1e-7 of the volumes
         Errors {
             acceleration,
             rate,
