@@ -274,16 +274,16 @@ impl CellGrid {
         let squares_y = self.squared_distances(1, position.y, j);
         let squares_z = self.squared_distances(2, position.z, k);
         let mut n = 0;
-        for dy in 0..3 {
-            let Some((row, sy)) = self.step(1, j, dy as i32 - 1) else {
+        for (dy, square_y) in (-1..).zip(squares_y) {
+            let Some((row, sy)) = self.step(1, j, dy) else {
                 continue;
             };
-            for dz in 0..3 {
-                let chord2 = radius * radius - squares_y[dy] - squares_z[dz];
+            for (dz, square_z) in (-1..).zip(squares_z) {
+                let chord2 = radius * radius - square_y - square_z;
                 if chord2 < 0.0 {
                     continue;
                 }
-                let Some((layer, sz)) = self.step(2, k, dz as i32 - 1) else {
+                let Some((layer, sz)) = self.step(2, k, dz) else {
                     continue;
                 };
                 let first = self.cell_at([0, row, layer]);

@@ -115,7 +115,7 @@ fn squared_frequency(k: &Vec3, support: f64) -> f64 {
 }
 
 /// Waves of the periodic lattice of `n` particles a side, one octant.
-fn lattice_waves(n: i32) -> impl Iterator<Item = Vec3> {
+pub fn lattice_waves(n: i32) -> impl Iterator<Item = Vec3> {
     let step = 2.0 * PI / f64::from(n);
     (0..=n / 2)
         .flat_map(move |i| (0..=n / 2).map(move |j| (i, j)))

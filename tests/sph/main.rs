@@ -6,6 +6,11 @@
 )]
 
 mod conservation;
+mod drops;
 mod flow;
+mod invariants;
 mod support;
-mod tank;
+mod twin;
+mod walls;
+mod water;
+mod waves;

@@ -105,3 +105,21 @@ pub fn noise(x: &Vec3, salt: f64) -> f64 {
 pub fn noise3(x: &Vec3) -> Vec3 {
     Vec3::new(noise(x, 1.0), noise(x, 2.0), noise(x, 3.0))
 }
+
+/// Uniform numbers of −1 to 1 from a fixed seed.
+pub struct Noise(pub u64);
+
+impl Noise {
+    pub fn next(&mut self) -> f64 {
+        // a linear congruence by Knuth; its high bits are random enough to place points
+        self.0 = self
+            .0
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        (self.0 >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+    }
+
+    pub fn vector(&mut self) -> Vec3 {
+        Vec3::new(self.next(), self.next(), self.next())
+    }
+}

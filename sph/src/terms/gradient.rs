@@ -116,8 +116,8 @@ impl<L: Lanes, K: PairKernel<L>, const VELOCITY: bool> Term<L> for Gradient<'_, 
         add_scaled(&mut sums.density, excess - *density, &gradient);
         if VELOCITY {
             let jump = minus(&[vx, vy, vz], velocity);
-            for axis in 0..3 {
-                add_scaled(&mut sums.velocity[axis], jump[axis], &gradient);
+            for (sum, jump) in sums.velocity.iter_mut().zip(jump) {
+                add_scaled(sum, jump, &gradient);
             }
         }
     }
