@@ -129,6 +129,40 @@ fn a_small_wavemaker_runs_and_its_paddle_does_work() {
 }
 
 #[test]
+fn a_solitary_wave_keeps_its_height_and_speed() {
+    let folder = tempfile::tempdir().unwrap();
+    let extra = ["--set", "fluid.resolution=Spacing(0.1)", "--until", "9.5"];
+    let summary = run(&case("solitary.ron"), folder.path(), &extra);
+    assert_sound(&summary);
+    let gauges = table(&folder.path().join("gauges.csv"));
+    // time and height above still water of the crest at a column
+    let crest = |column: usize| {
+        gauges
+            .iter()
+            .fold((0.0, f64::MIN), |best: (f64, f64), row| {
+                if best.1 < row[column] - 1.0 {
+                    (row[0], row[column] - 1.0)
+                } else {
+                    best
+                }
+            })
+    };
+    // gauges stand at x = 5, 6, 7, ... m
+    let (near, far) = (crest(1), crest(16));
+    let celerity = 15.0 / (far.0 - near.0);
+    // sqrt(g (d + H)); measured 1.0 % faster, of which 0.5 % is the interval of the gauges
+    let ratio = celerity / (9.81_f64 * 1.3).sqrt();
+    println!(
+        "celerity {ratio} of theory, heights {} and {} m",
+        near.1, far.1
+    );
+    assert!((ratio - 1.0).abs() < 0.02, "celerity {ratio}");
+    // measured 0.3075 and 0.3071 m
+    assert!((near.1 / 0.3 - 1.0).abs() < 0.05, "height {}", near.1);
+    assert!(far.1 > 0.95 * near.1, "{} after {}", far.1, near.1);
+}
+
+#[test]
 fn threads_and_observers_do_not_change_a_bit_and_case_ron_repeats_the_run() {
     let folder = tempfile::tempdir().unwrap();
     let at = |name: &str| folder.path().join(name);

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use riprap_dda::{Blocks, Load, Motion};
-use riprap_sph::{Fluid, Vec3};
+use riprap_sph::{Dimensions, Fluid, Vec3};
 
 use super::{ObserveError, Observer, Schedule};
 use crate::scene::file::GaugeFile;
@@ -184,12 +184,12 @@ impl Gauge {
 /// Water touches the ground where a particle within a spacing of the line is within 1.5 spacings
 /// of a fixed surface that looks up; a drop in the air touches nothing.
 fn run_up(fluid: &Fluid, blocks: &Blocks, from: &[f64; 2], to: &[f64; 2]) -> Option<f64> {
-    let spacing = fluid
-        .settings()
-        .particle_spacing
-        .iter()
-        .product::<f64>()
-        .cbrt();
+    let [dx, dy, dz] = fluid.settings().particle_spacing;
+    let spacing = match fluid.settings().dimensions {
+        Dimensions::Three => (dx * dy * dz).cbrt(),
+        // across, the slice may be as wide as it likes
+        Dimensions::Two { .. } => (dx * dz).sqrt(),
+    };
     let reach = TOUCHING_DISTANCE * spacing;
     let ground: Vec<usize> = (0..blocks.n_parts())
         .filter(|&part| matches!(blocks.motion(blocks.block_of_part(part)), Motion::Fixed))

@@ -114,11 +114,11 @@ pub fn lattice(
 fn spacings(domain: &DomainFile, wanted: f64) -> [f64; 3] {
     let extent = vec3(domain.max) - vec3(domain.min);
     let mut spacing = [wanted; 3];
-    if domain.dimensions == DimensionsFile::Two {
-        spacing[1] = extent.y;
-    }
     for axis in domain.periodic.iter().map(|axis: &Axis| axis.index()) {
         spacing[axis] = extent[axis] / (extent[axis] / wanted).round().max(1.0);
+    }
+    if domain.dimensions == DimensionsFile::Two {
+        spacing[1] = extent.y;
     }
     spacing
 }

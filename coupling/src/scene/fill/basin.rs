@@ -6,7 +6,7 @@ use riprap_dda::{Shape, Vec3};
 
 use super::obstacles::Obstacles;
 use super::{FillError, MOST_NODES, rows};
-use crate::scene::file::{Axis, DomainFile};
+use crate::scene::file::{Axis, DimensionsFile, DomainFile};
 use crate::scene::resolve::vec3;
 
 /// Lattice nodes of the domain below a level.
@@ -74,7 +74,11 @@ impl Basin {
                 min.y + 0.5 * spacing[1],
                 level - (counts[2] - 0.5) * spacing[2],
             ),
-            periodic: [Axis::X, Axis::Y, Axis::Z].map(|axis| domain.periodic.contains(&axis)),
+            // a flow in a plane is the same everywhere across it
+            periodic: [Axis::X, Axis::Y, Axis::Z].map(|axis| {
+                domain.periodic.contains(&axis)
+                    || (axis == Axis::Y && domain.dimensions == DimensionsFile::Two)
+            }),
         })
     }
 
