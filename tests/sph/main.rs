@@ -7,5 +7,6 @@
 
 mod conservation;
 mod flow;
+mod mud;
 mod support;
 mod tank;
