@@ -5,7 +5,9 @@
 use std::time::Instant;
 
 use riprap_sph::scheme::{DensityDiffusion, Viscosity};
-use riprap_sph::{Dimensions, Fluid, Precision, Scheme, Settings, Start, Vec3};
+use riprap_sph::{
+    Dimensions, Fluid, Precision, Regularization, Rheology, Scheme, Settings, Start, Vec3,
+};
 
 fn main() {
     let spacings: Vec<f64> = std::env::args()
@@ -18,22 +20,35 @@ fn main() {
         spacings
     };
     for dp in spacings {
-        for (ratio, precision) in [
-            (1.3, Precision::Single),
-            (1.3, Precision::Double),
-            (3.0_f64.sqrt(), Precision::Single),
+        let water = Viscosity::Artificial { alpha: 0.1 };
+        let morris = Viscosity::Morris {
+            kinematic_viscosity: 1e-3,
+        };
+        let mud = Viscosity::Rheological {
+            rheology: Rheology::Bingham {
+                dynamic_viscosity: 1.0,
+                yield_stress: 50.0,
+                regularization: Regularization::Bilinear(100.0),
+            },
+        };
+        for (ratio, precision, viscosity) in [
+            (1.3, Precision::Single, water),
+            (1.3, Precision::Double, water),
+            (3.0_f64.sqrt(), Precision::Single, water),
+            (1.3, Precision::Single, morris),
+            (1.3, Precision::Single, mud),
         ] {
             for threads in [1, 2] {
                 let Ok(pool) = rayon::ThreadPoolBuilder::new().num_threads(threads).build() else {
                     return;
                 };
-                pool.install(|| measure(dp, ratio, precision, threads));
+                pool.install(|| measure(dp, ratio, (precision, viscosity), threads));
             }
         }
     }
 }
 
-fn column(dp: f64, ratio: f64, precision: Precision) -> Option<Fluid> {
+fn column(dp: f64, ratio: f64, precision: Precision, viscosity: Viscosity) -> Option<Fluid> {
     let n = [0.4, 0.67, 0.3].map(|l: f64| (l / dp).round() as usize);
     let sound_speed = 20.0 * (9.81_f64 * 0.3).sqrt();
     let settings = Settings {
@@ -43,7 +58,7 @@ fn column(dp: f64, ratio: f64, precision: Precision) -> Option<Fluid> {
         sound_speed,
         scheme: Scheme {
             diffusion: DensityDiffusion::Fourtakas(0.1),
-            viscosity: Viscosity::Artificial { alpha: 0.1 },
+            viscosity,
             precision,
             ..Scheme::standard()
         },
@@ -67,8 +82,8 @@ fn column(dp: f64, ratio: f64, precision: Precision) -> Option<Fluid> {
     Fluid::new(start, settings).ok()
 }
 
-fn measure(dp: f64, ratio: f64, precision: Precision, threads: usize) {
-    let Some(mut fluid) = column(dp, ratio, precision) else {
+fn measure(dp: f64, ratio: f64, (precision, viscosity): (Precision, Viscosity), threads: usize) {
+    let Some(mut fluid) = column(dp, ratio, precision, viscosity) else {
         return;
     };
     fluid.refresh();
@@ -83,6 +98,10 @@ fn measure(dp: f64, ratio: f64, precision: Precision, threads: usize) {
         if fluid.update_pressure().is_err() {
             return;
         }
+        if fluid.varies_viscosity() {
+            fluid.update_strain();
+            fluid.update_viscosity();
+        }
         fluid.update_accelerations();
         let forces = start.elapsed().as_secs_f64();
         for (best, time) in best.iter_mut().zip([rates, forces, rates + forces]) {
@@ -92,8 +111,9 @@ fn measure(dp: f64, ratio: f64, precision: Precision, threads: usize) {
     #[expect(clippy::print_stdout, reason = "a benchmark prints")]
     {
         println!(
-            "dp {dp}: {n} particles, h {ratio:.3} dp, {precision:?}, {threads} threads, {:.0} neighbours: \
+            "dp {dp}: {n} particles, h {ratio:.3} dp, {precision:?}, varying viscosity {}, {threads} threads, {:.0} neighbours: \
              rates {:.0} ns, forces {:.0} ns, both {:.3e} evaluations/s, {:.3e} pairs/s",
+            viscosity.varies(),
             fluid.n_pairs() as f64 / n,
             1e9 * best[0] / n,
             1e9 * best[1] / n,

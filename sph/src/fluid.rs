@@ -313,8 +313,7 @@ impl Fluid {
 
     /// Apparent viscosity of a particle, by its place in the present order; Pa s.
     pub fn apparent_viscosity(&self, particle: usize) -> f64 {
-        let constant =
-            || self.settings.kinematic_viscosity() * self.settings.reference_density;
+        let constant = || self.settings.kinematic_viscosity() * self.settings.reference_density;
         let viscosity = self.particles.viscosity.get(particle);
         viscosity.copied().unwrap_or_else(constant)
     }

@@ -85,13 +85,7 @@ impl<L: Lanes, K: PairKernel<L>> Term<L> for Gradient<'_, L, K> {
     }
 
     #[inline(always)]
-    fn add(
-        &self,
-        density: &L,
-        pair: &Pair<L>,
-        _: &[u32],
-        (moments, gradient): &mut Self::Sums,
-    ) {
+    fn add(&self, density: &L, pair: &Pair<L>, _: &[u32], (moments, gradient): &mut Self::Sums) {
         let [_, _, _, excess, volume] = pair.b;
         let weight = volume * self.kernel.gradient_factor(pair.r2);
         let [x, y, z] = pair.offset;
