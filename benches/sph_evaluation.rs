@@ -272,7 +272,9 @@ fn measure(dp: f64, ratio: f64, precision: Precision) -> Result<Found, FluidErro
         tank.step(dt)?;
     }
     let step = start.elapsed().as_secs_f64() / f64::from(STEPS);
-    let bytes = resident_bytes().zip(before).map_or(f64::NAN, |(a, b)| a - b);
+    let bytes = resident_bytes()
+        .zip(before)
+        .map_or(f64::NAN, |(a, b)| a - b);
     Ok(Found {
         head: format!(
             "{n:>9} {:>7} {ratio:>6.3} {:>7}",

@@ -95,7 +95,10 @@ pub fn build(scene: &Scene) -> Result<World, RunError> {
                 velocities: water.lattice.velocities.clone(),
                 pressures: water.pressures.clone(),
             };
-            let fluid = Fluid::new(start, water.settings.clone())?;
+            let mut fluid = Fluid::new(start, water.settings.clone())?;
+            if !water.rheologies.is_empty() {
+                fluid.set_rheologies(water.rheologies.clone(), &water.kinds)?;
+            }
             let walls = (water.wall_method == WallMethodFile::Particles)
                 .then(|| ParticleWalls::new(&scene.blocks, &blocks, &fluid, water.slip));
             Some(WaterAtStart {

@@ -158,6 +158,12 @@ impl ParticleWalls {
         self.moving.add_spreads(fluid);
     }
 
+    /// Adds the walls' part to the gradient of velocity.
+    pub fn add_strains(&mut self, fluid: &mut Fluid) {
+        self.fixed.add_strains(fluid);
+        self.moving.add_strains(fluid);
+    }
+
     /// Continues the fluid's pressure into the walls.
     pub fn extrapolate(&mut self, fluid: &Fluid) {
         self.fixed.extrapolate(fluid, 1.0);

@@ -538,6 +538,13 @@ impl World {
             walls.extrapolate(&water.fluid);
         }
         self.phases.coupling += watch.lap();
+        if water.fluid.varies_viscosity() {
+            water.fluid.update_strain();
+            if let Some(walls) = &mut water.walls {
+                walls.add_strains(&mut water.fluid);
+            }
+            water.fluid.update_viscosity();
+        }
         water.fluid.update_accelerations();
         self.phases.forces += watch.lap();
 
@@ -594,7 +601,7 @@ fn remedy(cause: Cause) -> &'static str {
     match cause {
         Cause::Sound => "lower `numerics.sound_speed` or coarsen `fluid.resolution`",
         Cause::Viscosity => {
-            "lower `fluid.dynamic_viscosity` or `numerics.viscosity`, or coarsen `fluid.resolution`"
+            "lower `fluid.dynamic_viscosity`, `numerics.viscosity` or the regularization of `fluid.rheology`, or coarsen `fluid.resolution`"
         }
         Cause::Force => "something hits the water too hard: look at the last frame",
         Cause::Wall => "lower `interface.penalty_stiffness`",

@@ -7,6 +7,8 @@
 //! kick(dt/2); drift(dt/2); refresh; update_rates; (walls); advance_density(dt)
 //! drift(dt/2); refresh; update_pressure; update_accelerations; (walls); kick(dt/2)
 //! ```
+//! Where viscosity varies, `update_strain; (walls); update_viscosity` go before the accelerations: once a
+//! step, from the velocities that the forces see.
 //!
 //! With summation density there is nothing to advance: the drift is one, and `update_pressure` finds
 //! density and pressure together; algebraically the published symplectic Euler with velocities
@@ -26,9 +28,9 @@ use crate::sums;
 use crate::sweep::AnyPoints;
 use crate::terms::continuity::Rate;
 use crate::terms::disorder::Spread;
-use crate::terms::gradient::Gradients;
+use crate::terms::gradient::StrainSums;
 use crate::terms::momentum::ForceDensity;
-use crate::{CHUNK, Particles, Vec3};
+use crate::{CHUNK, Particles, Rheology, Vec3};
 
 /// Most particles that neighbour ids can number.
 pub const MAX_PARTICLES: usize = 1 << 31;
@@ -127,6 +129,8 @@ pub struct Fluid {
     pub(crate) particles: Particles,
     pub(crate) grid: CellGrid,
     pub(crate) frame: Frame,
+    /// Flow laws by [`Particles::kind`].
+    rheologies: Vec<Rheology>,
     /// Volume of a particle at the reference density; m³.
     particle_volume: f64,
     /// Kernel sum over the undisturbed lattice, by which summation density is divided.
@@ -153,12 +157,16 @@ pub(crate) struct Scratch {
     ids: Vec<u32>,
     vectors: Vec<Vec3>,
     numbers: Vec<f64>,
+    kinds: Vec<u8>,
     pub(crate) points: AnyPoints,
     pub(crate) rates: Vec<Rate>,
     pub(crate) forces: Vec<ForceDensity>,
-    pub(crate) gradients: Vec<Gradients>,
+    pub(crate) gradients: Vec<[f64; 3]>,
+    pub(crate) strains: Vec<StrainSums>,
     pub(crate) spreads: Vec<Spread>,
     pub(crate) extra: AnyPoints,
+    /// Apparent viscosities, where they vary.
+    pub(crate) viscosities: AnyPoints,
     partial: Vec<f64>,
     keep: Vec<bool>,
 }
@@ -208,6 +216,10 @@ impl Fluid {
         }
         Ok(Self {
             frame: Frame::new(&grid, support),
+            rheologies: match scheme.viscosity {
+                Viscosity::Rheological { rheology } => vec![rheology],
+                _ => Vec::new(),
+            },
             grid,
             state,
             particles,
@@ -264,6 +276,58 @@ impl Fluid {
     /// The equation of state.
     pub fn state_equation(&self) -> &State {
         &self.state
+    }
+
+    /// Gives particles flow laws of their own: `kinds` has the number of the law of every particle, in order
+    /// of id; particles beyond its end keep theirs. Where the viscosity of the scheme is not
+    /// [`Viscosity::Rheological`] the laws take no part.
+    ///
+    /// # Errors
+    ///
+    /// [`FluidError::Setting`] for a law out of range or a number that has no law.
+    pub fn set_rheologies(
+        &mut self,
+        rheologies: Vec<Rheology>,
+        kinds: &[u8],
+    ) -> Result<(), FluidError> {
+        rheologies.iter().try_for_each(Rheology::check)?;
+        let particles = &mut self.particles;
+        for (kind, &id) in particles.kind.iter_mut().zip(&particles.id) {
+            *kind = kinds.get(id as usize).copied().unwrap_or(*kind);
+            if rheologies.len() <= usize::from(*kind) {
+                return Err(FluidError::Setting {
+                    name: "kind",
+                    value: f64::from(*kind),
+                    range: "the number of a flow law",
+                });
+            }
+        }
+        self.rheologies = rheologies;
+        Ok(())
+    }
+
+    /// Whether each particle has a viscosity of its own.
+    pub fn varies_viscosity(&self) -> bool {
+        self.settings.scheme.viscosity.varies()
+    }
+
+    /// Apparent viscosity of a particle, by its place in the present order; Pa s.
+    pub fn apparent_viscosity(&self, particle: usize) -> f64 {
+        let constant = || self.settings.kinematic_viscosity() * self.settings.reference_density;
+        let viscosity = self.particles.viscosity.get(particle);
+        viscosity.copied().unwrap_or_else(constant)
+    }
+
+    /// Whether a particle flows, by its place in the present order: what has no yield stress always does.
+    pub fn is_yielded(&self, particle: usize) -> bool {
+        let p = &self.particles;
+        match (p.shear_rate.get(particle), p.kind.get(particle)) {
+            (Some(&rate), Some(&kind)) => {
+                let rheology = self.rheologies.get(usize::from(kind));
+                rheology.is_none_or(|rheology| rheology.is_yielded(rate))
+            }
+            _ => true,
+        }
     }
 
     /// Whether the density is advanced in time, by [`Self::update_rates`] and [`Self::advance_density`].
@@ -411,6 +475,7 @@ impl Fluid {
             ids,
             vectors,
             numbers,
+            kinds,
             ..
         } = &mut self.scratch;
         self.grid.sort(&self.particles.position, cell, order);
@@ -436,13 +501,14 @@ impl Fluid {
         reorder(&mut particles.velocity, order, vectors);
         reorder(&mut particles.density, order, numbers);
         reorder(&mut particles.mass, order, numbers);
+        reorder(&mut particles.kind, order, kinds);
         self.moved = 0.0;
     }
 
     /// Rates of density from neighbours in the fluid, at the present positions and velocities.
     pub fn update_rates(&mut self) {
         if let DensityDiffusion::Antuono(_) = self.settings.scheme.diffusion {
-            sums::gradients::<false>(self);
+            sums::density_gradients(self);
         }
         self.n_pairs = sums::rates(self);
     }
@@ -594,6 +660,55 @@ impl Fluid {
         self.moved += 3.0_f64.sqrt() * most;
     }
 
+    /// Sums the gradient of velocity over the fluid; walls are added afterwards, then
+    /// [`Self::update_viscosity`]. After [`Self::update_pressure`], and only where viscosity varies.
+    pub fn update_strain(&mut self) {
+        sums::strains(self);
+    }
+
+    /// Rates of shear and apparent viscosities, which the forces of this step share.
+    pub fn update_viscosity(&mut self) {
+        let Particles {
+            kind,
+            shear_rate,
+            viscosity,
+            ..
+        } = &mut self.particles;
+        let (settings, rheologies) = (&self.settings, &self.rheologies);
+        let reference = settings.reference_density;
+        let mixing_length = settings.mixing_length();
+        let of = |kind: u8, rate: f64| match settings.scheme.viscosity {
+            Viscosity::SubParticleScale {
+                kinematic_viscosity,
+                ..
+            } => reference * (kinematic_viscosity + mixing_length * mixing_length * rate),
+            // a number without a law was refused
+            _ => rheologies
+                .get(usize::from(kind))
+                .map_or(0.0, |rheology| rheology.apparent_viscosity(rate)),
+        };
+        shear_rate.resize(kind.len(), 0.0);
+        viscosity.resize(kind.len(), 0.0);
+        shear_rate
+            .par_chunks_mut(CHUNK)
+            .zip(viscosity.par_chunks_mut(CHUNK))
+            .zip(kind.par_chunks(CHUNK))
+            .zip(self.scratch.strains.par_chunks(CHUNK))
+            .for_each(|(((rates, viscosities), kinds), strains)| {
+                for (((rate, viscosity), kind), strain) in
+                    rates.iter_mut().zip(viscosities).zip(kinds).zip(strains)
+                {
+                    *rate = strain.shear_rate(settings.dimensions);
+                    *viscosity = of(*kind, *rate);
+                }
+            });
+        let precision = settings.scheme.precision;
+        let packed = &mut self.scratch.viscosities;
+        packed.pack_values(precision, viscosity.len(), |a| {
+            [viscosity[a], 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]
+        });
+    }
+
     /// Accelerations from pressure, viscosity and gravity; walls are added afterwards.
     pub fn update_accelerations(&mut self) {
         sums::forces(self);
@@ -659,24 +774,36 @@ impl Fluid {
     /// lattice sound allows 1.75 h/c₀ without and 1.54 with the usual density diffusion. Viscosity
     /// allows 0.112 to 0.128 h²/ν along lines of centres, where one wave has all of the 2(d + 2), and
     /// 0.29 to 0.32 after Morris; a wall that does not slip mirrors velocities and takes some of that.
-    /// That of the force is the customary one at a factor of 0.5.
+    /// That of the force is the customary one at a factor of 0.5. Where viscosity varies ν is the largest of
+    /// any particle over ρ₀.
     pub fn step_limits(&self) -> StepLimits {
         let s = &self.settings;
         let (h, support) = (s.smoothing_length, s.support_radius());
         let (sound, viscous_share) = match s.scheme.density {
             DensityMethod::Summation => (0.95 * support, 0.127 * support * support),
             DensityMethod::Continuity => match s.scheme.viscosity {
-                Viscosity::Morris { .. } => (h, 0.25 * h * h),
+                Viscosity::Morris { .. }
+                | Viscosity::Rheological { .. }
+                | Viscosity::SubParticleScale { .. } => (h, 0.25 * h * h),
                 _ => (h, 0.10 * h * h),
             },
         };
         StepLimits {
             sound: s.time_step_factor * sound / (s.sound_speed + self.max_speed()),
-            viscosity: s.time_step_factor * viscous_share / s.kinematic_viscosity(),
+            viscosity: s.time_step_factor * viscous_share / self.largest_kinematic_viscosity(),
             force: s.time_step_factor
                 * 0.5
                 * (h / largest_norm(&self.particles.acceleration)).sqrt(),
         }
+    }
+
+    /// Largest kinematic viscosity of any particle; m²/s.
+    fn largest_kinematic_viscosity(&self) -> f64 {
+        if !self.varies_viscosity() {
+            return self.settings.kinematic_viscosity();
+        }
+        let viscosity = self.particles.viscosity.par_iter().with_min_len(4096);
+        viscosity.copied().reduce(|| 0.0, f64::max) / self.settings.reference_density
     }
 
     /// Largest particle speed; m/s.
@@ -726,9 +853,23 @@ impl Settings {
         2.0 * self.smoothing_length
     }
 
+    /// Length over which eddies smaller than the spacing mix: Smagorinsky's `C` times the spacing; m.
+    fn mixing_length(&self) -> f64 {
+        let Viscosity::SubParticleScale { smagorinsky, .. } = self.scheme.viscosity else {
+            return 0.0;
+        };
+        let [dx, dy, dz] = self.particle_spacing;
+        smagorinsky
+            * match self.dimensions {
+                Dimensions::Two { .. } => (dx * dz).sqrt(),
+                Dimensions::Three => (dx * dy * dz).cbrt(),
+            }
+    }
+
     /// Kinematic viscosity that the viscous force amounts to; m²/s.
     ///
-    /// The artificial one is `α c₀ h/(2(d+2))` where all pairs take part.
+    /// The artificial one is `α c₀ h/(2(d+2))` where all pairs take part. Where viscosity varies it is that
+    /// at rest.
     pub fn kinematic_viscosity(&self) -> f64 {
         let neighbors_factor = match self.dimensions {
             Dimensions::Two { .. } => 8.0,
@@ -747,7 +888,14 @@ impl Settings {
             }
             | Viscosity::Morris {
                 kinematic_viscosity,
+            }
+            | Viscosity::SubParticleScale {
+                kinematic_viscosity,
+                ..
             } => kinematic_viscosity,
+            Viscosity::Rheological { rheology } => {
+                rheology.viscosity_at_rest() / self.reference_density
+            }
         }
     }
 
@@ -769,6 +917,17 @@ impl Settings {
                     range: "finite and > 0",
                 });
             }
+        }
+        if let Viscosity::Rheological { rheology } = self.scheme.viscosity {
+            rheology.check()?;
+        }
+        let mixing_length = self.mixing_length();
+        if !(mixing_length.is_finite() && 0.0 <= mixing_length) {
+            return Err(FluidError::Setting {
+                name: "mixing length",
+                value: mixing_length,
+                range: "finite and >= 0",
+            });
         }
         let viscosity = self.kinematic_viscosity();
         if !(viscosity.is_finite() && 0.0 <= viscosity) {

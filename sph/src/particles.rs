@@ -21,6 +21,12 @@ pub struct Particles {
     pub acceleration: Vec<Vec3>,
     /// The viscous part of `acceleration`; for the energy ledger; m/s².
     pub viscous_acceleration: Vec<[f32; 3]>,
+    /// Number of its flow law, which never changes; sorting moves it.
+    pub kind: Vec<u8>,
+    /// Rate of shear `γ̇`; written by the evaluation, empty where viscosity does not vary; 1/s.
+    pub shear_rate: Vec<f64>,
+    /// Apparent viscosity; written by the evaluation, empty where it does not vary; Pa s.
+    pub viscosity: Vec<f64>,
 }
 
 impl Particles {
@@ -36,6 +42,9 @@ impl Particles {
             pressure: vec![0.0; n],
             acceleration: vec![Vec3::zeros(); n],
             viscous_acceleration: vec![[0.0; 3]; n],
+            kind: vec![0; n],
+            shear_rate: Vec::new(),
+            viscosity: Vec::new(),
         }
     }
 
@@ -65,6 +74,9 @@ impl Particles {
             pressure,
             acceleration,
             viscous_acceleration,
+            kind,
+            shear_rate,
+            viscosity,
         } = self;
         filter(id, keep);
         filter(position, keep);
@@ -74,5 +86,8 @@ impl Particles {
         filter(pressure, keep);
         filter(acceleration, keep);
         filter(viscous_acceleration, keep);
+        filter(kind, keep);
+        filter(shear_rate, keep);
+        filter(viscosity, keep);
     }
 }

@@ -19,6 +19,7 @@
 //! (2013) for the wide support of waves that travel far.
 
 use crate::kernel::KernelChoice;
+use crate::rheology::Rheology;
 use crate::state_equation::{NegativePressure, StateEquation};
 use crate::sweep::Precision;
 
@@ -76,6 +77,32 @@ pub enum Viscosity {
         /// Kinematic viscosity; m²/s.
         kinematic_viscosity: f64,
     },
+    /// Morris's form with a viscosity of each particle from its rate of shear, pairs sharing the
+    /// harmonic mean.
+    Rheological {
+        /// Flow law of all particles that have none of their own, see
+        /// [`crate::Fluid::set_rheologies`].
+        rheology: Rheology,
+    },
+    /// Eddies smaller than the spacing: the same with `ν + (C dp)² γ̇`, Smagorinsky's model as in
+    /// Gotoh et al. (2001). The isotropic part, `0.0066 ρ dp² γ̇²`, is left in the pressure. Only where the
+    /// spacing resolves the flow.
+    SubParticleScale {
+        /// Kinematic viscosity; m²/s.
+        kinematic_viscosity: f64,
+        /// Smagorinsky's `C`, customarily [`SMAGORINSKY`].
+        smagorinsky: f64,
+    },
+}
+
+impl Viscosity {
+    /// Whether each particle has a viscosity of its own.
+    pub fn varies(&self) -> bool {
+        matches!(
+            self,
+            Self::Rheological { .. } | Self::SubParticleScale { .. }
+        )
+    }
 }
 
 /// What keeps particles evenly spread.
@@ -129,6 +156,8 @@ pub const DIFFUSION: f64 = 0.1;
 pub const ALPHA: f64 = 0.02;
 /// A of shifting. Lind et al. (2012).
 pub const SHIFTING: f64 = 2.0;
+/// `C` of the sub-particle-scale viscosity. Dalrymple & Rogers (2006).
+pub const SMAGORINSKY: f64 = 0.12;
 
 impl Scheme {
     /// The published scheme, misprints corrected.

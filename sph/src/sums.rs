@@ -1,6 +1,5 @@
 //! The fluid's sums over neighbours: settings become types here, once per sum and not once per pair.
 
-use crate::boundary::wall_particles::Slip;
 use crate::cells::CellGrid;
 use crate::fluid::Settings;
 use crate::kernel::{CubicSpline, KernelChoice, Mueller, PairKernel, WendlandC2};
@@ -13,10 +12,10 @@ use crate::terms::continuity::{
 };
 use crate::terms::disorder::{Disorder, Spread};
 use crate::terms::extrapolation::{Extrapolated, Extrapolation};
-use crate::terms::gradient::{Gradient, Gradients};
+use crate::terms::gradient::{Gradient, Strain, StrainSums};
 use crate::terms::momentum::{
     Central, ForceDensity, ForceOwn, Inviscid, Momentum, PairPressure, PairViscosity, Published,
-    Shear, SumOfPressures, WeightedByDensity,
+    Shear, SumOfPressures, VariableShear, WeightedByDensity,
 };
 use crate::terms::summation::Summation;
 use crate::{Fluid, Vec3};
@@ -287,24 +286,14 @@ pub(crate) fn rates(fluid: &mut Fluid) -> u64 {
     n_found - fluid.particles.len() as u64
 }
 
-struct GradientSums<'a, const VELOCITY: bool> {
+struct Gradients<'a> {
     setup: Setup<'a>,
-    own: RateOwn<'a>,
-    out: &'a mut [Gradients],
+    density: &'a [f64],
+    out: &'a mut [[f64; 3]],
 }
+sum_over_kernels!(Gradients);
 
-impl<const VELOCITY: bool> Sum for GradientSums<'_, VELOCITY> {
-    fn run<L>(self, machine: L::Machine)
-    where
-        L: Lanes,
-        L::Machine: Machine,
-        L::Record: Default + PackedIn,
-    {
-        for_kernel!(self, machine, L)
-    }
-}
-
-impl<const VELOCITY: bool> GradientSums<'_, VELOCITY> {
+impl Gradients<'_> {
     fn with<L, K>(self, machine: L::Machine)
     where
         L: Lanes,
@@ -313,10 +302,10 @@ impl<const VELOCITY: bool> GradientSums<'_, VELOCITY> {
         K: PairKernel<L>,
     {
         let settings = self.setup.settings;
-        let term = Gradient::<L, K, VELOCITY>::new(
+        let term = Gradient::new(
             machine,
             self.setup.kernel::<L, K>(machine),
-            self.own,
+            self.density,
             settings.reference_density,
             settings.dimensions,
         );
@@ -324,36 +313,94 @@ impl<const VELOCITY: bool> GradientSums<'_, VELOCITY> {
     }
 }
 
-/// Renormalised gradients of density, and of velocity where asked, into the scratch; those of density
-/// also packed for the sums.
-pub(crate) fn gradients<const VELOCITY: bool>(fluid: &mut Fluid) {
+/// Renormalised gradients of density, packed for the sums, into the scratch.
+pub(crate) fn density_gradients(fluid: &mut Fluid) {
     let mut points = std::mem::take(&mut fluid.scratch.points);
     let mut out = std::mem::take(&mut fluid.scratch.gradients);
     let mut packed = std::mem::take(&mut fluid.scratch.extra);
     fluid.pack_flow(&mut points);
-    out.resize(fluid.particles.len(), Gradients::default());
+    out.resize(fluid.particles.len(), [0.0; 3]);
     dispatch(
         fluid.settings.scheme.precision,
-        GradientSums::<VELOCITY> {
+        Gradients {
             setup: Setup {
                 settings: &fluid.settings,
                 from: fluid.neighborhood(&points),
                 receivers: fluid.everyone(),
             },
-            own: RateOwn {
-                velocity: &fluid.particles.velocity,
-                density: &fluid.particles.density,
-            },
+            density: &fluid.particles.density,
             out: &mut out,
         },
     );
     packed.pack_values(fluid.settings.scheme.precision, out.len(), |a| {
-        let g = out[a].density;
-        [g.x, g.y, g.z, 0.0, 0.0, 0.0, 0.0, 0.0]
+        let [x, y, z] = out[a];
+        [x, y, z, 0.0, 0.0, 0.0, 0.0, 0.0]
     });
     fluid.scratch.points = points;
     fluid.scratch.gradients = out;
     fluid.scratch.extra = packed;
+}
+
+struct Strains<'a> {
+    setup: Setup<'a>,
+    velocity: &'a [Vec3],
+    out: &'a mut [StrainSums],
+}
+sum_over_kernels!(Strains);
+
+impl Strains<'_> {
+    fn with<L, K>(self, machine: L::Machine)
+    where
+        L: Lanes,
+        L::Machine: Machine,
+        L::Record: Default + PackedIn,
+        K: PairKernel<L>,
+    {
+        let kernel = self.setup.kernel::<L, K>(machine);
+        let dimensions = self.setup.settings.dimensions;
+        let term = Strain::new(machine, kernel, self.velocity, dimensions);
+        self.setup.sweep::<L, _>(machine, &term, self.out);
+    }
+}
+
+/// Sums of the gradient of velocity in the fluid into the scratch; after [`Fluid::pack_forces`].
+pub(crate) fn strains(fluid: &mut Fluid) {
+    let mut out = std::mem::take(&mut fluid.scratch.strains);
+    out.resize(fluid.particles.len(), StrainSums::default());
+    dispatch(
+        fluid.settings.scheme.precision,
+        Strains {
+            setup: Setup {
+                settings: &fluid.settings,
+                from: fluid.neighborhood(&fluid.scratch.points),
+                receivers: fluid.everyone(),
+            },
+            velocity: &fluid.particles.velocity,
+            out: &mut out,
+        },
+    );
+    fluid.scratch.strains = out;
+}
+
+/// The same of some particles as far as wall points, which hold velocity and volume, make them.
+pub(crate) fn wall_strains(
+    fluid: &Fluid,
+    walls: Neighborhood,
+    chosen: &[u32],
+    out: &mut [StrainSums],
+) {
+    dispatch(
+        fluid.settings.scheme.precision,
+        Strains {
+            setup: Setup {
+                settings: &fluid.settings,
+                from: walls,
+                receivers: some(&fluid.particles.position, chosen),
+            },
+            velocity: &fluid.particles.velocity,
+            out,
+        },
+    );
 }
 
 struct Spreads<'a> {
@@ -396,21 +443,42 @@ pub(crate) fn spreads(fluid: &mut Fluid) {
     fluid.scratch.spreads = out;
 }
 
-/// Which pressure a pair of a force sum shares.
+/// Who receives from whom in a force sum.
 #[derive(Clone, Copy)]
 enum Between {
     FluidAndFluid,
-    FluidAndWall,
+    WallOnFluid,
+    FluidOnWall,
 }
 
 struct Forces<'a> {
     setup: Setup<'a>,
     own: ForceOwn<'a>,
     between: Between,
-    viscosity: Viscosity,
+    shear: Shearing<'a>,
     out: &'a mut [ForceDensity],
 }
 sum_over_kernels!(Forces);
+
+/// What resists shear in a force sum.
+#[derive(Clone, Copy)]
+pub(crate) enum Shearing<'a> {
+    /// The same for all.
+    Uniform(Viscosity),
+    /// Viscosities of the fluid's particles.
+    OfParticles(&'a AnyPoints),
+}
+
+impl<'a> Shearing<'a> {
+    /// That within a fluid.
+    pub(crate) fn within(fluid: &'a Fluid) -> Self {
+        if fluid.varies_viscosity() {
+            Self::OfParticles(&fluid.scratch.viscosities)
+        } else {
+            Self::Uniform(fluid.settings.scheme.viscosity)
+        }
+    }
+}
 
 impl Forces<'_> {
     fn with<L, K>(self, machine: L::Machine)
@@ -420,17 +488,39 @@ impl Forces<'_> {
         L::Record: Default + PackedIn,
         K: PairKernel<L>,
     {
+        let s = self.setup.settings;
+        let wall = || WeightedByDensity::new(machine, s.reference_density, s.sound_speed);
+        let viscosities = match self.shear {
+            Shearing::Uniform(viscosity) => {
+                return match self.between {
+                    Between::FluidAndFluid => {
+                        self.pressed::<L, K, _>(machine, SumOfPressures, viscosity);
+                    }
+                    Between::WallOnFluid | Between::FluidOnWall => {
+                        self.pressed::<L, K, _>(machine, wall(), viscosity);
+                    }
+                };
+            }
+            Shearing::OfParticles(viscosities) => L::Record::of(viscosities).records(),
+        };
+        let h = s.smoothing_length;
         match self.between {
-            Between::FluidAndFluid => self.pressed::<L, K, _>(machine, SumOfPressures),
-            Between::FluidAndWall => {
-                let s = self.setup.settings;
-                let joint = WeightedByDensity::new(machine, s.reference_density, s.sound_speed);
-                self.pressed::<L, K, _>(machine, joint);
+            Between::FluidAndFluid => {
+                let shear = VariableShear::<L, true, true>::new(machine, viscosities, h);
+                self.sheared::<L, K, _, _>(machine, SumOfPressures, shear);
+            }
+            Between::WallOnFluid => {
+                let shear = VariableShear::<L, true, false>::new(machine, viscosities, h);
+                self.sheared::<L, K, _, _>(machine, wall(), shear);
+            }
+            Between::FluidOnWall => {
+                let shear = VariableShear::<L, false, true>::new(machine, viscosities, h);
+                self.sheared::<L, K, _, _>(machine, wall(), shear);
             }
         }
     }
 
-    fn pressed<L, K, P>(self, machine: L::Machine, pressure: P)
+    fn pressed<L, K, P>(self, machine: L::Machine, pressure: P, viscosity: Viscosity)
     where
         L: Lanes,
         L::Machine: Machine,
@@ -442,8 +532,13 @@ impl Forces<'_> {
         let h = s.smoothing_length;
         let rho = s.reference_density;
         let laminar_factor = 2.0 * (s.dimensions.count() + 2.0);
-        match self.viscosity {
-            Viscosity::None => self.sheared::<L, K, _, _>(machine, pressure, Inviscid),
+        match viscosity {
+            Viscosity::None
+            // these are of particles, see `Shearing`
+            | Viscosity::Rheological { .. }
+            | Viscosity::SubParticleScale { .. } => {
+                self.sheared::<L, K, _, _>(machine, pressure, Inviscid);
+            }
             Viscosity::Published { dynamic_viscosity } => {
                 let term = Published::new(machine, dynamic_viscosity, s.support_radius());
                 self.sheared::<L, K, _, _>(machine, pressure, term);
@@ -502,7 +597,7 @@ pub(crate) fn forces(fluid: &mut Fluid) {
                 pressure: &fluid.particles.pressure,
             },
             between: Between::FluidAndFluid,
-            viscosity: fluid.settings.scheme.viscosity,
+            shear: Shearing::within(fluid),
             out: &mut out,
         },
     );
@@ -562,20 +657,12 @@ pub(crate) fn wall_spreads(fluid: &Fluid, walls: Neighborhood, chosen: &[u32], o
     );
 }
 
-/// Viscosity of a fluid along a wall.
-fn along_wall(fluid: &Fluid, slip: Slip) -> Viscosity {
-    match slip {
-        Slip::Free => Viscosity::None,
-        Slip::None => fluid.settings.scheme.viscosity,
-    }
-}
-
 /// Forces per volume of wall points, which hold velocity, pressure and volume, on some particles.
 pub(crate) fn wall_forces(
     fluid: &Fluid,
     walls: Neighborhood,
     chosen: &[u32],
-    slip: Slip,
+    shear: Shearing,
     out: &mut [ForceDensity],
 ) {
     dispatch(
@@ -590,8 +677,8 @@ pub(crate) fn wall_forces(
                 velocity: &fluid.particles.velocity,
                 pressure: &fluid.particles.pressure,
             },
-            between: Between::FluidAndWall,
-            viscosity: along_wall(fluid, slip),
+            between: Between::WallOnFluid,
+            shear,
             out,
         },
     );
@@ -603,7 +690,7 @@ pub(crate) fn reactions(
     fluid: &Fluid,
     (positions, velocity, pressure): (&[Vec3], &[Vec3], &[f64]),
     chosen: &[u32],
-    slip: Slip,
+    shear: Shearing,
     out: &mut [ForceDensity],
 ) {
     dispatch(
@@ -615,8 +702,8 @@ pub(crate) fn reactions(
                 receivers: some(positions, chosen),
             },
             own: ForceOwn { velocity, pressure },
-            between: Between::FluidAndWall,
-            viscosity: along_wall(fluid, slip),
+            between: Between::FluidOnWall,
+            shear,
             out,
         },
     );

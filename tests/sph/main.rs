@@ -9,6 +9,7 @@ mod conservation;
 mod drops;
 mod flow;
 mod invariants;
+mod mud;
 mod support;
 mod twin;
 mod walls;

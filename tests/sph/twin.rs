@@ -250,7 +250,11 @@ impl Twin {
             let w = kernel.gradient_factor(r);
             let soft = r * r + 0.01 * H * H;
             let viscous = match s.scheme.viscosity {
-                Viscosity::None | Viscosity::Published { .. } => Vec3::zeros(),
+                // the twin knows the viscosities of the boxes below; the others have tests of their own
+                Viscosity::None
+                | Viscosity::Published { .. }
+                | Viscosity::Rheological { .. }
+                | Viscosity::SubParticleScale { .. } => Vec3::zeros(),
                 Viscosity::Artificial { alpha } => {
                     d * (RHO * alpha * C0 * H * w * jump.dot(d).min(0.0) / soft)
                 }

@@ -42,7 +42,7 @@ impl Frames {
         Ok(Self {
             folder: folder.to_path_buf(),
             schedule: Schedule::every(output.frame_interval.unwrap_or(f64::INFINITY)),
-            water_fields: output.water_fields.clone(),
+            water_fields: output.water_fields.clone().unwrap_or_default(),
             block_fields: output.block_fields.clone(),
             water: world.water.is_some().then(|| collection("water")),
             blocks: has_movers.then(|| collection("blocks")),
@@ -131,6 +131,14 @@ fn water_points(water: &Water, fields: &[WaterField]) -> PolyData {
             }
             WaterField::Density => scalars("Density", column(&particles.density)),
             WaterField::Pressure => scalars("Pressure", column(&particles.pressure)),
+            WaterField::Viscosity => {
+                let of = |&a: &usize| water.fluid.apparent_viscosity(a) as f32;
+                scalars("Viscosity", order.iter().map(of).collect())
+            }
+            WaterField::Yielded => {
+                let of = |&a: &usize| i32::from(water.fluid.is_yielded(a));
+                integers("Yielded", order.iter().map(of).collect())
+            }
             WaterField::Id => integers(
                 "Id",
                 order.iter().map(|&a| particles.id[a] as i32).collect(),

@@ -657,6 +657,9 @@ pub struct FluidFile {
     /// scheme calm is this number: see `cases/README.md`.
     #[serde(default = "default_dynamic_viscosity")]
     pub dynamic_viscosity: f64,
+    /// How it flows, for mud; Newtonian with `dynamic_viscosity` when left out.
+    #[serde(default)]
+    pub rheology: Option<RheologyFile>,
     /// How fine.
     pub resolution: ResolutionFile,
     /// Where the water stands at the start.
@@ -684,6 +687,51 @@ pub struct RegionFile {
     /// Initial velocity; m/s.
     #[serde(default)]
     pub velocity: Triple,
+    /// How what starts here flows; that of the fluid when left out.
+    #[serde(default)]
+    pub rheology: Option<RheologyFile>,
+}
+
+/// How stress follows the rate of shear.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum RheologyFile {
+    /// In proportion.
+    Newtonian {
+        /// Dynamic viscosity; Pa s.
+        dynamic_viscosity: f64,
+    },
+    /// In proportion beyond a yield stress.
+    Bingham {
+        /// Plastic viscosity; Pa s.
+        dynamic_viscosity: f64,
+        /// Yield stress; Pa.
+        yield_stress: f64,
+        /// How it creeps below the yield stress.
+        regularization: RegularizationFile,
+    },
+    /// By a power beyond a yield stress.
+    HerschelBulkley {
+        /// Consistency; Pa sⁿ.
+        consistency: f64,
+        /// Exponent n, above 0; below 1 for a fluid that thins when sheared.
+        exponent: f64,
+        /// Yield stress; Pa.
+        yield_stress: f64,
+        /// How it creeps below the yield stress.
+        regularization: RegularizationFile,
+    },
+}
+
+/// How a fluid with a yield stress creeps below it. A stopped layer of thickness H on a slope goes on at
+/// `ρ g sin θ H²/(2 η)`, η its viscosity at rest; the step is proportional to 1/η.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub enum RegularizationFile {
+    /// Papanastasiou's exponential with its time, 100 to 1000 s for mud; the viscosity at rest is the plastic
+    /// one plus yield stress times time; s.
+    Papanastasiou(f64),
+    /// A largest viscosity, 100 to 1000 times the plastic one; Pa s.
+    Bilinear(f64),
 }
 
 /// Extent of a body of water.
@@ -736,13 +784,15 @@ pub enum WallMethodFile {
 }
 
 /// What the fluid does along a wall.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub enum SlipFile {
     /// It slides.
     #[default]
     Free,
     /// It sticks.
     None,
+    /// It sticks until Coulomb's friction gives way, at this angle, from 0 to below 90; degrees.
+    Friction(f64),
 }
 
 /// Schemes and their numbers.
@@ -924,6 +974,12 @@ pub enum ViscosityFile {
     Laminar,
     /// Along the difference of velocities: better in shear.
     Morris,
+    /// That of Morris with a viscosity of each particle from the flow laws of the fluid and its regions; chosen
+    /// where there are any.
+    Rheological,
+    /// Smagorinsky's eddies smaller than the spacing, with its coefficient, customarily 0.12, on top of the
+    /// viscosity of the fluid; only where the spacing resolves the flow.
+    SubParticleScale(f64),
 }
 
 /// What keeps particles evenly spread.
@@ -1038,9 +1094,9 @@ pub struct OutputFile {
     /// Between rows of `blocks.csv` and `energy.csv`; s. As `gauge_interval` when left out.
     #[serde(default)]
     pub ledger_interval: Option<f64>,
-    /// Arrays of the water files.
-    #[serde(default = "all_water_fields")]
-    pub water_fields: Vec<WaterField>,
+    /// Arrays of the water files. The first four when left out, all for a fluid with flow laws.
+    #[serde(default)]
+    pub water_fields: Option<Vec<WaterField>>,
     /// Arrays of the block files besides `BlockId`.
     #[serde(default = "all_block_fields")]
     pub block_fields: Vec<BlockField>,
@@ -1055,7 +1111,7 @@ impl Default for OutputFile {
             frame_interval: None,
             gauge_interval: None,
             ledger_interval: None,
-            water_fields: all_water_fields(),
+            water_fields: None,
             block_fields: all_block_fields(),
             contacts: false,
         }
@@ -1073,6 +1129,10 @@ pub enum WaterField {
     Pressure,
     /// Number of the particle, the same in every frame.
     Id,
+    /// Apparent viscosity; Pa s.
+    Viscosity,
+    /// 1 where the stress is above the yield stress, 0 elsewhere.
+    Yielded,
 }
 
 /// An array of the block files.
@@ -1140,15 +1200,6 @@ fn default_dynamic_viscosity() -> f64 {
 
 fn default_field_of_view() -> f64 {
     40.0
-}
-
-fn all_water_fields() -> Vec<WaterField> {
-    vec![
-        WaterField::Velocity,
-        WaterField::Density,
-        WaterField::Pressure,
-        WaterField::Id,
-    ]
 }
 
 fn all_block_fields() -> Vec<BlockField> {

@@ -277,11 +277,13 @@ mod tests {
         FluidFile {
             density: 1000.0,
             dynamic_viscosity: 1.0,
+            rheology: None,
             resolution,
             regions: vec![RegionFile {
                 name: "lake".into(),
                 shape,
                 velocity: (0.0, 0.0, 0.0),
+                rheology: None,
             }],
         }
     }

@@ -6,14 +6,16 @@ use riprap_sph::scheme::{
 };
 use riprap_sph::state_equation::State;
 use riprap_sph::{
-    Dimensions, KernelChoice, NegativePressure as Clamping, Precision, Scheme, StateEquation, Vec3,
+    Dimensions, KernelChoice, NegativePressure as Clamping, Precision, Regularization, Rheology,
+    Scheme, Settings, StateEquation, Vec3,
 };
 
 use super::error::Problem;
 use super::file::{
     Axis, DensityDiffusionFile, DensityFile, DimensionsFile, FluidFile, KernelFile,
-    NegativePressure, NumericsFile, PrecisionFile, Preset, RegionShapeFile, SceneFile,
-    ShiftingFile, SlipFile, StateEquationFile, ViscosityFile, WallMethodFile,
+    NegativePressure, NumericsFile, PrecisionFile, Preset, RegionShapeFile, RegularizationFile,
+    RheologyFile, SceneFile, ShiftingFile, SlipFile, StateEquationFile, ViscosityFile,
+    WallMethodFile, WaterField,
 };
 use super::fill::Lattice;
 use super::resolve::{FluidScene, vec3};
@@ -25,6 +27,11 @@ const SOUND_SPEED_RATIO: f64 = 10.0;
 const STATIC_PENETRATION: f64 = 0.1;
 /// Depth, in spacings, to which a particle at the expected speed enters a penalty wall.
 const IMPACT_PENETRATION: f64 = 0.25;
+
+/// A viscous limit this many times shorter than that of sound is worth a warning.
+const SLOW_VISCOSITY: f64 = 10.0;
+/// Flow laws that a particle's number can tell apart.
+const MOST_LAWS: usize = 256;
 
 /// Numbers of a preset, each where the file has none.
 struct PresetNumbers {
@@ -122,7 +129,20 @@ pub(super) fn resolve(
         expected_speed.max((gravity.norm() * lattice.depth).sqrt()),
         problems,
     );
-    let scheme = scheme(&mut file.numerics, &preset, (density, viscosity));
+    let laws = laws(file, &lattice, problems);
+    let scheme = scheme(&mut file.numerics, &preset, (density, viscosity), &laws);
+    file.output.water_fields.get_or_insert_with(|| {
+        let mut fields = vec![
+            WaterField::Velocity,
+            WaterField::Density,
+            WaterField::Pressure,
+            WaterField::Id,
+        ];
+        if !laws.rheologies.is_empty() {
+            fields.extend([WaterField::Viscosity, WaterField::Yielded]);
+        }
+        fields
+    });
     let spacing = lattice.particle_spacing(dimensions);
     let mass = density * lattice.particle_volume();
     let method = *file.interface.walls.get_or_insert(preset.walls);
@@ -156,29 +176,152 @@ pub(super) fn resolve(
         negative: scheme.negative_pressure,
     };
     let pressures = hydrostatic(&lattice, file.fluid.as_ref(), &gravity, &state);
+    let settings = Settings {
+        particle_spacing: lattice.spacing,
+        smoothing_length: ratio * spacing,
+        reference_density: density,
+        sound_speed,
+        scheme,
+        dimensions,
+        gravity,
+        time_step_factor: factor,
+        domain: (vec3(file.domain.min), vec3(file.domain.max)),
+        periodic: [Axis::X, Axis::Y, Axis::Z].map(|axis| file.domain.periodic.contains(&axis)),
+    };
+    let work = (file.time.duration, lattice.positions.len());
+    problems.extend(slow_viscosity(&settings, &laws, work));
     FluidScene {
-        settings: riprap_sph::Settings {
-            particle_spacing: lattice.spacing,
-            smoothing_length: ratio * spacing,
-            reference_density: density,
-            sound_speed,
-            scheme,
-            dimensions,
-            gravity,
-            time_step_factor: factor,
-            domain: (vec3(file.domain.min), vec3(file.domain.max)),
-            periodic: [Axis::X, Axis::Y, Axis::Z].map(|axis| file.domain.periodic.contains(&axis)),
-        },
+        settings,
         walls,
         wall_method: method,
         slip: match file.interface.slip {
             SlipFile::Free => Slip::Free,
             SlipFile::None => Slip::None,
+            SlipFile::Friction(angle_deg) => Slip::Friction(angle_deg.to_radians().tan()),
         },
         expected_speed,
         pressures,
+        rheologies: laws.rheologies,
+        kinds: laws.kinds,
         lattice,
     }
+}
+
+/// A flow law of the file as the solver has it.
+pub(super) fn flow_law(file: &RheologyFile) -> Rheology {
+    let regularized = |file: RegularizationFile| match file {
+        RegularizationFile::Papanastasiou(time) => Regularization::Papanastasiou(time),
+        RegularizationFile::Bilinear(largest) => Regularization::Bilinear(largest),
+    };
+    match *file {
+        RheologyFile::Newtonian { dynamic_viscosity } => Rheology::Newtonian { dynamic_viscosity },
+        RheologyFile::Bingham {
+            dynamic_viscosity,
+            yield_stress,
+            regularization,
+        } => Rheology::Bingham {
+            dynamic_viscosity,
+            yield_stress,
+            regularization: regularized(regularization),
+        },
+        RheologyFile::HerschelBulkley {
+            consistency,
+            exponent,
+            yield_stress,
+            regularization,
+        } => Rheology::HerschelBulkley {
+            consistency,
+            exponent,
+            yield_stress,
+            regularization: regularized(regularization),
+        },
+    }
+}
+
+/// Flow laws of the regions, each once; none where the file has none.
+#[derive(Default)]
+struct Laws {
+    rheologies: Vec<Rheology>,
+    /// One per particle.
+    kinds: Vec<u8>,
+}
+
+fn laws(file: &SceneFile, lattice: &Lattice, problems: &mut Vec<Problem>) -> Laws {
+    let Some(fluid) = &file.fluid else {
+        return Laws::default();
+    };
+    let has_laws = fluid.rheology.is_some() || fluid.regions.iter().any(|r| r.rheology.is_some());
+    let asked = file.numerics.viscosity;
+    if !has_laws && asked != Some(ViscosityFile::Rheological) {
+        return Laws::default();
+    }
+    if asked.is_some_and(|viscosity| viscosity != ViscosityFile::Rheological) {
+        problems.push(Problem::warning(
+            "numerics.viscosity",
+            "the flow laws of the fluid take no part with this viscosity; leave it out, or set it to Rheological",
+        ));
+        return Laws::default();
+    }
+    let of_fluid = RheologyFile::Newtonian {
+        dynamic_viscosity: fluid.dynamic_viscosity,
+    };
+    let of_fluid = flow_law(fluid.rheology.as_ref().unwrap_or(&of_fluid));
+    let mut rheologies = Vec::new();
+    let mut of_region = Vec::with_capacity(fluid.regions.len());
+    for region in &fluid.regions {
+        let law = region.rheology.as_ref().map_or(of_fluid, flow_law);
+        let known = rheologies.iter().position(|known| *known == law);
+        of_region.push(known.unwrap_or(rheologies.len()));
+        if known.is_none() {
+            rheologies.push(law);
+        }
+    }
+    if MOST_LAWS < rheologies.len() {
+        problems.push(Problem::error(
+            "fluid.regions",
+            format!("{} flow laws are more than {MOST_LAWS}", rheologies.len()),
+        ));
+    }
+    let kind = |&region: &u32| of_region.get(region as usize).map_or(0, |&k| k as u8);
+    Laws {
+        kinds: lattice.region.iter().map(kind).collect(),
+        rheologies,
+    }
+}
+
+/// Says so where viscosity makes steps much shorter than sound does.
+fn slow_viscosity(
+    settings: &Settings,
+    laws: &Laws,
+    (duration, n): (f64, usize),
+) -> Option<Problem> {
+    let h = settings.smoothing_length;
+    let constant = settings.kinematic_viscosity() * settings.reference_density;
+    let at_rest = laws.rheologies.iter().map(Rheology::viscosity_at_rest);
+    let viscosity = at_rest.fold(constant, f64::max);
+    let factor = settings.time_step_factor;
+    // the limits of continuity; those of summation are nearly the same
+    let sound = factor * h / settings.sound_speed;
+    let viscous = factor * 0.25 * h * h * settings.reference_density / viscosity;
+    let ratio = sound / viscous;
+    (SLOW_VISCOSITY < ratio).then(|| {
+        let steps = duration / viscous;
+        let path = if laws.rheologies.is_empty() {
+            "fluid.dynamic_viscosity"
+        } else {
+            "fluid.rheology"
+        };
+        Problem::warning(
+            path,
+            format!(
+                "a viscosity of {viscosity:.3e} Pa s limits the step to {viscous:.2e} s, {ratio:.0} times shorter than \
+                 sound does: {steps:.1e} steps and {:.1e} particle steps; up to {:.3e} Pa s it would cost nothing. \
+                 Choose the regularization from the creep that can be borne, or coarsen `fluid.resolution`",
+                steps * n as f64,
+                viscosity / ratio,
+            ),
+        )
+    })
 }
 
 /// Pressures of water at rest below the level of each region, compressed by its own weight.
@@ -235,6 +378,7 @@ fn scheme(
     numerics: &mut NumericsFile,
     preset: &PresetNumbers,
     (density, dynamic_viscosity): (f64, f64),
+    laws: &Laws,
 ) -> Scheme {
     let method = *numerics.density.get_or_insert(preset.density);
     // summation has no rate that diffusion could act on
@@ -243,6 +387,8 @@ fn scheme(
         DensityFile::Summation => DensityDiffusionFile::None,
     };
     let kinematic_viscosity = dynamic_viscosity / density;
+    let first = laws.rheologies.first().copied();
+    let viscosity = first.map_or(preset.viscosity, |_| ViscosityFile::Rheological);
     Scheme {
         kernel: match *numerics.kernel.get_or_insert(preset.kernel) {
             KernelFile::Mueller => KernelChoice::Mueller,
@@ -275,7 +421,7 @@ fn scheme(
             DensityDiffusionFile::Fourtakas(delta) => DensityDiffusion::Fourtakas(delta),
             DensityDiffusionFile::Antuono(delta) => DensityDiffusion::Antuono(delta),
         },
-        viscosity: match *numerics.viscosity.get_or_insert(preset.viscosity) {
+        viscosity: match *numerics.viscosity.get_or_insert(viscosity) {
             ViscosityFile::None => Viscosity::None,
             ViscosityFile::Published => Viscosity::Published { dynamic_viscosity },
             ViscosityFile::Artificial(alpha) => Viscosity::Artificial { alpha },
@@ -284,6 +430,13 @@ fn scheme(
             },
             ViscosityFile::Morris => Viscosity::Morris {
                 kinematic_viscosity,
+            },
+            ViscosityFile::Rheological => Viscosity::Rheological {
+                rheology: first.unwrap_or(Rheology::Newtonian { dynamic_viscosity }),
+            },
+            ViscosityFile::SubParticleScale(smagorinsky) => Viscosity::SubParticleScale {
+                kinematic_viscosity,
+                smagorinsky,
             },
         },
         shifting: match *numerics.shifting.get_or_insert(preset.shifting) {

@@ -5,8 +5,8 @@ use std::path::Path;
 use riprap_dda::{
     Attachment, BlockDefinition, Hold, JointOverride, Material, Motion, PrescribedMotion, Shape,
 };
-use riprap_sph::Vec3;
 use riprap_sph::boundary::wall_particles::Slip;
+use riprap_sph::{Rheology, Vec3};
 
 use crate::interface::WallSettings;
 use crate::scene::attachments::{
@@ -63,6 +63,10 @@ pub struct FluidScene {
     pub slip: Slip,
     /// Pressure of each particle of the lattice at the start; Pa.
     pub pressures: Vec<f64>,
+    /// Flow laws, where there are any.
+    pub rheologies: Vec<Rheology>,
+    /// Number of the flow law of each particle of the lattice.
+    pub kinds: Vec<u8>,
     /// Fastest flow expected, from which sound speed and stiffnesses follow; m/s.
     pub expected_speed: f64,
 }

@@ -3,9 +3,10 @@
 use super::error::Problem;
 use super::file::{
     AttachmentFile, Axis, BlockFile, FluidFile, GaugeFile, GrainRegionFile, GrainsFile, JointFile,
-    MaterialFile, MotionFile, RegionShapeFile, ResolutionFile, RockMassFile, SceneFile, ShapeFile,
-    StaticDampingFile, TrajectoriesFile, Triple, TurningFile,
+    MaterialFile, MotionFile, RegionShapeFile, ResolutionFile, RheologyFile, RockMassFile,
+    SceneFile, ShapeFile, SlipFile, StaticDampingFile, TrajectoriesFile, Triple, TurningFile,
 };
+use super::fluid::flow_law;
 use super::parse::suggestion;
 
 /// Densities outside of this range are questioned; kg/m³.
@@ -804,6 +805,21 @@ impl Checks {
             "fluid: dynamic viscosity",
             fluid.dynamic_viscosity,
         );
+        self.rheology("fluid.rheology", fluid.rheology.as_ref());
+        for (index, region) in fluid.regions.iter().enumerate() {
+            let path = format!("fluid.regions[{index}].rheology");
+            self.rheology(&path, region.rheology.as_ref());
+        }
+        if let SlipFile::Friction(angle) = scene.interface.slip
+            && !(0.0..90.0).contains(&angle)
+        {
+            self.refuse(
+                "interface.slip",
+                format!(
+                    "interface: friction angle must be from 0 to below 90 degrees, found {angle}"
+                ),
+            );
+        }
         match fluid.resolution {
             ResolutionFile::Spacing(spacing) => {
                 self.positive("fluid.resolution".into(), "fluid: spacing", spacing);
@@ -864,6 +880,13 @@ impl Checks {
             "fluid.regions",
             fluid.regions.iter().map(|r| r.name.as_str()),
         );
+    }
+
+    fn rheology(&mut self, path: &str, rheology: Option<&RheologyFile>) {
+        let Some(Err(error)) = rheology.map(|law| flow_law(law).check()) else {
+            return;
+        };
+        self.refuse(path.to_owned(), error.to_string());
     }
 
     fn trajectories(&mut self, trajectories: &TrajectoriesFile, scene: &SceneFile) {

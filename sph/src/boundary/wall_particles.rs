@@ -10,27 +10,42 @@
 //! dρ_a/dt += ρ_a V_w (v_a − v_w)·∇W_aw                                              [kg/(m³ s)]
 //! ```
 //! The printed force has V_a² + V_w² for 2 V_a V_w; this one matches the pair force of the fluid. For
-//! viscous forces a wall that does not slip moves as `2 v_w − Σ v_f W/Σ W`.
+//! viscous forces a wall that does not slip moves as `2 v_w − Σ v_f W/Σ W`, and has the viscosity of the
+//! particle that it acts on.
+//!
+//! Along a wall with friction the fluid sticks until that takes more than Coulomb's share of the normal
+//! force; the whole of a particle's viscous force is then scaled, and so is every pair's share of it on the
+//! wall:
+//!
+//! ```text
+//! s_a = min(1, μ_w |F^p_a|/|F^t_a|),   F^p_a = Σ_w pressure,   F^t_a = Σ_w viscous, across F^p_a
+//! ```
+//! The normal is the direction of the wall's pressure on the particle; a particle under tension slides.
 
 use rayon::prelude::*;
 
 use crate::cells::CellGrid;
-use crate::sums;
+use crate::scheme::Viscosity;
+use crate::sums::{self, Shearing};
 use crate::sweep::AnyPoints;
 use crate::terms::continuity::Rate;
 use crate::terms::disorder::Spread;
 use crate::terms::extrapolation::Extrapolated;
+use crate::terms::gradient::StrainSums;
 use crate::terms::momentum::ForceDensity;
 use crate::{CHUNK, Fluid, Vec3};
 
 /// What the fluid does along a wall.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Slip {
     /// It slides: no viscous force.
     #[default]
     Free,
     /// It sticks.
     None,
+    /// It sticks until the tangential force is this share of the normal one, the coefficient of friction
+    /// `μ_w`; >= 0. Shear is that of Morris with the viscosity of the particle, or of the whole fluid.
+    Friction(f64),
 }
 
 /// Points of a set of bodies, in the order of the bodies.
@@ -45,6 +60,8 @@ pub struct WallParticles {
     /// Velocity that viscous forces see; m/s.
     seen_velocity: Vec<Vec3>,
     slip: Slip,
+    /// Viscosities of the fluid towards walls with friction.
+    viscosities: AnyPoints,
     grid: CellGrid,
     /// Points sorted by cell, and their places.
     order: Vec<u32>,
@@ -68,6 +85,9 @@ struct Scratch {
     forces: Vec<ForceDensity>,
     extrapolated: Vec<Extrapolated>,
     spreads: Vec<Spread>,
+    strains: Vec<StrainSums>,
+    /// Share of its viscous force that each particle keeps.
+    kept: Vec<f64>,
 }
 
 impl WallParticles {
@@ -83,6 +103,7 @@ impl WallParticles {
             pressure: vec![0.0; n],
             seen_velocity: vec![Vec3::zeros(); n],
             slip,
+            viscosities: AnyPoints::default(),
             near: vec![false; grid.n_cells()],
             grid,
             order: Vec::new(),
@@ -255,27 +276,14 @@ impl WallParticles {
             let pressure = (sum.pressure + pull.dot(&Vec3::from(sum.moment))) / sum.weight;
             // a wall does not pull
             self.pressure[w] = pressure.max(0.0);
-            if self.slip == Slip::None {
+            if self.slip != Slip::Free {
                 self.seen_velocity[w] =
                     self.velocity[w] * 2.0 - Vec3::from(sum.velocity) / sum.weight;
             }
         }
         self.scratch.extrapolated = sums_of_points;
-    }
-
-    /// Adds the forces of the walls to the accelerations; returns their sum, and the power of viscosity
-    /// is booked with the kick as that of the fluid; N.
-    pub fn add_forces(&mut self, fluid: &mut Fluid) -> Vec3 {
-        if self.wetting.is_empty() {
-            return Vec3::zeros();
-        }
-        let Self {
-            order,
-            seen_velocity,
-            pressure,
-            volume,
-            ..
-        } = self;
+        let (order, volume) = (&self.order, &self.volume);
+        let (seen_velocity, pressure) = (&self.seen_velocity, &self.pressure);
         self.points.pack(
             fluid.settings.scheme.precision,
             &fluid.frame,
@@ -287,15 +295,83 @@ impl WallParticles {
                 [v.x, v.y, v.z, pressure[w], volume[w]]
             },
         );
+    }
+
+    /// Adds the walls to the sums of the gradient of velocity; after [`Self::extrapolate`]. A wall along
+    /// which the fluid slides says nothing of its shear.
+    pub fn add_strains(&mut self, fluid: &mut Fluid) {
+        if self.wetting.is_empty() || self.slip == Slip::Free {
+            return;
+        }
+        let mut strains = std::mem::take(&mut self.scratch.strains);
+        strains.resize(self.wetting.len(), StrainSums::default());
+        sums::wall_strains(fluid, self.neighborhood(fluid), &self.wetting, &mut strains);
+        for (&a, strain) in self.wetting.iter().zip(&strains) {
+            fluid.scratch.strains[a as usize] += *strain;
+        }
+        self.scratch.strains = strains;
+    }
+
+    /// What resists shear along these walls.
+    fn shearing<'a>(&'a self, fluid: &'a Fluid) -> Shearing<'a> {
+        match self.slip {
+            Slip::Free => Shearing::Uniform(Viscosity::None),
+            Slip::None => Shearing::within(fluid),
+            Slip::Friction(_) => Shearing::OfParticles(&self.viscosities),
+        }
+    }
+
+    /// Writes the viscosities of the fluid times the share that each particle keeps.
+    fn pack_viscosities(&mut self, fluid: &Fluid) {
+        let kept = &self.scratch.kept;
+        self.viscosities
+            .pack_values(fluid.settings.scheme.precision, kept.len(), |a| {
+                let viscosity = fluid.apparent_viscosity(a) * kept[a];
+                [viscosity, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]
+            });
+    }
+
+    /// Scales viscous forces down to what friction can hold.
+    fn limit(&mut self, fluid: &Fluid, coefficient: f64, forces: &mut [ForceDensity]) {
+        for (&a, force) in self.wetting.iter().zip(forces) {
+            let (normal, viscous) = (Vec3::from(force.pressure), Vec3::from(force.viscous));
+            let size = normal.norm();
+            let direction = normal / size.max(f64::MIN_POSITIVE);
+            let along = (viscous - direction * direction.dot(&viscous)).norm();
+            let presses = 0.0 < fluid.particles.pressure[a as usize];
+            let most = if presses { coefficient * size } else { 0.0 };
+            if most < along {
+                let share = most / along;
+                self.scratch.kept[a as usize] = share;
+                force.viscous = (viscous * share).into();
+            }
+        }
+        self.pack_viscosities(fluid);
+    }
+
+    /// Adds the forces of the walls to the accelerations; after [`Self::extrapolate`]. Returns their sum; the
+    /// power of viscosity is booked with the kick as that of the fluid; N.
+    pub fn add_forces(&mut self, fluid: &mut Fluid) -> Vec3 {
+        if self.wetting.is_empty() {
+            return Vec3::zeros();
+        }
+        if let Slip::Friction(_) = self.slip {
+            self.scratch.kept.clear();
+            self.scratch.kept.resize(fluid.particles.len(), 1.0);
+            self.pack_viscosities(fluid);
+        }
         let mut forces = std::mem::take(&mut self.scratch.forces);
         forces.resize(self.wetting.len(), ForceDensity::default());
         sums::wall_forces(
             fluid,
             self.neighborhood(fluid),
             &self.wetting,
-            self.slip,
+            self.shearing(fluid),
             &mut forces,
         );
+        if let Slip::Friction(coefficient) = self.slip {
+            self.limit(fluid, coefficient, &mut forces);
+        }
         let mut total = Vec3::zeros();
         let particles = &mut fluid.particles;
         for (&a, force) in self.wetting.iter().zip(&forces) {
@@ -324,7 +400,7 @@ impl WallParticles {
             fluid,
             (&self.position, &self.seen_velocity, &self.pressure),
             &self.wet,
-            self.slip,
+            self.shearing(fluid),
             &mut forces,
         );
         for (&w, force) in self.wet.iter().zip(&forces) {

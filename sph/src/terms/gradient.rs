@@ -3,59 +3,65 @@
 //! ```text
 //! B_a = Σ V_b (x_b − x_a) ⊗ ∇W_ab,   ∇f_a = B_a⁻¹ Σ V_b (f_b − f_a) ∇W_ab
 //! ```
-//! exact for linear fields wherever `B` can be inverted. Records hold velocity, density less the
-//! reference density, and volume.
+//! exact for linear fields wherever `B` can be inverted.
 
 use nalgebra::{Matrix3, Vector3};
 
+use crate::Vec3;
 use crate::kernel::{Dimensions, PairKernel};
 use crate::lanes::Lanes;
 use crate::sweep::{Pair, Term};
-use crate::terms::continuity::RateOwn;
 use crate::terms::{Lanes3, add_scaled, minus, splat3, totals};
 
 /// Determinant of `B` below which it is not inverted: at a spray of few particles. `B` is the unit
 /// matrix inside.
 const SMALLEST_DETERMINANT: f64 = 1e-2;
 
-/// Gradients at a particle.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Gradients {
-    /// kg/m⁴.
-    pub density: Vector3<f64>,
-    /// `∂v_i/∂x_j`; 1/s.
-    pub velocity: Matrix3<f64>,
-}
-
-impl Default for Gradients {
-    fn default() -> Self {
-        Self {
-            density: Vector3::zeros(),
-            velocity: Matrix3::zeros(),
-        }
+/// The inverse of `B` from the sums of [`add_moments`]; zero where there is none.
+fn renormalization(m: &[f64; 6], dimensions: Dimensions) -> Matrix3<f64> {
+    let middle = match dimensions {
+        Dimensions::Three => m[1],
+        Dimensions::Two { .. } => 1.0,
+    };
+    let b = Matrix3::new(m[0], m[5], m[4], m[5], middle, m[3], m[4], m[3], m[2]);
+    if SMALLEST_DETERMINANT < b.determinant() {
+        b.try_inverse().unwrap_or_else(Matrix3::identity)
+    } else {
+        Matrix3::zeros()
     }
 }
 
-/// The sums of both gradients; `VELOCITY` includes that of velocity.
-pub(crate) struct Gradient<'a, L, K, const VELOCITY: bool> {
+/// Adds to the upper half of `−B`: xx, yy, zz, yz, zx, xy; `w` is `V W'/r (x_a − x_b)`.
+#[inline(always)]
+fn add_moments<L: Lanes>(m: &mut [L; 6], [wx, wy, wz]: &Lanes3<L>, [x, y, z]: Lanes3<L>) {
+    m[0] = wx.mul_add(x, m[0]);
+    m[1] = wy.mul_add(y, m[1]);
+    m[2] = wz.mul_add(z, m[2]);
+    m[3] = wy.mul_add(z, m[3]);
+    m[4] = wz.mul_add(x, m[4]);
+    m[5] = wx.mul_add(y, m[5]);
+}
+
+/// The sums of the gradient of density; kg/m⁴. Records hold density less the reference density, and volume.
+pub(crate) struct Gradient<'a, L, K> {
     kernel: K,
-    own: RateOwn<'a>,
+    density: &'a [f64],
     reference_density: f64,
     dimensions: Dimensions,
     zero: L,
 }
 
-impl<'a, L: Lanes, K: PairKernel<L>, const VELOCITY: bool> Gradient<'a, L, K, VELOCITY> {
+impl<'a, L: Lanes, K: PairKernel<L>> Gradient<'a, L, K> {
     pub(crate) fn new(
         machine: L::Machine,
         kernel: K,
-        own: RateOwn<'a>,
+        density: &'a [f64],
         reference_density: f64,
         dimensions: Dimensions,
     ) -> Self {
         Self {
             kernel,
-            own,
+            density,
             reference_density,
             dimensions,
             zero: L::splat(machine, 0.0),
@@ -63,84 +69,141 @@ impl<'a, L: Lanes, K: PairKernel<L>, const VELOCITY: bool> Gradient<'a, L, K, VE
     }
 }
 
-/// Sums of a gradient under way.
-pub(crate) struct GradientSums<L> {
-    /// Upper half of `−B`: xx, yy, zz, yz, zx, xy.
-    moments: [L; 6],
-    density: Lanes3<L>,
-    velocity: [Lanes3<L>; 3],
-}
-
-impl<L: Lanes, K: PairKernel<L>, const VELOCITY: bool> Term<L> for Gradient<'_, L, K, VELOCITY> {
-    type Own = (Lanes3<L>, L);
-    type Sums = GradientSums<L>;
-    type Out = Gradients;
+impl<L: Lanes, K: PairKernel<L>> Term<L> for Gradient<'_, L, K> {
+    type Own = L;
+    type Sums = ([L; 6], Lanes3<L>);
+    type Out = [f64; 3];
 
     #[inline(always)]
-    fn own(&self, machine: L::Machine, a: usize) -> Self::Own {
-        (
-            splat3(machine, self.own.velocity[a].into()),
-            L::splat(machine, self.own.density[a] - self.reference_density),
-        )
+    fn own(&self, machine: L::Machine, a: usize) -> L {
+        L::splat(machine, self.density[a] - self.reference_density)
     }
 
     #[inline(always)]
     fn zero(&self, _: L::Machine) -> Self::Sums {
-        GradientSums {
-            moments: [self.zero; 6],
-            density: [self.zero; 3],
-            velocity: [[self.zero; 3]; 3],
+        ([self.zero; 6], [self.zero; 3])
+    }
+
+    #[inline(always)]
+    fn add(&self, density: &L, pair: &Pair<L>, _: &[u32], (moments, gradient): &mut Self::Sums) {
+        let [_, _, _, excess, volume] = pair.b;
+        let weight = volume * self.kernel.gradient_factor(pair.r2);
+        let [x, y, z] = pair.offset;
+        let weighted = [weight * x, weight * y, weight * z];
+        add_moments(moments, &weighted, pair.offset);
+        add_scaled(gradient, excess - *density, &weighted);
+    }
+
+    #[inline(always)]
+    fn finish(&self, _: usize, (moments, gradient): Self::Sums, _: u32, out: &mut [f64; 3]) {
+        let inverse = renormalization(&moments.map(|lanes| -lanes.sum()), self.dimensions);
+        *out = (inverse * Vector3::from(totals(gradient))).into();
+    }
+}
+
+/// The sums of a gradient of velocity, not yet renormalised: walls are added first.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct StrainSums {
+    moments: [f64; 6],
+    /// Row i is `Σ V_b (v_b − v_a)_i ∇W`; 1/s.
+    velocity: [[f64; 3]; 3],
+}
+
+impl std::ops::AddAssign for StrainSums {
+    fn add_assign(&mut self, other: Self) {
+        let rows = self.velocity.iter_mut().zip(&other.velocity);
+        let all = rows.flat_map(|(row, other)| row.iter_mut().zip(other));
+        for (sum, x) in all.chain(self.moments.iter_mut().zip(&other.moments)) {
+            *sum += x;
         }
+    }
+}
+
+impl StrainSums {
+    /// `γ̇ = √(2 D:D)`, D the symmetric part of the renormalised gradient; 1/s.
+    pub(crate) fn shear_rate(&self, dimensions: Dimensions) -> f64 {
+        let inverse = renormalization(&self.moments, dimensions);
+        let [x, y, z] = self.velocity.map(|row| inverse * Vector3::from(row));
+        let diagonal = x.x * x.x + y.y * y.y + z.z * z.z;
+        let (xy, yz, zx) = (x.y + y.x, y.z + z.y, z.x + x.z);
+        (2.0 * diagonal + xy * xy + yz * yz + zx * zx).sqrt()
+    }
+}
+
+/// [`StrainSums`] of velocity. Records hold velocity first and volume last.
+pub(crate) struct Strain<'a, L, K> {
+    kernel: K,
+    velocity: &'a [Vec3],
+    dimensions: Dimensions,
+    zero: L,
+}
+
+impl<'a, L: Lanes, K: PairKernel<L>> Strain<'a, L, K> {
+    pub(crate) fn new(
+        machine: L::Machine,
+        kernel: K,
+        velocity: &'a [Vec3],
+        dimensions: Dimensions,
+    ) -> Self {
+        Self {
+            kernel,
+            velocity,
+            dimensions,
+            zero: L::splat(machine, 0.0),
+        }
+    }
+}
+
+impl<L: Lanes, K: PairKernel<L>> Term<L> for Strain<'_, L, K> {
+    type Own = Lanes3<L>;
+    type Sums = ([L; 6], [Lanes3<L>; 3]);
+    type Out = StrainSums;
+
+    #[inline(always)]
+    fn own(&self, machine: L::Machine, a: usize) -> Lanes3<L> {
+        splat3(machine, self.velocity[a].into())
+    }
+
+    #[inline(always)]
+    fn zero(&self, _: L::Machine) -> Self::Sums {
+        ([self.zero; 6], [[self.zero; 3]; 3])
     }
 
     #[inline(always)]
     fn add(
         &self,
-        (velocity, density): &Self::Own,
+        velocity: &Lanes3<L>,
         pair: &Pair<L>,
         _: &[u32],
-        sums: &mut Self::Sums,
+        (moments, gradient): &mut Self::Sums,
     ) {
-        let [vx, vy, vz, excess, volume] = pair.b;
+        let [vx, vy, vz, _, volume] = pair.b;
         let weight = volume * self.kernel.gradient_factor(pair.r2);
         let [x, y, z] = pair.offset;
-        let (wx, wy, wz) = (weight * x, weight * y, weight * z);
-        let m = &mut sums.moments;
-        m[0] = wx.mul_add(x, m[0]);
-        m[1] = wy.mul_add(y, m[1]);
-        m[2] = wz.mul_add(z, m[2]);
-        m[3] = wy.mul_add(z, m[3]);
-        m[4] = wz.mul_add(x, m[4]);
-        m[5] = wx.mul_add(y, m[5]);
-        let gradient = [wx, wy, wz];
-        add_scaled(&mut sums.density, excess - *density, &gradient);
-        if VELOCITY {
-            let jump = minus(&[vx, vy, vz], velocity);
-            for (sum, jump) in sums.velocity.iter_mut().zip(jump) {
-                add_scaled(sum, jump, &gradient);
-            }
+        let weighted = [weight * x, weight * y, weight * z];
+        add_moments(moments, &weighted, pair.offset);
+        let jump = minus(&[vx, vy, vz], velocity);
+        for (sum, jump) in gradient.iter_mut().zip(jump) {
+            add_scaled(sum, jump, &weighted);
         }
     }
 
     #[inline(always)]
-    fn finish(&self, _: usize, sums: Self::Sums, _: u32, out: &mut Gradients) {
-        let m = sums.moments.map(|lanes| -lanes.sum());
-        let middle = match self.dimensions {
-            Dimensions::Three => m[1],
-            Dimensions::Two { .. } => 1.0,
+    fn finish(&self, _: usize, (m, v): Self::Sums, _: u32, out: &mut StrainSums) {
+        // adding up lanes is a good part of the cost: in a plane eight of the fifteen sums are zero
+        *out = match self.dimensions {
+            Dimensions::Three => StrainSums {
+                moments: m.map(|lanes| -lanes.sum()),
+                velocity: v.map(totals),
+            },
+            Dimensions::Two { .. } => StrainSums {
+                moments: [-m[0].sum(), 0.0, -m[2].sum(), 0.0, -m[4].sum(), 0.0],
+                velocity: [
+                    [v[0][0].sum(), 0.0, v[0][2].sum()],
+                    [0.0; 3],
+                    [v[2][0].sum(), 0.0, v[2][2].sum()],
+                ],
+            },
         };
-        let b = Matrix3::new(m[0], m[5], m[4], m[5], middle, m[3], m[4], m[3], m[2]);
-        let inverse = if SMALLEST_DETERMINANT < b.determinant() {
-            b.try_inverse().unwrap_or_else(Matrix3::identity)
-        } else {
-            Matrix3::zeros()
-        };
-        out.density = inverse * Vector3::from(totals(sums.density));
-        if VELOCITY {
-            for axis in 0..3 {
-                let row = inverse * Vector3::from(totals(sums.velocity[axis]));
-                out.velocity.set_row(axis, &row.transpose());
-            }
-        }
     }
 }

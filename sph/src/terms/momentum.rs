@@ -4,7 +4,7 @@
 
 use crate::Vec3;
 use crate::kernel::PairKernel;
-use crate::lanes::Lanes;
+use crate::lanes::{Lanes, RECORD, Record};
 use crate::sweep::{Pair, Term};
 use crate::terms::{Lanes3, add_scaled, dot, minus, splat3, totals};
 
@@ -64,7 +64,7 @@ where
     P: PairPressure<L>,
     V: PairViscosity<L>,
 {
-    type Own = (Lanes3<L>, L);
+    type Own = (Lanes3<L>, L, V::Own);
     type Sums = [Lanes3<L>; 2];
     type Out = ForceDensity;
 
@@ -73,6 +73,7 @@ where
         (
             splat3(machine, self.own.velocity[a].into()),
             L::splat(machine, self.own.pressure[a]),
+            self.viscosity.own(machine, a),
         )
     }
 
@@ -84,9 +85,9 @@ where
     #[inline(always)]
     fn add(
         &self,
-        (velocity, pressure): &Self::Own,
+        (velocity, pressure, own): &Self::Own,
         pair: &Pair<L>,
-        _: &[u32],
+        ids: &[u32],
         [by_pressure, by_viscosity]: &mut Self::Sums,
     ) {
         let [vx, vy, vz, neighbor, volume] = pair.b;
@@ -94,8 +95,14 @@ where
         let joint = self.pair_pressure.of(*pressure, neighbor);
         add_scaled(by_pressure, weight * joint, &pair.offset);
         let jump = minus(velocity, &[vx, vy, vz]);
-        self.viscosity
-            .add(pair, &jump, (volume, weight), by_viscosity);
+        let sheared = Sheared {
+            pair,
+            jump,
+            volume,
+            weight,
+            ids,
+        };
+        self.viscosity.add(own, &sheared, by_viscosity);
     }
 
     #[inline(always)]
@@ -158,18 +165,40 @@ impl<L: Lanes> PairPressure<L> for WeightedByDensity<L> {
     }
 }
 
+/// What a viscous force knows of a register of pairs.
+pub(crate) struct Sheared<'a, L> {
+    pub pair: &'a Pair<L>,
+    /// `v_a − v_b`; m/s.
+    pub jump: Lanes3<L>,
+    /// `V_b`; m³.
+    pub volume: L,
+    /// `V_b W'/r`.
+    pub weight: L,
+    /// Indices of the neighbours.
+    pub ids: &'a [u32],
+}
+
 /// A viscous force of a pair.
 pub(crate) trait PairViscosity<L: Lanes>: Sync {
-    /// Adds the force per volume of the receiver; `jump` is `v_a − v_b`, `weight` is `V_b W'/r`.
-    fn add(&self, pair: &Pair<L>, jump: &Lanes3<L>, volume_and_weight: (L, L), sum: &mut Lanes3<L>);
+    /// Values of the receiver.
+    type Own: Copy;
+    /// Those of receiver `a`.
+    fn own(&self, machine: L::Machine, a: usize) -> Self::Own;
+    /// Adds the force per volume of the receiver.
+    fn add(&self, own: &Self::Own, sheared: &Sheared<L>, sum: &mut Lanes3<L>);
 }
 
 /// None, at no cost.
 pub(crate) struct Inviscid;
 
 impl<L: Lanes> PairViscosity<L> for Inviscid {
+    type Own = ();
+
     #[inline(always)]
-    fn add(&self, _: &Pair<L>, _: &Lanes3<L>, _: (L, L), _: &mut Lanes3<L>) {}
+    fn own(&self, _: L::Machine, _: usize) {}
+
+    #[inline(always)]
+    fn add(&self, (): &(), _: &Sheared<L>, _: &mut Lanes3<L>) {}
 }
 
 /// Along the line of centres: Monaghan's artificial and the laminar viscosity.
@@ -197,13 +226,19 @@ impl<L: Lanes, const APPROACHING: bool> Central<L, APPROACHING> {
 }
 
 impl<L: Lanes, const APPROACHING: bool> PairViscosity<L> for Central<L, APPROACHING> {
+    type Own = ();
+
     #[inline(always)]
-    fn add(&self, pair: &Pair<L>, jump: &Lanes3<L>, (_, weight): (L, L), sum: &mut Lanes3<L>) {
-        let mut opening = dot(jump, &pair.offset);
+    fn own(&self, _: L::Machine, _: usize) {}
+
+    #[inline(always)]
+    fn add(&self, (): &(), sheared: &Sheared<L>, sum: &mut Lanes3<L>) {
+        let pair = sheared.pair;
+        let mut opening = dot(&sheared.jump, &pair.offset);
         if APPROACHING {
             opening = opening.min(self.zero);
         }
-        let factor = self.coefficient * weight * (opening / (pair.r2 + self.softening));
+        let factor = self.coefficient * sheared.weight * (opening / (pair.r2 + self.softening));
         add_scaled(sum, factor, &pair.offset);
     }
 }
@@ -228,10 +263,88 @@ impl<L: Lanes> Shear<L> {
 }
 
 impl<L: Lanes> PairViscosity<L> for Shear<L> {
+    type Own = ();
+
     #[inline(always)]
-    fn add(&self, pair: &Pair<L>, jump: &Lanes3<L>, (_, weight): (L, L), sum: &mut Lanes3<L>) {
-        let factor = self.coefficient * weight * (pair.r2 / (pair.r2 + self.softening));
-        add_scaled(sum, factor, jump);
+    fn own(&self, _: L::Machine, _: usize) {}
+
+    #[inline(always)]
+    fn add(&self, (): &(), sheared: &Sheared<L>, sum: &mut Lanes3<L>) {
+        let r2 = sheared.pair.r2;
+        let factor = self.coefficient * sheared.weight * (r2 / (r2 + self.softening));
+        add_scaled(sum, factor, &sheared.jump);
+    }
+}
+
+/// The same with viscosities of particles, of which a pair takes the harmonic mean: the stress of two
+/// layers in series.
+///
+/// ```text
+/// f_a = 2 Σ V_b η_ab (x_ab·∇W)/(r² + 0.01 h²) v_ab,   η_ab = 2 η_a η_b/(η_a + η_b)
+/// ```
+/// Towards a wall, which has no viscosity, it is that of the particle: `OF_RECEIVER` alone for the force on
+/// the particle, `OF_NEIGHBOR` alone for that on the wall. Source: Cleary (1998) for the mean.
+pub(crate) struct VariableShear<'a, L: Lanes, const OF_RECEIVER: bool, const OF_NEIGHBOR: bool> {
+    /// `η` first in each record; Pa s.
+    viscosities: &'a [L::Record],
+    softening: L,
+    two: L,
+    four: L,
+    machine: L::Machine,
+}
+
+/// Smallest viscosity of a receiver: two particles without any share none; Pa s.
+const SMALLEST_VISCOSITY: f64 = 1e-30;
+
+impl<'a, L: Lanes, const OF_RECEIVER: bool, const OF_NEIGHBOR: bool>
+    VariableShear<'a, L, OF_RECEIVER, OF_NEIGHBOR>
+{
+    pub(crate) fn new(
+        machine: L::Machine,
+        viscosities: &'a [L::Record],
+        smoothing_length: f64,
+    ) -> Self {
+        Self {
+            viscosities,
+            softening: L::splat(machine, 0.01 * smoothing_length * smoothing_length),
+            two: L::splat(machine, 2.0),
+            four: L::splat(machine, 4.0),
+            machine,
+        }
+    }
+}
+
+impl<L: Lanes, const OF_RECEIVER: bool, const OF_NEIGHBOR: bool> PairViscosity<L>
+    for VariableShear<'_, L, OF_RECEIVER, OF_NEIGHBOR>
+{
+    type Own = L;
+
+    #[inline(always)]
+    fn own(&self, machine: L::Machine, a: usize) -> L {
+        let viscosity = if OF_RECEIVER {
+            self.viscosities[a].value(0).max(SMALLEST_VISCOSITY)
+        } else {
+            0.0
+        };
+        L::splat(machine, viscosity)
+    }
+
+    #[inline(always)]
+    fn add(&self, own: &L, sheared: &Sheared<L>, sum: &mut Lanes3<L>) {
+        let r2 = sheared.pair.r2;
+        let (dividend, divisor) = if OF_NEIGHBOR {
+            let [neighbor, ..]: [L; RECORD] =
+                L::gather(self.machine, self.viscosities, sheared.ids);
+            if OF_RECEIVER {
+                (self.four * *own * neighbor, *own + neighbor)
+            } else {
+                (self.two * neighbor, L::splat(self.machine, 1.0))
+            }
+        } else {
+            (self.two * *own, L::splat(self.machine, 1.0))
+        };
+        let factor = sheared.weight * (dividend * r2) / (divisor * (r2 + self.softening));
+        add_scaled(sum, factor, &sheared.jump);
     }
 }
 
@@ -257,9 +370,14 @@ impl<L: Lanes> Published<L> {
 }
 
 impl<L: Lanes> PairViscosity<L> for Published<L> {
+    type Own = ();
+
     #[inline(always)]
-    fn add(&self, pair: &Pair<L>, jump: &Lanes3<L>, (volume, _): (L, L), sum: &mut Lanes3<L>) {
-        let left = (self.support - pair.r2.sqrt()).max(self.zero);
-        add_scaled(sum, self.coefficient * volume * left, jump);
+    fn own(&self, _: L::Machine, _: usize) {}
+
+    #[inline(always)]
+    fn add(&self, (): &(), sheared: &Sheared<L>, sum: &mut Lanes3<L>) {
+        let left = (self.support - sheared.pair.r2.sqrt()).max(self.zero);
+        add_scaled(sum, self.coefficient * sheared.volume * left, &sheared.jump);
     }
 }

@@ -28,6 +28,7 @@ fn fluid(regions: &[(&str, RegionShapeFile)], resolution: ResolutionFile) -> Flu
     FluidFile {
         density: 1000.0,
         dynamic_viscosity: 1.0,
+        rheology: None,
         resolution,
         regions: regions
             .iter()
@@ -35,6 +36,7 @@ fn fluid(regions: &[(&str, RegionShapeFile)], resolution: ResolutionFile) -> Flu
                 name: (*name).into(),
                 shape: shape.clone(),
                 velocity: (0.0, 0.0, 0.0),
+                rheology: None,
             })
             .collect(),
     }
