@@ -21,6 +21,8 @@ pub struct Particles {
     pub acceleration: Vec<Vec3>,
     /// The viscous part of `acceleration`; for the energy ledger; m/s².
     pub viscous_acceleration: Vec<[f32; 3]>,
+    /// Numbers given so far.
+    n_made: u32,
 }
 
 impl Particles {
@@ -36,7 +38,26 @@ impl Particles {
             pressure: vec![0.0; n],
             acceleration: vec![Vec3::zeros(); n],
             viscous_acceleration: vec![[0.0; 3]; n],
+            n_made: n as u32,
         }
+    }
+
+    /// Numbers given so far: one more than the highest id there ever was.
+    pub fn n_made(&self) -> u32 {
+        self.n_made
+    }
+
+    /// Makes a particle; pressure and acceleration wait for the next evaluation.
+    pub(crate) fn push(&mut self, position: Vec3, velocity: Vec3, density: f64, mass: f64) {
+        self.id.push(self.n_made);
+        self.n_made += 1;
+        self.position.push(position);
+        self.velocity.push(velocity);
+        self.mass.push(mass);
+        self.density.push(density);
+        self.pressure.push(0.0);
+        self.acceleration.push(Vec3::zeros());
+        self.viscous_acceleration.push([0.0; 3]);
     }
 
     /// Number of particles.
@@ -65,6 +86,7 @@ impl Particles {
             pressure,
             acceleration,
             viscous_acceleration,
+            n_made: _,
         } = self;
         filter(id, keep);
         filter(position, keep);

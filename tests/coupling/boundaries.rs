@@ -1,0 +1,321 @@
+//! What a flume needs at its ends, and its gauges.
+#![expect(
+    clippy::unwrap_used,
+    clippy::print_stdout,
+    reason = "a test may stop and tell where a library may not"
+)]
+
+#[path = "../support/mod.rs"]
+mod support;
+
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use riprap::scene;
+use riprap::world::World;
+use support::{riprap, run, table, words};
+
+const GRAVITY: f64 = 9.81;
+
+/// A scene written into a folder.
+fn written(folder: &Path, text: &str) -> PathBuf {
+    let path = folder.join("scene.ron");
+    std::fs::write(&path, text).unwrap();
+    path
+}
+
+/// The world of a scene, without a run folder.
+fn world(text: &str) -> (World, tempfile::TempDir) {
+    let folder = tempfile::tempdir().unwrap();
+    let (scene, _) = scene::load(&written(folder.path(), text), &[]).unwrap();
+    (riprap::run::build(&scene).unwrap(), folder)
+}
+
+fn advance(world: &mut World, until: f64) {
+    while world.time() < until {
+        let step = world.next_step(until).unwrap();
+        world.step(step).unwrap();
+    }
+}
+
+/// A column of water that falls into a plane flume: a pulse some 1 m long runs to the right end.
+fn flume(absorbers: &str) -> String {
+    format!(
+        "(title: \"pulse\", domain: (min: (-0.2, 0, -0.2), max: (4.2, 1, 0.6), dimensions: Two),
+        materials: [(name: \"wall\", density: 2400, friction_angle_deg: 30)],
+        blocks: [
+            (name: \"floor\", material: \"wall\", motion: Fixed, shape: Box(min: (-0.3, -1, -0.3), max: (4.3, 2, 0))),
+            (name: \"left\", material: \"wall\", motion: Fixed, shape: Box(min: (-0.3, -1, 0), max: (0, 2, 0.7))),
+            (name: \"right\", material: \"wall\", motion: Fixed, shape: Box(min: (4, -1, 0), max: (4.3, 2, 0.7))),
+        ],
+        fluid: (resolution: Spacing(0.02), regions: [
+            (name: \"pulse\", shape: Box(min: (0, 0, 0), max: (0.5, 1, 0.24))),
+            (name: \"flume\", shape: Box(min: (0.5, 0, 0), max: (4, 1, 0.2))),
+        ]),
+        absorbers: [{absorbers}],
+        time: (duration: 4.4),
+        gauges: [Velocity(name: \"u\", position: (1.5, 0.5, 0.1))],
+        output: (gauge_interval: 0.02, frame_interval: 5.0))"
+    )
+}
+
+#[test]
+fn an_absorbing_layer_reflects_little_of_a_pulse() {
+    let reflected = |absorbers: &str| {
+        let folder = tempfile::tempdir().unwrap();
+        let out = folder.path().join("out");
+        let summary = run(
+            &written(folder.path(), &flume(absorbers)),
+            &out,
+            &["--threads", "2"],
+        );
+        let gauge = table(&out.join("gauges.csv"));
+        let most = |from: f64, to: f64, sign: f64| {
+            gauge
+                .iter()
+                .filter(|row| from <= row[0] && row[0] <= to)
+                .map(|row| sign * row[1])
+                .fold(0.0, f64::max)
+        };
+        // √(g h) = 1.4 m/s: past the gauge by 2 s, back at 1.5 + 2 · 2.5 m from 3.5 s on
+        let (there, back) = (most(0.3, 2.0, 1.0), most(3.3, 4.4, -1.0));
+        println!(
+            "{absorbers:.12}: {there:.4} m/s there, {back:.4} m/s back, {:.4}; absorbed {}, residuals {} J and {}",
+            back / there,
+            summary["energy"]["absorbed"],
+            summary["energy"]["residual"],
+            summary["momentum_residual"],
+        );
+        assert!(summary["momentum_residual"].as_f64().unwrap() < 1e-6);
+        (
+            back / there,
+            summary["energy"]["absorbed"].as_f64().unwrap(),
+        )
+    };
+    let (wall, nothing) = reflected("");
+    let (layer, absorbed) =
+        reflected("(name: \"beach\", min: (3, 0, -0.1), max: (4, 1, 0.6), towards: XMax)");
+    assert!(0.5 < wall && nothing == 0.0);
+    assert!(layer < 0.05 && 0.0 < absorbed, "{layer}");
+}
+
+/// A tank of 0.6 m by 0.4 m of still water, plane or 0.2 m wide and periodic across.
+fn tank(dimensions: &str, gauges: &str) -> String {
+    format!(
+        "(title: \"tank\", domain: (min: (-0.2, 0, -0.2), max: (0.8, 0.2, 0.6), {dimensions}),
+        materials: [(name: \"wall\", density: 2400, friction_angle_deg: 30)],
+        blocks: [
+            (name: \"floor\", material: \"wall\", motion: Fixed, shape: Box(min: (-0.3, -1, -0.3), max: (0.9, 2, 0))),
+            (name: \"left\", material: \"wall\", motion: Fixed, shape: Box(min: (-0.3, -1, 0), max: (0, 2, 0.7))),
+            (name: \"right\", material: \"wall\", motion: Fixed, shape: Box(min: (0.6, -1, 0), max: (0.9, 2, 0.7))),
+        ],
+        fluid: (resolution: Spacing(0.02), regions: [
+            (name: \"tank\", shape: Box(min: (0, 0, 0), max: (0.6, 0.2, 0.4))),
+        ]),
+        time: (duration: 0.5),
+        gauges: [{gauges}],
+        output: (gauge_interval: 0.01, frame_interval: 5.0))"
+    )
+}
+
+#[test]
+fn gauges_read_still_water_on_walls_and_in_it() {
+    let (depth, length, width) = (0.4, 0.6, 0.2);
+    for (dimensions, until) in [("dimensions: Two", 0.5), ("periodic: [Y]", 0.2)] {
+        let (mut world, _folder) = world(&tank(dimensions, ""));
+        advance(&mut world, until);
+        let fluid = &world.water.as_ref().unwrap().fluid;
+        let scale = 1000.0 * GRAVITY * depth;
+        for (place, x, z) in [
+            ("floor", 0.3, 0.0),
+            ("wall", 0.0, 0.2),
+            ("wall, high", 0.6, 0.35),
+            ("corner", 0.0, 0.0),
+            ("middle", 0.31, 0.203),
+            ("near the surface", 0.3, 0.39),
+        ] {
+            let sample = fluid.sample(&riprap_sph::Vec3::new(x, 0.07, z)).unwrap();
+            let error = (sample.pressure - 1000.0 * GRAVITY * (depth - z)) / scale;
+            println!(
+                "{dimensions}, {place}: pressure off by {:.3} % of ρ g H, speed {:.1e} m/s",
+                100.0 * error,
+                sample.velocity.norm()
+            );
+            // the compressed column is 0.25 % heavier at the bottom than ρ₀ g H
+            assert!(error.abs() < 0.01, "{place}: {error}");
+        }
+        for x in [0.0, 0.1, 0.307, 0.6] {
+            let surface = fluid.surface_elevation(x, 0.07).unwrap();
+            println!(
+                "{dimensions}: surface at {x}: {:.3} spacings off",
+                (surface - depth) / 0.02
+            );
+            assert!((surface - depth).abs() < 0.1 * 0.02, "{x}: {surface}");
+        }
+        assert!(
+            fluid
+                .sample(&riprap_sph::Vec3::new(0.3, 0.07, 0.45))
+                .is_none()
+        );
+        let floor = world.fluid_load(0).force;
+        let (left, right) = (world.fluid_load(1).force, world.fluid_load(2).force);
+        let weight = 1000.0 * GRAVITY * depth * length * width;
+        let thrust = 0.5 * 1000.0 * GRAVITY * depth * depth * width;
+        println!(
+            "{dimensions}: floor {:.4}, walls {:.4} and {:.4} of theory",
+            -floor.z / weight,
+            -left.x / thrust,
+            right.x / thrust
+        );
+        assert!((-floor.z / weight - 1.0).abs() < 0.02);
+        assert!((right.x / thrust - 1.0).abs() < 0.05);
+        // what the blocks get is what the fluid gives
+        let walls = world.water.as_ref().unwrap().walls.as_ref().unwrap();
+        let sum = floor + left + right + walls.force_on_fluid();
+        assert!(sum.norm() < 1e-4 * weight, "{sum}");
+    }
+}
+
+/// A plane channel 2 m long and 0.2 m deep with water at 0.5 m/s.
+const CHANNEL: &str = "(title: \"channel\",
+    domain: (min: (-0.3, 0, -0.2), max: (2.3, 1, 0.4), dimensions: Two),
+    materials: [(name: \"wall\", density: 2400, friction_angle_deg: 30)],
+    blocks: [(name: \"floor\", material: \"wall\", motion: Fixed, shape: Box(min: (-0.4, -1, -0.3), max: (2.4, 2, 0)))],
+    fluid: (resolution: Spacing(0.02), regions: [
+        (name: \"river\", shape: Box(min: (0, 0, 0), max: (2.2, 1, 0.2)), velocity: (0.5, 0, 0)),
+    ]),
+    inflows: [(name: \"spring\", min: (-0.2, 0, 0), max: (0, 1, 0.3), towards: XMax, discharge: [(0, 0.1)], depth: [(0, 0.2)])],
+    outflows: [(name: \"sea\", min: (2, 0, 0), max: (2.2, 1, 0.3), towards: XMax, depth: [(0, 0.2)])],
+    time: (duration: 4.0))";
+
+#[test]
+fn a_uniform_flow_stays_uniform_and_no_mass_is_lost() {
+    let (mut world, _folder) = world(CHANNEL);
+    let at_start = world.water.as_ref().unwrap().fluid.mass();
+    advance(&mut world, 4.0);
+    let water = world.water.as_ref().unwrap();
+    let fluid = &water.fluid;
+    let [inflow, outflow] = water.openings.passed() else {
+        panic!("one inflow, one outflow");
+    };
+    let change = fluid.mass() - at_start;
+    println!("{inflow:?}, {outflow:?}, change {change} kg");
+    let booked = inflow.mass_in - outflow.mass_out - fluid.removed().mass;
+    assert!(
+        (change - booked).abs() < 1e-9 * at_start,
+        "{change} {booked}"
+    );
+    assert_eq!(fluid.removed().count, 0);
+    // 0.1 m³/s for 4 s, to a row of particles
+    assert!((inflow.mass_in / 400.0 - 1.0).abs() < 0.02);
+    let ids: BTreeSet<u32> = fluid.particles().id.iter().copied().collect();
+    assert_eq!(ids.len(), fluid.particles().len());
+    for x in [0.3, 0.7, 1.0, 1.5, 1.8] {
+        let surface = fluid.surface_elevation(x, 0.5).unwrap();
+        let speeds = [0.04, 0.1, 0.16].map(|z| {
+            let point = riprap_sph::Vec3::new(x, 0.5, z);
+            fluid.sample(&point).unwrap().velocity.x
+        });
+        println!("x = {x}: depth {surface:.4} m, speeds {speeds:.4?} m/s");
+        assert!((surface - 0.2).abs() < 0.02 * 0.2 + 0.1 * 0.02);
+        let mean = speeds.iter().sum::<f64>() / 3.0;
+        assert!((mean / 0.5 - 1.0).abs() < 0.02, "{x}: {speeds:?}");
+    }
+    let energy = world.energy();
+    println!(
+        "momentum residual {:e}, energy {energy:?}",
+        world.momentum_residual()
+    );
+    assert!(world.momentum_residual() < 1e-6);
+    // kinetic energy that flowed in: ½ 400 kg (0.5 m/s)² = 50 J
+    assert!(energy.residual.abs() < 1.0, "{}", energy.residual);
+}
+
+#[test]
+fn wrong_openings_say_what_to_change() {
+    for (from, to, said) in [
+        (
+            "discharge: [(0, 0.1)]",
+            "discharge: []",
+            "give either velocity or discharge",
+        ),
+        ("(0, 0.1)]", "(0, 0.1), (0, 0.2)]", "times must increase"),
+        (
+            "min: (-0.2, 0, 0), max: (0, 1",
+            "min: (-0.05, 0, 0), max: (0, 1",
+            "water must see",
+        ),
+        (
+            "max: (0, 1, 0.3)",
+            "max: (0.1, 1, 0.3)",
+            "end the region at its face",
+        ),
+        (
+            "towards: XMax, depth",
+            "towards: ZMax, depth",
+            "cannot go to ZMax",
+        ),
+        (
+            "time: (duration: 4.0)",
+            "time: (duration: 4.0, settle: 1.0)",
+            "leave settle out",
+        ),
+    ] {
+        let folder = tempfile::tempdir().unwrap();
+        let text = CHANNEL.replace(from, to);
+        assert_ne!(text, CHANNEL, "{from}");
+        let path = written(folder.path(), &text);
+        let output = riprap(&["check", path.to_str().unwrap()]);
+        // lines are broken to the width of the terminal
+        let words: Vec<String> = words(&output)
+            .split_whitespace()
+            .filter(|word| !matches!(*word, "│" | "·" | "×" | "|"))
+            .map(str::to_owned)
+            .collect();
+        assert!(
+            words.join(" ").contains(said),
+            "{said}: {}",
+            words.join(" ")
+        );
+        assert_eq!(output.status.code(), Some(2), "{said}");
+    }
+}
+
+#[test]
+fn twenty_gauges_cost_next_to_nothing() {
+    let gauges: Vec<String> = (0..5)
+        .flat_map(|k| {
+            let x = 0.05 + 0.1 * f64::from(k);
+            [
+                format!("SurfaceElevation(name: \"s{k}\", x: {x}, y: 0.1)"),
+                format!("Pressure(name: \"p{k}\", position: ({x}, 0.1, 0.1))"),
+                format!("Velocity(name: \"v{k}\", position: ({x}, 0.1, 0.2))"),
+                format!("BlockForce(name: \"f{k}\", block: \"right\")"),
+            ]
+        })
+        .collect();
+    let (mut world, folder) = world(&tank("periodic: [Y]", &gauges.join(", ")));
+    let (scene, _) = scene::load(&folder.path().join("scene.ron"), &[]).unwrap();
+    let mut observer = riprap::observe::gauges::Gauges::new(folder.path(), &scene).unwrap();
+    let (mut steps, mut looks) = (0.0, 0.0);
+    for _ in 0..60 {
+        let start = Instant::now();
+        let step = world.next_step(1.0).unwrap();
+        world.step(step).unwrap();
+        steps += start.elapsed().as_secs_f64();
+        let start = Instant::now();
+        riprap::observe::Observer::observe(&mut observer, &world).unwrap();
+        looks += start.elapsed().as_secs_f64();
+    }
+    let dt = world.clock().last_dt.unwrap();
+    // one look at the gauges per 10 ms, not one a step
+    let share = looks / steps * (dt / 0.01);
+    println!(
+        "{} s a step, {} s a look, {:.3} % of the run at 100 Hz",
+        steps / 60.0,
+        looks / 60.0,
+        100.0 * share
+    );
+    assert!(share < 0.01, "{share}");
+}
