@@ -290,6 +290,24 @@ fn openings(
                 ),
             ));
         }
+        let (min, max) = (vec3(file.domain.min), vec3(file.domain.max));
+        let axis = passage.axis;
+        let room = if passage.upwards {
+            max[axis] - passage.max[axis]
+        } else {
+            passage.min[axis] - min[axis]
+        };
+        // what passes the face must still be inside when it is looked for, or it counts as escaped
+        if room < 0.5 * lattice.spacing[axis] {
+            problems.push(Problem::error(
+                format!("outflows[{index}]"),
+                format!(
+                    "outflow `{}` ends {room} m before the end of the domain; leave a spacing between, or enlarge \
+                     `domain`",
+                    outflow.name
+                ),
+            ));
+        }
         outflows.push(Outflow {
             name: outflow.name.clone(),
             passage,
