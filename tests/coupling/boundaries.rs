@@ -140,15 +140,25 @@ fn an_absorbing_layer_a_wave_length_long_reflects_little() {
     assert!(summary["momentum_residual"].as_f64().unwrap() < 1e-6);
 }
 
-/// A tank of 0.6 m by 0.4 m of still water, plane or 0.2 m wide and periodic across.
+/// A tank of 0.6 m by 0.4 m of still water, 0.2 m wide between walls, or plane.
 fn tank(dimensions: &str, gauges: &str) -> String {
+    let (front, back, sides) = match dimensions {
+        "Two" => (0.0, 0.2, ""),
+        _ => (
+            -0.1,
+            0.3,
+            "(name: \"front\", material: \"wall\", motion: Fixed, shape: Box(min: (-0.3, -0.3, 0), max: (0.9, 0, 0.7))),
+             (name: \"back\", material: \"wall\", motion: Fixed, shape: Box(min: (-0.3, 0.2, 0), max: (0.9, 0.5, 0.7))),",
+        ),
+    };
     format!(
-        "(title: \"tank\", domain: (min: (-0.2, 0, -0.2), max: (0.8, 0.2, 0.6), {dimensions}),
+        "(title: \"tank\", domain: (min: (-0.2, {front}, -0.2), max: (0.8, {back}, 0.6), dimensions: {dimensions}),
         materials: [(name: \"wall\", density: 2400, friction_angle_deg: 30)],
         blocks: [
             (name: \"floor\", material: \"wall\", motion: Fixed, shape: Box(min: (-0.3, -1, -0.3), max: (0.9, 2, 0))),
             (name: \"left\", material: \"wall\", motion: Fixed, shape: Box(min: (-0.3, -1, 0), max: (0, 2, 0.7))),
             (name: \"right\", material: \"wall\", motion: Fixed, shape: Box(min: (0.6, -1, 0), max: (0.9, 2, 0.7))),
+            {sides}
         ],
         fluid: (resolution: Spacing(0.02), regions: [
             (name: \"tank\", shape: Box(min: (0, 0, 0), max: (0.6, 0.2, 0.4))),
@@ -162,7 +172,7 @@ fn tank(dimensions: &str, gauges: &str) -> String {
 #[test]
 fn gauges_read_still_water_on_walls_and_in_it() {
     let (depth, length, width) = (0.4, 0.6, 0.2);
-    for (dimensions, until) in [("dimensions: Two", 0.5), ("periodic: [Y]", 0.2)] {
+    for (dimensions, until) in [("Two", 0.5), ("Three", 0.2)] {
         let (mut world, _folder) = world(&tank(dimensions, ""));
         advance(&mut world, until);
         let fluid = &world.water.as_ref().unwrap().fluid;
@@ -193,7 +203,9 @@ fn gauges_read_still_water_on_walls_and_in_it() {
                 "{dimensions}: surface at {x}: {:.3} spacings off",
                 (surface - depth) / 0.02
             );
-            assert!((surface - depth).abs() < 0.1 * 0.02, "{x}: {surface}");
+            // on a wall half the kernel is empty, and what is left is uneven: measured 0.13
+            let bound = if (0.05..0.55).contains(&x) { 0.1 } else { 0.2 };
+            assert!((surface - depth).abs() < bound * 0.02, "{x}: {surface}");
         }
         assert!(
             fluid
@@ -214,7 +226,10 @@ fn gauges_read_still_water_on_walls_and_in_it() {
         assert!((right.x / thrust - 1.0).abs() < 0.05);
         // what the blocks get is what the fluid gives
         let walls = world.water.as_ref().unwrap().walls.as_ref().unwrap();
-        let sum = floor + left + right + walls.force_on_fluid();
+        let rest: riprap_sph::Vec3 = (3..world.blocks.n_blocks())
+            .map(|block| world.fluid_load(block).force)
+            .sum();
+        let sum = floor + left + right + rest + walls.force_on_fluid();
         assert!(sum.norm() < 1e-4 * weight, "{sum}");
     }
 }
@@ -339,7 +354,7 @@ fn twenty_gauges_cost_next_to_nothing() {
             ]
         })
         .collect();
-    let (mut world, folder) = world(&tank("periodic: [Y]", &gauges.join(", ")));
+    let (mut world, folder) = world(&tank("Three", &gauges.join(", ")));
     let (scene, _) = scene::load(&folder.path().join("scene.ron"), &[]).unwrap();
     let mut observer = riprap::observe::gauges::Gauges::new(folder.path(), &scene).unwrap();
     let (mut steps, mut looks) = (0.0, 0.0);
@@ -361,5 +376,7 @@ fn twenty_gauges_cost_next_to_nothing() {
         looks / 60.0,
         100.0 * share
     );
-    assert!(share < 0.01, "{share}");
+    // measured 0.9 % by itself for these 6000 particles, of which five forces on a wall are most; the share falls
+    // with their number. Other tests run at the same time
+    assert!(share < 0.03, "{share}");
 }
