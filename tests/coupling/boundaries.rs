@@ -173,6 +173,7 @@ fn tank(dimensions: &str, gauges: &str) -> String {
 fn gauges_read_still_water_on_walls_and_in_it() {
     let (depth, length, width) = (0.4, 0.6, 0.2);
     for (dimensions, until) in [("Two", 0.5), ("Three", 0.2)] {
+        let mut wrong = Vec::new();
         let (mut world, _folder) = world(&tank(dimensions, ""));
         advance(&mut world, until);
         let fluid = &world.water.as_ref().unwrap().fluid;
@@ -194,8 +195,16 @@ fn gauges_read_still_water_on_walls_and_in_it() {
             );
             // the compressed column is 0.25 % heavier at the bottom than ρ₀ g H
             // half a spacing below the surface the scheme itself is off: measured 2.1 %
-            let bound = if z > 0.38 { 0.03 } else { 0.01 };
-            assert!(error.abs() < bound, "{place}: {error}");
+            // in space, with a support of 2.6 spacings, the particles' own pressures are: 1.1 % in the middle,
+            // 2.7 % in the corner
+            let bound = if dimensions == "Three" || z > 0.38 {
+                0.03
+            } else {
+                0.01
+            };
+            if bound <= error.abs() {
+                wrong.push(format!("{dimensions}, {place}: {error}"));
+            }
         }
         for x in [0.0, 0.1, 0.307, 0.6] {
             let surface = fluid.surface_elevation(x, 0.07).unwrap();
@@ -205,7 +214,9 @@ fn gauges_read_still_water_on_walls_and_in_it() {
             );
             // on a wall half the kernel is empty, and what is left is uneven: measured 0.13
             let bound = if (0.05..0.55).contains(&x) { 0.1 } else { 0.2 };
-            assert!((surface - depth).abs() < bound * 0.02, "{x}: {surface}");
+            if bound * 0.02 <= (surface - depth).abs() {
+                wrong.push(format!("{dimensions}, surface at {x}: {surface}"));
+            }
         }
         assert!(
             fluid
@@ -231,6 +242,7 @@ fn gauges_read_still_water_on_walls_and_in_it() {
             .sum();
         let sum = floor + left + right + rest + walls.force_on_fluid();
         assert!(sum.norm() < 1e-4 * weight, "{sum}");
+        assert!(wrong.is_empty(), "{wrong:#?}");
     }
 }
 
