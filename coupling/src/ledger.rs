@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use crate::world::World;
 use riprap_dda::Load;
-use riprap_sph::Vec3;
+use riprap_sph::{Exchange, Vec3};
 
 /// Energy terms; J. Losses and works count from the start of the ledger.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
@@ -37,8 +37,12 @@ pub struct Energy {
     pub pushed_back: f64,
     /// Carried off by what left the domain.
     pub removed: f64,
+    /// Taken by absorbing layers.
+    pub absorbed: f64,
     /// Brought in by prescribed blocks and given loads.
     pub external_work: f64,
+    /// Brought in through inflows and outflows, with what holding the flow there takes or gives.
+    pub through_openings: f64,
     /// What the terms above leave unexplained since the start: the error of the scheme.
     pub residual: f64,
 }
@@ -60,6 +64,7 @@ impl Energy {
             + self.plastic
             + self.pushed_back
             + self.removed
+            + self.absorbed
     }
 }
 
@@ -84,9 +89,27 @@ pub(crate) struct Ledger {
     pub(crate) removed_momentum: Vec3,
     /// Energy of blocks that left; J.
     pub(crate) removed_energy: f64,
+    /// Taken by absorbing layers; J.
+    absorbed: f64,
+    /// Brought in through openings; J.
+    through_openings: f64,
 }
 
 impl Ledger {
+    /// Books what absorbing layers brought in, below zero.
+    pub(crate) fn absorb(&mut self, absorbed: &Exchange) {
+        self.absorbed -= absorbed.energy;
+        self.impulse += absorbed.momentum;
+        self.exchanged += absorbed.momentum.norm();
+    }
+
+    /// Books what openings brought in.
+    pub(crate) fn exchange(&mut self, brought: &Exchange) {
+        self.through_openings += brought.energy;
+        self.impulse += brought.momentum;
+        self.exchanged += brought.momentum.norm();
+    }
+
     /// Books the interface forces and gravity over `dt`: half of a step, with each half kick.
     pub(crate) fn book(&mut self, world: &World, dt: f64) {
         let Some(water) = &world.water else { return };
@@ -151,6 +174,8 @@ impl World {
             damping: blocks.damping + self.ledger.wall_damping,
             pushed_back: self.ledger.pushed_back,
             removed: self.ledger.removed_energy,
+            absorbed: self.ledger.absorbed,
+            through_openings: self.ledger.through_openings,
             external_work: blocks.external_work + self.ledger.wall_work,
             ..Energy::default()
         };
@@ -164,8 +189,10 @@ impl World {
             energy.removed += fluid.removed;
             energy.elastic += water.interface.elastic_energy();
         }
-        energy.residual =
-            energy.stored() + energy.lost() - energy.external_work - self.ledger.stored_at_start;
+        energy.residual = energy.stored() + energy.lost()
+            - energy.external_work
+            - energy.through_openings
+            - self.ledger.stored_at_start;
         energy
     }
 

@@ -24,6 +24,7 @@ pub mod compare;
 pub mod interface;
 pub mod ledger;
 pub mod observe;
+pub mod openings;
 pub mod overview;
 pub mod render;
 pub mod run;

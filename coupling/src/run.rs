@@ -105,6 +105,8 @@ pub fn build(scene: &Scene) -> Result<World, RunError> {
                 fluid,
                 penalty: water.walls,
                 walls,
+                openings: water.openings.clone(),
+                absorbers: water.absorbers.clone(),
             })
         }
     };
@@ -148,6 +150,7 @@ struct Run<'a> {
     dt_max: f64,
     governed: BTreeMap<Cause, u64>,
     particles_at_start: usize,
+    mass_at_start: f64,
 }
 
 struct Observers {
@@ -184,6 +187,7 @@ impl<'a> Run<'a> {
                 .water
                 .as_ref()
                 .map_or(0, |w| w.fluid.particles().len()),
+            mass_at_start: world.water.as_ref().map_or(0.0, |w| w.fluid.mass()),
             world,
             observers,
             started: Instant::now(),
@@ -408,6 +412,15 @@ impl<'a> Run<'a> {
                 .as_ref()
                 .map_or(0.0, |w| w.fluid.density_error_rms()),
             particles_escaped: world.water.as_ref().map_or(0, |w| w.fluid.removed().count),
+            mass_escaped: world.water.as_ref().map_or(0.0, |w| w.fluid.removed().mass),
+            fluid_mass: [
+                self.mass_at_start,
+                world.water.as_ref().map_or(0.0, |w| w.fluid.mass()),
+            ],
+            openings: world
+                .water
+                .as_ref()
+                .map_or(Vec::new(), |w| w.openings.passed().to_vec()),
             particles_pushed_back: extremes.particles_pushed_back,
             blocks_escaped: extremes.blocks_removed,
             max_wall_penetration_over_spacing: extremes.max_wall_penetration_over_spacing,

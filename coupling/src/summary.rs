@@ -7,6 +7,7 @@ use serde::Serialize;
 
 use crate::ledger::Energy;
 use crate::observe::ObserveError;
+use crate::openings::Passed;
 use crate::time_step::Cause;
 
 /// The figures of a run.
@@ -70,6 +71,12 @@ pub struct Summary {
     pub density_error_rms: f64,
     /// Particles that left the domain.
     pub particles_escaped: u64,
+    /// Their mass; kg.
+    pub mass_escaped: f64,
+    /// Mass of the fluid at the start and at the end; kg.
+    pub fluid_mass: [f64; 2],
+    /// What inflows and outflows let through.
+    pub openings: Vec<Passed>,
     /// Particles found inside a solid and put back.
     pub particles_pushed_back: u64,
     /// Blocks that left the domain.

@@ -16,6 +16,8 @@ use riprap_sph::{Dimensions, Fluid, Vec3};
 #[derive(Clone, Debug)]
 pub struct ParticleWalls {
     fixed: WallParticles,
+    /// Block of each fixed point.
+    fixed_block: Vec<u32>,
     moving: WallParticles,
     /// Block of each moving point.
     block: Vec<u32>,
@@ -45,11 +47,16 @@ impl ParticleWalls {
     ) -> Self {
         let sampler = Sampler::new(fluid);
         let is_fixed = |b: usize| matches!(blocks.motion(b), Motion::Fixed);
-        let standing: Vec<Part> = (0..definitions.len())
+        let (owners, standing): (Vec<usize>, Vec<Part>) = (0..definitions.len())
             .filter(|&b| is_fixed(b))
-            .flat_map(|b| parts(&definitions[b].shape))
-            .collect();
-        let samples = sampler.union(&standing);
+            .flat_map(|b| {
+                parts(&definitions[b].shape)
+                    .into_iter()
+                    .map(move |part| (b, part))
+            })
+            .unzip();
+        let (of_part, samples): (Vec<usize>, Vec<WallSample>) =
+            sampler.union(&standing).into_iter().unzip();
         let mut fixed = WallParticles::new(fluid, samples.iter().map(|s| s.volume).collect(), slip);
         fixed.place(|w| [samples[w].position, Vec3::zeros(), Vec3::zeros()]);
         let (mut block, mut local, mut volumes) = (Vec::new(), Vec::new(), Vec::new());
@@ -63,6 +70,7 @@ impl ParticleWalls {
         }
         let mut walls = Self {
             fixed,
+            fixed_block: of_part.iter().map(|&part| owners[part] as u32).collect(),
             moving: WallParticles::new(fluid, volumes, slip),
             start: vec![[Vec3::zeros(); 2]; block.len()],
             block,
@@ -83,6 +91,25 @@ impl ParticleWalls {
     /// Force and moment of the fluid on every block that moves; N, N m about the centroid.
     pub fn loads(&self) -> &[Load] {
         &self.loads
+    }
+
+    /// Force and moment of the fluid on a block that never moves; N, N m about the centroid. Each point of
+    /// bodies that overlap belongs to the first of them.
+    pub fn load_on_fixed(&self, fluid: &Fluid, blocks: &Blocks, block: usize) -> Load {
+        let points: Vec<u32> = self
+            .fixed
+            .wet()
+            .iter()
+            .copied()
+            .filter(|&w| self.fixed_block[w as usize] as usize == block)
+            .collect();
+        let mut load = Load::default();
+        for (&w, force) in points.iter().zip(self.fixed.reactions(fluid, &points)) {
+            let arm = self.fixed.positions()[w as usize] - blocks.centroid(block);
+            load.force += force;
+            load.torque += arm.cross(&force);
+        }
+        load
     }
 
     /// Force of all walls on the fluid; N.
@@ -280,8 +307,8 @@ impl Sampler {
         Self { lattice, plane }
     }
 
-    /// Points of bodies that are one solid.
-    fn union(&self, parts: &[Part]) -> Vec<WallSample> {
+    /// Points of bodies that are one solid, each with the first part that it is in.
+    fn union(&self, parts: &[Part]) -> Vec<(usize, WallSample)> {
         let stretched: Vec<Part>;
         let parts = match self.plane {
             None => parts,
@@ -296,7 +323,7 @@ impl Sampler {
         let faces: Vec<Vec<Face>> = parts.iter().map(Part::faces).collect();
         let faces: Vec<&[Face]> = faces.iter().map(Vec::as_slice).collect();
         let samples = sample_union(&faces, &self.lattice);
-        self.in_slice(samples.iter().map(|s| s.sample))
+        self.in_slice(samples.iter().map(|s| (s.part, s.sample)))
     }
 
     /// Points of a body by itself.
@@ -314,7 +341,9 @@ impl Sampler {
                 let center = ends.clone().map(|x| x.y).sum::<f64>() / ends.count() as f64;
                 let half = 0.5 * spacing;
                 let slice = part.across(|y| middle + if y < center { -half } else { half });
-                self.in_slice(sample_convex(&slice.faces(), spacing, support_radius).into_iter())
+                let samples = sample_convex(&slice.faces(), spacing, support_radius);
+                let row = self.in_slice(samples.into_iter().map(|sample| (0, sample)));
+                row.into_iter().map(|(_, sample)| sample).collect()
             }
             Some(_) => self.whole(parts),
         }
@@ -338,20 +367,25 @@ impl Sampler {
             },
             plane: self.plane,
         };
-        everywhere.union(parts)
+        let union = everywhere.union(parts);
+        union.into_iter().map(|(_, sample)| sample).collect()
     }
 
     /// Of a flow in a plane the row in that plane, as wide as the slice; everything otherwise.
-    fn in_slice(&self, samples: impl Iterator<Item = WallSample>) -> Vec<WallSample> {
+    fn in_slice(
+        &self,
+        samples: impl Iterator<Item = (usize, WallSample)>,
+    ) -> Vec<(usize, WallSample)> {
         let Some((middle, width)) = self.plane else {
             return samples.collect();
         };
         let spacing = self.lattice.particle_spacing;
         samples
-            .filter(|sample| (sample.position.y - middle).abs() < 0.4 * spacing)
-            .map(|sample| WallSample {
-                position: Vec3::new(sample.position.x, middle, sample.position.z),
-                volume: sample.volume * (width / spacing),
+            .filter(|(_, sample)| (sample.position.y - middle).abs() < 0.4 * spacing)
+            .map(|(part, sample)| {
+                let position = Vec3::new(sample.position.x, middle, sample.position.z);
+                let volume = sample.volume * (width / spacing);
+                (part, WallSample { position, volume })
             })
             .collect()
     }

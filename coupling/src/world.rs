@@ -3,10 +3,11 @@
 use std::time::{Duration, Instant};
 
 use riprap_dda::{Blocks, Load, Motion, Phase};
-use riprap_sph::{Fluid, FluidError, Vec3};
+use riprap_sph::{Absorber, Fluid, FluidError, Vec3};
 
 use crate::interface::{Interface, WallSettings};
 use crate::ledger::Ledger;
+use crate::openings::Openings;
 use crate::scene::file::Leaving;
 use crate::time_step::{Cause, Limits, TimeStep};
 use crate::walls::ParticleWalls;
@@ -41,6 +42,10 @@ pub struct Water {
     pub interface: Interface,
     /// Walls of particles.
     pub walls: Option<ParticleWalls>,
+    /// Inflows and outflows.
+    pub openings: Openings,
+    /// Layers that damp waves.
+    absorbers: Vec<Absorber>,
 }
 
 /// The fluid with what its walls are made of.
@@ -52,6 +57,10 @@ pub struct WaterAtStart {
     pub penalty: WallSettings,
     /// Walls of particles.
     pub walls: Option<ParticleWalls>,
+    /// Inflows and outflows.
+    pub openings: Openings,
+    /// Layers that damp waves.
+    pub absorbers: Vec<Absorber>,
 }
 
 /// Time and steps.
@@ -182,20 +191,33 @@ impl World {
         gravity: Vec3,
         domain: (Vec3, Vec3),
     ) -> Result<Self, StepError> {
-        let water = fluid.map(|start| {
-            let WaterAtStart {
-                mut fluid,
-                penalty,
-                walls,
-            } = start;
-            fluid.refresh();
-            let interface = Interface::new(penalty, &blocks, fluid.grid());
-            Water {
-                fluid,
-                interface,
-                walls,
+        let water = match fluid {
+            None => None,
+            Some(start) => {
+                let WaterAtStart {
+                    mut fluid,
+                    penalty,
+                    walls,
+                    openings,
+                    absorbers,
+                } = start;
+                openings
+                    .fill(&mut fluid)
+                    .map_err(|source| StepError::Fluid {
+                        time: 0.0,
+                        step: 0,
+                        source,
+                    })?;
+                fluid.refresh();
+                Some(Water {
+                    interface: Interface::new(penalty, &blocks, fluid.grid()),
+                    fluid,
+                    walls,
+                    openings,
+                    absorbers,
+                })
             }
-        });
+        };
         let n_blocks = blocks.n_blocks();
         let mut world = Self {
             blocks,
@@ -296,6 +318,10 @@ impl World {
         self.advance_fluid(dt)?;
         self.evaluate_fluid(dt)?;
         self.kick(0.5 * dt);
+        if let Some(water) = &mut self.water {
+            let absorbed = water.fluid.absorb(&water.absorbers, dt);
+            self.ledger.absorb(&absorbed);
+        }
         self.clock.time += dt;
         self.clock.steps += 1;
         self.clock.block_substeps += u64::from(step.block_substeps);
@@ -346,6 +372,8 @@ impl World {
         self.ledger = ledger;
         if let Some(water) = &mut self.water {
             water.fluid.kick(dt);
+            let imposed = water.openings.hold_velocities(&mut water.fluid);
+            self.ledger.exchange(&imposed);
             self.blocks.apply_impulse(water.interface.loads(), dt);
         }
         self.phases.integration += start.elapsed();
@@ -475,6 +503,12 @@ impl World {
         let (time, step) = (self.clock.time, self.clock.steps);
         let failed = |source| StepError::Fluid { time, step, source };
         let mut watch = Stopwatch::start();
+        let end = time + dt;
+        if let Some(water) = &mut self.water {
+            let passed = water.openings.exchange(&mut water.fluid, end, dt);
+            self.ledger.exchange(&passed.map_err(failed)?);
+        }
+        self.phases.integration += watch.lap();
         self.refresh_fluid()?;
         self.phases.neighbors += watch.lap();
         let held = self.held == Held::AllBlocks;
@@ -532,6 +566,8 @@ impl World {
                 walls.find(&water.fluid);
             }
         }
+        let imposed = water.openings.hold(&mut water.fluid, end);
+        self.ledger.exchange(&imposed);
         water.fluid.update_pressure().map_err(failed)?;
         self.phases.density += watch.lap();
         if let Some(walls) = &mut water.walls {
@@ -574,6 +610,24 @@ impl World {
         }
         extremes.pair_interactions += fluid.n_pairs();
         extremes.particle_steps += fluid.particles().len() as u64;
+    }
+
+    /// Force and moment of the fluid on a block; N, N m about the centroid. That on a fixed block in walls of
+    /// particles is summed when asked for.
+    pub fn fluid_load(&self, block: usize) -> Load {
+        let Some(water) = &self.water else {
+            return Load::default();
+        };
+        let mut load = water.interface.loads()[block];
+        if let Some(walls) = &water.walls
+            && self.is_fixed(block)
+        {
+            let more = walls.load_on_fixed(&water.fluid, &self.blocks, block);
+            let more = water.interface.in_plane(more);
+            load.force += more.force;
+            load.torque += more.torque;
+        }
+        load
     }
 
     /// Whether a block never moves.

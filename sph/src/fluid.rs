@@ -106,6 +106,8 @@ impl StepLimits {
 pub struct Removed {
     /// Particles.
     pub count: u64,
+    /// Their mass; kg.
+    pub mass: f64,
     /// Their momentum; kg m/s.
     pub momentum: Vec3,
     /// Their kinetic, potential and internal energy; J.
@@ -446,18 +448,18 @@ impl Fluid {
         if keep.iter().all(|&inside| inside) {
             return 0;
         }
+        let keep = std::mem::take(keep);
         let mut gone = 0;
         for (a, _) in keep.iter().enumerate().filter(|(_, inside)| !**inside) {
-            let (x, v) = (self.particles.position[a], self.particles.velocity[a]);
-            let mass = self.particles.mass[a];
-            let specific = 0.5 * v.norm_squared() - self.settings.gravity.dot(&x)
-                + self.state.specific_energy(self.particles.density[a]);
-            self.removed.momentum += v * mass;
-            self.removed.energy += mass * specific;
+            let content = self.content(a);
+            self.removed.mass += content.mass;
+            self.removed.momentum += content.momentum;
+            self.removed.energy += content.energy;
             gone += 1;
         }
         self.removed.count += gone;
-        self.particles.retain(keep);
+        self.particles.retain(&keep);
+        self.scratch.keep = keep;
         gone
     }
 
@@ -761,6 +763,16 @@ impl Fluid {
         // it jumped: no bound on its way holds any more
         self.moved = f64::INFINITY;
         lost * self.particles.mass[particle]
+    }
+
+    /// Notes a speed that no kick gave.
+    pub(crate) fn note_speed(&mut self, speed: f64) {
+        self.max_speed = self.max_speed.max(speed);
+    }
+
+    /// Makes the next [`Self::refresh`] sort.
+    pub(crate) fn forget_order(&mut self) {
+        self.moved = f64::INFINITY;
     }
 
     /// Largest steps by cause at the present state; s.

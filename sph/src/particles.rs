@@ -27,6 +27,8 @@ pub struct Particles {
     pub shear_rate: Vec<f64>,
     /// Apparent viscosity; written by the evaluation, empty where it does not vary; Pa s.
     pub viscosity: Vec<f64>,
+    /// Numbers given so far.
+    n_made: u32,
 }
 
 impl Particles {
@@ -45,7 +47,27 @@ impl Particles {
             kind: vec![0; n],
             shear_rate: Vec::new(),
             viscosity: Vec::new(),
+            n_made: n as u32,
         }
+    }
+
+    /// Numbers given so far: one more than the highest id there ever was.
+    pub fn n_made(&self) -> u32 {
+        self.n_made
+    }
+
+    /// Makes a particle of the first flow law; pressure and acceleration wait for the next evaluation.
+    pub(crate) fn push(&mut self, position: Vec3, velocity: Vec3, density: f64, mass: f64) {
+        self.id.push(self.n_made);
+        self.n_made += 1;
+        self.position.push(position);
+        self.velocity.push(velocity);
+        self.mass.push(mass);
+        self.density.push(density);
+        self.pressure.push(0.0);
+        self.acceleration.push(Vec3::zeros());
+        self.viscous_acceleration.push([0.0; 3]);
+        self.kind.push(0);
     }
 
     /// Number of particles.
@@ -77,6 +99,7 @@ impl Particles {
             kind,
             shear_rate,
             viscosity,
+            n_made: _,
         } = self;
         filter(id, keep);
         filter(position, keep);

@@ -1,5 +1,7 @@
 //! Fields of the fluid at any point, as gauges see them.
 
+use nalgebra::Matrix3;
+
 use crate::cells::{MAX_RUNS, Run};
 use crate::kernel::{Dimensions, Kernel, PointKernel};
 use crate::{Fluid, Vec3};
@@ -15,9 +17,53 @@ pub struct Sample {
 
 /// Share of the full kernel sum above which a point is under water: a half at a plane surface.
 const WET_SHARE: f64 = 0.5;
-/// Share below which too few particles are near to speak of a value. A point on a plane wall in
-/// deep water sees a half.
-const LEAST_SHARE: f64 = 0.25;
+/// Most of the kernel that a particle by itself fills: less is no water.
+const DROP_SHARE: f64 = 0.2;
+/// A column is water where the kernel is filled to this share somewhere: at a wall it is half full.
+const COLUMN_SHARE: f64 = 0.4;
+/// Share below which too few particles are near to speak of a value. A point in the corner of three walls
+/// sees an eighth.
+const LEAST_SHARE: f64 = 0.1;
+/// Share from which a point is under water without doubt; between the two it is where its pressure is that
+/// of a point below the surface. A point on a plane wall in deep water sees a half.
+const SURE_SHARE: f64 = 0.25;
+/// Least spread of the particles about their mean, over the squared smoothing length, for which a linear
+/// field is fitted. A full kernel has some 0.3, a half one along its normal 0.1, a single row nothing.
+const LEAST_SPREAD: f64 = 0.02;
+
+/// Sums over the neighbours of a point, offsets `d = (x_b − x)/h`.
+struct Moments {
+    weight: f64,
+    first: Vec3,
+    second: Matrix3<f64>,
+    /// Pressure, and velocity: `Σ f W`.
+    fields: [f64; 4],
+    /// `Σ f d W`.
+    slopes: [Vec3; 4],
+}
+
+impl Moments {
+    /// Mean place, mean of each field, and gradient of each about the mean; those of the linear fit by
+    /// least squares, weighted with the kernel. No gradient where the particles do not spread enough.
+    fn fit(&self, plane: bool) -> (Vec3, [f64; 4], Option<[Vec3; 4]>) {
+        let mean = self.first / self.weight;
+        let values = self.fields.map(|f| f / self.weight);
+        let mut spread = self.second / self.weight - mean * mean.transpose();
+        if plane {
+            // nothing spreads across, and nothing varies
+            spread[(1, 1)] = 1.0;
+        }
+        let eigen = spread.symmetric_eigenvalues();
+        let slopes = (LEAST_SPREAD < eigen.min())
+            .then(|| spread.cholesky())
+            .flatten()
+            .map(|factors| {
+                [0, 1, 2, 3]
+                    .map(|k| factors.solve(&(self.slopes[k] / self.weight - mean * values[k])))
+            });
+        (mean, values, slopes)
+    }
+}
 
 impl Fluid {
     /// Share of the kernel that is filled with fluid, 0 to about 1.
@@ -28,45 +74,100 @@ impl Fluid {
     pub fn filled_share(&self, point: &Vec3) -> f64 {
         let volume = self.particle_volume();
         let mut share = 0.0;
-        self.for_each_near(point, |_, w| share += volume * w);
+        self.for_each_near(point, |_, _, w| share += volume * w);
         share
     }
 
-    /// Pressure and velocity at a point by normalised interpolation; `None` when it is dry.
+    /// Pressure and velocity at a point; `None` when it is dry.
+    ///
+    /// The linear field that fits the particles best, in the least squares of the kernel (moving least
+    /// squares): exact for linear fields, also on a wall, where particles are on one side only.
     ///
     /// ```text
-    /// f(x) = Σ_b V_b f_b W / Σ_b V_b W
+    /// f(x) = f̄ − ∇f·d̄ h,   d = (x_b − x)/h,   C ∇f h = cov(d, f),   C = cov(d, d)
+    /// ```
+    /// means and covariances weighted with `W`. Where the particles do not span space the mean is taken,
+    /// and pressure goes from the mean place to the point as in water at rest:
+    ///
+    /// ```text
+    /// p(x) = p̄ − ρ₀ g·d̄ h
     /// ```
     pub fn sample(&self, point: &Vec3) -> Option<Sample> {
-        let (mut sum, mut pressure, mut velocity) = (0.0, 0.0, Vec3::zeros());
+        let settings = self.settings();
+        let h = settings.smoothing_length;
         let particles = self.particles();
-        self.for_each_near(point, |b, w| {
-            sum += w;
-            pressure += w * particles.pressure[b];
-            velocity += particles.velocity[b] * w;
+        let mut sums = Moments {
+            weight: 0.0,
+            first: Vec3::zeros(),
+            second: Matrix3::zeros(),
+            fields: [0.0; 4],
+            slopes: [Vec3::zeros(); 4],
+        };
+        self.for_each_near(point, |b, offset, w| {
+            let d = offset / h;
+            let v = particles.velocity[b];
+            sums.weight += w;
+            sums.first += d * w;
+            sums.second += d * d.transpose() * w;
+            for (k, f) in [particles.pressure[b], v.x, v.y, v.z]
+                .into_iter()
+                .enumerate()
+            {
+                sums.fields[k] += f * w;
+                sums.slopes[k] += d * (f * w);
+            }
         });
-        let volume = self.particle_volume();
-        (LEAST_SHARE < volume * sum).then(|| Sample {
-            pressure: pressure / sum,
-            velocity: velocity / sum,
+        let share = self.particle_volume() * sums.weight;
+        if share <= LEAST_SHARE {
+            return None;
+        }
+        let plane = matches!(settings.dimensions, Dimensions::Two { .. });
+        let (mean, values, slopes) = sums.fit(plane);
+        let [pressure, vx, vy, vz] = match slopes {
+            Some(slopes) => [0, 1, 2, 3].map(|k| values[k] - slopes[k].dot(&mean)),
+            None => {
+                let weight = settings.gravity * (settings.reference_density * h);
+                [
+                    values[0] - weight.dot(&mean),
+                    values[1],
+                    values[2],
+                    values[3],
+                ]
+            }
+        };
+        (SURE_SHARE < share || 0.0 < pressure).then(|| Sample {
+            pressure,
+            velocity: Vec3::new(vx, vy, vz),
         })
     }
 
     /// Height of the free surface above the point (x, y) of the plan; `None` when it is dry; m.
     ///
-    /// The highest crossing of half the kernel sum, so that a drop in the air is not a surface.
+    /// The highest crossing of half the kernel sum, so that a drop in the air is not a surface; near a
+    /// wall, which takes its part of the kernel, half of what water fills at most within two supports
+    /// below.
     pub fn surface_elevation(&self, x: f64, y: f64) -> Option<f64> {
         let step = 0.25 * self.settings().smoothing_length;
-        let mut upper = self.highest_near(x, y)? + self.settings().support_radius();
+        let support = self.settings().support_radius();
         let lowest = self.grid().min().z;
         let share = |z: f64| self.filled_share(&Vec3::new(x, y, z));
+        let mut upper = self.highest_near(x, y)? + support;
         loop {
             let lower = upper - step;
             if lower < lowest {
                 return None;
             }
-            if WET_SHARE <= share(lower) {
-                return Some(bisect(lower, upper, |z| WET_SHARE <= share(z)));
+            if DROP_SHARE <= share(lower) {
+                let fullest = (0..=16)
+                    .map(|k| share(lower - f64::from(k) * step))
+                    .fold(0.0, f64::max);
+                if COLUMN_SHARE <= fullest {
+                    let threshold = WET_SHARE * fullest.min(1.0);
+                    while share(upper - step) < threshold {
+                        upper -= step;
+                    }
+                    return Some(bisect(upper - step, upper, |z| threshold <= share(z)));
+                }
             }
             upper = lower;
         }
@@ -96,8 +197,9 @@ impl Fluid {
         None
     }
 
-    /// Calls `visit` with each particle within the support of a point and its kernel value.
-    fn for_each_near(&self, point: &Vec3, mut visit: impl FnMut(usize, f64)) {
+    /// Calls `visit` with each particle within the support of a point, its offset from it and its kernel
+    /// value.
+    fn for_each_near(&self, point: &Vec3, mut visit: impl FnMut(usize, Vec3, f64)) {
         let (grid, settings) = (self.grid(), self.settings());
         let support = settings.support_radius();
         let kernel = PointKernel::new(settings.scheme.kernel, support, settings.dimensions);
@@ -107,9 +209,10 @@ impl Fluid {
         for run in &runs[..n] {
             let seen_from = point - grid.image_shift(run.image);
             for b in run.start as usize..run.end as usize {
-                let r2 = (seen_from - self.particles().position[b]).norm_squared();
+                let offset = self.particles().position[b] - seen_from;
+                let r2 = offset.norm_squared();
                 if r2 < support * support {
-                    visit(b, kernel.value(r2.sqrt()));
+                    visit(b, offset, kernel.value(r2.sqrt()));
                 }
             }
         }
@@ -127,8 +230,8 @@ impl Fluid {
 
 /// Where a condition that holds at `lower` and not at `upper` changes.
 fn bisect(mut lower: f64, mut upper: f64, holds: impl Fn(f64) -> bool) -> f64 {
-    // twenty halvings: a millionth of the first interval
-    for _ in 0..20 {
+    // twelve halvings: a four-thousandth of the first interval
+    for _ in 0..12 {
         let middle = 0.5 * (lower + upper);
         if holds(middle) {
             lower = middle;

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use riprap_dda::{Blocks, Load, Motion};
+use riprap_dda::{Blocks, Motion};
 use riprap_sph::{Dimensions, Fluid, Vec3};
 
 use super::{ObserveError, Observer, Schedule};
@@ -162,11 +162,7 @@ impl Gauge {
                 row.extend(velocity.iter());
             }
             Self::BlockForce(block) => {
-                let from_fluid = world
-                    .water
-                    .as_ref()
-                    .map_or(Load::default(), |water| water.interface.loads()[*block]);
-                for load in [from_fluid, world.blocks.contact_force(*block)] {
+                for load in [world.fluid_load(*block), world.blocks.contact_force(*block)] {
                     row.extend(load.force.iter());
                     row.extend(load.torque.iter());
                 }

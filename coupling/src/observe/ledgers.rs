@@ -20,7 +20,7 @@ pub struct Ledgers {
 }
 
 /// Columns of `energy.csv` behind the time, in the order of [`energy_row`].
-pub const ENERGY_COLUMNS: [&str; 16] = [
+pub const ENERGY_COLUMNS: [&str; 18] = [
     "kinetic",
     "potential",
     "elastic",
@@ -35,12 +35,14 @@ pub const ENERGY_COLUMNS: [&str; 16] = [
     "plastic",
     "pushed_back",
     "removed",
+    "absorbed",
     "external_work",
+    "through_openings",
     "residual",
 ];
 
 /// The terms of the ledger in the order of [`ENERGY_COLUMNS`]; J.
-pub fn energy_row(energy: &Energy) -> [f64; 16] {
+pub fn energy_row(energy: &Energy) -> [f64; 18] {
     // no `..`: a new term cannot be forgotten
     let Energy {
         kinetic,
@@ -57,7 +59,9 @@ pub fn energy_row(energy: &Energy) -> [f64; 16] {
         plastic,
         pushed_back,
         removed,
+        absorbed,
         external_work,
+        through_openings,
         residual,
     } = *energy;
     [
@@ -75,7 +79,9 @@ pub fn energy_row(energy: &Energy) -> [f64; 16] {
         plastic,
         pushed_back,
         removed,
+        absorbed,
         external_work,
+        through_openings,
         residual,
     ]
 }

@@ -45,6 +45,15 @@ pub struct SceneFile {
     /// Water; without it no fluid structure is made.
     #[serde(default)]
     pub fluid: Option<FluidFile>,
+    /// Layers that take the motion out of waves before they meet the end of the domain.
+    #[serde(default)]
+    pub absorbers: Vec<AbsorberFile>,
+    /// Where water comes in.
+    #[serde(default)]
+    pub inflows: Vec<InflowFile>,
+    /// Where water goes out.
+    #[serde(default)]
+    pub outflows: Vec<OutflowFile>,
     /// How fluid and blocks push each other.
     #[serde(default)]
     pub interface: InterfaceFile,
@@ -753,6 +762,98 @@ pub enum RegionShapeFile {
         /// A wet point; m.
         seed: Triple,
     },
+}
+
+/// A side of a box along the axes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum SideFile {
+    /// The side of lowest x.
+    XMin,
+    /// The side of highest x.
+    XMax,
+    /// The side of lowest y.
+    YMin,
+    /// The side of highest y.
+    YMax,
+    /// The lower side.
+    ZMin,
+    /// The upper side.
+    ZMax,
+}
+
+impl SideFile {
+    /// The axis across it, 0 to 2, and whether it is the upper side.
+    pub fn axis(self) -> (usize, bool) {
+        match self {
+            Self::XMin => (0, false),
+            Self::XMax => (0, true),
+            Self::YMin => (1, false),
+            Self::YMax => (1, true),
+            Self::ZMin => (2, false),
+            Self::ZMax => (2, true),
+        }
+    }
+}
+
+/// A box in which the water is damped: `dv/dt = −rate (s/L)² v`, with `s` from 0 to its length `L`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct AbsorberFile {
+    /// Unique name.
+    pub name: String,
+    /// Lower corner; m.
+    pub min: Triple,
+    /// Upper corner; m.
+    pub max: Triple,
+    /// The side at which it is strongest, the end of the flume.
+    pub towards: SideFile,
+    /// Damping there; chosen from depth and length when left out; 1/s.
+    #[serde(default)]
+    pub rate: Option<f64>,
+}
+
+/// A box of water that moves as given, filled with whole rows, and the face through which it flows in. At least a
+/// support radius and a spacing long.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct InflowFile {
+    /// Unique name.
+    pub name: String,
+    /// Lower corner, on the bed; m.
+    pub min: Triple,
+    /// Upper corner; m.
+    pub max: Triple,
+    /// The side that the water goes to: the face to the modelled water.
+    pub towards: SideFile,
+    /// Rows of time and velocity, linear between and constant outside; this or `discharge`; s, m/s.
+    #[serde(default)]
+    pub velocity: Vec<(f64, f64)>,
+    /// Rows of time and discharge through the face, in a plane of the slice; s, m³/s.
+    #[serde(default)]
+    pub discharge: Vec<(f64, f64)>,
+    /// Rows of time and depth over the bottom of the box, met to whole rows of particles; that of the box
+    /// when left out; s, m.
+    #[serde(default)]
+    pub depth: Vec<(f64, f64)>,
+}
+
+/// A box through which water leaves, keeping its velocity, and the face past which it is taken out. At least a
+/// support radius long.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct OutflowFile {
+    /// Unique name.
+    pub name: String,
+    /// Lower corner, on the bed; m.
+    pub min: Triple,
+    /// Upper corner; m.
+    pub max: Triple,
+    /// The side that the water goes to and leaves by.
+    pub towards: SideFile,
+    /// Rows of time and depth over the bottom of the box, whose pressures are held; as they come when left
+    /// out; s, m.
+    #[serde(default)]
+    pub depth: Vec<(f64, f64)>,
 }
 
 /// How fluid and blocks push each other.

@@ -6,23 +6,28 @@ use riprap_sph::scheme::{
 };
 use riprap_sph::state_equation::State;
 use riprap_sph::{
-    Dimensions, KernelChoice, NegativePressure as Clamping, Precision, Regularization, Rheology,
-    Scheme, Settings, StateEquation, Vec3,
+    Absorber, Dimensions, KernelChoice, NegativePressure as Clamping, Precision, Regularization,
+    Rheology, Scheme, Settings, StateEquation, Vec3,
 };
 
 use super::error::Problem;
 use super::file::{
     Axis, DensityDiffusionFile, DensityFile, DimensionsFile, FluidFile, KernelFile,
     NegativePressure, NumericsFile, PrecisionFile, Preset, RegionShapeFile, RegularizationFile,
-    RheologyFile, SceneFile, ShiftingFile, SlipFile, StateEquationFile, ViscosityFile,
+    RheologyFile, SceneFile, ShiftingFile, SideFile, SlipFile, StateEquationFile, ViscosityFile,
     WallMethodFile, WaterField,
 };
 use super::fill::Lattice;
 use super::resolve::{FluidScene, vec3};
 use crate::interface::{DAMPING_RATIO, WallSettings};
+use crate::openings::{Drive, Inflow, Openings, Outflow, Passage, Series};
 
 /// Sound speed over the fastest expected flow: density then varies by about 1 %.
 const SOUND_SPEED_RATIO: f64 = 10.0;
+/// Damping rate at the end of an absorbing layer times the time in which long waves cross it. On their way in and
+/// back they lose all but `e^{−10/3}`, 4 %. Measured for waves as long as the layer, kd = 1.26: 5.6 % come back at 3,
+/// 0.7 % at 7, and 1.9 % at 20, where the ramp itself reflects.
+const ABSORBER_STRENGTH: f64 = 10.0;
 /// Depth, in spacings, to which still water presses its lowest row into a penalty wall.
 const STATIC_PENETRATION: f64 = 0.1;
 /// Depth, in spacings, to which a particle at the expected speed enters a penalty wall.
@@ -203,6 +208,8 @@ pub(super) fn resolve(
         pressures,
         rheologies: laws.rheologies,
         kinds: laws.kinds,
+        absorbers: absorbers(file, lattice.depth),
+        openings: openings(file, &lattice, (ratio, dimensions), problems),
         lattice,
     }
 }
@@ -322,6 +329,144 @@ fn slow_viscosity(
             ),
         )
     })
+}
+
+/// Layers that damp waves, each with its rate.
+fn absorbers(file: &mut SceneFile, depth: f64) -> Vec<Absorber> {
+    let wave_speed = (vec3(file.gravity).norm() * depth).sqrt();
+    file.absorbers
+        .iter_mut()
+        .map(|layer| {
+            let (axis, upwards) = layer.towards.axis();
+            let (min, max) = (vec3(layer.min), vec3(layer.max));
+            let crossing = (max[axis] - min[axis]) / wave_speed;
+            // without gravity no wave has a speed of its own, and any number will do
+            let rate = if crossing.is_finite() {
+                ABSORBER_STRENGTH / crossing
+            } else {
+                1.0
+            };
+            Absorber {
+                min,
+                max,
+                axis,
+                upwards,
+                rate: *layer.rate.get_or_insert(rate),
+            }
+        })
+        .collect()
+}
+
+fn openings(
+    file: &SceneFile,
+    lattice: &Lattice,
+    (ratio, dimensions): (f64, Dimensions),
+    problems: &mut Vec<Problem>,
+) -> Openings {
+    let support = 2.0 * ratio * lattice.particle_spacing(dimensions);
+    let passage = |min, max, towards: SideFile| {
+        let (axis, upwards) = towards.axis();
+        let (mut min, mut max) = (vec3(min), vec3(max));
+        if let Dimensions::Two { .. } = dimensions {
+            (min.y, max.y) = (file.domain.min.1, file.domain.max.1);
+        }
+        Passage {
+            min,
+            max,
+            axis,
+            upwards,
+        }
+    };
+    let mut inflows = Vec::new();
+    for (index, inflow) in file.inflows.iter().enumerate() {
+        let (path, name) = (format!("inflows[{index}]"), &inflow.name);
+        let passage = passage(inflow.min, inflow.max, inflow.towards);
+        let least = support + lattice.spacing[passage.axis];
+        // by the digits that a user types
+        if passage.length() < (1.0 - 1e-6) * least {
+            problems.push(Problem::error(
+                &path,
+                format!(
+                    "inflow `{name}` is {} m long; water must see {least:.4} m of it: move `min` or `max`, or \
+                     refine `fluid.resolution`",
+                    passage.length()
+                ),
+            ));
+        }
+        if lattice.positions.iter().any(|x| passage.contains(x, 0.0)) {
+            problems.push(Problem::error(
+                &path,
+                format!(
+                    "inflow `{name}` fills its own box, and a fluid region reaches into it; end the region at \
+                     its face"
+                ),
+            ));
+        }
+        let depth = if inflow.depth.is_empty() {
+            vec![(0.0, inflow.max.2 - inflow.min.2)]
+        } else {
+            inflow.depth.clone()
+        };
+        let drive = if inflow.velocity.is_empty() {
+            Drive::Discharge(Series::new(inflow.discharge.clone()))
+        } else {
+            Drive::Velocity(Series::new(inflow.velocity.clone()))
+        };
+        inflows.push(Inflow::new(
+            name.clone(),
+            passage,
+            drive,
+            Series::new(depth),
+        ));
+    }
+    let mut outflows = Vec::new();
+    for (index, outflow) in file.outflows.iter().enumerate() {
+        let passage = passage(outflow.min, outflow.max, outflow.towards);
+        if passage.length() < (1.0 - 1e-6) * support {
+            problems.push(Problem::error(
+                format!("outflows[{index}]"),
+                format!(
+                    "outflow `{}` is {} m long; water must see {support:.4} m of it: move `min` or `max`, or \
+                     refine `fluid.resolution`",
+                    outflow.name,
+                    passage.length()
+                ),
+            ));
+        }
+        let (min, max) = (vec3(file.domain.min), vec3(file.domain.max));
+        let axis = passage.axis;
+        let room = if passage.upwards {
+            max[axis] - passage.max[axis]
+        } else {
+            passage.min[axis] - min[axis]
+        };
+        // what passes the face must still be inside when it is looked for, or it counts as escaped
+        if room < 0.5 * lattice.spacing[axis] {
+            problems.push(Problem::error(
+                format!("outflows[{index}]"),
+                format!(
+                    "outflow `{}` ends {room} m before the end of the domain; leave a spacing between, or enlarge \
+                     `domain`",
+                    outflow.name
+                ),
+            ));
+        }
+        outflows.push(Outflow {
+            name: outflow.name.clone(),
+            passage,
+            depth: (!outflow.depth.is_empty()).then(|| Series::new(outflow.depth.clone())),
+        });
+    }
+    if file.numerics.density == Some(DensityFile::Summation)
+        && !(inflows.is_empty() && outflows.is_empty())
+    {
+        problems.push(Problem::error(
+            "numerics.density",
+            "an inflow or outflow imposes densities, which Summation does not know; choose Continuity or the \
+             Standard preset",
+        ));
+    }
+    Openings::new(inflows, outflows)
 }
 
 /// Pressures of water at rest below the level of each region, compressed by its own weight.

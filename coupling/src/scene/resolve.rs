@@ -6,9 +6,10 @@ use riprap_dda::{
     Attachment, BlockDefinition, Hold, JointOverride, Material, Motion, PrescribedMotion, Shape,
 };
 use riprap_sph::boundary::wall_particles::Slip;
-use riprap_sph::{Rheology, Vec3};
+use riprap_sph::{Absorber, Rheology, Vec3};
 
 use crate::interface::WallSettings;
+use crate::openings::{Openings, Series};
 use crate::scene::attachments::{
     attachments, contact_detection, deformability, hold, joints, normal_law, rolling_law,
     static_damping,
@@ -67,6 +68,10 @@ pub struct FluidScene {
     pub rheologies: Vec<Rheology>,
     /// Number of the flow law of each particle of the lattice.
     pub kinds: Vec<u8>,
+    /// Layers that damp waves.
+    pub absorbers: Vec<Absorber>,
+    /// Inflows and outflows.
+    pub openings: Openings,
     /// Fastest flow expected, from which sound speed and stiffnesses follow; m/s.
     pub expected_speed: f64,
 }
@@ -118,6 +123,9 @@ impl Scene {
         resolve_stiffness(&mut file, &solids, &motions, speed);
         let fluid =
             lattice.map(|lattice| super::fluid::resolve(&mut file, lattice, speed, &mut problems));
+        if problems.iter().any(|p| p.severity == Severity::Error) {
+            return Err(problems);
+        }
         let block_factor = *file
             .numerics
             .block_time_step_factor
@@ -229,6 +237,22 @@ fn expected_speed(
     }
     for region in file.fluid.iter().flat_map(|fluid| &fluid.regions) {
         fastest = fastest.max(vec3(region.velocity).norm());
+    }
+    for inflow in &file.inflows {
+        let (axis, _) = inflow.towards.axis();
+        let extent = vec3(inflow.max) - vec3(inflow.min);
+        let across = extent[1 - axis.min(1)];
+        for &(_, velocity) in &inflow.velocity {
+            fastest = fastest.max(velocity);
+        }
+        for &(time, discharge) in &inflow.discharge {
+            let depth = if inflow.depth.is_empty() {
+                extent.z
+            } else {
+                Series::new(inflow.depth.clone()).at(time)
+            };
+            fastest = fastest.max(discharge / (across * depth).max(f64::MIN_POSITIVE));
+        }
     }
     fastest
 }

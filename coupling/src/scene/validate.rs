@@ -2,9 +2,10 @@
 
 use super::error::Problem;
 use super::file::{
-    AttachmentFile, Axis, BlockFile, FluidFile, GaugeFile, GrainRegionFile, GrainsFile, JointFile,
-    MaterialFile, MotionFile, RegionShapeFile, ResolutionFile, RheologyFile, RockMassFile,
-    SceneFile, ShapeFile, SlipFile, StaticDampingFile, TrajectoriesFile, Triple, TurningFile,
+    AttachmentFile, Axis, BlockFile, DimensionsFile, FluidFile, GaugeFile, GrainRegionFile,
+    GrainsFile, JointFile, MaterialFile, MotionFile, RegionShapeFile, ResolutionFile, RheologyFile,
+    RockMassFile, SceneFile, ShapeFile, SlipFile, StaticDampingFile, TrajectoriesFile, Triple,
+    TurningFile,
 };
 use super::fluid::flow_law;
 use super::parse::suggestion;
@@ -46,6 +47,7 @@ pub fn values(scene: &SceneFile) -> Vec<Problem> {
     if let Some(fluid) = &scene.fluid {
         check.fluid(fluid, scene);
     }
+    check.openings(scene);
     let has_blocks =
         !(scene.blocks.is_empty() && scene.rock_masses.is_empty() && scene.grains.is_empty());
     if !has_blocks && scene.fluid.is_none() {
@@ -887,6 +889,128 @@ impl Checks {
             return;
         };
         self.refuse(path.to_owned(), error.to_string());
+    }
+
+    fn openings(&mut self, scene: &SceneFile) {
+        let absorbers = scene.absorbers.iter().enumerate().map(|(index, a)| {
+            let path = format!("absorbers[{index}]");
+            (
+                path,
+                format!("absorber `{}`", a.name),
+                (a.min, a.max),
+                a.towards,
+            )
+        });
+        let inflows = scene.inflows.iter().enumerate().map(|(index, i)| {
+            let path = format!("inflows[{index}]");
+            (
+                path,
+                format!("inflow `{}`", i.name),
+                (i.min, i.max),
+                i.towards,
+            )
+        });
+        let outflows = scene.outflows.iter().enumerate().map(|(index, o)| {
+            let path = format!("outflows[{index}]");
+            (
+                path,
+                format!("outflow `{}`", o.name),
+                (o.min, o.max),
+                o.towards,
+            )
+        });
+        let is_plane = scene.domain.dimensions == DimensionsFile::Two;
+        for (path, what, (min, max), towards) in absorbers.chain(inflows).chain(outflows) {
+            if !is_ordered(min, max) {
+                self.refuse(
+                    format!("{path}.max"),
+                    format!("{what}: max {max:?} must exceed min {min:?} in every direction"),
+                );
+            }
+            if scene.fluid.is_none() {
+                self.refuse(
+                    &path,
+                    format!("{what} needs water; add `fluid` or leave it out"),
+                );
+            }
+            let (axis, _) = towards.axis();
+            if axis == 2 && !path.starts_with('a') || axis == 1 && is_plane {
+                self.refuse(
+                    format!("{path}.towards"),
+                    format!("{what}: water cannot go to {towards:?} here; choose XMin or XMax, or in space YMin or YMax"),
+                );
+            }
+        }
+        for (index, absorber) in scene.absorbers.iter().enumerate() {
+            if let Some(rate) = absorber.rate {
+                let what = format!("absorber `{}`: rate", absorber.name);
+                self.positive(format!("absorbers[{index}].rate"), &what, rate);
+            }
+        }
+        for (index, inflow) in scene.inflows.iter().enumerate() {
+            let path = format!("inflows[{index}]");
+            let what = format!("inflow `{}`", inflow.name);
+            if inflow.velocity.is_empty() == inflow.discharge.is_empty() {
+                self.refuse(
+                    &path,
+                    format!("{what}: give either velocity or discharge, as [(time, value), ...]"),
+                );
+            }
+            let height = inflow.max.2 - inflow.min.2;
+            self.series(
+                &format!("{path}.velocity"),
+                &what,
+                &inflow.velocity,
+                f64::INFINITY,
+            );
+            self.series(
+                &format!("{path}.discharge"),
+                &what,
+                &inflow.discharge,
+                f64::INFINITY,
+            );
+            self.series(&format!("{path}.depth"), &what, &inflow.depth, height);
+        }
+        for (index, outflow) in scene.outflows.iter().enumerate() {
+            let what = format!("outflow `{}`", outflow.name);
+            let height = outflow.max.2 - outflow.min.2;
+            self.series(
+                &format!("outflows[{index}].depth"),
+                &what,
+                &outflow.depth,
+                height,
+            );
+        }
+        self.unique("absorbers", scene.absorbers.iter().map(|a| a.name.as_str()));
+        self.unique("inflows", scene.inflows.iter().map(|i| i.name.as_str()));
+        self.unique("outflows", scene.outflows.iter().map(|o| o.name.as_str()));
+        if 0.0 < scene.time.settle && !(scene.inflows.is_empty() && scene.outflows.is_empty()) {
+            self.refuse(
+                "time.settle",
+                "time: water that flows in or out does not settle; leave settle out".to_owned(),
+            );
+        }
+    }
+
+    /// Rows of time and value: times increase, values are from 0 to `most`.
+    fn series(&mut self, path: &str, what: &str, rows: &[(f64, f64)], most: f64) {
+        for (k, &(time, value)) in rows.iter().enumerate() {
+            if k > 0 && !(rows[k - 1].0 < time) {
+                self.refuse(
+                    format!("{path}[{k}]"),
+                    format!(
+                        "{what}: times must increase, found {time} s after {} s",
+                        rows[k - 1].0
+                    ),
+                );
+            }
+            if !(0.0..=most).contains(&value) {
+                self.refuse(
+                    format!("{path}[{k}]"),
+                    format!("{what}: must be in [0, {most}], found {value}"),
+                );
+            }
+        }
     }
 
     fn trajectories(&mut self, trajectories: &TrajectoriesFile, scene: &SceneFile) {

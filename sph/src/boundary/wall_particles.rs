@@ -392,6 +392,26 @@ impl WallParticles {
         total
     }
 
+    /// Forces of the fluid on some of the points, in their order, as [`Self::visit_reactions`] finds them;
+    /// for gauges, which look seldom; N.
+    pub fn reactions(&self, fluid: &Fluid, points: &[u32]) -> Vec<Vec3> {
+        let mut forces = vec![ForceDensity::default(); points.len()];
+        sums::reactions(
+            fluid,
+            (&self.position, &self.seen_velocity, &self.pressure),
+            points,
+            self.shearing(fluid),
+            &mut forces,
+        );
+        points
+            .iter()
+            .zip(&forces)
+            .map(|(&w, force)| {
+                (Vec3::from(force.pressure) + Vec3::from(force.viscous)) * self.volume[w as usize]
+            })
+            .collect()
+    }
+
     /// Calls `visit` with every wet point and the force of the fluid on it, in order; N.
     pub fn visit_reactions(&mut self, fluid: &Fluid, mut visit: impl FnMut(usize, Vec3)) {
         let mut forces = std::mem::take(&mut self.scratch.forces);

@@ -1,0 +1,408 @@
+//! Inflows and outflows: where water enters and leaves the model.
+//!
+//! Both are boxes that the flow crosses, with one face towards the side that the water goes to.
+//!
+//! - An inflow's box holds rows of particles that move with the given velocity at the pressure of water
+//!   at rest; those that cross the face are water from then on, and a new row is made at the rear when
+//!   there is room for one.
+//! - In an outflow's box particles keep the velocity at which they came in, level (no gradient along the
+//!   flow; Federico et al. 2012), at the pressure of water at rest of a given depth, if one is given. Past
+//!   its face they are taken out.
+//!
+//! Whatever imposing velocities and pressures does to energy and momentum is counted with what
+//! particles carry in and out.
+
+use riprap_sph::exchange::{Exchange, Imposed, NewParticle};
+use riprap_sph::{Fluid, FluidError, Vec3};
+use serde::Serialize;
+
+/// Numbers over time: linear between rows, constant before and after.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Series(Vec<(f64, f64)>);
+
+impl Series {
+    /// Rows of time (s) and value, the times increasing; zero always without any.
+    pub fn new(rows: Vec<(f64, f64)>) -> Self {
+        Self(rows)
+    }
+
+    /// Value at a time.
+    pub fn at(&self, time: f64) -> f64 {
+        let next = self.0.partition_point(|row| row.0 <= time);
+        match (next.checked_sub(1).map(|k| self.0[k]), self.0.get(next)) {
+            (Some((t0, a)), Some((t1, b))) => a + (b - a) * (time - t0) / (t1 - t0),
+            (Some((_, a)), None) => a,
+            (None, Some((_, b))) => *b,
+            (None, None) => 0.0,
+        }
+    }
+}
+
+/// A box along the axes that the flow crosses along one of them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Passage {
+    /// Lower corner; m.
+    pub min: Vec3,
+    /// Upper corner; m.
+    pub max: Vec3,
+    /// Direction of the flow: 0 for x, 1 for y.
+    pub axis: usize,
+    /// Whether it goes to the upper side.
+    pub upwards: bool,
+}
+
+impl Passage {
+    /// Length along the flow; m.
+    pub fn length(&self) -> f64 {
+        self.max[self.axis] - self.min[self.axis]
+    }
+
+    /// Distance from the rear, along the flow; m.
+    fn along(&self, x: &Vec3) -> f64 {
+        if self.upwards {
+            x[self.axis] - self.min[self.axis]
+        } else {
+            self.max[self.axis] - x[self.axis]
+        }
+    }
+
+    /// Whether a point is in the box, or before or behind it, by up to `slack` outside.
+    fn is_abreast(&self, x: &Vec3, slack: f64) -> bool {
+        (0..3)
+            .filter(|&axis| axis != self.axis)
+            .all(|axis| self.min[axis] - slack <= x[axis] && x[axis] <= self.max[axis] + slack)
+    }
+
+    /// Whether a point is in the box, by up to `slack` outside but along the flow.
+    pub fn contains(&self, x: &Vec3, slack: f64) -> bool {
+        let s = self.along(x);
+        0.0 <= s && s < self.length() && self.is_abreast(x, slack)
+    }
+
+    fn direction(&self) -> Vec3 {
+        let mut direction = Vec3::zeros();
+        direction[self.axis] = if self.upwards { 1.0 } else { -1.0 };
+        direction
+    }
+}
+
+/// What drives an inflow.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Drive {
+    /// Velocity, the same over the depth; m/s.
+    Velocity(Series),
+    /// Through the whole face; m³/s.
+    Discharge(Series),
+}
+
+/// Where water comes in.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Inflow {
+    /// Its name.
+    pub name: String,
+    /// Where.
+    pub passage: Passage,
+    /// How fast.
+    pub drive: Drive,
+    /// Depth over the bottom of the box, met to whole rows; m.
+    pub depth: Series,
+    /// Way of the rows since the last one was made; m.
+    travelled: f64,
+    /// Present velocity; m/s.
+    speed: f64,
+}
+
+/// Where water goes out.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Outflow {
+    /// Its name.
+    pub name: String,
+    /// Where.
+    pub passage: Passage,
+    /// Depth over the bottom of the box that its pressures are of; as they come when left out; m.
+    pub depth: Option<Series>,
+}
+
+/// What an opening let through.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Passed {
+    /// Name of the opening.
+    pub name: String,
+    /// Particles made; those that filled it at the start are not counted.
+    pub particles_in: u64,
+    /// Their mass; kg.
+    pub mass_in: f64,
+    /// Particles taken out.
+    pub particles_out: u64,
+    /// Their mass; kg.
+    pub mass_out: f64,
+}
+
+/// All inflows and outflows.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Openings {
+    inflows: Vec<Inflow>,
+    outflows: Vec<Outflow>,
+    /// Of each inflow, then of each outflow.
+    passed: Vec<Passed>,
+    /// Particles in the boxes, as of the last [`Self::hold`].
+    held: Vec<Imposed>,
+}
+
+/// Rows across and upwards, and the first of each.
+struct Rows {
+    counts: [usize; 2],
+    axes: [usize; 2],
+    first: Vec3,
+    spacing: Vec3,
+}
+
+impl Inflow {
+    /// At rest until it is first held.
+    pub fn new(name: String, passage: Passage, drive: Drive, depth: Series) -> Self {
+        Self {
+            name,
+            passage,
+            drive,
+            depth,
+            travelled: 0.0,
+            speed: 0.0,
+        }
+    }
+
+    fn rows(&self, fluid: &Fluid, time: f64) -> Rows {
+        let spacing = Vec3::from(fluid.settings().particle_spacing);
+        let Passage { min, max, axis, .. } = self.passage;
+        let across = 1 - axis;
+        let count = |length: f64, spacing: f64| (length / spacing).round().max(1.0) as usize;
+        Rows {
+            counts: [
+                count(max[across] - min[across], spacing[across]),
+                count(self.depth.at(time), spacing.z),
+            ],
+            axes: [across, 2],
+            first: min + spacing * 0.5,
+            spacing,
+        }
+    }
+
+    /// Velocity along the flow; m/s.
+    fn speed_at(&self, fluid: &Fluid, time: f64) -> f64 {
+        match &self.drive {
+            Drive::Velocity(velocity) => velocity.at(time),
+            Drive::Discharge(discharge) => {
+                let rows = self.rows(fluid, time);
+                let area = (0..2)
+                    .map(|k| rows.counts[k] as f64 * rows.spacing[rows.axes[k]])
+                    .product::<f64>();
+                discharge.at(time) / area
+            }
+        }
+    }
+
+    /// A row across the flow whose distance before the face is `before`.
+    fn row(&self, fluid: &Fluid, time: f64, before: f64) -> Vec<NewParticle> {
+        let rows = self.rows(fluid, time);
+        let Passage {
+            min,
+            max,
+            axis,
+            upwards,
+        } = self.passage;
+        let mut position = rows.first;
+        position[axis] = if upwards {
+            max[axis] - before
+        } else {
+            min[axis] + before
+        };
+        let velocity = self.passage.direction() * self.speed_at(fluid, time);
+        let mut made = Vec::with_capacity(rows.counts[0] * rows.counts[1]);
+        for k in 0..rows.counts[1] {
+            for j in 0..rows.counts[0] {
+                let mut x = position;
+                x[rows.axes[0]] += j as f64 * rows.spacing[rows.axes[0]];
+                x.z += k as f64 * rows.spacing.z;
+                made.push(NewParticle {
+                    position: x,
+                    velocity,
+                    density: hydrostatic(fluid, min.z + self.depth.at(time) - x.z),
+                });
+            }
+        }
+        made
+    }
+
+    /// Rows along the flow, and their distance.
+    fn n_rows(&self, fluid: &Fluid) -> (usize, f64) {
+        let spacing = fluid.settings().particle_spacing[self.passage.axis];
+        // as many as fit, by the digits that a user types
+        let n = (self.passage.length() / spacing + 1e-6).floor() as usize;
+        (n, spacing)
+    }
+}
+
+/// Density of water at rest under a depth; kg/m³.
+fn hydrostatic(fluid: &Fluid, depth: f64) -> f64 {
+    let state = fluid.state_equation();
+    let pull = (-fluid.settings().gravity.z).max(0.0);
+    state.density(state.hydrostatic_pressure(pull, depth.max(0.0)))
+}
+
+impl Openings {
+    /// Openings of a scene.
+    pub fn new(inflows: Vec<Inflow>, outflows: Vec<Outflow>) -> Self {
+        let names = inflows
+            .iter()
+            .map(|i| &i.name)
+            .chain(outflows.iter().map(|o| &o.name));
+        Self {
+            passed: names
+                .map(|name| Passed {
+                    name: name.clone(),
+                    ..Passed::default()
+                })
+                .collect(),
+            inflows,
+            outflows,
+            held: Vec::new(),
+        }
+    }
+
+    /// What each has let through.
+    pub fn passed(&self) -> &[Passed] {
+        &self.passed
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.passed.is_empty()
+    }
+
+    /// Fills the boxes of the inflows with rows: the state at t = 0.
+    ///
+    /// # Errors
+    ///
+    /// [`FluidError::TooManyParticles`].
+    pub fn fill(&self, fluid: &mut Fluid) -> Result<(), FluidError> {
+        for inflow in &self.inflows {
+            let (n, spacing) = inflow.n_rows(fluid);
+            for row in 0..n {
+                let made = inflow.row(fluid, 0.0, (row as f64 + 0.5) * spacing);
+                fluid.add(&made)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Makes the rows for which the last `dt` made room and takes out what is past the outflows; returns
+    /// what that brought in.
+    ///
+    /// # Errors
+    ///
+    /// [`FluidError::TooManyParticles`].
+    pub fn exchange(
+        &mut self,
+        fluid: &mut Fluid,
+        time: f64,
+        dt: f64,
+    ) -> Result<Exchange, FluidError> {
+        let mut total = Exchange::default();
+        if self.is_empty() {
+            return Ok(total);
+        }
+        for (inflow, passed) in self.inflows.iter_mut().zip(&mut self.passed) {
+            let (n, spacing) = inflow.n_rows(fluid);
+            inflow.travelled += inflow.speed * dt;
+            while spacing <= inflow.travelled {
+                inflow.travelled -= spacing;
+                let before = (n as f64 - 0.5) * spacing - inflow.travelled;
+                let made = fluid.add(&inflow.row(fluid, time, before))?;
+                passed.particles_in += made.count.unsigned_abs();
+                passed.mass_in += made.mass;
+                total += made;
+            }
+        }
+        let slack = slack(fluid);
+        let mut taken = vec![Exchange::default(); self.outflows.len()];
+        fluid.take_out(
+            |x| {
+                self.outflows.iter().position(|outflow| {
+                    let passage = &outflow.passage;
+                    passage.length() <= passage.along(x) && passage.is_abreast(x, slack)
+                })
+            },
+            &mut taken,
+        );
+        for (passed, taken) in self.passed[self.inflows.len()..].iter_mut().zip(&taken) {
+            passed.particles_out += taken.count.unsigned_abs();
+            passed.mass_out -= taken.mass;
+            total += *taken;
+        }
+        Ok(total)
+    }
+
+    /// Finds the particles in the boxes and holds them at their velocities and densities; returns what that
+    /// brought in. The fluid's order must then stay until [`Self::hold_velocities`] is done with it.
+    pub fn hold(&mut self, fluid: &mut Fluid, time: f64) -> Exchange {
+        if self.is_empty() {
+            return Exchange::default();
+        }
+        for inflow in &mut self.inflows {
+            inflow.speed = inflow.speed_at(fluid, time);
+        }
+        self.held.clear();
+        let slack = slack(fluid);
+        let particles = fluid.particles();
+        for (a, x) in particles.position.iter().enumerate() {
+            let inflow = self.inflows.iter().find(|i| i.passage.contains(x, slack));
+            let (velocity, surface) = if let Some(inflow) = inflow {
+                let passage = &inflow.passage;
+                let surface = passage.min.z + inflow.depth.at(time);
+                (passage.direction() * inflow.speed, Some(surface))
+            } else if let Some(outflow) =
+                self.outflows.iter().find(|o| o.passage.contains(x, slack))
+            {
+                let mut velocity = particles.velocity[a];
+                velocity.z = 0.0;
+                let depth = outflow.depth.as_ref().map(|depth| depth.at(time));
+                (velocity, depth.map(|depth| outflow.passage.min.z + depth))
+            } else {
+                continue;
+            };
+            self.held.push(Imposed {
+                particle: a as u32,
+                velocity,
+                density: surface.map(|surface| hydrostatic(fluid, surface - x.z)),
+            });
+        }
+        fluid.impose(&self.held)
+    }
+
+    /// Undoes what a kick did to the particles in the boxes; returns what that brought in.
+    pub fn hold_velocities(&mut self, fluid: &mut Fluid) -> Exchange {
+        for one in &mut self.held {
+            one.density = None;
+        }
+        fluid.impose(&self.held)
+    }
+}
+
+/// Half a spacing: particles do not sit exactly in their rows.
+fn slack(fluid: &Fluid) -> f64 {
+    0.5 * fluid.settings().particle_spacing[2]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_series_is_linear_between_rows_and_constant_outside() {
+        let series = Series::new(vec![(1.0, 2.0), (3.0, 6.0)]);
+        assert_eq!(
+            [0.0, 1.0, 2.0, 3.0, 9.0].map(|t| series.at(t)),
+            [2.0, 2.0, 4.0, 6.0, 6.0]
+        );
+        assert_eq!(Series::default().at(1.0), 0.0);
+    }
+}
