@@ -25,6 +25,7 @@ pub mod interface;
 pub mod ledger;
 pub mod observe;
 pub mod overview;
+mod part_table;
 pub mod render;
 pub mod run;
 pub mod scene;

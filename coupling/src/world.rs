@@ -9,7 +9,7 @@ use crate::interface::{Interface, WallSettings};
 use crate::ledger::Ledger;
 use crate::scene::file::Leaving;
 use crate::time_step::{Cause, Limits, TimeStep};
-use crate::walls::ParticleWalls;
+use crate::walls::Walls;
 
 /// Everything that changes during a run. Only [`World::step`] and [`World::settle_step`] change it.
 #[derive(Debug)]
@@ -37,10 +37,10 @@ pub struct World {
 pub struct Water {
     /// Particles.
     pub fluid: Fluid,
-    /// Penalty walls; where others hold the fluid, without stiffness: only what keeps particles out of solids.
+    /// Penalty walls; where others hold the fluid, only what keeps particles out of solids.
     pub interface: Interface,
-    /// Walls of particles.
-    pub walls: Option<ParticleWalls>,
+    /// Walls of particles or integrals.
+    pub walls: Option<Walls>,
 }
 
 /// The fluid with what its walls are made of.
@@ -50,8 +50,8 @@ pub struct WaterAtStart {
     pub fluid: Fluid,
     /// Numbers of penalty walls, or of what only keeps particles out of solids.
     pub penalty: WallSettings,
-    /// Walls of particles.
-    pub walls: Option<ParticleWalls>,
+    /// Walls of particles or integrals.
+    pub walls: Option<Walls>,
 }
 
 /// Time and steps.
