@@ -89,8 +89,9 @@ impl Walls {
         of_walls!(self, walls => walls.place_half_way(blocks, dt));
     }
 
-    /// Places the walls where the blocks are. The wall's own acceleration is that of the step of `dt` (s)
-    /// just taken; none without one, where blocks are held, or of free blocks.
+    /// Places the walls where the blocks are, moving as these do after a step of `dt` (s), 0 before the first;
+    /// at rest where blocks are held, without one. The wall's own acceleration is that of the step; none of
+    /// free blocks.
     pub fn place_at_end(&mut self, blocks: &Blocks, dt: Option<f64>) {
         of_walls!(self, walls => walls.place_at_end(blocks, dt));
     }

@@ -505,8 +505,7 @@ impl World {
             water.interface.find(&water.fluid, &self.blocks);
         }
         if let Some(walls) = &mut water.walls {
-            let moved = (!held && 0.0 < dt).then_some(dt);
-            walls.place_at_end(&self.blocks, moved);
+            walls.place_at_end(&self.blocks, (!held).then_some(dt));
             walls.find(&water.fluid);
         }
         self.phases.coupling += watch.lap();

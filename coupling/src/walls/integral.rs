@@ -227,9 +227,9 @@ impl IntegralWalls {
         self.place(blocks, |b| middle[b]);
     }
 
-    /// Places the solids where the blocks are, moving as these do; at rest without a step `dt` (s). Their
-    /// acceleration is that of the step; none of free blocks, as it follows from the very forces that are to
-    /// be found.
+    /// Places the solids where the blocks are, moving as these do after a step of `dt` (s), or at rest where
+    /// blocks are held, without one. Their acceleration is that of the step; none before the first, and none of
+    /// free blocks, as it follows from the very forces that are to be found.
     pub fn place_at_end(&mut self, blocks: &Blocks, dt: Option<f64>) {
         for part in &self.moving {
             let b = part.block as usize;
@@ -241,7 +241,8 @@ impl IntegralWalls {
             self.motions[b] = match dt {
                 None => at_rest,
                 Some(dt) => {
-                    let rate = if blocks.is_free(b) { 0.0 } else { 1.0 / dt };
+                    let is_known = 0.0 < dt && !blocks.is_free(b);
+                    let rate = if is_known { 1.0 / dt } else { 0.0 };
                     BodyMotion {
                         velocity: end.velocity,
                         spin: end.spin,

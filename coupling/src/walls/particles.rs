@@ -117,8 +117,8 @@ impl ParticleWalls {
         });
     }
 
-    /// Places the moving points where the blocks are. The wall's own acceleration is that of the step of
-    /// `dt` just taken; none without one, or where blocks are held.
+    /// Places the moving points where the blocks are, at rest where blocks are held: without a step. The
+    /// wall's own acceleration is that of the step of `dt` (s) just taken; none before the first.
     pub fn place_at_end(&mut self, blocks: &Blocks, dt: Option<f64>) {
         if self.block.is_empty() {
             return;
@@ -132,7 +132,7 @@ impl ParticleWalls {
             };
             let v = blocks.velocity_at(b, &x);
             // a free block's acceleration follows from the very forces that are to be found
-            let a = if blocks.is_free(b) {
+            let a = if blocks.is_free(b) || dt == 0.0 {
                 Vec3::zeros()
             } else {
                 (v - start[w][1]) / dt
