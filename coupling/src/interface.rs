@@ -18,8 +18,12 @@ use riprap_dda::{Blocks, Load, Motion};
 use riprap_sph::fluid::ParticleForce;
 use riprap_sph::{CellGrid, Fluid, Vec3};
 
+use crate::part_table::PartTable;
+
 /// Particles per parallel task; a constant, so that results do not depend on threads.
 const CHUNK: usize = 1024;
+/// Distance off the surface, in spacings, at which the spring starts: where the first row of a lattice is.
+pub const STANDOFF: f64 = 0.5;
 /// Damping ratio from which `K_D` follows when it is not given.
 pub const DAMPING_RATIO: f64 = 0.5;
 /// Depth inside a solid, in spacings, from which on a particle is put back.
@@ -36,13 +40,8 @@ pub struct WallSettings {
     pub damping: f64,
     /// Particle spacing `dp`; m.
     pub particle_spacing: f64,
-}
-
-impl WallSettings {
     /// Distance at which the spring starts; m.
-    pub fn standoff(&self) -> f64 {
-        0.5 * self.particle_spacing
-    }
+    pub standoff: f64,
 }
 
 /// A particle within the standoff of a body.
@@ -98,21 +97,13 @@ pub struct Interface {
     compliance: Vec<f64>,
 }
 
-/// Which parts of blocks are near each cell: packed lists.
-#[derive(Clone, Debug, Default)]
-struct PartTable {
-    starts: Vec<u32>,
-    parts: Vec<u32>,
-    pairs: Vec<(u32, u32)>,
-}
-
 impl Interface {
     /// Walls for the blocks at their present places.
     pub fn new(settings: WallSettings, blocks: &Blocks, grid: &CellGrid) -> Self {
         let mut fixed = PartTable::default();
         let standing = (0..blocks.n_parts())
             .filter(|&part| matches!(blocks.motion(blocks.block_of_part(part)), Motion::Fixed));
-        fixed.rebuild(standing, blocks, grid, settings.standoff());
+        rebuild(&mut fixed, standing, (blocks, grid), settings.standoff);
         let periodic = grid.periodic();
         let n_periodic = periodic.iter().filter(|&&p| p).count();
         Self {
@@ -159,8 +150,8 @@ impl Interface {
             let block = blocks.block_of_part(part);
             !matches!(blocks.motion(block), Motion::Fixed) && !blocks.is_removed(block)
         });
-        let standoff = self.settings.standoff();
-        self.moving.rebuild(moving, blocks, fluid.grid(), standoff);
+        let standoff = self.settings.standoff;
+        rebuild(&mut self.moving, moving, (blocks, fluid.grid()), standoff);
         let positions = &fluid.particles().position;
         self.chunks
             .resize_with(positions.len().div_ceil(CHUNK), Vec::new);
@@ -219,7 +210,7 @@ impl Interface {
         let WallSettings {
             stiffness, damping, ..
         } = self.settings;
-        let standoff = self.settings.standoff();
+        let standoff = self.settings.standoff;
         self.loads.fill(Load::default());
         self.compliance.fill(0.0);
         for touch in &mut self.touches {
@@ -265,7 +256,7 @@ impl Interface {
 
     /// Energy in the penalty springs; J.
     pub fn elastic_energy(&self) -> f64 {
-        let standoff = self.settings.standoff();
+        let standoff = self.settings.standoff;
         let squares: f64 = self
             .touches
             .iter()
@@ -293,6 +284,24 @@ impl Interface {
         let ratio = damping / (2.0 * (stiffness * particle_mass).sqrt());
         0.8 * 2.0 / omega * ((1.0 + ratio * ratio).sqrt() - ratio)
     }
+}
+
+/// Lists the parts of blocks near each cell.
+fn rebuild(
+    table: &mut PartTable,
+    parts: impl Iterator<Item = usize>,
+    (blocks, grid): (&Blocks, &CellGrid),
+    reach: f64,
+) {
+    table.rebuild(
+        parts.map(|part| (part as u32, blocks.part_aabb(part))),
+        grid,
+        reach,
+        |part, x, cutoff| {
+            let surface = blocks.surface_point_within(part as usize, x, cutoff);
+            surface.is_some()
+        },
+    );
 }
 
 /// Adds the touch of a particle and a part, or replaces that of another part of the same block if
@@ -325,62 +334,5 @@ fn add_nearest(
         None => touches.push(touch),
         Some(other) if surface.distance < other.distance => *other = touch,
         Some(_) => {}
-    }
-}
-
-impl PartTable {
-    /// Parts near a cell, in order.
-    fn near(&self, cell: usize) -> &[u32] {
-        match self.starts.get(cell..cell + 2) {
-            Some(range) => &self.parts[range[0] as usize..range[1] as usize],
-            None => &[],
-        }
-    }
-
-    fn rebuild(
-        &mut self,
-        parts: impl Iterator<Item = usize>,
-        blocks: &Blocks,
-        grid: &CellGrid,
-        reach: f64,
-    ) {
-        self.pairs.clear();
-        let half_diagonal = 0.5 * grid.cell_size().norm();
-        for part in parts {
-            let (min, max) = blocks.part_aabb(part);
-            let first = grid.coordinates_of(&min.add_scalar(-reach));
-            let last = grid.coordinates_of(&max.add_scalar(reach));
-            for k in first[2]..=last[2] {
-                for j in first[1]..=last[1] {
-                    for i in first[0]..=last[0] {
-                        // a box far along an axis clamps to the outermost cells; the distance test
-                        // drops those, and the empty corners of a slanted body's box
-                        let center = grid.cell_center([i, j, k]);
-                        let near =
-                            blocks.surface_point_within(part, &center, reach + half_diagonal);
-                        if near.is_some() {
-                            self.pairs
-                                .push((grid.cell_at([i, j, k]) as u32, part as u32));
-                        }
-                    }
-                }
-            }
-        }
-        if self.pairs.is_empty() {
-            self.starts.clear();
-            self.parts.clear();
-            return;
-        }
-        self.pairs.sort_unstable();
-        self.starts.clear();
-        self.starts.resize(grid.n_cells() + 1, 0);
-        for &(cell, _) in &self.pairs {
-            self.starts[cell as usize + 1] += 1;
-        }
-        for cell in 1..self.starts.len() {
-            self.starts[cell] += self.starts[cell - 1];
-        }
-        self.parts.clear();
-        self.parts.extend(self.pairs.iter().map(|&(_, part)| part));
     }
 }

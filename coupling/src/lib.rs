@@ -26,6 +26,7 @@ pub mod ledger;
 pub mod observe;
 pub mod openings;
 pub mod overview;
+mod part_table;
 pub mod render;
 pub mod run;
 pub mod scene;

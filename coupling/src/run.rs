@@ -18,7 +18,7 @@ use crate::scene::file::WallMethodFile;
 use crate::scene::resolve::{Scene, vec3};
 use crate::summary::{Summary, TimeByPhase, peak_memory};
 use crate::time_step::{CAUSES, Cause};
-use crate::walls::ParticleWalls;
+use crate::walls::Walls;
 use crate::world::{StepError, WaterAtStart, World};
 
 /// Damping rate of settling times its duration: what moves at first is damped by `e⁻²⁰` at the end.
@@ -99,8 +99,21 @@ pub fn build(scene: &Scene) -> Result<World, RunError> {
             if !water.rheologies.is_empty() {
                 fluid.set_rheologies(water.rheologies.clone(), &water.kinds)?;
             }
-            let walls = (water.wall_method == WallMethodFile::Particles)
-                .then(|| ParticleWalls::new(&scene.blocks, &blocks, &fluid, water.slip));
+            let walls = match water.wall_method {
+                WallMethodFile::Penalty => None,
+                WallMethodFile::Particles => Some(Walls::of_particles(
+                    &scene.blocks,
+                    &blocks,
+                    &fluid,
+                    water.slip,
+                )),
+                WallMethodFile::Integral => Some(Walls::of_integrals(
+                    &scene.blocks,
+                    &blocks,
+                    &fluid,
+                    water.slip,
+                )),
+            };
             Some(WaterAtStart {
                 fluid,
                 penalty: water.walls,
@@ -376,7 +389,7 @@ impl<'a> Run<'a> {
                 .water
                 .as_ref()
                 .and_then(|w| w.walls.as_ref())
-                .map_or(0, ParticleWalls::n_points),
+                .map_or(0, Walls::n_points),
             free_blocks: count(&|b| blocks.is_free(b)),
             fixed_blocks: count(&|b| world.is_fixed(b)),
             prescribed_blocks: count(&|b| matches!(blocks.motion(b), Motion::Prescribed(_))),

@@ -10,7 +10,7 @@ use crate::ledger::Ledger;
 use crate::openings::Openings;
 use crate::scene::file::Leaving;
 use crate::time_step::{Cause, Limits, TimeStep};
-use crate::walls::ParticleWalls;
+use crate::walls::Walls;
 
 /// Everything that changes during a run. Only [`World::step`] and [`World::settle_step`] change it.
 #[derive(Debug)]
@@ -38,10 +38,10 @@ pub struct World {
 pub struct Water {
     /// Particles.
     pub fluid: Fluid,
-    /// Penalty walls; where others hold the fluid, without stiffness: only what keeps particles out of solids.
+    /// Penalty walls; where others hold the fluid, only what keeps particles out of solids.
     pub interface: Interface,
-    /// Walls of particles.
-    pub walls: Option<ParticleWalls>,
+    /// Walls of particles or integrals.
+    pub walls: Option<Walls>,
     /// Inflows and outflows.
     pub openings: Openings,
     /// Layers that damp waves.
@@ -55,8 +55,8 @@ pub struct WaterAtStart {
     pub fluid: Fluid,
     /// Numbers of penalty walls, or of what only keeps particles out of solids.
     pub penalty: WallSettings,
-    /// Walls of particles.
-    pub walls: Option<ParticleWalls>,
+    /// Walls of particles or integrals.
+    pub walls: Option<Walls>,
     /// Inflows and outflows.
     pub openings: Openings,
     /// Layers that damp waves.
@@ -548,8 +548,7 @@ impl World {
             water.interface.find(&water.fluid, &self.blocks);
         }
         if let Some(walls) = &mut water.walls {
-            let moved = (!held && 0.0 < dt).then_some(dt);
-            walls.place_at_end(&self.blocks, moved);
+            walls.place_at_end(&self.blocks, (!held).then_some(dt));
             walls.find(&water.fluid);
         }
         self.phases.coupling += watch.lap();

@@ -179,6 +179,10 @@ pub(crate) fn describe(scene: &Scene, folder: &Path) -> String {
                     WallMethodFile::Particles => {
                         "particles inside, pressure continued from the fluid".to_owned()
                     }
+                    WallMethodFile::Integral => format!(
+                        "kernel integrals over polyhedra; a stop of {:.3e} N/m within {:.3e} m of the surface",
+                        fluid.walls.stiffness, fluid.walls.standoff
+                    ),
                 },
             );
         }

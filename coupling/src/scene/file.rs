@@ -882,6 +882,9 @@ pub enum WallMethodFile {
     Penalty,
     /// Particles inside the walls, with pressures continued from the fluid.
     Particles,
+    /// Exact integrals of the kernel over polyhedra: no wall particles, for large faces and thin bodies. Wants
+    /// Wendland's kernel, density from continuity, three dimensions and no periodic direction.
+    Integral,
 }
 
 /// What the fluid does along a wall.

@@ -10,6 +10,8 @@ use riprap_sph::{
     Rheology, Scheme, Settings, StateEquation, Vec3,
 };
 
+use riprap_dda::Shape;
+
 use super::error::Problem;
 use super::file::{
     Axis, DensityDiffusionFile, DensityFile, DimensionsFile, FluidFile, KernelFile,
@@ -19,8 +21,9 @@ use super::file::{
 };
 use super::fill::Lattice;
 use super::resolve::{FluidScene, vec3};
-use crate::interface::{DAMPING_RATIO, WallSettings};
+use crate::interface::{DAMPING_RATIO, STANDOFF, WallSettings};
 use crate::openings::{Drive, Inflow, Openings, Outflow, Passage, Series};
+use crate::walls::integral::CLOSEST;
 
 /// Sound speed over the fastest expected flow: density then varies by about 1 %.
 const SOUND_SPEED_RATIO: f64 = 10.0;
@@ -156,7 +159,18 @@ pub(super) fn resolve(
             stiffness: 0.0,
             damping: 0.0,
             particle_spacing: spacing,
+            standoff: STANDOFF * spacing,
         },
+        WallMethodFile::Integral => {
+            refuse_integrals(file, &scheme, problems);
+            let stiffness = mass * (sound_speed / spacing).powi(2);
+            WallSettings {
+                stiffness,
+                damping: 2.0 * DAMPING_RATIO * (stiffness * mass).sqrt(),
+                particle_spacing: spacing,
+                standoff: CLOSEST * spacing,
+            }
+        }
         WallMethodFile::Penalty => {
             let least = expected_speed.max((gravity.norm() * lattice.depth).sqrt());
             let stiffness = *file.interface.penalty_stiffness.get_or_insert(
@@ -171,6 +185,7 @@ pub(super) fn resolve(
                 stiffness,
                 damping,
                 particle_spacing: spacing,
+                standoff: STANDOFF * spacing,
             }
         }
     };
@@ -467,6 +482,68 @@ fn openings(
         ));
     }
     Openings::new(inflows, outflows)
+}
+
+/// What walls of integrals cannot do yet.
+fn refuse_integrals(file: &SceneFile, scheme: &Scheme, problems: &mut Vec<Problem>) {
+    let mut refuse = |found: &str| {
+        problems.push(Problem::error(
+            "interface.walls",
+            format!("Integral {found}; use Particles"),
+        ));
+    };
+    if scheme.kernel != KernelChoice::WendlandC2 {
+        refuse("is known for the kernel WendlandC2 only");
+    }
+    if scheme.density != DensityMethod::Continuity {
+        refuse("wants `numerics.density` Continuity");
+    }
+    if file.domain.dimensions == DimensionsFile::Two {
+        refuse("is known in three dimensions only");
+    }
+    if !file.domain.periodic.is_empty() {
+        refuse("does not see blocks across a periodic side");
+    }
+}
+
+/// Refuses shapes that walls other than penalty springs cannot be made of: water would run through them.
+pub(super) fn refuse_shapes(
+    file: &SceneFile,
+    solids: &[(String, Shape)],
+    method: WallMethodFile,
+    problems: &mut Vec<Problem>,
+) {
+    if method == WallMethodFile::Penalty {
+        return;
+    }
+    let hollow = |shape: &Shape| matches!(shape, Shape::Sphere { .. } | Shape::Surface(_));
+    let mut found = solids
+        .iter()
+        .enumerate()
+        .filter(|(_, (_, shape))| hollow(shape));
+    let Some((index, (name, shape))) = found.next() else {
+        return;
+    };
+    let what = match shape {
+        Shape::Sphere { .. } => "a ball",
+        _ => "a surface of triangles",
+    };
+    let others = match found.count() {
+        0 => String::new(),
+        n => format!(" and {n} more like it"),
+    };
+    // grains are blocks past the end of the list of the text
+    let path = match file.blocks.get(index) {
+        Some(_) => format!("blocks[{index}].shape"),
+        None => "interface.walls".to_owned(),
+    };
+    problems.push(Problem::error(
+        path,
+        format!(
+            "block `{name}`{others}: {what} has no walls of {method:?}, and water would run through it; set \
+             interface.walls to Penalty, or use a polyhedron"
+        ),
+    ));
 }
 
 /// Pressures of water at rest below the level of each region, compressed by its own weight.

@@ -123,6 +123,9 @@ impl Scene {
         resolve_stiffness(&mut file, &solids, &motions, speed);
         let fluid =
             lattice.map(|lattice| super::fluid::resolve(&mut file, lattice, speed, &mut problems));
+        if let Some(fluid) = &fluid {
+            super::fluid::refuse_shapes(&file, &solids, fluid.wall_method, &mut problems);
+        }
         if problems.iter().any(|p| p.severity == Severity::Error) {
             return Err(problems);
         }

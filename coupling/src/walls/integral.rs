@@ -1,0 +1,506 @@
+//! Walls of exact kernel integrals over the blocks' polyhedra.
+//!
+//! A particle sees of a solid `λ = ∫ W dV`, `∇λ = ∫ ∇W dV` and `Q = ∫ (y − x) ⊗ ∇W dV`, corrected for
+//! rows of particles; the wall's pressure is that of the particle, continued along gravity less the
+//! wall's acceleration:
+//!
+//! ```text
+//! dρ_a/dt += ρ_a (v_a − v_w)·∇λ                                                 [kg/(m³ s)]
+//! F_a = −V_a [ (p_a + max(p_a, 0)) ∇λ + ρ_a Qᵀ (g − a_w) ]                               [N]
+//! no slip   F_a += m_a ν 2 (v_a − v_w)_t φ(d) λ/λ_plane(d)      φ of `viscous_factor`
+//! approach  F_a += V_a² ρ_0 α c_0 h (v_ab·x_ab)/(r² + 0.01 h²) ∇W      mirror particle at r = 2d
+//! ```
+//!
+//! The second force is that of a wall that moves as `2 v_w − v_a`, by the share that the solid has of a
+//! plane's. The last one, on particles that approach only, takes the noise of particles that jump
+//! against a wall that has no particles to meet. Each force is felt by the block in reverse, at the
+//! particle: a sum of central forces has the same moment there as inside the wall.
+//!
+//! Integrals add up over solids that do not overlap. Fixed solids are cut so that they do not; a block
+//! that moves into another solid counts twice where they overlap. Blocks that deform are taken in the
+//! shape that they had at the start.
+
+use nalgebra::UnitQuaternion;
+use rayon::prelude::*;
+use riprap_dda::{BlockDefinition, Blocks, Load};
+use riprap_sph::boundary::integral::{LayerTable, WallIntegral, integrate, viscous_factor};
+use riprap_sph::boundary::wall_integrals::WallForce;
+use riprap_sph::boundary::wall_particles::Slip;
+use riprap_sph::kernel::{Kernel, PointKernel};
+use riprap_sph::scheme::{ALPHA, Viscosity};
+use riprap_sph::{Fluid, Vec3};
+
+use super::cutting::disjoint;
+use super::{Part, is_fixed, parts};
+use crate::part_table::PartTable;
+
+/// Distance off a surface, in spacings, below which a particle sees the wall as from there: nearer the
+/// integrals hardly grow, so that a spring has to stop it.
+pub const CLOSEST: f64 = 0.05;
+/// Particles per parallel task; a constant, so that results do not depend on threads.
+const CHUNK: usize = 256;
+/// Stands for all fixed solids, which are one body to the fluid.
+const FIXED: u32 = u32::MAX;
+
+/// The walls of all blocks.
+#[derive(Clone, Debug)]
+pub struct IntegralWalls {
+    support_radius: f64,
+    particle_spacing: f64,
+    layers: LayerTable,
+    slip: Slip,
+    fixed: Vec<Part>,
+    near_fixed: PartTable,
+    /// Solids of the blocks that move.
+    moving: Vec<MovingPart>,
+    near_moving: PartTable,
+    /// Where each block was at the start of the step.
+    start: Vec<Place>,
+    /// How each block moves now.
+    motions: Vec<BodyMotion>,
+    chunks: Vec<Vec<Sight>>,
+    sights: Vec<Sight>,
+    forces: Vec<WallForce>,
+    loads: Vec<Load>,
+    force_on_fluid: Vec3,
+    power: f64,
+}
+
+/// A solid of a block that moves.
+#[derive(Clone, Debug)]
+struct MovingPart {
+    block: u32,
+    /// In the frame of the block; m.
+    local: Part,
+    /// Where it is; no faces if its block was removed; m.
+    placed: Part,
+}
+
+/// Place and motion of a block.
+#[derive(Clone, Copy, Debug, Default)]
+struct Place {
+    /// m.
+    center: Vec3,
+    turn: UnitQuaternion<f64>,
+    /// m/s.
+    velocity: Vec3,
+    /// rad/s.
+    spin: Vec3,
+}
+
+impl Place {
+    fn of(blocks: &Blocks, block: usize) -> Self {
+        Self {
+            center: blocks.centroid(block),
+            turn: blocks.orientation(block),
+            velocity: blocks.velocity(block),
+            spin: blocks.angular_velocity(block),
+        }
+    }
+}
+
+/// Velocities and accelerations of a rigid body.
+#[derive(Clone, Copy, Debug, Default)]
+struct BodyMotion {
+    /// m.
+    center: Vec3,
+    /// m/s.
+    velocity: Vec3,
+    /// rad/s.
+    spin: Vec3,
+    /// m/s².
+    acceleration: Vec3,
+    /// rad/s².
+    spin_rate: Vec3,
+}
+
+impl BodyMotion {
+    fn velocity_at(&self, x: &Vec3) -> Vec3 {
+        self.velocity + self.spin.cross(&(x - self.center))
+    }
+
+    fn acceleration_at(&self, x: &Vec3) -> Vec3 {
+        let arm = x - self.center;
+        self.acceleration + self.spin_rate.cross(&arm) + self.spin.cross(&self.spin.cross(&arm))
+    }
+}
+
+/// What a particle sees of a body.
+#[derive(Clone, Copy, Debug)]
+struct Sight {
+    particle: u32,
+    /// Number of a block that moves, or [`FIXED`].
+    body: u32,
+    integral: WallIntegral,
+    /// From the nearest plane; m.
+    distance: f64,
+}
+
+impl IntegralWalls {
+    /// Walls for the fluid at the blocks' present places.
+    pub fn new(
+        definitions: &[BlockDefinition],
+        blocks: &Blocks,
+        fluid: &Fluid,
+        slip: Slip,
+    ) -> Self {
+        let support_radius = fluid.settings().support_radius();
+        let particle_spacing = fluid.particle_volume().cbrt();
+        let (mut standing, mut moving) = (Vec::new(), Vec::new());
+        for (b, definition) in definitions.iter().enumerate() {
+            let parts = parts(&definition.shape);
+            if is_fixed(blocks, b) {
+                standing.extend(parts);
+                continue;
+            }
+            let turned_back = blocks.orientation(b).inverse();
+            let center = blocks.centroid(b);
+            moving.extend(parts.into_iter().map(|placed| MovingPart {
+                block: b as u32,
+                local: placed.moved(&turned_back, &-(turned_back * center)),
+                placed,
+            }));
+        }
+        let fixed = disjoint(standing);
+        let mut near_fixed = PartTable::default();
+        list_near(&mut near_fixed, fixed.iter(), fluid, support_radius);
+        let n_blocks = definitions.len();
+        Self {
+            support_radius,
+            particle_spacing,
+            layers: LayerTable::new(particle_spacing, support_radius),
+            slip,
+            fixed,
+            near_fixed,
+            moving,
+            near_moving: PartTable::default(),
+            start: (0..n_blocks).map(|b| Place::of(blocks, b)).collect(),
+            motions: vec![BodyMotion::default(); n_blocks],
+            chunks: Vec::new(),
+            sights: Vec::new(),
+            forces: Vec::new(),
+            loads: vec![Load::default(); n_blocks],
+            force_on_fluid: Vec3::zeros(),
+            power: 0.0,
+        }
+    }
+
+    /// Force and moment of the fluid on every block that moves; N, N m about the centroid.
+    pub fn loads(&self) -> &[Load] {
+        &self.loads
+    }
+
+    /// Force of all walls on the fluid; N.
+    pub fn force_on_fluid(&self) -> Vec3 {
+        self.force_on_fluid
+    }
+
+    /// Power that blocks which are not free give to the fluid; W.
+    pub fn power(&self) -> f64 {
+        self.power
+    }
+
+    /// Remembers where the blocks are: before they move.
+    pub fn note_start(&mut self, blocks: &Blocks) {
+        for (block, start) in self.start.iter_mut().enumerate() {
+            *start = Place::of(blocks, block);
+        }
+    }
+
+    /// Places the solids half way through the step of `dt` (s) that the blocks have just taken; they move
+    /// so as to get from its start to its end.
+    pub fn place_half_way(&mut self, blocks: &Blocks, dt: f64) {
+        let mut middle = self.start.clone();
+        for part in &self.moving {
+            let b = part.block as usize;
+            let (start, end) = (&self.start[b], Place::of(blocks, b));
+            let turning = (end.turn * start.turn.inverse()).scaled_axis();
+            middle[b].center = (start.center + end.center) * 0.5;
+            middle[b].turn = UnitQuaternion::from_scaled_axis(turning * 0.5) * start.turn;
+            self.motions[b] = BodyMotion {
+                center: middle[b].center,
+                velocity: (end.center - start.center) / dt,
+                spin: turning / dt,
+                ..BodyMotion::default()
+            };
+        }
+        self.place(blocks, |b| middle[b]);
+    }
+
+    /// Places the solids where the blocks are, moving as these do after a step of `dt` (s), or at rest where
+    /// blocks are held, without one. Their acceleration is that of the step; none before the first, and none of
+    /// free blocks, as it follows from the very forces that are to be found.
+    pub fn place_at_end(&mut self, blocks: &Blocks, dt: Option<f64>) {
+        for part in &self.moving {
+            let b = part.block as usize;
+            let (start, end) = (&self.start[b], Place::of(blocks, b));
+            let at_rest = BodyMotion {
+                center: end.center,
+                ..BodyMotion::default()
+            };
+            self.motions[b] = match dt {
+                None => at_rest,
+                Some(dt) => {
+                    let is_known = 0.0 < dt && !blocks.is_free(b);
+                    let rate = if is_known { 1.0 / dt } else { 0.0 };
+                    BodyMotion {
+                        velocity: end.velocity,
+                        spin: end.spin,
+                        acceleration: (end.velocity - start.velocity) * rate,
+                        spin_rate: (end.spin - start.spin) * rate,
+                        ..at_rest
+                    }
+                }
+            };
+        }
+        self.place(blocks, |b| Place::of(blocks, b));
+    }
+
+    fn place(&mut self, blocks: &Blocks, place: impl Fn(usize) -> Place) {
+        for part in &mut self.moving {
+            let b = part.block as usize;
+            part.placed = if blocks.is_removed(b) {
+                Part::default()
+            } else {
+                let at = place(b);
+                part.local.moved(&at.turn, &at.center)
+            };
+        }
+    }
+
+    /// Finds what the particles see of the solids; after each sort of the fluid and placing.
+    pub fn find(&mut self, fluid: &Fluid) {
+        let reach = self.support_radius;
+        let placed = self.moving.iter().map(|part| &part.placed);
+        list_near(&mut self.near_moving, placed, fluid, reach);
+        let positions = &fluid.particles().position;
+        let mut chunks = std::mem::take(&mut self.chunks);
+        chunks.resize_with(positions.len().div_ceil(CHUNK), Vec::new);
+        chunks
+            .par_iter_mut()
+            .zip(positions.par_chunks(CHUNK))
+            .enumerate()
+            .for_each(|(chunk, (sights, positions))| {
+                sights.clear();
+                for (a, x) in positions.iter().enumerate() {
+                    let cell = fluid.grid().cell_of(x);
+                    let (first, particle) = (sights.len(), (chunk * CHUNK + a) as u32);
+                    for &part in self.near_fixed.near(cell) {
+                        let seen = self.seen(&self.fixed[part as usize], x);
+                        add(sights, first, (particle, FIXED), seen);
+                    }
+                    for &part in self.near_moving.near(cell) {
+                        let part = &self.moving[part as usize];
+                        let seen = self.seen(&part.placed, x);
+                        add(sights, first, (particle, part.block), seen);
+                    }
+                }
+            });
+        self.sights.clear();
+        for chunk in &chunks {
+            self.sights.extend_from_slice(chunk);
+        }
+        self.chunks = chunks;
+    }
+
+    /// What a point sees of a solid, and its distance from the nearest plane; m.
+    fn seen(&self, part: &Part, x: &Vec3) -> Option<(WallIntegral, f64)> {
+        let (normal, distance) = part.nearest_plane(x)?;
+        if self.support_radius <= distance {
+            return None;
+        }
+        let closest = CLOSEST * self.particle_spacing;
+        let from = x + normal * (closest - distance).max(0.0);
+        let layers = Some(&self.layers);
+        let integral = integrate(&part.faces(), &from, self.support_radius, layers);
+        Some((integral, distance.max(closest)))
+    }
+
+    fn motion(&self, body: u32) -> BodyMotion {
+        // fixed solids are past the end of the list
+        let motion = self.motions.get(body as usize);
+        motion.copied().unwrap_or_default()
+    }
+
+    /// Adds the walls' part to the rates of density.
+    pub fn add_rates(&mut self, fluid: &mut Fluid) {
+        let rates: Vec<(u32, f64)> = {
+            let particles = fluid.particles();
+            let rate = |sight: &Sight| {
+                let a = sight.particle as usize;
+                let wall = self.motion(sight.body).velocity_at(&particles.position[a]);
+                // of a rigid spin Q makes nothing: it is symmetric
+                let flow = (particles.velocity[a] - wall).dot(&sight.integral.gradient);
+                (sight.particle, particles.density[a] * flow)
+            };
+            self.sights.iter().map(rate).collect()
+        };
+        fluid.add_density_rates(rates.into_iter());
+    }
+
+    /// Adds the walls' part to the spread of the particles.
+    pub fn add_spreads(&mut self, fluid: &mut Fluid) {
+        let seen = self.sights.iter().map(|s| (s.particle, &s.integral));
+        fluid.add_wall_spreads(seen);
+    }
+
+    /// Adds the walls' forces to the accelerations, and sums what the blocks that move get back.
+    pub fn add_forces(&mut self, fluid: &mut Fluid, blocks: &Blocks) {
+        self.loads.fill(Load::default());
+        self.power = 0.0;
+        self.force_on_fluid = Vec3::zeros();
+        let mut forces = std::mem::take(&mut self.forces);
+        forces.clear();
+        forces.extend(self.sights.iter().map(|sight| self.force(sight, fluid)));
+        for (sight, wall) in self.sights.iter().zip(&forces) {
+            self.force_on_fluid += wall.force;
+            if sight.body == FIXED {
+                continue;
+            }
+            let b = sight.body as usize;
+            let x = fluid.particles().position[wall.particle as usize];
+            let load = &mut self.loads[b];
+            load.force -= wall.force;
+            load.torque -= (x - blocks.centroid(b)).cross(&wall.force);
+            if !blocks.is_free(b) {
+                self.power += wall.force.dot(&self.motions[b].velocity_at(&x));
+            }
+        }
+        fluid.add_wall_forces(forces.iter().copied());
+        self.forces = forces;
+    }
+
+    fn force(&self, sight: &Sight, fluid: &Fluid) -> WallForce {
+        let (particles, settings) = (fluid.particles(), fluid.settings());
+        let a = sight.particle as usize;
+        let (x, rho, p) = (
+            &particles.position[a],
+            particles.density[a],
+            particles.pressure[a],
+        );
+        let volume = particles.mass[a] / rho;
+        let motion = self.motion(sight.body);
+        let integral = &sight.integral;
+        let pull = settings.gravity - motion.acceleration_at(x);
+        // a wall does not pull
+        let joint = p + p.max(0.0);
+        let pressure = (integral.gradient * joint + integral.moment.tr_mul(&pull) * rho) * -volume;
+        let jump = particles.velocity[a] - motion.velocity_at(x);
+        let viscous = match integral.gradient.try_normalize(0.0) {
+            None => Vec3::zeros(),
+            Some(inwards) => {
+                let approach = jump.dot(&inwards);
+                let mut force = inwards * -self.damping(approach, sight.distance, volume, fluid);
+                if self.slip == Slip::None {
+                    let share = integral.lambda / plane_share(sight.distance / self.support_radius);
+                    let factor = 2.0
+                        * settings.kinematic_viscosity()
+                        * viscous_factor(sight.distance, self.support_radius)
+                        * share;
+                    force += (jump - inwards * approach) * (particles.mass[a] * factor);
+                }
+                force
+            }
+        };
+        WallForce {
+            particle: sight.particle,
+            force: pressure + viscous,
+            viscous,
+        }
+    }
+
+    /// Artificial viscosity, with its mirror image as the only neighbour, of a particle that approaches a
+    /// wall at a speed (m/s) from a distance (m); N.
+    fn damping(&self, approach: f64, distance: f64, volume: f64, fluid: &Fluid) -> f64 {
+        if approach <= 0.0 {
+            return 0.0;
+        }
+        let settings = fluid.settings();
+        let h = settings.smoothing_length;
+        let alpha = match settings.scheme.viscosity {
+            Viscosity::Artificial { alpha } => alpha,
+            _ => ALPHA,
+        };
+        let kernel = PointKernel::new(
+            settings.scheme.kernel,
+            self.support_radius,
+            settings.dimensions,
+        );
+        let r = 2.0 * distance;
+        let slope = -r * kernel.gradient_factor(r);
+        let strength = settings.reference_density * alpha * settings.sound_speed * h;
+        volume * volume * strength * (2.0 * approach * r) / (r * r + 0.01 * h * h) * slope
+    }
+}
+
+impl Part {
+    /// Turned about the origin, then shifted (m).
+    fn moved(&self, turn: &UnitQuaternion<f64>, shift: &Vec3) -> Self {
+        let corner = |x: &Vec3| turn * x + shift;
+        Self {
+            faces: self
+                .faces
+                .iter()
+                .map(|(normal, corners)| (turn * normal, corners.iter().map(corner).collect()))
+                .collect(),
+        }
+    }
+}
+
+/// Adds what a particle sees of a part to what it sees of other parts of the same body.
+fn add(
+    sights: &mut Vec<Sight>,
+    first: usize,
+    (particle, body): (u32, u32),
+    seen: Option<(WallIntegral, f64)>,
+) {
+    let Some((integral, distance)) = seen else {
+        return;
+    };
+    match sights[first..].iter_mut().find(|other| other.body == body) {
+        None => sights.push(Sight {
+            particle,
+            body,
+            integral,
+            distance,
+        }),
+        Some(other) => {
+            other.integral.lambda += integral.lambda;
+            other.integral.gradient += integral.gradient;
+            other.integral.moment += integral.moment;
+            other.distance = other.distance.min(distance);
+        }
+    }
+}
+
+/// Lists the solids near each cell of the fluid's grid.
+fn list_near<'a>(
+    table: &mut PartTable,
+    solids: impl Iterator<Item = &'a Part>,
+    fluid: &Fluid,
+    reach: f64,
+) {
+    let solids: Vec<&Part> = solids.collect();
+    table.rebuild(
+        solids
+            .iter()
+            .enumerate()
+            .filter(|(_, part)| !part.faces.is_empty())
+            .map(|(k, part)| (k as u32, part.aabb())),
+        fluid.grid(),
+        reach,
+        |k, x, cutoff| {
+            let nearest = solids[k as usize].nearest_plane(x);
+            nearest.is_some_and(|(_, distance)| distance < cutoff)
+        },
+    );
+}
+
+/// Share of the kernel that is behind a plane at a distance `u` in units of the support radius, below 1.
+///
+/// ```text
+/// λ_plane = (1−u)⁶ (3u²+3u+1)/2
+/// ```
+fn plane_share(u: f64) -> f64 {
+    0.5 * (1.0 - u).powi(6) * (1.0 + u * (3.0 + 3.0 * u))
+}

@@ -1,0 +1,359 @@
+//! Walls of particles on blocks: sampled once in each block's frame, carried along with it.
+//!
+//! Points of fixed blocks are one set that never changes; those of blocks that move are another, placed twice
+//! a step: half way, where the density is advanced, and at its end. In between a point moves on a straight
+//! line at constant speed, so that what a wall sweeps is what its points sweep.
+
+use riprap_dda::{BlockDefinition, Blocks, Load};
+use riprap_sph::boundary::integral::Face;
+use riprap_sph::boundary::sampling::{
+    Region, UnionLattice, WallSample, sample_convex, sample_union,
+};
+use riprap_sph::boundary::wall_particles::{Slip, WallParticles};
+use riprap_sph::{Dimensions, Fluid, Vec3};
+
+use super::{Part, is_fixed, parts};
+
+/// The walls of all blocks.
+#[derive(Clone, Debug)]
+pub struct ParticleWalls {
+    fixed: WallParticles,
+    /// Block of each fixed point.
+    fixed_block: Vec<u32>,
+    moving: WallParticles,
+    /// Block of each moving point.
+    block: Vec<u32>,
+    /// Place of each moving point in the frame of its block; m.
+    local: Vec<Vec3>,
+    /// Place and velocity of each moving point at the start of the step; m, m/s.
+    start: Vec<[Vec3; 2]>,
+    loads: Vec<Load>,
+    /// Force of all walls on the fluid; N.
+    force_on_fluid: Vec3,
+    /// Power that blocks which are not free give to the fluid; W.
+    power: f64,
+}
+
+/// A point of a moving block.
+fn world(blocks: &Blocks, block: usize, local: &Vec3) -> Vec3 {
+    blocks.centroid(block) + blocks.orientation(block) * local
+}
+
+impl ParticleWalls {
+    /// Walls for the fluid at the blocks' present places.
+    pub fn new(
+        definitions: &[BlockDefinition],
+        blocks: &Blocks,
+        fluid: &Fluid,
+        slip: Slip,
+    ) -> Self {
+        let sampler = Sampler::new(fluid);
+        let (owners, standing): (Vec<usize>, Vec<Part>) = (0..definitions.len())
+            .filter(|&b| is_fixed(blocks, b))
+            .flat_map(|b| {
+                parts(&definitions[b].shape)
+                    .into_iter()
+                    .map(move |part| (b, part))
+            })
+            .unzip();
+        let (of_part, samples): (Vec<usize>, Vec<WallSample>) =
+            sampler.union(&standing).into_iter().unzip();
+        let mut fixed = WallParticles::new(fluid, samples.iter().map(|s| s.volume).collect(), slip);
+        fixed.place(|w| [samples[w].position, Vec3::zeros(), Vec3::zeros()]);
+        let (mut block, mut local, mut volumes) = (Vec::new(), Vec::new(), Vec::new());
+        for b in (0..definitions.len()).filter(|&b| !is_fixed(blocks, b)) {
+            let turned_back = blocks.orientation(b).inverse();
+            for sample in sampler.body(&parts(&definitions[b].shape)) {
+                block.push(b as u32);
+                local.push(turned_back * (sample.position - blocks.centroid(b)));
+                volumes.push(sample.volume);
+            }
+        }
+        let mut walls = Self {
+            fixed,
+            fixed_block: of_part.iter().map(|&part| owners[part] as u32).collect(),
+            moving: WallParticles::new(fluid, volumes, slip),
+            start: vec![[Vec3::zeros(); 2]; block.len()],
+            block,
+            local,
+            loads: vec![Load::default(); definitions.len()],
+            force_on_fluid: Vec3::zeros(),
+            power: 0.0,
+        };
+        walls.place_at_end(blocks, None);
+        walls
+    }
+
+    /// Number of points.
+    pub fn n_points(&self) -> usize {
+        self.fixed.len() + self.moving.len()
+    }
+
+    /// Force and moment of the fluid on every block that moves; N, N m about the centroid.
+    pub fn loads(&self) -> &[Load] {
+        &self.loads
+    }
+
+    /// Force and moment of the fluid on a block that never moves; N, N m about the centroid. Each point of
+    /// bodies that overlap belongs to the first of them.
+    pub fn load_on_fixed(&self, fluid: &Fluid, blocks: &Blocks, block: usize) -> Load {
+        let points: Vec<u32> = self
+            .fixed
+            .wet()
+            .iter()
+            .copied()
+            .filter(|&w| self.fixed_block[w as usize] as usize == block)
+            .collect();
+        let mut load = Load::default();
+        for (&w, force) in points.iter().zip(self.fixed.reactions(fluid, &points)) {
+            let arm = self.fixed.positions()[w as usize] - blocks.centroid(block);
+            load.force += force;
+            load.torque += arm.cross(&force);
+        }
+        load
+    }
+
+    /// Force of all walls on the fluid; N.
+    pub fn force_on_fluid(&self) -> Vec3 {
+        self.force_on_fluid
+    }
+
+    /// Power that blocks which are not free give to the fluid; W.
+    pub fn power(&self) -> f64 {
+        self.power
+    }
+
+    /// Remembers where the moving points are: before the blocks move.
+    pub fn note_start(&mut self, blocks: &Blocks) {
+        for ((start, &block), local) in self.start.iter_mut().zip(&self.block).zip(&self.local) {
+            let x = world(blocks, block as usize, local);
+            *start = [x, blocks.velocity_at(block as usize, &x)];
+        }
+    }
+
+    /// Places the moving points half way through the step that the blocks have just taken.
+    pub fn place_half_way(&mut self, blocks: &Blocks, dt: f64) {
+        if self.block.is_empty() {
+            return;
+        }
+        let (start, block, local) = (&self.start, &self.block, &self.local);
+        self.moving.place(|w| {
+            let end = world(blocks, block[w] as usize, &local[w]);
+            let from = start[w][0];
+            [(from + end) * 0.5, (end - from) / dt, Vec3::zeros()]
+        });
+    }
+
+    /// Places the moving points where the blocks are, at rest where blocks are held: without a step. The
+    /// wall's own acceleration is that of the step of `dt` (s) just taken; none before the first.
+    pub fn place_at_end(&mut self, blocks: &Blocks, dt: Option<f64>) {
+        if self.block.is_empty() {
+            return;
+        }
+        let (start, block, local) = (&self.start, &self.block, &self.local);
+        self.moving.place(|w| {
+            let b = block[w] as usize;
+            let x = world(blocks, b, &local[w]);
+            let Some(dt) = dt else {
+                return [x, Vec3::zeros(), Vec3::zeros()];
+            };
+            let v = blocks.velocity_at(b, &x);
+            // a free block's acceleration follows from the very forces that are to be found
+            let a = if blocks.is_free(b) || dt == 0.0 {
+                Vec3::zeros()
+            } else {
+                (v - start[w][1]) / dt
+            };
+            [x, v, a]
+        });
+    }
+
+    /// Finds which particles and points are near each other; after each sort of the fluid and placing.
+    pub fn find(&mut self, fluid: &Fluid) {
+        self.fixed.find_wet(fluid);
+        self.moving.find_wet(fluid);
+    }
+
+    /// Adds the walls' part to the rates of density.
+    pub fn add_rates(&mut self, fluid: &mut Fluid) {
+        self.fixed.add_rates(fluid);
+        self.moving.add_rates(fluid);
+    }
+
+    /// Adds the walls' part to the spread of the particles.
+    pub fn add_spreads(&mut self, fluid: &mut Fluid) {
+        self.fixed.add_spreads(fluid);
+        self.moving.add_spreads(fluid);
+    }
+
+    /// Adds the walls' part to the gradient of velocity.
+    pub fn add_strains(&mut self, fluid: &mut Fluid) {
+        self.fixed.add_strains(fluid);
+        self.moving.add_strains(fluid);
+    }
+
+    /// Continues the fluid's pressure into the walls.
+    pub fn extrapolate(&mut self, fluid: &Fluid) {
+        self.fixed.extrapolate(fluid, 1.0);
+        self.moving.extrapolate(fluid, 1.0);
+    }
+
+    /// Adds the walls' forces to the accelerations, and sums what the blocks that move get back.
+    pub fn add_forces(&mut self, fluid: &mut Fluid, blocks: &Blocks) {
+        self.force_on_fluid = self.fixed.add_forces(fluid) + self.moving.add_forces(fluid);
+        self.loads.fill(Load::default());
+        self.power = 0.0;
+        let (loads, block, power) = (&mut self.loads, &self.block, &mut self.power);
+        let positions = self.moving.positions().to_vec();
+        self.moving.visit_reactions(fluid, |w, force| {
+            let b = block[w] as usize;
+            let x = positions[w];
+            loads[b].force += force;
+            loads[b].torque += (x - blocks.centroid(b)).cross(&force);
+            if !blocks.is_free(b) {
+                *power -= force.dot(&blocks.velocity_at(b, &x));
+            }
+        });
+    }
+}
+
+impl Part {
+    /// With every corner moved along y.
+    fn across(&self, map: impl Fn(f64) -> f64) -> Self {
+        let moved = |x: &Vec3| Vec3::new(x.x, map(x.y), x.z);
+        Self {
+            faces: self
+                .faces
+                .iter()
+                .map(|(normal, corners)| (*normal, corners.iter().map(moved).collect()))
+                .collect(),
+        }
+    }
+
+    /// Whether every face is across an axis of the scene.
+    fn is_upright_box(&self) -> bool {
+        self.faces.len() == 6
+            && self
+                .faces
+                .iter()
+                .all(|(normal, _)| normal.iter().any(|n| n.abs() > 1.0 - 1e-9))
+    }
+}
+
+/// How a fluid's walls are sampled.
+struct Sampler {
+    lattice: UnionLattice,
+    /// In a flow in a plane: the plane, and the width of the slice; m.
+    plane: Option<(f64, f64)>,
+}
+
+/// What a slice is stretched by across, so that its ends are out of sight.
+const STRETCH: f64 = 1e3;
+
+impl Sampler {
+    fn new(fluid: &Fluid) -> Self {
+        let settings = fluid.settings();
+        let support_radius = settings.support_radius();
+        let (min, max) = settings.domain;
+        let [dx, dy, dz] = settings.particle_spacing;
+        let mut lattice = UnionLattice {
+            anchor: min,
+            particle_spacing: (dx * dy * dz).cbrt(),
+            support_radius,
+            region: Region { min, max },
+        };
+        let mut plane = None;
+        if let Dimensions::Two { width } = settings.dimensions {
+            let middle = 0.5 * (min.y + max.y);
+            lattice.particle_spacing = (dx * dz).sqrt();
+            lattice.anchor.y = middle - 0.5 * lattice.particle_spacing;
+            let half = 0.5 * lattice.particle_spacing;
+            (lattice.region.min.y, lattice.region.max.y) = (middle - half, middle + half);
+            plane = Some((middle, width));
+        }
+        Self { lattice, plane }
+    }
+
+    /// Points of bodies that are one solid, each with the first part that it is in.
+    fn union(&self, parts: &[Part]) -> Vec<(usize, WallSample)> {
+        let stretched: Vec<Part>;
+        let parts = match self.plane {
+            None => parts,
+            Some((middle, _)) => {
+                stretched = parts
+                    .iter()
+                    .map(|part| part.across(|y| middle + STRETCH * (y - middle)))
+                    .collect();
+                &stretched
+            }
+        };
+        let faces: Vec<Vec<Face>> = parts.iter().map(Part::faces).collect();
+        let faces: Vec<&[Face]> = faces.iter().map(Vec::as_slice).collect();
+        let samples = sample_union(&faces, &self.lattice);
+        self.in_slice(samples.iter().map(|s| (s.part, s.sample)))
+    }
+
+    /// Points of a body by itself.
+    fn body(&self, parts: &[Part]) -> Vec<WallSample> {
+        let [part] = parts else {
+            return self.whole(parts);
+        };
+        let (spacing, support_radius) =
+            (self.lattice.particle_spacing, self.lattice.support_radius);
+        match self.plane {
+            None => sample_convex(&part.faces(), spacing, support_radius),
+            Some((middle, _)) if part.is_upright_box() => {
+                // as thin as one row of its own lattice
+                let center =
+                    part.corners().map(|x| x.y).sum::<f64>() / part.corners().count() as f64;
+                let half = 0.5 * spacing;
+                let slice = part.across(|y| middle + if y < center { -half } else { half });
+                let samples = sample_convex(&slice.faces(), spacing, support_radius);
+                let row = self.in_slice(samples.into_iter().map(|sample| (0, sample)));
+                row.into_iter().map(|(_, sample)| sample).collect()
+            }
+            Some(_) => self.whole(parts),
+        }
+    }
+
+    /// As a union, wherever it stands.
+    fn whole(&self, parts: &[Part]) -> Vec<WallSample> {
+        let corners = parts.iter().flat_map(Part::corners);
+        let mut region = corners.fold(self.lattice.region, |region, x| Region {
+            min: region.min.inf(x),
+            max: region.max.sup(x),
+        });
+        if self.plane.is_some() {
+            let slice = &self.lattice.region;
+            (region.min.y, region.max.y) = (slice.min.y, slice.max.y);
+        }
+        let everywhere = Self {
+            lattice: UnionLattice {
+                region,
+                ..self.lattice
+            },
+            plane: self.plane,
+        };
+        let union = everywhere.union(parts);
+        union.into_iter().map(|(_, sample)| sample).collect()
+    }
+
+    /// Of a flow in a plane the row in that plane, as wide as the slice; everything otherwise.
+    fn in_slice(
+        &self,
+        samples: impl Iterator<Item = (usize, WallSample)>,
+    ) -> Vec<(usize, WallSample)> {
+        let Some((middle, width)) = self.plane else {
+            return samples.collect();
+        };
+        let spacing = self.lattice.particle_spacing;
+        samples
+            .filter(|(_, sample)| (sample.position.y - middle).abs() < 0.4 * spacing)
+            .map(|(part, sample)| {
+                let position = Vec3::new(sample.position.x, middle, sample.position.z);
+                let volume = sample.volume * (width / spacing);
+                (part, WallSample { position, volume })
+            })
+            .collect()
+    }
+}
