@@ -345,6 +345,16 @@ fn a_million_nodes_among_a_hundred_blocks() {
     assert!(wall < 10.0, "{wall} s"); // measured 0.33 s
 }
 
+#[test]
+fn a_flat_box_without_end_is_found_empty_at_once() {
+    let shape = RegionShapeFile::Box {
+        min: (0.0, 0.0, 0.0),
+        max: (0.01, 1.0, 1e300),
+    };
+    let water = fluid(&[("sheet", shape)], ResolutionFile::Spacing(0.1));
+    assert!(message(lattice(&water, &tank_domain(), &tank())).contains("no particle fits"));
+}
+
 fn triple() -> impl Strategy<Value = Triple> {
     (-2.0..2.0, -2.0..2.0, -2.0..2.0)
 }

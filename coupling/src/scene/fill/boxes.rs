@@ -15,6 +15,10 @@ pub(super) fn fill(
     solids: &[(String, Shape)],
 ) -> Result<Vec<Vec3>, FillError> {
     let counts = [0, 1, 2].map(|k| rows(max[k] - min[k], spacing[k]));
+    // a box without a row one way may be endless another way
+    if counts.contains(&0.0) {
+        return Ok(Vec::new());
+    }
     if !(counts.iter().product::<f64>() <= MOST_NODES) {
         return Err(FillError::TooManyNodes);
     }
