@@ -239,8 +239,8 @@ impl Interface {
 
     /// Adds forces and moments on blocks that walls of another kind make; N, N m.
     pub fn add_loads(&mut self, loads: &[Load]) {
-        for block in 0..self.loads.len() {
-            let more = self.in_plane(loads[block]);
+        for (block, load) in loads.iter().enumerate() {
+            let more = self.in_plane(*load);
             self.loads[block].force += more.force;
             self.loads[block].torque += more.torque;
         }

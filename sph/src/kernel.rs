@@ -2,7 +2,7 @@
 //!
 //! A kernel here has support radius `H = 2h`; it is zero beyond. Gradients are given as the factor
 //! `W'(r)/r`, so that `∇W = factor · (x_a − x_b)`. Each kernel is written once for registers
-//! ([`PairKernel`]) and once for single numbers ([`Kernel`]); a test holds the two together.
+//! (`PairKernel`) and once for single numbers ([`Kernel`]); a test holds the two together.
 //!
 //! Sources: Mueller, Charypar & Gross (2003), Eqs. 20 to 22; Wendland (1995); Monaghan (1992).
 
