@@ -118,15 +118,6 @@ pub enum Shifting {
     },
 }
 
-/// How a step is taken.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Stepping {
-    /// Half kick, half drift, density, half drift, forces, half kick: second order, reversible.
-    KickDriftKick,
-    /// Two evaluations of everything, at the half and at the full step.
-    PredictorCorrector,
-}
-
 /// A scheme: one choice per part.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Scheme {
@@ -144,8 +135,6 @@ pub struct Scheme {
     pub viscosity: Viscosity,
     /// Shifting.
     pub shifting: Shifting,
-    /// Stepping.
-    pub stepping: Stepping,
     /// Width of numbers in pair sums.
     pub precision: Precision,
 }
@@ -170,7 +159,6 @@ impl Scheme {
             diffusion: DensityDiffusion::None,
             viscosity: Viscosity::Published { dynamic_viscosity },
             shifting: Shifting::None,
-            stepping: Stepping::KickDriftKick,
             precision: Precision::Double,
         }
     }
@@ -185,7 +173,6 @@ impl Scheme {
             diffusion: DensityDiffusion::Fourtakas(DIFFUSION),
             viscosity: Viscosity::Artificial { alpha: ALPHA },
             shifting: Shifting::None,
-            stepping: Stepping::KickDriftKick,
             precision: Precision::Single,
         }
     }

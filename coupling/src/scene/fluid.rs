@@ -2,7 +2,7 @@
 
 use riprap_sph::boundary::wall_particles::Slip;
 use riprap_sph::scheme::{
-    ALPHA, DIFFUSION, DensityDiffusion, DensityMethod, SHIFTING, Shifting, Stepping, Viscosity,
+    ALPHA, DIFFUSION, DensityDiffusion, DensityMethod, SHIFTING, Shifting, Viscosity,
 };
 use riprap_sph::state_equation::State;
 use riprap_sph::{
@@ -665,7 +665,6 @@ fn scheme(
             ShiftingFile::None => Shifting::None,
             ShiftingFile::Fickian(coefficient) => Shifting::Fickian { coefficient },
         },
-        stepping: Stepping::KickDriftKick,
         precision: match *numerics.precision.get_or_insert(preset.precision) {
             PrecisionFile::Single => Precision::Single,
             PrecisionFile::Double => Precision::Double,
