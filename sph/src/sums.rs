@@ -102,10 +102,33 @@ impl Fluid {
         }
     }
 
-    fn everyone(&self) -> Receivers<'_> {
-        Receivers {
-            positions: &self.particles.position,
-            chosen: None,
+    /// Sums over the fluid for all its particles.
+    fn to_everyone<'a>(&'a self, points: &'a AnyPoints) -> Setup<'a> {
+        Setup {
+            settings: &self.settings,
+            from: self.neighborhood(points),
+            receivers: Receivers {
+                positions: &self.particles.position,
+                chosen: None,
+            },
+        }
+    }
+
+    /// Sums over walls for some of the particles.
+    fn to_some<'a>(&'a self, walls: Neighborhood<'a>, chosen: &'a [u32]) -> Setup<'a> {
+        Setup {
+            settings: &self.settings,
+            from: walls,
+            receivers: some(&self.particles.position, chosen),
+        }
+    }
+
+    /// Sums over the fluid for some of many places.
+    fn to_places<'a>(&'a self, positions: &'a [Vec3], chosen: &'a [u32]) -> Setup<'a> {
+        Setup {
+            settings: &self.settings,
+            from: self.neighborhood(&self.scratch.points),
+            receivers: some(positions, chosen),
         }
     }
 
@@ -174,11 +197,7 @@ pub(crate) fn summation(fluid: &mut Fluid, factor: f64) -> u64 {
     dispatch(
         fluid.settings.scheme.precision,
         Summations {
-            setup: Setup {
-                settings: &fluid.settings,
-                from: fluid.neighborhood(&points),
-                receivers: fluid.everyone(),
-            },
+            setup: fluid.to_everyone(&points),
             out: &mut density,
             n_found: &mut n_found,
         },
@@ -267,11 +286,7 @@ pub(crate) fn rates(fluid: &mut Fluid) -> u64 {
     dispatch(
         fluid.settings.scheme.precision,
         Rates {
-            setup: Setup {
-                settings: &fluid.settings,
-                from: fluid.neighborhood(&points),
-                receivers: fluid.everyone(),
-            },
+            setup: fluid.to_everyone(&points),
             own: RateOwn {
                 velocity: &fluid.particles.velocity,
                 density: &fluid.particles.density,
@@ -323,11 +338,7 @@ pub(crate) fn density_gradients(fluid: &mut Fluid) {
     dispatch(
         fluid.settings.scheme.precision,
         Gradients {
-            setup: Setup {
-                settings: &fluid.settings,
-                from: fluid.neighborhood(&points),
-                receivers: fluid.everyone(),
-            },
+            setup: fluid.to_everyone(&points),
             density: &fluid.particles.density,
             out: &mut out,
         },
@@ -370,11 +381,7 @@ pub(crate) fn strains(fluid: &mut Fluid) {
     dispatch(
         fluid.settings.scheme.precision,
         Strains {
-            setup: Setup {
-                settings: &fluid.settings,
-                from: fluid.neighborhood(&fluid.scratch.points),
-                receivers: fluid.everyone(),
-            },
+            setup: fluid.to_everyone(&fluid.scratch.points),
             velocity: &fluid.particles.velocity,
             out: &mut out,
         },
@@ -392,11 +399,7 @@ pub(crate) fn wall_strains(
     dispatch(
         fluid.settings.scheme.precision,
         Strains {
-            setup: Setup {
-                settings: &fluid.settings,
-                from: walls,
-                receivers: some(&fluid.particles.position, chosen),
-            },
+            setup: fluid.to_some(walls, chosen),
             velocity: &fluid.particles.velocity,
             out,
         },
@@ -431,11 +434,7 @@ pub(crate) fn spreads(fluid: &mut Fluid) {
     dispatch(
         fluid.settings.scheme.precision,
         Spreads {
-            setup: Setup {
-                settings: &fluid.settings,
-                from: fluid.neighborhood(&points),
-                receivers: fluid.everyone(),
-            },
+            setup: fluid.to_everyone(&points),
             out: &mut out,
         },
     );
@@ -587,11 +586,7 @@ pub(crate) fn forces(fluid: &mut Fluid) {
     dispatch(
         fluid.settings.scheme.precision,
         Forces {
-            setup: Setup {
-                settings: &fluid.settings,
-                from: fluid.neighborhood(&points),
-                receivers: fluid.everyone(),
-            },
+            setup: fluid.to_everyone(&points),
             own: ForceOwn {
                 velocity: &fluid.particles.velocity,
                 pressure: &fluid.particles.pressure,
@@ -647,11 +642,7 @@ pub(crate) fn wall_spreads(fluid: &Fluid, walls: Neighborhood, chosen: &[u32], o
     dispatch(
         fluid.settings.scheme.precision,
         Spreads {
-            setup: Setup {
-                settings: &fluid.settings,
-                from: walls,
-                receivers: some(&fluid.particles.position, chosen),
-            },
+            setup: fluid.to_some(walls, chosen),
             out,
         },
     );
@@ -668,11 +659,7 @@ pub(crate) fn wall_forces(
     dispatch(
         fluid.settings.scheme.precision,
         Forces {
-            setup: Setup {
-                settings: &fluid.settings,
-                from: walls,
-                receivers: some(&fluid.particles.position, chosen),
-            },
+            setup: fluid.to_some(walls, chosen),
             own: ForceOwn {
                 velocity: &fluid.particles.velocity,
                 pressure: &fluid.particles.pressure,
@@ -696,11 +683,7 @@ pub(crate) fn reactions(
     dispatch(
         fluid.settings.scheme.precision,
         Forces {
-            setup: Setup {
-                settings: &fluid.settings,
-                from: fluid.neighborhood(&fluid.scratch.points),
-                receivers: some(positions, chosen),
-            },
+            setup: fluid.to_places(positions, chosen),
             own: ForceOwn { velocity, pressure },
             between: Between::FluidOnWall,
             shear,
@@ -740,11 +723,7 @@ pub(crate) fn extrapolation(
     dispatch(
         fluid.settings.scheme.precision,
         Extrapolations {
-            setup: Setup {
-                settings: &fluid.settings,
-                from: fluid.neighborhood(&fluid.scratch.points),
-                receivers: some(positions, chosen),
-            },
+            setup: fluid.to_places(positions, chosen),
             out,
         },
     );
