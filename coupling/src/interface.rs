@@ -14,7 +14,7 @@
 //! the plane of the slab only. What it would get across is held by the slab and booked as such.
 
 use rayon::prelude::*;
-use riprap_dda::{Blocks, Load, Motion};
+use riprap_dda::{Blocks, Load, Motion, SurfacePoint};
 use riprap_sph::fluid::ParticleForce;
 use riprap_sph::{CellGrid, Fluid, Vec3};
 
@@ -182,25 +182,73 @@ impl Interface {
         }
     }
 
-    /// Particles deeper inside a solid than the penalty can be trusted to hold.
+    /// Particles deeper inside a solid than the walls can be trusted to hold, each put where it is inside none:
+    /// the face nearest to it may be one that two solids share.
     pub fn intruders(&self, fluid: &Fluid, blocks: &Blocks) -> Vec<PushedBack> {
         let dp = self.settings.particle_spacing;
-        self.touches
-            .iter()
-            .filter(|touch| touch.distance < -PUSH_BACK_DEPTH * dp)
-            .map(|touch| {
-                let wall = blocks.velocity_at(touch.block as usize, &touch.point);
-                let velocity = fluid.particles().velocity[touch.particle as usize];
-                let approach = (velocity - wall).dot(&touch.normal);
-                PushedBack {
-                    particle: touch.particle,
-                    block: touch.block,
-                    position: touch.point + touch.normal * (PUSH_BACK_DISTANCE * dp),
-                    velocity: velocity - touch.normal * approach,
-                    point: touch.point,
-                }
+        let mut found: Vec<PushedBack> = Vec::new();
+        for touch in &self.touches {
+            let is_known = found
+                .last()
+                .is_some_and(|last| last.particle == touch.particle);
+            if touch.distance >= -PUSH_BACK_DEPTH * dp || is_known {
+                continue;
+            }
+            let a = touch.particle as usize;
+            let (position, velocity) =
+                (fluid.particles().position[a], fluid.particles().velocity[a]);
+            let (block, way) = self.way_out(&position, (fluid.grid(), blocks), touch);
+            let wall = blocks.velocity_at(block as usize, &way.point);
+            let approach = (velocity - wall).dot(&way.normal);
+            found.push(PushedBack {
+                particle: touch.particle,
+                block,
+                position: way.point + way.normal * (PUSH_BACK_DISTANCE * dp),
+                velocity: velocity - way.normal * approach,
+                point: way.point,
+            });
+        }
+        found
+    }
+
+    /// The shortest way out of all solids straight through a face, with its block; that of the touch where there
+    /// is none.
+    fn way_out(
+        &self,
+        x: &Vec3,
+        (grid, blocks): (&CellGrid, &Blocks),
+        touch: &Touch,
+    ) -> (u32, SurfacePoint) {
+        let near = |x: &Vec3| {
+            let cell = grid.cell_of(x);
+            let parts = self.fixed.near(cell).iter().chain(self.moving.near(cell));
+            parts.map(|&part| part as usize)
+        };
+        let clearance = PUSH_BACK_DISTANCE * self.settings.particle_spacing;
+        let is_free = |way: &SurfacePoint| {
+            let to = way.point + way.normal * clearance;
+            !near(&to).any(|part| {
+                let surface = blocks.surface_point_within(part, &to, 0.0);
+                surface.is_some_and(|surface| surface.distance < 0.0)
             })
-            .collect()
+        };
+        let mut ways: Vec<(u32, SurfacePoint)> = near(x)
+            .flat_map(|part| {
+                let block = blocks.block_of_part(part) as u32;
+                let ways = blocks.ways_out(part, x);
+                ways.into_iter().map(move |way| (block, way))
+            })
+            .collect();
+        ways.sort_by(|a, b| b.1.distance.total_cmp(&a.1.distance));
+        let free = ways.into_iter().find(|(_, way)| is_free(way));
+        free.unwrap_or((
+            touch.block,
+            SurfacePoint {
+                distance: touch.distance,
+                normal: touch.normal,
+                point: touch.point,
+            },
+        ))
     }
 
     /// Forces of the touching pairs and their sums on the blocks.

@@ -248,6 +248,32 @@ impl Blocks {
         self.parts[part].surface_point_within(x, cutoff)
     }
 
+    /// Ways out of a part for a point inside: the foot on the plane of each face, nearest first. The first is
+    /// [`Self::surface_point_within`]; a ball or a surface has no other, and outside there is none.
+    pub fn ways_out(&self, part: usize, x: &Vec3) -> Vec<SurfacePoint> {
+        let Some(nearest) = self
+            .surface_point_within(part, x, 0.0)
+            .filter(|surface| surface.distance < 0.0)
+        else {
+            return Vec::new();
+        };
+        let Part::Polyhedron(body) = &self.parts[part] else {
+            return vec![nearest];
+        };
+        let mut ways: Vec<SurfacePoint> = (0..body.n_faces())
+            .map(|face| {
+                let (normal, distance) = (body.face_normal(face), body.plane_distance(face, x));
+                SurfacePoint {
+                    distance,
+                    normal,
+                    point: x - normal * distance,
+                }
+            })
+            .collect();
+        ways.sort_by(|a, b| b.distance.total_cmp(&a.distance));
+        ways
+    }
+
     // Sums and records.
 
     /// Contact points of the last step, sorted by parts; those of balls after the others,

@@ -17,7 +17,7 @@ mod close;
 /// Points closer than this, of the spacing, are one when they fit into one cell: the two parts of a
 /// divided cell are ½ apart.
 const SAME_CELL: f64 = 0.51;
-/// Of two points closer than this, of the spacing, the second is a copy.
+/// Of two points of exposed columns closer than this, of the spacing, the second is a copy.
 const COPY: f64 = 0.3;
 /// A cell that is partly exposed is divided into this many squared.
 const DIVISIONS: usize = 8;
@@ -104,7 +104,7 @@ pub struct UnionSample {
 pub fn sample_union(parts: &[&[Face]], lattice: &UnionLattice) -> Vec<UnionSample> {
     let union = Union::new(parts, lattice);
     let mut kept = Kept {
-        spacing: lattice.particle_spacing,
+        copy: COPY * lattice.particle_spacing,
         close: ClosePoints::new(&union.bounds(), SAME_CELL * lattice.particle_spacing),
         samples: Vec::new(),
     };
@@ -114,6 +114,8 @@ pub fn sample_union(parts: &[&[Face]], lattice: &UnionLattice) -> Vec<UnionSampl
             union.mitred(plate, cell, column, depth)
         });
     }
+    // what is left behind edges are pieces of cells beside others
+    kept.copy = TOLERANCE * lattice.particle_spacing;
     let mut continued: Vec<Vec<bool>> = exposed
         .iter()
         .map(|cells| vec![false; cells.len()])
@@ -121,13 +123,11 @@ pub fn sample_union(parts: &[&[Face]], lattice: &UnionLattice) -> Vec<UnionSampl
     for plate in 0..union.plates.len() {
         let behind = &union.plates[plate];
         let columns = behind.behind_edges(&exposed[plate], union.n_layers);
-        union.fill(behind, &columns, &mut kept, |_, column, depth| {
-            let is_taken =
-                union.is_below_another(plate, &continued, &behind.at(&column.place, depth));
-            Column {
-                place: column.place,
-                share: if is_taken { 0.0 } else { column.share },
-            }
+        union.fill(behind, &columns, &mut kept, |cell, _, depth| {
+            behind.column(cell, |place| {
+                !union.is_exposed(behind, &behind.at(place, 0.0))
+                    && !union.is_below_another(plate, &continued, &behind.at(place, depth))
+            })
         });
         continued[plate] = columns.iter().map(|column| 0.0 < column.share).collect();
     }
@@ -145,7 +145,8 @@ struct Column {
 
 /// Points so far.
 struct Kept {
-    spacing: f64,
+    /// Points closer than this are copies; m.
+    copy: f64,
     close: ClosePoints,
     samples: Vec<UnionSample>,
 }
@@ -165,7 +166,7 @@ impl Kept {
             old.position += (x - old.position) * (new.sample.volume / volume);
             old.volume = volume;
             self.close.move_to(near, &old.position);
-        } else if COPY * self.spacing <= distance {
+        } else if self.copy <= distance {
             self.close.push(&x);
             self.samples.push(new);
         }
@@ -421,7 +422,8 @@ impl<'a> Plate<'a> {
     fn column(&self, cell: [usize; 2], holds: impl Fn(&Vector2<f64>) -> bool) -> Column {
         let centre = self.centre(cell);
         let place = |u: f64, v: f64| centre + Vector2::new(u, v).component_mul(&self.step);
-        let corner = 0.5 - HAIR;
+        // the outermost of the small cells
+        let corner = 0.5 - 0.5 / DIVISIONS as f64;
         let corners = [(-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0), (1.0, 1.0)];
         let n_corners = corners
             .iter()
