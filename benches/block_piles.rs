@@ -44,8 +44,9 @@ fn main() -> Result<(), Failure> {
             let pile = Pile {
                 side,
                 pitch: 1.45,
-                // 1e8 N/m carries ten layers that come down; more layers need more.
-                contact_stiffness: 1e8 * f64::max(side as f64 / 10.0, 1.0),
+                // 1e8 N/m stops ten layers that come down; n times as many bring n times the mass from n times
+                // the height
+                contact_stiffness: 1e8 * f64::max(side as f64 / 10.0, 1.0).powi(2),
                 shear_stiffness_ratio: 0.8,
             };
             let mut blocks = pile.build(|place, random| {

@@ -26,6 +26,7 @@ pub mod ledger;
 pub mod observe;
 pub mod openings;
 pub mod overview;
+pub mod packing;
 mod part_table;
 pub mod render;
 pub mod run;

@@ -73,6 +73,12 @@ impl Passage {
             .all(|axis| self.min[axis] - slack <= x[axis] && x[axis] <= self.max[axis] + slack)
     }
 
+    /// Whether a point is in the box or less than a distance (m) from it.
+    fn is_near(&self, x: &Vec3, distance: f64) -> bool {
+        let s = self.along(x);
+        -distance < s && s < self.length() + distance && self.is_abreast(x, distance)
+    }
+
     /// Whether a point is in the box, by up to `slack` outside but along the flow.
     pub fn contains(&self, x: &Vec3, slack: f64) -> bool {
         let s = self.along(x);
@@ -271,6 +277,15 @@ impl Openings {
     /// What each has let through.
     pub fn passed(&self) -> &[Passed] {
         &self.passed
+    }
+
+    /// Whether a point is less than a distance (m) from an opening.
+    pub fn has_near(&self, x: &Vec3, distance: f64) -> bool {
+        let inflows = self.inflows.iter().map(|inflow| &inflow.passage);
+        let outflows = self.outflows.iter().map(|outflow| &outflow.passage);
+        inflows
+            .chain(outflows)
+            .any(|passage| passage.is_near(x, distance))
     }
 
     /// Whether there is none.

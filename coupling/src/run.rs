@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
 use riprap_dda::{Blocks, Motion};
-use riprap_sph::{Fluid, Precision, Start};
+use riprap_sph::{Fluid, Precision};
 
 use crate::observe::frames::Frames;
 use crate::observe::gauges::Gauges;
@@ -14,7 +14,7 @@ use crate::observe::ledgers::Ledgers;
 use crate::observe::pictures::Pictures;
 use crate::observe::trajectories::Trajectories;
 use crate::observe::{ObserveError, Observer};
-use crate::scene::file::WallMethodFile;
+use crate::packing::packed;
 use crate::scene::resolve::{Scene, vec3};
 use crate::summary::{Summary, TimeByPhase, peak_memory};
 use crate::time_step::{CAUSES, Cause};
@@ -90,30 +90,18 @@ pub fn build(scene: &Scene) -> Result<World, RunError> {
     let fluid = match &scene.fluid {
         None => None,
         Some(water) => {
-            let start = Start {
-                positions: water.lattice.positions.clone(),
-                velocities: water.lattice.velocities.clone(),
-                pressures: water.pressures.clone(),
-            };
+            let start = packed(water, &scene.blocks, &blocks)?;
             let mut fluid = Fluid::new(start, water.settings.clone())?;
             if !water.rheologies.is_empty() {
                 fluid.set_rheologies(water.rheologies.clone(), &water.kinds)?;
             }
-            let walls = match water.wall_method {
-                WallMethodFile::Penalty => None,
-                WallMethodFile::Particles => Some(Walls::of_particles(
-                    &scene.blocks,
-                    &blocks,
-                    &fluid,
-                    water.slip,
-                )),
-                WallMethodFile::Integral => Some(Walls::of_integrals(
-                    &scene.blocks,
-                    &blocks,
-                    &fluid,
-                    water.slip,
-                )),
-            };
+            let walls = Walls::new(
+                water.wall_method,
+                &scene.blocks,
+                &blocks,
+                &fluid,
+                water.slip,
+            );
             Some(WaterAtStart {
                 fluid,
                 penalty: water.walls,

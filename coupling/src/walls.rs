@@ -13,6 +13,7 @@ use riprap_sph::boundary::integral::Face;
 use riprap_sph::boundary::wall_particles::Slip;
 use riprap_sph::{Fluid, Vec3};
 
+use crate::scene::file::WallMethodFile;
 use integral::IntegralWalls;
 use particles::ParticleWalls;
 
@@ -36,24 +37,29 @@ macro_rules! of_walls {
 }
 
 impl Walls {
-    /// Walls of particles at the blocks' present places.
-    pub fn of_particles(
+    /// Walls at the blocks' present places; none where penalty springs hold the fluid.
+    pub fn new(
+        method: WallMethodFile,
         definitions: &[BlockDefinition],
         blocks: &Blocks,
         fluid: &Fluid,
         slip: Slip,
-    ) -> Self {
-        Self::Particles(ParticleWalls::new(definitions, blocks, fluid, slip))
-    }
-
-    /// Walls of integrals at the blocks' present places.
-    pub fn of_integrals(
-        definitions: &[BlockDefinition],
-        blocks: &Blocks,
-        fluid: &Fluid,
-        slip: Slip,
-    ) -> Self {
-        Self::Integral(IntegralWalls::new(definitions, blocks, fluid, slip))
+    ) -> Option<Self> {
+        match method {
+            WallMethodFile::Penalty => None,
+            WallMethodFile::Particles => Some(Self::Particles(ParticleWalls::new(
+                definitions,
+                blocks,
+                fluid,
+                slip,
+            ))),
+            WallMethodFile::Integral => Some(Self::Integral(IntegralWalls::new(
+                definitions,
+                blocks,
+                fluid,
+                slip,
+            ))),
+        }
     }
 
     /// Number of particles in walls.

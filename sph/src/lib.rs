@@ -68,6 +68,7 @@ pub mod exchange;
 pub mod fluid;
 pub mod kernel;
 mod lanes;
+mod packing;
 pub mod particles;
 mod points;
 pub mod rheology;

@@ -216,19 +216,72 @@ fn c03_still_water_next_to_an_integral_wall_feels_next_to_nothing() {
         "C03 h |residual|: inside {inside:.1e}, wall {wall:.1e}, edge {edge:.1e}, corner {corner:.1e}"
     );
     // inside it is what the lattice makes of gravity, 3.9e-3 at the depth of the support; rows of a wall leave
-    // 1.1e-3 (C03), less than that; along edges, where the rows of two faces meet, 1.9e-2, in corners 3.0e-2
+    // 1.1e-3 (C03), less than that; along edges, where the rows of two faces meet, 1.9e-2 on a lattice, in corners
+    // 3.0e-2, which packing brings to 1.0e-2 and 3e-3
     assert!(wall < inside + 1.1e-3, "{largest:?}");
-    assert!(edge < 0.022 && corner < 0.033, "{largest:?}");
+    assert!(edge < 0.012 && corner < 0.012, "{largest:?}");
 }
 
 #[test]
 fn c04_cube_of_6_spacings_floats_by_what_it_displaces() {
-    // measured: particles +0.73 %, integrals -4.02 % (12 dp: +0.89 % and -3.40 %); 2 % was asked of the latter.
-    // What is missing is the closure along the edges, where h |residual| is 2e-2 and not 1e-3: see C03
+    // measured: particles +0.73 %, integrals -3.2 % (12 dp: +0.89 % and -3.0 %); 2 % was asked of the latter
     for (walls, bound) in [("Particles", 0.01), ("Integral", 0.05)] {
         let (case, volume) = cube(walls, 6);
         let (error, _) = buoyancy("cube of 6 dp", &case, volume, 0.4);
         assert!(error.abs() < bound, "{walls}: {error}");
+    }
+}
+
+/// Water twenty spacings deep over a floor that rises 1 : 2 towards the right wall.
+fn over_a_slope(walls: &'static str) -> Case {
+    let plane = ["dimensions: Two".to_owned(), String::new(), String::new()];
+    let (mut case, dp) = still(walls, [48, 1, 20], None, plane);
+    let (foot, end, height) = (20.0 * dp, 48.0 * dp, 14.0 * dp);
+    let slope = format!(
+        "Extrusion(polygon: [({foot:?}, 0.0), ({end:?}, 0.0), ({end:?}, {height:?})], axis: Y, from: -1.0, to: 2.0)"
+    );
+    case.blocks.push(block("slope", &slope, FIXED));
+    case
+}
+
+#[test]
+fn still_water_over_a_slope_stays_still() {
+    let case = over_a_slope("Particles");
+    let (depth, end) = (20.0 * case.spacing, 3.0);
+    let mut world = case.world();
+    while world.time() < end {
+        let step = world.next_step(end).unwrap();
+        world.step(step).unwrap();
+    }
+    let particles = world.water.as_ref().unwrap().fluid.particles();
+    let rms = |of: &dyn Fn(usize) -> f64| {
+        let sum: f64 = (0..particles.len()).map(|a| of(a).powi(2)).sum();
+        (sum / particles.len() as f64).sqrt()
+    };
+    let speed = rms(&|a| particles.velocity[a].norm()) / (G * depth).sqrt();
+    let pressure = rms(&|a| particles.pressure[a] - RHO * G * (depth - particles.position[a].z))
+        / (RHO * G * depth);
+    println!(
+        "slope: speed {:.3} %, pressure {:.2} %",
+        100.0 * speed,
+        100.0 * pressure
+    );
+    // asked; measured 0.08 and 0.6 %. Without packing the water falls into the gaps along the slope, up to a
+    // spacing wide, and stirs: 3 %
+    assert!(speed < 5e-3 && pressure < 1.5e-2, "{speed}, {pressure}");
+}
+
+#[test]
+fn packing_leaves_a_lattice_that_fits_as_it_is() {
+    // walls of integrals are no lattice: along edges their rows give way by 0.2 dp
+    let (case, _) = cube("Particles", 6);
+    let world = case.world();
+    for x in &world.water.as_ref().unwrap().fluid.particles().position {
+        for x in x.iter() {
+            let place = x / case.spacing - 0.5;
+            // single precision of the sums
+            assert!((place.round() - place).abs() < 1e-6, "{place}");
+        }
     }
 }
 

@@ -14,6 +14,7 @@ use super::file::{
     Axis, DimensionsFile, DomainFile, FluidFile, RegionFile, RegionShapeFile, ResolutionFile,
 };
 use super::resolve::vec3;
+use basin::Poured;
 use obstacles::WALL_SLACK;
 pub use overlap::overlaps;
 
@@ -33,6 +34,10 @@ pub struct Lattice {
     pub velocities: Vec<Vec3>,
     /// Number of the region in the file; one per particle.
     pub region: Vec<u32>,
+    /// Whether each region is to be packed against its walls.
+    pub is_packed: Vec<bool>,
+    /// More water above the levels, which holds the surfaces of what is packed in place; m.
+    pub mould: Vec<Vec3>,
     /// Highest surface of any region; m.
     pub still_water_level: f64,
     /// From there to the bottom of the lowest particle; m.
@@ -93,7 +98,8 @@ enum FillError {
     InRegion { other: String, at: Vec3 },
 }
 
-/// The water of the file among the given solids.
+/// The water of the file among the given solids. Where walls take it to fill its basins, its lattice is to be
+/// packed against them, in a mould of so many rows above each level: none leaves it as it is.
 ///
 /// # Errors
 ///
@@ -102,10 +108,12 @@ pub fn lattice(
     fluid: &FluidFile,
     domain: &DomainFile,
     solids: &[(String, Shape)],
+    n_mould_rows: usize,
 ) -> Result<Lattice, Vec<Problem>> {
+    let at = |spacing| at_spacing(fluid, domain, solids, n_mould_rows, spacing);
     match fluid.resolution {
-        ResolutionFile::Spacing(wanted) => at_spacing(fluid, domain, solids, wanted),
-        ResolutionFile::Count(wanted) => count::lattice(fluid, domain, solids, wanted),
+        ResolutionFile::Spacing(wanted) => at(wanted),
+        ResolutionFile::Count(wanted) => count::lattice(fluid, domain, wanted, at),
     }
 }
 
@@ -132,6 +140,7 @@ fn at_spacing(
     fluid: &FluidFile,
     domain: &DomainFile,
     solids: &[(String, Shape)],
+    n_mould_rows: usize,
     wanted: f64,
 ) -> Result<Lattice, Vec<Problem>> {
     let spacing = spacings(domain, wanted);
@@ -146,22 +155,29 @@ fn at_spacing(
     };
     let mut problems = Vec::new();
     for (index, region) in fluid.regions.iter().enumerate() {
-        let (level, filled) = match &region.shape {
+        let (level, is_packed, filled) = match &region.shape {
             RegionShapeFile::Box { min, max } => {
-                let corners = (vec3(*min), vec3(*max));
-                (max.2, boxes::fill(corners, spacing, solids))
+                let water = boxes::fill((vec3(*min), vec3(*max)), spacing, solids);
+                let mould = Vec::new();
+                (max.2, false, water.map(|water| Poured { water, mould }))
             }
-            RegionShapeFile::Below { level, seed } => (
-                *level,
-                basin::fill(domain, spacing, *level, &vec3(*seed), solids),
-            ),
+            RegionShapeFile::Below { level, seed } => {
+                let seed = vec3(*seed);
+                let poured = basin::fill(domain, spacing, *level, &seed, solids, n_mould_rows);
+                (*level, 0 < n_mould_rows, poured)
+            }
         };
-        let filled = filled.and_then(|positions| {
-            check_regions(&lattice, &positions, &fluid.regions).map(|()| positions)
+        let filled = filled.and_then(|poured| {
+            check_regions(&lattice, &poured.water, &fluid.regions).map(|()| poured)
         });
         match filled {
-            Ok(positions) => {
+            Ok(Poured {
+                water: positions,
+                mould,
+            }) => {
                 let n = positions.len();
+                lattice.mould.extend(mould);
+                lattice.is_packed.push(is_packed);
                 lattice.still_water_level = lattice.still_water_level.max(level);
                 lattice.positions.extend(positions);
                 lattice
@@ -312,7 +328,7 @@ mod tests {
     #[test]
     fn a_periodic_trough_fills_to_its_volume() {
         let fluid = fluid(below(1.0), ResolutionFile::Spacing(0.1));
-        let lattice = lattice(&fluid, &domain(vec![Axis::Y]), &trough()).unwrap();
+        let lattice = lattice(&fluid, &domain(vec![Axis::Y]), &trough(), 0).unwrap();
         // 3 m x 0.4 m x 1 m in cubes of 0.1 m, which fit exactly
         assert_eq!(lattice.positions.len(), 30 * 4 * 10);
         assert!((lattice.depth - 1.0).abs() < 1e-12);
@@ -321,7 +337,7 @@ mod tests {
     #[test]
     fn an_open_basin_names_its_leak() {
         let fluid = fluid(below(1.0), ResolutionFile::Spacing(0.1));
-        let problems = lattice(&fluid, &domain(vec![]), &trough()).unwrap_err();
+        let problems = lattice(&fluid, &domain(vec![]), &trough(), 0).unwrap_err();
         assert!(
             problems[0].message.contains("leaks out of the domain at ("),
             "{problems:?}"
@@ -333,7 +349,7 @@ mod tests {
         let mut solids = trough();
         solids.push(cuboid("plate", [2.49, -1.0, -1.0], [2.51, 1.4, 3.0]));
         let fluid = fluid(below(1.0), ResolutionFile::Spacing(0.1));
-        let lattice = lattice(&fluid, &domain(vec![Axis::Y]), &solids).unwrap();
+        let lattice = lattice(&fluid, &domain(vec![Axis::Y]), &solids, 0).unwrap();
         assert!(lattice.positions.iter().all(|x| x.x < 2.5));
     }
 
@@ -341,7 +357,7 @@ mod tests {
     fn a_wanted_count_is_met_as_rows_allow() {
         for count in [1000, 5000, 24_000] {
             let fluid = fluid(below(1.03), ResolutionFile::Count(count));
-            let lattice = lattice(&fluid, &domain(vec![Axis::Y]), &trough()).unwrap();
+            let lattice = lattice(&fluid, &domain(vec![Axis::Y]), &trough(), 0).unwrap();
             let share = lattice.positions.len() as f64 / f64::from(count);
             // a trough of right angles takes whole rows in x, y and z only
             assert!((share - 1.0).abs() <= 0.06, "{count}: {share}");
@@ -355,7 +371,7 @@ mod tests {
             max: (2.0, 0.4, 1.0),
         };
         let fluid = fluid(shape, ResolutionFile::Spacing(0.1));
-        let problems = lattice(&fluid, &domain(vec![Axis::Y]), &trough()).unwrap_err();
+        let problems = lattice(&fluid, &domain(vec![Axis::Y]), &trough(), 0).unwrap_err();
         // the deepest node stands 0.45 m inside the left wall
         let expected = "fluid region `lake` overlaps block `left` by 0.450 m";
         assert!(problems[0].message.contains(expected), "{problems:?}");
@@ -368,7 +384,7 @@ mod tests {
             Polyhedron::extrusion(&[[1.0, 0.0], [3.5, 1.5], [3.5, 0.0]], 1, -1.0, 1.4).unwrap();
         solids.push(("beach".into(), Shape::Polyhedra(beach)));
         let fluid = fluid(below(1.0), ResolutionFile::Spacing(0.04));
-        let lattice = lattice(&fluid, &domain(vec![Axis::Y]), &solids).unwrap();
+        let lattice = lattice(&fluid, &domain(vec![Axis::Y]), &solids, 0).unwrap();
         let nearest = lattice
             .positions
             .iter()

@@ -106,6 +106,19 @@ impl Preset {
     }
 }
 
+/// Rows above the level that keep the surface of water in place while it is packed against its walls: those
+/// within the support. None where penalty springs hold the water, which need its lattice half a spacing off.
+pub(super) fn mould_rows(file: &SceneFile) -> usize {
+    let preset = file.numerics.preset.numbers(file.domain.dimensions);
+    let ratio = file.numerics.smoothing_length_ratio;
+    match file.interface.walls.unwrap_or(preset.walls) {
+        WallMethodFile::Penalty => 0,
+        WallMethodFile::Particles | WallMethodFile::Integral => {
+            (2.0 * ratio.unwrap_or(preset.smoothing_length_ratio)).ceil() as usize
+        }
+    }
+}
+
 /// Fills in what the file leaves to riprap and makes the settings of the fluid.
 pub(super) fn resolve(
     file: &mut SceneFile,

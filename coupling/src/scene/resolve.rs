@@ -17,6 +17,7 @@ use crate::scene::attachments::{
 use crate::scene::error::{Problem, Severity};
 use crate::scene::file::{OutputFile, SceneFile, Triple, WallMethodFile};
 use crate::scene::fill::{Lattice, lattice, overlaps};
+use crate::scene::fluid::mould_rows;
 use crate::scene::grains::{self, GrainsReport};
 use crate::scene::motion::motion;
 use crate::scene::rock_mass::{RockMassReport, expand};
@@ -105,7 +106,7 @@ impl Scene {
         problems.extend(overlaps(&solids, &motions));
         let lattice = match &file.fluid {
             None => None,
-            Some(fluid) => lattice(fluid, &file.domain, &solids)
+            Some(fluid) => lattice(fluid, &file.domain, &solids, mould_rows(&file))
                 .map_err(|found| problems.extend(found))
                 .ok(),
         };

@@ -217,11 +217,8 @@ impl WallParticles {
         }
     }
 
-    /// Adds what the walls do to the rates of density.
-    pub fn add_rates(&mut self, fluid: &mut Fluid) {
-        if self.wetting.is_empty() {
-            return;
-        }
+    /// Packs velocities and volumes for the sums.
+    fn pack_flow(&mut self, fluid: &Fluid) {
         let (order, velocity, volume) = (&self.order, &self.velocity, &self.volume);
         self.points.pack(
             fluid.settings.scheme.precision,
@@ -233,6 +230,14 @@ impl WallParticles {
                 [v.x, v.y, v.z, 0.0, volume[w]]
             },
         );
+    }
+
+    /// Adds what the walls do to the rates of density.
+    pub fn add_rates(&mut self, fluid: &mut Fluid) {
+        if self.wetting.is_empty() {
+            return;
+        }
+        self.pack_flow(fluid);
         let mut rates = std::mem::take(&mut self.scratch.rates);
         rates.resize(self.wetting.len(), Rate::default());
         sums::wall_rates(fluid, self.neighborhood(fluid), &self.wetting, &mut rates);
@@ -249,9 +254,9 @@ impl WallParticles {
         if self.wetting.is_empty() {
             return;
         }
+        self.pack_flow(fluid);
         let mut spreads = std::mem::take(&mut self.scratch.spreads);
         spreads.resize(self.wetting.len(), Spread::default());
-        // the points still hold the volumes of the last rates
         sums::wall_spreads(fluid, self.neighborhood(fluid), &self.wetting, &mut spreads);
         for (&a, spread) in self.wetting.iter().zip(&spreads) {
             fluid.scratch.spreads[a as usize] += *spread;

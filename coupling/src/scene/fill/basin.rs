@@ -1,4 +1,8 @@
 //! Water poured into a basin: it fills what it reaches below a level.
+//!
+//! A lattice that is to be packed against its walls also has the nodes nearer to a wall than half a spacing,
+//! so that it has the volume of the basin, and a mould of more water above the level, so that no surface
+//! gives way.
 
 use std::collections::VecDeque;
 
@@ -13,8 +17,18 @@ use crate::scene::resolve::vec3;
 struct Basin {
     spacing: [f64; 3],
     counts: [usize; 3],
+    /// Rows below the level; those above are of the mould.
+    n_wet_rows: usize,
     first: Vec3,
     periodic: [bool; 3],
+}
+
+/// What was poured; m.
+#[derive(Debug, Default)]
+pub(super) struct Poured {
+    pub(super) water: Vec<Vec3>,
+    /// More of the lattice above the level.
+    pub(super) mould: Vec<Vec3>,
 }
 
 /// What is known of a node.
@@ -23,37 +37,54 @@ enum Node {
     Unknown,
     Blocked,
     Wet,
+    Mould,
 }
 
-/// All nodes that water from `seed` reaches, in the order of the lattice.
+/// All nodes that water from `seed` reaches, in the order of the lattice; with a mould of `n_mould_rows` it is
+/// to be packed.
 pub(super) fn fill(
     domain: &DomainFile,
     spacing: [f64; 3],
     level: f64,
     seed: &Vec3,
     solids: &[(String, Shape)],
-) -> Result<Vec<Vec3>, FillError> {
-    let basin = Basin::new(domain, spacing, level)?;
+    n_mould_rows: usize,
+) -> Result<Poured, FillError> {
+    let basin = Basin::new(domain, spacing, level, n_mould_rows)?;
     let obstacles = Obstacles::new(solids, &basin.first, spacing, basin.counts);
     let start = basin.start(seed, level, domain, &obstacles, solids)?;
-    let nodes = basin.flood(start, &obstacles)?;
-    let mut positions = Vec::new();
+    let mut nodes = basin.flood(start, &obstacles)?;
+    if 0 < n_mould_rows {
+        basin.spread(&mut nodes, Node::Wet, &obstacles);
+        for _ in 0..n_mould_rows {
+            basin.spread(&mut nodes, Node::Mould, &obstacles);
+        }
+    }
+    let mut poured = Poured::default();
     for k in 0..basin.counts[2] {
         for j in 0..basin.counts[1] {
             for i in 0..basin.counts[0] {
-                if nodes[basin.index([i, j, k])] == Node::Wet {
-                    positions.push(basin.position([i, j, k]));
+                let position = basin.position([i, j, k]);
+                match nodes[basin.index([i, j, k])] {
+                    Node::Wet => poured.water.push(position),
+                    Node::Mould => poured.mould.push(position),
+                    Node::Unknown | Node::Blocked => {}
                 }
             }
         }
     }
-    Ok(positions)
+    Ok(poured)
 }
 
 impl Basin {
     /// The top row stands half a spacing under the level, the others below it; in the plan the
     /// first row stands half a spacing inside the domain.
-    fn new(domain: &DomainFile, spacing: [f64; 3], level: f64) -> Result<Self, FillError> {
+    fn new(
+        domain: &DomainFile,
+        spacing: [f64; 3],
+        level: f64,
+        n_mould_rows: usize,
+    ) -> Result<Self, FillError> {
         let (min, max) = (vec3(domain.min), vec3(domain.max));
         if !(level <= max.z) {
             return Err(FillError::LevelAboveDomain { level, top: max.z });
@@ -63,12 +94,15 @@ impl Basin {
         if !counts.iter().all(|&n| n >= 1.0) {
             return Err(FillError::NoRow { bottom: min.z });
         }
-        if counts.iter().product::<f64>() > MOST_NODES {
+        let n_wet_rows = counts[2] as usize;
+        let all = [counts[0], counts[1], counts[2] + n_mould_rows as f64];
+        if all.iter().product::<f64>() > MOST_NODES {
             return Err(FillError::TooManyNodes);
         }
         Ok(Self {
             spacing,
-            counts: counts.map(|n| n as usize),
+            counts: all.map(|n| n as usize),
+            n_wet_rows,
             first: Vec3::new(
                 min.x + 0.5 * spacing[0],
                 min.y + 0.5 * spacing[1],
@@ -90,8 +124,23 @@ impl Basin {
         (node[2] * self.counts[1] + node[1]) * self.counts[0] + node[0]
     }
 
-    /// The node one step along an axis, round the periodic directions; `None` past an edge.
+    /// Nodes along an axis that water may reach.
+    fn reach(&self, axis: usize) -> usize {
+        if axis == 2 {
+            self.n_wet_rows
+        } else {
+            self.counts[axis]
+        }
+    }
+
+    /// The node that water may reach one step along an axis; `None` past an edge and above the level.
     fn step(&self, node: [usize; 3], axis: usize, forward: bool) -> Option<[usize; 3]> {
+        self.beside(node, axis, forward)
+            .filter(|next| next[2] < self.n_wet_rows)
+    }
+
+    /// The node one step along an axis, round the periodic directions; `None` past an edge.
+    fn beside(&self, node: [usize; 3], axis: usize, forward: bool) -> Option<[usize; 3]> {
         let n = self.counts[axis];
         let mut next = node;
         next[axis] = match (forward, node[axis]) {
@@ -123,7 +172,7 @@ impl Basin {
         }
         let nearest = [0, 1, 2].map(|axis| {
             let place = (seed[axis] - self.first[axis]) / self.spacing[axis];
-            (place.round().max(0.0) as usize).min(self.counts[axis] - 1)
+            (place.round().max(0.0) as usize).min(self.reach(axis) - 1)
         });
         if let Some(block) = obstacles.holder(nearest, seed) {
             let block = name(block);
@@ -141,7 +190,7 @@ impl Basin {
                 continue;
             };
             let node = [i, j, k];
-            if (0..3).any(|axis| node[axis] >= self.counts[axis]) {
+            if (0..3).any(|axis| node[axis] >= self.reach(axis)) {
                 continue;
             }
             let x = self.position(node);
@@ -202,5 +251,41 @@ impl Basin {
             }
         }
         Ok(nodes)
+    }
+
+    /// Takes the free nodes beside those that are wet or of the mould: water below the level, mould above it.
+    fn spread(&self, nodes: &mut [Node], to: Node, obstacles: &Obstacles) {
+        let rows = match to {
+            Node::Wet => 0..self.n_wet_rows,
+            _ => self.n_wet_rows..self.counts[2],
+        };
+        let mut found = Vec::new();
+        for k in rows {
+            for j in 0..self.counts[1] {
+                for i in 0..self.counts[0] {
+                    let node = [i, j, k];
+                    if matches!(nodes[self.index(node)], Node::Wet | Node::Mould) {
+                        continue;
+                    }
+                    let x = self.position(node);
+                    let is_open = |axis: usize, forward: bool| {
+                        let mut from = x;
+                        from[axis] += if forward { 1.0 } else { -1.0 } * self.spacing[axis];
+                        self.beside(node, axis, forward).is_some_and(|beside| {
+                            matches!(nodes[self.index(beside)], Node::Wet | Node::Mould)
+                                && !obstacles.is_crossed(node, &from, &x)
+                        })
+                    };
+                    let mut sides = (0..3).flat_map(|axis| [(axis, false), (axis, true)]);
+                    if obstacles.touches(node, &x) || !sides.any(|(axis, up)| is_open(axis, up)) {
+                        continue;
+                    }
+                    found.push(self.index(node));
+                }
+            }
+        }
+        for index in found {
+            nodes[index] = to;
+        }
     }
 }

@@ -1,8 +1,6 @@
 //! The spacing that gives a wanted number of particles.
 
-use riprap_dda::Shape;
-
-use super::{Lattice, at_spacing};
+use super::Lattice;
 use crate::scene::error::Problem;
 use crate::scene::file::{DomainFile, FluidFile, RegionShapeFile};
 use crate::scene::resolve::vec3;
@@ -23,15 +21,14 @@ const REFINEMENT: f64 = 0.7;
 pub(super) fn lattice(
     fluid: &FluidFile,
     domain: &DomainFile,
-    solids: &[(String, Shape)],
     count: u32,
+    fill: impl Fn(f64) -> Result<Lattice, Vec<Problem>>,
 ) -> Result<Lattice, Vec<Problem>> {
     let wanted = f64::from(count);
-    let fill = |spacing| at_spacing(fluid, domain, solids, spacing);
     let n_of = |lattice: &Lattice| lattice.positions.len() as f64;
     let miss = |lattice: &Lattice| (n_of(lattice) / wanted - 1.0).abs();
     let guess = (largest_volume(fluid, domain) / wanted).cbrt();
-    let (mut spacing, mut best) = first_fill(guess, fill)?;
+    let (mut spacing, mut best) = first_fill(guess, &fill)?;
     let (mut coarse, mut fine) = (f64::INFINITY, 0.0);
     let (mut found, mut center) = (n_of(&best), spacing);
     for _ in 0..ATTEMPTS {

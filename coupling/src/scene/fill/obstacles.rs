@@ -194,6 +194,13 @@ impl<'a> Obstacles<'a> {
             .map(|(block, _)| *block)
     }
 
+    /// Whether a point, at most a step from the node, is in a block or all but on its surface.
+    pub(super) fn touches(&self, node: [usize; 3], x: &Vec3) -> bool {
+        // half a spacing less a clearance is the slack of a lattice
+        let slack = self.clearance * WALL_SLACK / (0.5 - WALL_SLACK);
+        self.near(node).any(|(_, part)| part.is_within(x, slack))
+    }
+
     /// Number of a block that holds `x`, at most a step from the node.
     pub(super) fn holder(&self, node: [usize; 3], x: &Vec3) -> Option<usize> {
         self.near(node)

@@ -1,0 +1,85 @@
+//! Packing: where walls run askew to the water's lattice, its particles are spread evenly between them before
+//! the run.
+//!
+//! A lattice cut along a slanted wall leaves gaps and crowds of up to a spacing: still water falls into them
+//! and stirs itself, and a body seems larger or smaller than it is. Here its particles move towards where they
+//! are sparse, walls and water counted alike, until they no longer get anywhere; a mould of more lattice above
+//! the level keeps the surface where it is. Where the lattice fits, nothing moves.
+
+use riprap_dda::{BlockDefinition, Blocks};
+use riprap_sph::{Fluid, FluidError, Start, Vec3};
+
+use crate::scene::resolve::FluidScene;
+use crate::walls::Walls;
+
+/// Largest `h |∇C|` that counts as even.
+const EVEN: f64 = 1e-3;
+/// Rounds at most: unevenness spreads over some ten spacings.
+const MOST_ROUNDS: usize = 200;
+
+/// The start of the water, packed.
+///
+/// # Errors
+///
+/// [`FluidError`] for settings that are out of range.
+pub fn packed(
+    water: &FluidScene,
+    definitions: &[BlockDefinition],
+    blocks: &Blocks,
+) -> Result<Start, FluidError> {
+    let lattice = &water.lattice;
+    let mut start = Start {
+        positions: lattice.positions.clone(),
+        velocities: lattice.velocities.clone(),
+        pressures: water.pressures.clone(),
+    };
+    let n = start.positions.len();
+    if lattice.mould.is_empty() {
+        return Ok(start);
+    }
+    let mut settings = water.settings.clone();
+    let support = settings.support_radius();
+    let (_, top) = &mut settings.domain;
+    top.z = lattice.mould.iter().fold(top.z, |top, x| top.max(x.z)) + support;
+    let positions: Vec<Vec3> = [&lattice.positions, &lattice.mould]
+        .into_iter()
+        .flatten()
+        .copied()
+        .collect();
+    let is_free = |(x, &region): (&Vec3, &u32)| {
+        lattice.is_packed[region as usize] && !water.openings.has_near(x, support)
+    };
+    let particles = lattice.positions.iter().zip(&lattice.region);
+    let is_free: Vec<bool> = particles.map(is_free).collect();
+    let at_rest = Start {
+        velocities: vec![Vec3::zeros(); positions.len()],
+        positions,
+        pressures: Vec::new(),
+    };
+    let mut fluid = Fluid::new(at_rest, settings)?;
+    let Some(mut walls) = Walls::new(water.wall_method, definitions, blocks, &fluid, water.slip)
+    else {
+        return Ok(start);
+    };
+    for _ in 0..MOST_ROUNDS {
+        fluid.refresh();
+        walls.find(&fluid);
+        fluid.update_spread();
+        walls.add_spreads(&mut fluid);
+        if fluid.even_out(|id| is_free.get(id as usize) != Some(&true)) < EVEN {
+            break;
+        }
+    }
+    let particles = fluid.particles();
+    let weight = water.settings.gravity * water.settings.reference_density;
+    for (x, &id) in particles.position.iter().zip(&particles.id) {
+        let a = id as usize;
+        if n <= a {
+            continue;
+        }
+        // one and the same hydrostatic pressure field at the new place
+        start.pressures[a] = (start.pressures[a] + weight.dot(&(x - start.positions[a]))).max(0.0);
+        start.positions[a] = *x;
+    }
+    Ok(start)
+}
