@@ -244,6 +244,19 @@ fn over_a_slope(walls: &'static str) -> Case {
     case
 }
 
+/// Root mean squares of still water's speed over `√(gH)` and of its pressure's error over `ρgH`.
+fn unrest(world: &World, depth: f64) -> (f64, f64) {
+    let particles = world.water.as_ref().unwrap().fluid.particles();
+    let rms = |of: &dyn Fn(usize) -> f64| {
+        let sum: f64 = (0..particles.len()).map(|a| of(a).powi(2)).sum();
+        (sum / particles.len() as f64).sqrt()
+    };
+    let speed = rms(&|a| particles.velocity[a].norm()) / (G * depth).sqrt();
+    let pressure = rms(&|a| particles.pressure[a] - RHO * G * (depth - particles.position[a].z))
+        / (RHO * G * depth);
+    (speed, pressure)
+}
+
 #[test]
 fn still_water_over_a_slope_stays_still() {
     let case = over_a_slope("Particles");
@@ -253,14 +266,7 @@ fn still_water_over_a_slope_stays_still() {
         let step = world.next_step(end).unwrap();
         world.step(step).unwrap();
     }
-    let particles = world.water.as_ref().unwrap().fluid.particles();
-    let rms = |of: &dyn Fn(usize) -> f64| {
-        let sum: f64 = (0..particles.len()).map(|a| of(a).powi(2)).sum();
-        (sum / particles.len() as f64).sqrt()
-    };
-    let speed = rms(&|a| particles.velocity[a].norm()) / (G * depth).sqrt();
-    let pressure = rms(&|a| particles.pressure[a] - RHO * G * (depth - particles.position[a].z))
-        / (RHO * G * depth);
+    let (speed, pressure) = unrest(&world, depth);
     println!(
         "slope: speed {:.3} %, pressure {:.2} %",
         100.0 * speed,
@@ -268,6 +274,37 @@ fn still_water_over_a_slope_stays_still() {
     );
     // asked; measured 0.08 and 0.6 %. Without packing the water falls into the gaps along the slope, up to a
     // spacing wide, and stirs: 3 %
+    assert!(speed < 5e-3 && pressure < 1.5e-2, "{speed}, {pressure}");
+}
+
+/// Walls that reach beyond the sides of a slab are there once, not once more through its images.
+#[test]
+fn still_water_in_a_slab_stays_still() {
+    let (size, width) = ([16, 8, 16], 8.0 / 16.0);
+    let more = [
+        "periodic: [Y]".to_owned(),
+        String::new(),
+        "smoothing_length_ratio: 2.0".to_owned(),
+    ];
+    let (mut case, dp) = still("Particles", size, None, more);
+    case.blocks
+        .retain(|block| !block.contains("front") && !block.contains("back"));
+    // a block through the water from side to side
+    let held = cuboid([5.0 * dp, -0.3, 4.0 * dp], [9.0 * dp, 0.8, 8.0 * dp]);
+    case.blocks.push(block("held", &held, HELD));
+    (case.domain[0][1], case.domain[1][1]) = (0.0, width);
+    let mut world = case.world();
+    while world.time() < 1.0 {
+        let step = world.next_step(1.0).unwrap();
+        world.step(step).unwrap();
+    }
+    let (speed, pressure) = unrest(&world, size[2] as f64 * dp);
+    println!(
+        "slab: speed {:.3} %, pressure {:.2} %",
+        100.0 * speed,
+        100.0 * pressure
+    );
+    // what is asked of a tank; measured 0.24 and 0.82 %, with walls seen once more 4.2 and 9.8 %
     assert!(speed < 5e-3 && pressure < 1.5e-2, "{speed}, {pressure}");
 }
 
@@ -593,6 +630,16 @@ fn scenes_that_walls_cannot_hold_are_refused() {
         );
     }
     assert!(of("", "").is_empty(), "{:?}", of("", ""));
+    let more = [
+        String::new(),
+        String::new(),
+        "density: Summation".to_owned(),
+    ];
+    let errors = still("Particles", [16; 3], None, more).0.errors();
+    assert_eq!(
+        errors,
+        ["interface.walls: Particles wants `numerics.density` Continuity; use Penalty"]
+    );
 }
 
 #[test]

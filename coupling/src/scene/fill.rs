@@ -3,6 +3,7 @@
 mod basin;
 mod boxes;
 mod count;
+mod gaps;
 mod obstacles;
 mod overlap;
 
@@ -15,6 +16,7 @@ use super::file::{
 };
 use super::resolve::vec3;
 use basin::Poured;
+pub use gaps::narrow_gaps;
 use obstacles::WALL_SLACK;
 pub use overlap::overlaps;
 

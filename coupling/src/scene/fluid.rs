@@ -168,12 +168,15 @@ pub(super) fn resolve(
     let mass = density * lattice.particle_volume();
     let method = *file.interface.walls.get_or_insert(preset.walls);
     let walls = match method {
-        WallMethodFile::Particles => WallSettings {
-            stiffness: 0.0,
-            damping: 0.0,
-            particle_spacing: spacing,
-            standoff: STANDOFF * spacing,
-        },
+        WallMethodFile::Particles => {
+            refuse_particles(&scheme, problems);
+            WallSettings {
+                stiffness: 0.0,
+                damping: 0.0,
+                particle_spacing: spacing,
+                standoff: STANDOFF * spacing,
+            }
+        }
         WallMethodFile::Integral => {
             refuse_integrals(file, &scheme, problems);
             let stiffness = mass * (sound_speed / spacing).powi(2);
@@ -495,6 +498,16 @@ fn openings(
         ));
     }
     Openings::new(inflows, outflows)
+}
+
+/// Walls of particles add to rates of density; a sum for the density itself does not see them.
+fn refuse_particles(scheme: &Scheme, problems: &mut Vec<Problem>) {
+    if scheme.density != DensityMethod::Continuity {
+        problems.push(Problem::error(
+            "interface.walls",
+            "Particles wants `numerics.density` Continuity; use Penalty",
+        ));
+    }
 }
 
 /// What walls of integrals cannot do yet.

@@ -16,7 +16,7 @@ use crate::scene::attachments::{
 };
 use crate::scene::error::{Problem, Severity};
 use crate::scene::file::{OutputFile, SceneFile, Triple, WallMethodFile};
-use crate::scene::fill::{Lattice, lattice, overlaps};
+use crate::scene::fill::{Lattice, lattice, narrow_gaps, overlaps};
 use crate::scene::fluid::mould_rows;
 use crate::scene::grains::{self, GrainsReport};
 use crate::scene::motion::motion;
@@ -113,6 +113,11 @@ impl Scene {
         if problems.iter().any(|p| p.severity == Severity::Error) {
             return Err(problems);
         }
+        problems.extend(
+            lattice
+                .as_ref()
+                .and_then(|water| narrow_gaps(&solids, water, file.domain.dimensions)),
+        );
 
         let speed = expected_speed(&file, &solids, &motions, lattice.as_ref());
         file.numerics.expected_speed.get_or_insert(speed);

@@ -10,7 +10,7 @@ use riprap_sph::boundary::sampling::{
     Region, UnionLattice, WallSample, sample_convex, sample_union,
 };
 use riprap_sph::boundary::wall_particles::{Slip, WallParticles};
-use riprap_sph::{Dimensions, Fluid, Vec3};
+use riprap_sph::{Dimensions, Fluid, Periodicity, Vec3};
 
 use super::{Part, is_fixed, parts};
 
@@ -218,9 +218,13 @@ impl ParticleWalls {
 }
 
 impl Part {
-    /// With every corner moved along y.
-    fn across(&self, map: impl Fn(f64) -> f64) -> Self {
-        let moved = |x: &Vec3| Vec3::new(x.x, map(x.y), x.z);
+    /// With every corner moved along an axis.
+    fn along(&self, axis: usize, map: impl Fn(f64) -> f64) -> Self {
+        let moved = |x: &Vec3| {
+            let mut x = *x;
+            x[axis] = map(x[axis]);
+            x
+        };
         Self {
             faces: self
                 .faces
@@ -243,6 +247,9 @@ impl Part {
 /// How a fluid's walls are sampled.
 struct Sampler {
     lattice: UnionLattice,
+    /// What lies beyond a side that repeats is there already, as an image of what is inside.
+    domain: Region,
+    periodic: Periodicity,
     /// In a flow in a plane: the plane, and the width of the slice; m.
     plane: Option<(f64, f64)>,
 }
@@ -262,6 +269,12 @@ impl Sampler {
             support_radius,
             region: Region { min, max },
         };
+        let domain = lattice.region;
+        let mut repeating = (0..3).filter(|&axis| settings.periodic[axis]);
+        if let (Some(axis), None) = (repeating.next(), repeating.next()) {
+            // a whole number of rows in the period
+            lattice.particle_spacing = settings.particle_spacing[axis];
+        }
         let mut plane = None;
         if let Dimensions::Two { width } = settings.dimensions {
             let middle = 0.5 * (min.y + max.y);
@@ -271,7 +284,17 @@ impl Sampler {
             (lattice.region.min.y, lattice.region.max.y) = (middle - half, middle + half);
             plane = Some((middle, width));
         }
-        Self { lattice, plane }
+        Self {
+            lattice,
+            domain,
+            periodic: settings.periodic,
+            plane,
+        }
+    }
+
+    fn is_no_image(&self, x: &Vec3) -> bool {
+        let Region { min, max } = &self.domain;
+        (0..3).all(|axis| !self.periodic[axis] || (min[axis] <= x[axis] && x[axis] < max[axis]))
     }
 
     /// Points of bodies that are one solid, each with the first part that it is in.
@@ -282,7 +305,7 @@ impl Sampler {
             Some((middle, _)) => {
                 stretched = parts
                     .iter()
-                    .map(|part| part.across(|y| middle + STRETCH * (y - middle)))
+                    .map(|part| part.along(1, |y| middle + STRETCH * (y - middle)))
                     .collect();
                 &stretched
             }
@@ -290,7 +313,8 @@ impl Sampler {
         let faces: Vec<Vec<Face>> = parts.iter().map(Part::faces).collect();
         let faces: Vec<&[Face]> = faces.iter().map(Vec::as_slice).collect();
         let samples = sample_union(&faces, &self.lattice);
-        self.in_slice(samples.iter().map(|s| (s.part, s.sample)))
+        let samples = samples.iter().map(|s| (s.part, s.sample));
+        self.in_slice(samples.filter(|(_, sample)| self.is_no_image(&sample.position)))
     }
 
     /// Points of a body by itself.
@@ -300,14 +324,25 @@ impl Sampler {
         };
         let (spacing, support_radius) =
             (self.lattice.particle_spacing, self.lattice.support_radius);
+        let repeats = self.periodic.contains(&true);
         match self.plane {
+            None if repeats && part.is_upright_box() => {
+                // a whole number of rows in what is inside
+                let Region { min, max } = &self.domain;
+                let inside = (0..3).filter(|&axis| self.periodic[axis]);
+                let inside = inside.fold(part.clone(), |part, axis| {
+                    part.along(axis, |x| x.clamp(min[axis], max[axis]))
+                });
+                sample_convex(&inside.faces(), spacing, support_radius)
+            }
+            None if repeats => self.whole(parts),
             None => sample_convex(&part.faces(), spacing, support_radius),
             Some((middle, _)) if part.is_upright_box() => {
                 // as thin as one row of its own lattice
                 let center =
                     part.corners().map(|x| x.y).sum::<f64>() / part.corners().count() as f64;
                 let half = 0.5 * spacing;
-                let slice = part.across(|y| middle + if y < center { -half } else { half });
+                let slice = part.along(1, |y| middle + if y < center { -half } else { half });
                 let samples = sample_convex(&slice.faces(), spacing, support_radius);
                 let row = self.in_slice(samples.into_iter().map(|sample| (0, sample)));
                 row.into_iter().map(|(_, sample)| sample).collect()
@@ -332,7 +367,7 @@ impl Sampler {
                 region,
                 ..self.lattice
             },
-            plane: self.plane,
+            ..*self
         };
         let union = everywhere.union(parts);
         union.into_iter().map(|(_, sample)| sample).collect()

@@ -8,7 +8,7 @@ use riprap::scene::file::{
     Axis, DimensionsFile, DomainFile, FluidFile, Leaving, RegionFile, RegionShapeFile,
     ResolutionFile, Triple,
 };
-use riprap::scene::fill::{Lattice, lattice, overlaps};
+use riprap::scene::fill::{Lattice, lattice, narrow_gaps, overlaps};
 use riprap_dda::{Isometry, Motion, Polyhedron, Shape, Vec3};
 use riprap_sph::Dimensions;
 
@@ -433,4 +433,25 @@ fn what_is_to_be_packed_has_the_volume_of_the_basin() {
     assert!(plain.mould.is_empty());
     assert!(packed.mould.iter().all(|x| 0.8 < x.z && x.z < 1.0));
     assert_eq!(packed.mould.len(), 4 * 40 * 20);
+}
+
+#[test]
+fn a_gap_of_less_than_two_spacings_is_warned_of() {
+    let warned = |gap: f64, spacing: f64| {
+        let mut solids = tank();
+        solids.push(cuboid("one", [0.8, 0.2, 0.0], [1.0, 0.8, 0.5]));
+        solids.push(cuboid("two", [1.0 + gap, 0.2, 0.0], [1.5, 0.8, 0.5]));
+        let lake = [("lake", below(0.8, (0.1, 0.1, 0.1)))];
+        let water = fluid(&lake, ResolutionFile::Spacing(spacing));
+        let found = lattice(&water, &tank_domain(), &solids, 0).unwrap();
+        narrow_gaps(&solids, &found, DimensionsFile::Three).map(|problem| problem.message)
+    };
+    let text = warned(0.09, 0.05).unwrap();
+    let start = "the gap of 0.090 m between blocks `one` and `two` below the water level is narrower than two \
+                 spacings of 0.050 m";
+    assert!(text.starts_with(start), "{text}");
+    assert!(text.ends_with("refine to 0.045 m"), "{text}");
+    // two spacings, and blocks that touch
+    assert_eq!(warned(0.1, 0.05), None);
+    assert_eq!(warned(0.0, 0.05), None);
 }

@@ -1,0 +1,76 @@
+//! Gaps between blocks that are too narrow for particles to flow through.
+
+use riprap_dda::{Shape, Vec3, separating_axes};
+
+use super::Lattice;
+use super::obstacles::{Part, parts};
+use crate::scene::error::Problem;
+use crate::scene::file::DimensionsFile;
+
+/// Spacings that a gap must be wide for water to pass it.
+const PASSABLE: f64 = 2.0;
+/// Blocks nearer than this touch: nothing is meant to pass; × spacing.
+const CLOSED: f64 = 0.05;
+
+/// A warning where water stands between blocks that are less than two spacings apart, with the narrowest gap.
+///
+/// The width is that along the best separating axis of two convex bodies: exact between faces and edges, less
+/// between corners.
+pub fn narrow_gaps(
+    solids: &[(String, Shape)],
+    lattice: &Lattice,
+    dimensions: DimensionsFile,
+) -> Option<Problem> {
+    let [dx, dy, dz] = lattice.spacing;
+    let spacing = match dimensions {
+        DimensionsFile::Three => dx.max(dy).max(dz),
+        DimensionsFile::Two => dx.max(dz),
+    };
+    let width = PASSABLE * spacing;
+    let parts = parts(solids);
+    let bodies: Vec<_> = parts
+        .iter()
+        .filter_map(|(block, part)| match part {
+            Part::Convex(body) => Some((*block, *body, body.aabb())),
+            Part::Ball { .. } | Part::Surface(_) => None,
+        })
+        .filter(|(_, _, (min, _))| min.z < lattice.still_water_level)
+        .collect();
+    let mut order: Vec<usize> = (0..bodies.len()).collect();
+    order.sort_by(|&a, &b| bodies[a].2.0.x.total_cmp(&bodies[b].2.0.x).then(a.cmp(&b)));
+    let mut found: Vec<(f64, [usize; 2])> = Vec::new();
+    for (k, &a) in order.iter().enumerate() {
+        let (i, body, (min, max)) = &bodies[a];
+        let near = order[k + 1..]
+            .iter()
+            .take_while(|&&b| bodies[b].2.0.x < max.x + width);
+        for &b in near {
+            let (j, other, (low, high)) = &bodies[b];
+            let apart: Vec3 = (low - max).sup(&(min - high));
+            if i == j || width <= apart.max() {
+                continue;
+            }
+            let gap = separating_axes(body, other).best().gap;
+            if CLOSED * spacing < gap && gap < PASSABLE * spacing * (1.0 - 1e-9) {
+                found.push((gap, [*i.min(j), *i.max(j)]));
+            }
+        }
+    }
+    found.sort_by(|p, q| p.0.total_cmp(&q.0).then(p.1.cmp(&q.1)));
+    let (narrowest, [i, j]) = *found.first()?;
+    let others = match found.len() - 1 {
+        0 => String::new(),
+        n => format!(" and {n} more gaps like it"),
+    };
+    Some(Problem::warning(
+        "fluid.resolution",
+        format!(
+            "the gap of {narrowest:.3} m between blocks `{}` and `{}`{others} below the water level is narrower than \
+             two spacings of {spacing:.3} m: water passes it as if it were closed; for a flow through it refine to \
+             {:.3} m",
+            solids[i].0,
+            solids[j].0,
+            narrowest / PASSABLE,
+        ),
+    ))
+}
