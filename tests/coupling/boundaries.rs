@@ -391,3 +391,106 @@ fn twenty_gauges_cost_next_to_nothing() {
     // with their number. Other tests run at the same time
     assert!(share < 0.03, "{share}");
 }
+
+/// A box of `length` by `height` on a floor at its left end, in a plane; m.
+fn dam(
+    [length, height]: [f64; 2],
+    spacing: f64,
+    room: [f64; 2],
+    fluid: &str,
+    rest: &str,
+) -> String {
+    let (wall, [far, top]) = (5.0 * spacing, room);
+    format!(
+        "(title: \"dam\", domain: (min: (-{wall}, 0, -{wall}), max: ({far}, 1, {top}), dimensions: Two),
+        materials: [(name: \"wall\", density: 2400, friction_angle_deg: 30)],
+        blocks: [
+            (name: \"floor\", material: \"wall\", motion: Fixed,
+             shape: Box(min: (-{wall}, -1, -{wall}), max: ({far}, 2, 0))),
+            (name: \"back\", material: \"wall\", motion: Fixed, shape: Box(min: (-{wall}, -1, 0), max: (0, 2, {top}))),
+        ],
+        fluid: ({fluid}, resolution: Spacing({spacing}),
+         regions: [(name: \"dam\", shape: Box(min: (0, 0, 0), max: ({length}, 1, {height})))]),
+        {rest}, time: (duration: 5))"
+    )
+}
+
+/// G13.
+#[test]
+fn mud_slumps_until_its_yield_stress_holds_it() {
+    let (density, yield_stress, side) = (1500.0, 60.0, 0.2);
+    let mud = format!(
+        "density: {density}, rheology: Bingham(dynamic_viscosity: 8, yield_stress: {yield_stress}, \
+         regularization: Bilinear(1000))"
+    );
+    let spacing = side / 16.0;
+    let text = dam(
+        [side; 2],
+        spacing,
+        [1.2, 0.3],
+        &mud,
+        "interface: (slip: None)",
+    );
+    let (mut world, _folder) = world(&text);
+    advance(&mut world, 2.5);
+    let positions = &world.water.as_ref().unwrap().fluid.particles().position;
+    let front = positions.iter().map(|x| x.x).fold(0.0, f64::max) + 0.5 * spacing;
+    let n = positions.iter().filter(|x| x.x < side).count();
+    let depth = n as f64 * spacing * spacing / side;
+    // H² = 2 τ (x_f − x)/(ρ g), and as much mud as before: 2/3 √(2 τ/(ρ g)) x_f^1.5
+    let root = (2.0 * yield_stress / (density * GRAVITY)).sqrt();
+    let exact = (1.5 * side * side / root).powf(2.0 / 3.0);
+    let below = |x: f64| 2.0 / 3.0 * root * (exact - x).powf(1.5);
+    let exact_depth = (below(0.0) - below(side)) / side;
+    println!(
+        "G13: front {front:.3} m, {exact:.3} exact; depth of the first fifth {depth:.4} m, {exact_depth:.4} exact"
+    );
+    // asked 10 %. Measured -4.8 and -3.1 %: it creeps on at 4 mm/s, and inertia took it a little too far at the rear
+    assert!((front / exact - 1.0).abs() < 0.1, "{front}");
+    assert!((depth / exact_depth - 1.0).abs() < 0.1, "{depth}");
+}
+
+/// S09.
+#[test]
+fn a_long_dam_breaks_as_shallow_water_does() {
+    let (depth, spacing) = (0.2, 0.01);
+    let length = 8.0 * depth;
+    let text = dam(
+        [length, depth],
+        spacing,
+        [5.0, 0.3],
+        "density: 1000",
+        "interface: (slip: Free)",
+    );
+    let (mut world, _folder) = world(&text);
+    let unit = (depth / GRAVITY).sqrt();
+    let (mut fronts, mut n, mut flow, mut samples) = (Vec::new(), 0, 0.0, 0);
+    // the wave that runs back meets the rear wall after 8 units
+    for k in 0..=20 {
+        advance(&mut world, (4.0 + 0.15 * f64::from(k)) * unit);
+        let particles = world.water.as_ref().unwrap().fluid.particles();
+        let tip = particles.position.iter().map(|x| x.x).fold(0.0, f64::max);
+        fronts.push((world.time(), tip));
+        samples += 1;
+        for (x, v) in particles.position.iter().zip(&particles.velocity) {
+            if (x.x - length).abs() < 0.25 * depth {
+                n += 1;
+                flow += v.x;
+            }
+        }
+    }
+    let per_width = spacing * spacing / (0.5 * depth * f64::from(samples));
+    let (height, flow) = (f64::from(n) * per_width, flow * per_width);
+    let ((t0, x0), (t1, x1)) = (fronts[0], fronts[fronts.len() - 1]);
+    let wave = (GRAVITY * depth).sqrt();
+    let front = (x1 - x0) / (t1 - t0) / (2.0 * wave);
+    let (height, flow) = (
+        height / (4.0 / 9.0 * depth),
+        flow / (8.0 / 27.0 * depth * wave),
+    );
+    println!("S09, over Ritter's: front {front:.3}, depth at the dam {height:.3}, flow {flow:.3}");
+    // asked: of the order of 10 % past three units of time
+    assert!((height - 1.0).abs() < 0.1, "{height}");
+    assert!((flow - 1.0).abs() < 0.1, "{flow}");
+    assert!((front - 1.0).abs() < 0.1, "{front}");
+}
