@@ -226,7 +226,8 @@ impl Interface {
         };
         let clearance = PUSH_BACK_DISTANCE * self.settings.particle_spacing;
         let is_free = |way: &SurfacePoint| {
-            let to = way.point + way.normal * clearance;
+            // past a side that repeats it comes in again at the other
+            let to = grid.wrapped(way.point + way.normal * clearance);
             !near(&to).any(|part| {
                 let surface = blocks.surface_point_within(part, &to, 0.0);
                 surface.is_some_and(|surface| surface.distance < 0.0)

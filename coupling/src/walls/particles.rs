@@ -299,22 +299,29 @@ impl Sampler {
 
     /// Points of bodies that are one solid, each with the first part that it is in.
     fn union(&self, parts: &[Part]) -> Vec<(usize, WallSample)> {
-        let stretched: Vec<Part>;
-        let parts = match self.plane {
-            None => parts,
-            Some((middle, _)) => {
-                stretched = parts
-                    .iter()
-                    .map(|part| part.along(1, |y| middle + STRETCH * (y - middle)))
-                    .collect();
-                &stretched
-            }
-        };
+        let parts: Vec<Part> = parts.iter().map(|part| self.endless(part)).collect();
         let faces: Vec<Vec<Face>> = parts.iter().map(Part::faces).collect();
         let faces: Vec<&[Face]> = faces.iter().map(Vec::as_slice).collect();
         let samples = sample_union(&faces, &self.lattice);
         let samples = samples.iter().map(|s| (s.part, s.sample));
         self.in_slice(samples.filter(|(_, sample)| self.is_no_image(&sample.position)))
+    }
+
+    /// The part without the ends that it has across a flow in a plane, or at both sides of a domain that repeats.
+    fn endless(&self, part: &Part) -> Part {
+        let Region { min, max } = &self.domain;
+        let slack = 1e-6 * self.lattice.particle_spacing;
+        let (low, high) = part.aabb();
+        let is_endless = |axis: usize| {
+            let spans = low[axis] < min[axis] + slack && max[axis] - slack < high[axis];
+            (self.plane.is_some() && axis == 1) || (self.periodic[axis] && spans)
+        };
+        (0..3)
+            .filter(|&axis| is_endless(axis))
+            .fold(part.clone(), |part, axis| {
+                let middle = 0.5 * (min[axis] + max[axis]);
+                part.along(axis, |x| middle + STRETCH * (x - middle))
+            })
     }
 
     /// Points of a body by itself.
@@ -358,9 +365,11 @@ impl Sampler {
             min: region.min.inf(x),
             max: region.max.sup(x),
         });
-        if self.plane.is_some() {
-            let slice = &self.lattice.region;
-            (region.min.y, region.max.y) = (slice.min.y, slice.max.y);
+        let narrow = &self.lattice.region;
+        for axis in 0..3 {
+            if self.periodic[axis] || (self.plane.is_some() && axis == 1) {
+                (region.min[axis], region.max[axis]) = (narrow.min[axis], narrow.max[axis]);
+            }
         }
         let everywhere = Self {
             lattice: UnionLattice {
