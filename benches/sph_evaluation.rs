@@ -100,6 +100,7 @@ fn tank(dp: f64, ratio: f64, precision: Precision) -> Result<Tank, FluidError> {
         time_step_factor: 0.2,
         domain: (Vec3::zeros(), Vec3::from(size)),
         periodic: [false; 3],
+        symmetry: [[false; 2]; 3],
     };
     let mut start = Start::default();
     for k in 0..n[2] {

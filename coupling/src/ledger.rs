@@ -81,7 +81,7 @@ pub(crate) struct Ledger {
     pub(crate) pushed_back: f64,
     /// Given by prescribed blocks to the fluid; J.
     wall_work: f64,
-    /// Given by blocks that are not free, and by gravity, to the fluid; kg m/s.
+    /// Given by blocks that are not free, by planes of symmetry and by gravity to the fluid; kg m/s.
     pub(crate) impulse: Vec3,
     /// Sum of the sizes of these impulses; kg m/s.
     exchanged: f64,
@@ -141,10 +141,11 @@ impl Ledger {
             }
         }
         let weight = world.gravity * water.fluid.mass();
+        let mirrored = water.fluid.plane_force();
         self.wall_damping += power * dt;
         self.wall_work += work * dt;
-        self.impulse += (impulse + weight) * dt;
-        self.exchanged += (impulse.norm() + weight.norm()) * dt;
+        self.impulse += (impulse + weight + mirrored) * dt;
+        self.exchanged += (impulse.norm() + weight.norm() + mirrored.norm()) * dt;
     }
 }
 
@@ -208,19 +209,19 @@ impl World {
     /// Momentum that nothing explains, over the momentum exchanged with walls and gravity.
     ///
     /// ```text
-    /// |P(t) + P_removed − P(0) − J_walls − J_gravity| / Σ |J|
+    /// |P(t) + P_removed − P(0) − J_walls − J_symmetry − J_gravity| / Σ |J|
     /// ```
     pub fn momentum_residual(&self) -> f64 {
-        let support = self.blocks.support_impulse();
+        let mut given = self.ledger.impulse + self.blocks.support_impulse();
+        if let Some(water) = &self.water {
+            given += water.fluid.reflected();
+        }
         let removed = self.ledger.removed_momentum
             + self
                 .water
                 .as_ref()
                 .map_or(Vec3::zeros(), |water| water.fluid.removed().momentum);
-        let unexplained = self.momentum() + removed
-            - self.ledger.momentum_at_start
-            - self.ledger.impulse
-            - support;
+        let unexplained = self.momentum() + removed - self.ledger.momentum_at_start - given;
         let exchanged = self.ledger.exchanged
             + self.blocks.impulse_exchanged()
             + self.ledger.momentum_at_start.norm();

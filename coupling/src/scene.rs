@@ -14,6 +14,7 @@ pub mod raster;
 pub mod resolve;
 pub mod rock_mass;
 pub mod shape;
+pub(crate) mod symmetry;
 pub mod validate;
 
 use std::path::Path;

@@ -3,12 +3,13 @@
 use std::time::{Duration, Instant};
 
 use riprap_dda::{Blocks, Load, Motion, Phase};
-use riprap_sph::{Absorber, Fluid, FluidError, Vec3};
+use riprap_sph::{Absorber, Fluid, FluidError, SymmetryPlane, Vec3};
 
 use crate::interface::{Interface, WallSettings};
 use crate::ledger::Ledger;
 use crate::openings::Openings;
 use crate::scene::file::Leaving;
+use crate::scene::symmetry::TOUCH;
 use crate::time_step::{Cause, Limits, TimeStep};
 use crate::walls::Walls;
 
@@ -30,6 +31,8 @@ pub struct World {
     pub(crate) phases: PhaseTimes,
     /// Scratch: impulses on blocks.
     impulses: Vec<Load>,
+    /// Blocks that move and are to stay clear of planes of symmetry.
+    kept_clear: Vec<usize>,
     leaving: Leaving,
 }
 
@@ -158,6 +161,21 @@ pub enum StepError {
         /// Particles or blocks.
         what: &'static str,
     },
+    /// A moving block came to a plane of symmetry, where it would meet its mirror image.
+    #[error(
+        "at t = {time:.6} s, step {step}: block {block} came to the plane of symmetry across axis {axis}, where it \
+         would meet its mirror image; move the plane away or model the whole"
+    )]
+    AtPlane {
+        /// s.
+        time: f64,
+        /// Number of the step.
+        step: u64,
+        /// Number of the block.
+        block: usize,
+        /// 0, 1, 2 for x, y, z.
+        axis: usize,
+    },
     /// A step too small to get anywhere.
     #[error(
         "at t = {time:.6} s, step {step}: the step fell to {dt:e} s, limited by {cause:?}; {remedy}"
@@ -230,8 +248,16 @@ impl World {
             extremes: Extremes::default(),
             phases: PhaseTimes::default(),
             impulses: vec![Load::default(); n_blocks],
+            kept_clear: Vec::new(),
             leaving: Leaving::Removed,
         };
+        if world.symmetry_planes().next().is_some() {
+            // what touches a plane from the start was found to move along it
+            let touch = TOUCH * (world.domain.1 - world.domain.0).norm();
+            world.kept_clear = (0..n_blocks)
+                .filter(|&b| !world.is_fixed(b) && world.plane_within(b, touch).is_none())
+                .collect();
+        }
         world.evaluate_fluid(0.0)?;
         world.open_ledger();
         Ok(world)
@@ -469,6 +495,41 @@ impl World {
                 count,
                 what: "blocks",
             });
+        }
+        self.check_planes()
+    }
+
+    fn symmetry_planes(&self) -> impl Iterator<Item = SymmetryPlane> + use<> {
+        let water = self.water.as_ref();
+        water
+            .map(|water| water.fluid.settings().symmetry_planes())
+            .into_iter()
+            .flatten()
+    }
+
+    /// A plane of symmetry from which a block is less than a distance (m).
+    fn plane_within(&self, block: usize, distance: f64) -> Option<SymmetryPlane> {
+        self.symmetry_planes().find(|plane| {
+            self.blocks.parts_of(block).any(|part| {
+                let (min, max) = self.blocks.part_aabb(part);
+                plane.distance(if plane.is_upper { &max } else { &min }) < distance
+            })
+        })
+    }
+
+    fn check_planes(&self) -> Result<(), StepError> {
+        for &block in &self.kept_clear {
+            if self.blocks.is_removed(block) {
+                continue;
+            }
+            if let Some(plane) = self.plane_within(block, 0.0) {
+                return Err(StepError::AtPlane {
+                    time: self.clock.time,
+                    step: self.clock.steps,
+                    block,
+                    axis: plane.axis,
+                });
+            }
         }
         Ok(())
     }

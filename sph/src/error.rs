@@ -25,6 +25,16 @@ pub enum FluidError {
         /// m.
         support_radius: f64,
     },
+    /// A side of the domain cannot be a plane of symmetry.
+    #[error(
+        "the domain cannot have a plane of symmetry across axis {axis}: {reason}; choose another side"
+    )]
+    Symmetry {
+        /// 0, 1, 2 for x, y, z.
+        axis: usize,
+        /// Why not.
+        reason: &'static str,
+    },
     /// More particles than neighbour ids can number.
     #[error(
         "{count} fluid particles are more than the {limit} that neighbour lists can number; coarsen the spacing"

@@ -30,7 +30,7 @@ use crate::terms::continuity::Rate;
 use crate::terms::disorder::Spread;
 use crate::terms::gradient::StrainSums;
 use crate::terms::momentum::ForceDensity;
-use crate::{CHUNK, Particles, Rheology, Vec3};
+use crate::{CHUNK, Particles, Rheology, Symmetry, Vec3};
 
 /// Most particles that neighbour ids can number.
 pub const MAX_PARTICLES: usize = 1 << 31;
@@ -69,6 +69,8 @@ pub struct Settings {
     pub domain: (Vec3, Vec3),
     /// Which directions repeat.
     pub periodic: Periodicity,
+    /// Which sides of the domain are planes of symmetry; not along gravity, nor where directions repeat.
+    pub symmetry: Symmetry,
 }
 
 /// Particles at the start, one slot each.
@@ -148,6 +150,10 @@ pub struct Fluid {
     /// Energy of compression taken by density diffusion since the ledger was opened; J.
     diffusive_loss: f64,
     removed: Removed,
+    /// Force of the planes of symmetry at the last evaluation; N.
+    pub(crate) plane_force: Vec3,
+    /// Momentum of what the planes of symmetry sent back since the ledger was opened; kg m/s.
+    pub(crate) reflected: Vec3,
     pub(crate) scratch: Scratch,
 }
 
@@ -169,7 +175,7 @@ pub(crate) struct Scratch {
     pub(crate) extra: AnyPoints,
     /// Apparent viscosities, where they vary.
     pub(crate) viscosities: AnyPoints,
-    partial: Vec<f64>,
+    pub(crate) partial: Vec<f64>,
     keep: Vec<bool>,
 }
 
@@ -179,7 +185,8 @@ impl Fluid {
     /// # Errors
     ///
     /// [`FluidError::Setting`] for a setting out of range, [`FluidError::NarrowPeriod`] for a slab
-    /// narrower than the support, [`FluidError::TooManyParticles`].
+    /// narrower than the support, [`FluidError::Symmetry`] for a plane in which nothing can be mirrored,
+    /// [`FluidError::TooManyParticles`].
     pub fn new(start: Start, settings: Settings) -> Result<Self, FluidError> {
         settings.check()?;
         let n = start.positions.len();
@@ -234,6 +241,8 @@ impl Fluid {
             viscous_loss: 0.0,
             diffusive_loss: 0.0,
             removed: Removed::default(),
+            plane_force: Vec3::zeros(),
+            reflected: Vec3::zeros(),
             scratch: Scratch::default(),
             settings,
         })
@@ -362,6 +371,7 @@ impl Fluid {
         self.viscous_loss = 0.0;
         self.diffusive_loss = 0.0;
         self.removed = Removed::default();
+        self.reflected = Vec3::zeros();
     }
 
     /// Adds `dt` times the acceleration to the velocities, and books the work of viscosity.
@@ -423,13 +433,17 @@ impl Fluid {
         }
     }
 
-    /// Sorts the particles by cell if they have moved far enough since the last time: then removes those that
-    /// left the domain, and takes those that left through a periodic side to the other one.
+    /// Sorts the particles by cell if they have moved far enough since the last time: then sends back those that
+    /// passed a plane of symmetry, removes those that left the domain, and takes those that left through a
+    /// periodic side to the other one.
     /// Returns how many were removed. Accelerations are stale after a sort.
     pub fn refresh(&mut self) -> u64 {
         // both of a pair may have moved
         if 2.0 * self.moved <= SKIN * self.settings.support_radius() {
             return 0;
+        }
+        if self.settings.has_symmetry() {
+            self.reflect();
         }
         let gone = self.remove_escaped();
         self.sort();
@@ -714,6 +728,9 @@ impl Fluid {
     /// Accelerations from pressure, viscosity and gravity; walls are added afterwards.
     pub fn update_accelerations(&mut self) {
         sums::forces(self);
+        if self.settings.has_symmetry() {
+            self.sum_plane_force();
+        }
         let Particles {
             density,
             acceleration,
@@ -956,6 +973,6 @@ impl Settings {
                 range: "at most 1",
             });
         }
-        Ok(())
+        self.check_symmetry((1.0 + SKIN) * self.support_radius())
     }
 }

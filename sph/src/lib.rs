@@ -44,6 +44,11 @@
 //! [`boundary`]: particles inside solids with pressures continued from the fluid, and exact integrals
 //! of the kernel over polyhedra. Penalty walls belong to whoever owns the solids.
 //!
+//! # Symmetry
+//!
+//! A side of the domain can be a plane of symmetry, in which water and walls see their mirror image:
+//! [`mirror`].
+//!
 //! # Signs and names
 //!
 //! `a` receives, `b` is the neighbour; vectors between them point from `b` to `a`. Pressure is
@@ -52,7 +57,7 @@
 //! # Reading order
 //!
 //! [`kernel`], [`particles`], [`cells`], [`scheme`], [`state_equation`], `lanes`, `points`, `sweep`,
-//! `terms`, `sums`, [`fluid`], [`boundary`], [`sample`], [`energy`].
+//! `terms`, [`mirror`], `sums`, [`fluid`], [`boundary`], [`sample`], [`energy`].
 //!
 //! # References
 //!
@@ -68,6 +73,7 @@ pub mod exchange;
 pub mod fluid;
 pub mod kernel;
 mod lanes;
+pub mod mirror;
 mod packing;
 pub mod particles;
 mod points;
@@ -85,6 +91,7 @@ pub use error::FluidError;
 pub use exchange::{Absorber, Exchange};
 pub use fluid::{Fluid, ParticleForce, Settings, Start, StepLimits};
 pub use kernel::{Dimensions, KernelChoice};
+pub use mirror::{Symmetry, SymmetryPlane};
 pub use particles::Particles;
 pub use rheology::{Regularization, Rheology};
 pub use scheme::Scheme;

@@ -4,6 +4,7 @@ use nalgebra::Matrix3;
 
 use crate::cells::{MAX_RUNS, Run};
 use crate::kernel::{Dimensions, Kernel, PointKernel};
+use crate::mirror::{Image, MOST_IMAGES};
 use crate::{Fluid, Vec3};
 
 /// The fluid at a point.
@@ -30,6 +31,18 @@ const SURE_SHARE: f64 = 0.25;
 /// Least spread of the particles about their mean, over the squared smoothing length, for which a linear
 /// field is fitted. A full kernel has some 0.3, a half one along its normal 0.1, a single row nothing.
 const LEAST_SPREAD: f64 = 0.02;
+
+/// A particle, or its image in planes of symmetry, near a point.
+struct Near {
+    /// From the point to it; m.
+    offset: Vec3,
+    /// Pa.
+    pressure: f64,
+    /// m/s.
+    velocity: Vec3,
+    /// Kernel value.
+    weight: f64,
+}
 
 /// Sums over the neighbours of a point, offsets `d = (x_b − x)/h`.
 struct Moments {
@@ -74,7 +87,7 @@ impl Fluid {
     pub fn filled_share(&self, point: &Vec3) -> f64 {
         let volume = self.particle_volume();
         let mut share = 0.0;
-        self.for_each_near(point, |_, _, w| share += volume * w);
+        self.for_each_near(point, |near| share += volume * near.weight);
         share
     }
 
@@ -95,7 +108,6 @@ impl Fluid {
     pub fn sample(&self, point: &Vec3) -> Option<Sample> {
         let settings = self.settings();
         let h = settings.smoothing_length;
-        let particles = self.particles();
         let mut sums = Moments {
             weight: 0.0,
             first: Vec3::zeros(),
@@ -103,16 +115,12 @@ impl Fluid {
             fields: [0.0; 4],
             slopes: [Vec3::zeros(); 4],
         };
-        self.for_each_near(point, |b, offset, w| {
-            let d = offset / h;
-            let v = particles.velocity[b];
+        self.for_each_near(point, |near| {
+            let (d, v, w) = (near.offset / h, near.velocity, near.weight);
             sums.weight += w;
             sums.first += d * w;
             sums.second += d * d.transpose() * w;
-            for (k, f) in [particles.pressure[b], v.x, v.y, v.z]
-                .into_iter()
-                .enumerate()
-            {
+            for (k, f) in [near.pressure, v.x, v.y, v.z].into_iter().enumerate() {
                 sums.fields[k] += f * w;
                 sums.slopes[k] += d * (f * w);
             }
@@ -173,7 +181,8 @@ impl Fluid {
         }
     }
 
-    /// Height of the highest particle within the support of a vertical line; m.
+    /// Height of the highest particle within the support of a vertical line; images in planes of symmetry are
+    /// farther off than what they are of; m.
     fn highest_near(&self, x: f64, y: f64) -> Option<f64> {
         let grid = self.grid();
         let support = self.settings().support_radius();
@@ -197,22 +206,34 @@ impl Fluid {
         None
     }
 
-    /// Calls `visit` with each particle within the support of a point, its offset from it and its kernel
-    /// value.
-    fn for_each_near(&self, point: &Vec3, mut visit: impl FnMut(usize, Vec3, f64)) {
+    /// Calls `visit` with each particle, and each image in planes of symmetry, within the support of a point.
+    fn for_each_near(&self, point: &Vec3, mut visit: impl FnMut(&Near)) {
         let (grid, settings) = (self.grid(), self.settings());
         let support = settings.support_radius();
         let kernel = PointKernel::new(settings.scheme.kernel, support, settings.dimensions);
         let mut runs = [Run::default(); MAX_RUNS];
+        let reach = support + self.moved();
+        let particles = self.particles();
+        let mut images = [Image::default(); MOST_IMAGES];
         let point = self.in_plane(*point);
-        let n = grid.runs_within(&point, support + self.moved(), &mut runs);
-        for run in &runs[..n] {
-            let seen_from = point - grid.image_shift(run.image);
-            for b in run.start as usize..run.end as usize {
-                let offset = self.particles().position[b] - seen_from;
-                let r2 = offset.norm_squared();
-                if r2 < support * support {
-                    visit(b, offset, kernel.value(r2.sqrt()));
+        let n_images = settings.mirrors().images_within(&point, reach, &mut images);
+        // the image of the point sees the particles as the point sees their images, see `mirror`
+        for image in &images[..n_images] {
+            let signs = Vec3::from(image.signs());
+            let n = grid.runs_within(&image.position, reach, &mut runs);
+            for run in &runs[..n] {
+                let seen_from = image.position - grid.image_shift(run.image);
+                for b in run.start as usize..run.end as usize {
+                    let offset = particles.position[b] - seen_from;
+                    let r2 = offset.norm_squared();
+                    if r2 < support * support {
+                        visit(&Near {
+                            offset: offset.component_mul(&signs),
+                            pressure: particles.pressure[b],
+                            velocity: particles.velocity[b].component_mul(&signs),
+                            weight: kernel.value(r2.sqrt()),
+                        });
+                    }
                 }
             }
         }

@@ -50,6 +50,7 @@ impl Setup<'_> {
             grid: self.from.grid,
             frame: self.from.frame,
             points: L::Record::of(self.from.points),
+            mirrors: self.settings.mirrors(),
             support_radius: self.settings.support_radius(),
             moved: self.from.moved,
         };

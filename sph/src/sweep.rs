@@ -9,8 +9,9 @@ use rayon::prelude::*;
 
 use crate::cells::{CellGrid, MAX_RUNS, OWN_IMAGE, Run};
 use crate::lanes::{FILTER_WIDTH, Lanes, Machine, Portable, RECORD, Record, Sight, Task};
+use crate::mirror::{Image, MOST_IMAGES, Mirrors};
 use crate::points::{Frame, Points};
-use crate::terms::splat3;
+use crate::terms::{Lanes3, splat3};
 use crate::{CHUNK, Vec3};
 
 /// Neighbours in a buffer before they are summed: 2 KiB, within the first cache.
@@ -54,6 +55,10 @@ pub(crate) trait Term<L: Lanes>: Sync {
     fn zero(&self, machine: L::Machine) -> Self::Sums;
     /// Adds a register of neighbours; `ids` are their indices.
     fn add(&self, own: &Self::Own, pair: &Pair<L>, ids: &[u32], sums: &mut Self::Sums);
+    /// Values of the receiver's mirror image: `signs` are −1 along axes that are reversed, 1 along others.
+    fn mirrored(&self, own: &Self::Own, signs: &Lanes3<L>) -> Self::Own;
+    /// Mirrors sums under way; twice is not at all.
+    fn mirror(&self, sums: &mut Self::Sums, signs: &Lanes3<L>);
     /// Writes the result of receiver `a`; `n_found` neighbours were within the support, itself included.
     fn finish(&self, a: usize, sums: Self::Sums, n_found: u32, out: &mut Self::Out);
 }
@@ -63,6 +68,8 @@ pub(crate) struct Sources<'a, R> {
     pub grid: &'a CellGrid,
     pub frame: &'a Frame,
     pub points: &'a Points<R>,
+    /// Planes in which the receivers see the points mirrored.
+    pub mirrors: Mirrors,
     /// Support radius; m.
     pub support_radius: f64,
     /// Farthest that points may have moved since the grid was sorted; m.
@@ -151,74 +158,137 @@ where
             out,
             n_found: total,
         } = self;
-        let Sources {
-            grid,
-            frame,
-            points,
-            support_radius,
-            moved,
-        } = *sources;
-        let scale = frame.quantum().map(|q| q as f32);
-        let quanta = splat3(machine, frame.quantum());
-        let reach = support_radius + 2.0 * moved;
-        let radius2 = (support_radius * support_radius * FILTER_MARGIN) as f32;
-        let mut runs = [Run::default(); MAX_RUNS];
-        let mut found = [0u32; BUFFER];
+        let reach = sources.support_radius + 2.0 * sources.moved;
+        let radius2 = (sources.support_radius * sources.support_radius * FILTER_MARGIN) as f32;
+        let mut view = View::<L, T> {
+            machine,
+            term,
+            sources,
+            scale: sources.frame.quantum().map(|q| q as f32),
+            quanta: splat3(machine, sources.frame.quantum()),
+            reach,
+            radius2,
+            runs: [Run::default(); MAX_RUNS],
+            found: [0; BUFFER],
+        };
+        let mut images = [Image::default(); MOST_IMAGES];
         for (k, out) in out.iter_mut().enumerate() {
             let a = receivers.index(first + k);
             let position = &receivers.positions[a];
-            let n_runs = grid.runs_within(position, reach, &mut runs);
             let own = term.own(machine, a);
             let mut sums = term.zero(machine);
             let mut n_found = 0;
-            let mut from = 0;
-            // one pass per image: all its neighbours are seen from the same shifted place
-            while from < n_runs {
-                let image = runs[from].image;
-                let place = if image == OWN_IMAGE {
-                    frame.place(position)
-                } else {
-                    frame.place(&(position - grid.image_shift(image)))
-                };
-                let sight = Sight {
-                    place: place.quanta,
-                    scale,
-                    radius2,
-                };
-                let seen = Seen::<L> {
-                    machine,
-                    place: [
-                        L::coordinate(machine, &place, 0),
-                        L::coordinate(machine, &place, 1),
-                        L::coordinate(machine, &place, 2),
-                    ],
-                    quanta,
-                };
-                let mut n = 0;
-                while from < n_runs && runs[from].image == image {
-                    let mut start = runs[from].start as usize;
-                    let end = runs[from].end as usize;
-                    while start < end {
-                        // as many candidates as the buffer surely holds
-                        let room = (BUFFER - FILTER_WIDTH - n) / FILTER_WIDTH * FILTER_WIDTH;
-                        if room == 0 {
-                            seen.add_all(term, &own, points, (&mut found, n), &mut sums);
-                            n_found += n as u32;
-                            n = 0;
-                            continue;
-                        }
-                        let stop = end.min(start + room);
-                        n = machine.filter(points.columns(), start..stop, &sight, &mut found, n);
-                        start = stop;
-                    }
-                    from += 1;
+            let n_images = sources.mirrors.images_within(position, reach, &mut images);
+            for image in &images[..n_images] {
+                let is_mirrored = !image.is_itself();
+                let signs = splat3(machine, image.signs());
+                let mut own = own;
+                if is_mirrored {
+                    // the image of the receiver sees the points themselves, see `mirror`
+                    own = term.mirrored(&own, &signs);
+                    term.mirror(&mut sums, &signs);
                 }
-                seen.add_all(term, &own, points, (&mut found, n), &mut sums);
-                n_found += n as u32;
+                n_found += view.add_near(&image.position, &own, &mut sums);
+                if is_mirrored {
+                    term.mirror(&mut sums, &signs);
+                }
             }
             term.finish(a, sums, n_found, out);
             *total += u64::from(n_found);
         }
+    }
+}
+
+/// What receivers see of the points, one after the other.
+struct View<'a, L: Lanes, T: Term<L>> {
+    machine: L::Machine,
+    term: &'a T,
+    sources: &'a Sources<'a, L::Record>,
+    /// Metres per quantum.
+    scale: [f32; 3],
+    quanta: Lanes3<L>,
+    /// Farthest that a point within the support may have been sorted from a receiver; m.
+    reach: f64,
+    radius2: f32,
+    runs: [Run; MAX_RUNS],
+    found: [u32; BUFFER],
+}
+
+impl<L, T> View<'_, L, T>
+where
+    L: Lanes,
+    L::Machine: Machine,
+    L::Record: Default,
+    T: Term<L>,
+{
+    /// Adds all points within the support of a place; returns how many they are.
+    #[inline(always)]
+    fn add_near(&mut self, position: &Vec3, own: &T::Own, sums: &mut T::Sums) -> u32 {
+        let Self {
+            machine,
+            term,
+            sources,
+            scale,
+            quanta,
+            reach,
+            radius2,
+            ref mut runs,
+            ref mut found,
+        } = *self;
+        let Sources {
+            grid,
+            frame,
+            points,
+            ..
+        } = *sources;
+        let n_runs = grid.runs_within(position, reach, runs);
+        let mut n_found = 0;
+        let mut from = 0;
+        // one pass per periodic image: all its neighbours are seen from the same shifted place
+        while from < n_runs {
+            let image = runs[from].image;
+            let place = if image == OWN_IMAGE {
+                frame.place(position)
+            } else {
+                frame.place(&(position - grid.image_shift(image)))
+            };
+            let sight = Sight {
+                place: place.quanta,
+                scale,
+                radius2,
+            };
+            let seen = Seen::<L> {
+                machine,
+                place: [
+                    L::coordinate(machine, &place, 0),
+                    L::coordinate(machine, &place, 1),
+                    L::coordinate(machine, &place, 2),
+                ],
+                quanta,
+            };
+            let mut n = 0;
+            while from < n_runs && runs[from].image == image {
+                let mut start = runs[from].start as usize;
+                let end = runs[from].end as usize;
+                while start < end {
+                    // as many candidates as the buffer surely holds
+                    let room = (BUFFER - FILTER_WIDTH - n) / FILTER_WIDTH * FILTER_WIDTH;
+                    if room == 0 {
+                        seen.add_all(term, own, points, (found, n), sums);
+                        n_found += n as u32;
+                        n = 0;
+                        continue;
+                    }
+                    let stop = end.min(start + room);
+                    n = machine.filter(points.columns(), start..stop, &sight, found, n);
+                    start = stop;
+                }
+                from += 1;
+            }
+            seen.add_all(term, own, points, (found, n), sums);
+            n_found += n as u32;
+        }
+        n_found
     }
 }
 

@@ -35,6 +35,12 @@ pub(crate) fn minus<L: Lanes>(a: &Lanes3<L>, b: &Lanes3<L>) -> Lanes3<L> {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
 }
 
+/// Reverses components: `signs` are −1 or 1.
+#[inline(always)]
+pub(crate) fn signed<L: Lanes>(v: &Lanes3<L>, signs: &Lanes3<L>) -> Lanes3<L> {
+    [v[0] * signs[0], v[1] * signs[1], v[2] * signs[2]]
+}
+
 /// The sums over lanes of three registers.
 #[inline(always)]
 pub(crate) fn totals<L: Lanes>(sums: Lanes3<L>) -> [f64; 3] {

@@ -11,6 +11,7 @@ mod flow;
 mod invariants;
 mod mud;
 mod support;
+mod symmetry;
 mod twin;
 mod walls;
 mod water;

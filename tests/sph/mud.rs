@@ -79,6 +79,7 @@ impl Layer {
                 Vec3::new(period, 1.0, self.depth + 10.0 * dp),
             ),
             periodic: [true, false, false],
+            symmetry: [[false; 2]; 3],
         };
         let state = State {
             equation: settings.scheme.state_equation,

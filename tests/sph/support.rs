@@ -66,6 +66,7 @@ impl PeriodicBox {
             time_step_factor: self.time_step_factor,
             domain: (Vec3::zeros(), extent),
             periodic: [true; 3],
+            symmetry: [[false; 2]; 3],
         };
         let mut fluid = Fluid::new(start, settings).unwrap();
         evaluate(&mut fluid);

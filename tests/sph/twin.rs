@@ -84,6 +84,7 @@ impl Crowd {
             time_step_factor: 0.5,
             domain: (Vec3::zeros(), self.extent),
             periodic: self.periodic,
+            symmetry: [[false; 2]; 3],
         }
     }
 

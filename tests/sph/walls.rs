@@ -175,6 +175,7 @@ fn still_slab(ratio: f64) -> Still {
             Vec3::new(f64::from(nx) * dp, f64::from(ny) * dp, 1.5 * DEPTH),
         ),
         periodic: [false, true, false],
+        symmetry: [[false; 2]; 3],
     };
     let layered = |i: std::ops::Range<i32>, k: std::ops::Range<i32>| -> Vec<Vec3> {
         lattice(dp, i, k)

@@ -34,6 +34,7 @@ impl Plane {
             time_step_factor: self.time_step_factor,
             domain: (Vec3::new(x0, 0.0, z0), Vec3::new(x1, 1.0, z1)),
             periodic: [self.periodic[0], false, self.periodic[1]],
+            symmetry: [[false; 2]; 3],
         }
     }
 }

@@ -220,6 +220,17 @@ pub(crate) fn describe(scene: &Scene, folder: &Path) -> String {
     if !axes.is_empty() {
         line("periodic", format!("along {}", axes.join(", ")));
     }
+    let sides = &scene.file.domain.symmetry;
+    if !sides.is_empty() {
+        let sides: Vec<String> = sides.iter().map(|side| format!("{side:?}")).collect();
+        line(
+            "symmetry",
+            format!(
+                "in {}; loads and energies are of this part",
+                sides.join(", ")
+            ),
+        );
+    }
     let time = &scene.file.time;
     let settling = match (&scene.fluid, time.settle > 0.0) {
         (Some(_), true) => format!(", after {} s of settling with blocks held", time.settle),

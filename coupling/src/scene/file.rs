@@ -88,6 +88,10 @@ pub struct DomainFile {
     /// spacings thick and periodic across makes a 2-D flume at a 2-D price.
     #[serde(default)]
     pub periodic: Vec<Axis>,
+    /// Sides that are planes of symmetry: half of a symmetric flow stands for the whole. Water and blocks beyond
+    /// are the mirror image of what is before; free blocks may not touch such a side.
+    #[serde(default)]
+    pub symmetry: Vec<SideFile>,
     /// What becomes of a particle or block that leaves.
     #[serde(default)]
     pub leaving: Leaving,
@@ -883,7 +887,7 @@ pub enum WallMethodFile {
     /// Particles inside the walls, with pressures continued from the fluid.
     Particles,
     /// Exact integrals of the kernel over polyhedra: no wall particles, for large faces and thin bodies. Wants
-    /// Wendland's kernel, density from continuity, three dimensions and no periodic direction.
+    /// Wendland's kernel, density from continuity, three dimensions, no periodic direction and no plane of symmetry.
     Integral,
 }
 

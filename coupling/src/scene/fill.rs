@@ -28,7 +28,8 @@ const NEAREST_OF_REGIONS: f64 = 0.9;
 /// Particles at the start.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Lattice {
-    /// Along x, y, z; a periodic direction holds a whole number of spacings; m.
+    /// Along x, y, z; a periodic direction holds a whole number of spacings, and so does one that ends at a plane
+    /// of symmetry; m.
     pub spacing: [f64; 3],
     /// m.
     pub positions: Vec<Vec3>,
@@ -119,12 +120,16 @@ pub fn lattice(
     }
 }
 
-/// Spacings along x, y, z: a periodic direction takes the nearest one that closes on itself; a flow in a plane
-/// has one row across.
+/// Spacings along x, y, z: a periodic direction takes the nearest one that closes on itself, one that ends at a
+/// plane of symmetry the nearest one that does so half a spacing off; a flow in a plane has one row across.
 fn spacings(domain: &DomainFile, wanted: f64) -> [f64; 3] {
     let extent = vec3(domain.max) - vec3(domain.min);
     let mut spacing = [wanted; 3];
-    for axis in domain.periodic.iter().map(|axis: &Axis| axis.index()) {
+    let periodic = domain.periodic.iter().map(|axis: &Axis| axis.index());
+    let mirrored = domain.symmetry.iter().map(|side| side.axis());
+    // rows are counted from the lower side
+    let mirrored = mirrored.filter_map(|(axis, is_upper)| is_upper.then_some(axis));
+    for axis in periodic.chain(mirrored) {
         spacing[axis] = extent[axis] / (extent[axis] / wanted).round().max(1.0);
     }
     if domain.dimensions == DimensionsFile::Two {
@@ -286,6 +291,7 @@ mod tests {
             min: (0.0, 0.0, -0.5),
             max: (4.0, 0.4, 2.0),
             periodic,
+            symmetry: Vec::new(),
             leaving: Leaving::Removed,
             dimensions: DimensionsFile::Three,
         }

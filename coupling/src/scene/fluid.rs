@@ -223,9 +223,11 @@ pub(super) fn resolve(
         time_step_factor: factor,
         domain: (vec3(file.domain.min), vec3(file.domain.max)),
         periodic: [Axis::X, Axis::Y, Axis::Z].map(|axis| file.domain.periodic.contains(&axis)),
+        symmetry: super::symmetry::symmetry(&file.domain),
     };
     let work = (file.time.duration, lattice.positions.len());
     problems.extend(slow_viscosity(&settings, &laws, work));
+    super::symmetry::question_rows(&file.domain, &lattice, problems);
     FluidScene {
         settings,
         walls,
@@ -529,6 +531,9 @@ fn refuse_integrals(file: &SceneFile, scheme: &Scheme, problems: &mut Vec<Proble
     }
     if !file.domain.periodic.is_empty() {
         refuse("does not see blocks across a periodic side");
+    }
+    if !file.domain.symmetry.is_empty() {
+        refuse("does not see blocks mirrored in a plane of symmetry");
     }
 }
 

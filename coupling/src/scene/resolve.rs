@@ -104,6 +104,7 @@ impl Scene {
             return Err(problems);
         }
         problems.extend(overlaps(&solids, &motions));
+        super::symmetry::refuse_blocks(&file, &solids, &motions, &mut problems);
         let lattice = match &file.fluid {
             None => None,
             Some(fluid) => lattice(fluid, &file.domain, &solids, mould_rows(&file))

@@ -198,6 +198,38 @@ impl Checks {
                 self.refuse(&path, format!("{axis:?} is listed twice"));
             }
         }
+        self.symmetry(scene);
+    }
+
+    fn symmetry(&mut self, scene: &SceneFile) {
+        let domain = &scene.domain;
+        for (index, side) in domain.symmetry.iter().enumerate() {
+            let path = format!("domain.symmetry[{index}]");
+            let (number, _) = side.axis();
+            let (axis, along) = [
+                (Axis::X, scene.gravity.0),
+                (Axis::Y, scene.gravity.1),
+                (Axis::Z, scene.gravity.2),
+            ][number];
+            if domain.symmetry[..index].contains(side) {
+                self.refuse(&path, format!("{side:?} is listed twice"));
+            }
+            if domain.periodic.contains(&axis) {
+                self.refuse(&path, format!("{side:?} cannot be a plane of symmetry, for the domain repeats itself along {axis:?}; take {axis:?} out of periodic, or leave {side:?} out"));
+            }
+            if along != 0.0 {
+                self.refuse(&path, format!("{side:?} cannot be a plane of symmetry, for gravity acts across it; choose a side along gravity"));
+            }
+            if axis == Axis::Y && domain.dimensions == DimensionsFile::Two {
+                self.refuse(&path, format!("{side:?} cannot be a plane of symmetry, for nothing depends on y in a flow in two dimensions; leave it out"));
+            }
+            if scene.fluid.is_none() {
+                self.refuse(
+                    &path,
+                    "a plane of symmetry mirrors water; add `fluid` or leave it out".to_owned(),
+                );
+            }
+        }
     }
 
     fn material(&mut self, index: usize, material: &MaterialFile) {

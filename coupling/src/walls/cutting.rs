@@ -1,6 +1,6 @@
-//! Convex parts cut by planes: solids that overlap become solids that do not.
+//! Convex parts cut by planes: solids that overlap become solids that do not, and solids end at planes of symmetry.
 
-use riprap_sph::Vec3;
+use riprap_sph::{SymmetryPlane, Vec3};
 
 use super::Part;
 
@@ -24,6 +24,28 @@ pub(super) fn disjoint(parts: Vec<Part>) -> Vec<Part> {
         result.extend(pieces);
     }
     result
+}
+
+/// What is left of a part before planes of symmetry; none where it is beyond one.
+pub(super) fn before(part: &Part, planes: &[SymmetryPlane]) -> Option<Part> {
+    planes.iter().try_fold(part.clone(), |part, plane| {
+        let normal = plane.normal();
+        below(&part, &normal, normal[plane.axis] * plane.place)
+    })
+}
+
+/// The mirror image of a part in a plane of symmetry.
+pub(super) fn image(part: &Part, plane: &SymmetryPlane) -> Part {
+    let faces = part.faces.iter().map(|(normal, corners)| {
+        let mut normal = *normal;
+        normal[plane.axis] = -normal[plane.axis];
+        // mirrored, a loop runs the other way round
+        let corners = corners.iter().rev().map(|x| plane.image_of(x)).collect();
+        (normal, corners)
+    });
+    Part {
+        faces: faces.collect(),
+    }
 }
 
 /// What is left of a part when another is taken away from it.
@@ -130,6 +152,27 @@ mod tests {
         // 12 + 1.5·3·4.5 less the corner in common, 1·3·0.5; the third box is inside the first
         let expected = 12.0 + 20.25 - 1.5;
         assert!((total - expected).abs() < 1e-12 * expected, "{total}");
+    }
+
+    #[test]
+    fn a_box_across_an_edge_of_symmetry_is_cut_and_mirrored() {
+        let planes = [(0, true), (1, false)].map(|(axis, is_upper)| SymmetryPlane {
+            axis,
+            is_upper,
+            place: 1.0,
+        });
+        let quarter = before(&cuboid([0.0; 3], [2.0; 3]), &planes).unwrap_or_default();
+        let (min, max) = quarter.aabb();
+        assert_eq!(
+            (min, max),
+            (Vec3::new(0.0, 1.0, 0.0), Vec3::new(1.0, 2.0, 2.0))
+        );
+        assert!((volume(&quarter) - 2.0).abs() < 1e-12);
+        let image = image(&quarter, &planes[0]);
+        assert_eq!(image.aabb().1, Vec3::new(2.0, 2.0, 2.0));
+        // outward faces are counter-clockwise: the volume is above zero
+        assert!((volume(&image) - 2.0).abs() < 1e-12);
+        assert!(before(&cuboid([1.0; 3], [2.0; 3]), &planes).is_none());
     }
 
     #[test]

@@ -3,6 +3,9 @@
 //! Points of fixed blocks are one set that never changes; those of blocks that move are another, placed twice
 //! a step: half way, where the density is advanced, and at its end. In between a point moves on a straight
 //! line at constant speed, so that what a wall sweeps is what its points sweep.
+//!
+//! Solids end at planes of symmetry, and their points are mirrored there: loads are those on what is before the
+//! planes.
 
 use riprap_dda::{BlockDefinition, Blocks, Load};
 use riprap_sph::boundary::integral::Face;
@@ -10,8 +13,9 @@ use riprap_sph::boundary::sampling::{
     Region, UnionLattice, WallSample, sample_convex, sample_union,
 };
 use riprap_sph::boundary::wall_particles::{Slip, WallParticles};
-use riprap_sph::{Dimensions, Fluid, Periodicity, Vec3};
+use riprap_sph::{Dimensions, Fluid, Periodicity, SymmetryPlane, Vec3};
 
+use super::cutting::{before, image};
 use super::{Part, is_fixed, parts};
 
 /// The walls of all blocks.
@@ -55,15 +59,20 @@ impl ParticleWalls {
                     .into_iter()
                     .map(move |part| (b, part))
             })
+            .filter_map(|(b, part)| Some((b, before(&part, &sampler.symmetry)?)))
             .unzip();
         let (of_part, samples): (Vec<usize>, Vec<WallSample>) =
-            sampler.union(&standing).into_iter().unzip();
+            sampler.standing(&standing).into_iter().unzip();
         let mut fixed = WallParticles::new(fluid, samples.iter().map(|s| s.volume).collect(), slip);
         fixed.place(|w| [samples[w].position, Vec3::zeros(), Vec3::zeros()]);
         let (mut block, mut local, mut volumes) = (Vec::new(), Vec::new(), Vec::new());
         for b in (0..definitions.len()).filter(|&b| !is_fixed(blocks, b)) {
             let turned_back = blocks.orientation(b).inverse();
-            for sample in sampler.body(&parts(&definitions[b].shape)) {
+            let parts: Vec<Part> = parts(&definitions[b].shape)
+                .iter()
+                .filter_map(|part| before(part, &sampler.symmetry))
+                .collect();
+            for sample in sampler.body(&parts) {
                 block.push(b as u32);
                 local.push(turned_back * (sample.position - blocks.centroid(b)));
                 volumes.push(sample.volume);
@@ -252,6 +261,7 @@ struct Sampler {
     periodic: Periodicity,
     /// In a flow in a plane: the plane, and the width of the slice; m.
     plane: Option<(f64, f64)>,
+    symmetry: Vec<SymmetryPlane>,
 }
 
 /// What a slice is stretched by across, so that its ends are out of sight.
@@ -289,12 +299,32 @@ impl Sampler {
             domain,
             periodic: settings.periodic,
             plane,
+            symmetry: settings.symmetry_planes().collect(),
         }
     }
 
     fn is_no_image(&self, x: &Vec3) -> bool {
         let Region { min, max } = &self.domain;
         (0..3).all(|axis| !self.periodic[axis] || (min[axis] <= x[axis] && x[axis] < max[axis]))
+    }
+
+    /// Points of fixed bodies, which are one solid with their images in planes of symmetry, as far as they are
+    /// before these, each with the part that it is in.
+    fn standing(&self, parts: &[Part]) -> Vec<(usize, WallSample)> {
+        let mut with_images = parts.to_vec();
+        for plane in &self.symmetry {
+            let images: Vec<Part> = with_images.iter().map(|part| image(part, plane)).collect();
+            with_images.extend(images);
+        }
+        self.union(&with_images)
+            .into_iter()
+            .filter(|(_, sample)| {
+                self.symmetry
+                    .iter()
+                    .all(|plane| 0.0 <= plane.distance(&sample.position))
+            })
+            .map(|(part, sample)| (part % parts.len(), sample))
+            .collect()
     }
 
     /// Points of bodies that are one solid, each with the first part that it is in.
@@ -376,7 +406,10 @@ impl Sampler {
                 region,
                 ..self.lattice
             },
-            ..*self
+            domain: self.domain,
+            periodic: self.periodic,
+            plane: self.plane,
+            symmetry: Vec::new(),
         };
         let union = everywhere.union(parts);
         union.into_iter().map(|(_, sample)| sample).collect()

@@ -21,6 +21,8 @@
 //! s_a = min(1, μ_w |F^p_a|/|F^t_a|),   F^p_a = Σ_w pressure,   F^t_a = Σ_w viscous, across F^p_a
 //! ```
 //! The normal is the direction of the wall's pressure on the particle; a particle under tension slides.
+//!
+//! In planes of symmetry points are mirrored as the fluid is: none may stand beyond one.
 
 use rayon::prelude::*;
 

@@ -6,7 +6,7 @@ use crate::Vec3;
 use crate::kernel::PairKernel;
 use crate::lanes::{Lanes, RECORD};
 use crate::sweep::{Pair, Term};
-use crate::terms::{Lanes3, dot, minus, splat3};
+use crate::terms::{Lanes3, dot, minus, signed, splat3};
 
 /// What a rate sum gives.
 #[derive(Clone, Copy, Debug, Default)]
@@ -89,6 +89,15 @@ impl<L: Lanes, K: PairKernel<L>, D: Diffusion<L>> Term<L> for Continuity<'_, L, 
     }
 
     #[inline(always)]
+    fn mirrored(&self, (velocity, density, own): &Self::Own, signs: &Lanes3<L>) -> Self::Own {
+        let own = self.diffusion.mirrored(own, signs);
+        (signed(velocity, signs), *density, own)
+    }
+
+    #[inline(always)]
+    fn mirror(&self, _: &mut [L; 2], _: &Lanes3<L>) {}
+
+    #[inline(always)]
     fn finish(&self, a: usize, [flow, diffusion]: [L; 2], n_found: u32, out: &mut Rate) {
         *out = Rate {
             flow: self.own.density[a] * flow.sum(),
@@ -104,6 +113,8 @@ pub(crate) trait Diffusion<L: Lanes>: Sync {
     type Own: Copy;
     /// Those of receiver `a`.
     fn own(&self, machine: L::Machine, a: usize) -> Self::Own;
+    /// Those of the receiver's mirror image, as in [`Term::mirrored`].
+    fn mirrored(&self, own: &Self::Own, signs: &Lanes3<L>) -> Self::Own;
     /// `ψ_ab·(x_a − x_b)`; `jump` is `ρ_b − ρ_a`.
     fn psi(&self, own: &Self::Own, pair: &Pair<L>, jump: L, ids: &[u32]) -> L;
     /// `δ h c₀`; m²/s.
@@ -118,6 +129,9 @@ impl<L: Lanes> Diffusion<L> for NoDiffusion<L> {
 
     #[inline(always)]
     fn own(&self, _: L::Machine, _: usize) {}
+
+    #[inline(always)]
+    fn mirrored(&self, (): &(), _: &Lanes3<L>) {}
 
     #[inline(always)]
     fn psi(&self, _: &(), _: &Pair<L>, _: L, _: &[u32]) -> L {
@@ -165,6 +179,9 @@ impl<L: Lanes> Diffusion<L> for JumpDiffusion<L> {
     fn own(&self, _: L::Machine, _: usize) {}
 
     #[inline(always)]
+    fn mirrored(&self, (): &(), _: &Lanes3<L>) {}
+
+    #[inline(always)]
     fn psi(&self, _: &(), pair: &Pair<L>, jump: L, _: &[u32]) -> L {
         let dynamic = jump - dot(&self.hydrostatic, &pair.offset);
         self.minus_two * dynamic * (pair.r2 / (pair.r2 + self.softening))
@@ -209,6 +226,11 @@ impl<L: Lanes> Diffusion<L> for GradientDiffusion<'_, L> {
         use crate::lanes::Record;
         let g = &self.gradients[a];
         splat3(machine, [g.value(0), g.value(1), g.value(2)])
+    }
+
+    #[inline(always)]
+    fn mirrored(&self, gradient: &Lanes3<L>, signs: &Lanes3<L>) -> Lanes3<L> {
+        signed(gradient, signs)
     }
 
     #[inline(always)]

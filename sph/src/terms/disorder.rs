@@ -3,7 +3,7 @@
 use crate::kernel::PairKernel;
 use crate::lanes::Lanes;
 use crate::sweep::{Pair, Term};
-use crate::terms::{Lanes3, add_scaled, totals};
+use crate::terms::{Lanes3, add_scaled, signed, totals};
 
 /// Spread of the neighbours of a particle.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -56,6 +56,14 @@ impl<L: Lanes, K: PairKernel<L>> Term<L> for Disorder<L, K> {
         let weight = pair.b[4] * self.kernel.gradient_factor(pair.r2);
         add_scaled(gradient, weight, &pair.offset);
         *divergence = weight.mul_add(pair.r2, *divergence);
+    }
+
+    #[inline(always)]
+    fn mirrored(&self, (): &(), _: &Lanes3<L>) {}
+
+    #[inline(always)]
+    fn mirror(&self, (gradient, _): &mut Self::Sums, signs: &Lanes3<L>) {
+        *gradient = signed(gradient, signs);
     }
 
     #[inline(always)]

@@ -5,7 +5,7 @@
 use crate::kernel::PairKernel;
 use crate::lanes::Lanes;
 use crate::sweep::{Pair, Term};
-use crate::terms::{Lanes3, add_scaled, totals};
+use crate::terms::{Lanes3, add_scaled, signed, totals};
 
 /// Sums over the fluid near a point, each weighted with `V_f W`.
 #[derive(Clone, Copy, Debug, Default)]
@@ -79,6 +79,15 @@ impl<L: Lanes, K: PairKernel<L>> Term<L> for Extrapolation<L, K> {
         let density = pressure.mul_add(self.inverse_c2, self.reference_density);
         add_scaled(&mut sums.moment, weight * density, &pair.offset);
         add_scaled(&mut sums.velocity, weight, &[vx, vy, vz]);
+    }
+
+    #[inline(always)]
+    fn mirrored(&self, (): &(), _: &Lanes3<L>) {}
+
+    #[inline(always)]
+    fn mirror(&self, sums: &mut Self::Sums, signs: &Lanes3<L>) {
+        sums.moment = signed(&sums.moment, signs);
+        sums.velocity = signed(&sums.velocity, signs);
     }
 
     #[inline(always)]

@@ -11,7 +11,7 @@ use crate::Vec3;
 use crate::kernel::{Dimensions, PairKernel};
 use crate::lanes::Lanes;
 use crate::sweep::{Pair, Term};
-use crate::terms::{Lanes3, add_scaled, minus, splat3, totals};
+use crate::terms::{Lanes3, add_scaled, minus, signed, splat3, totals};
 
 /// Determinant of `B` below which it is not inverted: at a spray of few particles. `B` is the unit
 /// matrix inside.
@@ -40,6 +40,14 @@ fn add_moments<L: Lanes>(m: &mut [L; 6], [wx, wy, wz]: &Lanes3<L>, [x, y, z]: La
     m[3] = wy.mul_add(z, m[3]);
     m[4] = wz.mul_add(x, m[4]);
     m[5] = wx.mul_add(y, m[5]);
+}
+
+/// Mirrors what [`add_moments`] summed: yz, zx and xy change sign where one of the two axes is reversed.
+#[inline(always)]
+fn mirror_moments<L: Lanes>(m: &mut [L; 6], [sx, sy, sz]: &Lanes3<L>) {
+    m[3] = m[3] * (*sy * *sz);
+    m[4] = m[4] * (*sz * *sx);
+    m[5] = m[5] * (*sx * *sy);
 }
 
 /// The sums of the gradient of density; kg/m⁴. Records hold density less the reference density, and volume.
@@ -92,6 +100,17 @@ impl<L: Lanes, K: PairKernel<L>> Term<L> for Gradient<'_, L, K> {
         let weighted = [weight * x, weight * y, weight * z];
         add_moments(moments, &weighted, pair.offset);
         add_scaled(gradient, excess - *density, &weighted);
+    }
+
+    #[inline(always)]
+    fn mirrored(&self, density: &L, _: &Lanes3<L>) -> L {
+        *density
+    }
+
+    #[inline(always)]
+    fn mirror(&self, (moments, gradient): &mut Self::Sums, signs: &Lanes3<L>) {
+        mirror_moments(moments, signs);
+        *gradient = signed(gradient, signs);
     }
 
     #[inline(always)]
@@ -185,6 +204,24 @@ impl<L: Lanes, K: PairKernel<L>> Term<L> for Strain<'_, L, K> {
         let jump = minus(&[vx, vy, vz], velocity);
         for (sum, jump) in gradient.iter_mut().zip(jump) {
             add_scaled(sum, jump, &weighted);
+        }
+    }
+
+    #[inline(always)]
+    fn mirrored(&self, velocity: &Lanes3<L>, signs: &Lanes3<L>) -> Lanes3<L> {
+        signed(velocity, signs)
+    }
+
+    #[inline(always)]
+    fn mirror(&self, (moments, gradient): &mut Self::Sums, signs: &Lanes3<L>) {
+        mirror_moments(moments, signs);
+        for axis in 0..3 {
+            let row = signed(&gradient[axis], signs);
+            gradient[axis] = [
+                row[0] * signs[axis],
+                row[1] * signs[axis],
+                row[2] * signs[axis],
+            ];
         }
     }
 

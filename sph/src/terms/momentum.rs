@@ -6,7 +6,7 @@ use crate::Vec3;
 use crate::kernel::PairKernel;
 use crate::lanes::{Lanes, RECORD, Record};
 use crate::sweep::{Pair, Term};
-use crate::terms::{Lanes3, add_scaled, dot, minus, splat3, totals};
+use crate::terms::{Lanes3, add_scaled, dot, minus, signed, splat3, totals};
 
 /// Force per volume of the receiver.
 #[derive(Clone, Copy, Debug, Default)]
@@ -106,6 +106,18 @@ where
     }
 
     #[inline(always)]
+    fn mirrored(&self, (velocity, pressure, own): &Self::Own, signs: &Lanes3<L>) -> Self::Own {
+        // what a viscous force knows of a receiver is a scalar
+        (signed(velocity, signs), *pressure, *own)
+    }
+
+    #[inline(always)]
+    fn mirror(&self, [pressure, viscous]: &mut Self::Sums, signs: &Lanes3<L>) {
+        *pressure = signed(pressure, signs);
+        *viscous = signed(viscous, signs);
+    }
+
+    #[inline(always)]
     fn finish(&self, _: usize, sums: Self::Sums, _: u32, out: &mut ForceDensity) {
         let [pressure, viscous] = sums;
         *out = ForceDensity {
@@ -180,7 +192,7 @@ pub(crate) struct Sheared<'a, L> {
 
 /// A viscous force of a pair.
 pub(crate) trait PairViscosity<L: Lanes>: Sync {
-    /// Values of the receiver.
+    /// Values of the receiver; scalars, the same for its mirror image.
     type Own: Copy;
     /// Those of receiver `a`.
     fn own(&self, machine: L::Machine, a: usize) -> Self::Own;

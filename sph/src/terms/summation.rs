@@ -3,6 +3,7 @@
 use crate::kernel::PairKernel;
 use crate::lanes::Lanes;
 use crate::sweep::{Pair, Term};
+use crate::terms::Lanes3;
 
 /// `Σ_b m_b W_ab`, b = a included; kg/m³. Records hold the mass first.
 ///
@@ -38,6 +39,12 @@ impl<L: Lanes, K: PairKernel<L>> Term<L> for Summation<L, K> {
     fn add(&self, _: &(), pair: &Pair<L>, _: &[u32], sum: &mut L) {
         *sum = pair.b[0].mul_add(self.kernel.value(pair.r2), *sum);
     }
+
+    #[inline(always)]
+    fn mirrored(&self, (): &(), _: &Lanes3<L>) {}
+
+    #[inline(always)]
+    fn mirror(&self, _: &mut L, _: &Lanes3<L>) {}
 
     #[inline(always)]
     fn finish(&self, _: usize, sum: L, _: u32, out: &mut f64) {

@@ -19,6 +19,7 @@ fn domain(min: Triple, max: Triple, periodic: &[Axis]) -> DomainFile {
         min,
         max,
         periodic: periodic.to_vec(),
+        symmetry: Vec::new(),
         leaving: Leaving::Removed,
         dimensions: DimensionsFile::Three,
     }

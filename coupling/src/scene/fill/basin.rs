@@ -7,11 +7,13 @@
 use std::collections::VecDeque;
 
 use riprap_dda::{Shape, Vec3};
+use riprap_sph::Symmetry;
 
 use super::obstacles::Obstacles;
 use super::{FillError, MOST_NODES, rows};
 use crate::scene::file::{Axis, DimensionsFile, DomainFile};
 use crate::scene::resolve::vec3;
+use crate::scene::symmetry::symmetry;
 
 /// Lattice nodes of the domain below a level.
 struct Basin {
@@ -21,6 +23,8 @@ struct Basin {
     n_wet_rows: usize,
     first: Vec3,
     periodic: [bool; 3],
+    /// Sides beyond which there is the mirror image of the water.
+    symmetry: Symmetry,
 }
 
 /// What was poured; m.
@@ -113,6 +117,7 @@ impl Basin {
                 domain.periodic.contains(&axis)
                     || (axis == Axis::Y && domain.dimensions == DimensionsFile::Two)
             }),
+            symmetry: symmetry(domain),
         })
     }
 
@@ -220,9 +225,11 @@ impl Basin {
                 let mut beyond = from;
                 beyond[axis] += if forward { 1.0 } else { -1.0 } * self.spacing[axis];
                 let Some(next) = self.step(node, axis, forward) else {
-                    // upward there is air, not an edge; a wall may stand at the edge itself
+                    // upward there is air, not an edge, and beyond a plane of symmetry more water; a wall may
+                    // stand at the edge itself
                     let is_air = axis == 2 && forward;
                     if is_air
+                        || self.symmetry[axis][usize::from(forward)]
                         || obstacles.blocker(node, &beyond).is_some()
                         || obstacles.is_barred(node, &from, &beyond)
                     {

@@ -1,0 +1,290 @@
+//! Planes of symmetry: sides of the domain in which water and walls see their mirror image.
+//!
+//! The image of a neighbour has its place mirrored, the components of velocity and of gradients across the
+//! plane reversed, and the same density, pressure, volume and viscosity. No image is ever made: mirroring
+//! `R` keeps every term and undoes itself, so that what a receiver gets from the images of its neighbours
+//! is the mirrored sum of what its own image gets from the neighbours themselves,
+//!
+//! ```text
+//! Σ_b f(a, R b) = R Σ_b f(R a, b)
+//! ```
+//! with the receiver's own image among the `R b`. Where two planes meet, images in both count, and in
+//! three at a corner.
+
+use rayon::prelude::*;
+
+use crate::{CHUNK, Fluid, FluidError, Settings, Vec3};
+
+/// Which sides of the domain are planes of symmetry: the lower and the upper one along x, y, z.
+pub type Symmetry = [[bool; 2]; 3];
+
+/// Most images of a point, itself included: along each axis in the lower plane, in the upper or in none.
+pub(crate) const MOST_IMAGES: usize = 27;
+
+/// A side of the domain that is a plane of symmetry.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SymmetryPlane {
+    /// Direction across it: 0, 1, 2 for x, y, z.
+    pub axis: usize,
+    /// Whether it is the upper side.
+    pub is_upper: bool,
+    /// Its coordinate; m.
+    pub place: f64,
+}
+
+impl SymmetryPlane {
+    /// Distance of a point from it, below zero beyond; m.
+    pub fn distance(&self, x: &Vec3) -> f64 {
+        if self.is_upper {
+            self.place - x[self.axis]
+        } else {
+            x[self.axis] - self.place
+        }
+    }
+
+    /// Unit normal, out of the domain.
+    pub fn normal(&self) -> Vec3 {
+        let mut normal = Vec3::zeros();
+        normal[self.axis] = if self.is_upper { 1.0 } else { -1.0 };
+        normal
+    }
+
+    /// Mirror image of a point; m.
+    pub fn image_of(&self, x: &Vec3) -> Vec3 {
+        let mut image = *x;
+        image[self.axis] = 2.0 * self.place - x[self.axis];
+        image
+    }
+}
+
+/// A point, or its image in one plane or several.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Image {
+    /// m.
+    pub position: Vec3,
+    /// Axes along which vectors are reversed.
+    pub is_reversed: [bool; 3],
+}
+
+impl Image {
+    /// Whether it is the point itself.
+    pub(crate) fn is_itself(&self) -> bool {
+        self.is_reversed == [false; 3]
+    }
+
+    /// −1 along axes that are reversed, 1 along others.
+    pub(crate) fn signs(&self) -> [f64; 3] {
+        self.is_reversed.map(|r| if r { -1.0 } else { 1.0 })
+    }
+}
+
+/// Where the planes stand; infinitely far away where there is none.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Mirrors {
+    low: Vec3,
+    high: Vec3,
+}
+
+impl Mirrors {
+    /// Writes a point and all its images that may see something within `reach` of the point's own side; returns
+    /// how many they are. A point beyond a plane has its image before it.
+    #[inline(always)]
+    pub(crate) fn images_within(
+        &self,
+        position: &Vec3,
+        reach: f64,
+        images: &mut [Image; MOST_IMAGES],
+    ) -> usize {
+        images[0] = Image {
+            position: *position,
+            is_reversed: [false; 3],
+        };
+        let mut n = 1;
+        for axis in 0..3 {
+            let n_before = n;
+            for (distance, place) in [
+                (position[axis] - self.low[axis], self.low[axis]),
+                (self.high[axis] - position[axis], self.high[axis]),
+            ] {
+                // without a plane the distance is infinite, and so is the reach before the first sort
+                if distance < reach {
+                    for k in 0..n_before {
+                        let mut image = images[k];
+                        image.position[axis] = 2.0 * place - position[axis];
+                        image.is_reversed[axis] = true;
+                        images[n] = image;
+                        n += 1;
+                    }
+                }
+            }
+        }
+        n
+    }
+}
+
+impl Settings {
+    /// The sides of the domain that are planes of symmetry.
+    pub fn symmetry_planes(&self) -> impl Iterator<Item = SymmetryPlane> + use<> {
+        let (symmetry, (min, max)) = (self.symmetry, self.domain);
+        (0..3)
+            .flat_map(|axis| [(axis, false), (axis, true)])
+            .filter(move |&(axis, is_upper)| symmetry[axis][usize::from(is_upper)])
+            .map(move |(axis, is_upper)| SymmetryPlane {
+                axis,
+                is_upper,
+                place: if is_upper { max[axis] } else { min[axis] },
+            })
+    }
+
+    /// Whether any side is a plane of symmetry.
+    pub fn has_symmetry(&self) -> bool {
+        self.symmetry != Symmetry::default()
+    }
+
+    pub(crate) fn mirrors(&self) -> Mirrors {
+        let mut mirrors = Mirrors {
+            low: Vec3::repeat(f64::NEG_INFINITY),
+            high: Vec3::repeat(f64::INFINITY),
+        };
+        for plane in self.symmetry_planes() {
+            let side = if plane.is_upper {
+                &mut mirrors.high
+            } else {
+                &mut mirrors.low
+            };
+            side[plane.axis] = plane.place;
+        }
+        mirrors
+    }
+
+    /// Refuses planes in which the flow has no mirror image; `reach` is the support with the skin, in m.
+    pub(crate) fn check_symmetry(&self, reach: f64) -> Result<(), FluidError> {
+        let extent = self.domain.1 - self.domain.0;
+        for plane in self.symmetry_planes() {
+            let axis = plane.axis;
+            let reason = if self.periodic[axis] {
+                "the domain repeats itself along it"
+            } else if self.gravity[axis] != 0.0 {
+                "gravity acts along it"
+            } else if axis == 1 && matches!(self.dimensions, crate::Dimensions::Two { .. }) {
+                "nothing depends on y in two dimensions"
+            } else if self.symmetry[axis] == [true; 2] && extent[axis] < reach {
+                "the two sides are nearer to each other than 1.05 support radii"
+            } else {
+                continue;
+            };
+            return Err(FluidError::Symmetry { axis, reason });
+        }
+        Ok(())
+    }
+}
+
+impl Fluid {
+    /// Sends back what passed a plane of symmetry: mirrored place and velocity, as its image comes the other
+    /// way. Books the momentum.
+    pub(crate) fn reflect(&mut self) {
+        for plane in self.settings.symmetry_planes() {
+            let axis = plane.axis;
+            let particles = &mut self.particles;
+            let partial = &mut self.scratch.partial;
+            partial.resize(particles.mass.len().div_ceil(CHUNK), 0.0);
+            particles
+                .position
+                .par_chunks_mut(CHUNK)
+                .zip(particles.velocity.par_chunks_mut(CHUNK))
+                .zip(particles.mass.par_chunks(CHUNK))
+                .zip(partial.par_iter_mut())
+                .for_each(|(((position, velocity), mass), impulse)| {
+                    *impulse = 0.0;
+                    for ((x, v), m) in position.iter_mut().zip(velocity).zip(mass) {
+                        if plane.distance(x) < 0.0 {
+                            *x = plane.image_of(x);
+                            *impulse -= 2.0 * m * v[axis];
+                            v[axis] = -v[axis];
+                        }
+                    }
+                });
+            self.reflected[axis] += partial.iter().sum::<f64>();
+        }
+    }
+
+    /// Finds the force of the planes of symmetry on the fluid from the sums of all pair forces, of which those
+    /// between particles cancel.
+    pub(crate) fn sum_plane_force(&mut self) {
+        self.plane_force = Vec3::zeros();
+        for axis in 0..3 {
+            if self.settings.symmetry[axis] == [false; 2] {
+                continue;
+            }
+            let particles = &self.particles;
+            let partial = &mut self.scratch.partial;
+            partial.resize(particles.mass.len().div_ceil(CHUNK), 0.0);
+            self.scratch
+                .forces
+                .par_chunks(CHUNK)
+                .zip(particles.mass.par_chunks(CHUNK))
+                .zip(particles.density.par_chunks(CHUNK))
+                .zip(partial.par_iter_mut())
+                .for_each(|(((forces, mass), density), sum)| {
+                    *sum = 0.0;
+                    for ((force, m), rho) in forces.iter().zip(mass).zip(density) {
+                        *sum += m / rho * (force.pressure[axis] + force.viscous[axis]);
+                    }
+                });
+            self.plane_force[axis] = partial.iter().sum();
+        }
+    }
+
+    /// Force of the planes of symmetry on the fluid since the last [`Self::update_accelerations`], across
+    /// them: what keeps half a flow from running into where the other half would be; N.
+    pub fn plane_force(&self) -> Vec3 {
+        self.plane_force
+    }
+
+    /// Momentum given to particles that passed a plane of symmetry and were sent back, since the ledger was
+    /// opened; kg m/s.
+    pub fn reflected(&self) -> Vec3 {
+        self.reflected
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn mirrors() -> Mirrors {
+        Mirrors {
+            low: Vec3::new(0.0, 0.0, f64::NEG_INFINITY),
+            high: Vec3::new(1.0, f64::INFINITY, f64::INFINITY),
+        }
+    }
+
+    fn images(x: Vec3) -> Vec<[f64; 3]> {
+        let mut images = [Image::default(); MOST_IMAGES];
+        let n = mirrors().images_within(&x, 0.2, &mut images);
+        images[..n].iter().map(|i| i.position.into()).collect()
+    }
+
+    #[test]
+    fn a_point_far_from_all_planes_has_no_image() {
+        assert_eq!(images(Vec3::repeat(0.5)), [[0.5; 3]]);
+    }
+
+    #[test]
+    fn a_point_at_an_edge_has_three_images() {
+        let found = images(Vec3::new(0.125, 0.0625, 0.0));
+        let expected = [
+            [0.125, 0.0625, 0.0],
+            [-0.125, 0.0625, 0.0],
+            [0.125, -0.0625, 0.0],
+            [-0.125, -0.0625, 0.0],
+        ];
+        assert_eq!(found, expected);
+    }
+
+    #[test]
+    fn a_point_beyond_a_plane_has_its_image_before_it() {
+        let found = images(Vec3::new(1.5, 0.5, 0.0));
+        assert_eq!(found, [[1.5, 0.5, 0.0], [0.5, 0.5, 0.0]]);
+    }
+}
