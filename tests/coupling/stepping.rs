@@ -94,6 +94,7 @@ const SCENES: [(&str, &str); 9] = [
 
 #[test]
 fn momentum_and_energy_are_accounted_for_with_every_stepping() {
+    let mut residuals = Vec::new();
     for (walls, numerics) in SCENES {
         let mut world = world(&falling(walls, numerics));
         for _ in 0..20 {
@@ -114,6 +115,18 @@ fn momentum_and_energy_are_accounted_for_with_every_stepping() {
         );
         assert!(momentum < 1e-10, "{walls}, {numerics}: {momentum}");
         assert!(0.0 < energy.absorbed, "{walls}, {numerics}");
+        residuals.push(energy.residual);
+    }
+    // what the impact leaves unexplained is of walls and schemes, not of the stepping: the block brings 24 J of
+    // motion and 24 J of height; measured 0.4, 1.2 and 0.6 J apart
+    for (one, other) in [(0, 1), (4, 5), (7, 8)] {
+        let apart = (residuals[one] - residuals[other]).abs();
+        assert!(
+            apart < 3.0,
+            "{:?} {:?}: {apart} J",
+            SCENES[one],
+            SCENES[other]
+        );
     }
 }
 

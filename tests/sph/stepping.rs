@@ -316,8 +316,9 @@ fn with_summation_every_stepping_has_the_limit_of_leapfrog() {
             growth(&setup, wave, 20, 1.02 * limit),
         );
         println!("{stepping:?}: energy x {below:.2e} at 0.98, x {above:.2e} at 1.02");
-        // velocity at its turning point over that at the start, 1/(1 − 0.98²)
-        assert!(below < 30.0, "{stepping:?}: {below}");
+        // kinetic energy at its turning point over that at the start, 1/(1 − 0.98²) = 25; where velocities are
+        // half a step behind, the energy of compression with it
+        assert!(below < 60.0, "{stepping:?}: {below}");
         // 1.49 a step at 1.02
         assert!(1e4 < above, "{stepping:?}: {above}");
     }
@@ -379,8 +380,9 @@ fn the_ledger_closes_with_the_step() {
         let n = [25, 50, 100];
         let errors = n.map(|n| unexplained(with(stepping, lossy), n));
         println!("ledger, {stepping:?}: {} unexplained", short(&errors));
-        assert!(errors[2] < 1e-3, "{stepping:?}: {errors:?}");
-        assert!(errors[2] < 0.6 * errors[0], "{stepping:?}: {errors:?}");
+        assert!(errors[2] < 1e-5, "{stepping:?}: {errors:?}");
+        // second order: a sixteenth
+        assert!(errors[2] < 0.1 * errors[0], "{stepping:?}: {errors:?}");
     }
 }
 
