@@ -320,7 +320,8 @@ impl Interface {
     /// ω² = K_S (1/m + Σ w),   dt ≤ 0.8 (2/ω) (√(1 + ξ²) − ξ),   ξ = K_D/(2 √(K_S m))
     /// ```
     /// `Σ w` sums the compliances of a body over its touching particles: the exact limit for equal
-    /// springs along one direction, with the body that is hit by most particles for its mass.
+    /// springs along one direction, with the body that is hit by most particles for its mass. A predictor-corrector
+    /// allows no less: `ξ ω dt ≤ 1` and `ω² dt² ≤ 4 (1 − ξ ω dt + ξ² ω² dt²)`.
     pub fn critical_time_step(&self, particle_mass: f64) -> f64 {
         let WallSettings {
             stiffness, damping, ..

@@ -365,6 +365,7 @@ impl<'a> Run<'a> {
             commit: option_env!("RIPRAP_COMMIT").unwrap_or("unknown").to_owned(),
             threads: rayon::current_num_threads(),
             precision: precision(self.scene).to_owned(),
+            stepping: format!("{:?}", world.stepping()),
             completed,
             stop_reason,
             simulated_time: world.time(),

@@ -23,6 +23,8 @@ pub struct Summary {
     pub threads: usize,
     /// Arithmetic of the fluid's pair sums.
     pub precision: String,
+    /// Stepping of the fluid, or of blocks by themselves.
+    pub stepping: String,
     /// Whether the run reached its end.
     pub completed: bool,
     /// Why it ended.

@@ -1,9 +1,11 @@
 //! Blocks and water at one time, and the step that takes both to the next.
 
+mod stepping;
+
 use std::time::{Duration, Instant};
 
 use riprap_dda::{Blocks, Load, Motion, Phase};
-use riprap_sph::{Absorber, Fluid, FluidError, SymmetryPlane, Vec3};
+use riprap_sph::{Absorber, Fluid, FluidError, Stepping, SymmetryPlane, Vec3};
 
 use crate::interface::{Interface, WallSettings};
 use crate::ledger::Ledger;
@@ -33,6 +35,8 @@ pub struct World {
     impulses: Vec<Load>,
     /// Blocks that move and are to stay clear of planes of symmetry.
     kept_clear: Vec<usize>,
+    /// Scratch: loads of the fluid at the start of a predictor-corrector step.
+    loads_at_start: Vec<Load>,
     leaving: Leaving,
 }
 
@@ -249,6 +253,7 @@ impl World {
             phases: PhaseTimes::default(),
             impulses: vec![Load::default(); n_blocks],
             kept_clear: Vec::new(),
+            loads_at_start: vec![Load::default(); n_blocks],
             leaving: Leaving::Removed,
         };
         if world.symmetry_planes().next().is_some() {
@@ -330,27 +335,22 @@ impl World {
 
     /// Takes blocks and fluid from `t` to `t + dt`.
     ///
-    /// Kick-drift-kick of both; the blocks take their sub-steps inside the drift, the fluid's
-    /// forces reach them as impulses at the two ends.
+    /// By the scheme's stepping; the blocks take their sub-steps across the step, and the fluid's forces
+    /// reach them as impulses.
     ///
     /// # Errors
     ///
     /// [`StepError`] with the cause and what to change; the state is then that of the failed step.
     pub fn step(&mut self, step: TimeStep) -> Result<(), StepError> {
         let dt = step.dt;
-        self.kick(0.5 * dt);
-        self.note_walls();
-        self.advance_blocks(step)?;
-        self.advance_fluid(dt)?;
-        self.evaluate_fluid(dt)?;
-        self.kick(0.5 * dt);
+        let block_substeps = self.advance(dt, step.block_substeps)?;
         if let Some(water) = &mut self.water {
             let absorbed = water.fluid.absorb(&water.absorbers, dt);
             self.ledger.absorb(&absorbed);
         }
         self.clock.time += dt;
         self.clock.steps += 1;
-        self.clock.block_substeps += u64::from(step.block_substeps);
+        self.clock.block_substeps += u64::from(block_substeps);
         self.clock.last_dt = Some(dt);
         self.note_extremes();
         Ok(())
@@ -363,14 +363,8 @@ impl World {
     /// As [`Self::step`].
     pub fn settle_step(&mut self, dt: f64, rate: f64) -> Result<(), StepError> {
         self.held = Held::AllBlocks;
+        self.advance(dt, 0)?;
         if let Some(water) = &mut self.water {
-            water.fluid.kick(0.5 * dt);
-        }
-        self.note_walls();
-        self.advance_fluid(dt)?;
-        self.evaluate_fluid(dt)?;
-        if let Some(water) = &mut self.water {
-            water.fluid.kick(0.5 * dt);
             water.fluid.damp((-rate * dt).exp());
         }
         self.clock.last_dt = Some(dt);
@@ -390,17 +384,19 @@ impl World {
         Ok(())
     }
 
-    /// Half a kick of everything, and its entries in the ledger.
-    fn kick(&mut self, dt: f64) {
+    /// A kick of everything, of the fluid by `kick`, and its entries in the ledger.
+    fn kick(&mut self, dt: f64, kick: impl FnOnce(&mut Fluid, f64)) {
         let start = Instant::now();
         let mut ledger = std::mem::take(&mut self.ledger);
         ledger.book(self, dt);
         self.ledger = ledger;
         if let Some(water) = &mut self.water {
-            water.fluid.kick(dt);
+            kick(&mut water.fluid, dt);
             let imposed = water.openings.hold_velocities(&mut water.fluid);
             self.ledger.exchange(&imposed);
-            self.blocks.apply_impulse(water.interface.loads(), dt);
+            if self.held == Held::NoBlock {
+                self.blocks.apply_impulse(water.interface.loads(), dt);
+            }
         }
         self.phases.integration += start.elapsed();
     }
@@ -467,7 +463,11 @@ impl World {
         Ok(())
     }
 
-    fn advance_blocks(&mut self, step: TimeStep) -> Result<(), StepError> {
+    /// Takes the blocks on by `dt` from a time, where they are not held.
+    fn advance_blocks(&mut self, from: f64, dt: f64, n_substeps: u32) -> Result<(), StepError> {
+        if self.held == Held::AllBlocks {
+            return Ok(());
+        }
         let mut watch = Stopwatch::start();
         let Self { blocks, phases, .. } = self;
         let mut ended = |phase| {
@@ -478,8 +478,7 @@ impl World {
             };
             *time += watch.lap();
         };
-        let n_substeps = step.block_substeps;
-        let advanced = blocks.advance_watched(self.clock.time, step.dt, n_substeps, &mut ended);
+        let advanced = blocks.advance_watched(from, dt, n_substeps, &mut ended);
         advanced.map_err(|source| StepError::Blocks {
             time: self.clock.time,
             step: self.clock.steps,
@@ -628,6 +627,27 @@ impl World {
         }
         let imposed = water.openings.hold(&mut water.fluid, end);
         self.ledger.exchange(&imposed);
+        self.phases.density += watch.lap();
+        self.evaluate_forces()
+    }
+
+    /// What follows from places, velocities and densities with all neighbours found: rates of density where
+    /// the stepping wants them here, pressures, accelerations and the forces of walls.
+    fn evaluate_forces(&mut self) -> Result<(), StepError> {
+        let (time, step) = (self.clock.time, self.clock.steps);
+        let failed = |source| StepError::Fluid { time, step, source };
+        let predicts = self.stepping() == Stepping::PredictorCorrector;
+        let held = self.held == Held::AllBlocks;
+        let mut watch = Stopwatch::start();
+        let Some(water) = &mut self.water else {
+            return Ok(());
+        };
+        if predicts && water.fluid.advances_density() {
+            water.fluid.update_rates();
+            if let Some(walls) = &mut water.walls {
+                walls.add_rates(&mut water.fluid);
+            }
+        }
         water.fluid.update_pressure().map_err(failed)?;
         self.phases.density += watch.lap();
         if let Some(walls) = &mut water.walls {

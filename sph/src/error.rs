@@ -45,6 +45,11 @@ pub enum FluidError {
         /// Largest possible number.
         limit: usize,
     },
+    /// A stepping that makes every wave of sound grow.
+    #[error(
+        "symplectic Euler with density from continuity is forward Euler for sound: every wave grows, however small the step; use `KickDriftKick` or `PredictorCorrector`, or density by `Summation`"
+    )]
+    GrowingSound,
     /// A particle's state is no longer a number.
     #[error(
         "particle {id} near ({x:.4}, {y:.4}, {z:.4}) m has a non-finite {quantity}; lower `numerics.time_step_factor` or raise `fluid.dynamic_viscosity`"

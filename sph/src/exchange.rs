@@ -192,10 +192,16 @@ impl Fluid {
 
     /// What a particle holds.
     pub(crate) fn content(&self, a: usize) -> Exchange {
-        let (x, v) = (self.particles.position[a], self.particles.velocity[a]);
+        let x = self.particles.position[a];
+        // what a predictor gave was not booked
+        let at_start = self.at_start.of(a);
+        let (v, density) = (
+            at_start.0.unwrap_or(self.particles.velocity[a]),
+            at_start.1.unwrap_or(self.particles.density[a]),
+        );
         let mass = self.particles.mass[a];
         let specific = 0.5 * v.norm_squared() - self.settings.gravity.dot(&x)
-            + self.state.specific_energy(self.particles.density[a]);
+            + self.state.specific_energy(density);
         Exchange {
             count: 1,
             mass,

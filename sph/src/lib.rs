@@ -28,7 +28,8 @@
 //! Kick-drift-kick, with the density advanced in the middle of the drift: second order, and
 //! reversible without losses. Density advanced with the old velocities would be forward Euler for
 //! sound: every wave would grow, however small the step. On a lattice sound allows `dt ≤ 1.75 h/c₀`
-//! (1.30 with the usual diffusion), the published scheme `0.95 H/c₀`.
+//! (1.30 with the usual diffusion), the published scheme `0.95 H/c₀`. [`scheme::Stepping`] has two
+//! more: the predictor-corrector of DualSPHysics, and the published symplectic Euler.
 //!
 //! # How sums are made
 //!
@@ -57,13 +58,13 @@
 //! # Reading order
 //!
 //! [`kernel`], [`particles`], [`cells`], [`scheme`], [`state_equation`], `lanes`, `points`, `sweep`,
-//! `terms`, [`mirror`], `sums`, [`fluid`], [`boundary`], [`sample`], [`energy`].
+//! `terms`, [`mirror`], `sums`, [`fluid`], `stepping`, [`boundary`], [`sample`], [`energy`].
 //!
 //! # References
 //!
 //! Monaghan (1994, 2005); Morris, Fox & Zhu (1997); Mueller, Charypar & Gross (2003); Molteni &
 //! Colagrossi (2009); Antuono et al. (2010); Lind et al. (2012); Adami, Hu & Adams (2012); Fourtakas
-//! et al. (2019); Geraili Mikola & Sitar (2014).
+//! et al. (2019); Domínguez et al. (2022); Geraili Mikola & Sitar (2014).
 
 pub mod boundary;
 pub mod cells;
@@ -81,6 +82,7 @@ pub mod rheology;
 pub mod sample;
 pub mod scheme;
 pub mod state_equation;
+mod stepping;
 mod sums;
 mod sweep;
 mod terms;
@@ -94,7 +96,7 @@ pub use kernel::{Dimensions, KernelChoice};
 pub use mirror::{Symmetry, SymmetryPlane};
 pub use particles::Particles;
 pub use rheology::{Regularization, Rheology};
-pub use scheme::Scheme;
+pub use scheme::{Scheme, Stepping};
 pub use state_equation::{NegativePressure, StateEquation};
 pub use sweep::Precision;
 

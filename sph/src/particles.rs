@@ -82,10 +82,6 @@ impl Particles {
 
     /// Keeps the particles whose flag is set, in order.
     pub(crate) fn retain(&mut self, keep: &[bool]) {
-        fn filter<T: Copy>(column: &mut Vec<T>, keep: &[bool]) {
-            let mut flags = keep.iter();
-            column.retain(|_| flags.next().copied().unwrap_or(true));
-        }
         // no `..`: a new column cannot be forgotten
         let Self {
             id,
@@ -113,4 +109,10 @@ impl Particles {
         filter(shear_rate, keep);
         filter(viscosity, keep);
     }
+}
+
+/// Keeps the entries of a column whose flag is set, in order.
+pub(crate) fn filter<T: Copy>(column: &mut Vec<T>, keep: &[bool]) {
+    let mut flags = keep.iter();
+    column.retain(|_| flags.next().copied().unwrap_or(true));
 }

@@ -125,7 +125,7 @@ pub fn lattice_waves(n: i32) -> impl Iterator<Item = Vec3> {
 }
 
 /// The wave number, 1/spacing, and the value of the largest or smallest squared frequency.
-fn extreme_wave(support: f64, sign: f64) -> (Vec3, f64) {
+pub fn extreme_wave(support: f64, sign: f64) -> (Vec3, f64) {
     lattice_waves(12)
         .map(|k| (k, squared_frequency(&k, support)))
         .max_by(|a, b| (sign * a.1).total_cmp(&(sign * b.1)))
@@ -150,7 +150,7 @@ fn growth(k: &Vec3, steps: u32, dt_over_support_by_sound: f64) -> f64 {
 }
 
 /// Direction in which the pressure kernel drives a lattice wave.
-fn polarization(k: &Vec3, support: f64) -> Vec3 {
+pub fn polarization(k: &Vec3, support: f64) -> Vec3 {
     let spiky = Spiky::new(support);
     let mut g = Vec3::zeros();
     for i in -3..=3 {

@@ -3,7 +3,7 @@
 
 use riprap_sph::boundary::wall_particles::Slip;
 use riprap_sph::scheme::{DensityDiffusion, Shifting, Viscosity};
-use riprap_sph::{Precision, Scheme, Vec3};
+use riprap_sph::{Precision, Scheme, Stepping, Vec3};
 
 use crate::support::{Noise, PeriodicBox, noise3, published};
 use crate::water::{DENSITY, Plane, Water, lattice, short, start};
@@ -12,6 +12,13 @@ fn standard(precision: Precision) -> Scheme {
     Scheme {
         precision,
         ..Scheme::standard()
+    }
+}
+
+fn predicted(scheme: Scheme) -> Scheme {
+    Scheme {
+        stepping: Stepping::PredictorCorrector,
+        ..scheme
     }
 }
 
@@ -47,6 +54,12 @@ fn momentum_of_a_closed_box_stays_in_every_scheme() {
         ("standard, single", standard(Precision::Single), 2.6, 1e-5),
         ("shifted", shifted, 2.6, 1e-12),
         ("Morris, Antuono", morris, 2.6, 1e-12),
+        (
+            "shifted, predictor-corrector",
+            predicted(shifted),
+            2.6,
+            1e-12,
+        ),
         ("mueller2003", published(2.0), 3.0, 1e-12),
     ] {
         let (_, mut water) = jittered(scheme, support);
@@ -254,7 +267,11 @@ fn any_number_of_threads_gives_the_same_bits_with_walls() {
                 bits
             })
     };
-    for scheme in [Scheme::standard(), Scheme::reference(1e-3)] {
+    for scheme in [
+        Scheme::standard(),
+        Scheme::reference(1e-3),
+        predicted(Scheme::reference(1e-3)),
+    ] {
         let one = run(1, scheme);
         assert_eq!(one, run(2, scheme));
         assert_eq!(one, run(4, scheme));

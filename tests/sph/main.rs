@@ -10,6 +10,7 @@ mod drops;
 mod flow;
 mod invariants;
 mod mud;
+mod stepping;
 mod support;
 mod symmetry;
 mod twin;

@@ -1,7 +1,7 @@
 //! Water with or without walls of particles, and one way to step it.
 
 use riprap_sph::boundary::wall_particles::{Slip, WallParticles};
-use riprap_sph::{Dimensions, Fluid, Scheme, Settings, Start, Vec3};
+use riprap_sph::{Dimensions, Fluid, Scheme, Settings, Start, Stepping, Vec3};
 
 pub const DENSITY: f64 = 1000.0;
 
@@ -139,9 +139,13 @@ impl Water {
         self.walls.find_wet(&self.fluid);
     }
 
-    /// Pressures and accelerations at a time.
+    /// Pressures and accelerations at a time, and rates of density where the stepping wants them then.
     pub fn evaluate(&mut self, time: f64) {
         self.place(time);
+        if self.predicts() {
+            self.fluid.update_rates();
+            self.walls.add_rates(&mut self.fluid);
+        }
         self.fluid.update_pressure().unwrap();
         self.walls.extrapolate(&self.fluid, 1.0);
         self.fluid.update_accelerations();
@@ -156,22 +160,48 @@ impl Water {
         self.walls.add_rates(&mut self.fluid);
     }
 
-    /// Kick-drift-kick.
+    /// Whether rates go with forces.
+    fn predicts(&self) -> bool {
+        let stepping = self.fluid.settings().scheme.stepping;
+        stepping == Stepping::PredictorCorrector && self.fluid.advances_density()
+    }
+
+    /// By the stepping of the scheme.
     pub fn step(&mut self, dt: f64) {
         let time = self.time;
-        self.fluid.kick(0.5 * dt);
-        self.fluid.drift(0.5 * dt);
-        if self.fluid.advances_density() {
-            self.update_rates(time + 0.5 * dt);
-            self.fluid.advance_density(dt);
+        match self.fluid.settings().scheme.stepping {
+            Stepping::KickDriftKick => {
+                self.fluid.kick(0.5 * dt);
+                self.fluid.drift(0.5 * dt);
+                if self.fluid.advances_density() {
+                    self.update_rates(time + 0.5 * dt);
+                    self.fluid.advance_density(dt);
+                }
+                self.fluid.drift(0.5 * dt);
+                self.evaluate(time + dt);
+                self.fluid.kick(0.5 * dt);
+            }
+            Stepping::PredictorCorrector => {
+                self.fluid.predict(0.5 * dt);
+                self.evaluate(time + 0.5 * dt);
+                self.fluid.correct(dt);
+                self.fluid.drift(0.5 * dt);
+                self.evaluate(time + dt);
+            }
+            Stepping::SymplecticEuler => {
+                self.fluid.kick(dt);
+                self.fluid.drift(dt);
+                self.evaluate(time + dt);
+            }
         }
-        self.fluid.drift(0.5 * dt);
-        self.evaluate(time + dt);
-        self.fluid.kick(0.5 * dt);
         if self.fluid.shifts() {
             self.fluid.update_spread();
             self.walls.add_spreads(&mut self.fluid);
             self.fluid.shift(dt);
+            if self.predicts() {
+                // the predictor sets out from where the particles are now
+                self.evaluate(time + dt);
+            }
         }
     }
 

@@ -12,7 +12,7 @@ use crate::support::PeriodicBox;
 use crate::water::{DENSITY, Plane, Water, crossings, lattice, order, start};
 
 /// `Standard` in double precision with neither diffusion nor viscosity: nothing but sound.
-fn sound_alone() -> Scheme {
+pub fn sound_alone() -> Scheme {
     Scheme {
         diffusion: DensityDiffusion::None,
         viscosity: Viscosity::None,
@@ -22,9 +22,9 @@ fn sound_alone() -> Scheme {
 }
 
 /// Smoothing length over spacing of `Standard` in space.
-const RATIO: f64 = 1.3;
+pub const RATIO: f64 = 1.3;
 
-fn cubic_box(n: [usize; 3], scheme: Scheme) -> PeriodicBox {
+pub fn cubic_box(n: [usize; 3], scheme: Scheme) -> PeriodicBox {
     PeriodicBox {
         n,
         support_over_spacing: 2.0 * RATIO,
@@ -40,7 +40,7 @@ fn cubic_box(n: [usize; 3], scheme: Scheme) -> PeriodicBox {
 /// g = Σ V (W'/r) x sin(k·x),     D = −2 Σ V (W'/r) r²/(r² + 0.01 h²) (1 − cos(k·x))
 /// ω = c₀ |g|
 /// ```
-fn response(k: &Vec3) -> (Vec3, f64) {
+pub fn response(k: &Vec3) -> (Vec3, f64) {
     let kernel = PointKernel::new(KernelChoice::WendlandC2, 2.0 * RATIO, Dimensions::Three);
     let (mut g, mut d) = (Vec3::zeros(), 0.0);
     for x in (-3..=3)
@@ -311,7 +311,7 @@ fn vortices_decay_as_viscosity_says_at_100() {
 }
 
 /// Period and rate of decay of a standing gravity wave of 1 m on water 0.5 m deep, height 0.01 m.
-fn standing_wave(n: i32, ratio: f64, scheme: Scheme, periods: f64) -> [f64; 2] {
+pub fn standing_wave(n: i32, ratio: f64, scheme: Scheme, periods: f64) -> [f64; 2] {
     let (dp, depth, g, k) = (1.0 / f64::from(n), 0.5, 9.81_f64, 2.0 * PI);
     let c0 = 10.0 * (g * depth).sqrt();
     let omega = (g * k * (k * depth).tanh()).sqrt();

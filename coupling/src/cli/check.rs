@@ -150,13 +150,14 @@ pub(crate) fn describe(scene: &Scene, folder: &Path) -> String {
             line(
                 "scheme",
                 format!(
-                    "{:?}: {:?} kernel, support {:.4} m, {:?} density, {:?}, {:?}, {:?} precision",
+                    "{:?}: {:?} kernel, support {:.4} m, {:?} density, {:?}, {:?}, {:?} stepping, {:?} precision",
                     scene.file.numerics.preset,
                     s.scheme.kernel,
                     s.support_radius(),
                     s.scheme.density,
                     s.scheme.diffusion,
                     s.scheme.viscosity,
+                    s.scheme.stepping,
                     s.scheme.precision,
                 ),
             );

@@ -929,6 +929,9 @@ pub struct NumericsFile {
     /// What keeps particles evenly spread.
     #[serde(default)]
     pub shifting: Option<ShiftingFile>,
+    /// How a step is taken.
+    #[serde(default)]
+    pub stepping: Option<SteppingFile>,
     /// Width of numbers in the sums over neighbours.
     #[serde(default)]
     pub precision: Option<PrecisionFile>,
@@ -1097,6 +1100,17 @@ pub enum ShiftingFile {
     None,
     /// Towards where particles are sparse, with its coefficient, customarily 2.
     Fickian(f64),
+}
+
+/// How a step is taken.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum SteppingFile {
+    /// Half kick, drift with density half way, half kick: second order, one evaluation a step.
+    KickDriftKick,
+    /// That of DualSPHysics: second order, two evaluations and shorter steps; wants density diffusion.
+    PredictorCorrector,
+    /// As published: velocities, then positions with them; one evaluation a step, `Summation` only.
+    SymplecticEuler,
 }
 
 /// Width of numbers in the sums over neighbours; everything else is in double precision.

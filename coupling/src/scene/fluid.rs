@@ -2,12 +2,12 @@
 
 use riprap_sph::boundary::wall_particles::Slip;
 use riprap_sph::scheme::{
-    ALPHA, DIFFUSION, DensityDiffusion, DensityMethod, SHIFTING, Shifting, Viscosity,
+    ALPHA, DIFFUSION, DensityDiffusion, DensityMethod, SHIFTING, Shifting, Stepping, Viscosity,
 };
 use riprap_sph::state_equation::State;
 use riprap_sph::{
-    Absorber, Dimensions, KernelChoice, NegativePressure as Clamping, Precision, Regularization,
-    Rheology, Scheme, Settings, StateEquation, Vec3,
+    Absorber, Dimensions, FluidError, KernelChoice, NegativePressure as Clamping, Precision,
+    Regularization, Rheology, Scheme, Settings, StateEquation, Vec3,
 };
 
 use riprap_dda::Shape;
@@ -16,8 +16,8 @@ use super::error::Problem;
 use super::file::{
     Axis, DensityDiffusionFile, DensityFile, DimensionsFile, FluidFile, KernelFile,
     NegativePressure, NumericsFile, PrecisionFile, Preset, RegionShapeFile, RegularizationFile,
-    RheologyFile, SceneFile, ShiftingFile, SideFile, SlipFile, StateEquationFile, ViscosityFile,
-    WallMethodFile, WaterField,
+    RheologyFile, SceneFile, ShiftingFile, SideFile, SlipFile, StateEquationFile, SteppingFile,
+    ViscosityFile, WallMethodFile, WaterField,
 };
 use super::fill::Lattice;
 use super::resolve::{FluidScene, vec3};
@@ -50,6 +50,7 @@ struct PresetNumbers {
     diffusion: DensityDiffusionFile,
     viscosity: ViscosityFile,
     shifting: ShiftingFile,
+    stepping: SteppingFile,
     negative_pressure: NegativePressure,
     precision: PrecisionFile,
     walls: WallMethodFile,
@@ -71,6 +72,7 @@ impl Preset {
             diffusion: DensityDiffusionFile::Fourtakas(DIFFUSION),
             viscosity: ViscosityFile::Artificial(ALPHA),
             shifting: ShiftingFile::None,
+            stepping: SteppingFile::KickDriftKick,
             negative_pressure: NegativePressure::Kept,
             precision: PrecisionFile::Single,
             walls: WallMethodFile::Particles,
@@ -88,6 +90,7 @@ impl Preset {
                 viscosity: ViscosityFile::Published,
                 // summation density is low at surfaces: without the clamp particles clump
                 negative_pressure: NegativePressure::Clamped,
+                stepping: SteppingFile::SymplecticEuler,
                 precision: PrecisionFile::Double,
                 walls: WallMethodFile::Penalty,
                 ..standard
@@ -152,6 +155,7 @@ pub(super) fn resolve(
     );
     let laws = laws(file, &lattice, problems);
     let scheme = scheme(&mut file.numerics, &preset, (density, viscosity), &laws);
+    problems.extend(growing_sound(&scheme));
     file.output.water_fields.get_or_insert_with(|| {
         let mut fields = vec![
             WaterField::Velocity,
@@ -326,6 +330,24 @@ fn laws(file: &SceneFile, lattice: &Lattice, problems: &mut Vec<Problem>) -> Law
     Laws {
         kinds: lattice.region.iter().map(kind).collect(),
         rheologies,
+    }
+}
+
+/// Refuses a stepping that makes sound grow, and says so where one may.
+fn growing_sound(scheme: &Scheme) -> Option<Problem> {
+    let path = "numerics.stepping";
+    match (scheme.stepping, scheme.density, scheme.diffusion) {
+        (Stepping::SymplecticEuler, DensityMethod::Continuity, _) => {
+            Some(Problem::error(path, FluidError::GrowingSound.to_string()))
+        }
+        (Stepping::PredictorCorrector, DensityMethod::Continuity, DensityDiffusion::None) => {
+            Some(Problem::warning(
+                path,
+                "without density diffusion the predictor-corrector lets sound of frequency ω grow by (ω dt)⁴/8 a step, \
+             which viscosity has to take; set `numerics.density_diffusion`, or use `KickDriftKick`",
+            ))
+        }
+        _ => None,
     }
 }
 
@@ -639,6 +661,11 @@ fn scheme(
         DensityFile::Continuity => preset.diffusion,
         DensityFile::Summation => DensityDiffusionFile::None,
     };
+    // nor may symplectic Euler go with a rate
+    let stepping = match (method, preset.stepping) {
+        (DensityFile::Continuity, SteppingFile::SymplecticEuler) => SteppingFile::KickDriftKick,
+        (_, stepping) => stepping,
+    };
     let kinematic_viscosity = dynamic_viscosity / density;
     let first = laws.rheologies.first().copied();
     let viscosity = first.map_or(preset.viscosity, |_| ViscosityFile::Rheological);
@@ -695,6 +722,11 @@ fn scheme(
         shifting: match *numerics.shifting.get_or_insert(preset.shifting) {
             ShiftingFile::None => Shifting::None,
             ShiftingFile::Fickian(coefficient) => Shifting::Fickian { coefficient },
+        },
+        stepping: match *numerics.stepping.get_or_insert(stepping) {
+            SteppingFile::KickDriftKick => Stepping::KickDriftKick,
+            SteppingFile::PredictorCorrector => Stepping::PredictorCorrector,
+            SteppingFile::SymplecticEuler => Stepping::SymplecticEuler,
         },
         precision: match *numerics.precision.get_or_insert(preset.precision) {
             PrecisionFile::Single => Precision::Single,
