@@ -67,11 +67,6 @@ pub(crate) struct Image {
 }
 
 impl Image {
-    /// Whether it is the point itself.
-    pub(crate) fn is_itself(&self) -> bool {
-        self.is_reversed == [false; 3]
-    }
-
     /// −1 along axes that are reversed, 1 along others.
     pub(crate) fn signs(&self) -> [f64; 3] {
         self.is_reversed.map(|r| if r { -1.0 } else { 1.0 })
@@ -81,13 +76,15 @@ impl Image {
 /// Where the planes stand; infinitely far away where there is none.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Mirrors {
+    /// Whether there is a plane at all.
+    is_any: bool,
     low: Vec3,
     high: Vec3,
 }
 
 impl Mirrors {
-    /// Writes a point and all its images that may see something within `reach` of the point's own side; returns
-    /// how many they are. A point beyond a plane has its image before it.
+    /// Writes a point, unless there is no plane, and after it all its images that may see something within
+    /// `reach` of the point's own side; returns how many they are. A point beyond a plane has its image before it.
     #[inline(always)]
     pub(crate) fn images_within(
         &self,
@@ -95,6 +92,9 @@ impl Mirrors {
         reach: f64,
         images: &mut [Image; MOST_IMAGES],
     ) -> usize {
+        if !self.is_any {
+            return 1;
+        }
         images[0] = Image {
             position: *position,
             is_reversed: [false; 3],
@@ -143,6 +143,7 @@ impl Settings {
 
     pub(crate) fn mirrors(&self) -> Mirrors {
         let mut mirrors = Mirrors {
+            is_any: self.has_symmetry(),
             low: Vec3::repeat(f64::NEG_INFINITY),
             high: Vec3::repeat(f64::INFINITY),
         };
@@ -254,6 +255,7 @@ mod tests {
 
     fn mirrors() -> Mirrors {
         Mirrors {
+            is_any: true,
             low: Vec3::new(0.0, 0.0, f64::NEG_INFINITY),
             high: Vec3::new(1.0, f64::INFINITY, f64::INFINITY),
         }

@@ -179,18 +179,19 @@ where
             let mut sums = term.zero(machine);
             let mut n_found = 0;
             let n_images = sources.mirrors.images_within(position, reach, &mut images);
-            for image in &images[..n_images] {
-                let is_mirrored = !image.is_itself();
-                let signs = splat3(machine, image.signs());
-                let mut own = own;
-                if is_mirrored {
+            // the first image is the receiver itself
+            for (k, image) in images[..n_images].iter().enumerate() {
+                let (mut place, mut own) = (position, own);
+                if 0 < k {
                     // the image of the receiver sees the points themselves, see `mirror`
+                    let signs = splat3(machine, image.signs());
+                    place = &image.position;
                     own = term.mirrored(&own, &signs);
                     term.mirror(&mut sums, &signs);
                 }
-                n_found += view.add_near(&image.position, &own, &mut sums);
-                if is_mirrored {
-                    term.mirror(&mut sums, &signs);
+                n_found += view.add_near(place, &own, &mut sums);
+                if 0 < k {
+                    term.mirror(&mut sums, &splat3(machine, image.signs()));
                 }
             }
             term.finish(a, sums, n_found, out);
