@@ -83,8 +83,8 @@ pub(crate) struct Mirrors {
 }
 
 impl Mirrors {
-    /// Writes a point, unless there is no plane, and after it all its images that may see something within
-    /// `reach` of the point's own side; returns how many they are. A point beyond a plane has its image before it.
+    /// Writes a point and all its images that may see something within `reach` of the point's own side; returns
+    /// how many they are. A point beyond a plane has its image before it.
     #[inline(always)]
     pub(crate) fn images_within(
         &self,
@@ -92,13 +92,13 @@ impl Mirrors {
         reach: f64,
         images: &mut [Image; MOST_IMAGES],
     ) -> usize {
-        if !self.is_any {
-            return 1;
-        }
         images[0] = Image {
             position: *position,
             is_reversed: [false; 3],
         };
+        if !self.is_any {
+            return 1;
+        }
         let mut n = 1;
         for axis in 0..3 {
             let n_before = n;
