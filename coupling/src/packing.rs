@@ -63,7 +63,7 @@ pub fn packed(
     };
     for _ in 0..MOST_ROUNDS {
         fluid.refresh();
-        walls.find(&fluid);
+        walls.find(&mut fluid);
         fluid.update_spread();
         walls.add_spreads(&mut fluid);
         if fluid.even_out(|id| is_free.get(id as usize) != Some(&true)) < EVEN {

@@ -7,6 +7,7 @@
 mod cutting;
 pub mod integral;
 pub mod particles;
+mod screens;
 
 use riprap_dda::{BlockDefinition, Blocks, Load, Motion, Shape};
 use riprap_sph::boundary::integral::Face;
@@ -115,7 +116,7 @@ impl Walls {
     }
 
     /// Finds which particles see which walls; after each sort of the fluid and placing.
-    pub fn find(&mut self, fluid: &Fluid) {
+    pub fn find(&mut self, fluid: &mut Fluid) {
         of_walls!(self, walls => walls.find(fluid));
     }
 
@@ -169,6 +170,17 @@ impl Part {
                 vertices: corners,
             })
             .collect()
+    }
+
+    /// With its normals and corners mapped, by a motion.
+    fn mapped(&self, turn: impl Fn(&Vec3) -> Vec3, place: impl Fn(&Vec3) -> Vec3) -> Self {
+        let faces = self.faces.iter().map(|(normal, corners)| {
+            let corners = corners.iter().map(&place).collect();
+            (turn(normal), corners)
+        });
+        Self {
+            faces: faces.collect(),
+        }
     }
 
     fn corners(&self) -> impl Iterator<Item = &Vec3> {

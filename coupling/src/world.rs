@@ -430,7 +430,7 @@ impl World {
             if self.held == Held::NoBlock {
                 walls.place_half_way(&self.blocks, dt);
             }
-            walls.find(&water.fluid);
+            walls.find(&mut water.fluid);
         }
         self.phases.coupling += watch.lap();
         water.fluid.update_rates();
@@ -609,7 +609,7 @@ impl World {
         }
         if let Some(walls) = &mut water.walls {
             walls.place_at_end(&self.blocks, (!held).then_some(dt));
-            walls.find(&water.fluid);
+            walls.find(&mut water.fluid);
         }
         self.phases.coupling += watch.lap();
 
@@ -622,7 +622,7 @@ impl World {
             water.fluid.refresh();
             water.interface.find(&water.fluid, &self.blocks);
             if let Some(walls) = &mut water.walls {
-                walls.find(&water.fluid);
+                walls.find(&mut water.fluid);
             }
         }
         let imposed = water.openings.hold(&mut water.fluid, end);

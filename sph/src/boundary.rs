@@ -2,6 +2,7 @@
 
 pub mod integral;
 pub mod sampling;
+pub mod screens;
 pub mod wall_integrals;
 pub mod wall_particles;
 

@@ -24,6 +24,7 @@
 
 use rayon::prelude::*;
 
+use crate::boundary::screens::{Plane, Screens};
 use crate::cells::{CellGrid, Periodicity};
 use crate::energy::fixed_order_sum;
 use crate::error::FluidError;
@@ -146,6 +147,7 @@ pub struct Fluid {
     pub(crate) particles: Particles,
     pub(crate) grid: CellGrid,
     pub(crate) frame: Frame,
+    pub(crate) screens: Screens,
     pub(crate) at_start: AtStart,
     /// Flow laws by [`Particles::kind`].
     rheologies: Vec<Rheology>,
@@ -246,6 +248,7 @@ impl Fluid {
             grid,
             state,
             particles,
+            screens: Screens::default(),
             at_start: AtStart::default(),
             particle_volume,
             lattice_sum,
@@ -276,6 +279,23 @@ impl Fluid {
     /// The cells of the last sort.
     pub fn grid(&self) -> &CellGrid {
         &self.grid
+    }
+
+    /// Number of screens.
+    pub fn n_screens(&self) -> usize {
+        self.screens.len()
+    }
+
+    /// Takes all screens away.
+    pub fn clear_screens(&mut self) {
+        self.screens.clear();
+    }
+
+    /// Adds a screen where it is at present: a convex solid by the planes of its faces, with a box round it (m).
+    /// Particles do not see each other through it; planes of symmetry do not mirror it.
+    pub fn add_screen(&mut self, planes: impl Iterator<Item = Plane>, bounds: (Vec3, Vec3)) {
+        let reach = self.settings.support_radius();
+        self.screens.add(planes, bounds, &self.grid, reach);
     }
 
     /// Farthest that a particle may be from where it was when it was sorted; m.

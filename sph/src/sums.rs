@@ -1,12 +1,15 @@
 //! The fluid's sums over neighbours: settings become types here, once per sum and not once per pair.
 
+use crate::boundary::screens::{Facet, Screens};
 use crate::cells::CellGrid;
 use crate::fluid::Settings;
 use crate::kernel::{CubicSpline, KernelChoice, Mueller, PairKernel, WendlandC2};
 use crate::lanes::{Lanes, Machine};
 use crate::points::Frame;
 use crate::scheme::{DensityDiffusion, Viscosity};
-use crate::sweep::{AnyPoints, PackedIn, Receivers, Sources, Sum, Term, dispatch, sweep};
+use crate::sweep::{
+    AnyPoints, Between, PackedIn, Receivers, Sources, Sum, Term, Veil, dispatch, sweep,
+};
 use crate::terms::continuity::{
     Continuity, Diffusion, GradientDiffusion, JumpDiffusion, NoDiffusion, Rate, RateOwn,
 };
@@ -28,6 +31,29 @@ pub(crate) struct Neighborhood<'a> {
     pub points: &'a AnyPoints,
     /// Farthest that they, or the receivers, may be from where they were sorted; m.
     pub moved: f64,
+    pub veil: Option<Veil<'a>>,
+}
+
+/// What is between receivers and points at given places; nothing without screens.
+pub(crate) fn veil<'a>(
+    screens: &'a Screens,
+    positions: &'a [Vec3],
+    between: Between<'a>,
+) -> Option<Veil<'a>> {
+    (0 < screens.len()).then_some(Veil {
+        screens,
+        positions,
+        between,
+    })
+}
+
+/// Wall points that receive.
+#[derive(Clone, Copy)]
+pub(crate) struct Places<'a> {
+    /// m.
+    pub positions: &'a [Vec3],
+    /// Faces of screens that they are behind.
+    pub facets: &'a [Facet],
 }
 
 /// What all sums share.
@@ -50,6 +76,7 @@ impl Setup<'_> {
             grid: self.from.grid,
             frame: self.from.frame,
             points: L::Record::of(self.from.points),
+            veil: self.from.veil,
             mirrors: self.settings.mirrors(),
             support_radius: self.settings.support_radius(),
             moved: self.from.moved,
@@ -94,8 +121,9 @@ macro_rules! sum_over_kernels {
 }
 
 impl Fluid {
-    fn neighborhood<'a>(&'a self, points: &'a AnyPoints) -> Neighborhood<'a> {
+    fn neighborhood<'a>(&'a self, points: &'a AnyPoints, between: Between<'a>) -> Neighborhood<'a> {
         Neighborhood {
+            veil: veil(&self.screens, &self.particles.position, between),
             grid: &self.grid,
             frame: &self.frame,
             points,
@@ -107,7 +135,7 @@ impl Fluid {
     fn to_everyone<'a>(&'a self, points: &'a AnyPoints) -> Setup<'a> {
         Setup {
             settings: &self.settings,
-            from: self.neighborhood(points),
+            from: self.neighborhood(points, Between::Particles),
             receivers: Receivers {
                 positions: &self.particles.position,
                 chosen: None,
@@ -124,12 +152,13 @@ impl Fluid {
         }
     }
 
-    /// Sums over the fluid for some of many places.
-    fn to_places<'a>(&'a self, positions: &'a [Vec3], chosen: &'a [u32]) -> Setup<'a> {
+    /// Sums over the fluid for some of many wall points.
+    fn to_places<'a>(&'a self, places: Places<'a>, chosen: &'a [u32]) -> Setup<'a> {
+        let between = Between::WallsAndParticles(places.facets);
         Setup {
             settings: &self.settings,
-            from: self.neighborhood(&self.scratch.points),
-            receivers: some(positions, chosen),
+            from: self.neighborhood(&self.scratch.points, between),
+            receivers: some(places.positions, chosen),
         }
     }
 
@@ -445,7 +474,7 @@ pub(crate) fn spreads(fluid: &mut Fluid) {
 
 /// Who receives from whom in a force sum.
 #[derive(Clone, Copy)]
-enum Between {
+enum Forcing {
     FluidAndFluid,
     WallOnFluid,
     FluidOnWall,
@@ -454,7 +483,7 @@ enum Between {
 struct Forces<'a> {
     setup: Setup<'a>,
     own: ForceOwn<'a>,
-    between: Between,
+    forcing: Forcing,
     shear: Shearing<'a>,
     out: &'a mut [ForceDensity],
 }
@@ -492,11 +521,11 @@ impl Forces<'_> {
         let wall = || WeightedByDensity::new(machine, s.reference_density, s.sound_speed);
         let viscosities = match self.shear {
             Shearing::Uniform(viscosity) => {
-                return match self.between {
-                    Between::FluidAndFluid => {
+                return match self.forcing {
+                    Forcing::FluidAndFluid => {
                         self.pressed::<L, K, _>(machine, SumOfPressures, viscosity);
                     }
-                    Between::WallOnFluid | Between::FluidOnWall => {
+                    Forcing::WallOnFluid | Forcing::FluidOnWall => {
                         self.pressed::<L, K, _>(machine, wall(), viscosity);
                     }
                 };
@@ -504,16 +533,16 @@ impl Forces<'_> {
             Shearing::OfParticles(viscosities) => L::Record::of(viscosities).records(),
         };
         let h = s.smoothing_length;
-        match self.between {
-            Between::FluidAndFluid => {
+        match self.forcing {
+            Forcing::FluidAndFluid => {
                 let shear = VariableShear::<L, true, true>::new(machine, viscosities, h);
                 self.sheared::<L, K, _, _>(machine, SumOfPressures, shear);
             }
-            Between::WallOnFluid => {
+            Forcing::WallOnFluid => {
                 let shear = VariableShear::<L, true, false>::new(machine, viscosities, h);
                 self.sheared::<L, K, _, _>(machine, wall(), shear);
             }
-            Between::FluidOnWall => {
+            Forcing::FluidOnWall => {
                 let shear = VariableShear::<L, false, true>::new(machine, viscosities, h);
                 self.sheared::<L, K, _, _>(machine, wall(), shear);
             }
@@ -592,7 +621,7 @@ pub(crate) fn forces(fluid: &mut Fluid) {
                 velocity: &fluid.particles.velocity,
                 pressure: &fluid.particles.pressure,
             },
-            between: Between::FluidAndFluid,
+            forcing: Forcing::FluidAndFluid,
             shear: Shearing::within(fluid),
             out: &mut out,
         },
@@ -665,18 +694,19 @@ pub(crate) fn wall_forces(
                 velocity: &fluid.particles.velocity,
                 pressure: &fluid.particles.pressure,
             },
-            between: Between::WallOnFluid,
+            forcing: Forcing::WallOnFluid,
             shear,
             out,
         },
     );
 }
 
-/// Forces per volume of the fluid on some wall points at given places, with given velocities and
+/// Forces per volume of the fluid on some wall points, with given velocities and
 /// pressures; after [`Fluid::pack_forces`].
 pub(crate) fn reactions(
     fluid: &Fluid,
-    (positions, velocity, pressure): (&[Vec3], &[Vec3], &[f64]),
+    places: Places,
+    (velocity, pressure): (&[Vec3], &[f64]),
     chosen: &[u32],
     shear: Shearing,
     out: &mut [ForceDensity],
@@ -684,9 +714,9 @@ pub(crate) fn reactions(
     dispatch(
         fluid.settings.scheme.precision,
         Forces {
-            setup: fluid.to_places(positions, chosen),
+            setup: fluid.to_places(places, chosen),
             own: ForceOwn { velocity, pressure },
-            between: Between::FluidOnWall,
+            forcing: Forcing::FluidOnWall,
             shear,
             out,
         },
@@ -717,14 +747,14 @@ impl Extrapolations<'_> {
 /// Pressure and velocity of the fluid continued to some points; after [`Fluid::pack_forces`].
 pub(crate) fn extrapolation(
     fluid: &Fluid,
-    positions: &[Vec3],
+    places: Places,
     chosen: &[u32],
     out: &mut [Extrapolated],
 ) {
     dispatch(
         fluid.settings.scheme.precision,
         Extrapolations {
-            setup: fluid.to_places(positions, chosen),
+            setup: fluid.to_places(places, chosen),
             out,
         },
     );

@@ -7,6 +7,7 @@
 
 use rayon::prelude::*;
 
+use crate::boundary::screens::{Facet, Screens};
 use crate::cells::{CellGrid, MAX_RUNS, OWN_IMAGE, Run};
 use crate::lanes::{FILTER_WIDTH, Lanes, Machine, Portable, RECORD, Record, Sight, Task};
 use crate::mirror::{Image, MOST_IMAGES, Mirrors};
@@ -68,12 +69,72 @@ pub(crate) struct Sources<'a, R> {
     pub grid: &'a CellGrid,
     pub frame: &'a Frame,
     pub points: &'a Points<R>,
+    /// What hides points from receivers; none without screens.
+    pub veil: Option<Veil<'a>>,
     /// Planes in which the receivers see the points mirrored.
     pub mirrors: Mirrors,
     /// Support radius; m.
     pub support_radius: f64,
     /// Farthest that points may have moved since the grid was sorted; m.
     pub moved: f64,
+}
+
+/// Screens between receivers and points.
+#[derive(Clone, Copy)]
+pub(crate) struct Veil<'a> {
+    pub screens: &'a Screens,
+    /// Places of the points; m.
+    pub positions: &'a [Vec3],
+    pub between: Between<'a>,
+}
+
+/// Who is on the two sides of a veil; wall particles with the faces that they are behind, those beyond the end
+/// of the list behind none.
+#[derive(Clone, Copy)]
+pub(crate) enum Between<'a> {
+    Particles,
+    ParticlesAndWalls(&'a [Facet]),
+    WallsAndParticles(&'a [Facet]),
+}
+
+impl Veil<'_> {
+    /// Keeps of the points found those that receiver `a` sees from a place; returns how many they are.
+    #[inline(never)]
+    fn keep_seen(&self, grid: &CellGrid, a: usize, place: &Vec3, found: &mut [u32]) -> usize {
+        let cell = grid.cell_of(place);
+        let has_facets = match self.between {
+            Between::Particles => false,
+            Between::ParticlesAndWalls(facets) | Between::WallsAndParticles(facets) => {
+                !facets.is_empty()
+            }
+        };
+        // wall particles behind a screen are where others look too, beyond its reach
+        if !has_facets && !self.screens.are_near(cell) {
+            return found.len();
+        }
+        let facet = |facets: &[Facet], k: usize| facets.get(k).copied().unwrap_or(Facet::NONE);
+        let mut n = 0;
+        for k in 0..found.len() {
+            let id = found[k] as usize;
+            let x = &self.positions[id];
+            let is_seen = match self.between {
+                Between::Particles => self.screens.lets_see(cell, place, x),
+                Between::ParticlesAndWalls(facets) => {
+                    let facet = facet(facets, id);
+                    self.screens.lets_see_wall(cell, place, x, facet)
+                }
+                Between::WallsAndParticles(facets) => {
+                    let facet = facet(facets, a);
+                    self.screens.lets_see_wall(cell, x, place, facet)
+                }
+            };
+            if is_seen {
+                found[n] = found[k];
+                n += 1;
+            }
+        }
+        n
+    }
 }
 
 /// Who receives: all particles, or some of them.
@@ -189,7 +250,7 @@ where
                     own = term.mirrored(&own, &signs);
                     term.mirror(&mut sums, &signs);
                 }
-                n_found += view.add_near(place, &own, &mut sums);
+                n_found += view.add_near(a, place, &own, &mut sums);
                 if 0 < k {
                     term.mirror(&mut sums, &splat3(machine, image.signs()));
                 }
@@ -222,9 +283,9 @@ where
     L::Record: Default,
     T: Term<L>,
 {
-    /// Adds all points within the support of a place; returns how many they are.
+    /// Adds all points within the support of a place, that of receiver `a` or its image; returns how many they are.
     #[inline(always)]
-    fn add_near(&mut self, position: &Vec3, own: &T::Own, sums: &mut T::Sums) -> u32 {
+    fn add_near(&mut self, a: usize, position: &Vec3, own: &T::Own, sums: &mut T::Sums) -> u32 {
         let Self {
             machine,
             term,
@@ -248,10 +309,15 @@ where
         // one pass per periodic image: all its neighbours are seen from the same shifted place
         while from < n_runs {
             let image = runs[from].image;
-            let place = if image == OWN_IMAGE {
-                frame.place(position)
+            let metres = if image == OWN_IMAGE {
+                *position
             } else {
-                frame.place(&(position - grid.image_shift(image)))
+                position - grid.image_shift(image)
+            };
+            let place = frame.place(&metres);
+            let keep_seen = |found: &mut [u32]| match &sources.veil {
+                None => found.len(),
+                Some(veil) => veil.keep_seen(grid, a, &metres, found),
             };
             let sight = Sight {
                 place: place.quanta,
@@ -275,6 +341,7 @@ where
                     // as many candidates as the buffer surely holds
                     let room = (BUFFER - FILTER_WIDTH - n) / FILTER_WIDTH * FILTER_WIDTH;
                     if room == 0 {
+                        n = keep_seen(&mut found[..n]);
                         seen.add_all(term, own, points, (found, n), sums);
                         n_found += n as u32;
                         n = 0;
@@ -286,6 +353,7 @@ where
                 }
                 from += 1;
             }
+            n = keep_seen(&mut found[..n]);
             seen.add_all(term, own, points, (found, n), sums);
             n_found += n as u32;
         }

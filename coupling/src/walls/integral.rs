@@ -269,7 +269,7 @@ impl IntegralWalls {
     }
 
     /// Finds what the particles see of the solids; after each sort of the fluid and placing.
-    pub fn find(&mut self, fluid: &Fluid) {
+    pub fn find(&mut self, fluid: &mut Fluid) {
         let reach = self.support_radius;
         let placed = self.moving.iter().map(|part| &part.placed);
         list_near(&mut self.near_moving, placed, fluid, reach);

@@ -10,12 +10,14 @@
 use riprap_dda::{BlockDefinition, Blocks, Load};
 use riprap_sph::boundary::integral::Face;
 use riprap_sph::boundary::sampling::{
-    Region, UnionLattice, WallSample, sample_convex, sample_union,
+    Region, Rows, UnionLattice, WallSample, sample_behind, sample_convex, sample_union,
 };
+use riprap_sph::boundary::screens::Facet;
 use riprap_sph::boundary::wall_particles::{Slip, WallParticles};
 use riprap_sph::{Dimensions, Fluid, Periodicity, SymmetryPlane, Vec3};
 
 use super::cutting::{before, image};
+use super::screens::{Screens, is_covered, is_end, is_thin};
 use super::{Part, is_fixed, parts};
 
 /// The walls of all blocks.
@@ -25,6 +27,7 @@ pub struct ParticleWalls {
     /// Block of each fixed point.
     fixed_block: Vec<u32>,
     moving: WallParticles,
+    screens: Screens,
     /// Block of each moving point.
     block: Vec<u32>,
     /// Place of each moving point in the frame of its block; m.
@@ -61,30 +64,60 @@ impl ParticleWalls {
             })
             .filter_map(|(b, part)| Some((b, before(&part, &sampler.symmetry)?)))
             .unzip();
-        let (of_part, samples): (Vec<usize>, Vec<WallSample>) =
-            sampler.standing(&standing).into_iter().unzip();
-        let mut fixed = WallParticles::new(fluid, samples.iter().map(|s| s.volume).collect(), slip);
-        fixed.place(|w| [samples[w].position, Vec3::zeros(), Vec3::zeros()]);
-        let (mut block, mut local, mut volumes) = (Vec::new(), Vec::new(), Vec::new());
+        let (spacing, support) = (
+            sampler.lattice.particle_spacing,
+            sampler.lattice.support_radius,
+        );
+        let mut screens = Screens::new(&standing, spacing, support);
+        let (thin, thick) = sampler.screens(&standing);
+        let mut standing_points = Points::default();
+        for (part, faces) in thin {
+            let screen = screens.add(
+                (part, &standing),
+                sampler.end(&standing[part]),
+                owners[part],
+                blocks,
+            );
+            standing_points.add_screen(screen, owners[part], &faces);
+        }
+        let whole: Vec<Part> = thick.iter().map(|&part| standing[part].clone()).collect();
+        for (part, sample) in sampler.standing(&whole) {
+            standing_points.add(owners[thick[part]], sample, Facet::NONE);
+        }
+        let mut points = Points::default();
         for b in (0..definitions.len()).filter(|&b| !is_fixed(blocks, b)) {
-            let turned_back = blocks.orientation(b).inverse();
             let parts: Vec<Part> = parts(&definitions[b].shape)
                 .iter()
                 .filter_map(|part| before(part, &sampler.symmetry))
                 .collect();
-            for sample in sampler.body(&parts) {
-                block.push(b as u32);
-                local.push(turned_back * (sample.position - blocks.centroid(b)));
-                volumes.push(sample.volume);
+            let (thin, thick) = sampler.screens(&parts);
+            for (part, faces) in thin {
+                let screen = screens.add((part, &parts), sampler.end(&parts[part]), b, blocks);
+                points.add_screen(screen, b, &faces);
+            }
+            let thick: Vec<Part> = thick.iter().map(|&part| parts[part].clone()).collect();
+            for sample in sampler.body(&thick) {
+                points.add(b, sample, Facet::NONE);
             }
         }
+        let mut fixed = standing_points.walls(fluid, slip);
+        fixed.place(|w| {
+            let position = standing_points.samples[w].position;
+            [position, Vec3::zeros(), Vec3::zeros()]
+        });
+        let turned_back = |b: u32, x: &Vec3| {
+            let b = b as usize;
+            blocks.orientation(b).inverse() * (x - blocks.centroid(b))
+        };
+        let placed = points.blocks.iter().zip(&points.samples);
         let mut walls = Self {
             fixed,
-            fixed_block: of_part.iter().map(|&part| owners[part] as u32).collect(),
-            moving: WallParticles::new(fluid, volumes, slip),
-            start: vec![[Vec3::zeros(); 2]; block.len()],
-            block,
-            local,
+            fixed_block: standing_points.blocks,
+            moving: points.walls(fluid, slip),
+            screens,
+            start: vec![[Vec3::zeros(); 2]; points.blocks.len()],
+            local: placed.map(|(&b, s)| turned_back(b, &s.position)).collect(),
+            block: points.blocks,
             loads: vec![Load::default(); definitions.len()],
             force_on_fluid: Vec3::zeros(),
             power: 0.0,
@@ -134,6 +167,7 @@ impl ParticleWalls {
 
     /// Remembers where the moving points are: before the blocks move.
     pub fn note_start(&mut self, blocks: &Blocks) {
+        self.screens.note_start(blocks);
         for ((start, &block), local) in self.start.iter_mut().zip(&self.block).zip(&self.local) {
             let x = world(blocks, block as usize, local);
             *start = [x, blocks.velocity_at(block as usize, &x)];
@@ -151,6 +185,7 @@ impl ParticleWalls {
             let from = start[w][0];
             [(from + end) * 0.5, (end - from) / dt, Vec3::zeros()]
         });
+        self.screens.place_half_way(blocks);
     }
 
     /// Places the moving points where the blocks are, at rest where blocks are held: without a step. The
@@ -175,10 +210,12 @@ impl ParticleWalls {
             };
             [x, v, a]
         });
+        self.screens.place_at_end(blocks);
     }
 
     /// Finds which particles and points are near each other; after each sort of the fluid and placing.
-    pub fn find(&mut self, fluid: &Fluid) {
+    pub fn find(&mut self, fluid: &mut Fluid) {
+        self.screens.set_up(fluid);
         self.fixed.find_wet(fluid);
         self.moving.find_wet(fluid);
     }
@@ -223,6 +260,45 @@ impl ParticleWalls {
                 *power -= force.dot(&blocks.velocity_at(b, &x));
             }
         });
+    }
+}
+
+/// Points of walls before they have places of their own.
+#[derive(Default)]
+struct Points {
+    blocks: Vec<u32>,
+    samples: Vec<WallSample>,
+    facets: Vec<Facet>,
+}
+
+impl Points {
+    fn add(&mut self, block: usize, sample: WallSample, facet: Facet) {
+        self.blocks.push(block as u32);
+        self.samples.push(sample);
+        self.facets.push(facet);
+    }
+
+    /// Adds the points behind each face of a screen.
+    fn add_screen(&mut self, screen: u32, block: usize, faces: &[Vec<WallSample>]) {
+        for (face, samples) in faces.iter().enumerate() {
+            let facet = Facet {
+                screen,
+                face: face as u32,
+            };
+            for &sample in samples {
+                self.add(block, sample, facet);
+            }
+        }
+    }
+
+    fn walls(&self, fluid: &Fluid, slip: Slip) -> WallParticles {
+        let volumes = self.samples.iter().map(|s| s.volume).collect();
+        let walls = WallParticles::new(fluid, volumes, slip);
+        if self.facets.iter().all(|&facet| facet == Facet::NONE) {
+            walls
+        } else {
+            walls.behind(self.facets.clone())
+        }
     }
 }
 
@@ -303,6 +379,82 @@ impl Sampler {
         }
     }
 
+    /// Which of some parts are screens, with points behind each of their faces, and which are not. Faces that
+    /// other parts cover have none: nothing looks through them. Planes of symmetry do not mirror screens, so
+    /// that with them there are none.
+    fn screens(&self, parts: &[Part]) -> (Vec<(usize, Vec<Vec<WallSample>>)>, Vec<usize>) {
+        let (mut screens, mut others) = (Vec::new(), Vec::new());
+        for (k, part) in parts.iter().enumerate() {
+            match self.screen(k, part, parts) {
+                Some(faces) => screens.push((k, faces)),
+                None => others.push(k),
+            }
+        }
+        (screens, others)
+    }
+
+    fn screen(&self, number: usize, part: &Part, all: &[Part]) -> Option<Vec<Vec<WallSample>>> {
+        let (spacing, support) = (self.lattice.particle_spacing, self.lattice.support_radius);
+        let mut ends = (0..3).filter(|&axis| self.has_no_end(part, axis));
+        let (end, more) = (ends.next(), ends.next());
+        if !self.symmetry.is_empty() || more.is_some() {
+            return None;
+        }
+        let rows = end.map(|axis| match self.plane {
+            Some((middle, width)) => Rows {
+                axis,
+                from: middle - 0.5 * width,
+                width,
+                count: 1,
+            },
+            None => {
+                let (from, to) = (self.domain.min[axis], self.domain.max[axis]);
+                let count = ((to - from) / spacing).round().max(1.0) as usize;
+                Rows {
+                    axis,
+                    from,
+                    width: (to - from) / count as f64,
+                    count,
+                }
+            }
+        });
+        let others = all.iter().enumerate().filter(|&(k, _)| k != number);
+        let others: Vec<&Part> = others.map(|(_, other)| other).collect();
+        let is_open = |(normal, corners): &(Vec3, Vec<Vec3>)| {
+            !is_end(normal, end) && !is_covered(normal, corners, &others, spacing)
+        };
+        let open: Vec<bool> = part.faces.iter().map(is_open).collect();
+        if !is_thin(part, &open, support) {
+            return None;
+        }
+        let behind = |((normal, corners), &open): (&(Vec3, Vec<Vec3>), &bool)| {
+            let face = Face {
+                normal: *normal,
+                vertices: corners,
+            };
+            if open {
+                sample_behind(&face, rows, spacing, support)
+            } else {
+                Vec::new()
+            }
+        };
+        Some(part.faces.iter().zip(&open).map(behind).collect())
+    }
+
+    /// The first axis in which a part has no end.
+    fn end(&self, part: &Part) -> Option<usize> {
+        (0..3).find(|&axis| self.has_no_end(part, axis))
+    }
+
+    /// Whether a part goes through the whole of what a flow in a plane, or a domain that repeats, shows of it.
+    fn has_no_end(&self, part: &Part, axis: usize) -> bool {
+        let Region { min, max } = &self.domain;
+        let slack = 1e-6 * self.lattice.particle_spacing;
+        let (low, high) = part.aabb();
+        let spans = low[axis] < min[axis] + slack && max[axis] - slack < high[axis];
+        (self.plane.is_some() && axis == 1) || (self.periodic[axis] && spans)
+    }
+
     fn is_no_image(&self, x: &Vec3) -> bool {
         let Region { min, max } = &self.domain;
         (0..3).all(|axis| !self.periodic[axis] || (min[axis] <= x[axis] && x[axis] < max[axis]))
@@ -340,14 +492,8 @@ impl Sampler {
     /// The part without the ends that it has across a flow in a plane, or at both sides of a domain that repeats.
     fn endless(&self, part: &Part) -> Part {
         let Region { min, max } = &self.domain;
-        let slack = 1e-6 * self.lattice.particle_spacing;
-        let (low, high) = part.aabb();
-        let is_endless = |axis: usize| {
-            let spans = low[axis] < min[axis] + slack && max[axis] - slack < high[axis];
-            (self.plane.is_some() && axis == 1) || (self.periodic[axis] && spans)
-        };
         (0..3)
-            .filter(|&axis| is_endless(axis))
+            .filter(|&axis| self.has_no_end(part, axis))
             .fold(part.clone(), |part, axis| {
                 let middle = 0.5 * (min[axis] + max[axis]);
                 part.along(axis, |x| middle + STRETCH * (x - middle))

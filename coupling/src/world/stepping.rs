@@ -104,7 +104,7 @@ impl World {
         water.interface.find(&water.fluid, &self.blocks);
         if let Some(walls) = &mut water.walls {
             walls.place_at_end(&self.blocks, is_free.then_some(half));
-            walls.find(&water.fluid);
+            walls.find(&mut water.fluid);
         }
         water.openings.hold(&mut water.fluid, middle);
         self.phases.coupling += watch.lap();

@@ -7,18 +7,21 @@
 //! - a box is a lattice of its own ([`sample_convex`]);
 //! - any other convex body has layers parallel to each face, bounded by the planes that bisect the
 //!   angles to the other faces ([`sample_convex`]);
-//! - fixed bodies that touch or overlap are one solid ([`sample_union`]).
+//! - fixed bodies that touch or overlap are one solid ([`sample_union`]);
+//! - each face of a [screen](super::screens) has layers of its own ([`sample_behind`]).
 
 use nalgebra::Vector2;
 
 use crate::Vec3;
 use crate::boundary::integral::Face;
 
+mod behind;
 mod cuboid;
 mod layers;
 mod polygon;
 mod union;
 
+pub use behind::{Rows, sample_behind};
 pub use union::{Region, UnionLattice, UnionSample, sample_union};
 
 /// A point of a wall.

@@ -26,10 +26,11 @@
 
 use rayon::prelude::*;
 
+use crate::boundary::screens::Facet;
 use crate::cells::CellGrid;
 use crate::scheme::Viscosity;
-use crate::sums::{self, Shearing};
-use crate::sweep::AnyPoints;
+use crate::sums::{self, Places, Shearing};
+use crate::sweep::{AnyPoints, Between};
 use crate::terms::continuity::Rate;
 use crate::terms::disorder::Spread;
 use crate::terms::extrapolation::Extrapolated;
@@ -54,6 +55,8 @@ pub enum Slip {
 #[derive(Clone, Debug)]
 pub struct WallParticles {
     volume: Vec<f64>,
+    /// Faces of screens that points are behind; of all points, or of none.
+    facets: Vec<Facet>,
     position: Vec<Vec3>,
     velocity: Vec<Vec3>,
     acceleration: Vec<Vec3>,
@@ -68,6 +71,7 @@ pub struct WallParticles {
     /// Points sorted by cell, and their places.
     order: Vec<u32>,
     sorted: Vec<Vec3>,
+    sorted_facets: Vec<Facet>,
     points: AnyPoints,
     /// Cells that hold points, in order.
     occupied: Vec<u32>,
@@ -99,6 +103,7 @@ impl WallParticles {
         let grid = fluid.grid().clone();
         Self {
             volume,
+            facets: Vec::new(),
             position: vec![Vec3::zeros(); n],
             velocity: vec![Vec3::zeros(); n],
             acceleration: vec![Vec3::zeros(); n],
@@ -110,6 +115,7 @@ impl WallParticles {
             grid,
             order: Vec::new(),
             sorted: Vec::new(),
+            sorted_facets: Vec::new(),
             points: AnyPoints::default(),
             occupied: Vec::new(),
             marked: Vec::new(),
@@ -117,6 +123,13 @@ impl WallParticles {
             wet: Vec::new(),
             scratch: Scratch::default(),
         }
+    }
+
+    /// The same points, seen through faces of [screens](super::screens) only: one facet per point, or none at all.
+    #[must_use]
+    pub fn behind(mut self, facets: Vec<Facet>) -> Self {
+        self.facets = facets;
+        self
     }
 
     /// Number of points.
@@ -163,6 +176,11 @@ impl WallParticles {
         self.sorted.clear();
         self.sorted
             .extend(self.order.iter().map(|&w| self.position[w as usize]));
+        self.sorted_facets.clear();
+        if !self.facets.is_empty() {
+            self.sorted_facets
+                .extend(self.order.iter().map(|&w| self.facets[w as usize]));
+        }
         self.occupied.clear();
         for &w in &self.order {
             let cell = self.scratch.cell[w as usize];
@@ -216,6 +234,18 @@ impl WallParticles {
             frame: &fluid.frame,
             points: &self.points,
             moved: 0.0,
+            veil: sums::veil(
+                &fluid.screens,
+                &self.sorted,
+                Between::ParticlesAndWalls(&self.sorted_facets),
+            ),
+        }
+    }
+
+    fn places(&self) -> Places<'_> {
+        Places {
+            positions: &self.position,
+            facets: &self.facets,
         }
     }
 
@@ -271,7 +301,7 @@ impl WallParticles {
     pub fn extrapolate(&mut self, fluid: &Fluid, follow: f64) {
         let mut sums_of_points = std::mem::take(&mut self.scratch.extrapolated);
         sums_of_points.resize(self.wet.len(), Extrapolated::default());
-        sums::extrapolation(fluid, &self.position, &self.wet, &mut sums_of_points);
+        sums::extrapolation(fluid, self.places(), &self.wet, &mut sums_of_points);
         self.pressure.fill(0.0);
         self.seen_velocity.copy_from_slice(&self.velocity);
         for (&w, sum) in self.wet.iter().zip(&sums_of_points) {
@@ -405,7 +435,8 @@ impl WallParticles {
         let mut forces = vec![ForceDensity::default(); points.len()];
         sums::reactions(
             fluid,
-            (&self.position, &self.seen_velocity, &self.pressure),
+            self.places(),
+            (&self.seen_velocity, &self.pressure),
             points,
             self.shearing(fluid),
             &mut forces,
@@ -425,7 +456,8 @@ impl WallParticles {
         forces.resize(self.wet.len(), ForceDensity::default());
         sums::reactions(
             fluid,
-            (&self.position, &self.seen_velocity, &self.pressure),
+            self.places(),
+            (&self.seen_velocity, &self.pressure),
             &self.wet,
             self.shearing(fluid),
             &mut forces,

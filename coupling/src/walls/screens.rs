@@ -1,0 +1,280 @@
+//! Bodies so thin or sharp that water on their two sides would see each other: screens between walls of particles.
+
+use riprap_dda::Blocks;
+use riprap_sph::boundary::screens::Plane;
+use riprap_sph::{Fluid, Vec3};
+
+use super::{Part, is_fixed};
+
+/// Cosine of the angle up to which two faces that meet make a sharp edge: 45 degrees. At blunter ones, water
+/// that sees itself through the edge is a small part of what each particle sees.
+const SHARP: f64 = 0.7;
+/// Distance off a face at which others may cover it; spacings.
+const OFF_FACE: f64 = 0.1;
+
+/// A body is looked at again for what covers it once it has moved as far; spacings.
+const MOVED: f64 = 0.1;
+
+/// Screens on blocks, carried along with them.
+///
+/// Where fixed solids cover a face, the screen goes on through it: walls near the foot of a plate, which see the
+/// water on both its sides from below, take their pressure from their own side only.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Screens {
+    screens: Vec<Screen>,
+    /// What stands for good and may cover them.
+    fixed: Vec<Part>,
+    /// m.
+    spacing: f64,
+    /// How far screens go on through covered faces; m.
+    support_radius: f64,
+    /// Whether the fluid has not seen them where they are now.
+    are_new: bool,
+}
+
+/// A convex part of a block.
+#[derive(Clone, Debug)]
+struct Screen {
+    block: usize,
+    is_fixed: bool,
+    /// In the frame of the block.
+    part: Part,
+    /// The rest of the block, in the same frame.
+    siblings: Vec<Part>,
+    /// Faces at which it only seems to end: it has no end there.
+    ends: Vec<bool>,
+    is_covered: Vec<bool>,
+    /// Where the block was when that was found out; m.
+    looked_at: Vec3,
+    /// Where the faces, by one corner, were at the start of the step.
+    start: Vec<(Vec3, Vec3)>,
+    /// Present planes, and the box round the part; m.
+    planes: Vec<Plane>,
+    bounds: (Vec3, Vec3),
+}
+
+impl Screens {
+    /// None, before these fixed parts; lengths in m.
+    pub(super) fn new(fixed: &[Part], spacing: f64, support_radius: f64) -> Self {
+        Self {
+            screens: Vec::new(),
+            fixed: fixed.to_vec(),
+            spacing,
+            support_radius,
+            are_new: false,
+        }
+    }
+
+    /// Adds one of the parts of a block, given where the block is now; returns its number. Along an axis it may
+    /// have no end.
+    pub(super) fn add(
+        &mut self,
+        (number, parts): (usize, &[Part]),
+        no_end: Option<usize>,
+        block: usize,
+        blocks: &Blocks,
+    ) -> u32 {
+        let turned_back = blocks.orientation(block).inverse();
+        let centroid = blocks.centroid(block);
+        let local = |part: &Part| {
+            part.mapped(
+                |normal| turned_back * normal,
+                |x| turned_back * (x - centroid),
+            )
+        };
+        let is_fixed = is_fixed(blocks, block);
+        let is_end = |(normal, _): &(Vec3, Vec<Vec3>)| is_end(normal, no_end);
+        let siblings = parts.iter().enumerate().filter(|&(k, _)| k != number);
+        let mut screen = Screen {
+            block,
+            is_fixed,
+            part: local(&parts[number]),
+            // fixed ones are among what stands
+            siblings: match is_fixed {
+                true => Vec::new(),
+                false => siblings.map(|(_, part)| local(part)).collect(),
+            },
+            ends: parts[number].faces.iter().map(is_end).collect(),
+            is_covered: Vec::new(),
+            looked_at: Vec3::repeat(f64::INFINITY),
+            start: Vec::new(),
+            planes: Vec::new(),
+            bounds: (Vec3::zeros(), Vec3::zeros()),
+        };
+        screen.look_for_cover(blocks, &self.fixed, self.spacing);
+        screen.note_start(blocks);
+        screen.place(blocks, (1.0, self.support_radius));
+        self.are_new = true;
+        self.screens.push(screen);
+        self.screens.len() as u32 - 1
+    }
+
+    /// Remembers where they are: before the blocks move.
+    pub(super) fn note_start(&mut self, blocks: &Blocks) {
+        for screen in self.screens.iter_mut().filter(|screen| !screen.is_fixed) {
+            screen.note_start(blocks);
+        }
+    }
+
+    /// Places them half way through the step that the blocks have just taken.
+    pub(super) fn place_half_way(&mut self, blocks: &Blocks) {
+        self.place(blocks, 0.5);
+    }
+
+    /// Places them where the blocks are.
+    pub(super) fn place_at_end(&mut self, blocks: &Blocks) {
+        self.place(blocks, 1.0);
+    }
+
+    fn place(&mut self, blocks: &Blocks, share: f64) {
+        let Self {
+            screens,
+            fixed,
+            spacing,
+            support_radius,
+            are_new,
+        } = self;
+        for screen in screens.iter_mut().filter(|screen| !screen.is_fixed) {
+            screen.look_for_cover(blocks, fixed, *spacing);
+            screen.place(blocks, (share, *support_radius));
+            *are_new = true;
+        }
+    }
+
+    /// Sets them up before the fluid, where it has not seen them there.
+    pub(super) fn set_up(&mut self, fluid: &mut Fluid) {
+        if !self.are_new && fluid.n_screens() == self.screens.len() {
+            return;
+        }
+        fluid.clear_screens();
+        for screen in &self.screens {
+            fluid.add_screen(screen.planes.iter().copied(), screen.bounds);
+        }
+        self.are_new = false;
+    }
+}
+
+impl Screen {
+    /// A face by its normal and one corner, where it is now.
+    fn face_now(&self, (normal, corners): &(Vec3, Vec<Vec3>), blocks: &Blocks) -> (Vec3, Vec3) {
+        let turn = blocks.orientation(self.block);
+        let corner = corners.first().copied().unwrap_or_default();
+        (turn * normal, blocks.centroid(self.block) + turn * corner)
+    }
+
+    fn note_start(&mut self, blocks: &Blocks) {
+        let mut start = std::mem::take(&mut self.start);
+        start.clear();
+        let faces = self.part.faces.iter();
+        start.extend(faces.map(|face| self.face_now(face, blocks)));
+        self.start = start;
+    }
+
+    /// Finds out which faces are covered, if the block has moved since the last time.
+    fn look_for_cover(&mut self, blocks: &Blocks, fixed: &[Part], spacing: f64) {
+        let centroid = blocks.centroid(self.block);
+        if (centroid - self.looked_at).norm() < MOVED * spacing {
+            return;
+        }
+        self.looked_at = centroid;
+        let turn = blocks.orientation(self.block);
+        let now = |part: &Part| part.mapped(|normal| turn * normal, |x| centroid + turn * x);
+        let part = now(&self.part);
+        let siblings: Vec<Part> = self.siblings.iter().map(now).collect();
+        let (min, max) = part.aabb();
+        let touches = |other: &&Part| {
+            let (other_min, other_max) = other.aabb();
+            (0..3).all(|k| other_min[k] - spacing < max[k] && min[k] < other_max[k] + spacing)
+        };
+        let others: Vec<&Part> = fixed.iter().chain(&siblings).filter(touches).collect();
+        let others: Vec<&Part> = others.into_iter().filter(|other| **other != part).collect();
+        self.is_covered.clear();
+        self.is_covered.extend(
+            part.faces
+                .iter()
+                .map(|(normal, corners)| is_covered(normal, corners, &others, spacing)),
+        );
+    }
+
+    /// Places it at a share of the way from the start of the step; covered faces are moved out by `beyond` (m).
+    fn place(&mut self, blocks: &Blocks, (share, beyond): (f64, f64)) {
+        let between = |from: &Vec3, to: &Vec3| from * (1.0 - share) + to * share;
+        let mut planes = std::mem::take(&mut self.planes);
+        planes.clear();
+        let faces = self.part.faces.iter().zip(&self.start);
+        let faces = faces.zip(self.ends.iter().zip(&self.is_covered));
+        planes.extend(faces.map(|((face, (from_normal, from)), is)| {
+            let (to_normal, to) = self.face_now(face, blocks);
+            let normal = between(from_normal, &to_normal).normalize();
+            let more = match is {
+                (true, _) => f64::INFINITY,
+                (_, true) => beyond,
+                _ => 0.0,
+            };
+            (normal, normal.dot(&between(from, &to)) + more)
+        }));
+        self.planes = planes;
+        // the box of the end: what it lacks half way is a small part of the cells round it
+        let turn = blocks.orientation(self.block);
+        let none = (Vec3::repeat(f64::INFINITY), Vec3::repeat(f64::NEG_INFINITY));
+        let corners = self.part.corners().map(|x| turn * x);
+        let (min, max) = corners.fold(none, |(min, max), x| (min.inf(&x), max.sup(&x)));
+        let centroid = blocks.centroid(self.block);
+        self.bounds = (centroid + min, centroid + max);
+    }
+}
+
+/// Whether a face is across an axis in which a part has no end.
+pub(super) fn is_end(normal: &Vec3, no_end: Option<usize>) -> bool {
+    no_end.is_some_and(|axis| normal[axis].abs() > 0.5)
+}
+
+/// Whether two open faces of a part are so near, or meet at so sharp an edge, that fluid on both is within the
+/// support (m) of each other through the solid.
+pub(super) fn is_thin(part: &Part, open: &[bool], support_radius: f64) -> bool {
+    let faces: Vec<&(Vec3, Vec<Vec3>)> = part
+        .faces
+        .iter()
+        .zip(open)
+        .filter_map(|(face, &open)| open.then_some(face))
+        .collect();
+    faces.iter().enumerate().any(|(k, (normal, corners))| {
+        faces[..k].iter().any(|(other, other_corners)| {
+            let Some(origin) = other_corners.first() else {
+                return false;
+            };
+            let depths = corners.iter().map(|x| other.dot(&(origin - x)));
+            let thickness = depths.fold(f64::INFINITY, f64::min);
+            normal.dot(other) < -SHARP && thickness < support_radius
+        })
+    })
+}
+
+/// Whether other parts cover the whole of a face, as seen at places a spacing (m) apart.
+pub(super) fn is_covered(normal: &Vec3, corners: &[Vec3], others: &[&Part], spacing: f64) -> bool {
+    let Some((first, rest)) = corners.split_first() else {
+        return false;
+    };
+    let is_inside = |x: &Vec3| {
+        let x = x + normal * (OFF_FACE * spacing);
+        others.iter().any(|part| {
+            let nearest = part.nearest_plane(&x);
+            nearest.is_some_and(|(_, distance)| distance <= 0.0)
+        })
+    };
+    // a fan of triangles, each seen at places inside it
+    rest.windows(2).all(|pair| {
+        let (u, v) = (pair[0] - first, pair[1] - first);
+        let size = u.norm().max(v.norm()).max((u - v).norm());
+        let n = (size / spacing).ceil().clamp(1.0, MOST_PLACES) as usize;
+        (0..n).all(|i| {
+            (0..n - i).all(|j| {
+                let at = |k: usize| (k as f64 + 1.0 / 3.0) / n as f64;
+                is_inside(&(first + u * at(i) + v * at(j)))
+            })
+        })
+    })
+}
+
+/// Places along a side of a face at which its cover is looked for, at most.
+const MOST_PLACES: f64 = 200.0;
