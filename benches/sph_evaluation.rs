@@ -1,7 +1,7 @@
 //! Speed of the water: a dam break column between walls, before it falls and while it falls.
 //!
 //! `cargo bench -p riprap-sph --bench sph_evaluation -- [SPACING ...]`, SPACING in metres: 0.0116
-//! (50,000 particles) when left out, 0.0074 (200,000), 0.0043 (a million; 2 GB and some minutes).
+//! (50,000 particles) when left out, 0.0074 (200,000), 0.0043 (a million; 0.8 GB and some minutes).
 //!
 //! An evaluation is the density rates and the forces of all particles from fluid and walls at one
 //! state. A step is kick-drift-kick, which needs as much. For each setting and number of threads there is a table
