@@ -100,7 +100,10 @@ fn main() -> Result<(), Failure> {
     ));
     lines.iter().for_each(|line| print(line));
     if let Some(most) = memory("VmHWM") {
-        print(&format!("\nmost memory of the run: {:.0} MiB", most / MIB));
+        print(&format!(
+            "\nmost memory of the run: {:.0} MiB; the roofs take 384",
+            most / MIB
+        ));
     }
     Ok(())
 }
