@@ -1,25 +1,42 @@
 //! Speed of the water: a dam break column between walls, before it falls and while it falls.
 //!
 //! `cargo bench -p riprap-sph --bench sph_evaluation -- [SPACING ...]`, SPACING in metres: 0.0116
-//! (50,000 particles) when left out, 0.0074 (200,000), 0.0043 (a million).
+//! (50,000 particles) when left out, 0.0074 (200,000), 0.0043 (a million; 0.8 GB and some minutes).
 //!
 //! An evaluation is the density rates and the forces of all particles from fluid and walls at one
-//! state. A step is kick-drift-kick, which needs as much. Pairs count each neighbour once per sum.
+//! state. A step is kick-drift-kick, which needs as much. For each setting and number of threads there is a table
+//! of the parts of an evaluation, with the share of each roof that they reach: bytes from memory, multiply-adds,
+//! divisions and square roots, counted as `counts` says and measured as `roofs` does. The roof of the largest share
+//! is the nearest; none binds that is far from 100 %. A line of all settings comes last; its pairs are those of
+//! the fluid, each neighbour once per sum.
 
 use std::time::Instant;
 
-use riprap_sph::boundary::integral::Face;
-use riprap_sph::boundary::sampling::{Region, UnionLattice, sample_union};
-use riprap_sph::boundary::wall_particles::{Slip, WallParticles};
-use riprap_sph::scheme::{DensityDiffusion, Viscosity};
-use riprap_sph::{Dimensions, Fluid, FluidError, Precision, Scheme, Settings, Start, Vec3};
+use rayon::ThreadPool;
+use riprap_sph::{FluidError, Precision};
 
-/// Steps timed while the column falls, after as many to warm up.
-const STEPS: u32 = 10;
-/// Evaluations timed; the fastest counts.
-const ROUNDS: usize = 5;
+#[path = "sph_evaluation/counts.rs"]
+mod counts;
+#[path = "sph_evaluation/phases.rs"]
+mod phases;
+#[path = "sph_evaluation/roofs.rs"]
+mod roofs;
+#[path = "sph_evaluation/tank.rs"]
+mod tank;
 
-fn main() -> Result<(), Box<dyn std::error::Error>> {
+use counts::{Counts, Need, Needs};
+use phases::{Beside, Inferred, Seconds};
+use roofs::Roofs;
+use tank::{Tank, tank};
+
+/// Numbers of threads, the first being the one that others are compared with.
+const THREADS: [usize; 2] = [1, 2];
+/// A tank of more particles is measured with fewer repetitions.
+const MANY: f64 = 5e5;
+
+type Failure = Box<dyn std::error::Error>;
+
+fn main() -> Result<(), Failure> {
     let spacings: Vec<f64> = std::env::args()
         .skip(1)
         .filter_map(|a| a.parse().ok())
@@ -29,13 +46,48 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     } else {
         spacings
     };
+    let mut crews = Vec::new();
+    for threads in THREADS {
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .build()?;
+        let roofs = Roofs::measure(&pool);
+        print_roofs(threads, &roofs);
+        crews.push(Crew { pool, roofs });
+    }
+    let mut lines = Vec::new();
+    for dp in spacings {
+        for (ratio, precision) in [
+            (1.3, Precision::Single),
+            (1.3, Precision::Double),
+            (3.0_f64.sqrt(), Precision::Single),
+        ] {
+            let setting = Setting {
+                dp,
+                ratio,
+                precision,
+            };
+            let mut baseline = None;
+            for crew in &crews {
+                let found = crew.pool.install(|| Found::measure(setting))?;
+                found.print_parts(crew);
+                if lines.is_empty() {
+                    // later tanks take the memory that this one leaves
+                    found.print_resident();
+                }
+                let speed = found.evaluations_per_second();
+                let scaling = speed / *baseline.get_or_insert(speed);
+                let threads = crew.pool.current_num_threads();
+                lines.push(format!("{} {threads:>7} x {scaling:.2}", found.line()));
+            }
+        }
+    }
     print(&format!(
-        "{:>9} {:>7} {:>6} {:>7} {:>8} {:>7} {:>9} {:>9} {:>9} {:>11} {:>11} {:>11} {:>9} {:>9}",
+        "\n{:>9} {:>7} {:>6} {:>4} {:>7} {:>8} {:>9} {:>8} {:>9} {:>9} {:>9} {:>8} {:>7}",
         "particles",
         "walls",
         "h/dp",
         "sums",
-        "threads",
         "neighb.",
         "rates ns",
         "forces ns",
@@ -44,27 +96,14 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         "pairs/s",
         "p.steps/s",
         "s per s",
-        "bytes/p."
+        "threads"
     ));
-    for dp in spacings {
-        for (ratio, precision) in [
-            (1.3, Precision::Single),
-            (1.3, Precision::Double),
-            (3.0_f64.sqrt(), Precision::Single),
-        ] {
-            let mut baseline = None;
-            for threads in [1, 2] {
-                let pool = rayon::ThreadPoolBuilder::new()
-                    .num_threads(threads)
-                    .build()?;
-                let found = pool.install(|| measure(dp, ratio, precision))?;
-                let scaling = found.evaluations / *baseline.get_or_insert(found.evaluations);
-                print(&format!(
-                    "{} {threads:>8} {} x {scaling:.2}",
-                    found.head, found.row
-                ));
-            }
-        }
+    lines.iter().for_each(|line| print(line));
+    if let Some(most) = memory("VmHWM") {
+        print(&format!(
+            "\nmost memory of the run: {:.0} MiB; the roofs take 384",
+            most / MIB
+        ));
     }
     Ok(())
 }
@@ -74,236 +113,267 @@ fn print(line: &str) {
     println!("{line}");
 }
 
-/// The column with its walls: a floor and four sides, open above.
-struct Tank {
-    fluid: Fluid,
-    walls: WallParticles,
+/// Threads, and what they can do at most.
+struct Crew {
+    pool: ThreadPool,
+    roofs: Roofs,
 }
 
-fn tank(dp: f64, ratio: f64, precision: Precision) -> Result<Tank, FluidError> {
-    let size = [1.6, 0.67, 0.6].map(|l: f64| (l / dp).round() * dp);
-    let n = [0.4 / dp, size[1] / dp, 0.3 / dp].map(|n| n.round() as usize);
-    let sound_speed = 20.0 * (9.81_f64 * 0.3).sqrt();
-    let settings = Settings {
-        particle_spacing: [dp; 3],
-        smoothing_length: ratio * dp,
-        reference_density: 1000.0,
-        sound_speed,
-        scheme: Scheme {
-            diffusion: DensityDiffusion::Fourtakas(0.1),
-            viscosity: Viscosity::Artificial { alpha: 0.1 },
-            precision,
-            ..Scheme::standard()
-        },
-        dimensions: Dimensions::Three,
-        gravity: Vec3::new(0.0, 0.0, -9.81),
-        time_step_factor: 0.2,
-        domain: (Vec3::zeros(), Vec3::from(size)),
-        periodic: [false; 3],
-        symmetry: [[false; 2]; 3],
-    };
-    let mut start = Start::default();
-    for k in 0..n[2] {
-        for j in 0..n[1] {
-            for i in 0..n[0] {
-                let x = Vec3::new(i as f64 + 0.5, j as f64 + 0.5, k as f64 + 0.5) * dp;
-                start.pressures.push(9810.0 * (n[2] as f64 * dp - x.z));
-                start.positions.push(x);
-                start.velocities.push(Vec3::zeros());
-            }
-        }
-    }
-    let mut fluid = Fluid::new(start, settings)?;
-    fluid.refresh();
-    let samples = wall_samples(dp, 2.0 * ratio * dp, size);
-    let mut walls = WallParticles::new(&fluid, vec![dp.powi(3); samples.len()], Slip::Free);
-    walls.place(|w| [samples[w], Vec3::zeros(), Vec3::zeros()]);
-    Ok(Tank { fluid, walls })
+fn print_roofs(threads: usize, roofs: &Roofs) {
+    let giga = |x: f64| x / 1e9;
+    print(&format!(
+        "{threads} thread(s): memory {:.1} GB/s; multiply-adds {:.1} f32, {:.1} f64 G/s; divisions {:.2}, {:.2} G/s; \
+         square roots {:.2}, {:.2} G/s",
+        giga(roofs.bytes),
+        giga(roofs.single.multiply_adds),
+        giga(roofs.double.multiply_adds),
+        giga(roofs.single.divisions),
+        giga(roofs.double.divisions),
+        giga(roofs.single.roots),
+        giga(roofs.double.roots),
+    ));
 }
 
-/// Points of five slabs round the tank.
-fn wall_samples(dp: f64, support_radius: f64, [x, y, z]: [f64; 3]) -> Vec<Vec3> {
-    let t = support_radius + dp;
-    let slabs = [
-        ([-t, -t, -t], [x + t, y + t, 0.0]),
-        ([-t, -t, 0.0], [0.0, y + t, z]),
-        ([x, -t, 0.0], [x + t, y + t, z]),
-        ([0.0, -t, 0.0], [x, 0.0, z]),
-        ([0.0, y, 0.0], [x, y + t, z]),
-    ];
-    let corners: Vec<Vec<(Vec3, [Vec3; 4])>> = slabs.iter().map(|(a, b)| cuboid(a, b)).collect();
-    let faces: Vec<Vec<Face>> = corners
-        .iter()
-        .map(|faces| {
-            faces
-                .iter()
-                .map(|(normal, vertices)| Face {
-                    normal: *normal,
-                    vertices,
-                })
-                .collect()
-        })
-        .collect();
-    let parts: Vec<&[Face]> = faces.iter().map(Vec::as_slice).collect();
-    let lattice = UnionLattice {
-        anchor: Vec3::zeros(),
-        particle_spacing: dp,
-        support_radius,
-        region: Region {
-            min: Vec3::zeros(),
-            max: Vec3::new(x, y, z),
-        },
-    };
-    sample_union(&parts, &lattice)
-        .iter()
-        .map(|s| s.sample.position)
-        .collect()
+/// What is measured.
+#[derive(Clone, Copy)]
+struct Setting {
+    dp: f64,
+    /// Smoothing length over spacing.
+    ratio: f64,
+    precision: Precision,
 }
 
-/// Faces of a box, counter-clockwise seen from outside.
-fn cuboid(min: &[f64; 3], max: &[f64; 3]) -> Vec<(Vec3, [Vec3; 4])> {
-    let (min, max) = (Vec3::from(*min), Vec3::from(*max));
-    let middle = (min + max) * 0.5;
-    let half = (max - min) * 0.5;
-    (0..6)
-        .map(|side| {
-            let axis = side % 3;
-            let sign = if side < 3 { 1.0 } else { -1.0 };
-            let mut normal = Vec3::zeros();
-            normal[axis] = sign;
-            let corner = |u: f64, v: f64| {
-                let mut x = middle;
-                x[axis] += sign * half[axis];
-                x[(axis + 1) % 3] += u * half[(axis + 1) % 3];
-                x[(axis + 2) % 3] += sign * v * half[(axis + 2) % 3];
-                x
-            };
-            let face = [
-                corner(-1.0, -1.0),
-                corner(1.0, -1.0),
-                corner(1.0, 1.0),
-                corner(-1.0, 1.0),
-            ];
-            (normal, face)
-        })
-        .collect()
-}
-
-/// Seconds of each part of an evaluation.
-#[derive(Clone, Copy, Default)]
-struct Parts {
-    rates: f64,
-    forces: f64,
-    walls: f64,
-}
-
-impl Tank {
-    fn rates(&mut self, parts: &mut Parts) {
-        let start = Instant::now();
-        self.fluid.update_rates();
-        parts.rates += start.elapsed().as_secs_f64();
-        let start = Instant::now();
-        self.walls.find_wet(&self.fluid);
-        self.walls.add_rates(&mut self.fluid);
-        parts.walls += start.elapsed().as_secs_f64();
-    }
-
-    fn forces(&mut self, parts: &mut Parts) -> Result<(), FluidError> {
-        let start = Instant::now();
-        self.fluid.update_pressure()?;
-        parts.forces += start.elapsed().as_secs_f64();
-        let start = Instant::now();
-        self.walls.find_wet(&self.fluid);
-        self.walls.extrapolate(&self.fluid, 1.0);
-        parts.walls += start.elapsed().as_secs_f64();
-        let start = Instant::now();
-        self.fluid.update_accelerations();
-        parts.forces += start.elapsed().as_secs_f64();
-        let start = Instant::now();
-        self.walls.add_forces(&mut self.fluid);
-        parts.walls += start.elapsed().as_secs_f64();
-        Ok(())
-    }
-
-    fn step(&mut self, dt: f64) -> Result<(), FluidError> {
-        let parts = &mut Parts::default();
-        self.fluid.kick(0.5 * dt);
-        self.fluid.drift(0.5 * dt);
-        self.fluid.refresh();
-        self.rates(parts);
-        self.fluid.advance_density(dt);
-        self.fluid.drift(0.5 * dt);
-        self.fluid.refresh();
-        self.forces(parts)?;
-        self.fluid.kick(0.5 * dt);
-        Ok(())
-    }
-}
-
-/// What a line of the table holds.
+/// What a measurement found.
 struct Found {
-    head: String,
-    row: String,
-    evaluations: f64,
+    setting: Setting,
+    needs: Needs,
+    /// Neighbours of all particles.
+    neighbors: f64,
+    seconds: Seconds,
+    inferred: Inferred,
+    beside: Beside,
+    /// Step and its time; s.
+    dt: f64,
+    step: f64,
+    /// Steps timed, and those that sorted.
+    steps: u32,
+    sorts: u32,
+    /// Of the fluid's and the walls' arrays, and as the system counts it; bytes.
+    arrays: [f64; 2],
+    resident: Option<f64>,
 }
 
-fn measure(dp: f64, ratio: f64, precision: Precision) -> Result<Found, FluidError> {
-    let before = resident_bytes();
-    let mut tank = tank(dp, ratio, precision)?;
-    let n = tank.fluid.particles().len() as f64;
-    let mut best: Option<Parts> = None;
-    let total = |parts: &Parts| parts.rates + parts.forces + parts.walls;
-    for _ in 0..ROUNDS {
-        let mut parts = Parts::default();
-        tank.rates(&mut parts);
-        tank.fluid.advance_density(0.0);
-        tank.forces(&mut parts)?;
-        if best.as_ref().is_none_or(|best| total(&parts) < total(best)) {
-            best = Some(parts);
+impl Found {
+    fn measure(setting: Setting) -> Result<Self, FluidError> {
+        let Setting {
+            dp,
+            ratio,
+            precision,
+        } = setting;
+        let before = memory("VmRSS");
+        let mut tank = tank(dp, ratio, precision)?;
+        let is_large = MANY < tank.fluid.particles().len() as f64;
+        let (rounds, steps) = if is_large { (2, 3) } else { (5, 10) };
+        let seconds = tank.evaluation(rounds)?;
+        let neighbors = tank.fluid.n_pairs() as f64;
+        let resident = memory("VmRSS").zip(before).map(|(a, b)| a - b);
+        let counts = Counts::of(&tank);
+        let (dt, step, sorts) = falling(&mut tank, steps)?;
+        // these want particles that move, and sort them
+        let (beside, inferred) = (tank.beside(), tank.inferred(&counts, rounds));
+        let needs = Needs { precision, counts };
+        let n_cells = tank.fluid.grid().n_cells();
+        Ok(Self {
+            arrays: [needs.fluid_memory(n_cells), needs.wall_memory(n_cells)],
+            setting,
+            needs,
+            neighbors,
+            seconds,
+            inferred,
+            beside,
+            dt,
+            step,
+            steps,
+            sorts,
+            resident,
+        })
+    }
+
+    fn particles(&self) -> f64 {
+        self.needs.counts.particles
+    }
+
+    fn evaluations_per_second(&self) -> f64 {
+        self.particles() / self.seconds.total()
+    }
+
+    /// Nanoseconds a particle.
+    fn ns(&self, seconds: f64) -> f64 {
+        1e9 * seconds / self.particles()
+    }
+
+    /// The parts of an evaluation, and what they reach of each roof.
+    fn print_parts(&self, crew: &Crew) {
+        let Setting {
+            ratio, precision, ..
+        } = self.setting;
+        print(&format!(
+            "\n{} particles, {} points of walls, h/dp {ratio:.3}, {precision:?}, {} thread(s)",
+            self.particles(),
+            self.needs.counts.points,
+            crew.pool.current_num_threads(),
+        ));
+        print(&format!(
+            "  {:<28} {:>8} {:>6}   {:>8} {:>9} {:>8} {:>9} {:>9}",
+            "part", "ns", "%", "bytes", "operat.", "memory %", "mul-add %", "div+rt %"
+        ));
+        let (s, i, n) = (&self.seconds, &self.inferred, &self.needs);
+        let packing = s.pressure;
+        self.part(crew, "rates", s.rates, Some(n.rates()));
+        self.part(crew, "  ~ packing", packing, None);
+        self.part(crew, "  ~ rows", i.rows, None);
+        self.part(crew, "  ~ filter", i.filter, None);
+        let rest = s.rates - packing - i.rows - i.filter;
+        self.part(crew, "  ~ sums", rest, None);
+        self.part(crew, "pressure and packing", s.pressure, Some(n.pressure()));
+        self.part(crew, "forces", s.forces, Some(n.forces()));
+        self.part(crew, "  ~ rows", i.rows, None);
+        self.part(crew, "  ~ filter", i.filter, None);
+        let rest = s.forces - i.rows - i.filter;
+        self.part(crew, "  ~ sums and accelerations", rest, None);
+        self.part(crew, "walls: what is wet", s.finding, None);
+        self.part(crew, "walls: rates", s.wall_rates, Some(n.wall_rates()));
+        let extrapolation = Some(n.extrapolation());
+        self.part(crew, "walls: extrapolation", s.extrapolation, extrapolation);
+        self.part(crew, "walls: forces", s.wall_forces, Some(n.wall_forces()));
+        let whole = n.rates()
+            + n.pressure()
+            + n.forces()
+            + n.wall_rates()
+            + n.extrapolation()
+            + n.wall_forces();
+        self.part(crew, "evaluation", s.total(), Some(whole));
+        let b = &self.beside;
+        self.part(crew, "beside: density", b.advancing, None);
+        self.part(crew, "beside: kick", b.kick, None);
+        self.part(crew, "beside: drift", b.drift, None);
+        self.part(crew, "beside: sorting, when due", b.sorting, None);
+        self.print_summary(crew, &whole);
+    }
+
+    fn part(&self, crew: &Crew, name: &str, seconds: f64, need: Option<Need>) {
+        let percent = 100.0 * seconds / self.seconds.total();
+        let reached = need.map_or(String::new(), |need| {
+            let n = self.particles();
+            let [memory, arithmetic, slow] = self.shares(crew, &need, seconds);
+            format!(
+                "{:>8.0} {:>9.0} {memory:>8.1} {arithmetic:>9.1} {slow:>9.1}",
+                need.bytes / n,
+                need.operations / n
+            )
+        });
+        let line = format!(
+            "  {name:<28} {:>8.1} {percent:>6.1}   {reached}",
+            self.ns(seconds)
+        );
+        print(line.trim_end());
+    }
+
+    /// What is reached of memory, multiply-adds, and the unit of divisions and square roots; percent.
+    fn shares(&self, crew: &Crew, need: &Need, seconds: f64) -> [f64; 3] {
+        let peak = crew.roofs.arithmetic(self.setting.precision);
+        [
+            need.bytes / crew.roofs.bytes,
+            need.operations / peak.multiply_adds,
+            need.divisions / peak.divisions + need.roots / peak.roots,
+        ]
+        .map(|least| 100.0 * least / seconds)
+    }
+
+    fn print_summary(&self, crew: &Crew, whole: &Need) {
+        let (c, n) = (&self.needs.counts, self.particles());
+        let total = self.seconds.total();
+        let shares = self.shares(crew, whole, total);
+        let names = ["memory", "multiply-adds", "divisions and square roots"];
+        let nearest = (0..3).fold(0, |a, b| if shares[a] < shares[b] { b } else { a });
+        print(&format!(
+            "  nearest roof: {}, {:.0} % reached",
+            names[nearest], shares[nearest]
+        ));
+        let tested =
+            2.0 * c.fluid.candidates + 2.0 * c.from_walls.candidates + c.to_walls.candidates;
+        let pairs = 2.0 * self.neighbors + 2.0 * c.from_walls.pairs + c.to_walls.pairs;
+        print(&format!(
+            "  {:.1} neighbours of {:.1} candidates in {:.1} registers; {pairs:.3e} pairs an evaluation with those of \
+             the walls, {:.3e} a second; {:.3e} candidates a second",
+            self.neighbors / n,
+            c.fluid.candidates / n,
+            c.fluid.registers / n,
+            pairs / total,
+            tested / total,
+        ));
+        let [fluid, walls] = self.arrays.map(|bytes| bytes / n);
+        print(&format!(
+            "  bytes a particle: {fluid:.0} in the fluid's arrays, {walls:.0} in the walls'"
+        ));
+        print(&format!(
+            "  sorted in {} of {} steps",
+            self.sorts, self.steps
+        ));
+    }
+
+    fn print_resident(&self) {
+        if let Some(bytes) = self.resident {
+            let each = bytes / self.particles();
+            print(&format!(
+                "  {each:.0} bytes a particle more in use than before, as the system counts it"
+            ));
         }
     }
-    let best = best.unwrap_or_default();
-    let pairs = tank.fluid.n_pairs() as f64;
+
+    /// The line of the last table.
+    fn line(&self) -> String {
+        let (n, s) = (self.particles(), &self.seconds);
+        format!(
+            "{n:>9} {:>7} {:>6.3} {:>4} {:>7.1} {:>8.0} {:>9.0} {:>8.0} {:>9.3e} {:>9.3e} {:>9.3e} {:>8.0}",
+            self.needs.counts.points,
+            self.setting.ratio,
+            match self.setting.precision {
+                Precision::Single => "f32",
+                Precision::Double => "f64",
+            },
+            self.neighbors / n,
+            self.ns(s.rates),
+            self.ns(s.pressure + s.forces),
+            self.ns(s.walls()),
+            self.evaluations_per_second(),
+            2.0 * self.neighbors / s.total(),
+            n / self.step,
+            self.step / self.dt,
+        )
+    }
+}
+
+/// Step, its time while the column falls, after as many to warm up, and how many of those timed sorted; s.
+fn falling(tank: &mut Tank, steps: u32) -> Result<(f64, f64, u32), FluidError> {
     let dt = tank.fluid.step_limits().smallest();
-    for _ in 0..STEPS {
+    for _ in 0..steps {
         tank.step(dt)?;
     }
     let start = Instant::now();
-    for _ in 0..STEPS {
-        tank.step(dt)?;
+    let mut sorts = 0;
+    for _ in 0..steps {
+        sorts += u32::from(tank.step(dt)?);
     }
-    let step = start.elapsed().as_secs_f64() / f64::from(STEPS);
-    let bytes = resident_bytes()
-        .zip(before)
-        .map_or(f64::NAN, |(a, b)| a - b);
-    Ok(Found {
-        head: format!(
-            "{n:>9} {:>7} {ratio:>6.3} {:>7}",
-            tank.walls.len(),
-            match precision {
-                Precision::Single => "f32",
-                Precision::Double => "f64",
-            }
-        ),
-        row: format!(
-            "{:>7.1} {:>9.0} {:>9.0} {:>9.0} {:>11.3e} {:>11.3e} {:>11.3e} {:>9.0} {:>9.0}",
-            pairs / n,
-            1e9 * best.rates / n,
-            1e9 * best.forces / n,
-            1e9 * best.walls / n,
-            n / total(&best),
-            2.0 * pairs / total(&best),
-            n / step,
-            step / dt,
-            bytes / n,
-        ),
-        evaluations: n / total(&best),
-    })
+    Ok((dt, start.elapsed().as_secs_f64() / f64::from(steps), sorts))
 }
 
+const MIB: f64 = 1024.0 * 1024.0;
+
 /// Memory of this process, where the system says so; bytes.
-fn resident_bytes() -> Option<f64> {
-    let statm = std::fs::read_to_string("/proc/self/statm").ok()?;
-    let pages: f64 = statm.split_whitespace().nth(1)?.parse().ok()?;
-    Some(pages * 4096.0)
+fn memory(which: &str) -> Option<f64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find(|line| line.starts_with(which))?;
+    let kib: f64 = line.split_whitespace().nth(1)?.parse().ok()?;
+    Some(kib * 1024.0)
 }

@@ -7,11 +7,21 @@
 use std::collections::BTreeSet;
 use std::path::Path;
 
+/// Source of the schema: `scene/file.rs` and what is in the folder of that name.
+fn schema_source() -> String {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("src/scene/file");
+    let parts = std::fs::read_dir(&root)
+        .unwrap()
+        .map(|entry| entry.unwrap().path());
+    std::iter::once(root.with_extension("rs"))
+        .chain(parts)
+        .map(|path| std::fs::read_to_string(path).unwrap())
+        .collect()
+}
+
 /// Fields of the schema as `Struct.field`, read from its source: what the derive sees.
 fn schema_fields() -> BTreeSet<String> {
-    let source =
-        std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("src/scene/file.rs"))
-            .unwrap();
+    let source = schema_source();
     let mut fields = BTreeSet::new();
     let (mut owner, mut variant) = (None::<String>, None::<String>);
     for line in source.lines() {

@@ -1,0 +1,285 @@
+//! How much there is to do in an evaluation: candidates and pairs, counted from outside, and from them the
+//! arithmetic and the bytes that the code of the sums needs.
+//!
+//! An operation is one addition, subtraction, multiplication, multiply-add, comparison, minimum, maximum or
+//! conversion of one number in the loops over candidates and pairs: each takes a slot of the vector units, as a
+//! multiply-add does. Divisions and square roots have a unit of their own and are counted apart. Loads, shuffles
+//! and the packing of those found are not arithmetic and count nowhere; neither do empty lanes.
+//!
+//! Bytes are those of arrays read or written once by each loop over particles. Records of neighbours are read
+//! many times, but from the caches: they count once.
+
+use std::ops::Add;
+
+use rayon::prelude::*;
+use riprap_sph::cells::{MAX_RUNS, Run};
+use riprap_sph::{CellGrid, Precision, Vec3};
+
+use crate::tank::Tank;
+
+/// Particles that a thread takes at a time, as in the sums.
+pub const CHUNK: usize = 256;
+/// Candidates that the filter tests together.
+const REGISTER: u32 = 8;
+
+/// What the receivers of a sum look at.
+#[derive(Clone, Copy, Default)]
+pub struct Seen {
+    /// Receivers with at least one candidate.
+    pub receivers: f64,
+    /// Candidates whose distance is tested.
+    pub candidates: f64,
+    /// Registers of candidates: the last of a run is rarely full.
+    pub registers: f64,
+    /// Candidates within the support; a receiver that is among the points meets itself.
+    pub pairs: f64,
+}
+
+impl Add for Seen {
+    type Output = Self;
+
+    fn add(self, other: Self) -> Self {
+        Self {
+            receivers: self.receivers + other.receivers,
+            candidates: self.candidates + other.candidates,
+            registers: self.registers + other.registers,
+            pairs: self.pairs + other.pairs,
+        }
+    }
+}
+
+/// Counts what receivers see of points that are sorted in a grid; `moved` as in the sums.
+pub fn seen(
+    (grid, points): (&CellGrid, &[Vec3]),
+    receivers: &[Vec3],
+    (support_radius, moved): (f64, f64),
+) -> Seen {
+    receivers
+        .par_chunks(CHUNK)
+        .map(|receivers| {
+            let mut sum = Seen::default();
+            let mut runs = [Run::default(); MAX_RUNS];
+            for x in receivers {
+                let n = grid.runs_within(x, support_radius + 2.0 * moved, &mut runs);
+                for run in &runs[..n] {
+                    let points = &points[run.start as usize..run.end as usize];
+                    let is_near =
+                        |y: &&Vec3| (x - *y).norm_squared() < support_radius * support_radius;
+                    sum.candidates += points.len() as f64;
+                    sum.registers += f64::from((run.end - run.start).div_ceil(REGISTER));
+                    sum.pairs += points.iter().filter(is_near).count() as f64;
+                }
+                sum.receivers += f64::from(u32::from(0 < n));
+            }
+            sum
+        })
+        .reduce(Seen::default, Add::add)
+}
+
+/// What there is to see in a tank.
+#[derive(Clone, Copy, Default)]
+pub struct Counts {
+    pub particles: f64,
+    /// Points of the walls, and those of them near water.
+    pub points: f64,
+    pub wet: f64,
+    /// Particles that look at particles.
+    pub fluid: Seen,
+    /// Particles that look at points of the walls.
+    pub from_walls: Seen,
+    /// Points of the walls that look at particles.
+    pub to_walls: Seen,
+}
+
+impl Counts {
+    /// Counts in a tank; after the walls' last `find_wet`.
+    pub fn of(tank: &Tank) -> Self {
+        let (fluid, walls) = (&tank.fluid, &tank.walls);
+        let particles = &fluid.particles().position;
+        let reach = (fluid.settings().support_radius(), fluid.moved());
+        let mut grid = fluid.grid().clone();
+        let (mut cell, mut order) = (Vec::new(), Vec::new());
+        grid.sort(walls.positions(), &mut cell, &mut order);
+        let points: Vec<Vec3> = order
+            .iter()
+            .map(|&w| walls.positions()[w as usize])
+            .collect();
+        Self {
+            particles: particles.len() as f64,
+            points: points.len() as f64,
+            wet: walls.wet().len() as f64,
+            fluid: seen((fluid.grid(), particles), particles, reach),
+            from_walls: seen((&grid, &points), particles, reach),
+            to_walls: seen((fluid.grid(), particles), &points, reach),
+        }
+    }
+}
+
+/// What a part of an evaluation needs at least.
+#[derive(Clone, Copy, Default)]
+pub struct Need {
+    pub bytes: f64,
+    pub operations: f64,
+    pub divisions: f64,
+    pub roots: f64,
+}
+
+impl Add for Need {
+    type Output = Self;
+
+    fn add(self, other: Self) -> Self {
+        Self {
+            bytes: self.bytes + other.bytes,
+            operations: self.operations + other.operations,
+            divisions: self.divisions + other.divisions,
+            roots: self.roots + other.roots,
+        }
+    }
+}
+
+/// Arithmetic of a sum for each pair.
+struct Term {
+    operations: f64,
+    divisions: f64,
+}
+
+/// Continuity with Fourtakas' diffusion: kernel and volume 7, approach 6, its sum 1, jump of density 1,
+/// diffusion 7, its sum 1.
+const RATE: Term = Term {
+    operations: 23.0,
+    divisions: 1.0,
+};
+/// Pressure and artificial viscosity: kernel and volume 7, pressure 2, its sum 3, jump of velocity 3,
+/// viscosity 7, its sum 3.
+const FORCE: Term = Term {
+    operations: 25.0,
+    divisions: 1.0,
+};
+/// Continuity without diffusion: kernel and volume 7, approach 6, sums 2.
+const WALL_RATE: Term = Term {
+    operations: 15.0,
+    divisions: 0.0,
+};
+/// Kernel and volume 9, weight 1, pressure 1, density 1, moment 4, velocity 3.
+const EXTRAPOLATION: Term = Term {
+    operations: 19.0,
+    divisions: 0.0,
+};
+/// Pressure of a face, walls along which the fluid slides: kernel and volume 7, pressure 6, its sum 4.
+const WALL_FORCE: Term = Term {
+    operations: 17.0,
+    divisions: 1.0,
+};
+/// The filter, in integers and single precision always: differences 3, conversions 3, metres 3, square 3,
+/// comparison 1, number of the candidate 1.
+const FILTER: f64 = 14.0;
+
+const NUMBER: f64 = 8.0;
+const VECTOR: f64 = 24.0;
+const INDEX: f64 = 4.0;
+/// Of sums per receiver: rate of density, force, extrapolation.
+const RATE_SUMS: f64 = 24.0;
+const FORCE_SUMS: f64 = 48.0;
+const EXTRAPOLATED: f64 = 64.0;
+
+/// Needs of the parts of an evaluation, from what there is to see.
+pub struct Needs {
+    pub precision: Precision,
+    pub counts: Counts,
+}
+
+impl Needs {
+    /// Coordinates for the filter and record of a particle.
+    fn packed(&self) -> f64 {
+        match self.precision {
+            Precision::Single => 12.0 + 32.0,
+            Precision::Double => 12.0 + 64.0,
+        }
+    }
+
+    fn sum(&self, seen: &Seen, term: &Term, bytes: f64) -> Need {
+        // differences of places, of integers in single precision, and their square
+        let geometry = match self.precision {
+            Precision::Single => 12.0,
+            Precision::Double => 6.0,
+        };
+        Need {
+            bytes,
+            operations: FILTER * seen.candidates + (geometry + term.operations) * seen.pairs,
+            divisions: term.divisions * seen.pairs,
+            roots: seen.pairs,
+        }
+    }
+
+    /// Packs places, velocities, densities and masses; sums; writes rates.
+    pub fn rates(&self) -> Need {
+        let c = &self.counts;
+        let packing = 2.0 * VECTOR + 2.0 * NUMBER + self.packed();
+        let sums = self.packed() + 2.0 * VECTOR + NUMBER + RATE_SUMS;
+        self.sum(&c.fluid, &RATE, c.particles * (packing + sums))
+    }
+
+    /// State equation, look for bad densities, packing.
+    pub fn pressure(&self) -> Need {
+        let state = 3.0 * NUMBER;
+        let packing = 2.0 * VECTOR + 3.0 * NUMBER + self.packed();
+        Need {
+            bytes: self.counts.particles * (state + packing),
+            ..Need::default()
+        }
+    }
+
+    /// Sums; writes forces, reads them again, writes accelerations and, in single precision, their viscous part.
+    pub fn forces(&self) -> Need {
+        let c = &self.counts;
+        let sums = self.packed() + 2.0 * VECTOR + NUMBER + FORCE_SUMS;
+        let accelerations = FORCE_SUMS + NUMBER + 1.5 * VECTOR;
+        self.sum(&c.fluid, &FORCE, c.particles * (sums + accelerations))
+    }
+
+    /// Packs all points; sums over those near water; adds to the rates.
+    pub fn wall_rates(&self) -> Need {
+        let c = &self.counts;
+        let packing = INDEX + 2.0 * VECTOR + NUMBER + self.packed();
+        let sums = 2.0 * VECTOR + NUMBER + 2.0 * (INDEX + RATE_SUMS) + 2.0 * RATE_SUMS;
+        let bytes = c.points * packing + c.wet * self.packed() + c.from_walls.receivers * sums;
+        self.sum(&c.from_walls, &WALL_RATE, bytes)
+    }
+
+    /// Sums for the points near water over the particles near them; clears and packs all points.
+    pub fn extrapolation(&self) -> Need {
+        let c = &self.counts;
+        let packing = INDEX + 2.0 * VECTOR + 2.0 * NUMBER + self.packed();
+        let clearing = NUMBER + 2.0 * VECTOR;
+        let sums = 2.0 * VECTOR + 2.0 * (INDEX + EXTRAPOLATED) + NUMBER;
+        let bytes =
+            c.points * (packing + clearing) + c.wet * sums + c.from_walls.receivers * self.packed();
+        self.sum(&c.to_walls, &EXTRAPOLATION, bytes)
+    }
+
+    /// Sums over points near water; adds to the accelerations and their viscous part.
+    pub fn wall_forces(&self) -> Need {
+        let c = &self.counts;
+        let sums = 2.0 * VECTOR + NUMBER + 2.0 * (INDEX + FORCE_SUMS);
+        let adding = 3.0 * VECTOR + 2.0 * NUMBER;
+        let bytes = c.wet * self.packed() + c.from_walls.receivers * (sums + adding);
+        self.sum(&c.from_walls, &WALL_FORCE, bytes)
+    }
+
+    /// Memory of the fluid's arrays: columns of the state, 113 bytes a particle; sorting, one spare column of
+    /// each kind among it, 46; packed points; sums of rates and forces; a number of each cell.
+    pub fn fluid_memory(&self, n_cells: usize) -> f64 {
+        let per_particle = 113.0 + 46.0 + self.packed() + RATE_SUMS + FORCE_SUMS;
+        self.counts.particles * per_particle + INDEX * n_cells as f64
+    }
+
+    /// That of the walls: columns of the points, 112 bytes each; cell, order and sorted places; packed points; sums of
+    /// both sides; number and mark of each cell.
+    pub fn wall_memory(&self, n_cells: usize) -> f64 {
+        let c = &self.counts;
+        c.points * (112.0 + 2.0 * INDEX + VECTOR + self.packed())
+            + c.wet * (INDEX + EXTRAPOLATED)
+            + c.from_walls.receivers * (INDEX + RATE_SUMS + FORCE_SUMS)
+            + (INDEX + 1.0) * n_cells as f64
+    }
+}

@@ -1,0 +1,123 @@
+//! The water: how fine it is, where it stands, how it flows.
+
+use serde::{Deserialize, Serialize};
+
+use super::Triple;
+
+/// The water.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FluidFile {
+    /// Reference density; kg/m³.
+    #[serde(default = "default_fluid_density")]
+    pub density: f64,
+    /// Dynamic viscosity, for schemes whose viscosity is that of the fluid; Pa s. What keeps the published
+    /// scheme calm is this number: see `cases/README.md`.
+    #[serde(default = "default_dynamic_viscosity")]
+    pub dynamic_viscosity: f64,
+    /// How it flows, for mud; Newtonian with `dynamic_viscosity` when left out.
+    #[serde(default)]
+    pub rheology: Option<RheologyFile>,
+    /// How fine.
+    pub resolution: ResolutionFile,
+    /// Where the water stands at the start.
+    pub regions: Vec<RegionFile>,
+}
+
+/// How fine the fluid is.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub enum ResolutionFile {
+    /// Particle spacing; m.
+    Spacing(f64),
+    /// Wanted number of particles, met as nearly as whole rows allow; a miss of more than 10 % is
+    /// refused.
+    Count(u32),
+}
+
+/// A body of water at the start.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RegionFile {
+    /// Name, for messages.
+    pub name: String,
+    /// Extent.
+    pub shape: RegionShapeFile,
+    /// Initial velocity; m/s.
+    #[serde(default)]
+    pub velocity: Triple,
+    /// How what starts here flows; that of the fluid when left out.
+    #[serde(default)]
+    pub rheology: Option<RheologyFile>,
+}
+
+/// Extent of a body of water.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum RegionShapeFile {
+    /// A box; it must not overlap a block.
+    Box {
+        /// Lower corner; m.
+        min: Triple,
+        /// Upper corner; m.
+        max: Triple,
+    },
+    /// Everything below a level that water poured in at `seed` would reach; blocks and walls must
+    /// close the basin.
+    Below {
+        /// Still-water level, a height along z; m.
+        level: f64,
+        /// A wet point; m.
+        seed: Triple,
+    },
+}
+
+/// How stress follows the rate of shear.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum RheologyFile {
+    /// In proportion.
+    Newtonian {
+        /// Dynamic viscosity; Pa s.
+        dynamic_viscosity: f64,
+    },
+    /// In proportion beyond a yield stress.
+    Bingham {
+        /// Plastic viscosity; Pa s.
+        dynamic_viscosity: f64,
+        /// Yield stress; Pa.
+        yield_stress: f64,
+        /// How it creeps below the yield stress.
+        regularization: RegularizationFile,
+    },
+    /// By a power beyond a yield stress.
+    HerschelBulkley {
+        /// Consistency; Pa sⁿ.
+        consistency: f64,
+        /// Exponent n, above 0; below 1 for a fluid that thins when sheared.
+        exponent: f64,
+        /// Yield stress; Pa.
+        yield_stress: f64,
+        /// How it creeps below the yield stress.
+        regularization: RegularizationFile,
+    },
+}
+
+/// How a fluid with a yield stress creeps below it. A stopped layer of thickness H on a slope goes on at
+/// `ρ g sin θ H²/(2 η)`, η its viscosity at rest; the step is proportional to 1/η.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub enum RegularizationFile {
+    /// Papanastasiou's exponential with its time, 100 to 1000 s for mud; the viscosity at rest is the plastic
+    /// one plus yield stress times time; s.
+    Papanastasiou(f64),
+    /// A largest viscosity, 100 to 1000 times the plastic one; Pa s.
+    Bilinear(f64),
+}
+
+fn default_fluid_density() -> f64 {
+    1000.0
+}
+
+/// Water at 20 degrees; Pa s.
+fn default_dynamic_viscosity() -> f64 {
+    1.002e-3
+}

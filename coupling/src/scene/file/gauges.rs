@@ -1,0 +1,65 @@
+//! What is recorded: instruments, and the ways of falling blocks.
+
+use serde::{Deserialize, Serialize};
+
+use super::Triple;
+
+/// A recording instrument.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum GaugeFile {
+    /// Height of the free surface over a point of the plan; m, NaN when dry.
+    SurfaceElevation {
+        /// Column name in `gauges.csv`.
+        name: String,
+        /// m.
+        x: f64,
+        /// m.
+        y: f64,
+    },
+    /// Pressure at a point; Pa, NaN when dry.
+    Pressure {
+        /// Column name.
+        name: String,
+        /// m.
+        position: Triple,
+    },
+    /// Fluid velocity at a point, three columns; m/s, NaN when dry.
+    Velocity {
+        /// Column name.
+        name: String,
+        /// m.
+        position: Triple,
+    },
+    /// Force and moment on a block from fluid and from contacts, twelve columns; N, N m about the
+    /// centroid.
+    BlockForce {
+        /// Column name.
+        name: String,
+        /// Name of the block.
+        block: String,
+    },
+    /// Highest point that water touches above a line of the plan; m, NaN when dry.
+    RunUp {
+        /// Column name.
+        name: String,
+        /// Start of the line, (x, y); m.
+        from: (f64, f64),
+        /// End of the line, (x, y); m.
+        to: (f64, f64),
+    },
+}
+
+/// Which blocks are followed on their way: `trajectories.csv` has a row per block and time, `rockfall.csv`
+/// one per block.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TrajectoriesFile {
+    /// Names of free blocks; every free block when empty.
+    #[serde(default)]
+    pub blocks: Vec<String>,
+    /// Between two looks at a block; extremes are those of the looks; s. A thousandth of the duration when
+    /// left out.
+    #[serde(default)]
+    pub interval: Option<f64>,
+}

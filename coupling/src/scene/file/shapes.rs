@@ -1,0 +1,98 @@
+//! Geometry of blocks.
+
+use serde::{Deserialize, Serialize};
+
+use super::{Axis, Triple};
+
+/// Geometry of a block.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum ShapeFile {
+    /// A box along the axes.
+    Box {
+        /// Lower corner; m.
+        min: Triple,
+        /// Upper corner; m.
+        max: Triple,
+    },
+    /// A right-triangular prism: corners (0,0), (length,0), (0,height) in the x-z plane, drawn from
+    /// y = 0 to y = width.
+    Wedge {
+        /// Leg along x; m.
+        length: f64,
+        /// Leg along z; m.
+        height: f64,
+        /// Along y; m.
+        width: f64,
+    },
+    /// The convex hull of points.
+    Hull {
+        /// At least four, not in one plane; m.
+        points: Vec<Triple>,
+    },
+    /// A closed polyhedron; faces counter-clockwise seen from outside.
+    Polyhedron {
+        /// Corners; m.
+        vertices: Vec<Triple>,
+        /// Corner numbers of each face.
+        faces: Vec<Vec<u32>>,
+    },
+    /// Closed polyhedra that adjoin, as one rigid union.
+    Polyhedra {
+        /// The convex parts.
+        parts: Vec<PartFile>,
+    },
+    /// A polygon drawn along an axis; a non-convex one becomes a rigid union of convex parts.
+    Extrusion {
+        /// Corners in the plane across the axis, in the order of the remaining axes (for `Y`:
+        /// x, z); either sense; m.
+        polygon: Vec<(f64, f64)>,
+        /// Direction of the extrusion.
+        axis: Axis,
+        /// Start along the axis; m.
+        from: f64,
+        /// End along the axis; m.
+        to: f64,
+    },
+    /// A ball.
+    Sphere {
+        /// Centre; m.
+        center: Triple,
+        /// Radius; m.
+        radius: f64,
+    },
+    /// A closed triangle mesh, STL, OBJ or VTK; every connected shell must be convex, several
+    /// shells become one rigid union.
+    Mesh {
+        /// Path, relative to the scene file.
+        file: String,
+        /// Metres per unit of the file.
+        scale: f64,
+    },
+    /// An open or closed surface of triangles, STL, OBJ or VTK, of a fixed block: solid on the side away
+    /// from the normals, which must look to one side.
+    Surface {
+        /// Path, relative to the scene file.
+        file: String,
+        /// Metres per unit of the file.
+        scale: f64,
+    },
+    /// Terrain of a fixed block from an ESRI ASCII grid; each square is halved along its shorter diagonal.
+    Raster {
+        /// Path, relative to the scene file.
+        file: String,
+        /// Point of the map that becomes x = y = 0; m.
+        #[serde(default)]
+        origin: (f64, f64),
+    },
+}
+
+/// A closed convex polyhedron; faces counter-clockwise seen from outside.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PartFile {
+    /// Corners; m.
+    pub vertices: Vec<Triple>,
+    /// Corner numbers of each face.
+    pub faces: Vec<Vec<u32>>,
+}

@@ -1,0 +1,65 @@
+//! Checks of blocks made in number: rock masses and grains.
+
+use super::checks::Checks;
+use crate::scene::file::{GrainRegionFile, GrainsFile, RockMassFile, SceneFile};
+
+impl Checks {
+    pub(super) fn rock_mass(&mut self, index: usize, mass: &RockMassFile, scene: &SceneFile) {
+        let path = |field: &str| format!("rock_masses[{index}].{field}");
+        let of = |what: &str| format!("rock mass `{}`: {what}", mass.name);
+        self.material_exists(path("material"), &of("material"), &mass.material, scene);
+        if mass.joint_sets.is_empty() {
+            self.refuse(
+                path("joint_sets"),
+                of("no joint set; add one, or make it a block"),
+            );
+        }
+        self.not_negative(
+            path("minimum_volume"),
+            &of("least volume"),
+            mass.minimum_volume,
+        );
+        self.shape(&path("boundary"), &mass.boundary, &mass.name);
+    }
+
+    pub(super) fn grains(&mut self, index: usize, grains: &GrainsFile, scene: &SceneFile) {
+        let path = |field: &str| format!("grains[{index}].{field}");
+        let who = format!("grains `{}`", grains.name);
+        let of = |what: &str| format!("{who}: {what}");
+        self.material_exists(path("material"), &of("material"), &grains.material, scene);
+        let (smallest, largest) = grains.diameter;
+        self.positive(path("diameter"), &of("diameter"), smallest);
+        if largest < smallest {
+            self.refuse(
+                path("diameter"),
+                format!(
+                    "{} ({smallest}, {largest}): give the smallest, then the largest",
+                    of("diameter")
+                ),
+            );
+        }
+        self.not_negative(path("jitter"), &of("jitter"), grains.jitter);
+        let least = grains.least_spacing();
+        if let Some(spacing) = grains.spacing
+            && spacing < least
+        {
+            self.refuse(
+                path("spacing"),
+                format!(
+                    "{} must be at least {least} m, the largest diameter times (1 + 2 jitter), found {spacing}",
+                    of("spacing")
+                ),
+            );
+        }
+        if grains.count == Some(0) {
+            self.refuse(path("count"), of("count must be > 0"));
+        }
+        match grains.region {
+            GrainRegionFile::Box { min, max } => self.extent(&path("region"), &who, (min, max)),
+            GrainRegionFile::Cylinder { radius, height, .. } => {
+                self.positive(path("region.radius"), &of("radius"), radius);
+                self.positive(path("region.height"), &of("height"), height);
+            }
+        }
+    }
+}

@@ -1,0 +1,191 @@
+//! Problems as they are found, and the checks that many parts of a scene share.
+//!
+//! Each takes the path of what it looks at, and what the message is to call it. Numbers that were left out
+//! pass.
+
+use crate::scene::error::Problem;
+use crate::scene::file::{SceneFile, Triple};
+use crate::scene::parse::suggestion;
+
+/// Problems as they are found.
+#[derive(Default)]
+pub(super) struct Checks {
+    pub problems: Vec<Problem>,
+}
+
+impl Checks {
+    pub fn refuse(&mut self, path: impl Into<String>, message: String) {
+        self.problems.push(Problem::error(path, message));
+    }
+
+    pub fn question(&mut self, path: impl Into<String>, message: String) {
+        self.problems.push(Problem::warning(path, message));
+    }
+
+    pub fn positive(&mut self, path: impl Into<String>, what: &str, value: impl Into<Option<f64>>) {
+        if let Some(value) = value.into()
+            && value <= 0.0
+        {
+            self.refuse(path, format!("{what} must be > 0, found {value}"));
+        }
+    }
+
+    pub fn not_negative(
+        &mut self,
+        path: impl Into<String>,
+        what: &str,
+        value: impl Into<Option<f64>>,
+    ) {
+        if let Some(value) = value.into()
+            && value < 0.0
+        {
+            self.refuse(path, format!("{what} must be >= 0, found {value}"));
+        }
+    }
+
+    /// Above 0 and at most 1.
+    pub fn share(&mut self, path: &str, what: &str, value: impl Into<Option<f64>>) {
+        if let Some(value) = value.into()
+            && !(0.0 < value && value <= 1.0)
+        {
+            self.refuse(
+                path,
+                format!("{what} must be above 0 and at most 1, found {value}"),
+            );
+        }
+    }
+
+    /// From 0 to 1.
+    pub fn restitution(&mut self, path: String, what: &str, value: impl Into<Option<f64>>) {
+        if let Some(value) = value.into()
+            && !(0.0..=1.0).contains(&value)
+        {
+            self.refuse(path, format!("{what} must be in [0, 1], found {value}"));
+        }
+    }
+
+    /// From 0 to below 90 degrees.
+    pub fn friction_angle(&mut self, path: String, what: &str, value: impl Into<Option<f64>>) {
+        if let Some(value) = value.into()
+            && !(0.0..90.0).contains(&value)
+        {
+            self.refuse(
+                path,
+                format!("{what} must be in [0, 90) degrees, found {value}"),
+            );
+        }
+    }
+
+    /// What is left of a strength: from 0 to the strength, which has a name.
+    pub fn residual(
+        &mut self,
+        path: String,
+        what: &str,
+        value: impl Into<Option<f64>>,
+        (most, strength): (f64, &str),
+    ) {
+        if let Some(value) = value.into()
+            && !(0.0..=most).contains(&value)
+        {
+            self.refuse(
+                path,
+                format!("{what} must be in [0, {most}], the {strength}, found {value}"),
+            );
+        }
+    }
+
+    /// A direction may have any length but zero.
+    pub fn direction(&mut self, path: impl Into<String>, what: &str, value: Triple) {
+        if is_zero(value) {
+            self.refuse(path, format!("{what} has no direction"));
+        }
+    }
+
+    /// Corners of a box at `path`; a refused one is shown at its upper corner.
+    pub fn extent(&mut self, path: &str, what: &str, (min, max): (Triple, Triple)) {
+        if !is_ordered(min, max) {
+            self.refuse(
+                format!("{path}.max"),
+                format!("{what}: max {max:?} must exceed min {min:?} in every direction"),
+            );
+        }
+    }
+
+    /// An item of a list that may not come twice.
+    pub fn listed_once<T: PartialEq>(
+        &mut self,
+        path: &str,
+        what: impl std::fmt::Display,
+        (list, index): (&[T], usize),
+    ) {
+        if list[..index].contains(&list[index]) {
+            self.refuse(path, format!("{what} is listed twice"));
+        }
+    }
+
+    /// A name must be in `materials`.
+    pub fn material_exists(&mut self, path: String, what: &str, name: &str, scene: &SceneFile) {
+        let names: Vec<&str> = scene.materials.iter().map(|m| m.name.as_str()).collect();
+        if !names.contains(&name) {
+            self.refuse(
+                path,
+                format!(
+                    "{what} `{name}` is not in materials{}",
+                    suggestion(name, &names)
+                ),
+            );
+        }
+    }
+
+    /// A name must be in `blocks`.
+    pub fn block_exists(&mut self, path: String, what: &str, name: &str, scene: &SceneFile) {
+        let names: Vec<&str> = scene.blocks.iter().map(|b| b.name.as_str()).collect();
+        if !names.contains(&name) {
+            self.refuse(
+                path,
+                format!(
+                    "{what}: there is no block `{name}`{}",
+                    suggestion(name, &names)
+                ),
+            );
+        }
+    }
+
+    /// Names of a list must differ, and fit into a table of commas.
+    pub fn unique<'a>(&mut self, list: &str, names: impl Iterator<Item = &'a str>) {
+        let mut seen: Vec<&str> = Vec::new();
+        for (index, name) in names.enumerate() {
+            let path = format!("{list}[{index}]");
+            if name.is_empty() {
+                self.refuse(&path, "the name is empty".to_owned());
+            }
+            if name.contains([',', '"', '\n', '\r']) {
+                self.refuse(
+                    &path,
+                    format!("the name `{name}` has a comma, quote or line break"),
+                );
+            }
+            if seen.contains(&name) {
+                self.refuse(
+                    &path,
+                    format!("the name `{name}` is taken; names in {list} must differ"),
+                );
+            }
+            seen.push(name);
+        }
+    }
+}
+
+pub(super) fn is_zero((x, y, z): Triple) -> bool {
+    x == 0.0 && y == 0.0 && z == 0.0
+}
+
+pub(super) fn is_ordered(min: Triple, max: Triple) -> bool {
+    min.0 < max.0 && min.1 < max.1 && min.2 < max.2
+}
+
+/// Whether a point is in the domain.
+pub(super) fn is_inside(x: Triple, scene: &SceneFile) -> bool {
+    let (min, max) = (scene.domain.min, scene.domain.max);
+    min.0 <= x.0 && x.0 <= max.0 && min.1 <= x.1 && x.1 <= max.1 && min.2 <= x.2 && x.2 <= max.2
+}

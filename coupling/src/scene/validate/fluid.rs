@@ -1,0 +1,97 @@
+//! Checks of the water: how fine it is, where it stands, how it flows.
+
+use super::checks::{Checks, is_inside, is_ordered};
+use crate::scene::file::{
+    FluidFile, RegionFile, RegionShapeFile, ResolutionFile, RheologyFile, SceneFile, SlipFile,
+};
+use crate::scene::fluid::flow_law;
+
+impl Checks {
+    pub(super) fn fluid(&mut self, fluid: &FluidFile, scene: &SceneFile) {
+        self.positive("fluid.density", "fluid: density", fluid.density);
+        self.not_negative(
+            "fluid.dynamic_viscosity",
+            "fluid: dynamic viscosity",
+            fluid.dynamic_viscosity,
+        );
+        self.rheology("fluid.rheology", fluid.rheology.as_ref());
+        for (index, region) in fluid.regions.iter().enumerate() {
+            let path = format!("fluid.regions[{index}].rheology");
+            self.rheology(&path, region.rheology.as_ref());
+        }
+        if let SlipFile::Friction(angle) = scene.interface.slip
+            && !(0.0..90.0).contains(&angle)
+        {
+            self.refuse(
+                "interface.slip",
+                format!(
+                    "interface: friction angle must be from 0 to below 90 degrees, found {angle}"
+                ),
+            );
+        }
+        match fluid.resolution {
+            ResolutionFile::Spacing(spacing) => {
+                self.positive("fluid.resolution", "fluid: spacing", spacing);
+            }
+            ResolutionFile::Count(0) => {
+                self.refuse(
+                    "fluid.resolution",
+                    "fluid: count must be > 0, found 0".to_owned(),
+                );
+            }
+            ResolutionFile::Count(_) => {}
+        }
+        if fluid.regions.is_empty() {
+            self.refuse(
+                "fluid.regions",
+                "fluid: no region; add one, or leave fluid out".to_owned(),
+            );
+        }
+        for (index, region) in fluid.regions.iter().enumerate() {
+            self.region(&format!("fluid.regions[{index}].shape"), region, scene);
+        }
+        self.unique(
+            "fluid.regions",
+            fluid.regions.iter().map(|r| r.name.as_str()),
+        );
+    }
+
+    fn region(&mut self, path: &str, region: &RegionFile, scene: &SceneFile) {
+        let who = format!("fluid region `{}`", region.name);
+        match &region.shape {
+            RegionShapeFile::Box { min, max } => {
+                if !is_ordered(*min, *max) {
+                    self.refuse(
+                        format!("{path}.max"),
+                        format!("{who}: max {max:?} must exceed min {min:?}"),
+                    );
+                } else if !(is_inside(*min, scene) && is_inside(*max, scene)) {
+                    self.refuse(path, format!("{who} reaches out of the domain"));
+                }
+            }
+            RegionShapeFile::Below { level, seed } => {
+                if !is_inside(*seed, scene) {
+                    self.refuse(
+                        format!("{path}.seed"),
+                        format!("{who}: the seed {seed:?} is outside of the domain"),
+                    );
+                }
+                if *level <= seed.2 {
+                    self.refuse(
+                        format!("{path}.level"),
+                        format!(
+                            "{who}: the level {level} m must be above the seed at {} m",
+                            seed.2
+                        ),
+                    );
+                }
+            }
+        }
+    }
+
+    fn rheology(&mut self, path: &str, rheology: Option<&RheologyFile>) {
+        if let Some(Err(error)) = rheology.map(|law| flow_law(law).check()) {
+            self.refuse(path, error.to_string());
+        }
+    }
+}

@@ -1,0 +1,106 @@
+//! Checks of what is recorded and looked at: gauges, followed blocks, the camera.
+
+use super::checks::{Checks, is_inside};
+use crate::scene::file::{
+    BlockFile, CameraFile, GaugeFile, MotionFile, SceneFile, TrajectoriesFile, Triple,
+};
+use crate::scene::parse::suggestion;
+
+pub(super) fn gauge_name(gauge: &GaugeFile) -> &str {
+    match gauge {
+        GaugeFile::SurfaceElevation { name, .. }
+        | GaugeFile::Pressure { name, .. }
+        | GaugeFile::Velocity { name, .. }
+        | GaugeFile::BlockForce { name, .. }
+        | GaugeFile::RunUp { name, .. } => name,
+    }
+}
+
+impl Checks {
+    pub(super) fn gauge(&mut self, index: usize, gauge: &GaugeFile, scene: &SceneFile) {
+        let who = format!("gauge `{}`", gauge_name(gauge));
+        let level = scene.domain.min.2;
+        let path = |field: &str| format!("gauges[{index}].{field}");
+        let mut inside = |field: &str, x: Triple| {
+            if !is_inside(x, scene) {
+                self.refuse(
+                    path(field),
+                    format!("{who} at {x:?} is outside of the domain"),
+                );
+            }
+        };
+        match gauge {
+            GaugeFile::SurfaceElevation { x, y, .. } => inside("x", (*x, *y, level)),
+            GaugeFile::Pressure { position, .. } | GaugeFile::Velocity { position, .. } => {
+                inside("position", *position);
+            }
+            GaugeFile::RunUp { from, to, .. } => {
+                inside("from", (from.0, from.1, level));
+                inside("to", (to.0, to.1, level));
+            }
+            GaugeFile::BlockForce { block, .. } => {
+                self.block_exists(path("block"), &who, block, scene);
+            }
+        }
+        if scene.fluid.is_none() && !matches!(gauge, GaugeFile::BlockForce { .. }) {
+            self.question(
+                format!("gauges[{index}]"),
+                format!("{who} measures water, but the scene has none"),
+            );
+        }
+    }
+
+    pub(super) fn trajectories(&mut self, trajectories: &TrajectoriesFile, scene: &SceneFile) {
+        self.positive(
+            "trajectories.interval",
+            "trajectories: interval",
+            trajectories.interval,
+        );
+        let is_free = |block: &&BlockFile| matches!(block.motion, MotionFile::Free);
+        let free = scene.blocks.iter().filter(is_free);
+        let names: Vec<&str> = free.map(|block| block.name.as_str()).collect();
+        for (index, name) in trajectories.blocks.iter().enumerate() {
+            let path = format!("trajectories.blocks[{index}]");
+            if !names.contains(&name.as_str()) {
+                self.refuse(
+                    &path,
+                    format!(
+                        "trajectories: `{name}` is no free block of `blocks`{}",
+                        suggestion(name, &names)
+                    ),
+                );
+            }
+            let what = format!("trajectories: `{name}`");
+            self.listed_once(&path, what, (&trajectories.blocks, index));
+        }
+        if names.is_empty() && scene.rock_masses.is_empty() {
+            self.refuse(
+                "trajectories",
+                "trajectories: no block is free to move; leave trajectories out".to_owned(),
+            );
+        }
+        if scene.blocks.iter().all(|block| is_free(&block)) {
+            self.question(
+                "trajectories",
+                "trajectories: no block is fixed, so there is no ground to measure heights from"
+                    .to_owned(),
+            );
+        }
+    }
+
+    pub(super) fn camera(&mut self, camera: &CameraFile) {
+        if camera.position == camera.look_at {
+            self.refuse(
+                "camera.look_at",
+                "camera looks at itself; move position or look_at".to_owned(),
+            );
+        }
+        let angle = camera.field_of_view_deg;
+        if !(0.0 < angle && angle < 170.0) {
+            self.refuse(
+                "camera.field_of_view_deg",
+                format!("camera: field of view must be between 0 and 170 degrees, found {angle}"),
+            );
+        }
+    }
+}

@@ -1,0 +1,90 @@
+//! Checks of the numbers of the schemes, of times and of intervals.
+
+use super::checks::Checks;
+use crate::scene::file::{SceneFile, StaticDampingFile};
+
+impl Checks {
+    pub(super) fn numbers(&mut self, scene: &SceneFile) {
+        let (numerics, time, output) = (&scene.numerics, &scene.time, &scene.output);
+        for (path, what, value) in [
+            (
+                "interface.penalty_stiffness",
+                "penalty stiffness",
+                scene.interface.penalty_stiffness,
+            ),
+            ("numerics.sound_speed", "sound speed", numerics.sound_speed),
+            (
+                "numerics.expected_speed",
+                "expected speed",
+                numerics.expected_speed,
+            ),
+            (
+                "output.frame_interval",
+                "frame interval",
+                output.frame_interval,
+            ),
+            (
+                "output.gauge_interval",
+                "gauge interval",
+                output.gauge_interval,
+            ),
+            (
+                "output.ledger_interval",
+                "ledger interval",
+                output.ledger_interval,
+            ),
+            ("time.duration", "duration", Some(time.duration)),
+        ] {
+            self.positive(path, what, value);
+        }
+        self.not_negative(
+            "interface.penalty_damping",
+            "penalty damping",
+            scene.interface.penalty_damping,
+        );
+        self.not_negative("time.settle", "settling time", time.settle);
+        self.share(
+            "numerics.time_step_factor",
+            "time-step factor",
+            numerics.time_step_factor,
+        );
+        self.share(
+            "numerics.block_time_step_factor",
+            "block time-step factor",
+            numerics.block_time_step_factor,
+        );
+        if let Some(damping) = numerics.static_damping {
+            self.static_damping(damping);
+        }
+        if let Some(ratio) = numerics.smoothing_length_ratio
+            && !(1.0..=3.0).contains(&ratio)
+        {
+            self.refuse(
+                "numerics.smoothing_length_ratio",
+                format!("smoothing length over spacing must be in [1, 3], found {ratio}: fewer neighbours than 30 or more than 900"),
+            );
+        }
+    }
+
+    fn static_damping(&mut self, damping: StaticDampingFile) {
+        let path = "numerics.static_damping";
+        match damping {
+            StaticDampingFile::MassProportional(value) => {
+                self.not_negative(path, "mass-proportional damping", value);
+            }
+            StaticDampingFile::Local(value) => {
+                if !(0.0..1.0).contains(&value) {
+                    self.refuse(
+                        path,
+                        format!("local damping must be in [0, 1), found {value}"),
+                    );
+                }
+            }
+            StaticDampingFile::Kinetic(value) => self.share(path, "kinetic damping", value),
+        }
+        self.question(
+            path,
+            "blocks are damped for a search for rest: their motion means nothing".to_owned(),
+        );
+    }
+}

@@ -1,0 +1,343 @@
+//! How a system of blocks is made: bodies about their centroids, in principal axes, with margins and limits.
+
+use super::definition::check_settings;
+use crate::{
+    BlockDefinition, BlockError, Blocks, Deformability, DeformableModel, Isometry, JointOverride,
+    Load, MassProperties, Material, Motion, NormalLaw, Settings, Shape, Vec3, broad_phase,
+    critical_step::BlockRates,
+    deformation::{Affine12, AffineBody, Dda12, Deformable, elastic_constants, tensor},
+    kinematics::Kinematics,
+    material::Joint,
+    parts::Part,
+};
+use nalgebra::{Matrix3, Rotation3, SymmetricEigen, UnitQuaternion};
+
+/// Overlap allowed, × thickness: two plates of equal thickness have passed each other's middle, and
+/// would be pushed out on the wrong side, at 1.
+const THICKNESS_SHARE: f64 = 0.5;
+/// Margin of the fat boxes, × thickness at most: half of it is the way that a block may go in a step.
+const SKIN_OF_THICKNESS: f64 = 0.25;
+/// Margin of the fat boxes; × size of the part.
+const SKIN: f64 = 0.05;
+
+impl Blocks {
+    /// A system of blocks at t = 0, its contacts found and its bonds made.
+    ///
+    /// # Errors
+    ///
+    /// [`BlockError`] names the first block, material or setting that is unusable.
+    pub fn new(
+        definitions: Vec<BlockDefinition>,
+        materials: Vec<Material>,
+        settings: Settings,
+    ) -> Result<Self, BlockError> {
+        Self::with_joints(definitions, materials, &[], settings)
+    }
+
+    /// The same with joints between certain materials.
+    ///
+    /// # Errors
+    ///
+    /// As [`Blocks::new`], and for the first joint that is unusable.
+    pub fn with_joints(
+        definitions: Vec<BlockDefinition>,
+        materials: Vec<Material>,
+        overrides: &[JointOverride],
+        settings: Settings,
+    ) -> Result<Self, BlockError> {
+        check_settings(&settings)?;
+        let joints = Joint::table(&materials, overrides, settings.normal_law)?;
+        let resists_rolling = joints.iter().any(|j| j.spheres.rolling_friction > 0.0);
+        let mut this = Self::empty(joints, materials.len(), settings);
+        this.has_rolling = resists_rolling;
+        for (block, definition) in definitions.into_iter().enumerate() {
+            this.push(block, definition, &materials)?;
+        }
+        this.note_neighbors();
+        this.note_roles();
+        this.place_parts(true);
+        this.find_candidates();
+        this.bond_pairs();
+        this.evaluate_contacts(0.0, &mut |_| {});
+        Ok(this)
+    }
+
+    fn push(
+        &mut self,
+        block: usize,
+        definition: BlockDefinition,
+        materials: &[Material],
+    ) -> Result<(), BlockError> {
+        let BlockDefinition {
+            shape,
+            material,
+            motion,
+            velocity,
+            angular_velocity,
+            deformability,
+        } = definition;
+        let Some(rock) = materials.get(material) else {
+            return Err(BlockError::NoSuchMaterial {
+                block,
+                material,
+                n_materials: materials.len(),
+            });
+        };
+        if self.settings.normal_law == NormalLaw::Hertz
+            && matches!(shape, Shape::Sphere { .. })
+            && materials.iter().any(|m| m.elastic.is_none())
+        {
+            return Err(BlockError::Setting {
+                field: "normal_law",
+                value: f64::NAN,
+                rule: "Hertz needs elastic moduli of every material",
+            });
+        }
+        let properties = shape.mass_properties();
+        let is_surface = matches!(shape, Shape::Surface(_));
+        if is_surface && !matches!(motion, Motion::Fixed) {
+            return Err(BlockError::Surface { block });
+        }
+        let has_volume = properties.volume > 0.0 && properties.volume.is_finite();
+        if !has_volume && !is_surface {
+            return Err(BlockError::Empty { block });
+        }
+        if !velocity
+            .iter()
+            .chain(angular_velocity.iter())
+            .all(|c| c.is_finite())
+        {
+            return Err(BlockError::NotFinite { block });
+        }
+        let mut displacement = Vec3::zeros();
+        if let Motion::Prescribed(path) = &motion {
+            path.check(block)?;
+            displacement = path.displacement(0.0);
+        }
+        let is_free = matches!(motion, Motion::Free);
+        let deformable = match &deformability {
+            None => None,
+            Some(wanted) => Some(make_deformable(
+                block,
+                wanted,
+                (&shape, &motion),
+                rock,
+                (&properties, &angular_velocity),
+            )?),
+        };
+        let (moments, principal) = principal_axes(&properties, rock.density);
+        let start = properties.centroid;
+        self.push_parts(
+            block,
+            material,
+            &shape,
+            &start,
+            !matches!(motion, Motion::Fixed),
+        );
+        self.centroid.push(start + displacement);
+        self.velocity.push(match &motion {
+            Motion::Free => velocity,
+            Motion::Fixed => Vec3::zeros(),
+            Motion::Prescribed(path) => path.velocity(0.0),
+        });
+        let spin = if is_free {
+            angular_velocity
+        } else {
+            Vec3::zeros()
+        };
+        let momentum = principal
+            .inverse_transform_vector(&spin)
+            .component_mul(&moments);
+        self.angular_momentum.push(momentum);
+        self.attitude.push(principal);
+        self.is_removed.push(false);
+        self.kinematics.push(Kinematics {
+            centroid: start,
+            velocity,
+            spin,
+            inverse_mass: 0.0,
+            inverse_inertia: Matrix3::zeros(),
+            strain_rate: None,
+        });
+        self.deformable_of.push(
+            deformable
+                .is_some()
+                .then_some(self.deformables.len() as u32),
+        );
+        self.deformables.extend(deformable);
+        self.contact_load.push(Load::default());
+        self.contact_load_before.push(Load::default());
+        self.rates.push(BlockRates::default());
+        self.mass.push(rock.density * properties.volume);
+        self.volume.push(properties.volume);
+        self.inertia.push(moments);
+        self.principal.push(principal);
+        self.initial_centroid.push(start);
+        self.motion.push(motion);
+        Ok(())
+    }
+
+    fn push_parts(
+        &mut self,
+        block: usize,
+        material: usize,
+        shape: &Shape,
+        centroid: &Vec3,
+        can_move: bool,
+    ) {
+        let shift = Isometry::translation(-centroid.x, -centroid.y, -centroid.z);
+        let first = self.reference.len();
+        // A surface stays where it is given.
+        let about_centroid = match shape {
+            Shape::Surface(_) => shape.clone(),
+            _ => shape.transformed(&shift),
+        };
+        match about_centroid {
+            Shape::Surface(surface) => self.reference.push(Part::Surface(surface)),
+            Shape::Polyhedra(parts) => self.reference.extend(
+                parts
+                    .into_iter()
+                    .map(|part| Part::Polyhedron(Box::new(part))),
+            ),
+            Shape::Sphere { center, radius } => {
+                self.reference.push(Part::Sphere { center, radius })
+            }
+        }
+        let mut radius = 0.0_f64;
+        for part in &self.reference[first..] {
+            let from = if part.is_surface() {
+                *centroid
+            } else {
+                Vec3::zeros()
+            };
+            radius = radius.max(part.reach_from(&from));
+            let mut placed = part.clone();
+            placed.set_transformed(part, &shift.inverse());
+            self.parts.push(placed);
+            self.boxes.push(part.aabb());
+            self.fat_boxes.push(part.aabb());
+            self.block_of_part.push(block as u32);
+            self.material_of_part.push(material as u32);
+            self.margin.push(if can_move {
+                f64::min(SKIN * part.size(), SKIN_OF_THICKNESS * part.thickness())
+            } else {
+                0.0
+            });
+            self.can_move.push(can_move);
+            self.size.push(part.size());
+            self.deepest_allowed.push(f64::min(
+                self.settings.overlap_limit * part.size(),
+                THICKNESS_SHARE * part.thickness(),
+            ));
+        }
+        self.radius.push(radius);
+        let margins = self.margin[first..].iter().copied();
+        self.least_margin
+            .push(margins.fold(f64::INFINITY, f64::min));
+        self.part_start.push(self.reference.len() as u32);
+    }
+
+    /// Finds the faces that nothing can touch and the corners where surfaces join, between parts of one
+    /// body and between fixed bodies.
+    fn note_neighbors(&mut self) {
+        let is_fixed = |block: u32| matches!(self.motion[block as usize], Motion::Fixed);
+        // In the initial placement, where the fixed parts can be compared.
+        let placed = self.parts.clone();
+        let fixed: Vec<usize> = (0..placed.len())
+            .filter(|&part| is_fixed(self.block_of_part[part]))
+            .collect();
+        for part in 0..self.parts.len() {
+            let block = self.block_of_part[part];
+            let own: Vec<usize> = self.parts_of(block as usize).collect();
+            let company = if is_fixed(block) { &fixed } else { &own };
+            if company.len() < 2 || !matches!(placed[part], Part::Polyhedron(_)) {
+                continue;
+            }
+            let others: Vec<&crate::Polyhedron> = company
+                .iter()
+                .filter_map(|&other| match &placed[other] {
+                    Part::Polyhedron(body) => {
+                        let is_near = broad_phase::overlap(
+                            &broad_phase::grown(&placed[part].aabb(), 1e-2 * body.size()),
+                            &body.aabb(),
+                        );
+                        (other != part && is_near).then_some(&**body)
+                    }
+                    Part::Sphere { .. } | Part::Surface(_) => None,
+                })
+                .collect();
+            let turn_back =
+                self.attitude[block as usize] * self.principal[block as usize].inverse();
+            if let (Part::Polyhedron(body), Part::Polyhedron(reference)) =
+                (&mut self.parts[part], &mut self.reference[part])
+            {
+                crate::parts::note_neighbors(body, &others);
+                reference.copy_neighbors(body, &turn_back.inverse());
+            }
+        }
+    }
+}
+
+/// The deformable body of a block, at t = 0.
+fn make_deformable(
+    block: usize,
+    wanted: &Deformability,
+    (shape, motion): (&Shape, &Motion),
+    rock: &Material,
+    (properties, spin): (&MassProperties, &Vec3),
+) -> Result<Deformable, BlockError> {
+    let refuse = |reason| Err(BlockError::Deformability { block, reason });
+    if !matches!(motion, Motion::Free) {
+        return refuse("only a free block can be deformable");
+    }
+    if !matches!(shape, Shape::Polyhedra(_)) {
+        return refuse("only a block of polyhedra can be deformable");
+    }
+    let Some(elastic) = &rock.elastic else {
+        return refuse("its material has no elastic moduli");
+    };
+    if !(wanted.strain_mass_factor >= 1.0 && wanted.strain_mass_factor.is_finite()) {
+        return refuse("the factor on the inertia of strain must be at least 1");
+    }
+    if wanted.initial_stress.iter().any(|c| !c.is_finite()) {
+        return refuse("the initial stress must be finite");
+    }
+    let second_moment = properties.second_moment * rock.density;
+    let Some(body) = AffineBody::new(
+        second_moment,
+        properties.volume,
+        spin,
+        wanted.strain_mass_factor,
+    ) else {
+        return refuse("it is flat");
+    };
+    let constants = elastic_constants(elastic, &second_moment, properties.volume);
+    let stress = tensor(&wanted.initial_stress);
+    Ok(match wanted.model {
+        DeformableModel::Affine12(law) => {
+            Deformable::Affine12(Affine12::new(body, law, constants, stress))
+        }
+        DeformableModel::Dda12 => Deformable::Dda12(Dda12::new(body, constants, stress)),
+    })
+}
+
+/// Moments of inertia and the turn that takes principal axes to the given placement.
+fn principal_axes(properties: &MassProperties, density: f64) -> (Vec3, UnitQuaternion<f64>) {
+    let inertia = properties.inertia() * density;
+    let largest = inertia.abs().max();
+    let off_diagonal = inertia[(0, 1)]
+        .abs()
+        .max(inertia[(0, 2)].abs())
+        .max(inertia[(1, 2)].abs());
+    // Already principal: keep the axes, and the digits.
+    if off_diagonal <= 1e-14 * largest {
+        return (inertia.diagonal(), UnitQuaternion::identity());
+    }
+    let eigen = SymmetricEigen::new(inertia);
+    let mut axes = eigen.eigenvectors;
+    if axes.determinant() < 0.0 {
+        axes.set_column(0, &-axes.column(0));
+    }
+    let turn = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(axes));
+    (eigen.eigenvalues, turn)
+}

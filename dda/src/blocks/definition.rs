@@ -1,0 +1,108 @@
+//! What a system of blocks is made from: blocks as they are given, and the numbers of the solver.
+
+use crate::{
+    BlockError, ContactDetection, Deformability, Motion, NormalLaw, RollingLaw, Shape,
+    StaticDamping, Vec3,
+};
+
+/// A block as it is given.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BlockDefinition {
+    /// Geometry in its world placement at t = 0.
+    pub shape: Shape,
+    /// Position in the list of materials.
+    pub material: usize,
+    /// How it moves.
+    pub motion: Motion,
+    /// Initial velocity of the centroid, free blocks only; m/s.
+    pub velocity: Vec3,
+    /// Initial angular velocity, free blocks only; world; rad/s.
+    pub angular_velocity: Vec3,
+    /// Makes a free block of polyhedra deformable; rigid if none.
+    pub deformability: Option<Deformability>,
+}
+
+/// Numbers of the solver.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Settings {
+    /// Acceleration of gravity; m/s².
+    pub gravity: Vec3,
+    /// Share `C_b` of the stability bound that a step may use, 0 < C_b ≤ 1. Default 0.8; the bound
+    /// itself is about half the true limit.
+    pub time_step_factor: f64,
+    /// Damping ratio of the shear dashpots, ≥ 0. Default 0.2: a sliding block that stops does not
+    /// ring.
+    pub shear_damping_ratio: f64,
+    /// Deepest overlap allowed, × size of the smaller part; never more than half the thickness of the thinner
+    /// one. Default 0.2.
+    pub overlap_limit: f64,
+    /// How balls answer to being pressed. Default a linear spring; Hertz's needs elastic moduli.
+    pub normal_law: NormalLaw,
+    /// Which turning of balls is resisted. Default that of one against the other.
+    pub rolling_law: RollingLaw,
+    /// How common planes are found. Default verified.
+    pub contact_detection: ContactDetection,
+    /// Damping for a search for a state of rest. Default none: not for blocks that move.
+    pub static_damping: Option<StaticDamping>,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            gravity: Vec3::new(0.0, 0.0, -9.81),
+            time_step_factor: 0.8,
+            shear_damping_ratio: 0.2,
+            overlap_limit: 0.2,
+            normal_law: NormalLaw::default(),
+            rolling_law: RollingLaw::default(),
+            contact_detection: ContactDetection::default(),
+            static_damping: None,
+        }
+    }
+}
+
+pub(super) fn check_settings(settings: &Settings) -> Result<(), BlockError> {
+    let refuse = |field, value, rule| Err(BlockError::Setting { field, value, rule });
+    let Settings {
+        gravity,
+        time_step_factor,
+        shear_damping_ratio,
+        overlap_limit,
+        contact_detection: _,
+        normal_law: _,
+        rolling_law: _,
+        static_damping,
+    } = *settings;
+    if let Some(&value) = gravity.iter().find(|c| !c.is_finite()) {
+        return refuse("gravity", value, "must be finite");
+    }
+    if !(time_step_factor > 0.0 && time_step_factor <= 1.0) {
+        return refuse(
+            "time_step_factor",
+            time_step_factor,
+            "must be above 0 and at most 1",
+        );
+    }
+    if !(shear_damping_ratio >= 0.0 && shear_damping_ratio.is_finite()) {
+        return refuse("shear_damping_ratio", shear_damping_ratio, "must be >= 0");
+    }
+    if !(overlap_limit > 0.0 && overlap_limit <= 1.0) {
+        return refuse(
+            "overlap_limit",
+            overlap_limit,
+            "must be above 0 and at most 1",
+        );
+    }
+    match static_damping {
+        Some(StaticDamping::MassProportional(value)) if !(value >= 0.0 && value.is_finite()) => {
+            refuse("static_damping", value, "must be >= 0 1/s")
+        }
+        Some(StaticDamping::Local(value)) if !(0.0..1.0).contains(&value) => {
+            refuse("static_damping", value, "must be in [0, 1)")
+        }
+        Some(StaticDamping::Kinetic(value)) if !(value > 0.0 && value <= 1.0) => {
+            refuse("static_damping", value, "must be above 0 and at most 1")
+        }
+        _ => Ok(()),
+    }
+}
