@@ -492,59 +492,76 @@ fn c15_nothing_passes_a_crack_of_a_fifth_of_a_spacing() {
 }
 
 #[test]
-#[ignore = "a report: walls of particles leak, 56 of 1800, as a plate holds one row of them; 2 min"]
-fn c15_report_of_plates_one_spacing_thick() {
+fn c15_nothing_passes_plates_one_spacing_thick() {
     for walls in ["Penalty", "Particles", "Integral"] {
-        leaked("plates of 1 dp", &column(walls, 1.0, 50), 0.3);
+        let count = leaked("plates of 1 dp", &column(walls, 1.0, 50), 0.3);
+        assert_eq!(count, 0, "{walls}");
+    }
+}
+
+/// Force of the water on an upright plate between two levels, over `ρ g (H₁² − H₂²) w/2`, the mean from 0.1 to
+/// 0.3 s; thickness in spacings.
+fn push_on_a_plate(walls: &'static str, thickness: f64) -> f64 {
+    let dp = 0.02;
+    let (l, w, deep, shallow) = (20.0 * dp, 6.0 * dp, 20.0 * dp, 10.0 * dp);
+    let (top, beyond) = (deep + 4.0 * dp, l + thickness * dp);
+    let mut blocks = basin([l + beyond, w, top], 4.0 * dp);
+    // without the walls along the sides, which would bear a share of the plate's load: a slab
+    blocks.truncate(3);
+    let plate = cuboid([l, 0.0, 0.0], [beyond, w, top]);
+    blocks.push(block("plate", &plate, HELD));
+    let left = cuboid([0.0; 3], [l, w, deep]);
+    let right = cuboid([beyond, 0.0, 0.0], [l + beyond, w, shallow]);
+    let case = Case {
+        domain: [
+            [-5.0 * dp, 0.0, -5.0 * dp],
+            [l + beyond + 5.0 * dp, w, top + dp],
+        ],
+        gravity: G,
+        blocks,
+        spacing: dp,
+        regions: format!("(name: \"deep\", shape: {left}), (name: \"shallow\", shape: {right})"),
+        walls,
+        more: ["periodic: [Y]".to_string(), String::new(), String::new()],
+    };
+    let mut world = case.world();
+    let plate = world.blocks.n_blocks() - 1;
+    let (mut sum, mut n) = (0.0, 0);
+    while world.time() < 0.3 {
+        let step = world.next_step(0.3).unwrap();
+        world.step(step).unwrap();
+        if 0.1 < world.time() {
+            let water = world.water.as_ref().unwrap();
+            sum += water.interface.loads()[plate].force.x;
+            n += 1;
+        }
+    }
+    let exact = 0.5 * RHO * G * (deep * deep - shallow * shallow) * w;
+    let share = sum / f64::from(n) / exact;
+    println!(
+        "C16 {walls:9}, {thickness} dp: force {:+.1} % off",
+        100.0 * (share - 1.0)
+    );
+    share
+}
+
+#[test]
+fn c16_a_plate_between_two_levels_bears_their_difference() {
+    for thickness in [1.0, 0.3] {
+        let share = push_on_a_plate("Particles", thickness);
+        assert!((share - 1.0).abs() < 0.05, "{thickness}: {share}");
     }
 }
 
 #[test]
-#[ignore = "a report: fluid on both sides of the plate sees itself, pairs are not blocked yet; 2 min"]
-fn c16_report_of_a_thin_plate_between_two_levels() {
-    let dp = 0.02;
-    let (l, w, deep, shallow) = (20.0 * dp, 6.0 * dp, 20.0 * dp, 10.0 * dp);
-    for walls in ["Penalty", "Particles", "Integral"] {
-        let top = deep + 4.0 * dp;
-        let mut blocks = basin([2.0 * l + dp, w, top], 4.0 * dp);
-        let plate = cuboid([l, 0.0, 0.0], [l + dp, w, top]);
-        blocks.push(block("plate", &plate, HELD));
-        let left = cuboid([0.0; 3], [l, w, deep]);
-        let right = cuboid([l + dp, 0.0, 0.0], [2.0 * l + dp, w, shallow]);
-        let case = Case {
-            domain: [
-                [-5.0 * dp, -5.0 * dp, -5.0 * dp],
-                [2.0 * l + 6.0 * dp, w + 5.0 * dp, top + dp],
-            ],
-            gravity: G,
-            blocks,
-            spacing: dp,
-            regions: format!(
-                "(name: \"deep\", shape: {left}), (name: \"shallow\", shape: {right})"
-            ),
-            walls,
-            more: plain(),
-        };
-        let mut world = case.world();
-        let plate = world.blocks.n_blocks() - 1;
-        let (mut sum, mut n) = (0.0, 0);
-        while world.time() < 0.3 {
-            let step = world.next_step(0.3).unwrap();
-            world.step(step).unwrap();
-            if 0.1 < world.time() {
-                let water = world.water.as_ref().unwrap();
-                sum += water.interface.loads()[plate].force.x;
-                n += 1;
-            }
-        }
-        let exact = 0.5 * RHO * G * (deep * deep - shallow * shallow) * w;
-        let error = sum / f64::from(n) / exact - 1.0;
-        println!("C16 {walls:9}: force {:+.1} % off", 100.0 * error);
-    }
+#[ignore = "a report beside: a thick plate, and penalty springs, which have no screens; 1 min"]
+fn c16_report_of_walls_without_screens() {
+    push_on_a_plate("Particles", 4.0);
+    push_on_a_plate("Penalty", 1.0);
 }
 
-/// A basin with a piston and a free block in the water.
-fn stirred(walls: &'static str, precision: &str) -> Case {
+/// A basin with a piston and a free block in the water, `thickness` spacings thick.
+fn stirred(walls: &'static str, precision: &str, thickness: f64) -> Case {
     let dp = 0.05;
     let (l, w, h) = (14.0 * dp, 10.0 * dp, 8.0 * dp);
     let mut blocks = basin([l, w, h + 4.0 * dp], 4.0 * dp);
@@ -554,7 +571,7 @@ fn stirred(walls: &'static str, precision: &str) -> Case {
     blocks.push(block("piston", &piston, sway));
     let cube = cuboid(
         [7.0 * dp, 3.0 * dp, 3.0 * dp],
-        [11.0 * dp, 7.0 * dp, 6.0 * dp],
+        [11.0 * dp, 7.0 * dp, (3.0 + thickness) * dp],
     );
     blocks.push(block("cube", &cube, ""));
     Case {
@@ -577,15 +594,22 @@ fn stirred(walls: &'static str, precision: &str) -> Case {
 
 #[test]
 fn momentum_is_accounted_for_with_prescribed_and_free_blocks() {
-    for walls in ["Penalty", "Particles", "Integral"] {
+    // the plate of a spacing is a screen between walls of particles
+    let walls = [
+        ("Penalty", 3.0),
+        ("Particles", 3.0),
+        ("Particles", 1.0),
+        ("Integral", 3.0),
+    ];
+    for (walls, thickness) in walls {
         for (precision, bound) in [("Single", 1e-6), ("Double", 1e-10)] {
-            let mut world = stirred(walls, precision).world();
+            let mut world = stirred(walls, precision, thickness).world();
             for _ in 0..100 {
                 let step = world.next_step(1.0).unwrap();
                 world.step(step).unwrap();
             }
             let residual = world.momentum_residual();
-            println!("momentum {walls:9} {precision}: {residual:.1e}");
+            println!("momentum {walls:9} {thickness} dp, {precision}: {residual:.1e}");
             assert!(residual < bound, "{walls} {precision}: {residual}");
         }
     }
@@ -646,7 +670,7 @@ fn scenes_that_walls_cannot_hold_are_refused() {
 fn walls_are_placed_where_blocks_are() {
     // a free block falls through water: both kinds of walls slow it alike
     let speeds = ["Particles", "Integral"].map(|walls| {
-        let mut world = stirred(walls, "Single").world();
+        let mut world = stirred(walls, "Single", 3.0).world();
         while world.time() < 0.15 {
             let step = world.next_step(1.0).unwrap();
             world.step(step).unwrap();

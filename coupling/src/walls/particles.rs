@@ -71,7 +71,7 @@ impl ParticleWalls {
         let mut screens = Screens::new(&standing, spacing, support);
         let (thin, thick) = sampler.screens(&standing);
         let mut standing_points = Points::default();
-        for (part, faces) in thin {
+        for Thin { part, faces } in thin {
             let screen = screens.add(
                 (part, &standing),
                 sampler.end(&standing[part]),
@@ -91,7 +91,7 @@ impl ParticleWalls {
                 .filter_map(|part| before(part, &sampler.symmetry))
                 .collect();
             let (thin, thick) = sampler.screens(&parts);
-            for (part, faces) in thin {
+            for Thin { part, faces } in thin {
                 let screen = screens.add((part, &parts), sampler.end(&parts[part]), b, blocks);
                 points.add_screen(screen, b, &faces);
             }
@@ -329,6 +329,13 @@ impl Part {
     }
 }
 
+/// A part that is a screen.
+struct Thin {
+    part: usize,
+    /// Points behind each face.
+    faces: Vec<Vec<WallSample>>,
+}
+
 /// How a fluid's walls are sampled.
 struct Sampler {
     lattice: UnionLattice,
@@ -382,11 +389,11 @@ impl Sampler {
     /// Which of some parts are screens, with points behind each of their faces, and which are not. Faces that
     /// other parts cover have none: nothing looks through them. Planes of symmetry do not mirror screens, so
     /// that with them there are none.
-    fn screens(&self, parts: &[Part]) -> (Vec<(usize, Vec<Vec<WallSample>>)>, Vec<usize>) {
+    fn screens(&self, parts: &[Part]) -> (Vec<Thin>, Vec<usize>) {
         let (mut screens, mut others) = (Vec::new(), Vec::new());
         for (k, part) in parts.iter().enumerate() {
             match self.screen(k, part, parts) {
-                Some(faces) => screens.push((k, faces)),
+                Some(faces) => screens.push(Thin { part: k, faces }),
                 None => others.push(k),
             }
         }

@@ -309,16 +309,13 @@ mod tests {
     }
 
     #[test]
-    fn the_nearer_of_two_screens_is_seen() {
+    fn the_nearer_of_two_screens_is_seen() -> Result<(), crate::FluidError> {
         let grid = CellGrid::new(
             (Vec3::repeat(-4.0), Vec3::repeat(4.0)),
             [false; 3],
             (2.0, 0.1),
             1 << 16,
-        );
-        let Ok(grid) = grid else {
-            panic!("{grid:?}");
-        };
+        )?;
         let bounds = (Vec3::new(-10.0, -10.0, -0.5), Vec3::new(10.0, 10.0, 0.5));
         let mut screens = Screens::default();
         screens.add(plate().into_iter(), bounds, &grid, 2.0);
@@ -338,5 +335,6 @@ mod tests {
         assert!(!screens.lets_see(cell, &x, &Vec3::new(0.0, 0.0, 0.55)));
         screens.clear();
         assert!(!screens.are_near(cell) && screens.lets_see(cell, &x, &deep));
+        Ok(())
     }
 }

@@ -26,10 +26,11 @@ pub enum WallMethodFile {
     /// A spring and a dashpot between each particle and each surface, as published: cheap, and off by about
     /// a tenth in forces.
     Penalty,
-    /// Particles inside the walls, with pressures continued from the fluid.
+    /// Particles inside the walls, with pressures continued from the fluid. Thin and sharp bodies keep the water on
+    /// their two sides apart.
     Particles,
-    /// Exact integrals of the kernel over polyhedra: no wall particles, for large faces and thin bodies. Wants
-    /// Wendland's kernel, density from continuity, three dimensions, no periodic direction and no plane of symmetry.
+    /// Exact integrals of the kernel over polyhedra: no wall particles, for large faces. Wants Wendland's kernel,
+    /// density from continuity, three dimensions, no periodic direction and no plane of symmetry.
     Integral,
 }
 
