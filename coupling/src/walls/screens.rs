@@ -17,8 +17,8 @@ const MOVED: f64 = 0.1;
 
 /// Screens on blocks, carried along with them.
 ///
-/// Where fixed solids cover a face, the screen goes on through it: walls near the foot of a plate, which see the
-/// water on both its sides from below, take their pressure from their own side only.
+/// Where fixed solids cover the foot of a plate, the screen goes on through it: walls near there, which see the water
+/// on both sides from below, take their pressure from their own side only. What lies on its side does not.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Screens {
     screens: Vec<Screen>,
@@ -43,7 +43,8 @@ struct Screen {
     siblings: Vec<Part>,
     /// Faces at which it only seems to end: it has no end there.
     ends: Vec<bool>,
-    is_covered: Vec<bool>,
+    /// Faces through which it goes on.
+    goes_on: Vec<bool>,
     /// Where the block was when that was found out; m.
     looked_at: Vec3,
     /// Where the faces, by one corner, were at the start of the step.
@@ -95,13 +96,13 @@ impl Screens {
                 false => siblings.map(|(_, part)| local(part)).collect(),
             },
             ends: parts[number].faces.iter().map(is_end).collect(),
-            is_covered: Vec::new(),
+            goes_on: Vec::new(),
             looked_at: Vec3::repeat(f64::INFINITY),
             start: Vec::new(),
             planes: Vec::new(),
             bounds: (Vec3::zeros(), Vec3::zeros()),
         };
-        screen.look_for_cover(blocks, &self.fixed, self.spacing);
+        screen.look_for_cover(blocks, &self.fixed, (self.spacing, self.support_radius));
         screen.note_start(blocks);
         screen.place(blocks, (1.0, self.support_radius));
         self.are_new = true;
@@ -135,7 +136,7 @@ impl Screens {
             are_new,
         } = self;
         for screen in screens.iter_mut().filter(|screen| !screen.is_fixed) {
-            screen.look_for_cover(blocks, fixed, *spacing);
+            screen.look_for_cover(blocks, fixed, (*spacing, *support_radius));
             screen.place(blocks, (share, *support_radius));
             *are_new = true;
         }
@@ -170,8 +171,13 @@ impl Screen {
         self.start = start;
     }
 
-    /// Finds out which faces are covered, if the block has moved since the last time.
-    fn look_for_cover(&mut self, blocks: &Blocks, fixed: &[Part], spacing: f64) {
+    /// Finds out through which faces it goes on, if the block has moved since the last time.
+    fn look_for_cover(
+        &mut self,
+        blocks: &Blocks,
+        fixed: &[Part],
+        (spacing, support_radius): (f64, f64),
+    ) {
         let centroid = blocks.centroid(self.block);
         if (centroid - self.looked_at).norm() < MOVED * spacing {
             return;
@@ -188,21 +194,28 @@ impl Screen {
         };
         let others: Vec<&Part> = fixed.iter().chain(&siblings).filter(touches).collect();
         let others: Vec<&Part> = others.into_iter().filter(|other| **other != part).collect();
-        self.is_covered.clear();
-        self.is_covered.extend(
-            part.faces
-                .iter()
-                .map(|(normal, corners)| is_covered(normal, corners, &others, spacing)),
-        );
+        let covered: Vec<bool> = part
+            .faces
+            .iter()
+            .map(|(normal, corners)| is_covered(normal, corners, &others, spacing))
+            .collect();
+        let is_foot = |face: &(Vec3, Vec<Vec3>)| {
+            let mut others = part.faces.iter().zip(&covered);
+            !others.any(|(other, covered)| !covered && are_opposed(face, other, support_radius))
+        };
+        self.goes_on.clear();
+        let faces = part.faces.iter().zip(&covered);
+        self.goes_on
+            .extend(faces.map(|(face, &is_covered)| is_covered && is_foot(face)));
     }
 
-    /// Places it at a share of the way from the start of the step; covered faces are moved out by `beyond` (m).
+    /// Places it at a share of the way from the start of the step; those through which it goes on are moved out by `beyond` (m).
     fn place(&mut self, blocks: &Blocks, (share, beyond): (f64, f64)) {
         let between = |from: &Vec3, to: &Vec3| from * (1.0 - share) + to * share;
         let mut planes = std::mem::take(&mut self.planes);
         planes.clear();
         let faces = self.part.faces.iter().zip(&self.start);
-        let faces = faces.zip(self.ends.iter().zip(&self.is_covered));
+        let faces = faces.zip(self.ends.iter().zip(&self.goes_on));
         planes.extend(faces.map(|((face, (from_normal, from)), is)| {
             let (to_normal, to) = self.face_now(face, blocks);
             let normal = between(from_normal, &to_normal).normalize();
@@ -238,16 +251,24 @@ pub(super) fn is_thin(part: &Part, open: &[bool], support_radius: f64) -> bool {
         .zip(open)
         .filter_map(|(face, &open)| open.then_some(face))
         .collect();
-    faces.iter().enumerate().any(|(k, (normal, corners))| {
-        faces[..k].iter().any(|(other, other_corners)| {
-            let Some(origin) = other_corners.first() else {
-                return false;
-            };
-            let depths = corners.iter().map(|x| other.dot(&(origin - x)));
-            let thickness = depths.fold(f64::INFINITY, f64::min);
-            normal.dot(other) < -SHARP && thickness < support_radius
-        })
+    faces.iter().enumerate().any(|(k, face)| {
+        let mut others = faces[..k].iter();
+        others.any(|other| are_opposed(face, other, support_radius))
     })
+}
+
+/// Whether two faces of a part look away from each other and are somewhere nearer than the support (m).
+fn are_opposed(
+    (normal, corners): &(Vec3, Vec<Vec3>),
+    (other, other_corners): &(Vec3, Vec<Vec3>),
+    support_radius: f64,
+) -> bool {
+    let Some(origin) = other_corners.first() else {
+        return false;
+    };
+    let depths = corners.iter().map(|x| other.dot(&(origin - x)));
+    let thickness = depths.fold(f64::INFINITY, f64::min);
+    normal.dot(other) < -SHARP && thickness < support_radius
 }
 
 /// Whether other parts cover the whole of a face, as seen at places a spacing (m) apart.
