@@ -36,7 +36,7 @@ impl Dimensions {
 /// A kernel by name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum KernelChoice {
-    /// Poly6 for values, spiky for gradients: the published pair. In space only.
+    /// Poly6 for values, spiky for gradients: the published pair.
     Mueller,
     /// Wendland's C2: no pairing at any number of neighbours.
     WendlandC2,
@@ -178,14 +178,14 @@ pub(crate) struct Mueller<L> {
 }
 
 impl<L: Lanes> PairKernel<L> for Mueller<L> {
-    fn new(machine: L::Machine, support_radius: f64, _: Dimensions) -> Self {
+    fn new(machine: L::Machine, support_radius: f64, dimensions: Dimensions) -> Self {
         let splat = |x| L::splat(machine, x);
         Self {
             zero: splat(0.0),
             support: splat(support_radius),
             support2: splat(support_radius * support_radius),
-            value: splat(Poly6::new(support_radius).factor),
-            gradient: splat(-3.0 * Spiky::new(support_radius).factor),
+            value: splat(Poly6::new(support_radius, dimensions).factor),
+            gradient: splat(-3.0 * Spiky::new(support_radius, dimensions).factor),
             smallest: splat(1e-12 * support_radius),
         }
     }
@@ -255,7 +255,7 @@ impl Kernel for PointKernel {
         let h = 0.5 * self.support_radius;
         let q = r / h;
         match self.choice {
-            KernelChoice::Mueller => Poly6::new(self.support_radius).value(r),
+            KernelChoice::Mueller => Poly6::new(self.support_radius, self.dimensions).value(r),
             KernelChoice::WendlandC2 => {
                 let s = (1.0 - 0.5 * q).max(0.0);
                 wendland_factors(h, self.dimensions).0 * s.powi(4) * (1.0 + 2.0 * q)
@@ -271,7 +271,9 @@ impl Kernel for PointKernel {
         let h = 0.5 * self.support_radius;
         let q = r / h;
         match self.choice {
-            KernelChoice::Mueller => Spiky::new(self.support_radius).gradient_factor(r),
+            KernelChoice::Mueller => {
+                Spiky::new(self.support_radius, self.dimensions).gradient_factor(r)
+            }
             KernelChoice::WendlandC2 => {
                 wendland_factors(h, self.dimensions).1 * (1.0 - 0.5 * q).max(0.0).powi(3)
             }
@@ -318,21 +320,22 @@ fn lattice_sum(kernel: &impl Kernel, spacing: [f64; 3], axes: [i32; 3]) -> f64 {
     sum * volume
 }
 
-/// `W = 315/(64 π H⁹) (H² − r²)³`: the density kernel; it needs no square root.
+/// `W = 315/(64 π H⁹) (H² − r²)³`, `4/(π H⁸)` in a plane: the density kernel; it needs no square root.
 #[derive(Clone, Copy, Debug)]
 pub struct Poly6 {
     support_radius: f64,
     factor: f64,
 }
 
-/// `W = 15/(π H⁶) (H − r)³`: the pressure kernel; its gradient does not vanish at the centre.
+/// `W = 15/(π H⁶) (H − r)³`, `10/(π H⁵)` in a plane: the pressure kernel; its gradient does not vanish at the
+/// centre.
 #[derive(Clone, Copy, Debug)]
 pub struct Spiky {
     support_radius: f64,
     factor: f64,
 }
 
-/// `∇²W = 45/(π H⁶) (H − r)`: the viscous kernel; its Laplacian is positive everywhere.
+/// `∇²W = 45/(π H⁶) (H − r)`, `40/(π H⁵)` in a plane: the viscous kernel; its Laplacian is positive everywhere.
 #[derive(Clone, Copy, Debug)]
 pub struct Viscous {
     support_radius: f64,
@@ -341,14 +344,17 @@ pub struct Viscous {
 
 impl Poly6 {
     /// The kernel of the given support radius; m, above zero.
-    pub fn new(support_radius: f64) -> Self {
+    pub fn new(support_radius: f64, dimensions: Dimensions) -> Self {
         Self {
             support_radius,
-            factor: 315.0 / (64.0 * PI * support_radius.powi(9)),
+            factor: match dimensions {
+                Dimensions::Three => 315.0 / (64.0 * PI * support_radius.powi(9)),
+                Dimensions::Two { width } => 4.0 / (PI * support_radius.powi(8) * width),
+            },
         }
     }
 
-    /// `315/(64 π H⁹)`, to be multiplied by the sum of [`Self::shape`]; 1/m⁹.
+    /// `315/(64 π H⁹)` or what stands for it in a plane, to be multiplied by the sum of [`Self::shape`]; 1/m⁹.
     pub fn factor(&self) -> f64 {
         self.factor
     }
@@ -378,10 +384,13 @@ impl Kernel for Poly6 {
 
 impl Spiky {
     /// The kernel of the given support radius; m, above zero.
-    pub fn new(support_radius: f64) -> Self {
+    pub fn new(support_radius: f64, dimensions: Dimensions) -> Self {
         Self {
             support_radius,
-            factor: 15.0 / (PI * support_radius.powi(6)),
+            factor: match dimensions {
+                Dimensions::Three => 15.0 / (PI * support_radius.powi(6)),
+                Dimensions::Two { width } => 10.0 / (PI * support_radius.powi(5) * width),
+            },
         }
     }
 }
@@ -407,12 +416,26 @@ impl Kernel for Spiky {
 }
 
 impl Viscous {
-    /// The kernel of the given support radius; m, above zero.
-    pub fn new(support_radius: f64) -> Self {
+    /// The kernel of the given support radius; m, above zero. In a plane it has the second moment of a Laplacian,
+    /// `∫ r² ∇²W dA = 4`, as the published one has in space.
+    pub fn new(support_radius: f64, dimensions: Dimensions) -> Self {
         Self {
             support_radius,
-            factor: 45.0 / (PI * support_radius.powi(6)),
+            factor: match dimensions {
+                Dimensions::Three => 45.0 / (PI * support_radius.powi(6)),
+                Dimensions::Two { width } => 40.0 / (PI * support_radius.powi(5) * width),
+            },
         }
+    }
+
+    /// `45/(π H⁶)` or what stands for it in a plane; 1/m⁶.
+    pub fn factor(&self) -> f64 {
+        self.factor
+    }
+
+    /// `H`; m.
+    pub fn support_radius(&self) -> f64 {
+        self.support_radius
     }
 
     /// `∇²W(r)`; 1/m⁵.
@@ -441,26 +464,34 @@ mod tests {
     #[test]
     fn values_match_the_closed_forms() {
         // H = 1; digits from the formulas above evaluated by hand.
-        assert!((Poly6::new(1.0).value(0.5) - 0.660_943_75).abs() < 1e-7);
-        assert!((Spiky::new(1.0).value(0.5) - 0.596_831_04).abs() < 1e-7);
-        assert!((Spiky::new(1.0).gradient_factor(0.5) * 0.5 + 3.580_986_22).abs() < 1e-7);
-        assert!((Viscous::new(1.0).laplacian(0.5) - 7.161_972_44).abs() < 1e-7);
+        assert!((Poly6::new(1.0, SPACE).value(0.5) - 0.660_943_75).abs() < 1e-7);
+        assert!((Spiky::new(1.0, SPACE).value(0.5) - 0.596_831_04).abs() < 1e-7);
+        assert!((Spiky::new(1.0, SPACE).gradient_factor(0.5) * 0.5 + 3.580_986_22).abs() < 1e-7);
+        assert!((Viscous::new(1.0, SPACE).laplacian(0.5) - 7.161_972_44).abs() < 1e-7);
     }
 
     #[test]
     fn kernels_integrate_to_one_at_any_support() {
         for support in [0.02, 1.0, 30.0] {
             // midpoint rule, 20000 intervals: error of order 1e-9
-            let poly6 = volume_integral(support, |r| Poly6::new(support).value(r));
-            let spiky = volume_integral(support, |r| Spiky::new(support).value(r));
+            let poly6 = volume_integral(support, |r| Poly6::new(support, SPACE).value(r));
+            let spiky = volume_integral(support, |r| Spiky::new(support, SPACE).value(r));
             assert!((poly6 - 1.0).abs() < 1e-7, "poly6 {poly6}");
             assert!((spiky - 1.0).abs() < 1e-7, "spiky {spiky}");
+            // in a plane `2π ∫ f r dr`, of a slice of width 0.7 m; ∇²(r²) = 4
+            let area = |f: &dyn Fn(f64) -> f64| volume_integral(support, |r| 0.35 * f(r) / r);
+            let poly6 = Poly6::new(support, PLANE);
+            let spiky = Spiky::new(support, PLANE);
+            let viscous = Viscous::new(support, PLANE);
+            assert!((area(&|r| poly6.value(r)) - 1.0).abs() < 1e-7);
+            assert!((area(&|r| spiky.value(r)) - 1.0).abs() < 1e-7);
+            assert!((area(&|r| r * r * viscous.laplacian(r)) - 4.0).abs() < 1e-6);
         }
     }
 
     #[test]
     fn gradients_are_the_derivatives_of_the_values() {
-        let (poly6, spiky) = (Poly6::new(0.3), Spiky::new(0.3));
+        let (poly6, spiky) = (Poly6::new(0.3, SPACE), Spiky::new(0.3, SPACE));
         for r in [0.01, 0.1, 0.2, 0.29] {
             let step = 1e-7;
             for (name, derivative, factor) in [
@@ -488,7 +519,7 @@ mod tests {
     fn misprint_of_eq_15_pressure_pushes_apart() {
         // The printed gradient lacks the leading minus; with it the force of a compressed pair,
         // −(p_a + p_b) ∇W, points from b to a.
-        let factor = Spiky::new(1.0).gradient_factor(0.4);
+        let factor = Spiky::new(1.0, SPACE).gradient_factor(0.4);
         assert!(factor < 0.0);
         let printed_bracket = (1.0 + 0.4_f64.powi(2)) / 0.4 - 2.0;
         assert!((factor + 45.0 / PI * printed_bracket).abs() < 1e-12 * factor.abs());
@@ -504,7 +535,7 @@ mod tests {
             let laplacian = (flux(r + e) - flux(r - e)) / (2.0 * e * r * r);
             // second-order difference at 1e-4 of a function with fourth derivative ~ 1e3
             assert!(
-                (laplacian - Viscous::new(1.0).laplacian(r)).abs() < 2e-3,
+                (laplacian - Viscous::new(1.0, SPACE).laplacian(r)).abs() < 2e-3,
                 "r {r}: {laplacian}"
             );
         }
@@ -518,7 +549,7 @@ mod tests {
             (3.0, 1.002_189_0),
             (4.0, 0.999_997_7),
         ] {
-            let sum = Poly6::new(ratio * 0.05).lattice_sum([0.05; 3]);
+            let sum = Poly6::new(ratio * 0.05, SPACE).lattice_sum([0.05; 3]);
             assert!((sum - expected).abs() < 1e-6, "H/dp {ratio}: {sum}");
         }
     }
@@ -675,6 +706,7 @@ mod tests {
         }
         let choice = KernelChoice::Mueller;
         errors.extend(register_error::<L, Mueller<L>>(machine, choice, SPACE));
+        errors.extend(register_error::<L, Mueller<L>>(machine, choice, PLANE));
         errors.into_iter().fold(0.0, f64::max)
     }
 

@@ -3,7 +3,7 @@
 use crate::boundary::screens::{Facet, Screens};
 use crate::cells::CellGrid;
 use crate::fluid::Settings;
-use crate::kernel::{CubicSpline, KernelChoice, Mueller, PairKernel, WendlandC2};
+use crate::kernel::{CubicSpline, KernelChoice, Mueller, PairKernel, Viscous, WendlandC2};
 use crate::lanes::{Lanes, Machine};
 use crate::points::Frame;
 use crate::scheme::{DensityDiffusion, Viscosity};
@@ -569,7 +569,11 @@ impl Forces<'_> {
                 self.sheared::<L, K, _, _>(machine, pressure, Inviscid);
             }
             Viscosity::Published { dynamic_viscosity } => {
-                let term = Published::new(machine, dynamic_viscosity, s.support_radius());
+                let term = Published::new(
+                    machine,
+                    dynamic_viscosity,
+                    &Viscous::new(s.support_radius(), s.dimensions),
+                );
                 self.sheared::<L, K, _, _>(machine, pressure, term);
             }
             Viscosity::Artificial { alpha } => {

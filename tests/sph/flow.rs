@@ -2,6 +2,7 @@
 
 use std::f64::consts::PI;
 
+use riprap_sph::Dimensions;
 use riprap_sph::Vec3;
 use riprap_sph::kernel::{Kernel, Poly6, Spiky};
 
@@ -99,7 +100,10 @@ fn a_pressure_wave_travels_near_the_sound_speed() {
 /// ```
 /// `k` in units of 1/spacing, the support in spacings.
 fn squared_frequency(k: &Vec3, support: f64) -> f64 {
-    let (poly6, spiky) = (Poly6::new(support), Spiky::new(support));
+    let (poly6, spiky) = (
+        Poly6::new(support, Dimensions::Three),
+        Spiky::new(support, Dimensions::Three),
+    );
     let mut g = [Vec3::zeros(); 2];
     let reach = support.ceil() as i32;
     for x in (-reach..=reach)
@@ -151,7 +155,7 @@ fn growth(k: &Vec3, steps: u32, dt_over_support_by_sound: f64) -> f64 {
 
 /// Direction in which the pressure kernel drives a lattice wave.
 pub fn polarization(k: &Vec3, support: f64) -> Vec3 {
-    let spiky = Spiky::new(support);
+    let spiky = Spiky::new(support, Dimensions::Three);
     let mut g = Vec3::zeros();
     for i in -3..=3 {
         for j in -3..=3 {

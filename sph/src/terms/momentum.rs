@@ -3,7 +3,7 @@
 //! Records hold velocity, pressure and volume.
 
 use crate::Vec3;
-use crate::kernel::PairKernel;
+use crate::kernel::{PairKernel, Viscous};
 use crate::lanes::{Lanes, RECORD, Record};
 use crate::sweep::{Pair, Term};
 use crate::terms::{Lanes3, add_scaled, dot, minus, signed, splat3, totals};
@@ -364,18 +364,17 @@ impl<L: Lanes, const OF_RECEIVER: bool, const OF_NEIGHBOR: bool> PairViscosity<L
 ///
 /// Eq. 18 of Geraili Mikola & Sitar (2014) prints v_a − v_b, a negative viscosity.
 pub(crate) struct Published<L> {
-    /// `−45 μ/(π H⁶)`.
+    /// `−45 μ/(π H⁶)`, see [`Viscous`].
     coefficient: L,
     support: L,
     zero: L,
 }
 
 impl<L: Lanes> Published<L> {
-    pub(crate) fn new(machine: L::Machine, dynamic_viscosity: f64, support_radius: f64) -> Self {
-        let factor = 45.0 / (std::f64::consts::PI * support_radius.powi(6));
+    pub(crate) fn new(machine: L::Machine, dynamic_viscosity: f64, kernel: &Viscous) -> Self {
         Self {
-            coefficient: L::splat(machine, -dynamic_viscosity * factor),
-            support: L::splat(machine, support_radius),
+            coefficient: L::splat(machine, -dynamic_viscosity * kernel.factor()),
+            support: L::splat(machine, kernel.support_radius()),
             zero: L::splat(machine, 0.0),
         }
     }

@@ -81,7 +81,7 @@ pub enum Preset {
 /// A smoothing kernel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum KernelFile {
-    /// Poly6 for density, spiky for pressure; in space only.
+    /// Poly6 for density, spiky for pressure.
     Mueller,
     /// Wendland's C2.
     WendlandC2,
