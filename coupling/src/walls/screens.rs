@@ -1,14 +1,11 @@
 //! Bodies so thin or sharp that water on their two sides would see each other: screens between walls of particles.
 
 use riprap_dda::Blocks;
-use riprap_sph::boundary::screens::Plane;
+use riprap_sph::boundary::screens::{Plane, are_opposed};
 use riprap_sph::{Fluid, Vec3};
 
 use super::{Part, is_fixed};
 
-/// Cosine of the angle up to which two faces that meet make a sharp edge: 45 degrees. At blunter ones, water
-/// that sees itself through the edge is a small part of what each particle sees.
-const SHARP: f64 = 0.7;
 /// Distance off a face at which others may cover it; spacings.
 const OFF_FACE: f64 = 0.1;
 
@@ -201,7 +198,9 @@ impl Screen {
             .collect();
         let is_foot = |face: &(Vec3, Vec<Vec3>)| {
             let mut others = part.faces.iter().zip(&covered);
-            !others.any(|(other, covered)| !covered && are_opposed(face, other, support_radius))
+            !others.any(|(other, covered)| {
+                !covered && are_near_and_opposed(face, other, support_radius)
+            })
         };
         self.goes_on.clear();
         let faces = part.faces.iter().zip(&covered);
@@ -253,12 +252,12 @@ pub(super) fn is_thin(part: &Part, open: &[bool], support_radius: f64) -> bool {
         .collect();
     faces.iter().enumerate().any(|(k, face)| {
         let mut others = faces[..k].iter();
-        others.any(|other| are_opposed(face, other, support_radius))
+        others.any(|other| are_near_and_opposed(face, other, support_radius))
     })
 }
 
 /// Whether two faces of a part look away from each other and are somewhere nearer than the support (m).
-fn are_opposed(
+fn are_near_and_opposed(
     (normal, corners): &(Vec3, Vec<Vec3>),
     (other, other_corners): &(Vec3, Vec<Vec3>),
     support_radius: f64,
@@ -268,7 +267,7 @@ fn are_opposed(
     };
     let depths = corners.iter().map(|x| other.dot(&(origin - x)));
     let thickness = depths.fold(f64::INFINITY, f64::min);
-    normal.dot(other) < -SHARP && thickness < support_radius
+    are_opposed(normal, other) && thickness < support_radius
 }
 
 /// Whether other parts cover the whole of a face, as seen at places a spacing (m) apart.

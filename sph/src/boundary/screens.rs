@@ -1,17 +1,19 @@
 //! Screens: solids so thin, or so sharp, that water on one side is within the support of water on the other.
 //!
 //! Distance alone would let the two see each other through the solid, and let both push on the same wall
-//! particles. Here sight ends where a segment enters a screen:
+//! particles. Here what lies behind a screen is hidden: places inside it, and those beyond it where a segment
+//! leaves through a face opposed to the one it came in by. Past a blunt corner, whose faces are not opposed, sight is
+//! free.
 //!
-//! - two particles do not see each other through a screen;
-//! - every face of a screen has wall particles of its own behind it, as deep as the support, even where the
-//!   solid ends before that ([`sample_behind`](super::sampling::sample_behind)). A particle sees those whose segment
-//!   enters the screen through their face and crosses no other screen before;
-//! - other wall particles are not seen through a screen.
+//! - Two particles do not see each other through a screen.
+//! - Every face of a screen has wall particles of its own behind it, as deep as the support, even where the
+//!   solid ends before that ([`sample_behind`](super::sampling::sample_behind)). A particle sees those that a look
+//!   through their face has behind it, if it crosses no other screen before.
+//! - Other wall particles are not seen through a screen.
 //!
-//! Of any place behind the surface each particle so sees one thing: what its segment enters first. All three
-//! are decided by places alone and alike from both ends, so that pairs stay equal and opposite. A particle
-//! inside a screen counts to the face nearest to it.
+//! Of any place each particle so sees one thing: what is there, or the wall that hides it. All is decided by places
+//! alone and alike from both ends, so that pairs stay equal and opposite. A particle inside a screen counts to the
+//! face nearest to it.
 
 use crate::Vec3;
 use crate::cells::CellGrid;
@@ -152,16 +154,16 @@ impl Screens {
         if !self.are_near(cell) {
             return facet == Facet::NONE;
         }
-        let entry = |screen| entry(self.planes_of(screen), x, wall, self.slack);
+        let hides = |screen| hides(self.planes_of(screen), x, wall, self.slack);
         if facet == Facet::NONE {
-            return self.near(cell).all(|screen| entry(screen).is_none());
+            return self.near(cell).all(|screen| hides(screen).is_none());
         }
-        let Some(own) = entry(facet.screen).filter(|own| own.face == facet.face as usize) else {
+        let Some(own) = hides(facet.screen).filter(|own| own.face == facet.face as usize) else {
             return false;
         };
         self.near(cell)
             .filter(|&screen| screen != facet.screen)
-            .all(|screen| entry(screen).is_none_or(|other| own.share <= other.share))
+            .all(|screen| hides(screen).is_none_or(|other| own.share <= other.share))
     }
 }
 
@@ -218,18 +220,48 @@ fn entry(planes: &[Plane], x: &Vec3, y: &Vec3, slack: f64) -> Option<Entry> {
     planes.iter().enumerate().all(is_within).then_some(entry)
 }
 
-/// Whether a convex solid is between two particles. One that is inside counts as being at the face nearest to it.
-fn parts(planes: &[Plane], x: &Vec3, y: &Vec3, slack: f64) -> bool {
-    let (face_y, depth_y) = nearest(planes, y);
-    match entry(planes, x, y, slack) {
-        None => false,
-        Some(_) if 0.0 < depth_y => true,
-        Some(entry) if entry.share == 0.0 && nearest(planes, x).1 <= 0.0 => entry.face != face_y,
-        Some(_) => {
-            let (n, offset) = &planes[face_y];
-            n.dot(x) - offset <= 0.0
+/// Whether two outward normals are those of opposed faces: a plate's two sides, or those of an edge sharper than 45
+/// degrees. At blunter ones what is seen through the edge is a small part of what each particle sees.
+pub fn are_opposed(normal: &Vec3, other: &Vec3) -> bool {
+    normal.dot(other) < -0.7
+}
+
+/// The face through which the segment from `x` in a convex solid to `y` outside leaves it.
+fn exit(planes: &[Plane], x: &Vec3, y: &Vec3) -> usize {
+    let mut exit = (0, f64::INFINITY);
+    for (face, (n, offset)) in planes.iter().enumerate() {
+        let (at_x, at_y) = (n.dot(x) - offset, n.dot(y) - offset);
+        if at_x <= 0.0 && 0.0 < at_y {
+            let share = at_x / (at_x - at_y);
+            if share < exit.1 {
+                exit = (face, share);
+            }
         }
     }
+    exit.0
+}
+
+/// Where the segment from a particle at `x` comes into a screen that hides the place `y`; none if it does not.
+fn hides(planes: &[Plane], x: &Vec3, y: &Vec3, slack: f64) -> Option<Entry> {
+    let entry = entry(planes, x, y, slack)?;
+    let is_inside = nearest(planes, y).1 <= 0.0;
+    let is_behind = || are_opposed(&planes[entry.face].0, &planes[exit(planes, x, y)].0);
+    (is_inside || is_behind()).then_some(entry)
+}
+
+/// Whether a screen is between two particles. One that is inside counts as being at the face nearest to it.
+fn parts(planes: &[Plane], x: &Vec3, y: &Vec3, slack: f64) -> bool {
+    let Some(entry) = entry(planes, x, y, slack) else {
+        return false;
+    };
+    let (nearest_face, depth) = nearest(planes, y);
+    let face = if depth <= 0.0 {
+        nearest_face
+    } else {
+        exit(planes, x, y)
+    };
+    let (normal, offset) = &planes[face];
+    normal.dot(x) - offset <= 0.0 && are_opposed(&planes[entry.face].0, normal)
 }
 
 #[cfg(test)]
@@ -269,8 +301,9 @@ mod tests {
         for (x, y, is_cut) in [
             (above, below, true),
             (above, Vec3::new(1.0, 0.0, 0.6), false),
-            (Vec3::new(9.0, 0.0, 0.6), beside, true),
-            (Vec3::new(10.4, 0.0, 0.9), beside, false),
+            // past a blunt corner, in by the top and out by the side
+            (Vec3::new(9.0, 0.0, 0.6), beside, false),
+            (Vec3::new(9.0, 0.0, 0.6), Vec3::new(9.8, 0.0, -0.6), true),
         ] {
             assert_eq!(parts(&planes, &x, &y, SLACK), is_cut, "{x} {y}");
             assert_eq!(parts(&planes, &y, &x, SLACK), is_cut, "{y} {x}");
@@ -297,7 +330,12 @@ mod tests {
     fn a_wall_particle_is_seen_through_its_own_face_only() {
         // beyond the far side of the plate, where another face's particle could be too
         let deep = Vec3::new(9.0, 0.0, -1.0);
-        assert_eq!(face_seen(Vec3::new(9.5, 0.0, 1.0), deep), Some(TOP));
+        let x = Vec3::new(9.5, 0.0, 1.0);
+        assert_eq!(face_seen(x, deep), Some(TOP));
+        assert!(hides(&plate(), &x, &deep, SLACK).is_some());
+        // past the corner nothing is hidden
+        let open = Vec3::new(10.6, 0.0, 0.0);
+        assert!(hides(&plate(), &x, &open, SLACK).is_none());
         let past_the_edge = Vec3::new(11.0, 0.0, 0.6);
         assert_eq!(
             face_seen(past_the_edge, Vec3::new(9.5, 0.0, 0.2)),
