@@ -357,10 +357,12 @@ fn color_bar(page: &mut Page, layout: &Layout, top_speed: f64, is_exceeded: bool
     let mut ticks = axis.ticks(32.0, 1.0);
     // The top has its number in any case, and room for it.
     ticks.retain(|tick| axis.at(tick.value) > frame.top + 14.0);
+    // a whole number of tenths, but for round-off
+    let top = (top_speed * 1e9).round() / 1e9;
     let label = if is_exceeded {
-        format!("≥ {top_speed}")
+        format!("≥ {top}")
     } else {
-        top_speed.to_string()
+        top.to_string()
     };
     ticks.push(Tick {
         value: top_speed,
