@@ -298,3 +298,71 @@ pub(super) fn is_covered(normal: &Vec3, corners: &[Vec3], others: &[&Part], spac
 
 /// Places along a side of a face at which its cover is looked for, at most.
 const MOST_PLACES: f64 = 200.0;
+
+#[cfg(test)]
+mod tests {
+    use riprap_dda::{Polyhedron, Shape};
+
+    use super::*;
+
+    fn cuboid(min: [f64; 3], max: [f64; 3]) -> Part {
+        Polyhedron::cuboid(min.into(), max.into())
+            .map(|p| super::super::parts(&Shape::Polyhedra(vec![p])).remove(0))
+            .unwrap_or_default()
+    }
+
+    /// A prism over a right-angled triangle with an edge of this angle; degrees.
+    fn wedge(angle: f64) -> Part {
+        let height = angle.to_radians().tan();
+        let corners = [[0.0, 0.0], [1.0, 0.0], [1.0, height]];
+        let at = |y: f64| corners.map(|[x, z]| Vec3::new(x, y, z));
+        let (front, back) = (at(0.0), at(1.0));
+        let side = |k: usize| {
+            let m = (k + 1) % 3;
+            vec![front[k], front[m], back[m], back[k]]
+        };
+        let outward = |x: &[Vec3]| (x[1] - x[0]).cross(&(x[2] - x[0])).normalize();
+        let mut faces: Vec<Vec<Vec3>> = (0..3).map(side).collect();
+        faces.push(front.iter().rev().copied().collect());
+        faces.push(back.to_vec());
+        let middle = (front[0] + front[1] + front[2] + back[0] + back[1] + back[2]) / 6.0;
+        let faces = faces.into_iter().map(|corners| {
+            let normal = outward(&corners);
+            let sign = normal.dot(&(corners[0] - middle)).signum();
+            (normal * sign, corners)
+        });
+        Part {
+            faces: faces.collect(),
+        }
+    }
+
+    #[test]
+    fn plates_and_sharp_wedges_are_thin() {
+        let support = 0.26;
+        for (part, is_screen) in [
+            (cuboid([0.0; 3], [1.0, 1.0, 0.25]), true),
+            (cuboid([0.0; 3], [1.0, 1.0, 0.27]), false),
+            (wedge(25.0), true),
+            (wedge(60.0), true),
+        ] {
+            let open = vec![true; part.faces.len()];
+            assert_eq!(is_thin(&part, &open, support), is_screen, "{part:?}");
+        }
+        // 60 degrees leave 30 at the top; with that face covered the wedge is blunt
+        let part = wedge(60.0);
+        let open: Vec<bool> = part.faces.iter().map(|(n, _)| n.x < 0.9).collect();
+        assert!(!is_thin(&part, &open, support));
+    }
+
+    #[test]
+    fn a_face_is_covered_where_all_of_it_is() {
+        let plate = cuboid([0.0, 0.0, 0.0], [0.1, 1.0, 1.0]);
+        let floor = cuboid([-1.0, -1.0, -1.0], [1.0, 2.0, 0.0]);
+        let half = cuboid([-1.0, -1.0, -1.0], [1.0, 0.5, 0.0]);
+        let rest = cuboid([-1.0, 0.5, -1.0], [1.0, 2.0, 0.0]);
+        let foot = plate.faces.iter().find(|(n, _)| n.z < -0.9);
+        let is = |others: &[&Part]| foot.is_some_and(|(n, x)| is_covered(n, x, others, 0.05));
+        assert!(is(&[&floor]) && is(&[&half, &rest]));
+        assert!(!is(&[&half]) && !is(&[]));
+    }
+}
