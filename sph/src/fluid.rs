@@ -292,7 +292,8 @@ impl Fluid {
     }
 
     /// Adds a screen where it is at present: a convex solid by the planes of its faces, with a box round it (m).
-    /// Particles do not see each other through it; planes of symmetry do not mirror it.
+    /// Particles do not see each other through it. Planes of symmetry do not mirror it: one that touches them has to go on
+    /// beyond them as it is before them, with planes of infinite offset for its ends there.
     pub fn add_screen(&mut self, planes: impl Iterator<Item = Plane>, bounds: (Vec3, Vec3)) {
         let reach = self.settings.support_radius();
         self.screens.add(planes, bounds, &self.grid, reach);

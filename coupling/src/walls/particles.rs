@@ -17,7 +17,7 @@ use riprap_sph::boundary::wall_particles::{Slip, WallParticles};
 use riprap_sph::{Dimensions, Fluid, Periodicity, SymmetryPlane, Vec3};
 
 use super::cutting::{before, image};
-use super::screens::{Screens, is_covered, is_end, is_thin};
+use super::screens::{Screens, is_covered, is_thin};
 use super::{Part, is_fixed, parts};
 
 /// The walls of all blocks.
@@ -71,13 +71,8 @@ impl ParticleWalls {
         let mut screens = Screens::new(&standing, spacing, support);
         let (thin, thick) = sampler.screens(&standing);
         let mut standing_points = Points::default();
-        for Thin { part, faces } in thin {
-            let screen = screens.add(
-                (part, &standing),
-                sampler.end(&standing[part]),
-                owners[part],
-                blocks,
-            );
+        for Thin { part, ends, faces } in thin {
+            let screen = screens.add((part, &standing), ends, owners[part], blocks);
             standing_points.add_screen(screen, owners[part], &faces);
         }
         let whole: Vec<Part> = thick.iter().map(|&part| standing[part].clone()).collect();
@@ -91,8 +86,8 @@ impl ParticleWalls {
                 .filter_map(|part| before(part, &sampler.symmetry))
                 .collect();
             let (thin, thick) = sampler.screens(&parts);
-            for Thin { part, faces } in thin {
-                let screen = screens.add((part, &parts), sampler.end(&parts[part]), b, blocks);
+            for Thin { part, ends, faces } in thin {
+                let screen = screens.add((part, &parts), ends, b, blocks);
                 points.add_screen(screen, b, &faces);
             }
             let thick: Vec<Part> = thick.iter().map(|&part| parts[part].clone()).collect();
@@ -332,6 +327,8 @@ impl Part {
 /// A part that is a screen.
 struct Thin {
     part: usize,
+    /// Faces at which it only seems to end.
+    ends: Vec<bool>,
     /// Points behind each face.
     faces: Vec<Vec<WallSample>>,
 }
@@ -387,26 +384,22 @@ impl Sampler {
     }
 
     /// Which of some parts are screens, with points behind each of their faces, and which are not. Faces that
-    /// other parts cover have none: nothing looks through them. Planes of symmetry do not mirror screens, so
-    /// that with them there are none.
+    /// other parts cover have none: nothing looks through them.
     fn screens(&self, parts: &[Part]) -> (Vec<Thin>, Vec<usize>) {
         let (mut screens, mut others) = (Vec::new(), Vec::new());
         for (k, part) in parts.iter().enumerate() {
             match self.screen(k, part, parts) {
-                Some(faces) => screens.push(Thin { part: k, faces }),
+                Some(thin) => screens.push(thin),
                 None => others.push(k),
             }
         }
         (screens, others)
     }
 
-    fn screen(&self, number: usize, part: &Part, all: &[Part]) -> Option<Vec<Vec<WallSample>>> {
+    fn screen(&self, number: usize, part: &Part, all: &[Part]) -> Option<Thin> {
         let (spacing, support) = (self.lattice.particle_spacing, self.lattice.support_radius);
-        let mut ends = (0..3).filter(|&axis| self.has_no_end(part, axis));
-        let (end, more) = (ends.next(), ends.next());
-        if !self.symmetry.is_empty() || more.is_some() {
-            return None;
-        }
+        let ends = self.ends(part)?;
+        let end = self.end(part);
         let rows = end.map(|axis| match self.plane {
             Some((middle, width)) => Rows {
                 axis,
@@ -427,10 +420,10 @@ impl Sampler {
         });
         let others = all.iter().enumerate().filter(|&(k, _)| k != number);
         let others: Vec<&Part> = others.map(|(_, other)| other).collect();
-        let is_open = |(normal, corners): &(Vec3, Vec<Vec3>)| {
-            !is_end(normal, end) && !is_covered(normal, corners, &others, spacing)
+        let is_open = |((normal, corners), is_end): (&(Vec3, Vec<Vec3>), &bool)| {
+            !is_end && !is_covered(normal, corners, &others, spacing)
         };
-        let open: Vec<bool> = part.faces.iter().map(is_open).collect();
+        let open: Vec<bool> = part.faces.iter().zip(&ends).map(is_open).collect();
         if !is_thin(part, &open, support) {
             return None;
         }
@@ -440,17 +433,60 @@ impl Sampler {
                 vertices: corners,
             };
             if open {
-                sample_behind(&face, rows, spacing, support)
+                let mut samples = sample_behind(&face, rows, spacing, support);
+                samples.retain(|sample| self.is_before_planes(&sample.position));
+                samples
             } else {
                 Vec::new()
             }
         };
-        Some(part.faces.iter().zip(&open).map(behind).collect())
+        Some(Thin {
+            part: number,
+            faces: part.faces.iter().zip(&open).map(behind).collect(),
+            ends,
+        })
     }
 
     /// The first axis in which a part has no end.
     fn end(&self, part: &Part) -> Option<usize> {
         (0..3).find(|&axis| self.has_no_end(part, axis))
+    }
+
+    fn is_before_planes(&self, x: &Vec3) -> bool {
+        self.symmetry.iter().all(|plane| 0.0 <= plane.distance(x))
+    }
+
+    /// At which faces a part only seems to end: it goes on beyond a side that repeats, across a flow in a plane, or
+    /// at a plane of symmetry. None of a part that cannot be a screen: of one without ends in two directions, or of
+    /// one near a plane of symmetry to which it is not upright, as screens are not mirrored.
+    fn ends(&self, part: &Part) -> Option<Vec<bool>> {
+        let mut endless = (0..3).filter(|&axis| self.has_no_end(part, axis));
+        let (first, second) = (endless.next(), endless.next());
+        if second.is_some() {
+            return None;
+        }
+        let near = 2.0 * self.lattice.support_radius;
+        let slack = 1e-6 * self.lattice.particle_spacing;
+        part.faces
+            .iter()
+            .map(|(normal, corners)| {
+                let mut is_end = first.is_some_and(|axis| normal[axis].abs() > 0.5);
+                for plane in &self.symmetry {
+                    let distances = corners.iter().map(|x| plane.distance(x));
+                    let (least, most) = distances
+                        .fold((f64::INFINITY, 0.0_f64), |(least, most), d| {
+                            (least.min(d), most.max(d))
+                        });
+                    let is_upright = normal[plane.axis].abs() < 1e-9 && least <= slack;
+                    let is_cut = most <= slack;
+                    if least < near && !is_upright && !is_cut {
+                        return None;
+                    }
+                    is_end |= is_cut;
+                }
+                Some(is_end)
+            })
+            .collect()
     }
 
     /// Whether a part goes through the whole of what a flow in a plane, or a domain that repeats, shows of it.

@@ -63,12 +63,12 @@ impl Screens {
         }
     }
 
-    /// Adds one of the parts of a block, given where the block is now; returns its number. Along an axis it may
-    /// have no end.
+    /// Adds one of the parts of a block, given where the block is now; returns its number. At
+    /// faces that are `ends` it only seems to end.
     pub(super) fn add(
         &mut self,
         (number, parts): (usize, &[Part]),
-        no_end: Option<usize>,
+        ends: Vec<bool>,
         block: usize,
         blocks: &Blocks,
     ) -> u32 {
@@ -81,7 +81,6 @@ impl Screens {
             )
         };
         let is_fixed = is_fixed(blocks, block);
-        let is_end = |(normal, _): &(Vec3, Vec<Vec3>)| is_end(normal, no_end);
         let siblings = parts.iter().enumerate().filter(|&(k, _)| k != number);
         let mut screen = Screen {
             block,
@@ -92,7 +91,7 @@ impl Screens {
                 true => Vec::new(),
                 false => siblings.map(|(_, part)| local(part)).collect(),
             },
-            ends: parts[number].faces.iter().map(is_end).collect(),
+            ends,
             goes_on: Vec::new(),
             looked_at: Vec3::repeat(f64::INFINITY),
             start: Vec::new(),
@@ -234,11 +233,6 @@ impl Screen {
         let centroid = blocks.centroid(self.block);
         self.bounds = (centroid + min, centroid + max);
     }
-}
-
-/// Whether a face is across an axis in which a part has no end.
-pub(super) fn is_end(normal: &Vec3, no_end: Option<usize>) -> bool {
-    no_end.is_some_and(|axis| normal[axis].abs() > 0.5)
 }
 
 /// Whether two open faces of a part are so near, or meet at so sharp an edge, that fluid on both is within the
