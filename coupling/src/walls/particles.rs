@@ -68,11 +68,12 @@ impl ParticleWalls {
             sampler.lattice.particle_spacing,
             sampler.lattice.support_radius,
         );
-        let mut screens = Screens::new(&standing, spacing, support);
-        let (thin, thick) = sampler.screens(&standing);
+        let inside: Vec<Part> = standing.iter().map(|part| sampler.inside(part)).collect();
+        let mut screens = Screens::new(&inside, spacing, support);
+        let (thin, thick) = sampler.screens(&inside);
         let mut standing_points = Points::default();
         for Thin { part, ends, faces } in thin {
-            let screen = screens.add((part, &standing), ends, owners[part], blocks);
+            let screen = screens.add((part, &inside), ends, owners[part], blocks);
             standing_points.add_screen(screen, owners[part], &faces);
         }
         let whole: Vec<Part> = thick.iter().map(|&part| standing[part].clone()).collect();
@@ -85,9 +86,10 @@ impl ParticleWalls {
                 .iter()
                 .filter_map(|part| before(part, &sampler.symmetry))
                 .collect();
-            let (thin, thick) = sampler.screens(&parts);
+            let inside: Vec<Part> = parts.iter().map(|part| sampler.inside(part)).collect();
+            let (thin, thick) = sampler.screens(&inside);
             for Thin { part, ends, faces } in thin {
-                let screen = screens.add((part, &parts), ends, b, blocks);
+                let screen = screens.add((part, &inside), ends, b, blocks);
                 points.add_screen(screen, b, &faces);
             }
             let thick: Vec<Part> = thick.iter().map(|&part| parts[part].clone()).collect();
@@ -450,6 +452,16 @@ impl Sampler {
     /// The first axis in which a part has no end.
     fn end(&self, part: &Part) -> Option<usize> {
         (0..3).find(|&axis| self.has_no_end(part, axis))
+    }
+
+    /// The part without what is beyond the domain along axes in which it has no end: all that counts there.
+    fn inside(&self, part: &Part) -> Part {
+        let Region { min, max } = &self.domain;
+        (0..3)
+            .filter(|&axis| self.has_no_end(part, axis))
+            .fold(part.clone(), |part, axis| {
+                part.along(axis, |x| x.clamp(min[axis], max[axis]))
+            })
     }
 
     fn is_before_planes(&self, x: &Vec3) -> bool {

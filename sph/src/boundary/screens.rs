@@ -2,8 +2,8 @@
 //!
 //! Distance alone would let the two see each other through the solid, and let both push on the same wall
 //! particles. Here what lies behind a screen is hidden: places inside it, and those beyond it where a segment
-//! leaves through a face opposed to the one it came in by. Past a blunt corner, whose faces are not opposed, sight is
-//! free.
+//! leaves through a face opposed to the one it came in by, or crosses a second screen. Past a blunt corner, whose faces
+//! are not opposed, sight is free.
 //!
 //! - Two particles do not see each other through a screen.
 //! - Every face of a screen has wall particles of its own behind it, as deep as the support, even where the
@@ -144,26 +144,39 @@ impl Screens {
         } else {
             (y, x)
         };
-        self.near(cell)
-            .all(|screen| !parts(self.planes_of(screen), x, y, self.slack))
+        let mut n_crossed = 0;
+        self.near(cell).all(|screen| {
+            let planes = self.planes_of(screen);
+            let Some(entry) = entry(planes, x, y, self.slack) else {
+                return true;
+            };
+            n_crossed += 1;
+            n_crossed < 2 && !parts(planes, &entry, x, y)
+        })
     }
 
     /// Whether a particle at `x` sees a wall particle at `wall`, behind a face or no face of a screen; `cell`
     /// is that of one of them.
     pub(crate) fn lets_see_wall(&self, cell: usize, x: &Vec3, wall: &Vec3, facet: Facet) -> bool {
-        if !self.are_near(cell) {
-            return facet == Facet::NONE;
+        let (mut n_crossed, mut is_hidden) = (0, false);
+        let mut first: Option<(u32, Entry)> = None;
+        for screen in self.near(cell) {
+            let planes = self.planes_of(screen);
+            if let Some(entry) = entry(planes, x, wall, self.slack) {
+                n_crossed += 1;
+                is_hidden |= n_crossed == 2 || hides(planes, &entry, x, wall);
+                if first.is_none_or(|(_, other)| entry.share < other.share) {
+                    first = Some((screen, entry));
+                }
+            }
         }
-        let hides = |screen| hides(self.planes_of(screen), x, wall, self.slack);
         if facet == Facet::NONE {
-            return self.near(cell).all(|screen| hides(screen).is_none());
+            return !is_hidden;
         }
-        let Some(own) = hides(facet.screen).filter(|own| own.face == facet.face as usize) else {
-            return false;
+        let is_own = |(screen, entry): (u32, Entry)| {
+            screen == facet.screen && entry.face == facet.face as usize
         };
-        self.near(cell)
-            .filter(|&screen| screen != facet.screen)
-            .all(|screen| hides(screen).is_none_or(|other| own.share <= other.share))
+        is_hidden && first.is_some_and(is_own)
     }
 }
 
@@ -241,19 +254,15 @@ fn exit(planes: &[Plane], x: &Vec3, y: &Vec3) -> usize {
     exit.0
 }
 
-/// Where the segment from a particle at `x` comes into a screen that hides the place `y`; none if it does not.
-fn hides(planes: &[Plane], x: &Vec3, y: &Vec3, slack: f64) -> Option<Entry> {
-    let entry = entry(planes, x, y, slack)?;
+/// Whether a screen that the segment from a particle at `x` comes into hides the place `y`.
+fn hides(planes: &[Plane], entry: &Entry, x: &Vec3, y: &Vec3) -> bool {
     let is_inside = nearest(planes, y).1 <= 0.0;
-    let is_behind = || are_opposed(&planes[entry.face].0, &planes[exit(planes, x, y)].0);
-    (is_inside || is_behind()).then_some(entry)
+    is_inside || are_opposed(&planes[entry.face].0, &planes[exit(planes, x, y)].0)
 }
 
-/// Whether a screen is between two particles. One that is inside counts as being at the face nearest to it.
-fn parts(planes: &[Plane], x: &Vec3, y: &Vec3, slack: f64) -> bool {
-    let Some(entry) = entry(planes, x, y, slack) else {
-        return false;
-    };
+/// Whether a screen that the segment between two particles comes into is between them. One that is inside counts as
+/// being at the face nearest to it.
+fn parts(planes: &[Plane], entry: &Entry, x: &Vec3, y: &Vec3) -> bool {
     let (nearest_face, depth) = nearest(planes, y);
     let face = if depth <= 0.0 {
         nearest_face
@@ -289,6 +298,16 @@ mod tests {
         entry(&plate(), &x, &y, SLACK).map(|entry| entry.face)
     }
 
+    fn are_parted(x: Vec3, y: Vec3) -> bool {
+        let planes = plate();
+        entry(&planes, &x, &y, SLACK).is_some_and(|entry| parts(&planes, &entry, &x, &y))
+    }
+
+    fn is_hidden(x: Vec3, y: Vec3) -> bool {
+        let planes = plate();
+        entry(&planes, &x, &y, SLACK).is_some_and(|entry| hides(&planes, &entry, &x, &y))
+    }
+
     #[test]
     fn a_plate_hides_what_is_behind_it_and_only_that() {
         let planes = plate();
@@ -305,14 +324,13 @@ mod tests {
             (Vec3::new(9.0, 0.0, 0.6), beside, false),
             (Vec3::new(9.0, 0.0, 0.6), Vec3::new(9.8, 0.0, -0.6), true),
         ] {
-            assert_eq!(parts(&planes, &x, &y, SLACK), is_cut, "{x} {y}");
-            assert_eq!(parts(&planes, &y, &x, SLACK), is_cut, "{y} {x}");
+            assert_eq!(are_parted(x, y), is_cut, "{x} {y}");
+            assert_eq!(are_parted(y, x), is_cut, "{y} {x}");
         }
     }
 
     #[test]
     fn a_particle_that_has_sunk_in_stays_on_its_side() {
-        let planes = plate();
         let sunk = Vec3::new(0.0, 0.0, 0.3);
         for (y, is_cut) in [
             (Vec3::new(0.1, 0.0, 0.9), false),
@@ -320,8 +338,8 @@ mod tests {
             (Vec3::new(0.0, 0.1, -0.2), true),
             (Vec3::new(0.2, 0.0, 0.3), false),
         ] {
-            assert_eq!(parts(&planes, &sunk, &y, SLACK), is_cut, "{y}");
-            assert_eq!(parts(&planes, &y, &sunk, SLACK), is_cut, "{y}");
+            assert_eq!(are_parted(sunk, y), is_cut, "{y}");
+            assert_eq!(are_parted(y, sunk), is_cut, "{y}");
         }
         assert_eq!(face_seen(sunk, Vec3::new(0.0, 0.0, -1.5)), Some(TOP));
     }
@@ -332,10 +350,10 @@ mod tests {
         let deep = Vec3::new(9.0, 0.0, -1.0);
         let x = Vec3::new(9.5, 0.0, 1.0);
         assert_eq!(face_seen(x, deep), Some(TOP));
-        assert!(hides(&plate(), &x, &deep, SLACK).is_some());
+        assert!(is_hidden(x, deep));
         // past the corner nothing is hidden
         let open = Vec3::new(10.6, 0.0, 0.0);
-        assert!(hides(&plate(), &x, &open, SLACK).is_none());
+        assert!(!is_hidden(x, open));
         let past_the_edge = Vec3::new(11.0, 0.0, 0.6);
         assert_eq!(
             face_seen(past_the_edge, Vec3::new(9.5, 0.0, 0.2)),
