@@ -77,7 +77,7 @@ impl Tank {
         let Self { fluid, walls } = self;
         timed(&mut seconds.pressure, || fluid.update_pressure())?;
         timed(&mut seconds.finding, || walls.find_wet(fluid));
-        timed(&mut seconds.extrapolation, || walls.extrapolate(fluid, 1.0));
+        timed(&mut seconds.extrapolation, || walls.extrapolate(fluid));
         timed(&mut seconds.forces, || fluid.update_accelerations());
         timed(&mut seconds.wall_forces, || walls.add_forces(fluid));
         Ok(())

@@ -13,12 +13,14 @@
 //! In a slab, periodic in one direction, a block is a piece of an endless prism: the fluid moves it in
 //! the plane of the slab only. What it would get across is held by the slab and booked as such.
 
+use nalgebra::Matrix3;
 use rayon::prelude::*;
 use riprap_dda::{Blocks, Load, Motion, SurfacePoint};
 use riprap_sph::fluid::ParticleForce;
 use riprap_sph::{CellGrid, Fluid, Vec3};
 
 use crate::part_table::PartTable;
+use crate::walls::FluidLoad;
 
 /// Particles per parallel task; a constant, so that results do not depend on threads.
 const CHUNK: usize = 1024;
@@ -93,6 +95,10 @@ pub struct Interface {
     chunks: Vec<Vec<Touch>>,
     touches: Vec<Touch>,
     loads: Vec<Load>,
+    /// What of the loads is shear.
+    shears: Vec<Load>,
+    /// Straining parts of the moments on blocks.
+    stretches: Vec<Matrix3<f64>>,
     /// Compliance of each block summed over its touches; 1/kg.
     compliance: Vec<f64>,
 }
@@ -114,6 +120,8 @@ impl Interface {
             chunks: Vec::new(),
             touches: Vec::new(),
             loads: vec![Load::default(); blocks.n_blocks()],
+            shears: vec![Load::default(); blocks.n_blocks()],
+            stretches: vec![Matrix3::zeros(); blocks.n_blocks()],
             compliance: vec![0.0; blocks.n_blocks()],
         }
     }
@@ -142,6 +150,21 @@ impl Interface {
     /// Force and moment of the fluid on every block; N, N m about the centroid.
     pub fn loads(&self) -> &[Load] {
         &self.loads
+    }
+
+    /// What of these loads the fluid's viscosity makes; N, N m about the centroid.
+    pub fn shears(&self) -> &[Load] {
+        &self.shears
+    }
+
+    /// Straining part of the fluid's moment on every block, `Σ (f ⊗ r + r ⊗ f)/2`; N m.
+    pub fn stretches(&self) -> &[Matrix3<f64>] {
+        &self.stretches
+    }
+
+    /// The one direction in which a slab repeats.
+    pub fn slab_axis(&self) -> Option<usize> {
+        self.slab_axis
     }
 
     /// Finds the particles near bodies; the fluid must be sorted.
@@ -261,6 +284,8 @@ impl Interface {
         } = self.settings;
         let standoff = self.settings.standoff;
         self.loads.fill(Load::default());
+        self.shears.fill(Load::default());
+        self.stretches.fill(Matrix3::zeros());
         self.compliance.fill(0.0);
         for touch in &mut self.touches {
             let block = touch.block as usize;
@@ -276,22 +301,35 @@ impl Interface {
             touch.force = touch.normal * force;
             // the spring stores −K d v_n; what the whole force takes beyond that is lost
             touch.dissipated_power = (spring - force) * approach;
-            let load = &mut self.loads[block];
-            load.force -= touch.force;
-            load.torque -= (touch.point - blocks.centroid(block)).cross(&touch.force);
+            let arm = touch.point - blocks.centroid(block);
+            self.loads[block].add(&-touch.force, &arm);
+            let moment = touch.force * arm.transpose();
+            self.stretches[block] -= (moment + moment.transpose()) * 0.5;
             self.compliance[block] += blocks.compliance(block, &touch.point, &touch.normal);
         }
         for block in 0..self.loads.len() {
             self.loads[block] = self.in_plane(self.loads[block]);
+            self.hold_across(block);
         }
     }
 
-    /// Adds forces and moments on blocks that walls of another kind make; N, N m.
-    pub fn add_loads(&mut self, loads: &[Load]) {
+    /// Adds what the fluid does to blocks by walls of another kind.
+    pub fn add_loads(&mut self, loads: &[FluidLoad]) {
         for (block, load) in loads.iter().enumerate() {
-            let more = self.in_plane(*load);
-            self.loads[block].force += more.force;
-            self.loads[block].torque += more.torque;
+            let (pressure, shear) = (self.in_plane(load.pressure), self.in_plane(load.shear));
+            self.loads[block] += pressure;
+            self.loads[block] += shear;
+            self.shears[block] += shear;
+            self.stretches[block] += load.stretch;
+            self.hold_across(block);
+        }
+    }
+
+    /// A slab does not let a block strain across its plane.
+    fn hold_across(&mut self, block: usize) {
+        if let Some(axis) = self.slab_axis {
+            self.stretches[block].row_mut(axis).fill(0.0);
+            self.stretches[block].column_mut(axis).fill(0.0);
         }
     }
 

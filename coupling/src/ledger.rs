@@ -136,7 +136,7 @@ impl Ledger {
             impulse += walls.force_on_fluid();
             for (block, load) in walls.loads().iter().enumerate() {
                 if world.blocks.is_free(block) {
-                    impulse += water.interface.in_plane(*load).force;
+                    impulse += water.interface.in_plane(load.total()).force;
                 }
             }
         }

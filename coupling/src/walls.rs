@@ -4,17 +4,20 @@
 //! is added to the fluid's own where and when the stepping takes that, and what the fluid gets the blocks
 //! that move give.
 
+pub mod added_mass;
 mod cutting;
 pub mod integral;
 pub mod particles;
 mod screens;
 
+use nalgebra::Matrix3;
 use riprap_dda::{BlockDefinition, Blocks, Load, Motion, Shape};
 use riprap_sph::boundary::integral::Face;
 use riprap_sph::boundary::wall_particles::Slip;
 use riprap_sph::{Fluid, Vec3};
 
 use crate::scene::file::WallMethodFile;
+use added_mass::Movers;
 use integral::IntegralWalls;
 use particles::ParticleWalls;
 
@@ -71,8 +74,8 @@ impl Walls {
         }
     }
 
-    /// Force and moment of the fluid on every block that moves; N, N m about the centroid.
-    pub fn loads(&self) -> &[Load] {
+    /// What the fluid does to every block that moves.
+    pub fn loads(&self) -> &[FluidLoad] {
         of_walls!(self, walls => walls.loads())
     }
 
@@ -109,8 +112,8 @@ impl Walls {
     }
 
     /// Places the walls where the blocks are, moving as these do after a step of `dt` (s), 0 before the first;
-    /// at rest where blocks are held, without one. The wall's own acceleration is that of the step; none of
-    /// free blocks.
+    /// at rest where blocks are held, without one. The wall's own acceleration is that of the step; of free blocks
+    /// what their spin makes, the rest being still to be found.
     pub fn place_at_end(&mut self, blocks: &Blocks, dt: Option<f64>) {
         of_walls!(self, walls => walls.place_at_end(blocks, dt));
     }
@@ -137,16 +140,62 @@ impl Walls {
         }
     }
 
-    /// Continues the fluid's pressure into walls that carry one.
-    pub fn extrapolate(&mut self, fluid: &Fluid) {
-        if let Self::Particles(walls) = self {
-            walls.extrapolate(fluid);
+    /// Finds how the blocks that forces move accelerate, none where they are held, and continues the fluid's
+    /// pressure into walls that carry one.
+    pub fn extrapolate(&mut self, fluid: &Fluid, movers: Option<Movers>) {
+        match self {
+            Self::Particles(walls) => walls.extrapolate(fluid, movers),
+            Self::Integral(walls) => {
+                if let Some(movers) = movers {
+                    walls.accelerate(fluid, movers);
+                }
+            }
         }
+    }
+
+    /// Largest ratio of the inertia that walls add to a block, by the kernel, to the block's own mass.
+    pub fn largest_added_mass_ratio(&self, blocks: &Blocks) -> f64 {
+        of_walls!(self, walls => walls.largest_added_mass_ratio(blocks))
     }
 
     /// Adds the walls' forces to the accelerations, and sums what the blocks that move get back.
     pub fn add_forces(&mut self, fluid: &mut Fluid, blocks: &Blocks) {
         of_walls!(self, walls => walls.add_forces(fluid, blocks));
+    }
+}
+
+#[cfg(test)]
+impl Walls {
+    fn acceleration(&self, block: usize) -> added_mass::Acceleration {
+        of_walls!(self, walls => walls.acceleration(block))
+    }
+}
+
+/// What the fluid does to a block, moments about the centroid.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct FluidLoad {
+    /// Of pressure; N, N m.
+    pub pressure: Load,
+    /// Of viscosity; N, N m.
+    pub shear: Load,
+    /// Straining part of the moment, `Σ (f ⊗ r + r ⊗ f)/2`; N m.
+    pub stretch: Matrix3<f64>,
+}
+
+impl FluidLoad {
+    /// Adds forces of pressure and viscosity (N) at a point, given from the centroid (m).
+    pub fn add(&mut self, pressure: &Vec3, viscous: &Vec3, arm: &Vec3) {
+        self.pressure.add(pressure, arm);
+        self.shear.add(viscous, arm);
+        let moment = (pressure + viscous) * arm.transpose();
+        self.stretch += (moment + moment.transpose()) * 0.5;
+    }
+
+    /// All of it as force and moment; N, N m.
+    pub fn total(&self) -> Load {
+        let mut total = self.pressure;
+        total += self.shear;
+        total
     }
 }
 

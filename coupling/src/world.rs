@@ -4,6 +4,7 @@ mod stepping;
 
 use std::time::{Duration, Instant};
 
+use nalgebra::Matrix3;
 use riprap_dda::{Blocks, Load, Motion, Phase};
 use riprap_sph::{Absorber, Fluid, FluidError, Stepping, SymmetryPlane, Vec3};
 
@@ -14,6 +15,7 @@ use crate::scene::file::Leaving;
 use crate::scene::symmetry::TOUCH;
 use crate::time_step::{Cause, Limits, TimeStep};
 use crate::walls::Walls;
+use crate::walls::added_mass::{Acceleration, Movers};
 
 /// Everything that changes during a run. Only [`World::step`] and [`World::settle_step`] change it.
 #[derive(Debug)]
@@ -37,6 +39,12 @@ pub struct World {
     kept_clear: Vec<usize>,
     /// Scratch: loads of the fluid at the start of a predictor-corrector step.
     loads_at_start: Vec<Load>,
+    /// The same: what strains blocks that deform.
+    stretches_at_start: Vec<Matrix3<f64>>,
+    /// Blocks that deform.
+    deformable: Vec<usize>,
+    /// What moved each block beside the fluid, over its last sub-steps.
+    pub(crate) dry: Vec<Acceleration>,
     leaving: Leaving,
 }
 
@@ -254,6 +262,9 @@ impl World {
             impulses: vec![Load::default(); n_blocks],
             kept_clear: Vec::new(),
             loads_at_start: vec![Load::default(); n_blocks],
+            stretches_at_start: vec![Matrix3::zeros(); n_blocks],
+            deformable: Vec::new(),
+            dry: Vec::new(),
             leaving: Leaving::Removed,
         };
         if world.symmetry_planes().next().is_some() {
@@ -263,6 +274,14 @@ impl World {
                 .filter(|&b| !world.is_fixed(b) && world.plane_within(b, touch).is_none())
                 .collect();
         }
+        world.deformable = (0..n_blocks)
+            .filter(|&b| world.blocks.is_free(b) && world.blocks.is_deformable(b))
+            .collect();
+        let starting = |b: usize| Acceleration {
+            linear: gravity + world.blocks.contact_force(b).force / world.blocks.mass(b),
+            angular: Vec3::zeros(),
+        };
+        world.dry = (0..n_blocks).map(starting).collect();
         world.evaluate_fluid(0.0)?;
         world.open_ledger();
         Ok(world)
@@ -396,6 +415,10 @@ impl World {
             self.ledger.exchange(&imposed);
             if self.held == Held::NoBlock {
                 self.blocks.apply_impulse(water.interface.loads(), dt);
+                for &b in &self.deformable {
+                    let stretch = water.interface.stretches()[b];
+                    self.blocks.apply_stretch(b, stretch, dt);
+                }
             }
         }
         self.phases.integration += start.elapsed();
@@ -469,6 +492,15 @@ impl World {
             return Ok(());
         }
         let mut watch = Stopwatch::start();
+        let with_walls = self.water.as_ref().is_some_and(|w| w.walls.is_some());
+        if with_walls {
+            for (b, dry) in self.dry.iter_mut().enumerate() {
+                *dry = Acceleration {
+                    linear: self.blocks.velocity(b),
+                    angular: self.blocks.angular_velocity(b),
+                };
+            }
+        }
         let Self { blocks, phases, .. } = self;
         let mut ended = |phase| {
             let time = match phase {
@@ -484,6 +516,14 @@ impl World {
             step: self.clock.steps,
             source,
         })?;
+        if with_walls {
+            for (b, dry) in self.dry.iter_mut().enumerate() {
+                *dry = Acceleration {
+                    linear: (self.blocks.velocity(b) - dry.linear) / dt,
+                    angular: (self.blocks.angular_velocity(b) - dry.angular) / dt,
+                };
+            }
+        }
         let before = self.extremes.blocks_removed;
         self.remove_escaped_blocks();
         let count = self.extremes.blocks_removed - before;
@@ -651,7 +691,12 @@ impl World {
         water.fluid.update_pressure().map_err(failed)?;
         self.phases.density += watch.lap();
         if let Some(walls) = &mut water.walls {
-            walls.extrapolate(&water.fluid);
+            let movers = Movers {
+                blocks: &self.blocks,
+                dry: &self.dry,
+                slab_axis: water.interface.slab_axis(),
+            };
+            walls.extrapolate(&water.fluid, (!held).then_some(movers));
         }
         self.phases.coupling += watch.lap();
         if water.fluid.varies_viscosity() {

@@ -50,6 +50,17 @@ impl Hold {
         }
     }
 
+    /// Projections on what is not held: of velocities, of turning.
+    pub(crate) fn freedom(&self) -> [Matrix3<f64>; 2] {
+        let held: Matrix3<f64> = self.directions.iter().map(|d| d * d.transpose()).sum();
+        let turning = match &self.turning {
+            Turning::Free => Matrix3::identity(),
+            Turning::About(axis) => axis * axis.transpose(),
+            Turning::Held => Matrix3::zeros(),
+        };
+        [Matrix3::identity() - held, turning]
+    }
+
     /// The part of a velocity or force that is held.
     pub(crate) fn held_part(&self, v: &Vec3) -> Vec3 {
         self.directions.iter().map(|d| d * d.dot(v)).sum()

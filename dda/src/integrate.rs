@@ -54,7 +54,7 @@ impl Kicked {
 impl Blocks {
     /// Gives every free block the impulse `loads · dt`, `v += dt M⁻¹ load`: the half kicks of a
     /// fluid. Fixed, prescribed and removed blocks ignore theirs; a deformable one takes force and
-    /// torque, not strain.
+    /// torque here, and what strains it by [`Self::apply_stretch`].
     pub fn apply_impulse(&mut self, loads: &[Load], dt: f64) {
         for (b, load) in loads.iter().enumerate().take(self.n_blocks()) {
             if !self.is_free(b) {
@@ -72,6 +72,17 @@ impl Blocks {
             self.hold_velocities(b);
             self.set_kinematics(b);
         }
+    }
+
+    /// Gives a free deformable block the impulse of the straining part `Σ (f ⊗ r + r ⊗ f)/2` (N m) of the
+    /// moment of some forces, over `dt` (s); others ignore it.
+    pub fn apply_stretch(&mut self, b: usize, stretch: Matrix3<f64>, dt: f64) {
+        let Some(k) = self.deformable_of[b].filter(|_| self.is_free(b)) else {
+            return;
+        };
+        let torque = Vec3::zeros();
+        self.deformables[k as usize].push(&Moment { torque, stretch }, dt);
+        self.set_kinematics(b);
     }
 
     fn kick_centroid(&mut self, b: usize, force: &Vec3, dt: f64) {

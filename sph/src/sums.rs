@@ -682,6 +682,17 @@ pub(crate) fn wall_spreads(fluid: &Fluid, walls: Neighborhood, chosen: &[u32], o
     );
 }
 
+/// Spread of the fluid round some points; after [`Fluid::pack_forces`].
+pub(crate) fn spreads_at(fluid: &Fluid, places: Places, chosen: &[u32], out: &mut [Spread]) {
+    dispatch(
+        fluid.settings.scheme.precision,
+        Spreads {
+            setup: fluid.to_places(places, chosen),
+            out,
+        },
+    );
+}
+
 /// Forces per volume of wall points, which hold velocity, pressure and volume, on some particles.
 pub(crate) fn wall_forces(
     fluid: &Fluid,

@@ -135,7 +135,7 @@ impl Flow {
         fluid.refresh();
         walls.iter_mut().for_each(|w| w.find_wet(fluid));
         fluid.update_pressure().unwrap();
-        walls.iter_mut().for_each(|w| w.extrapolate(fluid, 1.0));
+        walls.iter_mut().for_each(|w| w.extrapolate(fluid));
         if fluid.varies_viscosity() {
             fluid.update_strain();
             walls.iter_mut().for_each(|w| w.add_strains(fluid));

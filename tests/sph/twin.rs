@@ -163,7 +163,7 @@ impl Crowd {
 
         walls.find_wet(&fluid);
         fluid.update_pressure().unwrap();
-        walls.extrapolate(&fluid, 1.0);
+        walls.extrapolate(&fluid);
         fluid.update_accelerations();
         let total = walls.add_forces(&mut fluid);
         let mut reactions = vec![Vec3::zeros(); n_walls];

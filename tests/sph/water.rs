@@ -147,7 +147,7 @@ impl Water {
             self.walls.add_rates(&mut self.fluid);
         }
         self.fluid.update_pressure().unwrap();
-        self.walls.extrapolate(&self.fluid, 1.0);
+        self.walls.extrapolate(&self.fluid);
         self.fluid.update_accelerations();
         self.wall_force = self.walls.add_forces(&mut self.fluid);
         self.time = time;

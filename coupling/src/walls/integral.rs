@@ -17,12 +17,12 @@
 //! particle: a sum of central forces has the same moment there as inside the wall.
 //!
 //! Integrals add up over solids that do not overlap. Fixed solids are cut so that they do not; a block
-//! that moves into another solid counts twice where they overlap. Blocks that deform are taken in the
-//! shape that they had at the start.
+//! that moves into another solid counts twice where they overlap. Along a wall that strains, `v_w` varies over what
+//! a particle sees: `dρ_a/dt −= ρ_a tr(L Q)`, `L` the gradient of the block's velocity.
 
-use nalgebra::UnitQuaternion;
+use nalgebra::{Matrix3, Rotation3};
 use rayon::prelude::*;
-use riprap_dda::{BlockDefinition, Blocks, Load};
+use riprap_dda::{BlockDefinition, Blocks};
 use riprap_sph::boundary::integral::{LayerTable, WallIntegral, integrate, viscous_factor};
 use riprap_sph::boundary::wall_integrals::WallForce;
 use riprap_sph::boundary::wall_particles::Slip;
@@ -30,8 +30,9 @@ use riprap_sph::kernel::{Kernel, PointKernel};
 use riprap_sph::scheme::{ALPHA, Viscosity};
 use riprap_sph::{Fluid, Vec3};
 
+use super::added_mass::{Acceleration, AddedMass, Movers, largest_ratio};
 use super::cutting::disjoint;
-use super::{Part, is_fixed, parts};
+use super::{FluidLoad, Part, is_fixed, parts};
 use crate::part_table::PartTable;
 
 /// Distance off a surface, in spacings, below which a particle sees the wall as from there: nearer the
@@ -58,10 +59,11 @@ pub struct IntegralWalls {
     start: Vec<Place>,
     /// How each block moves now.
     motions: Vec<BodyMotion>,
+    added: Vec<AddedMass>,
     chunks: Vec<Vec<Sight>>,
     sights: Vec<Sight>,
     forces: Vec<WallForce>,
-    loads: Vec<Load>,
+    loads: Vec<FluidLoad>,
     force_on_fluid: Vec3,
     power: f64,
 }
@@ -77,51 +79,71 @@ struct MovingPart {
 }
 
 /// Place and motion of a block.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 struct Place {
     /// m.
     center: Vec3,
-    turn: UnitQuaternion<f64>,
+    /// Of the placement, from that of the start.
+    gradient: Matrix3<f64>,
     /// m/s.
     velocity: Vec3,
-    /// rad/s.
-    spin: Vec3,
+    /// Gradient of the velocity; 1/s.
+    rate: Matrix3<f64>,
 }
 
 impl Place {
     fn of(blocks: &Blocks, block: usize) -> Self {
         Self {
             center: blocks.centroid(block),
-            turn: blocks.orientation(block),
+            gradient: blocks.gradient(block),
             velocity: blocks.velocity(block),
-            spin: blocks.angular_velocity(block),
+            rate: blocks.velocity_gradient(block),
+        }
+    }
+
+    /// Half way to another: by half of the turn, or of the deformation.
+    fn half_way(&self, end: &Self, is_rigid: bool) -> Self {
+        let gradient = if is_rigid {
+            let turn = Rotation3::from_matrix_unchecked(end.gradient * self.gradient.transpose());
+            Rotation3::from_scaled_axis(turn.scaled_axis() * 0.5) * self.gradient
+        } else {
+            (self.gradient + end.gradient) * 0.5
+        };
+        Self {
+            center: (self.center + end.center) * 0.5,
+            gradient,
+            ..*self
         }
     }
 }
 
-/// Velocities and accelerations of a rigid body.
+/// Velocities and accelerations of a body.
 #[derive(Clone, Copy, Debug, Default)]
 struct BodyMotion {
     /// m.
     center: Vec3,
     /// m/s.
     velocity: Vec3,
-    /// rad/s.
-    spin: Vec3,
+    /// Gradient of the velocity; 1/s.
+    rate: Matrix3<f64>,
     /// m/s².
     acceleration: Vec3,
-    /// rad/s².
-    spin_rate: Vec3,
+    /// Gradient of the acceleration; 1/s².
+    growth: Matrix3<f64>,
 }
 
 impl BodyMotion {
     fn velocity_at(&self, x: &Vec3) -> Vec3 {
-        self.velocity + self.spin.cross(&(x - self.center))
+        self.velocity + self.rate * (x - self.center)
     }
 
     fn acceleration_at(&self, x: &Vec3) -> Vec3 {
-        let arm = x - self.center;
-        self.acceleration + self.spin_rate.cross(&arm) + self.spin.cross(&self.spin.cross(&arm))
+        self.acceleration + self.growth * (x - self.center)
+    }
+
+    fn accelerate(&mut self, more: &Acceleration) {
+        self.acceleration += more.linear;
+        self.growth += more.angular.cross_matrix();
     }
 }
 
@@ -153,7 +175,8 @@ impl IntegralWalls {
                 standing.extend(parts);
                 continue;
             }
-            let turned_back = blocks.orientation(b).inverse();
+            // blocks are whole at the start
+            let turned_back = blocks.gradient(b).transpose();
             let center = blocks.centroid(b);
             moving.extend(parts.into_iter().map(|placed| MovingPart {
                 block: b as u32,
@@ -176,17 +199,18 @@ impl IntegralWalls {
             near_moving: PartTable::default(),
             start: (0..n_blocks).map(|b| Place::of(blocks, b)).collect(),
             motions: vec![BodyMotion::default(); n_blocks],
+            added: vec![AddedMass::default(); n_blocks],
             chunks: Vec::new(),
             sights: Vec::new(),
             forces: Vec::new(),
-            loads: vec![Load::default(); n_blocks],
+            loads: vec![FluidLoad::default(); n_blocks],
             force_on_fluid: Vec3::zeros(),
             power: 0.0,
         }
     }
 
-    /// Force and moment of the fluid on every block that moves; N, N m about the centroid.
-    pub fn loads(&self) -> &[Load] {
+    /// What the fluid does to every block that moves.
+    pub fn loads(&self) -> &[FluidLoad] {
         &self.loads
     }
 
@@ -214,13 +238,13 @@ impl IntegralWalls {
         for part in &self.moving {
             let b = part.block as usize;
             let (start, end) = (&self.start[b], Place::of(blocks, b));
-            let turning = (end.turn * start.turn.inverse()).scaled_axis();
-            middle[b].center = (start.center + end.center) * 0.5;
-            middle[b].turn = UnitQuaternion::from_scaled_axis(turning * 0.5) * start.turn;
+            middle[b] = start.half_way(&end, !blocks.is_deformable(b));
+            let inverse = middle[b].gradient.try_inverse();
+            let inverse = inverse.unwrap_or_else(Matrix3::identity);
             self.motions[b] = BodyMotion {
                 center: middle[b].center,
                 velocity: (end.center - start.center) / dt,
-                spin: turning / dt,
+                rate: (end.gradient - start.gradient) * inverse / dt,
                 ..BodyMotion::default()
             };
         }
@@ -228,8 +252,8 @@ impl IntegralWalls {
     }
 
     /// Places the solids where the blocks are, moving as these do after a step of `dt` (s), or at rest where
-    /// blocks are held, without one. Their acceleration is that of the step; none before the first, and none of
-    /// free blocks, as it follows from the very forces that are to be found.
+    /// blocks are held, without one. Their acceleration is that of the step; none before the first, and of free
+    /// blocks what their spin makes only, as the rest follows from the very forces that are to be found.
     pub fn place_at_end(&mut self, blocks: &Blocks, dt: Option<f64>) {
         for part in &self.moving {
             let b = part.block as usize;
@@ -242,12 +266,12 @@ impl IntegralWalls {
                 None => at_rest,
                 Some(dt) => {
                     let is_known = 0.0 < dt && !blocks.is_free(b);
-                    let rate = if is_known { 1.0 / dt } else { 0.0 };
+                    let per_time = if is_known { 1.0 / dt } else { 0.0 };
                     BodyMotion {
                         velocity: end.velocity,
-                        spin: end.spin,
-                        acceleration: (end.velocity - start.velocity) * rate,
-                        spin_rate: (end.spin - start.spin) * rate,
+                        rate: end.rate,
+                        acceleration: (end.velocity - start.velocity) * per_time,
+                        growth: (end.rate - start.rate) * per_time + end.rate * end.rate,
                         ..at_rest
                     }
                 }
@@ -263,7 +287,7 @@ impl IntegralWalls {
                 Part::default()
             } else {
                 let at = place(b);
-                part.local.moved(&at.turn, &at.center)
+                part.local.moved(&at.gradient, &at.center)
             };
         }
     }
@@ -330,7 +354,8 @@ impl IntegralWalls {
                 let a = sight.particle as usize;
                 let wall = self.motion(sight.body).velocity_at(&particles.position[a]);
                 // of a rigid spin Q makes nothing: it is symmetric
-                let flow = (particles.velocity[a] - wall).dot(&sight.integral.gradient);
+                let strained = (self.motion(sight.body).rate * sight.integral.moment).trace();
+                let flow = (particles.velocity[a] - wall).dot(&sight.integral.gradient) - strained;
                 (sight.particle, particles.density[a] * flow)
             };
             self.sights.iter().map(rate).collect()
@@ -344,9 +369,68 @@ impl IntegralWalls {
         fluid.add_wall_spreads(seen);
     }
 
+    /// Finds how the blocks that forces move accelerate under what the fluid does to them.
+    pub fn accelerate(&mut self, fluid: &Fluid, movers: Movers) {
+        let blocks = movers.blocks;
+        self.added.fill(AddedMass::default());
+        let mut is_any = false;
+        let particles = fluid.particles();
+        for sight in &self.sights {
+            let b = sight.body as usize;
+            if sight.body == FIXED || !blocks.is_free(b) {
+                continue;
+            }
+            is_any = true;
+            let a = sight.particle as usize;
+            let arm = particles.position[a] - self.motions[b].center;
+            // F = V ρ Qᵀ (g − a) on the block
+            self.added[b].add_inertia(
+                &arm,
+                &(sight.integral.moment.transpose() * particles.mass[a]),
+            );
+        }
+        if !is_any {
+            return;
+        }
+        self.sum_loads(fluid, blocks);
+        for b in (0..self.motions.len()).filter(|&b| blocks.is_free(b)) {
+            let found = movers.solve(b, &self.loads[b].total(), &self.added[b]);
+            self.motions[b].accelerate(&found);
+        }
+    }
+
+    /// The acceleration of a block that its wall was given at last.
+    #[cfg(test)]
+    pub(super) fn acceleration(&self, block: usize) -> Acceleration {
+        Acceleration {
+            linear: self.motions[block].acceleration,
+            angular: Vec3::zeros(),
+        }
+    }
+
+    /// Loads under the same acceleration of all free blocks.
+    #[cfg(test)]
+    pub(super) fn accelerate_all(&mut self, fluid: &Fluid, blocks: &Blocks, all: &Acceleration) {
+        for b in (0..self.motions.len()).filter(|&b| blocks.is_free(b)) {
+            self.motions[b].accelerate(all);
+        }
+        self.sum_loads(fluid, blocks);
+    }
+
+    /// Largest ratio of the inertia that its wall adds to a block to its own mass.
+    pub fn largest_added_mass_ratio(&self, blocks: &Blocks) -> f64 {
+        largest_ratio(&self.added, blocks)
+    }
+
     /// Adds the walls' forces to the accelerations, and sums what the blocks that move get back.
     pub fn add_forces(&mut self, fluid: &mut Fluid, blocks: &Blocks) {
-        self.loads.fill(Load::default());
+        self.sum_loads(fluid, blocks);
+        fluid.add_wall_forces(self.forces.iter().copied());
+    }
+
+    /// Forces on all particles, and what the blocks that move get back.
+    fn sum_loads(&mut self, fluid: &Fluid, blocks: &Blocks) {
+        self.loads.fill(FluidLoad::default());
         self.power = 0.0;
         self.force_on_fluid = Vec3::zeros();
         let mut forces = std::mem::take(&mut self.forces);
@@ -359,14 +443,12 @@ impl IntegralWalls {
             }
             let b = sight.body as usize;
             let x = fluid.particles().position[wall.particle as usize];
-            let load = &mut self.loads[b];
-            load.force -= wall.force;
-            load.torque -= (x - blocks.centroid(b)).cross(&wall.force);
+            let arm = x - blocks.centroid(b);
+            self.loads[b].add(&(wall.viscous - wall.force), &-wall.viscous, &arm);
             if !blocks.is_free(b) {
                 self.power += wall.force.dot(&self.motions[b].velocity_at(&x));
             }
         }
-        fluid.add_wall_forces(forces.iter().copied());
         self.forces = forces;
     }
 
@@ -434,16 +516,13 @@ impl IntegralWalls {
 }
 
 impl Part {
-    /// Turned about the origin, then shifted (m).
-    fn moved(&self, turn: &UnitQuaternion<f64>, shift: &Vec3) -> Self {
-        let corner = |x: &Vec3| turn * x + shift;
-        Self {
-            faces: self
-                .faces
-                .iter()
-                .map(|(normal, corners)| (turn * normal, corners.iter().map(corner).collect()))
-                .collect(),
-        }
+    /// Mapped about the origin, then shifted (m).
+    fn moved(&self, gradient: &Matrix3<f64>, shift: &Vec3) -> Self {
+        let inverse = gradient.try_inverse().unwrap_or_else(Matrix3::identity);
+        self.mapped(
+            |normal| inverse.tr_mul(normal).normalize(),
+            |x| gradient * x + shift,
+        )
     }
 }
 

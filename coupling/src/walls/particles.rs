@@ -7,6 +7,7 @@
 //! Solids end at planes of symmetry, and their points are mirrored there: loads are those on what is before the
 //! planes.
 
+use nalgebra::Matrix3;
 use riprap_dda::{BlockDefinition, Blocks, Load};
 use riprap_sph::boundary::integral::Face;
 use riprap_sph::boundary::sampling::{
@@ -16,9 +17,10 @@ use riprap_sph::boundary::screens::Facet;
 use riprap_sph::boundary::wall_particles::{Slip, WallParticles};
 use riprap_sph::{Dimensions, Fluid, Periodicity, SymmetryPlane, Vec3};
 
+use super::added_mass::{Acceleration, AddedMass, Movers, largest_ratio};
 use super::cutting::{before, image};
 use super::screens::{Screens, is_covered, is_thin};
-use super::{Part, is_fixed, parts};
+use super::{FluidLoad, Part, is_fixed, parts};
 
 /// The walls of all blocks.
 #[derive(Clone, Debug)]
@@ -30,20 +32,40 @@ pub struct ParticleWalls {
     screens: Screens,
     /// Block of each moving point.
     block: Vec<u32>,
-    /// Place of each moving point in the frame of its block; m.
+    /// Place of each moving point from the centroid of its block, in the axes and the shape of the start; m.
     local: Vec<Vec3>,
+    /// Present centroid and gradient of each block; m.
+    frames: Vec<Frame>,
     /// Place and velocity of each moving point at the start of the step; m, m/s.
     start: Vec<[Vec3; 2]>,
-    loads: Vec<Load>,
+    loads: Vec<FluidLoad>,
+    added: Vec<AddedMass>,
+    accelerations: Vec<Acceleration>,
     /// Force of all walls on the fluid; N.
     force_on_fluid: Vec3,
     /// Power that blocks which are not free give to the fluid; W.
     power: f64,
 }
 
-/// A point of a moving block.
-fn world(blocks: &Blocks, block: usize, local: &Vec3) -> Vec3 {
-    blocks.centroid(block) + blocks.orientation(block) * local
+/// Where a block's material is.
+#[derive(Clone, Copy, Debug)]
+struct Frame {
+    /// m.
+    centroid: Vec3,
+    gradient: Matrix3<f64>,
+}
+
+impl Frame {
+    fn of(blocks: &Blocks, block: usize) -> Self {
+        Self {
+            centroid: blocks.centroid(block),
+            gradient: blocks.gradient(block),
+        }
+    }
+
+    fn place(&self, local: &Vec3) -> Vec3 {
+        self.centroid + self.gradient * local
+    }
 }
 
 impl ParticleWalls {
@@ -102,9 +124,13 @@ impl ParticleWalls {
             let position = standing_points.samples[w].position;
             [position, Vec3::zeros(), Vec3::zeros()]
         });
+        let frames: Vec<Frame> = (0..definitions.len())
+            .map(|b| Frame::of(blocks, b))
+            .collect();
+        // blocks are whole at the start
         let turned_back = |b: u32, x: &Vec3| {
-            let b = b as usize;
-            blocks.orientation(b).inverse() * (x - blocks.centroid(b))
+            let frame = &frames[b as usize];
+            frame.gradient.transpose() * (x - frame.centroid)
         };
         let placed = points.blocks.iter().zip(&points.samples);
         let mut walls = Self {
@@ -115,7 +141,10 @@ impl ParticleWalls {
             start: vec![[Vec3::zeros(); 2]; points.blocks.len()],
             local: placed.map(|(&b, s)| turned_back(b, &s.position)).collect(),
             block: points.blocks,
-            loads: vec![Load::default(); definitions.len()],
+            frames,
+            loads: vec![FluidLoad::default(); definitions.len()],
+            added: vec![AddedMass::default(); definitions.len()],
+            accelerations: vec![Acceleration::default(); definitions.len()],
             force_on_fluid: Vec3::zeros(),
             power: 0.0,
         };
@@ -129,7 +158,7 @@ impl ParticleWalls {
     }
 
     /// Force and moment of the fluid on every block that moves; N, N m about the centroid.
-    pub fn loads(&self) -> &[Load] {
+    pub fn loads(&self) -> &[FluidLoad] {
         &self.loads
     }
 
@@ -144,7 +173,8 @@ impl ParticleWalls {
             .filter(|&w| self.fixed_block[w as usize] as usize == block)
             .collect();
         let mut load = Load::default();
-        for (&w, force) in points.iter().zip(self.fixed.reactions(fluid, &points)) {
+        for (&w, [pressure, viscous]) in points.iter().zip(self.fixed.reactions(fluid, &points)) {
+            let force = pressure + viscous;
             let arm = self.fixed.positions()[w as usize] - blocks.centroid(block);
             load.force += force;
             load.torque += arm.cross(&force);
@@ -165,9 +195,18 @@ impl ParticleWalls {
     /// Remembers where the moving points are: before the blocks move.
     pub fn note_start(&mut self, blocks: &Blocks) {
         self.screens.note_start(blocks);
+        self.find_frames(blocks);
         for ((start, &block), local) in self.start.iter_mut().zip(&self.block).zip(&self.local) {
-            let x = world(blocks, block as usize, local);
+            let x = self.frames[block as usize].place(local);
             *start = [x, blocks.velocity_at(block as usize, &x)];
+        }
+    }
+
+    fn find_frames(&mut self, blocks: &Blocks) {
+        for (b, frame) in self.frames.iter_mut().enumerate() {
+            if !is_fixed(blocks, b) {
+                *frame = Frame::of(blocks, b);
+            }
         }
     }
 
@@ -176,9 +215,10 @@ impl ParticleWalls {
         if self.block.is_empty() {
             return;
         }
-        let (start, block, local) = (&self.start, &self.block, &self.local);
+        self.find_frames(blocks);
+        let (start, block, local, frames) = (&self.start, &self.block, &self.local, &self.frames);
         self.moving.place(|w| {
-            let end = world(blocks, block[w] as usize, &local[w]);
+            let end = frames[block[w] as usize].place(&local[w]);
             let from = start[w][0];
             [(from + end) * 0.5, (end - from) / dt, Vec3::zeros()]
         });
@@ -191,16 +231,20 @@ impl ParticleWalls {
         if self.block.is_empty() {
             return;
         }
-        let (start, block, local) = (&self.start, &self.block, &self.local);
+        self.find_frames(blocks);
+        let (start, block, local, frames) = (&self.start, &self.block, &self.local, &self.frames);
         self.moving.place(|w| {
             let b = block[w] as usize;
-            let x = world(blocks, b, &local[w]);
+            let x = frames[b].place(&local[w]);
             let Some(dt) = dt else {
                 return [x, Vec3::zeros(), Vec3::zeros()];
             };
             let v = blocks.velocity_at(b, &x);
-            // a free block's acceleration follows from the very forces that are to be found
-            let a = if blocks.is_free(b) || dt == 0.0 {
+            let a = if blocks.is_free(b) {
+                // the rest follows from the very forces that are to be found
+                let rate = blocks.velocity_gradient(b);
+                rate * rate * (x - frames[b].centroid)
+            } else if dt == 0.0 {
                 Vec3::zeros()
             } else {
                 (v - start[w][1]) / dt
@@ -235,28 +279,95 @@ impl ParticleWalls {
         self.moving.add_strains(fluid);
     }
 
-    /// Continues the fluid's pressure into the walls.
-    pub fn extrapolate(&mut self, fluid: &Fluid) {
-        self.fixed.extrapolate(fluid, 1.0);
-        self.moving.extrapolate(fluid, 1.0);
+    /// Continues the fluid's pressure into the walls; those of blocks that are free to move with the acceleration
+    /// that it gives them.
+    pub fn extrapolate(&mut self, fluid: &Fluid, movers: Option<Movers>) {
+        self.fixed.extrapolate(fluid);
+        self.moving.extrapolate(fluid);
+        let Some(movers) = movers else { return };
+        if !self.find_added_mass(fluid, movers.blocks) {
+            return;
+        }
+        self.sum_loads(fluid, movers.blocks);
+        for (b, load) in self.loads.iter().enumerate() {
+            self.accelerations[b] = if movers.blocks.is_free(b) {
+                movers.solve(b, &load.total(), &self.added[b])
+            } else {
+                Acceleration::default()
+            };
+        }
+        self.follow(fluid);
+    }
+
+    /// Continues the pressure into points that take part in the accelerations of their blocks.
+    fn follow(&mut self, fluid: &Fluid) {
+        let (block, local, frames) = (&self.block, &self.local, &self.frames);
+        let accelerations = &self.accelerations;
+        self.moving.accelerate(fluid, |w| {
+            let b = block[w] as usize;
+            accelerations[b].at(&(frames[b].gradient * local[w]))
+        });
+    }
+
+    /// The acceleration of a block that its wall was given at last.
+    #[cfg(test)]
+    pub(super) fn acceleration(&self, block: usize) -> Acceleration {
+        self.accelerations[block]
+    }
+
+    /// Loads under the same acceleration of all free blocks.
+    #[cfg(test)]
+    pub(super) fn accelerate_all(&mut self, fluid: &Fluid, blocks: &Blocks, all: &Acceleration) {
+        self.accelerations.fill(*all);
+        self.follow(fluid);
+        self.sum_loads(fluid, blocks);
+    }
+
+    /// Whether any block that is free to move is wet; what its wall adds to its inertia.
+    fn find_added_mass(&mut self, fluid: &Fluid, blocks: &Blocks) -> bool {
+        self.added.fill(AddedMass::default());
+        let mut is_any = false;
+        let (block, local, frames) = (&self.block, &self.local, &self.frames);
+        let added = &mut self.added;
+        self.moving.visit_answers(
+            fluid,
+            |w| blocks.is_free(block[w] as usize),
+            |w, answer| {
+                is_any = true;
+                let b = block[w] as usize;
+                let arm = frames[b].gradient * local[w];
+                added[b].add_point(&arm, &answer.lever, &answer.slope);
+            },
+        );
+        is_any
+    }
+
+    /// Largest ratio of the inertia that its wall adds to a block to its own mass.
+    pub fn largest_added_mass_ratio(&self, blocks: &Blocks) -> f64 {
+        largest_ratio(&self.added, blocks)
     }
 
     /// Adds the walls' forces to the accelerations, and sums what the blocks that move get back.
     pub fn add_forces(&mut self, fluid: &mut Fluid, blocks: &Blocks) {
         self.force_on_fluid = self.fixed.add_forces(fluid) + self.moving.add_forces(fluid);
-        self.loads.fill(Load::default());
+        self.sum_loads(fluid, blocks);
+    }
+
+    fn sum_loads(&mut self, fluid: &Fluid, blocks: &Blocks) {
+        self.loads.fill(FluidLoad::default());
         self.power = 0.0;
         let (loads, block, power) = (&mut self.loads, &self.block, &mut self.power);
-        let positions = self.moving.positions().to_vec();
-        self.moving.visit_reactions(fluid, |w, force| {
-            let b = block[w] as usize;
-            let x = positions[w];
-            loads[b].force += force;
-            loads[b].torque += (x - blocks.centroid(b)).cross(&force);
-            if !blocks.is_free(b) {
-                *power -= force.dot(&blocks.velocity_at(b, &x));
-            }
-        });
+        let (local, frames) = (&self.local, &self.frames);
+        self.moving
+            .visit_reactions(fluid, |w, [pressure, viscous]| {
+                let b = block[w] as usize;
+                let arm = frames[b].gradient * local[w];
+                loads[b].add(&pressure, &viscous, &arm);
+                if !blocks.is_free(b) {
+                    let x = frames[b].centroid + arm;
+                    *power -= (pressure + viscous).dot(&blocks.velocity_at(b, &x));
+                }
+            });
     }
 }
 

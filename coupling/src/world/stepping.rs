@@ -77,6 +77,9 @@ impl World {
         self.loads_at_start.clear();
         self.loads_at_start
             .extend_from_slice(water.interface.loads());
+        self.stretches_at_start.clear();
+        self.stretches_at_start
+            .extend_from_slice(water.interface.stretches());
         water.fluid.predict(half);
         // not booked: the corrector starts again from the start
         water.openings.hold_velocities(&mut water.fluid);
@@ -87,6 +90,9 @@ impl World {
     fn apply_loads_at_start(&mut self, dt: f64) {
         if self.held == Held::NoBlock {
             self.blocks.apply_impulse(&self.loads_at_start, dt);
+            for &b in &self.deformable {
+                self.blocks.apply_stretch(b, self.stretches_at_start[b], dt);
+            }
         }
     }
 

@@ -3,6 +3,7 @@
 use crate::{
     Blocks, Contact, Energies, Isometry, Load, Motion, Settings, SurfacePoint, Vec3, Voigt,
     deformation::{axial, voigt},
+    holds::Hold,
     material::SphereJoint,
     parts::Part,
 };
@@ -85,6 +86,18 @@ impl Blocks {
     /// Turn since the initial placement.
     pub fn orientation(&self, b: usize) -> UnitQuaternion<f64> {
         self.attitude[b] * self.principal[b].inverse()
+    }
+
+    /// World from the axes of the start: rotation, with the deformation gradient of a block that deforms.
+    pub fn gradient(&self, b: usize) -> Matrix3<f64> {
+        self.placement_gradient(b)
+    }
+
+    /// Projections of the velocity of the centroid and of the turning of a free block on what its hold lets it
+    /// do; identities without one.
+    pub fn freedom(&self, b: usize) -> [Matrix3<f64>; 2] {
+        let free = Matrix3::identity();
+        self.hold_of(b).map_or([free; 2], Hold::freedom)
     }
 
     /// Present from initial placement.
@@ -173,6 +186,14 @@ impl Blocks {
     /// Velocity of the block's material at a world point; m/s.
     pub fn velocity_at(&self, b: usize, point: &Vec3) -> Vec3 {
         self.kinematics[b].velocity_at(point)
+    }
+
+    /// Gradient of the velocity in the block: `ω×` of a rigid one; 1/s.
+    pub fn velocity_gradient(&self, b: usize) -> Matrix3<f64> {
+        match self.deformable_of[b] {
+            None => self.angular_velocity(b).cross_matrix(),
+            Some(k) => self.deformables[k as usize].body().velocity_gradient(),
+        }
     }
 
     /// `n·M⁻¹n` at a world point, rotation included: the acceleration along the unit vector `n`

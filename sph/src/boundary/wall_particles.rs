@@ -51,6 +51,20 @@ pub enum Slip {
     Friction(f64),
 }
 
+/// How the force of the fluid on a point answers to the point's acceleration `a`: it gains `(L·a) slope`.
+///
+/// ```text
+/// L_w = Σ_f ρ_f (x_w − x_f) W/Σ_f W,   slope = V_w Σ_f V_f ∇W
+/// ```
+/// To first order in the Mach number squared: densities of the pair count as equal.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Answer {
+    /// `L_w`: the pressure falls by `L_w·a`; kg/m².
+    pub lever: Vec3,
+    /// Towards the fluid: the force falls by it for each Pa; m².
+    pub slope: Vec3,
+}
+
 /// Points of a set of bodies, in the order of the bodies.
 #[derive(Clone, Debug)]
 pub struct WallParticles {
@@ -94,6 +108,9 @@ struct Scratch {
     strains: Vec<StrainSums>,
     /// Share of its viscous force that each particle keeps.
     kept: Vec<f64>,
+    /// Points under pressure that were asked for, and their levers.
+    chosen: Vec<u32>,
+    levers: Vec<Vec3>,
 }
 
 impl WallParticles {
@@ -296,29 +313,48 @@ impl WallParticles {
         self.scratch.spreads = spreads;
     }
 
-    /// Continues pressure and velocity of the fluid to the points. `follow` is the share of the wall's
-    /// own acceleration that the pressure follows: 1 where it is known, 0 where it is not.
-    pub fn extrapolate(&mut self, fluid: &Fluid, follow: f64) {
+    /// Continues pressure and velocity of the fluid to the points, which move with the accelerations they were
+    /// placed with.
+    pub fn extrapolate(&mut self, fluid: &Fluid) {
         let mut sums_of_points = std::mem::take(&mut self.scratch.extrapolated);
         sums_of_points.resize(self.wet.len(), Extrapolated::default());
         sums::extrapolation(fluid, self.places(), &self.wet, &mut sums_of_points);
-        self.pressure.fill(0.0);
+        self.scratch.extrapolated = sums_of_points;
         self.seen_velocity.copy_from_slice(&self.velocity);
-        for (&w, sum) in self.wet.iter().zip(&sums_of_points) {
+        if self.slip != Slip::Free {
+            for (&w, sum) in self.wet.iter().zip(&self.scratch.extrapolated) {
+                if 0.0 < sum.weight {
+                    let w = w as usize;
+                    self.seen_velocity[w] =
+                        self.velocity[w] * 2.0 - Vec3::from(sum.velocity) / sum.weight;
+                }
+            }
+        }
+        self.press(fluid);
+    }
+
+    /// Adds to the acceleration (m/s²) of wet points and continues the pressure again; after
+    /// [`Self::extrapolate`].
+    pub fn accelerate(&mut self, fluid: &Fluid, more: impl Fn(usize) -> Vec3) {
+        for &w in &self.wet {
+            self.acceleration[w as usize] += more(w as usize);
+        }
+        self.press(fluid);
+    }
+
+    /// Pressure of every point from the sums over the fluid and its acceleration.
+    fn press(&mut self, fluid: &Fluid) {
+        self.pressure.fill(0.0);
+        for (&w, sum) in self.wet.iter().zip(&self.scratch.extrapolated) {
             if sum.weight <= 0.0 {
                 continue;
             }
             let w = w as usize;
-            let pull = fluid.settings.gravity - self.acceleration[w] * follow;
+            let pull = fluid.settings.gravity - self.acceleration[w];
             let pressure = (sum.pressure + pull.dot(&Vec3::from(sum.moment))) / sum.weight;
             // a wall does not pull
             self.pressure[w] = pressure.max(0.0);
-            if self.slip != Slip::Free {
-                self.seen_velocity[w] =
-                    self.velocity[w] * 2.0 - Vec3::from(sum.velocity) / sum.weight;
-            }
         }
-        self.scratch.extrapolated = sums_of_points;
         let (order, volume) = (&self.order, &self.volume);
         let (seen_velocity, pressure) = (&self.seen_velocity, &self.pressure);
         self.points.pack(
@@ -332,6 +368,35 @@ impl WallParticles {
                 [v.x, v.y, v.z, pressure[w], volume[w]]
             },
         );
+    }
+
+    /// Calls `visit` with those of the points under pressure that are chosen, and how the force on each answers
+    /// to its acceleration; after [`Self::extrapolate`].
+    pub fn visit_answers(
+        &mut self,
+        fluid: &Fluid,
+        is_chosen: impl Fn(usize) -> bool,
+        mut visit: impl FnMut(usize, Answer),
+    ) {
+        let (chosen, levers) = (&mut self.scratch.chosen, &mut self.scratch.levers);
+        chosen.clear();
+        levers.clear();
+        for (&w, sum) in self.wet.iter().zip(&self.scratch.extrapolated) {
+            if 0.0 < self.pressure[w as usize] && is_chosen(w as usize) {
+                chosen.push(w);
+                levers.push(Vec3::from(sum.moment) / sum.weight);
+            }
+        }
+        let mut spreads = std::mem::take(&mut self.scratch.spreads);
+        spreads.resize(self.scratch.chosen.len(), Spread::default());
+        sums::spreads_at(fluid, self.places(), &self.scratch.chosen, &mut spreads);
+        let points = self.scratch.chosen.iter().zip(&self.scratch.levers);
+        for ((&w, &lever), spread) in points.zip(&spreads) {
+            let w = w as usize;
+            let slope = Vec3::from(spread.concentration_gradient) * self.volume[w];
+            visit(w, Answer { lever, slope });
+        }
+        self.scratch.spreads = spreads;
     }
 
     /// Adds the walls to the sums of the gradient of velocity; after [`Self::extrapolate`]. A wall along
@@ -431,7 +496,7 @@ impl WallParticles {
 
     /// Forces of the fluid on some of the points, in their order, as [`Self::visit_reactions`] finds them;
     /// for gauges, which look seldom; N.
-    pub fn reactions(&self, fluid: &Fluid, points: &[u32]) -> Vec<Vec3> {
+    pub fn reactions(&self, fluid: &Fluid, points: &[u32]) -> Vec<[Vec3; 2]> {
         let mut forces = vec![ForceDensity::default(); points.len()];
         sums::reactions(
             fluid,
@@ -444,14 +509,12 @@ impl WallParticles {
         points
             .iter()
             .zip(&forces)
-            .map(|(&w, force)| {
-                (Vec3::from(force.pressure) + Vec3::from(force.viscous)) * self.volume[w as usize]
-            })
+            .map(|(&w, force)| force.times(self.volume[w as usize]))
             .collect()
     }
 
-    /// Calls `visit` with every wet point and the force of the fluid on it, in order; N.
-    pub fn visit_reactions(&mut self, fluid: &Fluid, mut visit: impl FnMut(usize, Vec3)) {
+    /// Calls `visit` with every wet point and the forces of the fluid's pressure and viscosity on it, in order; N.
+    pub fn visit_reactions(&mut self, fluid: &Fluid, mut visit: impl FnMut(usize, [Vec3; 2])) {
         let mut forces = std::mem::take(&mut self.scratch.forces);
         forces.resize(self.wet.len(), ForceDensity::default());
         sums::reactions(
@@ -464,8 +527,7 @@ impl WallParticles {
         );
         for (&w, force) in self.wet.iter().zip(&forces) {
             let w = w as usize;
-            let both = Vec3::from(force.pressure) + Vec3::from(force.viscous);
-            visit(w, both * self.volume[w]);
+            visit(w, force.times(self.volume[w]));
         }
         self.scratch.forces = forces;
     }

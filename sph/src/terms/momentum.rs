@@ -17,6 +17,13 @@ pub(crate) struct ForceDensity {
     pub viscous: [f64; 3],
 }
 
+impl ForceDensity {
+    /// Forces of pressure and viscosity on a volume (m³); N.
+    pub(crate) fn times(&self, volume: f64) -> [Vec3; 2] {
+        [self.pressure, self.viscous].map(|f| Vec3::from(f) * volume)
+    }
+}
+
 /// Receivers, one slot per particle.
 #[derive(Clone, Copy)]
 pub(crate) struct ForceOwn<'a> {
