@@ -54,7 +54,7 @@ impl Blocks {
         let has_others = self.has_others();
         let fastest_path = (0..if has_others { n } else { 0 })
             .filter(|&b| matches!(self.motion[b], Motion::Prescribed(_)) && !self.is_removed[b])
-            .map(|b| self.velocity[b].norm())
+            .map(|b| self.velocity[b].norm() + self.angular_velocity(b).norm() * self.radius(b))
             .fold(0.0, f64::max);
         let mut attached = Vec::new();
         if !self.attachments.is_empty() {

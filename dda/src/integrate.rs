@@ -184,6 +184,8 @@ impl Blocks {
             match (self.role[b], &self.motion[b]) {
                 (Role::Still, Motion::Prescribed(path)) => {
                     self.velocity[b] = path.velocity(to);
+                    let spin = path.spin(to);
+                    self.set_spin(b, &spin);
                     self.set_kinematics(b);
                 }
                 (Role::Special, _) => self.set_kinematics(b),
@@ -324,6 +326,9 @@ impl Blocks {
                 self.centroid[b] = self.initial_centroid[b] + after;
                 // Mean over the sub-step, as the half-step velocity of the free blocks is.
                 self.velocity[b] = (after - before) / dt;
+                let (before, after) = (path.turn(from), path.turn(to));
+                self.attitude[b] = after * self.principal[b];
+                self.set_spin(b, &((after * before.inverse()).scaled_axis() / dt));
             }
         }
         let Self {
@@ -360,6 +365,12 @@ impl Blocks {
             angular_momentum.as_mut_slice(),
         );
         chunks::for_each(columns, CHUNK, &drift);
+    }
+
+    /// Gives a block an angular velocity (rad/s).
+    pub(crate) fn set_spin(&mut self, b: usize, spin: &Vec3) {
+        let spin_rel = self.attitude[b].inverse_transform_vector(spin);
+        self.angular_momentum[b] = spin_rel.component_mul(&self.inertia[b]);
     }
 
     /// Velocities of plain blocks after their last kick; their place stays.
@@ -451,8 +462,10 @@ impl Blocks {
     fn book_external_work(&mut self, dt: f64) {
         for b in 0..self.n_blocks() {
             if matches!(self.motion[b], Motion::Prescribed(_)) {
-                let force = 0.5 * (self.contact_load[b].force + self.contact_load_before[b].force);
-                self.external_work.book(-force.dot(&self.velocity[b]) * dt);
+                let (now, before) = (&self.contact_load[b], &self.contact_load_before[b]);
+                let power = (now.force + before.force).dot(&self.velocity[b])
+                    + (now.torque + before.torque).dot(&self.angular_velocity(b));
+                self.external_work.book(-0.5 * power * dt);
             }
         }
     }

@@ -1,6 +1,7 @@
 //! How a block moves: by forces, not at all, or along a given path.
 
 use crate::{BlockError, Vec3};
+use nalgebra::UnitQuaternion;
 use std::f64::consts::TAU;
 
 /// How a block moves.
@@ -10,7 +11,7 @@ pub enum Motion {
     Free,
     /// Not at all.
     Fixed,
-    /// Along a path, without turning.
+    /// Along a path.
     Prescribed(PrescribedMotion),
 }
 
@@ -37,6 +38,8 @@ pub enum PrescribedMotion {
         time: Vec<f64>,
         /// One per time; m.
         displacement: Vec<Vec3>,
+        /// Rotation vectors from the initial placement, about the centroid; one per time, or none at all; rad.
+        turning: Vec<Vec3>,
     },
     /// Base shaking.
     Shaking(Accelerogram),
@@ -113,6 +116,40 @@ impl PrescribedMotion {
         self.at(time).1
     }
 
+    /// Turn from the initial placement about the centroid, at a time (s).
+    pub fn turn(&self, time: f64) -> UnitQuaternion<f64> {
+        UnitQuaternion::from_scaled_axis(self.turning_at(time).0)
+    }
+
+    /// Angular velocity at a time (s); rad/s.
+    ///
+    /// ```text
+    /// ω = θ' + (1 − cos θ)/θ² θ × θ' + (θ − sin θ)/θ³ θ × (θ × θ')
+    /// ```
+    /// for a rotation vector `θ`.
+    pub fn spin(&self, time: f64) -> Vec3 {
+        let (turning, rate) = self.turning_at(time);
+        let angle = turning.norm();
+        if angle < 1e-6 {
+            return rate + turning.cross(&rate) * 0.5;
+        }
+        let across = turning.cross(&rate);
+        rate + across * ((1.0 - angle.cos()) / (angle * angle))
+            + turning.cross(&across) * ((angle - angle.sin()) / angle.powi(3))
+    }
+
+    /// Rotation vector and its rate.
+    fn turning_at(&self, time: f64) -> (Vec3, Vec3) {
+        match self {
+            Self::Table {
+                time: times,
+                turning,
+                ..
+            } if !turning.is_empty() => table_at(times, turning, time),
+            _ => (Vec3::zeros(), Vec3::zeros()),
+        }
+    }
+
     fn at(&self, time: f64) -> (Vec3, Vec3) {
         match self {
             Self::Sinusoid {
@@ -133,6 +170,7 @@ impl PrescribedMotion {
             Self::Table {
                 time: times,
                 displacement,
+                ..
             } => table_at(times, displacement, time),
             Self::Shaking(record) => record.at(time),
         }
@@ -160,12 +198,21 @@ impl PrescribedMotion {
                     Ok(())
                 }
             }
-            Self::Table { time, displacement } => {
+            Self::Table {
+                time,
+                displacement,
+                turning,
+            } => {
                 if time.is_empty() || time.len() != displacement.len() {
                     refuse("the table needs as many displacements as times, at least one")
+                } else if !turning.is_empty() && time.len() != turning.len() {
+                    refuse("a table that turns needs as many rotation vectors as times")
                 } else if !time.windows(2).all(|t| t[0] < t[1]) {
                     refuse("the times of the table must increase")
-                } else if !(time.iter().chain(displacement.iter().flatten())).all(|c| c.is_finite())
+                } else if !time
+                    .iter()
+                    .chain(displacement.iter().chain(turning).flatten())
+                    .all(|c| c.is_finite())
                 {
                     refuse("the table has a number that is not finite")
                 } else {
@@ -281,10 +328,34 @@ mod tests {
                 .iter()
                 .map(|&x| Vec3::new(x, 0.0, -x))
                 .collect(),
+            turning: Vec::new(),
         };
         check_derivative(&table, -0.5, 2.0);
         let record = Accelerogram::new(Vec3::x(), 0.1, vec![0.0, 1.0, -2.0, 3.0, 0.0]);
         check_derivative(&PrescribedMotion::Shaking(record), -0.2, 1.0);
+    }
+
+    #[test]
+    fn spin_is_the_rate_of_the_turn() {
+        let vectors = [
+            [0.0; 3],
+            [0.2, -0.1, 0.4],
+            [1.1, 0.3, -0.2],
+            [1.4, 1.0, 0.5],
+        ];
+        let motion = PrescribedMotion::Table {
+            time: vec![0.0, 0.4, 1.0, 1.7],
+            displacement: vec![Vec3::zeros(); 4],
+            turning: vectors.map(Vec3::from).to_vec(),
+        };
+        let step = 1e-6;
+        for k in 1..170 {
+            let t = 0.01 * f64::from(k);
+            let turned = motion.turn(t + step) * motion.turn(t - step).inverse();
+            let difference = turned.scaled_axis() / (2.0 * step);
+            // as of the velocity: first order where the second derivative jumps
+            assert!((difference - motion.spin(t)).norm() < 1e-4, "at {t}");
+        }
     }
 
     #[test]
@@ -307,6 +378,7 @@ mod tests {
                 .iter()
                 .map(|&x| Vec3::new(x, 0.0, 0.0))
                 .collect(),
+            turning: Vec::new(),
         };
         for k in 0..=300 {
             let x = table.displacement(k as f64 * 0.01).x;

@@ -37,12 +37,15 @@ pub fn motion(file: &MotionFile, path: &str, folder: &Path) -> Result<Motion, Pr
             }))
         }
         MotionFile::Table { file } => {
-            let rows = rows::<4>(folder, file, path, "time, x, y, z")?;
+            let columns = "time, x, y, z, and where it turns the rotation vector rx, ry, rz";
+            let rows = rows(folder, file, path, (columns, &[4, 7]))?;
             Ok(Motion::Prescribed(PrescribedMotion::Table {
                 time: rows.iter().map(|row| row[0]).collect(),
-                displacement: rows
+                displacement: rows.iter().map(|row| vec3_of(&row[1..4])).collect(),
+                turning: rows
                     .iter()
-                    .map(|row| Vec3::new(row[1], row[2], row[3]))
+                    .filter(|row| row.len() == 7)
+                    .map(|row| vec3_of(&row[4..7]).map(f64::to_radians))
                     .collect(),
             }))
         }
@@ -50,7 +53,7 @@ pub fn motion(file: &MotionFile, path: &str, folder: &Path) -> Result<Motion, Pr
             let direction = vec3(*direction).try_normalize(0.0).ok_or_else(|| {
                 Problem::error(format!("{path}.direction"), "the shaking has no direction")
             })?;
-            let rows = rows::<2>(folder, file, path, "time, acceleration")?;
+            let rows = rows(folder, file, path, ("time, acceleration", &[2]))?;
             let interval = rows[1][0] - rows[0][0];
             let uneven = rows
                 .iter()
@@ -72,13 +75,17 @@ pub fn motion(file: &MotionFile, path: &str, folder: &Path) -> Result<Motion, Pr
     }
 }
 
-/// The rows of a record that the scene names at `path`.
-fn rows<const N: usize>(
+fn vec3_of(numbers: &[f64]) -> Vec3 {
+    Vec3::from_column_slice(numbers)
+}
+
+/// The rows of a record that the scene names at `path`, with columns as for [`record`].
+fn rows(
     folder: &Path,
     file: &str,
     path: &str,
-    columns: &str,
-) -> Result<Vec<[f64; N]>, Problem> {
+    columns: (&str, &[usize]),
+) -> Result<Vec<Vec<f64>>, Problem> {
     file_inside(folder, file)
         .map_err(|error| error.to_string())
         .and_then(|path| {
@@ -88,10 +95,14 @@ fn rows<const N: usize>(
         .map_err(|message| Problem::error(format!("{path}.file"), message))
 }
 
-/// Rows of a record: N numbers a line, the first a time that increases; `#` comments, one optional
-/// heading. `columns` names them for errors.
-fn record<const N: usize>(text: &str, columns: &str) -> Result<Vec<[f64; N]>, String> {
-    let mut rows: Vec<[f64; N]> = Vec::new();
+/// Rows of a record: one of the allowed counts of numbers a line, the same on all, the first a time that
+/// increases; `#` comments, one optional heading. `columns` names them for errors.
+fn record(text: &str, (columns, allowed): (&str, &[usize])) -> Result<Vec<Vec<f64>>, String> {
+    let needed = || {
+        let counts: Vec<String> = allowed.iter().map(usize::to_string).collect();
+        counts.join(" or ")
+    };
+    let mut rows: Vec<Vec<f64>> = Vec::new();
     let mut heading_allowed = true;
     for (index, line) in text.lines().enumerate() {
         let line = line.split('#').next().unwrap_or_default().trim();
@@ -106,16 +117,25 @@ fn record<const N: usize>(text: &str, columns: &str) -> Result<Vec<[f64; N]>, St
             Err(_) if heading_allowed && !has_number(line) => {}
             Err(_) => {
                 return Err(format!(
-                    "line {number}: found `{line}`, needed {N} numbers: {columns}"
+                    "line {number}: found `{line}`, needed {} numbers: {columns}",
+                    needed()
                 ));
             }
             Ok(found) => {
-                let row: [f64; N] = found.as_slice().try_into().map_err(|_| {
-                    format!(
-                        "line {number}: found {} columns, needed {N}: {columns}",
-                        found.len()
-                    )
-                })?;
+                let row = found;
+                if !allowed.contains(&row.len()) {
+                    return Err(format!(
+                        "line {number}: found {} columns, needed {}: {columns}",
+                        row.len(),
+                        needed()
+                    ));
+                }
+                if rows.last().is_some_and(|last| row.len() != last.len()) {
+                    return Err(format!(
+                        "line {number}: found {} columns, the lines before have others",
+                        row.len()
+                    ));
+                }
                 if !row.iter().all(|value| value.is_finite()) {
                     return Err(format!(
                         "line {number}: numbers must be finite, found `{line}`"
@@ -154,7 +174,7 @@ mod tests {
     #[test]
     fn a_record_reads_with_comments_and_heading() {
         let text = "# paddle\nt [s], x, y, z\n0, 0, 0, 0\r\n0.5, 0.1, 0, 0 # half\n";
-        let rows = record::<4>(text, "time, x, y, z").unwrap();
+        let rows = record(text, ("time, x, y, z", &[4])).unwrap();
         assert_eq!(rows, [[0.0; 4], [0.5, 0.1, 0.0, 0.0]]);
     }
 
@@ -163,12 +183,13 @@ mod tests {
         for (text, expected) in [
             ("0,0,0,0\n0,1,0,0\n", "line 2: time must increase"),
             ("0,0,0,0\n1,1,0\n", "line 2: found 3 columns"),
+            ("0,0,0,0\n1,1,0,0,0,0,0\n", "the lines before have others"),
             ("O,0,0,0\n1,1,0,0\n", "line 1: found `O,0,0,0`"),
             ("0,0,0,0\nx,1,0,0\n", "line 2: found `x,1,0,0`"),
             ("0,0,0,0\n1,inf,0,0\n", "line 2: numbers must be finite"),
             ("0,0,0,0\n", "has 1 rows"),
         ] {
-            let message = record::<4>(text, "time, x, y, z").unwrap_err();
+            let message = record(text, ("time, x, y, z", &[4, 7])).unwrap_err();
             assert!(message.contains(expected), "{message}");
         }
     }

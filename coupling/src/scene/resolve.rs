@@ -237,7 +237,10 @@ fn expected_speed(
     for ((motion, (_, shape)), block) in motions.iter().zip(solids).zip(&file.blocks) {
         let speed = match motion {
             Motion::Fixed => 0.0,
-            Motion::Prescribed(prescribed) => largest_speed(prescribed, file.time.duration),
+            Motion::Prescribed(prescribed) => {
+                let (min, max) = shape.aabb();
+                largest_speed(prescribed, 0.5 * (max - min).norm(), file.time.duration)
+            }
             Motion::Free => {
                 let drop = (shape.aabb().0.z - floor).max(0.0);
                 (vec3(block.velocity).norm_squared() + 2.0 * gravity * drop).sqrt()
@@ -267,10 +270,12 @@ fn expected_speed(
     fastest
 }
 
-fn largest_speed(motion: &PrescribedMotion, duration: f64) -> f64 {
+/// Largest speed of a body of a radius (m).
+fn largest_speed(motion: &PrescribedMotion, radius: f64, duration: f64) -> f64 {
     // a thousand looks find the maximum of any record a laboratory would drive
+    let speed = |t: f64| motion.velocity(t).norm() + motion.spin(t).norm() * radius;
     (0..=1000)
-        .map(|i| motion.velocity(duration * f64::from(i) / 1000.0).norm())
+        .map(|i| speed(duration * f64::from(i) / 1000.0))
         .fold(0.0, f64::max)
 }
 

@@ -78,7 +78,12 @@ pub(super) fn refuse_blocks(
 }
 
 fn farthest_across(motion: &PrescribedMotion, plane: &SymmetryPlane, duration: f64) -> f64 {
-    let across = |t: f64| motion.displacement(t)[plane.axis];
+    // what turns about another axis comes across too: an arm of a metre stands for any
+    let across = |t: f64| {
+        let mut turning = motion.turn(t).scaled_axis();
+        turning[plane.axis] = 0.0;
+        motion.displacement(t)[plane.axis] + turning.norm()
+    };
     let start = across(0.0);
     (1..=LOOKS)
         .map(|k| (across(duration * f64::from(k) / f64::from(LOOKS)) - start).abs())

@@ -110,11 +110,12 @@ impl Blocks {
             return Err(BlockError::NotFinite { block });
         }
         let mut displacement = Vec3::zeros();
+        let mut turn = UnitQuaternion::identity();
         if let Motion::Prescribed(path) = &motion {
             path.check(block)?;
             displacement = path.displacement(0.0);
+            turn = path.turn(0.0);
         }
-        let is_free = matches!(motion, Motion::Free);
         let deformable = match &deformability {
             None => None,
             Some(wanted) => Some(make_deformable(
@@ -140,16 +141,17 @@ impl Blocks {
             Motion::Fixed => Vec3::zeros(),
             Motion::Prescribed(path) => path.velocity(0.0),
         });
-        let spin = if is_free {
-            angular_velocity
-        } else {
-            Vec3::zeros()
+        let spin = match &motion {
+            Motion::Free => angular_velocity,
+            Motion::Fixed => Vec3::zeros(),
+            Motion::Prescribed(path) => path.spin(0.0),
         };
-        let momentum = principal
+        let attitude = turn * principal;
+        let momentum = attitude
             .inverse_transform_vector(&spin)
             .component_mul(&moments);
         self.angular_momentum.push(momentum);
-        self.attitude.push(principal);
+        self.attitude.push(attitude);
         self.is_removed.push(false);
         self.kinematics.push(Kinematics {
             centroid: start,

@@ -122,7 +122,10 @@ impl Blocks {
         self.kinematics[block] = Kinematics {
             centroid: self.centroid[block],
             velocity: self.velocity[block],
-            spin: Vec3::zeros(),
+            spin: match self.motion[block] {
+                Motion::Prescribed(_) => self.angular_velocity(block),
+                Motion::Free | Motion::Fixed => Vec3::zeros(),
+            },
             inverse_mass: 0.0,
             inverse_inertia: Matrix3::zeros(),
             strain_rate: None,

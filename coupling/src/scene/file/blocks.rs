@@ -84,7 +84,8 @@ pub enum MotionFile {
         #[serde(default)]
         ramp: f64,
     },
-    /// Along a record: CSV with columns time (s) and displacement x, y, z (m); `#` comments.
+    /// Along a record: CSV with columns time (s), displacement x, y, z (m) and, where it turns, the rotation vector
+    /// rx, ry, rz about the centroid (degrees); `#` comments.
     Table {
         /// Path, relative to the scene file.
         file: String,
