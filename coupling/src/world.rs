@@ -621,6 +621,7 @@ impl World {
         for intruder in &pushed_back {
             let particle = intruder.particle as usize;
             let before = water.fluid.particles().velocity[particle];
+            let from = water.fluid.particles().position[particle];
             let mass = water.fluid.particles().mass[particle];
             self.ledger.pushed_back +=
                 water
@@ -629,11 +630,13 @@ impl World {
             let impulse = (intruder.velocity - before) * mass;
             let block = intruder.block as usize;
             if self.blocks.is_free(block) {
-                let arm = intruder.point - self.blocks.centroid(block);
+                let centroid = self.blocks.centroid(block);
                 self.impulses.fill(Load::default());
+                // what the new place takes of the moment of momentum the block gets too
                 let felt = water.interface.in_plane(Load {
                     force: -impulse,
-                    torque: arm.cross(&-impulse),
+                    torque: (from - centroid).cross(&(before * mass))
+                        - (intruder.position - centroid).cross(&(intruder.velocity * mass)),
                 });
                 self.ledger.impulse += impulse + felt.force;
                 self.impulses[block] = felt;
