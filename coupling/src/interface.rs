@@ -325,6 +325,14 @@ impl Interface {
         }
     }
 
+    /// Adds pressures on blocks that are not of the fluid's particles; N, N m.
+    pub fn add_pressures(&mut self, loads: &[Load]) {
+        for (block, load) in loads.iter().enumerate() {
+            let felt = self.in_plane(*load);
+            self.loads[block] += felt;
+        }
+    }
+
     /// A slab does not let a block strain across its plane.
     fn hold_across(&mut self, block: usize) {
         if let Some(axis) = self.slab_axis {

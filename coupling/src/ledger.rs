@@ -41,6 +41,8 @@ pub struct Energy {
     pub absorbed: f64,
     /// Brought in by prescribed blocks and given loads.
     pub external_work: f64,
+    /// Brought in by water in joints too narrow for particles, which pushes blocks apart.
+    pub joint_water: f64,
     /// Brought in through inflows and outflows, with what holding the flow there takes or gives.
     pub through_openings: f64,
     /// What the terms above leave unexplained since the start: the error of the scheme.
@@ -93,6 +95,8 @@ pub(crate) struct Ledger {
     absorbed: f64,
     /// Brought in through openings; J.
     through_openings: f64,
+    /// Brought in by water in joints; J.
+    joint_water: f64,
 }
 
 impl Ledger {
@@ -140,6 +144,9 @@ impl Ledger {
                 }
             }
         }
+        let (apart, push) = water.joints.on_free_blocks(&world.blocks);
+        impulse += apart;
+        self.joint_water += push * dt;
         let weight = world.gravity * water.fluid.mass();
         let mirrored = water.fluid.plane_force();
         self.wall_damping += power * dt;
@@ -176,6 +183,7 @@ impl World {
             pushed_back: self.ledger.pushed_back,
             removed: self.ledger.removed_energy,
             absorbed: self.ledger.absorbed,
+            joint_water: self.ledger.joint_water,
             through_openings: self.ledger.through_openings,
             external_work: blocks.external_work + self.ledger.wall_work,
             ..Energy::default()
@@ -192,6 +200,7 @@ impl World {
         }
         energy.residual = energy.stored() + energy.lost()
             - energy.external_work
+            - energy.joint_water
             - energy.through_openings
             - self.ledger.stored_at_start;
         energy

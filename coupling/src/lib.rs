@@ -22,6 +22,7 @@
 pub mod cli;
 pub mod compare;
 pub mod interface;
+pub mod joints;
 pub mod ledger;
 pub mod observe;
 pub mod openings;

@@ -8,6 +8,7 @@ use std::time::Instant;
 use riprap_dda::{Blocks, Motion};
 use riprap_sph::{Fluid, Precision};
 
+use crate::joints::JointWater;
 use crate::observe::frames::Frames;
 use crate::observe::gauges::Gauges;
 use crate::observe::ledgers::Ledgers;
@@ -102,8 +103,11 @@ pub fn build(scene: &Scene) -> Result<World, RunError> {
                 &fluid,
                 water.slip,
             );
+            let is_sealed = |b: usize| scene.file.blocks[b].sealed;
+            let joints = JointWater::new(&scene.blocks, &blocks, &fluid, is_sealed);
             Some(WaterAtStart {
                 fluid,
+                joints,
                 penalty: water.walls,
                 walls,
                 openings: water.openings.clone(),

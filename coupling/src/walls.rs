@@ -18,6 +18,7 @@ use riprap_sph::{Fluid, Vec3};
 
 use crate::scene::file::WallMethodFile;
 use added_mass::Movers;
+pub(crate) use cutting::before;
 use integral::IntegralWalls;
 use particles::ParticleWalls;
 
@@ -206,12 +207,12 @@ fn is_fixed(blocks: &Blocks, block: usize) -> bool {
 
 /// A convex part: outward normal and corners of each face, counter-clockwise seen from outside; m.
 #[derive(Clone, Debug, Default, PartialEq)]
-struct Part {
+pub(crate) struct Part {
     faces: Vec<(Vec3, Vec<Vec3>)>,
 }
 
 impl Part {
-    fn faces(&self) -> Vec<Face<'_>> {
+    pub(crate) fn faces(&self) -> Vec<Face<'_>> {
         self.faces
             .iter()
             .map(|(normal, corners)| Face {
@@ -244,7 +245,7 @@ impl Part {
     }
 
     /// The face whose plane a point is farthest outside of, with that distance (m): below zero inside.
-    fn nearest_plane(&self, x: &Vec3) -> Option<(Vec3, f64)> {
+    pub(crate) fn nearest_plane(&self, x: &Vec3) -> Option<(Vec3, f64)> {
         self.faces
             .iter()
             .filter_map(|(normal, corners)| Some((*normal, normal.dot(&(x - corners.first()?)))))
@@ -253,7 +254,7 @@ impl Part {
 }
 
 /// The convex parts of a shape.
-fn parts(shape: &Shape) -> Vec<Part> {
+pub(crate) fn parts(shape: &Shape) -> Vec<Part> {
     match shape {
         Shape::Polyhedra(polyhedra) => polyhedra
             .iter()

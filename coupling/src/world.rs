@@ -9,6 +9,7 @@ use riprap_dda::{Blocks, Load, Motion, Phase};
 use riprap_sph::{Absorber, Fluid, FluidError, Stepping, SymmetryPlane, Vec3};
 
 use crate::interface::{Interface, WallSettings};
+use crate::joints::JointWater;
 use crate::ledger::Ledger;
 use crate::openings::Openings;
 use crate::scene::file::Leaving;
@@ -57,6 +58,8 @@ pub struct Water {
     pub interface: Interface,
     /// Walls of particles or integrals.
     pub walls: Option<Walls>,
+    /// Water in joints too narrow for particles.
+    pub joints: JointWater,
     /// Inflows and outflows.
     pub openings: Openings,
     /// Layers that damp waves.
@@ -72,6 +75,8 @@ pub struct WaterAtStart {
     pub penalty: WallSettings,
     /// Walls of particles or integrals.
     pub walls: Option<Walls>,
+    /// Water in joints too narrow for particles.
+    pub joints: JointWater,
     /// Inflows and outflows.
     pub openings: Openings,
     /// Layers that damp waves.
@@ -228,6 +233,7 @@ impl World {
                     mut fluid,
                     penalty,
                     walls,
+                    joints,
                     openings,
                     absorbers,
                 } = start;
@@ -243,6 +249,7 @@ impl World {
                     interface: Interface::new(penalty, &blocks, fluid.grid()),
                     fluid,
                     walls,
+                    joints,
                     openings,
                     absorbers,
                 })
@@ -719,6 +726,10 @@ impl World {
         if let Some(walls) = &mut water.walls {
             walls.add_forces(&mut water.fluid, &self.blocks);
             water.interface.add_loads(walls.loads());
+        }
+        if !held {
+            water.joints.update(&water.fluid, &self.blocks);
+            water.interface.add_pressures(water.joints.loads());
         }
         self.phases.coupling += watch.lap();
         Ok(())

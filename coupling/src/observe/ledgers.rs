@@ -20,7 +20,7 @@ pub struct Ledgers {
 }
 
 /// Columns of `energy.csv` behind the time, in the order of [`energy_row`].
-pub const ENERGY_COLUMNS: [&str; 18] = [
+pub const ENERGY_COLUMNS: [&str; 19] = [
     "kinetic",
     "potential",
     "elastic",
@@ -37,12 +37,13 @@ pub const ENERGY_COLUMNS: [&str; 18] = [
     "removed",
     "absorbed",
     "external_work",
+    "joint_water",
     "through_openings",
     "residual",
 ];
 
 /// The terms of the ledger in the order of [`ENERGY_COLUMNS`]; J.
-pub fn energy_row(energy: &Energy) -> [f64; 18] {
+pub fn energy_row(energy: &Energy) -> [f64; 19] {
     // no `..`: a new term cannot be forgotten
     let Energy {
         kinetic,
@@ -61,6 +62,7 @@ pub fn energy_row(energy: &Energy) -> [f64; 18] {
         removed,
         absorbed,
         external_work,
+        joint_water,
         through_openings,
         residual,
     } = *energy;
@@ -81,6 +83,7 @@ pub fn energy_row(energy: &Energy) -> [f64; 18] {
         removed,
         absorbed,
         external_work,
+        joint_water,
         through_openings,
         residual,
     ]

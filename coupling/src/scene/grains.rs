@@ -143,6 +143,7 @@ fn balls_of(grains: &GrainsFile) -> Result<Vec<BlockFile>, (&'static str, String
             angular_velocity: (0.0, 0.0, 0.0),
             deformable: None,
             hold: None,
+            sealed: false,
         }
     };
     Ok(places

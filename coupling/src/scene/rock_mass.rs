@@ -87,6 +87,7 @@ fn block(mass: &RockMassFile, number: usize, shape: ShapeFile) -> BlockFile {
         angular_velocity: (0.0, 0.0, 0.0),
         deformable: mass.deformable.clone(),
         hold: None,
+        sealed: mass.sealed,
     }
 }
 

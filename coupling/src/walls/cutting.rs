@@ -27,7 +27,7 @@ pub(super) fn disjoint(parts: Vec<Part>) -> Vec<Part> {
 }
 
 /// What is left of a part before planes of symmetry; none where it is beyond one.
-pub(super) fn before(part: &Part, planes: &[SymmetryPlane]) -> Option<Part> {
+pub(crate) fn before(part: &Part, planes: &[SymmetryPlane]) -> Option<Part> {
     planes.iter().try_fold(part.clone(), |part, plane| {
         let normal = plane.normal();
         below(&part, &normal, normal[plane.axis] * plane.place)

@@ -14,6 +14,7 @@ use nalgebra::Vector2;
 
 use crate::Vec3;
 use crate::boundary::integral::Face;
+use polygon::{Piece, Polygon};
 
 mod behind;
 mod cuboid;
@@ -31,6 +32,36 @@ pub struct WallSample {
     pub position: Vec3,
     /// m³.
     pub volume: f64,
+}
+
+/// A point of a face.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FaceSample {
+    /// In the frame of the face; m.
+    pub position: Vec3,
+    /// m².
+    pub area: f64,
+    /// Of its cell; m.
+    pub size: Vector2<f64>,
+}
+
+/// Points of a convex face, one for its part of each of a grid of cells about `spacing` (m) wide; slivers of cells
+/// belong to a neighbour. Areas add up to that of the face.
+pub fn sample_face(face: &Face, spacing: f64) -> Vec<FaceSample> {
+    let axes = Axes::along_longest_edge(face);
+    let Some(corner) = face.vertices.first() else {
+        return Vec::new();
+    };
+    let height = face.normal.dot(corner);
+    let outline = Polygon::new(face.vertices.iter().map(|p| axes.plane(p)).collect());
+    let cells = layers::cells_of(&outline, spacing);
+    let pieces = outline.pieces(&cells, layers::LEAST_SHARE * spacing * spacing);
+    let sample = |piece: &Piece| FaceSample {
+        position: axes.u * piece.centroid.x + axes.v * piece.centroid.y + face.normal * height,
+        area: piece.area,
+        size: cells.size,
+    };
+    pieces.iter().map(sample).collect()
 }
 
 /// Points of the shell of a convex body, in the frame of its faces.

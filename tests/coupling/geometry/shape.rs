@@ -18,6 +18,7 @@ fn block(shape: ShapeFile, placement: PlacementFile) -> BlockFile {
         angular_velocity: (0.0, 0.0, 0.0),
         deformable: None,
         hold: None,
+        sealed: false,
     }
 }
 

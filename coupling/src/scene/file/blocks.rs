@@ -32,6 +32,11 @@ pub struct BlockFile {
     /// What a free, rigid block may not do.
     #[serde(default)]
     pub hold: Option<HoldFile>,
+    /// No water gets into the joints between a free block and what it rests on or leans against, where these are
+    /// too narrow for particles: no uplift. Otherwise the pressure there is that of seepage between what water the
+    /// joint is open to.
+    #[serde(default)]
+    pub sealed: bool,
 }
 
 /// A turn about an axis through a point, then a shift.

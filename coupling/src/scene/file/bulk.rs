@@ -31,6 +31,9 @@ pub struct RockMassFile {
     /// Makes the blocks deformable.
     #[serde(default)]
     pub deformable: Option<DeformableFile>,
+    /// No water gets into joints too narrow for particles; as of a block.
+    #[serde(default)]
+    pub sealed: bool,
 }
 
 /// Which blocks of a rock mass are slivers: those that pass either limit.

@@ -8,7 +8,7 @@ use crate::Vec3;
 use crate::boundary::integral::Face;
 
 /// A piece of a cell below this share of `dp²` joins a neighbour.
-const LEAST_SHARE: f64 = 0.3;
+pub(super) const LEAST_SHARE: f64 = 0.3;
 /// Slices of a layer over which its volume is summed: 1/(24 · 64) of the curvature is left.
 const SLICES: usize = 8;
 /// Cosine of normals above which two faces are parts of one plane: an angle of 1e-6.
@@ -83,7 +83,7 @@ fn layer(faces: &[Face], index: usize, axes: &Axes, outline: &Polygon, depth: f6
     polygon
 }
 
-fn cells_of(outline: &Polygon, spacing: f64) -> Cells {
+pub(super) fn cells_of(outline: &Polygon, spacing: f64) -> Cells {
     let (low, high) = outline.extent();
     let (n_u, size_u) = cells_along(high.x - low.x, spacing);
     let (n_v, size_v) = cells_along(high.y - low.y, spacing);

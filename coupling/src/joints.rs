@@ -1,0 +1,380 @@
+//! Water in joints that are too narrow for its particles: the uplift under a block that rests on its bed.
+//!
+//! Where a face of a free block is within a spacing of another solid no particle can get, and a particle's pressure
+//! reaches no farther in than the support of the kernel. Water would stand there all the same. Faces are sampled
+//! with points a spacing apart; in a closed joint the pressure between points that water reaches, or air, is
+//! that of steady seepage through a joint of even width, as under a dam without drains:
+//!
+//! ```text
+//! p = p_water          at points that the water's kernel reaches, continued along gravity
+//! p = 0                at points in the open that it does not
+//! ∇²p = 0              in the joint between them, no flow out of its closed ends
+//! F = −Σ s p A n       on the block, the opposite on what it rests on                    [N]
+//! s = min(1, 2 − gap/dp) · min(1, (S₁ − S)/(S₁ − S₀)),   S = Σ V W at the point, each ≥ 0
+//! ```
+//! `s` fades it out as the joint opens and particles come in. The field is carried from step to step, with a few sweeps
+//! in each, so that a change of level spreads through a long joint over many steps. The joint's water has no volume
+//! and no inertia; what it pushes apart it does work on, which the ledger names. Blocks that are `sealed`, and
+//! joints with air all round, feel nothing.
+
+use riprap_dda::{BlockDefinition, Blocks, Load};
+use riprap_sph::boundary::sampling::{FaceSample, sample_face};
+use riprap_sph::fluid::ContinuedPressure;
+use riprap_sph::{Dimensions, Fluid, Vec3};
+
+use crate::walls::{Part, before, parts};
+
+/// Widest joint, in spacings; full pressure up to one.
+const REACH: f64 = 2.0;
+/// Share of the support that is water, `Σ V W`, up to which walls leave the joint its pressure, and from which on
+/// they carry all of it: a face of a block under water has a half.
+const SHARES: (f64, f64) = (0.25, 0.4);
+/// The same from which on the pressure of a point in a joint is that of the water near it.
+const REACHED: f64 = 0.1;
+/// The same below which a point in the open has air before it.
+const DRY: f64 = 0.05;
+/// Sweeps over the field: at first, and in each step.
+const SWEEPS: (usize, usize) = (2000, 8);
+/// Most that the normals of a joint's two sides agree.
+const OPPOSED: f64 = -0.5;
+
+/// A point of a face.
+#[derive(Clone, Copy, Debug)]
+struct Point {
+    block: u32,
+    /// From the block's centroid, in the axes of the start; m.
+    local: Vec3,
+    /// Outward, in the axes of the start.
+    normal: Vec3,
+    /// m².
+    area: f64,
+}
+
+/// Points of one face: a range, and the neighbours of each.
+#[derive(Clone, Debug)]
+struct FacePoints {
+    first: usize,
+    last: usize,
+}
+
+/// A block whose joints are open to water.
+#[derive(Clone, Debug)]
+struct Jointed {
+    block: usize,
+    faces: Vec<FacePoints>,
+}
+
+/// What is before a point at present.
+#[derive(Clone, Copy, Debug)]
+struct Before {
+    /// Width of the joint, with the solid at its other side; m.
+    joint: Option<(f64, u32)>,
+    /// `Σ V W` and pressure of the water; Pa.
+    water: [f64; 2],
+}
+
+/// The joints of all blocks that are free to move.
+#[derive(Clone, Debug)]
+pub struct JointWater {
+    spacing: f64,
+    blocks: Vec<Jointed>,
+    points: Vec<Point>,
+    /// Neighbours of each point in its face, with weights that add up to 1.
+    neighbors: Vec<Vec<(u32, f64)>>,
+    /// Pa.
+    pressure: Vec<f64>,
+    /// Whether the field has been found once.
+    has_field: bool,
+    loads: Vec<Load>,
+    scratch: Scratch,
+}
+
+#[derive(Clone, Debug, Default)]
+struct Scratch {
+    near: Vec<usize>,
+    /// Points of faces with a joint, where they are, what is before them.
+    active: Vec<u32>,
+    positions: Vec<Vec3>,
+    normals: Vec<Vec3>,
+    before: Vec<Before>,
+    water: ContinuedPressure,
+    /// Points whose pressure follows from that of their neighbours.
+    inner: Vec<u32>,
+    next: Vec<f64>,
+}
+
+impl JointWater {
+    /// Joints of the free blocks that are not sealed, at the blocks' first places.
+    pub fn new(
+        definitions: &[BlockDefinition],
+        blocks: &Blocks,
+        fluid: &Fluid,
+        is_sealed: impl Fn(usize) -> bool,
+    ) -> Self {
+        let settings = fluid.settings();
+        let [dx, dy, dz] = settings.particle_spacing;
+        let (spacing, middle) = match settings.dimensions {
+            Dimensions::Two { .. } => {
+                let (min, max) = settings.domain;
+                ((dx * dz).sqrt(), Some(0.5 * (min.y + max.y)))
+            }
+            Dimensions::Three => ((dx * dy * dz).cbrt(), None),
+        };
+        let planes: Vec<_> = settings.symmetry_planes().collect();
+        let mut joints = Self {
+            spacing,
+            blocks: Vec::new(),
+            points: Vec::new(),
+            neighbors: Vec::new(),
+            pressure: Vec::new(),
+            has_field: false,
+            loads: vec![Load::default(); blocks.n_blocks()],
+            scratch: Scratch::default(),
+        };
+        for b in (0..definitions.len()).filter(|&b| blocks.is_free(b) && !is_sealed(b)) {
+            let parts: Vec<Part> = parts(&definitions[b].shape)
+                .iter()
+                .filter_map(|part| before(part, &planes))
+                .collect();
+            let mut faces = Vec::new();
+            for (k, part) in parts.iter().enumerate() {
+                for face in part.faces() {
+                    let samples = sample_face(&face, spacing);
+                    // nothing gets between the parts of one block
+                    let is_outer = |s: &&FaceSample| {
+                        let ahead = s.position + face.normal * (0.1 * spacing);
+                        let mut others = parts.iter().enumerate().filter(|(other, _)| *other != k);
+                        !others.any(|(_, part)| {
+                            let nearest = part.nearest_plane(&ahead);
+                            nearest.is_some_and(|(_, distance)| distance < 0.0)
+                        })
+                    };
+                    let samples: Vec<FaceSample> =
+                        samples.iter().filter(is_outer).copied().collect();
+                    faces.push(joints.add_face(
+                        &samples,
+                        &face.normal,
+                        middle,
+                        (b, blocks.centroid(b)),
+                    ));
+                }
+            }
+            joints.blocks.push(Jointed { block: b, faces });
+        }
+        joints.pressure = vec![0.0; joints.points.len()];
+        joints.scratch.next = joints.pressure.clone();
+        joints
+    }
+
+    fn add_face(
+        &mut self,
+        samples: &[FaceSample],
+        normal: &Vec3,
+        middle: Option<f64>,
+        (block, centroid): (usize, Vec3),
+    ) -> FacePoints {
+        let first = self.points.len();
+        for sample in samples {
+            // cells meet along an edge; diagonal ones do not
+            let reach = 1.3
+                * sample
+                    .size
+                    .norm_squared()
+                    .max(sample.size.x * sample.size.y);
+            let mut near: Vec<(u32, f64)> = samples
+                .iter()
+                .enumerate()
+                .map(|(k, other)| (k, (other.position - sample.position).norm_squared()))
+                .filter(|&(_, d2)| 0.0 < d2 && d2 < reach)
+                .map(|(k, d2)| ((first + k) as u32, 1.0 / d2))
+                .collect();
+            let total: f64 = near.iter().map(|(_, weight)| weight).sum();
+            near.iter_mut().for_each(|(_, weight)| *weight /= total);
+            self.neighbors.push(near);
+            let mut position = sample.position;
+            // a flow in a plane sees the middle of the slice only
+            position.y = middle.unwrap_or(position.y);
+            self.points.push(Point {
+                block: block as u32,
+                local: position - centroid,
+                normal: *normal,
+                area: sample.area,
+            });
+        }
+        FacePoints {
+            first,
+            last: self.points.len(),
+        }
+    }
+
+    /// Force and moment of the water in its joints on every block; N, N m about the centroid.
+    pub fn loads(&self) -> &[Load] {
+        &self.loads
+    }
+
+    /// Force on the blocks that are free to move, and its power; N, W.
+    pub fn on_free_blocks(&self, blocks: &Blocks) -> (Vec3, f64) {
+        let (mut force, mut power) = (Vec3::zeros(), 0.0);
+        for (b, load) in self
+            .loads
+            .iter()
+            .enumerate()
+            .filter(|(b, _)| blocks.is_free(*b))
+        {
+            force += load.force;
+            power +=
+                load.force.dot(&blocks.velocity(b)) + load.torque.dot(&blocks.angular_velocity(b));
+        }
+        (force, power)
+    }
+
+    /// Pressures and loads at the present state; after the fluid's pressures.
+    pub fn update(&mut self, fluid: &Fluid, blocks: &Blocks) {
+        self.loads.fill(Load::default());
+        self.find_joints(fluid, blocks);
+        let scratch = &mut self.scratch;
+        if scratch.active.is_empty() {
+            return;
+        }
+        scratch.water.find(fluid, &scratch.positions);
+        scratch.inner.clear();
+        for ((&k, before), water) in scratch
+            .active
+            .iter()
+            .zip(&mut scratch.before)
+            .zip(scratch.water.found())
+        {
+            before.water = water;
+            let [share, pressure] = water;
+            match before.joint {
+                Some(_) if share < REACHED => scratch.inner.push(k),
+                Some(_) => self.pressure[k as usize] = pressure.max(0.0),
+                None => {
+                    self.pressure[k as usize] = if share < DRY { 0.0 } else { pressure.max(0.0) };
+                }
+            }
+        }
+        self.relax();
+        self.sum(blocks);
+    }
+
+    /// Faces with a joint, and what is before each of their points.
+    fn find_joints(&mut self, fluid: &Fluid, blocks: &Blocks) {
+        let scratch = &mut self.scratch;
+        scratch.active.clear();
+        scratch.positions.clear();
+        scratch.normals.clear();
+        scratch.before.clear();
+        let reach = REACH * self.spacing;
+        for jointed in &self.blocks {
+            let b = jointed.block;
+            if !blocks.is_free(b) {
+                continue;
+            }
+            let mut bounds = (Vec3::repeat(f64::INFINITY), Vec3::repeat(f64::NEG_INFINITY));
+            for part in blocks.parts_of(b) {
+                let (min, max) = blocks.part_aabb(part);
+                bounds = (bounds.0.inf(&min), bounds.1.sup(&max));
+            }
+            if !has_water(fluid, &bounds) {
+                continue;
+            }
+            scratch.near.clear();
+            scratch.near.extend((0..blocks.n_parts()).filter(|&part| {
+                let (min, max) = blocks.part_aabb(part);
+                blocks.block_of_part(part) != b
+                    && (0..3).all(|k| min[k] - reach < bounds.1[k] && bounds.0[k] < max[k] + reach)
+            }));
+            if scratch.near.is_empty() {
+                continue;
+            }
+            let (centroid, gradient) = (blocks.centroid(b), blocks.gradient(b));
+            let turn = blocks.orientation(b);
+            for face in &jointed.faces {
+                let from = scratch.active.len();
+                let mut has_joint = false;
+                for k in face.first..face.last {
+                    let point = &self.points[k];
+                    let (x, normal) = (centroid + gradient * point.local, turn * point.normal);
+                    let joint = scratch
+                        .near
+                        .iter()
+                        .filter_map(|&part| {
+                            let surface = blocks.surface_point_within(part, &x, reach)?;
+                            let faces_it = surface.normal.dot(&normal) < OPPOSED;
+                            faces_it.then(|| (surface.distance, blocks.block_of_part(part) as u32))
+                        })
+                        .min_by(|a, b| a.0.total_cmp(&b.0));
+                    has_joint |= joint.is_some();
+                    scratch.active.push(k as u32);
+                    scratch.positions.push(x);
+                    scratch.normals.push(normal);
+                    scratch.before.push(Before {
+                        joint,
+                        water: [0.0; 2],
+                    });
+                }
+                if !has_joint {
+                    scratch.active.truncate(from);
+                    scratch.positions.truncate(from);
+                    scratch.normals.truncate(from);
+                    scratch.before.truncate(from);
+                }
+            }
+        }
+    }
+
+    /// Takes the field nearer to that of steady seepage.
+    fn relax(&mut self) {
+        let sweeps = if self.has_field { SWEEPS.1 } else { SWEEPS.0 };
+        self.has_field = true;
+        for _ in 0..sweeps {
+            for &k in &self.scratch.inner {
+                let k = k as usize;
+                let near = self.neighbors[k].iter();
+                self.scratch.next[k] = near
+                    .map(|&(other, weight)| weight * self.pressure[other as usize])
+                    .sum();
+            }
+            for &k in &self.scratch.inner {
+                self.pressure[k as usize] = self.scratch.next[k as usize];
+            }
+        }
+    }
+
+    fn sum(&mut self, blocks: &Blocks) {
+        let Scratch {
+            active,
+            positions,
+            normals,
+            before,
+            ..
+        } = &self.scratch;
+        for (((&k, x), normal), before) in active.iter().zip(positions).zip(normals).zip(before) {
+            let Some((gap, partner)) = before.joint else {
+                continue;
+            };
+            let by_width = (REACH - gap / self.spacing).clamp(0.0, 1.0);
+            let by_water = ((SHARES.1 - before.water[0]) / (SHARES.1 - SHARES.0)).clamp(0.0, 1.0);
+            let point = &self.points[k as usize];
+            let force = normal * (-self.pressure[k as usize] * point.area * by_width * by_water);
+            let (block, partner) = (point.block as usize, partner as usize);
+            self.loads[block].add(&force, &(x - blocks.centroid(block)));
+            self.loads[partner].add(&-force, &(x - blocks.centroid(partner)));
+        }
+    }
+}
+
+/// Whether there is any water in the cells round a box (m).
+fn has_water(fluid: &Fluid, (min, max): &(Vec3, Vec3)) -> bool {
+    let grid = fluid.grid();
+    let reach = fluid.settings().support_radius();
+    let from = grid.coordinates_of(&min.add_scalar(-reach));
+    let to = grid.coordinates_of(&max.add_scalar(reach));
+    let cells = (from[2]..=to[2]).flat_map(|k| {
+        (from[1]..=to[1]).flat_map(move |j| (from[0]..=to[0]).map(move |i| [i, j, k]))
+    });
+    cells
+        .into_iter()
+        .any(|cell| !grid.particles_in(grid.cell_at(cell)).is_empty())
+}
