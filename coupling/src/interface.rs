@@ -10,14 +10,14 @@
 //! starts half a spacing off the surface, where the first row of a lattice stands; the paper leaves
 //! this open.
 //!
-//! In a slab, periodic in one direction, a block is a piece of an endless prism: the fluid moves it in
-//! the plane of the slab only. What it would get across is held by the slab and booked as such.
+//! In a slab, periodic in one direction, and in a slice of a flow in a plane a block is a piece of an endless prism:
+//! the fluid moves it in the plane of the slab only. What it would get across is held by the slab and booked as such.
 
 use nalgebra::Matrix3;
 use rayon::prelude::*;
 use riprap_dda::{Blocks, Load, Motion, SurfacePoint};
 use riprap_sph::fluid::ParticleForce;
-use riprap_sph::{CellGrid, Fluid, Vec3};
+use riprap_sph::{CellGrid, Dimensions, Fluid, Vec3};
 
 use crate::part_table::PartTable;
 use crate::walls::FluidLoad;
@@ -28,6 +28,8 @@ const CHUNK: usize = 1024;
 pub const STANDOFF: f64 = 0.5;
 /// Damping ratio from which `K_D` follows when it is not given.
 pub const DAMPING_RATIO: f64 = 0.5;
+/// The axis across a flow in a plane.
+const ACROSS: usize = 1;
 /// Depth inside a solid, in spacings, from which on a particle is put back.
 const PUSH_BACK_DEPTH: f64 = 0.1;
 /// Distance off the surface, in spacings, at which it is put back.
@@ -86,7 +88,9 @@ pub struct PushedBack {
 #[derive(Clone, Debug)]
 pub struct Interface {
     settings: WallSettings,
-    /// The one periodic direction of a slab.
+    /// Whether the flow is one in a plane.
+    is_plane: bool,
+    /// The one periodic direction of a slab, or that across the plane of a flow.
     slab_axis: Option<usize>,
     /// Parts of blocks that never move, near each cell.
     fixed: PartTable,
@@ -105,16 +109,23 @@ pub struct Interface {
 
 impl Interface {
     /// Walls for the blocks at their present places.
-    pub fn new(settings: WallSettings, blocks: &Blocks, grid: &CellGrid) -> Self {
+    pub fn new(settings: WallSettings, blocks: &Blocks, fluid: &Fluid) -> Self {
+        let grid = fluid.grid();
         let mut fixed = PartTable::default();
         let standing = (0..blocks.n_parts())
             .filter(|&part| matches!(blocks.motion(blocks.block_of_part(part)), Motion::Fixed));
         rebuild(&mut fixed, standing, (blocks, grid), settings.standoff);
         let periodic = grid.periodic();
         let n_periodic = periodic.iter().filter(|&&p| p).count();
+        let is_plane = matches!(fluid.settings().dimensions, Dimensions::Two { .. });
         Self {
             settings,
-            slab_axis: (0..3).find(|&axis| n_periodic == 1 && periodic[axis]),
+            is_plane,
+            slab_axis: if is_plane {
+                Some(ACROSS)
+            } else {
+                (0..3).find(|&axis| n_periodic == 1 && periodic[axis])
+            },
             fixed,
             moving: PartTable::default(),
             chunks: Vec::new(),
@@ -256,11 +267,13 @@ impl Interface {
                 surface.is_some_and(|surface| surface.distance < 0.0)
             })
         };
+        // a slice is cut from prisms without ends: nothing leaves a plane flow across it
+        let leads_out = |way: &SurfacePoint| !(self.is_plane && 0.5 < way.normal[ACROSS].abs());
         let mut ways: Vec<(u32, SurfacePoint)> = near(x)
             .flat_map(|part| {
                 let block = blocks.block_of_part(part) as u32;
-                let ways = blocks.ways_out(part, x);
-                ways.into_iter().map(move |way| (block, way))
+                let ways = blocks.ways_out(part, x).into_iter().filter(leads_out);
+                ways.map(move |way| (block, way))
             })
             .collect();
         ways.sort_by(|a, b| b.1.distance.total_cmp(&a.1.distance));

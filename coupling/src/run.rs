@@ -9,6 +9,7 @@ use riprap_dda::{Blocks, Motion};
 use riprap_sph::{Fluid, Precision};
 
 use crate::joints::JointWater;
+use crate::observe::forces::Forces;
 use crate::observe::frames::Frames;
 use crate::observe::gauges::Gauges;
 use crate::observe::ledgers::Ledgers;
@@ -163,13 +164,14 @@ struct Observers {
     gauges: Gauges,
     ledgers: Ledgers,
     /// Absent when the scene does not ask for them.
+    forces: Option<Forces>,
     trajectories: Option<Trajectories>,
     pictures: Pictures,
 }
 
 impl<'a> Run<'a> {
     fn start(scene: &'a Scene, folder: &Path) -> Result<Self, RunError> {
-        let world = build(scene)?;
+        let mut world = build(scene)?;
         let output = &scene.file.output;
         let observers = Observers {
             frames: Frames::new(folder, output, &world)?,
@@ -179,6 +181,14 @@ impl<'a> Run<'a> {
                 output.ledger_interval.unwrap_or(f64::INFINITY),
                 &world,
             )?,
+            forces: match &scene.file.forces {
+                None => None,
+                Some(asked) => {
+                    let chosen = asked.chosen(scene, &world);
+                    world.keep_accounts(&chosen);
+                    Some(Forces::new(folder, asked, (&chosen, &world))?)
+                }
+            },
             trajectories: match &scene.file.trajectories {
                 None => None,
                 Some(asked) => Some(Trajectories::new(folder, asked, scene, &world)?),
@@ -272,6 +282,7 @@ impl<'a> Run<'a> {
             frames,
             gauges,
             ledgers,
+            forces,
             trajectories,
             pictures,
         } = &mut self.observers;
@@ -283,6 +294,11 @@ impl<'a> Run<'a> {
         if ledgers.is_due(world) {
             ledgers.observe(world)?;
             pictures.note_energy(world);
+        }
+        if let Some(forces) = forces
+            && forces.is_due(world)
+        {
+            forces.observe(world)?;
         }
         if let Some(trajectories) = trajectories
             && trajectories.is_due(world)

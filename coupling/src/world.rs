@@ -47,6 +47,21 @@ pub struct World {
     /// What moved each block beside the fluid, over its last sub-steps.
     pub(crate) dry: Vec<Acceleration>,
     leaving: Leaving,
+    /// What the fluid gave the blocks of which accounts are kept.
+    accounts: Vec<(usize, FluidImpulses)>,
+}
+
+/// Impulses of the fluid on a block since accounts of it are kept, moments about its centroid; N s, N m s.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct FluidImpulses {
+    /// Of pressure.
+    pub pressure: Load,
+    /// Of viscosity.
+    pub shear: Load,
+    /// Of water in joints too narrow for particles.
+    pub joint_water: Load,
+    /// Of particles that were put back.
+    pub pushed_back: Load,
 }
 
 /// The fluid with the walls that hold it.
@@ -246,7 +261,7 @@ impl World {
                     })?;
                 fluid.refresh();
                 Some(Water {
-                    interface: Interface::new(penalty, &blocks, fluid.grid()),
+                    interface: Interface::new(penalty, &blocks, &fluid),
                     fluid,
                     walls,
                     joints,
@@ -273,6 +288,7 @@ impl World {
             deformable: Vec::new(),
             dry: Vec::new(),
             leaving: Leaving::Removed,
+            accounts: Vec::new(),
         };
         if world.symmetry_planes().next().is_some() {
             // what touches a plane from the start was found to move along it
@@ -297,6 +313,21 @@ impl World {
     /// Makes it an error that a particle or block leaves the domain, or not.
     pub fn set_leaving(&mut self, leaving: Leaving) {
         self.leaving = leaving;
+    }
+
+    /// Keeps accounts of what moves some blocks, source by source, from now on.
+    pub fn keep_accounts(&mut self, blocks: &[usize]) {
+        self.blocks.keep_accounts(blocks);
+        self.accounts = blocks
+            .iter()
+            .map(|&b| (b, FluidImpulses::default()))
+            .collect();
+    }
+
+    /// What the fluid gave a block since accounts of it are kept; nothing where none are.
+    pub fn fluid_impulses(&self, block: usize) -> FluidImpulses {
+        let found = self.accounts.iter().find(|(b, _)| *b == block);
+        found.map_or_else(FluidImpulses::default, |(_, impulses)| *impulses)
     }
 
     /// Simulated time; s.
@@ -425,6 +456,20 @@ impl World {
                 for &b in &self.deformable {
                     let stretch = water.interface.stretches()[b];
                     self.blocks.apply_stretch(b, stretch, dt);
+                }
+                for (b, impulses) in &mut self.accounts {
+                    if !self.blocks.is_free(*b) {
+                        continue;
+                    }
+                    let (all, shear) = (water.interface.loads()[*b], water.interface.shears()[*b]);
+                    let joint = water.interface.in_plane(water.joints.loads()[*b]);
+                    let pressure = Load {
+                        force: all.force - shear.force - joint.force,
+                        torque: all.torque - shear.torque - joint.torque,
+                    };
+                    impulses.pressure += pressure.times(dt);
+                    impulses.shear += shear.times(dt);
+                    impulses.joint_water += joint.times(dt);
                 }
             }
         }
@@ -648,6 +693,9 @@ impl World {
                 self.ledger.impulse += impulse + felt.force;
                 self.impulses[block] = felt;
                 self.blocks.apply_impulse(&self.impulses, 1.0);
+                if let Some((_, kept)) = self.accounts.iter_mut().find(|(b, _)| *b == block) {
+                    kept.pushed_back += felt;
+                }
             } else {
                 self.ledger.impulse += impulse;
             }

@@ -8,6 +8,7 @@ mod query;
 
 use crate::{
     Attachment, BlockError, Hold, Load, Motion, StaticDamping, Turning, Vec3,
+    accounts::Accounts,
     attachments::{Attachments, Surroundings},
     broad_phase::Bounds,
     contact::{Pair, Workspace},
@@ -81,6 +82,7 @@ pub struct Blocks {
     pub(crate) contact_load: Vec<Load>,
     /// The same, one sub-step before.
     pub(crate) contact_load_before: Vec<Load>,
+    pub(crate) accounts: Accounts,
     /// What the contacts add to the step bound.
     pub(crate) rates: Vec<BlockRates>,
     /// Deepest overlap at the last evaluation, × what is allowed, with its parts.
@@ -197,6 +199,7 @@ impl Blocks {
             kinematics: Vec::new(),
             contact_load: Vec::new(),
             contact_load_before: Vec::new(),
+            accounts: Accounts::default(),
             rates: Vec::new(),
             worst_overlap: (0.0, (0, 0)),
             contact_stretch: Vec::new(),

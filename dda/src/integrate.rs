@@ -69,7 +69,11 @@ impl Blocks {
                 None => self.rigid(b).kick(&moment, dt),
                 Some(k) => self.deformables[k as usize].push(&moment, dt),
             }
-            self.hold_velocities(b);
+            if self.hold_of(b).is_some() {
+                let momentum = self.accounted_momentum(b);
+                self.hold_velocities(b);
+                self.account_restraint(b, momentum, &Load::default());
+            }
             self.set_kinematics(b);
         }
     }
@@ -167,6 +171,7 @@ impl Blocks {
         dt: f64,
         ended: &mut impl FnMut(Phase),
     ) -> Result<(), StepError> {
+        self.account_half_kick(dt);
         self.half_kick(dt);
         self.drift(from, to, dt);
         self.place_parts(false);
@@ -178,6 +183,7 @@ impl Blocks {
         self.evaluate_contacts(dt, ended);
         self.evaluate_attachments(false);
         self.book_external_work(dt);
+        self.account_half_kick(dt);
         self.half_kick(dt);
         self.damp(dt);
         for b in 0..self.n_blocks() {
@@ -260,11 +266,14 @@ impl Blocks {
         }
         let weight = self.settings.gravity * self.mass[b];
         load.force += weight;
+        let known = load.times(0.5 * dt);
+        let momentum = self.accounted_momentum(b);
         let damper = self.local_damper(b, &load);
         load += damper;
         let before = (self.velocity[b], self.angular_velocity(b));
         self.kick(b, &load, 0.5 * dt);
         self.hold_velocities(b);
+        self.account_restraint(b, momentum, &known);
         let after = (self.velocity[b], self.angular_velocity(b));
         // The kick of a force f does the work f·(v + v')/2 dt, exactly.
         self.static_damping.book(
@@ -436,6 +445,7 @@ impl Blocks {
             self.static_damping
                 .book((1.0 - factor * factor) * self.kinetic_energy(b));
             self.support_impulse += self.velocity[b] * (self.mass[b] * (factor - 1.0));
+            let momentum = self.accounted_momentum(b);
             self.velocity[b] *= factor;
             match self.deformable_of[b] {
                 None => self.rigid(b).scale_velocities(factor),
@@ -443,6 +453,7 @@ impl Blocks {
                     .motion()
                     .scale_velocities(factor),
             }
+            self.account_restraint(b, momentum, &Load::default());
         }
     }
 

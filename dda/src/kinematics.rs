@@ -21,6 +21,17 @@ impl Load {
     }
 }
 
+impl Load {
+    /// Times a factor.
+    #[must_use]
+    pub fn times(&self, factor: f64) -> Self {
+        Self {
+            force: self.force * factor,
+            torque: self.torque * factor,
+        }
+    }
+}
+
 impl std::ops::AddAssign for Load {
     fn add_assign(&mut self, other: Self) {
         self.force += other.force;

@@ -68,6 +68,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod accounts;
 mod attachments;
 mod block_quality;
 mod blocks;
@@ -107,6 +108,7 @@ pub type Vec3 = nalgebra::Vector3<f64>;
 /// Turn and shift.
 pub type Isometry = nalgebra::Isometry3<f64>;
 
+pub use accounts::Impulses;
 pub use attachments::Attachment;
 pub use block_quality::BlockQuality;
 pub use blocks::{BlockDefinition, Blocks, Settings};

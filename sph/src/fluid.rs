@@ -446,6 +446,7 @@ impl Fluid {
 
     /// Adds `dt` times the acceleration to the velocities, and books the work of viscosity.
     pub fn kick(&mut self, dt: f64) {
+        let is_plane = self.is_plane();
         let Particles {
             velocity,
             acceleration,
@@ -469,6 +470,10 @@ impl Fluid {
                 {
                     let before = *v;
                     *v += a * dt;
+                    if is_plane {
+                        // pressure drives apart what is off the plane by no more than round-off
+                        v.y = 0.0;
+                    }
                     // with the mean of the velocities before and after, the works of all forces
                     // add up to the change of kinetic energy exactly
                     let viscous = Vec3::from(viscous.map(f64::from));
@@ -857,7 +862,10 @@ impl Fluid {
     /// Puts a particle elsewhere with another velocity; returns the energy it lost, J.
     ///
     /// For a particle found inside a solid; the caller counts it.
-    pub fn replace(&mut self, particle: usize, position: Vec3, velocity: Vec3) -> f64 {
+    pub fn replace(&mut self, particle: usize, mut position: Vec3, mut velocity: Vec3) -> f64 {
+        if self.is_plane() {
+            (position.y, velocity.y) = (self.particles.position[particle].y, 0.0);
+        }
         let x = &mut self.particles.position[particle];
         let v = &mut self.particles.velocity[particle];
         let lost = 0.5 * (v.norm_squared() - velocity.norm_squared())
@@ -867,6 +875,11 @@ impl Fluid {
         // it jumped: no bound on its way holds any more
         self.moved = f64::INFINITY;
         lost * self.particles.mass[particle]
+    }
+
+    /// Whether all particles are in one plane across y.
+    fn is_plane(&self) -> bool {
+        matches!(self.settings.dimensions, Dimensions::Two { .. })
     }
 
     /// Notes a speed that no kick gave.

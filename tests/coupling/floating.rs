@@ -5,6 +5,9 @@
     reason = "a test stops at the first thing that is wrong, and measured figures stand beside their bounds"
 )]
 
+#[path = "../support/mod.rs"]
+mod support;
+
 use std::path::Path;
 
 use riprap::run::build;
@@ -361,4 +364,49 @@ fn uplift_under_a_dam_falls_from_one_level_to_the_other() {
         moment.y
     );
     assert_eq!(world.extremes().particles_pushed_back, 0);
+}
+
+/// Forces by source explain what momentum a block gains: one that falls into water, turns and settles on the bed.
+#[test]
+fn forces_by_source_explain_the_motion() {
+    let body = "(name: \"body\", material: \"m\", shape: Box(min: (0.5, 0, 0.32), max: (0.8, 0.1, 0.52)), \
+                placement: (rotate: (axis: (0, 1, 0), angle_deg: 20, about: (0.65, 0, 0.42))))";
+    let text = basin(1.6, 1.0, 0.3, 0.05, body, "forces: (interval: 0.02),")
+        .replace("duration: 10.0", "duration: 1.5");
+    let folder = tempfile::tempdir().unwrap();
+    let scene = folder.path().join("scene.ron");
+    std::fs::write(&scene, text).unwrap();
+    let out = folder.path().join("out");
+    let summary = support::run(&scene, &out, &[]);
+    // a flow in a plane stays in it, however its blocks turn
+    assert_eq!(summary["particles_escaped"], 0);
+    let header = std::fs::read_to_string(out.join("forces.csv")).unwrap();
+    let names: Vec<&str> = header.lines().next().unwrap().split(',').collect();
+    let rows = support::table(&out.join("forces.csv"));
+    let largest = |start: &str| {
+        let columns = names
+            .iter()
+            .enumerate()
+            .filter(|(_, name)| name.starts_with(start));
+        let values = columns.flat_map(|(k, _)| rows.iter().map(move |row| row[k].abs()));
+        values.fold(0.0, f64::max)
+    };
+    assert!(70 < rows.len(), "{}", rows.len());
+    let weight = 2000.0 * 0.3 * 0.2 * 0.1 * G;
+    for source in ["pressure", "contact", "gravity", "joint_water"] {
+        println!("{source}: {:.2} of the weight", largest(source) / weight);
+        assert!(0.1 * weight < largest(source), "{source}");
+    }
+    assert_eq!(largest("attached"), 0.0);
+    println!(
+        "unexplained: {:.1e} of the weight",
+        largest("residual") / weight
+    );
+    // differences of sums over a thousand steps
+    assert!(largest("residual") < 1e-9 * weight);
+    let partners = support::table(&out.join("contacts.csv"));
+    assert!(
+        partners.iter().all(|row| row[2] == 0.0),
+        "a contact with anything but the floor"
+    );
 }

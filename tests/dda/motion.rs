@@ -1,7 +1,7 @@
 //! Blocks on planes, columns, paths: exact answers.
 
 use crate::setup::*;
-use riprap_dda::{BlockError, Blocks, Material, Motion, PrescribedMotion, Settings, Vec3};
+use riprap_dda::{BlockError, Blocks, Load, Material, Motion, PrescribedMotion, Settings, Vec3};
 
 /// D10: a block alone follows x = v0 t + g t²/2, spinning or not.
 #[test]
@@ -359,4 +359,59 @@ fn a_removed_block_is_gone() {
         "the upper one falls: {}",
         blocks.centroid(2).z
     );
+}
+
+/// C12: an outer spring with ω Dt = 0.3 on a block of ten sub-steps. As impulses at both ends of the long step it stays;
+/// held constant across the sub-steps, which follow a constant force exactly, it grows by √(1 + z²/2) in each.
+#[test]
+fn impulses_across_sub_steps_do_not_grow() {
+    let (z, n, long_step): (f64, u32, f64) = (0.3, 10, 1e-3);
+    let stiffness_over_mass = (z / long_step).powi(2);
+    let start = || {
+        let stone = block(cuboid([-0.5; 3], [0.5; 3]), Motion::Free);
+        let stone = moving(stone, [1.0, 0.0, 0.0]);
+        blocks(vec![stone], rock(), Vec3::zeros())
+    };
+    let pull = |blocks: &Blocks| {
+        let force = blocks.centroid(0) * (-stiffness_over_mass * blocks.mass(0));
+        [Load {
+            force,
+            torque: Vec3::zeros(),
+        }]
+    };
+    let amplitude = |blocks: &Blocks| {
+        let speed = blocks.velocity(0).norm() * long_step / z;
+        blocks.centroid(0).norm().hypot(speed)
+    };
+
+    let mut split = start();
+    let first = amplitude(&split);
+    let mut largest: f64 = 0.0;
+    for k in 0..100_000 {
+        split.apply_impulse(&pull(&split), 0.5 * long_step);
+        split
+            .advance(f64::from(k) * long_step, long_step, n)
+            .unwrap();
+        split.apply_impulse(&pull(&split), 0.5 * long_step);
+        largest = largest.max(amplitude(&split) / first);
+    }
+    // an ellipse of central differences: 1/√(1 − z²/4) at most
+    assert!(largest < 1.012, "{largest}");
+
+    let mut held = start();
+    let short_step = long_step / f64::from(n);
+    let n_steps: u32 = 2000;
+    for k in 0..n_steps {
+        let load = pull(&held);
+        for s in 0..n {
+            let time = f64::from(k) * long_step + f64::from(s) * short_step;
+            held.apply_impulse(&load, 0.5 * short_step);
+            held.advance(time, short_step, 1).unwrap();
+            held.apply_impulse(&load, 0.5 * short_step);
+        }
+    }
+    let growth = (amplitude(&held) / first).powf(1.0 / f64::from(n_steps));
+    // the amplitude breathes by the ellipse's share, z²/4 of it over all steps
+    let expected = (1.0 + 0.5 * z * z).sqrt();
+    assert_close("growth of a held force", growth, expected, 2e-5);
 }

@@ -28,7 +28,7 @@ pub use bulk::{GrainRegionFile, GrainsFile, JointSetFile, RockMassFile, SliversF
 pub use fluid::{
     FluidFile, RegionFile, RegionShapeFile, RegularizationFile, ResolutionFile, RheologyFile,
 };
-pub use gauges::{GaugeFile, TrajectoriesFile};
+pub use gauges::{ForcesFile, GaugeFile, TrajectoriesFile};
 pub use interface::{InterfaceFile, SlipFile, WallMethodFile};
 pub use materials::{ElasticFile, JointFile, MaterialFile};
 pub use numerics::{
@@ -98,6 +98,9 @@ pub struct SceneFile {
     /// What is recorded, as in a laboratory.
     #[serde(default)]
     pub gauges: Vec<GaugeFile>,
+    /// Forces and moments on blocks by source; not recorded when left out.
+    #[serde(default)]
+    pub forces: Option<ForcesFile>,
     /// Ways of falling blocks: run-out, bounce height, speed and energy; not followed when left out.
     #[serde(default)]
     pub trajectories: Option<TrajectoriesFile>,

@@ -123,6 +123,10 @@ impl Scene {
         let speed = expected_speed(&file, &solids, &motions, lattice.as_ref());
         file.numerics.expected_speed.get_or_insert(speed);
         resolve_output(&mut file.output, file.time.duration);
+        if let Some(forces) = &mut file.forces {
+            let interval = file.output.gauge_interval;
+            forces.interval = forces.interval.or(interval);
+        }
         if let Some(trajectories) = &mut file.trajectories {
             let interval = &mut trajectories.interval;
             interval.get_or_insert(file.time.duration / TRAJECTORY_SAMPLES);

@@ -63,6 +63,9 @@ pub fn values(scene: &SceneFile) -> Vec<Problem> {
         check.gauge(index, gauge, scene);
     }
     check.unique("gauges", scene.gauges.iter().map(gauge_name));
+    if let Some(forces) = &scene.forces {
+        check.forces(forces, scene);
+    }
     if let Some(trajectories) = &scene.trajectories {
         check.trajectories(trajectories, scene);
     }

@@ -50,6 +50,19 @@ pub enum GaugeFile {
     },
 }
 
+/// On which blocks forces and moments are recorded by source: `forces.csv` has a row of means per block and interval,
+/// `contacts.csv` one per block, partner and time.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ForcesFile {
+    /// Names of free blocks; every free block when empty.
+    #[serde(default)]
+    pub blocks: Vec<String>,
+    /// Over which forces are means; s. As `output.gauge_interval` when left out.
+    #[serde(default)]
+    pub interval: Option<f64>,
+}
+
 /// Which blocks are followed on their way: `trajectories.csv` has a row per block and time, `rockfall.csv`
 /// one per block.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]

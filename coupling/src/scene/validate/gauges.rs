@@ -2,7 +2,7 @@
 
 use super::checks::{Checks, is_inside};
 use crate::scene::file::{
-    BlockFile, CameraFile, GaugeFile, MotionFile, SceneFile, TrajectoriesFile, Triple,
+    BlockFile, CameraFile, ForcesFile, GaugeFile, MotionFile, SceneFile, TrajectoriesFile, Triple,
 };
 use crate::scene::parse::suggestion;
 
@@ -50,36 +50,52 @@ impl Checks {
         }
     }
 
-    pub(super) fn trajectories(&mut self, trajectories: &TrajectoriesFile, scene: &SceneFile) {
+    pub(super) fn forces(&mut self, forces: &ForcesFile, scene: &SceneFile) {
+        self.followed("forces", (&forces.blocks, forces.interval), scene);
+    }
+
+    /// Free blocks by name, looked at every `interval` seconds.
+    fn followed(
+        &mut self,
+        what: &str,
+        (blocks, interval): (&[String], Option<f64>),
+        scene: &SceneFile,
+    ) {
         self.positive(
-            "trajectories.interval",
-            "trajectories: interval",
-            trajectories.interval,
+            &format!("{what}.interval"),
+            &format!("{what}: interval"),
+            interval,
         );
-        let is_free = |block: &&BlockFile| matches!(block.motion, MotionFile::Free);
-        let free = scene.blocks.iter().filter(is_free);
+        let free = scene.blocks.iter().filter(|block| is_free(block));
         let names: Vec<&str> = free.map(|block| block.name.as_str()).collect();
-        for (index, name) in trajectories.blocks.iter().enumerate() {
-            let path = format!("trajectories.blocks[{index}]");
+        for (index, name) in blocks.iter().enumerate() {
+            let path = format!("{what}.blocks[{index}]");
             if !names.contains(&name.as_str()) {
                 self.refuse(
                     &path,
                     format!(
-                        "trajectories: `{name}` is no free block of `blocks`{}",
+                        "{what}: `{name}` is no free block of `blocks`{}",
                         suggestion(name, &names)
                     ),
                 );
             }
-            let what = format!("trajectories: `{name}`");
-            self.listed_once(&path, what, (&trajectories.blocks, index));
+            self.listed_once(&path, format!("{what}: `{name}`"), (blocks, index));
         }
         if names.is_empty() && scene.rock_masses.is_empty() {
             self.refuse(
-                "trajectories",
-                "trajectories: no block is free to move; leave trajectories out".to_owned(),
+                what,
+                format!("{what}: no block is free to move; leave {what} out"),
             );
         }
-        if scene.blocks.iter().all(|block| is_free(&block)) {
+    }
+
+    pub(super) fn trajectories(&mut self, trajectories: &TrajectoriesFile, scene: &SceneFile) {
+        self.followed(
+            "trajectories",
+            (&trajectories.blocks, trajectories.interval),
+            scene,
+        );
+        if scene.blocks.iter().all(is_free) {
             self.question(
                 "trajectories",
                 "trajectories: no block is fixed, so there is no ground to measure heights from"
@@ -103,4 +119,8 @@ impl Checks {
             );
         }
     }
+}
+
+fn is_free(block: &BlockFile) -> bool {
+    matches!(block.motion, MotionFile::Free)
 }

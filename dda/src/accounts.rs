@@ -1,0 +1,78 @@
+//! What moved chosen blocks, source by source: impulses summed over the steps.
+
+use crate::{Blocks, Load, Vec3};
+
+/// Impulses on a block since it was chosen, moments about its centroid, gravity aside; N s, N m s.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Impulses {
+    /// Of contacts.
+    pub contact: Load,
+    /// Of loads, supports and bolts.
+    pub attached: Load,
+    /// Of what holds it in part, and of static damping.
+    pub restrained: Load,
+    /// Of gravity.
+    pub gravity: Vec3,
+}
+
+/// The chosen blocks, in ascending order, and their accounts.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Accounts {
+    blocks: Vec<u32>,
+    rows: Vec<Impulses>,
+}
+
+impl Blocks {
+    /// Keeps accounts of some blocks from now on, of no others.
+    pub fn keep_accounts(&mut self, blocks: &[usize]) {
+        let mut chosen: Vec<u32> = blocks.iter().map(|&b| b as u32).collect();
+        chosen.sort_unstable();
+        chosen.dedup();
+        self.accounts.rows = vec![Impulses::default(); chosen.len()];
+        self.accounts.blocks = chosen;
+    }
+
+    /// The account of a block, where one is kept.
+    pub fn account(&self, b: usize) -> Option<&Impulses> {
+        let k = self.accounts.blocks.binary_search(&(b as u32)).ok()?;
+        self.accounts.rows.get(k)
+    }
+
+    /// Books half a kick of contacts, attachments and gravity; dt of the whole, s.
+    pub(crate) fn account_half_kick(&mut self, dt: f64) {
+        let half = 0.5 * dt;
+        for k in 0..self.accounts.blocks.len() {
+            let b = self.accounts.blocks[k] as usize;
+            if !self.is_free(b) {
+                continue;
+            }
+            let row = &mut self.accounts.rows[k];
+            row.contact += self.contact_load[b].times(half);
+            if let Some(attached) = self.attachments.loads.get(b) {
+                row.attached += attached.times(half);
+            }
+            row.gravity += self.settings.gravity * (self.mass[b] * half);
+        }
+    }
+
+    /// Momentum of a block and its moment about the centroid, where an account of it is kept; kg m/s, kg m²/s.
+    pub(crate) fn accounted_momentum(&self, b: usize) -> Option<Load> {
+        self.accounts.blocks.binary_search(&(b as u32)).ok()?;
+        Some(Load {
+            force: self.velocity[b] * self.mass[b],
+            torque: self.spin_momentum(b),
+        })
+    }
+
+    /// Books the change of momentum since `before` that an impulse `given` does not explain.
+    pub(crate) fn account_restraint(&mut self, b: usize, before: Option<Load>, given: &Load) {
+        let (Some(before), Some(after)) = (before, self.accounted_momentum(b)) else {
+            return;
+        };
+        if let Ok(k) = self.accounts.blocks.binary_search(&(b as u32)) {
+            let row = &mut self.accounts.rows[k].restrained;
+            row.force += after.force - before.force - given.force;
+            row.torque += after.torque - before.torque - given.torque;
+        }
+    }
+}
