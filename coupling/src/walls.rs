@@ -267,7 +267,7 @@ pub(crate) fn parts(shape: &Shape) -> Vec<Part> {
                     .collect(),
             })
             .collect(),
-        // refused by the scene where such walls are to hold the fluid
+        // balls have walls of particles of their own; the scene refuses the rest where it would have to hold the fluid
         Shape::Sphere { .. } | Shape::Surface(_) => Vec::new(),
     }
 }

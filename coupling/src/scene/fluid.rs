@@ -569,7 +569,13 @@ pub(super) fn refuse_shapes(
     if method == WallMethodFile::Penalty {
         return;
     }
-    let hollow = |shape: &Shape| matches!(shape, Shape::Sphere { .. } | Shape::Surface(_));
+    let has_balls =
+        method == WallMethodFile::Particles && file.domain.dimensions != DimensionsFile::Two;
+    let hollow = |shape: &Shape| match shape {
+        Shape::Sphere { .. } => !has_balls,
+        Shape::Surface(_) => true,
+        Shape::Polyhedra(_) => false,
+    };
     let mut found = solids
         .iter()
         .enumerate()
@@ -593,7 +599,7 @@ pub(super) fn refuse_shapes(
     problems.push(Problem::error(
         path,
         format!(
-            "block `{name}`{others}: {what} has no walls of {method:?}, and water would run through it; set \
+            "block `{name}`{others}: {what} has no walls of {method:?} here, and water would run through it; set \
              interface.walls to Penalty, or use a polyhedron"
         ),
     ));

@@ -8,10 +8,10 @@
 //! planes.
 
 use nalgebra::Matrix3;
-use riprap_dda::{BlockDefinition, Blocks, Load};
+use riprap_dda::{BlockDefinition, Blocks, Load, Shape};
 use riprap_sph::boundary::integral::Face;
 use riprap_sph::boundary::sampling::{
-    Region, Rows, UnionLattice, WallSample, sample_behind, sample_convex, sample_union,
+    Region, Rows, UnionLattice, WallSample, sample_ball, sample_behind, sample_convex, sample_union,
 };
 use riprap_sph::boundary::screens::Facet;
 use riprap_sph::boundary::wall_particles::{Slip, WallParticles};
@@ -102,6 +102,17 @@ impl ParticleWalls {
         for (part, sample) in sampler.standing(&whole) {
             standing_points.add(owners[thick[part]], sample, Facet::NONE);
         }
+        let stands = (0..definitions.len()).filter(|&b| is_fixed(blocks, b));
+        for (b, sample) in stands.flat_map(|b| sampler.ball(b, &definitions[b].shape)) {
+            let is_in = |part: &Part| {
+                let nearest = part.nearest_plane(&sample.position);
+                nearest.is_some_and(|(_, distance)| distance < 0.0)
+            };
+            // what two solids share belongs to the polyhedron
+            if !standing.iter().any(is_in) {
+                standing_points.add(b, sample, Facet::NONE);
+            }
+        }
         let mut points = Points::default();
         for b in (0..definitions.len()).filter(|&b| !is_fixed(blocks, b)) {
             let parts: Vec<Part> = parts(&definitions[b].shape)
@@ -116,6 +127,9 @@ impl ParticleWalls {
             }
             let thick: Vec<Part> = thick.iter().map(|&part| parts[part].clone()).collect();
             for sample in sampler.body(&thick) {
+                points.add(b, sample, Facet::NONE);
+            }
+            for (b, sample) in sampler.ball(b, &definitions[b].shape) {
                 points.add(b, sample, Facet::NONE);
             }
         }
@@ -494,6 +508,23 @@ impl Sampler {
             plane,
             symmetry: settings.symmetry_planes().collect(),
         }
+    }
+
+    /// Points of a block that is a ball, before planes of symmetry; none of any other.
+    fn ball(&self, block: usize, shape: &Shape) -> Vec<(usize, WallSample)> {
+        let Shape::Sphere { center, radius } = shape else {
+            return Vec::new();
+        };
+        let (spacing, support) = (self.lattice.particle_spacing, self.lattice.support_radius);
+        let is_before = |sample: &WallSample| {
+            let mut planes = self.symmetry.iter();
+            planes.all(|plane| 0.0 <= plane.distance(&sample.position))
+        };
+        sample_ball(*center, *radius, spacing, support)
+            .into_iter()
+            .filter(is_before)
+            .map(|sample| (block, sample))
+            .collect()
     }
 
     /// Which of some parts are screens, with points behind each of their faces, and which are not. Faces that

@@ -7,6 +7,7 @@
 //! - a box is a lattice of its own ([`sample_convex`]);
 //! - any other convex body has layers parallel to each face, bounded by the planes that bisect the
 //!   angles to the other faces ([`sample_convex`]);
+//! - a ball has layers of points spread evenly ([`sample_ball`]);
 //! - fixed bodies that touch or overlap are one solid ([`sample_union`]);
 //! - each face of a [screen](super::screens) has layers of its own ([`sample_behind`]).
 
@@ -16,12 +17,14 @@ use crate::Vec3;
 use crate::boundary::integral::Face;
 use polygon::{Piece, Polygon};
 
+mod ball;
 mod behind;
 mod cuboid;
 mod layers;
 mod polygon;
 mod union;
 
+pub use ball::sample_ball;
 pub use behind::{Rows, sample_behind};
 pub use union::{Region, UnionLattice, UnionSample, sample_union};
 

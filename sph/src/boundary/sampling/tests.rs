@@ -407,3 +407,48 @@ fn turned_block_on_a_floor_is_seen_as_a_solid() {
     // same block as a lattice of its own has 1.6e-2
     assert!(error < 6e-2);
 }
+
+/// Points of a ball fill its shell, and a point of its surface sees of them what it would of the solid: less than the
+/// half of a plane, as the ball curves away.
+#[test]
+fn a_ball_is_filled_to_the_depth_of_the_support() {
+    let (radius, spacing, support): (f64, f64, f64) = (1.0, 0.1, 0.26);
+    let center = Vec3::new(0.3, -0.2, 0.5);
+    let samples = sample_ball(center, radius, spacing, support);
+    let volume: f64 = samples.iter().map(|sample| sample.volume).sum();
+    let ball = |r: f64| 4.0 / 3.0 * std::f64::consts::PI * r.powi(3);
+    let shell = ball(radius) - ball(radius - 0.3);
+    assert!((volume / shell - 1.0).abs() < 1e-12);
+    let kernel = PointKernel::new(KernelChoice::WendlandC2, support, Dimensions::Three);
+    // share of the support of a surface point inside the ball, by slices of spheres round the point
+    let n = 2000;
+    let exact: f64 = (0..n)
+        .map(|k| {
+            let r = (f64::from(k) + 0.5) * support / f64::from(n);
+            let cap = 2.0 * std::f64::consts::PI * r * r * (1.0 - r / (2.0 * radius));
+            cap * kernel.value(r) * support / f64::from(n)
+        })
+        .sum();
+    let (mut worst, mut mean): (f64, f64) = (0.0, 0.0);
+    let looks = 500;
+    for i in 0..looks {
+        let height = 1.0 - (2.0 * f64::from(i) + 1.0) / f64::from(looks);
+        let across = (1.0 - height * height).sqrt();
+        let (sin, cos) = (2.4 * f64::from(i)).sin_cos();
+        let x = center + Vec3::new(across * cos, across * sin, height) * radius;
+        let seen: f64 = samples
+            .iter()
+            .map(|s| s.volume * kernel.value((s.position - x).norm()))
+            .sum();
+        worst = worst.max((seen / exact - 1.0).abs());
+        mean += seen / exact / f64::from(looks);
+    }
+    println!(
+        "share of the support: mean {:+.2} %, worst {:.1} %",
+        100.0 * (mean - 1.0),
+        100.0 * worst
+    );
+    // a lattice's rows at half a spacing lose as much to the second order of the spacing
+    assert!((mean - 1.0).abs() < 0.02, "{mean}");
+    assert!(worst < 0.1, "{worst}");
+}
