@@ -74,6 +74,7 @@ pub mod exchange;
 pub mod fluid;
 pub mod kernel;
 mod lanes;
+mod lists;
 pub mod mirror;
 mod packing;
 pub mod particles;

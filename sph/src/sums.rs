@@ -5,6 +5,7 @@ use crate::cells::CellGrid;
 use crate::fluid::Settings;
 use crate::kernel::{CubicSpline, KernelChoice, Mueller, PairKernel, Viscous, WendlandC2};
 use crate::lanes::{Lanes, Machine};
+use crate::lists::{Lists, Surroundings};
 use crate::points::Frame;
 use crate::scheme::{DensityDiffusion, Viscosity};
 use crate::sweep::{
@@ -61,6 +62,8 @@ struct Setup<'a> {
     settings: &'a Settings,
     from: Neighborhood<'a>,
     receivers: Receivers<'a>,
+    /// Where the neighbours of all receivers are listed.
+    lists: Option<&'a Lists>,
 }
 
 impl Setup<'_> {
@@ -81,7 +84,12 @@ impl Setup<'_> {
             support_radius: self.settings.support_radius(),
             moved: self.from.moved,
         };
-        sweep::<L, T>(machine, term, &sources, self.receivers, out)
+        match self.lists {
+            Some(lists) => {
+                lists.sum::<L, T>(machine, term, &sources, self.receivers.positions, out)
+            }
+            None => sweep::<L, T>(machine, term, &sources, self.receivers, out),
+        }
     }
 
     fn kernel<L: Lanes, K: PairKernel<L>>(&self, machine: L::Machine) -> K {
@@ -140,7 +148,42 @@ impl Fluid {
                 positions: &self.particles.position,
                 chosen: None,
             },
+            lists: self.listed(),
         }
+    }
+
+    /// Whether neighbours are listed: what is between particles has to be looked at in every sum.
+    fn lists_neighbors(&self) -> bool {
+        self.is_sorted() && self.screens.len() == 0
+    }
+
+    /// The lists of neighbours, where they hold.
+    fn listed(&self) -> Option<&Lists> {
+        (self.lists.are_made() && self.lists_neighbors()).then_some(&self.lists)
+    }
+
+    /// Lists the neighbours of all particles, packed in `points`, if they were not since the last sort.
+    fn list(&mut self, points: &AnyPoints) {
+        if self.lists.are_made() || !self.lists_neighbors() {
+            return;
+        }
+        let mut lists = std::mem::take(&mut self.lists);
+        let reach = self.settings.support_radius() + self.skin();
+        let listing = Listing {
+            from: Surroundings {
+                grid: &self.grid,
+                frame: &self.frame,
+                mirrors: self.settings.mirrors(),
+                positions: &self.particles.position,
+                // both of a pair may have moved since the sort, and will not move as far again
+                radius: reach - 2.0 * self.moved(),
+                reach,
+            },
+            points,
+            lists: &mut lists,
+        };
+        dispatch(self.settings.scheme.precision, listing);
+        self.lists = lists;
     }
 
     /// Sums over walls for some of the particles.
@@ -149,6 +192,7 @@ impl Fluid {
             settings: &self.settings,
             from: walls,
             receivers: some(&self.particles.position, chosen),
+            lists: None,
         }
     }
 
@@ -159,6 +203,7 @@ impl Fluid {
             settings: &self.settings,
             from: self.neighborhood(&self.scratch.points, between),
             receivers: some(places.positions, chosen),
+            lists: None,
         }
     }
 
@@ -189,6 +234,24 @@ impl Fluid {
                 [v.x, v.y, v.z, p.pressure[a], p.mass[a] / p.density[a]]
             },
         );
+    }
+}
+
+struct Listing<'a> {
+    from: Surroundings<'a>,
+    points: &'a AnyPoints,
+    lists: &'a mut Lists,
+}
+
+impl Sum for Listing<'_> {
+    fn run<L>(self, machine: L::Machine)
+    where
+        L: Lanes,
+        L::Machine: Machine,
+        L::Record: Default + PackedIn,
+    {
+        let points = L::Record::of(self.points);
+        self.lists.make::<L>(machine, self.from, points);
     }
 }
 
@@ -224,6 +287,7 @@ pub(crate) fn summation(fluid: &mut Fluid, factor: f64) -> u64 {
         &fluid.particles.position,
         |a| [mass[a] * factor, 0.0, 0.0, 0.0, 0.0],
     );
+    fluid.list(&points);
     dispatch(
         fluid.settings.scheme.precision,
         Summations {
@@ -312,6 +376,7 @@ pub(crate) fn rates(fluid: &mut Fluid) -> u64 {
     let mut out = std::mem::take(&mut fluid.scratch.rates);
     fluid.pack_flow(&mut points);
     out.resize(fluid.particles.len(), Rate::default());
+    fluid.list(&points);
     let mut n_found = 0;
     dispatch(
         fluid.settings.scheme.precision,
@@ -365,6 +430,7 @@ pub(crate) fn density_gradients(fluid: &mut Fluid) {
     let mut packed = std::mem::take(&mut fluid.scratch.extra);
     fluid.pack_flow(&mut points);
     out.resize(fluid.particles.len(), [0.0; 3]);
+    fluid.list(&points);
     dispatch(
         fluid.settings.scheme.precision,
         Gradients {
@@ -406,16 +472,19 @@ impl Strains<'_> {
 
 /// Sums of the gradient of velocity in the fluid into the scratch; after [`Fluid::pack_forces`].
 pub(crate) fn strains(fluid: &mut Fluid) {
+    let points = std::mem::take(&mut fluid.scratch.points);
     let mut out = std::mem::take(&mut fluid.scratch.strains);
     out.resize(fluid.particles.len(), StrainSums::default());
+    fluid.list(&points);
     dispatch(
         fluid.settings.scheme.precision,
         Strains {
-            setup: fluid.to_everyone(&fluid.scratch.points),
+            setup: fluid.to_everyone(&points),
             velocity: &fluid.particles.velocity,
             out: &mut out,
         },
     );
+    fluid.scratch.points = points;
     fluid.scratch.strains = out;
 }
 
@@ -461,6 +530,7 @@ pub(crate) fn spreads(fluid: &mut Fluid) {
     let mut out = std::mem::take(&mut fluid.scratch.spreads);
     fluid.pack_flow(&mut points);
     out.resize(fluid.particles.len(), Spread::default());
+    fluid.list(&points);
     dispatch(
         fluid.settings.scheme.precision,
         Spreads {
@@ -617,6 +687,7 @@ pub(crate) fn forces(fluid: &mut Fluid) {
     let points = std::mem::take(&mut fluid.scratch.points);
     let mut out = std::mem::take(&mut fluid.scratch.forces);
     out.resize(fluid.particles.len(), ForceDensity::default());
+    fluid.list(&points);
     dispatch(
         fluid.settings.scheme.precision,
         Forces {
@@ -659,6 +730,7 @@ pub(crate) fn wall_rates(fluid: &Fluid, walls: Neighborhood, chosen: &[u32], out
                 settings: &without_diffusion,
                 from: walls,
                 receivers: some(&fluid.particles.position, chosen),
+                lists: None,
             },
             own: RateOwn {
                 velocity: &fluid.particles.velocity,
