@@ -79,13 +79,7 @@ impl Image {
 /// The same of all images in given planes, see [`Image::planes`].
 #[inline(always)]
 pub(crate) fn signs_in(planes: u8) -> [f64; 3] {
-    PLANE_DIGITS.map(|digit| {
-        if planes / digit % 3 == 0 {
-            1.0
-        } else {
-            -1.0
-        }
-    })
+    PLANE_DIGITS.map(|digit| if planes / digit % 3 == 0 { 1.0 } else { -1.0 })
 }
 
 /// Where the planes stand; infinitely far away where there is none.
@@ -295,6 +289,9 @@ mod tests {
     fn images(x: Vec3) -> Vec<[f64; 3]> {
         let mut images = [Image::default(); MOST_IMAGES];
         let n = mirrors().images_within(&x, 0.2, &mut images);
+        for image in &images[..n] {
+            assert_eq!(mirrors().mirrored(image.planes, &x), image.position);
+        }
         images[..n].iter().map(|i| i.position.into()).collect()
     }
 

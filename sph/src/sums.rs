@@ -1,5 +1,7 @@
 //! The fluid's sums over neighbours: settings become types here, once per sum and not once per pair.
 
+use std::marker::PhantomData;
+
 use crate::boundary::screens::{Facet, Screens};
 use crate::cells::CellGrid;
 use crate::fluid::Settings;
@@ -9,7 +11,7 @@ use crate::lists::{Lists, Surroundings};
 use crate::points::Frame;
 use crate::scheme::{DensityDiffusion, Viscosity};
 use crate::sweep::{
-    AnyPoints, Between, PackedIn, Receivers, Sources, Sum, Term, Veil, dispatch, sweep,
+    AnyPoints, Between, PackedIn, Receivers, Sources, Sum, Term, Veil, dispatch, sweep, sweep_as,
 };
 use crate::terms::continuity::{
     Continuity, Diffusion, GradientDiffusion, JumpDiffusion, NoDiffusion, Rate, RateOwn,
@@ -67,28 +69,15 @@ struct Setup<'a> {
 }
 
 impl Setup<'_> {
-    /// Sums a term into `out`.
-    fn sweep<L, T>(&self, machine: L::Machine, term: &T, out: &mut [T::Out]) -> u64
-    where
-        L: Lanes,
-        L::Machine: Machine,
-        L::Record: Default + PackedIn,
-        T: Term<L>,
-    {
-        let sources = Sources {
+    fn sources<R: PackedIn>(&self) -> Sources<'_, R> {
+        Sources {
             grid: self.from.grid,
             frame: self.from.frame,
-            points: L::Record::of(self.from.points),
+            points: R::of(self.from.points),
             veil: self.from.veil,
             mirrors: self.settings.mirrors(),
             support_radius: self.settings.support_radius(),
             moved: self.from.moved,
-        };
-        match self.lists {
-            Some(lists) => {
-                lists.sum::<L, T>(machine, term, &sources, self.receivers.positions, out)
-            }
-            None => sweep::<L, T>(machine, term, &sources, self.receivers, out),
         }
     }
 
@@ -98,6 +87,52 @@ impl Setup<'_> {
             self.settings.support_radius(),
             self.settings.dimensions,
         )
+    }
+}
+
+/// How a sum comes by the neighbours: types, so that no code is made of terms that nobody sums that way.
+trait Way {
+    /// Sums a term into `out`; returns the number of neighbours.
+    fn sum<L, T>(setup: &Setup, machine: L::Machine, term: &T, out: &mut [T::Out]) -> u64
+    where
+        L: Lanes,
+        L::Machine: Machine,
+        L::Record: Default + PackedIn,
+        T: Term<L>;
+}
+
+/// Within the fluid: by the lists, if there are any.
+struct Within;
+
+impl Way for Within {
+    fn sum<L, T>(setup: &Setup, machine: L::Machine, term: &T, out: &mut [T::Out]) -> u64
+    where
+        L: Lanes,
+        L::Machine: Machine,
+        L::Record: Default + PackedIn,
+        T: Term<L>,
+    {
+        let (sources, receivers) = (setup.sources(), setup.receivers);
+        match setup.lists {
+            Some(lists) => lists.sum::<L, T>(machine, term, &sources, receivers.positions, out),
+            // but for screens there are lists
+            None => sweep_as::<L, T, true>(machine, term, &sources, receivers, out),
+        }
+    }
+}
+
+/// Between the fluid and its walls.
+struct Across;
+
+impl Way for Across {
+    fn sum<L, T>(setup: &Setup, machine: L::Machine, term: &T, out: &mut [T::Out]) -> u64
+    where
+        L: Lanes,
+        L::Machine: Machine,
+        L::Record: Default + PackedIn,
+        T: Term<L>,
+    {
+        sweep::<L, T>(machine, term, &setup.sources(), setup.receivers, out)
     }
 }
 
@@ -114,8 +149,8 @@ macro_rules! for_kernel {
 
 /// Makes a struct a [`Sum`] by its `with`.
 macro_rules! sum_over_kernels {
-    ($name:ident) => {
-        impl Sum for $name<'_> {
+    ($name:ident $(, $way:ident)?) => {
+        impl $(<$way: Way>)? Sum for $name<'_ $(, $way)?> {
             fn run<L>(self, machine: L::Machine)
             where
                 L: Lanes,
@@ -167,17 +202,22 @@ impl Fluid {
         if self.lists.are_made() || !self.lists_neighbors() {
             return;
         }
+        // both of a pair may have moved since the sort, and will not move as far again
+        let skin = self.skin() - 2.0 * self.moved();
+        self.list_within(self.settings.support_radius() + skin, points);
+    }
+
+    /// Lists for all particles who is within a radius (m), no larger than support and skin.
+    pub(crate) fn list_within(&mut self, radius: f64, points: &AnyPoints) {
         let mut lists = std::mem::take(&mut self.lists);
-        let reach = self.settings.support_radius() + self.skin();
         let listing = Listing {
             from: Surroundings {
                 grid: &self.grid,
                 frame: &self.frame,
                 mirrors: self.settings.mirrors(),
                 positions: &self.particles.position,
-                // both of a pair may have moved since the sort, and will not move as far again
-                radius: reach - 2.0 * self.moved(),
-                reach,
+                radius,
+                reach: self.settings.support_radius() + self.skin(),
             },
             points,
             lists: &mut lists,
@@ -271,7 +311,7 @@ impl Summations<'_> {
         K: PairKernel<L>,
     {
         let term = Summation::new(machine, self.setup.kernel::<L, K>(machine));
-        *self.n_found = self.setup.sweep::<L, _>(machine, &term, self.out);
+        *self.n_found = Within::sum::<L, _>(&self.setup, machine, &term, self.out);
     }
 }
 
@@ -366,7 +406,7 @@ impl Rates<'_> {
             self.own,
             self.setup.settings.reference_density,
         );
-        *self.n_found = self.setup.sweep::<L, _>(machine, &term, self.out);
+        *self.n_found = Within::sum::<L, _>(&self.setup, machine, &term, self.out);
     }
 }
 
@@ -419,7 +459,7 @@ impl Gradients<'_> {
             settings.reference_density,
             settings.dimensions,
         );
-        self.setup.sweep::<L, _>(machine, &term, self.out);
+        Within::sum::<L, _>(&self.setup, machine, &term, self.out);
     }
 }
 
@@ -448,14 +488,15 @@ pub(crate) fn density_gradients(fluid: &mut Fluid) {
     fluid.scratch.extra = packed;
 }
 
-struct Strains<'a> {
+struct Strains<'a, W> {
     setup: Setup<'a>,
+    way: PhantomData<W>,
     velocity: &'a [Vec3],
     out: &'a mut [StrainSums],
 }
-sum_over_kernels!(Strains);
+sum_over_kernels!(Strains, W);
 
-impl Strains<'_> {
+impl<W: Way> Strains<'_, W> {
     fn with<L, K>(self, machine: L::Machine)
     where
         L: Lanes,
@@ -466,7 +507,7 @@ impl Strains<'_> {
         let kernel = self.setup.kernel::<L, K>(machine);
         let dimensions = self.setup.settings.dimensions;
         let term = Strain::new(machine, kernel, self.velocity, dimensions);
-        self.setup.sweep::<L, _>(machine, &term, self.out);
+        W::sum::<L, _>(&self.setup, machine, &term, self.out);
     }
 }
 
@@ -480,6 +521,7 @@ pub(crate) fn strains(fluid: &mut Fluid) {
         fluid.settings.scheme.precision,
         Strains {
             setup: fluid.to_everyone(&points),
+            way: PhantomData::<Within>,
             velocity: &fluid.particles.velocity,
             out: &mut out,
         },
@@ -499,19 +541,21 @@ pub(crate) fn wall_strains(
         fluid.settings.scheme.precision,
         Strains {
             setup: fluid.to_some(walls, chosen),
+            way: PhantomData::<Across>,
             velocity: &fluid.particles.velocity,
             out,
         },
     );
 }
 
-struct Spreads<'a> {
+struct Spreads<'a, W> {
     setup: Setup<'a>,
+    way: PhantomData<W>,
     out: &'a mut [Spread],
 }
-sum_over_kernels!(Spreads);
+sum_over_kernels!(Spreads, W);
 
-impl Spreads<'_> {
+impl<W: Way> Spreads<'_, W> {
     fn with<L, K>(self, machine: L::Machine)
     where
         L: Lanes,
@@ -520,7 +564,7 @@ impl Spreads<'_> {
         K: PairKernel<L>,
     {
         let term = Disorder::new(machine, self.setup.kernel::<L, K>(machine));
-        self.setup.sweep::<L, _>(machine, &term, self.out);
+        W::sum::<L, _>(&self.setup, machine, &term, self.out);
     }
 }
 
@@ -535,6 +579,7 @@ pub(crate) fn spreads(fluid: &mut Fluid) {
         fluid.settings.scheme.precision,
         Spreads {
             setup: fluid.to_everyone(&points),
+            way: PhantomData::<Within>,
             out: &mut out,
         },
     );
@@ -593,10 +638,10 @@ impl Forces<'_> {
             Shearing::Uniform(viscosity) => {
                 return match self.forcing {
                     Forcing::FluidAndFluid => {
-                        self.pressed::<L, K, _>(machine, SumOfPressures, viscosity);
+                        self.pressed::<L, K, _, Within>(machine, SumOfPressures, viscosity);
                     }
                     Forcing::WallOnFluid | Forcing::FluidOnWall => {
-                        self.pressed::<L, K, _>(machine, wall(), viscosity);
+                        self.pressed::<L, K, _, Across>(machine, wall(), viscosity);
                     }
                 };
             }
@@ -606,26 +651,27 @@ impl Forces<'_> {
         match self.forcing {
             Forcing::FluidAndFluid => {
                 let shear = VariableShear::<L, true, true>::new(machine, viscosities, h);
-                self.sheared::<L, K, _, _>(machine, SumOfPressures, shear);
+                self.sheared::<L, K, _, _, Within>(machine, SumOfPressures, shear);
             }
             Forcing::WallOnFluid => {
                 let shear = VariableShear::<L, true, false>::new(machine, viscosities, h);
-                self.sheared::<L, K, _, _>(machine, wall(), shear);
+                self.sheared::<L, K, _, _, Across>(machine, wall(), shear);
             }
             Forcing::FluidOnWall => {
                 let shear = VariableShear::<L, false, true>::new(machine, viscosities, h);
-                self.sheared::<L, K, _, _>(machine, wall(), shear);
+                self.sheared::<L, K, _, _, Across>(machine, wall(), shear);
             }
         }
     }
 
-    fn pressed<L, K, P>(self, machine: L::Machine, pressure: P, viscosity: Viscosity)
+    fn pressed<L, K, P, W>(self, machine: L::Machine, pressure: P, viscosity: Viscosity)
     where
         L: Lanes,
         L::Machine: Machine,
         L::Record: Default + PackedIn,
         K: PairKernel<L>,
         P: PairPressure<L>,
+        W: Way,
     {
         let s = self.setup.settings;
         let h = s.smoothing_length;
@@ -636,7 +682,7 @@ impl Forces<'_> {
             // these are of particles, see `Shearing`
             | Viscosity::Rheological { .. }
             | Viscosity::SubParticleScale { .. } => {
-                self.sheared::<L, K, _, _>(machine, pressure, Inviscid);
+                self.sheared::<L, K, _, _, W>(machine, pressure, Inviscid);
             }
             Viscosity::Published { dynamic_viscosity } => {
                 let term = Published::new(
@@ -644,29 +690,29 @@ impl Forces<'_> {
                     dynamic_viscosity,
                     &Viscous::new(s.support_radius(), s.dimensions),
                 );
-                self.sheared::<L, K, _, _>(machine, pressure, term);
+                self.sheared::<L, K, _, _, W>(machine, pressure, term);
             }
             Viscosity::Artificial { alpha } => {
                 let term = Central::<L, true>::new(machine, rho * alpha * s.sound_speed * h, h);
-                self.sheared::<L, K, _, _>(machine, pressure, term);
+                self.sheared::<L, K, _, _, W>(machine, pressure, term);
             }
             Viscosity::Laminar {
                 kinematic_viscosity,
             } => {
                 let factor = laminar_factor * rho * kinematic_viscosity;
                 let term = Central::<L, false>::new(machine, factor, h);
-                self.sheared::<L, K, _, _>(machine, pressure, term);
+                self.sheared::<L, K, _, _, W>(machine, pressure, term);
             }
             Viscosity::Morris {
                 kinematic_viscosity,
             } => {
                 let term = Shear::new(machine, 2.0 * rho * kinematic_viscosity, h);
-                self.sheared::<L, K, _, _>(machine, pressure, term);
+                self.sheared::<L, K, _, _, W>(machine, pressure, term);
             }
         }
     }
 
-    fn sheared<L, K, P, V>(self, machine: L::Machine, pressure: P, viscosity: V)
+    fn sheared<L, K, P, V, W>(self, machine: L::Machine, pressure: P, viscosity: V)
     where
         L: Lanes,
         L::Machine: Machine,
@@ -674,10 +720,11 @@ impl Forces<'_> {
         K: PairKernel<L>,
         P: PairPressure<L>,
         V: PairViscosity<L>,
+        W: Way,
     {
         let kernel = self.setup.kernel::<L, K>(machine);
         let term = Momentum::new(machine, kernel, pressure, viscosity, self.own);
-        self.setup.sweep::<L, _>(machine, &term, self.out);
+        W::sum::<L, _>(&self.setup, machine, &term, self.out);
     }
 }
 
@@ -713,32 +760,43 @@ fn some<'a>(positions: &'a [Vec3], chosen: &'a [u32]) -> Receivers<'a> {
     }
 }
 
+struct WallRates<'a> {
+    setup: Setup<'a>,
+    own: RateOwn<'a>,
+    out: &'a mut [Rate],
+}
+sum_over_kernels!(WallRates);
+
+impl WallRates<'_> {
+    fn with<L, K>(self, machine: L::Machine)
+    where
+        L: Lanes,
+        L::Machine: Machine,
+        L::Record: Default + PackedIn,
+        K: PairKernel<L>,
+    {
+        let term = Continuity::new(
+            machine,
+            self.setup.kernel::<L, K>(machine),
+            NoDiffusion(L::splat(machine, 0.0)),
+            self.own,
+            self.setup.settings.reference_density,
+        );
+        Across::sum::<L, _>(&self.setup, machine, &term, self.out);
+    }
+}
+
 /// Rates of density of some particles from wall points, which hold velocity and volume.
 pub(crate) fn wall_rates(fluid: &Fluid, walls: Neighborhood, chosen: &[u32], out: &mut [Rate]) {
-    let without_diffusion = Settings {
-        scheme: crate::Scheme {
-            diffusion: DensityDiffusion::None,
-            ..fluid.settings.scheme
-        },
-        ..fluid.settings.clone()
-    };
-    let mut n_found = 0;
     dispatch(
         fluid.settings.scheme.precision,
-        Rates {
-            setup: Setup {
-                settings: &without_diffusion,
-                from: walls,
-                receivers: some(&fluid.particles.position, chosen),
-                lists: None,
-            },
+        WallRates {
+            setup: fluid.to_some(walls, chosen),
             own: RateOwn {
                 velocity: &fluid.particles.velocity,
                 density: &fluid.particles.density,
             },
-            gradients: walls.points,
             out,
-            n_found: &mut n_found,
         },
     );
 }
@@ -749,6 +807,7 @@ pub(crate) fn wall_spreads(fluid: &Fluid, walls: Neighborhood, chosen: &[u32], o
         fluid.settings.scheme.precision,
         Spreads {
             setup: fluid.to_some(walls, chosen),
+            way: PhantomData::<Across>,
             out,
         },
     );
@@ -760,6 +819,7 @@ pub(crate) fn spreads_at(fluid: &Fluid, places: Places, chosen: &[u32], out: &mu
         fluid.settings.scheme.precision,
         Spreads {
             setup: fluid.to_places(places, chosen),
+            way: PhantomData::<Across>,
             out,
         },
     );
@@ -827,7 +887,7 @@ impl Extrapolations<'_> {
         let s = self.setup.settings;
         let kernel = self.setup.kernel::<L, K>(machine);
         let term = Extrapolation::new(machine, kernel, s.reference_density, s.sound_speed);
-        self.setup.sweep::<L, _>(machine, &term, self.out);
+        Across::sum::<L, _>(&self.setup, machine, &term, self.out);
     }
 }
 

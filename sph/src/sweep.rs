@@ -171,12 +171,33 @@ where
     L::Record: Default,
     T: Term<L>,
 {
+    if sources.veil.is_none() {
+        sweep_as::<L, T, false>(machine, term, sources, receivers, out)
+    } else {
+        sweep_as::<L, T, true>(machine, term, sources, receivers, out)
+    }
+}
+
+/// The same with the code for screens or without, which leaves screens out.
+pub(crate) fn sweep_as<L, T, const SCREENED: bool>(
+    machine: L::Machine,
+    term: &T,
+    sources: &Sources<L::Record>,
+    receivers: Receivers,
+    out: &mut [T::Out],
+) -> u64
+where
+    L: Lanes,
+    L::Machine: Machine,
+    L::Record: Default,
+    T: Term<L>,
+{
     debug_assert_eq!(out.len(), receivers.len());
     out.par_chunks_mut(CHUNK)
         .enumerate()
         .map(|(chunk, out)| {
             let mut n_found = 0;
-            let chunk = Chunk::<L, T, false> {
+            machine.run(Chunk::<L, T, SCREENED> {
                 machine,
                 term,
                 sources,
@@ -184,12 +205,7 @@ where
                 first: chunk * CHUNK,
                 out,
                 n_found: &mut n_found,
-            };
-            if sources.veil.is_none() {
-                machine.run(chunk);
-            } else {
-                machine.run(chunk.screened());
-            }
+            });
             n_found
         })
         .sum()
@@ -205,29 +221,6 @@ struct Chunk<'a, L: Lanes, T: Term<L>, const SCREENED: bool> {
     first: usize,
     out: &'a mut [T::Out],
     n_found: &'a mut u64,
-}
-
-impl<'a, L: Lanes, T: Term<L>> Chunk<'a, L, T, false> {
-    fn screened(self) -> Chunk<'a, L, T, true> {
-        let Self {
-            machine,
-            term,
-            sources,
-            receivers,
-            first,
-            out,
-            n_found,
-        } = self;
-        Chunk {
-            machine,
-            term,
-            sources,
-            receivers,
-            first,
-            out,
-            n_found,
-        }
-    }
 }
 
 impl<L, T, const SCREENED: bool> Task for Chunk<'_, L, T, SCREENED>
