@@ -325,17 +325,33 @@ where
 mod tests {
     use super::*;
     use crate::scheme::{DensityDiffusion, Viscosity};
-    use crate::{Dimensions, Fluid, FluidError, Precision, Scheme, Settings, Start, sums};
+    use crate::{
+        Dimensions, Fluid, FluidError, KernelChoice, Precision, Scheme, Settings, Start, sums,
+    };
 
     const RADIUS: f64 = 0.2;
 
-    /// Random particles as dense as water in a box, half of them on their way along x, the others against it.
-    fn cloud(
+    /// A box and how sums are made in it.
+    #[derive(Clone, Copy)]
+    struct Case {
         extent: [f64; 3],
         periodic: [bool; 3],
         symmetry: [[bool; 2]; 3],
-    ) -> Result<Fluid, FluidError> {
-        let extent = Vec3::from(extent);
+        kernel: KernelChoice,
+        viscosity: Viscosity,
+    }
+
+    const CLOSED: Case = Case {
+        extent: [0.8; 3],
+        periodic: [false; 3],
+        symmetry: [[false; 2]; 3],
+        kernel: KernelChoice::WendlandC2,
+        viscosity: Viscosity::Artificial { alpha: 0.1 },
+    };
+
+    /// Random particles as dense as water in a box, half of them on their way along x, the others against it.
+    fn cloud(of: Case) -> Result<Fluid, FluidError> {
+        let extent = Vec3::from(of.extent);
         let settings = Settings {
             particle_spacing: [0.06; 3],
             smoothing_length: 0.5 * RADIUS,
@@ -344,15 +360,16 @@ mod tests {
             scheme: Scheme {
                 precision: Precision::Double,
                 diffusion: DensityDiffusion::Antuono(0.1),
-                viscosity: Viscosity::Artificial { alpha: 0.1 },
+                viscosity: of.viscosity,
+                kernel: of.kernel,
                 ..Scheme::standard()
             },
             dimensions: Dimensions::Three,
             gravity: Vec3::zeros(),
             time_step_factor: 0.5,
             domain: (Vec3::zeros(), extent),
-            periodic,
-            symmetry,
+            periodic: of.periodic,
+            symmetry: of.symmetry,
         };
         let mut state = 88_172_645_463_325_252_u64;
         let mut random = || {
@@ -384,7 +401,7 @@ mod tests {
     }
 
     /// Results of all sums, a column each, and the numbers of neighbours.
-    fn sums(fluid: &mut Fluid) -> Result<(Vec<Vec<f64>>, Vec<u32>), FluidError> {
+    fn all_sums(fluid: &mut Fluid) -> Result<(Vec<Vec<f64>>, Vec<u32>), FluidError> {
         fluid.update_rates();
         fluid.update_pressure()?;
         sums::forces(fluid);
@@ -413,8 +430,8 @@ mod tests {
     /// Largest difference of the sums by lists from those by sweeps, each over the largest of its column, and
     /// of the numbers of neighbours.
     fn difference(fluid: &mut Fluid) -> Result<(f64, u32), FluidError> {
-        let (by_sweep, counted) = sums(&mut without_lists(fluid))?;
-        let (by_lists, listed) = sums(fluid)?;
+        let (by_sweep, counted) = all_sums(&mut without_lists(fluid))?;
+        let (by_lists, listed) = all_sums(fluid)?;
         assert!(fluid.lists.are_made());
         let mut largest = 0.0_f64;
         for (a, b) in by_lists.iter().zip(&by_sweep) {
@@ -438,19 +455,41 @@ mod tests {
 
     #[test]
     fn sums_by_lists_are_those_of_the_sweep() -> Result<(), FluidError> {
-        let (closed, both) = ([false; 3], [true; 2]);
-        let none = [[false; 2]; 3];
-        for (extent, periodic, symmetry) in [
-            ([0.8; 3], closed, none),
-            ([0.8, 0.3, 0.8], [true, true, false], none),
-            ([0.8; 3], closed, [both, [false; 2], [true, false]]),
-            (
-                [0.3, 0.8, 0.8],
-                [false, true, false],
-                [both, [false; 2], both],
-            ),
-        ] {
-            let mut fluid = cloud(extent, periodic, symmetry)?;
+        let both = [true; 2];
+        let cases = [
+            CLOSED,
+            Case {
+                extent: [0.8, 0.3, 0.8],
+                periodic: [true, true, false],
+                ..CLOSED
+            },
+            Case {
+                symmetry: [both, [false; 2], [true, false]],
+                ..CLOSED
+            },
+            Case {
+                extent: [0.3, 0.8, 0.8],
+                periodic: [false, true, false],
+                symmetry: [both, [false; 2], both],
+                ..CLOSED
+            },
+            Case {
+                kernel: KernelChoice::CubicSpline,
+                viscosity: Viscosity::Morris {
+                    kinematic_viscosity: 0.01,
+                },
+                ..CLOSED
+            },
+            Case {
+                kernel: KernelChoice::Mueller,
+                viscosity: Viscosity::Published {
+                    dynamic_viscosity: 10.0,
+                },
+                ..CLOSED
+            },
+        ];
+        for case in cases {
+            let mut fluid = cloud(case)?;
             let when_made = difference(&mut fluid)?;
             approach(&mut fluid);
             let after_moving = difference(&mut fluid)?;
@@ -464,7 +503,7 @@ mod tests {
 
     #[test]
     fn a_shorter_list_loses_neighbors() -> Result<(), FluidError> {
-        let mut fluid = cloud([0.8; 3], [false; 3], [[false; 2]; 3])?;
+        let mut fluid = cloud(CLOSED)?;
         fluid.update_pressure()?;
         let points = std::mem::take(&mut fluid.scratch.points);
         fluid.list_within(RADIUS + 0.8 * fluid.skin(), &points);
@@ -478,7 +517,7 @@ mod tests {
 
     #[test]
     fn lists_take_no_memory_once_they_had_it() -> Result<(), FluidError> {
-        let mut fluid = cloud([0.8; 3], [false; 3], [[false; 2]; 3])?;
+        let mut fluid = cloud(CLOSED)?;
         fluid.update_rates();
         let before = fluid.list_memory();
         assert!(0 < before);

@@ -1,4 +1,5 @@
-//! Sums over neighbours: one loop for all of them.
+//! Sums over neighbours that are searched for anew: one loop for all of them. Sums within the fluid read
+//! [`crate::lists`] instead, unless there are screens.
 //!
 //! For each receiving particle the candidates of nine rows of cells are filtered by distance into a
 //! short buffer, eight at a time and without a branch; what is left is summed a register at a time.
