@@ -79,7 +79,10 @@ impl Image {
 /// The same of all images in given planes, see [`Image::planes`].
 #[inline(always)]
 pub(crate) fn signs_in(planes: u8) -> [f64; 3] {
-    PLANE_DIGITS.map(|digit| if planes / digit % 3 == 0 { 1.0 } else { -1.0 })
+    PLANE_DIGITS.map(|digit| match planes / digit % 3 {
+        0 => 1.0,
+        _ => -1.0,
+    })
 }
 
 /// Where the planes stand; infinitely far away where there is none.

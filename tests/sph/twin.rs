@@ -172,7 +172,9 @@ impl Crowd {
         fluid.update_accelerations();
         let total = walls.add_forces(&mut fluid);
         let mut reactions = vec![Vec3::zeros(); n_walls];
-        walls.visit_reactions(&fluid, |w, force| reactions[w] = force);
+        walls.visit_reactions(&fluid, |w, [pressure, viscous]| {
+            reactions[w] = pressure + viscous
+        });
         let sum: Vec3 = reactions.iter().sum();
         // action is reaction to the rounding of the pair sums; thousands of pairs
         let rounding = self.rounding() * reactions.iter().map(|f| f.norm()).sum::<f64>();
