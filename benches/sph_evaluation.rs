@@ -25,7 +25,7 @@ mod roofs;
 mod tank;
 
 use counts::{Counts, Need, Needs};
-use phases::{Beside, Inferred, Seconds};
+use phases::{Beside, Seconds};
 use roofs::Roofs;
 use tank::{Tank, tank};
 
@@ -150,7 +150,6 @@ struct Found {
     /// Neighbours of all particles.
     neighbors: f64,
     seconds: Seconds,
-    inferred: Inferred,
     beside: Beside,
     /// Step and its time; s.
     dt: f64,
@@ -158,8 +157,8 @@ struct Found {
     /// Steps timed, and those that sorted.
     steps: u32,
     sorts: u32,
-    /// Of the fluid's and the walls' arrays, and as the system counts it; bytes.
-    arrays: [f64; 2],
+    /// Of the fluid's arrays, its lists of neighbours and the walls' arrays, and as the system counts it; bytes.
+    arrays: [f64; 3],
     resident: Option<f64>,
 }
 
@@ -180,16 +179,20 @@ impl Found {
         let counts = Counts::of(&tank);
         let (dt, step, sorts) = falling(&mut tank, steps)?;
         // these want particles that move, and sort them
-        let (beside, inferred) = (tank.beside(), tank.inferred(&counts, rounds));
+        let beside = tank.beside();
         let needs = Needs { precision, counts };
         let n_cells = tank.fluid.grid().n_cells();
+        let lists = tank.fluid.list_memory() as f64;
         Ok(Self {
-            arrays: [needs.fluid_memory(n_cells), needs.wall_memory(n_cells)],
+            arrays: [
+                needs.fluid_memory(n_cells),
+                lists,
+                needs.wall_memory(n_cells),
+            ],
             setting,
             needs,
             neighbors,
             seconds,
-            inferred,
             beside,
             dt,
             step,
@@ -227,20 +230,12 @@ impl Found {
             "  {:<28} {:>8} {:>6}   {:>8} {:>9} {:>8} {:>9} {:>9}",
             "part", "ns", "%", "bytes", "operat.", "memory %", "mul-add %", "div+rt %"
         ));
-        let (s, i, n) = (&self.seconds, &self.inferred, &self.needs);
-        let packing = s.pressure;
+        let (s, n) = (&self.seconds, &self.needs);
         self.part(crew, "rates", s.rates, Some(n.rates()));
-        self.part(crew, "  ~ packing", packing, None);
-        self.part(crew, "  ~ rows", i.rows, None);
-        self.part(crew, "  ~ filter", i.filter, None);
-        let rest = s.rates - packing - i.rows - i.filter;
-        self.part(crew, "  ~ sums", rest, None);
+        self.part(crew, "  ~ packing", s.pressure, None);
+        self.part(crew, "  ~ sums", s.rates - s.pressure, None);
         self.part(crew, "pressure and packing", s.pressure, Some(n.pressure()));
         self.part(crew, "forces", s.forces, Some(n.forces()));
-        self.part(crew, "  ~ rows", i.rows, None);
-        self.part(crew, "  ~ filter", i.filter, None);
-        let rest = s.forces - i.rows - i.filter;
-        self.part(crew, "  ~ sums and accelerations", rest, None);
         self.part(crew, "walls: what is wet", s.finding, None);
         self.part(crew, "walls: rates", s.wall_rates, Some(n.wall_rates()));
         let extrapolation = Some(n.extrapolation());
@@ -258,6 +253,7 @@ impl Found {
         self.part(crew, "beside: kick", b.kick, None);
         self.part(crew, "beside: drift", b.drift, None);
         self.part(crew, "beside: sorting, when due", b.sorting, None);
+        self.part(crew, "beside: listing, when due", b.listing, None);
         self.print_summary(crew, &whole);
     }
 
@@ -300,21 +296,16 @@ impl Found {
             "  nearest roof: {}, {:.0} % reached",
             names[nearest], shares[nearest]
         ));
-        let tested =
-            2.0 * c.fluid.candidates + 2.0 * c.from_walls.candidates + c.to_walls.candidates;
         let pairs = 2.0 * self.neighbors + 2.0 * c.from_walls.pairs + c.to_walls.pairs;
         print(&format!(
-            "  {:.1} neighbours of {:.1} candidates in {:.1} registers; {pairs:.3e} pairs an evaluation with those of \
-             the walls, {:.3e} a second; {:.3e} candidates a second",
+            "  {:.1} neighbours in lists of {:.1}; {pairs:.3e} pairs an evaluation with those of the walls, {:.3e} a second",
             self.neighbors / n,
-            c.fluid.candidates / n,
-            c.fluid.registers / n,
+            c.entries / n,
             pairs / total,
-            tested / total,
         ));
-        let [fluid, walls] = self.arrays.map(|bytes| bytes / n);
+        let [fluid, lists, walls] = self.arrays.map(|bytes| bytes / n);
         print(&format!(
-            "  bytes a particle: {fluid:.0} in the fluid's arrays, {walls:.0} in the walls'"
+            "  bytes a particle: {fluid:.0} in the fluid's arrays, {lists:.0} in its lists, {walls:.0} in the walls'"
         ));
         print(&format!(
             "  sorted in {} of {} steps",

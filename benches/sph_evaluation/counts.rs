@@ -7,7 +7,7 @@
 //! and the packing of those found are not arithmetic and count nowhere; neither do empty lanes.
 //!
 //! Bytes are those of arrays read or written once by each loop over particles. Records of neighbours are read
-//! many times, but from the caches: they count once.
+//! many times, but from the caches: they count once. Lists of neighbours are read once by each sum.
 
 use std::ops::Add;
 
@@ -18,9 +18,7 @@ use riprap_sph::{CellGrid, Precision, Vec3};
 use crate::tank::Tank;
 
 /// Particles that a thread takes at a time, as in the sums.
-pub const CHUNK: usize = 256;
-/// Candidates that the filter tests together.
-const REGISTER: u32 = 8;
+const CHUNK: usize = 256;
 
 /// What the receivers of a sum look at.
 #[derive(Clone, Copy, Default)]
@@ -29,8 +27,6 @@ pub struct Seen {
     pub receivers: f64,
     /// Candidates whose distance is tested.
     pub candidates: f64,
-    /// Registers of candidates: the last of a run is rarely full.
-    pub registers: f64,
     /// Candidates within the support; a receiver that is among the points meets itself.
     pub pairs: f64,
 }
@@ -42,14 +38,13 @@ impl Add for Seen {
         Self {
             receivers: self.receivers + other.receivers,
             candidates: self.candidates + other.candidates,
-            registers: self.registers + other.registers,
             pairs: self.pairs + other.pairs,
         }
     }
 }
 
 /// Counts what receivers see of points that are sorted in a grid; `moved` as in the sums.
-pub fn seen(
+fn seen(
     (grid, points): (&CellGrid, &[Vec3]),
     receivers: &[Vec3],
     (support_radius, moved): (f64, f64),
@@ -66,7 +61,6 @@ pub fn seen(
                     let is_near =
                         |y: &&Vec3| (x - *y).norm_squared() < support_radius * support_radius;
                     sum.candidates += points.len() as f64;
-                    sum.registers += f64::from((run.end - run.start).div_ceil(REGISTER));
                     sum.pairs += points.iter().filter(is_near).count() as f64;
                 }
                 sum.receivers += f64::from(u32::from(0 < n));
@@ -83,8 +77,8 @@ pub struct Counts {
     /// Points of the walls, and those of them near water.
     pub points: f64,
     pub wet: f64,
-    /// Particles that look at particles.
-    pub fluid: Seen,
+    /// Entries of the particles' lists of each other.
+    pub entries: f64,
     /// Particles that look at points of the walls.
     pub from_walls: Seen,
     /// Points of the walls that look at particles.
@@ -96,6 +90,9 @@ impl Counts {
     pub fn of(tank: &Tank) -> Self {
         let (fluid, walls) = (&tank.fluid, &tank.walls);
         let particles = &fluid.particles().position;
+        // whoever is listed was within the support and the skin at the last sort
+        let listed = fluid.settings().support_radius() + fluid.skin();
+        let entries = seen((fluid.grid(), particles), particles, (listed, 0.0));
         let reach = (fluid.settings().support_radius(), fluid.moved());
         let mut grid = fluid.grid().clone();
         let (mut cell, mut order) = (Vec::new(), Vec::new());
@@ -108,7 +105,7 @@ impl Counts {
             particles: particles.len() as f64,
             points: points.len() as f64,
             wet: walls.wet().len() as f64,
-            fluid: seen((fluid.grid(), particles), particles, reach),
+            entries: entries.pairs,
             from_walls: seen((&grid, &points), particles, reach),
             to_walls: seen((fluid.grid(), particles), &points, reach),
         }
@@ -197,12 +194,28 @@ impl Needs {
         }
     }
 
-    fn sum(&self, seen: &Seen, term: &Term, bytes: f64) -> Need {
-        // differences of places, of integers in single precision, and their square
-        let geometry = match self.precision {
+    /// Operations of the distance of a pair: differences of places, of integers in single precision, and their square.
+    fn geometry(&self) -> f64 {
+        match self.precision {
             Precision::Single => 12.0,
             Precision::Double => 6.0,
-        };
+        }
+    }
+
+    /// A sum over all entries of the lists, each compared with the support.
+    fn listed_sum(&self, term: &Term, bytes: f64) -> Need {
+        let entries = self.counts.entries;
+        Need {
+            bytes: bytes + INDEX * entries,
+            operations: (self.geometry() + 1.0 + term.operations) * entries,
+            divisions: term.divisions * entries,
+            roots: entries,
+        }
+    }
+
+    /// A sum over what is found in the cells.
+    fn sum(&self, seen: &Seen, term: &Term, bytes: f64) -> Need {
+        let geometry = self.geometry();
         Need {
             bytes,
             operations: FILTER * seen.candidates + (geometry + term.operations) * seen.pairs,
@@ -216,7 +229,7 @@ impl Needs {
         let c = &self.counts;
         let packing = 2.0 * VECTOR + 2.0 * NUMBER + self.packed();
         let sums = self.packed() + 2.0 * VECTOR + NUMBER + RATE_SUMS;
-        self.sum(&c.fluid, &RATE, c.particles * (packing + sums))
+        self.listed_sum(&RATE, c.particles * (packing + sums))
     }
 
     /// State equation, look for bad densities, packing.
@@ -234,7 +247,7 @@ impl Needs {
         let c = &self.counts;
         let sums = self.packed() + 2.0 * VECTOR + NUMBER + FORCE_SUMS;
         let accelerations = FORCE_SUMS + NUMBER + 1.5 * VECTOR;
-        self.sum(&c.fluid, &FORCE, c.particles * (sums + accelerations))
+        self.listed_sum(&FORCE, c.particles * (sums + accelerations))
     }
 
     /// Packs all points; sums over those near water; adds to the rates.
@@ -267,7 +280,7 @@ impl Needs {
     }
 
     /// Memory of the fluid's arrays: columns of the state, 113 bytes a particle; sorting, one spare column of
-    /// each kind among it, 46; packed points; sums of rates and forces; a number of each cell.
+    /// each kind among it, 46; packed points; sums of rates and forces; a number of each cell. Without its lists.
     pub fn fluid_memory(&self, n_cells: usize) -> f64 {
         let per_particle = 113.0 + 46.0 + self.packed() + RATE_SUMS + FORCE_SUMS;
         self.counts.particles * per_particle + INDEX * n_cells as f64

@@ -1,21 +1,14 @@
 //! Time of the parts of an evaluation, each as long as its public call takes.
 //!
-//! What a call is made of is not timed but inferred. Looking up the rows of candidates is done again from outside.
-//! The filter's share is the slope of the time over the candidates: a fluid that takes its particles to have moved
-//! farther looks at more of them and finds the same pairs. Packing for the rates is taken to be that for the forces.
+//! What a call is made of is not timed but inferred: packing for the rates is taken to be that for the forces, and
+//! listing neighbours to be what the first rates after a sort take longer than the next.
 
 use std::time::Instant;
 
-use rayon::prelude::*;
 use riprap_sph::FluidError;
-use riprap_sph::cells::{MAX_RUNS, Run};
 
-use crate::counts::{CHUNK, Counts, seen};
 use crate::roofs::fastest;
 use crate::tank::Tank;
-
-/// Share of the support radius by which particles are taken to have moved, for the slope of the filter.
-const MOVED: f64 = 0.25;
 
 /// Seconds of each call of an evaluation.
 #[derive(Clone, Copy, Default)]
@@ -44,17 +37,10 @@ impl Seconds {
 #[derive(Clone, Copy, Default)]
 pub struct Beside {
     pub sorting: f64,
+    pub listing: f64,
     pub advancing: f64,
     pub kick: f64,
     pub drift: f64,
-}
-
-/// Seconds within the calls, inferred.
-#[derive(Clone, Copy, Default)]
-pub struct Inferred {
-    /// Of one sum over the fluid.
-    pub rows: f64,
-    pub filter: f64,
 }
 
 /// Adds the time that `work` takes.
@@ -118,15 +104,18 @@ impl Tank {
 
     /// What else a step does, at the same state.
     pub fn beside(&mut self) -> Beside {
-        let mut sorting = f64::INFINITY;
+        let (mut sorting, mut first, mut next) = (f64::INFINITY, f64::INFINITY, f64::INFINITY);
         for _ in 0..3 {
             self.forget_order();
             timed_least(&mut sorting, || {
                 self.fluid.refresh();
             });
+            timed_least(&mut first, || self.fluid.update_rates());
+            timed_least(&mut next, || self.fluid.update_rates());
         }
         Beside {
             sorting,
+            listing: first - next,
             advancing: fastest(|| self.fluid.advance_density(0.0)),
             kick: fastest(|| self.fluid.kick(0.0)),
             drift: fastest(|| self.fluid.drift(0.0)),
@@ -138,47 +127,6 @@ impl Tank {
         let particles = self.fluid.particles();
         if let (Some(&x), Some(&v)) = (particles.position.first(), particles.velocity.first()) {
             self.fluid.replace(0, x, v);
-        }
-    }
-
-    /// What the sums over the fluid are made of; wants particles that move.
-    pub fn inferred(&mut self, counts: &Counts, rounds: usize) -> Inferred {
-        let fluid = &self.fluid;
-        let reach = fluid.settings().support_radius() + 2.0 * fluid.moved();
-        let rows = fastest(|| {
-            let positions = fluid.particles().position.par_chunks(CHUNK);
-            let n: usize = positions
-                .map(|positions| {
-                    let mut runs = [Run::default(); MAX_RUNS];
-                    let found = |x| fluid.grid().runs_within(x, reach, &mut runs);
-                    positions.iter().map(found).sum::<usize>()
-                })
-                .sum();
-            std::hint::black_box(n);
-        });
-        // the largest speed by which moves are bounded is that of the last kick
-        self.fluid.kick(0.0);
-        let support_radius = self.fluid.settings().support_radius();
-        let away = 0.5 * MOVED * support_radius / self.fluid.max_speed();
-        let mut least = [f64::INFINITY; 2];
-        for _ in 0..rounds {
-            self.forget_order();
-            self.fluid.refresh();
-            timed_least(&mut least[0], || self.fluid.update_rates());
-            // there and back: what has moved so far may be twice as far from where it was sorted
-            self.fluid.drift(away);
-            self.fluid.drift(-away);
-            timed_least(&mut least[1], || self.fluid.update_rates());
-        }
-        let particles = &self.fluid.particles().position;
-        let reach = (support_radius, self.fluid.moved());
-        let wide = seen((self.fluid.grid(), particles), particles, reach);
-        self.forget_order();
-        self.fluid.refresh();
-        let slope = (least[1] - least[0]) / (wide.registers - counts.fluid.registers);
-        Inferred {
-            rows,
-            filter: slope * counts.fluid.registers,
         }
     }
 }

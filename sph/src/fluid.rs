@@ -29,6 +29,7 @@ use crate::cells::{CellGrid, Periodicity};
 use crate::energy::fixed_order_sum;
 use crate::error::FluidError;
 use crate::kernel::{Dimensions, Kernel, PointKernel};
+use crate::lists::Lists;
 use crate::points::Frame;
 use crate::scheme::{
     DIFFUSION, DensityDiffusion, DensityMethod, Scheme, Shifting, Stepping, Viscosity,
@@ -52,9 +53,11 @@ const LARGEST_COMPRESSION: f64 = 0.3;
 const FEWEST_CELL_LIMIT: usize = 1 << 16;
 /// Cells per particle beyond which the grid is made coarser.
 const CELLS_PER_PARTICLE: usize = 8;
-/// Share of the support radius by which cells are wider than it, so that particles may move before
-/// they are sorted anew.
-const SKIN: f64 = 0.05;
+/// Share of the support radius by which cells and lists of neighbours are wider than it, so that particles
+/// may move before they are sorted anew.
+const SKIN: f64 = 0.1;
+/// Least share where a period leaves no room for more.
+const LEAST_SKIN: f64 = 0.05;
 /// Largest step over `h/c₀` of the predictor-corrector with continuity and the usual density diffusion: the
 /// same share of the lattice's 0.907 as kick-drift-kick has of its 1.54.
 const PREDICTOR_CORRECTOR_SOUND: f64 = 0.59;
@@ -148,6 +151,7 @@ pub struct Fluid {
     pub(crate) particles: Particles,
     pub(crate) grid: CellGrid,
     pub(crate) frame: Frame,
+    pub(crate) lists: Lists,
     pub(crate) screens: Screens,
     pub(crate) at_start: AtStart,
     /// Flow laws by [`Particles::kind`].
@@ -156,6 +160,8 @@ pub struct Fluid {
     particle_volume: f64,
     /// Kernel sum over the undisturbed lattice, by which summation density is divided.
     lattice_sum: f64,
+    /// By how much two particles may approach each other before they are sorted anew; m.
+    skin: f64,
     /// Farthest that particles may have moved since the last sort; m.
     moved: f64,
     /// Largest speed at the last kick; m/s.
@@ -248,10 +254,11 @@ impl Fluid {
         }
         let max_cells = (n * CELLS_PER_PARTICLE).max(FEWEST_CELL_LIMIT);
         let support = settings.support_radius();
+        let skin = settings.skin();
         let grid = CellGrid::new(
             settings.domain,
             settings.periodic,
-            (support, SKIN * support),
+            (support, skin),
             max_cells,
         )?;
         let scheme = &settings.scheme;
@@ -275,6 +282,7 @@ impl Fluid {
         }
         Ok(Self {
             frame: Frame::new(&grid, support),
+            lists: Lists::default(),
             rheologies: match scheme.viscosity {
                 Viscosity::Rheological { rheology } => vec![rheology],
                 _ => Vec::new(),
@@ -286,6 +294,7 @@ impl Fluid {
             at_start: AtStart::default(),
             particle_volume,
             lattice_sum,
+            skin,
             // nothing is sorted yet
             moved: f64::INFINITY,
             max_speed: 0.0,
@@ -336,6 +345,22 @@ impl Fluid {
     /// Farthest that a particle may be from where it was when it was sorted; m.
     pub fn moved(&self) -> f64 {
         self.moved
+    }
+
+    /// By how much two particles may approach each other before [`Self::refresh`] sorts them anew; m.
+    pub fn skin(&self) -> f64 {
+        self.skin
+    }
+
+    /// Whether the last sort still holds.
+    pub(crate) fn is_sorted(&self) -> bool {
+        // both of a pair may have moved
+        2.0 * self.moved <= self.skin
+    }
+
+    /// Memory of the lists of neighbours; bytes.
+    pub fn list_memory(&self) -> usize {
+        self.lists.memory()
     }
 
     /// Mass of a particle at the reference density; kg.
@@ -513,8 +538,7 @@ impl Fluid {
     /// periodic side to the other one.
     /// Returns how many were removed. Accelerations are stale after a sort.
     pub fn refresh(&mut self) -> u64 {
-        // both of a pair may have moved
-        if 2.0 * self.moved <= SKIN * self.settings.support_radius() {
+        if self.is_sorted() {
             return 0;
         }
         if self.settings.has_symmetry() {
@@ -601,6 +625,7 @@ impl Fluid {
         if !density.is_empty() {
             reorder(density, order, numbers);
         }
+        self.lists.forget();
         self.moved = 0.0;
     }
 
@@ -1102,6 +1127,19 @@ impl Settings {
                 range: "at most 1",
             });
         }
-        self.check_symmetry((1.0 + SKIN) * self.support_radius())
+        self.check_symmetry(self.support_radius() + self.skin())
+    }
+
+    /// By how much two particles may approach each other before they are sorted anew; m.
+    ///
+    /// Two that leave a domain by both of its periodic sides see each other through two periods, and no sum
+    /// looks that far: a period should be no shorter than support and skin.
+    fn skin(&self) -> f64 {
+        let support = self.support_radius();
+        let extent = self.domain.1 - self.domain.0;
+        let room = (0..3)
+            .filter(|&axis| self.periodic[axis])
+            .fold(f64::INFINITY, |room, axis| room.min(extent[axis] - support));
+        room.clamp(LEAST_SKIN * support, SKIN * support)
     }
 }

@@ -101,6 +101,8 @@ pub(crate) trait Lanes:
     fn max(self, other: Self) -> Self;
     /// The smaller, lane by lane.
     fn min(self, other: Self) -> Self;
+    /// Which lanes are below those of a bound, a bit each.
+    fn below(self, bound: Self) -> u32;
     /// Sum over the lanes, in a fixed order.
     fn sum(self) -> f64;
     /// The records of `WIDTH` particles, one register per value.
@@ -203,6 +205,12 @@ macro_rules! portable {
             }
 
             #[inline(always)]
+            fn below(self, bound: Self) -> u32 {
+                let bit = |lane: usize| u32::from(self.0[lane] < bound.0[lane]) << lane;
+                (0..$width).map(bit).sum()
+            }
+
+            #[inline(always)]
             fn sum(self) -> f64 {
                 self.0.iter().map(|&x| f64::from(x)).sum()
             }
@@ -291,7 +299,7 @@ pub(crate) use avx2::Avx2;
 
 #[cfg(target_arch = "x86_64")]
 mod avx2 {
-    use std::arch::x86_64::{__m128, __m256, __m256d, __m256i};
+    use std::arch::x86_64::{__m128, __m256, __m256d, __m256i, _CMP_LT_OQ};
 
     use pulp::x86::V3;
     use pulp::{NullaryFnOnce, cast};
@@ -364,6 +372,13 @@ mod avx2 {
         }
 
         #[inline(always)]
+        fn below(self, bound: Self) -> u32 {
+            let avx = self.0.avx;
+            let is_below = avx._mm256_cmp_ps::<_CMP_LT_OQ>(self.1, bound.1);
+            avx._mm256_movemask_ps(is_below) as u32
+        }
+
+        #[inline(always)]
         fn sum(self) -> f64 {
             let avx = self.0.avx;
             let low = avx._mm256_cvtps_pd(avx._mm256_castps256_ps128(self.1));
@@ -430,6 +445,13 @@ mod avx2 {
         #[inline(always)]
         fn min(self, other: Self) -> Self {
             Self(self.0, self.0.avx._mm256_min_pd(self.1, other.1))
+        }
+
+        #[inline(always)]
+        fn below(self, bound: Self) -> u32 {
+            let avx = self.0.avx;
+            let is_below = avx._mm256_cmp_pd::<_CMP_LT_OQ>(self.1, bound.1);
+            avx._mm256_movemask_pd(is_below) as u32
         }
 
         #[inline(always)]
@@ -574,7 +596,7 @@ mod avx2 {
             dx,
             fma._mm256_fmadd_ps(dy, dy, avx._mm256_mul_ps(dz, dz)),
         );
-        let near = avx._mm256_cmp_ps::<{ std::arch::x86_64::_CMP_LT_OQ }>(r2, radius2);
+        let near = avx._mm256_cmp_ps::<_CMP_LT_OQ>(r2, radius2);
         avx._mm256_movemask_ps(near) as usize
     }
 

@@ -37,8 +37,11 @@
 //! eight at a time are tested on integer coordinates, whose differences are exact anywhere in the
 //! domain, and the survivors are packed without a branch. What is left is summed in registers of
 //! eight `f32` or four `f64`, each particle its own neighbours in the order of the cells: the same
-//! bits for any number of threads. No list outlives its particle. State is `f64` throughout;
-//! [`Precision`] is that of the sums.
+//! bits for any number of threads. State is `f64` throughout; [`Precision`] is that of the sums.
+//!
+//! Sums of the fluid over itself are many between two sorts: the first lists who is within the support
+//! and a skin, and all read the lists, across periodic sides and planes of symmetry too (`lists`). Between
+//! fluid and walls, and where screens stand in the fluid, each sum searches for itself (`sweep`).
 //!
 //! # Walls
 //!
@@ -58,7 +61,7 @@
 //! # Reading order
 //!
 //! [`kernel`], [`particles`], [`cells`], [`scheme`], [`state_equation`], `lanes`, `points`, `sweep`,
-//! `terms`, [`mirror`], `sums`, [`fluid`], `stepping`, [`boundary`], [`sample`], [`energy`].
+//! `lists`, `terms`, [`mirror`], `sums`, [`fluid`], `stepping`, [`boundary`], [`sample`], [`energy`].
 //!
 //! # References
 //!
@@ -74,6 +77,7 @@ pub mod exchange;
 pub mod fluid;
 pub mod kernel;
 mod lanes;
+mod lists;
 pub mod mirror;
 mod packing;
 pub mod particles;

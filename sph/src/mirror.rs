@@ -21,6 +21,9 @@ pub type Symmetry = [[bool; 2]; 3];
 /// Most images of a point, itself included: along each axis in the lower plane, in the upper or in none.
 pub(crate) const MOST_IMAGES: usize = 27;
 
+/// Worth of the digits of [`Image::planes`].
+const PLANE_DIGITS: [u8; 3] = [1, 3, 9];
+
 /// A side of the domain that is a plane of symmetry.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SymmetryPlane {
@@ -62,15 +65,24 @@ impl SymmetryPlane {
 pub(crate) struct Image {
     /// m.
     pub position: Vec3,
-    /// Axes along which vectors are reversed.
-    pub is_reversed: [bool; 3],
+    /// Planes: a digit to base 3 for each axis, that of x the lowest; 0 for none, 1 the lower, 2 the upper.
+    pub planes: u8,
 }
 
 impl Image {
     /// −1 along axes that are reversed, 1 along others.
     pub(crate) fn signs(&self) -> [f64; 3] {
-        self.is_reversed.map(|r| if r { -1.0 } else { 1.0 })
+        signs_in(self.planes)
     }
+}
+
+/// The same of all images in given planes, see [`Image::planes`].
+#[inline(always)]
+pub(crate) fn signs_in(planes: u8) -> [f64; 3] {
+    PLANE_DIGITS.map(|digit| match planes / digit % 3 {
+        0 => 1.0,
+        _ => -1.0,
+    })
 }
 
 /// Where the planes stand; infinitely far away where there is none.
@@ -94,7 +106,7 @@ impl Mirrors {
     ) -> usize {
         images[0] = Image {
             position: *position,
-            is_reversed: [false; 3],
+            planes: 0,
         };
         if !self.is_any {
             return 1;
@@ -102,16 +114,17 @@ impl Mirrors {
         let mut n = 1;
         for axis in 0..3 {
             let n_before = n;
-            for (distance, place) in [
-                (position[axis] - self.low[axis], self.low[axis]),
-                (self.high[axis] - position[axis], self.high[axis]),
+            let digit = PLANE_DIGITS[axis];
+            for (distance, place, digit) in [
+                (position[axis] - self.low[axis], self.low[axis], digit),
+                (self.high[axis] - position[axis], self.high[axis], 2 * digit),
             ] {
                 // without a plane the distance is infinite, and so is the reach before the first sort
                 if distance < reach {
                     for k in 0..n_before {
                         let mut image = images[k];
                         image.position[axis] = 2.0 * place - position[axis];
-                        image.is_reversed[axis] = true;
+                        image.planes += digit;
                         images[n] = image;
                         n += 1;
                     }
@@ -119,6 +132,21 @@ impl Mirrors {
             }
         }
         n
+    }
+
+    /// Where the image of a point in given planes is, see [`Image::planes`]; m.
+    #[inline(always)]
+    pub(crate) fn mirrored(&self, planes: u8, position: &Vec3) -> Vec3 {
+        let mut image = *position;
+        for axis in 0..3 {
+            let place = match planes / PLANE_DIGITS[axis] % 3 {
+                0 => continue,
+                1 => self.low[axis],
+                _ => self.high[axis],
+            };
+            image[axis] = 2.0 * place - position[axis];
+        }
+        image
     }
 }
 
@@ -170,7 +198,7 @@ impl Settings {
             } else if axis == 1 && matches!(self.dimensions, crate::Dimensions::Two { .. }) {
                 "nothing depends on y in two dimensions"
             } else if self.symmetry[axis] == [true; 2] && extent[axis] < reach {
-                "the two sides are nearer to each other than 1.05 support radii"
+                "the two sides are nearer to each other than 1.1 support radii"
             } else {
                 continue;
             };
@@ -264,6 +292,9 @@ mod tests {
     fn images(x: Vec3) -> Vec<[f64; 3]> {
         let mut images = [Image::default(); MOST_IMAGES];
         let n = mirrors().images_within(&x, 0.2, &mut images);
+        for image in &images[..n] {
+            assert_eq!(mirrors().mirrored(image.planes, &x), image.position);
+        }
         images[..n].iter().map(|i| i.position.into()).collect()
     }
 

@@ -1,14 +1,17 @@
 //! The fluid's sums over neighbours: settings become types here, once per sum and not once per pair.
 
+use std::marker::PhantomData;
+
 use crate::boundary::screens::{Facet, Screens};
 use crate::cells::CellGrid;
 use crate::fluid::Settings;
 use crate::kernel::{CubicSpline, KernelChoice, Mueller, PairKernel, Viscous, WendlandC2};
 use crate::lanes::{Lanes, Machine};
+use crate::lists::{Lists, Surroundings};
 use crate::points::Frame;
 use crate::scheme::{DensityDiffusion, Viscosity};
 use crate::sweep::{
-    AnyPoints, Between, PackedIn, Receivers, Sources, Sum, Term, Veil, dispatch, sweep,
+    AnyPoints, Between, PackedIn, Receivers, Sources, Sum, Term, Veil, dispatch, sweep, sweep_as,
 };
 use crate::terms::continuity::{
     Continuity, Diffusion, GradientDiffusion, JumpDiffusion, NoDiffusion, Rate, RateOwn,
@@ -61,27 +64,21 @@ struct Setup<'a> {
     settings: &'a Settings,
     from: Neighborhood<'a>,
     receivers: Receivers<'a>,
+    /// Where the neighbours of all receivers are listed.
+    lists: Option<&'a Lists>,
 }
 
 impl Setup<'_> {
-    /// Sums a term into `out`.
-    fn sweep<L, T>(&self, machine: L::Machine, term: &T, out: &mut [T::Out]) -> u64
-    where
-        L: Lanes,
-        L::Machine: Machine,
-        L::Record: Default + PackedIn,
-        T: Term<L>,
-    {
-        let sources = Sources {
+    fn sources<R: PackedIn>(&self) -> Sources<'_, R> {
+        Sources {
             grid: self.from.grid,
             frame: self.from.frame,
-            points: L::Record::of(self.from.points),
+            points: R::of(self.from.points),
             veil: self.from.veil,
             mirrors: self.settings.mirrors(),
             support_radius: self.settings.support_radius(),
             moved: self.from.moved,
-        };
-        sweep::<L, T>(machine, term, &sources, self.receivers, out)
+        }
     }
 
     fn kernel<L: Lanes, K: PairKernel<L>>(&self, machine: L::Machine) -> K {
@@ -90,6 +87,52 @@ impl Setup<'_> {
             self.settings.support_radius(),
             self.settings.dimensions,
         )
+    }
+}
+
+/// How a sum comes by the neighbours: types, so that no code is made of terms that nobody sums that way.
+trait Way {
+    /// Sums a term into `out`; returns the number of neighbours.
+    fn sum<L, T>(setup: &Setup, machine: L::Machine, term: &T, out: &mut [T::Out]) -> u64
+    where
+        L: Lanes,
+        L::Machine: Machine,
+        L::Record: Default + PackedIn,
+        T: Term<L>;
+}
+
+/// Within the fluid: by the lists, if there are any.
+struct Within;
+
+impl Way for Within {
+    fn sum<L, T>(setup: &Setup, machine: L::Machine, term: &T, out: &mut [T::Out]) -> u64
+    where
+        L: Lanes,
+        L::Machine: Machine,
+        L::Record: Default + PackedIn,
+        T: Term<L>,
+    {
+        let (sources, receivers) = (setup.sources(), setup.receivers);
+        match setup.lists {
+            Some(lists) => lists.sum::<L, T>(machine, term, &sources, receivers.positions, out),
+            // but for screens there are lists
+            None => sweep_as::<L, T, true>(machine, term, &sources, receivers, out),
+        }
+    }
+}
+
+/// Between the fluid and its walls.
+struct Across;
+
+impl Way for Across {
+    fn sum<L, T>(setup: &Setup, machine: L::Machine, term: &T, out: &mut [T::Out]) -> u64
+    where
+        L: Lanes,
+        L::Machine: Machine,
+        L::Record: Default + PackedIn,
+        T: Term<L>,
+    {
+        sweep::<L, T>(machine, term, &setup.sources(), setup.receivers, out)
     }
 }
 
@@ -106,8 +149,8 @@ macro_rules! for_kernel {
 
 /// Makes a struct a [`Sum`] by its `with`.
 macro_rules! sum_over_kernels {
-    ($name:ident) => {
-        impl Sum for $name<'_> {
+    ($name:ident $(, $way:ident)?) => {
+        impl $(<$way: Way>)? Sum for $name<'_ $(, $way)?> {
             fn run<L>(self, machine: L::Machine)
             where
                 L: Lanes,
@@ -140,7 +183,47 @@ impl Fluid {
                 positions: &self.particles.position,
                 chosen: None,
             },
+            lists: self.listed(),
         }
+    }
+
+    /// Whether neighbours are listed: what is between particles has to be looked at in every sum.
+    fn lists_neighbors(&self) -> bool {
+        self.is_sorted() && self.screens.len() == 0
+    }
+
+    /// The lists of neighbours, where they hold.
+    fn listed(&self) -> Option<&Lists> {
+        (self.lists.are_made() && self.lists_neighbors()).then_some(&self.lists)
+    }
+
+    /// Lists the neighbours of all particles, packed in `points`, if they were not since the last sort.
+    fn list(&mut self, points: &AnyPoints) {
+        if self.lists.are_made() || !self.lists_neighbors() {
+            return;
+        }
+        // both of a pair may have moved since the sort, and will not move as far again
+        let skin = self.skin() - 2.0 * self.moved();
+        self.list_within(self.settings.support_radius() + skin, points);
+    }
+
+    /// Lists for all particles who is within a radius (m), no larger than support and skin.
+    pub(crate) fn list_within(&mut self, radius: f64, points: &AnyPoints) {
+        let mut lists = std::mem::take(&mut self.lists);
+        let listing = Listing {
+            from: Surroundings {
+                grid: &self.grid,
+                frame: &self.frame,
+                mirrors: self.settings.mirrors(),
+                positions: &self.particles.position,
+                radius,
+                reach: self.settings.support_radius() + self.skin(),
+            },
+            points,
+            lists: &mut lists,
+        };
+        dispatch(self.settings.scheme.precision, listing);
+        self.lists = lists;
     }
 
     /// Sums over walls for some of the particles.
@@ -149,6 +232,7 @@ impl Fluid {
             settings: &self.settings,
             from: walls,
             receivers: some(&self.particles.position, chosen),
+            lists: None,
         }
     }
 
@@ -159,6 +243,7 @@ impl Fluid {
             settings: &self.settings,
             from: self.neighborhood(&self.scratch.points, between),
             receivers: some(places.positions, chosen),
+            lists: None,
         }
     }
 
@@ -192,6 +277,24 @@ impl Fluid {
     }
 }
 
+struct Listing<'a> {
+    from: Surroundings<'a>,
+    points: &'a AnyPoints,
+    lists: &'a mut Lists,
+}
+
+impl Sum for Listing<'_> {
+    fn run<L>(self, machine: L::Machine)
+    where
+        L: Lanes,
+        L::Machine: Machine,
+        L::Record: Default + PackedIn,
+    {
+        let points = L::Record::of(self.points);
+        self.lists.make::<L>(machine, self.from, points);
+    }
+}
+
 struct Summations<'a> {
     setup: Setup<'a>,
     out: &'a mut [f64],
@@ -208,7 +311,7 @@ impl Summations<'_> {
         K: PairKernel<L>,
     {
         let term = Summation::new(machine, self.setup.kernel::<L, K>(machine));
-        *self.n_found = self.setup.sweep::<L, _>(machine, &term, self.out);
+        *self.n_found = Within::sum::<L, _>(&self.setup, machine, &term, self.out);
     }
 }
 
@@ -224,6 +327,7 @@ pub(crate) fn summation(fluid: &mut Fluid, factor: f64) -> u64 {
         &fluid.particles.position,
         |a| [mass[a] * factor, 0.0, 0.0, 0.0, 0.0],
     );
+    fluid.list(&points);
     dispatch(
         fluid.settings.scheme.precision,
         Summations {
@@ -302,7 +406,7 @@ impl Rates<'_> {
             self.own,
             self.setup.settings.reference_density,
         );
-        *self.n_found = self.setup.sweep::<L, _>(machine, &term, self.out);
+        *self.n_found = Within::sum::<L, _>(&self.setup, machine, &term, self.out);
     }
 }
 
@@ -312,6 +416,7 @@ pub(crate) fn rates(fluid: &mut Fluid) -> u64 {
     let mut out = std::mem::take(&mut fluid.scratch.rates);
     fluid.pack_flow(&mut points);
     out.resize(fluid.particles.len(), Rate::default());
+    fluid.list(&points);
     let mut n_found = 0;
     dispatch(
         fluid.settings.scheme.precision,
@@ -354,7 +459,7 @@ impl Gradients<'_> {
             settings.reference_density,
             settings.dimensions,
         );
-        self.setup.sweep::<L, _>(machine, &term, self.out);
+        Within::sum::<L, _>(&self.setup, machine, &term, self.out);
     }
 }
 
@@ -365,6 +470,7 @@ pub(crate) fn density_gradients(fluid: &mut Fluid) {
     let mut packed = std::mem::take(&mut fluid.scratch.extra);
     fluid.pack_flow(&mut points);
     out.resize(fluid.particles.len(), [0.0; 3]);
+    fluid.list(&points);
     dispatch(
         fluid.settings.scheme.precision,
         Gradients {
@@ -382,14 +488,15 @@ pub(crate) fn density_gradients(fluid: &mut Fluid) {
     fluid.scratch.extra = packed;
 }
 
-struct Strains<'a> {
+struct Strains<'a, W> {
     setup: Setup<'a>,
+    way: PhantomData<W>,
     velocity: &'a [Vec3],
     out: &'a mut [StrainSums],
 }
-sum_over_kernels!(Strains);
+sum_over_kernels!(Strains, W);
 
-impl Strains<'_> {
+impl<W: Way> Strains<'_, W> {
     fn with<L, K>(self, machine: L::Machine)
     where
         L: Lanes,
@@ -400,22 +507,26 @@ impl Strains<'_> {
         let kernel = self.setup.kernel::<L, K>(machine);
         let dimensions = self.setup.settings.dimensions;
         let term = Strain::new(machine, kernel, self.velocity, dimensions);
-        self.setup.sweep::<L, _>(machine, &term, self.out);
+        W::sum::<L, _>(&self.setup, machine, &term, self.out);
     }
 }
 
 /// Sums of the gradient of velocity in the fluid into the scratch; after [`Fluid::pack_forces`].
 pub(crate) fn strains(fluid: &mut Fluid) {
+    let points = std::mem::take(&mut fluid.scratch.points);
     let mut out = std::mem::take(&mut fluid.scratch.strains);
     out.resize(fluid.particles.len(), StrainSums::default());
+    fluid.list(&points);
     dispatch(
         fluid.settings.scheme.precision,
         Strains {
-            setup: fluid.to_everyone(&fluid.scratch.points),
+            setup: fluid.to_everyone(&points),
+            way: PhantomData::<Within>,
             velocity: &fluid.particles.velocity,
             out: &mut out,
         },
     );
+    fluid.scratch.points = points;
     fluid.scratch.strains = out;
 }
 
@@ -430,19 +541,21 @@ pub(crate) fn wall_strains(
         fluid.settings.scheme.precision,
         Strains {
             setup: fluid.to_some(walls, chosen),
+            way: PhantomData::<Across>,
             velocity: &fluid.particles.velocity,
             out,
         },
     );
 }
 
-struct Spreads<'a> {
+struct Spreads<'a, W> {
     setup: Setup<'a>,
+    way: PhantomData<W>,
     out: &'a mut [Spread],
 }
-sum_over_kernels!(Spreads);
+sum_over_kernels!(Spreads, W);
 
-impl Spreads<'_> {
+impl<W: Way> Spreads<'_, W> {
     fn with<L, K>(self, machine: L::Machine)
     where
         L: Lanes,
@@ -451,7 +564,7 @@ impl Spreads<'_> {
         K: PairKernel<L>,
     {
         let term = Disorder::new(machine, self.setup.kernel::<L, K>(machine));
-        self.setup.sweep::<L, _>(machine, &term, self.out);
+        W::sum::<L, _>(&self.setup, machine, &term, self.out);
     }
 }
 
@@ -461,10 +574,12 @@ pub(crate) fn spreads(fluid: &mut Fluid) {
     let mut out = std::mem::take(&mut fluid.scratch.spreads);
     fluid.pack_flow(&mut points);
     out.resize(fluid.particles.len(), Spread::default());
+    fluid.list(&points);
     dispatch(
         fluid.settings.scheme.precision,
         Spreads {
             setup: fluid.to_everyone(&points),
+            way: PhantomData::<Within>,
             out: &mut out,
         },
     );
@@ -523,10 +638,10 @@ impl Forces<'_> {
             Shearing::Uniform(viscosity) => {
                 return match self.forcing {
                     Forcing::FluidAndFluid => {
-                        self.pressed::<L, K, _>(machine, SumOfPressures, viscosity);
+                        self.pressed::<L, K, _, Within>(machine, SumOfPressures, viscosity);
                     }
                     Forcing::WallOnFluid | Forcing::FluidOnWall => {
-                        self.pressed::<L, K, _>(machine, wall(), viscosity);
+                        self.pressed::<L, K, _, Across>(machine, wall(), viscosity);
                     }
                 };
             }
@@ -536,26 +651,27 @@ impl Forces<'_> {
         match self.forcing {
             Forcing::FluidAndFluid => {
                 let shear = VariableShear::<L, true, true>::new(machine, viscosities, h);
-                self.sheared::<L, K, _, _>(machine, SumOfPressures, shear);
+                self.sheared::<L, K, _, _, Within>(machine, SumOfPressures, shear);
             }
             Forcing::WallOnFluid => {
                 let shear = VariableShear::<L, true, false>::new(machine, viscosities, h);
-                self.sheared::<L, K, _, _>(machine, wall(), shear);
+                self.sheared::<L, K, _, _, Across>(machine, wall(), shear);
             }
             Forcing::FluidOnWall => {
                 let shear = VariableShear::<L, false, true>::new(machine, viscosities, h);
-                self.sheared::<L, K, _, _>(machine, wall(), shear);
+                self.sheared::<L, K, _, _, Across>(machine, wall(), shear);
             }
         }
     }
 
-    fn pressed<L, K, P>(self, machine: L::Machine, pressure: P, viscosity: Viscosity)
+    fn pressed<L, K, P, W>(self, machine: L::Machine, pressure: P, viscosity: Viscosity)
     where
         L: Lanes,
         L::Machine: Machine,
         L::Record: Default + PackedIn,
         K: PairKernel<L>,
         P: PairPressure<L>,
+        W: Way,
     {
         let s = self.setup.settings;
         let h = s.smoothing_length;
@@ -566,7 +682,7 @@ impl Forces<'_> {
             // these are of particles, see `Shearing`
             | Viscosity::Rheological { .. }
             | Viscosity::SubParticleScale { .. } => {
-                self.sheared::<L, K, _, _>(machine, pressure, Inviscid);
+                self.sheared::<L, K, _, _, W>(machine, pressure, Inviscid);
             }
             Viscosity::Published { dynamic_viscosity } => {
                 let term = Published::new(
@@ -574,29 +690,29 @@ impl Forces<'_> {
                     dynamic_viscosity,
                     &Viscous::new(s.support_radius(), s.dimensions),
                 );
-                self.sheared::<L, K, _, _>(machine, pressure, term);
+                self.sheared::<L, K, _, _, W>(machine, pressure, term);
             }
             Viscosity::Artificial { alpha } => {
                 let term = Central::<L, true>::new(machine, rho * alpha * s.sound_speed * h, h);
-                self.sheared::<L, K, _, _>(machine, pressure, term);
+                self.sheared::<L, K, _, _, W>(machine, pressure, term);
             }
             Viscosity::Laminar {
                 kinematic_viscosity,
             } => {
                 let factor = laminar_factor * rho * kinematic_viscosity;
                 let term = Central::<L, false>::new(machine, factor, h);
-                self.sheared::<L, K, _, _>(machine, pressure, term);
+                self.sheared::<L, K, _, _, W>(machine, pressure, term);
             }
             Viscosity::Morris {
                 kinematic_viscosity,
             } => {
                 let term = Shear::new(machine, 2.0 * rho * kinematic_viscosity, h);
-                self.sheared::<L, K, _, _>(machine, pressure, term);
+                self.sheared::<L, K, _, _, W>(machine, pressure, term);
             }
         }
     }
 
-    fn sheared<L, K, P, V>(self, machine: L::Machine, pressure: P, viscosity: V)
+    fn sheared<L, K, P, V, W>(self, machine: L::Machine, pressure: P, viscosity: V)
     where
         L: Lanes,
         L::Machine: Machine,
@@ -604,10 +720,11 @@ impl Forces<'_> {
         K: PairKernel<L>,
         P: PairPressure<L>,
         V: PairViscosity<L>,
+        W: Way,
     {
         let kernel = self.setup.kernel::<L, K>(machine);
         let term = Momentum::new(machine, kernel, pressure, viscosity, self.own);
-        self.setup.sweep::<L, _>(machine, &term, self.out);
+        W::sum::<L, _>(&self.setup, machine, &term, self.out);
     }
 }
 
@@ -617,6 +734,7 @@ pub(crate) fn forces(fluid: &mut Fluid) {
     let points = std::mem::take(&mut fluid.scratch.points);
     let mut out = std::mem::take(&mut fluid.scratch.forces);
     out.resize(fluid.particles.len(), ForceDensity::default());
+    fluid.list(&points);
     dispatch(
         fluid.settings.scheme.precision,
         Forces {
@@ -642,31 +760,43 @@ fn some<'a>(positions: &'a [Vec3], chosen: &'a [u32]) -> Receivers<'a> {
     }
 }
 
+struct WallRates<'a> {
+    setup: Setup<'a>,
+    own: RateOwn<'a>,
+    out: &'a mut [Rate],
+}
+sum_over_kernels!(WallRates);
+
+impl WallRates<'_> {
+    fn with<L, K>(self, machine: L::Machine)
+    where
+        L: Lanes,
+        L::Machine: Machine,
+        L::Record: Default + PackedIn,
+        K: PairKernel<L>,
+    {
+        let term = Continuity::new(
+            machine,
+            self.setup.kernel::<L, K>(machine),
+            NoDiffusion(L::splat(machine, 0.0)),
+            self.own,
+            self.setup.settings.reference_density,
+        );
+        Across::sum::<L, _>(&self.setup, machine, &term, self.out);
+    }
+}
+
 /// Rates of density of some particles from wall points, which hold velocity and volume.
 pub(crate) fn wall_rates(fluid: &Fluid, walls: Neighborhood, chosen: &[u32], out: &mut [Rate]) {
-    let without_diffusion = Settings {
-        scheme: crate::Scheme {
-            diffusion: DensityDiffusion::None,
-            ..fluid.settings.scheme
-        },
-        ..fluid.settings.clone()
-    };
-    let mut n_found = 0;
     dispatch(
         fluid.settings.scheme.precision,
-        Rates {
-            setup: Setup {
-                settings: &without_diffusion,
-                from: walls,
-                receivers: some(&fluid.particles.position, chosen),
-            },
+        WallRates {
+            setup: fluid.to_some(walls, chosen),
             own: RateOwn {
                 velocity: &fluid.particles.velocity,
                 density: &fluid.particles.density,
             },
-            gradients: walls.points,
             out,
-            n_found: &mut n_found,
         },
     );
 }
@@ -677,6 +807,7 @@ pub(crate) fn wall_spreads(fluid: &Fluid, walls: Neighborhood, chosen: &[u32], o
         fluid.settings.scheme.precision,
         Spreads {
             setup: fluid.to_some(walls, chosen),
+            way: PhantomData::<Across>,
             out,
         },
     );
@@ -688,6 +819,7 @@ pub(crate) fn spreads_at(fluid: &Fluid, places: Places, chosen: &[u32], out: &mu
         fluid.settings.scheme.precision,
         Spreads {
             setup: fluid.to_places(places, chosen),
+            way: PhantomData::<Across>,
             out,
         },
     );
@@ -755,7 +887,7 @@ impl Extrapolations<'_> {
         let s = self.setup.settings;
         let kernel = self.setup.kernel::<L, K>(machine);
         let term = Extrapolation::new(machine, kernel, s.reference_density, s.sound_speed);
-        self.setup.sweep::<L, _>(machine, &term, self.out);
+        Across::sum::<L, _>(&self.setup, machine, &term, self.out);
     }
 }
 

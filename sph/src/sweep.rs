@@ -1,4 +1,5 @@
-//! Sums over neighbours: one loop for all of them.
+//! Sums over neighbours that are searched for anew: one loop for all of them. Sums within the fluid read
+//! [`crate::lists`] instead, unless there are screens.
 //!
 //! For each receiving particle the candidates of nine rows of cells are filtered by distance into a
 //! short buffer, eight at a time and without a branch; what is left is summed a register at a time.
@@ -9,7 +10,7 @@ use rayon::prelude::*;
 
 use crate::boundary::screens::{Facet, Screens};
 use crate::cells::{CellGrid, MAX_RUNS, OWN_IMAGE, Run};
-use crate::lanes::{FILTER_WIDTH, Lanes, Machine, Portable, RECORD, Record, Sight, Task};
+use crate::lanes::{FILTER_WIDTH, Lanes, Machine, Place, Portable, RECORD, Record, Sight, Task};
 use crate::mirror::{Image, MOST_IMAGES, Mirrors};
 use crate::points::{Frame, Points};
 use crate::terms::{Lanes3, splat3};
@@ -18,7 +19,7 @@ use crate::{CHUNK, Vec3};
 /// Neighbours in a buffer before they are summed: 2 KiB, within the first cache.
 const BUFFER: usize = 512;
 /// Widening of the filter's radius, for its rounding: kernels vanish beyond the support anyway.
-const FILTER_MARGIN: f64 = 1.0 + 1e-5;
+pub(crate) const FILTER_MARGIN: f64 = 1.0 + 1e-5;
 
 /// Width of the numbers in pair sums. Positions, velocities and densities are `f64` always.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -171,12 +172,33 @@ where
     L::Record: Default,
     T: Term<L>,
 {
+    if sources.veil.is_none() {
+        sweep_as::<L, T, false>(machine, term, sources, receivers, out)
+    } else {
+        sweep_as::<L, T, true>(machine, term, sources, receivers, out)
+    }
+}
+
+/// The same with the code for screens or without, which leaves screens out.
+pub(crate) fn sweep_as<L, T, const SCREENED: bool>(
+    machine: L::Machine,
+    term: &T,
+    sources: &Sources<L::Record>,
+    receivers: Receivers,
+    out: &mut [T::Out],
+) -> u64
+where
+    L: Lanes,
+    L::Machine: Machine,
+    L::Record: Default,
+    T: Term<L>,
+{
     debug_assert_eq!(out.len(), receivers.len());
     out.par_chunks_mut(CHUNK)
         .enumerate()
         .map(|(chunk, out)| {
             let mut n_found = 0;
-            let chunk = Chunk::<L, T, false> {
+            machine.run(Chunk::<L, T, SCREENED> {
                 machine,
                 term,
                 sources,
@@ -184,12 +206,7 @@ where
                 first: chunk * CHUNK,
                 out,
                 n_found: &mut n_found,
-            };
-            if sources.veil.is_none() {
-                machine.run(chunk);
-            } else {
-                machine.run(chunk.screened());
-            }
+            });
             n_found
         })
         .sum()
@@ -205,29 +222,6 @@ struct Chunk<'a, L: Lanes, T: Term<L>, const SCREENED: bool> {
     first: usize,
     out: &'a mut [T::Out],
     n_found: &'a mut u64,
-}
-
-impl<'a, L: Lanes, T: Term<L>> Chunk<'a, L, T, false> {
-    fn screened(self) -> Chunk<'a, L, T, true> {
-        let Self {
-            machine,
-            term,
-            sources,
-            receivers,
-            first,
-            out,
-            n_found,
-        } = self;
-        Chunk {
-            machine,
-            term,
-            sources,
-            receivers,
-            first,
-            out,
-            n_found,
-        }
-    }
 }
 
 impl<L, T, const SCREENED: bool> Task for Chunk<'_, L, T, SCREENED>
@@ -355,15 +349,7 @@ where
                 scale,
                 radius2,
             };
-            let seen = Seen::<L> {
-                machine,
-                place: [
-                    L::coordinate(machine, &place, 0),
-                    L::coordinate(machine, &place, 1),
-                    L::coordinate(machine, &place, 2),
-                ],
-                quanta,
-            };
+            let seen = Seen::<L>::new(machine, &place, quanta);
             let mut n = 0;
             while from < n_runs && runs[from].image == image {
                 let mut start = runs[from].start as usize;
@@ -393,7 +379,7 @@ where
 }
 
 /// The receiver's place, as seen through an image.
-struct Seen<L: Lanes> {
+pub(crate) struct Seen<L: Lanes> {
     machine: L::Machine,
     place: [L; 3],
     quanta: [L; 3],
@@ -403,6 +389,39 @@ impl<L: Lanes> Seen<L>
 where
     L::Record: Default,
 {
+    #[inline(always)]
+    pub(crate) fn new(machine: L::Machine, place: &Place, quanta: [L; 3]) -> Self {
+        Self {
+            machine,
+            place: [
+                L::coordinate(machine, place, 0),
+                L::coordinate(machine, place, 1),
+                L::coordinate(machine, place, 2),
+            ],
+            quanta,
+        }
+    }
+
+    /// The receiver and a register of points.
+    #[inline(always)]
+    pub(crate) fn pair(&self, records: &[L::Record], ids: &[u32]) -> Pair<L> {
+        let [x, y, z, b0, b1, b2, b3, b4]: [L; RECORD] = L::gather(self.machine, records, ids);
+        let offset = [
+            self.place[0].separation(x, self.quanta[0]),
+            self.place[1].separation(y, self.quanta[1]),
+            self.place[2].separation(z, self.quanta[2]),
+        ];
+        let r2 = offset[0].mul_add(
+            offset[0],
+            offset[1].mul_add(offset[1], offset[2] * offset[2]),
+        );
+        Pair {
+            offset,
+            r2,
+            b: [b0, b1, b2, b3, b4],
+        }
+    }
+
     #[inline(always)]
     fn add_all<T: Term<L>>(
         &self,
@@ -415,22 +434,7 @@ where
         let whole = n.next_multiple_of(L::WIDTH);
         found[n..whole].fill(points.nothing());
         for ids in found[..whole].chunks_exact(L::WIDTH) {
-            let [x, y, z, b0, b1, b2, b3, b4]: [L; RECORD] =
-                L::gather(self.machine, points.records(), ids);
-            let offset = [
-                self.place[0].separation(x, self.quanta[0]),
-                self.place[1].separation(y, self.quanta[1]),
-                self.place[2].separation(z, self.quanta[2]),
-            ];
-            let r2 = offset[0].mul_add(
-                offset[0],
-                offset[1].mul_add(offset[1], offset[2] * offset[2]),
-            );
-            let pair = Pair {
-                offset,
-                r2,
-                b: [b0, b1, b2, b3, b4],
-            };
+            let pair = self.pair(points.records(), ids);
             term.add(own, &pair, ids, sums);
         }
     }

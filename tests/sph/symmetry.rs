@@ -405,7 +405,6 @@ fn total(fluid: &Fluid) -> f64 {
 fn a_drop_meets_its_image_and_none_of_it_passes() {
     let (mut fluid, dt) = drop(0.5);
     let n = fluid.particles().len();
-    let support = fluid.settings().support_radius();
     let (energy, momentum) = (total(&fluid), fluid.momentum().x);
     let mut given = 0.0;
     let mut farthest = 0.0_f64;
@@ -419,7 +418,7 @@ fn a_drop_meets_its_image_and_none_of_it_passes() {
     assert_eq!(fluid.particles().len(), n);
     assert_eq!(fluid.removed().count, 0);
     // what passes is sent back with the next sort: before anything moved by half the skin
-    assert!(farthest <= 0.025 * support, "{farthest}");
+    assert!(farthest <= 0.5 * fluid.skin(), "{farthest}");
     let change = fluid.momentum().x - momentum;
     let unexplained = (change - given - fluid.reflected().x).abs() / momentum.abs();
     let unclosed = (total(&fluid) / energy - 1.0).abs();

@@ -284,12 +284,9 @@ fn cost(scene: &Scene) -> Result<String, crate::run::RunError> {
         .fluid
         .as_ref()
         .map_or(0, |f| f.lattice.positions.len()) as f64;
-    let neighbors = world
-        .water
-        .as_ref()
-        .map_or(0.0, |w| w.fluid.n_pairs() as f64 / n.max(1.0));
-    // state, scratch and sorted copies, and lists that may be twice as long as filled
-    let memory = n * (450.0 + 8.0 * neighbors) + 4e6;
+    let lists = world.water.as_ref().map_or(0, |w| w.fluid.list_memory());
+    // state, scratch and sorted copies, and the lists of neighbours of the start
+    let memory = n * 450.0 + lists as f64 + 4e6;
     let output = &scene.file.output;
     let frames = duration / output.frame_interval.unwrap_or(duration);
     // measured: about 30 bytes a particle and frame, compressed

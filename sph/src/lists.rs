@@ -1,0 +1,532 @@
+//! Lists of neighbours that outlive a sum.
+//!
+//! Particles that move little keep their neighbours: whoever is within the support and a skin of a
+//! particle when they are sorted holds all of its neighbours until they are sorted anew. Lists are made
+//! by the first sum after a sort and read by all others before the next; what each sum spares is the
+//! search, most of which is for candidates of the corners of cells.
+//!
+//! All entries are summed, those between the support and the end of the skin too: kernels are zero there,
+//! and to pick the others out would cost more than to add nothing. Only their number is counted by distance.
+//!
+//! Entries stand in the order in which the sweep finds them, each particle's own, filled up to whole
+//! registers: results are the same bits for any number of threads. What a particle sees through a periodic
+//! side, or its image in a plane of symmetry sees, is a span of its own, summed from the shifted place.
+
+use rayon::prelude::*;
+
+use crate::cells::{CellGrid, MAX_RUNS, OWN_IMAGE, Run};
+use crate::lanes::{FILTER_WIDTH, Lanes, Machine, Sight, Task};
+use crate::mirror::{Image, MOST_IMAGES, Mirrors, signs_in};
+use crate::points::{Frame, Points};
+use crate::sweep::{FILTER_MARGIN, Seen, Sources, Term};
+use crate::terms::splat3;
+use crate::{CHUNK, Vec3};
+
+/// Who is near whom, among one set of particles.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Lists {
+    /// One for each [`CHUNK`] of receivers, and more where there were more receivers before.
+    chunks: Vec<ChunkLists>,
+    is_made: bool,
+}
+
+/// The lists of some receivers, one after the other. Memory is kept from sort to sort.
+#[derive(Clone, Debug, Default)]
+struct ChunkLists {
+    /// One past the last span of each receiver.
+    ends: Vec<u32>,
+    spans: Vec<Span>,
+    /// Neighbours of all spans; what is beyond the last span means nothing.
+    ids: Vec<u32>,
+}
+
+/// What a receiver sees in one way.
+#[derive(Clone, Copy, Debug)]
+struct Span {
+    /// One past its last register of neighbours.
+    end: u32,
+    /// Neighbours in its last register.
+    n_in_last: u8,
+    /// Periodic image of the neighbours.
+    image: u8,
+    /// Planes in which the receiver is mirrored, see [`Image::planes`].
+    planes: u8,
+}
+
+impl Span {
+    const BYTES: usize = size_of::<Self>();
+}
+
+/// Where lists are made from.
+#[derive(Clone, Copy)]
+pub(crate) struct Surroundings<'a> {
+    pub grid: &'a CellGrid,
+    pub frame: &'a Frame,
+    pub mirrors: Mirrors,
+    pub positions: &'a [Vec3],
+    /// Farthest that anything to be listed may be from a receiver; m.
+    pub radius: f64,
+    /// Farthest that it may have been sorted; m.
+    pub reach: f64,
+}
+
+impl Lists {
+    /// Whether they were made since they were last forgotten.
+    pub(crate) fn are_made(&self) -> bool {
+        self.is_made
+    }
+
+    /// Forgets who is near whom.
+    pub(crate) fn forget(&mut self) {
+        self.is_made = false;
+    }
+
+    /// Memory held; bytes.
+    pub(crate) fn memory(&self) -> usize {
+        let of = |c: &ChunkLists| {
+            size_of::<u32>() * (c.ends.capacity() + c.ids.capacity())
+                + Span::BYTES * c.spans.capacity()
+        };
+        self.chunks.iter().map(of).sum()
+    }
+
+    /// Lists who is near whom, for sums in registers `L`.
+    pub(crate) fn make<L: Lanes>(
+        &mut self,
+        machine: L::Machine,
+        from: Surroundings,
+        points: &Points<L::Record>,
+    ) where
+        L::Machine: Machine,
+        L::Record: Default,
+    {
+        let n_chunks = from.positions.len().div_ceil(CHUNK);
+        if self.chunks.len() < n_chunks {
+            self.chunks.resize_with(n_chunks, ChunkLists::default);
+        }
+        self.chunks
+            .par_iter_mut()
+            .zip(from.positions.par_chunks(CHUNK))
+            .for_each(|(lists, positions)| {
+                machine.run(Listing::<L> {
+                    machine,
+                    from,
+                    positions,
+                    points,
+                    lists,
+                });
+            });
+        self.is_made = true;
+    }
+
+    /// Sums `term` over the neighbours of every particle into `out`; returns how many neighbours were found,
+    /// particles that meet themselves among them.
+    pub(crate) fn sum<L, T>(
+        &self,
+        machine: L::Machine,
+        term: &T,
+        sources: &Sources<L::Record>,
+        positions: &[Vec3],
+        out: &mut [T::Out],
+    ) -> u64
+    where
+        L: Lanes,
+        L::Machine: Machine,
+        L::Record: Default,
+        T: Term<L>,
+    {
+        debug_assert!(self.is_made && out.len() == positions.len());
+        out.par_chunks_mut(CHUNK)
+            .zip(&self.chunks)
+            .enumerate()
+            .map(|(chunk, (out, lists))| {
+                let mut n_found = 0;
+                machine.run(Summing::<L, T> {
+                    machine,
+                    term,
+                    sources,
+                    positions,
+                    lists,
+                    first: chunk * CHUNK,
+                    out,
+                    n_found: &mut n_found,
+                });
+                n_found
+            })
+            .sum()
+    }
+}
+
+/// Making the lists of a chunk.
+struct Listing<'a, L: Lanes> {
+    machine: L::Machine,
+    from: Surroundings<'a>,
+    /// Of the receivers; m.
+    positions: &'a [Vec3],
+    points: &'a Points<L::Record>,
+    lists: &'a mut ChunkLists,
+}
+
+impl<L: Lanes> Task for Listing<'_, L>
+where
+    L::Machine: Machine,
+    L::Record: Default,
+{
+    #[inline(always)]
+    fn run(self) {
+        let Self {
+            machine,
+            from,
+            positions,
+            points,
+            lists: ChunkLists { ends, spans, ids },
+        } = self;
+        let scale = from.frame.quantum().map(|q| q as f32);
+        let radius2 = (from.radius * from.radius * FILTER_MARGIN) as f32;
+        let nothing = points.nothing();
+        let mut images = [Image::default(); MOST_IMAGES];
+        let mut runs = [Run::default(); MAX_RUNS];
+        ends.clear();
+        spans.clear();
+        let mut n = 0;
+        for position in positions {
+            let n_images = from
+                .mirrors
+                .images_within(position, from.reach, &mut images);
+            for image in &images[..n_images] {
+                let n_runs = from
+                    .grid
+                    .runs_within(&image.position, from.reach, &mut runs);
+                let runs = &mut runs[..n_runs];
+                // rows that cross a periodic side have both of its images: one span for each
+                if runs.iter().any(|run| run.image != OWN_IMAGE) {
+                    runs.sort_unstable_by_key(|run| (run.image, run.start));
+                }
+                for runs in runs.chunk_by(|a, b| a.image == b.image) {
+                    let shift = from.grid.image_shift(runs[0].image);
+                    let sight = Sight {
+                        place: from.frame.place(&(image.position - shift)).quanta,
+                        scale,
+                        radius2,
+                    };
+                    let start = n;
+                    for run in runs {
+                        let run = run.start as usize..run.end as usize;
+                        // the filter writes whole registers, and the last one is filled up
+                        let room = n + run.len() + FILTER_WIDTH;
+                        if ids.len() < room {
+                            // water gathers a little more as it moves: an eighth to spare
+                            let room = room + room / 8;
+                            ids.reserve_exact(room - ids.len());
+                            ids.resize(room, nothing);
+                        }
+                        n = machine.filter(points.columns(), run, &sight, ids, n);
+                    }
+                    if start < n {
+                        let end = start + (n - start).next_multiple_of(L::WIDTH);
+                        ids[n..end].fill(nothing);
+                        spans.push(Span {
+                            end: end as u32,
+                            n_in_last: (L::WIDTH - (end - n)) as u8,
+                            image: runs[0].image,
+                            planes: image.planes,
+                        });
+                        n = end;
+                    }
+                }
+            }
+            ends.push(spans.len() as u32);
+        }
+    }
+}
+
+/// Summing over the lists of a chunk.
+struct Summing<'a, L: Lanes, T: Term<L>> {
+    machine: L::Machine,
+    term: &'a T,
+    sources: &'a Sources<'a, L::Record>,
+    positions: &'a [Vec3],
+    lists: &'a ChunkLists,
+    /// First receiver.
+    first: usize,
+    out: &'a mut [T::Out],
+    n_found: &'a mut u64,
+}
+
+impl<L, T> Task for Summing<'_, L, T>
+where
+    L: Lanes,
+    L::Machine: Machine,
+    L::Record: Default,
+    T: Term<L>,
+{
+    #[inline(always)]
+    fn run(self) {
+        let Self {
+            machine,
+            term,
+            sources,
+            positions,
+            lists: ChunkLists { ends, spans, ids },
+            first,
+            out,
+            n_found: total,
+        } = self;
+        let support2 = sources.support_radius * sources.support_radius * FILTER_MARGIN;
+        let support2 = L::splat(machine, support2);
+        let quanta = splat3(machine, sources.frame.quantum());
+        let (mut span, mut start) = (0, 0);
+        for (k, (out, &end)) in out.iter_mut().zip(ends).enumerate() {
+            let a = first + k;
+            let own = term.own(machine, a);
+            let mut sums = term.zero(machine);
+            let mut n_found = 0;
+            for &Span {
+                end,
+                n_in_last,
+                image,
+                planes,
+            } in &spans[span..end as usize]
+            {
+                let (mut place, mut own) = (positions[a], own);
+                if 0 < planes {
+                    // the image of the receiver sees the points themselves, see `mirror`
+                    let signs = splat3(machine, signs_in(planes));
+                    place = sources.mirrors.mirrored(planes, &place);
+                    own = term.mirrored(&own, &signs);
+                    term.mirror(&mut sums, &signs);
+                }
+                if image != OWN_IMAGE {
+                    place -= sources.grid.image_shift(image);
+                }
+                let seen = Seen::<L>::new(machine, &sources.frame.place(&place), quanta);
+                let mut near = 0;
+                for ids in ids[start..end as usize].chunks_exact(L::WIDTH) {
+                    let pair = seen.pair(sources.points.records(), ids);
+                    near = pair.r2.below(support2);
+                    n_found += near.count_ones();
+                    term.add(&own, &pair, ids, &mut sums);
+                }
+                // what fills up the last register is nowhere
+                n_found -= (near >> n_in_last).count_ones();
+                if 0 < planes {
+                    term.mirror(&mut sums, &splat3(machine, signs_in(planes)));
+                }
+                start = end as usize;
+            }
+            span = end as usize;
+            term.finish(a, sums, n_found, out);
+            *total += u64::from(n_found);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scheme::{DensityDiffusion, Viscosity};
+    use crate::{
+        Dimensions, Fluid, FluidError, KernelChoice, Precision, Scheme, Settings, Start, sums,
+    };
+
+    const RADIUS: f64 = 0.2;
+
+    /// A box and how sums are made in it.
+    #[derive(Clone, Copy)]
+    struct Case {
+        extent: [f64; 3],
+        periodic: [bool; 3],
+        symmetry: [[bool; 2]; 3],
+        kernel: KernelChoice,
+        viscosity: Viscosity,
+    }
+
+    const CLOSED: Case = Case {
+        extent: [0.8; 3],
+        periodic: [false; 3],
+        symmetry: [[false; 2]; 3],
+        kernel: KernelChoice::WendlandC2,
+        viscosity: Viscosity::Artificial { alpha: 0.1 },
+    };
+
+    /// Random particles as dense as water in a box, half of them on their way along x, the others against it.
+    fn cloud(of: Case) -> Result<Fluid, FluidError> {
+        let extent = Vec3::from(of.extent);
+        let settings = Settings {
+            particle_spacing: [0.06; 3],
+            smoothing_length: 0.5 * RADIUS,
+            reference_density: 1000.0,
+            sound_speed: 30.0,
+            scheme: Scheme {
+                precision: Precision::Double,
+                diffusion: DensityDiffusion::Antuono(0.1),
+                viscosity: of.viscosity,
+                kernel: of.kernel,
+                ..Scheme::standard()
+            },
+            dimensions: Dimensions::Three,
+            gravity: Vec3::zeros(),
+            time_step_factor: 0.5,
+            domain: (Vec3::zeros(), extent),
+            periodic: of.periodic,
+            symmetry: of.symmetry,
+        };
+        let mut state = 88_172_645_463_325_252_u64;
+        let mut random = || {
+            state ^= state << 13;
+            state ^= state >> 7;
+            state ^= state << 17;
+            (state >> 11) as f64 / (1_u64 << 53) as f64
+        };
+        let n = (extent.product() / 0.06_f64.powi(3)) as usize;
+        let start = Start {
+            positions: (0..n).map(|_| extent.map(|l| l * random())).collect(),
+            velocities: (0..n)
+                .map(|a| Vec3::x() * if a % 2 == 0 { 1.0 } else { -1.0 })
+                .collect(),
+            pressures: (0..n).map(|_| 1e4 * random()).collect(),
+        };
+        let mut fluid = Fluid::new(start, settings)?;
+        fluid.refresh();
+        Ok(fluid)
+    }
+
+    /// The same fluid without lists: there is a screen, where nothing is near.
+    fn without_lists(fluid: &Fluid) -> Fluid {
+        let mut fluid = fluid.clone();
+        let nowhere = (Vec3::x(), -1e9);
+        let bounds = fluid.settings.domain;
+        fluid.add_screen(std::iter::once(nowhere), bounds);
+        fluid
+    }
+
+    /// Results of all sums, a column each, and the numbers of neighbours.
+    fn all_sums(fluid: &mut Fluid) -> Result<(Vec<Vec<f64>>, Vec<u32>), FluidError> {
+        fluid.update_rates();
+        fluid.update_pressure()?;
+        sums::forces(fluid);
+        sums::strains(fluid);
+        sums::spreads(fluid);
+        let scratch = &fluid.scratch;
+        let dimensions = fluid.settings.dimensions;
+        let mut summed = fluid.clone();
+        sums::summation(&mut summed, 1.0);
+        let columns = vec![
+            scratch.rates.iter().map(|r| r.flow).collect(),
+            scratch.rates.iter().map(|r| r.diffusion).collect(),
+            scratch.forces.iter().flat_map(|f| f.pressure).collect(),
+            scratch.forces.iter().flat_map(|f| f.viscous).collect(),
+            scratch.gradients.iter().flatten().copied().collect(),
+            (scratch.strains.iter())
+                .map(|s| s.shear_rate(dimensions))
+                .collect(),
+            scratch.spreads.iter().map(|s| s.divergence).collect(),
+            summed.particles.density,
+        ];
+        let counts = scratch.rates.iter().map(|r| r.n_found).collect();
+        Ok((columns, counts))
+    }
+
+    /// Largest difference of the sums by lists from those by sweeps, each over the largest of its column, and
+    /// of the numbers of neighbours.
+    fn difference(fluid: &mut Fluid) -> Result<(f64, u32), FluidError> {
+        let (by_sweep, counted) = all_sums(&mut without_lists(fluid))?;
+        let (by_lists, listed) = all_sums(fluid)?;
+        assert!(fluid.lists.are_made());
+        let mut largest = 0.0_f64;
+        for (a, b) in by_lists.iter().zip(&by_sweep) {
+            let scale = b.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
+            assert!(0.0 < scale && a.len() == b.len());
+            for (a, b) in a.iter().zip(b) {
+                largest = largest.max((a - b).abs() / scale);
+            }
+        }
+        let counts = listed.iter().zip(&counted).map(|(a, b)| a.abs_diff(*b));
+        Ok((largest, counts.max().unwrap_or(0)))
+    }
+
+    /// Takes all particles as far as they may go without a sort.
+    fn approach(fluid: &mut Fluid) {
+        fluid.kick(0.0);
+        fluid.drift(0.499 * fluid.skin());
+        fluid.refresh();
+        assert!(0.0 < fluid.moved(), "the drift is within the skin");
+    }
+
+    #[test]
+    fn sums_by_lists_are_those_of_the_sweep() -> Result<(), FluidError> {
+        let both = [true; 2];
+        let cases = [
+            CLOSED,
+            Case {
+                extent: [0.8, 0.3, 0.8],
+                periodic: [true, true, false],
+                ..CLOSED
+            },
+            Case {
+                symmetry: [both, [false; 2], [true, false]],
+                ..CLOSED
+            },
+            Case {
+                extent: [0.3, 0.8, 0.8],
+                periodic: [false, true, false],
+                symmetry: [both, [false; 2], both],
+                ..CLOSED
+            },
+            Case {
+                kernel: KernelChoice::CubicSpline,
+                viscosity: Viscosity::Morris {
+                    kinematic_viscosity: 0.01,
+                },
+                ..CLOSED
+            },
+            Case {
+                kernel: KernelChoice::Mueller,
+                viscosity: Viscosity::Published {
+                    dynamic_viscosity: 10.0,
+                },
+                ..CLOSED
+            },
+        ];
+        for case in cases {
+            let mut fluid = cloud(case)?;
+            let when_made = difference(&mut fluid)?;
+            approach(&mut fluid);
+            let after_moving = difference(&mut fluid)?;
+            // f64: the order of the sums is another where images are seen, measured 1e-15
+            for (sums, counts) in [when_made, after_moving] {
+                assert!(sums < 1e-12 && counts == 0, "{sums} {counts}");
+            }
+        }
+        Ok(())
+    }
+
+    #[test]
+    fn a_shorter_list_loses_neighbors() -> Result<(), FluidError> {
+        let mut fluid = cloud(CLOSED)?;
+        fluid.update_pressure()?;
+        let points = std::mem::take(&mut fluid.scratch.points);
+        fluid.list_within(RADIUS + 0.8 * fluid.skin(), &points);
+        fluid.scratch.points = points;
+        approach(&mut fluid);
+        let (sums, counts) = difference(&mut fluid)?;
+        // what is lost is near the edge of the support, where kernels are small
+        assert!(1e-9 < sums && 0 < counts, "{sums} {counts}");
+        Ok(())
+    }
+
+    #[test]
+    fn lists_take_no_memory_once_they_had_it() -> Result<(), FluidError> {
+        let mut fluid = cloud(CLOSED)?;
+        fluid.update_rates();
+        let before = fluid.list_memory();
+        assert!(0 < before);
+        for _ in 0..3 {
+            fluid.forget_order();
+            fluid.refresh();
+            fluid.update_rates();
+        }
+        assert_eq!(fluid.list_memory(), before);
+        Ok(())
+    }
+}
