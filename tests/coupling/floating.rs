@@ -625,7 +625,7 @@ fn tumble(duration: f64) -> u64 {
     while world.time() < duration {
         let next = world.next_step(duration).unwrap();
         world.step(next).unwrap();
-        if world.clock().steps % 100 == 0 {
+        if world.clock().steps.is_multiple_of(100) {
             let water = world.water.as_ref().unwrap();
             assert_eq!(water.fluid.particles().len(), n_particles);
             let depths = water

@@ -62,7 +62,7 @@ impl Checks {
         scene: &SceneFile,
     ) {
         self.positive(
-            &format!("{what}.interval"),
+            format!("{what}.interval"),
             &format!("{what}: interval"),
             interval,
         );
