@@ -338,7 +338,8 @@ impl Fluid {
     /// Particles do not see each other through it. Planes of symmetry do not mirror it: one that touches them has to go on
     /// beyond them as it is before them, with planes of infinite offset for its ends there.
     pub fn add_screen(&mut self, planes: impl Iterator<Item = Plane>, bounds: (Vec3, Vec3)) {
-        let reach = self.settings.support_radius();
+        // particles may have left the cells that they were sorted into
+        let reach = self.settings.support_radius() + self.skin();
         self.screens.add(planes, bounds, &self.grid, reach);
     }
 

@@ -618,8 +618,9 @@ fn momentum_is_accounted_for_with_prescribed_and_free_blocks() {
 #[test]
 fn scenes_that_walls_cannot_hold_are_refused() {
     let ball = "Sphere(center: (0.5, 0.5, 0.5), radius: 0.2)";
-    for walls in ["Particles", "Integral"] {
-        let (case, _) = still(walls, [16; 3], Some(ball), plain());
+    let plane = ["dimensions: Two".to_owned(), String::new(), String::new()];
+    for (walls, more) in [("Particles", plane), ("Integral", plain())] {
+        let (case, _) = still(walls, [16; 3], Some(ball), more);
         let errors = case.errors();
         assert_eq!(errors.len(), 1, "{errors:?}");
         assert!(
@@ -631,12 +632,10 @@ fn scenes_that_walls_cannot_hold_are_refused() {
             "{errors:?}"
         );
     }
-    assert!(
-        still("Penalty", [16; 3], Some(ball), plain())
-            .0
-            .errors()
-            .is_empty()
-    );
+    for walls in ["Penalty", "Particles"] {
+        let (case, _) = still(walls, [16; 3], Some(ball), plain());
+        assert_eq!(case.errors(), [""; 0], "{walls}");
+    }
     let of = |domain: &str, numerics: &str| {
         let more = [domain.to_owned(), String::new(), numerics.to_owned()];
         still("Integral", [16, 16, 16], None, more).0.errors()
