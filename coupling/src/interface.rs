@@ -32,6 +32,8 @@ pub const DAMPING_RATIO: f64 = 0.5;
 const ACROSS: usize = 1;
 /// Depth inside a solid, in spacings, from which on a particle is put back.
 const PUSH_BACK_DEPTH: f64 = 0.1;
+/// Room, in spacings, that a place to put it back to has towards any other solid, if there is such a place.
+const LEAST_ROOM: f64 = 0.25;
 /// Distance off the surface, in spacings, at which it is put back.
 const PUSH_BACK_DISTANCE: f64 = 0.05;
 
@@ -231,7 +233,7 @@ impl Interface {
             let a = touch.particle as usize;
             let (position, velocity) =
                 (fluid.particles().position[a], fluid.particles().velocity[a]);
-            let (block, way) = self.way_out(&position, (fluid.grid(), blocks), touch);
+            let (block, way) = self.way_out((&position, &velocity), (fluid.grid(), blocks), touch);
             let wall = blocks.velocity_at(block as usize, &way.point);
             let approach = (velocity - wall).dot(&way.normal);
             found.push(PushedBack {
@@ -249,7 +251,7 @@ impl Interface {
     /// is none.
     fn way_out(
         &self,
-        x: &Vec3,
+        (x, velocity): (&Vec3, &Vec3),
         (grid, blocks): (&CellGrid, &Blocks),
         touch: &Touch,
     ) -> (u32, SurfacePoint) {
@@ -259,12 +261,15 @@ impl Interface {
             parts.map(|&part| part as usize)
         };
         let clearance = PUSH_BACK_DISTANCE * self.settings.particle_spacing;
-        let is_free = |way: &SurfacePoint| {
+        let stands_clear = |way: &SurfacePoint, by: f64| {
             // past a side that repeats it comes in again at the other
             let to = grid.wrapped(way.point + way.normal * clearance);
             !near(&to).any(|part| {
-                let surface = blocks.surface_point_within(part, &to, 0.0);
-                surface.is_some_and(|surface| surface.distance < 0.0)
+                let surface = blocks.surface_point_within(part, &to, by);
+                surface.is_some_and(|surface| {
+                    let is_own = 0.0 <= surface.distance && 0.9 < surface.normal.dot(&way.normal);
+                    surface.distance < by && !is_own
+                })
             })
         };
         // a slice is cut from prisms without ends: nothing leaves a plane flow across it
@@ -277,8 +282,18 @@ impl Interface {
             })
             .collect();
         ways.sort_by(|a, b| b.1.distance.total_cmp(&a.1.distance));
-        let free = ways.into_iter().find(|(_, way)| is_free(way));
-        free.unwrap_or((
+        // a crack that no particle fits into is no way out while there is another
+        let room = LEAST_ROOM * self.settings.particle_spacing;
+        // and what goes on through a plate is sent back the way it came
+        let came_in = |(block, way): &&(u32, SurfacePoint)| {
+            let wall = blocks.velocity_at(*block as usize, &way.point);
+            (velocity - wall).dot(&way.normal) <= 0.0
+        };
+        let roomy = |(_, way): &&(u32, SurfacePoint)| stands_clear(way, room);
+        let free = (ways.iter().filter(came_in).find(roomy))
+            .or_else(|| ways.iter().find(roomy))
+            .or_else(|| ways.iter().find(|(_, way)| stands_clear(way, 0.0)));
+        free.copied().unwrap_or((
             touch.block,
             SurfacePoint {
                 distance: touch.distance,
