@@ -289,7 +289,10 @@ impl Interface {
             let wall = blocks.velocity_at(*block as usize, &way.point);
             (velocity - wall).dot(&way.normal) <= 0.0
         };
-        let roomy = |(_, way): &&(u32, SurfacePoint)| stands_clear(way, room);
+        // but not far: what two solids press between them would be put out behind one of them
+        let near_by = self.settings.particle_spacing;
+        let roomy =
+            |(_, way): &&(u32, SurfacePoint)| -way.distance < near_by && stands_clear(way, room);
         let free = (ways.iter().filter(came_in).find(roomy))
             .or_else(|| ways.iter().find(roomy))
             .or_else(|| ways.iter().find(|(_, way)| stands_clear(way, 0.0)));
