@@ -19,7 +19,7 @@ use riprap_dda::{Blocks, Load, Motion, SurfacePoint};
 use riprap_sph::fluid::ParticleForce;
 use riprap_sph::{CellGrid, Dimensions, Fluid, Vec3};
 
-use crate::part_table::PartTable;
+use crate::part_table::{PartTable, Placed, Solids};
 use crate::walls::FluidLoad;
 
 /// Particles per parallel task; a constant, so that results do not depend on threads.
@@ -116,7 +116,7 @@ impl Interface {
         let mut fixed = PartTable::default();
         let standing = (0..blocks.n_parts())
             .filter(|&part| matches!(blocks.motion(blocks.block_of_part(part)), Motion::Fixed));
-        rebuild(&mut fixed, standing, (blocks, grid), settings.standoff);
+        update(&mut fixed, standing, (blocks, grid), settings.standoff);
         let periodic = grid.periodic();
         let n_periodic = periodic.iter().filter(|&&p| p).count();
         let is_plane = matches!(fluid.settings().dimensions, Dimensions::Two { .. });
@@ -187,7 +187,7 @@ impl Interface {
             !matches!(blocks.motion(block), Motion::Fixed) && !blocks.is_removed(block)
         });
         let standoff = self.settings.standoff;
-        rebuild(&mut self.moving, moving, (blocks, fluid.grid()), standoff);
+        update(&mut self.moving, moving, (blocks, fluid.grid()), standoff);
         let positions = &fluid.particles().position;
         self.chunks
             .resize_with(positions.len().div_ceil(CHUNK), Vec::new);
@@ -413,22 +413,33 @@ impl Interface {
     }
 }
 
-/// Lists the parts of blocks near each cell.
-fn rebuild(
+impl Solids for Blocks {
+    fn aabb(&self, part: u32) -> (Vec3, Vec3) {
+        self.part_aabb(part as usize)
+    }
+
+    fn is_within(&self, part: u32, x: &Vec3, distance: f64) -> bool {
+        let surface = self.surface_point_within(part as usize, x, distance);
+        surface.is_some()
+    }
+}
+
+/// Brings up to date which parts of blocks are near each cell.
+fn update(
     table: &mut PartTable,
     parts: impl Iterator<Item = usize>,
     (blocks, grid): (&Blocks, &CellGrid),
     reach: f64,
 ) {
-    table.rebuild(
-        parts.map(|part| (part as u32, blocks.part_aabb(part))),
-        grid,
-        reach,
-        |part, x, cutoff| {
-            let surface = blocks.surface_point_within(part as usize, x, cutoff);
-            surface.is_some()
-        },
-    );
+    let placed = parts.map(|part| {
+        let block = blocks.block_of_part(part);
+        Placed {
+            number: part as u32,
+            center: blocks.centroid(block),
+            gradient: blocks.gradient(block),
+        }
+    });
+    table.update(placed, blocks, grid, reach);
 }
 
 /// Adds the touch of a particle and a part, or replaces that of another part of the same block if

@@ -1,5 +1,6 @@
 //! Observers: they look at the world when due and write files; they never change it.
 
+mod face_pressures;
 pub mod forces;
 pub mod frames;
 pub mod gauges;

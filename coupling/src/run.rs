@@ -462,6 +462,7 @@ impl<'a> Run<'a> {
             forces: phases.forces.as_secs_f64(),
             contact_detection: phases.broad_phase.as_secs_f64(),
             contact_forces: phases.contacts.as_secs_f64(),
+            wall_search: phases.wall_search.as_secs_f64(),
             coupling: phases.coupling.as_secs_f64(),
             integration: phases.integration.as_secs_f64(),
             output: self.output_time,

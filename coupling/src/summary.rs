@@ -111,7 +111,9 @@ pub struct TimeByPhase {
     /// Narrow phase and contact law of the blocks, which share a loop: each pair is found and evaluated in one
     /// go.
     pub contact_forces: f64,
-    /// Particles against blocks.
+    /// Placing walls, and which particles are near which of them.
+    pub wall_search: f64,
+    /// Sums and forces between particles and blocks.
     pub coupling: f64,
     /// Kicks, drifts and step limits of both media.
     pub integration: f64,

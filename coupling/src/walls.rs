@@ -244,6 +244,12 @@ impl Part {
             .fold(none, |(min, max), x| (min.inf(x), max.sup(x)))
     }
 
+    /// Whether it may be within a distance (m) of a point.
+    fn may_be_within(&self, x: &Vec3, distance: f64) -> bool {
+        self.nearest_plane(x)
+            .is_some_and(|(_, height)| height < distance)
+    }
+
     /// The face whose plane a point is farthest outside of, with that distance (m): below zero inside.
     pub(crate) fn nearest_plane(&self, x: &Vec3) -> Option<(Vec3, f64)> {
         self.faces

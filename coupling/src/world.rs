@@ -150,7 +150,9 @@ pub struct PhaseTimes {
     pub broad_phase: Duration,
     /// Blocks: narrow phase with the contact law, which share a loop, and the sums for each block.
     pub contacts: Duration,
-    /// Particles against blocks.
+    /// Placing walls, and which particles are near which of them.
+    pub wall_search: Duration,
+    /// Sums and forces between particles and blocks.
     pub coupling: Duration,
     /// Kicks and drifts of both media, step limits.
     pub integration: Duration,
@@ -477,9 +479,11 @@ impl World {
     }
 
     fn note_walls(&mut self) {
+        let mut watch = Stopwatch::start();
         if let Some(walls) = self.water.as_mut().and_then(|water| water.walls.as_mut()) {
             walls.note_start(&self.blocks);
         }
+        self.phases.wall_search += watch.lap();
     }
 
     /// Takes the fluid's positions to the end of the step, and its density too where that is advanced: half
@@ -507,7 +511,7 @@ impl World {
             }
             walls.find(&mut water.fluid);
         }
-        self.phases.coupling += watch.lap();
+        self.phases.wall_search += watch.lap();
         water.fluid.update_rates();
         self.phases.density += watch.lap();
         if let Some(walls) = &mut water.walls {
@@ -709,7 +713,7 @@ impl World {
             walls.place_at_end(&self.blocks, (!held).then_some(dt));
             walls.find(&mut water.fluid);
         }
-        self.phases.coupling += watch.lap();
+        self.phases.wall_search += watch.lap();
 
         if water.fluid.shifts() && 0.0 < dt {
             water.fluid.update_spread();
@@ -718,10 +722,12 @@ impl World {
             }
             water.fluid.shift(dt);
             water.fluid.refresh();
+            self.phases.density += watch.lap();
             water.interface.find(&water.fluid, &self.blocks);
             if let Some(walls) = &mut water.walls {
                 walls.find(&mut water.fluid);
             }
+            self.phases.wall_search += watch.lap();
         }
         let imposed = water.openings.hold(&mut water.fluid, end);
         self.ledger.exchange(&imposed);

@@ -10,9 +10,13 @@ mod support;
 
 use std::path::Path;
 
+use riprap::observe::Observer;
+use riprap::observe::frames::Frames;
 use riprap::run::build;
+use riprap::scene::file::OutputFile;
 use riprap::scene::parse;
 use riprap::scene::resolve::Scene;
+use riprap::vtk::{self, Values};
 use riprap::world::World;
 use riprap_sph::Vec3;
 
@@ -460,6 +464,66 @@ fn a_ball_under_water_is_lifted_by_what_it_displaces() {
         force.z
     );
     assert!(force.x.hypot(force.y) < 0.01 * expected, "{force:?}");
+}
+
+/// Still water on a fixed box and its basin: each tile has `ρ g` times its depth, and those of the box lift it by what
+/// it displaces.
+#[test]
+fn pressures_on_faces_are_those_of_still_water() {
+    let (level, spacing) = (0.6, 0.02);
+    let body = cuboid(
+        "body",
+        "material: \"m\", motion: Fixed",
+        [0.4, 0.16, 0.64, 0.4],
+    );
+    let output = "output: (face_pressures: true),";
+    let world = world(&basin(1.0, 0.9, level, spacing, &body, output));
+    let folder = tempfile::tempdir().unwrap();
+    let output = OutputFile {
+        face_pressures: true,
+        ..OutputFile::default()
+    };
+    let mut frames = Frames::new(folder.path(), &output, &world).unwrap();
+    frames.observe(&world).unwrap();
+    let data = vtk::read(&folder.path().join("faces_00000.vtp")).unwrap();
+    let [Values::I32(blocks), Values::F32(pressures)] =
+        [&data.cell_data[0].values, &data.cell_data[1].values]
+    else {
+        panic!("{:?}", data.cell_data);
+    };
+    let scale = RHO * G * level;
+    let (mut worst, mut lift): (f64, f64) = (0.0, 0.0);
+    for ((corners, block), pressure) in data.polygons.iter().zip(blocks).zip(pressures) {
+        let corners: Vec<Vec3> = (corners.iter())
+            .map(|&k| Vec3::from(data.points[k as usize].map(f64::from)))
+            .collect();
+        let middle = corners.iter().sum::<Vec3>() / corners.len() as f64;
+        let pressure = f64::from(*pressure);
+        // the lattice begins half a spacing off the faces
+        if middle.z < level - spacing {
+            worst = worst.max((pressure - RHO * G * (level - middle.z)).abs() / scale);
+        }
+        if *block == 3 {
+            let area: Vec3 = (corners.windows(2))
+                .map(|pair| (pair[0] - corners[0]).cross(&(pair[1] - corners[0])) * 0.5)
+                .sum();
+            lift -= pressure * area.z;
+        }
+    }
+    // the box is 2 m deep across the plane
+    let displaced = RHO * G * 0.24 * 0.24 * 2.0;
+    println!(
+        "worst tile {:.3} % of ρ g H, lift {:+.3} %",
+        100.0 * worst,
+        100.0 * (lift / displaced - 1.0)
+    );
+    // the state at the start is that of rest, up to the linear equation of state over the support
+    assert!(worst < 0.01, "{worst}");
+    assert!((lift / displaced - 1.0).abs() < 0.01);
+    assert!(
+        blocks.iter().any(|&b| b == 0),
+        "the basin's floor is wet too"
+    );
 }
 
 /// A flow in a plane does not leave it: under pressure, rounding across it would grow by itself.

@@ -1,9 +1,10 @@
-//! VTK frames: water, blocks and contacts.
+//! VTK frames: water, blocks, contacts and pressures on faces.
 
 use std::path::{Path, PathBuf};
 
 use riprap_dda::Vec3;
 
+use super::face_pressures::face_pressures;
 use super::{ObserveError, Observer, Schedule};
 use crate::scene::file::{BlockField, OutputFile, WaterField};
 use crate::vtk::{self, Array, Collection, PolyData, Polygons, Values};
@@ -19,6 +20,7 @@ pub struct Frames {
     water: Option<Collection>,
     blocks: Option<Collection>,
     contacts: Option<Collection>,
+    faces: Option<Collection>,
     n_written: u32,
 }
 
@@ -47,6 +49,7 @@ impl Frames {
             water: world.water.is_some().then(|| collection("water")),
             blocks: has_movers.then(|| collection("blocks")),
             contacts: output.contacts.then(|| collection("contacts")),
+            faces: (output.face_pressures && world.water.is_some()).then(|| collection("faces")),
             n_written: 0,
         })
     }
@@ -83,17 +86,22 @@ impl Observer for Frames {
         if let Some(collection) = &mut self.contacts {
             write(collection, "contacts", &contact_points(world))?;
         }
+        if let (Some(collection), Some(water)) = (&mut self.faces, &world.water) {
+            let mut data = face_pressures(water, &world.blocks);
+            data.time = world.time();
+            write(collection, "faces", &data)?;
+        }
         self.n_written += 1;
         self.schedule.done(world.time());
         Ok(())
     }
 }
 
-fn single(v: &Vec3) -> [f32; 3] {
+pub(super) fn single(v: &Vec3) -> [f32; 3] {
     [v.x as f32, v.y as f32, v.z as f32]
 }
 
-fn scalars(name: &str, values: Vec<f32>) -> Array {
+pub(super) fn scalars(name: &str, values: Vec<f32>) -> Array {
     Array {
         name: name.to_owned(),
         components: 1,
@@ -109,7 +117,7 @@ fn vectors<'a>(name: &str, values: impl Iterator<Item = &'a Vec3>) -> Array {
     }
 }
 
-fn integers(name: &str, values: Vec<i32>) -> Array {
+pub(super) fn integers(name: &str, values: Vec<i32>) -> Array {
     Array {
         name: name.to_owned(),
         components: 1,

@@ -33,7 +33,7 @@ use riprap_sph::{Fluid, Vec3};
 use super::added_mass::{Acceleration, AddedMass, Movers, largest_ratio};
 use super::cutting::disjoint;
 use super::{FluidLoad, Part, is_fixed, parts};
-use crate::part_table::PartTable;
+use crate::part_table::{PartTable, Placed, Solids};
 
 /// Distance off a surface, in spacings, below which a particle sees the wall as from there: nearer the
 /// integrals hardly grow, so that a spring has to stop it.
@@ -76,6 +76,8 @@ struct MovingPart {
     local: Part,
     /// Where it is; no faces if its block was removed; m.
     placed: Part,
+    /// Where its block is.
+    at: Place,
 }
 
 /// Place and motion of a block.
@@ -177,16 +179,22 @@ impl IntegralWalls {
             }
             // blocks are whole at the start
             let turned_back = blocks.gradient(b).transpose();
-            let center = blocks.centroid(b);
+            let at = Place::of(blocks, b);
             moving.extend(parts.into_iter().map(|placed| MovingPart {
                 block: b as u32,
-                local: placed.moved(&turned_back, &-(turned_back * center)),
+                local: placed.moved(&turned_back, &-(turned_back * at.center)),
                 placed,
+                at,
             }));
         }
         let fixed = disjoint(standing);
         let mut near_fixed = PartTable::default();
-        list_near(&mut near_fixed, fixed.iter(), fluid, support_radius);
+        let unmoved = (0..fixed.len()).map(|k| Placed {
+            number: k as u32,
+            center: Vec3::zeros(),
+            gradient: Matrix3::identity(),
+        });
+        near_fixed.update(unmoved, &fixed, fluid.grid(), support_radius);
         let n_blocks = definitions.len();
         Self {
             support_radius,
@@ -286,17 +294,23 @@ impl IntegralWalls {
             part.placed = if blocks.is_removed(b) {
                 Part::default()
             } else {
-                let at = place(b);
-                part.local.moved(&at.gradient, &at.center)
+                part.at = place(b);
+                part.local.moved(&part.at.gradient, &part.at.center)
             };
         }
     }
 
     /// Finds what the particles see of the solids; after each sort of the fluid and placing.
     pub fn find(&mut self, fluid: &mut Fluid) {
-        let reach = self.support_radius;
-        let placed = self.moving.iter().map(|part| &part.placed);
-        list_near(&mut self.near_moving, placed, fluid, reach);
+        let present = self.moving.iter().enumerate();
+        let present = present.filter(|(_, part)| !part.placed.faces.is_empty());
+        let placed = present.map(|(k, part)| Placed {
+            number: k as u32,
+            center: part.at.center,
+            gradient: part.at.gradient,
+        });
+        self.near_moving
+            .update(placed, &self.moving, fluid.grid(), self.support_radius);
         let positions = &fluid.particles().position;
         let mut chunks = std::mem::take(&mut self.chunks);
         chunks.resize_with(positions.len().div_ceil(CHUNK), Vec::new);
@@ -552,27 +566,24 @@ fn add(
     }
 }
 
-/// Lists the solids near each cell of the fluid's grid.
-fn list_near<'a>(
-    table: &mut PartTable,
-    solids: impl Iterator<Item = &'a Part>,
-    fluid: &Fluid,
-    reach: f64,
-) {
-    let solids: Vec<&Part> = solids.collect();
-    table.rebuild(
-        solids
-            .iter()
-            .enumerate()
-            .filter(|(_, part)| !part.faces.is_empty())
-            .map(|(k, part)| (k as u32, part.aabb())),
-        fluid.grid(),
-        reach,
-        |k, x, cutoff| {
-            let nearest = solids[k as usize].nearest_plane(x);
-            nearest.is_some_and(|(_, distance)| distance < cutoff)
-        },
-    );
+impl Solids for Vec<Part> {
+    fn aabb(&self, solid: u32) -> (Vec3, Vec3) {
+        self[solid as usize].aabb()
+    }
+
+    fn is_within(&self, solid: u32, x: &Vec3, distance: f64) -> bool {
+        self[solid as usize].may_be_within(x, distance)
+    }
+}
+
+impl Solids for Vec<MovingPart> {
+    fn aabb(&self, solid: u32) -> (Vec3, Vec3) {
+        self[solid as usize].placed.aabb()
+    }
+
+    fn is_within(&self, solid: u32, x: &Vec3, distance: f64) -> bool {
+        self[solid as usize].placed.may_be_within(x, distance)
+    }
 }
 
 /// Share of the kernel that is behind a plane at a distance `u` in units of the support radius, below 1.

@@ -113,7 +113,7 @@ impl World {
             walls.find(&mut water.fluid);
         }
         water.openings.hold(&mut water.fluid, middle);
-        self.phases.coupling += watch.lap();
+        self.phases.wall_search += watch.lap();
         self.evaluate_forces()
     }
 }

@@ -67,6 +67,23 @@ pub fn sample_face(face: &Face, spacing: f64) -> Vec<FaceSample> {
     pieces.iter().map(sample).collect()
 }
 
+/// A convex face cut by a grid of cells about `spacing` (m) wide: the polygons, each with its centroid.
+pub fn tiles(face: &Face, spacing: f64) -> Vec<(Vec<Vec3>, Vec3)> {
+    let axes = Axes::along_longest_edge(face);
+    let Some(corner) = face.vertices.first() else {
+        return Vec::new();
+    };
+    let height = face.normal.dot(corner);
+    let outline = Polygon::new(face.vertices.iter().map(|p| axes.plane(p)).collect());
+    let place = |p: &Vector2<f64>| axes.u * p.x + axes.v * p.y + face.normal * height;
+    let tiles = outline.in_cells(layers::cells_of(&outline, spacing));
+    let tiles = tiles.filter_map(|tile| {
+        let centroid = tile.piece()?.centroid;
+        Some((tile.corners().iter().map(place).collect(), place(&centroid)))
+    });
+    tiles.collect()
+}
+
 /// Points of the shell of a convex body, in the frame of its faces.
 ///
 /// A body whose faces are rectangles at right angles, turned in any way, gets the lattice of a box;

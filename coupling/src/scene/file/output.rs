@@ -26,6 +26,10 @@ pub struct OutputFile {
     /// Whether contact points are written.
     #[serde(default)]
     pub contacts: bool,
+    /// Whether the water's pressure on the faces of blocks is written, tile by tile. Thin bodies show both of their sides'
+    /// pressure on each.
+    #[serde(default)]
+    pub face_pressures: bool,
 }
 
 impl Default for OutputFile {
@@ -37,6 +41,7 @@ impl Default for OutputFile {
             water_fields: None,
             block_fields: all_block_fields(),
             contacts: false,
+            face_pressures: false,
         }
     }
 }

@@ -78,25 +78,33 @@ impl Polygon {
         self.piece().map_or(0.0, |piece| piece.area)
     }
 
-    /// Parts of the polygon in each cell; parts below `least_area` join the largest beside them.
-    pub(super) fn pieces(&self, cells: &Cells, least_area: f64) -> Vec<Piece> {
-        let [n_u, n_v] = cells.n;
-        let mut pieces: Vec<Option<Piece>> = Vec::with_capacity(n_u * n_v);
-        for j in 0..n_v {
-            let low = cells.origin.y + j as f64 * cells.size.y;
+    /// The part of the polygon in each cell, row after row; some may be without an area.
+    pub(super) fn in_cells(&self, cells: Cells) -> impl Iterator<Item = Self> {
+        let Cells { origin, size, n } = cells;
+        (0..n[1]).flat_map(move |j| {
+            let low = origin.y + j as f64 * size.y;
             let row = self
                 .clipped(-Point::y(), -low)
-                .clipped(Point::y(), low + cells.size.y);
-            for i in 0..n_u {
-                let low = cells.origin.x + i as f64 * cells.size.x;
-                let cell = row
-                    .clipped(-Point::x(), -low)
-                    .clipped(Point::x(), low + cells.size.x);
-                pieces.push(cell.piece());
-            }
-        }
+                .clipped(Point::y(), low + size.y);
+            (0..n[0]).map(move |i| {
+                let low = origin.x + i as f64 * size.x;
+                row.clipped(-Point::x(), -low)
+                    .clipped(Point::x(), low + size.x)
+            })
+        })
+    }
+
+    /// Parts of the polygon in each cell; parts below `least_area` join the largest beside them.
+    pub(super) fn pieces(&self, cells: &Cells, least_area: f64) -> Vec<Piece> {
+        let mut pieces: Vec<Option<Piece>> =
+            self.in_cells(*cells).map(|cell| cell.piece()).collect();
         join_slivers(&mut pieces, cells.n, least_area);
         pieces.into_iter().flatten().collect()
+    }
+
+    /// Counter-clockwise; m.
+    pub(super) fn corners(&self) -> &[Point] {
+        &self.corners
     }
 }
 
