@@ -36,6 +36,8 @@ const PUSH_BACK_DEPTH: f64 = 0.1;
 const LEAST_ROOM: f64 = 0.25;
 /// Distance off the surface, in spacings, at which it is put back.
 const PUSH_BACK_DISTANCE: f64 = 0.05;
+/// Depth, in spacings, to which particles behind a surface of triangles are looked for.
+const BEHIND: f64 = 2.0;
 
 /// Numbers of the penalty wall.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -116,7 +118,7 @@ impl Interface {
         let mut fixed = PartTable::default();
         let standing = (0..blocks.n_parts())
             .filter(|&part| matches!(blocks.motion(blocks.block_of_part(part)), Motion::Fixed));
-        update(&mut fixed, standing, (blocks, grid), settings.standoff);
+        update(&mut fixed, standing, (blocks, grid), &settings);
         let periodic = grid.periodic();
         let n_periodic = periodic.iter().filter(|&&p| p).count();
         let is_plane = matches!(fluid.settings().dimensions, Dimensions::Two { .. });
@@ -186,12 +188,16 @@ impl Interface {
             let block = blocks.block_of_part(part);
             !matches!(blocks.motion(block), Motion::Fixed) && !blocks.is_removed(block)
         });
-        let standoff = self.settings.standoff;
-        update(&mut self.moving, moving, (blocks, fluid.grid()), standoff);
+        update(
+            &mut self.moving,
+            moving,
+            (blocks, fluid.grid()),
+            &self.settings,
+        );
         let positions = &fluid.particles().position;
         self.chunks
             .resize_with(positions.len().div_ceil(CHUNK), Vec::new);
-        let (fixed, moving) = (&self.fixed, &self.moving);
+        let (settings, fixed, moving) = (&self.settings, &self.fixed, &self.moving);
         self.chunks
             .par_iter_mut()
             .zip(positions.par_chunks(CHUNK))
@@ -207,7 +213,7 @@ impl Interface {
                             first,
                             ((chunk * CHUNK + a) as u32, x),
                             (part as usize, blocks),
-                            standoff,
+                            settings,
                         );
                     }
                 }
@@ -413,13 +419,34 @@ impl Interface {
     }
 }
 
-impl Solids for Blocks {
+impl WallSettings {
+    /// How far from the surface of a part particles have to be looked for; m.
+    fn reach(&self, part: usize, blocks: &Blocks) -> f64 {
+        if blocks.is_surface(part) {
+            self.standoff.max(BEHIND * self.particle_spacing)
+        } else {
+            self.standoff
+        }
+    }
+}
+
+/// Parts of blocks, with what is looked for beyond their standoff.
+struct Reaching<'a> {
+    blocks: &'a Blocks,
+    settings: &'a WallSettings,
+}
+
+impl Solids for Reaching<'_> {
     fn aabb(&self, part: u32) -> (Vec3, Vec3) {
-        self.part_aabb(part as usize)
+        let (min, max) = self.blocks.part_aabb(part as usize);
+        let more = self.settings.reach(part as usize, self.blocks) - self.settings.standoff;
+        (min.add_scalar(-more), max.add_scalar(more))
     }
 
     fn is_within(&self, part: u32, x: &Vec3, distance: f64) -> bool {
-        let surface = self.surface_point_within(part as usize, x, distance);
+        let part = part as usize;
+        let more = self.settings.reach(part, self.blocks) - self.settings.standoff;
+        let surface = self.blocks.surface_point_within(part, x, distance + more);
         surface.is_some()
     }
 }
@@ -429,7 +456,7 @@ fn update(
     table: &mut PartTable,
     parts: impl Iterator<Item = usize>,
     (blocks, grid): (&Blocks, &CellGrid),
-    reach: f64,
+    settings: &WallSettings,
 ) {
     let placed = parts.map(|part| {
         let block = blocks.block_of_part(part);
@@ -439,7 +466,8 @@ fn update(
             gradient: blocks.gradient(block),
         }
     });
-    table.update(placed, blocks, grid, reach);
+    let parts = Reaching { blocks, settings };
+    table.update(placed, &parts, grid, settings.standoff);
 }
 
 /// Adds the touch of a particle and a part, or replaces that of another part of the same block if
@@ -449,9 +477,11 @@ fn add_nearest(
     first: usize,
     (particle, position): (u32, &Vec3),
     (part, blocks): (usize, &Blocks),
-    standoff: f64,
+    settings: &WallSettings,
 ) {
-    let Some(surface) = blocks.surface_point_within(part, position, standoff) else {
+    let reach = settings.reach(part, blocks);
+    let surface = blocks.surface_point_within(part, position, reach);
+    let Some(surface) = surface.filter(|surface| surface.distance <= settings.standoff) else {
         return;
     };
     let block = blocks.block_of_part(part) as u32;

@@ -273,7 +273,7 @@ pub(crate) fn parts(shape: &Shape) -> Vec<Part> {
                     .collect(),
             })
             .collect(),
-        // balls have walls of particles of their own; the scene refuses the rest where it would have to hold the fluid
+        // balls and surfaces of triangles have walls of particles of their own; where they have none the scene refuses them
         Shape::Sphere { .. } | Shape::Surface(_) => Vec::new(),
     }
 }

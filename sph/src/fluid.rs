@@ -163,7 +163,7 @@ pub struct Fluid {
     /// By how much two particles may approach each other before they are sorted anew; m.
     skin: f64,
     /// Farthest that particles may have moved since the last sort; m.
-    moved: f64,
+    pub(crate) moved: f64,
     /// Largest speed at the last kick; m/s.
     max_speed: f64,
     /// Ordered pairs of the last sum.

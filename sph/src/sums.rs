@@ -115,7 +115,7 @@ impl Way for Within {
         let (sources, receivers) = (setup.sources(), setup.receivers);
         match setup.lists {
             Some(lists) => lists.sum::<L, T>(machine, term, &sources, receivers.positions, out),
-            // but for screens there are lists
+            // only what moves farther than the skin without being sorted has none
             None => sweep_as::<L, T, true>(machine, term, &sources, receivers, out),
         }
     }
@@ -187,19 +187,14 @@ impl Fluid {
         }
     }
 
-    /// Whether neighbours are listed: what is between particles has to be looked at in every sum.
-    fn lists_neighbors(&self) -> bool {
-        self.is_sorted() && self.screens.len() == 0
-    }
-
     /// The lists of neighbours, where they hold.
     fn listed(&self) -> Option<&Lists> {
-        (self.lists.are_made() && self.lists_neighbors()).then_some(&self.lists)
+        (self.lists.are_made() && self.is_sorted()).then_some(&self.lists)
     }
 
     /// Lists the neighbours of all particles, packed in `points`, if they were not since the last sort.
     fn list(&mut self, points: &AnyPoints) {
-        if self.lists.are_made() || !self.lists_neighbors() {
+        if self.lists.are_made() || !self.is_sorted() {
             return;
         }
         // both of a pair may have moved since the sort, and will not move as far again

@@ -17,7 +17,7 @@ use crate::terms::{Lanes3, splat3};
 use crate::{CHUNK, Vec3};
 
 /// Neighbours in a buffer before they are summed: 2 KiB, within the first cache.
-const BUFFER: usize = 512;
+pub(crate) const BUFFER: usize = 512;
 /// Widening of the filter's radius, for its rounding: kernels vanish beyond the support anyway.
 pub(crate) const FILTER_MARGIN: f64 = 1.0 + 1e-5;
 
@@ -99,9 +99,21 @@ pub(crate) enum Between<'a> {
 }
 
 impl Veil<'_> {
+    /// Whether a screen may be within reach of a place (m).
+    #[inline(always)]
+    pub(crate) fn is_near(&self, grid: &CellGrid, place: &Vec3) -> bool {
+        self.screens.are_near(grid.cell_of(place))
+    }
+
     /// Keeps of the points found those that receiver `a` sees from a place; returns how many they are.
     #[inline(never)]
-    fn keep_seen(&self, grid: &CellGrid, a: usize, place: &Vec3, found: &mut [u32]) -> usize {
+    pub(crate) fn keep_seen(
+        &self,
+        grid: &CellGrid,
+        a: usize,
+        place: &Vec3,
+        found: &mut [u32],
+    ) -> usize {
         let cell = grid.cell_of(place);
         let has_facets = match self.between {
             Between::Particles => false,
@@ -423,7 +435,7 @@ where
     }
 
     #[inline(always)]
-    fn add_all<T: Term<L>>(
+    pub(crate) fn add_all<T: Term<L>>(
         &self,
         term: &T,
         own: &T::Own,

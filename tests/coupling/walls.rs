@@ -277,6 +277,70 @@ fn still_water_over_a_slope_stays_still() {
     assert!(speed < 5e-3 && pressure < 1.5e-2, "{speed}, {pressure}");
 }
 
+/// A bowl of triangles: water poured into it has its volume, stays still, weighs on it what it weighs, and none gets
+/// behind it.
+#[test]
+fn still_water_in_a_bowl_of_triangles_stays_still() {
+    let (radius, steepness, level, n) = (1.2, 1.0 / 1.44, 0.6, 24);
+    let cell = 2.0 * radius / f64::from(n);
+    let height = |i: i32, j: i32| {
+        let [x, y] = [i, j].map(|k| f64::from(k) * cell - radius);
+        steepness * (x * x + y * y)
+    };
+    let mut raster = format!(
+        "ncols {0}\nnrows {0}\nxllcorner {1}\nyllcorner {1}\ncellsize {cell}\n",
+        n + 1,
+        -0.5 * cell
+    );
+    for j in 0..=n {
+        let row: Vec<String> = (0..=n).map(|i| height(i, j).to_string()).collect();
+        raster += &(row.join(" ") + "\n");
+    }
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("bowl.asc"), raster).unwrap();
+    let case = Case {
+        domain: [[0.0, 0.0, -0.3], [2.0 * radius, 2.0 * radius, 1.2]],
+        gravity: G,
+        blocks: vec![block("bowl", "Raster(file: \"bowl.asc\")", FIXED)],
+        spacing: 0.06,
+        regions: below(level, [radius, radius, 0.3]),
+        walls: "Particles",
+        more: [
+            String::new(),
+            String::new(),
+            "smoothing_length_ratio: 2.0".to_owned(),
+        ],
+    };
+    let scene = Scene::resolve(parse::read(&case.text()).unwrap(), folder.path());
+    let mut world = build(&scene.unwrap()).unwrap();
+    let (mut force, mut weight) = (0.0, 0.0);
+    while world.time() < 2.0 {
+        let step = world.next_step(2.0).unwrap();
+        world.step(step).unwrap();
+        if 1.0 < world.time() {
+            force -= world.fluid_load(0).force.z * step.dt;
+            weight += world.water.as_ref().unwrap().fluid.mass() * G * step.dt;
+        }
+    }
+    let (speed, pressure) = unrest(&world, level);
+    let volume = world.water.as_ref().unwrap().fluid.mass() / RHO;
+    let asked = 0.5 * std::f64::consts::PI * level * level / steepness;
+    println!(
+        "bowl: volume {:+.2} %, weight {:+.2} %, speed {:.3} %, pressure {:.2} %, {} put back",
+        100.0 * (volume / asked - 1.0),
+        100.0 * (force / weight - 1.0),
+        100.0 * speed,
+        100.0 * pressure,
+        world.extremes().particles_pushed_back,
+    );
+    assert_eq!(world.extremes().particles_pushed_back, 0);
+    assert!((force / weight - 1.0).abs() < 0.01);
+    // as for any tank
+    assert!(speed < 5e-3 && pressure < 1.5e-2, "{speed}, {pressure}");
+    // ten rows deep: a shore is known to a share of a spacing
+    assert!((volume / asked - 1.0).abs() < 0.03, "{volume} for {asked}");
+}
+
 /// Walls that reach beyond the sides of a slab are there once, not once more through its images.
 #[test]
 fn still_water_in_a_slab_stays_still() {

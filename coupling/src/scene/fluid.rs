@@ -569,11 +569,10 @@ pub(super) fn refuse_shapes(
     if method == WallMethodFile::Penalty {
         return;
     }
-    let has_balls =
+    let is_any_shape =
         method == WallMethodFile::Particles && file.domain.dimensions != DimensionsFile::Two;
     let hollow = |shape: &Shape| match shape {
-        Shape::Sphere { .. } => !has_balls,
-        Shape::Surface(_) => true,
+        Shape::Sphere { .. } | Shape::Surface(_) => !is_any_shape,
         Shape::Polyhedra(_) => false,
     };
     let mut found = solids

@@ -11,7 +11,8 @@ use nalgebra::Matrix3;
 use riprap_dda::{BlockDefinition, Blocks, Load, Shape};
 use riprap_sph::boundary::integral::Face;
 use riprap_sph::boundary::sampling::{
-    Region, Rows, UnionLattice, WallSample, sample_ball, sample_behind, sample_convex, sample_union,
+    Region, Rows, UnionLattice, WallSample, sample_ball, sample_behind, sample_behind_surface,
+    sample_convex, sample_union,
 };
 use riprap_sph::boundary::screens::Facet;
 use riprap_sph::boundary::wall_particles::{Slip, WallParticles};
@@ -102,14 +103,15 @@ impl ParticleWalls {
         for (part, sample) in sampler.standing(&whole) {
             standing_points.add(owners[thick[part]], sample, Facet::NONE);
         }
-        let stands = (0..definitions.len()).filter(|&b| is_fixed(blocks, b));
-        for (b, sample) in stands.flat_map(|b| sampler.ball(b, &definitions[b].shape)) {
-            let is_in = |part: &Part| {
-                let nearest = part.nearest_plane(&sample.position);
-                nearest.is_some_and(|(_, distance)| distance < 0.0)
-            };
-            // what two solids share belongs to the polyhedron
-            if !standing.iter().any(is_in) {
+        // what two solids share belongs to the polyhedron
+        let is_taken = |x: &Vec3| standing.iter().any(|part| part.may_be_within(x, 0.0));
+        for b in (0..definitions.len()).filter(|&b| is_fixed(blocks, b)) {
+            for (b, sample) in sampler.ball(b, &definitions[b].shape) {
+                if !is_taken(&sample.position) {
+                    standing_points.add(b, sample, Facet::NONE);
+                }
+            }
+            for sample in sampler.surface(&definitions[b].shape, is_taken) {
                 standing_points.add(b, sample, Facet::NONE);
             }
         }
@@ -525,6 +527,23 @@ impl Sampler {
             .filter(is_before)
             .map(|sample| (block, sample))
             .collect()
+    }
+
+    /// Points behind a surface of triangles, before planes of symmetry; none of any other shape.
+    fn surface(&self, shape: &Shape, is_taken: impl Fn(&Vec3) -> bool + Sync) -> Vec<WallSample> {
+        let Shape::Surface(surface) = shape else {
+            return Vec::new();
+        };
+        let height_within = |x: &Vec3, distance: f64| {
+            let foot = surface.surface_point_within(x, distance)?;
+            Some(foot.distance)
+        };
+        let is_here = |sample: &WallSample| {
+            self.is_no_image(&sample.position) && self.is_before_planes(&sample.position)
+        };
+        let mut samples = sample_behind_surface(&self.lattice, height_within, is_taken);
+        samples.retain(is_here);
+        samples
     }
 
     /// Which of some parts are screens, with points behind each of their faces, and which are not. Faces that

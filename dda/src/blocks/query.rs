@@ -240,6 +240,11 @@ impl Blocks {
 
     // One part.
 
+    /// Whether a part is a surface of triangles, which knows what is behind it only as deep as it is asked.
+    pub fn is_surface(&self, part: usize) -> bool {
+        matches!(self.parts[part], Part::Surface(_))
+    }
+
     /// Corners of a part in its present place, for output; of a ball, points all over it.
     pub fn part_points(&self, part: usize) -> Vec<Vec3> {
         match &self.parts[part] {
@@ -272,8 +277,14 @@ impl Blocks {
     /// Ways out of a part for a point inside: the foot on the plane of each face, nearest first. The first is
     /// [`Self::surface_point_within`]; a ball or a surface has no other, and outside there is none.
     pub fn ways_out(&self, part: usize, x: &Vec3) -> Vec<SurfacePoint> {
+        // behind triangles what is looked for is at a distance, in a polyhedron anywhere
+        let farthest = if self.is_surface(part) {
+            f64::INFINITY
+        } else {
+            0.0
+        };
         let Some(nearest) = self
-            .surface_point_within(part, x, 0.0)
+            .surface_point_within(part, x, farthest)
             .filter(|surface| surface.distance < 0.0)
         else {
             return Vec::new();

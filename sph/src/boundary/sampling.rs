@@ -19,6 +19,7 @@ use polygon::{Piece, Polygon};
 
 mod ball;
 mod behind;
+mod behind_surface;
 mod cuboid;
 mod layers;
 mod polygon;
@@ -26,6 +27,7 @@ mod union;
 
 pub use ball::sample_ball;
 pub use behind::{Rows, sample_behind};
+pub use behind_surface::sample_behind_surface;
 pub use union::{Region, UnionLattice, UnionSample, sample_union};
 
 /// A point of a wall.
