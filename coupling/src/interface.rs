@@ -13,7 +13,7 @@
 //! In a slab, periodic in one direction, and in a slice of a flow in a plane a block is a piece of an endless prism:
 //! the fluid moves it in the plane of the slab only. What it would get across is held by the slab and booked as such.
 
-use nalgebra::Matrix3;
+use nalgebra::{Matrix2, Matrix3, Vector2};
 use rayon::prelude::*;
 use riprap_dda::{Blocks, Load, Motion, SurfacePoint};
 use riprap_sph::fluid::ParticleForce;
@@ -299,10 +299,15 @@ impl Interface {
         let near_by = self.settings.particle_spacing;
         let roomy =
             |(_, way): &&(u32, SurfacePoint)| -way.distance < near_by && stands_clear(way, room);
+        let short =
+            |(_, way): &&(u32, SurfacePoint)| -way.distance < near_by && stands_clear(way, 0.0);
         let free = (ways.iter().filter(came_in).find(roomy))
             .or_else(|| ways.iter().find(roomy))
-            .or_else(|| ways.iter().find(|(_, way)| stands_clear(way, 0.0)));
-        free.copied().unwrap_or((
+            .or_else(|| ways.iter().find(short))
+            .copied()
+            .or_else(|| self.way_out_of_a_corner(x, near(x), blocks, touch))
+            .or_else(|| ways.into_iter().find(|(_, way)| stands_clear(way, 0.0)));
+        free.unwrap_or((
             touch.block,
             SurfacePoint {
                 distance: touch.distance,
@@ -310,6 +315,65 @@ impl Interface {
                 point: touch.point,
             },
         ))
+    }
+
+    /// The shortest way out of all solids along the edge or to the corner in which they meet: where the way straight
+    /// through a face of one of them ends in another. None within a spacing.
+    fn way_out_of_a_corner(
+        &self,
+        x: &Vec3,
+        near: impl Iterator<Item = usize>,
+        blocks: &Blocks,
+        touch: &Touch,
+    ) -> Option<(u32, SurfacePoint)> {
+        let dp = self.settings.particle_spacing;
+        let clearance = PUSH_BACK_DISTANCE * dp;
+        let parts: Vec<usize> = near.collect();
+        let planes: Vec<(Vec3, f64)> = parts
+            .iter()
+            .flat_map(|&part| blocks.planes_within(part, x, dp))
+            .filter(|(normal, _)| !(self.is_plane && 0.5 < normal[ACROSS].abs()))
+            .collect();
+        let stands_clear = |to: &Vec3| {
+            !parts.iter().any(|&part| {
+                let surface = blocks.surface_point_within(part, to, dp);
+                surface.is_some_and(|surface| surface.distance < 0.5 * clearance)
+            })
+        };
+        let mut shortest: Option<Vec3> = None;
+        let mut offer = |way: Option<Vec3>| {
+            let Some(way) = way else { return };
+            let limit = shortest.map_or(dp, |other| other.norm());
+            if way.norm() < limit && stands_clear(&(x + way)) {
+                shortest = Some(way);
+            }
+        };
+        for (k, &(n, n_height)) in planes.iter().enumerate() {
+            for (l, &(m, m_height)) in planes[..k].iter().enumerate() {
+                // to where both heights are the clearance
+                let rise = Vector2::new(clearance - n_height, clearance - m_height);
+                let cos = n.dot(&m);
+                let shares = Matrix2::new(1.0, cos, cos, 1.0).try_inverse();
+                offer(
+                    shares
+                        .map(|inverse| inverse * rise)
+                        .map(|s| n * s.x + m * s.y),
+                );
+                for &(o, o_height) in &planes[..l] {
+                    let normals = Matrix3::from_columns(&[n, m, o]).transpose();
+                    let rise = Vec3::new(rise.x, rise.y, clearance - o_height);
+                    offer(normals.try_inverse().map(|inverse| inverse * rise));
+                }
+            }
+        }
+        let way = shortest?;
+        let normal = way.try_normalize(0.0)?;
+        let surface = SurfacePoint {
+            distance: clearance - way.norm(),
+            normal,
+            point: x + way - normal * clearance,
+        };
+        Some((touch.block, surface))
     }
 
     /// Forces of the touching pairs and their sums on the blocks.
@@ -502,5 +566,63 @@ fn add_nearest(
         None => touches.push(touch),
         Some(other) if surface.distance < other.distance => *other = touch,
         Some(_) => {}
+    }
+}
+
+#[cfg(test)]
+#[expect(
+    clippy::unwrap_used,
+    reason = "a test stops at the first thing that is wrong"
+)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+    use crate::run::build;
+    use crate::scene::parse;
+    use crate::scene::resolve::Scene;
+
+    /// At the toe of a slope on a floor two spacings thick the way through either face ends in the other solid, and the
+    /// next one leads out below the floor.
+    #[test]
+    fn out_of_a_corner_between_solids_the_way_is_up() {
+        let text = "(title: \"toe\", domain: (min: (0, 0, -0.2), max: (2, 1, 1)),
+            materials: [(name: \"m\", density: 2000, friction_angle_deg: 30)],
+            blocks: [(name: \"floor\", material: \"m\", motion: Fixed,
+                      shape: Box(min: (0, 0, -0.1), max: (2, 1, 0))),
+                     (name: \"side\", material: \"m\", motion: Fixed,
+                      shape: Box(min: (0, -0.1, -0.1), max: (2, 0, 1))),
+                     (name: \"slope\", material: \"m\", motion: Fixed,
+                      shape: Extrusion(polygon: [(0.8, 0), (2, 0), (2, 0.84)], axis: Y, from: 0, to: 1))],
+            fluid: (resolution: Spacing(0.05),
+                    regions: [(name: \"water\", shape: Box(min: (0, 0, 0), max: (0.4, 0.4, 0.4)))]),
+            time: (duration: 1))";
+        let scene = Scene::resolve(parse::read(text).unwrap(), Path::new(".")).unwrap();
+        let world = build(&scene).unwrap();
+        let water = world.water.as_ref().unwrap();
+        let clearance = PUSH_BACK_DISTANCE * 0.05;
+        for y in [0.5, 0.001] {
+            let x = Vec3::new(0.806, y, -0.002);
+            let touch = Touch {
+                particle: 0,
+                block: 0,
+                distance: -0.002,
+                normal: Vec3::z(),
+                point: Vec3::new(0.806, y, 0.0),
+                force: Vec3::zeros(),
+                wall_velocity: Vec3::zeros(),
+                dissipated_power: 0.0,
+            };
+            let at = (&x, &Vec3::zeros());
+            let (_, way) =
+                (water.interface).way_out(at, (water.fluid.grid(), &world.blocks), &touch);
+            let to = way.point + way.normal * clearance;
+            for part in 0..world.blocks.n_parts() {
+                let surface = world.blocks.surface_point_within(part, &to, 1.0).unwrap();
+                assert!(0.5 * clearance <= surface.distance, "{to:?} {surface:?}");
+            }
+            // the toe's edge is no farther than this
+            assert!((to - x).norm() < 0.2 * 0.05, "{to:?}");
+        }
     }
 }

@@ -17,7 +17,8 @@ const EVEN: f64 = 1e-3;
 /// Rounds at most: unevenness spreads over some ten spacings.
 const MOST_ROUNDS: usize = 200;
 
-/// The start of the water, packed.
+/// The start of the water, packed, and which of its particles are in it: where a shore is too shallow for all of them some
+/// would stand above the level.
 ///
 /// # Errors
 ///
@@ -26,7 +27,7 @@ pub fn packed(
     water: &FluidScene,
     definitions: &[BlockDefinition],
     blocks: &Blocks,
-) -> Result<Start, FluidError> {
+) -> Result<(Start, Vec<u32>), FluidError> {
     let lattice = &water.lattice;
     let mut start = Start {
         positions: lattice.positions.clone(),
@@ -34,8 +35,9 @@ pub fn packed(
         pressures: water.pressures.clone(),
     };
     let n = start.positions.len();
+    let all = (0..n as u32).collect();
     if lattice.mould.is_empty() {
-        return Ok(start);
+        return Ok((start, all));
     }
     let mut settings = water.settings.clone();
     let support = settings.support_radius();
@@ -59,7 +61,7 @@ pub fn packed(
     let mut fluid = Fluid::new(at_rest, settings)?;
     let Some(mut walls) = Walls::new(water.wall_method, definitions, blocks, &fluid, water.slip)
     else {
-        return Ok(start);
+        return Ok((start, all));
     };
     for _ in 0..MOST_ROUNDS {
         fluid.refresh();
@@ -81,5 +83,18 @@ pub fn packed(
         start.pressures[a] = (start.pressures[a] + weight.dot(&(x - start.positions[a]))).max(0.0);
         start.positions[a] = *x;
     }
-    Ok(start)
+    let height = water.settings.particle_spacing[2];
+    let mut levels = vec![f64::NEG_INFINITY; lattice.is_packed.len()];
+    for (x, &region) in lattice.positions.iter().zip(&lattice.region) {
+        let level = &mut levels[region as usize];
+        *level = level.max(x.z + 0.5 * height);
+    }
+    let is_below = |a: usize| start.positions[a].z <= levels[lattice.region[a] as usize];
+    let kept: Vec<usize> = (0..n).filter(|&a| is_below(a)).collect();
+    let start = Start {
+        positions: kept.iter().map(|&a| start.positions[a]).collect(),
+        velocities: kept.iter().map(|&a| start.velocities[a]).collect(),
+        pressures: kept.iter().map(|&a| start.pressures[a]).collect(),
+    };
+    Ok((start, kept.into_iter().map(|a| a as u32).collect()))
 }

@@ -92,10 +92,11 @@ pub fn build(scene: &Scene) -> Result<World, RunError> {
     let fluid = match &scene.fluid {
         None => None,
         Some(water) => {
-            let start = packed(water, &scene.blocks, &blocks)?;
+            let (start, kept) = packed(water, &scene.blocks, &blocks)?;
             let mut fluid = Fluid::new(start, water.settings.clone())?;
             if !water.rheologies.is_empty() {
-                fluid.set_rheologies(water.rheologies.clone(), &water.kinds)?;
+                let kinds: Vec<_> = kept.iter().map(|&a| water.kinds[a as usize]).collect();
+                fluid.set_rheologies(water.rheologies.clone(), &kinds)?;
             }
             let walls = Walls::new(
                 water.wall_method,

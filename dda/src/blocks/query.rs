@@ -306,6 +306,24 @@ impl Blocks {
         ways
     }
 
+    /// Outward normals of the faces of a part that a point is within a distance (m) of the planes of, with its height over
+    /// each (m), negative inside. Of a ball or a surface of triangles the one at the nearest point.
+    pub fn planes_within(&self, part: usize, x: &Vec3, distance: f64) -> Vec<(Vec3, f64)> {
+        match &self.parts[part] {
+            Part::Polyhedron(body) => (0..body.n_faces())
+                .map(|face| (body.face_normal(face), body.plane_distance(face, x)))
+                .filter(|(_, height)| height.abs() < distance)
+                .collect(),
+            Part::Sphere { .. } | Part::Surface(_) => {
+                let nearest = self.surface_point_within(part, x, distance);
+                nearest
+                    .map(|at| (at.normal, at.distance))
+                    .into_iter()
+                    .collect()
+            }
+        }
+    }
+
     // Sums and records.
 
     /// Contact points of the last step, sorted by parts; those of balls after the others,
