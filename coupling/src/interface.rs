@@ -109,6 +109,8 @@ pub struct Interface {
     stretches: Vec<Matrix3<f64>>,
     /// Compliance of each block summed over its touches; 1/kg.
     compliance: Vec<f64>,
+    /// Most bodies that one particle touches, at least one.
+    most_touched: f64,
 }
 
 impl Interface {
@@ -138,6 +140,7 @@ impl Interface {
             shears: vec![Load::default(); blocks.n_blocks()],
             stretches: vec![Matrix3::zeros(); blocks.n_blocks()],
             compliance: vec![0.0; blocks.n_blocks()],
+            most_touched: 1.0,
         }
     }
 
@@ -388,6 +391,8 @@ impl Interface {
         self.shears.fill(Load::default());
         self.stretches.fill(Matrix3::zeros());
         self.compliance.fill(0.0);
+        let of_one = self.touches.chunk_by(|a, b| a.particle == b.particle);
+        self.most_touched = of_one.map(<[Touch]>::len).max().unwrap_or(1) as f64;
         for touch in &mut self.touches {
             let block = touch.block as usize;
             touch.wall_velocity = if held {
@@ -464,10 +469,11 @@ impl Interface {
     /// Largest step that the penalty springs allow; s.
     ///
     /// ```text
-    /// ω² = K_S (1/m + Σ w),   dt ≤ 0.8 (2/ω) (√(1 + ξ²) − ξ),   ξ = K_D/(2 √(K_S m))
+    /// ω² = K_S (k/m + Σ w),   dt ≤ 0.8 (2/ω) (√(1 + ξ²) − ξ),   ξ = k K_D/(2 √(k K_S m))
     /// ```
-    /// `Σ w` sums the compliances of a body over its touching particles: the exact limit for equal
-    /// springs along one direction, with the body that is hit by most particles for its mass. A predictor-corrector
+    /// `Σ w` sums the compliances of a body over its touching particles, `k` is the most bodies that a particle touches: no
+    /// less than what equal springs along one direction have, for the body that is hit by most particles for its mass, and
+    /// just that where `k = 1`. A predictor-corrector
     /// allows no less: `ξ ω dt ≤ 1` and `ω² dt² ≤ 4 (1 − ξ ω dt + ξ² ω² dt²)`.
     pub fn critical_time_step(&self, particle_mass: f64) -> f64 {
         let WallSettings {
@@ -477,8 +483,8 @@ impl Interface {
             return f64::INFINITY;
         }
         let largest = self.compliance.iter().copied().fold(0.0, f64::max);
-        let omega = (stiffness * (1.0 / particle_mass + largest)).sqrt();
-        let ratio = damping / (2.0 * (stiffness * particle_mass).sqrt());
+        let omega = (stiffness * (self.most_touched / particle_mass + largest)).sqrt();
+        let ratio = damping * (self.most_touched / (stiffness * particle_mass)).sqrt() / 2.0;
         0.8 * 2.0 / omega * ((1.0 + ratio * ratio).sqrt() - ratio)
     }
 }

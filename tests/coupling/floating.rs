@@ -16,6 +16,7 @@ use riprap::run::build;
 use riprap::scene::file::OutputFile;
 use riprap::scene::parse;
 use riprap::scene::resolve::Scene;
+use riprap::time_step::TimeStep;
 use riprap::vtk::{self, Values};
 use riprap::world::World;
 use riprap_sph::Vec3;
@@ -200,6 +201,67 @@ fn c08_a_cylinder_released_in_deep_water() {
             (measured / expected - 1.0).abs() < 0.1,
             "{measured} {expected}"
         );
+    }
+}
+
+/// C08: a ball let go in water takes half of what it displaces along, `a = g (1 − s)/(s + 1/2)`. Returns the measured
+/// acceleration over that. Walls five radii away add 1 % or so to the mass.
+fn ball_let_go(density: f64) -> f64 {
+    let (radius, spacing) = (0.5, 0.1);
+    let (half, t) = (2.5, 0.4);
+    let (low, high, level) = (-half - t, half + t, half);
+    let wall = |name: &str, [a, b, c, d, e, f]: [f64; 6]| {
+        format!(
+            "(name: \"{name}\", material: \"m\", motion: Fixed, \
+             shape: Box(min: ({a:?}, {b:?}, {c:?}), max: ({d:?}, {e:?}, {f:?}))),"
+        )
+    };
+    let walls = [
+        wall("floor", [low, low, low, high, high, -half]),
+        wall("left", [low, low, -half, -half, high, high]),
+        wall("right", [half, low, -half, high, high, high]),
+        wall("front", [-half, low, -half, half, -half, high]),
+        wall("back", [-half, half, -half, half, high, high]),
+    ];
+    let text = format!(
+        "(title: \"ball\", gravity: (0, 0, -9.81),\n\
+         domain: (min: ({low:?}, {low:?}, {low:?}), max: ({high:?}, {high:?}, {high:?})),\n\
+         materials: [(name: \"m\", density: {density:?}, friction_angle_deg: 0)],\n\
+         blocks: [{} (name: \"ball\", material: \"m\", shape: Sphere(center: (0, 0, 0), radius: {radius}))],\n\
+         fluid: (resolution: Spacing({spacing:?}),\n\
+         regions: [(name: \"water\", shape: Below(level: {level:?}, seed: (-2, -2, -2)))]), time: (duration: 10.0))",
+        walls.concat()
+    );
+    let mut world = world(&text);
+    let sound_speed = world.water.as_ref().unwrap().fluid.settings().sound_speed;
+    let start = 5.0 * radius / sound_speed;
+    let mut velocities = Vec::new();
+    advance(&mut world, 3.0 * start, |world| {
+        velocities.push((world.time(), world.blocks.velocity(5).z));
+    });
+    let (first, last) = (
+        velocities.iter().find(|v| start <= v.0).unwrap(),
+        velocities.last().unwrap(),
+    );
+    let s = density / RHO;
+    let ratio = (last.1 - first.1) / (last.0 - first.0) / (G * (1.0 - s) / (s + 0.5));
+    println!("density ratio {s}: {:+.1} %", 100.0 * (ratio - 1.0));
+    ratio
+}
+
+#[test]
+fn c08_a_light_ball_released_in_deep_water() {
+    // as asked; five spacings a radius instead of ten
+    let ratio = ball_let_go(100.0);
+    assert!((ratio - 1.0).abs() < 0.1, "{ratio}");
+}
+
+#[test]
+#[ignore = "slow: 2 min"]
+fn c08_heavier_balls_released_in_deep_water() {
+    for density in [500.0, 900.0] {
+        let ratio = ball_let_go(density);
+        assert!((ratio - 1.0).abs() < 0.1, "{density}: {ratio}");
     }
 }
 
@@ -464,6 +526,76 @@ fn a_ball_under_water_is_lifted_by_what_it_displaces() {
         force.z
     );
     assert!(force.x.hypot(force.y) < 0.01 * expected, "{force:?}");
+}
+
+/// C11: a plate rests on four particles on a floor, by the springs of penalty walls. Its limit is that of the chain
+///
+/// `M X'' = −4 K (X − x),  m x'' = −K x − K (x − X)`,
+///
+/// below which it stays, and beyond which round-off grows into a jump. The limit reported is on the safe side.
+#[test]
+fn c11_a_plate_on_particles_is_stable_up_to_the_limit_of_their_springs() {
+    let (spacing, sunk, n, mass, particle_mass) = (0.1, 0.02, 4.0, 200.0, 1.0);
+    let gap = spacing - 2.0 * sunk;
+    let stiffness = mass * G / (n * sunk);
+    let particles: String = [(-0.4, -0.4), (0.3, -0.4), (-0.4, 0.3), (0.3, 0.3)]
+        .iter()
+        .map(|(x, y)| {
+            format!(
+                "(name: \"p{x}{y}\", shape: Box(min: ({x:?}, {y:?}, 0), max: ({:?}, {:?}, {spacing}))),",
+                x + spacing,
+                y + spacing
+            )
+        })
+        .collect();
+    // the plate is put in its place when the particles are in theirs
+    let text = format!(
+        "(title: \"c11\", gravity: (0, 0, -9.81), domain: (min: (-2, -2, -0.5), max: (2, 2, 2)),\n\
+         materials: [(name: \"m\", density: 500, friction_angle_deg: 0)],\n\
+         blocks: [(name: \"floor\", material: \"m\", motion: Fixed, shape: Box(min: (-1, -1, -0.4), max: (1, 1, 0))),\n\
+         (name: \"plate\", material: \"m\", shape: Box(min: (-0.5, -0.5, {gap:?}), max: (0.5, 0.5, {:?})))],\n\
+         fluid: (resolution: Spacing({spacing}), regions: [{particles}]),\n\
+         interface: (walls: Penalty, penalty_stiffness: {stiffness:?}, penalty_damping: 0.0),\n\
+         numerics: (sound_speed: 30.0), time: (duration: 10.0))",
+        gap + 0.4,
+    );
+    let springs = [n * stiffness / mass, stiffness / particle_mass];
+    // trace and determinant of the chain
+    let (trace, product) = (springs[0] + 2.0 * springs[1], springs[0] * springs[1]);
+    let limit = 2.0 / (0.5 * (trace + (trace * trace - 4.0 * product).sqrt())).sqrt();
+    let jump = |share: f64| {
+        let mut world = world(&text);
+        for _ in 0..2000 {
+            world.settle_step(0.2 * limit, 0.1 / limit).unwrap();
+        }
+        world.release().unwrap();
+        let reported = world
+            .limits()
+            .common
+            .iter()
+            .map(|(_, dt)| *dt)
+            .fold(f64::INFINITY, f64::min);
+        let rest = world.blocks.centroid(1).z;
+        let mut farthest = 0.0_f64;
+        for _ in 0..1000 {
+            let step = world.next_step(DURATION).unwrap();
+            world
+                .step(TimeStep {
+                    dt: share * limit,
+                    ..step
+                })
+                .unwrap();
+            farthest = farthest.max((world.blocks.centroid(1).z - rest).abs());
+        }
+        (farthest / sunk, reported / limit)
+    };
+    let [(below, reported), (beyond, _)] = [jump(0.95), jump(1.05)];
+    println!(
+        "limit {limit:.3e} s, reported {reported:.3} of it; moves {below:.1e} and {beyond:.1e} of its depth"
+    );
+    // what is left of settling, against a plate that is thrown off its springs
+    assert!(below < 0.01 && 1.0 < beyond, "{below}, {beyond}");
+    assert!((0.6..1.0).contains(&reported), "{reported}");
 }
 
 /// Still water on a fixed box and its basin: each tile has `ρ g` times its depth, and those of the box lift it by what

@@ -302,7 +302,7 @@ fn still_water_in_a_bowl_of_triangles_stays_still() {
         domain: [[0.0, 0.0, -0.3], [2.0 * radius, 2.0 * radius, 1.2]],
         gravity: G,
         blocks: vec![block("bowl", "Raster(file: \"bowl.asc\")", FIXED)],
-        spacing: 0.06,
+        spacing: 0.04,
         regions: below(level, [radius, radius, 0.3]),
         walls: "Particles",
         more: [
@@ -314,10 +314,10 @@ fn still_water_in_a_bowl_of_triangles_stays_still() {
     let scene = Scene::resolve(parse::read(&case.text()).unwrap(), folder.path());
     let mut world = build(&scene.unwrap()).unwrap();
     let (mut force, mut weight) = (0.0, 0.0);
-    while world.time() < 2.0 {
-        let step = world.next_step(2.0).unwrap();
+    while world.time() < 1.0 {
+        let step = world.next_step(1.0).unwrap();
         world.step(step).unwrap();
-        if 1.0 < world.time() {
+        if 0.5 < world.time() {
             force -= world.fluid_load(0).force.z * step.dt;
             weight += world.water.as_ref().unwrap().fluid.mass() * G * step.dt;
         }
@@ -335,9 +335,9 @@ fn still_water_in_a_bowl_of_triangles_stays_still() {
     );
     assert_eq!(world.extremes().particles_pushed_back, 0);
     assert!((force / weight - 1.0).abs() < 0.01);
-    // as for any tank
+    // as for any tank; with ten rows of water 0.5 and 2.0 %, with twelve 0.4 and 1.5 %
     assert!(speed < 5e-3 && pressure < 1.5e-2, "{speed}, {pressure}");
-    // ten rows deep: a shore is known to a share of a spacing
+    // what would stand above the level where the shore is shallow is left out
     assert!((volume / asked - 1.0).abs() < 0.03, "{volume} for {asked}");
 }
 
