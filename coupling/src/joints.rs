@@ -14,7 +14,8 @@
 //! ```
 //! `s` fades it out as the joint opens and particles come in. The field is carried from step to step, with a few sweeps
 //! in each, so that a change of level spreads through a long joint over many steps. The joint's water has no volume
-//! and no inertia; what it pushes apart it does work on, which the ledger names. Blocks that are `sealed`, and
+//! and no inertia. A joint of two blocks that both have points is sampled from either side: each counts half. What it
+//! pushes apart it does work on, which the ledger names. Blocks that are `sealed`, and
 //! joints with air all round, feel nothing.
 
 use riprap_dda::{BlockDefinition, Blocks, Load};
@@ -78,6 +79,8 @@ struct Before {
 pub struct JointWater {
     spacing: f64,
     blocks: Vec<Jointed>,
+    /// Whether a block is one of them; one per block.
+    is_jointed: Vec<bool>,
     points: Vec<Point>,
     /// Neighbours of each point in its face, with weights that add up to 1.
     neighbors: Vec<Vec<(u32, f64)>>,
@@ -124,6 +127,7 @@ impl JointWater {
         let mut joints = Self {
             spacing,
             blocks: Vec::new(),
+            is_jointed: vec![false; blocks.n_blocks()],
             points: Vec::new(),
             neighbors: Vec::new(),
             pressure: Vec::new(),
@@ -159,6 +163,7 @@ impl JointWater {
                     ));
                 }
             }
+            joints.is_jointed[b] = true;
             joints.blocks.push(Jointed { block: b, faces });
         }
         joints.pressure = vec![0.0; joints.points.len()];
@@ -357,8 +362,15 @@ impl JointWater {
             let by_width = (REACH - gap / self.spacing).clamp(0.0, 1.0);
             let by_water = ((SHARES.1 - before.water[0]) / (SHARES.1 - SHARES.0)).clamp(0.0, 1.0);
             let point = &self.points[k as usize];
-            let force = normal * (-self.pressure[k as usize] * point.area * by_width * by_water);
             let (block, partner) = (point.block as usize, partner as usize);
+            // the partner's points, where it has some, see this joint too
+            let sides = if self.is_jointed[partner] && blocks.is_free(partner) {
+                2.0
+            } else {
+                1.0
+            };
+            let force =
+                normal * (-self.pressure[k as usize] * point.area * by_width * by_water / sides);
             self.loads[block].add(&force, &(x - blocks.centroid(block)));
             self.loads[partner].add(&-force, &(x - blocks.centroid(partner)));
         }

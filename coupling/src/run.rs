@@ -176,7 +176,7 @@ impl<'a> Run<'a> {
         let output = &scene.file.output;
         let observers = Observers {
             frames: Frames::new(folder, output, &world)?,
-            gauges: Gauges::new(folder, scene)?,
+            gauges: Gauges::new(folder, scene, &world)?,
             ledgers: Ledgers::new(
                 folder,
                 output.ledger_interval.unwrap_or(f64::INFINITY),

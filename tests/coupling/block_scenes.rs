@@ -278,6 +278,59 @@ fn a_joint_of_two_materials() {
     }
 }
 
+/// Blocks that slide farther than asked are counted, those that rest or are not asked for are not.
+#[test]
+fn displaced_blocks_are_counted() {
+    let folder = tempfile::tempdir().unwrap();
+    let cube = |name: &str, x: f64, speed: f64| {
+        format!(
+            r#"(name: "{name}", material: "rock", velocity: ({speed}, 0, 0),
+                shape: Box(min: ({x}, 0, 0), max: ({}, 1, 1)))"#,
+            x + 1.0
+        )
+    };
+    // v²/(2 µ g) with µ = tan 30°: 0.35, 0.79 and 1.41 m
+    let blocks = [
+        FLOOR.to_owned(),
+        cube("armour_1", -8.0, 0.0),
+        cube("armour_2", -5.0, 2.0),
+        cube("armour_3", -2.0, 3.0),
+        cube("armour_4", 2.0, 4.0),
+        cube("toe", 6.0, -3.0),
+    ]
+    .join(", ");
+    let gauges = |prefix: &str| {
+        format!(
+            r#"gauges: [Displaced(name: "half", blocks: "{prefix}", farther_than: 0.5),
+                Displaced(name: "one", blocks: "armour", farther_than: 1),
+                Displaced(name: "any", blocks: "", farther_than: 0.5)],
+            time: (duration: 1), output: (gauge_interval: 0.05)"#
+        )
+    };
+    let out = folder.path().join("out");
+    run(&scene(folder.path(), &blocks, &gauges("armour")), &out, &[]);
+    let rows = table(&out.join("gauges.csv"));
+    assert_eq!(rows[0][1..], [0.0, 0.0, 0.0]);
+    assert_eq!(rows.last().unwrap()[1..], [2.0, 1.0, 3.0]);
+    for (prefix, expected) in [
+        (
+            "armor",
+            "gauge `half`: no free block has a name that begins with `armor`, did you mean `armour`?",
+        ),
+        // it is there, but it does not move
+        ("floor", "begins with `floor`; expected one of armour, toe"),
+    ] {
+        let path = scene(folder.path(), &blocks, &gauges(prefix));
+        let output = riprap(&["check", path.to_str().unwrap()]);
+        let said = words(&output);
+        assert_eq!(output.status.code(), Some(2), "{said}");
+        assert!(
+            said.contains(expected) && said.contains("scene.ron:"),
+            "{said}"
+        );
+    }
+}
+
 /// Balls of a lattice are blocks like others.
 #[test]
 fn grains_become_balls() {

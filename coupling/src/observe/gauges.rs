@@ -1,4 +1,4 @@
-//! Gauges as in a laboratory: free surface, pressure, velocity, force, run-up.
+//! Gauges as in a laboratory: free surface, pressure, velocity, force, run-up, displaced blocks.
 
 use std::path::Path;
 
@@ -28,20 +28,30 @@ pub struct Gauges {
 /// A gauge with its names resolved.
 #[derive(Clone, Debug)]
 enum Gauge {
-    SurfaceElevation { x: f64, y: f64 },
+    SurfaceElevation {
+        x: f64,
+        y: f64,
+    },
     Pressure(Vec3),
     Velocity(Vec3),
     BlockForce(usize),
-    RunUp { from: [f64; 2], to: [f64; 2] },
+    RunUp {
+        from: [f64; 2],
+        to: [f64; 2],
+    },
+    Displaced {
+        starts: Vec<(usize, Vec3)>,
+        farther_than: f64,
+    },
 }
 
 impl Gauges {
-    /// A table in `folder` with the columns of the scene's gauges.
+    /// A table in `folder` with the columns of the scene's gauges; blocks are where they start from.
     ///
     /// # Errors
     ///
     /// [`ObserveError`] when the table cannot be created.
-    pub fn new(folder: &Path, scene: &Scene) -> Result<Self, ObserveError> {
+    pub fn new(folder: &Path, scene: &Scene, world: &World) -> Result<Self, ObserveError> {
         let mut columns = vec![Column::new("time", "s")];
         for gauge in &scene.file.gauges {
             columns.extend(columns_of(gauge));
@@ -53,7 +63,7 @@ impl Gauges {
                 .file
                 .gauges
                 .iter()
-                .map(|g| resolve(g, scene))
+                .map(|g| resolve(g, scene, &world.blocks))
                 .collect(),
             row: Vec::with_capacity(columns.len()),
         })
@@ -102,6 +112,7 @@ fn columns_of(gauge: &GaugeFile) -> Vec<Column> {
             vec![Column::new(name, "m")]
         }
         GaugeFile::Pressure { name, .. } => vec![Column::new(name, "Pa")],
+        GaugeFile::Displaced { name, .. } => vec![Column::new(name, "-")],
         GaugeFile::Velocity { name, .. } => ["vx", "vy", "vz"]
             .map(|c| Column::new(format!("{name}.{c}"), "m/s"))
             .to_vec(),
@@ -122,7 +133,7 @@ fn columns_of(gauge: &GaugeFile) -> Vec<Column> {
     }
 }
 
-fn resolve(gauge: &GaugeFile, scene: &Scene) -> Gauge {
+fn resolve(gauge: &GaugeFile, scene: &Scene, blocks: &Blocks) -> Gauge {
     match gauge {
         GaugeFile::SurfaceElevation { x, y, .. } => Gauge::SurfaceElevation { x: *x, y: *y },
         GaugeFile::Pressure { position, .. } => Gauge::Pressure(vec3(*position)),
@@ -139,6 +150,17 @@ fn resolve(gauge: &GaugeFile, scene: &Scene) -> Gauge {
         GaugeFile::RunUp { from, to, .. } => Gauge::RunUp {
             from: [from.0, from.1],
             to: [to.0, to.1],
+        },
+        GaugeFile::Displaced {
+            blocks: prefix,
+            farther_than,
+            ..
+        } => Gauge::Displaced {
+            starts: (0..blocks.n_blocks())
+                .filter(|&b| blocks.is_free(b) && scene.file.blocks[b].name.starts_with(prefix))
+                .map(|b| (b, blocks.centroid(b)))
+                .collect(),
+            farther_than: *farther_than,
         },
     }
 }
@@ -170,6 +192,16 @@ impl Gauge {
             Self::RunUp { from, to } => {
                 let highest = fluid.and_then(|fluid| run_up(fluid, &world.blocks, from, to));
                 row.push(highest.unwrap_or(f64::NAN));
+            }
+            Self::Displaced {
+                starts,
+                farther_than,
+            } => {
+                let blocks = &world.blocks;
+                let is_displaced = |&&(b, start): &&(usize, Vec3)| {
+                    blocks.is_removed(b) || *farther_than < (blocks.centroid(b) - start).norm()
+                };
+                row.push(starts.iter().filter(is_displaced).count() as f64);
             }
         }
     }

@@ -48,6 +48,16 @@ pub enum GaugeFile {
         /// End of the line, (x, y); m.
         to: (f64, f64),
     },
+    /// How many free blocks are farther from where they were at t = 0 than a distance, or have left the domain: damage
+    /// of an armour layer.
+    Displaced {
+        /// Column name.
+        name: String,
+        /// What the names of the blocks that are looked at begin with; every free block when empty.
+        blocks: String,
+        /// Distance of the centroid beyond which a block counts, its edge say; m.
+        farther_than: f64,
+    },
 }
 
 /// On which blocks forces and moments are recorded by source: `forces.csv` has a row of means per block and interval,

@@ -12,7 +12,8 @@ pub(super) fn gauge_name(gauge: &GaugeFile) -> &str {
         | GaugeFile::Pressure { name, .. }
         | GaugeFile::Velocity { name, .. }
         | GaugeFile::BlockForce { name, .. }
-        | GaugeFile::RunUp { name, .. } => name,
+        | GaugeFile::RunUp { name, .. }
+        | GaugeFile::Displaced { name, .. } => name,
     }
 }
 
@@ -41,13 +42,57 @@ impl Checks {
             GaugeFile::BlockForce { block, .. } => {
                 self.block_exists(path("block"), &who, block, scene);
             }
+            GaugeFile::Displaced {
+                blocks,
+                farther_than,
+                ..
+            } => {
+                self.positive(
+                    path("farther_than"),
+                    &format!("{who}: farther_than"),
+                    Some(*farther_than),
+                );
+                self.free_blocks_begin_with(&path("blocks"), &who, blocks, scene);
+            }
         }
-        if scene.fluid.is_none() && !matches!(gauge, GaugeFile::BlockForce { .. }) {
+        let is_dry = matches!(
+            gauge,
+            GaugeFile::BlockForce { .. } | GaugeFile::Displaced { .. }
+        );
+        if scene.fluid.is_none() && !is_dry {
             self.question(
                 format!("gauges[{index}]"),
                 format!("{who} measures water, but the scene has none"),
             );
         }
+    }
+
+    /// Some free block has a name that begins with `prefix`; those of rock masses and grains are not made yet.
+    fn free_blocks_begin_with(&mut self, path: &str, who: &str, prefix: &str, scene: &SceneFile) {
+        let free = scene.blocks.iter().filter(|block| is_free(block));
+        let mut stems: Vec<&str> = free.map(|block| block.name.as_str()).collect();
+        let made: Vec<&str> = (scene.rock_masses.iter().map(|mass| mass.name.as_str()))
+            .chain(scene.grains.iter().map(|grains| grains.name.as_str()))
+            .collect();
+        let is_made = made.iter().any(|name| prefix.starts_with(name));
+        stems.extend(made);
+        if is_made || stems.iter().any(|name| name.starts_with(prefix)) {
+            return;
+        }
+        // "armour_001" and its like are one answer, not hundreds
+        for stem in &mut stems {
+            let bare = stem.trim_end_matches(|c: char| c.is_ascii_digit() || "._- ".contains(c));
+            *stem = if bare.is_empty() { stem } else { bare };
+        }
+        stems.sort_unstable();
+        stems.dedup();
+        let message = if stems.is_empty() {
+            format!("{who}: no block is free to move; leave the gauge out")
+        } else {
+            let names = suggestion(prefix, &stems);
+            format!("{who}: no free block has a name that begins with `{prefix}`{names}")
+        };
+        self.refuse(path, message);
     }
 
     pub(super) fn forces(&mut self, forces: &ForcesFile, scene: &SceneFile) {
