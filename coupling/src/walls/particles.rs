@@ -587,7 +587,7 @@ impl Sampler {
             !is_end && !is_covered(normal, corners, &others, spacing)
         };
         let open: Vec<bool> = part.faces.iter().zip(&ends).map(is_open).collect();
-        if !is_thin(part, &open, support) {
+        if !is_thin(part, &open, &others, (spacing, support)) {
             return None;
         }
         let behind = |((normal, corners), &open): (&(Vec3, Vec<Vec3>), &bool)| {

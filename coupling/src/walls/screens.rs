@@ -235,18 +235,40 @@ impl Screen {
     }
 }
 
-/// Whether two open faces of a part are so near, or meet at so sharp an edge, that fluid on both is within the
-/// support (m) of each other through the solid.
-pub(super) fn is_thin(part: &Part, open: &[bool], support_radius: f64) -> bool {
+/// Whether two faces of a part are somewhere so near, or meet at so sharp an edge, that fluid on both is within the support
+/// (m) of each other through the solid. Fluid is on open faces, where no other part covers them.
+pub(super) fn is_thin(
+    part: &Part,
+    open: &[bool],
+    others: &[&Part],
+    (spacing, support_radius): (f64, f64),
+) -> bool {
     let faces: Vec<&(Vec3, Vec<Vec3>)> = part
         .faces
         .iter()
         .zip(open)
         .filter_map(|(face, &open)| open.then_some(face))
         .collect();
+    let is_near = |face: &(Vec3, Vec<Vec3>), other: &(Vec3, Vec<Vec3>)| {
+        let (normal, corners) = face;
+        let (opposed, other_corners) = other;
+        let Some(origin) = other_corners.first() else {
+            return false;
+        };
+        places(corners, spacing).any(|x| {
+            let depth = opposed.dot(&(origin - x));
+            let foot = x + opposed * depth;
+            depth < support_radius
+                && is_on(other, &foot, spacing)
+                && !covers(others, normal, &x, spacing)
+                && !covers(others, opposed, &foot, spacing)
+        })
+    };
     faces.iter().enumerate().any(|(k, face)| {
         let mut others = faces[..k].iter();
-        others.any(|other| are_near_and_opposed(face, other, support_radius))
+        others.any(|other| {
+            are_opposed(&face.0, &other.0) && (is_near(face, other) || is_near(other, face))
+        })
     })
 }
 
@@ -266,28 +288,41 @@ fn are_near_and_opposed(
 
 /// Whether other parts cover the whole of a face, as seen at places a spacing (m) apart.
 pub(super) fn is_covered(normal: &Vec3, corners: &[Vec3], others: &[&Part], spacing: f64) -> bool {
-    let Some((first, rest)) = corners.split_first() else {
-        return false;
-    };
-    let is_inside = |x: &Vec3| {
-        let x = x + normal * (OFF_FACE * spacing);
-        others.iter().any(|part| {
-            let nearest = part.nearest_plane(&x);
-            nearest.is_some_and(|(_, distance)| distance <= 0.0)
-        })
-    };
-    // a fan of triangles, each seen at places inside it
-    rest.windows(2).all(|pair| {
-        let (u, v) = (pair[0] - first, pair[1] - first);
-        let size = u.norm().max(v.norm()).max((u - v).norm());
-        let n = (size / spacing).ceil().clamp(1.0, MOST_PLACES) as usize;
-        (0..n).all(|i| {
-            (0..n - i).all(|j| {
-                let at = |k: usize| (k as f64 + 1.0 / 3.0) / n as f64;
-                is_inside(&(first + u * at(i) + v * at(j)))
-            })
-        })
+    2 < corners.len() && places(corners, spacing).all(|x| covers(others, normal, &x, spacing))
+}
+
+/// Whether there is another part right before a place on a face.
+fn covers(others: &[&Part], normal: &Vec3, x: &Vec3, spacing: f64) -> bool {
+    let x = x + normal * (OFF_FACE * spacing);
+    others.iter().any(|part| {
+        let nearest = part.nearest_plane(&x);
+        nearest.is_some_and(|(_, distance)| distance <= 0.0)
     })
+}
+
+/// Whether a place in the plane of a face is on it.
+fn is_on((normal, corners): &(Vec3, Vec<Vec3>), x: &Vec3, spacing: f64) -> bool {
+    let next = corners.iter().cycle().skip(1);
+    corners.iter().zip(next).all(|(p, q)| {
+        let side = q - p;
+        side.cross(normal).dot(&(x - p)) <= 1e-6 * spacing * side.norm()
+    })
+}
+
+/// Places on a face about a spacing (m) apart: a fan of triangles, each seen at places inside it.
+fn places(corners: &[Vec3], spacing: f64) -> impl Iterator<Item = Vec3> {
+    let first = corners.first().copied().unwrap_or_default();
+    corners
+        .get(1..)
+        .unwrap_or(&[])
+        .windows(2)
+        .flat_map(move |pair| {
+            let (u, v) = (pair[0] - first, pair[1] - first);
+            let size = u.norm().max(v.norm()).max((u - v).norm());
+            let n = (size / spacing).ceil().clamp(1.0, MOST_PLACES) as usize;
+            let at = move |k: usize| (k as f64 + 1.0 / 3.0) / n as f64;
+            (0..n).flat_map(move |i| (0..n - i).map(move |j| first + u * at(i) + v * at(j)))
+        })
 }
 
 /// Places along a side of a face at which its cover is looked for, at most.
@@ -320,10 +355,11 @@ mod tests {
         faces.push(front.iter().rev().copied().collect());
         faces.push(back.to_vec());
         let middle = (front[0] + front[1] + front[2] + back[0] + back[1] + back[2]) / 6.0;
-        let faces = faces.into_iter().map(|corners| {
-            let normal = outward(&corners);
-            let sign = normal.dot(&(corners[0] - middle)).signum();
-            (normal * sign, corners)
+        let faces = faces.into_iter().map(|mut corners| {
+            if outward(&corners).dot(&(corners[0] - middle)) < 0.0 {
+                corners.reverse();
+            }
+            (outward(&corners), corners)
         });
         Part {
             faces: faces.collect(),
@@ -340,12 +376,18 @@ mod tests {
             (wedge(60.0), true),
         ] {
             let open = vec![true; part.faces.len()];
-            assert_eq!(is_thin(&part, &open, support), is_screen, "{part:?}");
+            let is = is_thin(&part, &open, &[], (0.1, support));
+            assert_eq!(is, is_screen, "{part:?}");
         }
         // 60 degrees leave 30 at the top; with that face covered the wedge is blunt
         let part = wedge(60.0);
         let open: Vec<bool> = part.faces.iter().map(|(n, _)| n.x < 0.9).collect();
-        assert!(!is_thin(&part, &open, support));
+        assert!(!is_thin(&part, &open, &[], (0.1, support)));
+        // a sharp edge stands on a floor: its base is covered there, if not all of it
+        let part = wedge(25.0);
+        let floor = cuboid([-1.0, -1.0, -1.0], [0.9, 2.0, 0.0]);
+        let open = vec![true; part.faces.len()];
+        assert!(!is_thin(&part, &open, &[&floor], (0.1, support)));
     }
 
     #[test]
