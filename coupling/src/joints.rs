@@ -7,7 +7,7 @@
 //!
 //! ```text
 //! p = p_water          at points that the water's kernel reaches, continued along gravity
-//! p = 0                at points in the open that it does not
+//! p = 0                at points in the open that it does not, and at those at an edge beside which there is air
 //! ∇²p = 0              in the joint between them, no flow out of its closed ends
 //! F = −Σ s p A n       on the block, the opposite on what it rests on                    [N]
 //! s = min(1, 2 − gap/dp) · min(1, (S₁ − S)/(S₁ − S₀)),   S = Σ V W at the point, each ≥ 0
@@ -36,6 +36,8 @@ const REACHED: f64 = 0.1;
 const DRY: f64 = 0.05;
 /// Sweeps over the field: at first, and in each step.
 const SWEEPS: (usize, usize) = (2000, 8);
+/// Weighted sum of the ways from its neighbours, in spacings, from which on a point is at an edge; a missing row makes 1.
+const LACKING: f64 = 0.5;
 /// Most that the normals of a joint's two sides agree.
 const OPPOSED: f64 = -0.5;
 
@@ -49,6 +51,8 @@ struct Point {
     normal: Vec3,
     /// m².
     area: f64,
+    /// Across the edge of the face that the point is at, in the axes of the start; nothing within the face.
+    across: Option<Vec3>,
 }
 
 /// Points of one face: a range, and the neighbours of each.
@@ -72,6 +76,8 @@ struct Before {
     joint: Option<(f64, u32)>,
     /// `Σ V W` and pressure of the water; Pa.
     water: [f64; 2],
+    /// A place in the open beside the block, at the edge that the point is at; m.
+    beside: Option<Vec3>,
 }
 
 /// The joints of all blocks that are free to move.
@@ -101,6 +107,10 @@ struct Scratch {
     normals: Vec<Vec3>,
     before: Vec<Before>,
     water: ContinuedPressure,
+    /// Points at an edge that water does not reach, the open places beside them and the water there.
+    edges: Vec<usize>,
+    beside: Vec<Vec3>,
+    water_beside: ContinuedPressure,
     /// Points whose pressure follows from that of their neighbours.
     inner: Vec<u32>,
     next: Vec<f64>,
@@ -194,6 +204,17 @@ impl JointWater {
                 .map(|(k, d2)| ((first + k) as u32, 1.0 / d2))
                 .collect();
             let total: f64 = near.iter().map(|(_, weight)| weight).sum();
+            // within the face neighbours are on all sides
+            let mut lacking: Vec3 = near
+                .iter()
+                .map(|&(other, weight)| {
+                    (sample.position - samples[other as usize - first].position) * weight
+                })
+                .sum();
+            if middle.is_some() {
+                lacking.y = 0.0;
+            }
+            let across = (LACKING < lacking.norm() * self.spacing).then(|| lacking.normalize());
             near.iter_mut().for_each(|(_, weight)| *weight /= total);
             self.neighbors.push(near);
             let mut position = sample.position;
@@ -204,6 +225,7 @@ impl JointWater {
                 local: position - centroid,
                 normal: *normal,
                 area: sample.area,
+                across,
             });
         }
         FacePoints {
@@ -243,21 +265,43 @@ impl JointWater {
         }
         scratch.water.find(fluid, &scratch.positions);
         scratch.inner.clear();
-        for ((&k, before), water) in scratch
+        scratch.edges.clear();
+        scratch.beside.clear();
+        for (n, ((&k, before), water)) in scratch
             .active
             .iter()
             .zip(&mut scratch.before)
             .zip(scratch.water.found())
+            .enumerate()
         {
             before.water = water;
             let [share, pressure] = water;
             match before.joint {
-                Some(_) if share < REACHED => scratch.inner.push(k),
+                Some(_) if share < REACHED => match before.beside {
+                    None => scratch.inner.push(k),
+                    Some(place) => {
+                        scratch.edges.push(n);
+                        scratch.beside.push(place);
+                    }
+                },
                 Some(_) => self.pressure[k as usize] = pressure.max(0.0),
                 None => {
                     self.pressure[k as usize] = if share < DRY { 0.0 } else { pressure.max(0.0) };
                 }
             }
+        }
+        scratch.water_beside.find(fluid, &scratch.beside);
+        let weight = fluid.settings().gravity * fluid.settings().reference_density;
+        let edges = scratch.edges.iter().zip(&scratch.beside);
+        for ((&n, place), [share, pressure]) in edges.zip(scratch.water_beside.found()) {
+            let below = weight.dot(&(scratch.positions[n] - place));
+            let is_dry = share < DRY;
+            let pressure = if is_dry {
+                0.0
+            } else {
+                (pressure + below).max(0.0)
+            };
+            self.pressure[scratch.active[n] as usize] = pressure;
         }
         self.relax();
         self.sum(blocks);
@@ -314,9 +358,24 @@ impl JointWater {
                     scratch.active.push(k as u32);
                     scratch.positions.push(x);
                     scratch.normals.push(normal);
+                    let at_edge = self.points[k].across.filter(|_| joint.is_some());
+                    let beside = at_edge.map(|across| {
+                        x + turn * across * self.spacing - normal * (0.5 * self.spacing)
+                    });
+                    let (low, high) = fluid.settings().domain;
+                    let is_open = |place: &Vec3| {
+                        let is_inside = (0..3).all(|k| low[k] <= place[k] && place[k] <= high[k]);
+                        let mut parts = scratch.near.iter().copied().chain(blocks.parts_of(b));
+                        is_inside
+                            && !parts.any(|part| {
+                                let surface = blocks.surface_point_within(part, place, 0.0);
+                                surface.is_some_and(|surface| surface.distance < 0.0)
+                            })
+                    };
                     scratch.before.push(Before {
                         joint,
                         water: [0.0; 2],
+                        beside: beside.filter(is_open),
                     });
                 }
                 if !has_joint {
