@@ -21,9 +21,9 @@
 use riprap_dda::{BlockDefinition, Blocks, Load};
 use riprap_sph::boundary::sampling::{FaceSample, sample_face};
 use riprap_sph::fluid::ContinuedPressure;
-use riprap_sph::{Dimensions, Fluid, Vec3};
+use riprap_sph::{Fluid, Vec3};
 
-use crate::walls::{Part, before, parts};
+use crate::walls::{Part, before, face_lattice, parts};
 
 /// Widest joint, in spacings; full pressure up to one.
 const REACH: f64 = 2.0;
@@ -125,14 +125,7 @@ impl JointWater {
         is_sealed: impl Fn(usize) -> bool,
     ) -> Self {
         let settings = fluid.settings();
-        let [dx, dy, dz] = settings.particle_spacing;
-        let (spacing, middle) = match settings.dimensions {
-            Dimensions::Two { .. } => {
-                let (min, max) = settings.domain;
-                ((dx * dz).sqrt(), Some(0.5 * (min.y + max.y)))
-            }
-            Dimensions::Three => ((dx * dy * dz).cbrt(), None),
-        };
+        let (spacing, middle) = face_lattice(fluid);
         let planes: Vec<_> = settings.symmetry_planes().collect();
         let mut joints = Self {
             spacing,

@@ -14,7 +14,7 @@ use nalgebra::Matrix3;
 use riprap_dda::{BlockDefinition, Blocks, Load, Motion, Shape};
 use riprap_sph::boundary::integral::Face;
 use riprap_sph::boundary::wall_particles::Slip;
-use riprap_sph::{Fluid, Vec3};
+use riprap_sph::{Dimensions, Fluid, Vec3};
 
 use crate::scene::file::WallMethodFile;
 use added_mass::Movers;
@@ -203,6 +203,19 @@ impl FluidLoad {
 /// Whether a block stands for good.
 fn is_fixed(blocks: &Blocks, block: usize) -> bool {
     matches!(blocks.motion(block), Motion::Fixed)
+}
+
+/// Distance of points on faces (m), and where a flow in a plane has its plane, along y (m).
+pub(crate) fn face_lattice(fluid: &Fluid) -> (f64, Option<f64>) {
+    let settings = fluid.settings();
+    let [dx, dy, dz] = settings.particle_spacing;
+    match settings.dimensions {
+        Dimensions::Two { .. } => {
+            let (min, max) = settings.domain;
+            ((dx * dz).sqrt(), Some(0.5 * (min.y + max.y)))
+        }
+        Dimensions::Three => ((dx * dy * dz).cbrt(), None),
+    }
 }
 
 /// A convex part: outward normal and corners of each face, counter-clockwise seen from outside; m.

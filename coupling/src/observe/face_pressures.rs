@@ -1,13 +1,13 @@
 //! The water's pressure on the faces of blocks, tile by tile.
 
 use riprap_dda::{Blocks, Vec3};
-use riprap_sph::Dimensions;
 use riprap_sph::boundary::integral::Face;
 use riprap_sph::boundary::sampling::tiles;
 use riprap_sph::fluid::ContinuedPressure;
 
 use super::frames::{integers, scalars, single};
 use crate::vtk::PolyData;
+use crate::walls::face_lattice;
 use crate::world::Water;
 
 /// Share of the support that is water, `Σ V W`, below which a tile is dry; before the wet side of a plane it is a half.
@@ -15,15 +15,7 @@ const DRY: f64 = 0.05;
 
 /// Wet tiles, about a spacing wide, of the faces of all blocks, with the pressure continued to the middle of each.
 pub(super) fn face_pressures(water: &Water, blocks: &Blocks) -> PolyData {
-    let settings = water.fluid.settings();
-    let [dx, dy, dz] = settings.particle_spacing;
-    let (spacing, middle) = match settings.dimensions {
-        Dimensions::Two { .. } => {
-            let (min, max) = settings.domain;
-            ((dx * dz).sqrt(), Some(0.5 * (min.y + max.y)))
-        }
-        Dimensions::Three => ((dx * dy * dz).cbrt(), None),
-    };
+    let (spacing, middle) = face_lattice(&water.fluid);
     let (mut outlines, mut places, mut owner) = (Vec::new(), Vec::new(), Vec::new());
     for block in (0..blocks.n_blocks()).filter(|&b| !blocks.is_removed(b)) {
         let (vertices, faces) = blocks.world_polygons(block);
