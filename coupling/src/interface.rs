@@ -73,19 +73,21 @@ pub struct Touch {
     pub dissipated_power: f64,
 }
 
-/// A particle that was found inside a solid and put back.
+/// A particle that was found at the surface of a solid, or behind it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PushedBack {
+pub struct Intruder {
     /// Index of the particle.
     pub particle: u32,
-    /// Block it was in.
+    /// Block it is in.
     pub block: u32,
-    /// Where it goes; m.
-    pub position: Vec3,
-    /// Its new velocity; m/s.
-    pub velocity: Vec3,
+    /// Outward unit normal of the surface.
+    pub normal: Vec3,
     /// Foot point on the surface; m.
     pub point: Vec3,
+    /// Place just off the surface there; m.
+    pub clear: Vec3,
+    /// Whether it is deeper inside than walls can be trusted to hold.
+    pub is_deep: bool,
 }
 
 /// Penalty walls of all blocks, with what they need to find their particles.
@@ -227,30 +229,32 @@ impl Interface {
         }
     }
 
-    /// Particles deeper inside a solid than the walls can be trusted to hold, each put where it is inside none:
-    /// the face nearest to it may be one that two solids share.
-    pub fn intruders(&self, fluid: &Fluid, blocks: &Blocks) -> Vec<PushedBack> {
+    /// Particles at or behind a surface where no spring holds them, and those deeper inside than walls can be trusted to
+    /// hold, springs or not. One that is inside several solids is there once if it is deep.
+    pub fn intruders(&self, fluid: &Fluid, blocks: &Blocks) -> Vec<Intruder> {
         let dp = self.settings.particle_spacing;
-        let mut found: Vec<PushedBack> = Vec::new();
+        let has_springs = 0.0 < self.settings.stiffness;
+        let mut found: Vec<Intruder> = Vec::new();
         for touch in &self.touches {
+            let is_deep = touch.distance < -PUSH_BACK_DEPTH * dp;
             let is_known = found
                 .last()
-                .is_some_and(|last| last.particle == touch.particle);
-            if touch.distance >= -PUSH_BACK_DEPTH * dp || is_known {
+                .is_some_and(|last| last.particle == touch.particle && last.is_deep);
+            if is_known || (!is_deep && (has_springs || 0.0 <= touch.distance)) {
                 continue;
             }
             let a = touch.particle as usize;
             let (position, velocity) =
                 (fluid.particles().position[a], fluid.particles().velocity[a]);
+            // the face nearest to it may be one that two solids share
             let (block, way) = self.way_out((&position, &velocity), (fluid.grid(), blocks), touch);
-            let wall = blocks.velocity_at(block as usize, &way.point);
-            let approach = (velocity - wall).dot(&way.normal);
-            found.push(PushedBack {
+            found.push(Intruder {
                 particle: touch.particle,
                 block,
-                position: way.point + way.normal * (PUSH_BACK_DISTANCE * dp),
-                velocity: velocity - way.normal * approach,
+                normal: way.normal,
                 point: way.point,
+                clear: way.point + way.normal * (PUSH_BACK_DISTANCE * dp),
+                is_deep,
             });
         }
         found
@@ -275,10 +279,14 @@ impl Interface {
             let to = grid.wrapped(way.point + way.normal * clearance);
             !near(&to).any(|part| {
                 let surface = blocks.surface_point_within(part, &to, by);
-                surface.is_some_and(|surface| {
-                    let is_own = 0.0 <= surface.distance && 0.9 < surface.normal.dot(&way.normal);
-                    surface.distance < by && !is_own
-                })
+                // what lies below the face that it leads out of leaves room, across a crack too
+                let lies_below = || {
+                    let planes = blocks.planes_within(part, &to, by);
+                    let is_level =
+                        |(n, height): &(Vec3, f64)| 0.9 < n.dot(&way.normal) && 0.0 <= *height;
+                    planes.iter().any(is_level)
+                };
+                surface.is_some_and(|surface| surface.distance < by) && !lies_below()
             })
         };
         // a slice is cut from prisms without ends: nothing leaves a plane flow across it

@@ -33,7 +33,7 @@ pub struct Energy {
     pub static_damping: f64,
     /// Taken by bolts that yield.
     pub plastic: f64,
-    /// Taken where particles inside a solid were put back.
+    /// Taken where particles stopped at a solid, or were put back from its inside.
     pub pushed_back: f64,
     /// Carried off by what left the domain.
     pub removed: f64,
@@ -79,7 +79,7 @@ pub(crate) struct Ledger {
     momentum_at_start: Vec3,
     /// Taken by wall dashpots; J.
     wall_damping: f64,
-    /// Taken by putting particles back; J.
+    /// Taken by stopping particles at solids and putting them back; J.
     pub(crate) pushed_back: f64,
     /// Given by prescribed blocks to the fluid; J.
     wall_work: f64,
@@ -100,6 +100,11 @@ pub(crate) struct Ledger {
 }
 
 impl Ledger {
+    /// Books work (J) that a prescribed block did on the fluid at once.
+    pub(crate) fn push(&mut self, work: f64) {
+        self.wall_work += work;
+    }
+
     /// Books what absorbing layers brought in, below zero.
     pub(crate) fn absorb(&mut self, absorbed: &Exchange) {
         self.absorbed -= absorbed.energy;

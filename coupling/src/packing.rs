@@ -9,6 +9,7 @@
 use riprap_dda::{BlockDefinition, Blocks};
 use riprap_sph::{Fluid, FluidError, Start, Vec3};
 
+use crate::interface::Interface;
 use crate::scene::resolve::FluidScene;
 use crate::walls::Walls;
 
@@ -63,7 +64,14 @@ pub fn packed(
     else {
         return Ok((start, all));
     };
+    let mut interface = Interface::new(water.walls, blocks, &fluid);
     for _ in 0..MOST_ROUNDS {
+        fluid.refresh();
+        interface.find(&fluid, blocks);
+        // into a sharp corner nothing but the surface itself keeps them from going on
+        for intruder in interface.intruders(&fluid, blocks) {
+            fluid.replace(intruder.particle as usize, intruder.clear, Vec3::zeros());
+        }
         fluid.refresh();
         walls.find(&mut fluid);
         fluid.update_spread();

@@ -1,5 +1,6 @@
 //! Blocks and water at one time, and the step that takes both to the next.
 
+mod intruders;
 mod stepping;
 
 use std::time::{Duration, Instant};
@@ -34,8 +35,6 @@ pub struct World {
     pub(crate) held: Held,
     pub(crate) extremes: Extremes,
     pub(crate) phases: PhaseTimes,
-    /// Scratch: impulses on blocks.
-    impulses: Vec<Load>,
     /// Blocks that move and are to stay clear of planes of symmetry.
     kept_clear: Vec<usize>,
     /// Scratch: loads of the fluid at the start of a predictor-corrector step.
@@ -283,7 +282,6 @@ impl World {
             held: Held::NoBlock,
             extremes: Extremes::default(),
             phases: PhaseTimes::default(),
-            impulses: vec![Load::default(); n_blocks],
             kept_clear: Vec::new(),
             loads_at_start: vec![Load::default(); n_blocks],
             stretches_at_start: vec![Matrix3::zeros(); n_blocks],
@@ -673,42 +671,10 @@ impl World {
         };
 
         water.interface.find(&water.fluid, &self.blocks);
-        let pushed_back = water.interface.intruders(&water.fluid, &self.blocks);
-        for intruder in &pushed_back {
-            let particle = intruder.particle as usize;
-            let before = water.fluid.particles().velocity[particle];
-            let from = water.fluid.particles().position[particle];
-            let mass = water.fluid.particles().mass[particle];
-            self.ledger.pushed_back +=
-                water
-                    .fluid
-                    .replace(particle, intruder.position, intruder.velocity);
-            let impulse = (intruder.velocity - before) * mass;
-            let block = intruder.block as usize;
-            if self.blocks.is_free(block) {
-                let centroid = self.blocks.centroid(block);
-                self.impulses.fill(Load::default());
-                // what the new place takes of the moment of momentum the block gets too
-                let felt = water.interface.in_plane(Load {
-                    force: -impulse,
-                    torque: (from - centroid).cross(&(before * mass))
-                        - (intruder.position - centroid).cross(&(intruder.velocity * mass)),
-                });
-                self.ledger.impulse += impulse + felt.force;
-                self.impulses[block] = felt;
-                self.blocks.apply_impulse(&self.impulses, 1.0);
-                if let Some((_, kept)) = self.accounts.iter_mut().find(|(b, _)| *b == block) {
-                    kept.pushed_back += felt;
-                }
-            } else {
-                self.ledger.impulse += impulse;
-            }
-        }
-        if !pushed_back.is_empty() {
-            self.extremes.particles_pushed_back += pushed_back.len() as u64;
-            water.fluid.refresh();
-            water.interface.find(&water.fluid, &self.blocks);
-        }
+        self.hold_off_intruders();
+        let Some(water) = &mut self.water else {
+            return Ok(());
+        };
         if let Some(walls) = &mut water.walls {
             walls.place_at_end(&self.blocks, (!held).then_some(dt));
             walls.find(&mut water.fluid);

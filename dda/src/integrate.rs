@@ -57,25 +57,36 @@ impl Blocks {
     /// torque here, and what strains it by [`Self::apply_stretch`].
     pub fn apply_impulse(&mut self, loads: &[Load], dt: f64) {
         for (b, load) in loads.iter().enumerate().take(self.n_blocks()) {
-            if !self.is_free(b) {
-                continue;
+            if self.is_free(b) {
+                self.push_block(b, load, dt);
             }
-            self.kick_centroid(b, &load.force, dt);
-            let moment = Moment {
-                torque: load.torque,
-                stretch: Matrix3::zeros(),
-            };
-            match self.deformable_of[b] {
-                None => self.rigid(b).kick(&moment, dt),
-                Some(k) => self.deformables[k as usize].push(&moment, dt),
-            }
-            if self.hold_of(b).is_some() {
-                let momentum = self.accounted_momentum(b);
-                self.hold_velocities(b);
-                self.account_restraint(b, momentum, &Load::default());
-            }
-            self.set_kinematics(b);
         }
+    }
+
+    /// Gives a block at once the impulse of a force and a moment about its centroid; N s, N m s. Those that are not
+    /// free ignore it.
+    pub fn apply_impulse_to(&mut self, b: usize, impulse: &Load) {
+        if self.is_free(b) {
+            self.push_block(b, impulse, 1.0);
+        }
+    }
+
+    fn push_block(&mut self, b: usize, load: &Load, dt: f64) {
+        self.kick_centroid(b, &load.force, dt);
+        let moment = Moment {
+            torque: load.torque,
+            stretch: Matrix3::zeros(),
+        };
+        match self.deformable_of[b] {
+            None => self.rigid(b).kick(&moment, dt),
+            Some(k) => self.deformables[k as usize].push(&moment, dt),
+        }
+        if self.hold_of(b).is_some() {
+            let momentum = self.accounted_momentum(b);
+            self.hold_velocities(b);
+            self.account_restraint(b, momentum, &Load::default());
+        }
+        self.set_kinematics(b);
     }
 
     /// Gives a free deformable block the impulse of the straining part `Σ (f ⊗ r + r ⊗ f)/2` (N m) of the

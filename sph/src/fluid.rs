@@ -903,6 +903,18 @@ impl Fluid {
         lost * self.particles.mass[particle]
     }
 
+    /// Gives a particle another velocity (m/s) at once; returns the energy it lost, J.
+    pub fn set_velocity(&mut self, particle: usize, mut velocity: Vec3) -> f64 {
+        if self.is_plane() {
+            velocity.y = 0.0;
+        }
+        self.note_speed(velocity.norm());
+        let v = &mut self.particles.velocity[particle];
+        let lost = 0.5 * (v.norm_squared() - velocity.norm_squared());
+        *v = velocity;
+        lost * self.particles.mass[particle]
+    }
+
     /// Whether all particles are in one plane across y.
     fn is_plane(&self) -> bool {
         matches!(self.settings.dimensions, Dimensions::Two { .. })

@@ -26,6 +26,19 @@ pub(super) fn disjoint(parts: Vec<Part>) -> Vec<Part> {
     result
 }
 
+/// The pieces into which planes cut a part, each a normal and its offset `n·x` in m.
+pub(super) fn pieces(part: Part, planes: impl Iterator<Item = (Vec3, f64)>) -> Vec<Part> {
+    planes.fold(vec![part], |pieces, (normal, offset)| {
+        let halves = |piece: &Part| {
+            [
+                below(piece, &normal, offset),
+                below(piece, &-normal, -offset),
+            ]
+        };
+        pieces.iter().flat_map(halves).flatten().collect()
+    })
+}
+
 /// What is left of a part before planes of symmetry; none where it is beyond one.
 pub(crate) fn before(part: &Part, planes: &[SymmetryPlane]) -> Option<Part> {
     planes.iter().try_fold(part.clone(), |part, plane| {
@@ -181,6 +194,15 @@ mod tests {
         let wall = cuboid([0.0, 0.0, 1.0], [1.0, 3.0, 5.0]);
         let parts = vec![floor, wall];
         assert_eq!(disjoint(parts.clone()), parts);
+    }
+
+    #[test]
+    fn a_box_is_cut_into_nine() {
+        let planes = [Vec3::x(), Vec3::y()].map(|n| [(n, 0.25), (-n, -0.5), (n, 1.0)]);
+        let pieces = pieces(cuboid([0.0; 3], [1.0; 3]), planes.into_iter().flatten());
+        let total: f64 = pieces.iter().map(volume).sum();
+        assert_eq!(pieces.len(), 9);
+        assert!((total - 1.0).abs() < 1e-12, "{total}");
     }
 
     #[test]

@@ -19,8 +19,8 @@ use riprap_sph::boundary::wall_particles::{Slip, WallParticles};
 use riprap_sph::{Dimensions, Fluid, Periodicity, SymmetryPlane, Vec3};
 
 use super::added_mass::{Acceleration, AddedMass, Movers, largest_ratio};
-use super::cutting::{before, image};
-use super::screens::{Screens, is_covered, is_thin};
+use super::cutting::{before, image, pieces};
+use super::screens::{Screens, Thinness, is_covered, thinness};
 use super::{FluidLoad, Part, is_fixed, parts};
 
 /// The walls of all blocks.
@@ -87,6 +87,7 @@ impl ParticleWalls {
             })
             .filter_map(|(b, part)| Some((b, before(&part, &sampler.symmetry)?)))
             .unzip();
+        let (owners, standing) = sampler.cut_where_they_stand(owners, standing);
         let (spacing, support) = (
             sampler.lattice.particle_spacing,
             sampler.lattice.support_radius,
@@ -462,6 +463,15 @@ struct Thin {
     faces: Vec<Vec<WallSample>>,
 }
 
+/// What is known of the faces of a part that may be a screen.
+struct Faces {
+    /// At which it only seems to end.
+    ends: Vec<bool>,
+    /// On which fluid may be.
+    open: Vec<bool>,
+    thinness: Thinness,
+}
+
 /// How a fluid's walls are sampled.
 struct Sampler {
     lattice: UnionLattice,
@@ -561,7 +571,14 @@ impl Sampler {
 
     fn screen(&self, number: usize, part: &Part, all: &[Part]) -> Option<Thin> {
         let (spacing, support) = (self.lattice.particle_spacing, self.lattice.support_radius);
-        let ends = self.ends(part)?;
+        let Faces {
+            ends,
+            open,
+            thinness,
+        } = self.open_faces(number, part, all)?;
+        if !thinness.is_thin {
+            return None;
+        }
         let end = self.end(part);
         let rows = end.map(|axis| match self.plane {
             Some((middle, width)) => Rows {
@@ -581,15 +598,6 @@ impl Sampler {
                 }
             }
         });
-        let others = all.iter().enumerate().filter(|&(k, _)| k != number);
-        let others: Vec<&Part> = others.map(|(_, other)| other).collect();
-        let is_open = |((normal, corners), is_end): (&(Vec3, Vec<Vec3>), &bool)| {
-            !is_end && !is_covered(normal, corners, &others, spacing)
-        };
-        let open: Vec<bool> = part.faces.iter().zip(&ends).map(is_open).collect();
-        if !is_thin(part, &open, &others, (spacing, support)) {
-            return None;
-        }
         let behind = |((normal, corners), &open): (&(Vec3, Vec<Vec3>), &bool)| {
             let face = Face {
                 normal: *normal,
@@ -608,6 +616,59 @@ impl Sampler {
             faces: part.faces.iter().zip(&open).map(behind).collect(),
             ends,
         })
+    }
+
+    /// Which faces of a part are open, and how thin it is between them; none of one that cannot be a screen.
+    fn open_faces(&self, number: usize, part: &Part, all: &[Part]) -> Option<Faces> {
+        let (spacing, support) = (self.lattice.particle_spacing, self.lattice.support_radius);
+        let ends = self.ends(part)?;
+        let others = all.iter().enumerate().filter(|&(k, _)| k != number);
+        let others: Vec<&Part> = others.map(|(_, other)| other).collect();
+        let is_open = |((normal, corners), is_end): (&(Vec3, Vec<Vec3>), &bool)| {
+            !is_end && !is_covered(normal, corners, &others, spacing)
+        };
+        let open: Vec<bool> = part.faces.iter().zip(&ends).map(is_open).collect();
+        let mut thinness = thinness(part, &open, &others, (spacing, support));
+        for other in &mut thinness.stands_on {
+            // counted among all
+            *other += usize::from(number <= *other);
+        }
+        Some(Faces {
+            ends,
+            open,
+            thinness,
+        })
+    }
+
+    /// Parts that are thin here and stand on others there, cut along the faces of these: what stands on something is
+    /// no screen. A slope that reaches beyond the end of its floor is sharp only out there.
+    fn cut_where_they_stand(
+        &self,
+        owners: Vec<usize>,
+        standing: Vec<Part>,
+    ) -> (Vec<usize>, Vec<Part>) {
+        let inside: Vec<Part> = standing.iter().map(|part| self.inside(part)).collect();
+        let cut = |(number, part): (usize, Part)| {
+            let thinness = self
+                .open_faces(number, &inside[number], &inside)
+                .map(|faces| faces.thinness)
+                .unwrap_or_default();
+            if !thinness.is_thin {
+                return vec![part];
+            }
+            let faces = thinness.stands_on.iter().flat_map(|&k| &inside[k].faces);
+            let planes = faces.filter_map(|(normal, corners)| {
+                let is_along = |axis: usize| normal[axis].abs() > 0.5;
+                let is_end = (0..3).any(|axis| is_along(axis) && self.has_no_end(&part, axis));
+                let offset = normal.dot(corners.first()?);
+                (!is_end).then_some((*normal, offset))
+            });
+            pieces(part.clone(), planes)
+        };
+        let parts = owners.into_iter().zip(standing.into_iter().enumerate());
+        parts
+            .flat_map(|(owner, part)| cut(part).into_iter().map(move |piece| (owner, piece)))
+            .unzip()
     }
 
     /// The first axis in which a part has no end.

@@ -235,41 +235,62 @@ impl Screen {
     }
 }
 
-/// Whether two faces of a part are somewhere so near, or meet at so sharp an edge, that fluid on both is within the support
-/// (m) of each other through the solid. Fluid is on open faces, where no other part covers them.
-pub(super) fn is_thin(
+/// Where a part is thin.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Thinness {
+    /// Whether two of its faces are somewhere so near, or meet at so sharp an edge, that fluid on both is within the
+    /// support of each other through the solid.
+    pub(super) is_thin: bool,
+    /// Which others cover one of the faces of such an edge elsewhere: there it stands on these, and is not thin.
+    pub(super) stands_on: Vec<usize>,
+}
+
+/// Cosine of the angle between the outward normals of two faces, below which these are the two sides of a plate.
+const PARALLEL: f64 = -0.999;
+
+/// How thin a part is between its open faces, for a support in m. Fluid is on these where none of the others covers
+/// them.
+pub(super) fn thinness(
     part: &Part,
     open: &[bool],
     others: &[&Part],
     (spacing, support_radius): (f64, f64),
-) -> bool {
-    let faces: Vec<&(Vec3, Vec<Vec3>)> = part
-        .faces
-        .iter()
-        .zip(open)
-        .filter_map(|(face, &open)| open.then_some(face))
-        .collect();
-    let is_near = |face: &(Vec3, Vec<Vec3>), other: &(Vec3, Vec<Vec3>)| {
-        let (normal, corners) = face;
-        let (opposed, other_corners) = other;
-        let Some(origin) = other_corners.first() else {
-            return false;
-        };
-        places(corners, spacing).any(|x| {
-            let depth = opposed.dot(&(origin - x));
-            let foot = x + opposed * depth;
-            depth < support_radius
-                && is_on(other, &foot, spacing)
-                && !covers(others, normal, &x, spacing)
-                && !covers(others, opposed, &foot, spacing)
-        })
+) -> Thinness {
+    let mut thinness = Thinness::default();
+    let open = || {
+        let faces = part.faces.iter().zip(open);
+        faces.filter_map(|(face, &open)| open.then_some(face))
     };
-    faces.iter().enumerate().any(|(k, face)| {
-        let mut others = faces[..k].iter();
-        others.any(|other| {
-            are_opposed(&face.0, &other.0) && (is_near(face, other) || is_near(other, face))
-        })
-    })
+    for face in open() {
+        let (normal, corners) = face;
+        for other in open() {
+            let (opposed, other_corners) = other;
+            let Some(origin) = other_corners.first() else {
+                continue;
+            };
+            if !are_opposed(normal, opposed) {
+                continue;
+            }
+            for x in places(corners, spacing) {
+                let depth = opposed.dot(&(origin - x));
+                let foot = x + opposed * depth;
+                if support_radius <= depth
+                    || !is_on(other, &foot, spacing)
+                    || cover(others, normal, &x, spacing).is_some()
+                {
+                    continue;
+                }
+                match cover(others, opposed, &foot, spacing) {
+                    None => thinness.is_thin = true,
+                    // a plate is as thin over what carries it
+                    Some(_) if normal.dot(opposed) < PARALLEL => {}
+                    Some(cover) if thinness.stands_on.contains(&cover) => {}
+                    Some(cover) => thinness.stands_on.push(cover),
+                }
+            }
+        }
+    }
+    thinness
 }
 
 /// Whether two faces of a part look away from each other and are somewhere nearer than the support (m).
@@ -288,13 +309,14 @@ fn are_near_and_opposed(
 
 /// Whether other parts cover the whole of a face, as seen at places a spacing (m) apart.
 pub(super) fn is_covered(normal: &Vec3, corners: &[Vec3], others: &[&Part], spacing: f64) -> bool {
-    2 < corners.len() && places(corners, spacing).all(|x| covers(others, normal, &x, spacing))
+    2 < corners.len()
+        && places(corners, spacing).all(|x| cover(others, normal, &x, spacing).is_some())
 }
 
-/// Whether there is another part right before a place on a face.
-fn covers(others: &[&Part], normal: &Vec3, x: &Vec3, spacing: f64) -> bool {
+/// Which other part is right before a place on a face, if one is.
+fn cover(others: &[&Part], normal: &Vec3, x: &Vec3, spacing: f64) -> Option<usize> {
     let x = x + normal * (OFF_FACE * spacing);
-    others.iter().any(|part| {
+    others.iter().position(|part| {
         let nearest = part.nearest_plane(&x);
         nearest.is_some_and(|(_, distance)| distance <= 0.0)
     })
@@ -376,18 +398,29 @@ mod tests {
             (wedge(60.0), true),
         ] {
             let open = vec![true; part.faces.len()];
-            let is = is_thin(&part, &open, &[], (0.1, support));
-            assert_eq!(is, is_screen, "{part:?}");
+            let is = thinness(&part, &open, &[], (0.1, support));
+            assert_eq!(is.is_thin, is_screen, "{part:?}");
         }
         // 60 degrees leave 30 at the top; with that face covered the wedge is blunt
         let part = wedge(60.0);
         let open: Vec<bool> = part.faces.iter().map(|(n, _)| n.x < 0.9).collect();
-        assert!(!is_thin(&part, &open, &[], (0.1, support)));
+        assert!(!thinness(&part, &open, &[], (0.1, support)).is_thin);
         // a sharp edge stands on a floor: its base is covered there, if not all of it
         let part = wedge(25.0);
         let floor = cuboid([-1.0, -1.0, -1.0], [0.9, 2.0, 0.0]);
         let open = vec![true; part.faces.len()];
-        assert!(!is_thin(&part, &open, &[&floor], (0.1, support)));
+        let on_floor = |floor: &Part| thinness(&part, &open, &[floor], (0.1, support));
+        assert!(!on_floor(&floor).is_thin);
+        // on half a floor it is thin, but not where it stands
+        let half = cuboid([-1.0, 0.5, -1.0], [2.0, 2.0, 0.0]);
+        let stands_on = vec![0];
+        assert_eq!(
+            on_floor(&half),
+            Thinness {
+                is_thin: true,
+                stands_on
+            }
+        );
     }
 
     #[test]

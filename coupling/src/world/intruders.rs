@@ -1,0 +1,104 @@
+//! Particles that the walls did not hold: those that move on into a solid stop at its surface, those that are inside are
+//! put back.
+//!
+//! Walls of particles hold the water by a pressure that is as smooth as the kernel. Where that is much wider than the
+//! spacing, a single particle hardly feels how far from the wall it is. One that has come to the surface and is let go on,
+//! into the corner under a slope say, is for its neighbours water that flows off: their density falls, their pressure with
+//! it, and more follow.
+//!
+//! ```text
+//! J = −min(0, (v_a − v_wall)·n)/(1/m_a + w)     along n on the particle, against it on the body at the foot point
+//! ```
+//! `w` is the compliance of the body there: particle and body meet without rebound, one after the other.
+
+use riprap_dda::Load;
+use riprap_sph::Vec3;
+
+use super::{Held, Water, World};
+use crate::interface::Intruder;
+
+impl World {
+    /// Stops the particles at surfaces and puts back those inside; the water must be sorted and its touches found,
+    /// and is again after that.
+    pub(super) fn hold_off_intruders(&mut self) {
+        let Some(water) = &mut self.water else { return };
+        let intruders = water.interface.intruders(&water.fluid, &self.blocks);
+        let mut n_moved = 0;
+        for intruder in &intruders {
+            n_moved += u64::from(intruder.is_deep);
+            self.hold_off(intruder);
+        }
+        let Some(water) = &mut self.water else { return };
+        if 0 < n_moved {
+            self.extremes.particles_pushed_back += n_moved;
+            water.fluid.refresh();
+            water.interface.find(&water.fluid, &self.blocks);
+        }
+    }
+
+    fn hold_off(&mut self, intruder: &Intruder) {
+        let Some(Water {
+            fluid, interface, ..
+        }) = &mut self.water
+        else {
+            return;
+        };
+        let (a, block) = (intruder.particle as usize, intruder.block as usize);
+        let (mass, from, before) = {
+            let particles = fluid.particles();
+            (
+                particles.mass[a],
+                particles.position[a],
+                particles.velocity[a],
+            )
+        };
+        let normal = intruder.normal;
+        let are_held = self.held == Held::AllBlocks;
+        let is_free = !are_held && self.blocks.is_free(block);
+        let wall = if are_held {
+            Vec3::zeros()
+        } else {
+            self.blocks.velocity_at(block, &intruder.point)
+        };
+        let compliance = if is_free {
+            self.blocks.compliance(block, &intruder.point, &normal)
+        } else {
+            0.0
+        };
+        let approach = (before - wall).dot(&normal).min(0.0);
+        let impulse = normal * (-approach / (1.0 / mass + compliance));
+        let after = before + impulse / mass;
+        let to = intruder.clear;
+        self.ledger.pushed_back += if intruder.is_deep {
+            fluid.replace(a, to, after)
+        } else {
+            fluid.set_velocity(a, after)
+        };
+        self.ledger.impulse += impulse;
+        if !is_free {
+            let work = impulse.dot(&wall);
+            self.ledger.pushed_back += work;
+            self.ledger.push(work);
+            return;
+        }
+        let centroid = self.blocks.centroid(block);
+        let moment = |x: &Vec3, v: &Vec3| (x - centroid).cross(&(v * mass));
+        let torque = if intruder.is_deep {
+            // what the new place takes of the moment of momentum the block gets too
+            moment(&from, &before) - moment(&to, &after)
+        } else {
+            -(intruder.point - centroid).cross(&impulse)
+        };
+        let felt = interface.in_plane(Load {
+            force: -impulse,
+            torque,
+        });
+        self.ledger.impulse += felt.force;
+        let energy = self.blocks.kinetic_energy(block);
+        self.blocks.apply_impulse_to(block, &felt);
+        self.ledger.pushed_back += energy - self.blocks.kinetic_energy(block);
+        if let Some((_, kept)) = self.accounts.iter_mut().find(|(b, _)| *b == block) {
+            kept.pushed_back += felt;
+        }
+    }
+}
