@@ -13,8 +13,9 @@
 //! s = min(1, 2 − gap/dp) · min(1, (S₁ − S)/(S₁ − S₀)),   S = Σ V W at the point, each ≥ 0
 //! ```
 //! `s` fades it out as the joint opens and particles come in. The field is carried from step to step, with a few sweeps
-//! in each, so that a change of level spreads through a long joint over many steps. The joint's water has no volume
-//! and no inertia. A joint of two blocks that both have points is sampled from either side: each counts half. What it
+//! in each, so that a change of level spreads through a long joint over many steps. The joint's water has no volume.
+//! Joints near water are full at the start. A dry one that water reaches later fills from point to point, no faster than
+//! the head at its face drives water in, `u = √(2 max p/ρ)`; ahead of the front there is air. A joint of two blocks that both have points is sampled from either side: each counts half. What it
 //! pushes apart it does work on, which the ledger names. Blocks that are `sealed`, and
 //! joints with air all round, feel nothing.
 
@@ -92,8 +93,10 @@ pub struct JointWater {
     neighbors: Vec<Vec<(u32, f64)>>,
     /// Pa.
     pressure: Vec<f64>,
-    /// Whether the field has been found once.
-    has_field: bool,
+    /// Share of each point's surroundings that is full of water, 0 to 1.
+    full: Vec<f64>,
+    /// Time at which the field was found last, if it was; s.
+    found_at: Option<f64>,
     loads: Vec<Load>,
     scratch: Scratch,
 }
@@ -134,7 +137,8 @@ impl JointWater {
             points: Vec::new(),
             neighbors: Vec::new(),
             pressure: Vec::new(),
-            has_field: false,
+            full: Vec::new(),
+            found_at: None,
             loads: vec![Load::default(); blocks.n_blocks()],
             scratch: Scratch::default(),
         };
@@ -171,6 +175,7 @@ impl JointWater {
         }
         joints.pressure = vec![0.0; joints.points.len()];
         joints.scratch.next = joints.pressure.clone();
+        joints.full = joints.pressure.clone();
         joints
     }
 
@@ -248,8 +253,9 @@ impl JointWater {
         (force, power)
     }
 
-    /// Pressures and loads at the present state; after the fluid's pressures.
-    pub fn update(&mut self, fluid: &Fluid, blocks: &Blocks) {
+    /// Pressures and loads at the present state and time (s); after the fluid's pressures.
+    pub fn update(&mut self, fluid: &Fluid, blocks: &Blocks, time: f64) {
+        let last = self.found_at.replace(time);
         self.loads.fill(Load::default());
         self.find_joints(fluid, blocks);
         let scratch = &mut self.scratch;
@@ -277,9 +283,11 @@ impl JointWater {
                         scratch.beside.push(place);
                     }
                 },
-                Some(_) => self.pressure[k as usize] = pressure.max(0.0),
-                None => {
-                    self.pressure[k as usize] = if share < DRY { 0.0 } else { pressure.max(0.0) };
+                None if share < DRY => {
+                    (self.pressure[k as usize], self.full[k as usize]) = (0.0, 0.0);
+                }
+                _ => {
+                    (self.pressure[k as usize], self.full[k as usize]) = (pressure.max(0.0), 1.0);
                 }
             }
         }
@@ -288,15 +296,26 @@ impl JointWater {
         let edges = scratch.edges.iter().zip(&scratch.beside);
         for ((&n, place), [share, pressure]) in edges.zip(scratch.water_beside.found()) {
             let below = weight.dot(&(scratch.positions[n] - place));
-            let is_dry = share < DRY;
-            let pressure = if is_dry {
-                0.0
+            let k = scratch.active[n] as usize;
+            (self.pressure[k], self.full[k]) = if share < DRY {
+                (0.0, 0.0)
             } else {
-                (pressure + below).max(0.0)
+                ((pressure + below).max(0.0), 1.0)
             };
-            self.pressure[scratch.active[n] as usize] = pressure;
         }
-        self.relax();
+        match last {
+            Some(last) => {
+                let density = fluid.settings().reference_density;
+                self.advance(time - last, density);
+                self.relax(SWEEPS.1);
+            }
+            None => {
+                for &k in &self.scratch.inner {
+                    self.full[k as usize] = 1.0;
+                }
+                self.relax(SWEEPS.0);
+            }
+        }
         self.sum(blocks);
     }
 
@@ -319,6 +338,9 @@ impl JointWater {
                 bounds = (bounds.0.inf(&min), bounds.1.sup(&max));
             }
             if !has_water(fluid, &bounds) {
+                for face in &jointed.faces {
+                    self.full[face.first..face.last].fill(0.0);
+                }
                 continue;
             }
             scratch.near.clear();
@@ -381,20 +403,52 @@ impl JointWater {
         }
     }
 
-    /// Takes the field nearer to that of steady seepage.
-    fn relax(&mut self) {
-        let sweeps = if self.has_field { SWEEPS.1 } else { SWEEPS.0 };
-        self.has_field = true;
+    /// Takes the fronts of water in dry joints on by a time (s), at a density in kg/m³.
+    fn advance(&mut self, elapsed: f64, density: f64) {
+        let Scratch { inner, next, .. } = &mut self.scratch;
+        for face in self.blocks.iter().flat_map(|jointed| &jointed.faces) {
+            let [from, to] =
+                [face.first, face.last].map(|end| inner.partition_point(|&k| (k as usize) < end));
+            let inner = &inner[from..to];
+            if inner.iter().all(|&k| 1.0 <= self.full[k as usize]) {
+                continue;
+            }
+            let pressures = self.pressure[face.first..face.last].iter();
+            let head = pressures.copied().fold(0.0, f64::max);
+            let rise = (2.0 * head / density).sqrt() * elapsed / self.spacing;
+            let is_full = |&(other, _): &(u32, f64)| 1.0 <= self.full[other as usize];
+            for &k in inner {
+                let k = k as usize;
+                next[k] = self.full[k];
+                if self.neighbors[k].iter().any(is_full) {
+                    next[k] = (self.full[k] + rise).min(1.0);
+                }
+            }
+            for &k in inner {
+                self.full[k as usize] = next[k as usize];
+            }
+        }
+    }
+
+    /// Takes the field nearer to that of steady seepage where the joints are full.
+    fn relax(&mut self, sweeps: usize) {
+        let Scratch { inner, next, .. } = &mut self.scratch;
+        for &k in inner.iter() {
+            if self.full[k as usize] < 1.0 {
+                self.pressure[k as usize] = 0.0;
+            }
+        }
+        inner.retain(|&k| 1.0 <= self.full[k as usize]);
         for _ in 0..sweeps {
-            for &k in &self.scratch.inner {
+            for &k in inner.iter() {
                 let k = k as usize;
                 let near = self.neighbors[k].iter();
-                self.scratch.next[k] = near
+                next[k] = near
                     .map(|&(other, weight)| weight * self.pressure[other as usize])
                     .sum();
             }
-            for &k in &self.scratch.inner {
-                self.pressure[k as usize] = self.scratch.next[k as usize];
+            for &k in inner.iter() {
+                self.pressure[k as usize] = next[k as usize];
             }
         }
     }

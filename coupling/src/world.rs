@@ -748,7 +748,8 @@ impl World {
             water.interface.add_loads(walls.loads());
         }
         if !held {
-            water.joints.update(&water.fluid, &self.blocks);
+            let time = self.clock.time;
+            water.joints.update(&water.fluid, &self.blocks, time);
             water.interface.add_pressures(water.joints.loads());
         }
         self.phases.coupling += watch.lap();

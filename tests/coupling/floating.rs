@@ -486,6 +486,52 @@ fn uplift_under_a_dam(levels: [f64; 2]) {
     assert_eq!(world.extremes().particles_pushed_back, 0);
 }
 
+/// Water that runs against a block fills the dry joint under it no faster than its head drives it in, and does fill it.
+#[test]
+fn a_dry_joint_fills_at_the_speed_that_its_head_gives() {
+    let (width, from, length, spacing) = (0.1, 0.9, 0.6, 0.02);
+    let text = format!(
+        "(title: \"joint\", gravity: (0, 0, -9.81), domain: (min: (-0.1, 0, -0.1), max: (2.2, {width:?}, 1.0), dimensions: Two),\n\
+         materials: [(name: \"m\", density: 3000, friction_angle_deg: 30)],\n\
+         blocks: [(name: \"block\", material: \"m\", hold: (directions: [X, Y, Z], turning: Held),\n\
+         shape: Box(min: ({from:?}, 0, 0), max: ({:?}, {width:?}, 0.5))),\n\
+         (name: \"floor\", material: \"m\", motion: Fixed, shape: Box(min: (-0.1, -0.1, -0.1), max: (2.2, 0.2, 0))),\n\
+         (name: \"left\", material: \"m\", motion: Fixed, shape: Box(min: (-0.1, -0.1, 0), max: (0, 0.2, 0.9)))],\n\
+         fluid: (resolution: Spacing({spacing:?}), regions: [(name: \"water\", shape: Box(min: (0, 0, 0), max: (0.6, {width:?}, 0.3)))]),\n\
+         time: (duration: 1.5))",
+        from + length
+    );
+    let scene = Scene::resolve(parse::read(&text).unwrap(), Path::new(".")).unwrap();
+    let mut world = build(&scene).unwrap();
+    let (mut way, mut lift, mut highest, mut full) = (0.0, 0.0_f64, 0.0_f64, None);
+    let mut last = 0.0;
+    advance(&mut world, 1.5, |world| {
+        let water = world.water.as_ref().unwrap();
+        let particles = water.fluid.particles();
+        let near = (0..particles.len()).filter(|&a| particles.position[a].x > from - 3.0 * spacing);
+        let head = near.fold(0.0_f64, |head, a| head.max(particles.pressure[a]));
+        let dt = world.time() - last;
+        last = world.time();
+        lift = water.joints.loads()[0].force.z;
+        highest = highest.max(head);
+        way += (2.0 * head / RHO).sqrt() * dt;
+        // the rows at the face feel the water itself
+        let reached = (way + 2.0 * spacing).min(length);
+        assert!(
+            lift <= highest * reached * width,
+            "{lift} at {}",
+            world.time()
+        );
+        if length < way && full.is_none() {
+            full = Some(world.time());
+        }
+    });
+    println!("joint: lift {lift:.2} N, full at {full:?} s");
+    // of 0.1 m of water, half as seepage to the dry end has it
+    assert!(0.5 * 0.5 * RHO * G * 0.1 * length * width < lift, "{lift}");
+    assert!(full.is_some());
+}
+
 /// Forces by source explain what momentum a block gains: one that falls into water, turns and settles on the bed.
 #[test]
 fn forces_by_source_explain_the_motion() {
