@@ -1,0 +1,111 @@
+"""What the benches of coupling share: runs of one scene under several walls, their tables, and plots of them.
+
+Runs that are there already are taken as they are: a bench that was broken off goes on where it was.
+"""
+
+import argparse
+import csv
+import subprocess
+from pathlib import Path
+
+import matplotlib
+
+matplotlib.use("svg")
+import matplotlib.pyplot as plt  # noqa: E402
+
+WALLS = {"Penalty": "W1", "Particles": "W2", "Integral": "W3"}
+COLORS = {"Penalty": "tab:orange", "Particles": "tab:blue", "Integral": "tab:green"}
+
+
+def arguments(description, rows):
+    """Command line of a bench; `rows` are the names of what it can run."""
+    parser = argparse.ArgumentParser(description=description)
+    parser.add_argument("rows", nargs="*", metavar="ROW", help=f"of {', '.join(rows)}; all when left out")
+    parser.add_argument("--riprap", default="target/release/riprap", help="the program")
+    parser.add_argument("--runs", default="runs/benches", type=Path, help="folder of the runs")
+    parser.add_argument("--plots", default="benches/plots", type=Path, help="folder of the plots")
+    parser.add_argument("--walls", default=",".join(WALLS), help="methods to run, by comma")
+    found = parser.parse_args()
+    found.walls = found.walls.split(",")
+    unknown = [row for row in found.rows if row not in rows]
+    if unknown:
+        parser.error(f"no row {', '.join(unknown)}; there are {', '.join(rows)}")
+    found.rows = found.rows or list(rows)
+    return found
+
+
+class Run:
+    """A run folder."""
+
+    def __init__(self, folder):
+        self.folder = folder
+
+    def columns(self, name):
+        """Columns of one of its tables, by name with unit; what is empty is NaN."""
+        return columns(self.folder / name)
+
+    def column(self, name, start):
+        """The column of a table whose name starts so."""
+        found = [column for column in self.columns(name) if column.startswith(start)]
+        if len(found) != 1:
+            raise KeyError(f"{self.folder / name}: {len(found)} columns start with {start!r}")
+        return self.columns(name)[found[0]]
+
+
+def columns(path):
+    """Columns of a CSV file with one line of names; lines that start with # are left out."""
+    with open(path, newline="") as file:
+        rows = [row for row in csv.reader(line for line in file if not line.startswith("#")) if row]
+    return {
+        name: [float(x) if x else float("nan") for x in column]
+        for name, column in zip(rows[0], zip(*rows[1:]))
+    }
+
+
+def run(args, case, walls, name, settings=()):
+    """The run of a case under one kind of wall: made unless it is there; None if it ended early."""
+    folder = args.runs / f"{name}_{WALLS[walls]}"
+    done = folder / "ended"
+    if not done.exists():
+        sets = [f"interface.walls={walls}", *settings]
+        command = [args.riprap, "run", str(case), "-o", str(folder), "--force", "--quiet", "--threads", "1"]
+        for one in sets:
+            command += ["--set", one]
+        args.runs.mkdir(parents=True, exist_ok=True)
+        with open(f"{folder}.log", "w") as log:
+            code = subprocess.run(command, stderr=log, stdout=log).returncode
+        if not folder.is_dir():
+            print(f"{name} {WALLS[walls]}: refused, see {folder}.log")
+            return None
+        done.write_text(f"{code}\n")
+    code = int(done.read_text())
+    if code != 0:
+        print(f"{name} {WALLS[walls]}: ended early with {code}, see {folder}.log")
+    return Run(folder)
+
+
+def figure(n_panels, height=1.6):
+    """A figure of panels one above the other that share their axis of time."""
+    made, panels = plt.subplots(n_panels, 1, sharex=True, figsize=(7, max(2.4, height * n_panels)), squeeze=False)
+    for panel in panels[:, 0]:
+        panel.tick_params(labelsize=7)
+        panel.grid(lw=0.3)
+    panels[-1, 0].set_xlabel("time [s]", fontsize=8)
+    return made, panels[:, 0]
+
+
+def save(args, made, name):
+    """Writes a figure into the folder of plots."""
+    args.plots.mkdir(parents=True, exist_ok=True)
+    made.tight_layout()
+    made.savefig(args.plots / f"{name}.svg", metadata={"Date": None})
+    plt.close(made)
+
+
+def table(rows):
+    """Prints a table as in RESULTS.md: first row the heads."""
+    head, *body = rows
+    print("| " + " | ".join(head) + " |")
+    print("|" + "---|" * len(head))
+    for row in body:
+        print("| " + " | ".join(row) + " |")
