@@ -6,6 +6,7 @@
 
 pub mod added_mass;
 mod cutting;
+mod endless;
 pub mod integral;
 pub mod particles;
 mod screens;

@@ -10,7 +10,7 @@ use riprap_sph::{
     Regularization, Rheology, Scheme, Settings, StateEquation, Vec3,
 };
 
-use riprap_dda::Shape;
+use riprap_dda::{Polyhedron, Shape};
 
 use super::error::Problem;
 use super::file::{
@@ -548,12 +548,6 @@ fn refuse_integrals(file: &SceneFile, scheme: &Scheme, problems: &mut Vec<Proble
     if scheme.density != DensityMethod::Continuity {
         refuse("wants `numerics.density` Continuity");
     }
-    if file.domain.dimensions == DimensionsFile::Two {
-        refuse("is known in three dimensions only");
-    }
-    if !file.domain.periodic.is_empty() {
-        refuse("does not see blocks across a periodic side");
-    }
     if !file.domain.symmetry.is_empty() {
         refuse("does not see blocks mirrored in a plane of symmetry");
     }
@@ -568,6 +562,9 @@ pub(super) fn refuse_shapes(
 ) {
     if method == WallMethodFile::Penalty {
         return;
+    }
+    if method == WallMethodFile::Integral {
+        refuse_ends(file, solids, problems);
     }
     let is_any_shape =
         method == WallMethodFile::Particles && file.domain.dimensions != DimensionsFile::Two;
@@ -602,6 +599,34 @@ pub(super) fn refuse_shapes(
              interface.walls to Penalty, or use a polyhedron"
         ),
     ));
+}
+
+/// Refuses solids that end within a domain that repeats itself: integrals do not see their images.
+fn refuse_ends(file: &SceneFile, solids: &[(String, Shape)], problems: &mut Vec<Problem>) {
+    let (min, max) = (vec3(file.domain.min), vec3(file.domain.max));
+    for axis in &file.domain.periodic {
+        let k = axis.index();
+        let slack = 1e-6 * (max[k] - min[k]);
+        for (index, (name, shape)) in solids.iter().enumerate() {
+            let Shape::Polyhedra(parts) = shape else {
+                continue;
+            };
+            let ends = |part: &Polyhedron| {
+                let places = || part.vertices().iter().map(|x| x[k]);
+                places().all(|x| min[k] + slack < x) || places().all(|x| x < max[k] - slack)
+            };
+            if parts.iter().any(ends) {
+                problems.push(Problem::error(
+                    format!("blocks[{index}].shape"),
+                    format!(
+                        "interface.walls: Integral sees in a domain that repeats itself along {axis:?} only what \
+                         goes through all of it; `{name}` ends between {} and {} m: make it longer, or use Particles",
+                        min[k], max[k]
+                    ),
+                ));
+            }
+        }
+    }
 }
 
 /// Pressures of water at rest below the level of each region, compressed by its own weight.

@@ -23,16 +23,19 @@
 use nalgebra::{Matrix3, Rotation3};
 use rayon::prelude::*;
 use riprap_dda::{BlockDefinition, Blocks};
-use riprap_sph::boundary::integral::{LayerTable, WallIntegral, integrate, viscous_factor};
+use riprap_sph::boundary::integral::{
+    LayerTable, WallIntegral, integrate, plane_share, viscous_factor,
+};
 use riprap_sph::boundary::wall_integrals::WallForce;
 use riprap_sph::boundary::wall_particles::Slip;
 use riprap_sph::kernel::{Kernel, PointKernel};
 use riprap_sph::scheme::{ALPHA, Viscosity};
-use riprap_sph::{Fluid, Vec3};
+use riprap_sph::{Dimensions, Fluid, Vec3};
 
 use super::added_mass::{Acceleration, AddedMass, Movers, largest_ratio};
 use super::cutting::disjoint;
-use super::{FluidLoad, Part, is_fixed, parts};
+use super::endless::Endless;
+use super::{FluidLoad, Part, face_lattice, is_fixed, parts};
 use crate::part_table::{PartTable, Placed, Solids};
 
 /// Distance off a surface, in spacings, below which a particle sees the wall as from there: nearer the
@@ -48,6 +51,7 @@ const FIXED: u32 = u32::MAX;
 pub struct IntegralWalls {
     support_radius: f64,
     particle_spacing: f64,
+    dimensions: Dimensions,
     layers: LayerTable,
     slip: Slip,
     fixed: Vec<Part>,
@@ -169,10 +173,15 @@ impl IntegralWalls {
         slip: Slip,
     ) -> Self {
         let support_radius = fluid.settings().support_radius();
-        let particle_spacing = fluid.particle_volume().cbrt();
+        let (particle_spacing, _) = face_lattice(fluid);
+        let dimensions = fluid.settings().dimensions;
+        let endless = Endless::of(fluid);
         let (mut standing, mut moving) = (Vec::new(), Vec::new());
         for (b, definition) in definitions.iter().enumerate() {
-            let parts = parts(&definition.shape);
+            let parts: Vec<Part> = parts(&definition.shape)
+                .iter()
+                .map(|part| endless.ending_beyond(part, 2.0 * support_radius))
+                .collect();
             if is_fixed(blocks, b) {
                 standing.extend(parts);
                 continue;
@@ -199,7 +208,8 @@ impl IntegralWalls {
         Self {
             support_radius,
             particle_spacing,
-            layers: LayerTable::new(particle_spacing, support_radius),
+            dimensions,
+            layers: LayerTable::new(particle_spacing, support_radius, dimensions),
             slip,
             fixed,
             near_fixed,
@@ -350,7 +360,13 @@ impl IntegralWalls {
         let closest = CLOSEST * self.particle_spacing;
         let from = x + normal * (closest - distance).max(0.0);
         let layers = Some(&self.layers);
-        let integral = integrate(&part.faces(), &from, self.support_radius, layers);
+        let integral = integrate(
+            &part.faces(),
+            &from,
+            self.support_radius,
+            self.dimensions,
+            layers,
+        );
         Some((integral, distance.max(closest)))
     }
 
@@ -488,10 +504,11 @@ impl IntegralWalls {
                 let approach = jump.dot(&inwards);
                 let mut force = inwards * -self.damping(approach, sight.distance, volume, fluid);
                 if self.slip == Slip::None {
-                    let share = integral.lambda / plane_share(sight.distance / self.support_radius);
+                    let plane = (sight.distance, self.support_radius, self.dimensions);
+                    let share = integral.lambda / plane_share(plane.0, plane.1, plane.2);
                     let factor = 2.0
                         * settings.kinematic_viscosity()
-                        * viscous_factor(sight.distance, self.support_radius)
+                        * viscous_factor(plane.0, plane.1, plane.2)
                         * share;
                     force += (jump - inwards * approach) * (particles.mass[a] * factor);
                 }
@@ -584,13 +601,4 @@ impl Solids for Vec<MovingPart> {
     fn is_within(&self, solid: u32, x: &Vec3, distance: f64) -> bool {
         self[solid as usize].placed.may_be_within(x, distance)
     }
-}
-
-/// Share of the kernel that is behind a plane at a distance `u` in units of the support radius, below 1.
-///
-/// ```text
-/// λ_plane = (1−u)⁶ (3u²+3u+1)/2
-/// ```
-fn plane_share(u: f64) -> f64 {
-    0.5 * (1.0 - u).powi(6) * (1.0 + u * (3.0 + 3.0 * u))
 }

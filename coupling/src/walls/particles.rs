@@ -16,10 +16,11 @@ use riprap_sph::boundary::sampling::{
 };
 use riprap_sph::boundary::screens::Facet;
 use riprap_sph::boundary::wall_particles::{Slip, WallParticles};
-use riprap_sph::{Dimensions, Fluid, Periodicity, SymmetryPlane, Vec3};
+use riprap_sph::{Dimensions, Fluid, SymmetryPlane, Vec3};
 
 use super::added_mass::{Acceleration, AddedMass, Movers, largest_ratio};
 use super::cutting::{before, image, pieces};
+use super::endless::Endless;
 use super::screens::{Screens, Thinness, is_covered, thinness};
 use super::{FluidLoad, Part, is_fixed, parts};
 
@@ -92,7 +93,10 @@ impl ParticleWalls {
             sampler.lattice.particle_spacing,
             sampler.lattice.support_radius,
         );
-        let inside: Vec<Part> = standing.iter().map(|part| sampler.inside(part)).collect();
+        let inside: Vec<Part> = standing
+            .iter()
+            .map(|part| sampler.endless.inside(part))
+            .collect();
         let mut screens = Screens::new(&inside, spacing, support);
         let (thin, thick) = sampler.screens(&inside);
         let mut standing_points = Points::default();
@@ -122,7 +126,10 @@ impl ParticleWalls {
                 .iter()
                 .filter_map(|part| before(part, &sampler.symmetry))
                 .collect();
-            let inside: Vec<Part> = parts.iter().map(|part| sampler.inside(part)).collect();
+            let inside: Vec<Part> = parts
+                .iter()
+                .map(|part| sampler.endless.inside(part))
+                .collect();
             let (thin, thick) = sampler.screens(&inside);
             for Thin { part, ends, faces } in thin {
                 let screen = screens.add((part, &inside), ends, b, blocks);
@@ -428,22 +435,6 @@ impl Points {
 }
 
 impl Part {
-    /// With every corner moved along an axis.
-    fn along(&self, axis: usize, map: impl Fn(f64) -> f64) -> Self {
-        let moved = |x: &Vec3| {
-            let mut x = *x;
-            x[axis] = map(x[axis]);
-            x
-        };
-        Self {
-            faces: self
-                .faces
-                .iter()
-                .map(|(normal, corners)| (*normal, corners.iter().map(moved).collect()))
-                .collect(),
-        }
-    }
-
     /// Whether every face is across an axis of the scene.
     fn is_upright_box(&self) -> bool {
         self.faces.len() == 6
@@ -475,16 +466,11 @@ struct Faces {
 /// How a fluid's walls are sampled.
 struct Sampler {
     lattice: UnionLattice,
-    /// What lies beyond a side that repeats is there already, as an image of what is inside.
-    domain: Region,
-    periodic: Periodicity,
+    endless: Endless,
     /// In a flow in a plane: the plane, and the width of the slice; m.
     plane: Option<(f64, f64)>,
     symmetry: Vec<SymmetryPlane>,
 }
-
-/// What a slice is stretched by across, so that its ends are out of sight.
-const STRETCH: f64 = 1e3;
 
 impl Sampler {
     fn new(fluid: &Fluid) -> Self {
@@ -498,7 +484,6 @@ impl Sampler {
             support_radius,
             region: Region { min, max },
         };
-        let domain = lattice.region;
         let mut repeating = (0..3).filter(|&axis| settings.periodic[axis]);
         if let (Some(axis), None) = (repeating.next(), repeating.next()) {
             // a whole number of rows in the period
@@ -515,8 +500,7 @@ impl Sampler {
         }
         Self {
             lattice,
-            domain,
-            periodic: settings.periodic,
+            endless: Endless::of(fluid),
             plane,
             symmetry: settings.symmetry_planes().collect(),
         }
@@ -579,7 +563,7 @@ impl Sampler {
         if !thinness.is_thin {
             return None;
         }
-        let end = self.end(part);
+        let end = self.endless.first_of(part);
         let rows = end.map(|axis| match self.plane {
             Some((middle, width)) => Rows {
                 axis,
@@ -588,7 +572,7 @@ impl Sampler {
                 count: 1,
             },
             None => {
-                let (from, to) = (self.domain.min[axis], self.domain.max[axis]);
+                let (from, to) = (self.endless.domain.min[axis], self.endless.domain.max[axis]);
                 let count = ((to - from) / spacing).round().max(1.0) as usize;
                 Rows {
                     axis,
@@ -647,7 +631,10 @@ impl Sampler {
         owners: Vec<usize>,
         standing: Vec<Part>,
     ) -> (Vec<usize>, Vec<Part>) {
-        let inside: Vec<Part> = standing.iter().map(|part| self.inside(part)).collect();
+        let inside: Vec<Part> = standing
+            .iter()
+            .map(|part| self.endless.inside(part))
+            .collect();
         let cut = |(number, part): (usize, Part)| {
             let thinness = self
                 .open_faces(number, &inside[number], &inside)
@@ -659,7 +646,8 @@ impl Sampler {
             let faces = thinness.stands_on.iter().flat_map(|&k| &inside[k].faces);
             let planes = faces.filter_map(|(normal, corners)| {
                 let is_along = |axis: usize| normal[axis].abs() > 0.5;
-                let is_end = (0..3).any(|axis| is_along(axis) && self.has_no_end(&part, axis));
+                let is_end =
+                    (0..3).any(|axis| is_along(axis) && self.endless.has_no_end(&part, axis));
                 let offset = normal.dot(corners.first()?);
                 (!is_end).then_some((*normal, offset))
             });
@@ -671,21 +659,6 @@ impl Sampler {
             .unzip()
     }
 
-    /// The first axis in which a part has no end.
-    fn end(&self, part: &Part) -> Option<usize> {
-        (0..3).find(|&axis| self.has_no_end(part, axis))
-    }
-
-    /// The part without what is beyond the domain along axes in which it has no end: all that counts there.
-    fn inside(&self, part: &Part) -> Part {
-        let Region { min, max } = &self.domain;
-        (0..3)
-            .filter(|&axis| self.has_no_end(part, axis))
-            .fold(part.clone(), |part, axis| {
-                part.along(axis, |x| x.clamp(min[axis], max[axis]))
-            })
-    }
-
     fn is_before_planes(&self, x: &Vec3) -> bool {
         self.symmetry.iter().all(|plane| 0.0 <= plane.distance(x))
     }
@@ -694,7 +667,7 @@ impl Sampler {
     /// at a plane of symmetry. None of a part that cannot be a screen: of one without ends in two directions, or of
     /// one near a plane of symmetry to which it is not upright, as screens are not mirrored.
     fn ends(&self, part: &Part) -> Option<Vec<bool>> {
-        let mut endless = (0..3).filter(|&axis| self.has_no_end(part, axis));
+        let mut endless = (0..3).filter(|&axis| self.endless.has_no_end(part, axis));
         let (first, second) = (endless.next(), endless.next());
         if second.is_some() {
             return None;
@@ -723,18 +696,11 @@ impl Sampler {
             .collect()
     }
 
-    /// Whether a part goes through the whole of what a flow in a plane, or a domain that repeats, shows of it.
-    fn has_no_end(&self, part: &Part, axis: usize) -> bool {
-        let Region { min, max } = &self.domain;
-        let slack = 1e-6 * self.lattice.particle_spacing;
-        let (low, high) = part.aabb();
-        let spans = low[axis] < min[axis] + slack && max[axis] - slack < high[axis];
-        (self.plane.is_some() && axis == 1) || (self.periodic[axis] && spans)
-    }
-
     fn is_no_image(&self, x: &Vec3) -> bool {
-        let Region { min, max } = &self.domain;
-        (0..3).all(|axis| !self.periodic[axis] || (min[axis] <= x[axis] && x[axis] < max[axis]))
+        let Region { min, max } = &self.endless.domain;
+        (0..3).all(|axis| {
+            !self.endless.periodic[axis] || (min[axis] <= x[axis] && x[axis] < max[axis])
+        })
     }
 
     /// Points of fixed bodies, which are one solid with their images in planes of symmetry, as far as they are
@@ -758,23 +724,15 @@ impl Sampler {
 
     /// Points of bodies that are one solid, each with the first part that it is in.
     fn union(&self, parts: &[Part]) -> Vec<(usize, WallSample)> {
-        let parts: Vec<Part> = parts.iter().map(|part| self.endless(part)).collect();
+        let parts: Vec<Part> = parts
+            .iter()
+            .map(|part| self.endless.without_ends(part))
+            .collect();
         let faces: Vec<Vec<Face>> = parts.iter().map(Part::faces).collect();
         let faces: Vec<&[Face]> = faces.iter().map(Vec::as_slice).collect();
         let samples = sample_union(&faces, &self.lattice);
         let samples = samples.iter().map(|s| (s.part, s.sample));
         self.in_slice(samples.filter(|(_, sample)| self.is_no_image(&sample.position)))
-    }
-
-    /// The part without the ends that it has across a flow in a plane, or at both sides of a domain that repeats.
-    fn endless(&self, part: &Part) -> Part {
-        let Region { min, max } = &self.domain;
-        (0..3)
-            .filter(|&axis| self.has_no_end(part, axis))
-            .fold(part.clone(), |part, axis| {
-                let middle = 0.5 * (min[axis] + max[axis]);
-                part.along(axis, |x| middle + STRETCH * (x - middle))
-            })
     }
 
     /// Points of a body by itself.
@@ -784,12 +742,12 @@ impl Sampler {
         };
         let (spacing, support_radius) =
             (self.lattice.particle_spacing, self.lattice.support_radius);
-        let repeats = self.periodic.contains(&true);
+        let repeats = self.endless.periodic.contains(&true);
         match self.plane {
             None if repeats && part.is_upright_box() => {
                 // a whole number of rows in what is inside
-                let Region { min, max } = &self.domain;
-                let inside = (0..3).filter(|&axis| self.periodic[axis]);
+                let Region { min, max } = &self.endless.domain;
+                let inside = (0..3).filter(|&axis| self.endless.periodic[axis]);
                 let inside = inside.fold(part.clone(), |part, axis| {
                     part.along(axis, |x| x.clamp(min[axis], max[axis]))
                 });
@@ -820,7 +778,7 @@ impl Sampler {
         });
         let narrow = &self.lattice.region;
         for axis in 0..3 {
-            if self.periodic[axis] || (self.plane.is_some() && axis == 1) {
+            if self.endless.periodic[axis] || (self.plane.is_some() && axis == 1) {
                 (region.min[axis], region.max[axis]) = (narrow.min[axis], narrow.max[axis]);
             }
         }
@@ -829,8 +787,7 @@ impl Sampler {
                 region,
                 ..self.lattice
             },
-            domain: self.domain,
-            periodic: self.periodic,
+            endless: self.endless,
             plane: self.plane,
             symmetry: Vec::new(),
         };

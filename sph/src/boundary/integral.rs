@@ -15,13 +15,18 @@
 //! edge have closed forms too: round-off, also for a point on a face or on the line of an edge,
 //! where Gauss points along the edge lose digits.
 //!
+//! In a plane in which nothing depends on y the same is done over polygons, see [`plane`].
+//!
 //! Lengths inside this file are in units of `R`.
+
+mod plane;
 
 use std::f64::consts::PI;
 
 use nalgebra::Matrix3;
 
 use crate::Vec3;
+use crate::kernel::Dimensions;
 
 /// A plane face of a polyhedron.
 #[derive(Clone, Copy, Debug)]
@@ -74,7 +79,8 @@ const LAYER_ENTRIES: usize = 400;
 /// ```text
 /// c_g(d) = Σ_k dp w'(s_k) / (−w(d)),      s_k = d + (k + ½) dp
 /// c_q(d) = Σ_k dp (−s_k) w'(s_k) / Q_nn(d)
-/// w(d) = 2π A(d),   w'(d) = −2π d W(d),   Q_nn(d) = 2π B(d)
+/// w(d) = 2π A(d),   w'(d) = −2π d W(d),   Q_nn(d) = 2π B(d)                 in space
+/// w(d) = ∫ W dt,    Q_nn(d) = d w + λ                                        in a plane
 /// ```
 ///
 /// Both multiply what a face adds, by the distance of the point from its plane. On the inner side
@@ -87,11 +93,11 @@ pub struct LayerTable {
 
 impl LayerTable {
     /// Table of a particle spacing (m) and a support radius (m), both above zero.
-    pub fn new(particle_spacing: f64, support_radius: f64) -> Self {
+    pub fn new(particle_spacing: f64, support_radius: f64, dimensions: Dimensions) -> Self {
         let dp = particle_spacing / support_radius;
         let last = (LAYER_ENTRIES - 1) as f64;
         let entries = (0..LAYER_ENTRIES)
-            .map(|k| layer_factors(k as f64 / last, dp))
+            .map(|k| layer_factors(k as f64 / last, dp, dimensions))
             .collect();
         Self { entries }
     }
@@ -107,19 +113,51 @@ impl LayerTable {
 }
 
 /// `c_g` and `c_q` at distance `d` for rows `dp` apart.
-fn layer_factors(d: f64, dp: f64) -> [f64; 2] {
+fn layer_factors(d: f64, dp: f64, dimensions: Dimensions) -> [f64; 2] {
     let (mut g, mut q) = (0.0, 0.0);
     let mut s = d + 0.5 * dp;
     while s < 1.0 {
-        g += dp * s * kernel(s);
-        q += dp * s * s * kernel(s);
+        let slope = PlaneSums::at(s, dimensions).slope;
+        g += dp * slope;
+        q += dp * s * slope;
         s += dp;
     }
     if g == 0.0 {
         // no row within reach; at d = R the ratio would be 0/0
         return [0.0; 2];
     }
-    [g / kernel_a(d), q / kernel_b(d)]
+    let whole = PlaneSums::at(d, dimensions);
+    [g / whole.value, q / whole.moment]
+}
+
+/// What a point at a distance sees of a solid behind a plane wall; units of the support radius.
+struct PlaneSums {
+    /// `λ`.
+    share: f64,
+    /// `w`: the kernel over the plane.
+    value: f64,
+    /// `−w'`.
+    slope: f64,
+    /// `Q_nn`.
+    moment: f64,
+    /// `∫ 2 W'/r dV`.
+    viscous: f64,
+}
+
+impl PlaneSums {
+    /// At a distance `u` from 0 to below 1.
+    fn at(u: f64, dimensions: Dimensions) -> Self {
+        match dimensions {
+            Dimensions::Two { .. } => plane::plane_sums(u),
+            Dimensions::Three => Self {
+                share: 0.5 * (1.0 - u).powi(6) * (1.0 + u * (3.0 + 3.0 * u)),
+                value: 2.0 * PI * kernel_a(u),
+                slope: 2.0 * PI * u * kernel(u),
+                moment: 2.0 * PI * kernel_b(u),
+                viscous: -14.0 * (1.0 - u).powi(5) * (1.0 + 2.0 * u),
+            },
+        }
+    }
 }
 
 /// A point closer than this to a line where two faces meet is moved off it, outwards; of `R`.
@@ -138,16 +176,21 @@ const ON_EDGE: f64 = 1e-8;
 ///
 /// `d_f` is the distance from the plane of a face. With `layers`, what each face adds to `∇λ` and
 /// `Q` is corrected for rows; `λ` stays that of the continuous solid. `support_radius` in m, above
-/// zero. The point may be anywhere; it is meant to be outside.
+/// zero. The point may be anywhere; it is meant to be outside. In a plane the solid is a prism along y.
 pub fn integrate(
     faces: &[Face],
     x: &Vec3,
     support_radius: f64,
+    dimensions: Dimensions,
     layers: Option<&LayerTable>,
 ) -> WallIntegral {
     let mut result = WallIntegral::zero();
     let Some(x) = off_edges(faces, x, support_radius) else {
         return result;
+    };
+    let all = match dimensions {
+        Dimensions::Two { .. } => Matrix3::from_diagonal(&Vec3::new(1.0, 0.0, 1.0)),
+        Dimensions::Three => Matrix3::identity(),
     };
     let mut is_inside = true;
     for face in faces {
@@ -156,7 +199,11 @@ pub fn integrate(
         if 1.0 <= d.abs() {
             continue;
         }
-        let Some(sums) = face_sums(face, &x, d.abs(), support_radius.recip()) else {
+        let sums = match dimensions {
+            Dimensions::Two { .. } => plane::edge_sums(face, &x, d.abs(), support_radius.recip()),
+            Dimensions::Three => face_sums(face, &x, d.abs(), support_radius.recip()),
+        };
+        let Some(sums) = sums else {
             continue;
         };
         let [c_g, c_q] = layers.map_or([1.0; 2], |table| table.at(d.abs()));
@@ -164,13 +211,11 @@ pub fn integrate(
         let first_moment = face.normal * (d * sums.w) + sums.rim;
         result.lambda += solid_angle;
         result.gradient -= face.normal * (c_g * sums.w / support_radius);
-        result.moment += (Matrix3::from_diagonal_element(solid_angle)
-            + first_moment * face.normal.transpose())
-            * c_q;
+        result.moment += (all * solid_angle + first_moment * face.normal.transpose()) * c_q;
     }
     if is_inside {
         result.lambda += 1.0;
-        result.moment += Matrix3::identity();
+        result.moment += all;
     }
     result
 }
@@ -178,13 +223,19 @@ pub fn integrate(
 /// Viscous factor of a plane wall at distance `d`; 1/m².
 ///
 /// ```text
-/// ∫ 2 W'/r dV = −14 (1−u)⁵ (1+2u)/R²,   u = d/R
+/// ∫ 2 W'/r dV = −14 (1−u)⁵ (1+2u)/R²,   u = d/R           in space
 /// ```
 ///
 /// Both lengths in m; zero beyond the support.
-pub fn viscous_factor(d: f64, support_radius: f64) -> f64 {
+pub fn viscous_factor(d: f64, support_radius: f64, dimensions: Dimensions) -> f64 {
     let u = (d / support_radius).clamp(0.0, 1.0);
-    -14.0 * (1.0 - u).powi(5) * (1.0 + 2.0 * u) / (support_radius * support_radius)
+    PlaneSums::at(u, dimensions).viscous / (support_radius * support_radius)
+}
+
+/// Share of the kernel that is behind a plane wall at distance `d`, both lengths in m: `λ = (1−u)⁶ (3u²+3u+1)/2` in space.
+pub fn plane_share(d: f64, support_radius: f64, dimensions: Dimensions) -> f64 {
+    let u = (d / support_radius).clamp(0.0, 1.0);
+    PlaneSums::at(u, dimensions).share
 }
 
 /// The point, off any line where two planes meet; `None` when a plane keeps it out of reach.
@@ -208,13 +259,13 @@ fn off_edges(faces: &[Face], x: &Vec3, support_radius: f64) -> Option<Vec3> {
     Some(x + direction * (2.0 * ON_EDGE * support_radius))
 }
 
-/// Integrals over one face, lengths in units of `R`.
+/// Integrals over one face, or an edge of a polygon in a plane; lengths in units of `R`.
 struct FaceSums {
     /// `I[W]`.
     w: f64,
     /// `|d| I[G]`: finite on the plane too.
     distance_times_g: f64,
-    /// `Σ_e m_e ∫_e A dl`, `m_e` the outward normal of an edge in the plane.
+    /// `Σ_e m_e ∫_e A dl`, `m_e` the outward normal of an edge in the plane: `−∫ (y − x)_t W dA`.
     rim: Vec3,
 }
 

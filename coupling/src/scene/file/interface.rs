@@ -30,7 +30,7 @@ pub enum WallMethodFile {
     /// their two sides apart.
     Particles,
     /// Exact integrals of the kernel over polyhedra: no wall particles, for large faces. Wants Wendland's kernel,
-    /// density from continuity, three dimensions, no periodic direction and no plane of symmetry.
+    /// density from continuity and no plane of symmetry; in a domain that repeats itself, blocks that go through all of it.
     Integral,
 }
 

@@ -4,7 +4,7 @@ use crate::kernel::{Dimensions, Kernel, KernelChoice, PointKernel};
 
 /// The integral over a continuous solid.
 fn seen(solid: &Solid, x: Vec3, support_radius: f64) -> WallIntegral {
-    integrate(&solid.faces(), &x, support_radius, None)
+    integrate(&solid.faces(), &x, support_radius, Dimensions::Three, None)
 }
 
 fn largest_difference(p: &WallIntegral, q: &WallIntegral) -> f64 {
@@ -99,7 +99,7 @@ fn c02_half_space_limits_hold_on_the_plane() {
         ("split", split, Vec3::zeros()),
     ];
     for (name, faces, x) in cases {
-        let found = integrate(&faces, &x, 1.0, None);
+        let found = integrate(&faces, &x, 1.0, Dimensions::Three, None);
         let errors = [
             found.lambda - 0.5,
             found.gradient.norm() - 1.5,
@@ -110,8 +110,8 @@ fn c02_half_space_limits_hold_on_the_plane() {
         let bound = if name == "split" { 1e-7 } else { 1e-12 };
         assert!(errors.iter().all(|e| e.abs() < bound), "{name} {errors:?}");
     }
-    assert!((viscous_factor(0.0, 2.0) + 3.5).abs() < 1e-12);
-    assert_eq!(viscous_factor(2.5, 2.0), 0.0);
+    assert!((viscous_factor(0.0, 2.0, Dimensions::Three) + 3.5).abs() < 1e-12);
+    assert_eq!(viscous_factor(2.5, 2.0, Dimensions::Three), 0.0);
 }
 
 #[test]
@@ -138,7 +138,7 @@ fn c03_rows_of_wall_close_the_lattice() {
         let (h, support) = (ratio * dp, 2.0 * ratio * dp);
         let kernel = PointKernel::new(KernelChoice::WendlandC2, support, Dimensions::Three);
         let wall = Solid::cuboid([-1.0, -1.0, -1.0], [1.0, 1.0, 0.0]);
-        let layers = LayerTable::new(dp, support);
+        let layers = LayerTable::new(dp, support, Dimensions::Three);
         let n = 5;
         let (mut layered, mut continuous) = (0.0_f64, 0.0_f64);
         for row in 0..n {
@@ -154,8 +154,10 @@ fn c03_rows_of_wall_close_the_lattice() {
                 }
             }
             let faces = wall.faces();
-            let residual =
-                |table| h * (closure + integrate(&faces, &x, support, table).gradient).norm();
+            let residual = |table| {
+                h * (closure + integrate(&faces, &x, support, Dimensions::Three, table).gradient)
+                    .norm()
+            };
             layered = layered.max(residual(Some(&layers)));
             continuous = continuous.max(residual(None));
         }
@@ -248,4 +250,150 @@ fn integrals_are_continuous_across_faces_edges_and_corners() {
     println!("largest change by distance {worst:.2e}");
     // slopes of order 1/R and points moved off edges by 4e-8
     assert!(worst < 5.0, "{worst}");
+}
+
+const PLANE: Dimensions = Dimensions::Two { width: 0.3 };
+
+/// The same seen in a plane.
+fn seen_in_plane(solid: &Solid, x: Vec3, support_radius: f64) -> WallIntegral {
+    integrate(&solid.faces(), &x, support_radius, PLANE, None)
+}
+
+/// A prism across the plane, over a polygon counter-clockwise from x to z.
+fn prism(corners: &[[f64; 2]]) -> Solid {
+    let at = |y: f64, [x, z]: [f64; 2]| Vec3::new(x, y, z);
+    let next = corners.iter().cycle().skip(1);
+    let mut loops: Vec<Vec<Vec3>> = corners
+        .iter()
+        .zip(next)
+        .map(|(&p, &q)| vec![at(-1.0, p), at(1.0, p), at(1.0, q), at(-1.0, q)])
+        .collect();
+    loops.push(corners.iter().map(|&p| at(-1.0, p)).collect());
+    loops.push(corners.iter().rev().map(|&p| at(1.0, p)).collect());
+    Solid::of_loops(loops)
+}
+
+/// Integration over directions in the plane; radii by Simpson's rule. `R = 2`.
+fn by_directions_in_plane(solid: &Solid, x: &Vec3) -> WallIntegral {
+    let support = 2.0;
+    let kernel = PointKernel::new(KernelChoice::WendlandC2, support, PLANE);
+    let width = 0.3;
+    let (n, m) = (40_000, 40);
+    // rays in the plane do not meet the ends
+    let sides = Solid(solid.0[..solid.0.len() - 2].to_vec());
+    let mut result = WallIntegral::zero();
+    for i in 0..n {
+        let angle = (f64::from(i) + 0.5) / f64::from(n) * 2.0 * PI;
+        let direction = Vec3::new(angle.cos(), 0.0, angle.sin());
+        let (enter, leave) = sides.crossing(x, &direction);
+        let leave = leave.min(support);
+        if leave <= enter {
+            continue;
+        }
+        let step = (leave - enter) / f64::from(m);
+        for k in 0..=m {
+            let r = enter + step * f64::from(k);
+            let weight = match k {
+                0 => 1.0,
+                k if k == m => 1.0,
+                k if k % 2 == 1 => 4.0,
+                _ => 2.0,
+            };
+            let cell = width * 2.0 * PI / f64::from(n) * weight * step / 3.0 * r;
+            // W' towards the point
+            let slope = kernel.gradient_factor(r) * r;
+            result.lambda += cell * kernel.value(r);
+            result.gradient -= direction * (cell * slope);
+            result.moment -= direction * direction.transpose() * (cell * slope * r);
+        }
+    }
+    result
+}
+
+#[test]
+fn integrals_in_a_plane_agree_with_a_sum_over_directions() {
+    let quadrangle = prism(&[[-0.6, -0.5], [0.9, -0.7], [1.1, 0.8], [-0.4, 0.3]]);
+    let triangle = prism(&[[0.1, -0.2], [2.5, -0.2], [0.1, 0.9]]);
+    let mut noise = Noise(19);
+    let mut worst = 0.0_f64;
+    for solid in [&quadrangle, &triangle] {
+        for _ in 0..12 {
+            let mut x = noise.vector() * 1.6;
+            x.y = 0.1;
+            let (found, expected) = (
+                seen_in_plane(solid, x, 2.0),
+                by_directions_in_plane(solid, &x),
+            );
+            worst = worst.max(largest_difference(&found, &expected));
+        }
+    }
+    println!("in a plane, largest difference from the sum over directions {worst:.2e}");
+    // midpoint rule over 4e4 directions, kinks at the corners of the polygon
+    assert!(worst < 2e-5, "{worst}");
+}
+
+#[test]
+fn half_plane_limits_hold_and_abutting_prisms_are_one() {
+    let below = prism(&[[-9.0, -9.0], [9.0, -9.0], [9.0, 0.0], [-9.0, 0.0]]);
+    let at = seen_in_plane(&below, Vec3::zeros(), 1.0);
+    assert!((at.lambda - 0.5).abs() < 1e-12);
+    // ∫ W dt along the wall
+    assert!((at.gradient.norm() - 14.0 / (3.0 * PI)).abs() < 1e-12);
+    assert!((at.moment[(2, 2)] - 0.5).abs() < 1e-12);
+    // −280/π ∫ (1−r)³ r dr over half of the directions
+    assert!((viscous_factor(0.0, 2.0, PLANE) + 14.0 / 4.0).abs() < 1e-12);
+    assert!(viscous_factor(2.5, 2.0, PLANE).abs() < 1e-12);
+    assert!((plane_share(0.0, 2.0, PLANE) - 0.5).abs() < 1e-12);
+    let layers = LayerTable::new(0.4, 1.0, PLANE);
+    let halves = [
+        prism(&[[-9.0, -9.0], [0.2, -9.0], [0.2, 0.0], [-9.0, 0.0]]),
+        prism(&[[0.2, -9.0], [9.0, -9.0], [9.0, 0.0], [0.2, 0.0]]),
+    ];
+    for x in [0.0, 0.2, 0.3, 1.1] {
+        for z in [0.05, 0.3, 0.8] {
+            let x = Vec3::new(x, 0.0, z);
+            let one = integrate(&below.faces(), &x, 1.0, PLANE, Some(&layers));
+            let mut both = WallIntegral::zero();
+            for half in &halves {
+                let part = integrate(&half.faces(), &x, 1.0, PLANE, Some(&layers));
+                both.lambda += part.lambda;
+                both.gradient += part.gradient;
+                both.moment += part.moment;
+            }
+            assert!(largest_difference(&one, &both) < 1e-12, "{x:?}");
+        }
+    }
+}
+
+#[test]
+fn rows_of_wall_close_the_lattice_in_a_plane() {
+    let dp = 0.02;
+    // residuals as in space, but for the shortest support, where a row has fewer neighbours
+    for (ratio, bound) in [(1.2, 1.1e-2), (1.3, 4e-3), (1.5, 4e-3), (2.0, 4e-3)] {
+        let (h, support) = (ratio * dp, 2.0 * ratio * dp);
+        let kernel = PointKernel::new(KernelChoice::WendlandC2, support, PLANE);
+        let wall = prism(&[[-1.0, -1.0], [1.0, -1.0], [1.0, 0.0], [-1.0, 0.0]]);
+        let layers = LayerTable::new(dp, support, PLANE);
+        let n = 5;
+        let (mut layered, mut continuous) = (0.0_f64, 0.0_f64);
+        for row in 0..n {
+            let x = Vec3::new(0.0, 0.0, (f64::from(row) + 0.5) * dp);
+            let mut closure = Vec3::zeros();
+            for k in 0..=row + n {
+                for i in -n..=n {
+                    let b = Vec3::new(f64::from(i), 0.0, f64::from(k) + 0.5) * dp;
+                    let apart = x - b;
+                    closure += apart * (0.3 * dp * dp * kernel.gradient_factor(apart.norm()));
+                }
+            }
+            let faces = wall.faces();
+            let residual = |table| {
+                h * (closure + integrate(&faces, &x, support, PLANE, table).gradient).norm()
+            };
+            layered = layered.max(residual(Some(&layers)));
+            continuous = continuous.max(residual(None));
+        }
+        println!("C03 in a plane, h/dp {ratio}: rows {layered:.2e}, continuous {continuous:.2e}");
+        assert!(layered < bound, "h/dp {ratio}: {layered}");
+    }
 }

@@ -293,9 +293,10 @@ fn union_samples(solids: &[Solid], region: Region) -> Vec<WallSample> {
 
 /// `∇λ` of rows of wall along the faces of solids that touch but do not overlap.
 fn gradient(solids: &[Solid], x: &Vec3, support_radius: f64) -> Vec3 {
-    let layers = LayerTable::new(DP, support_radius);
+    let space = Dimensions::Three;
+    let layers = LayerTable::new(DP, support_radius, space);
     let gradient =
-        |solid: &Solid| integrate(&solid.faces(), x, support_radius, Some(&layers)).gradient;
+        |solid: &Solid| integrate(&solid.faces(), x, support_radius, space, Some(&layers)).gradient;
     solids.iter().map(gradient).sum()
 }
 

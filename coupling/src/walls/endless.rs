@@ -1,0 +1,107 @@
+//! Solids that only seem to end: at the sides of a slice of a flow in a plane, or of a domain that repeats.
+
+use riprap_sph::boundary::sampling::Region;
+use riprap_sph::{Dimensions, Fluid, Periodicity, Vec3};
+
+use super::{Part, face_lattice};
+
+/// What a solid is stretched by along an axis in which it has no end, so that its ends are out of sight.
+const STRETCH: f64 = 1e3;
+
+/// In which directions solids have no end.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Endless {
+    /// What lies beyond a side that repeats is there already, as an image of what is inside; m.
+    pub(super) domain: Region,
+    pub(super) periodic: Periodicity,
+    is_plane: bool,
+    /// Solids this near to a side reach it; m.
+    slack: f64,
+}
+
+impl Endless {
+    pub(super) fn of(fluid: &Fluid) -> Self {
+        let settings = fluid.settings();
+        let (min, max) = settings.domain;
+        let (spacing, _) = face_lattice(fluid);
+        Self {
+            domain: Region { min, max },
+            periodic: settings.periodic,
+            is_plane: settings.dimensions != Dimensions::Three,
+            slack: 1e-6 * spacing,
+        }
+    }
+
+    /// Whether a part goes through the whole of what a flow in a plane, or a domain that repeats, shows of it.
+    pub(super) fn has_no_end(&self, part: &Part, axis: usize) -> bool {
+        let Region { min, max } = &self.domain;
+        let (low, high) = part.aabb();
+        let spans = low[axis] < min[axis] + self.slack && max[axis] - self.slack < high[axis];
+        (self.is_plane && axis == 1) || (self.periodic[axis] && spans)
+    }
+
+    /// The part without the ends that it has across a flow in a plane, or at both sides of a domain that repeats.
+    pub(super) fn without_ends(&self, part: &Part) -> Part {
+        let Region { min, max } = &self.domain;
+        (0..3)
+            .filter(|&axis| self.has_no_end(part, axis))
+            .fold(part.clone(), |part, axis| {
+                let middle = 0.5 * (min[axis] + max[axis]);
+                part.along(axis, |x| middle + STRETCH * (x - middle))
+            })
+    }
+
+    /// The part with the ends that it has there at a distance (m) beyond the sides, and a prism's no farther.
+    pub(super) fn ending_beyond(&self, part: &Part, distance: f64) -> Part {
+        let Region { min, max } = &self.domain;
+        (0..3)
+            .filter(|&axis| self.has_no_end(part, axis))
+            .fold(part.clone(), |part, axis| {
+                let (low, high) = (min[axis], max[axis]);
+                let is_slice = self.is_plane && axis == 1;
+                let middle = 0.5 * (low + high);
+                part.along(axis, |x| {
+                    if x < low + self.slack || (is_slice && x < middle) {
+                        low - distance
+                    } else if high - self.slack < x || is_slice {
+                        high + distance
+                    } else {
+                        x
+                    }
+                })
+            })
+    }
+
+    /// The part without what is beyond the domain along axes in which it has no end: all that counts there.
+    pub(super) fn inside(&self, part: &Part) -> Part {
+        let Region { min, max } = &self.domain;
+        (0..3)
+            .filter(|&axis| self.has_no_end(part, axis))
+            .fold(part.clone(), |part, axis| {
+                part.along(axis, |x| x.clamp(min[axis], max[axis]))
+            })
+    }
+
+    /// The first axis in which a part has no end.
+    pub(super) fn first_of(&self, part: &Part) -> Option<usize> {
+        (0..3).find(|&axis| self.has_no_end(part, axis))
+    }
+}
+
+impl Part {
+    /// With every corner moved along an axis.
+    pub(super) fn along(&self, axis: usize, map: impl Fn(f64) -> f64) -> Self {
+        let moved = |x: &Vec3| {
+            let mut x = *x;
+            x[axis] = map(x[axis]);
+            x
+        };
+        Self {
+            faces: self
+                .faces
+                .iter()
+                .map(|(normal, corners)| (*normal, corners.iter().map(moved).collect()))
+                .collect(),
+        }
+    }
+}
