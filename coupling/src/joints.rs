@@ -8,12 +8,14 @@
 //! ```text
 //! p = p_water          at points that the water's kernel reaches, continued along gravity
 //! p = 0                at points in the open that it does not, and at those at an edge beside which there is air
-//! ∇²p = 0              in the joint between them, no flow out of its closed ends
+//! ∇²(p − ρ g·x) = 0    in the joint between them, no flow out of its closed ends
 //! F = −Σ s p A n       on the block, the opposite on what it rests on                    [N]
 //! s = min(1, 2 − gap/dp) · min(1, (S₁ − S)/(S₁ − S₀)),   S = Σ V W at the point, each ≥ 0
 //! ```
 //! `s` fades it out as the joint opens and particles come in. The field is carried from step to step, with a few sweeps
-//! in each, so that a change of level spreads through a long joint over many steps. The joint's water has no volume.
+//! in each, so that a change of level spreads through a long joint over many steps. The joint's water has no volume. It goes
+//! round the edges of blocks, on to the joints beside and through the pores between blocks that are too narrow for
+//! particles: points of two faces that are near each other are neighbours too.
 //! Joints near water are full at the start. A dry one that water reaches later fills from point to point, no faster than
 //! the head at its face drives water in, `u = √(2 max p/ρ)`; ahead of the front there is air. A joint of two blocks that both have points is sampled from either side: each counts half. What it
 //! pushes apart it does work on, which the ledger names. Blocks that are `sealed`, and
@@ -25,6 +27,10 @@ use riprap_sph::fluid::ContinuedPressure;
 use riprap_sph::{Fluid, Vec3};
 
 use crate::walls::{Part, before, face_lattice, parts};
+
+mod links;
+
+use links::Links;
 
 /// Widest joint, in spacings; full pressure up to one.
 const REACH: f64 = 2.0;
@@ -41,11 +47,16 @@ const SWEEPS: (usize, usize) = (2000, 8);
 const LACKING: f64 = 0.5;
 /// Most that the normals of a joint's two sides agree.
 const OPPOSED: f64 = -0.5;
+/// Room between solids, in spacings from its middle, into which particles do not get: between one solid and the block
+/// itself, or between two others and the block.
+const PORE: [f64; 2] = [0.4, 0.75];
 
 /// A point of a face.
 #[derive(Clone, Copy, Debug)]
 struct Point {
     block: u32,
+    /// First point of its face.
+    face: u32,
     /// From the block's centroid, in the axes of the start; m.
     local: Vec3,
     /// Outward, in the axes of the start.
@@ -79,6 +90,8 @@ struct Before {
     water: [f64; 2],
     /// A place in the open beside the block, at the edge that the point is at; m.
     beside: Option<Vec3>,
+    /// Whether that place, or what is before a point in the open, is a pore that particles do not get into.
+    is_pore: bool,
 }
 
 /// The joints of all blocks that are free to move.
@@ -89,8 +102,10 @@ pub struct JointWater {
     /// Whether a block is one of them; one per block.
     is_jointed: Vec<bool>,
     points: Vec<Point>,
-    /// Neighbours of each point in its face, with weights that add up to 1.
+    /// Neighbours of each point in its face, with the squares of the spacing over their distances.
     neighbors: Vec<Vec<(u32, f64)>>,
+    /// Where each point was last; m.
+    places: Vec<Vec3>,
     /// Pa.
     pressure: Vec<f64>,
     /// Share of each point's surroundings that is full of water, 0 to 1.
@@ -103,6 +118,7 @@ pub struct JointWater {
 
 #[derive(Clone, Debug, Default)]
 struct Scratch {
+    reached: Reached,
     near: Vec<usize>,
     /// Points of faces with a joint, where they are, what is before them.
     active: Vec<u32>,
@@ -114,8 +130,9 @@ struct Scratch {
     edges: Vec<usize>,
     beside: Vec<Vec3>,
     water_beside: ContinuedPressure,
-    /// Points whose pressure follows from that of their neighbours.
+    /// Points whose pressure follows from that of their neighbours, in order.
     inner: Vec<u32>,
+    links: Links,
     next: Vec<f64>,
 }
 
@@ -136,6 +153,7 @@ impl JointWater {
             is_jointed: vec![false; blocks.n_blocks()],
             points: Vec::new(),
             neighbors: Vec::new(),
+            places: Vec::new(),
             pressure: Vec::new(),
             full: Vec::new(),
             found_at: None,
@@ -174,6 +192,7 @@ impl JointWater {
             joints.blocks.push(Jointed { block: b, faces });
         }
         joints.pressure = vec![0.0; joints.points.len()];
+        joints.places = vec![Vec3::zeros(); joints.points.len()];
         joints.scratch.next = joints.pressure.clone();
         joints.full = joints.pressure.clone();
         joints
@@ -194,14 +213,13 @@ impl JointWater {
                     .size
                     .norm_squared()
                     .max(sample.size.x * sample.size.y);
-            let mut near: Vec<(u32, f64)> = samples
+            let near: Vec<(u32, f64)> = samples
                 .iter()
                 .enumerate()
                 .map(|(k, other)| (k, (other.position - sample.position).norm_squared()))
                 .filter(|&(_, d2)| 0.0 < d2 && d2 < reach)
-                .map(|(k, d2)| ((first + k) as u32, 1.0 / d2))
+                .map(|(k, d2)| ((first + k) as u32, self.spacing.powi(2) / d2))
                 .collect();
-            let total: f64 = near.iter().map(|(_, weight)| weight).sum();
             // within the face neighbours are on all sides
             let mut lacking: Vec3 = near
                 .iter()
@@ -212,14 +230,14 @@ impl JointWater {
             if middle.is_some() {
                 lacking.y = 0.0;
             }
-            let across = (LACKING < lacking.norm() * self.spacing).then(|| lacking.normalize());
-            near.iter_mut().for_each(|(_, weight)| *weight /= total);
+            let across = (LACKING * self.spacing < lacking.norm()).then(|| lacking.normalize());
             self.neighbors.push(near);
             let mut position = sample.position;
             // a flow in a plane sees the middle of the slice only
             position.y = middle.unwrap_or(position.y);
             self.points.push(Point {
                 block: block as u32,
+                face: first as u32,
                 local: position - centroid,
                 normal: *normal,
                 area: sample.area,
@@ -283,6 +301,7 @@ impl JointWater {
                         scratch.beside.push(place);
                     }
                 },
+                None if share < DRY && before.is_pore => scratch.inner.push(k),
                 None if share < DRY => {
                     (self.pressure[k as usize], self.full[k as usize]) = (0.0, 0.0);
                 }
@@ -297,23 +316,41 @@ impl JointWater {
         for ((&n, place), [share, pressure]) in edges.zip(scratch.water_beside.found()) {
             let below = weight.dot(&(scratch.positions[n] - place));
             let k = scratch.active[n] as usize;
+            if share < DRY && scratch.before[n].is_pore {
+                scratch.inner.push(k as u32);
+                continue;
+            }
             (self.pressure[k], self.full[k]) = if share < DRY {
                 (0.0, 0.0)
             } else {
                 ((pressure + below).max(0.0), 1.0)
             };
         }
+        scratch.inner.sort_unstable();
+        let points = &self.points;
+        let are_apart = |k: u32, other: u32| {
+            let (a, b) = (&points[k as usize], &points[other as usize]);
+            // round an edge, or across a joint; not through a block
+            a.face != b.face && (a.block != b.block || OPPOSED < a.normal.dot(&b.normal))
+        };
+        (scratch.links).find(
+            &scratch.inner,
+            &scratch.active,
+            &self.places,
+            self.spacing,
+            are_apart,
+        );
         match last {
             Some(last) => {
                 let density = fluid.settings().reference_density;
                 self.advance(time - last, density);
-                self.relax(SWEEPS.1);
+                self.relax(SWEEPS.1, &weight);
             }
             None => {
                 for &k in &self.scratch.inner {
                     self.full[k as usize] = 1.0;
                 }
-                self.relax(SWEEPS.0);
+                self.relax(SWEEPS.0, &weight);
             }
         }
         self.sum(blocks);
@@ -327,17 +364,14 @@ impl JointWater {
         scratch.normals.clear();
         scratch.before.clear();
         let reach = REACH * self.spacing;
-        for jointed in &self.blocks {
+        scratch.reached.find(&self.blocks, reach, (fluid, blocks));
+        for (jointed, reached) in self.blocks.iter().zip(&scratch.reached.blocks) {
             let b = jointed.block;
             if !blocks.is_free(b) {
                 continue;
             }
-            let mut bounds = (Vec3::repeat(f64::INFINITY), Vec3::repeat(f64::NEG_INFINITY));
-            for part in blocks.parts_of(b) {
-                let (min, max) = blocks.part_aabb(part);
-                bounds = (bounds.0.inf(&min), bounds.1.sup(&max));
-            }
-            if !has_water(fluid, &bounds) {
+            let bounds = reached.bounds;
+            if !reached.is_so {
                 for face in &jointed.faces {
                     self.full[face.first..face.last].fill(0.0);
                 }
@@ -373,9 +407,15 @@ impl JointWater {
                     scratch.active.push(k as u32);
                     scratch.positions.push(x);
                     scratch.normals.push(normal);
+                    self.places[k] = x;
                     let at_edge = self.points[k].across.filter(|_| joint.is_some());
                     let beside = at_edge.map(|across| {
                         x + turn * across * self.spacing - normal * (0.5 * self.spacing)
+                    });
+                    let ahead = || x + normal * (0.5 * self.spacing);
+                    let room = beside.or_else(|| joint.is_none().then(ahead));
+                    let is_pore = room.is_some_and(|place| {
+                        is_pore(&place, self.spacing, (blocks, &scratch.near))
                     });
                     let (low, high) = fluid.settings().domain;
                     let is_open = |place: &Vec3| {
@@ -391,6 +431,7 @@ impl JointWater {
                         joint,
                         water: [0.0; 2],
                         beside: beside.filter(is_open),
+                        is_pore,
                     });
                 }
                 if !has_joint {
@@ -405,7 +446,9 @@ impl JointWater {
 
     /// Takes the fronts of water in dry joints on by a time (s), at a density in kg/m³.
     fn advance(&mut self, elapsed: f64, density: f64) {
-        let Scratch { inner, next, .. } = &mut self.scratch;
+        let Scratch {
+            inner, next, links, ..
+        } = &mut self.scratch;
         for face in self.blocks.iter().flat_map(|jointed| &jointed.faces) {
             let [from, to] =
                 [face.first, face.last].map(|end| inner.partition_point(|&k| (k as usize) < end));
@@ -415,12 +458,18 @@ impl JointWater {
             }
             let pressures = self.pressure[face.first..face.last].iter();
             let head = pressures.copied().fold(0.0, f64::max);
-            let rise = (2.0 * head / density).sqrt() * elapsed / self.spacing;
-            let is_full = |&(other, _): &(u32, f64)| 1.0 <= self.full[other as usize];
-            for &k in inner {
+            let is_full = |other: u32| 1.0 <= self.full[other as usize];
+            for (n, &k) in (from..).zip(inner) {
                 let k = k as usize;
                 next[k] = self.full[k];
-                if self.neighbors[k].iter().any(is_full) {
+                let beside = links.of(n).iter().filter(|(other, _)| is_full(*other));
+                let beside = beside.map(|&(other, _)| self.pressure[other as usize]);
+                let head = beside
+                    .reduce(f64::max)
+                    .map_or(head, |other| other.max(head));
+                let has_come = |&(other, _): &(u32, f64)| is_full(other);
+                if self.neighbors[k].iter().any(has_come) || links.of(n).iter().any(has_come) {
+                    let rise = (2.0 * head / density).sqrt() * elapsed / self.spacing;
                     next[k] = (self.full[k] + rise).min(1.0);
                 }
             }
@@ -430,22 +479,34 @@ impl JointWater {
         }
     }
 
-    /// Takes the field nearer to that of steady seepage where the joints are full.
-    fn relax(&mut self, sweeps: usize) {
-        let Scratch { inner, next, .. } = &mut self.scratch;
+    /// Takes the field nearer to that of steady seepage where the joints are full; `weight` of a volume of water, N/m³.
+    fn relax(&mut self, sweeps: usize, weight: &Vec3) {
+        let Scratch {
+            inner, next, links, ..
+        } = &mut self.scratch;
         for &k in inner.iter() {
             if self.full[k as usize] < 1.0 {
                 self.pressure[k as usize] = 0.0;
             }
         }
-        inner.retain(|&k| 1.0 <= self.full[k as usize]);
         for _ in 0..sweeps {
-            for &k in inner.iter() {
+            for (n, &k) in inner.iter().enumerate() {
                 let k = k as usize;
-                let near = self.neighbors[k].iter();
-                next[k] = near
-                    .map(|&(other, weight)| weight * self.pressure[other as usize])
-                    .sum();
+                let (mut sum, mut total) = (0.0, 0.0);
+                for &(other, share) in self.neighbors[k].iter().chain(links.of(n)) {
+                    let other = other as usize;
+                    total += share;
+                    // ahead of a front there is air
+                    if 1.0 <= self.full[other] {
+                        let below = weight.dot(&(self.places[k] - self.places[other]));
+                        sum += share * (self.pressure[other] + below);
+                    }
+                }
+                next[k] = if self.full[k] < 1.0 || total == 0.0 {
+                    0.0
+                } else {
+                    (sum / total).max(0.0)
+                };
             }
             for &k in inner.iter() {
                 self.pressure[k as usize] = next[k as usize];
@@ -481,6 +542,65 @@ impl JointWater {
             self.loads[partner].add(&-force, &(x - blocks.centroid(partner)));
         }
     }
+}
+
+/// Which blocks water can reach: those near its particles, and from joint to joint those near them.
+#[derive(Clone, Debug, Default)]
+struct Reached {
+    blocks: Vec<ReachedBlock>,
+    to_look_at: Vec<usize>,
+}
+
+/// A block, and whether water can reach it.
+#[derive(Clone, Copy, Debug)]
+struct ReachedBlock {
+    /// The box round it; m.
+    bounds: (Vec3, Vec3),
+    is_so: bool,
+}
+
+impl Reached {
+    /// Finds them among some blocks; joints are no wider than `reach` (m).
+    fn find(&mut self, jointed: &[Jointed], reach: f64, (fluid, blocks): (&Fluid, &Blocks)) {
+        self.blocks.clear();
+        self.to_look_at.clear();
+        for (n, jointed) in jointed.iter().enumerate() {
+            let mut bounds = (Vec3::repeat(f64::INFINITY), Vec3::repeat(f64::NEG_INFINITY));
+            for part in blocks.parts_of(jointed.block) {
+                let (min, max) = blocks.part_aabb(part);
+                bounds = (bounds.0.inf(&min), bounds.1.sup(&max));
+            }
+            let is_so = blocks.is_free(jointed.block) && has_water(fluid, &bounds);
+            self.blocks.push(ReachedBlock { bounds, is_so });
+            if is_so {
+                self.to_look_at.push(n);
+            }
+        }
+        while let Some(n) = self.to_look_at.pop() {
+            let (min, max) = self.blocks[n].bounds;
+            for (m, other) in self.blocks.iter_mut().enumerate() {
+                let (low, high) = other.bounds;
+                let is_near = (0..3).all(|k| low[k] - reach < max[k] && min[k] < high[k] + reach);
+                if !other.is_so && is_near && blocks.is_free(jointed[m].block) {
+                    other.is_so = true;
+                    self.to_look_at.push(m);
+                }
+            }
+        }
+    }
+}
+
+/// Whether a place is so near to solids (numbers of their parts) beside its block that no particle gets there.
+fn is_pore(place: &Vec3, spacing: f64, (blocks, near): (&Blocks, &[usize])) -> bool {
+    let [alone, between] = PORE.map(|reach| reach * spacing);
+    let mut first = None;
+    near.iter().any(|&part| {
+        let Some(surface) = blocks.surface_point_within(part, place, between) else {
+            return false;
+        };
+        let block = blocks.block_of_part(part);
+        surface.distance < alone || *first.get_or_insert(block) != block
+    })
 }
 
 /// Whether there is any water in the cells round a box (m).
