@@ -343,6 +343,11 @@ impl Fluid {
         self.screens.add(planes, bounds, &self.grid, reach);
     }
 
+    /// Adds a convex solid with walls of its own that the last screen reaches into: there the screen is none.
+    pub fn cover_screen(&mut self, planes: impl Iterator<Item = Plane>) {
+        self.screens.cover(planes);
+    }
+
     /// Farthest that a particle may be from where it was when it was sorted; m.
     pub fn moved(&self) -> f64 {
         self.moved

@@ -510,6 +510,39 @@ fn c04_a_slice_of_a_flow_in_a_plane() {
     }
 }
 
+/// A block that moves within its bed moves no water: a thick one, and a plate that is a screen.
+#[test]
+fn what_moves_inside_the_bed_moves_no_water() {
+    let plane = || ["dimensions: Two".to_owned(), String::new(), String::new()];
+    let (dp, period) = (1.0 / 16.0, 0.5);
+    let amplitude = 3.0 * dp;
+    let fastest = |depth: f64, motion: &str| {
+        let (mut case, _) = still("Particles", [24, 1, 12], None, plane());
+        let shape = cuboid([9.0 * dp, 0.0, -depth * dp], [15.0 * dp, dp, -0.1 * dp]);
+        case.blocks.push(block("body", &shape, motion));
+        let mut world = case.world();
+        let mut fastest = 0.0_f64;
+        while world.time() < period {
+            let step = world.next_step(period).unwrap();
+            world.step(step).unwrap();
+            fastest = fastest.max(world.water.as_ref().unwrap().fluid.max_speed());
+        }
+        fastest
+    };
+    let motion = format!(
+        "motion: Sinusoid(direction: (1, 0, 0), amplitude: {amplitude:?}, period: {period:?})"
+    );
+    let at_rest = fastest(1.1, FIXED);
+    for depth in [1.1, 3.5, 3.9] {
+        let found = fastest(depth, &motion);
+        println!(
+            "body {depth} dp deep: water at up to {found:.4} m/s, {at_rest:.4} over a body at rest"
+        );
+        // half of the body's 2.4 m/s, if it were felt
+        assert!((found - at_rest).abs() < 0.01 * at_rest, "{depth}: {found}");
+    }
+}
+
 /// Integrals take a block that goes through a slab for an endless one, and refuse one that ends in it.
 #[test]
 fn c04_a_slab_that_repeats() {

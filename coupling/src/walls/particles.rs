@@ -6,6 +6,10 @@
 //!
 //! Solids end at planes of symmetry, and their points are mirrored there: loads are those on what is before the
 //! planes.
+//!
+//! Where a block that moves is inside one that is fixed, as one that is drawn on into its bed, the wall is that of the fixed
+//! one: points there have no volume, and a screen is none. Else the bed beside the block would seem to go along with it,
+//! and draw water after it.
 
 use nalgebra::Matrix3;
 use riprap_dda::{BlockDefinition, Blocks, Load, Shape};
@@ -36,6 +40,7 @@ pub struct ParticleWalls {
     block: Vec<u32>,
     /// Place of each moving point from the centroid of its block, in the axes and the shape of the start; m.
     local: Vec<Vec3>,
+    buried: Buried,
     /// Present centroid and gradient of each block; m.
     frames: Vec<Frame>,
     /// Place and velocity of each moving point at the start of the step; m, m/s.
@@ -48,6 +53,9 @@ pub struct ParticleWalls {
     /// Power that blocks which are not free give to the fluid; W.
     power: f64,
 }
+
+/// Depth in a fixed solid, in spacings, from which on points are buried: more than contacts press.
+const BURIED_DEPTH: f64 = 0.02;
 
 /// Where a block's material is.
 #[derive(Clone, Copy, Debug)]
@@ -67,6 +75,58 @@ impl Frame {
 
     fn place(&self, local: &Vec3) -> Vec3 {
         self.centroid + self.gradient * local
+    }
+}
+
+/// Which moving points, but those of screens, are inside a fixed solid.
+#[derive(Clone, Debug)]
+struct Buried {
+    /// m³.
+    volumes: Vec<f64>,
+    is_of_screen: Vec<bool>,
+    /// From this depth on; m.
+    depth: f64,
+    are_so: Vec<bool>,
+    /// Whether there are any, or were when points were placed last.
+    is_any: bool,
+    /// Parts of fixed polyhedra, and those near a block.
+    fixed: Vec<usize>,
+    near: Vec<usize>,
+}
+
+impl Buried {
+    /// Finds them among points of blocks in order, where these are.
+    fn find(&mut self, block: &[u32], local: &[Vec3], (frames, blocks): (&[Frame], &Blocks)) {
+        let had_any = std::mem::take(&mut self.is_any);
+        let mut first = 0;
+        for of_block in block.chunk_by(|a, b| a == b) {
+            let points = first..first + of_block.len();
+            first = points.end;
+            let b = of_block[0] as usize;
+            self.near.clear();
+            self.near.extend(self.fixed.iter().copied().filter(|&part| {
+                let (low, high) = blocks.part_aabb(part);
+                blocks.parts_of(b).any(|own| {
+                    let (min, max) = blocks.part_aabb(own);
+                    (0..3).all(|k| low[k] + self.depth < max[k] && min[k] + self.depth < high[k])
+                })
+            }));
+            for w in points {
+                let is_inside = |part: &usize| {
+                    let place = frames[b].place(&local[w]);
+                    let surface = blocks.surface_point_within(*part, &place, 0.0);
+                    surface.is_some_and(|surface| surface.distance < -self.depth)
+                };
+                self.are_so[w] = !self.is_of_screen[w] && self.near.iter().any(is_inside);
+                self.is_any |= self.are_so[w];
+            }
+        }
+        self.is_any |= had_any;
+    }
+
+    /// Volume of a point, in m³.
+    fn volume(&self, w: usize) -> f64 {
+        if self.are_so[w] { 0.0 } else { self.volumes[w] }
     }
 }
 
@@ -157,7 +217,20 @@ impl ParticleWalls {
             frame.gradient.transpose() * (x - frame.centroid)
         };
         let placed = points.blocks.iter().zip(&points.samples);
+        let is_solid = |part: &usize| {
+            is_fixed(blocks, blocks.block_of_part(*part)) && !blocks.is_surface(*part)
+        };
+        let buried = Buried {
+            volumes: points.samples.iter().map(|s| s.volume).collect(),
+            is_of_screen: points.facets.iter().map(|&f| f != Facet::NONE).collect(),
+            depth: BURIED_DEPTH * spacing,
+            are_so: vec![false; points.blocks.len()],
+            is_any: false,
+            fixed: (0..blocks.n_parts()).filter(is_solid).collect(),
+            near: Vec::new(),
+        };
         let mut walls = Self {
+            buried,
             fixed,
             fixed_block: standing_points.blocks,
             moving: points.walls(fluid, slip),
@@ -234,12 +307,21 @@ impl ParticleWalls {
         }
     }
 
+    fn find_buried(&mut self, blocks: &Blocks) {
+        let buried = &mut self.buried;
+        buried.find(&self.block, &self.local, (&self.frames, blocks));
+        if buried.is_any {
+            self.moving.set_volumes(|w| buried.volume(w));
+        }
+    }
+
     /// Places the moving points half way through the step that the blocks have just taken.
     pub fn place_half_way(&mut self, blocks: &Blocks, dt: f64) {
         if self.block.is_empty() {
             return;
         }
         self.find_frames(blocks);
+        self.find_buried(blocks);
         let (start, block, local, frames) = (&self.start, &self.block, &self.local, &self.frames);
         self.moving.place(|w| {
             let end = frames[block[w] as usize].place(&local[w]);
@@ -256,6 +338,7 @@ impl ParticleWalls {
             return;
         }
         self.find_frames(blocks);
+        self.find_buried(blocks);
         let (start, block, local, frames) = (&self.start, &self.block, &self.local, &self.frames);
         self.moving.place(|w| {
             let b = block[w] as usize;

@@ -19,8 +19,9 @@ const MOVED: f64 = 0.1;
 #[derive(Clone, Debug, Default)]
 pub(super) struct Screens {
     screens: Vec<Screen>,
-    /// What stands for good and may cover them.
+    /// What stands for good and may cover them, and its planes.
     fixed: Vec<Part>,
+    fixed_planes: Vec<Vec<Plane>>,
     /// m.
     spacing: f64,
     /// How far screens go on through covered faces; m.
@@ -42,6 +43,8 @@ struct Screen {
     ends: Vec<bool>,
     /// Faces through which it goes on.
     goes_on: Vec<bool>,
+    /// Fixed parts that it may be partly inside of, as when it is drawn on into its bed.
+    reaches_into: Vec<usize>,
     /// Where the block was when that was found out; m.
     looked_at: Vec3,
     /// Where the faces, by one corner, were at the start of the step.
@@ -57,6 +60,7 @@ impl Screens {
         Self {
             screens: Vec::new(),
             fixed: fixed.to_vec(),
+            fixed_planes: fixed.iter().map(Part::planes).collect(),
             spacing,
             support_radius,
             are_new: false,
@@ -93,6 +97,7 @@ impl Screens {
             },
             ends,
             goes_on: Vec::new(),
+            reaches_into: Vec::new(),
             looked_at: Vec3::repeat(f64::INFINITY),
             start: Vec::new(),
             planes: Vec::new(),
@@ -130,6 +135,7 @@ impl Screens {
             spacing,
             support_radius,
             are_new,
+            ..
         } = self;
         for screen in screens.iter_mut().filter(|screen| !screen.is_fixed) {
             screen.look_for_cover(blocks, fixed, (*spacing, *support_radius));
@@ -146,8 +152,21 @@ impl Screens {
         fluid.clear_screens();
         for screen in &self.screens {
             fluid.add_screen(screen.planes.iter().copied(), screen.bounds);
+            for &fixed in &screen.reaches_into {
+                fluid.cover_screen(self.fixed_planes[fixed].iter().copied());
+            }
         }
         self.are_new = false;
+    }
+}
+
+impl Part {
+    /// Of its faces.
+    fn planes(&self) -> Vec<Plane> {
+        let faces = self.faces.iter();
+        faces
+            .filter_map(|(normal, corners)| Some((*normal, normal.dot(corners.first()?))))
+            .collect()
     }
 }
 
@@ -188,6 +207,11 @@ impl Screen {
             let (other_min, other_max) = other.aabb();
             (0..3).all(|k| other_min[k] - spacing < max[k] && min[k] < other_max[k] + spacing)
         };
+        self.reaches_into.clear();
+        if !self.is_fixed {
+            let near = fixed.iter().enumerate().filter(|(_, other)| touches(other));
+            self.reaches_into.extend(near.map(|(k, _)| k));
+        }
         let others: Vec<&Part> = fixed.iter().chain(&siblings).filter(touches).collect();
         let others: Vec<&Part> = others.into_iter().filter(|other| **other != part).collect();
         let covered: Vec<bool> = part
@@ -201,10 +225,13 @@ impl Screen {
                 !covered && are_near_and_opposed(face, other, support_radius)
             })
         };
+        // what is covered all round has no foot
+        let mut sides = covered.iter().zip(&self.ends);
+        let is_buried = sides.all(|(&is_covered, &is_end)| is_covered || is_end);
         self.goes_on.clear();
         let faces = part.faces.iter().zip(&covered);
         self.goes_on
-            .extend(faces.map(|(face, &is_covered)| is_covered && is_foot(face)));
+            .extend(faces.map(|(face, &is_covered)| is_covered && !is_buried && is_foot(face)));
     }
 
     /// Places it at a share of the way from the start of the step; those through which it goes on are moved out by `beyond` (m).

@@ -47,6 +47,10 @@ pub(crate) struct Screens {
     planes: Vec<Plane>,
     /// Where the planes of each screen end.
     ends: Vec<u32>,
+    /// Planes of solids that screens reach into, where those of each solid end, and where the solids of each screen end.
+    cover_planes: Vec<Plane>,
+    covers: Vec<u32>,
+    cover_ends: Vec<u32>,
     /// First entry of each cell, counted from one; zero where no screen is near.
     first: Vec<u32>,
     entries: Vec<Near>,
@@ -78,6 +82,18 @@ impl Screens {
         self.entries.clear();
         self.planes.clear();
         self.ends.clear();
+        self.cover_planes.clear();
+        self.covers.clear();
+        self.cover_ends.clear();
+    }
+
+    /// Adds a convex solid that the last screen reaches into.
+    pub(crate) fn cover(&mut self, planes: impl Iterator<Item = Plane>) {
+        self.cover_planes.extend(planes);
+        self.covers.push(self.cover_planes.len() as u32);
+        if let Some(end) = self.cover_ends.last_mut() {
+            *end = self.covers.len() as u32;
+        }
     }
 
     /// Adds a convex solid within a box (m), for the sight of particles up to `reach` (m) from it.
@@ -91,6 +107,7 @@ impl Screens {
         let (screen, start) = (self.ends.len() as u32, self.planes.len());
         self.planes.extend(planes);
         self.ends.push(self.planes.len() as u32);
+        self.cover_ends.push(self.covers.len() as u32);
         self.first.resize(grid.n_cells(), 0);
         self.slack = SLACK * reach;
         let within = reach + 0.5 * grid.cell_size().norm();
@@ -136,6 +153,24 @@ impl Screens {
         &self.planes[start as usize..self.ends[screen] as usize]
     }
 
+    /// Where the segment from `x` to `y` comes into a screen, if it does so outside the solids that this reaches into.
+    fn entry(&self, screen: u32, x: &Vec3, y: &Vec3) -> Option<Entry> {
+        let entry = entry(self.planes_of(screen), x, y, self.slack)?;
+        let start_of = |ends: &[u32], k: usize| k.checked_sub(1).map_or(0, |k| ends[k] as usize);
+        let first = start_of(&self.cover_ends, screen as usize);
+        let covers = first..self.cover_ends[screen as usize] as usize;
+        if covers.is_empty() {
+            return Some(entry);
+        }
+        let place = x + (y - x) * entry.share;
+        let is_in = |cover: usize| {
+            let planes = start_of(&self.covers, cover)..self.covers[cover] as usize;
+            let mut planes = self.cover_planes[planes].iter();
+            planes.all(|(n, offset)| n.dot(&place) < *offset)
+        };
+        (!covers.into_iter().any(is_in)).then_some(entry)
+    }
+
     /// Whether two particles see each other; `cell` is that of one of them.
     pub(crate) fn lets_see(&self, cell: usize, x: &Vec3, y: &Vec3) -> bool {
         // the same answer whoever asks
@@ -147,7 +182,7 @@ impl Screens {
         let mut n_crossed = 0;
         self.near(cell).all(|screen| {
             let planes = self.planes_of(screen);
-            let Some(entry) = entry(planes, x, y, self.slack) else {
+            let Some(entry) = self.entry(screen, x, y) else {
                 return true;
             };
             n_crossed += 1;
@@ -162,7 +197,7 @@ impl Screens {
         let mut first: Option<(u32, Entry)> = None;
         for screen in self.near(cell) {
             let planes = self.planes_of(screen);
-            if let Some(entry) = entry(planes, x, wall, self.slack) {
+            if let Some(entry) = self.entry(screen, x, wall) {
                 n_crossed += 1;
                 is_hidden |= n_crossed == 2 || hides(planes, &entry, x, wall);
                 if first.is_none_or(|(_, other)| entry.share < other.share) {
@@ -386,6 +421,19 @@ mod tests {
             screens.lets_see_wall(cell, &x, &Vec3::new(0.0, 0.0, z), facet)
         };
         assert!(seen(0.4, 1) && !seen(0.4, 0));
+        // inside a solid that reaches over its upper side, and not beyond it, it hides nothing
+        let mound = |half: f64| {
+            let sides = [Vec3::x(), -Vec3::x()].map(|n| (n, half));
+            sides
+                .into_iter()
+                .chain([(Vec3::z(), 1.65), (-Vec3::z(), 0.0)])
+        };
+        let low = Vec3::new(0.0, 0.0, 1.0);
+        assert!(!screens.lets_see_wall(cell, &x, &low, Facet::NONE));
+        screens.cover(mound(0.3));
+        assert!(screens.lets_see_wall(cell, &x, &low, Facet::NONE) && !seen(1.0, 1));
+        let aside = Vec3::new(1.0, 0.0, 0.0);
+        assert!(!screens.lets_see_wall(cell, &(x + aside), &(low + aside), Facet::NONE));
         let deep = Vec3::new(0.0, 0.0, -1.0);
         assert!(!screens.lets_see_wall(cell, &x, &deep, Facet::NONE));
         assert!(!screens.lets_see(cell, &x, &Vec3::new(0.0, 0.0, 0.55)));

@@ -169,6 +169,13 @@ impl WallParticles {
         &self.volume
     }
 
+    /// Changes the volumes; m³.
+    pub fn set_volumes(&mut self, of_point: impl Fn(usize) -> f64) {
+        for (w, volume) in self.volume.iter_mut().enumerate() {
+            *volume = of_point(w);
+        }
+    }
+
     /// Pressures continued from the fluid, zero where there is none; Pa.
     pub fn pressures(&self) -> &[f64] {
         &self.pressure
