@@ -266,19 +266,16 @@ def decay(ratio, times, start):
     return start + 2 / np.pi * np.sin(np.outer(times, omega)) @ (weights * np.array(speed) / omega)
 
 
-def turns(t, x):
-    """Times and values of the first trough and the crest after it, by parabolas; sound is smoothed away."""
-    width = max(3, int(round(0.06 / (t[1] - t[0]))))
+def turns(t, x, about):
+    """Times and values of the lowest point before three quarters of a time and of the highest point after it before 1.4 of it, by
+    parabolas; a Hann window of 60 ms takes sound off."""
+    width = int(round(0.06 / (t[1] - t[0])))
     window = np.hanning(width + 2)[1:-1]
     x = np.convolve(np.pad(x, width, mode="edge"), window / window.sum(), mode="same")[width:-width]
+    low = np.argmin(np.where(t < 0.75 * about, x, np.inf))
+    high = np.argmax(np.where((t[low] < t) & (t < 1.4 * about) & (t < t[-1] - 0.06), x, -np.inf))
     found = []
-    k = 0
-    for sense in (1, -1):
-        inside = range(max(k, width) + 1, len(x) - 1)
-        near = [x[max(i - width, 0):i + width + 1] for i in range(len(x))]
-        k = next((i for i in inside if sense * x[i] <= np.min(sense * near[i])), None)
-        if k is None:
-            return found + [(float("nan"), float("nan"))] * (2 - len(found))
+    for k in (low, high):
         a, b, c = x[k - 1], x[k], x[k + 1]
         found.append((t[k] + 0.5 * (t[k + 1] - t[k]) * (a - c) / (a - 2 * b + c), b))
     return found
@@ -293,15 +290,16 @@ def heave_boxes(args):
         settings = [f"materials.box.density={1000 * ratio:g}", f"blocks.box.placement.translate=(0, 0, {z0:g})"]
         found = runs(args, SCENES / "heave_boxes.ron", f"heave_{ratio}", settings)
         exact = decay(ratio, fine, 0.02)
-        (t1, z1), (t2, z2) = turns(fine, exact)
+        (t1, z1), (t2, z2) = turns(fine, exact, period)
 
         def say(made):
             rows = of_block(made, "blocks.csv", 0)
-            (m1, y1), (m2, y2) = turns(rows["time"], rows["z"] - z0 - 0.1 + 0.02)
+            (m1, y1), (m2, y2) = turns(rows["time"], rows["z"] - z0 - 0.1 + 0.02, period)
             return (f"first return {percent(m2 / t2)}, first trough {percent(m1 / t1)}, swing trough to crest "
                     f"{percent((y2 - y1) / (z2 - z1))}")
 
-        lines.append(row(f"heave_boxes {ratio} (first return at {t2:.3f} s, period by added mass {period:.3f} s)", "4 %", found, say))
+        what = f"heave_boxes {ratio} (first return at {t2:.3f} s, period by added mass {period:.3f} s)"
+        lines.append(row(what, "4 %", found, say))
         for walls, made in found.items():
             rows = of_block(made, "blocks.csv", 0)
             draw(panel, made, walls, rows["time"], 1000 * (rows["z"] - z0 - 0.1 + 0.02))
@@ -323,7 +321,8 @@ def wedge_entry(args):
         k = (0.015 <= t) & (t <= 0.042)
         fit = np.sum(f[k] * t[k]) / np.sum(t[k] ** 2)
         means = [np.mean(f[(a <= t) & (t < a + 0.004)] / t[(a <= t) & (t < a + 0.004)]) for a in np.arange(0.015, 0.0385, 0.004)]
-        return f"{percent(fit / coefficient)} ({percent(min(means) / coefficient)} to {percent(max(means) / coefficient)} over 4 ms)"
+        low, high = min(means) / coefficient, max(means) / coefficient
+        return f"{percent(fit / coefficient)} ({percent(low)} to {percent(high)} over 4 ms)"
 
     made_figure, panels = figure(1, 3.5)
     for walls, made in found.items():
@@ -357,11 +356,12 @@ def paddle(args, settle):
     def say(made):
         e = columns(made, "energy.csv")
         work = e["external_work"][-1]
-        stored = [sum(e[name][i] for name in ("kinetic", "potential", "elastic", "internal")) for i in (0, -1)]
+        start, end = (sum(e[name][i] for name in ("kinetic", "potential", "elastic", "internal")) for i in (0, -1))
+        share = {name: 100 * e[name][-1] / work for name in ("viscous", "diffusive", "damping", "residual")}
         most = np.max(np.abs(e["residual"])) / np.max(e["external_work"])
-        return (f"unexplained {100 * e['residual'][-1] / work:+.2f} % of {work:.2f} J, at any time at most {100 * most:.2f} % of the "
-                f"most work, {np.max(e['external_work']):.2f} J; gained {100 * (stored[1] - stored[0]) / work:.1f}, viscous {100 * e['viscous'][-1] / work:.1f}, "
-                f"diffusive {100 * e['diffusive'][-1] / work:.1f}, dashpots {100 * e['damping'][-1] / work:.1f} %; "
+        return (f"unexplained {share['residual']:+.2f} % of {work:.2f} J, at any time at most {100 * most:.2f} % of the most work, "
+                f"{np.max(e['external_work']):.2f} J; gained {100 * (end - start) / work:.1f}, viscous {share['viscous']:.1f}, "
+                f"diffusive {share['diffusive']:.1f}, dashpots {share['damping']:.1f} %; "
                 f"work by the force recorded {percent(by_gauge(made) / work)}")
 
     made_figure, panels = figure(2, 2)
@@ -534,7 +534,8 @@ def momentum(args):
     def say(made):
         t, change, given = history(made)
         return (f"linear {summary(made)['momentum_residual']:.1e} by the run; from frames linear {np.max(change[:, 0]):.1e}, "
-                f"angular {np.max(change[:, 1]):.1e} (single precision); block has {100 * given[-1, 0]:.0f} %, turns at {given[-1, 1]:.2f} rad/s")
+                f"angular {np.max(change[:, 1]):.1e} (single precision); block has {100 * given[-1, 0]:.0f} %, turns at "
+                f"{given[-1, 1]:.2f} rad/s")
 
     made_figure, panels = figure(2, 2)
     for walls, made in found.items():
