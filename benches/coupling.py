@@ -128,6 +128,8 @@ def submerged_bodies():
     leg = size / math.sqrt(3)
     # angles of 90 and 60 degrees below, of 30 above; and upside down
     up = [(-leg / 3, -size / 3), (2 * leg / 3, -size / 3), (-leg / 3, 2 * size / 3)]
+    blunt = [(-size / 2, -size / math.sqrt(12)), (size / 2, -size / math.sqrt(12)), (0, size / math.sqrt(3))]
+
     def wedge(corners):
         polygon = ", ".join(f"({0.26 + x:.9f}, {0.26 + z:.9f})" for x, z in corners)
         return f"Extrusion(polygon: [{polygon}], axis: Y, from: 0.14, to: 0.38)"
@@ -138,6 +140,8 @@ def submerged_bodies():
     return {
         "cube": ("Box(min: (0.14, 0.14, 0.14), max: (0.38, 0.38, 0.38))", as_drawn, size**3),
         "icosahedron": (f"Hull(points: [{hull}])", as_drawn, 5 / 12 * (3 + math.sqrt(5)) * (2 * scale) ** 3),
+        # blunt: walls of particles have no screens here
+        "prism of 60 degrees": (wedge(blunt), as_drawn, size**3 * math.sqrt(3) / 4),
         "wedge, edge up": (wedge(up), as_drawn, prism),
         "wedge, edge down": (wedge([(x, -z) for x, z in up]), as_drawn, prism),
         "wedge, tilted": (wedge(up), tilt, prism),
@@ -359,8 +363,8 @@ def paddle(args, settle):
         start, end = (sum(e[name][i] for name in ("kinetic", "potential", "elastic", "internal")) for i in (0, -1))
         share = {name: 100 * e[name][-1] / work for name in ("viscous", "diffusive", "damping", "residual")}
         most = np.max(np.abs(e["residual"])) / np.max(e["external_work"])
-        return (f"unexplained {share['residual']:+.2f} % of {work:.2f} J, at any time at most {100 * most:.2f} % of the most work, "
-                f"{np.max(e['external_work']):.2f} J; gained {100 * (end - start) / work:.1f}, viscous {share['viscous']:.1f}, "
+        return (f"unexplained {share['residual']:+.2f} % of {work:.2f} J, at any time at most {100 * most:.2f} % of the "
+                f"most work, {np.max(e['external_work']):.2f} J; gained {100 * (end - start) / work:.1f}, viscous {share['viscous']:.1f}, "
                 f"diffusive {share['diffusive']:.1f}, dashpots {share['damping']:.1f} %; "
                 f"work by the force recorded {percent(by_gauge(made) / work)}")
 
