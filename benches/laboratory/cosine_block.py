@@ -14,7 +14,8 @@ import sys
 # time, speed down the incline; s, m/s
 KNOTS = [(0, 0), (0.08, 0.11), (0.51, 1.18), (0.72, 1.02), (0.735, 0), (2.5, 0)]
 DIP = math.radians(10)
-HEIGHT, LENGTH, DRAWN = 0.019, 0.457, 0.394
+# a full cosine, with which the authors replace one of 0.457 m cut off at 0.394 m: as large, without steps at its ends
+HEIGHT, LENGTH = 0.019, 0.455
 # the middle of the top, x from the shoreline; the block goes on below its base, into the incline; m
 MIDDLE, SKIRT = 0.618, 0.02
 
@@ -30,7 +31,7 @@ def way(time):
 
 def outline(n=24):
     """Corners of the block where it starts; m."""
-    along = [DRAWN * (k / n - 0.5) for k in range(n + 1)]
+    along = [LENGTH * (k / n - 0.5) for k in range(n + 1)]
     arc = [(q, 0.5 * HEIGHT * (1 + math.cos(2 * math.pi * q / LENGTH))) for q in along]
     corners = [(along[0], -SKIRT), *arc, (along[-1], -SKIRT)]
     base = MIDDLE - HEIGHT * math.sin(DIP)
