@@ -102,6 +102,12 @@ def record(args, name):
     return {key: np.array(values) for key, values in shared.columns(found[0]).items() if key}
 
 
+def settled(walls, time):
+    """Settings of runs in a plane: with penalty walls the water sinks by a spacing in the first 0.05 s, as it rests inside the
+    walls, so that it is let settle."""
+    return [f"time.settle={time}"] if walls == "Penalty" else []
+
+
 # what is read off ---------------------------------------------------------------------------------------------------------
 
 
@@ -204,7 +210,7 @@ def ellipse(args):
         panels[0, column].set_title(name, fontsize=8)
         cells = {}
         for walls in args.walls:
-            ran = run(args, scenes.prescribed(name, folder), walls, f"ellipse_{name}")
+            ran = run(args, scenes.prescribed(name, folder), walls, f"ellipse_{name}", settled(walls, 1))
             if ran is None:
                 continue
             found = []
@@ -376,7 +382,7 @@ def height_of_block(ran, panel, kind, measured, rest):
 
 # of the gauges: name, window, sense, as quoted; s, mm
 COSINE = [("g1", (0.1, 0.6), -1, (0.33, -3.9)), ("g1", (0.6, 1.2), 1, (1.03, 1.9)), ("g2", (0.2, 0.7), 1, (0.52, 6.8)),
-          ("g2", (0.65, 1.05), -1, (0.88, -11.2)), ("g2", (1.0, 1.4), 1, (1.20, 7.1))]
+          ("g2", (0.65, 1.05), -1, (0.88, -11.2)), ("g2", (1.0, 1.28), 1, (1.20, 7.1))]
 
 
 def cosine_block(args):
@@ -389,30 +395,27 @@ def cosine_block(args):
         asked = [extreme(measured["t_s"], waves[g], window, sense) for g, window, sense, _ in COSINE]
         for panel, g in zip(panels[:, 0], waves):
             panel.plot(measured["t_s"], waves[g], "k.-", lw=0.6, ms=2, label="measured")
-    table = []
-    for settings, name, label in (((), "cosine_block", "3 mm"),):
-        cells = {}
-        for walls in args.walls:
-            ran = run(args, SCENES / "cosine_block.ron", walls, name, settings)
-            if ran is None:
-                continue
-            found = []
-            for panel, g in zip(panels[:, 0], ("g1", "g2")):
-                time, wave = ran.series("gauges.csv", g)
-                panel.plot(time, 1e3 * levelled(time, wave), color=shared.COLORS[walls], lw=0.8, label=shared.WALLS[walls])
-            for g, window, sense, _ in COSINE:
-                time, wave = ran.series("gauges.csv", g)
-                found.append(extreme(time, 1e3 * levelled(time, wave), window, sense))
-            errors = [f"{percent(h, other)} % ({t - at:+.2f} s)" for (t, h), (at, other) in zip(found, asked)]
-            cells[walls] = f"{', '.join(errors)}; {ran.note()}"
-        table.append((f"cosine_block, {label}: trough, crest at 0.618 m; crest, trough, crest at 1.128 m",
-                      "10 %, arrival 3 %", cells))
+    cells = {}
+    for walls in args.walls:
+        ran = run(args, SCENES / "cosine_block.ron", walls, "cosine_block", settled(walls, 0.5))
+        if ran is None:
+            continue
+        for panel, g in zip(panels[:, 0], ("g1", "g2")):
+            time, wave = ran.series("gauges.csv", g)
+            panel.plot(time, 1e3 * levelled(time, wave), color=shared.COLORS[walls], lw=0.8, label=shared.WALLS[walls])
+        found = []
+        for g, (start, end), sense, _ in COSINE:
+            time, wave = ran.series("gauges.csv", g)
+            end = end + 0.1
+            found.append(extreme(time, 1e3 * levelled(time, wave), (start, end), sense) if end < time[-1] else (math.nan, math.nan))
+        errors = [f"{percent(h, other)} % ({t - at:+.2f} s)" for (t, h), (at, other) in zip(found, asked) if math.isfinite(t)]
+        cells[walls] = f"{', '.join(errors)}; {ran.note()}"
     for panel, x in zip(panels[:, 0], (0.618, 1.128)):
         panel.set_ylabel(f"x = {x} m [mm]", fontsize=7)
-    panels[0, 0].set_xlim(0, 1.8)
+    panels[0, 0].set_xlim(0, 1.4)
     legend(panels[0, 0])
     save(args, made, "cosine_block")
-    return table
+    return [("cosine_block: trough, crest at 0.618 m; crest, trough, crest at 1.128 m", "10 %, arrival 3 %", cells)]
 
 
 def cube(args):
@@ -428,9 +431,7 @@ def cube(args):
         name = "cube" if spacing == 0.025 else f"cube_{1e3 * spacing:.0f}"
         cells = {}
         for walls in args.walls:
-            if spacing != 0.025 and walls != "Particles":
-                continue
-            ran = run(args, CASES / "dam_break_cube.ron", walls, name, [f'fluid.resolution="Spacing({spacing})"'.replace('"', "")])
+            ran = run(args, CASES / "dam_break_cube.ron", walls, name, [f"fluid.resolution=Spacing({spacing})"])
             if ran is None:
                 continue
             time, x = ran.series("blocks.csv", "x [")

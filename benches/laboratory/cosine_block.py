@@ -14,7 +14,7 @@ import sys
 # time, speed down the incline; s, m/s
 KNOTS = [(0, 0), (0.08, 0.11), (0.51, 1.18), (0.72, 1.02), (0.735, 0), (2.5, 0)]
 DIP = math.radians(10)
-# a full cosine, with which the authors replace one of 0.457 m cut off at 0.394 m: as large, without steps at its ends
+# a full cosine, with which the authors replace one of 0.457 m cut off at 0.394 m
 HEIGHT, LENGTH = 0.019, 0.455
 # the middle of the top, x from the shoreline; the block goes on below its base, into the incline; m
 MIDDLE, SKIRT = 0.618, 0.02
@@ -29,19 +29,20 @@ def way(time):
     return total
 
 
-def outline(n=24):
-    """Corners of the block where it starts; m."""
-    along = [LENGTH * (k / n - 0.5) for k in range(n + 1)]
-    arc = [(q, 0.5 * HEIGHT * (1 + math.cos(2 * math.pi * q / LENGTH))) for q in along]
-    corners = [(along[0], -SKIRT), *arc, (along[-1], -SKIRT)]
+def outline(n=8):
+    """Corners of the block where it starts, straight outside of where the cosine is steepest, so that it is convex; m."""
+    steepest = 0.25 * LENGTH
+    tip = steepest + 0.5 * LENGTH / math.pi
+    arc = [steepest * (k / n - 1) for k in range(2 * n + 1)]
+    top = [(-tip, 0), *((q, 0.5 * HEIGHT * (1 + math.cos(2 * math.pi * q / LENGTH))) for q in arc), (tip, 0)]
     base = MIDDLE - HEIGHT * math.sin(DIP)
     return [(base + q * math.cos(DIP) + h * math.sin(DIP),
-             -base * math.tan(DIP) - q * math.sin(DIP) + h * math.cos(DIP)) for q, h in corners]
+             -base * math.tan(DIP) - q * math.sin(DIP) + h * math.cos(DIP)) for q, h in [(-tip, -SKIRT), *top, (tip, -SKIRT)]]
 
 
 if __name__ == "__main__":
     if sys.argv[1:] == ["outline"]:
-        print(", ".join(f"({x:.5f}, {z:.5f})" for x, z in outline()))
+        print(", ".join(f"({x:.6f}, {z:.6f})" for x, z in outline()))
     else:
         print("# the speed down the incline of 10 degrees is linear between")
         print("#", ", ".join(f"{v:g} m/s at {t:g} s" for t, v in KNOTS) + "; cosine_block.py")
