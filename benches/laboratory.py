@@ -3,8 +3,8 @@
 
     python3 benches/laboratory.py [ROW ...] --riprap PATH --runs DIR --records DIR --walls Penalty,Particles,Integral
 
-Rows are ellipse, ellipse_free, falling_block, floating_block, cosine_block, cube, heave_sphere and submarine_body; their scenes
-stand in cases/ and benches/laboratory/, each with its source. Prints `row | asked | W1 | W2 | W3` with errors and CPU
+Rows are ellipse, ellipse_free, falling_block, floating_block, cosine_block, cube, heave_sphere and submarine_body; their
+scenes stand in cases/ and benches/laboratory/, each with its source. Prints `row | asked | W1 | W2 | W3` with errors and CPU
 seconds, and draws `plots/laboratory_ROW.png`: pictures, as drawn records of others are not to be had back as data.
 
 Records are not part of this repository. `--records` is a folder of your own with any of these CSV files, in it or in folders
@@ -19,10 +19,11 @@ within; a row without its record is compared with what its scene quotes, or give
     heave_codes.csv           t_s, NREL_CFD and other codes: heave, m
     d61_gauges.csv            t_s, g1ave_mm to g4ave_mm: free surface
 
-Levels: the mean before the wave is taken off, of a run that of the first 0.1 s, of a record that of the first 0.1 s or, where it
-begins before the release, that before. Extremes, of runs and records alike: the parabola of least squares through what lies
-within 0.07 s of the highest or lowest value in a window of time (0.03 s where the row says so). Arrival is the time of
-an extreme. Errors of heights are of the record's height, those of times of the record's time.
+Levels: the mean before the wave is taken off, of a run that of the first 0.1 s, of a record that of the first 0.1 s or, where
+it begins before the release, that before. Extremes, of runs and records alike: the parabola of least squares through what
+lies within 0.07 s of the highest or lowest value in a window of time. Arrival is the time of an extreme. Errors of heights are
+of the record's height, those of times of the record's time. Windows: the leading trough of the ellipse is the lowest value
+until PASSED, its crest the highest before that; those of other rows stand beside their gauges.
 """
 
 import argparse
@@ -103,8 +104,7 @@ def record(args, name):
 
 
 def settled(walls, time):
-    """Settings of runs in a plane: with penalty walls the water sinks by a spacing in the first 0.05 s, as it rests inside the
-    walls, so that it is let settle."""
+    """Settings of runs in a plane: with penalty walls the water sinks by a spacing in the first 0.05 s, and so settles."""
     return [f"time.settle={time}"] if walls == "Penalty" else []
 
 
@@ -187,8 +187,8 @@ GAUGES = (0.5, 1.5, 2.5, 3.5, 4.5)
 # until when the leading trough has passed each of them
 PASSED = (1.6, 2.5, 3.3, 3.7, 4.2)
 # SG3_IS5 as its scene quotes it: time and height of crests and troughs; s, m
-QUOTED = {"SG3_IS5": [((0.42, 0.0041), (0.95, -0.0226)), ((1.23, 0.0130), (1.75, -0.0314)), ((1.87, 0.0141), (2.58, -0.0300)),
-                      ((2.37, 0.0118), (3.21, -0.0188)), ((2.89, 0.0105), (3.80, -0.0142))]}
+QUOTED = {"SG3_IS5": [((0.42, 0.0041), (0.95, -0.0226)), ((1.23, 0.0130), (1.75, -0.0314)),
+                      ((1.87, 0.0141), (2.58, -0.0300)), ((2.37, 0.0118), (3.21, -0.0188)), ((2.89, 0.0105), (3.80, -0.0142))]}
 
 
 def ellipse(args):
@@ -230,7 +230,7 @@ def ellipse(args):
 
 
 def heights(found, asked, which):
-    """Errors of crests (0) or troughs (1) at all gauges, and the largest error of their times; millimetres where none is known."""
+    """Errors of crests (0) or troughs (1) and the largest error of their times; millimetres where no record is known."""
     if asked is None:
         return ", ".join(f"{1e3 * pair[which][1]:.1f}" for pair in found) + " mm"
     errors, late = [], []
@@ -335,11 +335,12 @@ def tank(args, row, rest, until):
     measured = record(args, f"{row}_exp.csv")
     made, panels = grid(1, 1)
     panel = panels[0, 0]
+    points = None
     if measured:
         times, asked = measured["t_s"], measured["y_m"]
         asked = asked - (asked[-1] - rest if rest else 0)
-        times, asked = times[times <= until], asked[times <= until]
-        panel.plot(times, 1e3 * asked, "k.", ms=3, label="measured")
+        points = times[times <= until], asked[times <= until]
+        panel.plot(points[0], 1e3 * points[1], "k.", ms=3, label="measured")
     table = []
     for spacing, style in ((2, "-"), (1, "--")):
         settings = [f"fluid.resolution=Spacing({spacing / 1000})"]
@@ -349,7 +350,7 @@ def tank(args, row, rest, until):
         for walls in wanted:
             ran = run(args, SCENES / f"{row}.ron", walls, name, settings)
             if ran is not None:
-                cells[walls] = height_of_block(ran, panel, (walls, style, spacing), (times, asked) if measured else None, rest)
+                cells[walls] = height_of_block(ran, panel, (walls, style, spacing), points, rest)
         table.append((f"{row}, {spacing} mm: root mean square of the height", "3 mm, times 0.03 s", cells))
     panel.set_ylabel("height of the centre [mm]", fontsize=7)
     panel.set_xlim(0, until)
@@ -362,7 +363,8 @@ def height_of_block(ran, panel, kind, measured, rest):
     """Draws the height of a block and says how far it is off; `rest` is that of one which ends on the floor."""
     walls, style, spacing = kind
     time, height = ran.series("blocks.csv", "z [")
-    panel.plot(time, 1e3 * height, color=shared.COLORS[walls], ls=style, lw=0.8, label=f"{shared.WALLS[walls]}, {spacing} mm")
+    panel.plot(time, 1e3 * height, color=shared.COLORS[walls], ls=style, lw=0.8,
+               label=f"{shared.WALLS[walls]}, {spacing} mm")
     text = ""
     if measured:
         shift = best_shift(time, height, *measured)
@@ -406,9 +408,9 @@ def cosine_block(args):
         found = []
         for g, (start, end), sense, _ in COSINE:
             time, wave = ran.series("gauges.csv", g)
-            end = end + 0.1
-            found.append(extreme(time, 1e3 * levelled(time, wave), (start, end), sense) if end < time[-1] else (math.nan, math.nan))
-        errors = [f"{percent(h, other)} % ({t - at:+.2f} s)" for (t, h), (at, other) in zip(found, asked) if math.isfinite(t)]
+            if end + 0.1 < time[-1]:
+                found.append(extreme(time, 1e3 * levelled(time, wave), (start, end + 0.1), sense))
+        errors = [f"{percent(h, other)} % ({t - at:+.2f} s)" for (t, h), (at, other) in zip(found, asked)]
         cells[walls] = f"{', '.join(errors)}; {ran.note()}"
     for panel, x in zip(panels[:, 0], (0.618, 1.128)):
         panel.set_ylabel(f"x = {x} m [mm]", fontsize=7)
