@@ -63,10 +63,13 @@ class Run(shared.Run):
         self.code, self.cpu = int(self.code), float(self.cpu)
 
     def series(self, name, start):
-        """Time and a column of a table, as arrays without what is empty."""
+        """Time and a column of a table, as arrays without what is empty; of blocks, that of the first."""
         time = np.array(self.column(name, "time"))
         values = np.array(self.column(name, start))
         there = np.isfinite(values)
+        if name == "blocks.csv":
+            blocks = np.array(self.column(name, "block"))
+            there &= blocks == blocks[0]
         return time[there], values[there]
 
     def note(self):
