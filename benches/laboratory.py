@@ -227,7 +227,7 @@ def ellipse(args):
     for panel, x in zip(panels[:, 0], GAUGES):
         panel.set_ylabel(f"x = {x} m [mm]", fontsize=7)
         panel.set_xlim(0, 4.2)
-    legend(panels[0, 0])
+    legend(panels[0, list(scenes.MOTIONS).index("SG3_IS5")])
     save(args, made, "ellipse")
     return table
 
