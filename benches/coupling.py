@@ -8,7 +8,6 @@ Prints a table of errors and the seconds of processor each run took, and draws e
 
 import json
 import math
-import resource
 import struct
 import zlib
 from pathlib import Path
@@ -28,24 +27,8 @@ RHO, G = 1000.0, 9.81
 
 def runs(args, case, name, settings=()):
     """Runs of a case by kind of wall, those that could be made; each knows the seconds of processor it took."""
-    found = {}
-    for walls in WALLS:
-        folder = args.runs / f"{name}_{WALLS[walls]}"
-        if walls not in args.walls and not (folder / "ended").exists():
-            continue
-        before = resource.getrusage(resource.RUSAGE_CHILDREN)
-        was_there = (folder / "ended").exists()
-        made = run(args, case, walls, name, settings)
-        after = resource.getrusage(resource.RUSAGE_CHILDREN)
-        if made is None:
-            continue
-        if not was_there:
-            seconds = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
-            (folder / "processor").write_text(f"{seconds:.1f}\n")
-        made.seconds = float((folder / "processor").read_text())
-        made.code = int((folder / "ended").read_text())
-        found[walls] = made
-    return found
+    made = {walls: run(args, case, walls, name, settings) for walls in WALLS}
+    return {walls: one for walls, one in made.items() if one is not None}
 
 
 def columns(made, name):
@@ -77,7 +60,7 @@ def row(name, asked, found, say):
             return "-"
         made = found[walls]
         early = f"; ended early at {summary(made)['simulated_time']:.3g} s" if made.code else ""
-        return f"{say(made)}{early}; {made.seconds:.0f} s"
+        return f"{say(made)}{early}; {made.cpu:.0f} s"
     return [name, asked] + [cell(walls) for walls in WALLS]
 
 

@@ -26,10 +26,8 @@ of the record's height, those of times of the record's time. Windows: the leadin
 until PASSED, its crest the highest before that; those of other rows stand beside their gauges.
 """
 
-import argparse
 import importlib.util
 import math
-import os
 import sys
 from pathlib import Path
 
@@ -57,11 +55,6 @@ def module(name):
 class Run(shared.Run):
     """A run folder and the CPU seconds it took."""
 
-    def __init__(self, folder):
-        super().__init__(folder)
-        self.code, self.cpu = (folder / "ended").read_text().split()
-        self.code, self.cpu = int(self.code), float(self.cpu)
-
     def series(self, name, start):
         """Time and a column of a table, as arrays without what is empty; of blocks, that of the first."""
         time = np.array(self.column(name, "time"))
@@ -79,23 +72,9 @@ class Run(shared.Run):
 
 
 def run(args, scene, walls, name, settings=()):
-    """The run of a scene under one kind of wall: made unless it is there; None if it was refused."""
-    folder = args.runs / f"{name}_{shared.WALLS[walls]}"
-    done = folder / "ended"
-    if not done.exists() and not args.draw_only:
-        command = [args.riprap, "run", str(scene), "-o", str(folder), "--force", "--quiet", "--threads", "1"]
-        for one in [f"interface.walls={walls}", *settings]:
-            command += ["--set", one]
-        args.runs.mkdir(parents=True, exist_ok=True)
-        with open(f"{folder}.log", "w") as log:
-            to_log = [(os.POSIX_SPAWN_DUP2, log.fileno(), 1), (os.POSIX_SPAWN_DUP2, log.fileno(), 2)]
-            child = os.posix_spawn(args.riprap, command, os.environ, file_actions=to_log)
-            _, status, used = os.wait4(child, 0)
-        if not folder.is_dir():
-            print(f"{name} {shared.WALLS[walls]}: refused, see {folder}.log", file=sys.stderr)
-            return None
-        done.write_text(f"{os.waitstatus_to_exitcode(status)} {used.ru_utime + used.ru_stime:.2f}\n")
-    return Run(folder) if done.exists() else None
+    """The run of a scene under one kind of wall, if there is one."""
+    made = shared.run(args, scene, walls, name, settings)
+    return made and Run(made.folder)
 
 
 def record(args, name):
@@ -539,27 +518,9 @@ ROWS = {one.__name__: one for one in (ellipse, ellipse_free, falling_block, floa
                                       submarine_body)}
 
 
-def arguments():
-    """Command line."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("rows", nargs="*", metavar="ROW", help=f"of {', '.join(ROWS)}; all when left out")
-    parser.add_argument("--riprap", default="target/release/riprap", help="the program")
-    parser.add_argument("--runs", default=Path("runs/laboratory"), type=Path, help="folder of the runs")
-    parser.add_argument("--plots", default=HERE / "plots", type=Path, help="folder of the plots")
-    parser.add_argument("--records", type=Path, help="folder of measured records, your own")
-    parser.add_argument("--walls", default=",".join(shared.WALLS), help="methods to run, by comma")
-    parser.add_argument("--draw-only", action="store_true", help="run nothing: table and plots of the runs that are there")
-    found = parser.parse_args()
-    found.walls = found.walls.split(",")
-    if unknown := [row for row in found.rows if row not in ROWS]:
-        parser.error(f"no row {', '.join(unknown)}; there are {', '.join(ROWS)}")
-    found.rows = found.rows or list(ROWS)
-    return found
-
-
 def main():
     """Runs what is asked for and prints the table."""
-    args = arguments()
+    args = shared.arguments(__doc__.splitlines()[0], ROWS, records=True)
     table = [["row", "asked", *shared.WALLS.values()]]
     for row in args.rows:
         for label, asked, cells in ROWS[row](args):

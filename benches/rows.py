@@ -5,7 +5,8 @@ Runs that are there already are taken as they are: a bench that was broken off g
 
 import argparse
 import csv
-import subprocess
+import os
+import sys
 from pathlib import Path
 
 import matplotlib
@@ -17,14 +18,17 @@ WALLS = {"Penalty": "W1", "Particles": "W2", "Integral": "W3"}
 COLORS = {"Penalty": "tab:orange", "Particles": "tab:blue", "Integral": "tab:green"}
 
 
-def arguments(description, rows):
-    """Command line of a bench; `rows` are the names of what it can run."""
+def arguments(description, rows, records=False):
+    """Command line of a bench; `rows` are the names of what it can run, `records` whether it takes measured ones."""
     parser = argparse.ArgumentParser(description=description)
     parser.add_argument("rows", nargs="*", metavar="ROW", help=f"of {', '.join(rows)}; all when left out")
     parser.add_argument("--riprap", default="target/release/riprap", help="the program")
     parser.add_argument("--runs", default="runs/benches", type=Path, help="folder of the runs")
     parser.add_argument("--plots", default="benches/plots", type=Path, help="folder of the plots")
     parser.add_argument("--walls", default=",".join(WALLS), help="methods to run, by comma")
+    if records:
+        parser.add_argument("--records", type=Path, help="folder of measured records, your own")
+    parser.add_argument("--draw-only", action="store_true", help="no runs: table and plots of those that are there")
     found = parser.parse_args()
     found.walls = found.walls.split(",")
     unknown = [row for row in found.rows if row not in rows]
@@ -35,10 +39,12 @@ def arguments(description, rows):
 
 
 class Run:
-    """A run folder."""
+    """A run folder, what the program returned and the seconds of processor it took."""
 
     def __init__(self, folder):
         self.folder = folder
+        code, cpu = (folder / "ended").read_text().split()
+        self.code, self.cpu = int(code), float(cpu)
 
     def columns(self, name):
         """Columns of one of its tables, by name with unit; what is empty is NaN."""
@@ -63,25 +69,23 @@ def columns(path):
 
 
 def run(args, case, walls, name, settings=()):
-    """The run of a case under one kind of wall: made unless it is there; None if it ended early."""
+    """The run of a case under one kind of wall: made unless it is there, or not wanted; None if there is none."""
     folder = args.runs / f"{name}_{WALLS[walls]}"
     done = folder / "ended"
-    if not done.exists():
-        sets = [f"interface.walls={walls}", *settings]
+    if not done.exists() and walls in args.walls and not args.draw_only:
         command = [args.riprap, "run", str(case), "-o", str(folder), "--force", "--quiet", "--threads", "1"]
-        for one in sets:
+        for one in [f"interface.walls={walls}", *settings]:
             command += ["--set", one]
         args.runs.mkdir(parents=True, exist_ok=True)
         with open(f"{folder}.log", "w") as log:
-            code = subprocess.run(command, stderr=log, stdout=log).returncode
+            to_log = [(os.POSIX_SPAWN_DUP2, log.fileno(), 1), (os.POSIX_SPAWN_DUP2, log.fileno(), 2)]
+            child = os.posix_spawn(args.riprap, command, os.environ, file_actions=to_log)
+            _, status, used = os.wait4(child, 0)
         if not folder.is_dir():
-            print(f"{name} {WALLS[walls]}: refused, see {folder}.log")
+            print(f"{name} {WALLS[walls]}: refused, see {folder}.log", file=sys.stderr)
             return None
-        done.write_text(f"{code}\n")
-    code = int(done.read_text())
-    if code != 0:
-        print(f"{name} {WALLS[walls]}: ended early with {code}, see {folder}.log")
-    return Run(folder)
+        done.write_text(f"{os.waitstatus_to_exitcode(status)} {used.ru_utime + used.ru_stime:.2f}\n")
+    return Run(folder) if done.exists() else None
 
 
 def figure(n_panels, height=1.6):

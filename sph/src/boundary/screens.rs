@@ -416,11 +416,11 @@ mod tests {
         screens.add(higher, (bounds.0, raised), &grid, 2.0);
         let x = Vec3::new(0.0, 0.0, 1.7);
         let cell = grid.cell_of(&x);
-        let seen = |z: f64, screen: u32| {
+        let seen = |screens: &Screens, z: f64, screen: u32| {
             let facet = Facet { screen, face: 4 };
             screens.lets_see_wall(cell, &x, &Vec3::new(0.0, 0.0, z), facet)
         };
-        assert!(seen(0.4, 1) && !seen(0.4, 0));
+        assert!(seen(&screens, 0.4, 1) && !seen(&screens, 0.4, 0));
         // inside a solid that reaches over its upper side, and not beyond it, it hides nothing
         let mound = |half: f64| {
             let sides = [Vec3::x(), -Vec3::x()].map(|n| (n, half));
@@ -431,7 +431,7 @@ mod tests {
         let low = Vec3::new(0.0, 0.0, 1.0);
         assert!(!screens.lets_see_wall(cell, &x, &low, Facet::NONE));
         screens.cover(mound(0.3));
-        assert!(screens.lets_see_wall(cell, &x, &low, Facet::NONE) && !seen(1.0, 1));
+        assert!(screens.lets_see_wall(cell, &x, &low, Facet::NONE) && !seen(&screens, 1.0, 1));
         let aside = Vec3::new(1.0, 0.0, 0.0);
         assert!(!screens.lets_see_wall(cell, &(x + aside), &(low + aside), Facet::NONE));
         let deep = Vec3::new(0.0, 0.0, -1.0);
