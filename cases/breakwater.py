@@ -21,9 +21,6 @@ from pathlib import Path
 
 # edge of a cube as it is let down, still water's depth, width of the flume; m
 EDGE = 0.06
-# that of the scene: at rest cubes press into each other by up to 0.8 %, which would push them apart at its start, when no
-# friction holds them yet
-EDGE_OF_SCENE = 0.98 * EDGE
 DEPTH = 0.42
 WIDTH = 0.54
 SLOPE = math.atan(1 / 1.5)
@@ -194,8 +191,8 @@ def scene(cubes):
 {head}
 (
     title: "Rubble-mound breakwater: cubes under a wave",
-    description: "{len(cubes)} cubes in two layers on 1 : 1.5 under a solitary wave of 0.6 depths; how many it displaces. \
-Not yet an answer: water in the pores is missing.",
+    description: "{len(cubes)} cubes in two layers on 1 : 1.5 under a solitary wave of 0.6 depths; how many it displaces, \
+at least: water in the pores is missing.",
     domain: (min: ({PADDLE - 0.4:g}, -0.12, -0.12), max: (2, {WIDTH + 0.12:g}, 1.6)),
 {MATERIALS}
     blocks: [
@@ -204,7 +201,7 @@ Not yet an answer: water in the pores is missing.",
         (name: "floor", material: "concrete", motion: Fixed,
          shape: Box(min: ({PADDLE - 0.3:g}, -0.1, -0.1), max: (0, {WIDTH + 0.1:g}, 0))),
 {structure()}
-{chr(10).join(armour(cubes, EDGE_OF_SCENE))}
+{chr(10).join(armour(cubes, EDGE))}
     ],
     fluid: (
         resolution: Spacing(0.02),
@@ -217,9 +214,9 @@ Not yet an answer: water in the pores is missing.",
         SurfaceElevation(name: "before_the_toe", x: -0.2, y: {WIDTH / 2:g}),
         SurfaceElevation(name: "over_the_slope", x: 0.3, y: {WIDTH / 2:g}),
         // blocks that rocked or settled, and those that a laboratory would count
-        Displaced(name: "moved", blocks: "armour", farther_than: {0.1 * EDGE_OF_SCENE:g}),
-        Displaced(name: "half", blocks: "armour", farther_than: {0.5 * EDGE_OF_SCENE:g}),
-        Displaced(name: "displaced", blocks: "armour", farther_than: {EDGE_OF_SCENE:g}),
+        Displaced(name: "moved", blocks: "armour", farther_than: {0.1 * EDGE:g}),
+        Displaced(name: "half", blocks: "armour", farther_than: {0.5 * EDGE:g}),
+        Displaced(name: "displaced", blocks: "armour", farther_than: {EDGE:g}),
     ],
     output: (frame_interval: 0.1, gauge_interval: 0.01, ledger_interval: 0.05, water_fields: [Velocity, Pressure]),
     camera: (position: (-1.8, -2.2, 1.6), look_at: (0.4, 0.3, 0.35), field_of_view_deg: 45),
