@@ -14,7 +14,7 @@ const UNNOTICED: f64 = 1e-6;
 /// of any two parts. Blocks that touch do not overlap.
 ///
 /// `motions` goes with `solids`. Problems: an error above 1 % of the smaller size (cube root of the
-/// volume), a warning above 1e-6 of it.
+/// volume), one warning of the deepest above 1e-6 of it: a pile at rest has many.
 pub fn overlaps(solids: &[(String, Shape)], motions: &[Motion]) -> Vec<Problem> {
     let parts = parts(solids);
     let boxes: Vec<(Vec3, Vec3)> = parts.iter().map(|(_, part)| part.aabb()).collect();
@@ -50,29 +50,42 @@ pub fn overlaps(solids: &[(String, Shape)], motions: &[Motion]) -> Vec<Problem> 
     // deepest first within a pair of blocks
     found.sort_by(|a, b| (a.0, a.1).cmp(&(b.0, b.1)).then(b.2.total_cmp(&a.2)));
     found.dedup_by_key(|(i, j, _)| (*i, *j));
-    found
+    let share = |&(i, j, depth): &(usize, usize, f64)| depth / sizes[i].min(sizes[j]);
+    let (refused, noticed): (Vec<_>, Vec<_>) = found
         .into_iter()
-        .filter_map(|(i, j, depth)| {
-            let size = sizes[i].min(sizes[j]);
-            // the one that can be moved is named first
-            let (mover, other) = if is_free(i) { (i, j) } else { (j, i) };
-            let message = format!(
-                "block `{}` overlaps block `{}` by {depth:.3e} m, {:.2} % of the smaller size",
-                solids[mover].0,
-                solids[other].0,
-                100.0 * depth / size
-            );
-            let path = format!("blocks[{mover}].placement");
-            if depth > REFUSED * size {
-                Some(Problem::error(path, message + "; move them apart"))
-            } else if depth > UNNOTICED * size {
-                let message = message + ": they will push each other apart";
-                Some(Problem::warning(path, message))
-            } else {
-                None
-            }
+        .filter(|pair| UNNOTICED < share(pair))
+        .partition(|pair| REFUSED < share(pair));
+    let place_and_message = |&(i, j, depth): &(usize, usize, f64)| {
+        // the one that can be moved is named first
+        let (mover, other) = if is_free(i) { (i, j) } else { (j, i) };
+        let message = format!(
+            "block `{}` overlaps block `{}` by {depth:.3e} m, {:.2} % of the smaller size",
+            solids[mover].0,
+            solids[other].0,
+            100.0 * share(&(i, j, depth))
+        );
+        (format!("blocks[{mover}].placement"), message)
+    };
+    let mut problems: Vec<Problem> = refused
+        .iter()
+        .map(|pair| {
+            let (path, message) = place_and_message(pair);
+            Problem::error(path, message + "; move them apart")
         })
-        .collect()
+        .collect();
+    let deepest = noticed.iter().max_by(|a, b| share(a).total_cmp(&share(b)));
+    problems.extend(deepest.map(|pair| {
+        let (path, message) = place_and_message(pair);
+        let others = match noticed.len() - 1 {
+            0 => String::new(),
+            n => format!(", and {n} more pairs less"),
+        };
+        Problem::warning(
+            path,
+            message + &others + ": they will push each other apart",
+        )
+    }));
+    problems
 }
 
 /// Depth of the overlap of two parts, 0 if they are apart; m.
