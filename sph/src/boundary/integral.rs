@@ -15,7 +15,7 @@
 //! edge have closed forms too: round-off, also for a point on a face or on the line of an edge,
 //! where Gauss points along the edge lose digits.
 //!
-//! In a plane in which nothing depends on y the same is done over polygons, see [`plane`].
+//! In a plane in which nothing depends on y the same is done over polygons.
 //!
 //! Lengths inside this file are in units of `R`.
 
