@@ -157,7 +157,11 @@ impl ParticleWalls {
             .iter()
             .map(|part| sampler.endless.inside(part))
             .collect();
-        let mut screens = Screens::new(&inside, spacing, support);
+        let mut screens = Screens::new(
+            &inside,
+            |part| sampler.seeming_ends(part),
+            (spacing, support),
+        );
         let (thin, thick) = sampler.screens(&inside);
         let mut standing_points = Points::default();
         for Thin { part, ends, faces } in thin {
@@ -744,6 +748,19 @@ impl Sampler {
 
     fn is_before_planes(&self, x: &Vec3) -> bool {
         self.symmetry.iter().all(|plane| 0.0 <= plane.distance(x))
+    }
+
+    /// At which faces a fixed part only seems to end: at sides of the domain beyond which it goes on, or at a plane of symmetry.
+    fn seeming_ends(&self, part: &Part) -> Vec<bool> {
+        let slack = 1e-6 * self.lattice.particle_spacing;
+        let is_seeming = |(normal, corners): &(Vec3, Vec<Vec3>)| {
+            (0..3).any(|axis| normal[axis].abs() > 0.5 && self.endless.has_no_end(part, axis))
+                || self.symmetry.iter().any(|plane| {
+                    let mut corners = corners.iter();
+                    corners.all(|x| plane.distance(x) <= slack)
+                })
+        };
+        part.faces.iter().map(is_seeming).collect()
     }
 
     /// At which faces a part only seems to end: it goes on beyond a side that repeats, across a flow in a plane, or

@@ -55,12 +55,16 @@ struct Screen {
 }
 
 impl Screens {
-    /// None, before these fixed parts; lengths in m.
-    pub(super) fn new(fixed: &[Part], spacing: f64, support_radius: f64) -> Self {
+    /// None, before these fixed parts, of which some faces only seem to end them; lengths in m.
+    pub(super) fn new(
+        fixed: &[Part],
+        seeming_ends: impl Fn(&Part) -> Vec<bool>,
+        (spacing, support_radius): (f64, f64),
+    ) -> Self {
         Self {
             screens: Vec::new(),
             fixed: fixed.to_vec(),
-            fixed_planes: fixed.iter().map(Part::planes).collect(),
+            fixed_planes: (fixed.iter().map(|part| part.planes(&seeming_ends(part)))).collect(),
             spacing,
             support_radius,
             are_new: false,
@@ -161,12 +165,13 @@ impl Screens {
 }
 
 impl Part {
-    /// Of its faces.
-    fn planes(&self) -> Vec<Plane> {
-        let faces = self.faces.iter();
-        faces
-            .filter_map(|(normal, corners)| Some((*normal, normal.dot(corners.first()?))))
-            .collect()
+    /// Of its faces; where it has no end they are infinitely far.
+    fn planes(&self, ends: &[bool]) -> Vec<Plane> {
+        let plane = |((normal, corners), &is_end): (&(Vec3, Vec<Vec3>), &bool)| {
+            let offset = normal.dot(corners.first()?);
+            Some((*normal, if is_end { f64::INFINITY } else { offset }))
+        };
+        self.faces.iter().zip(ends).filter_map(plane).collect()
     }
 }
 
