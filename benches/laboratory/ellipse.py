@@ -11,7 +11,7 @@ how it goes: its speed along the bed is linear between knots fitted to each meas
 The submergence published, d = 0.05 to 0.2 m, is said to be that of the centre of mass; in the records it is that of the top
 within 2 mm, for all starts. Blocks start where their record starts.
 
-Measured, walls of particles: crests and troughs mostly 10 to 40 % too high, those of the slowest block (SG1_IS5) up to 67 %,
+Measured, walls of particles: crests and troughs mostly 10 to 40 % too high, those of the slowest block (SG1_IS5) up to 63 %,
 arrival within 5 % but for that one (9 %) and the deepest start (15 %). SG1_IS5 with 7 mm for 10 mm: crests at 2.5 to 4.5 m
 +30, +40, +45 % for +38, +55, +67 %, the trough at 2.5 m no better. Still for 1 s before: within 6 % of the same. SG3_IS5 with
 a block 5 % flatter, so that its volume is that published, 2.419 l, and not that of half an ellipse: 5 to 8 % lower. Integrals
