@@ -421,6 +421,9 @@ mod tests {
             screens.lets_see_wall(cell, &x, &Vec3::new(0.0, 0.0, z), facet)
         };
         assert!(seen(&screens, 0.4, 1) && !seen(&screens, 0.4, 0));
+        let deep = Vec3::new(0.0, 0.0, -1.0);
+        assert!(!screens.lets_see_wall(cell, &x, &deep, Facet::NONE));
+        assert!(!screens.lets_see(cell, &x, &Vec3::new(0.0, 0.0, 0.55)));
         // inside a solid that reaches over its upper side, and not beyond it, it hides nothing
         let mound = |half: f64| {
             let sides = [Vec3::x(), -Vec3::x()].map(|n| (n, half));
@@ -434,9 +437,6 @@ mod tests {
         assert!(screens.lets_see_wall(cell, &x, &low, Facet::NONE) && !seen(&screens, 1.0, 1));
         let aside = Vec3::new(1.0, 0.0, 0.0);
         assert!(!screens.lets_see_wall(cell, &(x + aside), &(low + aside), Facet::NONE));
-        let deep = Vec3::new(0.0, 0.0, -1.0);
-        assert!(!screens.lets_see_wall(cell, &x, &deep, Facet::NONE));
-        assert!(!screens.lets_see(cell, &x, &Vec3::new(0.0, 0.0, 0.55)));
         screens.clear();
         assert!(!screens.are_near(cell) && screens.lets_see(cell, &x, &deep));
         Ok(())
