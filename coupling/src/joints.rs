@@ -371,7 +371,7 @@ impl JointWater {
                 continue;
             }
             let bounds = reached.bounds;
-            if !reached.is_so {
+            if !reached.is_reached {
                 for face in &jointed.faces {
                     self.full[face.first..face.last].fill(0.0);
                 }
@@ -556,7 +556,7 @@ struct Reached {
 struct ReachedBlock {
     /// The box round it; m.
     bounds: (Vec3, Vec3),
-    is_so: bool,
+    is_reached: bool,
 }
 
 impl Reached {
@@ -570,9 +570,9 @@ impl Reached {
                 let (min, max) = blocks.part_aabb(part);
                 bounds = (bounds.0.inf(&min), bounds.1.sup(&max));
             }
-            let is_so = blocks.is_free(jointed.block) && has_water(fluid, &bounds);
-            self.blocks.push(ReachedBlock { bounds, is_so });
-            if is_so {
+            let is_reached = blocks.is_free(jointed.block) && has_water(fluid, &bounds);
+            self.blocks.push(ReachedBlock { bounds, is_reached });
+            if is_reached {
                 self.to_look_at.push(n);
             }
         }
@@ -581,8 +581,8 @@ impl Reached {
             for (m, other) in self.blocks.iter_mut().enumerate() {
                 let (low, high) = other.bounds;
                 let is_near = (0..3).all(|k| low[k] - reach < max[k] && min[k] < high[k] + reach);
-                if !other.is_so && is_near && blocks.is_free(jointed[m].block) {
-                    other.is_so = true;
+                if !other.is_reached && is_near && blocks.is_free(jointed[m].block) {
+                    other.is_reached = true;
                     self.to_look_at.push(m);
                 }
             }

@@ -504,11 +504,11 @@ impl IntegralWalls {
                 let approach = jump.dot(&inwards);
                 let mut force = inwards * -self.damping(approach, sight.distance, volume, fluid);
                 if self.slip == Slip::None {
-                    let plane = (sight.distance, self.support_radius, self.dimensions);
-                    let share = integral.lambda / plane_share(plane.0, plane.1, plane.2);
+                    let (distance, radius) = (sight.distance, self.support_radius);
+                    let share = integral.lambda / plane_share(distance, radius, self.dimensions);
                     let factor = 2.0
                         * settings.kinematic_viscosity()
-                        * viscous_factor(plane.0, plane.1, plane.2)
+                        * viscous_factor(distance, radius, self.dimensions)
                         * share;
                     force += (jump - inwards * approach) * (particles.mass[a] * factor);
                 }

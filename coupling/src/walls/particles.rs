@@ -86,7 +86,7 @@ struct Buried {
     is_of_screen: Vec<bool>,
     /// From this depth on; m.
     depth: f64,
-    are_so: Vec<bool>,
+    is_buried: Vec<bool>,
     /// Whether there are any, or were when points were placed last.
     is_any: bool,
     /// Parts of fixed polyhedra, and those near a block.
@@ -117,8 +117,8 @@ impl Buried {
                     let surface = blocks.surface_point_within(*part, &place, 0.0);
                     surface.is_some_and(|surface| surface.distance < -self.depth)
                 };
-                self.are_so[w] = !self.is_of_screen[w] && self.near.iter().any(is_inside);
-                self.is_any |= self.are_so[w];
+                self.is_buried[w] = !self.is_of_screen[w] && self.near.iter().any(is_inside);
+                self.is_any |= self.is_buried[w];
             }
         }
         self.is_any |= had_any;
@@ -126,7 +126,11 @@ impl Buried {
 
     /// Volume of a point, in m³.
     fn volume(&self, w: usize) -> f64 {
-        if self.are_so[w] { 0.0 } else { self.volumes[w] }
+        if self.is_buried[w] {
+            0.0
+        } else {
+            self.volumes[w]
+        }
     }
 }
 
@@ -228,7 +232,7 @@ impl ParticleWalls {
             volumes: points.samples.iter().map(|s| s.volume).collect(),
             is_of_screen: points.facets.iter().map(|&f| f != Facet::NONE).collect(),
             depth: BURIED_DEPTH * spacing,
-            are_so: vec![false; points.blocks.len()],
+            is_buried: vec![false; points.blocks.len()],
             is_any: false,
             fixed: (0..blocks.n_parts()).filter(is_solid).collect(),
             near: Vec::new(),
