@@ -594,4 +594,5 @@ def main():
     table(lines)
 
 
-main()
+if __name__ == "__main__":
+    main()

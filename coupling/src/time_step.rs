@@ -60,8 +60,9 @@ impl Limits {
     /// The step that obeys the limits after a step of `previous` seconds.
     ///
     /// With fluid, blocks that need a shorter step take several inside the common one. `ceiling`
-    /// bounds a step that nothing else does.
+    /// bounds the step of blocks alone, which in free flight have no limit of their own.
     pub fn choose(&self, has_fluid: bool, previous: Option<f64>, ceiling: f64) -> TimeStep {
+        let ceiling = if has_fluid { f64::INFINITY } else { ceiling };
         let mut chosen = (Cause::Duration, ceiling);
         let contact = (Cause::Contact, self.blocks);
         let candidates = self.common.iter().chain((!has_fluid).then_some(&contact));
@@ -128,6 +129,14 @@ mod tests {
         assert_eq!(
             (step.cause, step.dt, step.block_substeps),
             (Cause::Duration, 0.01, 1)
+        );
+    }
+
+    #[test]
+    fn a_short_run_of_fluid_takes_the_steps_of_a_long_one() {
+        assert_eq!(
+            limits().choose(true, None, 1e-6),
+            limits().choose(true, None, 1.0)
         );
     }
 

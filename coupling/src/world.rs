@@ -369,7 +369,7 @@ impl World {
         }
     }
 
-    /// The step that the state asks for; `duration` bounds it where nothing else does.
+    /// The step that the state asks for; without fluid at most a thousandth of `duration` (s).
     ///
     /// # Errors
     ///

@@ -222,7 +222,7 @@ impl ContinuedPressure {
             positions: places,
             facets: &[],
         };
-        sums::extrapolation(fluid, places, &self.chosen, &mut self.sums);
+        sums::extrapolation(fluid, places, &self.chosen, false, &mut self.sums);
     }
 
     /// For each place the share of its support that is fluid, `Σ V W`, and the pressure, 0 without fluid; –, Pa.

@@ -93,6 +93,8 @@ pub(crate) trait Lanes:
 
     /// The same number in all lanes.
     fn splat(machine: Self::Machine, value: f64) -> Self;
+    /// The first `WIDTH` numbers.
+    fn load(machine: Self::Machine, values: &[f64]) -> Self;
     /// `self · b + c`.
     fn mul_add(self, b: Self, c: Self) -> Self;
     /// Square root.
@@ -182,6 +184,11 @@ macro_rules! portable {
             #[inline(always)]
             fn splat(_: Portable, value: f64) -> Self {
                 Self([value as $scalar; $width])
+            }
+
+            #[inline(always)]
+            fn load(_: Portable, values: &[f64]) -> Self {
+                Self(std::array::from_fn(|lane| values[lane] as $scalar))
             }
 
             #[inline(always)]
@@ -352,6 +359,12 @@ mod avx2 {
         }
 
         #[inline(always)]
+        fn load(machine: Avx2, values: &[f64]) -> Self {
+            let values: [f32; 8] = std::array::from_fn(|lane| values[lane] as f32);
+            Self(machine.0, cast(values))
+        }
+
+        #[inline(always)]
         fn mul_add(self, b: Self, c: Self) -> Self {
             Self(self.0, self.0.fma._mm256_fmadd_ps(self.1, b.1, c.1))
         }
@@ -425,6 +438,12 @@ mod avx2 {
         #[inline(always)]
         fn splat(machine: Avx2, value: f64) -> Self {
             Self(machine.0, machine.0.avx._mm256_set1_pd(value))
+        }
+
+        #[inline(always)]
+        fn load(machine: Avx2, values: &[f64]) -> Self {
+            let values: [f64; 4] = std::array::from_fn(|lane| values[lane]);
+            Self(machine.0, cast(values))
         }
 
         #[inline(always)]

@@ -320,7 +320,7 @@ where
         let radius2 = sources.support_radius * sources.support_radius * FILTER_MARGIN;
         let support2 = L::splat(machine, radius2);
         let quanta = splat3(machine, sources.frame.quantum());
-        let mut kept = [0; BUFFER];
+        let (mut kept, mut shares) = ([0; BUFFER], [1.0; BUFFER]);
         let (mut span, mut start) = (0, 0);
         for (k, (out, &end)) in out.iter_mut().zip(ends).enumerate() {
             let a = first + k;
@@ -342,9 +342,11 @@ where
                     Some(veil) if SCREENED && veil.is_near(sources.grid, &place) => {
                         let listed = &ids[..ids.len() - L::WIDTH + usize::from(span.n_in_last)];
                         for listed in listed.chunks(BUFFER) {
-                            let n =
-                                keep(veil, sources.grid, (a, &place, radius2), listed, &mut kept);
-                            seen.add_all(term, &own, sources.points, (&mut kept, n), &mut sums);
+                            let receiver = (a, &place, radius2);
+                            let into = (&mut kept, &mut shares);
+                            let n = keep(veil, sources.grid, receiver, listed, into);
+                            let found = (&mut kept, &shares, n);
+                            seen.add_all::<_, true>(term, &own, sources.points, found, &mut sums);
                             n_found += n as u32;
                         }
                     }
@@ -372,15 +374,15 @@ where
     }
 }
 
-/// Keeps of the points listed those within the support, by its square (m²), that receiver `a` sees from a place;
-/// returns how many they are.
+/// Keeps of the points listed those within the support, by its square (m²), that receiver `a` sees anything of from a
+/// place, each with the share that it sees; returns how many they are.
 #[inline(never)]
 fn keep(
     veil: &Veil,
     grid: &CellGrid,
     (a, place, radius2): (usize, &Vec3, f64),
     listed: &[u32],
-    kept: &mut [u32; BUFFER],
+    (kept, shares): (&mut [u32; BUFFER], &mut [f64; BUFFER]),
 ) -> usize {
     let mut n = 0;
     for &id in listed {
@@ -389,7 +391,7 @@ fn keep(
             n += 1;
         }
     }
-    veil.keep_seen(grid, a, place, &mut kept[..n])
+    veil.keep_seen(grid, a, place, &mut kept[..n], shares)
 }
 
 #[cfg(test)]

@@ -320,7 +320,7 @@ pub(crate) fn summation(fluid: &mut Fluid, factor: f64) -> u64 {
         fluid.settings.scheme.precision,
         &fluid.frame,
         &fluid.particles.position,
-        |a| [mass[a] * factor, 0.0, 0.0, 0.0, 0.0],
+        |a| [0.0, 0.0, 0.0, 0.0, mass[a] * factor],
     );
     fluid.list(&points);
     dispatch(
@@ -808,18 +808,6 @@ pub(crate) fn wall_spreads(fluid: &Fluid, walls: Neighborhood, chosen: &[u32], o
     );
 }
 
-/// Spread of the fluid round some points; after [`Fluid::pack_forces`].
-pub(crate) fn spreads_at(fluid: &Fluid, places: Places, chosen: &[u32], out: &mut [Spread]) {
-    dispatch(
-        fluid.settings.scheme.precision,
-        Spreads {
-            setup: fluid.to_places(places, chosen),
-            way: PhantomData::<Across>,
-            out,
-        },
-    );
-}
-
 /// Forces per volume of wall points, which hold velocity, pressure and volume, on some particles.
 pub(crate) fn wall_forces(
     fluid: &Fluid,
@@ -867,6 +855,7 @@ pub(crate) fn reactions(
 
 struct Extrapolations<'a> {
     setup: Setup<'a>,
+    with_slopes: bool,
     out: &'a mut [Extrapolated],
 }
 sum_over_kernels!(Extrapolations);
@@ -881,22 +870,31 @@ impl Extrapolations<'_> {
     {
         let s = self.setup.settings;
         let kernel = self.setup.kernel::<L, K>(machine);
-        let term = Extrapolation::new(machine, kernel, s.reference_density, s.sound_speed);
-        Across::sum::<L, _>(&self.setup, machine, &term, self.out);
+        let (rho, c) = (s.reference_density, s.sound_speed);
+        if self.with_slopes {
+            let term = Extrapolation::<L, K, true>::new(machine, kernel, rho, c);
+            Across::sum::<L, _>(&self.setup, machine, &term, self.out);
+        } else {
+            let term = Extrapolation::<L, K, false>::new(machine, kernel, rho, c);
+            Across::sum::<L, _>(&self.setup, machine, &term, self.out);
+        }
     }
 }
 
-/// Pressure and velocity of the fluid continued to some points; after [`Fluid::pack_forces`].
+/// Pressure and velocity of the fluid continued to some points, with the slopes of what they see or without; after
+/// [`Fluid::pack_forces`].
 pub(crate) fn extrapolation(
     fluid: &Fluid,
     places: Places,
     chosen: &[u32],
+    with_slopes: bool,
     out: &mut [Extrapolated],
 ) {
     dispatch(
         fluid.settings.scheme.precision,
         Extrapolations {
             setup: fluid.to_places(places, chosen),
+            with_slopes,
             out,
         },
     );

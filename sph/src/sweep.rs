@@ -38,7 +38,7 @@ pub(crate) struct Pair<L> {
     pub offset: [L; 3],
     /// `|x_a − x_b|²`; m².
     pub r2: L,
-    /// What the neighbours' records hold.
+    /// What the neighbours' records hold: last a volume, or what else each adds by, for the share that is seen of it.
     pub b: [L; 5],
 }
 
@@ -105,7 +105,8 @@ impl Veil<'_> {
         self.screens.are_near(grid.cell_of(place))
     }
 
-    /// Keeps of the points found those that receiver `a` sees from a place; returns how many they are.
+    /// Keeps of the points found those that receiver `a` sees anything of from a place, each with the share that it sees;
+    /// returns how many they are.
     #[inline(never)]
     pub(crate) fn keep_seen(
         &self,
@@ -113,6 +114,7 @@ impl Veil<'_> {
         a: usize,
         place: &Vec3,
         found: &mut [u32],
+        shares: &mut [f64; BUFFER],
     ) -> usize {
         let cell = grid.cell_of(place);
         let has_facets = match self.between {
@@ -123,6 +125,7 @@ impl Veil<'_> {
         };
         // wall particles behind a screen are where others look too, beyond its reach
         if !has_facets && !self.screens.are_near(cell) {
+            shares[..found.len()].fill(1.0);
             return found.len();
         }
         let facet = |facets: &[Facet], k: usize| facets.get(k).copied().unwrap_or(Facet::NONE);
@@ -130,19 +133,20 @@ impl Veil<'_> {
         for k in 0..found.len() {
             let id = found[k] as usize;
             let x = &self.positions[id];
-            let is_seen = match self.between {
-                Between::Particles => self.screens.lets_see(cell, place, x),
+            let share = match self.between {
+                Between::Particles => self.screens.share_seen(cell, place, x),
                 Between::ParticlesAndWalls(facets) => {
                     let facet = facet(facets, id);
-                    self.screens.lets_see_wall(cell, place, x, facet)
+                    self.screens.share_seen_of_wall(cell, place, x, facet)
                 }
                 Between::WallsAndParticles(facets) => {
                     let facet = facet(facets, a);
-                    self.screens.lets_see_wall(cell, x, place, facet)
+                    self.screens.share_seen_of_wall(cell, x, place, facet)
                 }
             };
-            if is_seen {
+            if 0.0 < share {
                 found[n] = found[k];
+                shares[n] = share;
                 n += 1;
             }
         }
@@ -266,6 +270,7 @@ where
             radius2,
             runs: [Run::default(); MAX_RUNS],
             found: [0; BUFFER],
+            shares: [1.0; BUFFER],
         };
         let mut images = [Image::default(); MOST_IMAGES];
         for (k, out) in out.iter_mut().enumerate() {
@@ -309,6 +314,8 @@ struct View<'a, L: Lanes, T: Term<L>, const SCREENED: bool> {
     radius2: f32,
     runs: [Run; MAX_RUNS],
     found: [u32; BUFFER],
+    /// How much of them is seen past screens.
+    shares: [f64; BUFFER],
 }
 
 impl<L, T, const SCREENED: bool> View<'_, L, T, SCREENED>
@@ -331,6 +338,7 @@ where
             radius2,
             ref mut runs,
             ref mut found,
+            ref mut shares,
         } = *self;
         let Sources {
             grid,
@@ -349,10 +357,10 @@ where
             } else {
                 frame.place(&(position - grid.image_shift(image)))
             };
-            let keep_seen = |found: &mut [u32]| match &sources.veil {
+            let keep_seen = |found: &mut [u32], shares: &mut [f64; BUFFER]| match &sources.veil {
                 Some(veil) if SCREENED => {
                     let metres = position - grid.image_shift(image);
-                    veil.keep_seen(grid, a, &metres, found)
+                    veil.keep_seen(grid, a, &metres, found, shares)
                 }
                 _ => found.len(),
             };
@@ -370,8 +378,8 @@ where
                     // as many candidates as the buffer surely holds
                     let room = (BUFFER - FILTER_WIDTH - n) / FILTER_WIDTH * FILTER_WIDTH;
                     if room == 0 {
-                        n = keep_seen(&mut found[..n]);
-                        seen.add_all(term, own, points, (found, n), sums);
+                        n = keep_seen(&mut found[..n], shares);
+                        seen.add_all::<_, SCREENED>(term, own, points, (found, shares, n), sums);
                         n_found += n as u32;
                         n = 0;
                         continue;
@@ -382,8 +390,8 @@ where
                 }
                 from += 1;
             }
-            n = keep_seen(&mut found[..n]);
-            seen.add_all(term, own, points, (found, n), sums);
+            n = keep_seen(&mut found[..n], shares);
+            seen.add_all::<_, SCREENED>(term, own, points, (found, shares, n), sums);
             n_found += n as u32;
         }
         n_found
@@ -435,18 +443,22 @@ where
     }
 
     #[inline(always)]
-    pub(crate) fn add_all<T: Term<L>>(
+    pub(crate) fn add_all<T: Term<L>, const SCREENED: bool>(
         &self,
         term: &T,
         own: &T::Own,
         points: &Points<L::Record>,
-        (found, n): (&mut [u32; BUFFER], usize),
+        (found, shares, n): (&mut [u32; BUFFER], &[f64; BUFFER], usize),
         sums: &mut T::Sums,
     ) {
         let whole = n.next_multiple_of(L::WIDTH);
         found[n..whole].fill(points.nothing());
-        for ids in found[..whole].chunks_exact(L::WIDTH) {
-            let pair = self.pair(points.records(), ids);
+        let registers = found[..whole].chunks_exact(L::WIDTH);
+        for (ids, shares) in registers.zip(shares.chunks_exact(L::WIDTH)) {
+            let mut pair = self.pair(points.records(), ids);
+            if SCREENED {
+                pair.b[4] = pair.b[4] * L::load(self.machine, shares);
+            }
             term.add(own, &pair, ids, sums);
         }
     }

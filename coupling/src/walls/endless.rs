@@ -32,6 +32,13 @@ impl Endless {
         }
     }
 
+    /// Whether a flow in a plane shows anything of a part: not of what stands beside its slice.
+    pub(super) fn shows(&self, part: &Part) -> bool {
+        let (low, high) = part.aabb();
+        let Region { min, max } = &self.domain;
+        !self.is_plane || (low.y < max.y - self.slack && min.y + self.slack < high.y)
+    }
+
     /// Whether a part goes through the whole of what a flow in a plane, or a domain that repeats, shows of it.
     pub(super) fn has_no_end(&self, part: &Part, axis: usize) -> bool {
         let Region { min, max } = &self.domain;

@@ -15,8 +15,8 @@ use nalgebra::Matrix3;
 use riprap_dda::{BlockDefinition, Blocks, Load, Shape};
 use riprap_sph::boundary::integral::Face;
 use riprap_sph::boundary::sampling::{
-    Region, Rows, UnionLattice, WallSample, sample_ball, sample_behind, sample_behind_surface,
-    sample_convex, sample_union,
+    Region, Rows, UnionLattice, WallSample, is_behind, sample_ball, sample_behind,
+    sample_behind_surface, sample_convex, sample_union,
 };
 use riprap_sph::boundary::screens::Facet;
 use riprap_sph::boundary::wall_particles::{Slip, WallParticles};
@@ -25,7 +25,7 @@ use riprap_sph::{Dimensions, Fluid, SymmetryPlane, Vec3};
 use super::added_mass::{Acceleration, AddedMass, Movers, largest_ratio};
 use super::cutting::{before, image, pieces};
 use super::endless::Endless;
-use super::screens::{Screens, Thinness, is_covered, thinness};
+use super::screens::{PARALLEL, Screens, Thinness, is_covered, thinness};
 use super::{FluidLoad, Part, is_fixed, parts};
 
 /// The walls of all blocks.
@@ -151,6 +151,7 @@ impl ParticleWalls {
                     .map(move |part| (b, part))
             })
             .filter_map(|(b, part)| Some((b, before(&part, &sampler.symmetry)?)))
+            .filter(|(_, part)| sampler.endless.shows(part))
             .unzip();
         let (owners, standing) = sampler.cut_where_they_stand(owners, standing);
         let (spacing, support) = (
@@ -166,7 +167,7 @@ impl ParticleWalls {
             |part| sampler.seeming_ends(part),
             (spacing, support),
         );
-        let (thin, thick) = sampler.screens(&inside);
+        let (thin, thick) = sampler.screens(&inside, &standing);
         let mut standing_points = Points::default();
         for Thin { part, ends, faces } in thin {
             let screen = screens.add((part, &inside), ends, owners[part], blocks);
@@ -193,12 +194,13 @@ impl ParticleWalls {
             let parts: Vec<Part> = parts(&definitions[b].shape)
                 .iter()
                 .filter_map(|part| before(part, &sampler.symmetry))
+                .filter(|part| sampler.endless.shows(part))
                 .collect();
             let inside: Vec<Part> = parts
                 .iter()
                 .map(|part| sampler.endless.inside(part))
                 .collect();
-            let (thin, thick) = sampler.screens(&inside);
+            let (thin, thick) = sampler.screens(&inside, &parts);
             for Thin { part, ends, faces } in thin {
                 let screen = screens.add((part, &inside), ends, b, blocks);
                 points.add_screen(screen, b, &faces);
@@ -398,9 +400,12 @@ impl ParticleWalls {
     /// that it gives them.
     pub fn extrapolate(&mut self, fluid: &Fluid, movers: Option<Movers>) {
         self.fixed.extrapolate(fluid);
-        self.moving.extrapolate(fluid);
-        let Some(movers) = movers else { return };
-        if !self.find_added_mass(fluid, movers.blocks) {
+        let Some(movers) = movers else {
+            self.moving.extrapolate(fluid);
+            return;
+        };
+        self.moving.extrapolate_with_answers(fluid);
+        if !self.find_added_mass(movers.blocks) {
             return;
         }
         self.sum_loads(fluid, movers.blocks);
@@ -439,13 +444,12 @@ impl ParticleWalls {
     }
 
     /// Whether any block that is free to move is wet; what its wall adds to its inertia.
-    fn find_added_mass(&mut self, fluid: &Fluid, blocks: &Blocks) -> bool {
+    fn find_added_mass(&mut self, blocks: &Blocks) -> bool {
         self.added.fill(AddedMass::default());
         let mut is_any = false;
         let (block, local, frames) = (&self.block, &self.local, &self.frames);
         let added = &mut self.added;
         self.moving.visit_answers(
-            fluid,
             |w| blocks.is_free(block[w] as usize),
             |w, answer| {
                 is_any = true;
@@ -631,12 +635,12 @@ impl Sampler {
         samples
     }
 
-    /// Which of some parts are screens, with points behind each of their faces, and which are not. Faces that
-    /// other parts cover have none: nothing looks through them.
-    fn screens(&self, parts: &[Part]) -> (Vec<Thin>, Vec<usize>) {
+    /// Which of some parts, of which `inside` is what is inside the domain, are screens, with points behind each of their
+    /// faces, and which are not. Faces that other parts cover have none: nothing looks through them.
+    fn screens(&self, inside: &[Part], parts: &[Part]) -> (Vec<Thin>, Vec<usize>) {
         let (mut screens, mut others) = (Vec::new(), Vec::new());
         for (k, part) in parts.iter().enumerate() {
-            match self.screen(k, part, parts) {
+            match self.screen(k, part, inside) {
                 Some(thin) => screens.push(thin),
                 None => others.push(k),
             }
@@ -644,8 +648,9 @@ impl Sampler {
         (screens, others)
     }
 
-    fn screen(&self, number: usize, part: &Part, all: &[Part]) -> Option<Thin> {
-        let (spacing, support) = (self.lattice.particle_spacing, self.lattice.support_radius);
+    fn screen(&self, number: usize, whole: &Part, all: &[Part]) -> Option<Thin> {
+        let part = &all[number];
+        let spacing = self.lattice.particle_spacing;
         let Faces {
             ends,
             open,
@@ -673,24 +678,52 @@ impl Sampler {
                 }
             }
         });
-        let behind = |((normal, corners), &open): (&(Vec3, Vec<Vec3>), &bool)| {
-            let face = Face {
-                normal: *normal,
-                vertices: corners,
-            };
-            if open {
-                let mut samples = sample_behind(&face, rows, spacing, support);
-                samples.retain(|sample| self.is_before_planes(&sample.position));
-                samples
-            } else {
-                Vec::new()
-            }
+        let mut shell = self.body(std::slice::from_ref(whole));
+        shell.retain(|sample| self.is_before_planes(&sample.position));
+        let behind = |(face, &is_open): (&(Vec3, Vec<Vec3>), &bool)| match is_open {
+            true => self.behind(face, part, &shell, rows),
+            false => Vec::new(),
         };
         Some(Thin {
             part: number,
             faces: part.faces.iter().zip(&open).map(behind).collect(),
             ends,
         })
+    }
+
+    /// Points that a look through a face of a screen has behind it, given those of its shell.
+    ///
+    /// Each side of a plate has layers of its own through it. Other faces have the points of the shell, each its own
+    /// pressures there: where two faces show the same places nothing changes as a particle passes their edge. Outside,
+    /// which a face hides beyond those opposed to it and where the screen goes on, all have layers of their own.
+    fn behind(
+        &self,
+        (normal, corners): &(Vec3, Vec<Vec3>),
+        part: &Part,
+        shell: &[WallSample],
+        rows: Option<Rows>,
+    ) -> Vec<WallSample> {
+        let (spacing, support) = (self.lattice.particle_spacing, self.lattice.support_radius);
+        let face = Face {
+            normal: *normal,
+            vertices: corners,
+        };
+        let is_other_side = |(other, others_corners): &(Vec3, Vec<Vec3>)| {
+            let places = corners.first().zip(others_corners.first());
+            let is_near = places.is_some_and(|(x, y)| normal.dot(&(x - y)) < support);
+            is_near && normal.dot(other) < PARALLEL
+        };
+        let is_plate = part.faces.iter().any(is_other_side);
+        let mut samples = sample_behind(&face, rows, spacing, support);
+        samples.retain(|sample| {
+            let x = &sample.position;
+            self.is_before_planes(x) && (is_plate || !part.may_be_within(x, 0.0))
+        });
+        if !is_plate {
+            let shell = shell.iter().copied();
+            samples.extend(shell.filter(|sample| is_behind(&face, &sample.position, support)));
+        }
+        samples
     }
 
     /// Which faces of a part are open, and how thin it is between them; none of one that cannot be a screen.

@@ -278,7 +278,7 @@ pub(super) struct Thinness {
 }
 
 /// Cosine of the angle between the outward normals of two faces, below which these are the two sides of a plate.
-const PARALLEL: f64 = -0.999;
+pub(super) const PARALLEL: f64 = -0.999;
 
 /// How thin a part is between its open faces, for a support in m. Fluid is on these where none of the others covers
 /// them.

@@ -9,7 +9,8 @@
 //!   angles to the other faces ([`sample_convex`]);
 //! - a ball has layers of points spread evenly ([`sample_ball`]);
 //! - fixed bodies that touch or overlap are one solid ([`sample_union`]);
-//! - each face of a [screen](super::screens) has layers of its own ([`sample_behind`]).
+//! - each face of a [screen](super::screens) has layers of its own ([`sample_behind`]), or the points of the shell near
+//!   it ([`is_behind`]).
 
 use nalgebra::Vector2;
 
@@ -26,7 +27,7 @@ mod polygon;
 mod union;
 
 pub use ball::sample_ball;
-pub use behind::{Rows, sample_behind};
+pub use behind::{Rows, is_behind, sample_behind};
 pub use behind_surface::sample_behind_surface;
 pub use union::{Region, UnionLattice, UnionSample, sample_union};
 

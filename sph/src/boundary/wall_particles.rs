@@ -108,9 +108,6 @@ struct Scratch {
     strains: Vec<StrainSums>,
     /// Share of its viscous force that each particle keeps.
     kept: Vec<f64>,
-    /// Points under pressure that were asked for, and their levers.
-    chosen: Vec<u32>,
-    levers: Vec<Vec3>,
 }
 
 impl WallParticles {
@@ -323,9 +320,19 @@ impl WallParticles {
     /// Continues pressure and velocity of the fluid to the points, which move with the accelerations they were
     /// placed with.
     pub fn extrapolate(&mut self, fluid: &Fluid) {
+        self.continue_fluid(fluid, false);
+    }
+
+    /// The same with what [`Self::visit_answers`] visits.
+    pub fn extrapolate_with_answers(&mut self, fluid: &Fluid) {
+        self.continue_fluid(fluid, true);
+    }
+
+    fn continue_fluid(&mut self, fluid: &Fluid, with_answers: bool) {
         let mut sums_of_points = std::mem::take(&mut self.scratch.extrapolated);
         sums_of_points.resize(self.wet.len(), Extrapolated::default());
-        sums::extrapolation(fluid, self.places(), &self.wet, &mut sums_of_points);
+        let places = self.places();
+        sums::extrapolation(fluid, places, &self.wet, with_answers, &mut sums_of_points);
         self.scratch.extrapolated = sums_of_points;
         self.seen_velocity.copy_from_slice(&self.velocity);
         if self.slip != Slip::Free {
@@ -378,32 +385,20 @@ impl WallParticles {
     }
 
     /// Calls `visit` with those of the points under pressure that are chosen, and how the force on each answers
-    /// to its acceleration; after [`Self::extrapolate`].
+    /// to its acceleration; after [`Self::extrapolate_with_answers`].
     pub fn visit_answers(
-        &mut self,
-        fluid: &Fluid,
+        &self,
         is_chosen: impl Fn(usize) -> bool,
         mut visit: impl FnMut(usize, Answer),
     ) {
-        let (chosen, levers) = (&mut self.scratch.chosen, &mut self.scratch.levers);
-        chosen.clear();
-        levers.clear();
         for (&w, sum) in self.wet.iter().zip(&self.scratch.extrapolated) {
-            if 0.0 < self.pressure[w as usize] && is_chosen(w as usize) {
-                chosen.push(w);
-                levers.push(Vec3::from(sum.moment) / sum.weight);
+            let w = w as usize;
+            if 0.0 < self.pressure[w] && is_chosen(w) {
+                let lever = Vec3::from(sum.moment) / sum.weight;
+                let slope = Vec3::from(sum.slope) * self.volume[w];
+                visit(w, Answer { lever, slope });
             }
         }
-        let mut spreads = std::mem::take(&mut self.scratch.spreads);
-        spreads.resize(self.scratch.chosen.len(), Spread::default());
-        sums::spreads_at(fluid, self.places(), &self.scratch.chosen, &mut spreads);
-        let points = self.scratch.chosen.iter().zip(&self.scratch.levers);
-        for ((&w, &lever), spread) in points.zip(&spreads) {
-            let w = w as usize;
-            let slope = Vec3::from(spread.concentration_gradient) * self.volume[w];
-            visit(w, Answer { lever, slope });
-        }
-        self.scratch.spreads = spreads;
     }
 
     /// Adds the walls to the sums of the gradient of velocity; after [`Self::extrapolate`]. A wall along

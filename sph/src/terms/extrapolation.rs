@@ -18,17 +18,19 @@ pub(crate) struct Extrapolated {
     pub moment: [f64; 3],
     /// `Σ v V W`; m/s.
     pub velocity: [f64; 3],
+    /// `Σ V ∇W`, where it was asked for; 1/m.
+    pub slope: [f64; 3],
 }
 
-/// The sums of [`Extrapolated`].
-pub(crate) struct Extrapolation<L, K> {
+/// The sums of [`Extrapolated`], with the slope or without.
+pub(crate) struct Extrapolation<L, K, const SLOPED: bool> {
     kernel: K,
     reference_density: L,
     inverse_c2: L,
     zero: L,
 }
 
-impl<L: Lanes, K: PairKernel<L>> Extrapolation<L, K> {
+impl<L: Lanes, K: PairKernel<L>, const SLOPED: bool> Extrapolation<L, K, SLOPED> {
     pub(crate) fn new(
         machine: L::Machine,
         kernel: K,
@@ -50,9 +52,10 @@ pub(crate) struct ExtrapolationSums<L> {
     pressure: L,
     moment: Lanes3<L>,
     velocity: Lanes3<L>,
+    slope: Lanes3<L>,
 }
 
-impl<L: Lanes, K: PairKernel<L>> Term<L> for Extrapolation<L, K> {
+impl<L: Lanes, K: PairKernel<L>, const SLOPED: bool> Term<L> for Extrapolation<L, K, SLOPED> {
     type Own = ();
     type Sums = ExtrapolationSums<L>;
     type Out = Extrapolated;
@@ -67,6 +70,7 @@ impl<L: Lanes, K: PairKernel<L>> Term<L> for Extrapolation<L, K> {
             pressure: self.zero,
             moment: [self.zero; 3],
             velocity: [self.zero; 3],
+            slope: [self.zero; 3],
         }
     }
 
@@ -79,6 +83,10 @@ impl<L: Lanes, K: PairKernel<L>> Term<L> for Extrapolation<L, K> {
         let density = pressure.mul_add(self.inverse_c2, self.reference_density);
         add_scaled(&mut sums.moment, weight * density, &pair.offset);
         add_scaled(&mut sums.velocity, weight, &[vx, vy, vz]);
+        if SLOPED {
+            let factor = volume * self.kernel.gradient_factor(pair.r2);
+            add_scaled(&mut sums.slope, factor, &pair.offset);
+        }
     }
 
     #[inline(always)]
@@ -88,6 +96,9 @@ impl<L: Lanes, K: PairKernel<L>> Term<L> for Extrapolation<L, K> {
     fn mirror(&self, sums: &mut Self::Sums, signs: &Lanes3<L>) {
         sums.moment = signed(&sums.moment, signs);
         sums.velocity = signed(&sums.velocity, signs);
+        if SLOPED {
+            sums.slope = signed(&sums.slope, signs);
+        }
     }
 
     #[inline(always)]
@@ -97,6 +108,7 @@ impl<L: Lanes, K: PairKernel<L>> Term<L> for Extrapolation<L, K> {
             pressure: sums.pressure.sum(),
             moment: totals(sums.moment),
             velocity: totals(sums.velocity),
+            slope: if SLOPED { totals(sums.slope) } else { [0.0; 3] },
         };
     }
 }

@@ -5,7 +5,7 @@ use crate::lanes::Lanes;
 use crate::sweep::{Pair, Term};
 use crate::terms::Lanes3;
 
-/// `Σ_b m_b W_ab`, b = a included; kg/m³. Records hold the mass first.
+/// `Σ_b m_b W_ab`, b = a included; kg/m³. Records hold the mass in the place of the volume.
 ///
 /// Geraili Mikola & Sitar (2014), Eq. 12 sums over the wrong index in print.
 pub(crate) struct Summation<L, K> {
@@ -37,7 +37,7 @@ impl<L: Lanes, K: PairKernel<L>> Term<L> for Summation<L, K> {
 
     #[inline(always)]
     fn add(&self, _: &(), pair: &Pair<L>, _: &[u32], sum: &mut L) {
-        *sum = pair.b[0].mul_add(self.kernel.value(pair.r2), *sum);
+        *sum = pair.b[4].mul_add(self.kernel.value(pair.r2), *sum);
     }
 
     #[inline(always)]

@@ -80,6 +80,15 @@ pub fn sample_behind(
     samples
 }
 
+/// Whether a place within a solid may be within the support (m) of fluid on a face of it.
+pub fn is_behind(face: &Face, x: &Vec3, support_radius: f64) -> bool {
+    let axes = Axes::along_longest_edge(face);
+    let corners: Vec<Vector2<f64>> = face.vertices.iter().map(|x| axes.plane(x)).collect();
+    let origin = face.vertices.first();
+    let depth = origin.map_or(f64::INFINITY, |origin| face.normal.dot(&(origin - x)));
+    squared_distance(&corners, axes.plane(x)) + depth * depth < support_radius * support_radius
+}
+
 /// Distance of a place from what corners span along `u`; m.
 fn interval_distance(corners: &[Vector2<f64>], u: f64) -> f64 {
     let (below, above) = corners.iter().fold((true, true), |(below, above), p| {
