@@ -9,6 +9,7 @@ mod cutting;
 mod endless;
 pub mod integral;
 pub mod particles;
+mod sampler;
 mod screens;
 
 use nalgebra::Matrix3;

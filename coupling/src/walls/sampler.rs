@@ -1,0 +1,441 @@
+//! Where the points of walls of particles stand: bodies by themselves, fixed ones as one solid, each face of a screen.
+
+use riprap_dda::Shape;
+use riprap_sph::boundary::integral::Face;
+use riprap_sph::boundary::sampling::{
+    Region, Rows, UnionLattice, WallSample, is_behind, sample_ball, sample_behind,
+    sample_behind_surface, sample_convex, sample_union,
+};
+use riprap_sph::{Dimensions, Fluid, SymmetryPlane, Vec3};
+
+use super::Part;
+use super::cutting::{image, pieces};
+use super::endless::Endless;
+use super::screens::{PARALLEL, Thinness, is_covered, thinness};
+
+impl Part {
+    /// Whether every face is across an axis of the scene.
+    fn is_upright_box(&self) -> bool {
+        self.faces.len() == 6
+            && self
+                .faces
+                .iter()
+                .all(|(normal, _)| normal.iter().any(|n| n.abs() > 1.0 - 1e-9))
+    }
+}
+
+/// A part that is a screen.
+pub(super) struct Thin {
+    pub(super) part: usize,
+    /// Faces at which it only seems to end.
+    pub(super) ends: Vec<bool>,
+    /// Points behind each face.
+    pub(super) faces: Vec<Vec<WallSample>>,
+}
+
+/// What is known of the faces of a part that may be a screen.
+struct Faces {
+    /// At which it only seems to end.
+    ends: Vec<bool>,
+    /// On which fluid may be.
+    open: Vec<bool>,
+    thinness: Thinness,
+}
+
+/// How a fluid's walls are sampled.
+pub(super) struct Sampler {
+    pub(super) lattice: UnionLattice,
+    pub(super) endless: Endless,
+    /// In a flow in a plane: the plane, and the width of the slice; m.
+    plane: Option<(f64, f64)>,
+    pub(super) symmetry: Vec<SymmetryPlane>,
+}
+
+impl Sampler {
+    pub(super) fn new(fluid: &Fluid) -> Self {
+        let settings = fluid.settings();
+        let support_radius = settings.support_radius();
+        let (min, max) = settings.domain;
+        let [dx, dy, dz] = settings.particle_spacing;
+        let mut lattice = UnionLattice {
+            anchor: min,
+            particle_spacing: (dx * dy * dz).cbrt(),
+            support_radius,
+            region: Region { min, max },
+        };
+        let mut repeating = (0..3).filter(|&axis| settings.periodic[axis]);
+        if let (Some(axis), None) = (repeating.next(), repeating.next()) {
+            // a whole number of rows in the period
+            lattice.particle_spacing = settings.particle_spacing[axis];
+        }
+        let mut plane = None;
+        if let Dimensions::Two { width } = settings.dimensions {
+            let middle = 0.5 * (min.y + max.y);
+            lattice.particle_spacing = (dx * dz).sqrt();
+            lattice.anchor.y = middle - 0.5 * lattice.particle_spacing;
+            let half = 0.5 * lattice.particle_spacing;
+            (lattice.region.min.y, lattice.region.max.y) = (middle - half, middle + half);
+            plane = Some((middle, width));
+        }
+        Self {
+            lattice,
+            endless: Endless::of(fluid),
+            plane,
+            symmetry: settings.symmetry_planes().collect(),
+        }
+    }
+
+    /// Points of a block that is a ball, before planes of symmetry; none of any other.
+    pub(super) fn ball(&self, block: usize, shape: &Shape) -> Vec<(usize, WallSample)> {
+        let Shape::Sphere { center, radius } = shape else {
+            return Vec::new();
+        };
+        let (spacing, support) = (self.lattice.particle_spacing, self.lattice.support_radius);
+        let is_before = |sample: &WallSample| {
+            let mut planes = self.symmetry.iter();
+            planes.all(|plane| 0.0 <= plane.distance(&sample.position))
+        };
+        sample_ball(*center, *radius, spacing, support)
+            .into_iter()
+            .filter(is_before)
+            .map(|sample| (block, sample))
+            .collect()
+    }
+
+    /// Points behind a surface of triangles, before planes of symmetry; none of any other shape.
+    pub(super) fn surface(
+        &self,
+        shape: &Shape,
+        is_taken: impl Fn(&Vec3) -> bool + Sync,
+    ) -> Vec<WallSample> {
+        let Shape::Surface(surface) = shape else {
+            return Vec::new();
+        };
+        let height_within = |x: &Vec3, distance: f64| {
+            let foot = surface.surface_point_within(x, distance)?;
+            Some(foot.distance)
+        };
+        let is_here = |sample: &WallSample| {
+            self.is_no_image(&sample.position) && self.is_before_planes(&sample.position)
+        };
+        let mut samples = sample_behind_surface(&self.lattice, height_within, is_taken);
+        samples.retain(is_here);
+        samples
+    }
+
+    /// Which of some parts, of which `inside` is what is inside the domain, are screens, with points behind each of their
+    /// faces, and which are not. Faces that other parts cover have none: nothing looks through them.
+    pub(super) fn screens(&self, inside: &[Part], parts: &[Part]) -> (Vec<Thin>, Vec<usize>) {
+        let (mut screens, mut others) = (Vec::new(), Vec::new());
+        for (k, part) in parts.iter().enumerate() {
+            match self.screen(k, part, inside) {
+                Some(thin) => screens.push(thin),
+                None => others.push(k),
+            }
+        }
+        (screens, others)
+    }
+
+    fn screen(&self, number: usize, whole: &Part, all: &[Part]) -> Option<Thin> {
+        let part = &all[number];
+        let spacing = self.lattice.particle_spacing;
+        let Faces {
+            ends,
+            open,
+            thinness,
+        } = self.open_faces(number, part, all)?;
+        if !thinness.is_thin {
+            return None;
+        }
+        let end = self.endless.first_of(part);
+        let rows = end.map(|axis| match self.plane {
+            Some((middle, width)) => Rows {
+                axis,
+                from: middle - 0.5 * width,
+                width,
+                count: 1,
+            },
+            None => {
+                let (from, to) = (self.endless.domain.min[axis], self.endless.domain.max[axis]);
+                let count = ((to - from) / spacing).round().max(1.0) as usize;
+                Rows {
+                    axis,
+                    from,
+                    width: (to - from) / count as f64,
+                    count,
+                }
+            }
+        });
+        let mut shell = self.body(std::slice::from_ref(whole));
+        shell.retain(|sample| self.is_before_planes(&sample.position));
+        let behind = |(face, &is_open): (&(Vec3, Vec<Vec3>), &bool)| match is_open {
+            true => self.behind(face, part, &shell, rows),
+            false => Vec::new(),
+        };
+        Some(Thin {
+            part: number,
+            faces: part.faces.iter().zip(&open).map(behind).collect(),
+            ends,
+        })
+    }
+
+    /// Points that a look through a face of a screen has behind it, given those of its shell.
+    ///
+    /// Each side of a plate has layers of its own through it. Other faces have the points of the shell, each its own
+    /// pressures there: where two faces show the same places nothing changes as a particle passes their edge. Outside,
+    /// which a face hides beyond those opposed to it and where the screen goes on, all have layers of their own.
+    fn behind(
+        &self,
+        (normal, corners): &(Vec3, Vec<Vec3>),
+        part: &Part,
+        shell: &[WallSample],
+        rows: Option<Rows>,
+    ) -> Vec<WallSample> {
+        let (spacing, support) = (self.lattice.particle_spacing, self.lattice.support_radius);
+        let face = Face {
+            normal: *normal,
+            vertices: corners,
+        };
+        let is_other_side = |(other, others_corners): &(Vec3, Vec<Vec3>)| {
+            let places = corners.first().zip(others_corners.first());
+            let is_near = places.is_some_and(|(x, y)| normal.dot(&(x - y)) < support);
+            is_near && normal.dot(other) < PARALLEL
+        };
+        let is_plate = part.faces.iter().any(is_other_side);
+        let mut samples = sample_behind(&face, rows, spacing, support);
+        samples.retain(|sample| {
+            let x = &sample.position;
+            self.is_before_planes(x) && (is_plate || !part.may_be_within(x, 0.0))
+        });
+        if !is_plate {
+            let shell = shell.iter().copied();
+            samples.extend(shell.filter(|sample| is_behind(&face, &sample.position, support)));
+        }
+        samples
+    }
+
+    /// Which faces of a part are open, and how thin it is between them; none of one that cannot be a screen.
+    fn open_faces(&self, number: usize, part: &Part, all: &[Part]) -> Option<Faces> {
+        let (spacing, support) = (self.lattice.particle_spacing, self.lattice.support_radius);
+        let ends = self.ends(part)?;
+        let others = all.iter().enumerate().filter(|&(k, _)| k != number);
+        let others: Vec<&Part> = others.map(|(_, other)| other).collect();
+        let is_open = |((normal, corners), is_end): (&(Vec3, Vec<Vec3>), &bool)| {
+            !is_end && !is_covered(normal, corners, &others, spacing)
+        };
+        let open: Vec<bool> = part.faces.iter().zip(&ends).map(is_open).collect();
+        let mut thinness = thinness(part, &open, &others, (spacing, support));
+        for other in &mut thinness.stands_on {
+            // counted among all
+            *other += usize::from(number <= *other);
+        }
+        Some(Faces {
+            ends,
+            open,
+            thinness,
+        })
+    }
+
+    /// Parts that are thin here and stand on others there, cut along the faces of these: what stands on something is
+    /// no screen. A slope that reaches beyond the end of its floor is sharp only out there.
+    pub(super) fn cut_where_they_stand(
+        &self,
+        owners: Vec<usize>,
+        standing: Vec<Part>,
+    ) -> (Vec<usize>, Vec<Part>) {
+        let inside: Vec<Part> = standing
+            .iter()
+            .map(|part| self.endless.inside(part))
+            .collect();
+        let cut = |(number, part): (usize, Part)| {
+            let thinness = self
+                .open_faces(number, &inside[number], &inside)
+                .map(|faces| faces.thinness)
+                .unwrap_or_default();
+            if !thinness.is_thin {
+                return vec![part];
+            }
+            let faces = thinness.stands_on.iter().flat_map(|&k| &inside[k].faces);
+            let planes = faces.filter_map(|(normal, corners)| {
+                let is_along = |axis: usize| normal[axis].abs() > 0.5;
+                let is_end =
+                    (0..3).any(|axis| is_along(axis) && self.endless.has_no_end(&part, axis));
+                let offset = normal.dot(corners.first()?);
+                (!is_end).then_some((*normal, offset))
+            });
+            pieces(part.clone(), planes)
+        };
+        let parts = owners.into_iter().zip(standing.into_iter().enumerate());
+        parts
+            .flat_map(|(owner, part)| cut(part).into_iter().map(move |piece| (owner, piece)))
+            .unzip()
+    }
+
+    fn is_before_planes(&self, x: &Vec3) -> bool {
+        self.symmetry.iter().all(|plane| 0.0 <= plane.distance(x))
+    }
+
+    /// At which faces a fixed part only seems to end: at sides of the domain beyond which it goes on, or at a plane of symmetry.
+    pub(super) fn seeming_ends(&self, part: &Part) -> Vec<bool> {
+        let slack = 1e-6 * self.lattice.particle_spacing;
+        let is_seeming = |(normal, corners): &(Vec3, Vec<Vec3>)| {
+            (0..3).any(|axis| normal[axis].abs() > 0.5 && self.endless.has_no_end(part, axis))
+                || self.symmetry.iter().any(|plane| {
+                    let mut corners = corners.iter();
+                    corners.all(|x| plane.distance(x) <= slack)
+                })
+        };
+        part.faces.iter().map(is_seeming).collect()
+    }
+
+    /// At which faces a part only seems to end: it goes on beyond a side that repeats, across a flow in a plane, or
+    /// at a plane of symmetry. None of a part that cannot be a screen: of one without ends in two directions, or of
+    /// one near a plane of symmetry to which it is not upright, as screens are not mirrored.
+    fn ends(&self, part: &Part) -> Option<Vec<bool>> {
+        let mut endless = (0..3).filter(|&axis| self.endless.has_no_end(part, axis));
+        let (first, second) = (endless.next(), endless.next());
+        if second.is_some() {
+            return None;
+        }
+        let near = 2.0 * self.lattice.support_radius;
+        let slack = 1e-6 * self.lattice.particle_spacing;
+        part.faces
+            .iter()
+            .map(|(normal, corners)| {
+                let mut is_end = first.is_some_and(|axis| normal[axis].abs() > 0.5);
+                for plane in &self.symmetry {
+                    let distances = corners.iter().map(|x| plane.distance(x));
+                    let (least, most) = distances
+                        .fold((f64::INFINITY, 0.0_f64), |(least, most), d| {
+                            (least.min(d), most.max(d))
+                        });
+                    let is_upright = normal[plane.axis].abs() < 1e-9 && least <= slack;
+                    let is_cut = most <= slack;
+                    if least < near && !is_upright && !is_cut {
+                        return None;
+                    }
+                    is_end |= is_cut;
+                }
+                Some(is_end)
+            })
+            .collect()
+    }
+
+    fn is_no_image(&self, x: &Vec3) -> bool {
+        let Region { min, max } = &self.endless.domain;
+        (0..3).all(|axis| {
+            !self.endless.periodic[axis] || (min[axis] <= x[axis] && x[axis] < max[axis])
+        })
+    }
+
+    /// Points of fixed bodies, which are one solid with their images in planes of symmetry, as far as they are
+    /// before these, each with the part that it is in.
+    pub(super) fn standing(&self, parts: &[Part]) -> Vec<(usize, WallSample)> {
+        let mut with_images = parts.to_vec();
+        for plane in &self.symmetry {
+            let images: Vec<Part> = with_images.iter().map(|part| image(part, plane)).collect();
+            with_images.extend(images);
+        }
+        self.union(&with_images)
+            .into_iter()
+            .filter(|(_, sample)| {
+                self.symmetry
+                    .iter()
+                    .all(|plane| 0.0 <= plane.distance(&sample.position))
+            })
+            .map(|(part, sample)| (part % parts.len(), sample))
+            .collect()
+    }
+
+    /// Points of bodies that are one solid, each with the first part that it is in.
+    fn union(&self, parts: &[Part]) -> Vec<(usize, WallSample)> {
+        let parts: Vec<Part> = parts
+            .iter()
+            .map(|part| self.endless.without_ends(part))
+            .collect();
+        let faces: Vec<Vec<Face>> = parts.iter().map(Part::faces).collect();
+        let faces: Vec<&[Face]> = faces.iter().map(Vec::as_slice).collect();
+        let samples = sample_union(&faces, &self.lattice);
+        let samples = samples.iter().map(|s| (s.part, s.sample));
+        self.in_slice(samples.filter(|(_, sample)| self.is_no_image(&sample.position)))
+    }
+
+    /// Points of a body by itself.
+    pub(super) fn body(&self, parts: &[Part]) -> Vec<WallSample> {
+        let [part] = parts else {
+            return self.whole(parts);
+        };
+        let (spacing, support_radius) =
+            (self.lattice.particle_spacing, self.lattice.support_radius);
+        let repeats = self.endless.periodic.contains(&true);
+        match self.plane {
+            None if repeats && part.is_upright_box() => {
+                // a whole number of rows in what is inside
+                let Region { min, max } = &self.endless.domain;
+                let inside = (0..3).filter(|&axis| self.endless.periodic[axis]);
+                let inside = inside.fold(part.clone(), |part, axis| {
+                    part.along(axis, |x| x.clamp(min[axis], max[axis]))
+                });
+                sample_convex(&inside.faces(), spacing, support_radius)
+            }
+            None if repeats => self.whole(parts),
+            None => sample_convex(&part.faces(), spacing, support_radius),
+            Some((middle, _)) if part.is_upright_box() => {
+                // as thin as one row of its own lattice
+                let center =
+                    part.corners().map(|x| x.y).sum::<f64>() / part.corners().count() as f64;
+                let half = 0.5 * spacing;
+                let slice = part.along(1, |y| middle + if y < center { -half } else { half });
+                let samples = sample_convex(&slice.faces(), spacing, support_radius);
+                let row = self.in_slice(samples.into_iter().map(|sample| (0, sample)));
+                row.into_iter().map(|(_, sample)| sample).collect()
+            }
+            Some(_) => self.whole(parts),
+        }
+    }
+
+    /// As a union, wherever it stands.
+    fn whole(&self, parts: &[Part]) -> Vec<WallSample> {
+        let corners = parts.iter().flat_map(Part::corners);
+        let mut region = corners.fold(self.lattice.region, |region, x| Region {
+            min: region.min.inf(x),
+            max: region.max.sup(x),
+        });
+        let narrow = &self.lattice.region;
+        for axis in 0..3 {
+            if self.endless.periodic[axis] || (self.plane.is_some() && axis == 1) {
+                (region.min[axis], region.max[axis]) = (narrow.min[axis], narrow.max[axis]);
+            }
+        }
+        let everywhere = Self {
+            lattice: UnionLattice {
+                region,
+                ..self.lattice
+            },
+            endless: self.endless,
+            plane: self.plane,
+            symmetry: Vec::new(),
+        };
+        let union = everywhere.union(parts);
+        union.into_iter().map(|(_, sample)| sample).collect()
+    }
+
+    /// Of a flow in a plane the row in that plane, as wide as the slice; everything otherwise.
+    fn in_slice(
+        &self,
+        samples: impl Iterator<Item = (usize, WallSample)>,
+    ) -> Vec<(usize, WallSample)> {
+        let Some((middle, width)) = self.plane else {
+            return samples.collect();
+        };
+        let spacing = self.lattice.particle_spacing;
+        samples
+            .filter(|(_, sample)| (sample.position.y - middle).abs() < 0.4 * spacing)
+            .map(|(part, sample)| {
+                let position = Vec3::new(sample.position.x, middle, sample.position.z);
+                let volume = sample.volume * (width / spacing);
+                (part, WallSample { position, volume })
+            })
+            .collect()
+    }
+}
