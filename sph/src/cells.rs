@@ -126,6 +126,7 @@ impl CellGrid {
     }
 
     /// Cell of a position; positions outside count to the nearest cell.
+    #[inline(always)]
     pub fn cell_of(&self, position: &Vec3) -> usize {
         let [i, j, k] = self.coordinates_of(position);
         self.cell_at([i, j, k])
@@ -134,11 +135,19 @@ impl CellGrid {
     /// Coordinates of the cell of a position.
     #[inline(always)]
     pub fn coordinates_of(&self, position: &Vec3) -> [usize; 3] {
-        [0, 1, 2].map(|axis| {
-            let place = (position[axis] - self.min[axis]) * self.inverse_cell_size[axis];
-            // the cast saturates: NaN and negatives go to 0, overshoot is cut
-            (place as usize).min(self.counts[axis] - 1)
-        })
+        // without a closure, which is a call where code is made for registers that others lack
+        [
+            self.coordinate(position, 0),
+            self.coordinate(position, 1),
+            self.coordinate(position, 2),
+        ]
+    }
+
+    #[inline(always)]
+    fn coordinate(&self, position: &Vec3, axis: usize) -> usize {
+        let place = (position[axis] - self.min[axis]) * self.inverse_cell_size[axis];
+        // the cast saturates: NaN and negatives go to 0, overshoot is cut
+        (place as usize).min(self.counts[axis] - 1)
     }
 
     /// Number of the cell at coordinates within the grid.

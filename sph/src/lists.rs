@@ -172,14 +172,13 @@ impl ChunkLists {
         let Some(veil) = &sources.veil else {
             return false;
         };
-        let mut from = 0;
-        positions.iter().zip(&self.ends).any(|(position, &end)| {
-            let spans = &self.spans[from..end as usize];
-            from = end as usize;
-            let is_near =
-                |span: &Span| veil.is_near(sources.grid, &span.seen_from(sources, position));
-            spans.iter().any(is_near)
-        })
+        let nowhere = (Vec3::repeat(f64::INFINITY), Vec3::repeat(f64::NEG_INFINITY));
+        let positions = positions.iter().take(self.ends.len());
+        let bounds = positions.fold(nowhere, |(min, max), x| (min.inf(x), max.sup(x)));
+        // images are elsewhere along these axes only
+        let periodic = sources.grid.periodic();
+        let axes = std::array::from_fn(|axis| !periodic[axis] && !sources.mirrors.are_across(axis));
+        veil.screens.may_be_near(&bounds, axes)
     }
 }
 

@@ -134,6 +134,11 @@ impl Mirrors {
         n
     }
 
+    /// Whether there is a plane across an axis.
+    pub(crate) fn are_across(&self, axis: usize) -> bool {
+        self.low[axis].is_finite() || self.high[axis].is_finite()
+    }
+
     /// Where the image of a point in given planes is, see [`Image::planes`]; m.
     #[inline(always)]
     pub(crate) fn mirrored(&self, planes: u8, position: &Vec3) -> Vec3 {

@@ -165,6 +165,15 @@ impl Screens {
 }
 
 impl Part {
+    /// Whether some of it is deeper than a depth (m) behind each face of another.
+    fn reaches_past(&self, other: &Self, depth: f64) -> bool {
+        other.faces.iter().all(|(normal, corners)| {
+            let reaches =
+                |origin: &Vec3| self.corners().any(|x| normal.dot(&(x - origin)) < -depth);
+            corners.first().is_some_and(reaches)
+        })
+    }
+
     /// Of its faces; where it has no end they are infinitely far.
     fn planes(&self, ends: &[bool]) -> Vec<Plane> {
         let plane = |((normal, corners), &is_end): (&(Vec3, Vec<Vec3>), &bool)| {
@@ -214,7 +223,12 @@ impl Screen {
         };
         self.reaches_into.clear();
         if !self.is_fixed {
-            let near = fixed.iter().enumerate().filter(|(_, other)| touches(other));
+            // what only stands on a solid does not: it hides what is beyond its foot
+            let depth = OFF_FACE * spacing;
+            let overlaps =
+                |other: &Part| part.reaches_past(other, depth) && other.reaches_past(&part, depth);
+            let near = fixed.iter().enumerate();
+            let near = near.filter(|(_, other)| touches(other) && overlaps(other));
             self.reaches_into.extend(near.map(|(k, _)| k));
         }
         let others: Vec<&Part> = fixed.iter().chain(&siblings).filter(touches).collect();

@@ -77,6 +77,8 @@ pub(crate) struct Screens {
     marked: Vec<u32>,
     /// How far particles see; m.
     reach: f64,
+    /// Boxes round all that sees each screen; m.
+    boxes: Vec<(Vec3, Vec3)>,
 }
 
 /// A screen near a cell, and the next one there.
@@ -104,6 +106,7 @@ impl Screens {
         self.cover_planes.clear();
         self.covers.clear();
         self.cover_ends.clear();
+        self.boxes.clear();
     }
 
     /// Adds a convex solid that the last screen reaches into.
@@ -130,6 +133,8 @@ impl Screens {
         self.first.resize(grid.n_cells(), 0);
         self.reach = reach;
         let within = reach + 0.5 * grid.cell_size().norm();
+        self.boxes
+            .push((min.add_scalar(-within), max.add_scalar(within)));
         let low = grid.coordinates_of(&min.add_scalar(-reach));
         let high = grid.coordinates_of(&max.add_scalar(reach));
         for k in low[2]..=high[2] {
@@ -150,6 +155,13 @@ impl Screens {
                 }
             }
         }
+    }
+
+    /// Whether a screen may be within reach of what is in a box (m), as far as some of the axes tell.
+    pub(crate) fn may_be_near(&self, (min, max): &(Vec3, Vec3), axes: [bool; 3]) -> bool {
+        self.boxes.iter().any(|(low, high)| {
+            (0..3).all(|axis| !axes[axis] || (low[axis] <= max[axis] && min[axis] <= high[axis]))
+        })
     }
 
     /// Whether a screen may be within reach of what is in a cell.
