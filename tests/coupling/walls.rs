@@ -709,14 +709,14 @@ fn c15_nothing_passes_plates_one_spacing_thick() {
     }
 }
 
-/// Force of the water on an upright plate between two levels, over `ρ g (H₁² − H₂²) w/2`, the mean from 0.1 to
-/// 0.3 s; thickness in spacings.
-fn push_on_a_plate(walls: &'static str, thickness: f64) -> f64 {
+/// An upright plate, `thickness` spacings thick, between water of 20 and of 10 rows, `w` (m) wide, and the push of that
+/// on it.
+fn between_two_levels(walls: &'static str, thickness: f64, w: f64, domain: &str) -> (Case, f64) {
     let dp = 0.02;
-    let (l, w, deep, shallow) = (20.0 * dp, 6.0 * dp, 20.0 * dp, 10.0 * dp);
+    let (l, deep, shallow) = (20.0 * dp, 20.0 * dp, 10.0 * dp);
     let (top, beyond) = (deep + 4.0 * dp, l + thickness * dp);
     let mut blocks = basin([l + beyond, w, top], 4.0 * dp);
-    // without the walls along the sides, which would bear a share of the plate's load: a slab
+    // without the walls along the sides, which would bear a share of the plate's load
     blocks.truncate(3);
     let plate = cuboid([l, 0.0, 0.0], [beyond, w, top]);
     blocks.push(block("plate", &plate, HELD));
@@ -732,22 +732,35 @@ fn push_on_a_plate(walls: &'static str, thickness: f64) -> f64 {
         spacing: dp,
         regions: format!("(name: \"deep\", shape: {left}), (name: \"shallow\", shape: {right})"),
         walls,
-        more: ["periodic: [Y]".to_string(), String::new(), String::new()],
+        more: [domain.to_owned(), String::new(), String::new()],
     };
+    let exact = 0.5 * RHO * G * (deep * deep - shallow * shallow) * w;
+    (case, exact)
+}
+
+/// Mean and standard deviation of the push on the last block between two times (s).
+fn push_on_a_plate(case: &Case, from: f64, until: f64) -> (f64, f64) {
     let mut world = case.world();
     let plate = world.blocks.n_blocks() - 1;
-    let (mut sum, mut n) = (0.0, 0);
-    while world.time() < 0.3 {
-        let step = world.next_step(0.3).unwrap();
+    let mut pushes = Vec::new();
+    while world.time() < until {
+        let step = world.next_step(until).unwrap();
         world.step(step).unwrap();
-        if 0.1 < world.time() {
+        if from < world.time() {
             let water = world.water.as_ref().unwrap();
-            sum += water.interface.loads()[plate].force.x;
-            n += 1;
+            pushes.push(water.interface.loads()[plate].force.x);
         }
     }
-    let exact = 0.5 * RHO * G * (deep * deep - shallow * shallow) * w;
-    let share = sum / f64::from(n) / exact;
+    let n = pushes.len() as f64;
+    let mean = pushes.iter().sum::<f64>() / n;
+    let variance = pushes.iter().map(|f| (f - mean).powi(2)).sum::<f64>() / n;
+    (mean, variance.sqrt())
+}
+
+/// The push in a slab six spacings wide over what is exact, the mean from 0.1 to 0.3 s; thickness in spacings.
+fn share_of_the_push(walls: &'static str, thickness: f64) -> f64 {
+    let (case, exact) = between_two_levels(walls, thickness, 0.12, "periodic: [Y]");
+    let share = push_on_a_plate(&case, 0.1, 0.3).0 / exact;
     println!(
         "C16 {walls:9}, {thickness} dp: force {:+.1} % off",
         100.0 * (share - 1.0)
@@ -758,7 +771,7 @@ fn push_on_a_plate(walls: &'static str, thickness: f64) -> f64 {
 #[test]
 fn c16_a_plate_between_two_levels_bears_their_difference() {
     for thickness in [1.0, 0.3] {
-        let share = push_on_a_plate("Particles", thickness);
+        let share = share_of_the_push("Particles", thickness);
         assert!((share - 1.0).abs() < 0.05, "{thickness}: {share}");
     }
 }
@@ -767,39 +780,8 @@ fn c16_a_plate_between_two_levels_bears_their_difference() {
 /// hid nothing there, and the push on it rang louder and louder, by 5 % of it after 1 s.
 #[test]
 fn a_plate_between_two_levels_comes_to_rest() {
-    let dp = 0.02;
-    let (l, deep, shallow) = (20.0 * dp, 20.0 * dp, 10.0 * dp);
-    let (top, beyond) = (deep + 4.0 * dp, l + dp);
-    let mut blocks = basin([l + beyond, dp, top], 4.0 * dp);
-    blocks.truncate(3);
-    let plate = cuboid([l, 0.0, 0.0], [beyond, dp, top]);
-    blocks.push(block("plate", &plate, HELD));
-    let left = cuboid([0.0; 3], [l, dp, deep]);
-    let right = cuboid([beyond, 0.0, 0.0], [l + beyond, dp, shallow]);
-    let margin = 5.0 * dp;
-    let case = Case {
-        domain: [[-margin, 0.0, -margin], [l + beyond + margin, dp, top + dp]],
-        gravity: G,
-        blocks,
-        spacing: dp,
-        regions: format!("(name: \"deep\", shape: {left}), (name: \"shallow\", shape: {right})"),
-        walls: "Particles",
-        more: ["dimensions: Two".to_string(), String::new(), String::new()],
-    };
-    let mut world = case.world();
-    let mut pushes = Vec::new();
-    while world.time() < 1.2 {
-        let step = world.next_step(1.2).unwrap();
-        world.step(step).unwrap();
-        if 0.8 < world.time() {
-            let water = world.water.as_ref().unwrap();
-            pushes.push(water.interface.loads()[3].force.x);
-        }
-    }
-    let exact = 0.5 * RHO * G * (deep * deep - shallow * shallow) * dp;
-    let n = pushes.len() as f64;
-    let mean = pushes.iter().sum::<f64>() / n;
-    let noise = (pushes.iter().map(|f| (f - mean).powi(2)).sum::<f64>() / n).sqrt();
+    let (case, exact) = between_two_levels("Particles", 1.0, 0.02, "dimensions: Two");
+    let (mean, noise) = push_on_a_plate(&case, 0.8, 1.2);
     println!(
         "C16 in a plane: force {:+.1} % off, noise {:.2} %",
         100.0 * (mean / exact - 1.0),
@@ -813,8 +795,8 @@ fn a_plate_between_two_levels_comes_to_rest() {
 #[test]
 #[ignore = "a report beside: a thick plate, and penalty springs, which have no screens; 1 min"]
 fn c16_report_of_walls_without_screens() {
-    push_on_a_plate("Particles", 4.0);
-    push_on_a_plate("Penalty", 1.0);
+    share_of_the_push("Particles", 4.0);
+    share_of_the_push("Penalty", 1.0);
 }
 
 /// A basin with a piston and a free block in the water, `thickness` spacings thick.
