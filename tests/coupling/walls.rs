@@ -533,8 +533,7 @@ fn still_water_round_sharp_edges_stays_still() {
         100.0 * (mean / exact - 1.0),
         100.0 * noise / exact
     );
-    // asked are 1.5 %; FIGURES
-    // asked; measured 1.4, 0.14 % and 0.03 m/s
+    // 1.5 % is asked; measured 1.4, 0.14 % and 0.03 m/s
     assert!((mean / exact - 1.0).abs() < 0.015, "{mean} {exact}");
     assert!(noise < 2e-3 * exact && fastest < 0.1, "{noise} {fastest}");
 }
