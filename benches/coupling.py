@@ -344,10 +344,10 @@ def paddle(args, settle):
         e = columns(made, "energy.csv")
         work = e["external_work"][-1]
         start, end = (sum(e[name][i] for name in ("kinetic", "potential", "elastic", "internal")) for i in (0, -1))
-        share = {name: 100 * e[name][-1] / work for name in ("viscous", "diffusive", "damping", "residual")}
-        most = np.max(np.abs(e["residual"])) / np.max(e["external_work"])
-        return (f"unexplained {share['residual']:+.2f} % of {work:.2f} J, at any time at most {100 * most:.2f} % of the "
-                f"most work, {np.max(e['external_work']):.2f} J; gained {100 * (end - start) / work:.1f}, viscous {share['viscous']:.1f}, "
+        share = {name: 100 * e[name][-1] / work for name in ("viscous", "diffusive", "damping", "at_walls", "residual")}
+        most = {name: 100 * np.max(np.abs(e[name])) / np.max(e["external_work"]) for name in ("at_walls", "residual")}
+        return (f"unexplained {share['residual']:+.3f} % of {work:.2f} J, at any time at most {most['residual']:.3f} % of the "
+                f"most work, {np.max(e['external_work']):.2f} J; brought in at walls {share['at_walls']:+.2f} %, {most['at_walls']:.2f} % at most; gained {100 * (end - start) / work:.1f}, viscous {share['viscous']:.1f}, "
                 f"diffusive {share['diffusive']:.1f}, dashpots {share['damping']:.1f} %; "
                 f"work by the force recorded {percent(by_gauge(made) / work)}")
 
@@ -355,9 +355,10 @@ def paddle(args, settle):
     for walls, made in found.items():
         e = columns(made, "energy.csv")
         draw(panels[0], made, walls, e["time"], e["external_work"])
-        draw(panels[1], made, walls, e["time"], 100 * e["residual"] / np.max(e["external_work"]))
+        for name, dashes in (("at_walls", {"ls": "--"}), ("residual", {})):
+            draw(panels[1], made, walls, e["time"], 100 * e[name] / np.max(e["external_work"]), **dashes)
     panels[0].set_ylabel("work [J]", fontsize=8)
-    panels[1].set_ylabel("unexplained\n[% of the most work]", fontsize=8)
+    panels[1].set_ylabel("unexplained; dashed\nbrought in at walls\n[% of the most work]", fontsize=8)
     panels[1].axhspan(-2, 2, color="black", alpha=0.08)
     panels[0].legend(fontsize=7)
     save(args, made_figure, "coupling_paddle_work")

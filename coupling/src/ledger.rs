@@ -2,8 +2,9 @@
 
 use serde::Serialize;
 
+use crate::walls::Walls;
 use crate::world::World;
-use riprap_dda::Load;
+use riprap_dda::{Blocks, Load};
 use riprap_sph::{Exchange, Vec3};
 
 /// Energy terms; J. Losses and works count from the start of the ledger.
@@ -45,6 +46,10 @@ pub struct Energy {
     pub joint_water: f64,
     /// Brought in through inflows and outflows, with what holding the flow there takes or gives.
     pub through_openings: f64,
+    /// Brought in where water meets walls of particles or integrals: what the water has from their pressure less what their
+    /// blocks gave, `Σ p_w V_w V_a (v_w − v_a)·∇W`. That pressure is continued from the water, nothing stores its work: an
+    /// error of the walls, which goes with the spacing. Cercos-Pita, Antuono, Colagrossi & Souto-Iglesias (2017).
+    pub at_walls: f64,
     /// What the terms above leave unexplained since the start: the error of the scheme.
     pub residual: f64,
 }
@@ -97,6 +102,9 @@ pub(crate) struct Ledger {
     through_openings: f64,
     /// Brought in by water in joints; J.
     joint_water: f64,
+    /// Given to the fluid through the pressure of walls by blocks that move, and through its shear; J.
+    pressed: f64,
+    dragged: f64,
 }
 
 impl Ledger {
@@ -117,6 +125,21 @@ impl Ledger {
         self.through_openings += brought.energy;
         self.impulse += brought.momentum;
         self.exchanged += brought.momentum.norm();
+    }
+
+    /// Books what blocks that move do to the fluid through its walls over `dt`, at their present velocities: half of a
+    /// kick before it, half after it, so that the works are those that the blocks lose.
+    pub(crate) fn book_walls(&mut self, walls: &Walls, blocks: &Blocks, dt: f64) {
+        for (b, load) in walls.loads().iter().enumerate() {
+            let (linear, angular) = (blocks.velocity(b), blocks.angular_velocity(b));
+            let power = |load: &Load| load.force.dot(&linear) + load.torque.dot(&angular);
+            let strained = match blocks.is_deformable(b) {
+                true => load.stretch.dot(&blocks.velocity_gradient(b)),
+                false => 0.0,
+            };
+            self.pressed -= (power(&load.pressure) + strained) * dt;
+            self.dragged -= power(&load.shear) * dt;
+        }
     }
 
     /// Books the interface forces and gravity over `dt`: half of a step, with each half kick.
@@ -198,7 +221,10 @@ impl World {
             energy.kinetic += fluid.kinetic;
             energy.potential += fluid.potential;
             energy.internal = fluid.internal;
-            energy.viscous = fluid.viscous;
+            energy.viscous = fluid.viscous + self.ledger.dragged;
+            if water.walls.is_some() && water.fluid.advances_density() {
+                energy.at_walls = water.fluid.energy_from_walls() - self.ledger.pressed;
+            }
             energy.diffusive = fluid.diffusive;
             energy.removed += fluid.removed;
             energy.elastic += water.interface.elastic_energy();
@@ -207,6 +233,7 @@ impl World {
             - energy.external_work
             - energy.joint_water
             - energy.through_openings
+            - energy.at_walls
             - self.ledger.stored_at_start;
         energy
     }

@@ -447,6 +447,7 @@ impl World {
         let mut ledger = std::mem::take(&mut self.ledger);
         ledger.book(self, dt);
         self.ledger = ledger;
+        self.book_walls(0.5 * dt);
         if let Some(water) = &mut self.water {
             kick(&mut water.fluid, dt);
             let imposed = water.openings.hold_velocities(&mut water.fluid);
@@ -473,7 +474,16 @@ impl World {
                 }
             }
         }
+        self.book_walls(0.5 * dt);
         self.phases.integration += start.elapsed();
+    }
+
+    fn book_walls(&mut self, dt: f64) {
+        if self.held == Held::NoBlock
+            && let Some(walls) = self.water.as_ref().and_then(|water| water.walls.as_ref())
+        {
+            self.ledger.book_walls(walls, &self.blocks, dt);
+        }
     }
 
     fn note_walls(&mut self) {

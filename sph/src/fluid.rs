@@ -170,6 +170,8 @@ pub struct Fluid {
     n_pairs: u64,
     /// Work of the viscous force on the fluid since the ledger was opened, negated; J.
     viscous_loss: f64,
+    /// Energy that the pressure of walls gave since the ledger was opened; J.
+    from_walls: f64,
     /// Energy of compression taken by density diffusion since the ledger was opened; J.
     pub(crate) diffusive_loss: f64,
     removed: Removed,
@@ -199,7 +201,19 @@ pub(crate) struct Scratch {
     /// Apparent viscosities, where they vary.
     pub(crate) viscosities: AnyPoints,
     pub(crate) partial: Vec<f64>,
+    changes: Vec<Compression>,
+    /// Accelerations by the pressure of walls, of the particles that have any; m/s².
+    pub(crate) pushes: Vec<(u32, Vec3)>,
     keep: Vec<bool>,
+}
+
+/// What a step of density did to the energy of compression; J.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Compression {
+    /// Taken by diffusion.
+    pub diffusive_loss: f64,
+    /// Brought in by walls.
+    pub by_walls: f64,
 }
 
 /// The fluid's pressure continued along gravity to places that are not of its particles.
@@ -300,6 +314,7 @@ impl Fluid {
             max_speed: 0.0,
             n_pairs: 0,
             viscous_loss: 0.0,
+            from_walls: 0.0,
             diffusive_loss: 0.0,
             removed: Removed::default(),
             plane_force: Vec3::zeros(),
@@ -467,9 +482,16 @@ impl Fluid {
         self.diffusive_loss
     }
 
+    /// Energy that the fluid has from the pressure of walls since the ledger was opened, where density is advanced: of
+    /// motion by their forces and of compression by their part of the rates; J.
+    pub fn energy_from_walls(&self) -> f64 {
+        self.from_walls
+    }
+
     /// Forgets what the ledger holds: a run starts here.
     pub fn open_ledger(&mut self) {
         self.viscous_loss = 0.0;
+        self.from_walls = 0.0;
         self.diffusive_loss = 0.0;
         self.removed = Removed::default();
         self.reflected = Vec3::zeros();
@@ -516,6 +538,27 @@ impl Fluid {
             .reduce(|| 0.0, f64::max);
         self.max_speed = max_square.sqrt();
         self.viscous_loss -= partial.iter().sum::<f64>();
+        self.book_pushes(dt);
+    }
+
+    /// Books what the pressure of walls did in a kick of `dt` that has just been.
+    fn book_pushes(&mut self, dt: f64) {
+        if !self.advances_density() {
+            return;
+        }
+        let Particles {
+            velocity,
+            acceleration,
+            mass,
+            ..
+        } = &self.particles;
+        let pushes = &self.scratch.pushes;
+        let power = fixed_order_sum(pushes.len(), |k| {
+            let (a, push) = (pushes[k].0 as usize, &pushes[k].1);
+            let mean = velocity[a] - acceleration[a] * (0.5 * dt);
+            mass[a] * push.dot(&mean)
+        });
+        self.from_walls += power * dt;
     }
 
     /// Moves the particles by `dt` times their velocities.
@@ -646,35 +689,46 @@ impl Fluid {
     /// Adds rates of density; kg/(m³ s), one per particle named.
     pub fn add_density_rates(&mut self, rates: impl Iterator<Item = (u32, f64)>) {
         for (particle, rate) in rates {
-            self.scratch.rates[particle as usize].flow += rate;
+            let sum = &mut self.scratch.rates[particle as usize];
+            sum.flow += rate;
+            sum.by_walls += rate;
         }
     }
 
     /// Takes the density on by `dt` at the rates found, and books what diffusion did to the energy of
     /// compression. A particle with hardly any neighbours gets the reference density.
     pub fn advance_density(&mut self, dt: f64) {
-        self.diffusive_loss += self.take_density_on(|_, _, _| dt);
+        let change = self.take_density_on(|_, _, _| dt);
+        self.book_compression(change);
+    }
+
+    pub(crate) fn book_compression(&mut self, change: Compression) {
+        self.diffusive_loss += change.diffusive_loss;
+        self.from_walls += change.by_walls;
     }
 
     /// The same, each particle by the time that `time` makes of its index, density and rate; returns what is
-    /// to be booked, J.
-    pub(crate) fn take_density_on(&mut self, time: impl Fn(usize, f64, f64) -> f64 + Sync) -> f64 {
+    /// to be booked.
+    pub(crate) fn take_density_on(
+        &mut self,
+        time: impl Fn(usize, f64, f64) -> f64 + Sync,
+    ) -> Compression {
         let Particles { density, mass, .. } = &mut self.particles;
         let state = &self.state;
-        let partial = &mut self.scratch.partial;
-        partial.resize(density.len().div_ceil(CHUNK), 0.0);
+        let changes = &mut self.scratch.changes;
+        changes.resize(density.len().div_ceil(CHUNK), Compression::default());
         density
             .par_chunks_mut(CHUNK)
             .zip(mass.par_chunks(CHUNK))
             .zip(self.scratch.rates.par_chunks(CHUNK))
-            .zip(partial.par_iter_mut())
+            .zip(changes.par_iter_mut())
             .enumerate()
-            .for_each(|(chunk, (((density, mass), rates), loss))| {
-                *loss = 0.0;
+            .for_each(|(chunk, (((density, mass), rates), booked))| {
+                *booked = Compression::default();
                 let each = density.iter_mut().zip(mass).zip(rates);
                 for (a, ((density, mass), rate)) in (chunk * CHUNK..).zip(each) {
                     if rate.n_found <= FEWEST_NEIGHBORS {
-                        *loss += mass * state.specific_energy(*density);
+                        booked.diffusive_loss += mass * state.specific_energy(*density);
                         *density = state.reference_density;
                         continue;
                     }
@@ -682,12 +736,17 @@ impl Fluid {
                     let change = (rate.flow + rate.diffusion) * dt;
                     // de = p/ρ² dρ, at the middle of the change
                     let middle = *density + 0.5 * change;
-                    *loss -=
-                        mass * state.pressure(middle) / (middle * middle) * rate.diffusion * dt;
+                    let slope = mass * state.pressure(middle) / (middle * middle);
+                    booked.diffusive_loss -= slope * rate.diffusion * dt;
+                    booked.by_walls += slope * rate.by_walls * dt;
                     *density += change;
                 }
             });
-        partial.iter().sum()
+        let none = Compression::default();
+        changes.iter().fold(none, |sum, change| Compression {
+            diffusive_loss: sum.diffusive_loss + change.diffusive_loss,
+            by_walls: sum.by_walls + change.by_walls,
+        })
     }
 
     /// Pressures, and with summation the densities, at the current positions.
@@ -850,6 +909,7 @@ impl Fluid {
 
     /// Accelerations from pressure, viscosity and gravity; walls are added afterwards.
     pub fn update_accelerations(&mut self) {
+        self.scratch.pushes.clear();
         sums::forces(self);
         if self.settings.has_symmetry() {
             self.sum_plane_force();

@@ -63,10 +63,11 @@ impl Fluid {
             std::mem::swap(&mut self.particles.density, &mut self.at_start.density);
             let mut half_way = std::mem::take(&mut self.at_start.density);
             // ρ (2 − ε)/(2 + ε) − ρ = ρ' dt (ρ/ρ½) 2/(2 + ε)
-            self.diffusive_loss += self.take_density_on(|a, density, rate| {
+            let change = self.take_density_on(|a, density, rate| {
                 let epsilon = -rate / half_way[a] * dt;
                 dt * density / half_way[a] * 2.0 / (2.0 + epsilon)
             });
+            self.book_compression(change);
             half_way.clear();
             self.at_start.density = half_way;
         }

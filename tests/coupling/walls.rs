@@ -853,6 +853,35 @@ fn momentum_is_accounted_for_with_prescribed_and_free_blocks() {
     }
 }
 
+/// Blocks that move give what the water gets and what is lost by names, of which one is the walls' own.
+#[test]
+fn energy_is_accounted_for_with_prescribed_and_free_blocks() {
+    for (walls, slip) in [
+        ("Particles", "Free"),
+        ("Particles", "None"),
+        ("Integral", "Free"),
+        ("Integral", "None"),
+    ] {
+        let mut case = stirred(walls, "Double", 3.0);
+        case.more[1] = format!("slip: {slip}");
+        let mut world = case.world();
+        for _ in 0..200 {
+            let step = world.next_step(1.0).unwrap();
+            world.step(step).unwrap();
+        }
+        let energy = world.energy();
+        println!(
+            "energy {walls:9} slip {slip}: work {:.2} J, viscous {:.2} J, at walls {:+.3} J, unexplained {:+.1e} J",
+            energy.external_work, energy.viscous, energy.at_walls, energy.residual
+        );
+        // of the stepping, in which a stroke takes 70 steps: 0.3 % at most
+        assert!(
+            energy.residual.abs() < 0.005 * energy.external_work,
+            "{energy:?}"
+        );
+    }
+}
+
 #[test]
 fn scenes_that_walls_cannot_hold_are_refused() {
     let ball = "Sphere(center: (0.5, 0.5, 0.5), radius: 0.2)";

@@ -20,7 +20,7 @@ pub struct Ledgers {
 }
 
 /// Columns of `energy.csv` behind the time, in the order of [`energy_row`].
-pub const ENERGY_COLUMNS: [&str; 19] = [
+pub const ENERGY_COLUMNS: [&str; 20] = [
     "kinetic",
     "potential",
     "elastic",
@@ -39,11 +39,12 @@ pub const ENERGY_COLUMNS: [&str; 19] = [
     "external_work",
     "joint_water",
     "through_openings",
+    "at_walls",
     "residual",
 ];
 
 /// The terms of the ledger in the order of [`ENERGY_COLUMNS`]; J.
-pub fn energy_row(energy: &Energy) -> [f64; 19] {
+pub fn energy_row(energy: &Energy) -> [f64; 20] {
     // no `..`: a new term cannot be forgotten
     let Energy {
         kinetic,
@@ -64,6 +65,7 @@ pub fn energy_row(energy: &Energy) -> [f64; 19] {
         external_work,
         joint_water,
         through_openings,
+        at_walls,
         residual,
     } = *energy;
     [
@@ -85,6 +87,7 @@ pub fn energy_row(energy: &Energy) -> [f64; 19] {
         external_work,
         joint_water,
         through_openings,
+        at_walls,
         residual,
     ]
 }

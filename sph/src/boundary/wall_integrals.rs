@@ -25,6 +25,8 @@ impl Fluid {
             let a = f.particle as usize;
             let mass = particles.mass[a];
             particles.acceleration[a] += f.force / mass;
+            let pressed = (f.force - f.viscous) / mass;
+            self.scratch.pushes.push((f.particle, pressed));
             let viscous = &mut particles.viscous_acceleration[a];
             for (sum, part) in viscous.iter_mut().zip(&f.viscous) {
                 *sum += (part / mass) as f32;

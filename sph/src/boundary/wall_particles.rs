@@ -297,6 +297,7 @@ impl WallParticles {
         for (&a, rate) in self.wetting.iter().zip(&rates) {
             let sum = &mut fluid.scratch.rates[a as usize];
             sum.flow += rate.flow;
+            sum.by_walls += rate.flow;
             sum.n_found += rate.n_found;
         }
         self.scratch.rates = rates;
@@ -484,6 +485,10 @@ impl WallParticles {
                 (Vec3::from(force.pressure), Vec3::from(force.viscous));
             let both = by_pressure + by_viscosity;
             particles.acceleration[a] += both / particles.density[a];
+            fluid
+                .scratch
+                .pushes
+                .push((a as u32, by_pressure / particles.density[a]));
             for (sum, f) in particles.viscous_acceleration[a]
                 .iter_mut()
                 .zip(&by_viscosity)

@@ -13,6 +13,8 @@ use crate::terms::{Lanes3, dot, minus, signed, splat3};
 pub(crate) struct Rate {
     /// By the flow; kg/(m³ s).
     pub flow: f64,
+    /// The part of this that walls make; kg/(m³ s).
+    pub by_walls: f64,
     /// By diffusion; kg/(m³ s).
     pub diffusion: f64,
     /// Neighbours found, the particle itself among them.
@@ -101,6 +103,7 @@ impl<L: Lanes, K: PairKernel<L>, D: Diffusion<L>> Term<L> for Continuity<'_, L, 
     fn finish(&self, a: usize, [flow, diffusion]: [L; 2], n_found: u32, out: &mut Rate) {
         *out = Rate {
             flow: self.own.density[a] * flow.sum(),
+            by_walls: 0.0,
             diffusion: self.diffusion.strength() * diffusion.sum(),
             n_found,
         };
