@@ -572,6 +572,75 @@ def crests(args, name, depth):
     return [row(f"crests of {name} at g1, g2, g3, Standard", "-", found, say)]
 
 
+def convergence_wedge(args):
+    def settings(rows):
+        # the slab stays four spacings wide
+        spacing = 0.6 / rows
+        width = f"{4 * spacing:.7f}"
+        return [f"fluid.resolution=Spacing({spacing:.7f})", f"domain.max=(5.3, {width}, 1.8)", f"blocks.wedge.shape.to={width}"]
+    return convergence(args, "sliding_wedge", 0.6, (13, 18, 26, 37), 26, settings)
+
+
+def convergence_block(args):
+    def settings(rows):
+        return [f"fluid.resolution=Spacing({0.5 / rows:.7f})"]
+    return convergence(args, "impacting_block", 0.5, (10, 14, 19), 14, settings)
+
+
+def convergence(args, name, depth, all_rows, own_rows, settings):
+    """First crests of a scene of the paper by rows of water over its depth, of which the scene itself has `own_rows`."""
+    def one(rows):
+        if rows == own_rows:
+            return runs(args, CASES / f"{name}.ron", f"crest_{name}", ["numerics.preset=Standard"])
+        return runs(args, CASES / f"{name}.ron", f"crest_{name}_{rows}", ["numerics.preset=Standard", *settings(rows)])
+
+    found = {rows: one(rows) for rows in all_rows}
+    spacings = [depth / rows for rows in all_rows]
+    made_figure, panels = figure(3, 1.8)
+    lines = []
+    for panel, gauge in zip(panels, ("g1", "g2", "g3")):
+        line = [f"first crest of {name} at {gauge}; {', '.join(f'{1000 * s:.1f}' for s in spacings)} mm", "converges"]
+        for walls in WALLS:
+            crests = []
+            for rows in all_rows:
+                if walls not in found[rows]:
+                    continue
+                made = found[rows][walls]
+                g = columns(made, "gauges.csv")
+                eta = g[gauge] - depth
+                k = first_crest(eta)
+                crests.append(math.nan if k is None else eta[k])
+                shade = 0.25 + 0.75 * rows / all_rows[-1]
+                panel.plot(g["time"], 1000 * eta, color=COLORS[walls], alpha=shade, lw=0.4 + 0.8 * shade,
+                           label=f"{WALLS[walls]}, {1000 * depth / rows:.1f} mm")
+            line.append(limit(spacings, crests) if len(crests) == len(all_rows) else "-")
+        panel.set_ylabel(f"{gauge} [mm]", fontsize=7)
+        lines.append(line)
+    panels[0].legend(fontsize=6, ncol=4)
+    save(args, made_figure, f"coupling_convergence_{name}")
+    return lines
+
+
+def limit(spacings, values):
+    """Values, and of the three finest the observed order, Richardson's limit and the grid convergence index.
+
+    Celik et al. (2008), J. Fluids Eng. 130, 078001, for ratios that differ; safety factor 1.25.
+    """
+    said = f"{', '.join(f'{1000 * v:.0f}' for v in values)} mm"
+    (h3, h2, h1), (f3, f2, f1) = spacings[-3:], values[-3:]
+    coarse, fine = f3 - f2, f2 - f1
+    if not coarse * fine > 0:
+        return f"{said}; not monotone, the three finest within {100 * np.ptp(values[-3:]) / abs(f1):.0f} %"
+    r21, r32 = h2 / h1, h3 / h2
+    order = 1.0
+    for _ in range(200):
+        order = abs(math.log(coarse / fine) + math.log((r21**order - 1) / (r32**order - 1))) / math.log(r21)
+        if not 0 < order < 50:
+            return f"{said}; no order"
+    gain = r21**order - 1
+    return f"{said}; order {order:.1f}, limit {1000 * (f1 + (f1 - f2) / gain):.0f} mm, uncertainty {125 * abs(fine / f1) / gain:.0f} %"
+
+
 def first_crest(eta):
     """Index of the first crest: the highest point before the level falls to half of it again."""
     best = None
@@ -584,7 +653,7 @@ def first_crest(eta):
 
 
 ROWS = {f.__name__: f for f in (submerged, floating_boxes, heave_boxes, wedge_entry, paddle_work, column, released, thin_plate,
-                                momentum, crest_wedge, crest_block)}
+                                momentum, crest_wedge, crest_block, convergence_wedge, convergence_block)}
 
 
 def main():

@@ -8,6 +8,7 @@
 #[path = "../support/mod.rs"]
 mod support;
 
+use std::collections::BTreeSet;
 use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::Duration;
@@ -314,6 +315,43 @@ fn an_old_run_is_not_overwritten_without_force() {
     );
     // what is not ours stays
     assert!(out.join("notes.txt").exists());
+}
+
+#[test]
+fn a_run_by_force_leaves_nothing_of_the_old_one() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = folder.path().join("incline.ron");
+    std::fs::write(&scene, incline(20.0)).unwrap();
+    let [old, new] = ["old", "new"].map(|name| folder.path().join(name));
+    let all = [
+        &SMALL_WEDGE[..],
+        &["--until", "0.02", "--set", "output.face_pressures=true"],
+        &[
+            "--set",
+            r#"forces=(blocks: ["wedge"], interval: 0.01)"#,
+            "--set",
+            r#"trajectories=(blocks: ["wedge"])"#,
+        ],
+    ];
+    run(&case("sliding_wedge.ron"), &old, &all.concat());
+    let few = ["--until", "0.01"];
+    run(&scene, &new, &few);
+    let files = |folder: &Path| -> BTreeSet<String> {
+        let entries = std::fs::read_dir(folder).unwrap();
+        let name = |entry: std::fs::DirEntry| entry.file_name().into_string().unwrap();
+        entries.map(|entry| name(entry.unwrap())).collect()
+    };
+    let before = files(&old);
+    for file in [
+        "forces.csv",
+        "contacts.csv",
+        "faces.pvd",
+        "trajectories.csv",
+    ] {
+        assert!(before.contains(file), "{file} is not in {before:?}");
+    }
+    run(&scene, &old, &[&few[..], &["--force"]].concat());
+    assert_eq!(files(&old), files(&new));
 }
 
 #[test]

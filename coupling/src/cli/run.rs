@@ -126,7 +126,7 @@ fn remove_run(folder: &Path) -> Result<(), String> {
             .unwrap_or_default()
             .to_string_lossy()
             .into_owned();
-        let is_ours = ["water", "blocks", "contacts", "fixed_blocks"]
+        let is_ours = ["water", "blocks", "contacts", "fixed_blocks", "faces"]
             .iter()
             .any(|stem| {
                 name.starts_with(stem)
@@ -141,6 +141,8 @@ fn remove_run(folder: &Path) -> Result<(), String> {
                 "gauges.csv",
                 "blocks.csv",
                 "energy.csv",
+                "forces.csv",
+                "contacts.csv",
                 "trajectories.csv",
                 "rockfall.csv",
             ]
