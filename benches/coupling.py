@@ -162,6 +162,48 @@ def submerged(args):
     return lines
 
 
+def submerged_plane(args):
+    """Polygons in a plane: squares turned by some angles, triangles of 60 degrees and of 30, 60 and 90."""
+    size = 0.24
+    square = [(-size / 2, -size / 2), (size / 2, -size / 2), (size / 2, size / 2), (-size / 2, size / 2)]
+    blunt = [(-size / 2, -size / math.sqrt(12)), (size / 2, -size / math.sqrt(12)), (0, size / math.sqrt(3))]
+    leg = size / math.sqrt(3)
+    sharp = [(-leg / 3, -size / 3), (2 * leg / 3, -size / 3), (-leg / 3, 2 * size / 3)]
+    lines = []
+    made_figure, panels = figure(3)
+    for panel, (name, corners, angles) in zip(panels, (("square", square, (5, 20, 45)), ("triangle of 60 degrees", blunt, (0, 20)),
+                                                       ("triangle of 30, 60, 90", sharp, (0, 20)))):
+        corners = np.array(corners)
+        x, z = corners.T
+        area = 0.5 * abs(np.sum(x * np.roll(z, -1) - z * np.roll(x, -1)))
+        weight = RHO * G * area * 0.1
+        for spacing in (0.02, 0.01):
+            for angle in angles:
+                c, s = math.cos(math.radians(angle)), math.sin(math.radians(angle))
+                polygon = ", ".join(f"({0.39 + c * x - s * z:.9f}, {0.27 + s * x + c * z:.9f})" for x, z in corners)
+                settings = [f"blocks.body.shape=Extrusion(polygon: [{polygon}], axis: Y, from: 0, to: 0.1)",
+                            f"fluid.resolution=Spacing({spacing})"]
+                label = f"{name} at {angle} degrees, {round(size / spacing)} spacings"
+                found = runs(args, SCENES / "submerged_plane.ron", "plane_" + label.replace(",", "").replace(" ", "_"), settings)
+
+                def say(made):
+                    rows = of_block(made, "forces.csv", 0)
+                    up = load(rows)["fz"][rows["time"] > 0.5 * rows["time"][-1]] / weight
+                    return f"{percent(smooth_mean(up))} ± {100 * np.std(up):.1f}"
+
+                lines.append(row(f"in a plane, {label}", "1.5 % of ρgA", found, say))
+                if angle == 20:
+                    for walls, made in found.items():
+                        rows = of_block(made, "forces.csv", 0)
+                        panel.plot(rows["time"], load(rows)["fz"] / weight, color=COLORS[walls], lw=0.9,
+                                   ls="-" if spacing == 0.01 else ":", label=f"{WALLS[walls]}, {round(size / spacing)} spacings")
+        panel.axhline(1, color="black", lw=0.8, ls="--")
+        panel.set_ylabel(f"{name}\nforce up / ρgA", fontsize=7)
+    panels[0].legend(fontsize=7, ncol=3)
+    save(args, made_figure, "coupling_submerged_plane")
+    return lines
+
+
 def floating_boxes(args):
     found = runs(args, CASES / "floating_boxes.ron", "floating_boxes")
     names = ["fifth", "half", "nine tenths", "square"]
@@ -347,7 +389,8 @@ def paddle(args, settle):
         share = {name: 100 * e[name][-1] / work for name in ("viscous", "diffusive", "damping", "at_walls", "residual")}
         most = {name: 100 * np.max(np.abs(e[name])) / np.max(e["external_work"]) for name in ("at_walls", "residual")}
         return (f"unexplained {share['residual']:+.3f} % of {work:.2f} J, at any time at most {most['residual']:.3f} % of the "
-                f"most work, {np.max(e['external_work']):.2f} J; brought in at walls {share['at_walls']:+.2f} %, {most['at_walls']:.2f} % at most; gained {100 * (end - start) / work:.1f}, viscous {share['viscous']:.1f}, "
+                f"most work, {np.max(e['external_work']):.2f} J; brought in at walls {share['at_walls']:+.2f} %, {most['at_walls']:.2f} % "
+                f"at most; gained {100 * (end - start) / work:.1f}, viscous {share['viscous']:.1f}, "
                 f"diffusive {share['diffusive']:.1f}, dashpots {share['damping']:.1f} %; "
                 f"work by the force recorded {percent(by_gauge(made) / work)}")
 
@@ -638,7 +681,8 @@ def limit(spacings, values):
         if not 0 < order < 50:
             return f"{said}; no order"
     gain = r21**order - 1
-    return f"{said}; order {order:.1f}, limit {1000 * (f1 + (f1 - f2) / gain):.0f} mm, uncertainty {125 * abs(fine / f1) / gain:.0f} %"
+    end = f1 - fine / gain
+    return f"{said}; order {order:.1f}, limit {1000 * end:.0f} mm, uncertainty {125 * abs(fine / f1) / gain:.0f} %"
 
 
 def first_crest(eta):
@@ -652,8 +696,8 @@ def first_crest(eta):
     return best
 
 
-ROWS = {f.__name__: f for f in (submerged, floating_boxes, heave_boxes, wedge_entry, paddle_work, column, released, thin_plate,
-                                momentum, crest_wedge, crest_block, convergence_wedge, convergence_block)}
+ROWS = {f.__name__: f for f in (submerged, submerged_plane, floating_boxes, heave_boxes, wedge_entry, paddle_work, column, released,
+                                thin_plate, momentum, crest_wedge, crest_block, convergence_wedge, convergence_block)}
 
 
 def main():

@@ -4,7 +4,7 @@ use riprap_dda::Shape;
 use riprap_sph::boundary::integral::Face;
 use riprap_sph::boundary::sampling::{
     Region, Rows, UnionLattice, WallSample, is_behind, sample_ball, sample_behind,
-    sample_behind_surface, sample_convex, sample_union,
+    sample_behind_surface, sample_convex, sample_prism, sample_union,
 };
 use riprap_sph::{Dimensions, Fluid, SymmetryPlane, Vec3};
 
@@ -367,6 +367,9 @@ impl Sampler {
         };
         let (spacing, support_radius) =
             (self.lattice.particle_spacing, self.lattice.support_radius);
+        if let Some(samples) = self.prism(part) {
+            return samples;
+        }
         let repeats = self.endless.periodic.contains(&true);
         match self.plane {
             None if repeats && part.is_upright_box() => {
@@ -380,18 +383,25 @@ impl Sampler {
             }
             None if repeats => self.whole(parts),
             None => sample_convex(&part.faces(), spacing, support_radius),
-            Some((middle, _)) if part.is_upright_box() => {
-                // as thin as one row of its own lattice
-                let center =
-                    part.corners().map(|x| x.y).sum::<f64>() / part.corners().count() as f64;
-                let half = 0.5 * spacing;
-                let slice = part.along(1, |y| middle + if y < center { -half } else { half });
-                let samples = sample_convex(&slice.faces(), spacing, support_radius);
-                let row = self.in_slice(samples.into_iter().map(|sample| (0, sample)));
-                row.into_iter().map(|(_, sample)| sample).collect()
-            }
             Some(_) => self.whole(parts),
         }
+    }
+
+    /// Of a prism across a flow in a plane, or from side to side of a domain that repeats; none of anything else.
+    fn prism(&self, part: &Part) -> Option<Vec<WallSample>> {
+        let (spacing, support) = (self.lattice.particle_spacing, self.lattice.support_radius);
+        let Some((middle, _)) = self.plane else {
+            let axis = self.endless.first_of(part)?;
+            return sample_prism(&self.endless.inside(part).faces(), axis, spacing, support);
+        };
+        // as thin as one row of its own lattice
+        let corners = part.corners().map(|x| x.y);
+        let center = corners.sum::<f64>() / part.corners().count() as f64;
+        let half = 0.5 * spacing;
+        let slice = part.along(1, |y| middle + if y < center { -half } else { half });
+        let samples = sample_prism(&slice.faces(), 1, spacing, support)?;
+        let row = self.in_slice(samples.into_iter().map(|sample| (0, sample)));
+        Some(row.into_iter().map(|(_, sample)| sample).collect())
     }
 
     /// As a union, wherever it stands.

@@ -6,7 +6,8 @@
 //!
 //! - a box is a lattice of its own ([`sample_convex`]);
 //! - any other convex body has layers parallel to each face, bounded by the planes that bisect the
-//!   angles to the other faces ([`sample_convex`]);
+//!   angles to the other faces ([`sample_convex`]), a prism that seems to have no ends along its sides only
+//!   ([`sample_prism`]);
 //! - a ball has layers of points spread evenly ([`sample_ball`]);
 //! - fixed bodies that touch or overlap are one solid ([`sample_union`]);
 //! - each face of a [screen](super::screens) has layers of its own ([`sample_behind`]), or the points of the shell near
@@ -99,8 +100,39 @@ pub fn sample_convex(
 ) -> Vec<WallSample> {
     let n_layers = n_layers(particle_spacing, support_radius);
     cuboid::samples(faces, particle_spacing, n_layers)
-        .unwrap_or_else(|| layers::samples(faces, particle_spacing, n_layers))
+        .or_else(|| layers_of(faces, particle_spacing, n_layers))
+        .unwrap_or_else(|| layers::whole(faces))
 }
+
+/// As [`sample_convex`], of a prism along an axis that goes on beyond its ends: layers are along its sides only. None of a
+/// body whose other faces are not along the axis.
+pub fn sample_prism(
+    faces: &[Face],
+    axis: usize,
+    particle_spacing: f64,
+    support_radius: f64,
+) -> Option<Vec<WallSample>> {
+    let n_layers = n_layers(particle_spacing, support_radius);
+    let (ends, sides): (Vec<Face>, Vec<Face>) =
+        faces.iter().partition(|face| 0.5 < face.normal[axis].abs());
+    let is_along = |face: &Face| face.normal[axis].abs() < UPRIGHT;
+    let is_across = |face: &Face| 1.0 - UPRIGHT < face.normal[axis].abs();
+    if !(ends.iter().all(is_across) && sides.iter().all(is_along)) {
+        return None;
+    }
+    let samples = cuboid::samples(faces, particle_spacing, n_layers)
+        .or_else(|| layers_of(&sides, particle_spacing, n_layers))
+        .unwrap_or_else(|| layers::whole(faces));
+    Some(samples)
+}
+
+fn layers_of(faces: &[Face], particle_spacing: f64, n_layers: usize) -> Option<Vec<WallSample>> {
+    let samples = layers::samples(faces, particle_spacing, n_layers);
+    (!samples.is_empty()).then_some(samples)
+}
+
+/// Cosine below which a face is along an axis.
+const UPRIGHT: f64 = 1e-9;
 
 /// `⌈R/dp⌉`, where a ratio that is whole but for round-off is whole.
 fn n_layers(particle_spacing: f64, support_radius: f64) -> usize {

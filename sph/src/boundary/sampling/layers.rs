@@ -17,7 +17,8 @@ const COPLANAR: f64 = 1.0 - 5e-13;
 /// Points of the layers at depths `(k + ½) dp` below every face.
 ///
 /// A point takes the area of its piece of a cell times the volume of the layer over its area, `dp`
-/// but where a layer ends within itself. What layers too small for a point hold is shared by all.
+/// but where a layer ends within itself. What layers too small for a point hold is shared by all. None of a body too small
+/// for a layer.
 pub(super) fn samples(faces: &[Face], spacing: f64, n_layers: usize) -> Vec<WallSample> {
     let mut samples: Vec<WallSample> = Vec::new();
     let mut shell = 0.0;
@@ -50,9 +51,6 @@ pub(super) fn samples(faces: &[Face], spacing: f64, n_layers: usize) -> Vec<Wall
         }
     }
     let filled: f64 = samples.iter().map(|sample| sample.volume).sum();
-    if samples.is_empty() {
-        return whole(faces);
-    }
     for sample in &mut samples {
         sample.volume *= shell / filled;
     }
@@ -95,7 +93,7 @@ pub(super) fn cells_of(outline: &Polygon, spacing: f64) -> Cells {
 }
 
 /// One point for a body too small for a layer.
-fn whole(faces: &[Face]) -> Vec<WallSample> {
+pub(super) fn whole(faces: &[Face]) -> Vec<WallSample> {
     let (mut volume, mut moment) = (0.0, Vec3::zeros());
     let Some(&apex) = faces.first().and_then(|face| face.vertices.first()) else {
         return Vec::new();
