@@ -121,13 +121,11 @@ fn c17_prisms_that_go_on_fill_their_shells() {
             // corners 0, base and the third, where the sides from both meet
             let along = base * b.sin() / (a + b).sin();
             let third = Vec3::new(along * a.cos(), 0.0, along * a.sin());
-            let across = [-0.5 * DP, 0.5 * DP].map(|y| Vec3::y() * y);
             let corners = [Vec3::zeros(), Vec3::x() * base, third];
-            let points: Vec<Vec3> = corners
-                .iter()
-                .flat_map(|corner| across.map(|y| corner + y))
-                .collect();
-            let solid = Solid::hull(&points);
+            let [near, far] = [-0.5, 0.5].map(|y| corners.map(|x| x + Vec3::y() * (y * DP)));
+            let side = |k: usize| vec![far[k], far[(k + 1) % 3], near[(k + 1) % 3], near[k]];
+            let ends = [near.to_vec(), far.iter().rev().copied().collect()];
+            let solid = Solid::of_loops(ends.into_iter().chain((0..3).map(side)).collect());
             let samples = sample_prism(&solid.faces(), 1, DP, 2.6 * DP).unwrap_or_default();
             let area = 0.5 * base * third.z;
             let inradius = 2.0 * area / (base + along + (third - corners[1]).norm());
@@ -137,9 +135,10 @@ fn c17_prisms_that_go_on_fill_their_shells() {
                 "C17 prism of {name} degrees, {size} dp: {} points, volume {error:+.1e}",
                 samples.len()
             );
-            // eight slices of the layer that ends within itself; its neighbour's share, when that is too small for a point
-            assert!(error.abs() < 5e-3, "{error}");
+            // of the layer that ends within itself, which is summed over eight slices: 6e-4 measured
+            assert!(error.abs() < 2e-3, "{error}");
             assert!(samples.iter().all(|s| s.position.y.abs() < 1e-12));
+            assert!(samples.iter().all(|s| 0.0 < solid.depth(&s.position)));
         }
     }
 }
