@@ -667,7 +667,8 @@ def convergence(args, name, depth, all_rows, own_rows, settings):
 def limit(spacings, values):
     """Values, and of the three finest the observed order, Richardson's limit and the grid convergence index.
 
-    Celik et al. (2008), J. Fluids Eng. 130, 078001, for ratios that differ; safety factor 1.25.
+    Celik et al. (2008), J. Fluids Eng. 130, 078001, for ratios that differ; safety factor 1.25; limit and index with an order of two
+    at most.
     """
     said = f"{', '.join(f'{1000 * v:.0f}' for v in values)} mm"
     (h3, h2, h1), (f3, f2, f1) = spacings[-3:], values[-3:]
@@ -680,7 +681,8 @@ def limit(spacings, values):
         order = abs(math.log(coarse / fine) + math.log((r21**order - 1) / (r32**order - 1))) / math.log(r21)
         if not 0 < order < 50:
             return f"{said}; no order"
-    gain = r21**order - 1
+    # an order above the scheme's says that the spacings are not small enough yet: it may not narrow the limit
+    gain = r21 ** min(order, 2) - 1
     end = f1 - fine / gain
     return f"{said}; order {order:.1f}, limit {1000 * end:.0f} mm, uncertainty {125 * abs(fine / f1) / gain:.0f} %"
 
