@@ -102,8 +102,9 @@ pub(crate) struct Ledger {
     through_openings: f64,
     /// Brought in by water in joints; J.
     joint_water: f64,
-    /// Given to the fluid through the pressure of walls by blocks that move, and through its shear; J.
+    /// Given to the fluid through the pressure of walls by blocks that move; J.
     pressed: f64,
+    /// The same through their shear; J.
     dragged: f64,
 }
 
