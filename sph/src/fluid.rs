@@ -349,10 +349,11 @@ impl Fluid {
         self.screens.clear();
     }
 
-    /// Adds a screen where it is at present: a convex solid by the planes of its faces, with a box round it (m).
+    /// Adds a screen where it is at present: a convex solid by the planes of its faces, each with the number of the side it
+    /// is of, with a box round it (m).
     /// Particles do not see each other through it. Planes of symmetry do not mirror it: one that touches them has to go on
     /// beyond them as it is before them, with planes of infinite offset for its ends there.
-    pub fn add_screen(&mut self, planes: impl Iterator<Item = Plane>, bounds: (Vec3, Vec3)) {
+    pub fn add_screen(&mut self, planes: impl Iterator<Item = (Plane, u32)>, bounds: (Vec3, Vec3)) {
         // particles may have left the cells that they were sorted into
         let reach = self.settings.support_radius() + self.skin();
         self.screens.add(planes, bounds, &self.grid, reach);

@@ -597,7 +597,7 @@ mod tests {
                     (-Vec3::z(), 0.01),
                 ];
                 let bounds = (Vec3::new(low, -1.0, -0.01), Vec3::new(low + 0.03, 2.0, 0.5));
-                fluid.add_screen(planes.into_iter(), bounds);
+                fluid.add_screen(planes.into_iter().zip(0..), bounds);
             }
             let when_made = difference(&mut fluid)?;
             approach(&mut fluid);

@@ -165,9 +165,15 @@ impl ParticleWalls {
         );
         let (thin, thick) = sampler.screens(&inside, &standing);
         let mut standing_points = Points::default();
-        for Thin { part, ends, faces } in thin {
-            let screen = screens.add((part, &inside), ends, owners[part], blocks);
-            standing_points.add_screen(screen, owners[part], &faces);
+        for Thin {
+            part,
+            ends,
+            side_of,
+            behind,
+        } in thin
+        {
+            let screen = screens.add((part, &inside), (ends, side_of), owners[part], blocks);
+            standing_points.add_screen(screen, owners[part], &behind);
         }
         let whole: Vec<Part> = thick.iter().map(|&part| standing[part].clone()).collect();
         for (part, sample) in sampler.standing(&whole) {
@@ -197,9 +203,15 @@ impl ParticleWalls {
                 .map(|part| sampler.endless.inside(part))
                 .collect();
             let (thin, thick) = sampler.screens(&inside, &parts);
-            for Thin { part, ends, faces } in thin {
-                let screen = screens.add((part, &inside), ends, b, blocks);
-                points.add_screen(screen, b, &faces);
+            for Thin {
+                part,
+                ends,
+                side_of,
+                behind,
+            } in thin
+            {
+                let screen = screens.add((part, &inside), (ends, side_of), b, blocks);
+                points.add_screen(screen, b, &behind);
             }
             let thick: Vec<Part> = thick.iter().map(|&part| parts[part].clone()).collect();
             for sample in sampler.body(&thick) {
@@ -501,12 +513,12 @@ impl Points {
         self.facets.push(facet);
     }
 
-    /// Adds the points behind each face of a screen.
-    fn add_screen(&mut self, screen: u32, block: usize, faces: &[Vec<WallSample>]) {
-        for (face, samples) in faces.iter().enumerate() {
+    /// Adds the points behind each side of a screen.
+    fn add_screen(&mut self, screen: u32, block: usize, behind: &[Vec<WallSample>]) {
+        for (side, samples) in behind.iter().enumerate() {
             let facet = Facet {
                 screen,
-                face: face as u32,
+                side: side as u32,
             };
             for &sample in samples {
                 self.add(block, sample, facet);

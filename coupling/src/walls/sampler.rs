@@ -1,17 +1,17 @@
-//! Where the points of walls of particles stand: bodies by themselves, fixed ones as one solid, each face of a screen.
+//! Where the points of walls of particles stand: bodies by themselves, fixed ones as one solid, each side of a screen.
 
 use riprap_dda::Shape;
 use riprap_sph::boundary::integral::Face;
 use riprap_sph::boundary::sampling::{
     Region, Rows, UnionLattice, WallSample, is_behind, sample_ball, sample_behind,
-    sample_behind_surface, sample_convex, sample_prism, sample_union,
+    sample_behind_side, sample_behind_surface, sample_convex, sample_prism, sample_union,
 };
 use riprap_sph::{Dimensions, Fluid, SymmetryPlane, Vec3};
 
 use super::Part;
 use super::cutting::{image, pieces};
 use super::endless::Endless;
-use super::screens::{PARALLEL, Thinness, is_covered, thinness};
+use super::screens::{Thinness, is_covered, is_side_of_plate, sides, thinness};
 
 impl Part {
     /// Whether every face is across an axis of the scene.
@@ -29,8 +29,10 @@ pub(super) struct Thin {
     pub(super) part: usize,
     /// Faces at which it only seems to end.
     pub(super) ends: Vec<bool>,
-    /// Points behind each face.
-    pub(super) faces: Vec<Vec<WallSample>>,
+    /// Which side each face is of.
+    pub(super) side_of: Vec<u32>,
+    /// Points behind each side.
+    pub(super) behind: Vec<Vec<WallSample>>,
 }
 
 /// What is known of the faces of a part that may be a screen.
@@ -124,7 +126,7 @@ impl Sampler {
     }
 
     /// Which of some parts, of which `inside` is what is inside the domain, are screens, with points behind each of their
-    /// faces, and which are not. Faces that other parts cover have none: nothing looks through them.
+    /// sides, and which are not. Sides that other parts cover have none: nothing looks through them.
     pub(super) fn screens(&self, inside: &[Part], parts: &[Part]) -> (Vec<Thin>, Vec<usize>) {
         let (mut screens, mut others) = (Vec::new(), Vec::new());
         for (k, part) in parts.iter().enumerate() {
@@ -136,9 +138,12 @@ impl Sampler {
         (screens, others)
     }
 
+    /// Each side of a plate has layers of its own through it. Other sides have the points of the shell, each its own
+    /// pressures there: where two sides show the same places nothing changes as a particle passes their edge. Outside, which
+    /// a side hides beyond those opposed to it and where the screen goes on, all have layers of their own.
     fn screen(&self, number: usize, whole: &Part, all: &[Part]) -> Option<Thin> {
         let part = &all[number];
-        let spacing = self.lattice.particle_spacing;
+        let support = self.lattice.support_radius;
         let Faces {
             ends,
             open,
@@ -147,71 +152,75 @@ impl Sampler {
         if !thinness.is_thin {
             return None;
         }
-        let end = self.endless.first_of(part);
-        let rows = end.map(|axis| match self.plane {
-            Some((middle, width)) => Rows {
-                axis,
-                from: middle - 0.5 * width,
-                width,
-                count: 1,
-            },
-            None => {
-                let (from, to) = (self.endless.domain.min[axis], self.endless.domain.max[axis]);
-                let count = ((to - from) / spacing).round().max(1.0) as usize;
-                Rows {
-                    axis,
-                    from,
-                    width: (to - from) / count as f64,
-                    count,
-                }
+        let shell = self.body(std::slice::from_ref(whole));
+        let faces = part.faces();
+        let sides = sides(part, self.lattice.particle_spacing);
+        let behind = |side: &Vec<usize>| {
+            if !side.iter().any(|&face| open[face]) {
+                return Vec::new();
             }
-        });
-        let mut shell = self.body(std::slice::from_ref(whole));
-        shell.retain(|sample| self.is_before_planes(&sample.position));
-        let behind = |(face, &is_open): (&(Vec3, Vec<Vec3>), &bool)| match is_open {
-            true => self.behind(face, part, &shell, rows),
-            false => Vec::new(),
+            let mut samples = self.behind_side(side, part);
+            let mut of_side = side.iter();
+            if !of_side.any(|&face| is_side_of_plate(part, face, support)) {
+                samples.retain(|sample| !part.may_be_within(&sample.position, 0.0));
+                let is_near = |sample: &&WallSample| {
+                    let mut of_side = side.iter();
+                    of_side.any(|&face| is_behind(&faces[face], &sample.position, support))
+                };
+                samples.extend(shell.iter().filter(is_near));
+            }
+            samples.retain(|sample| self.is_before_planes(&sample.position));
+            samples
         };
+        let mut side_of = vec![0; faces.len()];
+        for (number, side) in sides.iter().enumerate() {
+            for &face in side {
+                side_of[face] = number as u32;
+            }
+        }
         Some(Thin {
             part: number,
-            faces: part.faces.iter().zip(&open).map(behind).collect(),
+            behind: sides.iter().map(behind).collect(),
+            side_of,
             ends,
         })
     }
 
-    /// Points that a look through a face of a screen has behind it, given those of its shell.
-    ///
-    /// Each side of a plate has layers of its own through it. Other faces have the points of the shell, each its own
-    /// pressures there: where two faces show the same places nothing changes as a particle passes their edge. Outside,
-    /// which a face hides beyond those opposed to it and where the screen goes on, all have layers of their own.
-    fn behind(
-        &self,
-        (normal, corners): &(Vec3, Vec<Vec3>),
-        part: &Part,
-        shell: &[WallSample],
-        rows: Option<Rows>,
-    ) -> Vec<WallSample> {
+    /// Rows of points along the axis in which a part has no end.
+    fn rows(&self, part: &Part) -> Option<Rows> {
+        let axis = self.endless.first_of(part)?;
+        let Region { min, max } = &self.endless.domain;
+        let length = max[axis] - min[axis];
+        let count = (length / self.lattice.particle_spacing).round().max(1.0);
+        Some(Rows {
+            axis,
+            from: min[axis],
+            width: length / count,
+            count: count as usize,
+        })
+    }
+
+    /// Points behind a side of a part.
+    fn behind_side(&self, side: &[usize], part: &Part) -> Vec<WallSample> {
         let (spacing, support) = (self.lattice.particle_spacing, self.lattice.support_radius);
-        let face = Face {
-            normal: *normal,
-            vertices: corners,
+        let of = |part: &Part, rows: Option<Rows>| {
+            let faces = part.faces();
+            let side: Vec<Face> = side.iter().map(|&k| faces[k]).collect();
+            match side.as_slice() {
+                [face] => sample_behind(face, rows, spacing, support),
+                side => sample_behind_side(side, rows, spacing, support),
+            }
         };
-        let is_other_side = |(other, others_corners): &(Vec3, Vec<Vec3>)| {
-            let places = corners.first().zip(others_corners.first());
-            let is_near = places.is_some_and(|(x, y)| normal.dot(&(x - y)) < support);
-            is_near && normal.dot(other) < PARALLEL
+        let Some((middle, _)) = self.plane else {
+            return of(part, self.rows(part));
         };
-        let is_plate = part.faces.iter().any(is_other_side);
-        let mut samples = sample_behind(&face, rows, spacing, support);
-        samples.retain(|sample| {
-            let x = &sample.position;
-            self.is_before_planes(x) && (is_plate || !part.may_be_within(x, 0.0))
-        });
-        if !is_plate {
-            let shell = shell.iter().copied();
-            samples.extend(shell.filter(|sample| is_behind(&face, &sample.position, support)));
-        }
-        samples
+        let row = Rows {
+            axis: 1,
+            from: middle - 0.5 * spacing,
+            width: spacing,
+            count: 1,
+        };
+        self.row_in_slice(of(&self.as_one_row(part, middle), Some(row)))
     }
 
     /// Which faces of a part are open, and how thin it is between them; none of one that cannot be a screen.
@@ -394,14 +403,17 @@ impl Sampler {
             let axis = self.endless.first_of(part)?;
             return sample_prism(&self.endless.inside(part).faces(), axis, spacing, support);
         };
-        // as thin as one row of its own lattice
+        let slice = self.as_one_row(part, middle);
+        let samples = sample_prism(&slice.faces(), 1, spacing, support)?;
+        Some(self.row_in_slice(samples))
+    }
+
+    /// A prism across a flow in a plane, as thin as one row of its own lattice.
+    fn as_one_row(&self, part: &Part, middle: f64) -> Part {
         let corners = part.corners().map(|x| x.y);
         let center = corners.sum::<f64>() / part.corners().count() as f64;
-        let half = 0.5 * spacing;
-        let slice = part.along(1, |y| middle + if y < center { -half } else { half });
-        let samples = sample_prism(&slice.faces(), 1, spacing, support)?;
-        let row = self.in_slice(samples.into_iter().map(|sample| (0, sample)));
-        Some(row.into_iter().map(|(_, sample)| sample).collect())
+        let half = 0.5 * self.lattice.particle_spacing;
+        part.along(1, |y| middle + if y < center { -half } else { half })
     }
 
     /// As a union, wherever it stands.
@@ -428,6 +440,11 @@ impl Sampler {
         };
         let union = everywhere.union(parts);
         union.into_iter().map(|(_, sample)| sample).collect()
+    }
+
+    fn row_in_slice(&self, samples: Vec<WallSample>) -> Vec<WallSample> {
+        let row = self.in_slice(samples.into_iter().map(|sample| (0, sample)));
+        row.into_iter().map(|(_, sample)| sample).collect()
     }
 
     /// Of a flow in a plane the row in that plane, as wide as the slice; everything otherwise.

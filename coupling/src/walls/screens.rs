@@ -41,6 +41,8 @@ struct Screen {
     siblings: Vec<Part>,
     /// Faces at which it only seems to end: it has no end there.
     ends: Vec<bool>,
+    /// Which side each face is of.
+    side_of: Vec<u32>,
     /// Faces through which it goes on.
     goes_on: Vec<bool>,
     /// Fixed parts that it may be partly inside of, as when it is drawn on into its bed.
@@ -71,12 +73,12 @@ impl Screens {
         }
     }
 
-    /// Adds one of the parts of a block, given where the block is now; returns its number. At
-    /// faces that are `ends` it only seems to end.
+    /// Adds one of the parts of a block, given where the block is now; returns its number. At faces that are `ends` it only
+    /// seems to end, and each is of a side.
     pub(super) fn add(
         &mut self,
         (number, parts): (usize, &[Part]),
-        ends: Vec<bool>,
+        (ends, side_of): (Vec<bool>, Vec<u32>),
         block: usize,
         blocks: &Blocks,
     ) -> u32 {
@@ -100,6 +102,7 @@ impl Screens {
                 false => siblings.map(|(_, part)| local(part)).collect(),
             },
             ends,
+            side_of,
             goes_on: Vec::new(),
             reaches_into: Vec::new(),
             looked_at: Vec3::repeat(f64::INFINITY),
@@ -155,7 +158,8 @@ impl Screens {
         }
         fluid.clear_screens();
         for screen in &self.screens {
-            fluid.add_screen(screen.planes.iter().copied(), screen.bounds);
+            let planes = screen.planes.iter().zip(&screen.side_of);
+            fluid.add_screen(planes.map(|(&plane, &side)| (plane, side)), screen.bounds);
             for &fixed in &screen.reaches_into {
                 fluid.cover_screen(self.fixed_planes[fixed].iter().copied());
             }
@@ -292,7 +296,69 @@ pub(super) struct Thinness {
 }
 
 /// Cosine of the angle between the outward normals of two faces, below which these are the two sides of a plate.
-pub(super) const PARALLEL: f64 = -0.999;
+const PARALLEL: f64 = -0.999;
+
+/// Cosine of the angle between the outward normals of two faces that meet, above which these are parts of one curved side.
+const CURVED: f64 = 0.7;
+
+/// Whether a face is a side of a plate: another one less than the support (m) behind it looks the other way.
+pub(super) fn is_side_of_plate(part: &Part, face: usize, support_radius: f64) -> bool {
+    let (normal, corners) = &part.faces[face];
+    part.faces.iter().any(|(other, others_corners)| {
+        let places = corners.first().zip(others_corners.first());
+        let is_near = places.is_some_and(|(x, y)| normal.dot(&(x - y)) < support_radius);
+        is_near && normal.dot(other) < PARALLEL
+    })
+}
+
+/// Sides of a part, each by its faces: one, or those that curve away from a large one as long as they look the same way.
+///
+/// What is behind a side has one pressure at each place. Of faces that meet at blunt edges water sees through many at once,
+/// also through some far off.
+pub(super) fn sides(part: &Part, spacing: f64) -> Vec<Vec<usize>> {
+    let n = part.faces.len();
+    let areas: Vec<f64> = part.faces.iter().map(|(_, x)| area(x)).collect();
+    let mut largest_first: Vec<usize> = (0..n).collect();
+    largest_first.sort_by(|&a, &b| areas[b].total_cmp(&areas[a]));
+    let meet = |a: usize, b: usize| {
+        let ((normal, corners), (other, others_corners)) = (&part.faces[a], &part.faces[b]);
+        let is_near = |x: &Vec3, y: &Vec3| (x - y).norm() < 1e-6 * spacing;
+        CURVED < normal.dot(other)
+            && (corners.iter()).any(|x| others_corners.iter().any(|y| is_near(x, y)))
+    };
+    let mut is_taken = vec![false; n];
+    let mut sides = Vec::new();
+    for largest in largest_first {
+        if std::mem::replace(&mut is_taken[largest], true) {
+            continue;
+        }
+        let looks_the_same_way = |face: usize| 0.0 < part.faces[face].0.dot(&part.faces[largest].0);
+        let mut side = vec![largest];
+        let mut at = 0;
+        while at < side.len() {
+            for next in 0..n {
+                if !is_taken[next] && looks_the_same_way(next) && meet(side[at], next) {
+                    is_taken[next] = true;
+                    side.push(next);
+                }
+            }
+            at += 1;
+        }
+        sides.push(side);
+    }
+    sides
+}
+
+/// Of a polygon; m².
+fn area(corners: &[Vec3]) -> f64 {
+    let Some(first) = corners.first() else {
+        return 0.0;
+    };
+    let triangles = corners
+        .windows(2)
+        .map(|pair| (pair[0] - first).cross(&(pair[1] - first)));
+    0.5 * triangles.sum::<Vec3>().norm()
+}
 
 /// How thin a part is between its open faces, for a support in m. Fluid is on these where none of the others covers
 /// them.

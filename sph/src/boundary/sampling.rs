@@ -10,8 +10,8 @@
 //!   ([`sample_prism`]);
 //! - a ball has layers of points spread evenly ([`sample_ball`]);
 //! - fixed bodies that touch or overlap are one solid ([`sample_union`]);
-//! - each face of a [screen](super::screens) has layers of its own ([`sample_behind`]), or the points of the shell near
-//!   it ([`is_behind`]).
+//! - each face of a [screen](super::screens) has layers of its own ([`sample_behind`]), or those near it ([`is_behind`])
+//!   of the points of the shell, or of the side that it is part of ([`sample_behind_side`]).
 
 use nalgebra::Vector2;
 
@@ -28,7 +28,7 @@ mod polygon;
 mod union;
 
 pub use ball::sample_ball;
-pub use behind::{Rows, is_behind, sample_behind};
+pub use behind::{Rows, is_behind, sample_behind, sample_behind_side};
 pub use behind_surface::sample_behind_surface;
 pub use union::{Region, UnionLattice, UnionSample, sample_union};
 

@@ -6,9 +6,9 @@
 //! are not opposed, sight is free.
 //!
 //! - Two particles do not see each other through a screen.
-//! - Every face of a screen has wall particles of its own behind it, as deep as the support, even where the
-//!   solid ends before that ([`sample_behind`](super::sampling::sample_behind)). A particle sees those that a look
-//!   through their face has behind it, if it crosses no other screen before.
+//! - Every side of a screen, a face or some that curve away from each other, has wall particles of its own behind it, as
+//!   deep as the support, even where the solid ends before that ([`sample_behind`](super::sampling::sample_behind)). A
+//!   particle sees those that a look through a face of their side has behind it, if it crosses no other screen before.
 //! - Other wall particles are not seen through a screen.
 //!
 //! Of any place each particle so sees one thing: what is there, or the wall that hides it. All is decided by places
@@ -30,20 +30,20 @@
 use crate::Vec3;
 use crate::cells::CellGrid;
 
-/// The face of a screen through which a wall particle is seen.
+/// The side of a screen through which a wall particle is seen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Facet {
     /// Number of the screen, in the order of [`Fluid::add_screen`](crate::Fluid::add_screen).
     pub screen: u32,
-    /// Number of its plane.
-    pub face: u32,
+    /// Number of the side.
+    pub side: u32,
 }
 
 impl Facet {
     /// None: a wall particle that is seen from everywhere.
     pub const NONE: Self = Self {
         screen: u32::MAX,
-        face: u32::MAX,
+        side: u32::MAX,
     };
 }
 
@@ -64,6 +64,8 @@ const LEAST: f64 = 1e-6;
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Screens {
     planes: Vec<Plane>,
+    /// Side of its screen that each is of.
+    sides: Vec<u32>,
     /// Where the planes of each screen end.
     ends: Vec<u32>,
     /// Planes of solids that screens reach into, where those of each solid end, and where the solids of each screen end.
@@ -102,6 +104,7 @@ impl Screens {
         self.marked.clear();
         self.entries.clear();
         self.planes.clear();
+        self.sides.clear();
         self.ends.clear();
         self.cover_planes.clear();
         self.covers.clear();
@@ -118,16 +121,19 @@ impl Screens {
         }
     }
 
-    /// Adds a convex solid within a box (m), for the sight of particles up to `reach` (m) from it.
+    /// Adds a convex solid, by its planes and the sides they are of, within a box (m), for the sight of particles up to `reach` (m) from it.
     pub(crate) fn add(
         &mut self,
-        planes: impl Iterator<Item = Plane>,
+        planes: impl Iterator<Item = (Plane, u32)>,
         (min, max): (Vec3, Vec3),
         grid: &CellGrid,
         reach: f64,
     ) {
         let (screen, start) = (self.ends.len() as u32, self.planes.len());
-        self.planes.extend(planes);
+        for (plane, side) in planes {
+            self.planes.push(plane);
+            self.sides.push(side);
+        }
         self.ends.push(self.planes.len() as u32);
         self.cover_ends.push(self.covers.len() as u32);
         self.first.resize(grid.n_cells(), 0);
@@ -179,9 +185,19 @@ impl Screens {
     }
 
     fn planes_of(&self, screen: u32) -> &[Plane] {
+        &self.planes[self.range_of(screen)]
+    }
+
+    fn range_of(&self, screen: u32) -> std::ops::Range<usize> {
         let screen = screen as usize;
         let start = screen.checked_sub(1).map_or(0, |before| self.ends[before]);
-        &self.planes[start as usize..self.ends[screen] as usize]
+        start as usize..self.ends[screen] as usize
+    }
+
+    /// Numbers of the faces of a side, among those of its screen.
+    fn faces_of(&self, facet: Facet) -> impl Iterator<Item = usize> + Clone {
+        let sides = self.sides[self.range_of(facet.screen)].iter().enumerate();
+        sides.filter_map(move |(face, &side)| (side == facet.side).then_some(face))
     }
 
     /// How the segment from `x` to `y` passes a screen, and where it comes into it, if it does; none if it passes none
@@ -248,8 +264,10 @@ impl Screens {
             n_crossed += usize::from(entry.is_some());
             let at = entry.map_or(f64::INFINITY, |entry| entry.share);
             if screen == facet.screen {
-                let face = facet.face as usize;
-                own = Some((passage.share_in(face), passage.hidden_through(face), at));
+                let faces = self.faces_of(facet);
+                let share_in: f64 = faces.clone().map(|face| passage.share_in(face)).sum();
+                let hidden: f64 = faces.map(|face| passage.hidden_through(face)).sum();
+                own = Some((share_in, hidden, at));
             } else {
                 first_of_others = at.min(first_of_others);
                 past_others *= 1.0 - passage.hidden();
@@ -551,6 +569,47 @@ mod tests {
     }
 
     #[test]
+    fn a_side_of_many_faces_is_one() -> Result<(), crate::FluidError> {
+        let grid = CellGrid::new(
+            (Vec3::repeat(-4.0), Vec3::repeat(4.0)),
+            [false; 3],
+            (2.0, 0.1),
+            1 << 16,
+        )?;
+        // an arch of faces 6 degrees apart, 1 m thick at most, over a flat base
+        let faces = (-4..=4).map(|k| {
+            let (sin, cos) = f64::from(6 * k).to_radians().sin_cos();
+            let normal = Vec3::new(sin, 0.0, cos);
+            ((normal, 4.0 - 3.0 * cos), 0)
+        });
+        let planes: Vec<(Plane, u32)> = faces.chain([((-Vec3::z(), 0.0), 1)]).collect();
+        let bounds = (Vec3::new(-4.0, -4.0, 0.0), Vec3::new(4.0, 4.0, 1.0));
+        let mut screens = Screens::default();
+        screens.add(planes.iter().copied(), bounds, &grid, 2.0);
+        let only: Vec<Plane> = planes.iter().map(|(plane, _)| *plane).collect();
+        let mut n_inside = 0;
+        for [x, y] in scattered(20_000) {
+            if nearest(&only, &x).1 <= 0.0 || 0.0 < nearest(&only, &y).1 {
+                continue;
+            }
+            n_inside += 1;
+            let cell = grid.cell_of(&x);
+            let share =
+                |side: u32| screens.share_seen_of_wall(cell, &x, &y, Facet { screen: 0, side });
+            let (upper, lower) = (share(0), share(1));
+            assert!(
+                (upper + lower - 1.0).abs() < 1e-9,
+                "{x} {y} {upper} {lower}"
+            );
+            if 0.0 <= x.z {
+                assert_eq!(lower, 0.0, "{x} {y}");
+            }
+        }
+        assert!(1000 < n_inside);
+        Ok(())
+    }
+
+    #[test]
     fn sight_changes_by_no_more_than_places_do() {
         // places by an edge may not be less than half a spacing inside: wall particles are that deep
         let planes = edge();
@@ -645,15 +704,16 @@ mod tests {
         )?;
         let bounds = (Vec3::new(-10.0, -10.0, -0.5), Vec3::new(10.0, 10.0, 0.5));
         let mut screens = Screens::default();
-        screens.add(plate().into_iter(), bounds, &grid, 2.0);
+        let each_a_side = |planes: Vec<Plane>| planes.into_iter().zip(0..);
+        screens.add(each_a_side(plate()), bounds, &grid, 2.0);
         // the same plate, its middle 1.1 m higher
-        let higher = plate().into_iter().map(|(n, o)| (n, o + 1.1 * n.z));
+        let higher = plate().iter().map(|(n, o)| (*n, o + 1.1 * n.z)).collect();
         let raised = bounds.1 + Vec3::new(0.0, 0.0, 1.1);
-        screens.add(higher, (bounds.0, raised), &grid, 2.0);
+        screens.add(each_a_side(higher), (bounds.0, raised), &grid, 2.0);
         let x = Vec3::new(0.0, 0.0, 1.7);
         let cell = grid.cell_of(&x);
         let seen = |screens: &Screens, z: f64, screen: u32| {
-            let facet = Facet { screen, face: 4 };
+            let facet = Facet { screen, side: 4 };
             0.5 < screens.share_seen_of_wall(cell, &x, &Vec3::new(0.0, 0.0, z), facet)
         };
         let sees_wall = |screens: &Screens, x: &Vec3, wall: &Vec3| {

@@ -1,8 +1,8 @@
-//! Points behind one face of a screen.
+//! Points behind one face of a screen, or behind some that curve.
 
 use nalgebra::Vector2;
 
-use super::{Axes, WallSample, cells_along, n_layers};
+use super::{Axes, WallSample, cells_along, layers, n_layers};
 use crate::Vec3;
 use crate::boundary::integral::Face;
 
@@ -19,6 +19,18 @@ pub struct Rows {
     pub count: usize,
 }
 
+impl Rows {
+    /// Across the rows of a face, and along them.
+    fn axes(&self, face: &Face) -> Axes {
+        let mut v = Vec3::zeros();
+        v[self.axis] = 1.0;
+        Axes {
+            u: v.cross(&face.normal).normalize(),
+            v,
+        }
+    }
+}
+
 /// Points behind a face to the depth that fluid sees, as if the solid were as deep everywhere, and as far beyond
 /// the edges as slanted looks through the face get; with `rows` along the axis in which the face has no end.
 ///
@@ -30,17 +42,7 @@ pub fn sample_behind(
     particle_spacing: f64,
     support_radius: f64,
 ) -> Vec<WallSample> {
-    let axes = rows.map_or_else(
-        || Axes::along_longest_edge(face),
-        |rows| {
-            let mut v = Vec3::zeros();
-            v[rows.axis] = 1.0;
-            Axes {
-                u: v.cross(&face.normal).normalize(),
-                v,
-            }
-        },
-    );
+    let axes = rows.map_or_else(|| Axes::along_longest_edge(face), |rows| rows.axes(face));
     let corners: Vec<Vector2<f64>> = face.vertices.iter().map(|x| axes.plane(x)).collect();
     let Some(depth) = face.vertices.first().map(|x| face.normal.dot(x)) else {
         return Vec::new();
@@ -78,6 +80,56 @@ pub fn sample_behind(
         }
     }
     samples
+}
+
+/// As [`sample_behind`], behind a side of several faces, that curves out: layers along them bounded by the planes that
+/// bisect their angles, and beyond the edges at which the side ends.
+pub fn sample_behind_side(
+    side: &[Face],
+    rows: Option<Rows>,
+    particle_spacing: f64,
+    support_radius: f64,
+) -> Vec<WallSample> {
+    let n_layers = n_layers(particle_spacing, support_radius);
+    let mut samples = layers::samples(side, particle_spacing, n_layers);
+    for (index, face) in side.iter().enumerate() {
+        let mut beyond = sample_behind(face, rows, particle_spacing, support_radius);
+        let slack = COPLANAR * particle_spacing;
+        beyond.retain(|sample| {
+            let nearest = nearest(side, rows, &sample.position, slack);
+            nearest.is_some_and(|(nearest, beside)| nearest == index && 0.0 < beside)
+        });
+        samples.append(&mut beyond);
+    }
+    samples
+}
+
+/// Depths whose difference is round-off: of parts of one plane; spacings.
+const COPLANAR: f64 = 1e-6;
+
+/// The face that a place is least deep behind and how far beside it is (m): of those in one plane that it is least far beside.
+fn nearest(side: &[Face], rows: Option<Rows>, x: &Vec3, slack: f64) -> Option<(usize, f64)> {
+    let depth = |face: &Face| {
+        let origin = face.vertices.first();
+        origin.map_or(f64::INFINITY, |origin| face.normal.dot(&(origin - x)))
+    };
+    let least = side.iter().map(depth).fold(f64::INFINITY, f64::min);
+    let faces = side.iter().enumerate();
+    faces
+        .filter(|(_, face)| depth(face) <= least + slack)
+        .map(|(index, face)| (index, distance_beside(face, rows, x)))
+        .min_by(|(_, a), (_, b)| a.total_cmp(b))
+}
+
+/// How far beside a face a place is, seen along its normal; m.
+fn distance_beside(face: &Face, rows: Option<Rows>, x: &Vec3) -> f64 {
+    let axes = rows.map_or_else(|| Axes::along_longest_edge(face), |rows| rows.axes(face));
+    let corners: Vec<Vector2<f64>> = face.vertices.iter().map(|x| axes.plane(x)).collect();
+    let place = axes.plane(x);
+    match rows {
+        None => squared_distance(&corners, place).sqrt(),
+        Some(_) => interval_distance(&corners, place.x),
+    }
 }
 
 /// Whether a place within a solid may be within the support (m) of fluid on a face of it.

@@ -143,6 +143,73 @@ fn c17_prisms_that_go_on_fill_their_shells() {
     }
 }
 
+/// Behind a plane in two parts as behind the whole; behind an arch what is between it and the arch as deep as the support.
+#[test]
+fn c17_layers_behind_a_side_of_several_faces() {
+    let support = 2.6 * DP;
+    let strip = |[from, to]: [[f64; 2]; 2]| {
+        let at = |[x, z]: [f64; 2], y: f64| Vec3::new(x, y, z) * DP;
+        vec![at(from, -0.5), at(to, -0.5), at(to, 0.5), at(from, 0.5)]
+    };
+    let normal = |x: &[Vec3]| (x[1] - x[0]).cross(&(x[2] - x[1])).normalize();
+    let row = Rows {
+        axis: 1,
+        from: -0.5 * DP,
+        width: DP,
+        count: 1,
+    };
+    let behind = |strips: &[Vec<Vec3>]| {
+        let faces: Vec<Face> = strips
+            .iter()
+            .map(|vertices| Face {
+                normal: normal(vertices),
+                vertices,
+            })
+            .collect();
+        sample_behind_side(&faces, Some(row), DP, support)
+    };
+    let whole = behind(&[strip([[0.0, 0.0], [12.0, 0.0]])]);
+    let parts = behind(&[
+        strip([[0.0, 0.0], [5.0, 0.0]]),
+        strip([[5.0, 0.0], [12.0, 0.0]]),
+    ]);
+    assert_eq!(half_cells(places(&whole)), half_cells(places(&parts)));
+    assert!((volume(&whole) / volume(&parts) - 1.0).abs() < 1e-12);
+    // a circle of 20 dp, twelve faces over 60 degrees
+    let (radius, angle) = (20.0, 5.0_f64.to_radians());
+    let at = |k: i32| {
+        let (sin, cos) = (angle * f64::from(k)).sin_cos();
+        [radius * sin, radius * cos]
+    };
+    let arch: Vec<Vec<Vec3>> = (-6..6).map(|k| strip([at(k), at(k + 1)])).collect();
+    let samples = behind(&arch);
+    let inside = samples.iter().filter(|sample| {
+        let x = sample.position / DP;
+        (x.x / x.z).atan().abs() < 6.0 * angle
+    });
+    let found: f64 = inside.map(|sample| sample.volume).sum();
+    // triangles of the inscribed polygon from its apothem to three layers below, and what is beside the radii at both
+    // ends, where layers end straight below the edge
+    let (apothem, half) = (radius * (0.5 * angle).cos(), (0.5 * angle).tan());
+    let sector = 12.0 * half * (apothem.powi(2) - (apothem - 3.0).powi(2)) + 9.0 * half;
+    let error = found / (sector * DP.powi(3)) - 1.0;
+    println!(
+        "C17 arch of 20 dp: {} points, volume {error:+.1e}",
+        samples.len()
+    );
+    // the slices that a layer is summed over are exact where it narrows evenly
+    assert!(error.abs() < 1e-9, "{error}");
+    let mut by_place: Vec<Vec3> = samples.iter().map(|sample| sample.position).collect();
+    by_place.sort_by(|a, b| a.x.total_cmp(&b.x));
+    let near = |pair: &[Vec3]| (pair[0] - pair[1]).norm() < 0.3 * DP;
+    assert!(!by_place.windows(2).any(near), "no place twice");
+}
+
+/// Of points.
+fn places(samples: &[WallSample]) -> impl Iterator<Item = Vec3> {
+    samples.iter().map(|sample| sample.position)
+}
+
 #[test]
 fn c17_random_hulls_fill_their_shells() {
     let mut noise = Noise(170);
