@@ -336,12 +336,11 @@ pub(super) fn sides(part: &Part, spacing: f64) -> Vec<Vec<usize>> {
         let mut side = vec![largest];
         let mut at = 0;
         while at < side.len() {
-            for next in 0..n {
-                if !is_taken[next] && looks_the_same_way(next) && meet(side[at], next) {
-                    is_taken[next] = true;
-                    side.push(next);
-                }
-            }
+            let is_next =
+                |&next: &usize| !is_taken[next] && looks_the_same_way(next) && meet(side[at], next);
+            let next: Vec<usize> = (0..n).filter(is_next).collect();
+            next.iter().for_each(|&face| is_taken[face] = true);
+            side.extend(next);
             at += 1;
         }
         sides.push(side);
