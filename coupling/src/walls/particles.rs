@@ -165,15 +165,9 @@ impl ParticleWalls {
         );
         let (thin, thick) = sampler.screens(&inside, &standing);
         let mut standing_points = Points::default();
-        for Thin {
-            part,
-            ends,
-            side_of,
-            behind,
-        } in thin
-        {
-            let screen = screens.add((part, &inside), (ends, side_of), owners[part], blocks);
-            standing_points.add_screen(screen, owners[part], &behind);
+        for thin in thin {
+            let block = owners[thin.part];
+            standing_points.add_screen(thin, &inside, block, (&mut screens, blocks));
         }
         let whole: Vec<Part> = thick.iter().map(|&part| standing[part].clone()).collect();
         for (part, sample) in sampler.standing(&whole) {
@@ -203,15 +197,8 @@ impl ParticleWalls {
                 .map(|part| sampler.endless.inside(part))
                 .collect();
             let (thin, thick) = sampler.screens(&inside, &parts);
-            for Thin {
-                part,
-                ends,
-                side_of,
-                behind,
-            } in thin
-            {
-                let screen = screens.add((part, &inside), (ends, side_of), b, blocks);
-                points.add_screen(screen, b, &behind);
+            for thin in thin {
+                points.add_screen(thin, &inside, b, (&mut screens, blocks));
             }
             let thick: Vec<Part> = thick.iter().map(|&part| parts[part].clone()).collect();
             for sample in sampler.body(&thick) {
@@ -513,9 +500,17 @@ impl Points {
         self.facets.push(facet);
     }
 
-    /// Adds the points behind each side of a screen.
-    fn add_screen(&mut self, screen: u32, block: usize, behind: &[Vec<WallSample>]) {
-        for (side, samples) in behind.iter().enumerate() {
+    /// Adds one of the parts of a block to the screens, and the points behind each of its sides.
+    fn add_screen(
+        &mut self,
+        thin: Thin,
+        parts: &[Part],
+        block: usize,
+        (screens, blocks): (&mut Screens, &Blocks),
+    ) {
+        let sides = (thin.ends, thin.side_of);
+        let screen = screens.add((thin.part, parts), sides, block, blocks);
+        for (side, samples) in thin.behind.iter().enumerate() {
             let facet = Facet {
                 screen,
                 side: side as u32,

@@ -522,6 +522,16 @@ mod tests {
         vec![side(1.0), side(-1.0), (-Vec3::z(), 10.0)]
     }
 
+    /// Cells 8 m about the origin, for a support of 2 m.
+    fn grid() -> Result<CellGrid, crate::FluidError> {
+        CellGrid::new(
+            (Vec3::repeat(-4.0), Vec3::repeat(4.0)),
+            [false; 3],
+            (2.0, 0.1),
+            1 << 16,
+        )
+    }
+
     /// Places about the origin, as far as 2 m off, the same ones each time.
     fn scattered(n: usize) -> impl Iterator<Item = [Vec3; 2]> {
         let mut state = 88_172_645_463_325_252_u64;
@@ -570,12 +580,7 @@ mod tests {
 
     #[test]
     fn a_side_of_many_faces_is_one() -> Result<(), crate::FluidError> {
-        let grid = CellGrid::new(
-            (Vec3::repeat(-4.0), Vec3::repeat(4.0)),
-            [false; 3],
-            (2.0, 0.1),
-            1 << 16,
-        )?;
+        let grid = grid()?;
         // an arch of faces 6 degrees apart, 1 m thick at most, over a flat base
         let faces = (-4..=4).map(|k| {
             let (sin, cos) = f64::from(6 * k).to_radians().sin_cos();
@@ -696,12 +701,7 @@ mod tests {
 
     #[test]
     fn the_nearer_of_two_screens_is_seen() -> Result<(), crate::FluidError> {
-        let grid = CellGrid::new(
-            (Vec3::repeat(-4.0), Vec3::repeat(4.0)),
-            [false; 3],
-            (2.0, 0.1),
-            1 << 16,
-        )?;
+        let grid = grid()?;
         let bounds = (Vec3::new(-10.0, -10.0, -0.5), Vec3::new(10.0, 10.0, 0.5));
         let mut screens = Screens::default();
         let each_a_side = |planes: Vec<Plane>| planes.into_iter().zip(0..);
