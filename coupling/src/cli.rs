@@ -4,6 +4,7 @@ mod check;
 mod compare;
 mod render;
 mod run;
+mod trade;
 
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
@@ -59,6 +60,8 @@ enum Command {
     Render(render::Arguments),
     /// Compare a recorded column with a reference.
     Compare(compare::Arguments),
+    /// Measure what settings of a scene cost and what error they leave.
+    Trade(trade::Arguments),
 }
 
 /// Runs the program with the arguments of the process.
@@ -68,6 +71,7 @@ pub fn main() -> ExitCode {
         Command::Check(arguments) => check::execute(&arguments),
         Command::Render(arguments) => render::execute(&arguments),
         Command::Compare(arguments) => compare::execute(&arguments),
+        Command::Trade(arguments) => trade::execute(&arguments),
     };
     ExitCode::from(match exit {
         Exit::Done => 0,
@@ -105,7 +109,7 @@ pub(crate) fn load(case: &Path, overrides: &[Override]) -> Result<Scene, Exit> {
 }
 
 /// The plain lines, for editors and logs, and the source frame, for eyes.
-fn report_scene_error(error: &SceneError) {
+pub(crate) fn report_scene_error(error: &SceneError) {
     use miette::{GraphicalReportHandler, GraphicalTheme};
     let mut frame = String::new();
     let handler = GraphicalReportHandler::new_themed(GraphicalTheme::unicode_nocolor());

@@ -170,12 +170,12 @@ fn arrival_time_error(computed: &Series, reference: &Series, fraction: f64) -> O
 }
 
 impl Series {
-    fn samples(&self) -> impl Iterator<Item = (f64, f64)> + '_ {
+    pub(crate) fn samples(&self) -> impl Iterator<Item = (f64, f64)> + '_ {
         self.time.iter().copied().zip(self.value.iter().copied())
     }
 
     /// Value at `time`, linear between samples; nothing outside, or in a gap.
-    fn at(&self, time: f64) -> Option<f64> {
+    pub(crate) fn at(&self, time: f64) -> Option<f64> {
         let after = self.time.partition_point(|&t| t < time);
         let (t1, v1) = (*self.time.get(after)?, *self.value.get(after)?);
         if t1 == time {
@@ -187,7 +187,7 @@ impl Series {
     }
 
     /// The samples in `window`, and its ends, interpolated; nothing without a window.
-    fn within(&self, window: Option<(f64, f64)>) -> Self {
+    pub(crate) fn within(&self, window: Option<(f64, f64)>) -> Self {
         let Some((start, end)) = window else {
             return Self::default();
         };

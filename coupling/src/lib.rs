@@ -35,6 +35,7 @@ pub mod scene;
 pub mod summary;
 pub mod table;
 pub mod time_step;
+pub mod trade;
 pub mod vtk;
 pub mod walls;
 pub mod world;

@@ -8,7 +8,7 @@
 
 mod axis;
 mod color;
-mod page;
+pub(crate) mod page;
 mod plot;
 mod raster;
 mod view;

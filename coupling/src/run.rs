@@ -23,6 +23,12 @@ use crate::time_step::{CAUSES, Cause};
 use crate::walls::Walls;
 use crate::world::{StepError, WaterAtStart, World};
 
+/// The commit that the program was built from, where known.
+pub const COMMIT: &str = match option_env!("RIPRAP_COMMIT") {
+    Some(commit) => commit,
+    None => "unknown",
+};
+
 /// Damping rate of settling times its duration: what moves at first is damped by `e⁻²⁰` at the end.
 const SETTLING_DECAY: f64 = 20.0;
 /// Share of settling, at its end, that runs without damping, so that what damping hid shows.
@@ -383,7 +389,7 @@ impl<'a> Run<'a> {
         Summary {
             case: self.scene.file.title.clone(),
             version: env!("CARGO_PKG_VERSION").to_owned(),
-            commit: option_env!("RIPRAP_COMMIT").unwrap_or("unknown").to_owned(),
+            commit: COMMIT.to_owned(),
             threads: rayon::current_num_threads(),
             precision: precision(self.scene).to_owned(),
             stepping: format!("{:?}", world.stepping()),
@@ -411,6 +417,9 @@ impl<'a> Run<'a> {
             mean_neighbours: extremes.pair_interactions as f64
                 / extremes.particle_steps.max(1) as f64,
             particle_steps_per_second: extremes.particle_steps as f64 / running,
+            particle_steps: extremes.particle_steps,
+            pair_interactions: extremes.pair_interactions,
+            contact_updates: blocks.contact_updates(),
             pair_interactions_per_second: extremes.pair_interactions as f64 / running,
             contact_updates_per_second: blocks.contact_updates() as f64 / running,
             time_by_phase: self.time_by_phase(),

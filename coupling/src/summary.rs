@@ -53,6 +53,12 @@ pub struct Summary {
     pub particle_spacing: f64,
     /// Neighbours of a particle, itself not counted, over the run.
     pub mean_neighbours: f64,
+    /// Particles times steps, without settling as all that follows.
+    pub particle_steps: u64,
+    /// Ordered neighbour pairs evaluated.
+    pub pair_interactions: u64,
+    /// Contact points evaluated.
+    pub contact_updates: u64,
     /// Particles times steps over wall time without settling; 1/s.
     pub particle_steps_per_second: f64,
     /// Ordered neighbour pairs evaluated over wall time without settling; 1/s.

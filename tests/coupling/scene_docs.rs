@@ -1,4 +1,4 @@
-//! `cases/README.md` documents every field of the schema, and nothing else.
+//! `cases/README.md` documents every field of scenes, `benches/trade/README.md` every field of studies, and nothing else.
 #![expect(
     clippy::unwrap_used,
     reason = "a test may stop where a library may not"
@@ -19,9 +19,16 @@ fn schema_source() -> String {
         .collect()
 }
 
-/// Fields of the schema as `Struct.field`, read from its source: what the derive sees.
-fn schema_fields() -> BTreeSet<String> {
-    let source = schema_source();
+/// Source of the schema of studies.
+fn study_source() -> String {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("src/trade");
+    ["file.rs", "quantity.rs"]
+        .map(|name| std::fs::read_to_string(root.join(name)).unwrap())
+        .concat()
+}
+
+/// Fields of a schema as `Struct.field`, read from its source: what the derive sees.
+fn schema_fields(source: &str) -> BTreeSet<String> {
     let mut fields = BTreeSet::new();
     let (mut owner, mut variant) = (None::<String>, None::<String>);
     for line in source.lines() {
@@ -57,10 +64,9 @@ fn schema_fields() -> BTreeSet<String> {
 }
 
 /// First cells of the tables, under headings that name the struct: "### `DomainFile` ...".
-fn documented_fields() -> BTreeSet<String> {
-    let text =
-        std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../cases/README.md"))
-            .unwrap();
+fn documented_fields(file: &str) -> BTreeSet<String> {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("..").join(file);
+    let text = std::fs::read_to_string(path).unwrap();
     let mut fields = BTreeSet::new();
     let mut owner = String::new();
     for line in text.lines() {
@@ -76,19 +82,24 @@ fn documented_fields() -> BTreeSet<String> {
 }
 
 #[test]
-fn the_table_and_the_schema_are_the_same() {
-    let (schema, documented) = (schema_fields(), documented_fields());
-    assert!(
-        schema.len() > 80,
-        "the reader of the schema lost its way: {schema:?}"
-    );
-    let missing: Vec<_> = schema.difference(&documented).collect();
-    let invented: Vec<_> = documented.difference(&schema).collect();
-    assert!(missing.is_empty(), "cases/README.md lacks {missing:#?}");
-    assert!(
-        invented.is_empty(),
-        "cases/README.md has what the schema lacks: {invented:#?}"
-    );
+fn the_tables_and_the_schemas_are_the_same() {
+    for (source, file, least) in [
+        (schema_source(), "cases/README.md", 80),
+        (study_source(), "benches/trade/README.md", 40),
+    ] {
+        let (schema, documented) = (schema_fields(&source), documented_fields(file));
+        assert!(
+            schema.len() > least,
+            "the reader of the schema lost its way: {schema:?}"
+        );
+        let missing: Vec<_> = schema.difference(&documented).collect();
+        let invented: Vec<_> = documented.difference(&schema).collect();
+        assert!(missing.is_empty(), "{file} lacks {missing:#?}");
+        assert!(
+            invented.is_empty(),
+            "{file} has what the schema lacks: {invented:#?}"
+        );
+    }
 }
 
 #[test]

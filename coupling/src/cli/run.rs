@@ -179,7 +179,7 @@ fn keep_inputs(scene: &Scene, case: &Path, folder: &Path) -> Result<(), String> 
 }
 
 /// The first signal ends the run in good order, the second at once.
-fn stop_on_signal(stop: &Arc<AtomicBool>) {
+pub(super) fn stop_on_signal(stop: &Arc<AtomicBool>) {
     let stop = Arc::clone(stop);
     let handler = move || {
         if stop.swap(true, Ordering::Relaxed) {

@@ -3,21 +3,21 @@
 use crate::vtk::escape;
 
 /// Width of the page.
-pub(super) const WIDTH: f64 = 1000.0;
+pub(crate) const WIDTH: f64 = 1000.0;
 /// Left edge of every plot; labels of the vertical axis stand before it.
-pub(super) const LEFT: f64 = 76.0;
+pub(crate) const LEFT: f64 = 76.0;
 /// Right edge of every plot; legends and the colour bar stand behind it.
-pub(super) const RIGHT: f64 = 848.0;
+pub(crate) const RIGHT: f64 = 848.0;
 
 /// Middle of the labels of vertical axes.
-pub(super) const LABEL: f64 = 18.0;
+pub(crate) const LABEL: f64 = 18.0;
 
-pub(super) const INK: &str = "#333";
+pub(crate) const INK: &str = "#333";
 const FAINT: &str = "#e6e6e6";
 
 /// Rectangle in the page.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Frame {
+pub(crate) struct Frame {
     pub left: f64,
     pub top: f64,
     pub width: f64,
@@ -36,7 +36,7 @@ impl Frame {
 
 /// Which end of a text stands at its point.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Anchor {
+pub(crate) enum Anchor {
     Start,
     Middle,
     End,
@@ -44,7 +44,7 @@ pub(super) enum Anchor {
 
 /// SVG elements so far.
 #[derive(Debug, Default)]
-pub(super) struct Page {
+pub(crate) struct Page {
     body: String,
     n_clips: usize,
 }
@@ -67,6 +67,11 @@ impl Page {
     pub fn push(&mut self, element: &str) {
         self.body += element;
         self.body.push('\n');
+    }
+
+    /// An element that says something when pointed at.
+    pub fn titled(&mut self, element: &str, title: &str) {
+        self.push(&format!("<g><title>{}</title>{element}</g>", plain(title)));
     }
 
     /// Text of an axis or legend.
@@ -138,7 +143,7 @@ fn corners(frame: Frame) -> String {
 }
 
 /// Text that XML accepts: control characters have no place in it, not even escaped.
-pub(super) fn plain(text: &str) -> String {
+pub(crate) fn plain(text: &str) -> String {
     escape(&text.replace(
         |c: char| c.is_control() || matches!(c, '\u{fffe}' | '\u{ffff}'),
         " ",
@@ -146,7 +151,7 @@ pub(super) fn plain(text: &str) -> String {
 }
 
 /// At most `n` characters, the last one an ellipsis if some are left out.
-pub(super) fn shortened(text: &str, n: usize) -> String {
+pub(crate) fn shortened(text: &str, n: usize) -> String {
     if text.chars().count() <= n {
         return text.to_owned();
     }

@@ -4,6 +4,7 @@
 use std::ops::Range;
 
 use ron::extensions::Extensions;
+use serde::de::DeserializeOwned;
 
 use super::error::Problem;
 use super::file::SceneFile;
@@ -57,7 +58,16 @@ fn dialect() -> ron::Options {
 ///
 /// The first thing that does not fit the schema, with a suggestion where one is near.
 pub fn read(text: &str) -> Result<SceneFile, TextError> {
-    let scene: SceneFile = dialect().from_str(text).map_err(|error| {
+    read_as(text)
+}
+
+/// Reads anything of the same dialect.
+///
+/// # Errors
+///
+/// As [`read`].
+pub fn read_as<T: DeserializeOwned>(text: &str) -> Result<T, TextError> {
+    let scene: T = dialect().from_str(text).map_err(|error| {
         let start = offset(text, error.span.start.line, error.span.start.col);
         let end = offset(text, error.span.end.line, error.span.end.col).max(start);
         TextError {

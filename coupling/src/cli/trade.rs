@@ -1,0 +1,193 @@
+//! `riprap trade`.
+
+use std::io;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+use std::time::Instant;
+
+use super::run::stop_on_signal;
+use super::{Exit, report_scene_error, say, show};
+use crate::trade::execute::{Ended, Means, Progress, execute as run_all};
+use crate::trade::plan::{Planned, Study};
+use crate::trade::results::{Found, Fronts, bought, collect, front_table, table, write};
+use crate::trade::{picture, plot};
+
+/// Share of the memory that is free which runs may hold together.
+const MEMORY_SHARE: f64 = 0.8;
+/// Free memory where the system does not tell; bytes.
+const UNKNOWN_MEMORY: u64 = 4_000_000_000;
+
+/// Measure what settings of a scene cost and what error they leave.
+#[derive(Debug, clap::Args)]
+pub(crate) struct Arguments {
+    /// The study, a RON file; see benches/trade/README.md.
+    study: PathBuf,
+    /// Folder of the runs and results; runs/trade/NAME when left out. Runs that have ended there are not repeated.
+    #[arg(short, long, value_name = "DIR")]
+    output: Option<PathBuf>,
+    /// Runs at once, one thread each; all cores when left out.
+    #[arg(long, value_name = "N")]
+    jobs: Option<usize>,
+}
+
+pub(crate) fn execute(arguments: &Arguments) -> Exit {
+    let mut study = match Study::load(&arguments.study) {
+        Ok(study) => study,
+        Err(error) => {
+            report_scene_error(&error);
+            return Exit::BadInput;
+        }
+    };
+    let name = arguments.study.file_stem().unwrap_or_default();
+    let default = || Path::new("runs").join("trade").join(name);
+    let folder = arguments.output.clone().unwrap_or_else(default);
+    let stop = Arc::new(AtomicBool::new(false));
+    stop_on_signal(&stop);
+    let cores = || std::thread::available_parallelism().map_or(1, usize::from);
+    let means = Means {
+        workers: arguments.jobs.unwrap_or_else(cores),
+        memory: (MEMORY_SHARE * free_memory() as f64) as u64,
+    };
+    let case = study.case();
+    let started = Instant::now();
+    let tell = |progress: Progress| {
+        let time = started.elapsed().as_secs_f64();
+        say(&format!(
+            "[{time:6.0} s] {} of {} runs",
+            progress.ended, progress.all
+        ));
+    };
+    let (ended, all) = loop {
+        let runner = |run: &Planned, folder: &Path| spawn(&case, run, folder);
+        let ended = run_all(&study, &folder, means, &stop, &runner, &tell);
+        let all = collect(&study, &folder);
+        let more = match ended {
+            Ok(true) => study.next(&all),
+            _ => Vec::new(),
+        };
+        if more.is_empty() {
+            break (ended, all);
+        }
+        if let Err(error) = study.add(more) {
+            report_scene_error(&error);
+            return Exit::BadInput;
+        }
+    };
+    let written = write_all(&study, &all, &folder);
+    show(&words(&study, &all));
+    let message = match (ended, written) {
+        (Ok(true), Ok(())) => {
+            show(&format!(
+                "trade.csv, front.csv, trade.svg and trade.png are in {}",
+                folder.display()
+            ));
+            return Exit::Done;
+        }
+        (Ok(false), Ok(())) => {
+            say(&format!(
+                "stopped; the same command goes on with the runs that are left, in {}",
+                folder.display()
+            ));
+            return Exit::Interrupted;
+        }
+        (Err(error), _) => error.to_string(),
+        (_, Err(message)) => message,
+    };
+    say(&format!("error: {message}"));
+    Exit::Failed
+}
+
+/// Writes tables and plots; tells of what could not be.
+fn write_all(study: &Study, all: &[Found], folder: &Path) -> Result<(), String> {
+    let svg = plot::svg(study, all);
+    let png = picture::png(&svg).map_err(|error| error.to_string());
+    let files = [
+        ("trade.csv", Ok(table(study, all).into_bytes())),
+        ("front.csv", Ok(front_table(study, all).into_bytes())),
+        ("trade.svg", Ok(svg.into_bytes())),
+        ("trade.png", png),
+    ];
+    files.into_iter().try_for_each(|(name, bytes)| {
+        let path = folder.join(name);
+        bytes
+            .and_then(|bytes| write(&path, &bytes).map_err(|error| error.to_string()))
+            .map_err(|error| format!("cannot write {}: {error}", path.display()))
+    })
+}
+
+/// A run as a process of its own: one that fails, or takes all memory, takes nothing with it.
+fn spawn(case: &Path, run: &Planned, folder: &Path) -> io::Result<Option<Ended>> {
+    let started = Instant::now();
+    let mut command = Command::new(std::env::current_exe()?);
+    command.arg("run").arg(case).arg("-o").arg(folder);
+    command.args(["--force", "--quiet", "--threads", "1"]);
+    for set in &run.overrides {
+        command
+            .arg("--set")
+            .arg(format!("{}={}", set.path, set.value));
+    }
+    let output = command.output()?;
+    let said = String::from_utf8_lossy(&output.stderr).trim().to_owned();
+    let wall_time = started.elapsed().as_secs_f64();
+    match output.status.code() {
+        Some(0) => Ok(Some(Ended {
+            completed: true,
+            message: String::new(),
+            wall_time,
+        })),
+        // a step failed, or the start: that is a result. A full disk will not take the note of it either
+        Some(1) => Ok(Some(Ended {
+            completed: false,
+            message: said,
+            wall_time,
+        })),
+        Some(130) | None => Ok(None),
+        Some(_) => Err(io::Error::other(said)),
+    }
+}
+
+/// Memory that the system could give; bytes.
+fn free_memory() -> u64 {
+    // Linux: "MemAvailable:   12345 kB"
+    std::fs::read_to_string("/proc/meminfo")
+        .ok()
+        .and_then(|text| {
+            let line = text
+                .lines()
+                .find(|line| line.starts_with("MemAvailable:"))?;
+            line.split_whitespace().nth(1)?.parse::<u64>().ok()
+        })
+        .map_or(UNKNOWN_MEMORY, |kib| kib * 1024)
+}
+
+/// The front, and what each knob buys.
+fn words(study: &Study, all: &[Found]) -> String {
+    let mut lines = vec![format!("{}: {}", study.file.title, study.file.output.name)];
+    for &k in &Fronts::of(all).by_time {
+        let found = &all[k];
+        let run = study.runs.iter().find(|run| run.key == found.key);
+        lines.push(format!(
+            "  {:8.1} s  {:8.3} %  {}",
+            found.cost.wall_time,
+            100.0 * found.error.unwrap_or(f64::NAN),
+            run.map_or(String::new(), |run| run.label(study)),
+        ));
+    }
+    let failed = all.iter().filter(|found| !found.is_stable).count();
+    if failed > 0 {
+        lines.push(format!(
+            "  {failed} runs did not reach their end, see trade.csv"
+        ));
+    }
+    for (knob, bought) in bought(study, all) {
+        lines.push(match bought {
+            Some(factor) => {
+                format!("  {knob}: a doubling of the cost takes the error x {factor:.2}")
+            }
+            None => format!("  {knob}: the cost hardly changes"),
+        });
+    }
+    lines.join("\n")
+}

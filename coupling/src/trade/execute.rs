@@ -1,0 +1,242 @@
+//! Runs the runs of a study, each in a folder and a process of its own, as many at once as cores and memory allow.
+//!
+//! A run has a folder of its own to work in, by the number of this process: one that outlives a study which was killed
+//! writes into nobody's way. Once it has ended its folder, with `ended.json` written last, gets the name by which it is found
+//! again, and it is never run again. One that was interrupted starts anew.
+
+use std::collections::BTreeSet;
+use std::io;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Condvar, Mutex, PoisonError};
+
+use serde::{Deserialize, Serialize};
+
+use super::plan::{Planned, Study};
+
+/// What is written when a run has ended.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Ended {
+    /// Whether it reached its end; otherwise it failed, as an unstable one does.
+    pub completed: bool,
+    /// What it said when it failed.
+    pub message: String,
+    /// Of the process, from its start to its end; s.
+    pub wall_time: f64,
+}
+
+/// How a run is made: in a folder, on one thread; none when it was interrupted.
+pub type Runner<'a> = dyn Fn(&Planned, &Path) -> io::Result<Option<Ended>> + Sync + 'a;
+
+/// Why a study cannot go on.
+#[derive(Debug, thiserror::Error)]
+pub enum ExecuteError {
+    /// A file could not be written or a process not started; what has ended stays.
+    #[error("cannot {what} {}: {source}", path.display())]
+    Io {
+        /// What was tried.
+        what: &'static str,
+        /// Where.
+        path: PathBuf,
+        /// What the system said.
+        source: io::Error,
+    },
+}
+
+/// What may be used at once.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Means {
+    /// Runs at once, one thread each.
+    pub workers: usize,
+    /// Sum of what the runs at once are expected to hold; bytes. A run that needs more by itself runs alone.
+    pub memory: u64,
+}
+
+/// How far a study is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Progress {
+    /// Runs that have ended.
+    pub ended: usize,
+    /// Of so many.
+    pub all: usize,
+}
+
+/// The folder of a run.
+pub fn folder_of(runs: &Path, run: &Planned) -> PathBuf {
+    runs.join(&run.key)
+}
+
+/// How a run ended, if it did.
+pub fn ended(folder: &Path) -> Option<Ended> {
+    let text = std::fs::read_to_string(folder.join("ended.json")).ok()?;
+    serde_json::from_str(&text).ok()
+}
+
+/// Makes those runs of a study that have not ended; returns whether all have.
+///
+/// # Errors
+///
+/// [`ExecuteError`]: the first file that could not be written. Runs under way are brought to their end before.
+pub fn execute(
+    study: &Study,
+    runs: &Path,
+    means: Means,
+    stop: &AtomicBool,
+    runner: &Runner,
+    tell: &(dyn Fn(Progress) + Sync),
+) -> Result<bool, ExecuteError> {
+    // two choices may make one scene: it is run once
+    let mut seen = BTreeSet::new();
+    let mut unique: Vec<&Planned> = study.runs.iter().collect();
+    unique.retain(|run| seen.insert(&run.key));
+    let waiting: Vec<&Planned> = unique
+        .iter()
+        .copied()
+        .filter(|run| ended(&folder_of(runs, run)).is_none())
+        .collect();
+    let all = unique.len();
+    let queue = Queue {
+        state: Mutex::new(State {
+            ended: all - waiting.len(),
+            waiting,
+            used: 0,
+            under_way: 0,
+            error: None,
+        }),
+        changed: Condvar::new(),
+        memory: means.memory,
+    };
+    let told = |ended| tell(Progress { ended, all });
+    told(queue.lock().ended);
+    std::thread::scope(|scope| {
+        for _ in 0..means.workers.max(1) {
+            scope.spawn(|| {
+                while let Some(run) = queue.next(stop) {
+                    let made = make(run, &folder_of(runs, run), runner);
+                    if let Some(ended) = queue.done(run, made) {
+                        told(ended);
+                    }
+                }
+            });
+        }
+    });
+    let state = queue
+        .state
+        .into_inner()
+        .unwrap_or_else(PoisonError::into_inner);
+    match state.error {
+        Some(error) => Err(error),
+        None => {
+            let has_ended = |run: &&&Planned| ended(&folder_of(runs, run)).is_some();
+            let keys = unique.iter().filter(has_ended).map(|run| run.key.as_str());
+            clear_remains(runs, &keys.collect());
+            Ok(state.ended == all)
+        }
+    }
+}
+
+/// Makes one run and notes that it has ended; whether it did.
+fn make(run: &Planned, folder: &Path, runner: &Runner) -> Result<bool, ExecuteError> {
+    let failed = |what, path: &Path| {
+        let path = path.to_owned();
+        move |source| ExecuteError::Io { what, path, source }
+    };
+    let work = folder.with_extension(std::process::id().to_string());
+    let _ = std::fs::remove_dir_all(&work);
+    std::fs::create_dir_all(&work).map_err(failed("make", &work))?;
+    let Some(ended) = runner(run, &work).map_err(failed("run in", &work))? else {
+        let _ = std::fs::remove_dir_all(&work);
+        return Ok(false);
+    };
+    let path = work.join("ended.json");
+    let text =
+        serde_json::to_string_pretty(&ended).map_err(|e| failed("write", &path)(e.into()))?;
+    std::fs::write(&path, text + "\n").map_err(failed("write", &path))?;
+    // one that has not ended, of a program that worked in place
+    let _ = std::fs::remove_dir_all(folder);
+    std::fs::rename(&work, folder).map_err(failed("rename to", folder))?;
+    Ok(true)
+}
+
+/// Removes what runs of studies that were killed left of those that have ended since.
+fn clear_remains(runs: &Path, ended: &BTreeSet<&str>) {
+    let Ok(entries) = std::fs::read_dir(runs) else {
+        return;
+    };
+    for path in entries.filter_map(|entry| Some(entry.ok()?.path())) {
+        let is_remains = path
+            .extension()
+            .is_some_and(|e| e.to_string_lossy().parse::<u32>().is_ok());
+        let key = path
+            .file_stem()
+            .map(|stem| stem.to_string_lossy().into_owned());
+        if is_remains && key.is_some_and(|key| ended.contains(key.as_str())) {
+            // an orphan that still writes makes it anew: no harm
+            let _ = std::fs::remove_dir_all(path);
+        }
+    }
+}
+
+/// Runs that wait, and what those under way hold.
+struct Queue<'a> {
+    state: Mutex<State<'a>>,
+    changed: Condvar,
+    memory: u64,
+}
+
+struct State<'a> {
+    waiting: Vec<&'a Planned>,
+    used: u64,
+    under_way: usize,
+    ended: usize,
+    error: Option<ExecuteError>,
+}
+
+impl<'a> Queue<'a> {
+    fn lock(&self) -> std::sync::MutexGuard<'_, State<'a>> {
+        // a worker that panicked leaves numbers that are still right
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// The first run that there is memory for, in the order of the design; waits while there is none.
+    fn next(&self, stop: &AtomicBool) -> Option<&'a Planned> {
+        let mut state = self.lock();
+        loop {
+            if stop.load(Ordering::Relaxed) || state.error.is_some() || state.waiting.is_empty() {
+                return None;
+            }
+            let is_alone = state.under_way == 0;
+            let fits = |run: &&Planned| state.used + run.memory <= self.memory;
+            let found = state.waiting.iter().position(fits);
+            if let Some(k) = found.or(is_alone.then_some(0)) {
+                let run = state.waiting.remove(k);
+                state.used += run.memory;
+                state.under_way += 1;
+                return Some(run);
+            }
+            state = self
+                .changed
+                .wait(state)
+                .unwrap_or_else(PoisonError::into_inner);
+        }
+    }
+
+    /// Gives back what a run held; the number that have ended, if it did.
+    fn done(&self, run: &Planned, made: Result<bool, ExecuteError>) -> Option<usize> {
+        let mut state = self.lock();
+        state.used -= run.memory;
+        state.under_way -= 1;
+        self.changed.notify_all();
+        match made {
+            Ok(true) => {
+                state.ended += 1;
+                Some(state.ended)
+            }
+            Ok(false) => None,
+            Err(error) => {
+                state.error.get_or_insert(error);
+                None
+            }
+        }
+    }
+}

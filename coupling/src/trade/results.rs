@@ -1,0 +1,337 @@
+//! What the runs of a study found: value, error and cost of each, `trade.csv` and `front.csv`.
+
+use std::fmt::Write as _;
+use std::io;
+use std::path::Path;
+
+use serde::Deserialize;
+
+use super::execute::{ended, folder_of};
+use super::file::TruthFile;
+use super::front::{Point, error_per_doubling, front};
+use super::plan::{Planned, Study, finest};
+use crate::compare::{Options, Series, compare_files};
+use crate::table::read_table;
+
+/// Pair interactions that cost as much as the update of one contact between blocks, by the speeds in benches/RESULTS.md:
+/// 3e8 pairs and 3e5 contacts a second and core.
+const PAIRS_PER_CONTACT: f64 = 1e3;
+
+/// A run with what it found.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Found {
+    /// Which value of each knob.
+    pub choice: Vec<usize>,
+    /// Of its folder.
+    pub key: String,
+    /// The number that the study is about; none of a run that did not reach it, or where the truth is a record.
+    pub value: Option<f64>,
+    /// Relative; none of what has no value, and of the truth itself.
+    pub error: Option<f64>,
+    /// Whether the run reached its end.
+    pub is_stable: bool,
+    /// What ended it early.
+    pub message: String,
+    /// What it cost.
+    pub cost: Cost,
+}
+
+/// What a run cost.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
+#[serde(default)]
+pub struct Cost {
+    /// On one thread, settling and output included; s.
+    pub wall_time: f64,
+    /// Largest memory held; bytes.
+    pub peak_memory: f64,
+    /// Steps.
+    pub steps: f64,
+    /// Particles times steps.
+    pub particle_steps: f64,
+    /// Ordered neighbour pairs evaluated.
+    pub pair_interactions: f64,
+    /// Contact points evaluated.
+    pub contact_updates: f64,
+}
+
+/// One of the costs of a run.
+pub type CostOf = fn(&Cost) -> f64;
+
+impl Cost {
+    /// The same on any machine: pair interactions, and contacts as so many of them.
+    pub fn work(&self) -> f64 {
+        self.pair_interactions + PAIRS_PER_CONTACT * self.contact_updates
+    }
+}
+
+/// Reads what the runs of a study left; those that have not ended are not there.
+pub fn collect(study: &Study, runs: &Path) -> Vec<Found> {
+    let ended_runs = study.runs.iter().filter_map(|run| {
+        let folder = folder_of(runs, run);
+        Some((run, ended(&folder)?, folder))
+    });
+    let mut all: Vec<Found> = ended_runs
+        .map(|(run, ended, folder)| {
+            let (value, error) = match ended.completed {
+                true => judged(study, &folder),
+                false => (None, None),
+            };
+            Found {
+                choice: run.choice.clone(),
+                key: run.key.clone(),
+                value,
+                error,
+                is_stable: ended.completed,
+                message: ended.message,
+                cost: cost(&folder),
+            }
+        })
+        .collect();
+    if let TruthFile::Finest { knob } = &study.file.truth {
+        judge_by_finest(study, knob, &mut all);
+    }
+    all
+}
+
+/// Value and error of a run by itself.
+fn judged(study: &Study, folder: &Path) -> (Option<f64>, Option<f64>) {
+    let output = &study.file.output;
+    let table = folder.join(&output.file);
+    let value = || {
+        let series = Series::from_table(&read_table(&table).ok()?, &output.column).ok()?;
+        output.take?.of(&series)
+    };
+    let relative = |truth: f64, scale: &Option<f64>| {
+        let value = value();
+        let scale = scale.unwrap_or(truth).abs();
+        (value, value.map(|value| (value - truth).abs() / scale))
+    };
+    match &study.file.truth {
+        TruthFile::Value { value, scale, .. } => relative(*value, scale),
+        TruthFile::Closed { form, scale } => relative(form.value(), scale),
+        TruthFile::Finest { .. } => (value(), None),
+        TruthFile::Record {
+            file,
+            shift,
+            window,
+        } => {
+            let options = Options {
+                shift: *shift,
+                from: window.map(|(from, _)| from),
+                to: window.map(|(_, to)| to),
+                ..Options::default()
+            };
+            let record = study.folder().join(file);
+            let reports = compare_files(&table, &record, Some(&output.column), options).ok();
+            let error =
+                reports.and_then(|reports| reports.first()?.comparison.normalized_rms_error);
+            (None, error)
+        }
+    }
+}
+
+/// Errors against the run with the finest value of a knob whose other knobs stand alike, or at their first values.
+fn judge_by_finest(study: &Study, knob: &str, all: &mut [Found]) {
+    let knobs = &study.file.knobs;
+    let Some((k, finest)) = knobs
+        .iter()
+        .position(|one| one.name == knob)
+        .and_then(|k| Some((k, finest(&knobs[k])?)))
+    else {
+        return;
+    };
+    let is_truth = |found: &Found| {
+        found.choice[k] == finest
+            && (0..found.choice.len()).all(|other| other == k || found.choice[other] == 0)
+    };
+    let Some(truth) = all.iter().find(|f| is_truth(f)).and_then(|f| f.value) else {
+        return;
+    };
+    for found in all {
+        if !is_truth(found) {
+            found.error = found.value.map(|value| ((value - truth) / truth).abs());
+        }
+    }
+}
+
+fn cost(folder: &Path) -> Cost {
+    let text = std::fs::read_to_string(folder.join("summary.json"));
+    let read = |text: String| serde_json::from_str(&text).ok();
+    text.ok().and_then(read).unwrap_or_default()
+}
+
+/// Places in the list of those on the front: by wall time, and by work.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Fronts {
+    /// By wall time.
+    pub by_time: Vec<usize>,
+    /// By pair interactions and contacts.
+    pub by_work: Vec<usize>,
+}
+
+impl Fronts {
+    /// Of runs that reached their end with an error.
+    pub fn of(all: &[Found]) -> Self {
+        let by = |cost: CostOf| {
+            let points: Vec<Point> = all.iter().map(|found| point(found, cost)).collect();
+            front(&points)
+        };
+        Self {
+            by_time: by(|cost| cost.wall_time),
+            by_work: by(Cost::work),
+        }
+    }
+}
+
+/// Cost and error of a run, NaN where it has none.
+pub fn point(found: &Found, cost: CostOf) -> Point {
+    Point {
+        cost: cost(&found.cost),
+        error: found.error.filter(|_| found.is_stable).unwrap_or(f64::NAN),
+    }
+}
+
+/// The runs in which one knob alone is turned.
+pub(super) fn along(all: &[Found], knob: usize) -> impl Iterator<Item = &Found> + Clone {
+    all.iter().filter(move |found| {
+        let mut others = found.choice.iter().enumerate().filter(|(k, _)| *k != knob);
+        others.all(|(_, &value)| value == 0)
+    })
+}
+
+/// By which factor a doubling of the cost along one knob changes the error; none where the cost hardly changes.
+pub(super) fn bought_along(all: &[Found], knob: usize, cost: CostOf) -> Option<f64> {
+    let points: Vec<Point> = along(all, knob).map(|found| point(found, cost)).collect();
+    error_per_doubling(&points)
+}
+
+/// The same for every knob, by wall time.
+pub fn bought<'a>(study: &'a Study, all: &[Found]) -> Vec<(&'a str, Option<f64>)> {
+    let knobs = study.file.knobs.iter().enumerate();
+    knobs
+        .map(|(k, knob)| {
+            (
+                knob.name.as_str(),
+                bought_along(all, k, |cost| cost.wall_time),
+            )
+        })
+        .collect()
+}
+
+/// `trade.csv`: a line per run, in the order of the design.
+pub fn table(study: &Study, all: &[Found]) -> String {
+    let fronts = Fronts::of(all);
+    let rows: Vec<usize> = (0..all.len()).collect();
+    lines(study, all, &fronts, &rows)
+}
+
+/// `front.csv`: those that no other beats in both cost and error, by wall time or by work; by increasing wall time.
+pub fn front_table(study: &Study, all: &[Found]) -> String {
+    let fronts = Fronts::of(all);
+    let mut rows: Vec<usize> = fronts
+        .by_time
+        .iter()
+        .chain(&fronts.by_work)
+        .copied()
+        .collect();
+    rows.sort_by(|&a, &b| {
+        all[a]
+            .cost
+            .wall_time
+            .total_cmp(&all[b].cost.wall_time)
+            .then(a.cmp(&b))
+    });
+    rows.dedup();
+    lines(study, all, &fronts, &rows)
+}
+
+fn lines(study: &Study, all: &[Found], fronts: &Fronts, rows: &[usize]) -> String {
+    let mut text = String::new();
+    let knobs = study.file.knobs.iter().map(|knob| quoted(&knob.name));
+    let heads = [
+        "value",
+        "error [-]",
+        "stable",
+        "wall_time [s]",
+        "work [pairs]",
+        "steps",
+        "particle_steps",
+        "pair_interactions",
+        "contact_updates",
+        "peak_memory [B]",
+        "on_front_by_time",
+        "on_front_by_work",
+        "run",
+        "message",
+    ];
+    let heads: Vec<String> = knobs.chain(heads.map(str::to_owned)).collect();
+    let _ = writeln!(text, "{}", heads.join(","));
+    for &row in rows {
+        let found = &all[row];
+        let chosen = study.file.knobs.iter().zip(&found.choice);
+        let mut cells: Vec<String> = chosen
+            .map(|(knob, &value)| quoted(&knob.values[value].name))
+            .collect();
+        let number = |x: Option<f64>| x.map_or("NaN".to_owned(), |x| format!("{x:?}"));
+        let flag = |is: bool| u8::from(is).to_string();
+        let Cost {
+            wall_time,
+            peak_memory,
+            steps,
+            particle_steps,
+            pair_interactions,
+            contact_updates,
+        } = found.cost;
+        cells.extend([
+            number(found.value),
+            number(found.error),
+            flag(found.is_stable),
+            number(Some(wall_time)),
+            number(Some(found.cost.work())),
+            number(Some(steps)),
+            number(Some(particle_steps)),
+            number(Some(pair_interactions)),
+            number(Some(contact_updates)),
+            number(Some(peak_memory)),
+            flag(fronts.by_time.contains(&row)),
+            flag(fronts.by_work.contains(&row)),
+            found.key.clone(),
+            quoted(&found.message),
+        ]);
+        let _ = writeln!(text, "{}", cells.join(","));
+    }
+    text
+}
+
+/// A cell as spreadsheets read it.
+fn quoted(text: &str) -> String {
+    if text.contains(['"', ',', '\n', '\r']) {
+        format!(
+            "\"{}\"",
+            text.replace('"', "\"\"").replace(['\n', '\r'], " ")
+        )
+    } else {
+        text.to_owned()
+    }
+}
+
+/// Writes a file under a temporary name and renames it.
+///
+/// # Errors
+///
+/// What the system says.
+pub fn write(path: &Path, bytes: &[u8]) -> io::Result<()> {
+    let temporary = path.with_extension("part");
+    std::fs::write(&temporary, bytes)?;
+    std::fs::rename(&temporary, path)
+}
+
+impl Planned {
+    /// What its knobs are set to, for people: `spacing 20 mm, kernel as it is`.
+    pub fn label(&self, study: &Study) -> String {
+        let chosen = study.file.knobs.iter().zip(&self.choice);
+        let each =
+            chosen.map(|(knob, &value)| format!("{} {}", knob.name, knob.values[value].name));
+        each.collect::<Vec<_>>().join(", ")
+    }
+}
