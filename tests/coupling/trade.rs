@@ -184,6 +184,37 @@ fn what_fails_is_a_row_and_not_the_end_of_the_study() {
     assert_eq!(stable.iter().sum::<f64>(), 3.0, "{stable:?}");
 }
 
+/// A falling block amid fixed ones, and a column that is not there.
+#[test]
+fn one_block_of_a_table_is_judged_and_a_column_that_is_not_there_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = "(title: \"fall\", domain: (min: (-9, -9, -9), max: (9, 9, 9)), time: (duration: 0.5),\n\
+         materials: [(name: \"m\", density: 2000, friction_angle_deg: 30)], output: (gauge_interval: 0.01), blocks: [\n\
+         (name: \"low\", material: \"m\", shape: Box(min: (-1, -1, 0), max: (1, 1, 1))),\n\
+         (name: \"high\", material: \"m\", shape: Box(min: (-1, -1, 4), max: (1, 1, 5)))])";
+    std::fs::write(folder.path().join("fall.ron"), scene).unwrap();
+    let study = |column: &str| {
+        format!(
+            "(title: \"fall\", case: \"fall.ron\",\n\
+             output: (name: \"z\", file: \"blocks.csv\", block: \"high\", column: \"{column}\", take: At(0.4)),\n\
+             truth: Value(value: 3.7152, source: \"4.5 - g t^2/2\"),\n\
+             knobs: [(name: \"step\", values: [(name: \"0.8\"), (name: \"0.4\", set: [\"numerics.block_time_step_factor=0.4\"])])])"
+        )
+    };
+    let out = folder.path().join("out");
+    let output = trade(&written(folder.path(), &study("z")), &out);
+    assert!(output.status.success(), "{}", words(&output));
+    let errors = column(&rows(&out.join("trade.csv")), "error [-]");
+    // central differences are exact for a constant force; a line between samples 0.01 s apart is off by g dt²/8
+    assert!(errors.iter().all(|error| *error < 1e-4), "{errors:?}");
+    let output = trade(
+        &written(folder.path(), &study("height")),
+        &folder.path().join("none"),
+    );
+    let table = std::fs::read_to_string(folder.path().join("none/trade.csv")).unwrap();
+    assert!(table.contains("height"), "{table} {}", words(&output));
+}
+
 #[test]
 fn a_wrong_study_is_told_where_and_what_would_be_right() {
     let folder = tempfile::tempdir().unwrap();
@@ -202,6 +233,11 @@ fn a_wrong_study_is_told_where_and_what_would_be_right() {
             "numerics.sound_speed=40",
             "numerics.sound_speed",
             "PATH=VALUE",
+        ),
+        (
+            "column: \"deep\"",
+            "block: \"flor\", column: \"deep\"",
+            "`floor`",
         ),
     ] {
         assert_eq!(good.matches(from).count(), 1, "{from}");

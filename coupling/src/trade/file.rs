@@ -37,6 +37,8 @@ pub struct OutputFile {
     pub file: String,
     /// Its column, with or without unit.
     pub column: String,
+    /// Name of the block whose rows are meant, in a table that has rows of several.
+    pub block: Option<String>,
     /// What becomes of the column; a truth that is a record takes all of it.
     pub take: Option<Take>,
 }

@@ -39,6 +39,8 @@ pub struct Planned {
     pub choice: Vec<usize>,
     /// What is set, in order.
     pub overrides: Vec<Override>,
+    /// Number of the block that the output is of, where it is of one.
+    pub block: Option<usize>,
     /// Equal for equal scenes and programs, and the name of the run's folder.
     pub key: String,
     /// Expected to be held; bytes.
@@ -273,6 +275,21 @@ fn planned(study: &StudyFile, case: &Path, choice: &[usize]) -> Result<Planned, 
     let overrides = overrides.map_err(|message| (place.clone(), message))?;
     let (scene, _) =
         scene::load(case, &overrides).map_err(|error| (place.clone(), error.to_string()))?;
+    let block = match &study.output.block {
+        None => None,
+        Some(name) => {
+            let names: Vec<&str> = scene.file.blocks.iter().map(|b| b.name.as_str()).collect();
+            let found = names.iter().position(|other| other == name);
+            let unknown = || {
+                let hint = parse::suggestion(name, &names);
+                (
+                    "output.block".to_owned(),
+                    format!("no block is called `{name}`{hint}"),
+                )
+            };
+            Some(found.ok_or_else(unknown)?)
+        }
+    };
     let key = key(&scene, case).map_err(|message| (place, message))?;
     let n = scene
         .fluid
@@ -281,6 +298,7 @@ fn planned(study: &StudyFile, case: &Path, choice: &[usize]) -> Result<Planned, 
     Ok(Planned {
         choice: choice.to_vec(),
         overrides,
+        block,
         key,
         memory: LEAST_MEMORY + n as u64 * MEMORY_PER_PARTICLE,
     })

@@ -29,6 +29,13 @@ pub enum Take {
         /// Its end.
         to: f64,
     },
+    /// Largest less smallest value in a window, as the height of a wave; s.
+    Height {
+        /// Its start.
+        from: f64,
+        /// Its end.
+        to: f64,
+    },
     /// Value at a time, linear between samples; s.
     At(f64),
     /// First crest over a level: the highest value before the record falls to half of that height again.
@@ -48,8 +55,10 @@ pub enum Take {
 impl Take {
     /// The number; none where the record does not hold it: too short, all gaps, no crest.
     pub fn of(&self, series: &Series) -> Option<f64> {
-        if let Self::Mean { from, to } | Self::Maximum { from, to } | Self::Minimum { from, to } =
-            *self
+        if let Self::Mean { from, to }
+        | Self::Maximum { from, to }
+        | Self::Minimum { from, to }
+        | Self::Height { from, to } = *self
             && !covers(series, from, to)
         {
             return None;
@@ -58,6 +67,13 @@ impl Take {
             Self::Mean { from, to } => mean(series, from, to),
             Self::Maximum { from, to } => extreme(series, from, to, f64::max),
             Self::Minimum { from, to } => extreme(series, from, to, f64::min),
+            Self::Height { from, to } => {
+                let (high, low) = (
+                    extreme(series, from, to, f64::max)?,
+                    extreme(series, from, to, f64::min)?,
+                );
+                Some(high - low)
+            }
             Self::At(time) => series.at(time),
             Self::FirstCrest { level } => first_crest(series, level),
             Self::Period { level, from } => period(series, level, from),
@@ -148,6 +164,7 @@ mod tests {
         assert!((Take::Mean { from: 1.0, to: 3.0 }.of(&ramp).unwrap() - 2.0).abs() < 1e-12);
         assert_eq!(Take::Maximum { from: 1.0, to: 3.0 }.of(&ramp), Some(3.0));
         assert_eq!(Take::Minimum { from: 1.0, to: 3.0 }.of(&ramp), Some(1.0));
+        assert_eq!(Take::Height { from: 1.0, to: 3.0 }.of(&ramp), Some(2.0));
         assert!((Take::At(1.234).of(&ramp).unwrap() - 1.234).abs() < 1e-12);
         assert_eq!(Take::At(5.0).of(&ramp), None);
         assert_eq!(Take::Mean { from: 1.0, to: 4.1 }.of(&ramp), None);

@@ -11,7 +11,7 @@ use super::file::TruthFile;
 use super::front::{Point, error_per_doubling, front};
 use super::plan::{Planned, Study, finest};
 use crate::compare::{Options, Series, compare_files};
-use crate::table::read_table;
+use crate::table::{TableData, TableError, read_table};
 
 /// Pair interactions that cost as much as the update of one contact between blocks, by the speeds in benches/RESULTS.md:
 /// 3e8 pairs and 3e5 contacts a second and core.
@@ -72,9 +72,13 @@ pub fn collect(study: &Study, runs: &Path) -> Vec<Found> {
     });
     let mut all: Vec<Found> = ended_runs
         .map(|(run, ended, folder)| {
-            let (value, error) = match ended.completed {
-                true => judged(study, &folder),
-                false => (None, None),
+            let judged = match ended.completed {
+                true => judged(study, run, &folder),
+                false => Err(ended.message),
+            };
+            let (value, error, message) = match judged {
+                Ok((value, error)) => (value, error, String::new()),
+                Err(message) => (None, None, message),
             };
             Found {
                 choice: run.choice.clone(),
@@ -82,7 +86,7 @@ pub fn collect(study: &Study, runs: &Path) -> Vec<Found> {
                 value,
                 error,
                 is_stable: ended.completed,
-                message: ended.message,
+                message,
                 cost: cost(&folder),
             }
         })
@@ -93,23 +97,33 @@ pub fn collect(study: &Study, runs: &Path) -> Vec<Found> {
     all
 }
 
-/// Value and error of a run by itself.
-fn judged(study: &Study, folder: &Path) -> (Option<f64>, Option<f64>) {
+/// Value and error of a run by itself, or why it has none.
+fn judged(
+    study: &Study,
+    run: &Planned,
+    folder: &Path,
+) -> Result<(Option<f64>, Option<f64>), String> {
     let output = &study.file.output;
-    let table = folder.join(&output.file);
+    let path = folder.join(&output.file);
     let value = || {
-        let series = Series::from_table(&read_table(&table).ok()?, &output.column).ok()?;
-        output.take?.of(&series)
+        let mut table = read_table(&path).map_err(|error| error.to_string())?;
+        if let Some(block) = run.block {
+            table = of_block(table, block).map_err(|error| error.to_string())?;
+        }
+        let series =
+            Series::from_table(&table, &output.column).map_err(|error| error.to_string())?;
+        let taken = output.take.and_then(|take| take.of(&series));
+        taken.ok_or_else(|| format!("`{}` does not hold what is asked of it", output.column))
     };
     let relative = |truth: f64, scale: &Option<f64>| {
-        let value = value();
+        let value = value()?;
         let scale = scale.unwrap_or(truth).abs();
-        (value, value.map(|value| (value - truth).abs() / scale))
+        Ok((Some(value), Some((value - truth).abs() / scale)))
     };
     match &study.file.truth {
         TruthFile::Value { value, scale, .. } => relative(*value, scale),
         TruthFile::Closed { form, scale } => relative(form.value(), scale),
-        TruthFile::Finest { .. } => (value(), None),
+        TruthFile::Finest { .. } => Ok((Some(value()?), None)),
         TruthFile::Record {
             file,
             shift,
@@ -122,12 +136,24 @@ fn judged(study: &Study, folder: &Path) -> (Option<f64>, Option<f64>) {
                 ..Options::default()
             };
             let record = study.folder().join(file);
-            let reports = compare_files(&table, &record, Some(&output.column), options).ok();
-            let error =
-                reports.and_then(|reports| reports.first()?.comparison.normalized_rms_error);
-            (None, error)
+            let reports = compare_files(&path, &record, Some(&output.column), options)
+                .map_err(|error| error.to_string())?;
+            let error = reports
+                .first()
+                .and_then(|one| one.comparison.normalized_rms_error);
+            Ok((None, error))
         }
     }
+}
+
+/// The rows of a table that are of one block.
+fn of_block(mut table: TableData, block: usize) -> Result<TableData, TableError> {
+    let is_of: Vec<bool> = (table.column("block")?.iter().map(|&b| b == block as f64)).collect();
+    for values in &mut table.values {
+        let mut is_of = is_of.iter();
+        values.retain(|_| is_of.next() == Some(&true));
+    }
+    Ok(table)
 }
 
 /// Errors against the run with the finest value of a knob whose other knobs stand alike, or at their first values.
