@@ -186,7 +186,7 @@ fn words(study: &Study, all: &[Found]) -> String {
             Some(factor) => {
                 format!("  {knob}: a doubling of the cost takes the error x {factor:.2}")
             }
-            None => format!("  {knob}: the cost hardly changes"),
+            None => format!("  {knob}: the cost changes by less than half"),
         });
     }
     lines.join("\n")

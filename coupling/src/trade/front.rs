@@ -93,8 +93,8 @@ pub fn error_per_doubling(points: &[Point]) -> Option<f64> {
     Some(2_f64.powf(law.exponent))
 }
 
-/// Below it what two settings cost is not told apart from what one costs on two days.
-const LEAST_CHANGE_OF_COST: f64 = 1.1;
+/// Below it a slope through logarithms says more of the noise than of the knob: kernels, precision, diffusion.
+const LEAST_CHANGE_OF_COST: f64 = 1.5;
 
 /// Roache's grid convergence index of the finest of three values.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -181,9 +181,9 @@ mod tests {
     fn a_doubling_of_cost_that_halves_the_error_is_half() {
         let points = [(1.0, 0.4), (2.0, 0.2), (4.0, 0.1)].map(point);
         assert!((error_per_doubling(&points).unwrap() - 0.5).abs() < 1e-12);
-        // what costs the same buys nothing
+        // what costs nearly the same has no slope
         assert_eq!(
-            error_per_doubling(&[(1.0, 0.4), (1.05, 0.1)].map(point)),
+            error_per_doubling(&[(1.0, 0.4), (1.4, 0.1)].map(point)),
             None
         );
     }

@@ -212,7 +212,7 @@ fn scatter(
         let mine: Vec<Point> = along(all, k).map(|found| point(found, cost)).collect();
         let bought = match bought_along(all, k, cost) {
             Some(factor) => format!("x {factor:.2} a doubling"),
-            None => "cost hardly changes".to_owned(),
+            None => "cost changes by less than half".to_owned(),
         };
         let color = COLORS[k % COLORS.len()];
         plot.legend(page, k, color, &format!("{}: {bought}", knob.name));
