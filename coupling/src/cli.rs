@@ -1,5 +1,6 @@
 //! The command line: one file per command.
 
+mod accuracy;
 mod check;
 mod compare;
 mod render;

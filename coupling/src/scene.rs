@@ -4,6 +4,7 @@ mod attachments;
 pub mod error;
 pub mod file;
 pub mod fill;
+mod flow;
 mod fluid;
 pub mod grains;
 pub mod locate;

@@ -3,18 +3,22 @@
 //! ```text
 //! STUDY.ron ─load→ Study: runs, each a scene and a key ─execute→ RUNS/key/ ... ended.json
 //!                                                      ─collect→ value, error and cost of each
-//!                                                               trade.csv, front.csv, trade.svg
+//!                                                               trade.csv, front.csv, trade.svg, trade.png
+//! trade.csv ─choose→ the cheapest settings within a budget       where there is no study: ladder, three coarse runs
 //! ```
 //! A study names a case, a number with its truth, and knobs with values. Runs are processes of one thread, as many at once as
 //! cores and memory allow; what has ended is never run again, so that a study that was broken off goes on where it was. A run
 //! is known by its scene with every default written out, the files it names, and the program's commit.
 
+pub mod budget;
 pub mod execute;
 pub mod file;
 pub mod front;
+pub mod ladder;
 pub mod picture;
 pub mod plan;
 pub mod plot;
 pub mod quantity;
+pub mod reading;
 pub mod results;
 pub mod search;

@@ -5,13 +5,17 @@
 //! | kernel | Mueller's | Wendland C2 | Wendland C2 |
 //! | `h`/spacing | 1.5 | 1.3 | 2.0 |
 //! | density | summation | continuity | continuity |
-//! | density diffusion | none | Fourtakas 0.1 | Antuono 0.1 |
+//! | density diffusion | none | Fourtakas 0.1 | Fourtakas 0.1 |
 //! | viscosity | published, dynamic viscosity of the fluid | artificial 0.02 | laminar, viscosity of the fluid |
-//! | shifting | none | none | 2 |
+//! | shifting | none | none | none |
 //! | negative pressure | clamped | kept | kept |
 //! | stepping | symplectic Euler | kick-drift-kick | kick-drift-kick |
-//! | step factor | 0.5 of the limit | 0.5 `h/(c₀ + v)` | 0.2 `h/(c₀ + v)` |
-//! | pair sums | double | single | double |
+//! | step factor | 0.5 of the limit | 0.5 `h/(c₀ + v)` | 0.5 `h/(c₀ + v)` |
+//! | sound speed | 10 times the fastest | 10 times | 14 times |
+//! | pair sums | double | single | single |
+//!
+//! `Preview` is `Standard` with the whole step and 7 times the fastest speed. What each of them costs and leaves in error is
+//! measured in `benches/trade`.
 //!
 //! Sources: Mueller, Charypar & Gross (2003) with Geraili Mikola & Sitar (2014); Molteni & Colagrossi
 //! (2009), Fourtakas et al. (2019) and Antuono et al. (2010, 2012) for the diffusions and their 0.1;
@@ -207,14 +211,9 @@ impl Scheme {
     /// Accuracy first.
     pub fn reference(kinematic_viscosity: f64) -> Self {
         Self {
-            diffusion: DensityDiffusion::Antuono(DIFFUSION),
             viscosity: Viscosity::Laminar {
                 kinematic_viscosity,
             },
-            shifting: Shifting::Fickian {
-                coefficient: SHIFTING,
-            },
-            precision: Precision::Double,
             ..Self::standard()
         }
     }

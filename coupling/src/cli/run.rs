@@ -6,6 +6,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
+use super::accuracy::{self, Asked, Budget};
 use super::{Exit, default_folder, load, say, show};
 use crate::cli::check::describe;
 use crate::run::{Ending, Progress, run};
@@ -30,6 +31,13 @@ pub(crate) struct Arguments {
     /// Threads; all cores when left out. Results do not depend on it.
     #[arg(long, value_name = "N")]
     threads: Option<usize>,
+    /// Take the cheapest settings that keep the error of a number below this, as 5%: by the case's own study, or else by
+    /// three coarse runs.
+    #[arg(long, value_name = "BUDGET")]
+    error: Option<Budget>,
+    /// The number: a study of the case by its file or output, or crest_at_GAUGE, trough_at_, max_of_, min_of_, mean_of_.
+    #[arg(long, value_name = "NAME", requires = "error")]
+    of: Option<String>,
     /// Write over an existing run folder.
     #[arg(long)]
     force: bool,
@@ -46,7 +54,7 @@ pub(crate) fn execute(arguments: &Arguments) -> Exit {
             value: format!("{until:?}"),
         });
     }
-    let scene = match load(&arguments.case, &overrides) {
+    let mut scene = match load(&arguments.case, &overrides) {
         Ok(scene) => scene,
         Err(exit) => return exit,
     };
@@ -54,9 +62,37 @@ pub(crate) fn execute(arguments: &Arguments) -> Exit {
         .output
         .clone()
         .unwrap_or_else(|| default_folder(&arguments.case));
-    if let Err(message) = prepare(&folder, arguments.force)
-        .and_then(|()| keep_inputs(&scene, &arguments.case, &folder))
-    {
+    if let Err(message) = prepare(&folder, arguments.force) {
+        say(&format!("error: {message}"));
+        return Exit::BadInput;
+    }
+    let stop = Arc::new(AtomicBool::new(false));
+    stop_on_signal(&stop);
+    let chosen = match arguments.error {
+        None => None,
+        Some(budget) => {
+            let asked = Asked {
+                case: &arguments.case,
+                budget,
+                of: arguments.of.as_deref(),
+                overrides: &overrides,
+                folder: &folder,
+                jobs: arguments.threads,
+            };
+            let chosen = match accuracy::plan(&asked, &scene, &stop) {
+                Ok(chosen) => chosen,
+                Err(exit) => return exit,
+            };
+            // what the user sets stands above what is chosen
+            let all = [chosen.overrides.as_slice(), &overrides].concat();
+            scene = match load(&arguments.case, &all) {
+                Ok(scene) => scene,
+                Err(exit) => return exit,
+            };
+            Some(chosen)
+        }
+    };
+    if let Err(message) = keep_inputs(&scene, &arguments.case, &folder) {
         say(&format!("error: {message}"));
         return Exit::BadInput;
     }
@@ -68,8 +104,6 @@ pub(crate) fn execute(arguments: &Arguments) -> Exit {
         say(&format!("error: cannot start {threads} threads: {error}"));
         return Exit::BadInput;
     }
-    let stop = Arc::new(AtomicBool::new(false));
-    stop_on_signal(&stop);
     if !arguments.quiet {
         let folder_of_case = arguments.case.parent().unwrap_or(Path::new("."));
         say(&describe(&scene, folder_of_case));
@@ -82,9 +116,19 @@ pub(crate) fn execute(arguments: &Arguments) -> Exit {
             if !arguments.quiet {
                 show(&closing_words(&summary, &folder));
             }
-            match ending {
-                Ending::Completed => Exit::Done,
-                Ending::Interrupted => Exit::Interrupted,
+            match (ending, chosen) {
+                (Ending::Interrupted, _) => Exit::Interrupted,
+                (Ending::Completed, None) => Exit::Done,
+                (Ending::Completed, Some(chosen)) => match chosen.judge(&scene, &folder) {
+                    Ok(words) => {
+                        show(&words);
+                        Exit::Done
+                    }
+                    Err(message) => {
+                        say(&format!("error: the run cannot be judged: {message}"));
+                        Exit::Failed
+                    }
+                },
             }
         }
         Err(error) => {
@@ -136,6 +180,7 @@ fn remove_run(folder: &Path) -> Result<(), String> {
             })
             || [
                 "case.ron",
+                "accuracy.json",
                 "summary.json",
                 "overview.svg",
                 "gauges.csv",

@@ -45,11 +45,7 @@ pub(crate) fn execute(arguments: &Arguments) -> Exit {
     let folder = arguments.output.clone().unwrap_or_else(default);
     let stop = Arc::new(AtomicBool::new(false));
     stop_on_signal(&stop);
-    let cores = || std::thread::available_parallelism().map_or(1, usize::from);
-    let means = Means {
-        workers: arguments.jobs.unwrap_or_else(cores),
-        memory: (MEMORY_SHARE * free_memory() as f64) as u64,
-    };
+    let means = means(arguments.jobs);
     let case = study.case();
     let started = Instant::now();
     let tell = |progress: Progress| {
@@ -118,7 +114,7 @@ fn write_all(study: &Study, all: &[Found], folder: &Path) -> Result<(), String> 
 }
 
 /// A run as a process of its own: one that fails, or takes all memory, takes nothing with it.
-fn spawn(case: &Path, run: &Planned, folder: &Path) -> io::Result<Option<Ended>> {
+pub(super) fn spawn(case: &Path, run: &Planned, folder: &Path) -> io::Result<Option<Ended>> {
     let started = Instant::now();
     let mut command = Command::new(std::env::current_exe()?);
     command.arg("run").arg(case).arg("-o").arg(folder);
@@ -145,6 +141,15 @@ fn spawn(case: &Path, run: &Planned, folder: &Path) -> io::Result<Option<Ended>>
         })),
         Some(130) | None => Ok(None),
         Some(_) => Err(io::Error::other(said)),
+    }
+}
+
+/// So many runs at once, as many as cores when not said, in the memory that is free.
+pub(super) fn means(jobs: Option<usize>) -> Means {
+    let cores = || std::thread::available_parallelism().map_or(1, usize::from);
+    Means {
+        workers: jobs.unwrap_or_else(cores),
+        memory: (MEMORY_SHARE * free_memory() as f64) as u64,
     }
 }
 

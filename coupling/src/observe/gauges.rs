@@ -35,10 +35,8 @@ enum Gauge {
     Pressure(Vec3),
     Velocity(Vec3),
     BlockForce(usize),
-    RunUp {
-        from: [f64; 2],
-        to: [f64; 2],
-    },
+    RunUp(Line),
+    Front(Line),
     Displaced {
         starts: Vec<(usize, Vec3)>,
         farther_than: f64,
@@ -108,9 +106,9 @@ impl Observer for Gauges {
 
 fn columns_of(gauge: &GaugeFile) -> Vec<Column> {
     match gauge {
-        GaugeFile::SurfaceElevation { name, .. } | GaugeFile::RunUp { name, .. } => {
-            vec![Column::new(name, "m")]
-        }
+        GaugeFile::SurfaceElevation { name, .. }
+        | GaugeFile::RunUp { name, .. }
+        | GaugeFile::Front { name, .. } => vec![Column::new(name, "m")],
         GaugeFile::Pressure { name, .. } => vec![Column::new(name, "Pa")],
         GaugeFile::Displaced { name, .. } => vec![Column::new(name, "-")],
         GaugeFile::Velocity { name, .. } => ["vx", "vy", "vz"]
@@ -147,10 +145,8 @@ fn resolve(gauge: &GaugeFile, scene: &Scene, blocks: &Blocks) -> Gauge {
                 .position(|b| &b.name == block)
                 .unwrap_or(0),
         ),
-        GaugeFile::RunUp { from, to, .. } => Gauge::RunUp {
-            from: [from.0, from.1],
-            to: [to.0, to.1],
-        },
+        GaugeFile::RunUp { from, to, .. } => Gauge::RunUp(Line::between(*from, *to)),
+        GaugeFile::Front { from, to, .. } => Gauge::Front(Line::between(*from, *to)),
         GaugeFile::Displaced {
             blocks: prefix,
             farther_than,
@@ -189,10 +185,12 @@ impl Gauge {
                     row.extend(load.torque.iter());
                 }
             }
-            Self::RunUp { from, to } => {
-                let highest = fluid.and_then(|fluid| run_up(fluid, &world.blocks, from, to));
-                row.push(highest.unwrap_or(f64::NAN));
+            Self::RunUp(line) => {
+                row.push(farthest(fluid, &world.blocks, line, |ground, _| ground.z))
             }
+            Self::Front(line) => row.push(farthest(fluid, &world.blocks, line, |_, water| {
+                line.share([water.x, water.y]) * line.length()
+            })),
             Self::Displaced {
                 starts,
                 farther_than,
@@ -207,11 +205,56 @@ impl Gauge {
     }
 }
 
-/// Height of the highest ground that water touches above a line of the plan; m.
+/// A line of the plan between two points; m.
+#[derive(Clone, Copy, Debug)]
+struct Line {
+    from: [f64; 2],
+    along: [f64; 2],
+}
+
+impl Line {
+    fn between(from: (f64, f64), to: (f64, f64)) -> Self {
+        Self {
+            from: [from.0, from.1],
+            along: [to.0 - from.0, to.1 - from.1],
+        }
+    }
+
+    fn length(&self) -> f64 {
+        self.along[0].hypot(self.along[1])
+    }
+
+    /// How far along it, of its length, a point is nearest to.
+    fn share(&self, point: [f64; 2]) -> f64 {
+        let offset = [point[0] - self.from[0], point[1] - self.from[1]];
+        let length2 = self.length().powi(2);
+        if length2 > 0.0 {
+            let along = offset[0] * self.along[0] + offset[1] * self.along[1];
+            (along / length2).clamp(0.0, 1.0)
+        } else {
+            0.0
+        }
+    }
+
+    /// m.
+    fn distance(&self, point: [f64; 2]) -> f64 {
+        let share = self.share(point);
+        let at = |axis: usize| self.from[axis] + share * self.along[axis];
+        (point[0] - at(0)).hypot(point[1] - at(1))
+    }
+}
+
+/// The largest measure of a place on the ground, and of the water that touches it, near a line; NaN where all is dry.
 ///
 /// Water touches the ground where a particle within a spacing of the line is within 1.5 spacings
 /// of a fixed surface that looks up; a drop in the air touches nothing.
-fn run_up(fluid: &Fluid, blocks: &Blocks, from: &[f64; 2], to: &[f64; 2]) -> Option<f64> {
+fn farthest(
+    fluid: Option<&Fluid>,
+    blocks: &Blocks,
+    line: &Line,
+    measure: impl Fn(&Vec3, &Vec3) -> f64,
+) -> f64 {
+    let Some(fluid) = fluid else { return f64::NAN };
     let [dx, dy, dz] = fluid.settings().particle_spacing;
     let spacing = match fluid.settings().dimensions {
         Dimensions::Three => (dx * dy * dz).cbrt(),
@@ -222,32 +265,19 @@ fn run_up(fluid: &Fluid, blocks: &Blocks, from: &[f64; 2], to: &[f64; 2]) -> Opt
     let ground: Vec<usize> = (0..blocks.n_parts())
         .filter(|&part| matches!(blocks.motion(blocks.block_of_part(part)), Motion::Fixed))
         .collect();
-    let mut highest: Option<f64> = None;
+    // a maximum of NaN and a number is the number
+    let mut most = f64::NAN;
     for x in &fluid.particles().position {
-        if distance_to_line([x.x, x.y], from, to) > spacing {
+        if line.distance([x.x, x.y]) > spacing {
             continue;
         }
         for &part in &ground {
             if let Some(surface) = blocks.surface_point_within(part, x, reach)
                 && GROUND_SLOPE < surface.normal.z
             {
-                let height = surface.point.z;
-                highest = Some(highest.map_or(height, |h| h.max(height)));
+                most = most.max(measure(&surface.point, x));
             }
         }
     }
-    highest
-}
-
-/// Distance of a point of the plan to a line between two points; m.
-fn distance_to_line(point: [f64; 2], from: &[f64; 2], to: &[f64; 2]) -> f64 {
-    let along = [to[0] - from[0], to[1] - from[1]];
-    let offset = [point[0] - from[0], point[1] - from[1]];
-    let length2 = along[0].powi(2) + along[1].powi(2);
-    let share = if length2 > 0.0 {
-        ((offset[0] * along[0] + offset[1] * along[1]) / length2).clamp(0.0, 1.0)
-    } else {
-        0.0
-    };
-    (offset[0] - share * along[0]).hypot(offset[1] - share * along[1])
+    most
 }

@@ -26,7 +26,8 @@ pub use blocks::{
 };
 pub use bulk::{GrainRegionFile, GrainsFile, JointSetFile, RockMassFile, SliversFile};
 pub use fluid::{
-    FluidFile, RegionFile, RegionShapeFile, RegularizationFile, ResolutionFile, RheologyFile,
+    FlowFile, FluidFile, RegionFile, RegionShapeFile, RegularizationFile, ResolutionFile,
+    RheologyFile,
 };
 pub use gauges::{ForcesFile, GaugeFile, TrajectoriesFile};
 pub use interface::{InterfaceFile, SlipFile, WallMethodFile};

@@ -307,6 +307,7 @@ mod tests {
                 name: "lake".into(),
                 shape,
                 velocity: (0.0, 0.0, 0.0),
+                flow: None,
                 rheology: None,
             }],
         }

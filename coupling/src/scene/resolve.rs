@@ -105,7 +105,7 @@ impl Scene {
         }
         problems.extend(overlaps(&solids, &motions));
         super::symmetry::refuse_blocks(&file, &solids, &motions, &mut problems);
-        let lattice = match &file.fluid {
+        let mut lattice = match &file.fluid {
             None => None,
             Some(fluid) => lattice(fluid, &file.domain, &solids, mould_rows(&file))
                 .map_err(|found| problems.extend(found))
@@ -120,6 +120,9 @@ impl Scene {
                 .and_then(|water| narrow_gaps(&solids, water, file.domain.dimensions)),
         );
 
+        if let Some(lattice) = &mut lattice {
+            super::flow::start(lattice, &file);
+        }
         let speed = expected_speed(&file, &solids, &motions, lattice.as_ref());
         file.numerics.expected_speed.get_or_insert(speed);
         resolve_output(&mut file.output, file.time.duration);

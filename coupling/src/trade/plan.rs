@@ -54,17 +54,16 @@ impl Study {
     ///
     /// [`SceneError`] with every problem in its place, in the study or in the scene that a value makes.
     pub fn load(path: &Path) -> Result<Self, SceneError> {
-        let name = path.display().to_string();
-        let text = std::fs::read_to_string(path).map_err(|error| {
-            let message = format!("cannot read the study: {error}");
-            SceneError::from_problems(&name, "", vec![Problem::error("", message)])
-        })?;
-        let file: StudyFile = parse::read_as(&text)
-            .map_err(|error| SceneError::at_span(&name, &text, error.span, error.message))?;
-        let problems = problems(&file);
-        if !problems.is_empty() {
-            return Err(SceneError::from_problems(&name, &text, problems));
-        }
+        let (file, text) = read(path)?;
+        Self::of(file, path, text)
+    }
+
+    /// A study that stands at a path and says this; resolves the scenes that it asks for.
+    ///
+    /// # Errors
+    ///
+    /// [`SceneError`] with every problem of the scenes, in its place in the text.
+    pub fn of(file: StudyFile, path: &Path, text: String) -> Result<Self, SceneError> {
         let first = choices(&file);
         let mut study = Self {
             file,
@@ -115,6 +114,27 @@ impl Study {
     /// The scene that all runs start from.
     pub fn case(&self) -> PathBuf {
         self.folder().join(&self.file.case)
+    }
+}
+
+/// Reads a study by itself, and its text.
+///
+/// # Errors
+///
+/// [`SceneError`] with every problem in its place.
+pub fn read(path: &Path) -> Result<(StudyFile, String), SceneError> {
+    let name = path.display().to_string();
+    let text = std::fs::read_to_string(path).map_err(|error| {
+        let message = format!("cannot read the study: {error}");
+        SceneError::from_problems(&name, "", vec![Problem::error("", message)])
+    })?;
+    let file: StudyFile = parse::read_as(&text)
+        .map_err(|error| SceneError::at_span(&name, &text, error.span, error.message))?;
+    let problems = problems(&file);
+    if problems.is_empty() {
+        Ok((file, text))
+    } else {
+        Err(SceneError::from_problems(&name, &text, problems))
     }
 }
 

@@ -1,13 +1,12 @@
 //! What the runs of a study found: value, error and cost of each, `trade.csv` and `front.csv`.
 
-use std::fmt::Write as _;
 use std::io;
 use std::path::Path;
 
 use serde::Deserialize;
 
 use super::execute::{ended, folder_of};
-use super::file::TruthFile;
+use super::file::{StudyFile, TruthFile};
 use super::front::{Point, error_per_doubling, front};
 use super::plan::{Planned, Study, finest};
 use crate::compare::{Options, Series, compare_files};
@@ -73,7 +72,7 @@ pub fn collect(study: &Study, runs: &Path) -> Vec<Found> {
     let mut all: Vec<Found> = ended_runs
         .map(|(run, ended, folder)| {
             let judged = match ended.completed {
-                true => judged(study, run, &folder),
+                true => judge(&study.file, study.folder(), run.block, &folder),
                 false => Err(ended.message),
             };
             let (value, error, message) = match judged {
@@ -91,23 +90,26 @@ pub fn collect(study: &Study, runs: &Path) -> Vec<Found> {
             }
         })
         .collect();
-    if let TruthFile::Finest { knob } = &study.file.truth {
-        judge_by_finest(study, knob, &mut all);
-    }
+    judge_by_finest(study, &mut all);
     all
 }
 
-/// Value and error of a run by itself, or why it has none.
-fn judged(
-    study: &Study,
-    run: &Planned,
+/// Value and error of a run by itself: of a study in a folder, of a block, in the folder of the run.
+///
+/// # Errors
+///
+/// Why it has none.
+pub fn judge(
+    study: &StudyFile,
+    study_folder: &Path,
+    block: Option<usize>,
     folder: &Path,
 ) -> Result<(Option<f64>, Option<f64>), String> {
-    let output = &study.file.output;
+    let output = &study.output;
     let path = folder.join(&output.file);
     let value = || {
         let mut table = read_table(&path).map_err(|error| error.to_string())?;
-        if let Some(block) = run.block {
+        if let Some(block) = block {
             table = of_block(table, block).map_err(|error| error.to_string())?;
         }
         let series =
@@ -120,7 +122,7 @@ fn judged(
         let scale = scale.unwrap_or(truth).abs();
         Ok((Some(value), Some((value - truth).abs() / scale)))
     };
-    match &study.file.truth {
+    match &study.truth {
         TruthFile::Value { value, scale, .. } => relative(*value, scale),
         TruthFile::Closed { form, scale } => relative(form.value(), scale),
         TruthFile::Finest { .. } => Ok((Some(value()?), None)),
@@ -135,7 +137,7 @@ fn judged(
                 to: window.map(|(_, to)| to),
                 ..Options::default()
             };
-            let record = study.folder().join(file);
+            let record = study_folder.join(file);
             let reports = compare_files(&path, &record, Some(&output.column), options)
                 .map_err(|error| error.to_string())?;
             let error = reports
@@ -156,27 +158,24 @@ fn of_block(mut table: TableData, block: usize) -> Result<TableData, TableError>
     Ok(table)
 }
 
-/// Errors against the run with the finest value of a knob whose other knobs stand alike, or at their first values.
-fn judge_by_finest(study: &Study, knob: &str, all: &mut [Found]) {
-    let knobs = &study.file.knobs;
-    let Some((k, finest)) = knobs
-        .iter()
-        .position(|one| one.name == knob)
-        .and_then(|k| Some((k, finest(&knobs[k])?)))
-    else {
+/// The run with the finest value of the knob that the study's truth names, the others at their first values.
+pub fn finest_run<'a>(study: &StudyFile, all: &'a [Found]) -> Option<&'a Found> {
+    let TruthFile::Finest { knob } = &study.truth else {
+        return None;
+    };
+    let k = study.knobs.iter().position(|one| one.name == *knob)?;
+    let finest = finest(&study.knobs[k])?;
+    along(all, k).find(|found| found.choice[k] == finest)
+}
+
+/// Errors against the finest run.
+fn judge_by_finest(study: &Study, all: &mut [Found]) {
+    let truth = finest_run(&study.file, all).map(|found| (found.choice.clone(), found.value));
+    let Some((finest, Some(truth))) = truth else {
         return;
     };
-    let is_truth = |found: &Found| {
-        found.choice[k] == finest
-            && (0..found.choice.len()).all(|other| other == k || found.choice[other] == 0)
-    };
-    let Some(truth) = all.iter().find(|f| is_truth(f)).and_then(|f| f.value) else {
-        return;
-    };
-    for found in all {
-        if !is_truth(found) {
-            found.error = found.value.map(|value| ((value - truth) / truth).abs());
-        }
+    for found in all.iter_mut().filter(|found| found.choice != finest) {
+        found.error = found.value.map(|value| ((value - truth) / truth).abs());
     }
 }
 
@@ -218,7 +217,7 @@ pub fn point(found: &Found, cost: CostOf) -> Point {
 }
 
 /// The runs in which one knob alone is turned.
-pub(super) fn along(all: &[Found], knob: usize) -> impl Iterator<Item = &Found> + Clone {
+pub fn along(all: &[Found], knob: usize) -> impl Iterator<Item = &Found> + Clone {
     all.iter().filter(move |found| {
         let mut others = found.choice.iter().enumerate().filter(|(k, _)| *k != knob);
         others.all(|(_, &value)| value == 0)
@@ -271,32 +270,34 @@ pub fn front_table(study: &Study, all: &[Found]) -> String {
     lines(study, all, &fronts, &rows)
 }
 
+/// Heads of the columns that follow those of the knobs.
+const HEADS: [&str; 14] = [
+    "value",
+    "error [-]",
+    "stable",
+    "wall_time [s]",
+    "work [pairs]",
+    "steps",
+    "particle_steps",
+    "pair_interactions",
+    "contact_updates",
+    "peak_memory [B]",
+    "on_front_by_time",
+    "on_front_by_work",
+    "run",
+    "message",
+];
+
 fn lines(study: &Study, all: &[Found], fronts: &Fronts, rows: &[usize]) -> String {
-    let mut text = String::new();
-    let knobs = study.file.knobs.iter().map(|knob| quoted(&knob.name));
-    let heads = [
-        "value",
-        "error [-]",
-        "stable",
-        "wall_time [s]",
-        "work [pairs]",
-        "steps",
-        "particle_steps",
-        "pair_interactions",
-        "contact_updates",
-        "peak_memory [B]",
-        "on_front_by_time",
-        "on_front_by_work",
-        "run",
-        "message",
-    ];
-    let heads: Vec<String> = knobs.chain(heads.map(str::to_owned)).collect();
-    let _ = writeln!(text, "{}", heads.join(","));
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    let knobs = study.file.knobs.iter().map(|knob| knob.name.as_str());
+    // nothing can fail: memory takes all, and rows are equally long
+    let _ = writer.write_record(knobs.chain(HEADS));
     for &row in rows {
         let found = &all[row];
         let chosen = study.file.knobs.iter().zip(&found.choice);
         let mut cells: Vec<String> = chosen
-            .map(|(knob, &value)| quoted(&knob.values[value].name))
+            .map(|(knob, &value)| knob.values[value].name.clone())
             .collect();
         let number = |x: Option<f64>| x.map_or("NaN".to_owned(), |x| format!("{x:?}"));
         let flag = |is: bool| u8::from(is).to_string();
@@ -322,23 +323,63 @@ fn lines(study: &Study, all: &[Found], fronts: &Fronts, rows: &[usize]) -> Strin
             flag(fronts.by_time.contains(&row)),
             flag(fronts.by_work.contains(&row)),
             found.key.clone(),
-            quoted(&found.message),
+            found.message.replace(['\n', '\r'], " "),
         ]);
-        let _ = writeln!(text, "{}", cells.join(","));
+        let _ = writer.write_record(&cells);
     }
-    text
+    let bytes = writer.into_inner().unwrap_or_default();
+    String::from_utf8_lossy(&bytes).into_owned()
 }
 
-/// A cell as spreadsheets read it.
-fn quoted(text: &str) -> String {
-    if text.contains(['"', ',', '\n', '\r']) {
-        format!(
-            "\"{}\"",
-            text.replace('"', "\"\"").replace(['\n', '\r'], " ")
-        )
-    } else {
-        text.to_owned()
+/// Reads `trade.csv` back. Rows of values that the study does not have any more are left out.
+///
+/// # Errors
+///
+/// What is wrong with the file: it cannot be read, or is not a table of this study.
+pub fn read(study: &StudyFile, path: &Path) -> Result<Vec<Found>, String> {
+    let failed = |error: csv::Error| format!("cannot read {}: {error}", path.display());
+    let mut reader = csv::Reader::from_path(path).map_err(failed)?;
+    let heads = reader.headers().map_err(failed)?.clone();
+    let place = |name: &str| {
+        let found = heads.iter().position(|head| head == name);
+        found.ok_or_else(|| format!("{} has no column `{name}`", path.display()))
+    };
+    let places: Result<Vec<usize>, String> =
+        study.knobs.iter().map(|knob| place(&knob.name)).collect();
+    let (places, columns) = (places?, HEADS.map(place));
+    let mut all = Vec::new();
+    for record in reader.records() {
+        let record = record.map_err(failed)?;
+        let values = study.knobs.iter().zip(&places).map(|(knob, &place)| {
+            let mut values = knob.values.iter();
+            values.position(|value| Some(value.name.as_str()) == record.get(place))
+        });
+        let Some(choice) = values.collect::<Option<Vec<usize>>>() else {
+            continue;
+        };
+        let text = |name: usize| match &columns[name] {
+            Ok(place) => Ok(record.get(*place).unwrap_or_default()),
+            Err(message) => Err(message.clone()),
+        };
+        let number = |name: usize| text(name).map(|text| text.parse().unwrap_or(f64::NAN));
+        all.push(Found {
+            choice,
+            value: Some(number(0)?).filter(|x| x.is_finite()),
+            error: Some(number(1)?).filter(|x| x.is_finite()),
+            is_stable: text(2)? == "1",
+            cost: Cost {
+                wall_time: number(3)?,
+                steps: number(5)?,
+                particle_steps: number(6)?,
+                pair_interactions: number(7)?,
+                contact_updates: number(8)?,
+                peak_memory: number(9)?,
+            },
+            key: text(12)?.to_owned(),
+            message: text(13)?.to_owned(),
+        });
     }
+    Ok(all)
 }
 
 /// Writes a file under a temporary name and renames it.

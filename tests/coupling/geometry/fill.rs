@@ -37,6 +37,7 @@ fn fluid(regions: &[(&str, RegionShapeFile)], resolution: ResolutionFile) -> Flu
                 name: (*name).into(),
                 shape: shape.clone(),
                 velocity: (0.0, 0.0, 0.0),
+                flow: None,
                 rheology: None,
             })
             .collect(),

@@ -45,6 +45,9 @@ pub struct RegionFile {
     /// Initial velocity; m/s.
     #[serde(default)]
     pub velocity: Triple,
+    /// Initial flow, on top of `velocity`.
+    #[serde(default)]
+    pub flow: Option<FlowFile>,
     /// How what starts here flows; that of the fluid when left out.
     #[serde(default)]
     pub rheology: Option<RheologyFile>,
@@ -68,6 +71,24 @@ pub enum RegionShapeFile {
         level: f64,
         /// A wet point; m.
         seed: Triple,
+    },
+}
+
+/// Flow of water at the start.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum FlowFile {
+    /// A standing wave along x as its surface passes through rest, of small height on constant depth; the surface rises first
+    /// at `crest`.
+    StandingWave {
+        /// From trough to crest; m.
+        height: f64,
+        /// Of the wave, twice that of a basin which it just fits; m.
+        length: f64,
+        /// Of the water, under the region's top; m.
+        depth: f64,
+        /// x of a crest; m.
+        crest: f64,
     },
 }
 

@@ -48,6 +48,15 @@ pub enum GaugeFile {
         /// End of the line, (x, y); m.
         to: (f64, f64),
     },
+    /// How far along a line of the plan water on the ground has come; m from its start, NaN when dry.
+    Front {
+        /// Column name.
+        name: String,
+        /// Start of the line, (x, y); m.
+        from: (f64, f64),
+        /// End of the line, (x, y); m.
+        to: (f64, f64),
+    },
     /// How many free blocks are farther from where they were at t = 0 than a distance, or have left the domain: damage
     /// of an armour layer.
     Displaced {

@@ -2,7 +2,8 @@
 
 use super::checks::{Checks, is_inside, is_ordered};
 use crate::scene::file::{
-    FluidFile, RegionFile, RegionShapeFile, ResolutionFile, RheologyFile, SceneFile, SlipFile,
+    FlowFile, FluidFile, RegionFile, RegionShapeFile, ResolutionFile, RheologyFile, SceneFile,
+    SlipFile,
 };
 use crate::scene::fluid::flow_law;
 
@@ -49,11 +50,48 @@ impl Checks {
         }
         for (index, region) in fluid.regions.iter().enumerate() {
             self.region(&format!("fluid.regions[{index}].shape"), region, scene);
+            self.flow(&format!("fluid.regions[{index}].flow"), region, scene);
         }
         self.unique(
             "fluid.regions",
             fluid.regions.iter().map(|r| r.name.as_str()),
         );
+    }
+
+    /// A standing wave has a length and a depth, and nothing is left of it once the water has settled.
+    fn flow(&mut self, path: &str, region: &RegionFile, scene: &SceneFile) {
+        let Some(FlowFile::StandingWave {
+            height,
+            length,
+            depth,
+            crest,
+        }) = region.flow
+        else {
+            return;
+        };
+        let who = format!("fluid region `{}`", region.name);
+        let sizes = [("height", height), ("length", length), ("depth", depth)];
+        for (name, value) in sizes {
+            self.positive(
+                &format!("{path}.{name}"),
+                &format!("{who}: {name} of the wave"),
+                value,
+            );
+        }
+        if !crest.is_finite() {
+            self.refuse(
+                format!("{path}.crest"),
+                format!("{who}: crest must be finite, found {crest}"),
+            );
+        }
+        if 0.0 < scene.time.settle {
+            self.refuse(
+                "time.settle",
+                format!(
+                    "{who}: settling would stop the flow it starts with; leave one of them out"
+                ),
+            );
+        }
     }
 
     fn region(&mut self, path: &str, region: &RegionFile, scene: &SceneFile) {

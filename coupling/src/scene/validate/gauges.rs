@@ -13,6 +13,7 @@ pub(super) fn gauge_name(gauge: &GaugeFile) -> &str {
         | GaugeFile::Velocity { name, .. }
         | GaugeFile::BlockForce { name, .. }
         | GaugeFile::RunUp { name, .. }
+        | GaugeFile::Front { name, .. }
         | GaugeFile::Displaced { name, .. } => name,
     }
 }
@@ -35,7 +36,7 @@ impl Checks {
             GaugeFile::Pressure { position, .. } | GaugeFile::Velocity { position, .. } => {
                 inside("position", *position);
             }
-            GaugeFile::RunUp { from, to, .. } => {
+            GaugeFile::RunUp { from, to, .. } | GaugeFile::Front { from, to, .. } => {
                 inside("from", (from.0, from.1, level));
                 inside("to", (to.0, to.1, level));
             }

@@ -1,0 +1,84 @@
+//! Numbers by name, for runs that have no study: `crest_at_g1`, `mean_of_p_floor`.
+
+use super::file::OutputFile;
+use super::quantity::Take;
+use crate::scene::file::GaugeFile;
+use crate::scene::parse::suggestion;
+use crate::scene::resolve::Scene;
+
+/// What a name means.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Reading {
+    /// Where it is read.
+    pub output: OutputFile,
+    /// What errors are not relative to: the still-water level for heights of the surface, else 0; of the column's unit.
+    pub zero: f64,
+}
+
+/// Ways to read a column, as names begin.
+const WAYS: [&str; 5] = ["crest_at_", "trough_at_", "max_of_", "min_of_", "mean_of_"];
+
+/// Gauges of one column, with whether they show the height of the surface.
+fn gauges(scene: &Scene) -> impl Iterator<Item = (&str, bool)> {
+    scene.file.gauges.iter().filter_map(|gauge| match gauge {
+        GaugeFile::SurfaceElevation { name, .. } | GaugeFile::RunUp { name, .. } => {
+            Some((name.as_str(), true))
+        }
+        GaugeFile::Pressure { name, .. } | GaugeFile::Front { name, .. } => {
+            Some((name.as_str(), false))
+        }
+        _ => None,
+    })
+}
+
+/// The number of a name; of the first surface gauge the crest, where no name is given. Windows are the whole run.
+///
+/// # Errors
+///
+/// Why the scene has none, and what it has.
+pub fn reading(name: Option<&str>, scene: &Scene) -> Result<Reading, String> {
+    let first = || gauges(scene).find(|(_, is_surface)| *is_surface);
+    let default = || {
+        let (gauge, _) = first().ok_or(
+            "the scene has no gauge of the surface: say what the error is of with --of, such as --of max_of_p1",
+        )?;
+        Ok::<String, String>(format!("crest_at_{gauge}"))
+    };
+    let name = name.map_or_else(default, |name| Ok(name.to_owned()))?;
+    let all: Vec<String> = gauges(scene)
+        .flat_map(|(gauge, _)| WAYS.map(|way| format!("{way}{gauge}")))
+        .collect();
+    let names: Vec<&str> = all.iter().map(String::as_str).collect();
+    let unknown = || {
+        let hint = suggestion(&name, &names);
+        let ways = WAYS.map(|way| format!("{way}GAUGE")).join(", ");
+        format!(
+            "`{name}` is neither a study of this case nor {ways} with a gauge of one column of the scene{hint}"
+        )
+    };
+    let (way, gauge, is_surface) = WAYS
+        .iter()
+        .find_map(|way| {
+            let gauge = name.strip_prefix(way)?;
+            let (_, is_surface) = gauges(scene).find(|(other, _)| *other == gauge)?;
+            Some((*way, gauge.to_owned(), is_surface))
+        })
+        .ok_or_else(unknown)?;
+    let (from, to) = (0.0, scene.file.time.duration);
+    let take = match way {
+        "crest_at_" | "max_of_" => Take::Maximum { from, to },
+        "mean_of_" => Take::Mean { from, to },
+        _ => Take::Minimum { from, to },
+    };
+    let level = scene.fluid.as_ref().map(|f| f.lattice.still_water_level);
+    Ok(Reading {
+        output: OutputFile {
+            name,
+            file: "gauges.csv".to_owned(),
+            column: gauge,
+            block: None,
+            take: Some(take),
+        },
+        zero: level.filter(|_| is_surface).unwrap_or(0.0),
+    })
+}
