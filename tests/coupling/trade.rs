@@ -252,3 +252,175 @@ fn a_wrong_study_is_told_where_and_what_would_be_right() {
         );
     }
 }
+
+/// `accuracy.json` of a run folder.
+fn accuracy(folder: &Path) -> serde_json::Value {
+    serde_json::from_str(&std::fs::read_to_string(folder.join("accuracy.json")).unwrap()).unwrap()
+}
+
+#[test]
+fn a_budget_takes_the_least_work_of_the_study_and_says_whether_it_was_met() {
+    let folder = tempfile::tempdir().unwrap();
+    let tank = folder.path().join("tank.ron");
+    std::fs::copy(case("still_tank.ron"), &tank).unwrap();
+    let text = study("FullGrid").replace(
+        &format!("{:?}", case("still_tank.ron").canonicalize().unwrap()),
+        "\"tank.ron\"",
+    );
+    let run = |budget: &str, name: &str| {
+        let out = folder.path().join(name);
+        let output = riprap(&[
+            "run",
+            tank.to_str().unwrap(),
+            "--error",
+            budget,
+            "-o",
+            out.to_str().unwrap(),
+        ]);
+        (output, out)
+    };
+    let study = written(folder.path(), &text);
+    // nothing was measured yet: what would
+    let (output, _) = run("1%", "early");
+    assert_eq!(output.status.code(), Some(2));
+    assert!(
+        words(&output).contains("riprap trade"),
+        "{}",
+        words(&output)
+    );
+    let results = folder.path().join("results/study");
+    assert!(trade(&study, &results).status.success());
+    let rows = rows(&results.join("trade.csv"));
+    let (errors, work) = (column(&rows, "error [-]"), column(&rows, "work [pairs]"));
+    let mut sorted = errors.clone();
+    sorted.sort_by(f64::total_cmp);
+    // half of the runs are within it, with the tenth that is kept in hand
+    let budget = 1.1001 * sorted[2];
+    let best = (0..6)
+        .filter(|&k| 1.1 * errors[k] <= budget)
+        .min_by(|&a, &b| work[a].total_cmp(&work[b]))
+        .unwrap();
+    let (output, out) = run(&format!("{budget}"), "out");
+    println!(
+        "{}{}",
+        words(&output),
+        String::from_utf8_lossy(&output.stdout)
+    );
+    assert!(output.status.success(), "{}", words(&output));
+    let found = accuracy(&out);
+    // the same scene is the same run, to the bit
+    let its = found["error"].as_f64().unwrap();
+    assert!((its / errors[best] - 1.0).abs() < 1e-12, "{its} {errors:?}");
+    assert_eq!(found["budget_met"], true);
+    assert!(found["uncertainty"].as_f64().unwrap().is_finite());
+    let (output, out) = run("0.0001%", "beyond");
+    assert!(
+        words(&output).contains("OUT OF REACH"),
+        "{}",
+        words(&output)
+    );
+    assert_eq!(accuracy(&out)["budget_met"], false);
+    let named = |name: &str| {
+        let out = folder.path().join("named");
+        let (tank, out) = (tank.to_str().unwrap(), out.to_str().unwrap());
+        riprap(&[
+            "run", tank, "--error", "5%", "--of", name, "-o", out, "--force",
+        ])
+    };
+    let output = named("mean_of_dep");
+    assert_eq!(output.status.code(), Some(2));
+    assert!(
+        words(&output).contains("`mean_of_deep`"),
+        "{}",
+        words(&output)
+    );
+}
+
+#[test]
+fn without_a_study_three_coarse_runs_foretell() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out");
+    let run = || {
+        riprap(&[
+            "run",
+            case("still_tank.ron").to_str().unwrap(),
+            "--error",
+            "5%",
+            "--of",
+            "mean_of_deep",
+            "--set",
+            "time.duration=0.6",
+            "--set",
+            "time.settle=0.2",
+            "--force",
+            "-o",
+            out.to_str().unwrap(),
+        ])
+    };
+    let output = run();
+    println!(
+        "{}{}",
+        words(&output),
+        String::from_utf8_lossy(&output.stdout)
+    );
+    assert!(output.status.success(), "{}", words(&output));
+    let found = accuracy(&out);
+    let value = found["value"].as_f64().unwrap();
+    // what was asked for, of ρ g z
+    assert!((value / 8829.0 - 1.0).abs() < 0.05, "{value}");
+    assert!(found["uncertainty"].as_f64().unwrap() < 0.05, "{found}");
+    assert_eq!(found["budget_met"], true);
+    // the rungs are not climbed twice
+    let again = words(&run());
+    assert!(
+        again.contains("3 of 3 runs") && !again.contains("2 of 3 runs"),
+        "{again}"
+    );
+}
+
+#[test]
+fn a_scene_is_told_what_it_would_not_notice() {
+    let check = |name: &str, set: &[&str]| {
+        let path = case(name);
+        let sets = set.iter().flat_map(|set| ["--set", set]);
+        let arguments: Vec<&str> = ["check", path.to_str().unwrap()]
+            .into_iter()
+            .chain(sets)
+            .collect();
+        let output = riprap(&arguments);
+        assert!(output.status.success(), "{}", words(&output));
+        String::from_utf8_lossy(&output.stdout).into_owned()
+    };
+    let of = |text: &str| {
+        let lines = text
+            .lines()
+            .filter(|line| line.contains("would not notice"));
+        lines.map(str::to_owned).collect::<Vec<_>>()
+    };
+    let still = check(
+        "still_tank.ron",
+        &[
+            "numerics.precision=Double",
+            "numerics.time_step_factor=0.25",
+        ],
+    );
+    assert!(of(&still)[0].contains("double precision"), "{still}");
+    assert!(
+        of(&still)[1].contains("time-step factor of 0.25"),
+        "{still}"
+    );
+    // a slab whose blocks go through, and one with a block that does not
+    assert!(of(&check("sliding_wedge.ron", &[]))[0].contains("its width"));
+    let narrow = "blocks.wedge.shape=Box(min: (-1.9, 0.02, 1.2), max: (-1.7, 0.06, 1.4))";
+    let text = check("sliding_wedge.ron", &[narrow]);
+    assert!(!text.contains("its width"), "{text}");
+    // rock of 50 GPa strains by next to nothing, soft clay does not
+    let column =
+        Path::new(env!("CARGO_MANIFEST_DIR")).join("../benches/trade/cases/elastic_column.ron");
+    let column = column.to_str().unwrap();
+    assert!(!check(column, &[]).contains("deformable blocks:"));
+    let stiff = "materials.rock.elastic=(young_modulus: 5e10, poisson_ratio: 0)";
+    assert!(of(&check(column, &[stiff]))[0].contains("deformable blocks:"));
+    // what asks for nothing is told nothing
+    assert!(of(&check("still_tank.ron", &[])).is_empty());
+}

@@ -7,6 +7,7 @@ use std::time::{Duration, Instant};
 use riprap_dda::{Motion, Shape};
 
 use super::{Exit, load, say, show};
+use crate::notice::unnoticed;
 use crate::run::build;
 use crate::scene::file::{ShapeFile, WallMethodFile};
 use crate::scene::mesh;
@@ -39,6 +40,9 @@ pub(crate) fn execute(arguments: &Arguments) -> Exit {
         &scene,
         arguments.case.parent().unwrap_or(Path::new(".")),
     ));
+    for one in unnoticed(&scene) {
+        show(&format!("  this scene would not notice {one}"));
+    }
     match cost(&scene) {
         Ok(text) => {
             show(&text);

@@ -3,18 +3,21 @@
 //! ```text
 //! e(s) = safety · |f∞ − f₁| (s/s₁)^p / |f₁ − f₀|        f₀ the value that means nothing, such as the level of rest
 //! ```
-//! `p` and `f∞` are Richardson's where the three come closer from one side with an order that schemes have; else the error
-//! is taken to fall with the spacing itself from the largest difference between any two. Only the error of the spacing is
-//! seen: what a scheme or a scene does wrong at any spacing is not.
+//! `p` and `f∞` are Richardson's where the three come closer from one side; an order that schemes do not have is taken for the
+//! nearest that they have, with a larger safety factor (Oberkampf & Roy 2010, Verification and Validation in Scientific
+//! Computing, 8.7). Where they do not, the error is taken to fall with the spacing itself from the largest difference between
+//! any two. Only the error of the spacing is seen: what a scheme or a scene does wrong at any spacing is not.
 
 use super::front::convergence;
 
 /// Roache's safety factor where the order was observed.
 const SAFETY: f64 = 1.25;
-/// The same where it was not.
+/// The same where it was not, or is none that a scheme has.
 const SAFETY_WITHOUT_ORDER: f64 = 3.0;
 /// Orders that a scheme of second order shows on the way to its limit.
 const ORDERS: std::ops::RangeInclusive<f64> = 0.5..=2.5;
+/// Formal order, the most that is counted on.
+const FORMAL_ORDER: f64 = 2.0;
 /// Rows of water of the rungs, of those of the finest.
 const RUNGS: [f64; 3] = [0.5, std::f64::consts::FRAC_1_SQRT_2, 1.0];
 /// Rows of the finest rung, of those of the scene.
@@ -36,7 +39,7 @@ pub struct Rung {
 /// How the error falls with the spacing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Estimate {
-    /// Observed; none where the runs do not come closer from one side.
+    /// Observed, or the nearest that schemes have; none where the runs do not come closer from one side.
     pub order: Option<f64>,
     /// Richardson's limit, where there is an order.
     pub limit: Option<f64>,
@@ -51,11 +54,20 @@ impl Estimate {
         let values = rungs.map(|rung| rung.value - zero);
         let found = convergence(rungs.map(|rung| rung.spacing), values);
         let spacing = rungs[2].spacing;
-        if let Some(found) = found.filter(|found| ORDERS.contains(&found.order)) {
+        if let Some(found) = found {
+            let (order, safety) = match ORDERS.contains(&found.order) {
+                true => (found.order, SAFETY),
+                false => (
+                    found.order.clamp(*ORDERS.start(), FORMAL_ORDER),
+                    SAFETY_WITHOUT_ORDER,
+                ),
+            };
+            let gain = (rungs[1].spacing / spacing).powf(order) - 1.0;
+            let left = (values[2] - values[1]) / gain;
             return Self {
-                order: Some(found.order),
-                limit: Some(found.limit + zero),
-                error: SAFETY * ((found.limit - values[2]) / values[2]).abs(),
+                order: Some(order),
+                limit: Some(rungs[2].value + left),
+                error: safety * (left / values[2]).abs(),
                 spacing,
             };
         }
@@ -123,6 +135,17 @@ mod tests {
         let spacing = found.spacing_for(0.05);
         assert!((found.error_at(spacing) - 0.05).abs() < 1e-12);
         assert!((spacing - 0.05 * (0.05 / found.error).sqrt()).abs() < 1e-6);
+    }
+
+    #[test]
+    fn an_order_too_good_is_not_counted_on() {
+        let found = Estimate::of(ladder(|s| 1.0 + s.powi(5)), 0.0);
+        assert!(
+            (found.order.unwrap_or(0.0) - 2.0).abs() < 1e-12,
+            "{found:?}"
+        );
+        let left = (0.07_f64.powi(5) - 0.05_f64.powi(5)) / ((0.07_f64 / 0.05).powi(2) - 1.0);
+        assert!((found.error - 3.0 * left).abs() < 1e-3 * left, "{found:?}");
     }
 
     #[test]

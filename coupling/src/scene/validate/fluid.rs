@@ -73,7 +73,7 @@ impl Checks {
         let sizes = [("height", height), ("length", length), ("depth", depth)];
         for (name, value) in sizes {
             self.positive(
-                &format!("{path}.{name}"),
+                format!("{path}.{name}"),
                 &format!("{who}: {name} of the wave"),
                 value,
             );

@@ -1,0 +1,130 @@
+//! What a scene asks for and would not notice: models whose effect is below what the scene can resolve, or which took no error
+//! from any shipped study. The figures are those of `benches/trade/README.md`.
+
+use riprap_dda::{Motion, Shape};
+use riprap_sph::scheme::{Shifting, Viscosity};
+use riprap_sph::{Precision, Scheme};
+
+use crate::scene::file::{DimensionsFile, Preset};
+use crate::scene::resolve::{FluidScene, Scene, vec3};
+
+/// Strain below which a block may as well be rigid; –.
+const LEAST_STRAIN: f64 = 1e-3;
+/// Share of the width by which a vertex may miss a side of the slab it belongs to; –.
+const SIDE_TOLERANCE: f64 = 1e-6;
+/// Time-step factor below which no study changed.
+const CUSTOMARY_FACTOR: f64 = 0.5;
+
+/// One sentence for each: what would not be noticed, and why.
+pub fn unnoticed(scene: &Scene) -> Vec<String> {
+    let mut found: Vec<String> = strain(scene).into_iter().chain(width(scene)).collect();
+    // the studies are of the other schemes
+    if let Some(fluid) = &scene.fluid
+        && scene.file.numerics.preset != Preset::Mueller2003
+    {
+        found.extend(of_scheme(fluid, scene));
+    }
+    found
+}
+
+/// Deformable blocks that hardly strain: all the free rock resting on the smallest of them, or a stop from the fastest speed
+/// within the time that an elastic wave takes through it.
+fn strain(scene: &Scene) -> Option<String> {
+    let gravity = vec3(scene.file.gravity).norm();
+    let speed = scene.file.numerics.expected_speed.unwrap_or(0.0);
+    let free = || {
+        scene
+            .blocks
+            .iter()
+            .filter(|b| matches!(b.motion, Motion::Free))
+    };
+    let weight: f64 = free()
+        .map(|b| scene.materials[b.material].density * b.shape.volume() * gravity)
+        .sum();
+    let strains = free().filter(|b| b.deformability.is_some()).map(|b| {
+        let material = &scene.materials[b.material];
+        let modulus = material.elastic.map_or(f64::INFINITY, |e| e.young_modulus);
+        let (min, max) = b.shape.aabb();
+        let size = max - min;
+        let smallest_side = size.x * size.y * size.z / size.max();
+        let wave_speed = (modulus / material.density).sqrt();
+        weight / (smallest_side * modulus) + speed / wave_speed
+    });
+    let largest = strains.reduce(f64::max)?;
+    (largest < LEAST_STRAIN).then(|| {
+        format!(
+            "deformable blocks: they strain by {largest:.0e} at most; rigid ones take the longer steps of their contacts \
+             (sliding block: 13 times the work for 0.1 % of its way)"
+        )
+    })
+}
+
+/// A scene in space of which every block goes through from side to side.
+fn width(scene: &Scene) -> Option<String> {
+    let domain = &scene.file.domain;
+    let is_slab = scene.fluid.is_some() && domain.dimensions == DimensionsFile::Three;
+    let (low, high) = (domain.min.1, domain.max.1);
+    let slack = SIDE_TOLERANCE * (high - low);
+    let is_side = |y: f64| y <= low + slack || high - slack <= y;
+    let goes_through = scene.blocks.iter().all(|block| match &block.shape {
+        Shape::Polyhedra(parts) => parts
+            .iter()
+            .all(|part| part.vertices().iter().all(|x| is_side(x.y))),
+        Shape::Sphere { .. } | Shape::Surface(_) => false,
+    });
+    let is_level = domain.min.1.is_finite() && vec3(scene.file.gravity).y == 0.0;
+    (is_slab && goes_through && is_level).then(|| {
+        "its width: every block goes through from side to side; `domain.dimensions: Two` is a plane of it \
+         (sliding wedge: a ninth of the work of a slab of four spacings, its crest 4 % higher)"
+            .to_owned()
+    })
+}
+
+/// What the shipped studies found to change nothing.
+fn of_scheme(fluid: &FluidScene, scene: &Scene) -> Vec<String> {
+    let Scheme {
+        precision,
+        shifting,
+        viscosity,
+        ..
+    } = fluid.settings.scheme;
+    let mut found = Vec::new();
+    if precision == Precision::Double {
+        found.push(
+            "double precision: water at rest and waves are the same to four digits; it takes 1.3 to 1.4 times as long".to_owned(),
+        );
+    }
+    if shifting != Shifting::None {
+        found.push(
+            "shifting: it took no error from any of ten studies, and a third more of the height of waves; it takes 1.4 times \
+             as long"
+                .to_owned(),
+        );
+    }
+    if let Viscosity::SubParticleScale {
+        kinematic_viscosity,
+        ..
+    } = viscosity
+    {
+        let layer = (kinematic_viscosity * scene.file.time.duration).sqrt();
+        let spacing = fluid.walls.particle_spacing;
+        if layer < spacing {
+            found.push(format!(
+                "eddies below the spacing: layers at walls are {layer:.1e} m thick against a spacing of {spacing:.1e} m, so \
+                 that nothing sheds them; `Laminar` is the same to 0.1 % in water at rest and waves and takes 0.7 of the time"
+            ));
+        }
+    }
+    let factor = scene
+        .file
+        .numerics
+        .time_step_factor
+        .unwrap_or(CUSTOMARY_FACTOR);
+    if factor < CUSTOMARY_FACTOR {
+        found.push(format!(
+            "a time-step factor of {factor}: no study moved between 0.25 and 1 but for its noise; 0.5 takes {:.2} of the time",
+            factor / CUSTOMARY_FACTOR
+        ));
+    }
+    found
+}
