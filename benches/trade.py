@@ -15,6 +15,7 @@ import matplotlib
 matplotlib.use("agg")
 import matplotlib.pyplot as plt  # noqa: E402
 import numpy as np  # noqa: E402
+from matplotlib.ticker import LogFormatter, NullFormatter  # noqa: E402
 
 PRESETS = ("Preview", "Standard", "Reference", "published")
 TITLES = {
@@ -120,7 +121,10 @@ def draw(studies, path):
         panel.set_xscale("log")
         panel.set_yscale("log")
         panel.set_title(TITLES[name], fontsize=9)
-        panel.tick_params(labelsize=7)
+        panel.tick_params(labelsize=7, which="both")
+        panel.xaxis.set_minor_formatter(NullFormatter())
+        panel.yaxis.set_major_formatter(LogFormatter())
+        panel.yaxis.set_minor_formatter(LogFormatter(minor_thresholds=(1.2, 0.4)))
         panel.grid(lw=0.3)
     for panel in panels[-1]:
         panel.set_xlabel("work [pair interactions]", fontsize=8)

@@ -75,7 +75,7 @@ fn width(scene: &Scene) -> Option<String> {
     let is_level = domain.min.1.is_finite() && vec3(scene.file.gravity).y == 0.0;
     (is_slab && goes_through && is_level).then(|| {
         "its width: every block goes through from side to side; `domain.dimensions: Two` is a plane of it \
-         (sliding wedge: a ninth of the work of a slab of four spacings, its crest 4 % higher)"
+         (sliding wedge: a ninth of the work of a slab of four spacings, its crest 3 % higher)"
             .to_owned()
     })
 }
@@ -96,8 +96,8 @@ fn of_scheme(fluid: &FluidScene, scene: &Scene) -> Vec<String> {
     }
     if shifting != Shifting::None {
         found.push(
-            "shifting: it took no error from any of ten studies, and a third more of the height of waves; it takes 1.4 times \
-             as long"
+            "shifting: of eleven studies it bettered one, 0.70 to 0.54 % of a wave, and worsened nine, a standing wave's height \
+             from 17 to 22 %; it takes 1.4 times as long"
                 .to_owned(),
         );
     }

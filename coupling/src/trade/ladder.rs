@@ -41,6 +41,8 @@ pub struct Rung {
 pub struct Estimate {
     /// Observed, or the nearest that schemes have; none where the runs do not come closer from one side.
     pub order: Option<f64>,
+    /// Whether the order is the observed one: else coarser runs than the finest are not believed.
+    pub is_observed: bool,
     /// Richardson's limit, where there is an order.
     pub limit: Option<f64>,
     /// Relative error of the finest, safety included: the grid convergence index where there is an order.
@@ -66,6 +68,7 @@ impl Estimate {
             let left = (values[2] - values[1]) / gain;
             return Self {
                 order: Some(order),
+                is_observed: order == found.order,
                 limit: Some(rungs[2].value + left),
                 error: safety * (left / values[2]).abs(),
                 spacing,
@@ -78,6 +81,7 @@ impl Estimate {
             .fold(0.0, f64::max);
         Self {
             order: None,
+            is_observed: false,
             limit: None,
             error: SAFETY_WITHOUT_ORDER * (slope * spacing / values[2]).abs(),
             spacing,
@@ -102,7 +106,7 @@ pub fn rungs(rows: f64) -> [f64; 3] {
 }
 
 /// Rows of the run that is to meet a budget: whole, so that the surface stays where it is; at least those of the coarsest
-/// rung, at most twice those of the scene.
+/// rung, of the finest where no order was observed, at most twice those of the scene.
 pub fn rows_for(estimate: &Estimate, budget: f64, depth: f64, rows: f64) -> f64 {
     let wanted = depth / estimate.spacing_for(budget);
     // NaN of a ladder that says nothing is as much as may be
@@ -110,7 +114,8 @@ pub fn rows_for(estimate: &Estimate, budget: f64, depth: f64, rows: f64) -> f64 
     if wanted.is_nan() {
         return most;
     }
-    wanted.ceil().clamp(rungs(rows)[0].min(most), most)
+    let least = rungs(rows)[if estimate.is_observed { 0 } else { 2 }];
+    wanted.ceil().clamp(least.min(most), most)
 }
 
 #[cfg(test)]
@@ -146,6 +151,8 @@ mod tests {
         );
         let left = (0.07_f64.powi(5) - 0.05_f64.powi(5)) / ((0.07_f64 / 0.05).powi(2) - 1.0);
         assert!((found.error - 3.0 * left).abs() < 1e-3 * left, "{found:?}");
+        // nor is anything coarser than the finest rung
+        assert_eq!(rows_for(&found, 0.9, 1.0, 30.0), 20.0);
     }
 
     #[test]
