@@ -81,9 +81,11 @@ const SCENES: [(&str, &str); 9] = [
         "Particles",
         "precision: Double, stepping: PredictorCorrector",
     ),
+    // third-order diffusion, shifting and water's own viscosity, with a short step
     (
         "Particles",
-        "preset: Reference, stepping: PredictorCorrector",
+        "precision: Double, density_diffusion: Antuono(0.1), viscosity: Laminar, shifting: Fickian(2), \
+         smoothing_length_ratio: 2, time_step_factor: 0.2, stepping: PredictorCorrector",
     ),
     ("Integral", "precision: Double, stepping: KickDriftKick"),
     (
