@@ -263,10 +263,16 @@ fn a_budget_takes_the_least_work_of_the_study_and_says_whether_it_was_met() {
     let folder = tempfile::tempdir().unwrap();
     let tank = folder.path().join("tank.ron");
     std::fs::copy(case("still_tank.ron"), &tank).unwrap();
-    let text = study("FullGrid").replace(
-        &format!("{:?}", case("still_tank.ron").canonicalize().unwrap()),
-        "\"tank.ron\"",
-    );
+    let text = study("FullGrid")
+        .replace(
+            &format!("{:?}", case("still_tank.ron").canonicalize().unwrap()),
+            "\"tank.ron\"",
+        )
+        // what sets the resolution and is no number is no ladder of spacings
+        .replace(
+            "knobs: [",
+            "knobs: [(name: \"preset\", values: [(name: \"Standard\", set: [\"fluid.resolution=Spacing(0.05)\"])]),",
+        );
     let run = |budget: &str, name: &str| {
         let out = folder.path().join(name);
         let output = riprap(&[

@@ -77,6 +77,7 @@ enum Basis {
         path: PathBuf,
         file: StudyFile,
         known: Vec<Found>,
+        choice: Vec<usize>,
     },
     Ladder {
         reading: Reading,
@@ -214,7 +215,12 @@ fn from_study(asked: &Asked, path: PathBuf, file: StudyFile) -> Result<Chosen, E
             expected_error: expected.error,
             ..Report::default()
         },
-        basis: Basis::Study { path, file, known },
+        basis: Basis::Study {
+            path,
+            file,
+            known,
+            choice: expected.choice,
+        },
     })
 }
 
@@ -242,13 +248,10 @@ fn words_of_study(
     let first = known
         .iter()
         .find(|found| found.choice.iter().all(|&v| v == 0));
-    for (knob, &value) in file.knobs.iter().zip(&expected.choice) {
-        let is_turned = if value == 0 { "" } else { "  <- turned" };
-        let _ = write!(
-            text,
-            "\n  {:<32} {}{is_turned}",
-            knob.name, knob.values[value].name
-        );
+    // what is not turned is as the case or a preset has it
+    let turned = file.knobs.iter().zip(&expected.choice);
+    for (knob, &value) in turned.filter(|(_, value)| **value != 0) {
+        let _ = write!(text, "\n  {:<32} {}", knob.name, knob.values[value].name);
     }
     let _ = write!(
         text,
@@ -428,7 +431,12 @@ impl Chosen {
     /// Judges the run in a folder, writes `accuracy.json` and says how it came out.
     pub(super) fn judge(mut self, scene: &Scene, folder: &Path) -> Result<String, String> {
         match &self.basis {
-            Basis::Study { path, file, known } => {
+            Basis::Study {
+                path,
+                file,
+                known,
+                choice,
+            } => {
                 let named = file.output.block.as_ref();
                 let is_meant =
                     |name: &String| scene.file.blocks.iter().position(|b| b.name == *name);
@@ -440,9 +448,9 @@ impl Chosen {
                     .map(|(v, truth)| ((v - truth) / truth).abs());
                 self.report.value = value;
                 self.report.error = error.or(against_finest);
-                let grid = grid_of_study(file, known);
-                self.report.uncertainty = grid.map(|grid| grid.error);
-                self.report.observed_order = grid.and_then(|grid| grid.order);
+                let grid = grid_of_study(file, known, choice);
+                self.report.uncertainty = grid.map(|(grid, spacing)| grid.error_at(spacing));
+                self.report.observed_order = grid.and_then(|(grid, _)| grid.order);
                 self.report.budget_met = self.report.error.map(|e| e <= self.report.budget);
             }
             Basis::Ladder {
@@ -487,14 +495,20 @@ impl Chosen {
     }
 }
 
-/// The grid convergence of a study at its first values, by the three finest values of the knob that sets the resolution.
-fn grid_of_study(file: &StudyFile, known: &[Found]) -> Option<Estimate> {
+/// The grid convergence of a study at its first values, by the three finest values of the knob that sets the resolution, and
+/// the spacing of a choice (m).
+fn grid_of_study(file: &StudyFile, known: &[Found], choice: &[usize]) -> Option<(Estimate, f64)> {
     let sets_resolution = |value: &ValueFile| {
         let mut sets = value.set.iter();
         sets.any(|set| set.starts_with("fluid.resolution="))
     };
-    let mut knobs = file.knobs.iter();
-    let k = knobs.position(|knob| knob.values.iter().any(sets_resolution))?;
+    // presets may set it too, but are no numbers
+    let is_spacing = |knob: &KnobFile| {
+        let mut values = knob.values.iter();
+        values.all(|value| value.at.is_some()) && knob.values.iter().any(sets_resolution)
+    };
+    let k = file.knobs.iter().position(is_spacing)?;
+    let spacing = file.knobs[k].values[choice[k]].at?;
     let mut rungs: Vec<Rung> = along(known, k)
         .filter_map(|found| {
             Some(Rung {
@@ -512,7 +526,10 @@ fn grid_of_study(file: &StudyFile, known: &[Found]) -> Option<Estimate> {
         TruthFile::Record { .. } | TruthFile::Finest { .. } => None,
     };
     let zero = zero.unwrap_or(0.0);
-    (3 <= n).then(|| Estimate::of([rungs[n - 3], rungs[n - 2], rungs[n - 1]], zero))
+    (3 <= n).then(|| {
+        let finest = [rungs[n - 3], rungs[n - 2], rungs[n - 1]];
+        (Estimate::of(finest, zero), spacing)
+    })
 }
 
 impl Report {
