@@ -450,7 +450,7 @@ impl Chosen {
                 self.report.error = error.or(against_finest);
                 let grid = grid_of_study(file, known, choice);
                 self.report.uncertainty = grid.map(|(grid, spacing)| grid.error_at(spacing));
-                self.report.observed_order = grid.and_then(|(grid, _)| grid.order);
+                self.report.observed_order = grid.and_then(|(grid, _)| grid.observed_order());
                 self.report.budget_met = self.report.error.map(|e| e <= self.report.budget);
             }
             Basis::Ladder {
@@ -483,7 +483,7 @@ impl Chosen {
                 let uncertainty = estimate.error_at(*spacing);
                 self.report.value = Some(value);
                 self.report.uncertainty = Some(uncertainty);
-                self.report.observed_order = estimate.order;
+                self.report.observed_order = estimate.observed_order();
                 self.report.budget_met = Some(uncertainty <= self.report.budget);
             }
         }
@@ -545,7 +545,7 @@ impl Report {
         if let Some(uncertainty) = self.uncertainty {
             let how = match self.observed_order {
                 Some(order) => format!("grid convergence index, order {order:.2}"),
-                None => "by differences, no order observed".to_owned(),
+                None => "no order observed, safety factor 3".to_owned(),
             };
             let _ = write!(
                 text,

@@ -88,6 +88,11 @@ impl Estimate {
         }
     }
 
+    /// The order where it is what was observed, not the nearest that schemes have.
+    pub fn observed_order(&self) -> Option<f64> {
+        self.order.filter(|_| self.is_observed)
+    }
+
     /// Expected at another spacing (m).
     pub fn error_at(&self, spacing: f64) -> f64 {
         self.error * (spacing / self.spacing).powf(self.order.unwrap_or(1.0))
@@ -151,6 +156,7 @@ mod tests {
         );
         let left = (0.07_f64.powi(5) - 0.05_f64.powi(5)) / ((0.07_f64 / 0.05).powi(2) - 1.0);
         assert!((found.error - 3.0 * left).abs() < 1e-3 * left, "{found:?}");
+        assert_eq!(found.observed_order(), None);
         // nor is anything coarser than the finest rung
         assert_eq!(rows_for(&found, 0.9, 1.0, 30.0), 20.0);
     }
