@@ -18,7 +18,9 @@ use rayon::prelude::*;
 use riprap_dda::{Blocks, Load, Motion, SurfacePoint};
 use riprap_sph::fluid::ParticleForce;
 use riprap_sph::{CellGrid, Dimensions, Fluid, Vec3};
+use serde::{Deserialize, Serialize};
 
+use crate::checkpoint::{Read, Saved};
 use crate::part_table::{PartTable, Placed, Solids};
 use crate::walls::FluidLoad;
 
@@ -53,7 +55,7 @@ pub struct WallSettings {
 }
 
 /// A particle within the standoff of a body.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Touch {
     /// Index of the particle in the present order.
     pub particle: u32,
@@ -143,6 +145,33 @@ impl Interface {
             stretches: vec![Matrix3::zeros(); blocks.n_blocks()],
             compliance: vec![0.0; blocks.n_blocks()],
             most_touched: 1.0,
+        }
+    }
+
+    /// Appends what changes in a run to some bytes.
+    pub(crate) fn save(&self, out: Vec<u8>) -> Saved {
+        let forces = (&self.touches, &self.compliance, self.most_touched);
+        let loads = (&self.loads, &self.shears, &self.stretches);
+        postcard::to_extend(&(forces, loads), out)
+    }
+
+    /// Takes it over again.
+    pub(crate) fn read<'a>(&mut self, bytes: &'a [u8]) -> Read<'a> {
+        let n = self.loads.len();
+        let (forces, loads, rest);
+        ((forces, loads), rest) = postcard::take_from_bytes(bytes)?;
+        (self.touches, self.compliance, self.most_touched) = forces;
+        (self.loads, self.shears, self.stretches) = loads;
+        let lengths = [
+            self.compliance.len(),
+            self.loads.len(),
+            self.shears.len(),
+            self.stretches.len(),
+        ];
+        let is_known = |touch: &Touch| (touch.block as usize) < n;
+        match lengths.iter().all(|&length| length == n) && self.touches.iter().all(is_known) {
+            true => Ok(rest),
+            false => Err(postcard::Error::DeserializeBadEncoding),
         }
     }
 

@@ -26,6 +26,7 @@ use riprap_sph::boundary::sampling::{FaceSample, sample_face};
 use riprap_sph::fluid::ContinuedPressure;
 use riprap_sph::{Fluid, Vec3};
 
+use crate::checkpoint::{Read, Saved};
 use crate::walls::{Part, before, face_lattice, parts};
 
 mod links;
@@ -248,6 +249,25 @@ impl JointWater {
             first,
             last: self.points.len(),
         }
+    }
+
+    /// Appends what changes in a run to some bytes.
+    pub(crate) fn save(&self, out: Vec<u8>) -> Saved {
+        let field = (&self.places, &self.pressure, &self.full);
+        postcard::to_extend(&(field, self.found_at, &self.loads), out)
+    }
+
+    /// Takes it over again.
+    pub(crate) fn read<'a>(&mut self, bytes: &'a [u8]) -> Read<'a> {
+        let (field, rest);
+        let lengths = (self.points.len(), self.loads.len());
+        ((field, self.found_at, self.loads), rest) = postcard::take_from_bytes(bytes)?;
+        (self.places, self.pressure, self.full) = field;
+        let columns = [self.places.len(), self.pressure.len(), self.full.len()];
+        if columns != [lengths.0; 3] || self.loads.len() != lengths.1 {
+            return Err(postcard::Error::DeserializeBadEncoding);
+        }
+        Ok(rest)
     }
 
     /// Force and moment of the water in its joints on every block; N, N m about the centroid.

@@ -1,6 +1,6 @@
 //! The accounts of a run: energy with every sink named, and momentum.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::walls::Walls;
 use crate::world::World;
@@ -76,7 +76,7 @@ impl Energy {
 }
 
 /// What interface forces did, booked with each half kick.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(crate) struct Ledger {
     /// Stored energy at the start; J.
     stored_at_start: f64,

@@ -19,6 +19,7 @@
 //! observers look and never change the world; steps never bend to output times; every pair force
 //! acts twice with opposite sign; results are the same bits for any number of threads.
 
+pub mod checkpoint;
 pub mod cli;
 pub mod compare;
 pub mod interface;

@@ -9,9 +9,11 @@ pub mod ledgers;
 pub mod pictures;
 pub mod trajectories;
 
+use crate::checkpoint::Saved;
 use crate::table::TableError;
 use crate::vtk::VtkError;
 use crate::world::World;
+use serde::{Deserialize, Serialize};
 
 /// What keeps an observer from writing.
 #[derive(Debug, thiserror::Error)]
@@ -22,6 +24,9 @@ pub enum ObserveError {
     /// A CSV table.
     #[error(transparent)]
     Table(#[from] TableError),
+    /// What a checkpoint says of an observer.
+    #[error("the checkpoint is not of this run's observers: {0}")]
+    State(#[from] postcard::Error),
     /// Any other file.
     #[error("cannot write {path}: {source}; free some space or choose another folder with -o")]
     Write {
@@ -43,13 +48,35 @@ pub trait Observer {
     ///
     /// [`ObserveError`] names the file; what was written before stays valid.
     fn observe(&mut self, world: &World) -> Result<(), ObserveError>;
+
+    /// Appends to some bytes what it has done so far.
+    ///
+    /// # Errors
+    ///
+    /// None that is known: the format takes whatever it remembers.
+    fn save(&self, out: Vec<u8>) -> Saved;
+
+    /// Makes sure that what was written outlasts a power failure.
+    ///
+    /// # Errors
+    ///
+    /// [`ObserveError`] names the file.
+    fn sync(&self) -> Result<(), ObserveError>;
+
+    /// Takes over from the front of some bytes what had been done then, and takes back what was written since; returns the
+    /// rest of the bytes.
+    ///
+    /// # Errors
+    ///
+    /// [`ObserveError`] names the file that cannot go on.
+    fn read<'a>(&mut self, bytes: &'a [u8]) -> Result<&'a [u8], ObserveError>;
 }
 
 /// Due times at a fixed interval from zero.
 ///
 /// An observer acts at the first step at or after its due time and records that step's own time:
 /// steps never bend to hit output times.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct Schedule {
     interval: f64,
     n_done: u64,

@@ -14,7 +14,9 @@
 
 use riprap_sph::exchange::{Exchange, Imposed, NewParticle};
 use riprap_sph::{Fluid, FluidError, Vec3};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
+
+use crate::checkpoint::{Read, Saved};
 
 /// Numbers over time: linear between rows, constant before and after.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -130,7 +132,7 @@ pub struct Outflow {
 }
 
 /// What an opening let through.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Passed {
     /// Name of the opening.
     pub name: String,
@@ -272,6 +274,31 @@ impl Openings {
             outflows,
             held: Vec::new(),
         }
+    }
+
+    /// Appends what changes in a run to some bytes.
+    pub(crate) fn save(&self, out: Vec<u8>) -> Saved {
+        let rows: Vec<_> = self
+            .inflows
+            .iter()
+            .map(|i| (i.travelled, i.speed))
+            .collect();
+        postcard::to_extend(&(rows, &self.passed, &self.held), out)
+    }
+
+    /// Takes it over again.
+    pub(crate) fn read<'a>(&mut self, bytes: &'a [u8]) -> Read<'a> {
+        let (rows, rest);
+        let of_each = self.passed.len();
+        ((rows, self.passed, self.held), rest) = postcard::take_from_bytes(bytes)?;
+        let rows: Vec<(f64, f64)> = rows;
+        if (rows.len(), self.passed.len()) != (self.inflows.len(), of_each) {
+            return Err(postcard::Error::DeserializeBadEncoding);
+        }
+        for (inflow, row) in self.inflows.iter_mut().zip(rows) {
+            (inflow.travelled, inflow.speed) = row;
+        }
+        Ok(rest)
     }
 
     /// What each has let through.

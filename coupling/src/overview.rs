@@ -15,9 +15,10 @@ mod view;
 
 use page::{Anchor, Page, WIDTH};
 use plot::Axes;
+use serde::{Deserialize, Serialize};
 
 /// Scene at one time.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Snapshot {
     /// Simulated time; s.
     pub time: f64,
@@ -30,7 +31,7 @@ pub struct Snapshot {
 }
 
 /// Silhouette of a block in the side view.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Outline {
     /// Corners, x and z; m. Leave out what lies between the viewer and the water, such as a front wall.
     pub points: Vec<[f32; 2]>,

@@ -1,27 +1,37 @@
 //! The loop: steps until the end, observers when due, and an orderly end whatever happens.
+//!
+//! Every so many steps the state is kept. A step that goes wrong takes the run back there, and on with half the step for a
+//! while; where that does not help the run ends, with what was kept on disk. What is kept goes to disk now and then anyway,
+//! and when the run is stopped: it goes on from there to the same bits.
+
+mod caution;
+mod observers;
+mod watch;
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use riprap_dda::{Blocks, Motion};
 use riprap_sph::{Fluid, Precision};
+use serde::{Deserialize, Serialize};
 
+use crate::checkpoint::{self, Checkpoint, Header, Saved};
 use crate::joints::JointWater;
-use crate::observe::forces::Forces;
-use crate::observe::frames::Frames;
-use crate::observe::gauges::Gauges;
-use crate::observe::ledgers::Ledgers;
-use crate::observe::pictures::Pictures;
-use crate::observe::trajectories::Trajectories;
 use crate::observe::{ObserveError, Observer};
 use crate::packing::packed;
+use crate::scene::file::TimeFile;
+use crate::scene::parse;
 use crate::scene::resolve::{Scene, vec3};
 use crate::summary::{Summary, TimeByPhase, peak_memory};
+use crate::table::Start;
 use crate::time_step::{CAUSES, Cause};
 use crate::walls::Walls;
 use crate::world::{StepError, WaterAtStart, World};
+use caution::Caution;
+use observers::Observers;
+use watch::{LOOK_INTERVAL, Watch};
 
 /// The commit that the program was built from, where known.
 pub const COMMIT: &str = match option_env!("RIPRAP_COMMIT") {
@@ -33,6 +43,11 @@ pub const COMMIT: &str = match option_env!("RIPRAP_COMMIT") {
 const SETTLING_DECAY: f64 = 20.0;
 /// Share of settling, at its end, that runs without damping, so that what damping hid shows.
 const UNDAMPED_SHARE: f64 = 0.1;
+
+/// Steps from one state that is kept to the next: so that keeping it takes less than a hundredth of the time. Of blocks by
+/// themselves a step takes little longer than keeping the state does.
+const GOOD_INTERVAL_WITH_WATER: u64 = 100;
+const GOOD_INTERVAL_OF_BLOCKS: u64 = 1000;
 
 /// What ends a run early.
 #[derive(Debug, thiserror::Error)]
@@ -46,9 +61,27 @@ pub enum RunError {
     /// A step failed; the last state is in the run folder.
     #[error("{0}")]
     Step(#[from] StepError),
+    /// A step failed, and did so again from the last good state with shorter steps.
+    #[error(
+        "{error}\nit came again from the last good state, t = {good:.6} s, with {share} of the usual step: it is not the step; the checkpoint is of that state"
+    )]
+    Unstable {
+        /// What happened.
+        error: StepError,
+        /// s.
+        good: f64,
+        /// Of the step that was tried last.
+        share: f64,
+    },
     /// A file could not be written; what was written before stays valid.
     #[error("{0}")]
     Observe(#[from] ObserveError),
+    /// The state of a checkpoint is not of this scene.
+    #[error("the state of the checkpoint does not fit the scene: {0}; begin anew with --force")]
+    State(#[from] postcard::Error),
+    /// The scene cannot be written.
+    #[error("cannot write the scene: {0}")]
+    Scene(String),
 }
 
 /// Where a run is.
@@ -129,195 +162,373 @@ pub fn build(scene: &Scene) -> Result<World, RunError> {
     Ok(world)
 }
 
-/// Runs a scene into `folder`, which exists and is empty; `stop` ends it after the current step.
+/// How a run is to be done.
+#[derive(Clone, Debug)]
+pub struct Plan<'a> {
+    /// The run folder, which exists.
+    pub folder: &'a Path,
+    /// Where to go on from; the folder then holds the files of the run.
+    pub from: Option<Checkpoint>,
+    /// Wall time from one checkpoint to the next.
+    pub checkpoint_interval: Duration,
+}
+
+/// What is told of a run under way.
+#[derive(Clone, Copy, Debug)]
+pub enum Event<'a> {
+    /// A step was taken.
+    Step(&'a Progress),
+    /// A step went wrong.
+    FellBack {
+        /// What happened.
+        error: &'a StepError,
+        /// Where the run goes on from; s.
+        to: f64,
+        /// Share of the usual step.
+        share: f64,
+    },
+}
+
+/// Runs a scene; `stop` ends it after the current step.
 ///
-/// `report` hears of every step. The summary is written whatever happens.
+/// `tell` hears of every step. The summary is written whatever happens. A run that does not reach its end leaves a
+/// checkpoint of its last good state.
 ///
 /// # Errors
 ///
 /// [`RunError`]; everything computed before is in the folder.
 pub fn run(
     scene: &Scene,
-    folder: &Path,
+    plan: Plan,
     stop: &AtomicBool,
-    report: &mut dyn FnMut(&Progress),
+    tell: &mut dyn FnMut(Event),
 ) -> Result<(Summary, Ending), RunError> {
-    let mut run = Run::start(scene, folder)?;
-    let ending = run.settle(stop, report).and_then(|ending| match ending {
-        Ending::Completed => run.go(stop, report),
-        Ending::Interrupted => Ok(ending),
-    });
+    let mut run = Run::start(scene, plan)?;
+    let ending = run.go(stop, tell);
     run.finish(ending)
+}
+
+/// Where a run is.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+enum Stage {
+    /// The water comes to rest before t = 0.
+    Settling {
+        /// s.
+        time: f64,
+        steps: u64,
+    },
+    Running,
+}
+
+/// What a run counts beside its world: the same whenever it is stopped and goes on.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+struct Tally {
+    stage: Stage,
+    dt_min: f64,
+    dt_max: f64,
+    governed: BTreeMap<Cause, u64>,
+    particles_at_start: usize,
+    mass_at_start: f64,
+    watch: Watch,
+    caution: Caution,
+}
+
+/// Wall times and counts of what was done, whether it was good or not; s.
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
+struct Costs {
+    /// Before this start of the program.
+    before: f64,
+    settling: f64,
+    output: f64,
+    guards: f64,
+    checkpoints: f64,
+    n_checkpoints: u64,
+    checkpoint_size: u64,
+    n_resumed: u64,
+}
+
+/// The last good state.
+#[derive(Debug)]
+struct Good {
+    state: Vec<u8>,
+    is_settling: bool,
+    /// Of the stage; s.
+    time: f64,
+    steps: u64,
+    is_on_disk: bool,
 }
 
 /// A run under way.
 struct Run<'a> {
     scene: &'a Scene,
     folder: PathBuf,
+    /// Hash of the scene as it is written.
+    scene_hash: [u8; 32],
     world: World,
     observers: Observers,
+    tally: Tally,
+    costs: Costs,
+    good: Option<Good>,
     started: Instant,
-    settling_wall_time: f64,
-    output_time: f64,
-    dt_min: f64,
-    dt_max: f64,
-    governed: BTreeMap<Cause, u64>,
-    particles_at_start: usize,
-    mass_at_start: f64,
-}
-
-struct Observers {
-    frames: Frames,
-    gauges: Gauges,
-    ledgers: Ledgers,
-    /// Absent when the scene does not ask for them.
-    forces: Option<Forces>,
-    trajectories: Option<Trajectories>,
-    pictures: Pictures,
+    checkpoint_interval: Duration,
+    last_checkpoint: Instant,
 }
 
 impl<'a> Run<'a> {
-    fn start(scene: &'a Scene, folder: &Path) -> Result<Self, RunError> {
+    fn start(scene: &'a Scene, plan: Plan) -> Result<Self, RunError> {
+        let text = parse::write(&scene.file).map_err(|error| RunError::Scene(error.to_string()))?;
         let mut world = build(scene)?;
-        let output = &scene.file.output;
-        let observers = Observers {
-            frames: Frames::new(folder, output, &world)?,
-            gauges: Gauges::new(folder, scene, &world)?,
-            ledgers: Ledgers::new(
-                folder,
-                output.ledger_interval.unwrap_or(f64::INFINITY),
-                &world,
-            )?,
-            forces: match &scene.file.forces {
-                None => None,
-                Some(asked) => {
-                    let chosen = asked.chosen(scene, &world);
-                    world.keep_accounts(&chosen);
-                    Some(Forces::new(folder, asked, (&chosen, &world))?)
-                }
-            },
-            trajectories: match &scene.file.trajectories {
-                None => None,
-                Some(asked) => Some(Trajectories::new(folder, asked, scene, &world)?),
-            },
-            pictures: Pictures::new(scene),
+        let begin = match plan.from {
+            None => Start::Anew,
+            Some(_) => Start::Again,
         };
-        Ok(Self {
+        let observers = Observers::new(scene, plan.folder, &mut world, begin)?;
+        let fluid = world.water.as_ref().map(|water| &water.fluid);
+        let settles = fluid.is_some() && 0.0 < scene.file.time.settle;
+        let mut run = Self {
             scene,
-            folder: folder.to_path_buf(),
-            particles_at_start: world
-                .water
-                .as_ref()
-                .map_or(0, |w| w.fluid.particles().len()),
-            mass_at_start: world.water.as_ref().map_or(0.0, |w| w.fluid.mass()),
+            folder: plan.folder.to_path_buf(),
+            scene_hash: checkpoint::scene_hash(&text),
+            tally: Tally {
+                stage: match settles {
+                    true => Stage::Settling {
+                        time: 0.0,
+                        steps: 0,
+                    },
+                    false => Stage::Running,
+                },
+                dt_min: f64::INFINITY,
+                dt_max: 0.0,
+                governed: BTreeMap::new(),
+                particles_at_start: fluid.map_or(0, |f| f.particles().len()),
+                mass_at_start: fluid.map_or(0.0, Fluid::mass),
+                watch: Watch::default(),
+                caution: Caution::default(),
+            },
             world,
             observers,
+            costs: Costs::default(),
+            good: None,
             started: Instant::now(),
-            settling_wall_time: 0.0,
-            output_time: 0.0,
-            dt_min: f64::INFINITY,
-            dt_max: 0.0,
-            governed: BTreeMap::new(),
-        })
-    }
-
-    /// Lets the water come to rest before t = 0.
-    fn settle(
-        &mut self,
-        stop: &AtomicBool,
-        report: &mut dyn FnMut(&Progress),
-    ) -> Result<Ending, RunError> {
-        let end = self.scene.file.time.settle;
-        let rate = SETTLING_DECAY / end;
-        let (mut time, mut steps) = (0.0, 0);
-        if self.world.water.is_some() {
-            while time < end {
-                if stop.load(Ordering::Relaxed) {
-                    return Ok(Ending::Interrupted);
-                }
-                let dt = self.world.next_step(self.scene.file.time.duration)?.dt;
-                let rate = if time < (1.0 - UNDAMPED_SHARE) * end {
-                    rate
-                } else {
-                    0.0
-                };
-                self.world.settle_step(dt, rate)?;
-                time += dt;
-                steps += 1;
-                report(&Progress {
-                    is_settling: true,
-                    time,
-                    end,
-                    steps,
-                    ..self.progress(dt)
-                });
-            }
-            if steps > 0 {
-                self.world.release()?;
+            checkpoint_interval: plan.checkpoint_interval,
+            last_checkpoint: Instant::now(),
+        };
+        match plan.from {
+            None if !settles => run.begin()?,
+            None => {}
+            Some(checkpoint) => {
+                run.read(&checkpoint.state)?;
+                run.costs.n_resumed += 1;
             }
         }
-        self.settling_wall_time = self.started.elapsed().as_secs_f64();
-        Ok(Ending::Completed)
+        Ok(run)
     }
 
-    /// Steps from 0 to the duration.
-    fn go(
-        &mut self,
-        stop: &AtomicBool,
-        report: &mut dyn FnMut(&Progress),
-    ) -> Result<Ending, RunError> {
+    /// Takes steps until the end.
+    fn go(&mut self, stop: &AtomicBool, tell: &mut dyn FnMut(Event)) -> Result<Ending, RunError> {
         let end = self.scene.file.time.duration;
-        self.observe()?;
-        while self.world.time() < end {
+        while self.is_settling() || self.world.time() < end {
             if stop.load(Ordering::Relaxed) {
                 return Ok(Ending::Interrupted);
             }
-            let step = self.world.next_step(end)?;
-            self.world.step(step)?;
-            self.dt_min = self.dt_min.min(step.dt);
-            self.dt_max = self.dt_max.max(step.dt);
-            *self.governed.entry(step.cause).or_default() += 1;
-            self.observe()?;
-            report(&self.progress(step.dt));
+            if self.is_good_due() {
+                self.keep_good()?;
+            }
+            match self.take_step() {
+                Ok(dt) => tell(Event::Step(&self.progress(dt))),
+                Err(RunError::Step(error)) => self.fall_back(error, tell)?,
+                Err(error) => return Err(error),
+            }
         }
         Ok(Ending::Completed)
+    }
+
+    /// A step of whichever stage it is; returns its size, s.
+    fn take_step(&mut self) -> Result<f64, RunError> {
+        let TimeFile {
+            duration, settle, ..
+        } = self.scene.file.time;
+        let share = self.tally.caution.share(self.place().0);
+        let step = self.world.next_step_within(duration, share)?;
+        match &mut self.tally.stage {
+            Stage::Settling { time, steps } => {
+                let is_damped = *time < (1.0 - UNDAMPED_SHARE) * settle;
+                let rate = if is_damped {
+                    SETTLING_DECAY / settle
+                } else {
+                    0.0
+                };
+                self.world.settle_step(step.dt, rate)?;
+                *time += step.dt;
+                *steps += 1;
+                if settle <= *time {
+                    self.world.release()?;
+                    self.costs.settling = self.wall_time();
+                    self.begin()?;
+                }
+            }
+            Stage::Running => {
+                self.world.step(step)?;
+                let tally = &mut self.tally;
+                tally.dt_min = tally.dt_min.min(step.dt);
+                tally.dt_max = tally.dt_max.max(step.dt);
+                *tally.governed.entry(step.cause).or_default() += 1;
+                self.look()?;
+                self.observe()?;
+            }
+        }
+        Ok(step.dt)
+    }
+
+    /// t = 0.
+    fn begin(&mut self) -> Result<(), RunError> {
+        self.tally.stage = Stage::Running;
+        self.tally.watch = Watch::of(&self.world);
+        self.tally.caution = Caution::default();
+        Ok(self.observe()?)
+    }
+
+    /// Looks now and then for what no single step shows.
+    fn look(&mut self) -> Result<(), StepError> {
+        if self.world.clock().steps % LOOK_INTERVAL != 0 {
+            return Ok(());
+        }
+        let start = Instant::now();
+        let seen = self.tally.watch.look(&self.world);
+        self.costs.guards += start.elapsed().as_secs_f64();
+        seen
     }
 
     fn observe(&mut self) -> Result<(), ObserveError> {
         let start = Instant::now();
-        let Observers {
-            frames,
-            gauges,
-            ledgers,
-            forces,
-            trajectories,
-            pictures,
-        } = &mut self.observers;
-        let world = &self.world;
-        if gauges.is_due(world) {
-            gauges.observe(world)?;
-            pictures.note_gauges(gauges.last_row());
+        let observed = self.observers.observe(&self.world);
+        self.costs.output += start.elapsed().as_secs_f64();
+        observed
+    }
+
+    fn is_settling(&self) -> bool {
+        self.tally.stage != Stage::Running
+    }
+
+    /// Time (s) and steps of the stage.
+    fn place(&self) -> (f64, u64) {
+        match self.tally.stage {
+            Stage::Settling { time, steps } => (time, steps),
+            Stage::Running => (self.world.time(), self.world.clock().steps),
         }
-        if ledgers.is_due(world) {
-            ledgers.observe(world)?;
-            pictures.note_energy(world);
+    }
+
+    /// Whether the state is to be kept now. By the number of steps, so that a run that was stopped keeps the same ones.
+    fn is_good_due(&self) -> bool {
+        let (time, steps) = self.place();
+        let interval = match self.world.water {
+            Some(_) => GOOD_INTERVAL_WITH_WATER,
+            None => GOOD_INTERVAL_OF_BLOCKS,
+        };
+        let is_known = self
+            .good
+            .as_ref()
+            .is_some_and(|good| (good.is_settling, good.steps) == (self.is_settling(), steps));
+        steps % interval == 0 && !is_known && !self.tally.caution.is_on(time)
+    }
+
+    fn keep_good(&mut self) -> Result<(), RunError> {
+        let start = Instant::now();
+        self.tally.caution.rest();
+        let mut state = self.good.take().map_or_else(Vec::new, |good| good.state);
+        state.clear();
+        let (time, steps) = self.place();
+        self.good = Some(Good {
+            state: self.save(state)?,
+            is_settling: self.is_settling(),
+            time,
+            steps,
+            is_on_disk: false,
+        });
+        self.costs.guards += start.elapsed().as_secs_f64();
+        if self.checkpoint_interval <= self.last_checkpoint.elapsed() {
+            self.write_checkpoint()?;
         }
-        if let Some(forces) = forces
-            && forces.is_due(world)
-        {
-            forces.observe(world)?;
-        }
-        if let Some(trajectories) = trajectories
-            && trajectories.is_due(world)
-        {
-            trajectories.observe(world)?;
-        }
-        pictures.note_view(world);
-        if frames.is_due(world) {
-            frames.observe(world)?;
-        }
-        self.output_time += start.elapsed().as_secs_f64();
         Ok(())
+    }
+
+    /// Writes the last good state to disk, if it is not there.
+    fn write_checkpoint(&mut self) -> Result<(), ObserveError> {
+        let start = Instant::now();
+        let Some(good) = self.good.as_mut().filter(|good| !good.is_on_disk) else {
+            return Ok(());
+        };
+        self.observers.sync()?;
+        let header = Header {
+            build: checkpoint::build(),
+            scene: self.scene_hash,
+            is_settling: good.is_settling,
+            time: good.time,
+            steps: good.steps,
+        };
+        self.costs.checkpoint_size = checkpoint::write(&self.folder, &header, &good.state)?;
+        good.is_on_disk = true;
+        self.last_checkpoint = Instant::now();
+        self.costs.n_checkpoints += 1;
+        self.costs.checkpoints += start.elapsed().as_secs_f64();
+        Ok(())
+    }
+
+    /// Back to the last good state, to go on with shorter steps; the error where that was in vain.
+    fn fall_back(&mut self, error: StepError, tell: &mut dyn FnMut(Event)) -> Result<(), RunError> {
+        let Some(good) = self.good.take().filter(|_| error.is_of_the_step()) else {
+            return Err(error.into());
+        };
+        let (to, caution) = (good.time, self.tally.caution);
+        let Some(next) = caution.after(self.place().0, to) else {
+            self.good = Some(good);
+            return Err(RunError::Unstable {
+                error,
+                good: to,
+                share: caution.share(to),
+            });
+        };
+        // what it cost stays spent
+        let costs = self.costs;
+        let read = self.read(&good.state);
+        self.good = Some(good);
+        read?;
+        self.costs = costs;
+        self.tally.caution = next;
+        tell(Event::FellBack {
+            error: &error,
+            to,
+            share: next.share(to),
+        });
+        Ok(())
+    }
+
+    /// Appends the state of the run to some bytes.
+    fn save(&self, out: Vec<u8>) -> Saved {
+        let costs = Costs {
+            before: self.wall_time(),
+            ..self.costs
+        };
+        let out = postcard::to_extend(&(&self.tally, costs), out)?;
+        let out = self.world.save(out)?;
+        self.observers.save(out)
+    }
+
+    /// Takes it over again.
+    fn read(&mut self, state: &[u8]) -> Result<(), RunError> {
+        let rest;
+        ((self.tally, self.costs), rest) = postcard::take_from_bytes(state)?;
+        let rest = self.world.read(rest)?;
+        let rest = self.observers.read(rest)?;
+        match rest.is_empty() {
+            true => Ok(()),
+            false => Err(postcard::Error::DeserializeBadEncoding.into()),
+        }
+    }
+
+    /// Since the run began, whenever it was under way; s.
+    fn wall_time(&self) -> f64 {
+        self.costs.before + self.started.elapsed().as_secs_f64()
     }
 
     fn progress(&self, dt: f64) -> Progress {
@@ -328,11 +539,15 @@ impl<'a> Run<'a> {
             .map(|b| blocks.velocity(b).norm())
             .fold(0.0, f64::max);
         let fastest_particle = world.water.as_ref().map_or(0.0, |w| w.fluid.max_speed());
+        let (time, steps) = self.place();
+        let TimeFile {
+            duration, settle, ..
+        } = self.scene.file.time;
         Progress {
-            is_settling: false,
-            steps: world.clock().steps,
-            time: world.time(),
-            end: self.scene.file.time.duration,
+            is_settling: self.is_settling(),
+            steps,
+            time,
+            end: if self.is_settling() { settle } else { duration },
             dt,
             contacts: blocks.n_contacts(),
             fastest: fastest_block.max(fastest_particle),
@@ -342,13 +557,20 @@ impl<'a> Run<'a> {
     /// Writes the last state of a run that ended early, the overview and the summary.
     fn finish(mut self, ending: Result<Ending, RunError>) -> Result<(Summary, Ending), RunError> {
         let completed = matches!(ending, Ok(Ending::Completed));
-        if !completed {
+        let kept = if completed {
+            // what is left of a run that is over does no harm
+            let _ = checkpoint::remove(&self.folder);
+            Ok(())
+        } else {
+            // before anything else is written, which the checkpoint does not know of
+            let kept = self.write_checkpoint();
             // the run ends with its own error; that the last frame could not be written either
             // must not hide it
             let _ = self.observers.frames.observe(&self.world);
             let _ = self.observers.gauges.observe(&self.world);
             let _ = self.observers.ledgers.observe(&self.world);
-        }
+            kept
+        };
         let stop_reason = match &ending {
             Ok(Ending::Completed) => "completed".to_owned(),
             Ok(Ending::Interrupted) => "interrupted".to_owned(),
@@ -356,24 +578,11 @@ impl<'a> Run<'a> {
         };
         let summary = self.summary(completed, stop_reason);
         let subtitle = subtitle(&summary);
-        let Observers {
-            trajectories,
-            pictures,
-            ..
-        } = &mut self.observers;
-        let followed = match trajectories {
-            None => Ok(()),
-            Some(trajectories) => {
-                let finished = trajectories.finish(&self.world);
-                pictures.note_trajectories(trajectories);
-                finished
-            }
-        };
-        let written = pictures
-            .write(&self.folder, &self.world, subtitle)
-            .and_then(|_| summary.write(&self.folder))
-            .and(followed);
+        let drawn = self.observers.finish(&self.folder, &self.world, subtitle);
+        // the figures come to disk even where the picture does not
+        let written = summary.write(&self.folder).and(drawn);
         let ending = ending?;
+        kept?;
         written?;
         Ok((summary, ending))
     }
@@ -381,8 +590,9 @@ impl<'a> Run<'a> {
     fn summary(&self, completed: bool, stop_reason: String) -> Summary {
         let world = &self.world;
         let (clock, extremes, blocks) = (world.clock(), world.extremes(), &world.blocks);
-        let wall_time = self.started.elapsed().as_secs_f64();
-        let running = (wall_time - self.settling_wall_time).max(1e-9);
+        let (tally, costs) = (&self.tally, &self.costs);
+        let wall_time = self.wall_time();
+        let running = (wall_time - costs.settling).max(1e-9);
         let count =
             |test: &dyn Fn(usize) -> bool| (0..blocks.n_blocks()).filter(|&b| test(b)).count();
         let steps = clock.steps.max(1) as f64;
@@ -397,10 +607,10 @@ impl<'a> Run<'a> {
             stop_reason,
             simulated_time: world.time(),
             wall_time,
-            settling_wall_time: self.settling_wall_time,
+            settling_wall_time: costs.settling,
             steps: clock.steps,
             block_substeps: clock.block_substeps,
-            fluid_particles: self.particles_at_start,
+            fluid_particles: tally.particles_at_start,
             wall_particles: world
                 .water
                 .as_ref()
@@ -423,21 +633,26 @@ impl<'a> Run<'a> {
             pair_interactions_per_second: extremes.pair_interactions as f64 / running,
             contact_updates_per_second: blocks.contact_updates() as f64 / running,
             time_by_phase: self.time_by_phase(),
-            dt_min: if self.dt_min.is_finite() {
-                self.dt_min
+            dt_min: if tally.dt_min.is_finite() {
+                tally.dt_min
             } else {
                 0.0
             },
-            dt_max: self.dt_max,
+            dt_max: tally.dt_max,
             dt_governed_by: CAUSES
                 .iter()
                 .map(|cause| {
                     (
                         *cause,
-                        self.governed.get(cause).copied().unwrap_or(0) as f64 / steps,
+                        tally.governed.get(cause).copied().unwrap_or(0) as f64 / steps,
                     )
                 })
                 .collect(),
+            fell_back: tally.caution.n_falls(),
+            largest_unexplained_gain: tally.watch.largest_gain(),
+            resumed: costs.n_resumed,
+            checkpoints: costs.n_checkpoints,
+            checkpoint_bytes: costs.checkpoint_size,
             max_mach: extremes.max_mach,
             density_error_rms: world
                 .water
@@ -446,7 +661,7 @@ impl<'a> Run<'a> {
             particles_escaped: world.water.as_ref().map_or(0, |w| w.fluid.removed().count),
             mass_escaped: world.water.as_ref().map_or(0.0, |w| w.fluid.removed().mass),
             fluid_mass: [
-                self.mass_at_start,
+                tally.mass_at_start,
                 world.water.as_ref().map_or(0.0, |w| w.fluid.mass()),
             ],
             openings: world
@@ -475,7 +690,9 @@ impl<'a> Run<'a> {
             wall_search: phases.wall_search.as_secs_f64(),
             coupling: phases.coupling.as_secs_f64(),
             integration: phases.integration.as_secs_f64(),
-            output: self.output_time,
+            output: self.costs.output,
+            guards: self.costs.guards,
+            checkpoints: self.costs.checkpoints,
         }
     }
 }
@@ -498,4 +715,104 @@ fn subtitle(summary: &Summary) -> String {
         summary.wall_time,
         summary.stop_reason,
     )
+}
+
+#[cfg(test)]
+#[expect(
+    clippy::unwrap_used,
+    reason = "a test stops at the first thing that is wrong"
+)]
+mod tests {
+    use super::*;
+    use riprap_sph::Vec3;
+
+    /// Still water in a box; no settling.
+    const BOX: &str = r#"(
+        title: "Box",
+        domain: (min: (-0.3, 0, -0.3), max: (0.9, 0.1, 0.9), dimensions: Two),
+        materials: [(name: "rock", density: 2400, friction_angle_deg: 30)],
+        blocks: [
+            (name: "floor", material: "rock", motion: Fixed, shape: Box(min: (-0.3, 0, -0.3), max: (0.9, 0.1, 0))),
+            (name: "left", material: "rock", motion: Fixed, shape: Box(min: (-0.3, 0, 0), max: (0, 0.1, 0.9))),
+            (name: "right", material: "rock", motion: Fixed, shape: Box(min: (0.6, 0, 0), max: (0.9, 0.1, 0.9))),
+        ],
+        fluid: (dynamic_viscosity: 0.001, resolution: Spacing(0.05), regions: [
+            (name: "water", shape: Box(min: (0, 0, 0), max: (0.6, 0.1, 0.4))),
+        ]),
+        gauges: [Pressure(name: "p", position: (0.3, 0.05, 0.1))],
+        time: (duration: 0.8),
+        output: (gauge_interval: 0.001),
+    )"#;
+
+    fn scene() -> Scene {
+        Scene::resolve(parse::read(BOX).unwrap(), Path::new(".")).unwrap()
+    }
+
+    fn plan(folder: &Path) -> Plan<'_> {
+        Plan {
+            folder,
+            from: None,
+            checkpoint_interval: Duration::MAX,
+        }
+    }
+
+    /// Runs for 150 steps, does something to the fluid, and on to the end; what was told of it, and the summary.
+    fn hit(blow: impl Fn(&mut Fluid)) -> (Vec<String>, Summary, Vec<f64>) {
+        let (scene, folder) = (scene(), tempfile::tempdir().unwrap());
+        let mut run = Run::start(&scene, plan(folder.path())).unwrap();
+        let (stop, mut told) = (AtomicBool::new(false), Vec::new());
+        let mut tell = |event: Event| match event {
+            Event::Step(progress) if progress.steps == 150 => stop.store(true, Ordering::Relaxed),
+            Event::Step(_) => {}
+            Event::FellBack { error, .. } => told.push(error.to_string()),
+        };
+        assert_eq!(run.go(&stop, &mut tell).unwrap(), Ending::Interrupted);
+        blow(&mut run.world.water.as_mut().unwrap().fluid);
+        let stop = AtomicBool::new(false);
+        let ending = run.go(&stop, &mut tell);
+        let (summary, ending) = run.finish(ending).unwrap();
+        assert_eq!(ending, Ending::Completed);
+        let gauges = crate::table::read_table(&folder.path().join("gauges.csv")).unwrap();
+        (told, summary, gauges.column("time").unwrap().to_vec())
+    }
+
+    #[test]
+    fn what_hits_a_run_once_is_undone() {
+        let faster = |factor: f64| {
+            move |fluid: &mut Fluid| {
+                let speed = factor * fluid.settings().sound_speed;
+                fluid.set_velocity(7, Vec3::new(speed, 0.0, 0.0));
+            }
+        };
+        let (told, whole, times) = hit(|_| {});
+        assert!(told.is_empty() && whole.fell_back == 0);
+        for (factor, expected) in [(f64::NAN, "non-finite density"), (1.5, "and sound at")] {
+            let (told, summary, times_of_hit) = hit(faster(factor));
+            assert!(told.len() == 1 && told[0].contains(expected), "{told:?}");
+            assert_eq!(summary.fell_back, 1);
+            // rows of the steps that were undone are gone, and none is missing
+            assert!(times_of_hit.is_sorted_by(|a, b| a < b));
+            let longest = |t: &[f64]| t.windows(2).map(|w| w[1] - w[0]).fold(0.0, f64::max);
+            assert!(longest(&times_of_hit) < 1.1 * longest(&times));
+            // half the step for a while, and the whole step then
+            assert!(whole.steps < summary.steps && summary.steps < whole.steps + 250);
+            assert!(summary.energy.residual.abs() < 1e-3 * summary.energy.internal);
+        }
+    }
+
+    #[test]
+    fn energy_from_nowhere_is_noticed_within_ten_steps() {
+        // all of the water at once, slower than sound and not against a wall
+        let (told, summary, _) = hit(|fluid| {
+            let speed = 0.3 * fluid.settings().sound_speed;
+            for a in 0..fluid.particles().len() {
+                fluid.set_velocity(a, Vec3::new(0.0, 0.0, speed));
+            }
+        });
+        assert!(
+            told.len() == 1 && told[0].contains("came from nowhere within 10 steps"),
+            "{told:?}"
+        );
+        assert_eq!(summary.fell_back, 1);
+    }
 }

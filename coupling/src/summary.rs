@@ -73,6 +73,16 @@ pub struct Summary {
     pub dt_max: f64,
     /// Share of the steps that each cause governed.
     pub dt_governed_by: BTreeMap<Cause, f64>,
+    /// Times that a step went wrong and the run went back to its last good state.
+    pub fell_back: u64,
+    /// Largest gain of energy in ten steps that nothing explains, over all that moved or was strained.
+    pub largest_unexplained_gain: f64,
+    /// Times that the run went on from a checkpoint.
+    pub resumed: u64,
+    /// Checkpoints written.
+    pub checkpoints: u64,
+    /// Size of the last one; bytes.
+    pub checkpoint_bytes: u64,
     /// Largest particle speed over sound speed.
     pub max_mach: f64,
     /// Root mean square of ρ/ρ₀ − 1 over compressed particles at the end.
@@ -125,6 +135,10 @@ pub struct TimeByPhase {
     pub integration: f64,
     /// Observers.
     pub output: f64,
+    /// Keeping the last good state, and looking whether it is one.
+    pub guards: f64,
+    /// Writing checkpoints.
+    pub checkpoints: f64,
 }
 
 impl Summary {

@@ -5,7 +5,7 @@
 //! lines, and empty cells, which are gaps.
 
 use std::fs::{self, File};
-use std::io::{self, Write};
+use std::io::{self, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
 /// What a column holds.
@@ -53,6 +53,17 @@ pub struct Table {
     path: PathBuf,
     file: File,
     n_columns: usize,
+    /// Written so far; bytes.
+    length: u64,
+}
+
+/// Whether the files of a run begin.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Start {
+    /// They do; what was there is gone.
+    Anew,
+    /// They go on: what is there stays until it is [cut](Table::cut) to where the run goes on from.
+    Again,
 }
 
 impl Table {
@@ -61,6 +72,14 @@ impl Table {
     /// # Errors
     /// [`TableError::Name`] for a name or unit that would break the header, [`TableError::Io`] if the system refuses.
     pub fn create(path: &Path, columns: &[Column]) -> Result<Self, TableError> {
+        Self::open(path, columns, Start::Anew)
+    }
+
+    /// The same, or opens the file to go on with it.
+    ///
+    /// # Errors
+    /// As for [`Self::create`]; [`TableError::Io`] too if there is no file to go on with.
+    pub fn open(path: &Path, columns: &[Column], start: Start) -> Result<Self, TableError> {
         let headers: Vec<String> = columns.iter().map(Column::header).collect();
         let breaks = |header: &&String| {
             header.is_empty() || header.starts_with('#') || header.contains([',', '"', '\n', '\r'])
@@ -71,14 +90,56 @@ impl Table {
                 name: header.clone(),
             });
         }
-        let file = File::create(path).map_err(TableError::io("create", path))?;
+        let file = match start {
+            Start::Anew => File::create(path).map_err(TableError::io("create", path))?,
+            Start::Again => File::options()
+                .write(true)
+                .open(path)
+                .map_err(TableError::io("go on with", path))?,
+        };
         let mut table = Self {
             path: path.to_owned(),
             file,
             n_columns: columns.len(),
+            length: 0,
         };
-        table.line(&headers)?;
+        if start == Start::Anew {
+            table.line(&headers)?;
+        }
         Ok(table)
+    }
+
+    /// Written so far; bytes.
+    pub fn length(&self) -> u64 {
+        self.length
+    }
+
+    /// Makes sure that what was written outlasts a power failure.
+    ///
+    /// # Errors
+    /// [`TableError::Io`] if the system refuses.
+    pub fn sync(&self) -> Result<(), TableError> {
+        (self.file.sync_data()).map_err(TableError::io("write", &self.path))
+    }
+
+    /// Takes away all but the first `length` bytes, which were written once, and goes on behind them.
+    ///
+    /// # Errors
+    /// [`TableError::Short`] if the file has become shorter, [`TableError::Io`] if the system refuses.
+    pub fn cut(&mut self, length: u64) -> Result<(), TableError> {
+        let failed = || TableError::io("go on with", &self.path);
+        let found = self.file.metadata().map_err(failed())?.len();
+        if found < length {
+            return Err(TableError::Short {
+                path: self.path.clone(),
+                found,
+                expected: length,
+            });
+        }
+        self.file.set_len(length).map_err(failed())?;
+        self.file.seek(SeekFrom::Start(length)).map_err(failed())?;
+        self.length = length;
+        Ok(())
     }
 
     /// Writes one row and flushes it.
@@ -103,7 +164,9 @@ impl Table {
         let line = cells.join(",") + "\n";
         self.file
             .write_all(line.as_bytes())
-            .map_err(TableError::io("write", &self.path))
+            .map_err(TableError::io("write", &self.path))?;
+        self.length += line.len() as u64;
+        Ok(())
     }
 }
 
@@ -258,6 +321,16 @@ pub enum TableError {
         found: usize,
         /// Columns of the table.
         expected: usize,
+    },
+    /// A table that is to go on is shorter than it was.
+    #[error("{}: {found} bytes, where the run had written {expected}: it was changed since, and cannot go on", path.display())]
+    Short {
+        /// The file.
+        path: PathBuf,
+        /// Length found; bytes.
+        found: u64,
+        /// Length written; bytes.
+        expected: u64,
     },
     /// A line cannot be read.
     #[error("{}, line {line}: {fault}", path.display())]

@@ -1,12 +1,12 @@
 //! The common step of both media and what governs it.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// Largest growth from one step to the next; drops are immediate.
 const LARGEST_GROWTH: f64 = 1.05;
 
 /// What limits a step.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Cause {
     /// Pressure waves in the fluid.
@@ -57,6 +57,16 @@ pub struct Limits {
 }
 
 impl Limits {
+    /// A share of each.
+    #[must_use]
+    pub fn within(mut self, share: f64) -> Self {
+        for (_, limit) in &mut self.common {
+            *limit *= share;
+        }
+        self.blocks *= share;
+        self
+    }
+
     /// The step that obeys the limits after a step of `previous` seconds.
     ///
     /// With fluid, blocks that need a shorter step take several inside the common one. `ceiling`

@@ -17,7 +17,9 @@ use riprap_dda::{BlockDefinition, Blocks, Load, Motion, Shape};
 use riprap_sph::boundary::integral::Face;
 use riprap_sph::boundary::wall_particles::Slip;
 use riprap_sph::{Dimensions, Fluid, Vec3};
+use serde::{Deserialize, Serialize};
 
+use crate::checkpoint::{Read, Saved};
 use crate::scene::file::WallMethodFile;
 use added_mass::Movers;
 pub(crate) use cutting::before;
@@ -104,6 +106,24 @@ impl Walls {
         of_walls!(self, walls => walls.power())
     }
 
+    /// Appends what changes in a run to some bytes.
+    pub(crate) fn save(&self, out: Vec<u8>) -> Saved {
+        of_walls!(self, walls => walls.save(out))
+    }
+
+    /// Takes it over again, for blocks and a fluid that were read before.
+    pub(crate) fn read<'a>(
+        &mut self,
+        bytes: &'a [u8],
+        fluid: &mut Fluid,
+        blocks: &Blocks,
+    ) -> Read<'a> {
+        let rest = of_walls!(self, walls => walls.read(bytes))?;
+        self.place_at_end(blocks, None);
+        self.find(fluid);
+        Ok(rest)
+    }
+
     /// Remembers where the blocks are: before they move.
     pub fn note_start(&mut self, blocks: &Blocks) {
         of_walls!(self, walls => walls.note_start(blocks));
@@ -175,7 +195,7 @@ impl Walls {
 }
 
 /// What the fluid does to a block, moments about the centroid.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct FluidLoad {
     /// Of pressure; N, N m.
     pub pressure: Load,

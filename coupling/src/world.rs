@@ -1,8 +1,10 @@
 //! Blocks and water at one time, and the step that takes both to the next.
 
+mod checkpoint;
 mod intruders;
 mod stepping;
 
+use serde::{Deserialize, Serialize};
 use std::time::{Duration, Instant};
 
 use nalgebra::Matrix3;
@@ -51,7 +53,7 @@ pub struct World {
 }
 
 /// Impulses of the fluid on a block since accounts of it are kept, moments about its centroid; N s, N m s.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct FluidImpulses {
     /// Of pressure.
     pub pressure: Load,
@@ -98,7 +100,7 @@ pub struct WaterAtStart {
 }
 
 /// Time and steps.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Clock {
     /// Simulated time; s.
     pub time: f64,
@@ -111,7 +113,7 @@ pub struct Clock {
 }
 
 /// Which blocks are held in place.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) enum Held {
     /// None: a run.
     NoBlock,
@@ -120,7 +122,7 @@ pub(crate) enum Held {
 }
 
 /// Running extremes and counts of a run.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Extremes {
     /// Largest particle speed over sound speed.
     pub max_mach: f64,
@@ -137,7 +139,7 @@ pub struct Extremes {
 }
 
 /// Wall time by phase.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct PhaseTimes {
     /// Sorting and neighbour search.
     pub neighbors: Duration,
@@ -209,6 +211,69 @@ pub enum StepError {
         /// 0, 1, 2 for x, y, z.
         axis: usize,
     },
+    /// A particle has no place or no velocity any more.
+    #[error(
+        "at t = {time:.6} s, step {step}: particle {id} has a velocity that is no number; look where it was in the last frame, and shorten the step with `numerics.time_step_factor`"
+    )]
+    NoVelocity {
+        /// s.
+        time: f64,
+        /// Number of the step.
+        step: u64,
+        /// Id of the particle.
+        id: u32,
+    },
+    /// Faster than sound: the fluid is stiff no longer.
+    #[error(
+        "at t = {time:.6} s, step {step}: particle {id} near ({:.4}, {:.4}, {:.4}) moves at {speed:.4} m/s, and sound at {sound_speed:.4} m/s; raise `numerics.sound_speed`, shorten the step with `numerics.time_step_factor`, or look what hits the water there",
+        at[0], at[1], at[2]
+    )]
+    Supersonic {
+        /// s.
+        time: f64,
+        /// Number of the step.
+        step: u64,
+        /// Id of the particle.
+        id: u32,
+        /// m.
+        at: [f64; 3],
+        /// m/s.
+        speed: f64,
+        /// m/s.
+        sound_speed: f64,
+    },
+    /// Energy came from nowhere.
+    #[error(
+        "at t = {time:.6} s, step {step}: {gained:.4e} J came from nowhere within {steps} steps, where all that moved or was strained had {before:.4e} J; shorten the step with `numerics.time_step_factor`, lower `contact_stiffness` of the materials, or look for blocks and water that start inside each other"
+    )]
+    EnergyFromNowhere {
+        /// s.
+        time: f64,
+        /// Number of the step.
+        step: u64,
+        /// J.
+        gained: f64,
+        /// J.
+        before: f64,
+        /// Steps that it took.
+        steps: u64,
+    },
+    /// Water left the domain in masses.
+    #[error(
+        "at t = {time:.6} s, step {step}: {count} particles left the domain within {steps} steps, and {left} are left; close `domain` with walls or enlarge it"
+    )]
+    Drained {
+        /// s.
+        time: f64,
+        /// Number of the step.
+        step: u64,
+        /// How many.
+        count: u64,
+        /// How many are left.
+        left: usize,
+        /// Steps that it took.
+        steps: u64,
+    },
     /// A step too small to get anywhere.
     #[error(
         "at t = {time:.6} s, step {step}: the step fell to {dt:e} s, limited by {cause:?}; {remedy}"
@@ -226,6 +291,26 @@ pub enum StepError {
         remedy: &'static str,
     },
 }
+
+impl StepError {
+    /// Whether a shorter step may help.
+    pub fn is_of_the_step(&self) -> bool {
+        match self {
+            Self::Fluid { .. }
+            | Self::Blocks { .. }
+            | Self::NoVelocity { .. }
+            | Self::Supersonic { .. }
+            | Self::EnergyFromNowhere { .. } => true,
+            Self::Drained { .. }
+            | Self::Left { .. }
+            | Self::AtPlane { .. }
+            | Self::Stalled { .. } => false,
+        }
+    }
+}
+
+/// Largest speed of a particle over that of sound.
+const LARGEST_MACH: f64 = 1.0;
 
 /// The part of the duration below which a step is refused.
 const SMALLEST_STEP_SHARE: f64 = 1e-9;
@@ -375,9 +460,18 @@ impl World {
     ///
     /// [`StepError::Stalled`] when it is too small to get anywhere.
     pub fn next_step(&self, duration: f64) -> Result<TimeStep, StepError> {
-        let step = self
-            .limits()
-            .choose(self.water.is_some(), self.clock.last_dt, 1e-3 * duration);
+        self.next_step_within(duration, 1.0)
+    }
+
+    /// The same, within a share of the limits of blocks and water.
+    ///
+    /// # Errors
+    ///
+    /// As [`Self::next_step`].
+    pub fn next_step_within(&self, duration: f64, share: f64) -> Result<TimeStep, StepError> {
+        let limits = self.limits().within(share);
+        let ceiling = 1e-3 * duration * share;
+        let step = limits.choose(self.water.is_some(), self.clock.last_dt, ceiling);
         if step.dt < SMALLEST_STEP_SHARE * duration || step.dt.is_nan() {
             return Err(StepError::Stalled {
                 time: self.clock.time,
@@ -410,7 +504,7 @@ impl World {
         self.clock.block_substeps += u64::from(block_substeps);
         self.clock.last_dt = Some(dt);
         self.note_extremes();
-        Ok(())
+        self.check_speeds()
     }
 
     /// A step of the fluid alone, blocks held, velocities damped by `exp(−rate · dt)`.
@@ -425,7 +519,7 @@ impl World {
             water.fluid.damp((-rate * dt).exp());
         }
         self.clock.last_dt = Some(dt);
-        Ok(())
+        self.check_speeds()
     }
 
     /// Ends settling: blocks are let go, the ledger and all counts start here.
@@ -780,6 +874,40 @@ impl World {
         }
         extremes.pair_interactions += fluid.n_pairs();
         extremes.particle_steps += fluid.particles().len() as u64;
+    }
+
+    /// Refuses velocities that no fluid has.
+    fn check_speeds(&self) -> Result<(), StepError> {
+        let Some(water) = &self.water else {
+            return Ok(());
+        };
+        let (fluid, particles) = (&water.fluid, water.fluid.particles());
+        let (time, step) = (self.clock.time, self.clock.steps);
+        // the work of viscosity is a sum over all velocities: one that is no number makes it none
+        if !fluid.viscous_loss().is_finite() {
+            let is_bad = |v: &Vec3| !v.norm_squared().is_finite();
+            let bad = particles.velocity.iter().position(is_bad);
+            return Err(StepError::NoVelocity {
+                time,
+                step,
+                id: bad.map_or(0, |a| particles.id[a]),
+            });
+        }
+        let sound_speed = fluid.settings().sound_speed;
+        if fluid.max_speed() <= LARGEST_MACH * sound_speed {
+            return Ok(());
+        }
+        let speeds = particles.velocity.iter().map(|v| v.norm()).enumerate();
+        let fastest = speeds.max_by(|a, b| a.1.total_cmp(&b.1));
+        let (a, speed) = fastest.unwrap_or_default();
+        Err(StepError::Supersonic {
+            time,
+            step,
+            id: particles.id[a],
+            at: particles.position[a].into(),
+            speed,
+            sound_speed,
+        })
     }
 
     /// Force and moment of the fluid on a block; N, N m about the centroid. That on a fixed block in walls of

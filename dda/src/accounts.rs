@@ -1,9 +1,10 @@
 //! What moved chosen blocks, source by source: impulses summed over the steps.
 
 use crate::{Blocks, Load, Vec3};
+use serde::{Deserialize, Serialize};
 
 /// Impulses on a block since it was chosen, moments about its centroid, gravity aside; N s, N m s.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Impulses {
     /// Of contacts.
     pub contact: Load,
@@ -16,7 +17,7 @@ pub struct Impulses {
 }
 
 /// The chosen blocks, in ascending order, and their accounts.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Accounts {
     blocks: Vec<u32>,
     rows: Vec<Impulses>,

@@ -8,6 +8,7 @@ use crate::{
     parts::Part,
 };
 use nalgebra::Matrix3;
+use serde::{Deserialize, Serialize};
 
 /// A load or support. Points are world places at t = 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -64,13 +65,13 @@ pub enum Attachment {
 }
 
 /// An end: the block and the place from its centroid, in the axes of the start.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 struct End {
     block: u32,
     offset_rel: Vec3,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 enum Kind {
     Force(Vec3),
     /// Index of the part among all parts, and its face.
@@ -91,7 +92,7 @@ enum Kind {
     },
 }
 
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 struct Item {
     end: End,
     kind: Kind,
@@ -103,7 +104,7 @@ struct Item {
 }
 
 /// All attachments of a system and what they did.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(crate) struct Attachments {
     items: Vec<Item>,
     /// One per block, none where nothing is attached anywhere.

@@ -1,6 +1,7 @@
 //! The state of all blocks, struct of arrays; `build` is how it is made, `query` what can be asked of it.
 
 mod build;
+mod checkpoint;
 mod definition;
 mod pairing;
 pub(crate) mod placement;

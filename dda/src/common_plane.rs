@@ -20,9 +20,10 @@
 //! The pair keeps its axis ([`AxisCache`]) and trusts it while nothing changes much.
 
 use crate::{Polyhedron, Vec3};
+use serde::{Deserialize, Serialize};
 
 /// What makes an axis.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum AxisKind {
     /// A face of A; the axis is its normal.
     FaceA(u32),
@@ -35,7 +36,7 @@ pub enum AxisKind {
 }
 
 /// A trial normal of the common plane.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Axis {
     /// Unit normal from A to B.
     pub normal: Vec3,
@@ -385,7 +386,7 @@ pub enum ContactDetection {
 }
 
 /// The axis that a pair of bodies had at the last step.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct AxisCache {
     /// Axis of the last step.
     pub axis: Option<Axis>,

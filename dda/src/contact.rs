@@ -23,6 +23,7 @@ mod bond;
 mod takeover;
 
 pub(crate) use bond::Bond;
+use serde::{Deserialize, Serialize};
 use takeover::{Features, Former};
 
 use crate::{
@@ -37,7 +38,7 @@ use crate::{
 };
 
 /// Is the contact open, held by friction, or slipping?
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum ContactState {
     /// No force.
     Open,
@@ -71,7 +72,7 @@ pub struct Contact {
 }
 
 /// What a contact point remembers.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct PointState {
     pub patch: PatchPoint,
     /// Normal force on B, with its viscous part; N.
@@ -86,7 +87,7 @@ pub(crate) struct PointState {
 /// Two parts that may touch.
 ///
 /// First what is read of a pair whose boxes are apart: one cache line, and most pairs are that.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 #[repr(C, align(64))]
 pub(crate) struct Pair {
     pub parts: (u32, u32),
@@ -563,7 +564,7 @@ pub(crate) fn dashpot_share(rate: f64, dt: f64, meeting: Option<(f64, f64)>) -> 
 
 /// Bounds of the eigenvalues of `M⁻¹K` and `M⁻¹C` that a pair adds at a block,
 /// `Σ_k k_n w_n + k_t (w_t1 + w_t2)` and the same with the dashpots.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub(crate) struct Rates {
     /// 1/s².
     pub stiffness: f64,

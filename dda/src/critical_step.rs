@@ -1,6 +1,7 @@
 //! The largest stable sub-step, and who sets it.
 
 use crate::{Blocks, Motion, blocks::CHUNK, chunks};
+use serde::{Deserialize, Serialize};
 
 /// The largest stable sub-step and who sets it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -14,7 +15,7 @@ pub struct CriticalStep {
 }
 
 /// What the contacts of a block add up to in the step bound.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub(crate) struct BlockRates {
     /// `Λ_K` (1/s²) and `Λ_C` (1/s) of the contacts that touch.
     pub stiffness: f64,
@@ -28,7 +29,7 @@ pub(crate) struct BlockRates {
 }
 
 /// The lists of pairs.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub(crate) enum Listed {
     Pair,
     Sphere,

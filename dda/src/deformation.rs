@@ -32,13 +32,14 @@ pub use classical::classical_mass_matrix;
 use elastic::Constants;
 pub use elastic::natural_frequencies;
 use nalgebra::{Matrix3, UnitQuaternion};
+use serde::{Deserialize, Serialize};
 
 /// Symmetric tensor in Voigt's order `xx yy zz yz zx xy`, shear entries as they stand in the
 /// tensor.
 pub type Voigt = [f64; 6];
 
 /// How the stress of a deformable block follows from its deformation.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum StressLaw {
     /// `P = F (λ tr(E) I + 2μ E)`, `E = (FᵀF − I)/2`. Softens in strong compression.
     #[default]
@@ -79,7 +80,7 @@ impl Default for Deformability {
 }
 
 /// What both deformable models share: place, velocity and inertia of an affine body.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct AffineBody {
     // State.
     /// `F`.
@@ -183,7 +184,7 @@ impl AffineBody {
 }
 
 /// Deformable block of either model, with its stress.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) enum Deformable {
     Affine12(Affine12),
     Dda12(Dda12),

@@ -1,5 +1,7 @@
 //! Energy terms of a system of blocks.
 
+use serde::{Deserialize, Serialize};
+
 /// Energies and works; J. For blocks alone
 ///
 /// ```text
@@ -66,7 +68,7 @@ impl Energies {
 /// Sum that keeps the digits that a plain sum loses.
 ///
 /// Source: Neumaier (1974).
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Account {
     sum: f64,
     lost: f64,

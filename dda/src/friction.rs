@@ -19,9 +19,10 @@ use crate::{
     contact::{ContactState, PointState},
     kinematics::Kinematics,
 };
+use serde::{Deserialize, Serialize};
 
 /// What the shear spring of a pair remembers.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct ShearSpring {
     /// `ξ₀`, of j against i; m.
     pub shift: Vec3,

@@ -3,9 +3,10 @@
 
 use crate::Vec3;
 use nalgebra::Matrix3;
+use serde::{Deserialize, Serialize};
 
 /// Force and torque on a block.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Load {
     /// N.
     pub force: Vec3,
@@ -77,7 +78,7 @@ pub(crate) fn stretch(force: &Vec3, offset_rel: &Vec3) -> Matrix3<f64> {
 /// move it.
 ///
 /// In the order in which it is read: balls need the first half only.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[repr(C)]
 pub(crate) struct Kinematics {
     pub centroid: Vec3,

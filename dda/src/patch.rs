@@ -31,9 +31,10 @@ use crate::{
     Polyhedron, Vec3,
     common_plane::{Axis, AxisKind},
 };
+use serde::{Deserialize, Serialize};
 
 /// One point of a contact patch.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct PatchPoint {
     /// Names the point by the edges it comes from; the same while the same features touch.
     pub key: u32,

@@ -31,18 +31,19 @@ pub(crate) use feet::BallOnSurface;
 use law::{Law, Touch, book_first_half};
 pub(crate) use law::{SphereContact, SphereLoads};
 pub(crate) use rolling::Rolling;
+use serde::{Deserialize, Serialize};
 use sides::{Ball, Body, Side};
 
 /// Two parts that may touch, a ball at least one of them: what is read of a pair that stays apart, as half of
 /// them do. The rest lies in columns of its own, which only those that touch bring into the caches.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub(crate) struct SpherePair {
     pub parts: (u32, u32),
     pub blocks: (u32, u32),
 }
 
 /// Where a pair stands.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub(crate) struct SphereMark {
     pub is_touching: bool,
     /// Are its rates others than after the last evaluation?
@@ -66,7 +67,7 @@ pub(crate) struct SphereRow<'a> {
 pub(crate) type PairRates = (Rates, Rates);
 
 /// Lengths of a pair; m.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Scales {
     /// `R̃`.
     pub effective_radius: f64,

@@ -32,9 +32,10 @@ use crate::{
     patch::{CORNER_AREA, CORNER_SHARE, PatchPoint, Scaling},
     sphere_contact::BallOnSurface,
 };
+use serde::{Deserialize, Serialize};
 
 /// A part that may touch a surface: i is the body, j the surface, whatever their numbers.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct SurfacePair {
     pub parts: (u32, u32),
     pub blocks: (u32, u32),
@@ -56,7 +57,7 @@ pub(crate) struct SurfacePair {
 }
 
 /// What touches.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) enum SurfaceTouch {
     Polyhedron(Box<PolyhedronTouch>),
     /// The places where a ball touches.
@@ -64,7 +65,7 @@ pub(crate) enum SurfaceTouch {
 }
 
 /// Memory and buffers of a polyhedron on a surface.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(crate) struct PolyhedronTouch {
     /// One per corner of the body, sums to about 1 over the corners of a face.
     corner_weight: Vec<f64>,
@@ -80,10 +81,14 @@ pub(crate) struct PolyhedronTouch {
     before: Vec<PlaneTouch>,
     /// Energy of the normal springs; J.
     elastic: f64,
+    #[serde(skip)]
     found: Vec<Found>,
     /// What of a face is behind a plane, and pieces of it.
+    #[serde(skip)]
     wet: Vec<Vec3>,
+    #[serde(skip)]
     polygon: Vec<Vec3>,
+    #[serde(skip)]
     spare: Vec<Vec3>,
 }
 
@@ -100,7 +105,7 @@ struct Found {
 }
 
 /// Contact with one plane of the surface, or one vertex.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub(crate) struct PlaneTouch {
     place: u32,
     /// From the body into the surface.

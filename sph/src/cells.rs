@@ -47,6 +47,23 @@ pub struct CellGrid {
 }
 
 impl CellGrid {
+    /// First particle of each cell, and one more, as of the last sort.
+    pub(crate) fn starts(&self) -> &[u32] {
+        &self.starts
+    }
+
+    /// Takes these over; `n` particles in cells one after the other, or `false`.
+    pub(crate) fn set_starts(&mut self, starts: Vec<u32>, n: usize) -> bool {
+        let fits = starts.len() == self.starts.len()
+            && starts.first() == Some(&0)
+            && starts.is_sorted()
+            && starts.last().is_some_and(|&last| last as usize == n);
+        if fits {
+            self.starts = starts;
+        }
+        fits
+    }
+
     /// A grid over the box `min..max` with cells no smaller than the support radius and a skin.
     ///
     /// A domain much larger than its water gets coarser cells, never more than `max_cells` of them:

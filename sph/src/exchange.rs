@@ -1,6 +1,7 @@
 //! What crosses the edge of the fluid: particles made and taken out, velocities and densities
 //! imposed. Every change says what it brought in, so that ledgers close.
 
+use serde::{Deserialize, Serialize};
 use std::ops::AddAssign;
 
 use rayon::prelude::*;
@@ -41,7 +42,7 @@ pub struct NewParticle {
 }
 
 /// Velocity and density that a particle is held at.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Imposed {
     /// Index in the present order.
     pub particle: u32,

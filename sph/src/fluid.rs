@@ -22,7 +22,10 @@
 //! kick(dt); drift(dt); refresh; update_pressure; update_accelerations; (walls)
 //! ```
 
+mod checkpoint;
+
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 
 use crate::boundary::screens::{Plane, Screens};
 use crate::cells::{CellGrid, Periodicity};
@@ -122,7 +125,7 @@ impl StepLimits {
 }
 
 /// What left the domain.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Removed {
     /// Particles.
     pub count: u64,

@@ -31,6 +31,8 @@ pub(crate) struct Lists {
     /// One for each [`CHUNK`] of receivers, and more where there were more receivers before.
     chunks: Vec<ChunkLists>,
     is_made: bool,
+    /// What they were made from: positions (m), and the farthest that anything is listed at (m).
+    from: (Vec<Vec3>, f64),
 }
 
 /// The lists of some receivers, one after the other. Memory is kept from sort to sort.
@@ -84,13 +86,18 @@ impl Lists {
         self.is_made = false;
     }
 
+    /// Positions and radius that they were made from, if they were; m.
+    pub(crate) fn made_from(&self) -> Option<&(Vec<Vec3>, f64)> {
+        self.is_made.then_some(&self.from)
+    }
+
     /// Memory held; bytes.
     pub(crate) fn memory(&self) -> usize {
         let of = |c: &ChunkLists| {
             size_of::<u32>() * (c.ends.capacity() + c.ids.capacity())
                 + Span::BYTES * c.spans.capacity()
         };
-        self.chunks.iter().map(of).sum()
+        self.chunks.iter().map(of).sum::<usize>() + size_of::<Vec3>() * self.from.0.capacity()
     }
 
     /// Lists who is near whom, for sums in registers `L`.
@@ -119,6 +126,9 @@ impl Lists {
                     lists,
                 });
             });
+        self.from.0.clear();
+        self.from.0.extend_from_slice(from.positions);
+        self.from.1 = from.radius;
         self.is_made = true;
     }
 

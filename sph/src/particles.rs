@@ -1,9 +1,10 @@
 //! The state of the fluid, one slot per particle and quantity.
 
 use crate::Vec3;
+use serde::{Deserialize, Serialize};
 
 /// Fluid particles, kept sorted by cell.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Particles {
     /// Number of the particle, given at creation; sorting never changes it.
     pub id: Vec<u32>,
@@ -78,6 +79,41 @@ impl Particles {
     /// Whether there is none.
     pub fn is_empty(&self) -> bool {
         self.id.is_empty()
+    }
+
+    /// Whether all columns are of one length, but for those that are empty where viscosity does not vary.
+    pub(crate) fn is_whole(&self) -> bool {
+        // no `..`: a new column cannot be forgotten
+        let Self {
+            id,
+            position,
+            velocity,
+            mass,
+            density,
+            pressure,
+            acceleration,
+            viscous_acceleration,
+            kind,
+            shear_rate,
+            viscosity,
+            n_made,
+        } = self;
+        let n = id.len();
+        let lengths = [
+            position.len(),
+            velocity.len(),
+            mass.len(),
+            density.len(),
+            pressure.len(),
+            acceleration.len(),
+            viscous_acceleration.len(),
+            kind.len(),
+        ];
+        lengths.iter().all(|&length| length == n)
+            && [shear_rate.len(), viscosity.len()]
+                .iter()
+                .all(|length| [0, n].contains(length))
+            && id.iter().all(|id| id < n_made)
     }
 
     /// Keeps the particles whose flag is set, in order.

@@ -1,5 +1,7 @@
 //! `riprap run`.
 
+mod resume;
+
 use std::io::{IsTerminal, Write as _};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -8,8 +10,9 @@ use std::time::{Duration, Instant};
 
 use super::accuracy::{self, Asked, Budget};
 use super::{Exit, default_folder, load, say, show};
+use crate::checkpoint;
 use crate::cli::check::describe;
-use crate::run::{Ending, Progress, run};
+use crate::run::{Ending, Event, Plan, Progress, run};
 use crate::scene::parse::{self, Override};
 use crate::scene::resolve::Scene;
 use crate::summary::Summary;
@@ -41,6 +44,12 @@ pub(crate) struct Arguments {
     /// Write over an existing run folder.
     #[arg(long)]
     force: bool,
+    /// Go on with a run that was stopped, from its last checkpoint and to the same bits as if it had not been.
+    #[arg(long, conflicts_with_all = ["force", "error"])]
+    resume: bool,
+    /// Wall time between checkpoints in seconds. One more is written when a run is stopped or fails.
+    #[arg(long, value_name = "T", default_value_t = 600.0, value_parser = seconds)]
+    checkpoint_interval: f64,
     /// No progress, only errors.
     #[arg(long)]
     quiet: bool,
@@ -62,7 +71,30 @@ pub(crate) fn execute(arguments: &Arguments) -> Exit {
         .output
         .clone()
         .unwrap_or_else(|| default_folder(&arguments.case));
-    if let Err(message) = prepare(&folder, arguments.force) {
+    let from = match arguments.resume {
+        false => None,
+        true => match resume::find(&scene, &arguments.case, &folder) {
+            Ok(resume::Found::Over) => {
+                show(&format!("{} is complete already", folder.display()));
+                return Exit::Done;
+            }
+            Ok(resume::Found::Nothing) => {
+                say(&format!(
+                    "{} holds no checkpoint: the run begins",
+                    folder.display()
+                ));
+                None
+            }
+            Ok(resume::Found::Checkpoint(checkpoint)) => Some(checkpoint),
+            Err(message) => {
+                say(&format!("error: {message}"));
+                return Exit::BadInput;
+            }
+        },
+    };
+    if from.is_none()
+        && let Err(message) = prepare(&folder, arguments.force || arguments.resume)
+    {
         say(&format!("error: {message}"));
         return Exit::BadInput;
     }
@@ -92,7 +124,9 @@ pub(crate) fn execute(arguments: &Arguments) -> Exit {
             Some(chosen)
         }
     };
-    if let Err(message) = keep_inputs(&scene, &arguments.case, &folder) {
+    if from.is_none()
+        && let Err(message) = keep_inputs(&scene, &arguments.case, &folder)
+    {
         say(&format!("error: {message}"));
         return Exit::BadInput;
     }
@@ -109,7 +143,12 @@ pub(crate) fn execute(arguments: &Arguments) -> Exit {
         say(&describe(&scene, folder_of_case));
     }
     let mut line = ProgressLine::new(arguments.quiet);
-    let ended = run(&scene, &folder, &stop, &mut |progress| line.show(progress));
+    let plan = Plan {
+        folder: &folder,
+        from,
+        checkpoint_interval: Duration::from_secs_f64(arguments.checkpoint_interval),
+    };
+    let ended = run(&scene, plan, &stop, &mut |event| line.tell(&event));
     line.end();
     match ended {
         Ok((summary, ending)) => {
@@ -117,7 +156,12 @@ pub(crate) fn execute(arguments: &Arguments) -> Exit {
                 show(&closing_words(&summary, &folder));
             }
             match (ending, chosen) {
-                (Ending::Interrupted, _) => Exit::Interrupted,
+                (Ending::Interrupted, _) => {
+                    if !arguments.quiet {
+                        show("to go on: the same command with --resume");
+                    }
+                    Exit::Interrupted
+                }
                 (Ending::Completed, None) => Exit::Done,
                 (Ending::Completed, Some(chosen)) => match chosen.judge(&scene, &folder) {
                     Ok(words) => {
@@ -138,6 +182,14 @@ pub(crate) fn execute(arguments: &Arguments) -> Exit {
             ));
             Exit::Failed
         }
+    }
+}
+
+/// A wall time.
+fn seconds(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(seconds) if (0.0..=1e9).contains(&seconds) => Ok(seconds),
+        _ => Err("expected seconds, from 0 to 1e9".to_owned()),
     }
 }
 
@@ -180,6 +232,8 @@ fn remove_run(folder: &Path) -> Result<(), String> {
             })
             || [
                 "case.ron",
+                checkpoint::FILE,
+                checkpoint::PREVIOUS,
                 "accuracy.json",
                 "summary.json",
                 "overview.svg",
@@ -273,6 +327,18 @@ impl ProgressLine {
             stage_started: now,
             was_settling: false,
             last: None,
+        }
+    }
+
+    fn tell(&mut self, event: &Event) {
+        match event {
+            Event::Step(progress) => self.show(progress),
+            Event::FellBack { error, to, share } => {
+                self.end();
+                say(&format!(
+                    "warning: {error}\nthe run goes back to t = {to:.6} s and on with {share} of the step for a while"
+                ));
+            }
         }
     }
 

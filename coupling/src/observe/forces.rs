@@ -5,14 +5,16 @@
 //! moments are about the centroid. What the momentum of the block gained is beside them, and what of that no source
 //! explains: round-off, or an error of the program.
 
+use serde::{Deserialize, Serialize};
 use std::path::Path;
 
 use riprap_dda::{Impulses, Load, Vec3};
 
 use super::{ObserveError, Observer, Schedule};
+use crate::checkpoint::Saved;
 use crate::scene::file::ForcesFile;
 use crate::scene::resolve::Scene;
-use crate::table::{Column, Table};
+use crate::table::{Column, Start, Table};
 use crate::world::{FluidImpulses, World};
 
 /// Sources of force in `forces.csv`.
@@ -38,7 +40,7 @@ pub struct Forces {
 }
 
 /// A block at its last row.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 struct Track {
     block: usize,
     /// s.
@@ -126,17 +128,19 @@ impl Forces {
         folder: &Path,
         asked: &ForcesFile,
         (chosen, world): (&[usize], &World),
+        start: Start,
     ) -> Result<Self, ObserveError> {
         let names = SOURCES.iter().chain(&["gained", "residual"]);
         let mut of_contacts = columns(["contact".to_owned()].into_iter());
         of_contacts.insert(2, Column::new("partner", "-"));
         Ok(Self {
             schedule: Schedule::every(asked.interval.unwrap_or(f64::INFINITY)),
-            forces: Table::create(
+            forces: Table::open(
                 &folder.join("forces.csv"),
                 &columns(names.map(|name| (*name).to_owned())),
+                start,
             )?,
-            contacts: Table::create(&folder.join("contacts.csv"), &of_contacts)?,
+            contacts: Table::open(&folder.join("contacts.csv"), &of_contacts, start)?,
             tracks: chosen.iter().map(|&b| Track::of(b, world)).collect(),
             row: Vec::new(),
         })
@@ -205,5 +209,25 @@ impl Observer for Forces {
         self.write_contacts(world)?;
         self.schedule.done(world.time());
         Ok(())
+    }
+
+    fn save(&self, out: Vec<u8>) -> Saved {
+        let lengths = (self.forces.length(), self.contacts.length());
+        postcard::to_extend(&(self.schedule, lengths, &self.tracks), out)
+    }
+
+    fn sync(&self) -> Result<(), ObserveError> {
+        self.forces.sync()?;
+        self.contacts.sync()?;
+        Ok(())
+    }
+
+    fn read<'a>(&mut self, bytes: &'a [u8]) -> Result<&'a [u8], ObserveError> {
+        let (forces, contacts, rest);
+        ((self.schedule, (forces, contacts), self.tracks), rest) =
+            postcard::take_from_bytes(bytes)?;
+        self.forces.cut(forces)?;
+        self.contacts.cut(contacts)?;
+        Ok(rest)
     }
 }

@@ -6,9 +6,13 @@ use riprap_dda::Vec3;
 
 use super::face_pressures::face_pressures;
 use super::{ObserveError, Observer, Schedule};
+use crate::checkpoint::Saved;
 use crate::scene::file::{BlockField, OutputFile, WaterField};
 use crate::vtk::{self, Array, Collection, PolyData, Polygons, Values};
 use crate::world::{Water, World};
+
+/// What there are frames of.
+const STEMS: [&str; 4] = ["water", "blocks", "contacts", "faces"];
 
 /// Writes `water_00000.vtp`, `blocks_00000.vtp`, ... and their collections.
 #[derive(Debug)]
@@ -55,6 +59,40 @@ impl Frames {
     }
 }
 
+impl Frames {
+    fn collections(&self) -> [Option<&Collection>; 4] {
+        [&self.water, &self.blocks, &self.contacts, &self.faces].map(Option::as_ref)
+    }
+
+    /// Removes the frames that were written since: the run will write them again.
+    fn remove_later_frames(&self) -> Result<(), ObserveError> {
+        for number in self.n_written.. {
+            let mut is_any = false;
+            for stem in STEMS {
+                let path = self.folder.join(frame_name(stem, number));
+                match std::fs::remove_file(&path) {
+                    Ok(()) => is_any = true,
+                    Err(error) if error.kind() == std::io::ErrorKind::NotFound => {}
+                    Err(source) => {
+                        return Err(ObserveError::Write {
+                            path: path.display().to_string(),
+                            source,
+                        });
+                    }
+                }
+            }
+            if !is_any {
+                break;
+            }
+        }
+        Ok(())
+    }
+}
+
+fn frame_name(stem: &str, number: u32) -> String {
+    format!("{stem}_{number:05}.vtp")
+}
+
 impl Observer for Frames {
     fn is_due(&self, world: &World) -> bool {
         self.schedule.is_due(world.time())
@@ -64,7 +102,7 @@ impl Observer for Frames {
         let number = self.n_written;
         let folder = &self.folder;
         let write = |collection: &mut Collection, stem: &str, data: &PolyData| {
-            let name = format!("{stem}_{number:05}.vtp");
+            let name = frame_name(stem, number);
             vtk::write(&folder.join(&name), data)?;
             collection.push(data.time, name)
         };
@@ -94,6 +132,37 @@ impl Observer for Frames {
         self.n_written += 1;
         self.schedule.done(world.time());
         Ok(())
+    }
+
+    fn save(&self, out: Vec<u8>) -> Saved {
+        let frames = self.collections().map(|c| c.map(Collection::frames));
+        postcard::to_extend(&(self.schedule, self.n_written, frames), out)
+    }
+
+    fn sync(&self) -> Result<(), ObserveError> {
+        // each file is synced before it gets its name
+        Ok(())
+    }
+
+    fn read<'a>(&mut self, bytes: &'a [u8]) -> Result<&'a [u8], ObserveError> {
+        type Listed = [Option<Vec<(f64, String)>>; 4];
+        let (listed, rest);
+        ((self.schedule, self.n_written, listed), rest) = postcard::take_from_bytes(bytes)?;
+        let listed: Listed = listed;
+        let Self {
+            water,
+            blocks,
+            contacts,
+            faces,
+            ..
+        } = self;
+        for (collection, frames) in [water, blocks, contacts, faces].into_iter().zip(listed) {
+            if let (Some(collection), Some(frames)) = (collection, frames) {
+                collection.go_back(frames)?;
+            }
+        }
+        self.remove_later_frames()?;
+        Ok(rest)
     }
 }
 

@@ -6,9 +6,10 @@ use riprap_dda::{Blocks, Motion};
 use riprap_sph::{Dimensions, Fluid, Vec3};
 
 use super::{ObserveError, Observer, Schedule};
+use crate::checkpoint::Saved;
 use crate::scene::file::GaugeFile;
 use crate::scene::resolve::{Scene, vec3};
-use crate::table::{Column, Table};
+use crate::table::{Column, Start, Table};
 use crate::world::World;
 
 /// Distance from the ground, in spacings, within which water touches it.
@@ -49,14 +50,19 @@ impl Gauges {
     /// # Errors
     ///
     /// [`ObserveError`] when the table cannot be created.
-    pub fn new(folder: &Path, scene: &Scene, world: &World) -> Result<Self, ObserveError> {
+    pub fn new(
+        folder: &Path,
+        scene: &Scene,
+        world: &World,
+        start: Start,
+    ) -> Result<Self, ObserveError> {
         let mut columns = vec![Column::new("time", "s")];
         for gauge in &scene.file.gauges {
             columns.extend(columns_of(gauge));
         }
         Ok(Self {
             schedule: Schedule::every(scene.file.output.gauge_interval.unwrap_or(f64::INFINITY)),
-            table: Table::create(&folder.join("gauges.csv"), &columns)?,
+            table: Table::open(&folder.join("gauges.csv"), &columns, start)?,
             gauges: scene
                 .file
                 .gauges
@@ -80,11 +86,6 @@ impl Gauges {
         }
         scalars
     }
-
-    /// The last row written.
-    pub fn last_row(&self) -> &[f64] {
-        &self.row
-    }
 }
 
 impl Observer for Gauges {
@@ -101,6 +102,22 @@ impl Observer for Gauges {
         self.table.row(&self.row)?;
         self.schedule.done(world.time());
         Ok(())
+    }
+
+    fn save(&self, out: Vec<u8>) -> Saved {
+        postcard::to_extend(&(self.schedule, self.table.length()), out)
+    }
+
+    fn sync(&self) -> Result<(), ObserveError> {
+        self.table.sync()?;
+        Ok(())
+    }
+
+    fn read<'a>(&mut self, bytes: &'a [u8]) -> Result<&'a [u8], ObserveError> {
+        let (length, rest);
+        ((self.schedule, length), rest) = postcard::take_from_bytes(bytes)?;
+        self.table.cut(length)?;
+        Ok(rest)
     }
 }
 

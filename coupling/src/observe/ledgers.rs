@@ -5,8 +5,9 @@ use std::path::Path;
 use riprap_dda::Vec3;
 
 use super::{ObserveError, Observer, Schedule};
+use crate::checkpoint::Saved;
 use crate::ledger::Energy;
-use crate::table::{Column, Table};
+use crate::table::{Column, Start, Table};
 use crate::world::World;
 
 /// Writes the energy ledger and the motion of blocks.
@@ -122,19 +123,24 @@ impl Ledgers {
     /// # Errors
     ///
     /// [`ObserveError`] when a table cannot be created.
-    pub fn new(folder: &Path, interval: f64, world: &World) -> Result<Self, ObserveError> {
+    pub fn new(
+        folder: &Path,
+        interval: f64,
+        world: &World,
+        start: Start,
+    ) -> Result<Self, ObserveError> {
         let mut columns = vec![Column::new("time", "s")];
         columns.extend(ENERGY_COLUMNS.map(|name| Column::new(name, "J")));
         let has_movers = (0..world.blocks.n_blocks()).any(|b| !world.is_fixed(b));
         let blocks = has_movers
             .then(|| {
                 let columns = BLOCK_COLUMNS.map(|(name, unit)| Column::new(name, unit));
-                Table::create(&folder.join("blocks.csv"), &columns)
+                Table::open(&folder.join("blocks.csv"), &columns, start)
             })
             .transpose()?;
         Ok(Self {
             schedule: Schedule::every(interval),
-            energy: Table::create(&folder.join("energy.csv"), &columns)?,
+            energy: Table::open(&folder.join("energy.csv"), &columns, start)?,
             blocks,
             row: Vec::new(),
         })
@@ -177,5 +183,28 @@ impl Observer for Ledgers {
         }
         self.schedule.done(world.time());
         Ok(())
+    }
+
+    fn save(&self, out: Vec<u8>) -> Saved {
+        let blocks = self.blocks.as_ref().map(Table::length);
+        postcard::to_extend(&(self.schedule, self.energy.length(), blocks), out)
+    }
+
+    fn sync(&self) -> Result<(), ObserveError> {
+        self.energy.sync()?;
+        if let Some(table) = &self.blocks {
+            table.sync()?;
+        }
+        Ok(())
+    }
+
+    fn read<'a>(&mut self, bytes: &'a [u8]) -> Result<&'a [u8], ObserveError> {
+        let (energy, blocks, rest);
+        ((self.schedule, energy, blocks), rest) = postcard::take_from_bytes(bytes)?;
+        self.energy.cut(energy)?;
+        if let (Some(table), Some(length)) = (&mut self.blocks, blocks) {
+            table.cut(length)?;
+        }
+        Ok(rest)
     }
 }

@@ -5,10 +5,12 @@ use std::path::{Path, PathBuf};
 use riprap_dda::Vec3;
 
 use super::gauges::Gauges;
-use super::ledgers::{ENERGY_COLUMNS, energy_row};
+use super::ledgers::ENERGY_COLUMNS;
 use super::trajectories::Trajectories;
+use crate::checkpoint::{Read, Saved};
 use crate::overview::{Chart, Outline, Overview, Record, Snapshot, svg};
 use crate::scene::resolve::Scene;
+use crate::table::{TableData, read_table};
 use crate::world::World;
 
 use super::ObserveError;
@@ -58,22 +60,26 @@ impl Pictures {
         }
     }
 
-    /// Takes over the row that the gauges have just written.
-    pub fn note_gauges(&mut self, row: &[f64]) {
-        let Some(&time) = row.first() else { return };
-        for (record, &place) in self.overview.gauges.iter_mut().zip(&self.places) {
-            record.time.push(time);
-            record.value.push(row[place]);
-        }
+    /// Takes the records of gauges and of the energy ledger from the tables of the run.
+    fn read_records(&mut self, folder: &Path) -> Result<(), ObserveError> {
+        let gauges = read_table(&folder.join("gauges.csv"))?;
+        let energy = read_table(&folder.join("energy.csv"))?;
+        let places = self.places.iter().copied();
+        fill(&mut self.overview.gauges, &gauges, places);
+        fill(&mut self.overview.energy, &energy, 1..);
+        Ok(())
     }
 
-    /// Notes the energy ledger; potential energy counts from the start.
-    pub fn note_energy(&mut self, world: &World) {
-        let row = energy_row(&world.energy());
-        for (record, value) in self.overview.energy.iter_mut().zip(row) {
-            record.time.push(world.time());
-            record.value.push(value);
-        }
+    /// Appends the views taken so far to some bytes.
+    pub fn save(&self, out: Vec<u8>) -> Saved {
+        postcard::to_extend(&self.overview.snapshots, out)
+    }
+
+    /// Takes them over again; returns the rest of the bytes.
+    pub fn read<'a>(&mut self, bytes: &'a [u8]) -> Read<'a> {
+        let rest;
+        (self.overview.snapshots, rest) = postcard::take_from_bytes(bytes)?;
+        Ok(rest)
     }
 
     /// Draws what became of the blocks that were followed: how high they flew, and how far they went.
@@ -101,7 +107,7 @@ impl Pictures {
     ///
     /// # Errors
     ///
-    /// [`ObserveError::Write`] names the file.
+    /// [`ObserveError`] names the file.
     pub fn write(
         &mut self,
         folder: &Path,
@@ -110,6 +116,7 @@ impl Pictures {
     ) -> Result<PathBuf, ObserveError> {
         self.overview.snapshots.push(snapshot(world));
         self.overview.subtitle = subtitle;
+        self.read_records(folder)?;
         // a term that the scene does not have needs no line in the legend
         self.overview
             .energy
@@ -170,6 +177,19 @@ fn reached(run_outs: &[f64]) -> Chart {
         label: "share of blocks".to_owned(),
         along: "went no farther than [m]".to_owned(),
         curves: vec![stair],
+    }
+}
+
+/// Fills records with the columns of a table at these places; the first is the time.
+fn fill(records: &mut [Record], table: &TableData, places: impl Iterator<Item = usize>) {
+    let Some(time) = table.values.first() else {
+        return;
+    };
+    for (record, place) in records.iter_mut().zip(places) {
+        if let Some(values) = table.values.get(place) {
+            record.time.clone_from(time);
+            record.value.clone_from(values);
+        }
     }
 }
 

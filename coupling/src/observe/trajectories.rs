@@ -3,15 +3,17 @@
 //! The ground is what [`Ground`] says: faces of fixed blocks that look up. A height above it is that of the block's
 //! centroid, taken along z; that of a block at rest is about half its size.
 
+use serde::{Deserialize, Serialize};
 use std::path::Path;
 
 use riprap_dda::Vec3;
 
 use super::ground::Ground;
 use super::{ObserveError, Observer, Schedule};
+use crate::checkpoint::Saved;
 use crate::scene::file::TrajectoriesFile;
 use crate::scene::resolve::Scene;
-use crate::table::{Column, Table};
+use crate::table::{Column, Start, Table};
 use crate::world::World;
 
 /// Stretches of horizontal distance into which heights are sorted for the overview, over the longest way in the plan
@@ -68,7 +70,7 @@ pub struct Trajectories {
 }
 
 /// What is known of the way of a block; every extreme is that of the samples.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 struct Track {
     block: usize,
     start: Vec3,
@@ -100,11 +102,11 @@ impl Trajectories {
         asked: &TrajectoriesFile,
         scene: &Scene,
         world: &World,
+        start: Start,
     ) -> Result<Self, ObserveError> {
-        let columns = |list: &[(&str, &str)]| -> Vec<Column> {
-            list.iter()
-                .map(|(name, unit)| Column::new(*name, *unit))
-                .collect()
+        let table = |name: &str, list: &[(&str, &str)]| {
+            let columns = list.iter().map(|(name, unit)| Column::new(*name, *unit));
+            Table::open(&folder.join(name), &columns.collect::<Vec<_>>(), start)
         };
         let is_asked = |&b: &usize| {
             let name = &scene.file.blocks[b].name;
@@ -118,8 +120,8 @@ impl Trajectories {
         Ok(Self {
             schedule: Schedule::every(asked.interval.unwrap_or(f64::INFINITY)),
             ground: Ground::of(&world.blocks),
-            samples: Table::create(&folder.join("trajectories.csv"), &columns(&SAMPLE_COLUMNS))?,
-            blocks: Table::create(&folder.join("rockfall.csv"), &columns(&BLOCK_COLUMNS))?,
+            samples: table("trajectories.csv", &SAMPLE_COLUMNS)?,
+            blocks: table("rockfall.csv", &BLOCK_COLUMNS)?,
             tracks,
             stretch: extent.norm() / STRETCHES,
             time: f64::NEG_INFINITY,
@@ -212,6 +214,28 @@ impl Observer for Trajectories {
         self.time = world.time();
         self.schedule.done(world.time());
         Ok(())
+    }
+
+    fn save(&self, out: Vec<u8>) -> Saved {
+        let lengths = (self.samples.length(), self.blocks.length());
+        postcard::to_extend(&(self.schedule, lengths, &self.tracks, self.time), out)
+    }
+
+    fn sync(&self) -> Result<(), ObserveError> {
+        self.samples.sync()?;
+        self.blocks.sync()?;
+        Ok(())
+    }
+
+    fn read<'a>(&mut self, bytes: &'a [u8]) -> Result<&'a [u8], ObserveError> {
+        let (samples, blocks, rest);
+        (
+            (self.schedule, (samples, blocks), self.tracks, self.time),
+            rest,
+        ) = postcard::take_from_bytes(bytes)?;
+        self.samples.cut(samples)?;
+        self.blocks.cut(blocks)?;
+        Ok(rest)
     }
 }
 

@@ -29,7 +29,7 @@ pub enum VtkError {
 
 impl VtkError {
     /// For `map_err`: an error of the operating system on `path`.
-    pub(super) fn io<'a>(
+    pub(crate) fn io<'a>(
         operation: &'static str,
         path: &'a Path,
     ) -> impl FnOnce(io::Error) -> Self + 'a {

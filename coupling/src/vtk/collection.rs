@@ -34,6 +34,35 @@ impl Collection {
             return Err(VtkError::data(&self.pvd)(Fault::Time { time }));
         }
         self.frames.push((time, file_name.into()));
+        self.rewrite()
+    }
+
+    /// The frames so far: time (s) and file.
+    pub fn frames(&self) -> &[(f64, String)] {
+        &self.frames
+    }
+
+    /// Goes back to these frames, and rewrites both forms; removes them if there are none.
+    ///
+    /// # Errors
+    /// [`VtkError::Io`] if the system refuses.
+    pub fn go_back(&mut self, frames: Vec<(f64, String)>) -> Result<(), VtkError> {
+        self.frames = frames;
+        if self.frames.is_empty() {
+            for path in [&self.pvd, &self.series] {
+                match std::fs::remove_file(path) {
+                    Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
+                        return Err(VtkError::io("remove", path)(error));
+                    }
+                    _ => {}
+                }
+            }
+            return Ok(());
+        }
+        self.rewrite()
+    }
+
+    fn rewrite(&self) -> Result<(), VtkError> {
         replace_file(&self.pvd, &[self.pvd_text().as_bytes()])?;
         replace_file(&self.series, &[self.series_text().as_bytes()])
     }

@@ -15,9 +15,10 @@
 use nalgebra::{Matrix3, Matrix6, Vector6};
 use riprap_dda::{Blocks, Load};
 use riprap_sph::Vec3;
+use serde::{Deserialize, Serialize};
 
 /// Acceleration of a block's centroid and of its turning; m/s², rad/s².
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Acceleration {
     /// m/s².
     pub linear: Vec3,

@@ -36,6 +36,7 @@ use super::added_mass::{Acceleration, AddedMass, Movers, largest_ratio};
 use super::cutting::disjoint;
 use super::endless::Endless;
 use super::{FluidLoad, Part, face_lattice, is_fixed, parts};
+use crate::checkpoint::{Read, Saved};
 use crate::part_table::{PartTable, Placed, Solids};
 
 /// Distance off a surface, in spacings, below which a particle sees the wall as from there: nearer the
@@ -227,6 +228,22 @@ impl IntegralWalls {
             loads: vec![FluidLoad::default(); n_blocks],
             force_on_fluid: Vec3::zeros(),
             power: 0.0,
+        }
+    }
+
+    /// Appends what changes in a run to some bytes.
+    pub(crate) fn save(&self, out: Vec<u8>) -> Saved {
+        postcard::to_extend(&(&self.loads, self.force_on_fluid, self.power), out)
+    }
+
+    /// Takes it over again.
+    pub(crate) fn read<'a>(&mut self, bytes: &'a [u8]) -> Read<'a> {
+        let n = self.loads.len();
+        let rest;
+        ((self.loads, self.force_on_fluid, self.power), rest) = postcard::take_from_bytes(bytes)?;
+        match self.loads.len() == n {
+            true => Ok(rest),
+            false => Err(postcard::Error::DeserializeBadEncoding),
         }
     }
 

@@ -23,6 +23,7 @@ use super::cutting::before;
 use super::sampler::{Sampler, Thin};
 use super::screens::Screens;
 use super::{FluidLoad, Part, is_fixed, parts};
+use crate::checkpoint::{Read, Saved};
 
 /// The walls of all blocks.
 #[derive(Clone, Debug)]
@@ -257,6 +258,29 @@ impl ParticleWalls {
     /// Number of points.
     pub fn n_points(&self) -> usize {
         self.fixed.len() + self.moving.len()
+    }
+
+    /// Appends what changes in a run to some bytes.
+    pub(crate) fn save(&self, out: Vec<u8>) -> Saved {
+        let forces = (&self.loads, self.force_on_fluid, self.power);
+        let buried = (&self.buried.is_buried, self.buried.is_any);
+        let out = postcard::to_extend(&(forces, &self.accelerations, buried), out)?;
+        self.screens.save(out)
+    }
+
+    /// Takes it over again.
+    pub(crate) fn read<'a>(&mut self, bytes: &'a [u8]) -> Read<'a> {
+        let lengths = (self.loads.len(), self.block.len());
+        let (forces, buried, rest);
+        ((forces, self.accelerations, buried), rest) = postcard::take_from_bytes(bytes)?;
+        (self.loads, self.force_on_fluid, self.power) = forces;
+        (self.buried.is_buried, self.buried.is_any) = buried;
+        if (self.loads.len(), self.buried.is_buried.len()) != lengths
+            || self.accelerations.len() != lengths.0
+        {
+            return Err(postcard::Error::DeserializeBadEncoding);
+        }
+        self.screens.read(rest)
     }
 
     /// Force and moment of the fluid on every block that moves; N, N m about the centroid.

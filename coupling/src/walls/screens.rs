@@ -5,6 +5,7 @@ use riprap_sph::boundary::screens::{Plane, are_opposed};
 use riprap_sph::{Fluid, Vec3};
 
 use super::{Part, is_fixed};
+use crate::checkpoint::{Read, Saved};
 
 /// Distance off a face at which others may cover it; spacings.
 const OFF_FACE: f64 = 0.1;
@@ -116,6 +117,29 @@ impl Screens {
         self.are_new = true;
         self.screens.push(screen);
         self.screens.len() as u32 - 1
+    }
+
+    /// Appends what changes in a run to some bytes: what was found when they were looked at last, which is not in every step.
+    pub(super) fn save(&self, out: Vec<u8>) -> Saved {
+        let found = |s: &Screen| (s.looked_at, s.goes_on.clone(), s.reaches_into.clone());
+        let found: Vec<_> = self.screens.iter().map(found).collect();
+        postcard::to_extend(&found, out)
+    }
+
+    /// Takes it over again; they are to be placed after that.
+    pub(super) fn read<'a>(&mut self, bytes: &'a [u8]) -> Read<'a> {
+        type Found = (Vec3, Vec<bool>, Vec<usize>);
+        let (found, rest) = postcard::take_from_bytes::<Vec<Found>>(bytes)?;
+        let fits = |(screen, found): (&Screen, &Found)| {
+            found.1.len() == screen.goes_on.len() && found.2.iter().all(|&k| k < self.fixed.len())
+        };
+        if found.len() != self.screens.len() || !self.screens.iter().zip(&found).all(fits) {
+            return Err(postcard::Error::DeserializeBadEncoding);
+        }
+        for (screen, found) in self.screens.iter_mut().zip(found) {
+            (screen.looked_at, screen.goes_on, screen.reaches_into) = found;
+        }
+        Ok(rest)
     }
 
     /// Remembers where they are: before the blocks move.

@@ -11,9 +11,10 @@
 
 use crate::{Vec3, contact::PointState, material::Joint};
 use nalgebra::Matrix3;
+use serde::{Deserialize, Serialize};
 
 /// Bond of two parts.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Bond {
     /// `A` at the start; m².
     pub area: f64,

@@ -6,10 +6,11 @@ use crate::{
     kinematics::{InternalMotion, Moment},
 };
 use nalgebra::Matrix3;
+use serde::{Deserialize, Serialize};
 
 /// `F'' S₀ = Σ f ⊗ X − V₀ P(F)`, stepped by kick, drift, kick: the force of an instant acts in the
 /// half kicks on both sides of it.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Affine12 {
     pub body: AffineBody,
     pub law: StressLaw,

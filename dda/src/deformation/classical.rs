@@ -15,9 +15,10 @@ use crate::{
     kinematics::{InternalMotion, Moment},
 };
 use nalgebra::{Matrix3, Rotation3, SMatrix};
+use serde::{Deserialize, Serialize};
 
 /// Increments of strain and rotation per step, stress summed up.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Dda12 {
     pub body: AffineBody,
     pub elastic: Constants,

@@ -3,9 +3,10 @@
 use super::{green_strain, polar_rotation, symmetric};
 use crate::{Elastic, StressLaw};
 use nalgebra::{Matrix3, SMatrix, SymmetricEigen};
+use serde::{Deserialize, Serialize};
 
 /// Constants of an elastic block.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Constants {
     /// Lamé's constants; Pa.
     pub lambda: f64,

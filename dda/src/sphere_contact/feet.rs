@@ -12,9 +12,10 @@ use crate::{
     kinematics::{Kinematics, Load},
     material::{RollingLaw, SphereJoint},
 };
+use serde::{Deserialize, Serialize};
 
 /// A place where a ball touches a surface: i is the ball, j the surface.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct BallOnSurface {
     pub contact: SphereContact,
     pub loads: SphereLoads,

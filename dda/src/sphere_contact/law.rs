@@ -8,9 +8,10 @@ use crate::{
     friction::carry,
     material::{RollingLaw, SphereJoint},
 };
+use serde::{Deserialize, Serialize};
 
 /// Memory of a touching pair.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct SphereContact {
     /// Unit, from i to j.
     pub normal: Vec3,
@@ -61,7 +62,7 @@ impl SphereContact {
 }
 
 /// What a pair does to its blocks; beside the pairs, because each block reads it of all its own.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub(crate) struct SphereLoads {
     /// On j; N. Zero when apart.
     pub force: Vec3,

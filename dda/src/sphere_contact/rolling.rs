@@ -5,9 +5,10 @@ use super::{
     sides::Side,
 };
 use crate::{Vec3, forces::Tally, friction::carry, material::RollingLaw};
+use serde::{Deserialize, Serialize};
 
 /// Memory of the rolling spring of a touching pair; only where a material resists rolling.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Rolling {
     /// `θ`, of i and of j on their own, or of j against i and nothing; rad.
     pub angles: (Vec3, Vec3),

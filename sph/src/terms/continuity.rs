@@ -7,9 +7,10 @@ use crate::kernel::PairKernel;
 use crate::lanes::{Lanes, RECORD};
 use crate::sweep::{Pair, Term};
 use crate::terms::{Lanes3, dot, minus, signed, splat3};
+use serde::{Deserialize, Serialize};
 
 /// What a rate sum gives.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub(crate) struct Rate {
     /// By the flow; kg/(m³ s).
     pub flow: f64,

@@ -1,0 +1,83 @@
+//! Where `riprap run --resume` goes on from.
+
+use std::fs;
+use std::path::Path;
+
+use crate::checkpoint::{self, Checkpoint};
+use crate::cli::say;
+use crate::scene::parse;
+use crate::scene::resolve::Scene;
+
+/// What a run folder holds.
+pub(super) enum Found {
+    /// Nothing that a run could go on from.
+    Nothing,
+    /// A run that reached its end.
+    Over,
+    /// A run that did not.
+    Checkpoint(Checkpoint),
+}
+
+/// Looks what a run folder holds of the run of a scene; changes nothing in it.
+pub(super) fn find(scene: &Scene, case: &Path, folder: &Path) -> Result<Found, String> {
+    let Some(before) = read(&folder.join("case.ron"))? else {
+        return Ok(Found::Nothing);
+    };
+    let now =
+        parse::write(&scene.file).map_err(|error| format!("cannot write case.ron: {error}"))?;
+    if let Some((line, (before, now))) = first_difference(&before, &now) {
+        return Err(format!(
+            "{}, line {line}: the run had `{before}`, and now it would be `{now}`; go on with the scene as it was, name \
+             another folder with -o, or begin anew with --force",
+            folder.join("case.ron").display()
+        ));
+    }
+    let source = case.parent().unwrap_or(Path::new("."));
+    for file in scene.file.referenced_files() {
+        let (before, now) = (fs::read(folder.join(file)), fs::read(source.join(file)));
+        if before.ok() != now.ok() {
+            return Err(format!(
+                "`{file}` is not what it was when the run began, see {}; begin anew with --force",
+                folder.join(file).display()
+            ));
+        }
+    }
+    let summary = read(&folder.join("summary.json"))?;
+    let summary = summary.and_then(|text| serde_json::from_str::<serde_json::Value>(&text).ok());
+    let is_over = summary.is_some_and(|summary| summary["completed"] == true);
+    match checkpoint::newest(folder, &checkpoint::scene_hash(&now)) {
+        Err(error) => Err(error.to_string()),
+        Ok(Some((checkpoint, refused))) => {
+            if let Some(refused) = refused {
+                say(&format!("warning: {refused}"));
+            }
+            let header = &checkpoint.header;
+            say(&format!(
+                "goes on from {}t = {:.6} s, step {}",
+                if header.is_settling { "settling, " } else { "" },
+                header.time,
+                header.steps
+            ));
+            Ok(Found::Checkpoint(checkpoint))
+        }
+        Ok(None) if is_over => Ok(Found::Over),
+        Ok(None) => Ok(Found::Nothing),
+    }
+}
+
+/// A file as text, none where there is none.
+fn read(path: &Path) -> Result<Option<String>, String> {
+    match fs::read_to_string(path) {
+        Ok(text) => Ok(Some(text)),
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(None),
+        Err(error) => Err(format!("cannot read {}: {error}", path.display())),
+    }
+}
+
+/// The first line, by its number, in which two texts differ; both of it.
+fn first_difference<'t>(a: &'t str, b: &'t str) -> Option<(usize, (&'t str, &'t str))> {
+    let longest = a.lines().count().max(b.lines().count());
+    let lines = |text: &'t str| text.lines().map(str::trim).chain(std::iter::repeat(""));
+    let mut both = (1..=longest).zip(lines(a).zip(lines(b)));
+    both.find(|(_, (a, b))| a != b)
+}

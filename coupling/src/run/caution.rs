@@ -1,0 +1,121 @@
+//! How a run goes on after a step that went wrong: from the last good state, with half the step for a while.
+
+use serde::{Deserialize, Serialize};
+
+/// Most times in a row that the step is halved.
+const MOST_HALVINGS: u32 = 5;
+/// Halvings in a row that did not take the run any farther: it is not the step.
+const MOST_IN_VAIN: u32 = 2;
+/// Way, over that from the good state to the failure, by which a try has to come farther to be of any use.
+const FARTHER: f64 = 0.05;
+
+/// What was tried against a failure.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(super) struct Caution {
+    /// Times that the step is halved at present.
+    halvings: u32,
+    in_vain: u32,
+    /// Farthest that the run has come before it failed; s.
+    failed_at: f64,
+    /// Until when steps are short; s.
+    until: f64,
+    /// Falls back since the run began.
+    n_falls: u64,
+}
+
+impl Caution {
+    /// Whether steps are short at a time (s).
+    pub fn is_on(&self, time: f64) -> bool {
+        0 < self.halvings && time < self.until
+    }
+
+    /// Share of the usual step to be taken at a time (s).
+    pub fn share(&self, time: f64) -> f64 {
+        match self.is_on(time) {
+            true => 0.5_f64.powi(self.halvings as i32),
+            false => 1.0,
+        }
+    }
+
+    /// Ends it: the failure was passed.
+    pub fn rest(&mut self) {
+        *self = Self {
+            n_falls: self.n_falls,
+            ..Self::default()
+        };
+    }
+
+    /// After another failure at a time, from a good state at another; none where nothing helps. Steps are short until as
+    /// far beyond the failure as it is from the good state.
+    pub fn after(&self, failed_at: f64, good: f64) -> Option<Self> {
+        let is_first = self.halvings == 0;
+        let helped = FARTHER * (self.failed_at - good) < failed_at - self.failed_at;
+        let in_vain = if is_first || helped {
+            0
+        } else {
+            self.in_vain + 1
+        };
+        if self.halvings == MOST_HALVINGS || in_vain == MOST_IN_VAIN {
+            return None;
+        }
+        let failed_at = if is_first {
+            failed_at
+        } else {
+            failed_at.max(self.failed_at)
+        };
+        Some(Self {
+            halvings: self.halvings + 1,
+            in_vain,
+            failed_at,
+            // past it even where the very first step fails
+            until: failed_at + (failed_at - good).max(f64::MIN_POSITIVE),
+            n_falls: self.n_falls + 1,
+        })
+    }
+
+    /// Falls back since the run began.
+    pub fn n_falls(&self) -> u64 {
+        self.n_falls
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn tries(failures: impl IntoIterator<Item = f64>) -> Vec<f64> {
+        let mut caution = Caution::default();
+        let mut shares = Vec::new();
+        for failed_at in failures {
+            match caution.after(failed_at, 1.0) {
+                None => break,
+                Some(next) => caution = next,
+            }
+            shares.push(caution.share(1.0));
+        }
+        shares
+    }
+
+    #[test]
+    fn a_failure_that_no_step_moves_is_given_up_soon() {
+        assert_eq!(tries(std::iter::repeat_n(2.0, 9)), [0.5, 0.25]);
+    }
+
+    #[test]
+    fn as_long_as_a_try_comes_farther_another_is_made_but_no_more_than_five() {
+        assert_eq!(
+            tries((0..9).map(|k| 2.0 + 0.2 * f64::from(k))),
+            [0.5, 0.25, 0.125, 0.0625, 0.03125]
+        );
+    }
+
+    #[test]
+    fn steps_are_short_until_well_past_the_failure() {
+        let caution = Caution::default().after(2.0, 1.0);
+        let share = |time: f64| caution.map(|caution| caution.share(time));
+        assert_eq!(
+            [share(1.0), share(2.9), share(3.0)],
+            [Some(0.5), Some(0.5), Some(1.0)]
+        );
+    }
+}

@@ -1,0 +1,146 @@
+//! The observers of a run together.
+
+use std::path::Path;
+
+use crate::checkpoint::Saved;
+use crate::observe::forces::Forces;
+use crate::observe::frames::Frames;
+use crate::observe::gauges::Gauges;
+use crate::observe::ledgers::Ledgers;
+use crate::observe::pictures::Pictures;
+use crate::observe::trajectories::Trajectories;
+use crate::observe::{ObserveError, Observer};
+use crate::scene::resolve::Scene;
+use crate::table::Start;
+use crate::world::World;
+
+/// Whoever looks at the world of a run.
+#[derive(Debug)]
+pub(super) struct Observers {
+    pub frames: Frames,
+    pub gauges: Gauges,
+    pub ledgers: Ledgers,
+    /// Absent when the scene does not ask for them.
+    forces: Option<Forces>,
+    trajectories: Option<Trajectories>,
+    pictures: Pictures,
+}
+
+impl Observers {
+    /// Those that the scene asks for; the world keeps the accounts that they need.
+    pub fn new(
+        scene: &Scene,
+        folder: &Path,
+        world: &mut World,
+        start: Start,
+    ) -> Result<Self, ObserveError> {
+        let output = &scene.file.output;
+        let ledger_interval = output.ledger_interval.unwrap_or(f64::INFINITY);
+        Ok(Self {
+            frames: Frames::new(folder, output, world)?,
+            gauges: Gauges::new(folder, scene, world, start)?,
+            ledgers: Ledgers::new(folder, ledger_interval, world, start)?,
+            forces: match &scene.file.forces {
+                None => None,
+                Some(asked) => {
+                    let chosen = asked.chosen(scene, world);
+                    world.keep_accounts(&chosen);
+                    Some(Forces::new(folder, asked, (&chosen, world), start)?)
+                }
+            },
+            trajectories: match &scene.file.trajectories {
+                None => None,
+                Some(asked) => Some(Trajectories::new(folder, asked, scene, world, start)?),
+            },
+            pictures: Pictures::new(scene),
+        })
+    }
+
+    /// Those that write while the run goes on, frames last: a frame that is there has its rows in every table.
+    fn all(&self) -> impl Iterator<Item = &dyn Observer> {
+        let Self {
+            frames,
+            gauges,
+            ledgers,
+            forces,
+            trajectories,
+            pictures: _,
+        } = self;
+        let observers: [Option<&dyn Observer>; 5] = [
+            Some(gauges),
+            Some(ledgers),
+            forces.as_ref().map(|forces| forces as _),
+            trajectories.as_ref().map(|trajectories| trajectories as _),
+            Some(frames),
+        ];
+        observers.into_iter().flatten()
+    }
+
+    fn all_mut(&mut self) -> impl Iterator<Item = &mut dyn Observer> {
+        let Self {
+            frames,
+            gauges,
+            ledgers,
+            forces,
+            trajectories,
+            pictures: _,
+        } = self;
+        let observers: [Option<&mut dyn Observer>; 5] = [
+            Some(gauges),
+            Some(ledgers),
+            forces.as_mut().map(|forces| forces as _),
+            trajectories.as_mut().map(|trajectories| trajectories as _),
+            Some(frames),
+        ];
+        observers.into_iter().flatten()
+    }
+
+    /// Has those look whose time has come.
+    pub fn observe(&mut self, world: &World) -> Result<(), ObserveError> {
+        self.pictures.note_view(world);
+        for observer in self.all_mut().filter(|observer| observer.is_due(world)) {
+            observer.observe(world)?;
+        }
+        Ok(())
+    }
+
+    /// Writes what can be told only at the end.
+    pub fn finish(
+        &mut self,
+        folder: &Path,
+        world: &World,
+        subtitle: String,
+    ) -> Result<(), ObserveError> {
+        let followed = match &mut self.trajectories {
+            None => Ok(()),
+            Some(trajectories) => {
+                let finished = trajectories.finish(world);
+                self.pictures.note_trajectories(trajectories);
+                finished
+            }
+        };
+        self.pictures.write(folder, world, subtitle)?;
+        followed
+    }
+
+    /// Makes sure that what was written outlasts a power failure.
+    pub fn sync(&self) -> Result<(), ObserveError> {
+        self.all().try_for_each(Observer::sync)
+    }
+
+    /// Appends to some bytes what they have done so far.
+    pub fn save(&self, out: Vec<u8>) -> Saved {
+        let out = self
+            .all()
+            .try_fold(out, |out, observer| observer.save(out))?;
+        self.pictures.save(out)
+    }
+
+    /// Takes it over again, and takes back what was written since; returns the rest of the bytes.
+    pub fn read<'b>(&mut self, bytes: &'b [u8]) -> Result<&'b [u8], ObserveError> {
+        let rest = self
+            .all_mut()
+            .try_fold(bytes, |bytes, observer| observer.read(bytes))?;
+        Ok(self.pictures.read(rest)?)
+    }
+}

@@ -1,0 +1,81 @@
+//! The state of a world as bytes: saved in a run, read back into the world of the same scene.
+
+use super::World;
+use crate::checkpoint::{Read, Saved};
+
+impl World {
+    /// Appends the state to some bytes.
+    ///
+    /// # Errors
+    ///
+    /// None that is known: the format takes whatever a world is made of.
+    pub fn save(&self, out: Vec<u8>) -> Saved {
+        // no `..`: what is new cannot be forgotten
+        let Self {
+            blocks,
+            water,
+            clock,
+            ledger,
+            held,
+            extremes,
+            phases,
+            dry,
+            accounts,
+            // constants
+            gravity: _,
+            domain: _,
+            kept_clear: _,
+            deformable: _,
+            leaving: _,
+            // scratch
+            loads_at_start: _,
+            stretches_at_start: _,
+        } = self;
+        let progress = (clock, ledger, held, extremes, phases);
+        let out = postcard::to_extend(&(progress, dry, accounts), out)?;
+        let out = blocks.save(out)?;
+        let Some(water) = water else { return Ok(out) };
+        let out = water.fluid.save(out)?;
+        let out = water.interface.save(out)?;
+        let out = water.joints.save(out)?;
+        let out = water.openings.save(out)?;
+        match &water.walls {
+            None => Ok(out),
+            Some(walls) => walls.save(out),
+        }
+    }
+
+    /// Takes the state over from the front of bytes that [`Self::save`] wrote in a run of the same scene; returns the rest.
+    /// What follows is the same to the bit as without.
+    ///
+    /// # Errors
+    ///
+    /// The bytes end early, mean nothing, or are of another scene. The world is then in no state to go on.
+    pub fn read<'a>(&mut self, bytes: &'a [u8]) -> Read<'a> {
+        let of_blocks = (self.dry.len(), self.accounts.len());
+        let (progress, rest);
+        ((progress, self.dry, self.accounts), rest) = postcard::take_from_bytes(bytes)?;
+        if (self.dry.len(), self.accounts.len()) != of_blocks {
+            return Err(postcard::Error::DeserializeBadEncoding);
+        }
+        (
+            self.clock,
+            self.ledger,
+            self.held,
+            self.extremes,
+            self.phases,
+        ) = progress;
+        let bytes = self.blocks.read(rest)?;
+        let Some(water) = &mut self.water else {
+            return Ok(bytes);
+        };
+        let bytes = water.fluid.read(bytes)?;
+        let bytes = water.interface.read(bytes)?;
+        let bytes = water.joints.read(bytes)?;
+        let bytes = water.openings.read(bytes)?;
+        match &mut water.walls {
+            None => Ok(bytes),
+            Some(walls) => walls.read(bytes, &mut water.fluid, &self.blocks),
+        }
+    }
+}

@@ -1,0 +1,115 @@
+//! The state as bytes: saved in a run, read back into a fluid of the same settings.
+//!
+//! Lists of neighbours are long and are not kept: they are made again from the positions that they were made from, so that
+//! sums add the same numbers in the same order.
+
+use postcard::Error;
+
+use crate::particles::Particles;
+use crate::sweep::AnyPoints;
+use crate::{Fluid, Stepping, Vec3};
+
+impl Fluid {
+    /// Appends the state to some bytes.
+    ///
+    /// # Errors
+    ///
+    /// None that is known: the format takes whatever a fluid is made of.
+    pub fn save(&self, out: Vec<u8>) -> Result<Vec<u8>, Error> {
+        // no `..`: what is new cannot be forgotten
+        let Self {
+            particles,
+            at_start: _,
+            grid,
+            lists,
+            moved,
+            max_speed,
+            n_pairs,
+            viscous_loss,
+            from_walls,
+            diffusive_loss,
+            removed,
+            plane_force,
+            reflected,
+            scratch,
+            // walls set them up anew
+            screens: _,
+            // constants
+            settings: _,
+            state: _,
+            frame: _,
+            rheologies: _,
+            particle_volume: _,
+            lattice_sum: _,
+            skin: _,
+        } = self;
+        let out = postcard::to_extend(particles, out)?;
+        let out = postcard::to_extend(grid.starts(), out)?;
+        let listed = lists.made_from().filter(|_| self.is_sorted());
+        let out = postcard::to_extend(&listed, out)?;
+        let energies = (viscous_loss, from_walls, diffusive_loss);
+        let momenta = (removed, plane_force, reflected);
+        let rest = (moved, max_speed, n_pairs, energies, momenta);
+        let out = postcard::to_extend(&rest, out)?;
+        // the next step starts with these
+        let rates = match self.settings.scheme.stepping {
+            Stepping::PredictorCorrector => scratch.rates.as_slice(),
+            Stepping::KickDriftKick | Stepping::SymplecticEuler => &[],
+        };
+        postcard::to_extend(&(&scratch.pushes, rates), out)
+    }
+
+    /// Takes the state over from the front of bytes that [`Self::save`] wrote; returns the rest. What follows is the same
+    /// to the bit as without.
+    ///
+    /// # Errors
+    ///
+    /// The bytes end early, mean nothing, or are of another fluid. This one is then in no state to go on.
+    pub fn read<'a>(&mut self, bytes: &'a [u8]) -> Result<&'a [u8], Error> {
+        let bad = Err(Error::DeserializeBadEncoding);
+        let (particles, bytes) = postcard::take_from_bytes::<Particles>(bytes)?;
+        let n = particles.len();
+        if !particles.is_whole() {
+            return bad;
+        }
+        self.particles = particles;
+        let (starts, bytes) = postcard::take_from_bytes(bytes)?;
+        if !self.grid.set_starts(starts, n) {
+            return bad;
+        }
+        let (listed, bytes) = postcard::take_from_bytes::<Option<(Vec<Vec3>, f64)>>(bytes)?;
+        let (rest, bytes) = postcard::take_from_bytes(bytes)?;
+        let (energies, momenta);
+        (self.moved, self.max_speed, self.n_pairs, energies, momenta) = rest;
+        (self.viscous_loss, self.from_walls, self.diffusive_loss) = energies;
+        (self.removed, self.plane_force, self.reflected) = momenta;
+        let (last, bytes) = postcard::take_from_bytes(bytes)?;
+        (self.scratch.pushes, self.scratch.rates) = last;
+        let are_known = self.scratch.pushes.iter().all(|&(a, _)| (a as usize) < n);
+        if !are_known || ![0, n].contains(&self.scratch.rates.len()) {
+            return bad;
+        }
+        self.lists.forget();
+        if let Some((positions, radius)) = listed {
+            if positions.len() != n || !(radius <= self.settings.support_radius() + self.skin()) {
+                return bad;
+            }
+            self.list_from(positions, radius);
+        }
+        self.pack_forces();
+        Ok(bytes)
+    }
+
+    /// Makes the lists of neighbours from where the particles were.
+    fn list_from(&mut self, positions: Vec<Vec3>, radius: f64) {
+        let present = std::mem::replace(&mut self.particles.position, positions);
+        let mut points = AnyPoints::default();
+        // lists look at places only
+        let precision = self.settings.scheme.precision;
+        points.pack(precision, &self.frame, &self.particles.position, |_| {
+            [0.0; 5]
+        });
+        self.list_within(radius, &points);
+        self.particles.position = present;
+    }
+}

@@ -1,0 +1,508 @@
+//! X22: what is stopped and goes on from a checkpoint is the same to the bit as what never stopped, and nothing is lost on
+//! the way.
+#![expect(
+    clippy::unwrap_used,
+    clippy::print_stdout,
+    reason = "a test stops at the first thing that is wrong, and measured figures stand beside their bounds"
+)]
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
+use std::time::Duration;
+
+use riprap::checkpoint::{self, Header};
+use riprap::run::build;
+use riprap::scene;
+use riprap::scene::parse::Override;
+use riprap::scene::resolve::Scene;
+use riprap::world::World;
+
+#[path = "../support/mod.rs"]
+mod support;
+
+use support::{riprap, words};
+
+/// A case with some of its fields set.
+fn load(name: &str, set: &[(&str, &str)]) -> Scene {
+    let set: Vec<Override> = set
+        .iter()
+        .map(|(path, value)| Override {
+            path: (*path).to_owned(),
+            value: (*value).to_owned(),
+        })
+        .collect();
+    scene::load(&support::case(name), &set).unwrap().0
+}
+
+fn advance(world: &mut World, steps: u64, duration: f64) {
+    for _ in 0..steps {
+        let step = world.next_step(duration).unwrap();
+        world.step(step).unwrap();
+    }
+}
+
+/// Case, settings, steps before the checkpoint, and after it.
+type Case = (
+    &'static str,
+    &'static [(&'static str, &'static str)],
+    u64,
+    u64,
+);
+
+/// Every kind of state: wall particles with a block that moves; the predictor-corrector with its rates; the published
+/// scheme with its springs; a prescribed body and layers that absorb; floating bodies on integrals and on particles;
+/// screens and water in joints; an arch, deformable blocks, terrain, balls that roll.
+const CASES: &[Case] = &[
+    (
+        "sliding_wedge.ron",
+        &[
+            ("fluid.resolution", "Spacing(0.075)"),
+            ("domain.max", "(5.3, 0.3, 1.8)"),
+            ("blocks.wedge.shape.to", "0.3"),
+        ],
+        60,
+        60,
+    ),
+    (
+        "still_tank.ron",
+        &[("numerics.stepping", "PredictorCorrector")],
+        30,
+        30,
+    ),
+    (
+        "still_tank.ron",
+        &[
+            ("numerics.preset", "Mueller2003"),
+            ("interface.walls", "Penalty"),
+        ],
+        30,
+        30,
+    ),
+    (
+        "piston.ron",
+        &[("fluid.resolution", "Spacing(0.05)")],
+        40,
+        40,
+    ),
+    ("floating_boxes.ron", &[], 30, 30),
+    (
+        "floating_boxes.ron",
+        &[("interface.walls", "Integral")],
+        20,
+        20,
+    ),
+    ("breakwater.ron", &[], 2, 3),
+    ("arch.ron", &[], 300, 300),
+    ("rockfall.ron", &[], 300, 300),
+    ("heap.ron", &[], 100, 100),
+    ("toppling.ron", &[], 100, 100),
+];
+
+#[test]
+fn a_world_goes_on_from_its_bytes_as_if_it_had_not_stopped() {
+    for (name, set, before, after) in CASES {
+        let scene = load(name, set);
+        let duration = scene.file.time.duration;
+        let mut whole = build(&scene).unwrap();
+        advance(&mut whole, *before, duration);
+        let bytes = whole.save(Vec::new()).unwrap();
+        let mut resumed = build(&scene).unwrap();
+        assert!(resumed.read(&bytes).unwrap().is_empty());
+        advance(&mut whole, *after, duration);
+        advance(&mut resumed, *after, duration);
+        println!("{name}: {} bytes", bytes.len());
+        assert_eq!(resumed.state_hash(), whole.state_hash(), "{name}");
+        // energies are of many things that the hash is not
+        assert_eq!(resumed.energy(), whole.energy(), "{name}");
+    }
+}
+
+#[test]
+fn bytes_of_another_scene_are_refused() {
+    let world = |level: &str| {
+        let scene = load("arch.ron", &[("blocks.left.friction", level)][..0]);
+        build(&scene).unwrap()
+    };
+    let bytes = world("").save(Vec::new()).unwrap();
+    let mut other = build(&load("toppling.ron", &[])).unwrap();
+    assert!(other.read(&bytes).is_err());
+    // cut short anywhere
+    for n in (0..bytes.len()).step_by(997) {
+        assert!(world("").read(&bytes[..n]).is_err(), "{n} bytes");
+    }
+}
+
+/// A tank that settles, a block that falls into it, every kind of table, frames every few steps.
+const TANK: &str = r#"(
+    title: "A block falls into a tank",
+    domain: (min: (-0.3, 0, -0.3), max: (1.5, 0.1, 1.5), dimensions: Two),
+    materials: [(name: "rock", density: 2400, friction_angle_deg: 30)],
+    blocks: [
+        (name: "floor", material: "rock", motion: Fixed, shape: Box(min: (-0.3, 0, -0.3), max: (1.5, 0.1, 0))),
+        (name: "left", material: "rock", motion: Fixed, shape: Box(min: (-0.3, 0, 0), max: (0, 0.1, 1))),
+        (name: "right", material: "rock", motion: Fixed, shape: Box(min: (1.2, 0, 0), max: (1.5, 0.1, 1))),
+        (name: "cube", material: "rock", shape: Box(min: (0.5, 0, 0.5), max: (0.7, 0.1, 0.7)), velocity: (0, 0, -1)),
+    ],
+    fluid: (dynamic_viscosity: 0.001, resolution: Spacing(0.025), regions: [
+        (name: "water", shape: Box(min: (0, 0, 0), max: (1.2, 0.1, 0.4))),
+    ]),
+    gauges: [SurfaceElevation(name: "g1", x: 0.2, y: 0.05)],
+    forces: (interval: 0.002),
+    trajectories: (interval: 0.002),
+    time: (duration: 0.4, settle: 0.2),
+    output: (frame_interval: 0.02, gauge_interval: 0.002, ledger_interval: 0.002, contacts: true, face_pressures: true),
+)"#;
+
+fn spawn(case: &Path, folder: &Path, extra: &[&str]) -> Child {
+    Command::new(env!("CARGO_BIN_EXE_riprap"))
+        .arg("run")
+        .arg(case)
+        .arg("-o")
+        .arg(folder)
+        // a checkpoint of every state that is kept
+        .args(["--quiet", "--checkpoint-interval", "0"])
+        .args(extra)
+        .stderr(Stdio::null())
+        .spawn()
+        .unwrap()
+}
+
+/// All files of a run but those that hold wall times, and of the summary what has nothing to do with them.
+fn results(folder: &Path) -> BTreeMap<String, Vec<u8>> {
+    let mut files: BTreeMap<String, Vec<u8>> = fs::read_dir(folder)
+        .unwrap()
+        .map(|entry| entry.unwrap())
+        .map(|entry| {
+            let name = entry.file_name().into_string().unwrap();
+            (name, fs::read(entry.path()).unwrap())
+        })
+        .collect();
+    // its subtitle says how long the run took
+    assert!(files.remove("overview.svg").unwrap().ends_with(b"</svg>\n"));
+    let summary = support::summary(folder);
+    let kept = [
+        "state_hash",
+        "steps",
+        "energy",
+        "dt_governed_by",
+        "max_mach",
+        "completed",
+    ];
+    let kept: Vec<_> = kept.iter().map(|key| summary[key].to_string()).collect();
+    files.insert("summary.json".to_owned(), kept.join("\n").into_bytes());
+    files
+}
+
+fn assert_same(found: &BTreeMap<String, Vec<u8>>, expected: &BTreeMap<String, Vec<u8>>) {
+    let names = |files: &BTreeMap<String, Vec<u8>>| files.keys().cloned().collect::<Vec<_>>();
+    assert_eq!(names(found), names(expected));
+    for (name, bytes) in expected {
+        assert!(found[name] == *bytes, "{name} differs");
+    }
+}
+
+/// Numbers in `0..1` (Knuth's linear congruential generator).
+fn random(seed: &mut u64) -> f64 {
+    *seed = seed
+        .wrapping_mul(6_364_136_223_846_793_005)
+        .wrapping_add(1_442_695_040_888_963_407);
+    (*seed >> 11) as f64 / (1_u64 << 53) as f64
+}
+
+#[test]
+fn a_run_killed_at_any_moment_goes_on_to_the_same_files() {
+    let folder = tempfile::tempdir().unwrap();
+    let case = folder.path().join("tank.ron");
+    fs::write(&case, TANK).unwrap();
+    let whole = folder.path().join("whole");
+    let start = std::time::Instant::now();
+    assert!(spawn(&case, &whole, &[]).wait().unwrap().success());
+    let duration = start.elapsed().as_secs_f64();
+    let expected = results(&whole);
+    let broken = folder.path().join("broken");
+    let (mut seed, mut kills, mut settling, mut begun_anew) = (2026, 0, 0, 0);
+    // runs are killed again and again until they are through, then another begins
+    while kills < 20 {
+        let mut child = spawn(&case, &broken, &["--resume"]);
+        std::thread::sleep(Duration::from_secs_f64(duration * random(&mut seed)));
+        if child.try_wait().unwrap().is_none() {
+            child.kill().unwrap();
+            child.wait().unwrap();
+            kills += 1;
+            let bytes = fs::read(broken.join(checkpoint::FILE)).unwrap_or_default();
+            let text = fs::read_to_string(broken.join("case.ron")).unwrap_or_default();
+            let hash = checkpoint::scene_hash(&text);
+            match checkpoint::read(Path::new("x"), &bytes, &hash) {
+                Ok(checkpoint) => settling += u32::from(checkpoint.header.is_settling),
+                Err(_) => begun_anew += 1,
+            }
+            continue;
+        }
+        assert!(child.wait().unwrap().success());
+        assert_same(&results(&broken), &expected);
+        fs::remove_dir_all(&broken).unwrap();
+    }
+    assert!(
+        spawn(&case, &broken, &["--resume"])
+            .wait()
+            .unwrap()
+            .success()
+    );
+    assert_same(&results(&broken), &expected);
+    println!("{kills} kills, {settling} while settling, {begun_anew} before the first checkpoint");
+}
+
+#[cfg(unix)]
+#[test]
+fn a_run_that_is_stopped_writes_a_checkpoint_and_goes_on() {
+    let folder = tempfile::tempdir().unwrap();
+    let case = folder.path().join("tank.ron");
+    fs::write(&case, TANK).unwrap();
+    let (whole, stopped) = (folder.path().join("whole"), folder.path().join("stopped"));
+    assert!(spawn(&case, &whole, &[]).wait().unwrap().success());
+    let mut child = spawn(&case, &stopped, &["--checkpoint-interval", "1e6"][..0]);
+    while fs::metadata(stopped.join("gauges.csv")).map_or(0, |m| m.len()) < 2000 {
+        std::thread::sleep(Duration::from_millis(2));
+    }
+    let pid = child.id().to_string();
+    assert!(
+        Command::new("kill")
+            .args(["-TERM", &pid])
+            .status()
+            .unwrap()
+            .success()
+    );
+    assert_eq!(child.wait().unwrap().code(), Some(130));
+    let summary = support::summary(&stopped);
+    assert_eq!(summary["stop_reason"], "interrupted");
+    assert!(stopped.join(checkpoint::FILE).exists());
+    assert!(
+        spawn(&case, &stopped, &["--resume"])
+            .wait()
+            .unwrap()
+            .success()
+    );
+    assert_eq!(support::summary(&stopped)["resumed"], 1);
+    assert_same(&results(&stopped), &results(&whole));
+    // and a run that is over stays as it is
+    let again = riprap(&[
+        "run",
+        case.to_str().unwrap(),
+        "-o",
+        stopped.to_str().unwrap(),
+        "--resume",
+    ]);
+    assert!(again.status.success());
+    assert!(String::from_utf8_lossy(&again.stdout).contains("is complete already"));
+    assert_same(&results(&stopped), &results(&whole));
+}
+
+/// A run of blocks that was stopped half way, with two checkpoints.
+fn stopped(folder: &Path) -> (std::path::PathBuf, std::path::PathBuf) {
+    let case = folder.join("tank.ron");
+    fs::write(&case, TANK).unwrap();
+    let out = folder.join("out");
+    let mut child = spawn(&case, &out, &[]);
+    while !out.join(checkpoint::PREVIOUS).exists() {
+        std::thread::sleep(Duration::from_millis(2));
+    }
+    child.kill().unwrap();
+    child.wait().unwrap();
+    (case, out)
+}
+
+/// What `--resume` says of a folder in which it must change nothing.
+fn refusal(case: &Path, out: &Path, extra: &[&str]) -> String {
+    let listing = |out: &Path| -> BTreeMap<String, Vec<u8>> {
+        let entries = fs::read_dir(out).unwrap().map(|entry| entry.unwrap());
+        entries
+            .map(|e| {
+                (
+                    e.file_name().into_string().unwrap(),
+                    fs::read(e.path()).unwrap(),
+                )
+            })
+            .collect()
+    };
+    let before = listing(out);
+    let mut arguments = vec![
+        "run",
+        case.to_str().unwrap(),
+        "-o",
+        out.to_str().unwrap(),
+        "--resume",
+    ];
+    arguments.extend(extra);
+    let output = riprap(&arguments);
+    assert_eq!(output.status.code(), Some(2), "{}", words(&output));
+    assert!(before == listing(out), "a refused run changed the folder");
+    words(&output)
+}
+
+#[test]
+fn what_cannot_go_on_says_why_and_changes_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let (case, out) = stopped(folder.path());
+    let (file, previous) = (out.join(checkpoint::FILE), out.join(checkpoint::PREVIOUS));
+    let good = fs::read(&file).unwrap();
+
+    let message = refusal(&case, &out, &["--until", "0.3"]);
+    assert!(
+        message.contains("the run had `duration: 0.4,`, and now it would be `duration: 0.3,`"),
+        "{message}"
+    );
+
+    let hash = checkpoint::scene_hash(&fs::read_to_string(out.join("case.ron")).unwrap());
+    let state = checkpoint::read(&file, &good, &hash).unwrap();
+    fs::remove_file(&previous).unwrap();
+    let mut flipped = good.clone();
+    flipped[good.len() / 2] ^= 1;
+    let mut newer = good.clone();
+    newer["riprap checkpoint\n".len()] += 1;
+    for (bytes, expected) in [
+        (
+            &good[..good.len() / 2],
+            "is damaged: its bytes are not those that were written, or not all of them",
+        ),
+        (&good[..40], "is damaged"),
+        (&good[..0], "is no checkpoint of riprap"),
+        (
+            &flipped,
+            "is damaged: its bytes are not those that were written, or not all of them",
+        ),
+        (
+            &newer,
+            "is a checkpoint of format 2, and this riprap reads format 1",
+        ),
+        (&b"solid cube"[..], "is no checkpoint of riprap"),
+    ] {
+        fs::write(&file, bytes).unwrap();
+        let message = refusal(&case, &out, &[]);
+        assert!(message.contains(expected), "{message}");
+    }
+    // of another build, of another scene
+    let header = state.header;
+    let older = Header {
+        build: "0.0.9 (abc)".to_owned(),
+        ..header.clone()
+    };
+    checkpoint::write(&out, &older, &state.state).unwrap();
+    fs::remove_file(&previous).unwrap();
+    let message = refusal(&case, &out, &[]);
+    assert!(
+        message.contains("was written by riprap 0.0.9 (abc), and this is riprap"),
+        "{message}"
+    );
+    let other = Header {
+        scene: [0; 32],
+        ..header.clone()
+    };
+    checkpoint::write(&out, &other, &state.state).unwrap();
+    fs::remove_file(&previous).unwrap();
+    let message = refusal(&case, &out, &[]);
+    assert!(
+        message.contains("is of another scene than the case.ron beside it"),
+        "{message}"
+    );
+    // a state that is whole, but of other blocks
+    checkpoint::write(&out, &header, &state.state[..state.state.len() - 1]).unwrap();
+    fs::remove_file(&previous).unwrap();
+    let run = riprap(&[
+        "run",
+        case.to_str().unwrap(),
+        "-o",
+        out.to_str().unwrap(),
+        "--resume",
+    ]);
+    assert_eq!(run.status.code(), Some(1));
+    assert!(
+        words(&run).contains("error: the checkpoint is not of this run's observers"),
+        "{}",
+        words(&run)
+    );
+}
+
+#[test]
+fn a_damaged_checkpoint_leaves_the_one_before() {
+    let folder = tempfile::tempdir().unwrap();
+    let (case, out) = stopped(folder.path());
+    let whole = folder.path().join("whole");
+    assert!(spawn(&case, &whole, &[]).wait().unwrap().success());
+    let file = out.join(checkpoint::FILE);
+    let bytes = fs::read(&file).unwrap();
+    fs::write(&file, &bytes[..bytes.len() - 7]).unwrap();
+    let output = riprap(&[
+        "run",
+        case.to_str().unwrap(),
+        "-o",
+        out.to_str().unwrap(),
+        "--resume",
+    ]);
+    assert!(output.status.success(), "{}", words(&output));
+    assert!(words(&output).contains("warning: "), "{}", words(&output));
+    assert!(words(&output).contains("is damaged"), "{}", words(&output));
+    assert_same(&results(&out), &results(&whole));
+}
+
+#[test]
+fn tables_that_became_shorter_are_not_gone_on_with() {
+    let folder = tempfile::tempdir().unwrap();
+    let (case, out) = stopped(folder.path());
+    let table = out.join("energy.csv");
+    let text = fs::read_to_string(&table).unwrap();
+    fs::write(&table, &text[..30]).unwrap();
+    let output = riprap(&[
+        "run",
+        case.to_str().unwrap(),
+        "-o",
+        out.to_str().unwrap(),
+        "--resume",
+    ]);
+    assert_eq!(output.status.code(), Some(1));
+    let message = words(&output);
+    assert!(
+        message.contains("energy.csv: 30 bytes, where the run had written"),
+        "{message}"
+    );
+}
+
+/// A block that hits the floor harder than its contacts can bear, whatever the step.
+const HARD: &str = r#"(
+    title: "Hard",
+    domain: (min: (-5, -5, -5), max: (5, 5, 5)),
+    gravity: (0, 0, 0),
+    materials: [(name: "rock", density: 2400, friction_angle_deg: 30, contact_stiffness: 1e9)],
+    blocks: [
+        (name: "floor", material: "rock", motion: Fixed, shape: Box(min: (-4, -4, -2), max: (4, 4, 0))),
+        (name: "cube", material: "rock", shape: Box(min: (-0.5, -0.5, 0.5), max: (0.5, 0.5, 1.5)),
+         velocity: (0, 0, -800)),
+    ],
+    time: (duration: 1.0),
+)"#;
+
+#[test]
+fn what_no_step_helps_is_given_up_with_the_last_good_state_on_disk() {
+    let folder = tempfile::tempdir().unwrap();
+    let (case, out) = (folder.path().join("hard.ron"), folder.path().join("out"));
+    fs::write(&case, HARD).unwrap();
+    let output = riprap(&["run", case.to_str().unwrap(), "-o", out.to_str().unwrap()]);
+    assert_eq!(output.status.code(), Some(1));
+    let message = words(&output);
+    // cause, place, time, figures, the field to change
+    for part in [
+        "warning: at t = 0.0009",
+        "blocks 0 and 1 overlap by",
+        "raise the contact stiffness",
+        "goes back to t = 0.000000 s and on with 0.5 of the step",
+        "came again from the last good state, t = 0.000000 s, with 0.25 of the usual step",
+    ] {
+        assert!(message.contains(part), "{message}");
+    }
+    assert_eq!(support::summary(&out)["fell_back"], 2);
+    let text = fs::read_to_string(out.join("case.ron")).unwrap();
+    let bytes = fs::read(out.join(checkpoint::FILE)).unwrap();
+    let kept = checkpoint::read(&out, &bytes, &checkpoint::scene_hash(&text)).unwrap();
+    assert_eq!((kept.header.time, kept.header.steps), (0.0, 0));
+}
