@@ -35,24 +35,38 @@ pub fn load(path: &Path, overrides: &[Override]) -> Result<(Scene, SceneError), 
         let message = format!("cannot read the scene: {error}");
         SceneError::from_problems(&name, "", vec![Problem::error("", message)])
     })?;
-    let text = parse::overridden(&written, overrides)
-        .map_err(|problem| SceneError::from_problems(&name, &written, vec![problem]))?;
+    let folder = path.parent().unwrap_or(Path::new("."));
+    load_text(&name, &written, overrides, folder)
+}
+
+/// Checks and resolves the scene written in a text, called `name` in messages. Files that it names are in `folder`.
+///
+/// # Errors
+///
+/// As [`load`].
+pub fn load_text(
+    name: &str,
+    written: &str,
+    overrides: &[Override],
+    folder: &Path,
+) -> Result<(Scene, SceneError), SceneError> {
+    let text = parse::overridden(written, overrides)
+        .map_err(|problem| SceneError::from_problems(name, written, vec![problem]))?;
     let file = parse::read(&text)
-        .map_err(|error| SceneError::at_span(&name, &text, error.span, error.message))?;
+        .map_err(|error| SceneError::at_span(name, &text, error.span, error.message))?;
     let problems = validate::values(&file);
     if problems.iter().any(|p| p.severity == Severity::Error) {
-        return Err(SceneError::from_problems(&name, &text, problems));
+        return Err(SceneError::from_problems(name, &text, problems));
     }
-    let folder = path.parent().unwrap_or(Path::new("."));
     match Scene::resolve(file, folder) {
         Ok(mut scene) => {
             scene.warnings.splice(0..0, problems);
-            let warnings = SceneError::from_problems(&name, &text, scene.warnings.clone());
+            let warnings = SceneError::from_problems(name, &text, scene.warnings.clone());
             Ok((scene, warnings))
         }
         Err(found) => {
             let all = problems.into_iter().chain(found).collect();
-            Err(SceneError::from_problems(&name, &text, all))
+            Err(SceneError::from_problems(name, &text, all))
         }
     }
 }

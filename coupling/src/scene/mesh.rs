@@ -213,16 +213,22 @@ pub fn file_inside(folder: &Path, file: &str) -> Result<PathBuf, MeshError> {
 ///
 /// [`MeshError`], which names the file, the place and what would be right.
 pub fn solid(folder: &Path, file: &str, scale: f64) -> Result<Shape, MeshError> {
-    let named = |fault| MeshError {
-        file: file.to_owned(),
-        fault,
-    };
-    let soup = read(&file_inside(folder, file)?, scale).map_err(named)?;
-    let sorted = shells::sort(&soup);
+    with_content(folder, file, |content, extension| {
+        solid_from(content, extension, scale)
+    })
+}
+
+/// The solid of the content of a mesh file whose name ends in `extension`, as [`solid`].
+///
+/// # Errors
+///
+/// [`Fault`].
+pub fn solid_from(content: &[u8], extension: &str, scale: f64) -> Result<Shape, Fault> {
+    let sorted = shells::sort(&read(content, extension, scale)?);
     match sorted.seam {
-        Seam::Closed => parts(&sorted.shells).map(Shape::Polyhedra).map_err(named),
-        Seam::Open { n_edges, at } => Err(named(Fault::Open { n_edges, at })),
-        Seam::Unoriented { at } => Err(named(Fault::Unoriented { at })),
+        Seam::Closed => parts(&sorted.shells).map(Shape::Polyhedra),
+        Seam::Open { n_edges, at } => Err(Fault::Open { n_edges, at }),
+        Seam::Unoriented { at } => Err(Fault::Unoriented { at }),
     }
 }
 
@@ -232,14 +238,19 @@ pub fn solid(folder: &Path, file: &str, scale: f64) -> Result<Shape, MeshError> 
 ///
 /// As [`solid`]; the surface need not be closed.
 pub fn surface(folder: &Path, file: &str, scale: f64) -> Result<Shape, MeshError> {
-    let named = |fault| MeshError {
-        file: file.to_owned(),
-        fault,
-    };
-    let soup = read(&file_inside(folder, file)?, scale).map_err(named)?;
-    let Soup { points, triangles } = shells::weld(&soup);
-    let surface = Surface::new(points, triangles).map_err(|error| named(error.into()))?;
-    Ok(Shape::Surface(Arc::new(surface)))
+    with_content(folder, file, |content, extension| {
+        surface_from(content, extension, scale)
+    })
+}
+
+/// The surface of the content of a mesh file whose name ends in `extension`, as [`surface`].
+///
+/// # Errors
+///
+/// [`Fault`].
+pub fn surface_from(content: &[u8], extension: &str, scale: f64) -> Result<Shape, Fault> {
+    let Soup { points, triangles } = shells::weld(&read(content, extension, scale)?);
+    Ok(Shape::Surface(Arc::new(Surface::new(points, triangles)?)))
 }
 
 /// Looks at a mesh file without asking that it be closed or convex.
@@ -248,11 +259,18 @@ pub fn surface(folder: &Path, file: &str, scale: f64) -> Result<Shape, MeshError
 ///
 /// [`MeshError`] if the file cannot be read or holds no triangles.
 pub fn survey(folder: &Path, file: &str, scale: f64) -> Result<Survey, MeshError> {
-    let soup = read(&file_inside(folder, file)?, scale).map_err(|fault| MeshError {
-        file: file.to_owned(),
-        fault,
-    })?;
-    let sorted = shells::sort(&soup);
+    with_content(folder, file, |content, extension| {
+        survey_from(content, extension, scale)
+    })
+}
+
+/// What the content of a mesh file holds whose name ends in `extension`, as [`survey`].
+///
+/// # Errors
+///
+/// [`Fault`].
+pub fn survey_from(content: &[u8], extension: &str, scale: f64) -> Result<Survey, Fault> {
+    let sorted = shells::sort(&read(content, extension, scale)?);
     let corners = sorted.shells.iter().flat_map(|shell| &shell.points);
     let nothing = (Vec3::repeat(f64::INFINITY), Vec3::repeat(f64::NEG_INFINITY));
     let (min, max) = corners.fold(nothing, |(min, max), x| (min.inf(x), max.sup(x)));
@@ -266,21 +284,40 @@ pub fn survey(folder: &Path, file: &str, scale: f64) -> Result<Survey, MeshError
     })
 }
 
-fn read(path: &Path, scale: f64) -> Result<Soup, Fault> {
-    let bytes = std::fs::metadata(path)?.len();
-    if bytes > LARGEST_FILE {
-        return Err(Fault::TooLarge { bytes });
-    }
+/// What `make` makes of a file of the scene, from its content and the end of its name.
+fn with_content<T>(
+    folder: &Path,
+    file: &str,
+    make: impl FnOnce(&[u8], &str) -> Result<T, Fault>,
+) -> Result<T, MeshError> {
+    let path = file_inside(folder, file)?;
     let extension = path
         .extension()
         .map(|e| e.to_string_lossy().to_lowercase())
         .unwrap_or_default();
-    let content = std::fs::read(path)?;
-    let mut soup = match extension.as_str() {
-        "stl" => stl::read(&content)?,
-        "obj" => obj::read(&content)?,
-        "vtk" => vtk::read_legacy(&content)?,
-        "vtp" | "vtu" => vtk::read_xml(&content)?,
+    content(&path)
+        .and_then(|content| make(&content, &extension))
+        .map_err(|fault| MeshError {
+            file: file.to_owned(),
+            fault,
+        })
+}
+
+/// All bytes of a file, if there are not too many.
+pub(super) fn content(path: &Path) -> Result<Vec<u8>, Fault> {
+    let bytes = std::fs::metadata(path)?.len();
+    if bytes > LARGEST_FILE {
+        return Err(Fault::TooLarge { bytes });
+    }
+    Ok(std::fs::read(path)?)
+}
+
+fn read(content: &[u8], extension: &str, scale: f64) -> Result<Soup, Fault> {
+    let mut soup = match extension {
+        "stl" => stl::read(content)?,
+        "obj" => obj::read(content)?,
+        "vtk" => vtk::read_legacy(content)?,
+        "vtp" | "vtu" => vtk::read_xml(content)?,
         _ => return Err(Fault::UnknownKind),
     };
     for point in &mut soup.points {

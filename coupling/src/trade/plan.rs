@@ -128,13 +128,22 @@ pub fn read(path: &Path) -> Result<(StudyFile, String), SceneError> {
         let message = format!("cannot read the study: {error}");
         SceneError::from_problems(&name, "", vec![Problem::error("", message)])
     })?;
-    let file: StudyFile = parse::read_as(&text)
-        .map_err(|error| SceneError::at_span(&name, &text, error.span, error.message))?;
+    Ok((read_text(&name, &text)?, text))
+}
+
+/// The study written in a text, called `name` in messages.
+///
+/// # Errors
+///
+/// As [`read`].
+pub fn read_text(name: &str, text: &str) -> Result<StudyFile, SceneError> {
+    let file: StudyFile = parse::read_as(text)
+        .map_err(|error| SceneError::at_span(name, text, error.span, error.message))?;
     let problems = problems(&file);
     if problems.is_empty() {
-        Ok((file, text))
+        Ok(file)
     } else {
-        Err(SceneError::from_problems(&name, &text, problems))
+        Err(SceneError::from_problems(name, text, problems))
     }
 }
 
