@@ -9,11 +9,13 @@ mod shells;
 mod stl;
 mod vtk;
 
-use std::path::{Component, Path, PathBuf};
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use riprap_dda::{Polyhedron, PolyhedronError, Shape, Surface, SurfaceError, Vec3, volume};
 use shells::{Seam, Shell};
+
+use super::reach::Reach;
 
 /// Largest file that is read; bytes.
 const LARGEST_FILE: u64 = 200_000_000;
@@ -39,14 +41,21 @@ pub struct MeshError {
 /// What is wrong with a mesh file.
 #[derive(Debug, thiserror::Error)]
 pub enum Fault {
-    /// The path is absolute or has `..`.
+    /// The path is absolute, has `..`, or leads through a link.
     #[error(
-        "leads out of the scene's folder; put the file beside the scene and name it from there"
+        "leads out of the scene's folder, to {}; put the file beside the scene and name it from there, \
+         or allow it with --allow-outside", .to.display()
     )]
-    LeavesFolder,
+    LeavesFolder {
+        /// Where it leads.
+        to: PathBuf,
+    },
     /// The system refuses it.
     #[error("cannot be read: {0}")]
     Unreadable(#[from] std::io::Error),
+    /// A folder, a device, a pipe.
+    #[error("is no file")]
+    NoFile,
     /// Too many bytes.
     #[error("has {bytes} bytes, more than {LARGEST_FILE}; simplify the mesh")]
     TooLarge {
@@ -187,33 +196,13 @@ impl Soup {
     }
 }
 
-/// A path of a scene, which must stay inside the scene's folder.
-///
-/// # Errors
-///
-/// [`Fault::LeavesFolder`].
-pub fn file_inside(folder: &Path, file: &str) -> Result<PathBuf, MeshError> {
-    let path = Path::new(file);
-    let stays = path
-        .components()
-        .all(|part| matches!(part, Component::Normal(_) | Component::CurDir));
-    if stays {
-        Ok(folder.join(path))
-    } else {
-        Err(MeshError {
-            file: file.to_owned(),
-            fault: Fault::LeavesFolder,
-        })
-    }
-}
-
 /// The solid of a mesh file, `scale` metres per unit: each closed convex shell becomes a part.
 ///
 /// # Errors
 ///
 /// [`MeshError`], which names the file, the place and what would be right.
-pub fn solid(folder: &Path, file: &str, scale: f64) -> Result<Shape, MeshError> {
-    with_content(folder, file, |content, extension| {
+pub fn solid(reach: &Reach, file: &str, scale: f64) -> Result<Shape, MeshError> {
+    with_content(reach, file, |content, extension| {
         solid_from(content, extension, scale)
     })
 }
@@ -237,8 +226,8 @@ pub fn solid_from(content: &[u8], extension: &str, scale: f64) -> Result<Shape, 
 /// # Errors
 ///
 /// As [`solid`]; the surface need not be closed.
-pub fn surface(folder: &Path, file: &str, scale: f64) -> Result<Shape, MeshError> {
-    with_content(folder, file, |content, extension| {
+pub fn surface(reach: &Reach, file: &str, scale: f64) -> Result<Shape, MeshError> {
+    with_content(reach, file, |content, extension| {
         surface_from(content, extension, scale)
     })
 }
@@ -258,8 +247,8 @@ pub fn surface_from(content: &[u8], extension: &str, scale: f64) -> Result<Shape
 /// # Errors
 ///
 /// [`MeshError`] if the file cannot be read or holds no triangles.
-pub fn survey(folder: &Path, file: &str, scale: f64) -> Result<Survey, MeshError> {
-    with_content(folder, file, |content, extension| {
+pub fn survey(reach: &Reach, file: &str, scale: f64) -> Result<Survey, MeshError> {
+    with_content(reach, file, |content, extension| {
         survey_from(content, extension, scale)
     })
 }
@@ -286,16 +275,15 @@ pub fn survey_from(content: &[u8], extension: &str, scale: f64) -> Result<Survey
 
 /// What `make` makes of a file of the scene, from its content and the end of its name.
 fn with_content<T>(
-    folder: &Path,
+    reach: &Reach,
     file: &str,
     make: impl FnOnce(&[u8], &str) -> Result<T, Fault>,
 ) -> Result<T, MeshError> {
-    let path = file_inside(folder, file)?;
-    let extension = path
+    let extension = Path::new(file)
         .extension()
         .map(|e| e.to_string_lossy().to_lowercase())
         .unwrap_or_default();
-    content(&path)
+    content(reach, file)
         .and_then(|content| make(&content, &extension))
         .map_err(|fault| MeshError {
             file: file.to_owned(),
@@ -303,11 +291,16 @@ fn with_content<T>(
         })
 }
 
-/// All bytes of a file, if there are not too many.
-pub(super) fn content(path: &Path) -> Result<Vec<u8>, Fault> {
-    let bytes = std::fs::metadata(path)?.len();
-    if bytes > LARGEST_FILE {
-        return Err(Fault::TooLarge { bytes });
+/// All bytes of a file that the scene names, if there are not too many.
+pub(super) fn content(reach: &Reach, file: &str) -> Result<Vec<u8>, Fault> {
+    let path = reach.find(file)?;
+    let found = std::fs::metadata(&path)?;
+    // a device or a pipe may have no end
+    if !found.is_file() {
+        return Err(Fault::NoFile);
+    }
+    if found.len() > LARGEST_FILE {
+        return Err(Fault::TooLarge { bytes: found.len() });
     }
     Ok(std::fs::read(path)?)
 }

@@ -1,12 +1,11 @@
 //! Prescribed motions: formulas and measured records.
 
-use std::path::Path;
-
 use riprap_dda::{Accelerogram, Motion, PrescribedMotion, Vec3};
 
 use super::error::Problem;
 use super::file::MotionFile;
-use super::mesh::file_inside;
+use super::mesh::content;
+use super::reach::Reach;
 use super::resolve::vec3;
 
 /// The motion that a block of the file asks for; `path` is where the file says so.
@@ -14,7 +13,7 @@ use super::resolve::vec3;
 /// # Errors
 ///
 /// A [`Problem`] that names the record and its line.
-pub fn motion(file: &MotionFile, path: &str, folder: &Path) -> Result<Motion, Problem> {
+pub fn motion(file: &MotionFile, path: &str, reach: &Reach) -> Result<Motion, Problem> {
     match file {
         MotionFile::Free => Ok(Motion::Free),
         MotionFile::Fixed => Ok(Motion::Fixed),
@@ -37,7 +36,7 @@ pub fn motion(file: &MotionFile, path: &str, folder: &Path) -> Result<Motion, Pr
             }))
         }
         MotionFile::Table { file: name } | MotionFile::Shaking { file: name, .. } => {
-            let text = text_of(folder, name)
+            let text = text_of(reach, name)
                 .map_err(|message| Problem::error(format!("{path}.file"), message))?;
             recorded(file, path, &text)
         }
@@ -87,9 +86,9 @@ pub fn recorded(file: &MotionFile, path: &str, text: &str) -> Result<Motion, Pro
                 Accelerogram::new(direction, interval, rows.iter().map(|row| row[1]).collect());
             Ok(Motion::Prescribed(PrescribedMotion::Shaking(record)))
         }
-        MotionFile::Free | MotionFile::Fixed | MotionFile::Sinusoid { .. } => Err(
-            Problem::error(path, "the motion is not read from a record"),
-        ),
+        MotionFile::Free | MotionFile::Fixed | MotionFile::Sinusoid { .. } => {
+            Err(Problem::error(path, "the motion is not read from a record"))
+        }
     }
 }
 
@@ -98,9 +97,12 @@ fn vec3_of(numbers: &[f64]) -> Vec3 {
 }
 
 /// The text of a record that the scene names.
-fn text_of(folder: &Path, file: &str) -> Result<String, String> {
-    let path = file_inside(folder, file).map_err(|error| error.to_string())?;
-    std::fs::read_to_string(&path).map_err(|error| format!("cannot read `{file}`: {error}"))
+fn text_of(reach: &Reach, file: &str) -> Result<String, String> {
+    content(reach, file)
+        .map_err(|fault| format!("`{file}`: {fault}"))
+        .and_then(|bytes| {
+            String::from_utf8(bytes).map_err(|error| format!("`{file}` is no text: {error}"))
+        })
 }
 
 /// The rows of a record that the scene names at `path`, with columns as for [`record`].

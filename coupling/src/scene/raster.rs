@@ -1,11 +1,11 @@
 //! Terrain from an ESRI ASCII grid.
 
-use std::path::Path;
 use std::sync::Arc;
 
 use riprap_dda::{Shape, Surface, Vec3};
 
-use super::mesh::{Fault, MeshError, content, file_inside};
+use super::mesh::{Fault, MeshError, content};
+use super::reach::Reach;
 
 /// Most points of a grid; each makes two triangles.
 const MOST_POINTS: usize = 2_500_000;
@@ -28,9 +28,8 @@ struct Header {
 /// # Errors
 ///
 /// [`MeshError`], which names the file, the line and what would be right.
-pub fn terrain(folder: &Path, file: &str, origin: (f64, f64)) -> Result<Shape, MeshError> {
-    let path = file_inside(folder, file)?;
-    content(&path)
+pub fn terrain(reach: &Reach, file: &str, origin: (f64, f64)) -> Result<Shape, MeshError> {
+    content(reach, file)
         .and_then(|content| terrain_from(&content, origin))
         .map_err(|fault| MeshError {
             file: file.to_owned(),
