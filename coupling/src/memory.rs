@@ -11,7 +11,7 @@ use crate::scene::file::WallMethodFile;
 use crate::scene::resolve::{FluidScene, Scene};
 
 /// Bytes of the program by itself; with water.
-const PROGRAM: [f64; 2] = [13e6, 17e6];
+const PROGRAM: [f64; 2] = [13e6, 20e6];
 /// Bytes for each particle of water, without its list of neighbours: the start, the state, sorted copies, what is written.
 pub const PER_PARTICLE: f64 = 700.0;
 /// Bytes for each neighbour in a list, with what lists are longer by than they are full.
@@ -19,7 +19,7 @@ const PER_NEIGHBOR: f64 = 6.0;
 /// Lists reach farther than the support by this share of it.
 const LARGEST_SKIN: f64 = 0.1;
 /// Bytes for each particle of a wall.
-const PER_WALL_PARTICLE: f64 = 350.0;
+const PER_WALL_PARTICLE: f64 = 280.0;
 /// Bytes for each block, at least.
 pub const PER_BLOCK: f64 = 3000.0;
 /// Bytes more for each that moves: its contacts, and its row in what is written.
@@ -27,9 +27,9 @@ const PER_MOVING_BLOCK: f64 = 10e3;
 /// Bytes for each corner of a polyhedron: of the scene, of the solver, of what is written.
 const PER_CORNER: f64 = 4000.0;
 /// Bytes for each ball, which is written as a fine mesh.
-const PER_BALL: f64 = 21e3;
-/// Bytes more for each of the first so many blocks: what is written grows by doubling.
-const FIRST_BLOCKS: (f64, f64) = (500.0, 36e3);
+const PER_BALL: f64 = 17e3;
+/// Bytes more for each of the first so many balls.
+const FIRST_BALLS: (f64, f64) = (500.0, 36e3);
 /// Bytes for each triangle of a surface.
 const PER_TRIANGLE: f64 = 900.0;
 
@@ -97,7 +97,7 @@ impl Estimate {
 impl std::fmt::Display for Estimate {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let megabytes = |bytes: f64| (bytes / 1e6).ceil();
-        write!(f, "at most {:.0} MB", megabytes(self.total()))?;
+        write!(f, "up to {:.0} MB", megabytes(self.total()))?;
         let parts = [
             ("water", self.water),
             ("walls", self.walls),
@@ -206,8 +206,9 @@ fn blocks(scene: &Scene) -> f64 {
         Shape::Sphere { .. } => PER_BALL,
         Shape::Surface(surface) => PER_TRIANGLE * surface.triangles().len() as f64,
     };
-    let n = scene.blocks.len() as f64;
-    let (first, each) = FIRST_BLOCKS;
+    let is_ball = |shape: &Shape| matches!(shape, Shape::Sphere { .. });
+    let balls = scene.blocks.iter().filter(|block| is_ball(&block.shape));
+    let (first, each) = FIRST_BALLS;
     let all: f64 = scene
         .blocks
         .iter()
@@ -219,7 +220,7 @@ fn blocks(scene: &Scene) -> f64 {
             PER_BLOCK + moving + of_shape(&block.shape)
         })
         .sum();
-    all + n.min(first) * each
+    all + (balls.count() as f64).min(first) * each
 }
 
 /// Memory that a run may take.
