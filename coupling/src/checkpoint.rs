@@ -30,6 +30,9 @@ pub const FILE: &str = "checkpoint.bin";
 /// The one before.
 pub const PREVIOUS: &str = "checkpoint.previous.bin";
 
+/// One that is not yet complete.
+pub const NEW: &str = "checkpoint.new.bin";
+
 const MAGIC: &[u8] = b"riprap checkpoint\n";
 /// Number of the layout of the file around the state.
 const FORMAT: u32 = 1;
@@ -136,7 +139,7 @@ pub fn write(folder: &Path, header: &Header, state: &[u8]) -> Result<u64, VtkErr
     let parts = [&head, length.as_slice(), state, hash.as_bytes()];
     let (path, previous) = (folder.join(FILE), folder.join(PREVIOUS));
     // complete under a third name first: a full disk takes neither of the two that there are
-    let new = folder.join("checkpoint.new.bin");
+    let new = folder.join(NEW);
     replace_file(&new, &parts)?;
     if path.exists() {
         fs::rename(&path, &previous).map_err(VtkError::io("rename", &path))?;

@@ -15,6 +15,7 @@ use clap::{Parser, Subcommand};
 
 use crate::scene::error::SceneError;
 use crate::scene::parse::Override;
+use crate::scene::reach::FilesFrom;
 use crate::scene::{self, resolve::Scene};
 
 /// How a command ends.
@@ -94,8 +95,8 @@ pub(crate) fn show(line: &str) {
 }
 
 /// Loads a scene; tells of its warnings, or of all that is wrong with it.
-pub(crate) fn load(case: &Path, overrides: &[Override]) -> Result<Scene, Exit> {
-    match scene::load(case, overrides) {
+pub(crate) fn load(case: &Path, overrides: &[Override], files: FilesFrom) -> Result<Scene, Exit> {
+    match scene::load_from(case, overrides, files) {
         Ok((scene, warnings)) => {
             if !warnings.located().is_empty() {
                 say(&warnings.to_string());
@@ -106,6 +107,15 @@ pub(crate) fn load(case: &Path, overrides: &[Override]) -> Result<Scene, Exit> {
             report_scene_error(&error);
             Err(Exit::BadInput)
         }
+    }
+}
+
+/// Where files that a scene names may be, by the flag of a command.
+pub(crate) fn files_from(allow_outside: bool) -> FilesFrom {
+    if allow_outside {
+        FilesFrom::Anywhere
+    } else {
+        FilesFrom::SceneFolder
     }
 }
 

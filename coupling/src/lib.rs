@@ -25,6 +25,7 @@ pub mod compare;
 pub mod interface;
 pub mod joints;
 pub mod ledger;
+pub mod memory;
 pub mod notice;
 pub mod observe;
 pub mod openings;

@@ -22,7 +22,6 @@ use crate::joints::JointWater;
 use crate::observe::{ObserveError, Observer};
 use crate::packing::packed;
 use crate::scene::file::TimeFile;
-use crate::scene::parse;
 use crate::scene::resolve::{Scene, vec3};
 use crate::summary::{Summary, TimeByPhase, peak_memory};
 use crate::table::Start;
@@ -79,9 +78,6 @@ pub enum RunError {
     /// The state of a checkpoint is not of this scene.
     #[error("the state of the checkpoint does not fit the scene: {0}; begin anew with --force")]
     State(#[from] postcard::Error),
-    /// The scene cannot be written.
-    #[error("cannot write the scene: {0}")]
-    Scene(String),
 }
 
 /// Where a run is.
@@ -169,6 +165,8 @@ pub struct Plan<'a> {
     pub folder: &'a Path,
     /// Where to go on from; the folder then holds the files of the run.
     pub from: Option<Checkpoint>,
+    /// Hash of the scene as it is written in the folder, see [`checkpoint::scene_hash`].
+    pub scene_hash: [u8; 32],
     /// Wall time from one checkpoint to the next.
     pub checkpoint_interval: Duration,
 }
@@ -276,7 +274,6 @@ struct Run<'a> {
 
 impl<'a> Run<'a> {
     fn start(scene: &'a Scene, plan: Plan) -> Result<Self, RunError> {
-        let text = parse::write(&scene.file).map_err(|error| RunError::Scene(error.to_string()))?;
         let mut world = build(scene)?;
         let begin = match plan.from {
             None => Start::Anew,
@@ -288,7 +285,7 @@ impl<'a> Run<'a> {
         let mut run = Self {
             scene,
             folder: plan.folder.to_path_buf(),
-            scene_hash: checkpoint::scene_hash(&text),
+            scene_hash: plan.scene_hash,
             tally: Tally {
                 stage: match settles {
                     true => Stage::Settling {
@@ -724,6 +721,7 @@ fn subtitle(summary: &Summary) -> String {
 )]
 mod tests {
     use super::*;
+    use crate::scene::parse;
     use riprap_sph::Vec3;
 
     /// Still water in a box; no settling.
@@ -752,6 +750,7 @@ mod tests {
         Plan {
             folder,
             from: None,
+            scene_hash: [0; 32],
             checkpoint_interval: Duration::MAX,
         }
     }

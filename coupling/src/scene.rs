@@ -12,47 +12,95 @@ pub mod mesh;
 pub mod motion;
 pub mod parse;
 pub mod raster;
+pub mod reach;
 pub mod resolve;
 pub mod rock_mass;
 pub mod shape;
 pub(crate) mod symmetry;
 pub mod validate;
 
+use std::fs::File;
+use std::io::Read as _;
 use std::path::Path;
 
 use error::{Problem, SceneError, Severity};
 use parse::Override;
+use reach::{FilesFrom, Reach};
 use resolve::Scene;
 
-/// Reads, checks and resolves the scene at `path` with the given overrides.
+/// Largest scene that is read; bytes.
+const LARGEST_SCENE: u64 = 200_000_000;
+
+/// Reads, checks and resolves the scene at `path` with the given overrides. Files that it names are in its folder.
 ///
 /// # Errors
 ///
 /// [`SceneError`] with every problem in its place in the text.
 pub fn load(path: &Path, overrides: &[Override]) -> Result<(Scene, SceneError), SceneError> {
+    load_from(path, overrides, FilesFrom::SceneFolder)
+}
+
+/// As [`load`], with files from where they may be.
+///
+/// # Errors
+///
+/// As [`load`].
+pub fn load_from(
+    path: &Path,
+    overrides: &[Override],
+    files: FilesFrom,
+) -> Result<(Scene, SceneError), SceneError> {
     let name = path.display().to_string();
-    let written = std::fs::read_to_string(path).map_err(|error| {
-        let message = format!("cannot read the scene: {error}");
+    let written = text_of(path).map_err(|message| {
         SceneError::from_problems(&name, "", vec![Problem::error("", message)])
     })?;
-    let text = parse::overridden(&written, overrides)
-        .map_err(|problem| SceneError::from_problems(&name, &written, vec![problem]))?;
+    let reach = Reach {
+        files,
+        ..Reach::of(path.parent().unwrap_or(Path::new(".")))
+    };
+    load_text(&name, &written, overrides, &reach)
+}
+
+fn text_of(path: &Path) -> Result<String, String> {
+    let mut text = String::new();
+    // a device may have no end
+    File::open(path)
+        .and_then(|file| file.take(LARGEST_SCENE + 1).read_to_string(&mut text))
+        .map_err(|error| format!("cannot read the scene: {error}"))?;
+    if text.len() as u64 > LARGEST_SCENE {
+        return Err(format!("the scene has more than {LARGEST_SCENE} bytes"));
+    }
+    Ok(text)
+}
+
+/// Checks and resolves the scene written in a text, called `name` in messages.
+///
+/// # Errors
+///
+/// As [`load`].
+pub fn load_text(
+    name: &str,
+    written: &str,
+    overrides: &[Override],
+    reach: &Reach,
+) -> Result<(Scene, SceneError), SceneError> {
+    let text = parse::overridden(written, overrides)
+        .map_err(|problem| SceneError::from_problems(name, written, vec![problem]))?;
     let file = parse::read(&text)
-        .map_err(|error| SceneError::at_span(&name, &text, error.span, error.message))?;
+        .map_err(|error| SceneError::at_span(name, &text, error.span, error.message))?;
     let problems = validate::values(&file);
     if problems.iter().any(|p| p.severity == Severity::Error) {
-        return Err(SceneError::from_problems(&name, &text, problems));
+        return Err(SceneError::from_problems(name, &text, problems));
     }
-    let folder = path.parent().unwrap_or(Path::new("."));
-    match Scene::resolve(file, folder) {
+    match Scene::resolve_within(file, reach) {
         Ok(mut scene) => {
             scene.warnings.splice(0..0, problems);
-            let warnings = SceneError::from_problems(&name, &text, scene.warnings.clone());
+            let warnings = SceneError::from_problems(name, &text, scene.warnings.clone());
             Ok((scene, warnings))
         }
         Err(found) => {
             let all = problems.into_iter().chain(found).collect();
-            Err(SceneError::from_problems(&name, &text, all))
+            Err(SceneError::from_problems(name, &text, all))
         }
     }
 }

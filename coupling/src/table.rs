@@ -232,7 +232,15 @@ impl TableData {
 /// [`TableError::Io`] if the file cannot be read, [`TableError::Line`] for the first line that is wrong.
 pub fn read_table(path: &Path) -> Result<TableData, TableError> {
     let text = fs::read_to_string(path).map_err(TableError::io("read", path))?;
-    parse(path, &text).map_err(|(line, fault)| TableError::Line {
+    table_from(path, &text)
+}
+
+/// The table of the text of a file; `path` is for messages.
+///
+/// # Errors
+/// [`TableError::Line`] for the first line that is wrong.
+pub fn table_from(path: &Path, text: &str) -> Result<TableData, TableError> {
+    parse(path, text).map_err(|(line, fault)| TableError::Line {
         path: path.to_owned(),
         line,
         fault,

@@ -92,10 +92,14 @@ impl CellGrid {
         let mut edge = support_radius + skin;
         let counts = loop {
             let split = [ROW_SPLIT, 1.0, 1.0];
-            let counts = [0, 1, 2]
-                .map(|axis| ((split[axis] * extent[axis] / edge * (1.0 + 1e-12)) as usize).max(1));
-            if counts.iter().product::<usize>() <= max_cells.max(1) {
-                break counts;
+            let counts = [0, 1, 2].map(|axis| {
+                (split[axis] * extent[axis] / edge * (1.0 + 1e-12))
+                    .floor()
+                    .max(1.0)
+            });
+            // as numbers of cells they may be too many to count
+            if counts.iter().product::<f64>() <= max_cells.max(1) as f64 {
+                break counts.map(|n| n as usize);
             }
             edge *= 1.25;
         };

@@ -6,12 +6,14 @@ use std::time::{Duration, Instant};
 
 use riprap_dda::{Motion, Shape};
 
-use super::{Exit, load, say, show};
+use super::{Exit, files_from, load, say, show};
+use crate::memory::Estimate;
 use crate::notice::unnoticed;
 use crate::run::build;
 use crate::scene::file::{ShapeFile, WallMethodFile};
 use crate::scene::mesh;
 use crate::scene::parse::Override;
+use crate::scene::reach::Reach;
 use crate::scene::resolve::Scene;
 use crate::time_step::Cause;
 use crate::world::World;
@@ -29,17 +31,22 @@ pub(crate) struct Arguments {
     /// Set a field of the scene, e.g. --set fluid.resolution="Count(5000)"; may be repeated.
     #[arg(long = "set", value_name = "PATH=VALUE")]
     set: Vec<Override>,
+    /// Let the scene name files outside of its folder.
+    #[arg(long)]
+    allow_outside: bool,
 }
 
 pub(crate) fn execute(arguments: &Arguments) -> Exit {
-    let scene = match load(&arguments.case, &arguments.set) {
+    let files = files_from(arguments.allow_outside);
+    let scene = match load(&arguments.case, &arguments.set, files) {
         Ok(scene) => scene,
         Err(exit) => return exit,
     };
-    show(&describe(
-        &scene,
-        arguments.case.parent().unwrap_or(Path::new(".")),
-    ));
+    let reach = Reach {
+        files,
+        ..Reach::of(arguments.case.parent().unwrap_or(Path::new(".")))
+    };
+    show(&describe(&scene, &reach));
     for one in unnoticed(&scene) {
         show(&format!("  this scene would not notice {one}"));
     }
@@ -80,7 +87,7 @@ fn block_motion(scene: &Scene) -> String {
 }
 
 /// What will be modelled and what will not, and why.
-pub(crate) fn describe(scene: &Scene, folder: &Path) -> String {
+pub(crate) fn describe(scene: &Scene, reach: &Reach) -> String {
     let mut text = format!("{}\n", scene.file.title);
     let count = |test: fn(&Motion) -> bool| scene.blocks.iter().filter(|b| test(&b.motion)).count();
     let free = count(|m| matches!(m, Motion::Free));
@@ -197,7 +204,7 @@ pub(crate) fn describe(scene: &Scene, folder: &Path) -> String {
         _ => None,
     }) {
         // the scene is read: its meshes can be, too
-        if let Ok(found) = mesh::survey(folder, file, scale) {
+        if let Ok(found) = mesh::survey(reach, file, scale) {
             let size = found.max - found.min;
             line(
                 "mesh",
@@ -242,6 +249,7 @@ pub(crate) fn describe(scene: &Scene, folder: &Path) -> String {
         _ => String::new(),
     };
     line("time", format!("{} s{settling}", time.duration));
+    line("memory", Estimate::of(scene).to_string());
     text.pop();
     text
 }
@@ -288,14 +296,10 @@ fn cost(scene: &Scene) -> Result<String, crate::run::RunError> {
         .fluid
         .as_ref()
         .map_or(0, |f| f.lattice.positions.len()) as f64;
-    let lists = world.water.as_ref().map_or(0, |w| w.fluid.list_memory());
-    // state, scratch and sorted copies, and the lists of neighbours of the start
-    let memory = n * 450.0 + lists as f64 + 4e6;
     let output = &scene.file.output;
     let frames = duration / output.frame_interval.unwrap_or(duration);
     // measured: about 30 bytes a particle and frame, compressed
     let disk = frames * n * 30.0 + duration / output.gauge_interval.unwrap_or(duration) * 500.0;
-    let _ = writeln!(text, "  memory         about {:.0} MB", memory / 1e6);
     let _ = writeln!(
         text,
         "  disk           about {:.0} MB in {frames:.0} frames",

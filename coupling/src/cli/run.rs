@@ -2,20 +2,23 @@
 
 mod resume;
 
+use std::collections::BTreeMap;
 use std::io::{IsTerminal, Write as _};
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use super::accuracy::{self, Asked, Budget};
-use super::{Exit, default_folder, load, say, show};
-use crate::checkpoint;
+use super::{Exit, default_folder, files_from, load, say, show};
+use crate::checkpoint::{self, Checkpoint};
 use crate::cli::check::describe;
 use crate::run::{Ending, Event, Plan, Progress, run};
 use crate::scene::parse::{self, Override};
+use crate::scene::reach::{Reach, is_below};
 use crate::scene::resolve::Scene;
 use crate::summary::Summary;
+use resume::Found;
 
 /// Run a scene into a folder.
 #[derive(Debug, clap::Args)]
@@ -41,6 +44,9 @@ pub(crate) struct Arguments {
     /// The number: a study of the case by its file or output, or crest_at_GAUGE, trough_at_, max_of_, min_of_, mean_of_.
     #[arg(long, value_name = "NAME", requires = "error")]
     of: Option<String>,
+    /// Let the scene name files outside of its folder; they are copied into the run folder under names of their own.
+    #[arg(long, conflicts_with = "error")]
+    allow_outside: bool,
     /// Write over an existing run folder.
     #[arg(long)]
     force: bool,
@@ -63,7 +69,8 @@ pub(crate) fn execute(arguments: &Arguments) -> Exit {
             value: format!("{until:?}"),
         });
     }
-    let mut scene = match load(&arguments.case, &overrides) {
+    let files = files_from(arguments.allow_outside);
+    let mut scene = match load(&arguments.case, &overrides, files) {
         Ok(scene) => scene,
         Err(exit) => return exit,
     };
@@ -71,33 +78,10 @@ pub(crate) fn execute(arguments: &Arguments) -> Exit {
         .output
         .clone()
         .unwrap_or_else(|| default_folder(&arguments.case));
-    let from = match arguments.resume {
-        false => None,
-        true => match resume::find(&scene, &arguments.case, &folder) {
-            Ok(resume::Found::Over) => {
-                show(&format!("{} is complete already", folder.display()));
-                return Exit::Done;
-            }
-            Ok(resume::Found::Nothing) => {
-                say(&format!(
-                    "{} holds no checkpoint: the run begins",
-                    folder.display()
-                ));
-                None
-            }
-            Ok(resume::Found::Checkpoint(checkpoint)) => Some(checkpoint),
-            Err(message) => {
-                say(&format!("error: {message}"));
-                return Exit::BadInput;
-            }
-        },
+    let from = match place_of_run(arguments, &scene, &folder) {
+        Ok(from) => from,
+        Err(exit) => return exit,
     };
-    if from.is_none()
-        && let Err(message) = prepare(&folder, arguments.force || arguments.resume)
-    {
-        say(&format!("error: {message}"));
-        return Exit::BadInput;
-    }
     let stop = Arc::new(AtomicBool::new(false));
     stop_on_signal(&stop);
     let chosen = match arguments.error {
@@ -117,19 +101,26 @@ pub(crate) fn execute(arguments: &Arguments) -> Exit {
             };
             // what the user sets stands above what is chosen
             let all = [chosen.overrides.as_slice(), &overrides].concat();
-            scene = match load(&arguments.case, &all) {
+            scene = match load(&arguments.case, &all, files) {
                 Ok(scene) => scene,
                 Err(exit) => return exit,
             };
             Some(chosen)
         }
     };
-    if from.is_none()
-        && let Err(message) = keep_inputs(&scene, &arguments.case, &folder)
-    {
-        say(&format!("error: {message}"));
-        return Exit::BadInput;
-    }
+    let kept = Kept::of(&scene).and_then(|kept| {
+        if from.is_none() {
+            keep_inputs(&kept, &arguments.case, &folder)?;
+        }
+        Ok(kept)
+    });
+    let kept = match kept {
+        Ok(kept) => kept,
+        Err(message) => {
+            say(&format!("error: {message}"));
+            return Exit::BadInput;
+        }
+    };
     if let Some(threads) = arguments.threads
         && let Err(error) = rayon::ThreadPoolBuilder::new()
             .num_threads(threads)
@@ -139,13 +130,17 @@ pub(crate) fn execute(arguments: &Arguments) -> Exit {
         return Exit::BadInput;
     }
     if !arguments.quiet {
-        let folder_of_case = arguments.case.parent().unwrap_or(Path::new("."));
-        say(&describe(&scene, folder_of_case));
+        let reach = Reach {
+            files,
+            ..Reach::of(arguments.case.parent().unwrap_or(Path::new(".")))
+        };
+        say(&describe(&scene, &reach));
     }
     let mut line = ProgressLine::new(arguments.quiet);
     let plan = Plan {
         folder: &folder,
         from,
+        scene_hash: checkpoint::scene_hash(&kept.text),
         checkpoint_interval: Duration::from_secs_f64(arguments.checkpoint_interval),
     };
     let ended = run(&scene, plan, &stop, &mut |event| line.tell(&event));
@@ -185,6 +180,34 @@ pub(crate) fn execute(arguments: &Arguments) -> Exit {
     }
 }
 
+/// Makes the run folder ready, or finds the checkpoint to go on from.
+fn place_of_run(
+    arguments: &Arguments,
+    scene: &Scene,
+    folder: &Path,
+) -> Result<Option<Checkpoint>, Exit> {
+    let wrong = |message: String| {
+        say(&format!("error: {message}"));
+        Exit::BadInput
+    };
+    if arguments.resume {
+        let kept = Kept::of(scene).map_err(wrong)?;
+        match resume::find(&kept, &arguments.case, folder).map_err(wrong)? {
+            Found::Over => {
+                show(&format!("{} is complete already", folder.display()));
+                return Err(Exit::Done);
+            }
+            Found::Checkpoint(checkpoint) => return Ok(Some(checkpoint)),
+            Found::Nothing => say(&format!(
+                "{} holds no checkpoint: the run begins",
+                folder.display()
+            )),
+        }
+    }
+    prepare(folder, arguments.force || arguments.resume).map_err(wrong)?;
+    Ok(None)
+}
+
 /// A wall time.
 fn seconds(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
@@ -222,33 +245,9 @@ fn remove_run(folder: &Path) -> Result<(), String> {
             .unwrap_or_default()
             .to_string_lossy()
             .into_owned();
-        let is_ours = ["water", "blocks", "contacts", "fixed_blocks", "faces"]
-            .iter()
-            .any(|stem| {
-                name.starts_with(stem)
-                    && [".vtp", ".pvd", ".series"]
-                        .iter()
-                        .any(|end| name.ends_with(end))
-            })
-            || [
-                "case.ron",
-                checkpoint::FILE,
-                checkpoint::PREVIOUS,
-                "accuracy.json",
-                "summary.json",
-                "overview.svg",
-                "gauges.csv",
-                "blocks.csv",
-                "energy.csv",
-                "forces.csv",
-                "contacts.csv",
-                "trajectories.csv",
-                "rockfall.csv",
-            ]
-            .contains(&name.as_str());
         let removed = if name == "frames" && path.is_dir() {
             std::fs::remove_dir_all(&path)
-        } else if is_ours {
+        } else if is_ours(&name) {
             std::fs::remove_file(&path)
         } else {
             Ok(())
@@ -258,23 +257,111 @@ fn remove_run(folder: &Path) -> Result<(), String> {
     Ok(())
 }
 
-/// Writes `case.ron` and copies the files it names, so that the folder can be run again by itself.
-fn keep_inputs(scene: &Scene, case: &Path, folder: &Path) -> Result<(), String> {
-    let text =
-        parse::write(&scene.file).map_err(|error| format!("cannot write case.ron: {error}"))?;
-    let path = folder.join("case.ron");
-    std::fs::write(&path, text)
-        .map_err(|error| format!("cannot write {}: {error}", path.display()))?;
+/// Whether a run writes a file of this name into its folder.
+fn is_ours(name: &str) -> bool {
+    ["water", "blocks", "contacts", "fixed_blocks", "faces"]
+        .iter()
+        .any(|stem| {
+            name.starts_with(stem)
+                && [".vtp", ".pvd", ".series"]
+                    .iter()
+                    .any(|end| name.ends_with(end))
+        })
+        || [
+            "case.ron",
+            checkpoint::FILE,
+            checkpoint::PREVIOUS,
+            checkpoint::NEW,
+            "accuracy.json",
+            "summary.json",
+            "overview.svg",
+            "gauges.csv",
+            "blocks.csv",
+            "energy.csv",
+            "forces.csv",
+            "contacts.csv",
+            "trajectories.csv",
+            "rockfall.csv",
+        ]
+        .contains(&name)
+}
+
+/// What a run folder keeps of a scene.
+struct Kept {
+    /// Names of the scene's files there, by those in the scene.
+    names: BTreeMap<String, String>,
+    /// The scene with these names.
+    text: String,
+}
+
+impl Kept {
+    fn of(scene: &Scene) -> Result<Self, String> {
+        let names = kept_names(&scene.file.referenced_files());
+        let mut kept = scene.file.clone();
+        kept.rename_files(|file| names.get(file).cloned().unwrap_or_else(|| file.to_owned()));
+        let text = parse::write(&kept);
+        let text = text.map_err(|error| format!("cannot write case.ron: {error}"))?;
+        Ok(Self { names, text })
+    }
+}
+
+/// Copies the files that the scene names and writes `case.ron`, so that the folder can be run again by itself.
+fn keep_inputs(kept: &Kept, case: &Path, folder: &Path) -> Result<(), String> {
     let source = case.parent().unwrap_or(Path::new("."));
-    for file in scene.file.referenced_files() {
-        let target = folder.join(file);
-        let copied = target
+    for (file, name) in &kept.names {
+        let (from, to) = (source.join(file), folder.join(name));
+        // a case that is run into its own folder has its files there
+        let is_there = from
+            .canonicalize()
+            .is_ok_and(|from| to.canonicalize().is_ok_and(|to| from == to));
+        if is_there {
+            continue;
+        }
+        let copied = to
             .parent()
             .map_or(Ok(()), std::fs::create_dir_all)
-            .and_then(|()| std::fs::copy(source.join(file), &target));
-        copied.map_err(|error| format!("cannot copy `{file}` to {}: {error}", target.display()))?;
+            .and_then(|()| std::fs::copy(&from, &to));
+        copied.map_err(|error| format!("cannot copy `{file}` to {}: {error}", to.display()))?;
     }
-    Ok(())
+    let path = folder.join("case.ron");
+    std::fs::write(&path, &kept.text)
+        .map_err(|error| format!("cannot write {}: {error}", path.display()))
+}
+
+/// The names of files in the run folder, by those in the scene. A file from outside of the scene's folder, or one that
+/// is called as what the run writes, gets a name of its own.
+fn kept_names(files: &[&str]) -> BTreeMap<String, String> {
+    let mut names = BTreeMap::new();
+    for &file in files {
+        let mut parts = Path::new(file).components().filter_map(|part| match part {
+            Component::Normal(name) => Some(name.to_string_lossy()),
+            _ => None,
+        });
+        let is_taken = parts
+            .next()
+            .is_some_and(|first| first == "frames" || is_ours(&first));
+        if is_below(file) && !is_taken {
+            names.insert(file.to_owned(), file.to_owned());
+        }
+    }
+    for &file in files {
+        if names.contains_key(file) {
+            continue;
+        }
+        let last = Path::new(file).file_name().unwrap_or_default();
+        let last = last.to_string_lossy();
+        let is_free = |name: &String| {
+            !names
+                .values()
+                .any(|other| Path::new(other) == Path::new(name))
+        };
+        let name = (1..)
+            .map(|k| format!("inputs/{k}_{last}"))
+            .find(is_free)
+            .unwrap_or_default();
+        names.insert(file.to_owned(), name);
+    }
+    names
 }
 
 /// The first signal ends the run in good order, the second at once.

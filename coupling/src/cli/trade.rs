@@ -9,6 +9,7 @@ use std::time::Instant;
 
 use super::run::stop_on_signal;
 use super::{Exit, report_scene_error, say, show};
+use crate::memory;
 use crate::trade::execute::{Ended, Means, Progress, execute as run_all};
 use crate::trade::plan::{Planned, Study};
 use crate::trade::results::{Found, Fronts, bought, collect, front_table, table, write};
@@ -149,22 +150,10 @@ pub(super) fn means(jobs: Option<usize>) -> Means {
     let cores = || std::thread::available_parallelism().map_or(1, usize::from);
     Means {
         workers: jobs.unwrap_or_else(cores),
-        memory: (MEMORY_SHARE * free_memory() as f64) as u64,
+        memory: (MEMORY_SHARE
+            * memory::available().map_or(UNKNOWN_MEMORY, |memory| memory.bytes) as f64)
+            as u64,
     }
-}
-
-/// Memory that the system could give; bytes.
-fn free_memory() -> u64 {
-    // Linux: "MemAvailable:   12345 kB"
-    std::fs::read_to_string("/proc/meminfo")
-        .ok()
-        .and_then(|text| {
-            let line = text
-                .lines()
-                .find(|line| line.starts_with("MemAvailable:"))?;
-            line.split_whitespace().nth(1)?.parse::<u64>().ok()
-        })
-        .map_or(UNKNOWN_MEMORY, |kib| kib * 1024)
 }
 
 /// The front, and what each knob buys.

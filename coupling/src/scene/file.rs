@@ -134,6 +134,26 @@ impl SceneFile {
         }
         files
     }
+
+    /// Names files anew: each gets what `rename` makes of its name.
+    pub fn rename_files(&mut self, rename: impl Fn(&str) -> String) {
+        let shapes = self.blocks.iter_mut().map(|block| &mut block.shape);
+        let boundaries = self.rock_masses.iter_mut().map(|mass| &mut mass.boundary);
+        for shape in shapes.chain(boundaries) {
+            if let ShapeFile::Mesh { file, .. }
+            | ShapeFile::Surface { file, .. }
+            | ShapeFile::Raster { file, .. } = shape
+            {
+                *file = rename(file);
+            }
+        }
+        for block in &mut self.blocks {
+            if let MotionFile::Table { file } | MotionFile::Shaking { file, .. } = &mut block.motion
+            {
+                *file = rename(file);
+            }
+        }
+    }
 }
 
 /// The modelled box.

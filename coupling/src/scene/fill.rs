@@ -22,6 +22,8 @@ pub use overlap::overlaps;
 
 /// Most lattice nodes that are looked at.
 const MOST_NODES: f64 = 5e7;
+/// Bytes for each node that is looked at: what is known of it, and of those still to be visited.
+const NODE_BYTES: f64 = 8.0;
 /// Particles of two regions nearer than this are an overlap: they would blow apart; × spacing.
 const NEAREST_OF_REGIONS: f64 = 0.9;
 
@@ -62,13 +64,67 @@ impl Lattice {
     }
 }
 
+/// How much water memory has room for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Room {
+    /// Most bytes that may be taken; infinite where the system does not tell.
+    pub bytes: f64,
+    /// Bytes that a run needs for each particle, at least.
+    pub bytes_per_particle: f64,
+}
+
+impl Room {
+    /// No bounds.
+    pub const ENDLESS: Self = Self {
+        bytes: f64::INFINITY,
+        bytes_per_particle: 0.0,
+    };
+
+    /// Whether so many particles fit, before there are any.
+    fn holds(&self, particles: f64) -> Result<(), FillError> {
+        let needed = particles * self.bytes_per_particle;
+        if needed <= self.bytes {
+            return Ok(());
+        }
+        Err(FillError::NoMemory {
+            particles,
+            needed: needed / 1e9,
+            available: self.bytes / 1e9,
+        })
+    }
+
+    /// Most nodes that may be looked at.
+    fn nodes(&self) -> f64 {
+        MOST_NODES.min(self.bytes / NODE_BYTES)
+    }
+
+    /// Whether so many nodes may be looked at; NaN may not.
+    fn look_at(&self, nodes: f64) -> Result<(), FillError> {
+        let most = self.nodes();
+        if nodes <= most {
+            Ok(())
+        } else {
+            Err(FillError::TooManyNodes { nodes, most })
+        }
+    }
+}
+
 /// Why a region holds no water.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 enum FillError {
     #[error(
-        "needs more than {MOST_NODES:e} lattice nodes; coarsen `fluid.resolution` or shrink the domain"
+        "needs {nodes:.1e} lattice nodes, more than {most:.1e}; coarsen `fluid.resolution` or shrink the domain"
     )]
-    TooManyNodes,
+    TooManyNodes { nodes: f64, most: f64 },
+    #[error(
+        "makes {particles:.3e} particles or more, which need at least {needed:.3} GB of memory; the machine has \
+         {available:.3} GB: coarsen `fluid.resolution`"
+    )]
+    NoMemory {
+        particles: f64,
+        needed: f64,
+        available: f64,
+    },
     #[error(
         "overlaps block `{block}` by {depth:.3} m; shrink the box, or use Below(level, seed), which fills \
          round blocks"
@@ -113,10 +169,25 @@ pub fn lattice(
     solids: &[(String, Shape)],
     n_mould_rows: usize,
 ) -> Result<Lattice, Vec<Problem>> {
-    let at = |spacing| at_spacing(fluid, domain, solids, n_mould_rows, spacing);
+    lattice_within(fluid, domain, solids, n_mould_rows, Room::ENDLESS)
+}
+
+/// As [`lattice`], with no more particles than there is room for; more are refused before they are made.
+///
+/// # Errors
+///
+/// As [`lattice`].
+pub fn lattice_within(
+    fluid: &FluidFile,
+    domain: &DomainFile,
+    solids: &[(String, Shape)],
+    n_mould_rows: usize,
+    room: Room,
+) -> Result<Lattice, Vec<Problem>> {
+    let at = |spacing| at_spacing(fluid, domain, solids, (n_mould_rows, room), spacing);
     match fluid.resolution {
         ResolutionFile::Spacing(wanted) => at(wanted),
-        ResolutionFile::Count(wanted) => count::lattice(fluid, domain, wanted, at),
+        ResolutionFile::Count(wanted) => count::lattice(fluid, domain, (wanted, room), at),
     }
 }
 
@@ -147,7 +218,7 @@ fn at_spacing(
     fluid: &FluidFile,
     domain: &DomainFile,
     solids: &[(String, Shape)],
-    n_mould_rows: usize,
+    (n_mould_rows, room): (usize, Room),
     wanted: f64,
 ) -> Result<Lattice, Vec<Problem>> {
     let spacing = spacings(domain, wanted);
@@ -164,17 +235,24 @@ fn at_spacing(
     for (index, region) in fluid.regions.iter().enumerate() {
         let (level, is_packed, filled) = match &region.shape {
             RegionShapeFile::Box { min, max } => {
-                let water = boxes::fill((vec3(*min), vec3(*max)), spacing, solids);
+                let water = boxes::fill((vec3(*min), vec3(*max)), spacing, solids, room);
                 let mould = Vec::new();
                 (max.2, false, water.map(|water| Poured { water, mould }))
             }
             RegionShapeFile::Below { level, seed } => {
                 let seed = vec3(*seed);
-                let poured = basin::fill(domain, spacing, *level, &seed, solids, n_mould_rows);
+                let poured = basin::fill(
+                    domain,
+                    spacing,
+                    (*level, &seed),
+                    solids,
+                    (n_mould_rows, room),
+                );
                 (*level, 0 < n_mould_rows, poured)
             }
         };
         let filled = filled.and_then(|poured| {
+            room.holds((lattice.positions.len() + poured.water.len()) as f64)?;
             check_regions(&lattice, &poured.water, &fluid.regions).map(|()| poured)
         });
         match filled {
@@ -192,10 +270,16 @@ fn at_spacing(
                     .extend(std::iter::repeat_n(vec3(region.velocity), n));
                 lattice.region.extend(std::iter::repeat_n(index as u32, n));
             }
-            Err(error) => problems.push(Problem::error(
-                format!("fluid.regions[{index}].shape{}", blamed(&error)),
-                format!("fluid region `{}` {error}", region.name),
-            )),
+            Err(error) => {
+                let path = match &error {
+                    FillError::TooManyNodes { .. } | FillError::NoMemory { .. } => {
+                        "fluid.resolution".to_owned()
+                    }
+                    _ => format!("fluid.regions[{index}].shape{}", blamed(&error)),
+                };
+                let message = format!("fluid region `{}` {error}", region.name);
+                problems.push(Problem::error(path, message));
+            }
         }
     }
     if lattice.positions.is_empty() && problems.is_empty() {

@@ -1,5 +1,7 @@
 //! Grains: balls in bulk, each an entry of its own among the blocks.
 
+use std::collections::HashSet;
+
 use riprap_dda::{Random, Vec3};
 
 use super::error::Problem;
@@ -34,12 +36,12 @@ impl GrainsFile {
 }
 
 /// Puts the grains of the file in its list of blocks, named `grains_0001` and on; the lists are taken out, so that
-/// the file then says what is run.
+/// the file then says what is run. All blocks together may be at most so many.
 ///
 /// # Errors
 ///
 /// Problems of counts that do not fit, and of names that are taken, all together.
-pub fn expand(file: &mut SceneFile) -> Result<Vec<GrainsReport>, Vec<Problem>> {
+pub fn expand(file: &mut SceneFile, most: usize) -> Result<Vec<GrainsReport>, Vec<Problem>> {
     let mut problems = Vec::new();
     let mut reports = Vec::new();
     for (index, grains) in std::mem::take(&mut file.grains).iter().enumerate() {
@@ -47,16 +49,16 @@ pub fn expand(file: &mut SceneFile) -> Result<Vec<GrainsReport>, Vec<Problem>> {
             let message = format!("grains `{}`: {what}", grains.name);
             Problem::error(format!("grains[{index}].{field}"), message)
         };
-        let blocks = match balls_of(grains) {
+        let most = most.saturating_sub(file.blocks.len()).min(MOST);
+        let blocks = match balls_of(grains, most) {
             Ok(blocks) => blocks,
             Err((field, what)) => {
                 problems.push(refused(field, what));
                 continue;
             }
         };
-        let taken = |block: &&BlockFile| {
-            block.name.starts_with(&grains.name) && blocks.iter().any(|b| b.name == block.name)
-        };
+        let names: HashSet<&str> = blocks.iter().map(|ball| ball.name.as_str()).collect();
+        let taken = |block: &&BlockFile| names.contains(block.name.as_str());
         if let Some(block) = file.blocks.iter().find(taken) {
             let what = format!("its ball `{}` has the name of a block", block.name);
             problems.push(refused("name", what));
@@ -92,20 +94,23 @@ fn report(grains: &GrainsFile, density: f64, blocks: &[BlockFile]) -> GrainsRepo
 }
 
 /// The balls, or the field that keeps them from being made and why.
-fn balls_of(grains: &GrainsFile) -> Result<Vec<BlockFile>, (&'static str, String)> {
+fn balls_of(grains: &GrainsFile, most: usize) -> Result<Vec<BlockFile>, (&'static str, String)> {
     let wanted = grains.count.map(|count| count as usize);
-    if wanted.is_some_and(|count| count > MOST) {
-        let what = format!("{} balls are more than {MOST}", wanted.unwrap_or(0));
+    if wanted.is_some_and(|count| count > most) {
+        let what = format!(
+            "{} balls are more than {most}, which is what fits in the memory or in a list",
+            wanted.unwrap_or(0)
+        );
         return Err(("count", what));
     }
     let (min, max) = bounds(&grains.region);
     let spacing = grains.spacing.unwrap_or(grains.least_spacing());
     let layer = (max - min).xy().product() / (spacing * spacing);
-    if layer > MOST as f64 {
-        let what = format!("a layer of the region takes more than {MOST} balls; make it smaller");
+    if !(layer <= most as f64) {
+        let what = format!("a layer of the region takes more than {most} balls; make it smaller");
         return Err(("region", what));
     }
-    let places: Vec<Vec3> = places(grains).take(wanted.unwrap_or(MOST + 1)).collect();
+    let places: Vec<Vec3> = places(grains).take(wanted.unwrap_or(most + 1)).collect();
     match wanted {
         Some(count) if places.len() < count => {
             let what = format!(
@@ -118,8 +123,8 @@ fn balls_of(grains: &GrainsFile) -> Result<Vec<BlockFile>, (&'static str, String
             let what = "the region is too small for a single ball; enlarge it".to_owned();
             return Err(("region", what));
         }
-        None if places.len() > MOST => {
-            let what = format!("the region takes more than {MOST} balls; give their count");
+        None if places.len() > most => {
+            let what = format!("the region takes more than {most} balls; give their count");
             return Err(("region", what));
         }
         _ => {}
@@ -200,11 +205,17 @@ fn places(grains: &GrainsFile) -> impl Iterator<Item = Vec3> {
             (x - vec3(base)).xy().norm() + reach <= radius * (1.0 + ROUNDING)
         }
     };
-    (0..counts.z)
-        .flat_map(move |k| (0..counts.y).map(move |j| (j, k)))
-        .flat_map(move |(j, k)| (0..counts.x).map(move |i| (i, j, k)))
-        .map(move |(i, j, k)| first + Vec3::new(i as f64, j as f64, k as f64) * spacing)
+    let layer: Vec<Vec3> = (0..counts.y)
+        .flat_map(|j| (0..counts.x).map(move |i| (i, j)))
+        .map(|(i, j)| first + Vec3::new(i as f64, j as f64, 0.0) * spacing)
         .filter(is_inside)
+        .collect();
+    // nothing fits in any layer where nothing fits in one
+    let layers = if layer.is_empty() { 0 } else { counts.z };
+    (0..layers).flat_map(move |k| {
+        let up = Vec3::new(0.0, 0.0, k as f64 * spacing);
+        layer.clone().into_iter().map(move |place| place + up)
+    })
 }
 
 impl std::fmt::Display for GrainsReport {
@@ -242,7 +253,7 @@ mod tests {
 
     /// Centres and radii.
     fn balls(grains: &GrainsFile) -> Vec<(Vec3, f64)> {
-        let blocks = balls_of(grains).unwrap();
+        let blocks = balls_of(grains, MOST).unwrap();
         blocks
             .iter()
             .map(|block| match block.shape {
@@ -319,23 +330,23 @@ mod tests {
 
     #[test]
     fn a_count_that_does_not_fit_says_how_many_do() {
-        let (field, what) = balls_of(&grains(BOX, Some(301))).unwrap_err();
+        let (field, what) = balls_of(&grains(BOX, Some(301)), MOST).unwrap_err();
         assert_eq!(field, "count");
         assert!(what.contains("301 balls do not fit, only 300 do"), "{what}");
         let tiny = GrainRegionFile::Box {
             min: (0.0, 0.0, 0.0),
             max: (0.1, 0.1, 0.1),
         };
-        let (_, what) = balls_of(&grains(tiny, None)).unwrap_err();
+        let (_, what) = balls_of(&grains(tiny, None), MOST).unwrap_err();
         assert!(what.contains("too small for a single ball"), "{what}");
         let huge = GrainRegionFile::Cylinder {
             base: (0.0, 0.0, 0.0),
             radius: 1e9,
             height: 1e9,
         };
-        let (_, what) = balls_of(&grains(BOX, Some(2_000_000))).unwrap_err();
+        let (_, what) = balls_of(&grains(BOX, Some(2_000_000)), MOST).unwrap_err();
         assert!(what.contains("more than 1000000"), "{what}");
-        let (_, what) = balls_of(&grains(huge, Some(10))).unwrap_err();
+        let (_, what) = balls_of(&grains(huge, Some(10)), MOST).unwrap_err();
         assert!(what.contains("a layer of the region takes more"), "{what}");
     }
 }

@@ -9,11 +9,13 @@ mod shells;
 mod stl;
 mod vtk;
 
-use std::path::{Component, Path, PathBuf};
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use riprap_dda::{Polyhedron, PolyhedronError, Shape, Surface, SurfaceError, Vec3, volume};
 use shells::{Seam, Shell};
+
+use super::reach::Reach;
 
 /// Largest file that is read; bytes.
 const LARGEST_FILE: u64 = 200_000_000;
@@ -39,14 +41,21 @@ pub struct MeshError {
 /// What is wrong with a mesh file.
 #[derive(Debug, thiserror::Error)]
 pub enum Fault {
-    /// The path is absolute or has `..`.
+    /// The path is absolute, has `..`, or leads through a link.
     #[error(
-        "leads out of the scene's folder; put the file beside the scene and name it from there"
+        "leads out of the scene's folder, to {}; put the file beside the scene and name it from there, \
+         or allow it with --allow-outside", .to.display()
     )]
-    LeavesFolder,
+    LeavesFolder {
+        /// Where it leads.
+        to: PathBuf,
+    },
     /// The system refuses it.
     #[error("cannot be read: {0}")]
     Unreadable(#[from] std::io::Error),
+    /// A folder, a device, a pipe.
+    #[error("is no file")]
+    NoFile,
     /// Too many bytes.
     #[error("has {bytes} bytes, more than {LARGEST_FILE}; simplify the mesh")]
     TooLarge {
@@ -187,42 +196,28 @@ impl Soup {
     }
 }
 
-/// A path of a scene, which must stay inside the scene's folder.
-///
-/// # Errors
-///
-/// [`Fault::LeavesFolder`].
-pub fn file_inside(folder: &Path, file: &str) -> Result<PathBuf, MeshError> {
-    let path = Path::new(file);
-    let stays = path
-        .components()
-        .all(|part| matches!(part, Component::Normal(_) | Component::CurDir));
-    if stays {
-        Ok(folder.join(path))
-    } else {
-        Err(MeshError {
-            file: file.to_owned(),
-            fault: Fault::LeavesFolder,
-        })
-    }
-}
-
 /// The solid of a mesh file, `scale` metres per unit: each closed convex shell becomes a part.
 ///
 /// # Errors
 ///
 /// [`MeshError`], which names the file, the place and what would be right.
-pub fn solid(folder: &Path, file: &str, scale: f64) -> Result<Shape, MeshError> {
-    let named = |fault| MeshError {
-        file: file.to_owned(),
-        fault,
-    };
-    let soup = read(&file_inside(folder, file)?, scale).map_err(named)?;
-    let sorted = shells::sort(&soup);
+pub fn solid(reach: &Reach, file: &str, scale: f64) -> Result<Shape, MeshError> {
+    with_content(reach, file, |content, extension| {
+        solid_from(content, extension, scale)
+    })
+}
+
+/// The solid of the content of a mesh file whose name ends in `extension`, as [`solid`].
+///
+/// # Errors
+///
+/// [`Fault`].
+pub fn solid_from(content: &[u8], extension: &str, scale: f64) -> Result<Shape, Fault> {
+    let sorted = shells::sort(&read(content, extension, scale)?);
     match sorted.seam {
-        Seam::Closed => parts(&sorted.shells).map(Shape::Polyhedra).map_err(named),
-        Seam::Open { n_edges, at } => Err(named(Fault::Open { n_edges, at })),
-        Seam::Unoriented { at } => Err(named(Fault::Unoriented { at })),
+        Seam::Closed => parts(&sorted.shells).map(Shape::Polyhedra),
+        Seam::Open { n_edges, at } => Err(Fault::Open { n_edges, at }),
+        Seam::Unoriented { at } => Err(Fault::Unoriented { at }),
     }
 }
 
@@ -231,15 +226,20 @@ pub fn solid(folder: &Path, file: &str, scale: f64) -> Result<Shape, MeshError> 
 /// # Errors
 ///
 /// As [`solid`]; the surface need not be closed.
-pub fn surface(folder: &Path, file: &str, scale: f64) -> Result<Shape, MeshError> {
-    let named = |fault| MeshError {
-        file: file.to_owned(),
-        fault,
-    };
-    let soup = read(&file_inside(folder, file)?, scale).map_err(named)?;
-    let Soup { points, triangles } = shells::weld(&soup);
-    let surface = Surface::new(points, triangles).map_err(|error| named(error.into()))?;
-    Ok(Shape::Surface(Arc::new(surface)))
+pub fn surface(reach: &Reach, file: &str, scale: f64) -> Result<Shape, MeshError> {
+    with_content(reach, file, |content, extension| {
+        surface_from(content, extension, scale)
+    })
+}
+
+/// The surface of the content of a mesh file whose name ends in `extension`, as [`surface`].
+///
+/// # Errors
+///
+/// [`Fault`].
+pub fn surface_from(content: &[u8], extension: &str, scale: f64) -> Result<Shape, Fault> {
+    let Soup { points, triangles } = shells::weld(&read(content, extension, scale)?);
+    Ok(Shape::Surface(Arc::new(Surface::new(points, triangles)?)))
 }
 
 /// Looks at a mesh file without asking that it be closed or convex.
@@ -247,12 +247,19 @@ pub fn surface(folder: &Path, file: &str, scale: f64) -> Result<Shape, MeshError
 /// # Errors
 ///
 /// [`MeshError`] if the file cannot be read or holds no triangles.
-pub fn survey(folder: &Path, file: &str, scale: f64) -> Result<Survey, MeshError> {
-    let soup = read(&file_inside(folder, file)?, scale).map_err(|fault| MeshError {
-        file: file.to_owned(),
-        fault,
-    })?;
-    let sorted = shells::sort(&soup);
+pub fn survey(reach: &Reach, file: &str, scale: f64) -> Result<Survey, MeshError> {
+    with_content(reach, file, |content, extension| {
+        survey_from(content, extension, scale)
+    })
+}
+
+/// What the content of a mesh file holds whose name ends in `extension`, as [`survey`].
+///
+/// # Errors
+///
+/// [`Fault`].
+pub fn survey_from(content: &[u8], extension: &str, scale: f64) -> Result<Survey, Fault> {
+    let sorted = shells::sort(&read(content, extension, scale)?);
     let corners = sorted.shells.iter().flat_map(|shell| &shell.points);
     let nothing = (Vec3::repeat(f64::INFINITY), Vec3::repeat(f64::NEG_INFINITY));
     let (min, max) = corners.fold(nothing, |(min, max), x| (min.inf(x), max.sup(x)));
@@ -266,21 +273,44 @@ pub fn survey(folder: &Path, file: &str, scale: f64) -> Result<Survey, MeshError
     })
 }
 
-fn read(path: &Path, scale: f64) -> Result<Soup, Fault> {
-    let bytes = std::fs::metadata(path)?.len();
-    if bytes > LARGEST_FILE {
-        return Err(Fault::TooLarge { bytes });
-    }
-    let extension = path
+/// What `make` makes of a file of the scene, from its content and the end of its name.
+fn with_content<T>(
+    reach: &Reach,
+    file: &str,
+    make: impl FnOnce(&[u8], &str) -> Result<T, Fault>,
+) -> Result<T, MeshError> {
+    let extension = Path::new(file)
         .extension()
         .map(|e| e.to_string_lossy().to_lowercase())
         .unwrap_or_default();
-    let content = std::fs::read(path)?;
-    let mut soup = match extension.as_str() {
-        "stl" => stl::read(&content)?,
-        "obj" => obj::read(&content)?,
-        "vtk" => vtk::read_legacy(&content)?,
-        "vtp" | "vtu" => vtk::read_xml(&content)?,
+    content(reach, file)
+        .and_then(|content| make(&content, &extension))
+        .map_err(|fault| MeshError {
+            file: file.to_owned(),
+            fault,
+        })
+}
+
+/// All bytes of a file that the scene names, if there are not too many.
+pub(super) fn content(reach: &Reach, file: &str) -> Result<Vec<u8>, Fault> {
+    let path = reach.find(file)?;
+    let found = std::fs::metadata(&path)?;
+    // a device or a pipe may have no end
+    if !found.is_file() {
+        return Err(Fault::NoFile);
+    }
+    if found.len() > LARGEST_FILE {
+        return Err(Fault::TooLarge { bytes: found.len() });
+    }
+    Ok(std::fs::read(path)?)
+}
+
+fn read(content: &[u8], extension: &str, scale: f64) -> Result<Soup, Fault> {
+    let mut soup = match extension {
+        "stl" => stl::read(content)?,
+        "obj" => obj::read(content)?,
+        "vtk" => vtk::read_legacy(content)?,
+        "vtp" | "vtu" => vtk::read_xml(content)?,
         _ => return Err(Fault::UnknownKind),
     };
     for point in &mut soup.points {

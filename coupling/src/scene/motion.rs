@@ -1,12 +1,11 @@
 //! Prescribed motions: formulas and measured records.
 
-use std::path::Path;
-
 use riprap_dda::{Accelerogram, Motion, PrescribedMotion, Vec3};
 
 use super::error::Problem;
 use super::file::MotionFile;
-use super::mesh::file_inside;
+use super::mesh::content;
+use super::reach::Reach;
 use super::resolve::vec3;
 
 /// The motion that a block of the file asks for; `path` is where the file says so.
@@ -14,7 +13,7 @@ use super::resolve::vec3;
 /// # Errors
 ///
 /// A [`Problem`] that names the record and its line.
-pub fn motion(file: &MotionFile, path: &str, folder: &Path) -> Result<Motion, Problem> {
+pub fn motion(file: &MotionFile, path: &str, reach: &Reach) -> Result<Motion, Problem> {
     match file {
         MotionFile::Free => Ok(Motion::Free),
         MotionFile::Fixed => Ok(Motion::Fixed),
@@ -36,9 +35,24 @@ pub fn motion(file: &MotionFile, path: &str, folder: &Path) -> Result<Motion, Pr
                 ramp: *ramp,
             }))
         }
+        MotionFile::Table { file: name } | MotionFile::Shaking { file: name, .. } => {
+            let text = text_of(reach, name)
+                .map_err(|message| Problem::error(format!("{path}.file"), message))?;
+            recorded(file, path, &text)
+        }
+    }
+}
+
+/// The motion of a block whose `file` names a record, from the record's text; `path` is where the scene says so.
+///
+/// # Errors
+///
+/// A [`Problem`] that names the record and its line.
+pub fn recorded(file: &MotionFile, path: &str, text: &str) -> Result<Motion, Problem> {
+    match file {
         MotionFile::Table { file } => {
             let columns = "time, x, y, z, and where it turns the rotation vector rx, ry, rz";
-            let rows = rows(folder, file, path, (columns, &[4, 7]))?;
+            let rows = rows(file, text, path, (columns, &[4, 7]))?;
             Ok(Motion::Prescribed(PrescribedMotion::Table {
                 time: rows.iter().map(|row| row[0]).collect(),
                 displacement: rows.iter().map(|row| vec3_of(&row[1..4])).collect(),
@@ -53,7 +67,7 @@ pub fn motion(file: &MotionFile, path: &str, folder: &Path) -> Result<Motion, Pr
             let direction = vec3(*direction).try_normalize(0.0).ok_or_else(|| {
                 Problem::error(format!("{path}.direction"), "the shaking has no direction")
             })?;
-            let rows = rows(folder, file, path, ("time, acceleration", &[2]))?;
+            let rows = rows(file, text, path, ("time, acceleration", &[2]))?;
             let interval = rows[1][0] - rows[0][0];
             let uneven = rows
                 .iter()
@@ -72,6 +86,9 @@ pub fn motion(file: &MotionFile, path: &str, folder: &Path) -> Result<Motion, Pr
                 Accelerogram::new(direction, interval, rows.iter().map(|row| row[1]).collect());
             Ok(Motion::Prescribed(PrescribedMotion::Shaking(record)))
         }
+        MotionFile::Free | MotionFile::Fixed | MotionFile::Sinusoid { .. } => {
+            Err(Problem::error(path, "the motion is not read from a record"))
+        }
     }
 }
 
@@ -79,20 +96,24 @@ fn vec3_of(numbers: &[f64]) -> Vec3 {
     Vec3::from_column_slice(numbers)
 }
 
+/// The text of a record that the scene names.
+fn text_of(reach: &Reach, file: &str) -> Result<String, String> {
+    content(reach, file)
+        .map_err(|fault| format!("`{file}`: {fault}"))
+        .and_then(|bytes| {
+            String::from_utf8(bytes).map_err(|error| format!("`{file}` is no text: {error}"))
+        })
+}
+
 /// The rows of a record that the scene names at `path`, with columns as for [`record`].
 fn rows(
-    folder: &Path,
     file: &str,
+    text: &str,
     path: &str,
     columns: (&str, &[usize]),
 ) -> Result<Vec<Vec<f64>>, Problem> {
-    file_inside(folder, file)
-        .map_err(|error| error.to_string())
-        .and_then(|path| {
-            std::fs::read_to_string(&path).map_err(|e| format!("cannot read `{file}`: {e}"))
-        })
-        .and_then(|text| record(&text, columns).map_err(|found| format!("`{file}` {found}")))
-        .map_err(|message| Problem::error(format!("{path}.file"), message))
+    record(text, columns)
+        .map_err(|found| Problem::error(format!("{path}.file"), format!("`{file}` {found}")))
 }
 
 /// Rows of a record: one of the allowed counts of numbers a line, the same on all, the first a time that

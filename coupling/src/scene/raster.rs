@@ -1,14 +1,12 @@
 //! Terrain from an ESRI ASCII grid.
 
-use std::path::Path;
 use std::sync::Arc;
 
 use riprap_dda::{Shape, Surface, Vec3};
 
-use super::mesh::{Fault, MeshError, file_inside};
+use super::mesh::{Fault, MeshError, content};
+use super::reach::Reach;
 
-/// Largest file that is read; bytes.
-const LARGEST_FILE: u64 = 200_000_000;
 /// Most points of a grid; each makes two triangles.
 const MOST_POINTS: usize = 2_500_000;
 
@@ -30,23 +28,23 @@ struct Header {
 /// # Errors
 ///
 /// [`MeshError`], which names the file, the line and what would be right.
-pub fn terrain(folder: &Path, file: &str, origin: (f64, f64)) -> Result<Shape, MeshError> {
-    let named = |fault| MeshError {
-        file: file.to_owned(),
-        fault,
-    };
-    let path = file_inside(folder, file)?;
-    let read = || -> Result<Surface, Fault> {
-        let bytes = std::fs::metadata(&path)?.len();
-        if bytes > LARGEST_FILE {
-            return Err(Fault::TooLarge { bytes });
-        }
-        let content = String::from_utf8_lossy(&std::fs::read(&path)?).into_owned();
-        triangulate(&content, origin)
-    };
-    read()
-        .map(|surface| Shape::Surface(Arc::new(surface)))
-        .map_err(named)
+pub fn terrain(reach: &Reach, file: &str, origin: (f64, f64)) -> Result<Shape, MeshError> {
+    content(reach, file)
+        .and_then(|content| terrain_from(&content, origin))
+        .map_err(|fault| MeshError {
+            file: file.to_owned(),
+            fault,
+        })
+}
+
+/// The terrain of the content of a file, as [`terrain`].
+///
+/// # Errors
+///
+/// [`Fault`].
+pub fn terrain_from(content: &[u8], origin: (f64, f64)) -> Result<Shape, Fault> {
+    let surface = triangulate(&String::from_utf8_lossy(content), origin)?;
+    Ok(Shape::Surface(Arc::new(surface)))
 }
 
 fn triangulate(content: &str, origin: (f64, f64)) -> Result<Surface, Fault> {

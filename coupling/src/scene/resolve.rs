@@ -9,6 +9,7 @@ use riprap_sph::boundary::wall_particles::Slip;
 use riprap_sph::{Absorber, Rheology, Vec3};
 
 use crate::interface::WallSettings;
+use crate::memory;
 use crate::openings::{Openings, Series};
 use crate::scene::attachments::{
     attachments, contact_detection, deformability, hold, joints, normal_law, rolling_law,
@@ -16,10 +17,11 @@ use crate::scene::attachments::{
 };
 use crate::scene::error::{Problem, Severity};
 use crate::scene::file::{OutputFile, SceneFile, Triple, WallMethodFile};
-use crate::scene::fill::{Lattice, lattice, narrow_gaps, overlaps};
+use crate::scene::fill::{Lattice, Room, lattice_within, narrow_gaps, overlaps};
 use crate::scene::fluid::mould_rows;
 use crate::scene::grains::{self, GrainsReport};
 use crate::scene::motion::motion;
+use crate::scene::reach::Reach;
 use crate::scene::rock_mass::{RockMassReport, expand};
 use crate::scene::shape::solid;
 
@@ -89,25 +91,41 @@ const TRAJECTORY_SAMPLES: f64 = 1000.0;
 const IDLE_STIFFNESS: f64 = 1e6;
 
 impl Scene {
-    /// Builds what the file describes. Paths in it are relative to `folder`.
+    /// Builds what the file describes. Files that it names are in `folder`.
     ///
     /// # Errors
     ///
     /// All problems of the geometry together.
-    pub fn resolve(mut file: SceneFile, folder: &Path) -> Result<Self, Vec<Problem>> {
-        let rock_masses = expand(&mut file, folder)?;
-        let grains = grains::expand(&mut file)?;
+    pub fn resolve(file: SceneFile, folder: &Path) -> Result<Self, Vec<Problem>> {
+        Self::resolve_within(file, &Reach::of(folder))
+    }
+
+    /// Builds what the file describes, in reach of files and memory.
+    ///
+    /// # Errors
+    ///
+    /// All problems of the geometry together; that it needs more memory than there is.
+    pub fn resolve_within(mut file: SceneFile, reach: &Reach) -> Result<Self, Vec<Problem>> {
+        let rock_masses = expand(&mut file, reach)?;
+        let bytes = reach
+            .memory
+            .map_or(f64::INFINITY, |memory| memory.bytes as f64);
+        let grains = grains::expand(&mut file, (bytes / memory::PER_BLOCK) as usize)?;
         let mut problems = Vec::new();
-        let solids = named_solids(&file, folder, &mut problems);
-        let motions = motions(&file, folder, &mut problems);
+        let solids = named_solids(&file, reach, &mut problems);
+        let motions = motions(&file, reach, &mut problems);
         if solids.len() != file.blocks.len() || motions.len() != file.blocks.len() {
             return Err(problems);
         }
         problems.extend(overlaps(&solids, &motions));
         super::symmetry::refuse_blocks(&file, &solids, &motions, &mut problems);
+        let room = Room {
+            bytes,
+            bytes_per_particle: memory::PER_PARTICLE,
+        };
         let mut lattice = match &file.fluid {
             None => None,
-            Some(fluid) => lattice(fluid, &file.domain, &solids, mould_rows(&file))
+            Some(fluid) => lattice_within(fluid, &file.domain, &solids, mould_rows(&file), room)
                 .map_err(|found| problems.extend(found))
                 .ok(),
         };
@@ -166,7 +184,7 @@ impl Scene {
                 deformability: block.deformable.as_ref().map(deformability),
             })
             .collect::<Vec<_>>();
-        Ok(Self {
+        let scene = Self {
             rock_masses,
             grains,
             attachments: attachments(&file, &blocks),
@@ -191,7 +209,11 @@ impl Scene {
             fluid,
             warnings: problems,
             file,
-        })
+        };
+        match memory::Estimate::of(&scene).refusal(reach.memory) {
+            None => Ok(scene),
+            Some(refusal) => Err(vec![refusal]),
+        }
     }
 }
 
@@ -202,12 +224,12 @@ pub fn vec3((x, y, z): Triple) -> Vec3 {
 
 fn named_solids(
     file: &SceneFile,
-    folder: &Path,
+    reach: &Reach,
     problems: &mut Vec<Problem>,
 ) -> Vec<(String, Shape)> {
     let mut solids = Vec::new();
     for (index, block) in file.blocks.iter().enumerate() {
-        match solid(block, index, folder) {
+        match solid(block, index, reach) {
             Ok(shape) => solids.push((block.name.clone(), shape)),
             Err(found) => problems.extend(found),
         }
@@ -215,10 +237,10 @@ fn named_solids(
     solids
 }
 
-fn motions(file: &SceneFile, folder: &Path, problems: &mut Vec<Problem>) -> Vec<Motion> {
+fn motions(file: &SceneFile, reach: &Reach, problems: &mut Vec<Problem>) -> Vec<Motion> {
     let mut motions = Vec::new();
     for (index, block) in file.blocks.iter().enumerate() {
-        match motion(&block.motion, &format!("blocks[{index}].motion"), folder) {
+        match motion(&block.motion, &format!("blocks[{index}].motion"), reach) {
             Ok(found) => motions.push(found),
             Err(problem) => problems.push(problem),
         }

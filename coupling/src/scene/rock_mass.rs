@@ -1,7 +1,5 @@
 //! Rock masses: bodies cut into blocks by joint sets, each block an entry of its own.
 
-use std::path::Path;
-
 use riprap_dda::{
     BlockQuality, JointError, JointSet, JointedMass, MergedMass, Polyhedron, Shape, SliverLimits,
     cut_by_joints, merge_slivers,
@@ -12,6 +10,7 @@ use super::file::{
     BlockFile, JointSetFile, MotionFile, PartFile, PlacementFile, RockMassFile, SceneFile,
     ShapeFile,
 };
+use super::reach::Reach;
 use super::resolve::vec3;
 use super::shape::solid;
 
@@ -53,11 +52,11 @@ const SLIVER: f64 = 20.0;
 /// # Errors
 ///
 /// Problems of shapes and joint sets, all together.
-pub fn expand(file: &mut SceneFile, folder: &Path) -> Result<Vec<RockMassReport>, Vec<Problem>> {
+pub fn expand(file: &mut SceneFile, reach: &Reach) -> Result<Vec<RockMassReport>, Vec<Problem>> {
     let mut problems = Vec::new();
     let mut reports = Vec::new();
     for (index, mass) in std::mem::take(&mut file.rock_masses).iter().enumerate() {
-        match blocks_of(mass, index, folder) {
+        match blocks_of(mass, index, reach) {
             Ok((cut, report)) => {
                 reports.push(report);
                 let blocks = cut
@@ -113,7 +112,7 @@ fn shape_of(block: &[Polyhedron]) -> ShapeFile {
 fn blocks_of(
     mass: &RockMassFile,
     index: usize,
-    folder: &Path,
+    reach: &Reach,
 ) -> Result<(Vec<Vec<Polyhedron>>, RockMassReport), Vec<Problem>> {
     let refused = |field: &str, what: String| {
         let message = format!("rock mass `{}`: {what}", mass.name);
@@ -123,7 +122,7 @@ fn blocks_of(
         )]
     };
     let whole = block(mass, 0, mass.boundary.clone());
-    let shape = solid(&whole, 0, folder).map_err(|found| {
+    let shape = solid(&whole, 0, reach).map_err(|found| {
         let texts: Vec<String> = found.into_iter().map(|problem| problem.message).collect();
         refused("boundary", texts.join("; "))
     })?;
@@ -278,6 +277,8 @@ impl std::fmt::Display for RockMassReport {
     reason = "a test may stop where a library may not"
 )]
 mod tests {
+    use std::path::Path;
+
     use super::*;
     use crate::scene::parse;
     use crate::scene::resolve::Scene;

@@ -1,7 +1,5 @@
 //! From the shapes of the file to solids in their places.
 
-use std::path::Path;
-
 use nalgebra::{Translation3, Unit, UnitQuaternion};
 use riprap_dda::{Isometry, Polyhedron, PolyhedronError, Shape, Vec3};
 
@@ -9,6 +7,7 @@ use super::error::Problem;
 use super::file::{Axis, BlockFile, PartFile, PlacementFile, ShapeFile};
 use super::mesh::{self, MeshError};
 use super::raster;
+use super::reach::Reach;
 use super::resolve::vec3;
 
 /// The solid of block `index` of the file, turned and shifted into place.
@@ -16,14 +15,14 @@ use super::resolve::vec3;
 /// # Errors
 ///
 /// [`Problem`]s with the path of the field that is to blame.
-pub fn solid(block: &BlockFile, index: usize, folder: &Path) -> Result<Shape, Vec<Problem>> {
+pub fn solid(block: &BlockFile, index: usize, reach: &Reach) -> Result<Shape, Vec<Problem>> {
     let refused = |field: &str, found: String| {
         let message = format!("block `{}`: {found}", block.name);
         vec![Problem::error(format!("blocks[{index}].{field}"), message)]
     };
     let placement = placement(&block.placement)
         .ok_or_else(|| refused("placement.rotate.axis", "the axis has no direction".into()))?;
-    match build(&block.shape, folder) {
+    match build(&block.shape, reach) {
         Ok(shape) => Ok(shape.transformed(&placement)),
         Err(found) => {
             let field = blamed(&block.shape, &found);
@@ -45,7 +44,7 @@ enum ShapeError {
     Scale(f64),
 }
 
-fn build(shape: &ShapeFile, folder: &Path) -> Result<Shape, ShapeError> {
+fn build(shape: &ShapeFile, reach: &Reach) -> Result<Shape, ShapeError> {
     let one = |part| Shape::Polyhedra(vec![part]);
     let points = |list: &[_]| list.iter().copied().map(vec3).collect::<Vec<Vec3>>();
     let is_positive = |value: f64| value.is_finite() && value > 0.0;
@@ -86,9 +85,9 @@ fn build(shape: &ShapeFile, folder: &Path) -> Result<Shape, ShapeError> {
         {
             return Err(ShapeError::Scale(*scale));
         }
-        ShapeFile::Mesh { file, scale } => mesh::solid(folder, file, *scale)?,
-        ShapeFile::Surface { file, scale } => mesh::surface(folder, file, *scale)?,
-        ShapeFile::Raster { file, origin } => raster::terrain(folder, file, *origin)?,
+        ShapeFile::Mesh { file, scale } => mesh::solid(reach, file, *scale)?,
+        ShapeFile::Surface { file, scale } => mesh::surface(reach, file, *scale)?,
+        ShapeFile::Raster { file, origin } => raster::terrain(reach, file, *origin)?,
     })
 }
 

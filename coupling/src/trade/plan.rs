@@ -6,16 +6,13 @@ use std::str::FromStr;
 use super::file::{DesignFile, KnobFile, StudyFile, TruthFile};
 use super::results::Found;
 use super::search;
+use crate::memory::Estimate;
 use crate::run::COMMIT;
 use crate::scene;
 use crate::scene::error::{Problem, SceneError};
 use crate::scene::parse::{self, Override};
 use crate::scene::resolve::Scene;
 
-/// Bytes that a run holds for each particle, measured with lists of neighbours at the usual support (benches/RESULTS.md).
-const MEMORY_PER_PARTICLE: u64 = 1200;
-/// Bytes of a run without any.
-const LEAST_MEMORY: u64 = 16_000_000;
 /// Most runs that a study may ask for: more is a slip of the pen.
 const MOST_RUNS: usize = 10_000;
 
@@ -128,13 +125,22 @@ pub fn read(path: &Path) -> Result<(StudyFile, String), SceneError> {
         let message = format!("cannot read the study: {error}");
         SceneError::from_problems(&name, "", vec![Problem::error("", message)])
     })?;
-    let file: StudyFile = parse::read_as(&text)
-        .map_err(|error| SceneError::at_span(&name, &text, error.span, error.message))?;
+    Ok((read_text(&name, &text)?, text))
+}
+
+/// The study written in a text, called `name` in messages.
+///
+/// # Errors
+///
+/// As [`read`].
+pub fn read_text(name: &str, text: &str) -> Result<StudyFile, SceneError> {
+    let file: StudyFile = parse::read_as(text)
+        .map_err(|error| SceneError::at_span(name, text, error.span, error.message))?;
     let problems = problems(&file);
     if problems.is_empty() {
-        Ok((file, text))
+        Ok(file)
     } else {
-        Err(SceneError::from_problems(&name, &text, problems))
+        Err(SceneError::from_problems(name, text, problems))
     }
 }
 
@@ -311,16 +317,12 @@ fn planned(study: &StudyFile, case: &Path, choice: &[usize]) -> Result<Planned, 
         }
     };
     let key = key(&scene, case).map_err(|message| (place, message))?;
-    let n = scene
-        .fluid
-        .as_ref()
-        .map_or(0, |f| f.lattice.positions.len());
     Ok(Planned {
         choice: choice.to_vec(),
         overrides,
         block,
         key,
-        memory: LEAST_MEMORY + n as u64 * MEMORY_PER_PARTICLE,
+        memory: Estimate::of(&scene).total() as u64,
     })
 }
 

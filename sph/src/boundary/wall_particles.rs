@@ -457,13 +457,14 @@ impl WallParticles {
     /// Adds the forces of the walls to the accelerations; after [`Self::extrapolate`]. Returns their sum; the
     /// power of viscosity is booked with the kick as that of the fluid; N.
     pub fn add_forces(&mut self, fluid: &mut Fluid) -> Vec3 {
-        if self.wetting.is_empty() {
-            return Vec3::zeros();
-        }
+        // a point may be in reach of cells with fluid, and ask for its viscosities, where no particle is in reach of a point
         if let Slip::Friction(_) = self.slip {
             self.scratch.kept.clear();
             self.scratch.kept.resize(fluid.particles.len(), 1.0);
             self.pack_viscosities(fluid);
+        }
+        if self.wetting.is_empty() {
+            return Vec3::zeros();
         }
         let mut forces = std::mem::take(&mut self.scratch.forces);
         forces.resize(self.wetting.len(), ForceDensity::default());

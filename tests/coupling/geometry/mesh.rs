@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use riprap::scene::mesh::{MeshError, Survey, solid, survey};
+use riprap::scene::reach::Reach;
 use riprap_dda::{Polyhedron, Shape, Vec3};
 use tempfile::TempDir;
 
@@ -151,11 +152,13 @@ fn folder_with(name: &str, content: impl AsRef<[u8]>) -> TempDir {
 }
 
 fn load(name: &str, content: impl AsRef<[u8]>, scale: f64) -> Result<Shape, MeshError> {
-    solid(folder_with(name, content).path(), name, scale)
+    let folder = folder_with(name, content);
+    solid(&Reach::of(folder.path()), name, scale)
 }
 
 fn look(name: &str, content: impl AsRef<[u8]>) -> Survey {
-    survey(folder_with(name, content).path(), name, 1.0).unwrap()
+    let folder = folder_with(name, content);
+    survey(&Reach::of(folder.path()), name, 1.0).unwrap()
 }
 
 fn n_parts(shape: &Shape) -> usize {
@@ -297,7 +300,7 @@ fn bad_meshes_say_what_and_where() {
     let mut far = cube.clone();
     far.1[0][0] = 77;
     let cut = stl(&soup);
-    let cases: [(&str, Vec<u8>, &str); 14] = [
+    let cases: [(&str, Vec<u8>, &str); 17] = [
         (
             "open.stl",
             stl(&soup[..11]),
@@ -368,6 +371,22 @@ fn bad_meshes_say_what_and_where() {
                 .into(),
             "`zip.vtp`: is compressed or has appended data",
         ),
+        (
+            "far.obj",
+            b"v 0 0 0\nf 1 2 3\n".to_vec(),
+            "`far.obj`: line 2: `2` is no corner: there are 1 points before it",
+        ),
+        (
+            // found by fuzzing: a reader before this one panicked at the normal that is not there
+            "normal.obj",
+            b"v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\nf 1/1/1 2/1/1 3/-8/6\n".to_vec(),
+            "`normal.obj`: the surface is open",
+        ),
+        (
+            "word.obj",
+            b"v 0 0 \\\nx # half\n".to_vec(),
+            "`word.obj`: line 1: found `v 0 0  x`, needed `v x y z`",
+        ),
         ("a.ply", b"ply".to_vec(), "`a.ply`: unknown kind of mesh"),
     ];
     for (name, content, expected) in cases {
@@ -382,10 +401,12 @@ fn bad_meshes_say_what_and_where() {
 #[test]
 fn paths_stay_in_the_folder_of_the_scene() {
     for name in ["../cube.stl", "/cube.stl", "a/../../cube.stl"] {
-        let text = solid(Path::new("."), name, 1.0).unwrap_err().to_string();
+        let text = solid(&Reach::of(Path::new(".")), name, 1.0)
+            .unwrap_err()
+            .to_string();
         assert!(text.contains("leads out of the scene's folder"), "{text}");
     }
-    let text = solid(Path::new("."), "not there.stl", 1.0)
+    let text = solid(&Reach::of(Path::new(".")), "not there.stl", 1.0)
         .unwrap_err()
         .to_string();
     assert!(
@@ -410,7 +431,7 @@ fn cut_files_make_no_panic() {
         let folder = tempfile::tempdir().unwrap();
         for end in (0..content.len()).step_by(7) {
             std::fs::write(folder.path().join(name), &content[..end]).unwrap();
-            let _ = solid(folder.path(), name, 1.0);
+            let _ = solid(&Reach::of(folder.path()), name, 1.0);
         }
     }
 }

@@ -3,10 +3,9 @@
 use std::fs;
 use std::path::Path;
 
+use super::Kept;
 use crate::checkpoint::{self, Checkpoint};
 use crate::cli::say;
-use crate::scene::parse;
-use crate::scene::resolve::Scene;
 
 /// What a run folder holds.
 pub(super) enum Found {
@@ -19,13 +18,11 @@ pub(super) enum Found {
 }
 
 /// Looks what a run folder holds of the run of a scene; changes nothing in it.
-pub(super) fn find(scene: &Scene, case: &Path, folder: &Path) -> Result<Found, String> {
+pub(super) fn find(scene: &Kept, case: &Path, folder: &Path) -> Result<Found, String> {
     let Some(before) = read(&folder.join("case.ron"))? else {
         return Ok(Found::Nothing);
     };
-    let now =
-        parse::write(&scene.file).map_err(|error| format!("cannot write case.ron: {error}"))?;
-    if let Some((line, (before, now))) = first_difference(&before, &now) {
+    if let Some((line, (before, now))) = first_difference(&before, &scene.text) {
         return Err(format!(
             "{}, line {line}: the run had `{before}`, and now it would be `{now}`; go on with the scene as it was, name \
              another folder with -o, or begin anew with --force",
@@ -33,19 +30,20 @@ pub(super) fn find(scene: &Scene, case: &Path, folder: &Path) -> Result<Found, S
         ));
     }
     let source = case.parent().unwrap_or(Path::new("."));
-    for file in scene.file.referenced_files() {
-        let (before, now) = (fs::read(folder.join(file)), fs::read(source.join(file)));
+    for (file, name) in &scene.names {
+        let (before, now) = (fs::read(folder.join(name)), fs::read(source.join(file)));
         if before.ok() != now.ok() {
             return Err(format!(
                 "`{file}` is not what it was when the run began, see {}; begin anew with --force",
-                folder.join(file).display()
+                folder.join(name).display()
             ));
         }
     }
     let summary = read(&folder.join("summary.json"))?;
+    let has_ended = summary.is_some();
     let summary = summary.and_then(|text| serde_json::from_str::<serde_json::Value>(&text).ok());
     let is_over = summary.is_some_and(|summary| summary["completed"] == true);
-    match checkpoint::newest(folder, &checkpoint::scene_hash(&now)) {
+    match checkpoint::newest(folder, &checkpoint::scene_hash(&scene.text)) {
         Err(error) => Err(error.to_string()),
         Ok(Some((checkpoint, refused))) => {
             if let Some(refused) = refused {
@@ -61,6 +59,11 @@ pub(super) fn find(scene: &Scene, case: &Path, folder: &Path) -> Result<Found, S
             Ok(Found::Checkpoint(checkpoint))
         }
         Ok(None) if is_over => Ok(Found::Over),
+        Ok(None) if has_ended => Err(format!(
+            "{} holds a run that ended early and left no checkpoint; begin anew with --force",
+            folder.display()
+        )),
+        // killed before its first checkpoint
         Ok(None) => Ok(Found::Nothing),
     }
 }

@@ -10,7 +10,7 @@ use riprap_dda::{Shape, Vec3};
 use riprap_sph::Symmetry;
 
 use super::obstacles::Obstacles;
-use super::{FillError, MOST_NODES, rows};
+use super::{FillError, Room, rows};
 use crate::scene::file::{Axis, DimensionsFile, DomainFile};
 use crate::scene::resolve::vec3;
 use crate::scene::symmetry::symmetry;
@@ -49,12 +49,11 @@ enum Node {
 pub(super) fn fill(
     domain: &DomainFile,
     spacing: [f64; 3],
-    level: f64,
-    seed: &Vec3,
+    (level, seed): (f64, &Vec3),
     solids: &[(String, Shape)],
-    n_mould_rows: usize,
+    (n_mould_rows, room): (usize, Room),
 ) -> Result<Poured, FillError> {
-    let basin = Basin::new(domain, spacing, level, n_mould_rows)?;
+    let basin = Basin::new(domain, spacing, level, (n_mould_rows, room))?;
     let obstacles = Obstacles::new(solids, &basin.first, spacing, basin.counts);
     let start = basin.start(seed, level, domain, &obstacles, solids)?;
     let mut nodes = basin.flood(start, &obstacles)?;
@@ -64,6 +63,8 @@ pub(super) fn fill(
             basin.spread(&mut nodes, Node::Mould, &obstacles);
         }
     }
+    let is_water = |node: &&Node| matches!(node, Node::Wet | Node::Mould);
+    room.holds(nodes.iter().filter(is_water).count() as f64)?;
     let mut poured = Poured::default();
     for k in 0..basin.counts[2] {
         for j in 0..basin.counts[1] {
@@ -87,7 +88,7 @@ impl Basin {
         domain: &DomainFile,
         spacing: [f64; 3],
         level: f64,
-        n_mould_rows: usize,
+        (n_mould_rows, room): (usize, Room),
     ) -> Result<Self, FillError> {
         let (min, max) = (vec3(domain.min), vec3(domain.max));
         if !(level <= max.z) {
@@ -100,9 +101,7 @@ impl Basin {
         }
         let n_wet_rows = counts[2] as usize;
         let all = [counts[0], counts[1], counts[2] + n_mould_rows as f64];
-        if all.iter().product::<f64>() > MOST_NODES {
-            return Err(FillError::TooManyNodes);
-        }
+        room.look_at(all.iter().product())?;
         Ok(Self {
             spacing,
             counts: all.map(|n| n as usize),

@@ -3,7 +3,7 @@
 use riprap_dda::{Shape, Vec3};
 
 use super::obstacles::{Part, parts};
-use super::{FillError, MOST_NODES, rows};
+use super::{FillError, Room, rows};
 
 /// Depth in a block that a box of water may have by round-off or rough drawing; × spacing.
 const SLACK: f64 = 0.05;
@@ -13,15 +13,15 @@ pub(super) fn fill(
     (min, max): (Vec3, Vec3),
     spacing: [f64; 3],
     solids: &[(String, Shape)],
+    room: Room,
 ) -> Result<Vec<Vec3>, FillError> {
     let counts = [0, 1, 2].map(|k| rows(max[k] - min[k], spacing[k]));
     // a box without a row one way may be endless another way
     if counts.contains(&0.0) {
         return Ok(Vec::new());
     }
-    if !(counts.iter().product::<f64>() <= MOST_NODES) {
-        return Err(FillError::TooManyNodes);
-    }
+    room.look_at(counts.iter().product())?;
+    room.holds(counts.iter().product())?;
     let counts = counts.map(|n| n as usize);
     let position = |steps: [usize; 3]| {
         min + Vec3::from_fn(|axis, _| (steps[axis] as f64 + 0.5) * spacing[axis])

@@ -1,6 +1,8 @@
 //! The spacing that gives a wanted number of particles.
 
-use super::Lattice;
+use std::cell::Cell;
+
+use super::{Lattice, Room};
 use crate::scene::error::Problem;
 use crate::scene::file::{DomainFile, FluidFile, RegionShapeFile};
 use crate::scene::resolve::vec3;
@@ -21,19 +23,30 @@ const REFINEMENT: f64 = 0.7;
 pub(super) fn lattice(
     fluid: &FluidFile,
     domain: &DomainFile,
-    count: u32,
+    (count, room): (u32, Room),
     fill: impl Fn(f64) -> Result<Lattice, Vec<Problem>>,
 ) -> Result<Lattice, Vec<Problem>> {
     let wanted = f64::from(count);
     let n_of = |lattice: &Lattice| lattice.positions.len() as f64;
     let miss = |lattice: &Lattice| (n_of(lattice) / wanted - 1.0).abs();
-    let guess = (largest_volume(fluid, domain) / wanted).cbrt();
+    room.holds(wanted)
+        .map_err(|error| vec![Problem::error("fluid.resolution", format!("fluid {error}"))])?;
+    let volume = largest_volume(fluid, domain);
+    let guess = (volume / wanted).cbrt();
+    // all fills together look at no more nodes than one may
+    let looked = Cell::new(0.0);
+    let fill = |spacing: f64| {
+        let particle: f64 = super::spacings(domain, spacing).iter().product();
+        looked.set(looked.get() + volume / particle);
+        fill(spacing)
+    };
+    let may_look = || looked.get() < room.nodes();
     let (mut spacing, mut best) = first_fill(guess, &fill)?;
     let (mut coarse, mut fine) = (f64::INFINITY, 0.0);
     let (mut found, mut center) = (n_of(&best), spacing);
     for _ in 0..ATTEMPTS {
-        if miss(&best) <= GOOD {
-            return Ok(best);
+        if miss(&best) <= GOOD || !may_look() {
+            break;
         }
         if found < wanted {
             coarse = spacing;
@@ -62,7 +75,7 @@ pub(super) fn lattice(
         };
     }
     for k in (1..=NEIGHBORS).flat_map(|k| [-k, k]) {
-        if miss(&best) <= GOOD {
+        if miss(&best) <= GOOD || !may_look() {
             break;
         }
         let near = center * (1.0 + f64::from(k) * COMB);

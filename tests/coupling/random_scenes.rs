@@ -1,0 +1,364 @@
+//! Random scenes of blocks, water and gauges: each is refused with words or takes fifty steps to a finite state.
+//!
+//! `PROPTEST_CASES=2000 cargo test --release --test random_scenes` tries more of them; what fails is kept beside this file.
+#![expect(
+    clippy::unwrap_used,
+    reason = "a test stops at the first thing that is wrong"
+)]
+
+use std::path::Path;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
+
+use proptest::prelude::*;
+use proptest::test_runner::FileFailurePersistence;
+use riprap::memory::Available;
+use riprap::run::{Event, Plan, RunError, run};
+use riprap::scene;
+use riprap::scene::reach::{FilesFrom, Reach};
+
+/// Steps that each scene takes.
+const STEPS: u64 = 50;
+/// So that a case takes a fraction of a second: some two thousand particles.
+const MEMORY: u64 = 60_000_000;
+
+/// A number of three digits: what fails can be read.
+fn number(range: std::ops::Range<f64>) -> impl Strategy<Value = f64> {
+    range.prop_map(|x| (x * 1e3).round() / 1e3)
+}
+
+fn place(low: [f64; 3], high: [f64; 3]) -> impl Strategy<Value = String> {
+    (
+        number(low[0]..high[0]),
+        number(low[1]..high[1]),
+        number(low[2]..high[2]),
+    )
+        .prop_map(|(x, y, z)| format!("({x:?}, {y:?}, {z:?})"))
+}
+
+/// A body about the origin, no larger than some tenths of a metre.
+fn shape() -> impl Strategy<Value = String> {
+    let size = || number(0.05..0.4);
+    let extent = || (size(), size(), size());
+    let points = prop::collection::vec(place([-0.2; 3], [0.2; 3]), 4..9);
+    prop_oneof![
+        3 => extent().prop_map(|(x, y, z)| format!("Box(min: (0, 0, 0), max: ({x:?}, {y:?}, {z:?}))")),
+        1 => extent().prop_map(|(x, y, z)| format!("Wedge(length: {x:?}, height: {z:?}, width: {y:?})")),
+        2 => points.prop_map(|points| format!("Hull(points: [{}])", points.join(", "))),
+        2 => number(0.03..0.2).prop_map(|r| format!("Sphere(center: (0, 0, 0), radius: {r:?})")),
+        1 => (size(), size()).prop_map(|(a, b)| format!(
+            "Extrusion(polygon: [(0, 0), ({a:?}, 0), ({a:?}, {b:?}), (0, {b:?})], axis: Y, from: 0, to: {a:?})"
+        )),
+        1 => size().prop_map(|a| format!(
+            "Polyhedra(parts: [(vertices: [(0, 0, 0), ({a:?}, 0, 0), (0, {a:?}, 0), (0, 0, {a:?})], \
+             faces: [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])])"
+        )),
+    ]
+}
+
+fn motion() -> impl Strategy<Value = String> {
+    prop_oneof![
+        5 => Just("Free".to_owned()),
+        2 => Just("Fixed".to_owned()),
+        1 => (number(0.01..0.2), number(0.1..2.0), number(0.0..360.0)).prop_map(|(amplitude, period, phase)| format!(
+            "Sinusoid(direction: (1, 0, 0.5), amplitude: {amplitude:?}, period: {period:?}, phase_deg: {phase:?})"
+        )),
+    ]
+}
+
+/// The rest of a block's entry.
+fn extras() -> impl Strategy<Value = String> {
+    prop_oneof![
+        6 => Just(String::new()),
+        1 => place([-1.0; 3], [1.0; 3]).prop_map(|v| format!("velocity: {v}, ")),
+        1 => place([-9.0; 3], [9.0; 3]).prop_map(|w| format!("angular_velocity: {w}, ")),
+        1 => Just("deformable: (), ".to_owned()),
+        1 => Just("deformable: (model: Corotational), ".to_owned()),
+        1 => Just("hold: (directions: [X, Y], turning: Held), ".to_owned()),
+        1 => Just("sealed: true, ".to_owned()),
+    ]
+}
+
+fn blocks() -> impl Strategy<Value = Vec<String>> {
+    let turn = (place([-1.0; 3], [1.0; 3]), number(-180.0..180.0));
+    let entry = (
+        shape(),
+        motion(),
+        extras(),
+        place([0.1, 0.1, 0.0], [1.4, 0.6, 1.2]),
+        prop::option::of(turn),
+    );
+    prop::collection::vec(entry, 0..6).prop_map(|entries| {
+        let one = |(k, (shape, motion, extras, at, turn)): (
+            usize,
+            (String, String, String, String, Option<(String, f64)>),
+        )| {
+            let rotate = turn.map_or(String::new(), |(axis, angle)| {
+                format!("rotate: (axis: {axis}, angle_deg: {angle:?}), ")
+            });
+            format!(
+                "(name: \"b{k}\", material: \"rock\", {extras}motion: {motion}, \
+                 placement: ({rotate}translate: {at}), shape: {shape})"
+            )
+        };
+        entries.into_iter().enumerate().map(one).collect()
+    })
+}
+
+/// A tank round the domain, which closes basins.
+const TANK: &str = r#"
+        (name: "floor", material: "rock", motion: Fixed, shape: Box(min: (-0.3, -0.3, -0.3), max: (1.8, 1.1, 0))),
+        (name: "left", material: "rock", motion: Fixed, shape: Box(min: (-0.3, -0.3, 0), max: (0, 1.1, 1.4))),
+        (name: "right", material: "rock", motion: Fixed, shape: Box(min: (1.5, -0.3, 0), max: (1.8, 1.1, 1.4))),
+        (name: "front", material: "rock", motion: Fixed, shape: Box(min: (0, -0.3, 0), max: (1.5, 0, 1.4))),
+        (name: "back", material: "rock", motion: Fixed, shape: Box(min: (0, 0.8, 0), max: (1.5, 1.1, 1.4))),"#;
+
+fn region() -> impl Strategy<Value = String> {
+    let seed = place([0.1, 0.1, 0.05], [1.4, 0.7, 0.3]);
+    let corner = (number(0.1..0.6), number(0.1..0.3), number(0.1..0.5));
+    let extent = (number(0.1..0.8), number(0.1..0.4), number(0.1..0.6));
+    prop_oneof![
+        3 => (number(0.2..0.9), seed).prop_map(|(level, seed)| format!("Below(level: {level:?}, seed: {seed})")),
+        2 => (corner, extent).prop_map(|((x, y, z), (a, b, c))| {
+            format!("Box(min: ({x:?}, {y:?}, {z:?}), max: ({:?}, {:?}, {:?}))", x + a, y + b, z + c)
+        }),
+    ]
+}
+
+fn resolution() -> impl Strategy<Value = String> {
+    prop_oneof![
+        3 => number(0.06..0.2).prop_map(|spacing| format!("Spacing({spacing:?})")),
+        1 => (50_u32..1500).prop_map(|count| format!("Count({count})")),
+    ]
+}
+
+fn fluid() -> impl Strategy<Value = String> {
+    let rheology = prop_oneof![
+        6 => Just(String::new()),
+        1 => Just("rheology: Newtonian(dynamic_viscosity: 2.0), ".to_owned()),
+        1 => Just("rheology: Bingham(dynamic_viscosity: 1.0, yield_stress: 50.0, \
+                   regularization: Papanastasiou(0.1)), ".to_owned()),
+    ];
+    (
+        resolution(),
+        prop::collection::vec(region(), 1..3),
+        rheology,
+    )
+        .prop_map(|(resolution, regions, rheology)| {
+            let regions: Vec<String> = regions
+                .iter()
+                .enumerate()
+                .map(|(k, shape)| format!("(name: \"r{k}\", shape: {shape})"))
+                .collect();
+            format!(
+                "fluid: ({rheology}resolution: {resolution}, regions: [{}]),",
+                regions.join(", ")
+            )
+        })
+}
+
+fn gauge() -> impl Strategy<Value = String> {
+    let at = || place([0.0; 3], [1.5, 0.8, 1.4]);
+    let line = || {
+        (
+            number(0.0..1.5),
+            number(0.0..0.8),
+            number(0.0..1.5),
+            number(0.0..0.8),
+        )
+    };
+    prop_oneof![
+        (number(0.0..1.5), number(0.0..0.8))
+            .prop_map(|(x, y)| format!("SurfaceElevation(name: \"?\", x: {x:?}, y: {y:?})")),
+        at().prop_map(|at| format!("Pressure(name: \"?\", position: {at})")),
+        at().prop_map(|at| format!("Velocity(name: \"?\", position: {at})")),
+        line().prop_map(|(a, b, c, d)| format!(
+            "RunUp(name: \"?\", from: ({a:?}, {b:?}), to: ({c:?}, {d:?}))"
+        )),
+        line().prop_map(|(a, b, c, d)| format!(
+            "Front(name: \"?\", from: ({a:?}, {b:?}), to: ({c:?}, {d:?}))"
+        )),
+        Just("BlockForce(name: \"?\", block: \"floor\")".to_owned()),
+        Just("Displaced(name: \"?\", blocks: \"\", farther_than: 0.1)".to_owned()),
+    ]
+}
+
+fn choice(values: &'static [&'static str]) -> impl Strategy<Value = String> {
+    prop::sample::select(values).prop_map(str::to_owned)
+}
+
+fn numerics() -> impl Strategy<Value = String> {
+    (
+        choice(&[
+            "Standard",
+            "Standard",
+            "Preview",
+            "Reference",
+            "Mueller2003",
+        ]),
+        choice(&[
+            "",
+            "",
+            "",
+            "stepping: PredictorCorrector, ",
+            "stepping: SymplecticEuler, ",
+            "precision: Double, ",
+            "shifting: Fickian(1.0), ",
+            "viscosity: Laminar, ",
+            "kernel: CubicSpline, ",
+            "state_equation: Tait, ",
+        ]),
+        choice(&[
+            "",
+            "",
+            "contact_detection: FastCommonPlane, ",
+            "normal_law: Hertz, ",
+        ]),
+        choice(&[
+            "",
+            "",
+            "walls: Penalty, ",
+            "walls: Integral, ",
+            "walls: Particles, ",
+        ]),
+        choice(&["", "", "slip: None, ", "slip: Friction(20), "]),
+    )
+        .prop_map(|(preset, scheme, contact, walls, slip)| {
+            format!("interface: ({walls}{slip}), numerics: (preset: {preset}, {scheme}{contact}),")
+        })
+}
+
+/// A scene as text, so that it takes the way that a user's does.
+fn scene_text() -> impl Strategy<Value = String> {
+    let domain = choice(&[
+        "",
+        "",
+        "",
+        "periodic: [Y], ",
+        "dimensions: Two, ",
+        "leaving: Error, ",
+        "symmetry: [YMin], ",
+    ]);
+    let gravity = choice(&[
+        "",
+        "",
+        "",
+        "gravity: (0, 0, 0), ",
+        "gravity: (1.5, 0, -9.81), ",
+    ]);
+    let gauges = prop::collection::vec(gauge(), 0..4);
+    let settle = choice(&["", "", "", ", settle: 0.02"]);
+    (blocks(), prop::option::weighted(0.75, fluid()), gauges, numerics(), (domain, gravity, settle)).prop_map(
+        |(blocks, fluid, gauges, numerics, (domain, gravity, settle))| {
+            let gauges: Vec<String> = gauges
+                .iter()
+                .enumerate()
+                .map(|(k, gauge)| gauge.replace('?', &format!("g{k}")))
+                .collect();
+            format!(
+                "(title: \"random\", {gravity}domain: (min: (0, 0, 0), max: (1.5, 0.8, 1.4), {domain}),\n\
+                 materials: [(name: \"rock\", density: 2400, friction_angle_deg: 30, \
+                 elastic: (young_modulus: 1e7, poisson_ratio: 0.2))],\n\
+                 blocks: [{TANK}\n{}],\n{}\n{numerics}\ngauges: [{}],\ntime: (duration: 1{settle}),\n\
+                 output: (frame_interval: 0.2, gauge_interval: 0.001))",
+                blocks.join(",\n"),
+                fluid.unwrap_or_default(),
+                gauges.join(", "),
+            )
+        },
+    )
+}
+
+/// Steps a scene and looks at what it leaves.
+fn fifty_steps(text: &str) -> Result<(), TestCaseError> {
+    let reach = Reach {
+        folder: Path::new("."),
+        files: FilesFrom::SceneFolder,
+        memory: Some(Available { bytes: MEMORY }),
+    };
+    let scene = match scene::load_text("random.ron", text, &[], &reach) {
+        Ok((scene, _)) => scene,
+        Err(error) => {
+            let words = error.to_string();
+            prop_assert!(
+                words.contains("random.ron:") && words.len() > 30,
+                "refused without a reason: {words}"
+            );
+            return Ok(());
+        }
+    };
+    let folder = tempfile::tempdir().unwrap();
+    let stop = AtomicBool::new(false);
+    let mut fastest = 0.0;
+    let plan = Plan {
+        folder: folder.path(),
+        from: None,
+        scene_hash: [0; 32],
+        checkpoint_interval: Duration::ZERO,
+    };
+    let ended = run(&scene, plan, &stop, &mut |event| {
+        let Event::Step(progress) = event else {
+            return;
+        };
+        fastest = progress.fastest;
+        // settling has steps of its own
+        if STEPS <= progress.steps && !progress.is_settling {
+            stop.store(true, Ordering::Relaxed);
+        }
+    });
+    match ended {
+        Ok((summary, _)) => {
+            prop_assert!(f64::is_finite(fastest), "the fastest is {fastest} m/s");
+            prop_assert!(
+                summary.momentum_residual.is_finite(),
+                "{}",
+                summary.momentum_residual
+            );
+            for file in ["summary.json", "gauges.csv", "energy.csv"] {
+                prop_assert!(folder.path().join(file).is_file(), "{file} is missing");
+            }
+            let energy = std::fs::read_to_string(folder.path().join("energy.csv")).unwrap();
+            prop_assert!(
+                !energy.contains("inf") && !energy.contains("NaN"),
+                "{energy}"
+            );
+        }
+        // what leaves the domain stops a scene that asks for it, and what goes too fast stops any
+        Err(
+            error @ (RunError::Step(_)
+            | RunError::Unstable { .. }
+            | RunError::Fluid(_)
+            | RunError::Blocks(_)),
+        ) => {
+            let words = error.to_string();
+            prop_assert!(words.len() > 20, "stopped without a reason: {words}");
+        }
+        Err(error) => prop_assert!(false, "{error}"),
+    }
+    Ok(())
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig {
+        cases: cases(),
+        max_shrink_iters: 300,
+        // a test runs in its crate's folder
+        failure_persistence: Some(Box::new(FileFailurePersistence::Direct(
+            "../tests/coupling/random_scenes.proptest-regressions",
+        ))),
+        ..ProptestConfig::default()
+    })]
+
+    #[test]
+    fn a_random_scene_is_refused_with_words_or_runs(text in scene_text()) {
+        fifty_steps(&text)?;
+    }
+}
+
+/// Few enough for continuous integration, or as many as are asked for.
+fn cases() -> u32 {
+    std::env::var("PROPTEST_CASES")
+        .ok()
+        .and_then(|n| n.parse().ok())
+        .unwrap_or(120)
+}
