@@ -154,16 +154,23 @@ impl Blocks {
 
     /// Time in which a rigid block turns by [`LARGEST_TURN`], where that is less than `dt` (s) and it matters: the
     /// rotations of a step are exact one by one, but not their order about axes of different moments.
+    ///
+    /// ```text
+    /// rate 2 T/|L| = ω·L/|L|                                                                [1/s]
+    /// ```
+    /// which a free body keeps. `|ω|` swings as it tumbles, and a step in time with that would pump it.
     fn turning_time(&self, b: usize, dt: f64) -> Option<f64> {
         let square = self.kinematics[b].spin.norm_squared();
         // The step is infinite while nothing bounds it.
         if !(square > 0.0 && square * dt * dt > LARGEST_TURN * LARGEST_TURN) {
             return None;
         }
-        if is_isotropic(&self.inertia[b]) || self.deformable_of[b].is_some() {
+        let (momentum, inertia) = (&self.angular_momentum[b], &self.inertia[b]);
+        if is_isotropic(inertia) || self.deformable_of[b].is_some() {
             return None;
         }
-        Some(LARGEST_TURN / square.sqrt())
+        let rate = momentum.dot(&momentum.component_div(inertia)) / momentum.norm();
+        Some(LARGEST_TURN / rate).filter(|&turning| turning < dt)
     }
 
     /// Is there more than one block?

@@ -38,7 +38,8 @@ fn a_block_keeps_its_energy_however_fast_it_spins() {
         let (energy, momentum) = (blocks.kinetic_energy(0), blocks.spin_momentum(0));
         let mut most = 0.0_f64;
         let mut time = 0.0;
-        for _ in 0..20_000 {
+        // a step that followed |ω| would have pumped it by 1 %
+        for _ in 0..500_000 {
             let dt = blocks.critical_time_step().dt.min(1e-3);
             blocks.advance(time, dt, 1).unwrap();
             time += dt;
@@ -47,7 +48,8 @@ fn a_block_keeps_its_energy_however_fast_it_spins() {
         // second order: 4e-4 at 0.2 rad a step
         assert_below(&format!("{sides:?}, {speed} rad/s: energy"), most, 1e-3);
         let turned = (blocks.spin_momentum(0) - momentum).norm() / momentum.norm();
-        assert_below("angular momentum", turned, 1e-12);
+        // round-off of half a million steps; measured 2e-12
+        assert_below("angular momentum", turned, 1e-11);
     }
 }
 
