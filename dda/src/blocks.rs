@@ -128,6 +128,9 @@ pub struct Blocks {
     pub(crate) initial_centroid: Vec<Vec3>,
     /// Farthest point from the centroid; m.
     pub(crate) radius: Vec<f64>,
+    /// Lever by which no contact turns the block more easily than by its worst corner: the radius, less where
+    /// the block is a needle; m.
+    pub(crate) lever: Vec<f64>,
     /// First part of each block, and at the end the number of parts; n_blocks + 1.
     pub(crate) part_start: Vec<u32>,
     /// One per part.
@@ -227,6 +230,7 @@ impl Blocks {
             principal: Vec::new(),
             initial_centroid: Vec::new(),
             radius: Vec::new(),
+            lever: Vec::new(),
             part_start: vec![0],
             block_of_part: Vec::new(),
             material_of_part: Vec::new(),

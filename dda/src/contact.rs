@@ -152,6 +152,8 @@ pub(crate) struct Medium<'a> {
     pub rolling_law: RollingLaw,
     /// Farthest point of each block from its centroid; m.
     pub radius: &'a [f64],
+    /// Lever of the worst contact of each block; m.
+    pub lever: &'a [f64],
     pub contact_detection: ContactDetection,
     /// m/s².
     pub gravity: Vec3,
@@ -476,11 +478,15 @@ impl Pair {
             medium.radius[self.blocks.0 as usize],
             medium.radius[self.blocks.1 as usize],
         );
+        let levers = (
+            medium.lever[self.blocks.0 as usize],
+            medium.lever[self.blocks.1 as usize],
+        );
         let twice = |partner: &Kinematics| if partner.inverse_mass > 0.0 { 2.0 } else { 1.0 };
         (
-            self.rates_of(medium, a, radii.0, (radii, weight))
+            self.rates_of(medium, a, levers.0, (radii, weight))
                 .times(twice(b)),
-            self.rates_of(medium, b, radii.1, (radii, weight))
+            self.rates_of(medium, b, levers.1, (radii, weight))
                 .times(twice(a)),
         )
     }
@@ -489,7 +495,7 @@ impl Pair {
         &self,
         medium: &Medium,
         body: &Kinematics,
-        radius: f64,
+        lever: f64,
         (radii, weight): ((f64, f64), f64),
     ) -> Rates {
         if body.inverse_mass == 0.0 {
@@ -497,7 +503,7 @@ impl Pair {
         }
         let joint = medium.joint(self);
         if self.points.is_empty() {
-            let (along, sum) = body.worst_compliance(radius);
+            let (along, sum) = body.worst_compliance(lever);
             let across = sum - along;
             let weight = match joint.scaling {
                 Scaling::Point => 1.0,

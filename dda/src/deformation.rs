@@ -24,7 +24,7 @@ mod elastic;
 
 use crate::{
     Elastic, Vec3,
-    kinematics::{InternalMotion, Moment},
+    kinematics::{InternalMotion, Moment, flushed},
 };
 pub(crate) use affine::Affine12;
 pub(crate) use classical::Dda12;
@@ -158,6 +158,7 @@ impl AffineBody {
             change = rigid + (change - rigid) / self.strain_mass_factor;
         }
         self.rate += change * dt;
+        self.rate.apply(|c| *c = flushed(*c));
     }
 
     /// `½ tr(F' S₀ F'ᵀ)`; J.
@@ -181,6 +182,16 @@ impl AffineBody {
     fn angular_momentum(&self) -> Vec3 {
         axial(&(self.rate * self.second_moment * self.gradient.transpose())) * 2.0
     }
+}
+
+/// Notch of the strain that the step bound knows; –.
+const NOTCH: f64 = 5e-3;
+
+/// A strain rounded up to whole notches. A step that followed every swing of the strain would be shorter where the block
+/// is strained than where it is not, in time with the swing, and pump it: a cube that span without losses burst after
+/// 74,000 steps.
+fn in_notches(strain: f64) -> f64 {
+    (strain / NOTCH).ceil() * NOTCH
 }
 
 /// Deformable block of either model, with its stress.
@@ -276,7 +287,7 @@ impl Deformable {
             Self::Dda12(model) => (&model.elastic, &model.body),
         };
         // Stretched by λ the stiffness of Saint Venant-Kirchhoff grows no faster than λ⁴.
-        let stretch = 1.0 + 2.0 * green_strain(&body.gradient).norm();
+        let stretch = 1.0 + 2.0 * in_notches(green_strain(&body.gradient).norm());
         let square = elastic.largest_square * stretch * stretch / body.strain_mass_factor;
         (square, elastic.damping_ratio(square.sqrt()))
     }

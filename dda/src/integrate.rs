@@ -11,7 +11,7 @@ use crate::{
     chunks,
     damping::local_damping,
     forces::PAIR_CHUNK,
-    kinematics::{InternalMotion, Kinematics, Moment},
+    kinematics::{InternalMotion, Kinematics, Moment, flushed},
     rigid::Rigid6,
 };
 use nalgebra::{Matrix3, UnitQuaternion};
@@ -457,7 +457,7 @@ impl Blocks {
                 .book((1.0 - factor * factor) * self.kinetic_energy(b));
             self.support_impulse += self.velocity[b] * (self.mass[b] * (factor - 1.0));
             let momentum = self.accounted_momentum(b);
-            self.velocity[b] *= factor;
+            self.velocity[b].apply(|c| *c = flushed(*c * factor));
             match self.deformable_of[b] {
                 None => self.rigid(b).scale_velocities(factor),
                 Some(k) => self.deformables[k as usize]

@@ -88,12 +88,7 @@ impl Part {
     /// Smallest thickness, measured across faces, infinite for a surface; m.
     pub fn thickness(&self) -> f64 {
         match self {
-            Self::Polyhedron(body) => (0..body.n_faces())
-                .map(|face| {
-                    let depth = |x: &Vec3| -body.plane_distance(face, x);
-                    body.vertices().iter().map(depth).fold(0.0, f64::max)
-                })
-                .fold(f64::INFINITY, f64::min),
+            Self::Polyhedron(body) => body.thickness(),
             Self::Sphere { radius, .. } => 2.0 * radius,
             Self::Surface(_) => f64::INFINITY,
         }

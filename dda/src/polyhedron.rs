@@ -123,6 +123,16 @@ impl Polyhedron {
         self.size
     }
 
+    /// Smallest thickness, measured across faces; m.
+    pub fn thickness(&self) -> f64 {
+        (0..self.n_faces())
+            .map(|face| {
+                let depth = |x: &Vec3| -self.plane_distance(face, x);
+                self.vertices().iter().map(depth).fold(0.0, f64::max)
+            })
+            .fold(f64::INFINITY, f64::min)
+    }
+
     /// Vertex that the half-edge leaves.
     pub fn origin(&self, half_edge: u32) -> u32 {
         self.origin[half_edge as usize]

@@ -3,7 +3,7 @@
 use crate::{
     Vec3,
     blocks::placement::is_isotropic,
-    kinematics::{InternalMotion, Moment},
+    kinematics::{InternalMotion, Moment, flushed},
 };
 use nalgebra::{Quaternion, UnitQuaternion};
 
@@ -27,7 +27,7 @@ impl InternalMotion for Rigid6<'_> {
     }
 
     fn scale_velocities(&mut self, factor: f64) {
-        *self.angular_momentum *= factor;
+        self.angular_momentum.apply(|c| *c = flushed(*c * factor));
     }
 }
 

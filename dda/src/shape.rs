@@ -28,6 +28,18 @@ impl Shape {
         self.mass_properties().volume
     }
 
+    /// Smallest thickness of any part, measured across faces, infinite for a surface; m.
+    pub fn thickness(&self) -> f64 {
+        match self {
+            Self::Polyhedra(parts) => parts
+                .iter()
+                .map(Polyhedron::thickness)
+                .fold(f64::INFINITY, f64::min),
+            Self::Sphere { radius, .. } => 2.0 * radius,
+            Self::Surface(_) => f64::INFINITY,
+        }
+    }
+
     /// Volume, centroid and second moment for density 1.
     pub fn mass_properties(&self) -> MassProperties {
         match self {

@@ -218,7 +218,7 @@ impl SpherePair {
         let viscosity = joint.damping_ratio_bound();
         let shear = joint.shear_ratio * stiffness;
         let of = |body: &Kinematics, twice: f64, block: u32| {
-            let (along, sum) = body.worst_compliance(medium.radius[block as usize]);
+            let (along, sum) = body.worst_compliance(medium.lever[block as usize]);
             let across = sum - along;
             Rates {
                 stiffness: twice * (stiffness * along + shear * across),

@@ -263,7 +263,7 @@ impl SurfacePair {
             (SurfaceTouch::Polyhedron(_), Scaling::Area) => std::f64::consts::PI * radius * radius,
             _ => 1.0,
         };
-        let (along, sum) = body.worst_compliance(radius);
+        let (along, sum) = body.worst_compliance(medium.lever[self.blocks.0 as usize]);
         let dashpot = |k: f64, ratio: f64| 2.0 * ratio * (k / body.inverse_mass).sqrt();
         let (k_n, k_t) = (
             joint.normal_stiffness * weight,

@@ -85,6 +85,10 @@ const BLOCK_TIME_STEP_FACTOR: f64 = 0.8;
 const STATIC_OVERLAP: f64 = 1e-3;
 /// Blocks enter each other by no more than this share of their size at the expected speed.
 const IMPACT_OVERLAP: f64 = 0.02;
+/// Nor by more than this share of the thickness of the thinnest block: half of what a step allows.
+const IMPACT_SHARE_OF_THICKNESS: f64 = 0.25;
+/// From this share of its size on the user should know how far a block sinks in at rest.
+const NOTICED_STATIC_OVERLAP: f64 = 1e-2;
 /// Looks at a falling block in a run: at 20 s one per 0.02 s, which misses 0.5 mm of the top of a leap.
 const TRAJECTORY_SAMPLES: f64 = 1000.0;
 /// Contact stiffness of scenes in which no block can move; N/m.
@@ -153,6 +157,7 @@ impl Scene {
             interval.get_or_insert(file.time.duration / TRAJECTORY_SAMPLES);
         }
         resolve_stiffness(&mut file, &solids, &motions, speed);
+        problems.extend(soft_contacts(&file, &solids, &motions));
         let fluid =
             lattice.map(|lattice| super::fluid::resolve(&mut file, lattice, speed, &mut problems));
         if let Some(fluid) = &fluid {
@@ -319,6 +324,7 @@ fn resolve_output(output: &mut OutputFile, duration: f64) {
 /// ```text
 /// K ≥ m g/(ε L)   overlap ε L at rest,        K ≥ m v²/(η L)²   overlap η L at speed v
 /// ```
+/// neither above a quarter of the thickness of the thinnest block.
 fn resolve_stiffness(
     file: &mut SceneFile,
     solids: &[(String, Shape)],
@@ -326,6 +332,11 @@ fn resolve_stiffness(
     speed: f64,
 ) {
     let gravity = vec3(file.gravity).norm();
+    let thinnest = solids
+        .iter()
+        .map(|(_, shape)| shape.thickness())
+        .fold(f64::INFINITY, f64::min);
+    let deepest = IMPACT_SHARE_OF_THICKNESS * thinnest;
     let mut stiffness: f64 = 0.0;
     for (((_, shape), motion), block) in solids.iter().zip(motions).zip(&file.blocks) {
         let density = file
@@ -337,8 +348,8 @@ fn resolve_stiffness(
             let size = shape.volume().cbrt();
             let mass = density * shape.volume();
             stiffness = stiffness
-                .max(mass * gravity / (STATIC_OVERLAP * size))
-                .max(mass * (speed / (IMPACT_OVERLAP * size)).powi(2));
+                .max(mass * gravity / (STATIC_OVERLAP * size).min(deepest))
+                .max(mass * (speed / (IMPACT_OVERLAP * size).min(deepest)).powi(2));
         }
     }
     if stiffness == 0.0 {
@@ -347,6 +358,45 @@ fn resolve_stiffness(
     for material in &mut file.materials {
         material.contact_stiffness.get_or_insert(stiffness);
     }
+}
+
+/// A warning for each material so soft that a block of it sinks in by its weight, of the block that does most.
+fn soft_contacts(file: &SceneFile, solids: &[(String, Shape)], motions: &[Motion]) -> Vec<Problem> {
+    let gravity = vec3(file.gravity).norm();
+    let mut found = Vec::new();
+    for (index, material) in file.materials.iter().enumerate() {
+        let (Some(stiffness), None) = (material.contact_stiffness, material.joint_stiffness) else {
+            continue;
+        };
+        let share = |shape: &Shape| {
+            let volume = shape.volume();
+            material.density * volume * gravity / (stiffness * volume.cbrt())
+        };
+        let of_material = solids
+            .iter()
+            .zip(motions)
+            .zip(&file.blocks)
+            .filter(|((_, motion), block)| {
+                matches!(motion, Motion::Free) && block.material == material.name
+            })
+            .map(|(((name, shape), _), _)| (name, share(shape)));
+        let worst = of_material.max_by(|a, b| a.1.total_cmp(&b.1));
+        if let Some((name, share)) = worst
+            && share > NOTICED_STATIC_OVERLAP
+        {
+            found.push(Problem::warning(
+                format!("materials[{index}].contact_stiffness"),
+                format!(
+                    "at rest block `{name}` sinks into another of its kind by {:.1} % of its size; a stiffness of {:.1e} N/m \
+                     makes that {:.1} %",
+                    100.0 * share,
+                    stiffness * share / STATIC_OVERLAP,
+                    100.0 * STATIC_OVERLAP
+                ),
+            ));
+        }
+    }
+    found
 }
 
 fn materials(file: &SceneFile) -> Vec<Material> {

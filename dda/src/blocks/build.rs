@@ -17,6 +17,8 @@ use nalgebra::{Matrix3, Rotation3, SymmetricEigen, UnitQuaternion};
 const THICKNESS_SHARE: f64 = 0.5;
 /// Margin of the fat boxes, × thickness at most: half of it is the way that a block may go in a step.
 const SKIN_OF_THICKNESS: f64 = 0.25;
+/// A block is a needle from this `m R² |J⁻¹|` on, which is 8 of a cube and `3/2 a²` of a box a : 1 : 1; –.
+const NEEDLE: f64 = 1e3;
 /// Margin of the fat boxes; × size of the part.
 const SKIN: f64 = 0.05;
 
@@ -170,7 +172,10 @@ impl Blocks {
         self.contact_load.push(Load::default());
         self.contact_load_before.push(Load::default());
         self.rates.push(BlockRates::default());
-        self.mass.push(rock.density * properties.volume);
+        let mass = rock.density * properties.volume;
+        let lever = self.worst_lever(block, &moments, &principal, mass);
+        self.lever.push(lever);
+        self.mass.push(mass);
         self.volume.push(properties.volume);
         self.inertia.push(moments);
         self.principal.push(principal);
@@ -237,6 +242,43 @@ impl Blocks {
         self.least_margin
             .push(margins.fold(f64::INFINITY, f64::min));
         self.part_start.push(self.reference.len() as u32);
+    }
+
+    /// The radius `R`; of a needle the lever with the turning compliance of its worst corner. A force across a needle's axis
+    /// turns it about the axis by half a thickness at most, never by half its length.
+    ///
+    /// ```text
+    /// R² |J⁻¹| = max_r Σ_k (r² − r_k²)/J_k                                                   [1/kg]
+    /// ```
+    fn worst_lever(
+        &self,
+        block: usize,
+        moments: &Vec3,
+        principal: &UnitQuaternion<f64>,
+        mass: f64,
+    ) -> f64 {
+        let radius = self.radius[block];
+        let inverse = moments.map(|moment| 1.0 / moment);
+        let softness = inverse.norm();
+        if !(radius * radius * softness * mass > NEEDLE) {
+            return radius;
+        }
+        let compliance = |corner: &Vec3| {
+            let r = principal.inverse_transform_vector(corner);
+            let square = r.norm_squared();
+            r.map(|component| square - component * component)
+                .dot(&inverse)
+        };
+        let worst = self.reference[self.parts_of(block)]
+            .iter()
+            .map(|part| match part {
+                Part::Polyhedron(body) => {
+                    body.vertices().iter().map(compliance).fold(0.0, f64::max)
+                }
+                Part::Sphere { .. } | Part::Surface(_) => f64::INFINITY,
+            })
+            .fold(0.0, f64::max);
+        radius.min((worst / softness).sqrt())
     }
 
     /// Finds the faces that nothing can touch and the corners where surfaces join, between parts of one

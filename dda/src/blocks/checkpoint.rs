@@ -93,6 +93,7 @@ saved!({
     size,
     has_rolling,
     least_margin,
+    lever,
     joints,
     n_materials,
     settings,

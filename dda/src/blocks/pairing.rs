@@ -218,6 +218,7 @@ impl Blocks {
             shear_damping_ratio: self.settings.shear_damping_ratio,
             rolling_law: self.settings.rolling_law,
             radius: &self.radius,
+            lever: &self.lever,
             contact_detection: self.settings.contact_detection,
             gravity: self.settings.gravity,
             is_hertz: self.settings.normal_law == NormalLaw::Hertz,

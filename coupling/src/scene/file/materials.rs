@@ -25,7 +25,7 @@ pub struct MaterialFile {
     /// Tensile strength of a joint until it breaks; Pa.
     #[serde(default)]
     pub tensile_strength: f64,
-    /// Normal restitution, 0 to 1.
+    /// Normal restitution, 0 to 1; what is below 0.135 rebounds with 0.135, as no dashpot is more than critical.
     #[serde(default)]
     pub restitution: f64,
     /// Contact penalty stiffness of a block of this material; N/m.
@@ -82,7 +82,7 @@ pub struct JointFile {
     /// Tensile strength until the joint breaks; Pa.
     #[serde(default)]
     pub tensile_strength: Option<f64>,
-    /// Normal restitution, 0 to 1.
+    /// Normal restitution, 0 to 1; what is below 0.135 rebounds with 0.135, as no dashpot is more than critical.
     #[serde(default)]
     pub restitution: Option<f64>,
     /// Resistance of balls to rolling: torque over normal force and effective radius.

@@ -1,0 +1,86 @@
+//! How far the engine can be pushed: every extreme is swept until it fails.
+//!
+//! `cargo bench -p riprap --bench extremes` runs all of them, prints a row for each and writes `benches/EXTREMES.md`: what
+//! was pushed, how far it holds, what happens past it, what theory says. With words after `--` it runs the rows whose name or
+//! subject has one of them, and only prints; `-- X04 friction`. `-- long` runs the long ones at their full length.
+#![expect(clippy::print_stdout, reason = "a benchmark reports")]
+
+#[path = "extremes/contact.rs"]
+mod contact;
+#[path = "extremes/coupled.rs"]
+mod coupled;
+#[path = "extremes/input.rs"]
+mod input;
+#[path = "extremes/masses.rs"]
+mod masses;
+#[path = "extremes/rock.rs"]
+mod rock;
+#[path = "extremes/row.rs"]
+mod row;
+#[path = "extremes/shapes.rs"]
+mod shapes;
+#[path = "extremes/stacks.rs"]
+mod stacks;
+#[path = "extremes/steps.rs"]
+mod steps;
+#[path = "extremes/tank.rs"]
+mod tank;
+#[path = "extremes/water.rs"]
+mod water;
+
+use std::time::Instant;
+
+use row::{Failure, Length, Row, Trial, table};
+
+/// Every trial, in the order of the table.
+fn trials() -> Vec<Trial> {
+    [
+        contact::TRIALS,
+        masses::TRIALS,
+        shapes::TRIALS,
+        stacks::TRIALS,
+        steps::TRIALS,
+        water::TRIALS,
+        coupled::TRIALS,
+        input::TRIALS,
+    ]
+    .concat()
+}
+
+fn main() -> Result<(), Failure> {
+    let mut words: Vec<String> = std::env::args()
+        .skip(1)
+        .filter(|word| word != "--bench")
+        .collect();
+    let is_long = words.iter().any(|word| word == "long");
+    words.retain(|word| word != "long");
+    let length = if is_long { Length::Full } else { Length::Short };
+    let mut trials = trials();
+    trials.sort_by_key(|trial| (!trial.id.starts_with('X'), trial.id));
+    let mut rows: Vec<Row> = Vec::new();
+    let start = Instant::now();
+    for trial in &trials {
+        let is_wanted = |word: &String| trial.id == word || trial.subject.contains(word.as_str());
+        if !words.is_empty() && !words.iter().any(is_wanted) {
+            continue;
+        }
+        let begun = Instant::now();
+        let found = (trial.run)(length)
+            .unwrap_or_else(|failure| vec![Row::broken(trial.subject, failure.to_string())]);
+        for mut row in found {
+            row.id = trial.id;
+            println!("{row}");
+            rows.push(row);
+        }
+        println!("  ({:.1} s)", begun.elapsed().as_secs_f64());
+    }
+    let seconds = start.elapsed().as_secs_f64();
+    let missed = rows.iter().filter(|row| row.missed.is_some()).count();
+    println!("{} rows, {missed} missed, {seconds:.0} s", rows.len());
+    if words.is_empty() {
+        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../benches/EXTREMES.md");
+        std::fs::write(path, table(&rows, length, seconds))?;
+        println!("wrote {path}");
+    }
+    Ok(())
+}
