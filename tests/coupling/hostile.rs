@@ -103,7 +103,7 @@ fn scene_with_files(mesh: &str, record: &str) -> String {
     format!(
         "(title: \"files\", domain: (min: (-9, -9, -9), max: (9, 9, 9)),
           materials: [(name: \"rock\", density: 2500, friction_angle_deg: 30)],
-          blocks: [(name: \"a\", material: \"rock\", motion: Fixed, shape: Mesh(file: {mesh:?})),
+          blocks: [(name: \"a\", material: \"rock\", motion: Fixed, shape: Mesh(file: {mesh:?}, scale: 1)),
                    (name: \"b\", material: \"rock\", motion: Table(file: {record:?}),
                     shape: Box(min: (3, 3, 3), max: (4, 4, 4)))],
           time: (duration: 0.01))"
@@ -142,7 +142,7 @@ fn files_of_a_scene_stay_in_its_folder_unless_allowed() {
             assert_eq!(output.status.code(), Some(2), "{}", words(&output));
             let said = words(&output);
             // line and column of the field
-            assert!(said.contains("s.ron:3:76: error: block `a`: "), "{said}");
+            assert!(said.contains("s.ron:3:83: error: block `a`: "), "{said}");
             assert!(
                 said.contains("leads out of the scene's folder, to "),
                 "{said}"
@@ -264,7 +264,14 @@ fn a_run_takes_no_more_memory_than_announced() {
     let cases: [(&str, &[&str]); 6] = [
         ("still_tank.ron", &[]),
         ("dam_break.ron", &[]),
-        ("sliding_wedge.ron", &["fluid.resolution=Spacing(0.05)"]),
+        (
+            "sliding_wedge.ron",
+            &[
+                "fluid.resolution=Spacing(0.05)",
+                "domain.max=(5.3, 0.3, 1.8)",
+                "blocks.wedge.shape.to=0.3",
+            ],
+        ),
         ("dam_break_cube.ron", &["fluid.resolution=Spacing(0.02)"]),
         ("heap.ron", &["grains[0].count=700"]),
         ("arch.ron", &[]),

@@ -345,6 +345,8 @@ impl WallParticles {
                 }
             }
         }
+        // the loads that blocks start from in their search for their acceleration ask for it
+        self.keep_all(fluid);
         self.press(fluid);
     }
 
@@ -426,6 +428,15 @@ impl WallParticles {
         }
     }
 
+    /// Lets friction hold all viscous forces, until [`Self::limit`] knows better.
+    fn keep_all(&mut self, fluid: &Fluid) {
+        if let Slip::Friction(_) = self.slip {
+            self.scratch.kept.clear();
+            self.scratch.kept.resize(fluid.particles.len(), 1.0);
+            self.pack_viscosities(fluid);
+        }
+    }
+
     /// Writes the viscosities of the fluid times the share that each particle keeps.
     fn pack_viscosities(&mut self, fluid: &Fluid) {
         let kept = &self.scratch.kept;
@@ -457,15 +468,10 @@ impl WallParticles {
     /// Adds the forces of the walls to the accelerations; after [`Self::extrapolate`]. Returns their sum; the
     /// power of viscosity is booked with the kick as that of the fluid; N.
     pub fn add_forces(&mut self, fluid: &mut Fluid) -> Vec3 {
-        // a point may be in reach of cells with fluid, and ask for its viscosities, where no particle is in reach of a point
-        if let Slip::Friction(_) = self.slip {
-            self.scratch.kept.clear();
-            self.scratch.kept.resize(fluid.particles.len(), 1.0);
-            self.pack_viscosities(fluid);
-        }
         if self.wetting.is_empty() {
             return Vec3::zeros();
         }
+        self.keep_all(fluid);
         let mut forces = std::mem::take(&mut self.scratch.forces);
         forces.resize(self.wetting.len(), ForceDensity::default());
         sums::wall_forces(

@@ -41,7 +41,7 @@ pub(super) fn lattice(
         fill(spacing)
     };
     let may_look = || looked.get() < room.nodes();
-    let (mut spacing, mut best) = first_fill(guess, &fill)?;
+    let (mut spacing, mut best) = first_fill(guess, fill)?;
     let (mut coarse, mut fine) = (f64::INFINITY, 0.0);
     let (mut found, mut center) = (n_of(&best), spacing);
     for _ in 0..ATTEMPTS {
