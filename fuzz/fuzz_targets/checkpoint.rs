@@ -1,0 +1,66 @@
+//! Checkpoints: the file, with the hash that goes with it too, and a state that is read into a world.
+#![no_main]
+
+use std::cell::RefCell;
+use std::path::Path;
+
+use libfuzzer_sys::fuzz_target;
+use riprap::checkpoint;
+use riprap::run::build;
+use riprap::scene::parse;
+use riprap::scene::resolve::Scene;
+use riprap::world::World;
+
+/// Every kind of pair and wall in few numbers.
+const SCENE: &str = r#"(
+    title: "x",
+    domain: (min: (-1, -1, -1), max: (2, 2, 3)),
+    materials: [(name: "m", density: 2000, friction_angle_deg: 30, young_modulus: 1e7, poisson_ratio: 0.2)],
+    blocks: [
+        (name: "floor", material: "m", motion: Fixed, shape: Box(min: (-1, -1, -1), max: (2, 2, 0))),
+        (name: "box", material: "m", shape: Box(min: (0, 0, 0), max: (0.4, 0.4, 0.4)), deformable: Affine12()),
+        (name: "ball", material: "m", shape: Sphere(center: (1, 1, 0.2), radius: 0.2)),
+    ],
+    fluid: (dynamic_viscosity: 0.001, resolution: Spacing(0.2), regions: [
+        (name: "water", shape: Box(min: (0.8, -0.8, 0), max: (1.6, 0, 0.4))),
+    ]),
+    time: (duration: 1),
+)"#;
+
+/// A world after some steps, and its state.
+fn start() -> (World, Vec<u8>) {
+    let file = parse::read(SCENE).expect("the scene is right");
+    let scene = Scene::resolve(file, Path::new(".")).expect("it can be done");
+    let mut world = build(&scene).expect("it can be built");
+    for _ in 0..3 {
+        let step = world.next_step(1.0).expect("it has a step");
+        world.step(step).expect("it goes on");
+    }
+    let state = world.save(Vec::new()).expect("it can be saved");
+    (world, state)
+}
+
+thread_local! {
+    static START: RefCell<(World, Vec<u8>)> = RefCell::new(start());
+}
+
+fuzz_target!(|bytes: &[u8]| {
+    let path = Path::new("x.bin");
+    let _ = checkpoint::read(path, bytes, &[0; 32]);
+    let mut sealed = [b"riprap checkpoint\n".as_slice(), &1_u32.to_le_bytes(), bytes].concat();
+    sealed.extend(blake3::hash(&sealed).as_bytes());
+    let _ = checkpoint::read(path, &sealed, &[0; 32]);
+    START.with_borrow_mut(|(world, state)| {
+        world.read(state).expect("its own state");
+        let _ = world.read(bytes);
+        // what was changed in some places only, after its first byte says where
+        if let Some((&place, patch)) = bytes.split_first() {
+            let mut changed = state.clone();
+            let from = usize::from(place) * changed.len() / 256;
+            let n = patch.len().min(changed.len() - from);
+            changed[from..from + n].copy_from_slice(&patch[..n]);
+            world.read(state).expect("its own state");
+            let _ = world.read(&changed);
+        }
+    });
+});
