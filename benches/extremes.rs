@@ -11,8 +11,13 @@ mod contact;
 mod coupled;
 #[path = "extremes/input.rs"]
 mod input;
+#[path = "../tests/support/killed.rs"]
+#[expect(clippy::unwrap_used, reason = "shared with a test")]
+mod killed;
 #[path = "extremes/masses.rs"]
 mod masses;
+#[path = "extremes/restart.rs"]
+mod restart;
 #[path = "extremes/rock.rs"]
 mod rock;
 #[path = "extremes/row.rs"]
@@ -42,6 +47,7 @@ fn trials() -> Vec<Trial> {
         steps::TRIALS,
         water::TRIALS,
         coupled::TRIALS,
+        restart::TRIALS,
         input::TRIALS,
     ]
     .concat()

@@ -27,11 +27,6 @@ pub const TRIALS: &[Trial] = &[
         run: density_ratio,
     },
     Trial {
-        id: "X22",
-        subject: "restart",
-        run: restart,
-    },
-    Trial {
         id: "X23",
         subject: "threads",
         run: threads,
@@ -283,11 +278,6 @@ fn density_ratio(length: Length) -> Result<Vec<Row>, Failure> {
         });
     }
     Ok(rows)
-}
-
-/// Filled in where checkpoints are.
-fn restart(_: Length) -> Result<Vec<Row>, Failure> {
-    Ok(Vec::new())
 }
 
 const WALLS: [&str; 3] = ["Penalty", "Particles", "Integral"];

@@ -14,6 +14,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use riprap::scene;
+use riprap::table::Start;
 use riprap::world::World;
 use support::{riprap, run, table, words};
 

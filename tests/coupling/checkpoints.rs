@@ -9,7 +9,7 @@
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
-use std::process::{Child, Command, Stdio};
+use std::process::{Command, Stdio};
 use std::time::Duration;
 
 use riprap::checkpoint::{self, Header};
@@ -19,9 +19,12 @@ use riprap::scene::parse::Override;
 use riprap::scene::resolve::Scene;
 use riprap::world::World;
 
+#[path = "../support/killed.rs"]
+mod killed;
 #[path = "../support/mod.rs"]
 mod support;
 
+use killed::{Files, TANK, difference, random, results, spawn};
 use support::{riprap, words};
 
 /// A case with some of its fields set.
@@ -134,81 +137,8 @@ fn bytes_of_another_scene_are_refused() {
     }
 }
 
-/// A tank that settles, a block that falls into it, every kind of table, frames every few steps.
-const TANK: &str = r#"(
-    title: "A block falls into a tank",
-    domain: (min: (-0.3, 0, -0.3), max: (1.5, 0.1, 1.5), dimensions: Two),
-    materials: [(name: "rock", density: 2400, friction_angle_deg: 30)],
-    blocks: [
-        (name: "floor", material: "rock", motion: Fixed, shape: Box(min: (-0.3, 0, -0.3), max: (1.5, 0.1, 0))),
-        (name: "left", material: "rock", motion: Fixed, shape: Box(min: (-0.3, 0, 0), max: (0, 0.1, 1))),
-        (name: "right", material: "rock", motion: Fixed, shape: Box(min: (1.2, 0, 0), max: (1.5, 0.1, 1))),
-        (name: "cube", material: "rock", shape: Box(min: (0.5, 0, 0.5), max: (0.7, 0.1, 0.7)), velocity: (0, 0, -1)),
-    ],
-    fluid: (dynamic_viscosity: 0.001, resolution: Spacing(0.025), regions: [
-        (name: "water", shape: Box(min: (0, 0, 0), max: (1.2, 0.1, 0.4))),
-    ]),
-    gauges: [SurfaceElevation(name: "g1", x: 0.2, y: 0.05)],
-    forces: (interval: 0.002),
-    trajectories: (interval: 0.002),
-    time: (duration: 0.4, settle: 0.2),
-    output: (frame_interval: 0.02, gauge_interval: 0.002, ledger_interval: 0.002, contacts: true, face_pressures: true),
-)"#;
-
-fn spawn(case: &Path, folder: &Path, extra: &[&str]) -> Child {
-    Command::new(env!("CARGO_BIN_EXE_riprap"))
-        .arg("run")
-        .arg(case)
-        .arg("-o")
-        .arg(folder)
-        // a checkpoint of every state that is kept
-        .args(["--quiet", "--checkpoint-interval", "0"])
-        .args(extra)
-        .stderr(Stdio::null())
-        .spawn()
-        .unwrap()
-}
-
-/// All files of a run but those that hold wall times, and of the summary what has nothing to do with them.
-fn results(folder: &Path) -> BTreeMap<String, Vec<u8>> {
-    let mut files: BTreeMap<String, Vec<u8>> = fs::read_dir(folder)
-        .unwrap()
-        .map(|entry| entry.unwrap())
-        .map(|entry| {
-            let name = entry.file_name().into_string().unwrap();
-            (name, fs::read(entry.path()).unwrap())
-        })
-        .collect();
-    // its subtitle says how long the run took
-    assert!(files.remove("overview.svg").unwrap().ends_with(b"</svg>\n"));
-    let summary = support::summary(folder);
-    let kept = [
-        "state_hash",
-        "steps",
-        "energy",
-        "dt_governed_by",
-        "max_mach",
-        "completed",
-    ];
-    let kept: Vec<_> = kept.iter().map(|key| summary[key].to_string()).collect();
-    files.insert("summary.json".to_owned(), kept.join("\n").into_bytes());
-    files
-}
-
-fn assert_same(found: &BTreeMap<String, Vec<u8>>, expected: &BTreeMap<String, Vec<u8>>) {
-    let names = |files: &BTreeMap<String, Vec<u8>>| files.keys().cloned().collect::<Vec<_>>();
-    assert_eq!(names(found), names(expected));
-    for (name, bytes) in expected {
-        assert!(found[name] == *bytes, "{name} differs");
-    }
-}
-
-/// Numbers in `0..1` (Knuth's linear congruential generator).
-fn random(seed: &mut u64) -> f64 {
-    *seed = seed
-        .wrapping_mul(6_364_136_223_846_793_005)
-        .wrapping_add(1_442_695_040_888_963_407);
-    (*seed >> 11) as f64 / (1_u64 << 53) as f64
+fn assert_same(found: &Files, expected: &Files) {
+    assert_eq!(difference(found, expected), None);
 }
 
 #[test]
@@ -505,4 +435,70 @@ fn what_no_step_helps_is_given_up_with_the_last_good_state_on_disk() {
     let bytes = fs::read(out.join(checkpoint::FILE)).unwrap();
     let kept = checkpoint::read(&out, &bytes, &checkpoint::scene_hash(&text)).unwrap();
     assert_eq!((kept.header.time, kept.header.steps), (0.0, 0));
+}
+
+#[cfg(unix)]
+#[test]
+fn a_disk_that_is_full_stops_a_run_that_goes_on_when_it_is_not() {
+    let folder = tempfile::tempdir().unwrap();
+    let case = folder.path().join("tank.ron");
+    // its table of forces grows beyond 1 MB, which nothing else does
+    let text = TANK.replace("forces: (interval: 0.002)", "forces: (interval: 0.0001)");
+    fs::write(&case, text).unwrap();
+    let (whole, full) = (folder.path().join("whole"), folder.path().join("full"));
+    assert!(spawn(&case, &whole, &[]).wait().unwrap().success());
+    assert!(1 << 20 < fs::metadata(whole.join("forces.csv")).unwrap().len());
+    let limited = Command::new("bash")
+        .args(["-c", "trap '' XFSZ; ulimit -f 1000; exec \"$@\"", "bash"])
+        .args([env!("CARGO_BIN_EXE_riprap"), "run", case.to_str().unwrap()])
+        .args(["-o", full.to_str().unwrap(), "--quiet"])
+        .output()
+        .unwrap();
+    assert_eq!(limited.status.code(), Some(1), "{}", words(&limited));
+    let message = words(&limited);
+    assert!(message.contains("forces.csv: File too large"), "{message}");
+    // what there is of the table are whole rows but for the last, and the frames so far can be read
+    let summary = support::summary(&full);
+    assert!(summary["simulated_time"].as_f64().unwrap() > 0.05);
+    assert!(
+        summary["stop_reason"]
+            .as_str()
+            .unwrap()
+            .contains("forces.csv")
+    );
+    for entry in fs::read_dir(&full).unwrap() {
+        let path = entry.unwrap().path();
+        if path.extension().is_some_and(|end| end == "vtp") {
+            riprap::vtk::read(&path).unwrap();
+        }
+    }
+    assert!(spawn(&case, &full, &["--resume"]).wait().unwrap().success());
+    assert_same(&results(&full), &results(&whole));
+}
+
+#[test]
+fn a_folder_that_is_removed_ends_the_run_with_the_name_of_what_is_gone() {
+    let folder = tempfile::tempdir().unwrap();
+    let (case, out) = (folder.path().join("tank.ron"), folder.path().join("out"));
+    fs::write(&case, TANK).unwrap();
+    let child = Command::new(env!("CARGO_BIN_EXE_riprap"))
+        .arg("run")
+        .args([&case, Path::new("-o"), &out, Path::new("--quiet")])
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    while !out.join("water.pvd").exists() {
+        std::thread::sleep(Duration::from_millis(2));
+    }
+    fs::rename(&out, folder.path().join("elsewhere")).unwrap();
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(1));
+    let message = words(&output);
+    assert!(
+        message.contains("error: cannot") && message.contains("No such file"),
+        "{message}"
+    );
+    assert!(!message.contains("panicked"), "{message}");
+    // what was written before is where it was taken
+    assert!(riprap::vtk::read(&folder.path().join("elsewhere/water_00000.vtp")).is_ok());
 }
