@@ -156,7 +156,7 @@ fn wrong_attachments_are_explained_in_their_place() {
                 "1)), motion: Shaking(direction: (1, 0, 0), file: \"no.csv\"))",
             ),
             "",
-            "cannot read `no.csv`",
+            "`no.csv`: cannot be read",
         ),
     ] {
         let further = format!("{further} time: (duration: 1)");
