@@ -163,16 +163,19 @@ impl Walls {
         }
     }
 
-    /// Finds how the blocks that forces move accelerate, none where they are held, and continues the fluid's
-    /// pressure into walls that carry one.
+    /// Continues the fluid's pressure into walls that carry one; where forces move blocks [`Self::let_move`] comes next.
     pub fn extrapolate(&mut self, fluid: &Fluid, movers: Option<Movers>) {
+        if let Self::Particles(walls) = self {
+            walls.extrapolate(fluid, movers);
+        }
+    }
+
+    /// Finds how the blocks that forces move accelerate, and continues the fluid's pressure into their walls anew; once
+    /// viscosities are known.
+    pub fn let_move(&mut self, fluid: &Fluid, movers: Movers) {
         match self {
-            Self::Particles(walls) => walls.extrapolate(fluid, movers),
-            Self::Integral(walls) => {
-                if let Some(movers) = movers {
-                    walls.accelerate(fluid, movers);
-                }
-            }
+            Self::Particles(walls) => walls.let_move(fluid, movers),
+            Self::Integral(walls) => walls.accelerate(fluid, movers),
         }
     }
 

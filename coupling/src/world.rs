@@ -824,13 +824,13 @@ impl World {
         }
         water.fluid.update_pressure().map_err(failed)?;
         self.phases.density += watch.lap();
+        let movers = (!held).then_some(Movers {
+            blocks: &self.blocks,
+            dry: &self.dry,
+            slab_axis: water.interface.slab_axis(),
+        });
         if let Some(walls) = &mut water.walls {
-            let movers = Movers {
-                blocks: &self.blocks,
-                dry: &self.dry,
-                slab_axis: water.interface.slab_axis(),
-            };
-            walls.extrapolate(&water.fluid, (!held).then_some(movers));
+            walls.extrapolate(&water.fluid, movers);
         }
         self.phases.coupling += watch.lap();
         if water.fluid.varies_viscosity() {
@@ -840,6 +840,11 @@ impl World {
             }
             water.fluid.update_viscosity();
         }
+        self.phases.forces += watch.lap();
+        if let (Some(walls), Some(movers)) = (&mut water.walls, movers) {
+            walls.let_move(&water.fluid, movers);
+        }
+        self.phases.coupling += watch.lap();
         water.fluid.update_accelerations();
         self.phases.forces += watch.lap();
 

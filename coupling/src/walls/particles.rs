@@ -415,18 +415,22 @@ impl ParticleWalls {
         self.moving.add_strains(fluid);
     }
 
-    /// Continues the fluid's pressure into the walls; those of blocks that are free to move with the acceleration
-    /// that it gives them.
+    /// Continues the fluid's pressure into the walls; where there are movers [`Self::let_move`] comes next.
     pub fn extrapolate(&mut self, fluid: &Fluid, movers: Option<Movers>) {
         self.fixed.extrapolate(fluid);
-        let Some(movers) = movers else {
-            self.moving.extrapolate(fluid);
-            return;
-        };
-        self.moving.extrapolate_with_answers(fluid);
+        match movers {
+            Some(_) => self.moving.extrapolate_with_answers(fluid),
+            None => self.moving.extrapolate(fluid),
+        }
+    }
+
+    /// Continues the pressure into the walls of blocks that are free to move with the acceleration that the fluid gives
+    /// them; once viscosities are known.
+    pub fn let_move(&mut self, fluid: &Fluid, movers: Movers) {
         if !self.find_added_mass(movers.blocks) {
             return;
         }
+        self.moving.stick(fluid);
         self.sum_loads(fluid, movers.blocks);
         for (b, load) in self.loads.iter().enumerate() {
             self.accelerations[b] = if movers.blocks.is_free(b) {

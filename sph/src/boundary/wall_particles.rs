@@ -345,8 +345,6 @@ impl WallParticles {
                 }
             }
         }
-        // the loads that blocks start from in their search for their acceleration ask for it
-        self.keep_all(fluid);
         self.press(fluid);
     }
 
@@ -428,8 +426,9 @@ impl WallParticles {
         }
     }
 
-    /// Lets friction hold all viscous forces, until [`Self::limit`] knows better.
-    fn keep_all(&mut self, fluid: &Fluid) {
+    /// Lets friction hold all viscous forces, for a look at the forces on the walls before [`Self::add_forces`] limits
+    /// them.
+    pub fn stick(&mut self, fluid: &Fluid) {
         if let Slip::Friction(_) = self.slip {
             self.scratch.kept.clear();
             self.scratch.kept.resize(fluid.particles.len(), 1.0);
@@ -471,7 +470,7 @@ impl WallParticles {
         if self.wetting.is_empty() {
             return Vec3::zeros();
         }
-        self.keep_all(fluid);
+        self.stick(fluid);
         let mut forces = std::mem::take(&mut self.scratch.forces);
         forces.resize(self.wetting.len(), ForceDensity::default());
         sums::wall_forces(
