@@ -387,7 +387,7 @@ impl<'a> Run<'a> {
 
     /// Looks now and then for what no single step shows.
     fn look(&mut self) -> Result<(), StepError> {
-        if self.world.clock().steps % LOOK_INTERVAL != 0 {
+        if !self.world.clock().steps.is_multiple_of(LOOK_INTERVAL) {
             return Ok(());
         }
         let start = Instant::now();
@@ -426,7 +426,7 @@ impl<'a> Run<'a> {
             .good
             .as_ref()
             .is_some_and(|good| (good.is_settling, good.steps) == (self.is_settling(), steps));
-        steps % interval == 0 && !is_known && !self.tally.caution.is_on(time)
+        steps.is_multiple_of(interval) && !is_known && !self.tally.caution.is_on(time)
     }
 
     fn keep_good(&mut self) -> Result<(), RunError> {
