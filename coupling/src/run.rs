@@ -30,7 +30,7 @@ use crate::walls::Walls;
 use crate::world::{StepError, WaterAtStart, World};
 use caution::Caution;
 use observers::Observers;
-use watch::{LOOK_INTERVAL, Watch};
+use watch::Watch;
 
 /// The commit that the program was built from, where known.
 pub const COMMIT: &str = match option_env!("RIPRAP_COMMIT") {
@@ -387,7 +387,7 @@ impl<'a> Run<'a> {
 
     /// Looks now and then for what no single step shows.
     fn look(&mut self) -> Result<(), StepError> {
-        if !self.world.clock().steps.is_multiple_of(LOOK_INTERVAL) {
+        if !Watch::is_due(&self.world) {
             return Ok(());
         }
         let start = Instant::now();

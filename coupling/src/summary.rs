@@ -75,7 +75,7 @@ pub struct Summary {
     pub dt_governed_by: BTreeMap<Cause, f64>,
     /// Times that a step went wrong and the run went back to its last good state.
     pub fell_back: u64,
-    /// Largest gain of energy in ten steps that nothing explains, over all that moved or was strained.
+    /// Largest gain of energy in ten steps, of blocks by themselves in fifty, that nothing explains, over all that moved or was strained.
     pub largest_unexplained_gain: f64,
     /// Times that the run went on from a checkpoint.
     pub resumed: u64,

@@ -3,15 +3,16 @@
 //! ```text
 //! (E_residual − E_residual,before)/(E_motion + E_springs + E_compression, before, or a little) ≤ 3
 //! ```
-//! in [`LOOK_INTERVAL`] steps. Schemes that lose or gain some percent pass: this is for what explodes.
+//! from one look to the next. Schemes that lose or gain some percent pass: this is for what explodes.
 
 use serde::{Deserialize, Serialize};
 
 use crate::ledger::Energy;
 use crate::world::{StepError, World};
 
-/// Steps from one look to the next.
-pub(super) const LOOK_INTERVAL: u64 = 10;
+/// Steps from one look to the next, so that looking takes less than a hundredth of the time: with water, and of blocks by
+/// themselves.
+const INTERVALS: [u64; 2] = [10, 50];
 /// Largest gain of energy that nothing explains between two looks, over all that moves or is strained.
 const LARGEST_GAIN: f64 = 3.0;
 /// Largest share of the water that may leave between two looks.
@@ -34,7 +35,17 @@ pub(super) struct Watch {
     largest_gain: f64,
 }
 
+/// Steps from one look to the next.
+fn interval(world: &World) -> u64 {
+    INTERVALS[usize::from(world.water.is_none())]
+}
+
 impl Watch {
+    /// Whether it is time to look.
+    pub fn is_due(world: &World) -> bool {
+        world.clock().steps.is_multiple_of(interval(world))
+    }
+
     /// From now on.
     pub fn of(world: &World) -> Self {
         let energy = world.energy();
@@ -65,7 +76,7 @@ impl Watch {
                 step,
                 gained,
                 before: before.scale,
-                steps: LOOK_INTERVAL,
+                steps: interval(world),
             });
         }
         if 0.0 < before.scale {
@@ -82,7 +93,7 @@ impl Watch {
                 step,
                 count,
                 left,
-                steps: LOOK_INTERVAL,
+                steps: interval(world),
             });
         }
         Ok(())
