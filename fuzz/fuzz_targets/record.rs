@@ -13,7 +13,9 @@ fuzz_target!(|text: &str| {
         file: file(),
     };
     for motion in [table, shaking] {
-        if let Ok(riprap_dda::Motion::Prescribed(motion)) = recorded(&motion, "blocks[0].motion", text) {
+        if let Ok(riprap_dda::Motion::Prescribed(motion)) =
+            recorded(&motion, "blocks[0].motion", text)
+        {
             for time in [-1.0, 0.0, 0.37, 1e9] {
                 let _ = (motion.velocity(time), motion.spin(time));
             }
