@@ -631,9 +631,12 @@ fn bouncing_cube() -> Result<Row, Failure> {
             let dt = blocks.critical_time_step().dt.min(1e-3);
             blocks.advance(time, dt, 1).map_err(|e| e.to_string())?;
             time += dt;
-            let now = blocks.energies();
-            let stored = now.kinetic + now.potential + now.elastic;
-            most = most.max((stored - start.balance()) / brought);
+            // in touch, energy swings with the step, by (ω dt)²/8
+            if blocks.n_contacts() == 0 {
+                let now = blocks.energies();
+                let stored = now.kinetic + now.potential + now.elastic;
+                most = most.max((stored - start.balance()) / brought);
+            }
         }
         figures.push(format!("{e:.4}: {most:+.1e}"));
         if most > 0.01 {

@@ -108,6 +108,8 @@ pub struct Blocks {
     pub(crate) surface_links: Links,
     /// Are the links others than when the rates were summed?
     pub(crate) has_new_links: bool,
+    /// Did pairs meet or part in this step?
+    pub(crate) has_excess: bool,
 
     // Constants.
     pub(crate) motion: Vec<Motion>,
@@ -219,6 +221,7 @@ impl Blocks {
             sphere_links: Links::default(),
             surface_links: Links::default(),
             has_new_links: true,
+            has_excess: false,
             motion: Vec::new(),
             role: Vec::new(),
             special: Vec::new(),

@@ -11,7 +11,8 @@
 //! (2007); shear history after Luding (2008).
 //!
 //! **Energy.** The springs of a patch have a potential while its two faces stay the same (see `patch`).
-//! When another face or edge takes over, its springs go on with the energy of those before, see `takeover`.
+//! When another face or edge takes over, its springs go on with the energy of those before, see `takeover`;
+//! bodies that meet or part within a step are pushed for the time they touched, see `meeting`.
 //!
 //! **Bonds.** Parts that lie against each other at the start with cohesion or tensile strength are
 //! bonded: they also pull, up to a tension of `T` at the edge of the patch, and hold shear up to
@@ -20,9 +21,11 @@
 //! goes to damping.
 
 mod bond;
+mod meeting;
 mod takeover;
 
 pub(crate) use bond::Bond;
+pub(crate) use meeting::PointForce;
 use serde::{Deserialize, Serialize};
 use takeover::{Features, Former};
 
@@ -128,6 +131,9 @@ pub(crate) struct Pair {
     pub deepest: f64,
     /// Did the bond break in the last evaluation?
     pub has_broken: bool,
+    /// What is too much of the half kick to come, see `meeting`; none between two steps.
+    #[serde(skip)]
+    pub excess: Vec<PointForce>,
 }
 
 /// Buffers of an evaluation, one for the pairs of a chunk: with buffers of their own, thousands of pairs would
@@ -208,6 +214,7 @@ impl Pair {
             damping: 0.0,
             deepest: 0.0,
             has_broken: false,
+            excess: Vec::new(),
         }
     }
 
@@ -245,6 +252,7 @@ impl Pair {
     pub fn evaluate(&mut self, medium: &Medium, dt: f64, is_near: bool, work: &mut Workspace) {
         self.friction = 0.0;
         self.damping = 0.0;
+        self.excess.clear();
         self.book_work(medium, dt, dt);
         let Workspace { before, patch } = work;
         before.clear();
@@ -271,6 +279,9 @@ impl Pair {
             self.break_bond(medium, dt, &former, patch);
         }
         self.book_work(medium, dt, 0.0);
+        if former.points.is_empty() && self.bond.is_none() {
+            self.meet(medium, dt);
+        }
         self.settle_energy(medium, dt, &former);
         self.stiffen();
         self.rates = self.rate_bounds(medium, patch.flat_weight);
@@ -466,6 +477,7 @@ impl Pair {
         } else if self.points.is_empty() && !former.points.is_empty() {
             // The bodies have parted: what the springs still held is lost.
             self.damping += self.energy_left(medium, dt, former);
+            self.part(medium, dt, former);
         }
         self.elastic = (held, self.shear_energy);
     }

@@ -5,7 +5,7 @@ use crate::{
     blocks::CHUNK,
     broad_phase,
     chunks::{self, PerChunk},
-    contact::{Pair, Rates, Workspace},
+    contact::{Pair, PointForce, Rates, Workspace},
     critical_step::{BlockRates, Listed},
     integrate::Phase,
     kinematics::stretch,
@@ -29,6 +29,8 @@ pub(crate) struct Tally {
     pub rolling_impulse: Vec3,
     pub n_touching: u64,
     pub n_broken: u64,
+    /// Pairs that have met or parted.
+    pub n_cut: u64,
     /// Full separating-axis tests.
     pub n_searches: u64,
     /// Deepest overlap, × size of the smaller part.
@@ -45,6 +47,7 @@ impl Tally {
             rolling_impulse: self.rolling_impulse + other.rolling_impulse,
             n_touching: self.n_touching + other.n_touching,
             n_broken: self.n_broken + other.n_broken,
+            n_cut: self.n_cut + other.n_cut,
             n_searches: self.n_searches + other.n_searches,
             deepest_over_size: self.deepest_over_size.max(other.deepest_over_size),
             worst: if other.worst.0 > self.worst.0 {
@@ -83,6 +86,22 @@ impl Blocks {
         self.n_contact_updates += tally.n_touching;
         self.max_overlap_over_size = self.max_overlap_over_size.max(tally.deepest_over_size);
         self.worst_overlap = tally.worst;
+        self.has_excess = tally.n_cut > 0;
+    }
+
+    /// The half kick at the end of the step is over: what bodies that met or parted in it were spared is none of
+    /// the next one's.
+    pub(crate) fn drop_excess(&mut self) {
+        if !std::mem::take(&mut self.has_excess) {
+            return;
+        }
+        for pair in &mut self.pairs {
+            pair.excess.clear();
+        }
+        for pair in &mut self.surface_pairs {
+            pair.excess.clear();
+        }
+        self.sum_loads();
     }
 
     fn evaluate_pairs(&mut self, dt: f64) -> Tally {
@@ -105,6 +124,7 @@ impl Blocks {
                 tally.friction += pair.friction;
                 tally.damping += pair.damping;
                 tally.n_broken += u64::from(pair.has_broken);
+                tally.n_cut += u64::from(!pair.excess.is_empty());
                 tally.n_searches += u64::from(is_near && pair.axis.has_searched);
                 if pair.is_touching {
                     tally.note_overlap(
@@ -182,6 +202,7 @@ impl Blocks {
                 tally.friction += pair.friction;
                 tally.damping += pair.damping;
                 tally.rolling_impulse += pair.rolling_impulse;
+                tally.n_cut += u64::from(!pair.excess.is_empty());
                 if pair.is_touching {
                     tally.note_overlap(
                         pair.parts,
@@ -219,6 +240,7 @@ impl Blocks {
             for ((b, load), all) in (first..).zip(loads).zip(rates) {
                 *load = Load::default();
                 let mut has_new_rates = *has_new_links;
+                let centroid = kinematics[b].centroid;
                 for (k, is_second) in links.of(b) {
                     has_new_rates = true;
                     let pair = &pairs[k];
@@ -229,8 +251,8 @@ impl Blocks {
                             pair.loads.0
                         };
                     }
+                    load.add_all(&pair.excess, is_second, &centroid);
                 }
-                let centroid = kinematics[b].centroid;
                 for (k, is_second) in sphere_links.of(b) {
                     has_new_rates |= sphere_marks[k].has_new_rates;
                     if !sphere_marks[k].is_touching {
@@ -251,6 +273,7 @@ impl Blocks {
                     } else {
                         pair.loads.0
                     };
+                    load.add_all(&pair.excess, is_second, &centroid);
                 }
                 if !has_new_rates {
                     continue;
@@ -296,12 +319,17 @@ impl Blocks {
         self.contact_stretch.clear();
         self.contact_stretch
             .resize(self.deformables.len(), Matrix3::zeros());
-        for pair in self.pairs.iter().filter(|pair| pair.is_touching) {
+        let acts = |pair: &&Pair| pair.is_touching || !pair.excess.is_empty();
+        for pair in self.pairs.iter().filter(acts) {
             for (block, sign) in [(pair.blocks.0, -1.0), (pair.blocks.1, 1.0)] {
                 let b = block as usize;
                 let Some(k) = self.deformable_of[b] else {
                     continue;
                 };
+                for excess in &pair.excess {
+                    let offset = excess.point - self.kinematics[b].centroid;
+                    self.contact_stretch[k as usize] += stretch(&(excess.force * sign), &offset);
+                }
                 for point in &pair.points {
                     let force = (pair.normal * point.normal_force + point.shear_force) * sign;
                     let offset = point.patch.position - self.kinematics[b].centroid;
@@ -317,6 +345,10 @@ impl Blocks {
                     let offset = contact.point - self.kinematics[b].centroid;
                     self.contact_stretch[k as usize] += stretch(&force, &offset);
                 });
+                for excess in &pair.excess {
+                    let offset = excess.point - self.kinematics[b].centroid;
+                    self.contact_stretch[k as usize] += stretch(&-excess.force, &offset);
+                }
             }
         }
         for (k, pair) in self.sphere_pairs.iter().enumerate() {
@@ -328,6 +360,16 @@ impl Blocks {
                     self.contact_stretch[k as usize] += stretch(&(loads.force * sign), &offset);
                 }
             }
+        }
+    }
+}
+
+impl Load {
+    /// Adds forces on the second body of a pair, or what they do to the first; its centroid, m.
+    fn add_all(&mut self, forces: &[PointForce], is_second: bool, centroid: &Vec3) {
+        let sign = if is_second { 1.0 } else { -1.0 };
+        for at in forces {
+            self.add(&(at.force * sign), &(at.point - centroid));
         }
     }
 }

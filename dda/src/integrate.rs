@@ -196,6 +196,7 @@ impl Blocks {
         self.book_external_work(dt);
         self.account_half_kick(dt);
         self.half_kick(dt);
+        self.drop_excess();
         self.damp(dt);
         for b in 0..self.n_blocks() {
             match (self.role[b], &self.motion[b]) {

@@ -23,7 +23,7 @@
 
 use crate::{
     Polyhedron, Surface, Vec3,
-    contact::{Contact, ContactState, Medium, PointState, Rates},
+    contact::{Contact, ContactState, Medium, PointForce, PointState, Rates},
     forces::Tally,
     friction::{ShearSpring, Shearing},
     kinematics::{Kinematics, Load},
@@ -54,6 +54,10 @@ pub(crate) struct SurfacePair {
     pub rolling_impulse: Vec3,
     /// Deepest overlap; m.
     pub deepest: f64,
+    /// What is too much of the half kick to come, on the surface; none between two steps. As between polyhedra, and of
+    /// polyhedra only.
+    #[serde(skip)]
+    pub excess: Vec<PointForce>,
 }
 
 /// What touches.
@@ -81,6 +85,9 @@ pub(crate) struct PolyhedronTouch {
     before: Vec<PlaneTouch>,
     /// Energy of the normal springs; J.
     elastic: f64,
+    /// Points of the step before, and their normals.
+    #[serde(skip)]
+    former: (Vec<PointState>, Vec<Vec3>),
     #[serde(skip)]
     found: Vec<Found>,
     /// What of a face is behind a plane, and pieces of it.
@@ -140,6 +147,7 @@ impl SurfacePair {
             rolling_impulse: Vec3::zeros(),
             damping: 0.0,
             deepest: 0.0,
+            excess: Vec::new(),
         }
     }
 
@@ -292,7 +300,8 @@ impl SurfacePair {
         let ground = &medium.kinematics[self.blocks.1 as usize];
         let held_before: f64 = touch.planes.iter().map(|plane| plane.energy).sum();
         let elastic_before = touch.elastic;
-        let was_cut_off = touch.points.iter().all(|p| p.normal_force == 0.0);
+        let was_touching = self.is_touching;
+        self.excess.clear();
         let (friction, damping) = touch.work(kinematics, dt, dt);
         self.friction = friction + held_before;
         self.damping = damping;
@@ -313,9 +322,12 @@ impl SurfacePair {
         if !self.is_touching {
             touch.planes.clear();
             touch.elastic = 0.0;
-            if was_cut_off {
-                // No force acted any more: what the springs still held is lost.
-                self.damping += elastic_before;
+            if was_touching {
+                let (points, normals) = (&touch.former.0, &touch.former.1);
+                // What the springs still held is lost.
+                let given = work_of_normal_springs(points, normals, kinematics, (dt, dt));
+                self.damping += elastic_before - given;
+                self.spare(elastic_before / given, medium, (dt, dt));
             }
             return;
         }
@@ -380,6 +392,54 @@ impl SurfacePair {
         let (friction, damping) = touch.work(kinematics, dt, 0.0);
         self.friction += friction - touch.planes.iter().map(|plane| plane.energy).sum::<f64>();
         self.damping += damping;
+        if !was_touching {
+            let (points, normals) = (&touch.points, &touch.normals);
+            let taken = -work_of_normal_springs(points, normals, kinematics, (dt, 0.0));
+            let share = touch.elastic / taken;
+            self.spare(share, medium, (dt, 0.0));
+        }
+    }
+
+    /// Cuts the half kick of the step in which a body has met the ground or left it to the share in which it touched,
+    /// see `contact::meeting`: of the points found `ago` (s).
+    fn spare(&mut self, share: f64, medium: &Medium, (dt, ago): (f64, f64)) {
+        let SurfaceTouch::Polyhedron(touch) = &self.touch else {
+            return;
+        };
+        // A body that is in the ground at the start has not met it, and one that slides off it leaves springs.
+        if !(0.0..1.0).contains(&share) {
+            return;
+        }
+        let apart = 1.0 - share;
+        let has_parted = ago > 0.0;
+        let (points, normals) = if has_parted {
+            (&touch.former.0, &touch.former.1)
+        } else {
+            (&touch.points, &touch.normals)
+        };
+        let body = &medium.kinematics[self.blocks.0 as usize];
+        for (point, n) in points.iter().zip(normals) {
+            let x = &point.patch.position;
+            let rate = body.velocity_from(x, ago);
+            let half = 0.5 * dt * apart;
+            // The dashpot of a meeting has had its share already, see `apply_normal`.
+            let normal = if has_parted {
+                point.normal_force
+            } else {
+                point.normal_force - point.normal_viscous
+            };
+            let viscous = if has_parted {
+                n * normal
+            } else {
+                Vec3::zeros()
+            };
+            self.friction -= half * (point.shear_force - point.shear_viscous).dot(&rate);
+            self.damping += half * (viscous - point.shear_viscous).dot(&rate);
+            self.excess.push(PointForce {
+                point: x + body.velocity_at(x) * (0.5 * ago),
+                force: (n * -normal + point.shear_force) * -apart,
+            });
+        }
     }
 
     fn evaluate_ball(
@@ -606,6 +666,8 @@ impl PolyhedronTouch {
 
     /// Takes over what was found, place by place.
     fn sort_points(&mut self) {
+        std::mem::swap(&mut self.points, &mut self.former.0);
+        std::mem::swap(&mut self.normals, &mut self.former.1);
         self.points.clear();
         self.normals.clear();
         self.squares.clear();
@@ -677,6 +739,20 @@ impl PolyhedronTouch {
         }
         dashpot
     }
+}
+
+/// Half a step's work of the normal springs on the body; J. The points were found `ago` (s).
+fn work_of_normal_springs(
+    points: &[PointState],
+    normals: &[Vec3],
+    body: &Kinematics,
+    (dt, ago): (f64, f64),
+) -> f64 {
+    let work = |(point, n): (&PointState, &Vec3)| {
+        let opening = body.velocity_from(&point.patch.position, ago).dot(n);
+        0.5 * dt * (point.normal_force - point.normal_viscous) * opening
+    };
+    points.iter().zip(normals).map(work).sum()
 }
 
 /// Points and areas (m²) that integrate quadratics over a convex polygon exactly, as in `patch`.

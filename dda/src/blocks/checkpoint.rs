@@ -73,6 +73,7 @@ saved!({
     sphere_links,
     surface_links,
     has_new_links,
+    has_excess,
     motion,
     role,
     special,
