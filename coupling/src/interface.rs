@@ -36,6 +36,8 @@ const ACROSS: usize = 1;
 const PUSH_BACK_DEPTH: f64 = 0.1;
 /// Room, in spacings, that a place to put it back to has towards any other solid, if there is such a place.
 const LEAST_ROOM: f64 = 0.25;
+/// Cosine between the normals of two surfaces from which on they look at each other.
+const FACING: f64 = -0.9;
 /// Distance off the surface, in spacings, at which it is put back.
 const PUSH_BACK_DISTANCE: f64 = 0.05;
 /// Depth, in spacings, to which particles behind a surface of triangles are looked for.
@@ -258,35 +260,68 @@ impl Interface {
         }
     }
 
-    /// Particles at or behind a surface where no spring holds them, and those deeper inside than walls can be trusted to
-    /// hold, springs or not. One that is inside several solids is there once if it is deep.
+    /// Particles at or behind a surface where no spring holds them, those deeper inside than walls can be trusted to
+    /// hold, springs or not, and those that springs hold between two solids with no room between them: in the seam of a
+    /// floor and a wall they would not come back. One that is inside several solids is there once if it is deep.
     pub fn intruders(&self, fluid: &Fluid, blocks: &Blocks) -> Vec<Intruder> {
         let dp = self.settings.particle_spacing;
         let has_springs = 0.0 < self.settings.stiffness;
         let mut found: Vec<Intruder> = Vec::new();
-        for touch in &self.touches {
+        for (k, touch) in self.touches.iter().enumerate() {
             let is_deep = touch.distance < -PUSH_BACK_DEPTH * dp;
             let is_known = found
                 .last()
                 .is_some_and(|last| last.particle == touch.particle && last.is_deep);
-            if is_known || (!is_deep && (has_springs || 0.0 <= touch.distance)) {
+            if is_known {
                 continue;
             }
             let a = touch.particle as usize;
             let (position, velocity) =
                 (fluid.particles().position[a], fluid.particles().velocity[a]);
-            // the face nearest to it may be one that two solids share
-            let (block, way) = self.way_out((&position, &velocity), (fluid.grid(), blocks), touch);
+            let is_in_seam = has_springs && !is_deep && self.is_in_seam(&self.touches[k..]);
+            let way = if is_deep || (!has_springs && touch.distance < 0.0) {
+                // the face nearest to it may be one that two solids share
+                Some(self.way_out((&position, &velocity), (fluid.grid(), blocks), touch))
+            } else if is_in_seam {
+                let near = self.near(&position, fluid.grid());
+                self.way_out_of_a_corner(&position, near, blocks, touch)
+            } else {
+                None
+            };
+            let Some((block, way)) = way else {
+                continue;
+            };
             found.push(Intruder {
                 particle: touch.particle,
                 block,
                 normal: way.normal,
                 point: way.point,
                 clear: way.point + way.normal * (PUSH_BACK_DISTANCE * dp),
-                is_deep,
+                is_deep: is_deep || is_in_seam,
             });
         }
         found
+    }
+
+    /// Does the particle of the first touch lie between it and another, with no room between the two?
+    fn is_in_seam(&self, touches: &[Touch]) -> bool {
+        let room = PUSH_BACK_DISTANCE * self.settings.particle_spacing;
+        let Some((first, others)) = touches.split_first() else {
+            return false;
+        };
+        others
+            .iter()
+            .take_while(|other| other.particle == first.particle)
+            .any(|other| {
+                other.distance + first.distance < room && other.normal.dot(&first.normal) < FACING
+            })
+    }
+
+    /// Parts near a place.
+    fn near<'a>(&'a self, x: &Vec3, grid: &CellGrid) -> impl Iterator<Item = usize> + use<'a> {
+        let cell = grid.cell_of(x);
+        let parts = self.fixed.near(cell).iter().chain(self.moving.near(cell));
+        parts.map(|&part| part as usize)
     }
 
     /// The shortest way out of all solids straight through a face, with its block; that of the touch where there
@@ -297,11 +332,7 @@ impl Interface {
         (grid, blocks): (&CellGrid, &Blocks),
         touch: &Touch,
     ) -> (u32, SurfacePoint) {
-        let near = |x: &Vec3| {
-            let cell = grid.cell_of(x);
-            let parts = self.fixed.near(cell).iter().chain(self.moving.near(cell));
-            parts.map(|&part| part as usize)
-        };
+        let near = |x: &Vec3| self.near(x, grid);
         let clearance = PUSH_BACK_DISTANCE * self.settings.particle_spacing;
         let stands_clear = |way: &SurfacePoint, by: f64| {
             // past a side that repeats it comes in again at the other

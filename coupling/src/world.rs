@@ -454,6 +454,21 @@ impl World {
         }
     }
 
+    /// Steps that sound and blocks would bear at the present state before they grow, where the limits above are safe; s.
+    /// Many times the work of [`Self::limits`].
+    pub fn stability(&self) -> Vec<(Cause, f64)> {
+        let mut borne = Vec::new();
+        if let Some(water) = &self.water {
+            let settings = water.fluid.settings();
+            let flow = settings.sound_speed + water.fluid.max_speed();
+            let sound = settings.sound_stability();
+            borne.extend(sound.map(|dt| (Cause::Sound, dt * settings.sound_speed / flow)));
+        }
+        let blocks = self.blocks.stability_limit();
+        borne.extend((blocks < f64::INFINITY).then_some((Cause::Contact, blocks)));
+        borne
+    }
+
     /// The step that the state asks for; without fluid at most a thousandth of `duration` (s).
     ///
     /// # Errors

@@ -358,6 +358,11 @@ impl Pair {
         }
     }
 
+    /// Normal dashpot per unit of weight and shear dashpot of the whole; N s/m.
+    pub fn dashpots(&self) -> (f64, f64) {
+        self.dashpots
+    }
+
     fn bodies<'a>(&self, medium: &Medium<'a>) -> (&'a Kinematics, &'a Kinematics) {
         (
             &medium.kinematics[self.blocks.0 as usize],

@@ -16,8 +16,8 @@ pub struct SurfacePoint {
     pub point: Vec3,
 }
 
-/// Closer to an edge or corner than this, the direction to the foot is noise and the normal of a
-/// face stands in; × L.
+/// Closer to an edge or corner than this, the direction to the foot is noise and the mean normal of the
+/// faces that meet there stands in; × L.
 const CONTACT_TOLERANCE: f64 = 1e-12;
 
 /// Surfaces that rise by less are one plane; –.
@@ -51,6 +51,16 @@ impl Polyhedron {
                 point: x - normal * height,
             }
         };
+        let slack = CONTACT_TOLERANCE * self.size();
+        if highest.abs() <= slack
+            && let Some(normal) = self.normal_at_seam(x, slack)
+        {
+            return Some(SurfacePoint {
+                distance: highest,
+                normal,
+                point: x - normal * highest,
+            });
+        }
         if highest <= 0.0 || self.is_over_face(nearest, x) {
             return Some(over_face(nearest, highest));
         }
@@ -76,7 +86,7 @@ impl Polyhedron {
         if distance > cutoff {
             return None;
         }
-        if distance <= CONTACT_TOLERANCE * self.size() {
+        if distance <= slack {
             return Some(over_face(nearest, highest));
         }
         Some(SurfacePoint {
@@ -84,6 +94,22 @@ impl Polyhedron {
             normal: (x - foot) / distance,
             point: foot,
         })
+    }
+
+    /// Mean normal of the faces that meet in an edge or a corner at `x`, all of whose planes it is nearer to than `slack`
+    /// (m) or behind; none on one face alone.
+    fn normal_at_seam(&self, x: &Vec3, slack: f64) -> Option<Vec3> {
+        let mut sum = Vec3::zeros();
+        let mut first = None;
+        let mut is_seam = false;
+        for face in 0..self.n_faces() {
+            if self.plane_distance(face, x).abs() <= slack {
+                let normal = self.face_normal(face);
+                is_seam |= *first.get_or_insert(normal) != normal;
+                sum += normal;
+            }
+        }
+        is_seam.then(|| sum.normalize())
     }
 
     /// As [`Self::surface_point_within`], for a ball around `x` (m) that touches: none where another surface
@@ -161,6 +187,7 @@ mod tests {
             ([0.4, 1.3, 1.4], 0.5, [0.4, 1.0, 1.0]),
             ([1.2, 1.3, 1.6], 0.7, [1.0, 1.0, 1.0]),
             ([0.4, 0.1, 0.5], -0.1, [0.4, 0.0, 0.5]),
+            ([0.4, 1.0, 0.5], 0.0, [0.4, 1.0, 0.5]),
         ];
         for (x, distance, foot) in cases {
             let x = Vec3::from(x);
@@ -172,6 +199,12 @@ mod tests {
             assert!((found.point - Vec3::from(foot)).norm() < 1e-15);
             assert!((found.normal.norm() - 1.0).abs() < 1e-15);
             assert!((x - found.normal * found.distance - found.point).norm() < 1e-15);
+        }
+        // On an edge and in a corner the way out is between the faces.
+        for (x, normal) in [([0.4, 1.0, 1.0], [0.0, 1.0, 1.0]), ([0.0; 3], [-1.0; 3])] {
+            let found = cube.surface_point_within(&Vec3::from(x), 1.0).unwrap();
+            assert_eq!((found.distance, found.point), (0.0, Vec3::from(x)));
+            assert!((found.normal - Vec3::from(normal).normalize()).norm() < 1e-15);
         }
         // Every plane is nearer than the cutoff, the corner is not.
         assert_eq!(

@@ -100,6 +100,7 @@ mod random;
 mod rigid;
 mod shape;
 mod sphere_contact;
+mod stability;
 mod surface;
 mod surface_contact;
 

@@ -15,10 +15,10 @@ use riprap::world::World;
 const SCENE: &str = r#"(
     title: "x",
     domain: (min: (-1, -1, -1), max: (2, 2, 3)),
-    materials: [(name: "m", density: 2000, friction_angle_deg: 30, young_modulus: 1e7, poisson_ratio: 0.2)],
+    materials: [(name: "m", density: 2000, friction_angle_deg: 30, elastic: (young_modulus: 1e7, poisson_ratio: 0.2))],
     blocks: [
         (name: "floor", material: "m", motion: Fixed, shape: Box(min: (-1, -1, -1), max: (2, 2, 0))),
-        (name: "box", material: "m", shape: Box(min: (0, 0, 0), max: (0.4, 0.4, 0.4)), deformable: Affine12()),
+        (name: "box", material: "m", shape: Box(min: (0, 0, 0), max: (0.4, 0.4, 0.4)), deformable: ()),
         (name: "ball", material: "m", shape: Sphere(center: (1, 1, 0.2), radius: 0.2)),
     ],
     fluid: (dynamic_viscosity: 0.001, resolution: Spacing(0.2), regions: [

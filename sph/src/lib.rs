@@ -85,6 +85,7 @@ mod points;
 pub mod rheology;
 pub mod sample;
 pub mod scheme;
+mod stability;
 pub mod state_equation;
 mod stepping;
 mod sums;

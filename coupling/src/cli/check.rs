@@ -266,6 +266,7 @@ fn cost(scene: &Scene) -> Result<String, crate::run::RunError> {
     let mut text = String::new();
     let limits = world.limits();
     let step = world.next_step(duration)?;
+    let borne = world.stability();
     let _ = writeln!(text, "  step limits");
     for (cause, limit) in limits
         .common
@@ -283,8 +284,12 @@ fn cost(scene: &Scene) -> Result<String, crate::run::RunError> {
         } else {
             ""
         };
+        let stable = borne
+            .iter()
+            .find(|(other, _)| *other == cause)
+            .map_or(String::new(), |(_, dt)| format!(", stable to {dt:.3e} s"));
         let name = format!("{cause:?}").to_lowercase();
-        let _ = writeln!(text, "    {name:<12} {value}{governs}");
+        let _ = writeln!(text, "    {name:<12} {value}{stable}{governs}");
     }
     let steps = ((duration + settle) / step.dt).ceil();
     let _ = writeln!(

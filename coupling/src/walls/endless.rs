@@ -7,6 +7,8 @@ use super::{Part, face_lattice};
 
 /// What a solid is stretched by along an axis in which it has no end, so that its ends are out of sight.
 const STRETCH: f64 = 1e3;
+/// The least width it then has, however thin the slice; × the spacing.
+const LEAST_WIDTH: f64 = 100.0;
 
 /// In which directions solids have no end.
 #[derive(Clone, Copy, Debug)]
@@ -15,6 +17,8 @@ pub(super) struct Endless {
     pub(super) domain: Region,
     pub(super) periodic: Periodicity,
     is_plane: bool,
+    /// Between particles; m.
+    spacing: f64,
     /// Solids this near to a side reach it; m.
     slack: f64,
 }
@@ -28,6 +32,7 @@ impl Endless {
             domain: Region { min, max },
             periodic: settings.periodic,
             is_plane: settings.dimensions != Dimensions::Three,
+            spacing,
             slack: 1e-6 * spacing,
         }
     }
@@ -54,7 +59,8 @@ impl Endless {
             .filter(|&axis| self.has_no_end(part, axis))
             .fold(part.clone(), |part, axis| {
                 let middle = 0.5 * (min[axis] + max[axis]);
-                part.along(axis, |x| middle + STRETCH * (x - middle))
+                let stretch = STRETCH.max(LEAST_WIDTH * self.spacing / (max[axis] - min[axis]));
+                part.along(axis, |x| middle + stretch * (x - middle))
             })
     }
 

@@ -4,7 +4,7 @@ use crate::{
     Blocks, Contact, Energies, Isometry, Load, Motion, Settings, SurfacePoint, Vec3, Voigt,
     deformation::{axial, voigt},
     holds::Hold,
-    material::SphereJoint,
+    material::{Joint, SphereJoint},
     parts::Part,
 };
 use nalgebra::{Matrix3, UnitQuaternion};
@@ -435,7 +435,7 @@ impl Blocks {
     }
 
     /// Places in the list of pairs with a ball.
-    fn touching_spheres(&self) -> impl Iterator<Item = usize> + '_ {
+    pub(crate) fn touching_spheres(&self) -> impl Iterator<Item = usize> + '_ {
         let marks = self.sphere_marks.iter().enumerate();
         marks.filter(|(_, mark)| mark.is_touching).map(|(k, _)| k)
     }
@@ -450,9 +450,13 @@ impl Blocks {
             .sum()
     }
 
-    fn sphere_joint(&self, parts: (u32, u32)) -> &SphereJoint {
+    pub(crate) fn joint_between(&self, parts: (u32, u32)) -> &Joint {
         let material = |part: u32| self.material_of_part[part as usize] as usize;
-        &self.joints[material(parts.0) * self.n_materials + material(parts.1)].spheres
+        &self.joints[material(parts.0) * self.n_materials + material(parts.1)]
+    }
+
+    fn sphere_joint(&self, parts: (u32, u32)) -> &SphereJoint {
+        &self.joint_between(parts).spheres
     }
 
     /// Momentum of the free blocks; N s.

@@ -52,6 +52,17 @@ impl SphereContact {
         0.5 * self.shear_stiffness * self.shear.norm_squared()
     }
 
+    /// Normal stiffness at the present overlap; N/m.
+    pub fn tangent(&self, law: &SphereJoint) -> f64 {
+        law.normal(self.overlap, self.scales.effective_radius)
+            .tangent
+    }
+
+    /// Normal and shear dashpot; N s/m.
+    pub fn dashpots(&self) -> (f64, f64) {
+        (self.viscosity, self.dashpot)
+    }
+
     pub fn state(&self) -> ContactState {
         match (self.normal_force > 0.0, self.is_slipping) {
             (false, _) => ContactState::Open,
