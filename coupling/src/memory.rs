@@ -25,7 +25,7 @@ pub const PER_BLOCK: f64 = 3000.0;
 /// Bytes more for each that moves: its contacts, and its row in what is written.
 const PER_MOVING_BLOCK: f64 = 10e3;
 /// Bytes for each corner of a polyhedron: of the scene, of the solver, of what is written.
-const PER_CORNER: f64 = 4000.0;
+const PER_CORNER: f64 = 5600.0;
 /// Bytes for each ball, which is written as a fine mesh.
 const PER_BALL: f64 = 17e3;
 /// Bytes more for each of the first so many balls.

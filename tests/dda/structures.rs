@@ -1,7 +1,10 @@
 //! Columns, arches, bouncing, order of the scheme: closed forms.
 
 use crate::setup::*;
-use riprap_dda::{BlockDefinition, Blocks, Material, Motion, Polyhedron, Settings, Vec3};
+use riprap_dda::{
+    BlockDefinition, Blocks, Material, Motion, Polyhedron, Settings, Shape, Surface, Vec3,
+};
+use std::sync::Arc;
 
 /// Unit cubes on a floor, each sunk into the one below by what it carries.
 fn column(n: usize, stiffness: f64) -> Vec<BlockDefinition> {
@@ -175,6 +178,49 @@ fn thousand_bounces() {
             worst,
             1e-3,
         );
+    }
+}
+
+/// The same by the solver's own steps, which differ from before a hit to within it: a flat cube that lost or gained by where
+/// in a step it met and left the floor gained 0.6 % a bounce, and the ledger missed 2.6 %. On a slab, and on a surface of
+/// triangles. What is left, of both, is a loss of 5e-4 a bounce, (ω dt)²/250 with the ω dt = 0.37 of these steps.
+#[test]
+fn hits_at_any_step_keep_energy() {
+    let ground = || {
+        let corners = [[-9.0, -9.0], [9.0, -9.0], [9.0, 9.0], [-9.0, 9.0]];
+        let corners = corners.map(|[x, y]| Vec3::new(x, y, 0.0));
+        let surface = Surface::new(corners.to_vec(), vec![[0, 1, 2], [0, 2, 3]]).unwrap();
+        BlockDefinition {
+            shape: Shape::Surface(Arc::new(surface)),
+            ..floor()
+        }
+    };
+    for (name, ground) in [("slab", floor()), ("surface", ground())] {
+        let material = Material {
+            friction_angle: 0.0,
+            restitution: 1.0,
+            contact_stiffness: 1e8,
+            ..rock()
+        };
+        let cube = block(cuboid([-0.2, -0.2, 0.1], [0.2, 0.2, 0.5]), Motion::Free);
+        let mut blocks = blocks(vec![ground, cube], material, down());
+        let brought = blocks.mass(1) * G * 0.1;
+        let start = blocks.energies();
+        let (mut bounces, mut before, mut worst) = (0, 0.0, 0.0_f64);
+        while bounces < 100 {
+            let dt = blocks.critical_time_step().dt.min(1e-3);
+            blocks.advance(0.0, dt, 1).unwrap();
+            let v = blocks.velocity(1).z;
+            if before > 0.0 && v <= 0.0 {
+                bounces += 1;
+                let now = blocks.energies();
+                let stored = now.kinetic + now.potential - start.kinetic - start.potential;
+                worst = worst.max((stored / brought).abs());
+                worst = worst.max(((now.balance() - start.balance()) / brought).abs());
+            }
+            before = v;
+        }
+        assert_below(&format!("energy after 100 bounces, {name}"), worst, 0.06);
     }
 }
 

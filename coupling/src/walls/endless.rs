@@ -33,7 +33,8 @@ impl Endless {
             periodic: settings.periodic,
             is_plane: settings.dimensions != Dimensions::Three,
             spacing,
-            slack: 1e-6 * spacing,
+            // of a slice much thinner than a spacing a thousandth of its width
+            slack: 1e-6 * spacing.min(1e3 * (max.y - min.y)),
         }
     }
 
