@@ -19,13 +19,13 @@ pub struct NumericsFile {
     /// Pressure from density.
     #[serde(default)]
     pub state_equation: Option<StateEquationFile>,
-    /// What smooths the density of `Continuity`; the number is its coefficient, customarily 0.1.
+    /// What smooths the density of `Continuity`; the number is its coefficient, customarily 0.1. `Some(None)` for nothing: `None` by itself leaves it chosen.
     #[serde(default)]
     pub density_diffusion: Option<DensityDiffusionFile>,
-    /// What resists shear.
+    /// What resists shear. `Some(None)` for nothing: `None` by itself leaves it chosen.
     #[serde(default)]
     pub viscosity: Option<ViscosityFile>,
-    /// What keeps particles evenly spread.
+    /// What keeps particles evenly spread. `Some(None)` for nothing: `None` by itself leaves it chosen.
     #[serde(default)]
     pub shifting: Option<ShiftingFile>,
     /// How a step is taken.
