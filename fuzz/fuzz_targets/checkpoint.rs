@@ -12,20 +12,7 @@ use riprap::scene::resolve::Scene;
 use riprap::world::World;
 
 /// Every kind of pair and wall in few numbers.
-const SCENE: &str = r#"(
-    title: "x",
-    domain: (min: (0, 0, -0.2), max: (1, 1, 1)),
-    materials: [(name: "m", density: 2000, friction_angle_deg: 30, elastic: (young_modulus: 1e7, poisson_ratio: 0.2))],
-    blocks: [
-        (name: "floor", material: "m", motion: Fixed, shape: Box(min: (0, 0, -0.2), max: (1, 1, 0))),
-        (name: "box", material: "m", shape: Box(min: (0.6, 0.6, 0), max: (0.9, 0.9, 0.3)), deformable: ()),
-        (name: "ball", material: "m", shape: Sphere(center: (0.8, 0.2, 0.1), radius: 0.1)),
-    ],
-    fluid: (dynamic_viscosity: 0.001, resolution: Spacing(0.2), regions: [
-        (name: "water", shape: Box(min: (0, 0, 0), max: (0.4, 0.4, 0.4))),
-    ]),
-    time: (duration: 1),
-)"#;
+const SCENE: &str = include_str!("../checkpoint.ron");
 
 fn world() -> World {
     let file = parse::read(SCENE).expect("the scene is right");

@@ -11,7 +11,9 @@ mod support;
 
 use std::path::{Path, PathBuf};
 
+use riprap::checkpoint;
 use riprap::memory::{Available, Estimate};
+use riprap::run::build as build_world;
 use riprap::scene;
 use riprap::scene::file::MotionFile;
 use riprap::scene::mesh::{solid_from, surface_from, survey_from};
@@ -19,6 +21,7 @@ use riprap::scene::motion::recorded;
 use riprap::scene::parse::{self, Override};
 use riprap::scene::raster::terrain_from;
 use riprap::scene::reach::{FilesFrom, Reach};
+use riprap::scene::resolve::Scene;
 use riprap::table::table_from;
 use riprap::trade::plan;
 use support::{case, riprap, run, summary, words};
@@ -87,6 +90,47 @@ fn kept_inputs_of_fuzzing_are_read_or_refused() {
     }
     for text in texts("scene") {
         let _ = scene::load_text("x.ron", &text, &[], &small_machine());
+    }
+}
+
+/// The same of checkpoints: the file, sealed with the hash that goes with it too, and bytes as the state of a world or in
+/// the place of some of its own.
+#[test]
+fn kept_states_of_fuzzing_are_read_or_refused() {
+    let build = || {
+        let file = parse::read(include_str!("../../fuzz/checkpoint.ron")).unwrap();
+        build_world(&Scene::resolve(file, Path::new(".")).unwrap()).unwrap()
+    };
+    let mut world = build();
+    for _ in 0..3 {
+        let step = world.next_step(1.0).unwrap();
+        world.step(step).unwrap();
+    }
+    let state = world.save(Vec::new()).unwrap();
+    let path = Path::new("x.bin");
+    for (_, bytes) in corpus("checkpoint") {
+        let _ = checkpoint::read(path, &bytes, &[0; 32]);
+        let mut sealed = [
+            b"riprap checkpoint\n".as_slice(),
+            &1_u32.to_le_bytes(),
+            &bytes,
+        ]
+        .concat();
+        sealed.extend(blake3::hash(&sealed).as_bytes());
+        let _ = checkpoint::read(path, &sealed, &[0; 32]);
+        let mut changed = state.clone();
+        if let Some((&place, patch)) = bytes.split_first() {
+            let from = usize::from(place) * changed.len() / 256;
+            let n = patch.len().min(changed.len() - from);
+            changed[from..from + n].copy_from_slice(&patch[..n]);
+        }
+        for bytes in [&bytes, &changed] {
+            if world.read(bytes).is_err() {
+                world = build();
+            }
+        }
+        world.read(&state).unwrap();
+        assert_eq!(world.save(Vec::new()).unwrap(), state);
     }
 }
 
