@@ -9,6 +9,9 @@ use crate::particles::Particles;
 use crate::sweep::AnyPoints;
 use crate::{Fluid, Stepping, Vec3};
 
+/// No particle is farther from the domain; × its diagonal.
+const FARTHEST: f64 = 1e6;
+
 impl Fluid {
     /// Appends the state to some bytes.
     ///
@@ -69,7 +72,7 @@ impl Fluid {
         let bad = Err(Error::DeserializeBadEncoding);
         let (particles, bytes) = postcard::take_from_bytes::<Particles>(bytes)?;
         let n = particles.len();
-        if !particles.is_whole() {
+        if !particles.is_whole() || !self.are_near(&particles.position) {
             return bad;
         }
         self.particles = particles;
@@ -91,13 +94,21 @@ impl Fluid {
         }
         self.lists.forget();
         if let Some((positions, radius)) = listed {
-            if positions.len() != n || !(radius <= self.settings.support_radius() + self.skin()) {
+            let is_within = radius <= self.settings.support_radius() + self.skin();
+            if positions.len() != n || !is_within || !self.are_near(&positions) {
                 return bad;
             }
             self.list_from(positions, radius);
         }
         self.pack_forces();
         Ok(bytes)
+    }
+
+    /// Whether all places are finite and no farther off than cells can be counted; no run goes on with others.
+    fn are_near(&self, positions: &[Vec3]) -> bool {
+        let (min, max) = self.settings.domain;
+        let farthest = FARTHEST * (max - min).norm();
+        positions.iter().all(|x| (x - min).norm() <= farthest)
     }
 
     /// Makes the lists of neighbours from where the particles were.
