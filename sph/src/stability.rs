@@ -7,9 +7,9 @@
 //! D(k) = 2 δ h c₀ Σ V |W'|/r (1 − cos k·r − ½ g·r sin k·r)               diffusion of the density     [1/s]
 //! (dt/2)² ω² + dt/2 D ≤ 1                                                kick-drift-kick bears it
 //! ```
-//! `g = G/|∇W|`-weighted is the mean gradient of Antuono's diffusion, none of the others have it. The limit is the
-//! least over all k that the lattice tells apart. Walls and free surfaces take 1 to 4 % of it, see the margin table of
-//! the benchmarks.
+//! `g = Σ V ∇W sin k·r` is the mean density gradient that Antuono's diffusion takes out; the other diffusions leave
+//! it in, g = 0. The limit is the least over all k that the lattice tells apart. Walls and free surfaces take 1 to 4 %
+//! of it, see the margin table of the benchmarks.
 
 use crate::Vec3;
 use crate::{
