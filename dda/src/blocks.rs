@@ -6,6 +6,7 @@ mod definition;
 mod pairing;
 pub(crate) mod placement;
 mod query;
+mod strength;
 
 use crate::{
     Attachment, BlockError, Hold, Load, Motion, StaticDamping, Turning, Vec3,
@@ -155,6 +156,8 @@ pub struct Blocks {
     pub(crate) least_margin: Vec<f64>,
     /// Constants of every pair of materials, row by row.
     pub(crate) joints: Vec<Joint>,
+    /// As they were before the first was weakened; empty until then.
+    joints_at_start: Vec<Joint>,
     pub(crate) n_materials: usize,
     pub(crate) settings: Settings,
 }
@@ -245,6 +248,7 @@ impl Blocks {
             has_rolling: false,
             least_margin: Vec::new(),
             joints,
+            joints_at_start: Vec::new(),
             n_materials,
             settings,
         }

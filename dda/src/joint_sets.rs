@@ -12,11 +12,13 @@
 //! the same blocks, turned. About another axis it does not: s and d stay horizontal and downhill.
 
 mod slivers;
+mod unions;
 
 use crate::{Plane, Polyhedron, Random, Vec3};
-pub use slivers::{MergedMass, SliverLimits, merge_slivers};
+pub use slivers::{MergedMass, SliverLimits, merge_slivers, merge_union_slivers};
 use std::ops::RangeInclusive;
 use thiserror::Error;
+pub use unions::{JointedUnion, cut_union_by_joints};
 
 /// Joints of one orientation.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -198,31 +200,73 @@ pub fn cut_by_joints(
     seed: u64,
     max_blocks: usize,
 ) -> Result<JointedMass, JointError> {
-    for (k, set) in sets.iter().enumerate() {
-        set.check(k)?;
-    }
-    let too_many = |expected: f64| {
-        let closest = (0..sets.len()).min_by(|&a, &b| sets[a].spacing.total_cmp(&sets[b].spacing));
-        let set = closest.unwrap_or(0);
-        JointError::TooMany {
-            expected,
-            limit: max_blocks,
-            set,
-            spacing: sets.get(set).map_or(0.0, |set| set.spacing),
-        }
-    };
     let expected = expected_blocks(&bodies, sets);
     // A whole number of joints may be rounded up.
     if expected.at_least * (1.0 - SAME_PLACE) > max_blocks as f64 {
-        return Err(too_many(expected.about));
+        check(sets)?;
+        return Err(too_many(sets, max_blocks, expected.about));
     }
+    let (blocks, n_uncut) = cut_bodies(bodies, sets, seed, (max_blocks, expected.about))?;
+    Ok(JointedMass { blocks, n_uncut })
+}
+
+fn check(sets: &[JointSet]) -> Result<(), JointError> {
+    let mut numbered = sets.iter().enumerate();
+    numbered.try_for_each(|(k, set)| set.check(k))
+}
+
+fn too_many(sets: &[JointSet], max_blocks: usize, expected: f64) -> JointError {
+    let closest = (0..sets.len()).min_by(|&a, &b| sets[a].spacing.total_cmp(&sets[b].spacing));
+    let set = closest.unwrap_or(0);
+    JointError::TooMany {
+        expected,
+        limit: max_blocks,
+        set,
+        spacing: sets.get(set).map_or(0.0, |set| set.spacing),
+    }
+}
+
+/// What joints cut.
+trait Body: Sized {
+    /// The convex body about which chance decides.
+    fn whole(&self) -> &Polyhedron;
+
+    /// Its corners, which say where joints are needed.
+    fn corners(&self) -> impl Iterator<Item = &Vec3>;
+
+    /// What is left of it in the halves of its whole; counts cuts that were not made.
+    fn divided(self, halves: [Polyhedron; 2], plane: &Plane, n_uncut: &mut usize) -> Vec<Self>;
+}
+
+impl Body for Polyhedron {
+    fn whole(&self) -> &Polyhedron {
+        self
+    }
+
+    fn corners(&self) -> impl Iterator<Item = &Vec3> {
+        self.vertices().iter()
+    }
+
+    fn divided(self, halves: [Polyhedron; 2], _: &Plane, _: &mut usize) -> Vec<Self> {
+        halves.into()
+    }
+}
+
+/// Cuts bodies by all joints; at most so many blocks, where so many are expected. Returns the blocks and how many cuts were not made.
+fn cut_bodies<B: Body>(
+    bodies: Vec<B>,
+    sets: &[JointSet],
+    seed: u64,
+    (max_blocks, expected): (usize, f64),
+) -> Result<(Vec<B>, usize), JointError> {
+    check(sets)?;
     let mut random = Random::new(seed);
     // Apart from the joints' numbers: what a joint meets does not move the next one.
     let mut chance = Random::new(!seed);
     let mut blocks = bodies;
     let mut n_uncut = 0;
     for (number, set) in sets.iter().enumerate() {
-        let corners = || blocks.iter().flat_map(|body| body.vertices());
+        let corners = || blocks.iter().flat_map(Body::corners);
         let (low, high) = span(corners(), &set.normal());
         let middle = corners().sum::<Vec3>() / corners().count().max(1) as f64;
         // A tilted joint may reach in from outside of the span: by its largest slope over the radius.
@@ -241,9 +285,9 @@ pub fn cut_by_joints(
             let plane = set.plane(k, &middle, &mut random);
             let mut next = Vec::with_capacity(blocks.len() + 16);
             for body in blocks {
-                match body.cut(&plane) {
+                match body.whole().cut(&plane) {
                     Ok(Some((below, above))) if chance.uniform() < set.persistence => {
-                        next.extend([below, above]);
+                        next.extend(body.divided([below, above], &plane, &mut n_uncut));
                     }
                     Ok(_) => next.push(body),
                     Err(_) => {
@@ -254,11 +298,15 @@ pub fn cut_by_joints(
             }
             blocks = next;
             if blocks.len() > max_blocks {
-                return Err(too_many(expected.about.max(blocks.len() as f64)));
+                return Err(too_many(
+                    sets,
+                    max_blocks,
+                    expected.max(blocks.len() as f64),
+                ));
             }
         }
     }
-    Ok(JointedMass { blocks, n_uncut })
+    Ok((blocks, n_uncut))
 }
 
 /// How many blocks joints make of bodies.

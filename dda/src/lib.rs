@@ -129,7 +129,8 @@ pub use error::{BlockError, StepError};
 pub use holds::{Hold, Turning};
 pub use integrate::Phase;
 pub use joint_sets::{
-    JointError, JointSet, JointedMass, MergedMass, SliverLimits, cut_by_joints, merge_slivers,
+    JointError, JointSet, JointedMass, JointedUnion, MergedMass, SliverLimits, cut_by_joints,
+    cut_union_by_joints, merge_slivers, merge_union_slivers,
 };
 pub use kinematics::Load;
 pub use material::{

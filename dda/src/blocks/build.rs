@@ -128,7 +128,12 @@ impl Blocks {
                 (&properties, &angular_velocity),
             )?),
         };
-        let (moments, principal) = principal_axes(&properties, rock.density);
+        let (moments, principal) = if is_surface {
+            // it has no mass and never moves: any moments but zero say that its spin is zero, not 0/0
+            (Vec3::repeat(1.0), UnitQuaternion::identity())
+        } else {
+            principal_axes(&properties, rock.density)
+        };
         let start = properties.centroid;
         self.push_parts(
             block,

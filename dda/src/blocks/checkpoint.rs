@@ -96,6 +96,7 @@ saved!({
     least_margin,
     lever,
     joints,
+    joints_at_start,
     n_materials,
     settings,
 });

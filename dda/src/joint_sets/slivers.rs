@@ -46,12 +46,28 @@ pub fn merge_slivers(
     blocks: Vec<Polyhedron>,
     limits: &SliverLimits,
 ) -> Result<MergedMass, JointError> {
+    merge_union_slivers(
+        blocks.into_iter().map(|block| vec![block]).collect(),
+        limits,
+    )
+}
+
+/// As [`merge_slivers`], of blocks of several convex parts.
+///
+/// # Errors
+///
+/// As [`merge_slivers`].
+pub fn merge_union_slivers(
+    blocks: Vec<Vec<Polyhedron>>,
+    limits: &SliverLimits,
+) -> Result<MergedMass, JointError> {
     limits.check()?;
-    let mut volumes: Vec<f64> = blocks.iter().map(volume).collect();
+    let of_block = |parts: &Vec<Polyhedron>| parts.iter().map(volume).sum();
+    let mut volumes: Vec<f64> = blocks.iter().map(of_block).collect();
     volumes.sort_by(f64::total_cmp);
     let median = volumes.get(volumes.len() / 2).copied().unwrap_or(0.0);
     let mut shared = shared_areas(&blocks);
-    let mut parts: Vec<Vec<Polyhedron>> = blocks.into_iter().map(|block| vec![block]).collect();
+    let mut parts = blocks;
     let judge = |parts: &[Polyhedron]| {
         let quality = BlockQuality::of_union(parts);
         (
@@ -137,20 +153,26 @@ fn contract(shared: &mut SharedAreas, gone: usize, kept: usize) {
     }
 }
 
-fn shared_areas(blocks: &[Polyhedron]) -> SharedAreas {
-    let boxes: Vec<Bounds> = blocks
+fn shared_areas(blocks: &[Vec<Polyhedron>]) -> SharedAreas {
+    let parts: Vec<(usize, &Polyhedron)> = blocks
         .iter()
-        .map(|block| grown(&block.aabb(), gap(block)))
+        .enumerate()
+        .flat_map(|(block, parts)| parts.iter().map(move |part| (block, part)))
+        .collect();
+    let boxes: Vec<Bounds> = parts
+        .iter()
+        .map(|(_, part)| grown(&part.aabb(), gap(part)))
         .collect();
     let mut pairs = Vec::new();
-    candidates(&boxes, &vec![true; blocks.len()], |_, _| true, &mut pairs);
-    let mut shared = vec![BTreeMap::new(); blocks.len()];
+    let are_of_two = |a: u32, b: u32| parts[a as usize].0 != parts[b as usize].0;
+    candidates(&boxes, &vec![true; parts.len()], are_of_two, &mut pairs);
+    let mut shared: SharedAreas = vec![BTreeMap::new(); blocks.len()];
     for (a, b) in pairs {
-        let (a, b) = (a as usize, b as usize);
-        let area = shared_area(&blocks[a], &blocks[b]);
+        let ((a, part), (b, other)) = (parts[a as usize], parts[b as usize]);
+        let area = shared_area(part, other);
         if area > 0.0 {
-            shared[a].insert(b, area);
-            shared[b].insert(a, area);
+            *shared[a].entry(b).or_default() += area;
+            *shared[b].entry(a).or_default() += area;
         }
     }
     shared
@@ -163,7 +185,7 @@ fn gap(block: &Polyhedron) -> f64 {
 }
 
 /// Area of the faces that two convex blocks share; m².
-fn shared_area(a: &Polyhedron, b: &Polyhedron) -> f64 {
+pub(super) fn shared_area(a: &Polyhedron, b: &Polyhedron) -> f64 {
     let gap = gap(a).max(gap(b));
     let lies_in = |small: &Polyhedron, face: usize, large: &Polyhedron, plane: usize| {
         let mut corners = corners(small, face);
@@ -220,6 +242,11 @@ fn common_area(mut polygon: Vec<Vec3>, body: &Polyhedron, face: usize) -> f64 {
         .windows(2)
         .map(|side| (side[0] - first).cross(&(side[1] - first)));
     fan.sum::<Vec3>().norm() / 2.0
+}
+
+/// The parts of a block, joined as far as two of them, or all, are convex together.
+pub(super) fn united(parts: Vec<Polyhedron>) -> Vec<Polyhedron> {
+    union(Vec::new(), parts)
 }
 
 /// Convex parts of the union of two blocks, joined as far as two of them, or all, are convex together.

@@ -1,0 +1,36 @@
+//! Joints that weaken with time.
+
+use super::Blocks;
+use crate::material::Joint;
+
+impl Blocks {
+    /// Takes shares of the friction (its tangent) and of the cohesion that two materials had when the blocks were made, residual values
+    /// with them. Bonds break at what is left; slips go on against what is left. Materials are numbers in their list, in either order.
+    ///
+    /// ```text
+    /// |τ| ≤ s_c c + s_φ tan φ σ                                          [Pa]
+    /// ```
+    pub fn weaken(&mut self, materials: (usize, usize), friction: f64, cohesion: f64) {
+        if self.joints_at_start.is_empty() {
+            self.joints_at_start.clone_from(&self.joints);
+        }
+        let (i, j) = materials;
+        for k in [i * self.n_materials + j, j * self.n_materials + i] {
+            let Joint {
+                friction: tangent,
+                residual_friction,
+                cohesion: bond,
+                residual_cohesion,
+                spheres,
+                ..
+            } = self.joints_at_start[k];
+            let joint = &mut self.joints[k];
+            joint.friction = friction * tangent;
+            joint.residual_friction = friction * residual_friction;
+            joint.cohesion = cohesion * bond;
+            joint.residual_cohesion = cohesion * residual_cohesion;
+            joint.spheres.static_friction = friction * spheres.static_friction;
+            joint.spheres.dynamic_friction = friction * spheres.dynamic_friction;
+        }
+    }
+}
