@@ -12,7 +12,7 @@ use crate::error::FluidError;
 pub type Periodicity = [bool; 3];
 
 /// Cells per support radius along x: rows are cut into chords of this fineness.
-const ROW_SPLIT: f64 = 4.0;
+pub(crate) const ROW_SPLIT: f64 = 4.0;
 
 /// Most runs of candidates: nine rows, cut in three at a periodic edge in x.
 pub const MAX_RUNS: usize = 27;
@@ -185,6 +185,11 @@ impl CellGrid {
     /// Particles of a cell, a range of sorted indices.
     pub fn particles_in(&self, cell: usize) -> std::ops::Range<usize> {
         self.starts[cell] as usize..self.starts[cell + 1] as usize
+    }
+
+    /// Particles of a row's cells, a range of sorted indices.
+    pub(crate) fn particles_in_row(&self, row: std::ops::Range<usize>) -> std::ops::Range<usize> {
+        self.starts[row.start] as usize..self.starts[row.end] as usize
     }
 
     /// Whether any of a row's cells holds a particle.

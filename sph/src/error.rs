@@ -50,6 +50,12 @@ pub enum FluidError {
         "symplectic Euler with density from continuity is forward Euler for sound: every wave grows, however small the step; use `KickDriftKick` or `PredictorCorrector`, or density by `Summation`"
     )]
     GrowingSound,
+    /// Water that cannot sleep.
+    #[error("water cannot sleep with {refused}")]
+    Sleepless {
+        /// What it cannot sleep with, and what to do.
+        refused: &'static str,
+    },
     /// A particle's state is no longer a number.
     #[error(
         "particle {id} near ({x:.4}, {y:.4}, {z:.4}) m has a non-finite {quantity}; lower `numerics.time_step_factor` or raise `fluid.dynamic_viscosity`"

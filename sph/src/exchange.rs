@@ -6,7 +6,9 @@ use std::ops::AddAssign;
 
 use rayon::prelude::*;
 
-use crate::{CHUNK, Fluid, FluidError, Vec3, fluid::MAX_PARTICLES};
+use crate::fluid::MAX_PARTICLES;
+use crate::particles::filter;
+use crate::{CHUNK, Fluid, FluidError, Vec3};
 
 /// What a change brought into the fluid; below zero where it took something out.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -156,6 +158,9 @@ impl Fluid {
             let mass = one.density * self.particle_volume();
             self.particles
                 .push(one.position, one.velocity, one.density, mass);
+            if let Some(sleep) = &mut self.sleep {
+                sleep.home.push(one.position);
+            }
             sum += self.content(self.particles.len() - 1);
             self.note_speed(one.velocity.norm());
         }
@@ -187,6 +192,9 @@ impl Fluid {
         }
         if !keep.is_empty() {
             self.particles.retain(&keep);
+            if let Some(sleep) = &mut self.sleep {
+                filter(&mut sleep.home, &keep);
+            }
             self.forget_order();
         }
     }

@@ -33,10 +33,12 @@ use crate::energy::fixed_order_sum;
 use crate::error::FluidError;
 use crate::kernel::{Dimensions, Kernel, PointKernel};
 use crate::lists::Lists;
+use crate::particles::filter;
 use crate::points::Frame;
 use crate::scheme::{
     DIFFUSION, DensityDiffusion, DensityMethod, Scheme, Shifting, Stepping, Viscosity,
 };
+use crate::sleep::{Sleep, Still};
 use crate::state_equation::State;
 use crate::stepping::AtStart;
 use crate::sums::{self, Places};
@@ -157,6 +159,8 @@ pub struct Fluid {
     pub(crate) lists: Lists,
     pub(crate) screens: Screens,
     pub(crate) at_start: AtStart,
+    /// What sleeps, where water may.
+    pub(crate) sleep: Option<Box<Sleep>>,
     /// Flow laws by [`Particles::kind`].
     rheologies: Vec<Rheology>,
     /// Volume of a particle at the reference density; m³.
@@ -195,6 +199,8 @@ pub(crate) struct Scratch {
     numbers: Vec<f64>,
     kinds: Vec<u8>,
     pub(crate) points: AnyPoints,
+    /// What rates are summed from, where water may sleep: kept from step to step beside what forces are.
+    pub(crate) flow: AnyPoints,
     pub(crate) rates: Vec<Rate>,
     pub(crate) forces: Vec<ForceDensity>,
     pub(crate) gradients: Vec<[f64; 3]>,
@@ -208,6 +214,8 @@ pub(crate) struct Scratch {
     /// Accelerations by the pressure of walls, of the particles that have any; m/s².
     pub(crate) pushes: Vec<(u32, Vec3)>,
     keep: Vec<bool>,
+    /// Tiles that wake or fall asleep.
+    pub(crate) changing: Vec<bool>,
 }
 
 /// What a step of density did to the energy of compression; J.
@@ -309,6 +317,7 @@ impl Fluid {
             particles,
             screens: Screens::default(),
             at_start: AtStart::default(),
+            sleep: None,
             particle_volume,
             lattice_sum,
             skin,
@@ -513,32 +522,39 @@ impl Fluid {
         } = &mut self.particles;
         let partial = &mut self.scratch.partial;
         partial.resize(velocity.len().div_ceil(CHUNK), 0.0);
+        let still = Still::of(self.sleep.as_deref());
         let max_square = velocity
             .par_chunks_mut(CHUNK)
             .zip(acceleration.par_chunks(CHUNK))
             .zip(viscous_acceleration.par_chunks(CHUNK))
             .zip(mass.par_chunks(CHUNK))
             .zip(partial.par_iter_mut())
-            .map(|((((velocity, acceleration), viscous), mass), work)| {
-                *work = 0.0;
-                let mut largest = 0.0_f64;
-                for (((v, a), viscous), m) in
-                    velocity.iter_mut().zip(acceleration).zip(viscous).zip(mass)
-                {
-                    let before = *v;
-                    *v += a * dt;
-                    if is_plane {
-                        // pressure drives apart what is off the plane by no more than round-off
-                        v.y = 0.0;
+            .enumerate()
+            .map(
+                |(chunk, ((((velocity, acceleration), viscous), mass), work))| {
+                    *work = 0.0;
+                    if still.has(chunk) {
+                        return 0.0;
                     }
-                    // with the mean of the velocities before and after, the works of all forces
-                    // add up to the change of kinetic energy exactly
-                    let viscous = Vec3::from(viscous.map(f64::from));
-                    *work += m * viscous.dot(&(before + *v)) * (0.5 * dt);
-                    largest = largest.max(v.norm_squared());
-                }
-                largest
-            })
+                    let mut largest = 0.0_f64;
+                    for (((v, a), viscous), m) in
+                        velocity.iter_mut().zip(acceleration).zip(viscous).zip(mass)
+                    {
+                        let before = *v;
+                        *v += a * dt;
+                        if is_plane {
+                            // pressure drives apart what is off the plane by no more than round-off
+                            v.y = 0.0;
+                        }
+                        // with the mean of the velocities before and after, the works of all forces
+                        // add up to the change of kinetic energy exactly
+                        let viscous = Vec3::from(viscous.map(f64::from));
+                        *work += m * viscous.dot(&(before + *v)) * (0.5 * dt);
+                        largest = largest.max(v.norm_squared());
+                    }
+                    largest
+                },
+            )
             .reduce(|| 0.0, f64::max);
         self.max_speed = max_square.sqrt();
         self.viscous_loss -= partial.iter().sum::<f64>();
@@ -567,11 +583,14 @@ impl Fluid {
 
     /// Moves the particles by `dt` times their velocities.
     pub fn drift(&mut self, dt: f64) {
+        let still = Still::of(self.sleep.as_deref());
         self.particles
             .position
             .par_chunks_mut(CHUNK)
             .zip(self.particles.velocity.par_chunks(CHUNK))
-            .for_each(|(position, velocity)| {
+            .enumerate()
+            .filter(|(chunk, _)| !still.has(*chunk))
+            .for_each(|(_, (position, velocity))| {
                 for (x, v) in position.iter_mut().zip(velocity) {
                     *x += v * dt;
                 }
@@ -626,6 +645,9 @@ impl Fluid {
         self.removed.count += gone;
         self.particles.retain(&keep);
         self.at_start.retain(&keep);
+        if let Some(sleep) = &mut self.sleep {
+            filter(&mut sleep.home, &keep);
+        }
         self.scratch.keep = keep;
         gone
     }
@@ -633,6 +655,12 @@ impl Fluid {
     fn sort(&mut self) {
         if self.settings.periodic.contains(&true) {
             let grid = &self.grid;
+            if let Some(sleep) = &mut self.sleep {
+                // the way from home is the same when a particle goes on at the other side
+                for (home, x) in sleep.home.iter_mut().zip(&self.particles.position) {
+                    *home += grid.wrapped(*x) - x;
+                }
+            }
             self.particles
                 .position
                 .par_chunks_mut(CHUNK)
@@ -678,8 +706,12 @@ impl Fluid {
         if !density.is_empty() {
             reorder(density, order, numbers);
         }
+        if let Some(sleep) = &mut self.sleep {
+            reorder(&mut sleep.home, order, vectors);
+        }
         self.lists.forget();
         self.moved = 0.0;
+        self.find_rests();
     }
 
     /// Rates of density from neighbours in the fluid, at the present positions and velocities.
@@ -688,6 +720,7 @@ impl Fluid {
             sums::density_gradients(self);
         }
         self.n_pairs = sums::rates(self);
+        self.hold_rates();
     }
 
     /// Adds rates of density; kg/(m³ s), one per particle named.
@@ -719,6 +752,7 @@ impl Fluid {
     ) -> Compression {
         let Particles { density, mass, .. } = &mut self.particles;
         let state = &self.state;
+        let still = Still::of(self.sleep.as_deref());
         let changes = &mut self.scratch.changes;
         changes.resize(density.len().div_ceil(CHUNK), Compression::default());
         density
@@ -729,6 +763,9 @@ impl Fluid {
             .enumerate()
             .for_each(|(chunk, (((density, mass), rates), booked))| {
                 *booked = Compression::default();
+                if still.has(chunk) {
+                    return;
+                }
                 let each = density.iter_mut().zip(mass).zip(rates);
                 for (a, ((density, mass), rate)) in (chunk * CHUNK..).zip(each) {
                     if rate.n_found <= FEWEST_NEIGHBORS {
@@ -766,11 +803,21 @@ impl Fluid {
             density, pressure, ..
         } = &mut self.particles;
         let state = &self.state;
+        let still = Still::kept(self.sleep.as_deref(), |kept| kept.pressure);
         pressure
-            .par_iter_mut()
-            .zip(density.par_iter())
-            .with_min_len(4096)
-            .for_each(|(p, rho)| *p = state.pressure(*rho));
+            .par_chunks_mut(CHUNK)
+            .zip(density.par_chunks(CHUNK))
+            .enumerate()
+            .with_min_len(16)
+            .filter(|(chunk, _)| !still.has(*chunk))
+            .for_each(|(_, (pressure, density))| {
+                for (p, rho) in pressure.iter_mut().zip(density) {
+                    *p = state.pressure(*rho);
+                }
+            });
+        if let Some(sleep) = &mut self.sleep {
+            sleep.kept.pressure = true;
+        }
         let limit = (1.0 + LARGEST_COMPRESSION) * self.settings.reference_density;
         // a NaN density is not below the limit either
         let first_bad = density
@@ -848,11 +895,14 @@ impl Fluid {
         let Particles {
             position, velocity, ..
         } = &mut self.particles;
+        let still = Still::of(self.sleep.as_deref());
         position
             .par_chunks_mut(CHUNK)
             .zip(velocity.par_chunks(CHUNK))
             .zip(self.scratch.spreads.par_chunks(CHUNK))
-            .for_each(|((position, velocity), spreads)| {
+            .enumerate()
+            .filter(|(chunk, _)| !still.has(*chunk))
+            .for_each(|(_, ((position, velocity), spreads))| {
                 for ((x, v), spread) in position.iter_mut().zip(velocity).zip(spreads) {
                     let by = factor * v.norm() * fade(spread.divergence);
                     *x += Vec3::from(spread.concentration_gradient)
@@ -915,7 +965,8 @@ impl Fluid {
     pub fn update_accelerations(&mut self) {
         self.scratch.pushes.clear();
         sums::forces(self);
-        if self.settings.has_symmetry() {
+        self.hold_forces();
+        if self.settings.has_symmetry() || self.may_sleep() {
             self.sum_plane_force();
         }
         let Particles {
@@ -925,12 +976,15 @@ impl Fluid {
             ..
         } = &mut self.particles;
         let gravity = self.settings.gravity;
+        let still = Still::of(self.sleep.as_deref());
         acceleration
             .par_chunks_mut(CHUNK)
             .zip(viscous_acceleration.par_chunks_mut(CHUNK))
             .zip(self.scratch.forces.par_chunks(CHUNK))
             .zip(density.par_chunks(CHUNK))
-            .for_each(|(((acceleration, viscous), forces), density)| {
+            .enumerate()
+            .filter(|(chunk, _)| !still.has(*chunk))
+            .for_each(|(_, (((acceleration, viscous), forces), density))| {
                 for (((acceleration, viscous), force), density) in acceleration
                     .iter_mut()
                     .zip(viscous)
@@ -944,6 +998,7 @@ impl Fluid {
                         gravity + Vec3::from(force.pressure) * specific_volume + by_viscosity;
                 }
             });
+        self.hold_accelerations();
     }
 
     /// Adds forces, of walls and blocks, to the accelerations.

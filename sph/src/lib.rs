@@ -53,6 +53,10 @@
 //! A side of the domain can be a plane of symmetry, in which water and walls see their mirror image:
 //! [`mirror`].
 //!
+//! # Sleep
+//!
+//! Water at rest may be left out until it is disturbed, tile by tile: `sleep`.
+//!
 //! # Signs and names
 //!
 //! `a` receives, `b` is the neighbour; vectors between them point from `b` to `a`. Pressure is
@@ -61,7 +65,7 @@
 //! # Reading order
 //!
 //! [`kernel`], [`particles`], [`cells`], [`scheme`], [`state_equation`], `lanes`, `points`, `sweep`,
-//! `lists`, `terms`, [`mirror`], `sums`, [`fluid`], `stepping`, [`boundary`], [`sample`], [`energy`].
+//! `lists`, `terms`, [`mirror`], `sums`, [`fluid`], `stepping`, `sleep`, [`boundary`], [`sample`], [`energy`].
 //!
 //! # References
 //!
@@ -85,6 +89,7 @@ mod points;
 pub mod rheology;
 pub mod sample;
 pub mod scheme;
+mod sleep;
 mod stability;
 pub mod state_equation;
 mod stepping;
@@ -102,6 +107,7 @@ pub use mirror::{Symmetry, SymmetryPlane};
 pub use particles::Particles;
 pub use rheology::{Regularization, Rheology};
 pub use scheme::{Scheme, Stepping};
+pub use sleep::Sleeping;
 pub use state_equation::{NegativePressure, StateEquation};
 pub use sweep::Precision;
 

@@ -14,6 +14,8 @@
 //! Entries stand in the order in which the sweep finds them, each particle's own, filled up to whole
 //! registers: results are the same bits for any number of threads. What a particle sees through a periodic
 //! side, or its image in a plane of symmetry sees, is a span of its own, summed from the shifted place.
+//!
+//! What sleeps far from all that is awake has nothing listed, and nothing is summed for it.
 
 use rayon::prelude::*;
 
@@ -21,6 +23,7 @@ use crate::cells::{CellGrid, MAX_RUNS, OWN_IMAGE, Run};
 use crate::lanes::{FILTER_WIDTH, Lanes, Machine, Sight, Task};
 use crate::mirror::{Image, MOST_IMAGES, Mirrors, signs_in};
 use crate::points::{Frame, Points};
+use crate::sleep::Rest;
 use crate::sweep::{BUFFER, FILTER_MARGIN, Seen, Sources, Term, Veil};
 use crate::terms::splat3;
 use crate::{CHUNK, Vec3};
@@ -31,6 +34,8 @@ pub(crate) struct Lists {
     /// One for each [`CHUNK`] of receivers, and more where there were more receivers before.
     chunks: Vec<ChunkLists>,
     is_made: bool,
+    /// Particles with anything listed.
+    n_receivers: u64,
     /// What they were made from: positions (m), and the farthest that anything is listed at (m).
     from: (Vec<Vec3>, f64),
 }
@@ -40,6 +45,8 @@ pub(crate) struct Lists {
 struct ChunkLists {
     /// One past the last span of each receiver.
     ends: Vec<u32>,
+    /// Receivers with anything listed.
+    n_receivers: u64,
     spans: Vec<Span>,
     /// Neighbours of all spans; what is beyond the last span means nothing.
     ids: Vec<u32>,
@@ -69,6 +76,8 @@ pub(crate) struct Surroundings<'a> {
     pub frame: &'a Frame,
     pub mirrors: Mirrors,
     pub positions: &'a [Vec3],
+    /// What is done with each particle; empty where all are awake.
+    pub rests: &'a [Rest],
     /// Farthest that anything to be listed may be from a receiver; m.
     pub radius: f64,
     /// Farthest that it may have been sorted; m.
@@ -89,6 +98,11 @@ impl Lists {
     /// Positions and radius that they were made from, if they were; m.
     pub(crate) fn made_from(&self) -> Option<&(Vec<Vec3>, f64)> {
         self.is_made.then_some(&self.from)
+    }
+
+    /// Particles that have anything listed: all, where none may sleep.
+    pub(crate) fn n_receivers(&self) -> u64 {
+        self.n_receivers
     }
 
     /// Memory held; bytes.
@@ -117,15 +131,18 @@ impl Lists {
         self.chunks
             .par_iter_mut()
             .zip(from.positions.par_chunks(CHUNK))
-            .for_each(|(lists, positions)| {
+            .enumerate()
+            .for_each(|(chunk, (lists, positions))| {
                 machine.run(Listing::<L> {
                     machine,
                     from,
+                    first: chunk * CHUNK,
                     positions,
                     points,
                     lists,
                 });
             });
+        self.n_receivers = self.chunks[..n_chunks].iter().map(|c| c.n_receivers).sum();
         self.from.0.clear();
         self.from.0.extend_from_slice(from.positions);
         self.from.1 = from.radius;
@@ -211,6 +228,8 @@ impl Span {
 struct Listing<'a, L: Lanes> {
     machine: L::Machine,
     from: Surroundings<'a>,
+    /// First receiver.
+    first: usize,
     /// Of the receivers; m.
     positions: &'a [Vec3],
     points: &'a Points<L::Record>,
@@ -227,9 +246,16 @@ where
         let Self {
             machine,
             from,
+            first,
             positions,
             points,
-            lists: ChunkLists { ends, spans, ids },
+            lists:
+                ChunkLists {
+                    ends,
+                    n_receivers,
+                    spans,
+                    ids,
+                },
         } = self;
         let scale = from.frame.quantum().map(|q| q as f32);
         let radius2 = (from.radius * from.radius * FILTER_MARGIN) as f32;
@@ -238,8 +264,15 @@ where
         let mut runs = [Run::default(); MAX_RUNS];
         ends.clear();
         spans.clear();
+        *n_receivers = 0;
         let mut n = 0;
-        for position in positions {
+        for (a, position) in (first..).zip(positions) {
+            let rest = from.rests.get(a).copied().unwrap_or_default();
+            if rest == Rest::Asleep {
+                ends.push(spans.len() as u32);
+                continue;
+            }
+            let before = (spans.len(), n);
             let n_images = from
                 .mirrors
                 .images_within(position, from.reach, &mut images);
@@ -285,9 +318,20 @@ where
                     }
                 }
             }
+            if rest == Rest::Beside && !ids[before.1..n].iter().any(|&b| is_awake(from.rests, b)) {
+                spans.truncate(before.0);
+                n = before.1;
+            }
+            *n_receivers += u64::from(before.0 < spans.len());
             ends.push(spans.len() as u32);
         }
     }
+}
+
+/// Whether a neighbour is a particle that is awake, and not what registers are filled up with.
+#[inline(always)]
+fn is_awake(rests: &[Rest], id: u32) -> bool {
+    rests.get(id as usize) == Some(&Rest::Awake)
 }
 
 /// The sums of a chunk.
@@ -321,7 +365,9 @@ where
             term,
             sources,
             positions,
-            lists: ChunkLists { ends, spans, ids },
+            lists: ChunkLists {
+                ends, spans, ids, ..
+            },
             first,
             out,
             n_found: total,

@@ -13,6 +13,7 @@
 
 use rayon::prelude::*;
 
+use crate::sleep::Still;
 use crate::{CHUNK, Fluid, FluidError, Settings, Vec3};
 
 /// Which sides of the domain are planes of symmetry: the lower and the upper one along x, y, z.
@@ -242,15 +243,16 @@ impl Fluid {
         }
     }
 
-    /// Finds the force of the planes of symmetry on the fluid from the sums of all pair forces, of which those
-    /// between particles cancel.
+    /// Finds the force of the planes of symmetry, and of what sleeps, on the fluid that is awake from the sums of all its
+    /// pair forces, of which those between particles cancel.
     pub(crate) fn sum_plane_force(&mut self) {
         self.plane_force = Vec3::zeros();
         for axis in 0..3 {
-            if self.settings.symmetry[axis] == [false; 2] {
+            if self.settings.symmetry[axis] == [false; 2] && !self.may_sleep() {
                 continue;
             }
             let particles = &self.particles;
+            let still = Still::of(self.sleep.as_deref());
             let partial = &mut self.scratch.partial;
             partial.resize(particles.mass.len().div_ceil(CHUNK), 0.0);
             self.scratch
@@ -259,8 +261,12 @@ impl Fluid {
                 .zip(particles.mass.par_chunks(CHUNK))
                 .zip(particles.density.par_chunks(CHUNK))
                 .zip(partial.par_iter_mut())
-                .for_each(|(((forces, mass), density), sum)| {
+                .enumerate()
+                .for_each(|(chunk, (((forces, mass), density), sum))| {
                     *sum = 0.0;
+                    if still.has(chunk) {
+                        return;
+                    }
                     for ((force, m), rho) in forces.iter().zip(mass).zip(density) {
                         *sum += m / rho * (force.pressure[axis] + force.viscous[axis]);
                     }
@@ -270,7 +276,8 @@ impl Fluid {
     }
 
     /// Force of the planes of symmetry on the fluid since the last [`Self::update_accelerations`], across
-    /// them: what keeps half a flow from running into where the other half would be; N.
+    /// them: what keeps half a flow from running into where the other half would be. With it that of water that sleeps on
+    /// water that is awake; N.
     pub fn plane_force(&self) -> Vec3 {
         self.plane_force
     }

@@ -9,6 +9,7 @@ use rayon::prelude::*;
 
 use crate::cells::CellGrid;
 use crate::lanes::{FILTER_WIDTH, Place, RECORD, Record};
+use crate::sleep::Still;
 use crate::{CHUNK, Vec3};
 
 /// Quanta per support radius, at least; `f32` keeps differences up to twice as many exactly.
@@ -71,11 +72,13 @@ pub(crate) struct Points<R> {
 }
 
 impl<R: Record + Default> Points<R> {
-    /// Writes places and values of all points; `values` gives five numbers for each.
+    /// Writes places and values of all points but those of still chunks, which keep theirs; `values` gives five numbers
+    /// for each.
     pub(crate) fn pack(
         &mut self,
         frame: &Frame,
         positions: &[Vec3],
+        still: Still,
         values: impl Fn(usize) -> [f64; 5] + Sync,
     ) {
         let n = positions.len();
@@ -92,6 +95,7 @@ impl<R: Record + Default> Points<R> {
             .zip(z[..n].par_chunks_mut(CHUNK))
             .zip(positions.par_chunks(CHUNK))
             .enumerate()
+            .filter(|(chunk, _)| !still.has(*chunk))
             .for_each(|(chunk, ((((records, x), y), z), positions))| {
                 for (k, position) in positions.iter().enumerate() {
                     let place = frame.place(position);

@@ -10,6 +10,7 @@ use crate::lanes::{Lanes, Machine};
 use crate::lists::{Lists, Surroundings};
 use crate::points::Frame;
 use crate::scheme::{DensityDiffusion, Viscosity};
+use crate::sleep::Still;
 use crate::sweep::{
     AnyPoints, Between, PackedIn, Receivers, Sources, Sum, Term, Veil, dispatch, sweep, sweep_as,
 };
@@ -192,6 +193,12 @@ impl Fluid {
         (self.lists.are_made() && self.is_sorted()).then_some(&self.lists)
     }
 
+    /// Particles that sums are made for: those that are awake, and those that sleep right beside them.
+    pub fn n_receivers(&self) -> u64 {
+        let listed = self.listed().filter(|_| self.may_sleep());
+        listed.map_or(self.particles.len() as u64, Lists::n_receivers)
+    }
+
     /// Lists the neighbours of all particles, packed in `points`, if they were not since the last sort.
     fn list(&mut self, points: &AnyPoints) {
         if self.lists.are_made() || !self.is_sorted() {
@@ -211,6 +218,7 @@ impl Fluid {
                 frame: &self.frame,
                 mirrors: self.settings.mirrors(),
                 positions: &self.particles.position,
+                rests: self.rests(),
                 radius,
                 reach: self.settings.support_radius() + self.skin(),
             },
@@ -243,32 +251,48 @@ impl Fluid {
     }
 
     /// Packs velocity, density less the reference, and volume.
-    fn pack_flow(&self, points: &mut AnyPoints) {
+    fn pack_flow(&mut self, points: &mut AnyPoints) {
         let p = &self.particles;
         let reference = self.settings.reference_density;
-        points.pack(
+        let still = Still::kept(self.sleep.as_deref(), |kept| kept.flow);
+        points.pack_moving(
             self.settings.scheme.precision,
             &self.frame,
-            &p.position,
+            (&p.position, still),
             |a| {
                 let (v, rho) = (p.velocity[a], p.density[a]);
                 [v.x, v.y, v.z, rho - reference, p.mass[a] / rho]
             },
         );
+        if let Some(sleep) = &mut self.sleep {
+            sleep.kept.flow = true;
+        }
+    }
+
+    /// Where flow is packed: in the place of what forces are summed from, or beside it where that is to be kept.
+    fn flow_points(&mut self) -> &mut AnyPoints {
+        match self.sleep {
+            None => &mut self.scratch.points,
+            Some(_) => &mut self.scratch.flow,
+        }
     }
 
     /// Packs velocity, pressure and volume: what [`forces`] and walls read.
     pub(crate) fn pack_forces(&mut self) {
         let p = &self.particles;
-        self.scratch.points.pack(
+        let still = Still::kept(self.sleep.as_deref(), |kept| kept.forces);
+        self.scratch.points.pack_moving(
             self.settings.scheme.precision,
             &self.frame,
-            &p.position,
+            (&p.position, still),
             |a| {
                 let v = p.velocity[a];
                 [v.x, v.y, v.z, p.pressure[a], p.mass[a] / p.density[a]]
             },
         );
+        if let Some(sleep) = &mut self.sleep {
+            sleep.kept.forces = true;
+        }
     }
 }
 
@@ -407,7 +431,7 @@ impl Rates<'_> {
 
 /// Rates of density in the fluid; returns the number of ordered pairs.
 pub(crate) fn rates(fluid: &mut Fluid) -> u64 {
-    let mut points = std::mem::take(&mut fluid.scratch.points);
+    let mut points = std::mem::take(fluid.flow_points());
     let mut out = std::mem::take(&mut fluid.scratch.rates);
     fluid.pack_flow(&mut points);
     out.resize(fluid.particles.len(), Rate::default());
@@ -426,9 +450,9 @@ pub(crate) fn rates(fluid: &mut Fluid) -> u64 {
             n_found: &mut n_found,
         },
     );
-    fluid.scratch.points = points;
+    *fluid.flow_points() = points;
     fluid.scratch.rates = out;
-    n_found - fluid.particles.len() as u64
+    n_found - fluid.n_receivers()
 }
 
 struct Gradients<'a> {
@@ -460,7 +484,7 @@ impl Gradients<'_> {
 
 /// Renormalised gradients of density, packed for the sums, into the scratch.
 pub(crate) fn density_gradients(fluid: &mut Fluid) {
-    let mut points = std::mem::take(&mut fluid.scratch.points);
+    let mut points = std::mem::take(fluid.flow_points());
     let mut out = std::mem::take(&mut fluid.scratch.gradients);
     let mut packed = std::mem::take(&mut fluid.scratch.extra);
     fluid.pack_flow(&mut points);
@@ -478,7 +502,7 @@ pub(crate) fn density_gradients(fluid: &mut Fluid) {
         let [x, y, z] = out[a];
         [x, y, z, 0.0, 0.0, 0.0, 0.0, 0.0]
     });
-    fluid.scratch.points = points;
+    *fluid.flow_points() = points;
     fluid.scratch.gradients = out;
     fluid.scratch.extra = packed;
 }
@@ -565,7 +589,7 @@ impl<W: Way> Spreads<'_, W> {
 
 /// Spread of the fluid's particles into the scratch.
 pub(crate) fn spreads(fluid: &mut Fluid) {
-    let mut points = std::mem::take(&mut fluid.scratch.points);
+    let mut points = std::mem::take(fluid.flow_points());
     let mut out = std::mem::take(&mut fluid.scratch.spreads);
     fluid.pack_flow(&mut points);
     out.resize(fluid.particles.len(), Spread::default());
@@ -578,7 +602,7 @@ pub(crate) fn spreads(fluid: &mut Fluid) {
             out: &mut out,
         },
     );
-    fluid.scratch.points = points;
+    *fluid.flow_points() = points;
     fluid.scratch.spreads = out;
 }
 

@@ -13,6 +13,7 @@ use crate::cells::{CellGrid, MAX_RUNS, OWN_IMAGE, Run};
 use crate::lanes::{FILTER_WIDTH, Lanes, Machine, Place, Portable, RECORD, Record, Sight, Task};
 use crate::mirror::{Image, MOST_IMAGES, Mirrors};
 use crate::points::{Frame, Points};
+use crate::sleep::Still;
 use crate::terms::{Lanes3, splat3};
 use crate::{CHUNK, Vec3};
 
@@ -523,9 +524,20 @@ impl AnyPoints {
         positions: &[Vec3],
         values: impl Fn(usize) -> [f64; 5] + Sync,
     ) {
+        self.pack_moving(precision, frame, (positions, Still::NONE), values);
+    }
+
+    /// The same of all but those in still chunks, which keep theirs.
+    pub(crate) fn pack_moving(
+        &mut self,
+        precision: Precision,
+        frame: &Frame,
+        (positions, still): (&[Vec3], Still),
+        values: impl Fn(usize) -> [f64; 5] + Sync,
+    ) {
         match precision {
-            Precision::Single => self.single.pack(frame, positions, values),
-            Precision::Double => self.double.pack(frame, positions, values),
+            Precision::Single => self.single.pack(frame, positions, still, values),
+            Precision::Double => self.double.pack(frame, positions, still, values),
         }
     }
 

@@ -92,10 +92,33 @@ pub struct WallParticles {
     /// Cells whose fluid may be within the support of a point.
     near: Vec<bool>,
     marked: Vec<u32>,
-    /// Fluid particles near points, points near fluid.
+    /// Fluid particles near points, but those that sleep, and points near fluid.
     wetting: Vec<u32>,
-    wet: Vec<u32>,
+    wet: Wet,
+    /// Changes of what sleeps when all wet points were last given their pressure.
+    known_at: Option<u64>,
     scratch: Scratch,
+}
+
+/// Points near fluid.
+#[derive(Clone, Debug, Default)]
+struct Wet {
+    all: Vec<u32>,
+    /// Those near fluid that is awake, where fluid may sleep.
+    stirred: Vec<u32>,
+    /// Whether only these are given what they feel: the others keep it, as what sleeps is as it was.
+    is_partial: bool,
+}
+
+impl Wet {
+    /// Points that are given what they feel of the fluid.
+    fn felt(&self) -> &[u32] {
+        if self.is_partial {
+            &self.stirred
+        } else {
+            &self.all
+        }
+    }
 }
 
 #[derive(Clone, Debug, Default)]
@@ -134,7 +157,8 @@ impl WallParticles {
             occupied: Vec::new(),
             marked: Vec::new(),
             wetting: Vec::new(),
-            wet: Vec::new(),
+            wet: Wet::default(),
+            known_at: None,
             scratch: Scratch::default(),
         }
     }
@@ -180,7 +204,7 @@ impl WallParticles {
 
     /// Points that had fluid within their support at the last [`Self::find_wet`].
     pub fn wet(&self) -> &[u32] {
-        &self.wet
+        &self.wet.all
     }
 
     /// Sets place, velocity and acceleration of every point; m, m/s, m/s².
@@ -234,19 +258,41 @@ impl WallParticles {
         self.wetting.clear();
         for &cell in &self.marked {
             let particles = cells.particles_in(cell as usize);
-            self.wetting.extend(particles.map(|a| a as u32));
+            if fluid.is_still(particles.clone()) {
+                continue;
+            }
+            let awake = particles.filter(|&a| fluid.is_awake(a));
+            self.wetting.extend(awake.map(|a| a as u32));
         }
-        self.wet.clear();
+        let wet = &mut self.wet;
+        // what was stirred may be dry now
+        for &w in &wet.stirred {
+            self.pressure[w as usize] = 0.0;
+        }
+        wet.all.clear();
+        wet.stirred.clear();
+        wet.is_partial = fluid.may_sleep() && self.known_at == fluid.changes_of_rest();
         for &cell in &self.occupied {
-            let mut is_wet = false;
+            let (mut is_wet, mut is_stirred) = (false, false);
             cells.rows_round(cell as usize, |row| {
-                is_wet |= cells.has_particles(row);
+                let particles = cells.particles_in_row(row);
+                is_wet |= !particles.is_empty();
+                is_stirred |= !particles.is_empty() && !fluid.is_still(particles);
             });
             if is_wet {
                 let points = self.grid.particles_in(cell as usize);
-                self.wet.extend(points.map(|k| self.order[k]));
+                let first = wet.all.len();
+                wet.all.extend(points.map(|k| self.order[k]));
+                if is_stirred && fluid.may_sleep() {
+                    wet.stirred.extend_from_slice(&wet.all[first..]);
+                }
             }
         }
+    }
+
+    /// Makes the next look at the fluid one from all wet points.
+    pub fn forget(&mut self) {
+        self.known_at = None;
     }
 
     fn neighborhood<'a>(&'a self, fluid: &'a Fluid) -> sums::Neighborhood<'a> {
@@ -331,13 +377,20 @@ impl WallParticles {
 
     fn continue_fluid(&mut self, fluid: &Fluid, with_answers: bool) {
         let mut sums_of_points = std::mem::take(&mut self.scratch.extrapolated);
-        sums_of_points.resize(self.wet.len(), Extrapolated::default());
+        sums_of_points.resize(self.wet.felt().len(), Extrapolated::default());
         let places = self.places();
-        sums::extrapolation(fluid, places, &self.wet, with_answers, &mut sums_of_points);
+        sums::extrapolation(
+            fluid,
+            places,
+            self.wet.felt(),
+            with_answers,
+            &mut sums_of_points,
+        );
         self.scratch.extrapolated = sums_of_points;
+        self.known_at = fluid.changes_of_rest();
         self.seen_velocity.copy_from_slice(&self.velocity);
         if self.slip != Slip::Free {
-            for (&w, sum) in self.wet.iter().zip(&self.scratch.extrapolated) {
+            for (&w, sum) in self.wet.felt().iter().zip(&self.scratch.extrapolated) {
                 if 0.0 < sum.weight {
                     let w = w as usize;
                     self.seen_velocity[w] =
@@ -351,7 +404,7 @@ impl WallParticles {
     /// Adds to the acceleration (m/s²) of wet points and continues the pressure again; after
     /// [`Self::extrapolate`].
     pub fn accelerate(&mut self, fluid: &Fluid, more: impl Fn(usize) -> Vec3) {
-        for &w in &self.wet {
+        for &w in self.wet.felt() {
             self.acceleration[w as usize] += more(w as usize);
         }
         self.press(fluid);
@@ -359,8 +412,10 @@ impl WallParticles {
 
     /// Pressure of every point from the sums over the fluid and its acceleration.
     fn press(&mut self, fluid: &Fluid) {
-        self.pressure.fill(0.0);
-        for (&w, sum) in self.wet.iter().zip(&self.scratch.extrapolated) {
+        if !self.wet.is_partial {
+            self.pressure.fill(0.0);
+        }
+        for (&w, sum) in self.wet.felt().iter().zip(&self.scratch.extrapolated) {
             if sum.weight <= 0.0 {
                 continue;
             }
@@ -392,7 +447,7 @@ impl WallParticles {
         is_chosen: impl Fn(usize) -> bool,
         mut visit: impl FnMut(usize, Answer),
     ) {
-        for (&w, sum) in self.wet.iter().zip(&self.scratch.extrapolated) {
+        for (&w, sum) in self.wet.felt().iter().zip(&self.scratch.extrapolated) {
             let w = w as usize;
             if 0.0 < self.pressure[w] && is_chosen(w) {
                 let lever = Vec3::from(sum.moment) / sum.weight;
@@ -529,16 +584,16 @@ impl WallParticles {
     /// Calls `visit` with every wet point and the forces of the fluid's pressure and viscosity on it, in order; N.
     pub fn visit_reactions(&mut self, fluid: &Fluid, mut visit: impl FnMut(usize, [Vec3; 2])) {
         let mut forces = std::mem::take(&mut self.scratch.forces);
-        forces.resize(self.wet.len(), ForceDensity::default());
+        forces.resize(self.wet.felt().len(), ForceDensity::default());
         sums::reactions(
             fluid,
             self.places(),
             (&self.seen_velocity, &self.pressure),
-            &self.wet,
+            self.wet.felt(),
             self.shearing(fluid),
             &mut forces,
         );
-        for (&w, force) in self.wet.iter().zip(&forces) {
+        for (&w, force) in self.wet.felt().iter().zip(&forces) {
             let w = w as usize;
             visit(w, force.times(self.volume[w]));
         }

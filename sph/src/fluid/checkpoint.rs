@@ -6,6 +6,7 @@
 use postcard::Error;
 
 use crate::particles::Particles;
+use crate::sleep::Sleep;
 use crate::sweep::AnyPoints;
 use crate::{Fluid, Stepping, Vec3};
 
@@ -23,6 +24,7 @@ impl Fluid {
         let Self {
             particles,
             at_start: _,
+            sleep,
             grid,
             lists,
             moved,
@@ -59,7 +61,7 @@ impl Fluid {
             Stepping::PredictorCorrector => scratch.rates.as_slice(),
             Stepping::KickDriftKick | Stepping::SymplecticEuler => &[],
         };
-        postcard::to_extend(&(&scratch.pushes, rates), out)
+        postcard::to_extend(&(&scratch.pushes, rates, sleep), out)
     }
 
     /// Takes the state over from the front of bytes that [`Self::save`] wrote; returns the rest. What follows is the same
@@ -87,7 +89,14 @@ impl Fluid {
         (self.viscous_loss, self.from_walls, self.diffusive_loss) = energies;
         (self.removed, self.plane_force, self.reflected) = momenta;
         let (last, bytes) = postcard::take_from_bytes(bytes)?;
-        (self.scratch.pushes, self.scratch.rates) = last;
+        (self.scratch.pushes, self.scratch.rates, self.sleep) = last;
+        let is_of_these = |sleep: &Sleep| sleep.is_of(&self.grid, n) && self.are_near(&sleep.home);
+        if !self.sleep.as_deref().is_none_or(is_of_these) {
+            return bad;
+        }
+        if let Some(sleep) = &mut self.sleep {
+            sleep.find_still();
+        }
         let are_known = self.scratch.pushes.iter().all(|&(a, _)| (a as usize) < n);
         if !are_known || ![0, n].contains(&self.scratch.rates.len()) {
             return bad;

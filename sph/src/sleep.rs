@@ -1,0 +1,820 @@
+//! Water at rest that sleeps: nothing of it is computed until it is disturbed.
+//!
+//! The plan is divided into tiles, columns of whole cells as high as the domain. A tile is awake or asleep; what is in a
+//! tile that sleeps is held where it is. Every so many steps each tile that is awake is looked at:
+//!
+//! ```text
+//! disturbed   |mean of the level part of x − x₀| > ε dp        its eight neighbours wake
+//! at rest     root mean square of |v| ≤ v_r for a time t_r     x₀ = x; it sleeps once its neighbours sleep or are at rest
+//! ```
+//! `x₀` is where a particle was last at rest, level is what gravity is not along. Waves at the surface move the water below
+//! them to and fro, however long or short they are. Sound does not wake: its speeds are far above those of any wave that
+//! matters, but it moves the water by `v/ω`, up and down mostly, as no other sound goes far under a free surface; nor does
+//! water that settles a little once it wakes. The mean leaves out what single particles do.
+//!
+//! Bodies that may move keep the tiles near them awake. A particle that moves stays awake in a tile that sleeps, and wakes
+//! it once it is half a spacing from where it was at rest. What is put to rest had a little motion left, which is told.
+//!
+//! # What is next to water that is awake
+//!
+//! Sleeping particles within the support of others that are awake are held in place, and their density is advanced: the
+//! water next to them can press on them as on a wall. To hold what does not move takes no work, so that energy is kept just
+//! as without sleep, and density is right when they wake. Their lists of neighbours are made; those of all others that
+//! sleep are empty, and that is all that sums know of sleep. Chunks of particles in which all sleep are left out of all
+//! else.
+
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+use crate::cells::{CellGrid, ROW_SPLIT};
+use crate::energy::fixed_order_sum;
+use crate::exchange::Exchange;
+use crate::scheme::{DensityDiffusion, DensityMethod, Stepping};
+use crate::terms::momentum::ForceDensity;
+use crate::{CHUNK, Dimensions, Fluid, FluidError, Particles, Settings, Vec3};
+
+/// Cells of a tile along x and y: three supports, so that what happens in one is not felt beyond the next.
+const TILE: [usize; 2] = [3 * ROW_SPLIT as usize, 3];
+/// Steps from one look to the next: sound crosses three quarters of a tile in them, waves a tenth of that.
+const LOOK_INTERVAL: u32 = 10;
+/// Way of a particle in a tile that sleeps, over the spacing, at which it wakes the tile: no jitter at the edge of water
+/// that is awake takes it so far.
+const STRAYED: f64 = 0.5;
+/// Distance over the support radius within which bodies that may move keep water awake: it then has a support of room
+/// to move in.
+const MARGIN: f64 = 2.0;
+/// Mean level acceleration of a tile, over gravity, from which on it is not at rest at the start: it has to fall. Walls
+/// that the first lattice does not fit push by less, and what they push soon stops.
+const IMBALANCE: f64 = 0.05;
+
+/// When water sleeps.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Sleeping {
+    /// Mean displacement of the water in a tile, level, at which its neighbours wake; × spacing.
+    pub displacement: f64,
+    /// Root mean square of the speed in a tile up to which it is at rest; m/s.
+    pub speed: f64,
+    /// Time for which it has to be no faster before it sleeps; s.
+    pub time: f64,
+}
+
+/// What is done with a particle.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub(crate) enum Rest {
+    /// Everything.
+    #[default]
+    Awake,
+    /// It sleeps in a tile beside others that may be awake: its density is advanced where it sees any.
+    Beside,
+    /// Nothing.
+    Asleep,
+}
+
+/// Who sleeps.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(crate) struct Sleep {
+    settings: Sleeping,
+    /// Tiles along x and y.
+    counts: [usize; 2],
+    tiles: Vec<Tile>,
+    /// Steps and time (s) since the last look.
+    since: (u32, f64),
+    /// Where each particle was last at rest; m.
+    pub(crate) home: Vec<Vec3>,
+    /// Of each particle, since the last sort or change.
+    rests: Vec<Rest>,
+    /// Particles awake, and their mass; kg.
+    awake: (usize, f64),
+    /// Changes of what sleeps.
+    n_changes: u64,
+    #[serde(skip)]
+    still: Vec<bool>,
+    #[serde(skip)]
+    pub(crate) kept: Kept,
+}
+
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
+struct Tile {
+    is_awake: bool,
+    /// Whether any particle in it is awake.
+    stirs: bool,
+    /// Whether a body that may move is near its water.
+    is_watched: bool,
+    is_dry: bool,
+    /// Time for which it has been no faster than water at rest; s.
+    calm: f64,
+    #[serde(skip)]
+    seen: Seen,
+}
+
+/// What a look at a tile finds of the particles in it that are awake.
+#[derive(Clone, Copy, Debug, Default)]
+struct Seen {
+    n: usize,
+    /// Sum of the level ways from where they were at rest; m.
+    way: Vec3,
+    /// Square of the longest of these ways; m².
+    longest2: f64,
+    /// Sum of the squares of their speeds; m²/s².
+    speed2: f64,
+    is_at_rest: bool,
+    is_disturbed: bool,
+}
+
+/// What is known of sleeping chunks from the step before, since the last sort or change.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Kept {
+    pub flow: bool,
+    pub pressure: bool,
+    pub forces: bool,
+}
+
+/// Which chunks of particles sleep as a whole: nothing in them changes.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Still<'a>(&'a [bool]);
+
+impl<'a> Still<'a> {
+    /// None.
+    pub(crate) const NONE: Still<'static> = Still(&[]);
+
+    /// Those of a fluid that may sleep.
+    pub(crate) fn of(sleep: Option<&'a Sleep>) -> Self {
+        sleep.map_or(Self::NONE, |sleep| Self(&sleep.still))
+    }
+
+    /// Those of a fluid, where what is known of them was kept.
+    pub(crate) fn kept(sleep: Option<&'a Sleep>, is_kept: impl Fn(&Kept) -> bool) -> Self {
+        Self::of(sleep.filter(|sleep| is_kept(&sleep.kept)))
+    }
+
+    #[inline(always)]
+    pub(crate) fn has(self, chunk: usize) -> bool {
+        self.0.get(chunk).copied().unwrap_or(false)
+    }
+}
+
+impl Sleeping {
+    fn check(&self) -> Result<(), FluidError> {
+        let Self {
+            displacement,
+            speed,
+            time,
+        } = *self;
+        for (name, value) in [
+            ("displacement of sleeping", displacement),
+            ("speed of sleeping", speed),
+            ("time of sleeping", time),
+        ] {
+            if !(value.is_finite() && 0.0 < value) {
+                return Err(FluidError::Setting {
+                    name,
+                    value,
+                    range: "finite and > 0",
+                });
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Sleep {
+    /// Everything awake, and at rest where it is.
+    fn new(settings: Sleeping, fluid: &Fluid) -> Self {
+        let [nx, ny, _] = fluid.grid.counts();
+        let counts = [nx / TILE[0], ny / TILE[1]].map(|n| n.max(1));
+        let awake = Tile {
+            is_awake: true,
+            ..Tile::default()
+        };
+        Self {
+            settings,
+            counts,
+            tiles: vec![awake; counts[0] * counts[1]],
+            since: (0, 0.0),
+            home: fluid.particles.position.clone(),
+            rests: Vec::new(),
+            awake: (0, 0.0),
+            n_changes: 0,
+            still: Vec::new(),
+            kept: Kept::default(),
+        }
+    }
+
+    /// Whether it is of these particles and cells.
+    pub(crate) fn is_of(&self, grid: &CellGrid, n: usize) -> bool {
+        let [nx, ny, _] = grid.counts();
+        self.counts == [nx / TILE[0], ny / TILE[1]].map(|n| n.max(1))
+            && self.tiles.len() == self.counts[0] * self.counts[1]
+            && self.home.len() == n
+            && self.rests.len() == n
+    }
+
+    /// Finds chunks that sleep as a whole; nothing of them is known yet.
+    pub(crate) fn find_still(&mut self) {
+        self.still.clear();
+        let chunks = self.rests.chunks(CHUNK);
+        self.still
+            .extend(chunks.map(|rests| rests.iter().all(|&rest| rest == Rest::Asleep)));
+        self.kept = Kept::default();
+    }
+
+    /// Does something to the entries of a column that are of sleeping particles, but for chunks that sleep as a whole.
+    fn hold<T: Send>(&self, column: &mut [T], hold: impl Fn(&mut T) + Sync) {
+        let still = Still::of(Some(self));
+        column
+            .par_chunks_mut(CHUNK)
+            .zip(self.rests.par_chunks(CHUNK))
+            .enumerate()
+            .filter(|(chunk, _)| !still.has(*chunk))
+            .for_each(|(_, (entries, rests))| {
+                for (entry, &rest) in entries.iter_mut().zip(rests) {
+                    if rest != Rest::Awake {
+                        hold(entry);
+                    }
+                }
+            });
+    }
+
+    /// The tile that a cell, by its place along x or y, is in.
+    fn tile_along(&self, axis: usize, cell: usize) -> usize {
+        (cell / TILE[axis]).min(self.counts[axis] - 1)
+    }
+
+    /// Cells of a tile along x and y: the last one has what is left over.
+    fn cells_of(&self, tile: usize, grid: &CellGrid) -> [std::ops::Range<usize>; 2] {
+        let at = [tile % self.counts[0], tile / self.counts[0]];
+        std::array::from_fn(|axis| {
+            let end = match at[axis] + 1 == self.counts[axis] {
+                true => grid.counts()[axis],
+                false => (at[axis] + 1) * TILE[axis],
+            };
+            at[axis] * TILE[axis]..end
+        })
+    }
+
+    /// Runs of the particles in a tile, in order.
+    fn runs<'a>(
+        &self,
+        tile: usize,
+        grid: &'a CellGrid,
+    ) -> impl Iterator<Item = std::ops::Range<usize>> + use<'a> {
+        let [across, rows] = self.cells_of(tile, grid);
+        (0..grid.counts()[2]).flat_map(move |k| {
+            let across = across.clone();
+            rows.clone().map(move |j| {
+                let [first, last] = [across.start, across.end - 1].map(|i| grid.cell_at([i, j, k]));
+                grid.particles_in(first).start..grid.particles_in(last).end
+            })
+        })
+    }
+
+    /// Whether a test holds for any of the eight tiles round one.
+    fn any_beside(&self, tile: usize, periodic: [bool; 3], test: impl Fn(&Tile) -> bool) -> bool {
+        let at = [tile % self.counts[0], tile / self.counts[0]];
+        let step = |axis: usize, by: i64| {
+            let (n, to) = (self.counts[axis] as i64, at[axis] as i64 + by);
+            if periodic[axis] {
+                Some(to.rem_euclid(n) as usize)
+            } else {
+                (0..n).contains(&to).then_some(to as usize)
+            }
+        };
+        (-1..=1).any(|dy| {
+            (-1..=1).any(|dx| {
+                let other = step(0, dx).zip(step(1, dy));
+                other
+                    .map(|(i, j)| j * self.counts[0] + i)
+                    .is_some_and(|other| other != tile && test(&self.tiles[other]))
+            })
+        })
+    }
+
+    /// Wakes the tiles whose water is within `margin` (m) of bodies, by their boxes (m); returns whether any slept.
+    fn wake_near(
+        &mut self,
+        bodies: impl Iterator<Item = (Vec3, Vec3)>,
+        (grid, margin): (&CellGrid, f64),
+    ) -> bool {
+        for tile in &mut self.tiles {
+            tile.is_watched = false;
+        }
+        let mut has_woken = false;
+        for (min, max) in bodies {
+            let (mut min, mut max) = (min.add_scalar(-margin), max.add_scalar(margin));
+            for axis in 0..3 {
+                let (start, end) = (grid.min()[axis], grid.min()[axis] + grid.extent()[axis]);
+                if grid.periodic()[axis] && (min[axis] < start || end < max[axis]) {
+                    (min[axis], max[axis]) = (start, end);
+                }
+            }
+            let (low, high) = (grid.coordinates_of(&min), grid.coordinates_of(&max));
+            for j in self.tile_along(1, low[1])..=self.tile_along(1, high[1]) {
+                for i in self.tile_along(0, low[0])..=self.tile_along(0, high[0]) {
+                    let tile = j * self.counts[0] + i;
+                    if self.tiles[tile].is_watched {
+                        continue;
+                    }
+                    let [across, rows] = self.cells_of(tile, grid);
+                    let is_near = (low[2]..=high[2]).any(|k| {
+                        rows.clone().any(|j| {
+                            let first = grid.cell_at([across.start, j, k]);
+                            grid.has_particles(first..first + across.len())
+                        })
+                    });
+                    if is_near {
+                        let tile = &mut self.tiles[tile];
+                        tile.is_watched = true;
+                        has_woken |= !tile.is_awake;
+                        tile.wake();
+                    }
+                }
+            }
+        }
+        has_woken
+    }
+}
+
+impl Tile {
+    fn wake(&mut self) {
+        if !self.is_awake {
+            self.is_awake = true;
+            self.calm = 0.0;
+        }
+    }
+}
+
+impl Settings {
+    /// Refuses schemes in which water cannot be left as it is.
+    ///
+    /// # Errors
+    ///
+    /// [`FluidError::Sleepless`].
+    pub fn check_sleep(&self) -> Result<(), FluidError> {
+        let scheme = &self.scheme;
+        let refused = if scheme.density != DensityMethod::Continuity {
+            "density by `Summation`, which is that of the places of all neighbours; use `Continuity`"
+        } else if scheme.stepping != Stepping::KickDriftKick {
+            "a stepping other than `KickDriftKick`; use that"
+        } else if let DensityDiffusion::Antuono(_) = scheme.diffusion {
+            "the diffusion `Antuono`, which wants gradients where nothing is computed; use `Fourtakas`"
+        } else if scheme.viscosity.varies() {
+            "a viscosity that varies, as the rate of shear is not known where nothing is computed; use another, or none"
+        } else {
+            return Ok(());
+        };
+        Err(FluidError::Sleepless { refused })
+    }
+}
+
+impl Fluid {
+    /// Lets water sleep where it is at rest, from now on; `bodies` are boxes (m) round what may move. All forces have to be
+    /// known: what is out of balance stays awake. Returns what that brought in, which is below zero.
+    ///
+    /// # Errors
+    ///
+    /// [`FluidError::Setting`] for a number out of range, [`FluidError::Sleepless`] for a scheme that cannot.
+    pub fn let_sleep(
+        &mut self,
+        settings: Sleeping,
+        bodies: impl Iterator<Item = (Vec3, Vec3)>,
+    ) -> Result<Exchange, FluidError> {
+        settings.check()?;
+        self.settings.check_sleep()?;
+        let mut sleep = Sleep::new(settings, self);
+        sleep.wake_near(bodies, (&self.grid, self.margin()));
+        let most = IMBALANCE * self.settings.gravity.norm();
+        let mut laid = Exchange::default();
+        for tile in 0..sleep.tiles.len() {
+            let (mut n, mut speed2, mut pull) = (0, 0.0, Vec3::zeros());
+            for a in sleep.runs(tile, &self.grid).flatten() {
+                n += 1;
+                speed2 += self.particles.velocity[a].norm_squared();
+                pull += self.level(self.particles.acceleration[a]);
+            }
+            let n = f64::from(n);
+            let is_at_rest =
+                speed2 <= n * settings.speed * settings.speed && pull.norm() <= n * most;
+            if is_at_rest && !sleep.tiles[tile].is_watched {
+                sleep.tiles[tile].is_awake = false;
+                laid += stop(&mut self.particles, sleep.runs(tile, &self.grid).flatten());
+            }
+        }
+        self.sleep = Some(Box::new(sleep));
+        self.find_rests();
+        Ok(laid)
+    }
+
+    /// Whether water may sleep.
+    pub fn may_sleep(&self) -> bool {
+        self.sleep.is_some()
+    }
+
+    /// Wakes what was disturbed and puts to rest what has become calm, after a step of `dt` (s) and before its forces;
+    /// `bodies` are boxes (m) round what may move. Returns what that brought in, which is below zero.
+    pub fn watch_rest(&mut self, dt: f64, bodies: impl Iterator<Item = (Vec3, Vec3)>) -> Exchange {
+        let Some(mut sleep) = self.sleep.take() else {
+            return Exchange::default();
+        };
+        let mut has_changed = sleep.wake_near(bodies, (&self.grid, self.margin()));
+        let (steps, elapsed) = (sleep.since.0 + 1, sleep.since.1 + dt);
+        sleep.since = (steps, elapsed);
+        let mut laid = Exchange::default();
+        if LOOK_INTERVAL <= steps {
+            sleep.since = (0, 0.0);
+            self.look(&mut sleep, elapsed);
+            let changed;
+            (changed, laid) = self.change(&mut sleep);
+            has_changed |= changed;
+        }
+        sleep.n_changes += u64::from(has_changed);
+        self.sleep = Some(sleep);
+        if has_changed {
+            self.find_rests();
+        }
+        laid
+    }
+
+    /// What is level of a vector: in a plane nothing goes across, without gravity all of it is.
+    fn level(&self, vector: Vec3) -> Vec3 {
+        let gravity = self.settings.gravity;
+        let square = gravity.norm_squared();
+        if square == 0.0 {
+            return vector;
+        }
+        vector - gravity * (gravity.dot(&vector) / square)
+    }
+
+    fn margin(&self) -> f64 {
+        MARGIN * self.settings.support_radius()
+    }
+
+    fn least_spacing(&self) -> f64 {
+        let [dx, dy, dz] = self.settings.particle_spacing;
+        match self.settings.dimensions {
+            Dimensions::Two { .. } => dx.min(dz),
+            Dimensions::Three => dx.min(dy).min(dz),
+        }
+    }
+
+    /// Looks at all tiles in which anything is awake, `elapsed` (s) after the last time.
+    fn look(&self, sleep: &mut Sleep, elapsed: f64) {
+        let mut tiles = std::mem::take(&mut sleep.tiles);
+        let all = &*sleep;
+        let Sleeping {
+            displacement,
+            speed,
+            time,
+        } = sleep.settings;
+        let farthest = displacement * self.least_spacing();
+        let (position, velocity) = (&self.particles.position, &self.particles.velocity);
+        tiles.par_iter_mut().enumerate().for_each(|(number, tile)| {
+            tile.seen = Seen::default();
+            if !tile.stirs {
+                return;
+            }
+            let seen = &mut tile.seen;
+            let particles = all.runs(number, &self.grid).flatten();
+            for a in particles.filter(|&a| all.rests[a] == Rest::Awake) {
+                let way = self.level(position[a] - all.home[a]);
+                seen.n += 1;
+                seen.way += way;
+                seen.longest2 = seen.longest2.max(way.norm_squared());
+                seen.speed2 += velocity[a].norm_squared();
+            }
+            if !tile.is_awake {
+                return;
+            }
+            let n = seen.n as f64;
+            tile.calm = match seen.speed2 <= n * speed * speed {
+                true => tile.calm + elapsed,
+                false => 0.0,
+            };
+            seen.is_at_rest = time <= tile.calm;
+            seen.is_disturbed = !seen.is_at_rest && n * farthest < seen.way.norm();
+        });
+        sleep.tiles = tiles;
+    }
+
+    /// Wakes and puts to rest by what was seen; returns whether anything changed, and what that brought in.
+    fn change(&mut self, sleep: &mut Sleep) -> (bool, Exchange) {
+        let periodic = self.settings.periodic;
+        let strayed = STRAYED * self.least_spacing();
+        let mut changes = std::mem::take(&mut self.scratch.changing);
+        changes.clear();
+        changes.extend(sleep.tiles.iter().enumerate().map(|(number, tile)| {
+            let seen = &tile.seen;
+            if tile.is_awake {
+                let is_awake = |other: &Tile| other.is_awake && !other.seen.is_at_rest;
+                seen.is_at_rest
+                    && !tile.is_watched
+                    && !sleep.any_beside(number, periodic, |other| !other.is_dry && is_awake(other))
+            } else {
+                let is_disturbed = |other: &Tile| other.seen.is_disturbed;
+                strayed * strayed < seen.longest2
+                    || (!tile.is_dry && sleep.any_beside(number, periodic, is_disturbed))
+            }
+        }));
+        let mut laid = Exchange::default();
+        let mut has_changed = false;
+        for (number, &changes) in changes.iter().enumerate() {
+            if sleep.tiles[number].seen.is_at_rest {
+                for run in sleep.runs(number, &self.grid) {
+                    sleep.home[run.clone()].copy_from_slice(&self.particles.position[run]);
+                }
+            }
+            if !changes {
+                continue;
+            }
+            has_changed = true;
+            if sleep.tiles[number].is_awake {
+                sleep.tiles[number].is_awake = false;
+                laid += stop(
+                    &mut self.particles,
+                    sleep.runs(number, &self.grid).flatten(),
+                );
+            } else {
+                sleep.tiles[number].wake();
+            }
+        }
+        self.scratch.changing = changes;
+        let (stopped, brought) = self.stop_strays(sleep);
+        laid += brought;
+        (has_changed | stopped, laid)
+    }
+
+    /// Stops what still jitters in tiles that sleep among others that do.
+    fn stop_strays(&mut self, sleep: &mut Sleep) -> (bool, Exchange) {
+        let periodic = self.settings.periodic;
+        let mut laid = Exchange::default();
+        let mut has_stopped = false;
+        for number in 0..sleep.tiles.len() {
+            let tile = &sleep.tiles[number];
+            let is_left = tile.stirs
+                && !tile.is_awake
+                && !sleep.any_beside(number, periodic, |other| other.is_awake);
+            if !is_left {
+                continue;
+            }
+            for a in sleep.runs(number, &self.grid).flatten() {
+                let speed = self.particles.velocity[a].norm();
+                if 0.0 < speed && speed <= sleep.settings.speed {
+                    laid += stop(&mut self.particles, std::iter::once(a));
+                    sleep.home[a] = self.particles.position[a];
+                    has_stopped = true;
+                }
+            }
+        }
+        (has_stopped, laid)
+    }
+
+    /// Finds what sleeps, by the tiles that particles were sorted into and what moves in them; after every sort and change.
+    pub(crate) fn find_rests(&mut self) {
+        let Some(mut sleep) = self.sleep.take() else {
+            return;
+        };
+        let periodic = self.settings.periodic;
+        sleep.rests.clear();
+        sleep.rests.resize(self.particles.len(), Rest::Awake);
+        let (velocity, still) = (&self.particles.velocity, Vec3::zeros());
+        for number in 0..sleep.tiles.len() {
+            let is_dry = sleep.runs(number, &self.grid).all(|run| run.is_empty());
+            let stirs = sleep.tiles[number].is_awake || {
+                let mut particles = sleep.runs(number, &self.grid).flatten();
+                particles.any(|a| velocity[a] != still)
+            };
+            let tile = &mut sleep.tiles[number];
+            (tile.is_dry, tile.stirs) = (is_dry, stirs);
+        }
+        for number in 0..sleep.tiles.len() {
+            let tile = sleep.tiles[number];
+            if tile.is_awake {
+                continue;
+            }
+            let is_beside = tile.stirs || sleep.any_beside(number, periodic, |other| other.stirs);
+            let rest = if is_beside {
+                Rest::Beside
+            } else {
+                Rest::Asleep
+            };
+            for run in sleep.runs(number, &self.grid) {
+                for a in run.filter(|&a| !tile.stirs || velocity[a] == still) {
+                    sleep.rests[a] = rest;
+                    self.particles.acceleration[a] = still;
+                    self.particles.viscous_acceleration[a] = [0.0; 3];
+                }
+            }
+        }
+        let (rests, mass) = (&sleep.rests, &self.particles.mass);
+        let is_awake = |a: usize| rests[a] == Rest::Awake;
+        let n = fixed_order_sum(rests.len(), |a| usize::from(is_awake(a)));
+        let mass = fixed_order_sum(rests.len(), |a| if is_awake(a) { mass[a] } else { 0.0 });
+        sleep.awake = (n, mass);
+        sleep.find_still();
+        self.sleep = Some(sleep);
+        self.lists.forget();
+    }
+
+    /// What is done with each particle; nothing where all are awake.
+    pub(crate) fn rests(&self) -> &[Rest] {
+        self.sleep.as_ref().map_or(&[], |sleep| &sleep.rests)
+    }
+
+    /// Whether a particle is awake, by its place in the present order.
+    pub fn is_awake(&self, particle: usize) -> bool {
+        let rest = self.rests().get(particle);
+        rest.is_none_or(|&rest| rest == Rest::Awake)
+    }
+
+    /// Particles that are awake.
+    pub fn n_awake(&self) -> usize {
+        let sleep = self.sleep.as_ref();
+        sleep.map_or(self.particles.len(), |sleep| sleep.awake.0)
+    }
+
+    /// Mass of the particles that are awake; kg.
+    pub fn awake_mass(&self) -> f64 {
+        let sleep = self.sleep.as_ref();
+        sleep.map_or_else(|| self.mass(), |sleep| sleep.awake.1)
+    }
+
+    /// Whether all particles in a range of the present order sleep, and none of them is beside one that is awake. Looks at
+    /// whole chunks: what it says of others is no.
+    pub fn is_still(&self, particles: std::ops::Range<usize>) -> bool {
+        let still = Still::of(self.sleep.as_deref());
+        !particles.is_empty()
+            && (particles.start / CHUNK..=(particles.end - 1) / CHUNK).all(|chunk| still.has(chunk))
+    }
+
+    /// How often what sleeps has changed; none where nothing may sleep.
+    pub(crate) fn changes_of_rest(&self) -> Option<u64> {
+        self.sleep.as_ref().map(|sleep| sleep.n_changes)
+    }
+
+    /// Keeps what sleeps from being taken for drops, which have hardly a neighbour.
+    pub(crate) fn hold_rates(&mut self) {
+        if let Some(sleep) = &self.sleep {
+            sleep.hold(&mut self.scratch.rates, |rate| rate.n_found = u32::MAX);
+        }
+    }
+
+    /// Takes the forces of the fluid off what sleeps.
+    pub(crate) fn hold_forces(&mut self) {
+        if let Some(sleep) = &self.sleep {
+            sleep.hold(&mut self.scratch.forces, |force| {
+                *force = ForceDensity::default()
+            });
+        }
+    }
+
+    /// Holds what sleeps where it is.
+    pub(crate) fn hold_accelerations(&mut self) {
+        if let Some(sleep) = &self.sleep {
+            sleep.hold(&mut self.particles.acceleration, |a| *a = Vec3::zeros());
+        }
+    }
+}
+
+/// Takes all motion out of some particles; returns what that brought in.
+fn stop(of: &mut Particles, particles: impl Iterator<Item = usize>) -> Exchange {
+    let mut sum = Exchange::default();
+    for a in particles {
+        let v = std::mem::replace(&mut of.velocity[a], Vec3::zeros());
+        sum.momentum -= v * of.mass[a];
+        sum.energy -= 0.5 * of.mass[a] * v.norm_squared();
+    }
+    sum
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{NegativePressure, Precision, Scheme, Start};
+
+    /// A long box with random particles as dense as water, of which those at its near end move.
+    fn stirred() -> Result<Fluid, FluidError> {
+        let extent = Vec3::new(4.0, 0.8, 0.8);
+        let settings = Settings {
+            particle_spacing: [0.06; 3],
+            smoothing_length: 0.1,
+            reference_density: 1000.0,
+            sound_speed: 30.0,
+            scheme: Scheme {
+                precision: Precision::Double,
+                negative_pressure: NegativePressure::Kept,
+                ..Scheme::standard()
+            },
+            dimensions: Dimensions::Three,
+            gravity: Vec3::new(0.0, 0.0, -9.81),
+            time_step_factor: 0.5,
+            domain: (Vec3::zeros(), extent),
+            periodic: [false; 3],
+            symmetry: [[false; 2]; 3],
+        };
+        let mut state = 88_172_645_463_325_252_u64;
+        let mut random = || {
+            state ^= state << 13;
+            state ^= state >> 7;
+            state ^= state << 17;
+            (state >> 11) as f64 / (1_u64 << 53) as f64
+        };
+        let n = (extent.product() / 0.06_f64.powi(3)) as usize;
+        let positions: Vec<Vec3> = (0..n).map(|_| extent.map(|l| l * random())).collect();
+        let start = Start {
+            velocities: positions
+                .iter()
+                .map(|x| if x.x < 0.3 { Vec3::x() } else { Vec3::zeros() })
+                .collect(),
+            pressures: (0..n).map(|_| 1e4 * random()).collect(),
+            positions,
+        };
+        let mut fluid = Fluid::new(start, settings)?;
+        fluid.refresh();
+        Ok(fluid)
+    }
+
+    const SLEEPING: Sleeping = Sleeping {
+        displacement: 0.01,
+        speed: 1e-3,
+        time: 1.0,
+    };
+
+    fn evaluate(fluid: &mut Fluid) -> Result<(), FluidError> {
+        fluid.update_rates();
+        fluid.update_pressure()?;
+        fluid.update_accelerations();
+        Ok(())
+    }
+
+    #[test]
+    fn what_is_awake_feels_what_sleeps_as_ever() -> Result<(), FluidError> {
+        let (mut awake, mut fluid) = (stirred()?, stirred()?);
+        fluid.let_sleep(SLEEPING, std::iter::empty())?;
+        evaluate(&mut awake)?;
+        evaluate(&mut fluid)?;
+        let n = fluid.particles.len();
+        assert!(0 < fluid.n_awake() && fluid.n_awake() < n / 2);
+        let (mut n_held, mut n_left) = (0, 0);
+        for a in 0..n {
+            let (rate, expected) = (&fluid.scratch.rates[a], &awake.scratch.rates[a]);
+            let acceleration = fluid.particles.acceleration[a];
+            if fluid.is_awake(a) {
+                // the same neighbours in the same order
+                assert_eq!(
+                    (rate.flow, rate.diffusion),
+                    (expected.flow, expected.diffusion)
+                );
+                assert_eq!(acceleration, awake.particles.acceleration[a]);
+                continue;
+            }
+            assert_eq!(acceleration, Vec3::zeros());
+            if rate.diffusion == 0.0 {
+                n_left += 1;
+                // nothing flows where nothing moves
+                assert_eq!(expected.flow, 0.0);
+            } else {
+                n_held += 1;
+                assert_eq!(
+                    (rate.flow, rate.diffusion),
+                    (expected.flow, expected.diffusion)
+                );
+            }
+        }
+        assert!(0 < n_held && n_held < n_left, "{n_held} {n_left}");
+        assert_eq!(fluid.n_receivers() as usize, fluid.n_awake() + n_held);
+        assert!(fluid.n_pairs() < awake.n_pairs() / 2);
+        Ok(())
+    }
+
+    #[test]
+    fn bodies_wake_the_water_that_they_come_near() -> Result<(), FluidError> {
+        let mut fluid = stirred()?;
+        fluid.let_sleep(SLEEPING, std::iter::empty())?;
+        let before = fluid.n_awake();
+        let body = |x: f64, z: f64| {
+            let at = Vec3::new(x, 0.4, z);
+            std::iter::once((at.add_scalar(-0.1), at.add_scalar(0.1)))
+        };
+        fluid.watch_rest(1e-4, body(3.5, 2.0));
+        // above the domain it counts to its uppermost cells
+        let above = fluid.n_awake();
+        fluid.watch_rest(1e-4, body(3.5, 0.4));
+        assert!(before <= above && above <= fluid.n_awake() && before < fluid.n_awake());
+        Ok(())
+    }
+
+    #[test]
+    fn motion_that_is_laid_to_rest_is_told() -> Result<(), FluidError> {
+        let mut fluid = stirred()?;
+        let (energy, momentum) = (fluid.energies().kinetic, fluid.momentum());
+        // fast water too, as it is said to be at rest; exact but for round-off
+        let all = Sleeping {
+            speed: 10.0,
+            ..SLEEPING
+        };
+        let laid = fluid.let_sleep(all, std::iter::empty())?;
+        assert_eq!((fluid.n_awake(), fluid.energies().kinetic), (0, 0.0));
+        assert!((laid.energy + energy).abs() < 1e-12 * energy);
+        assert!((laid.momentum + momentum).norm() < 1e-12 * momentum.norm());
+        Ok(())
+    }
+}
