@@ -240,6 +240,10 @@ impl Interface {
             .enumerate()
             .for_each(|(chunk, (touches, positions))| {
                 touches.clear();
+                // what sleeps comes near nothing
+                if fluid.is_still(chunk * CHUNK..chunk * CHUNK + positions.len()) {
+                    return;
+                }
                 for (a, x) in positions.iter().enumerate() {
                     let cell = fluid.grid().cell_of(x);
                     let first = touches.len();

@@ -40,6 +40,8 @@ pub struct Energy {
     pub removed: f64,
     /// Taken by absorbing layers.
     pub absorbed: f64,
+    /// What was left of the motion of water that was laid to rest, to sleep.
+    pub laid_to_rest: f64,
     /// Brought in by prescribed blocks and given loads.
     pub external_work: f64,
     /// Brought in by water in joints too narrow for particles, which pushes blocks apart.
@@ -72,6 +74,7 @@ impl Energy {
             + self.pushed_back
             + self.removed
             + self.absorbed
+            + self.laid_to_rest
     }
 }
 
@@ -98,6 +101,8 @@ pub(crate) struct Ledger {
     pub(crate) removed_energy: f64,
     /// Taken by absorbing layers; J.
     absorbed: f64,
+    /// Taken from water that was laid to rest; J.
+    laid_to_rest: f64,
     /// Brought in through openings; J.
     through_openings: f64,
     /// Brought in by water in joints; J.
@@ -119,6 +124,13 @@ impl Ledger {
         self.absorbed -= absorbed.energy;
         self.impulse += absorbed.momentum;
         self.exchanged += absorbed.momentum.norm();
+    }
+
+    /// Books what laying water to rest brought in, below zero.
+    pub(crate) fn lay_to_rest(&mut self, laid: &Exchange) {
+        self.laid_to_rest -= laid.energy;
+        self.impulse += laid.momentum;
+        self.exchanged += laid.momentum.norm();
     }
 
     /// Books what openings brought in.
@@ -176,7 +188,8 @@ impl Ledger {
         let (apart, push) = water.joints.on_free_blocks(&world.blocks);
         impulse += apart;
         self.joint_water += push * dt;
-        let weight = world.gravity * water.fluid.mass();
+        // what sleeps is held up by what is below it
+        let weight = world.gravity * water.fluid.awake_mass();
         let mirrored = water.fluid.plane_force();
         self.wall_damping += power * dt;
         self.wall_work += work * dt;
@@ -212,6 +225,7 @@ impl World {
             pushed_back: self.ledger.pushed_back,
             removed: self.ledger.removed_energy,
             absorbed: self.ledger.absorbed,
+            laid_to_rest: self.ledger.laid_to_rest,
             joint_water: self.ledger.joint_water,
             through_openings: self.ledger.through_openings,
             external_work: blocks.external_work + self.ledger.wall_work,
@@ -237,6 +251,11 @@ impl World {
             - energy.at_walls
             - self.ledger.stored_at_start;
         energy
+    }
+
+    /// Work of blocks that move on the water, through walls of particles or integrals; J.
+    pub fn work_on_water(&self) -> f64 {
+        self.ledger.pressed + self.ledger.dragged
     }
 
     /// Momentum of fluid and free blocks; kg m/s.

@@ -22,6 +22,7 @@
 pub mod checkpoint;
 pub mod cli;
 pub mod compare;
+pub mod ground;
 pub mod interface;
 pub mod joints;
 pub mod ledger;

@@ -14,6 +14,8 @@ use crate::scene::resolve::{FluidScene, Scene};
 const PROGRAM: [f64; 2] = [13e6, 20e6];
 /// Bytes for each particle of water, without its list of neighbours: the start, the state, sorted copies, what is written.
 pub const PER_PARTICLE: f64 = 700.0;
+/// Bytes more for each where water may sleep: where it was at rest, what it is doing, what rates are summed from.
+const PER_SLEEPING_PARTICLE: f64 = 110.0;
 /// Bytes for each neighbour in a list, with what lists are longer by than they are full.
 const PER_NEIGHBOR: f64 = 6.0;
 /// Lists reach farther than the support by this share of it.
@@ -122,7 +124,8 @@ fn water(fluid: &FluidScene) -> f64 {
     };
     // what holds the surface while water is packed against its walls is given back before the run
     let particles = (fluid.lattice.positions.len() + fluid.lattice.mould.len()) as f64;
-    particles * (PER_PARTICLE + PER_NEIGHBOR * neighbors)
+    let sleeping = fluid.sleeping.map_or(0.0, |_| PER_SLEEPING_PARTICLE);
+    particles * (PER_PARTICLE + sleeping + PER_NEIGHBOR * neighbors)
 }
 
 /// No more than there will be: the points of a solid are those of its part in reach of the domain, and not deeper in it

@@ -1,11 +1,13 @@
 //! Observers: they look at the world when due and write files; they never change it.
 
+mod crossing;
 mod face_pressures;
 pub mod forces;
 pub mod frames;
 pub mod gauges;
-pub mod ground;
 pub mod ledgers;
+pub mod maps;
+pub mod masses;
 pub mod pictures;
 pub mod trajectories;
 

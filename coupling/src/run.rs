@@ -149,12 +149,14 @@ pub fn build(scene: &Scene) -> Result<World, RunError> {
                 walls,
                 openings: water.openings.clone(),
                 absorbers: water.absorbers.clone(),
+                sleeping: water.sleeping,
             })
         }
     };
     let domain = (vec3(scene.file.domain.min), vec3(scene.file.domain.max));
     let mut world = World::new(blocks, fluid, vec3(scene.file.gravity), domain)?;
     world.set_leaving(scene.file.domain.leaving);
+    world.set_weakenings(scene.weakenings.clone());
     Ok(world)
 }
 
@@ -625,6 +627,8 @@ impl<'a> Run<'a> {
                 / extremes.particle_steps.max(1) as f64,
             particle_steps_per_second: extremes.particle_steps as f64 / running,
             particle_steps: extremes.particle_steps,
+            awake_share: extremes.particle_steps_awake as f64
+                / extremes.particle_steps_of_all.max(1) as f64,
             pair_interactions: extremes.pair_interactions,
             contact_updates: blocks.contact_updates(),
             pair_interactions_per_second: extremes.pair_interactions as f64 / running,

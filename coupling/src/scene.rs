@@ -6,6 +6,8 @@ pub mod file;
 pub mod fill;
 mod flow;
 mod fluid;
+#[cfg(feature = "geotiff")]
+pub mod geotiff;
 pub mod grains;
 pub mod locate;
 pub mod mesh;
@@ -16,7 +18,10 @@ pub mod reach;
 pub mod resolve;
 pub mod rock_mass;
 pub mod shape;
+mod sleep;
+pub mod slides;
 pub(crate) mod symmetry;
+pub mod terrain;
 pub mod validate;
 
 use std::fs::File;

@@ -53,8 +53,10 @@ pub struct Summary {
     pub particle_spacing: f64,
     /// Neighbours of a particle, itself not counted, over the run.
     pub mean_neighbours: f64,
-    /// Particles times steps, without settling as all that follows.
+    /// Particles times steps, without settling as all that follows and without what sleeps.
     pub particle_steps: u64,
+    /// Share of the particles that was awake, over the run: 1 where water does not sleep.
+    pub awake_share: f64,
     /// Ordered neighbour pairs evaluated.
     pub pair_interactions: u64,
     /// Contact points evaluated.

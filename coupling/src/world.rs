@@ -9,12 +9,12 @@ use std::time::{Duration, Instant};
 
 use nalgebra::Matrix3;
 use riprap_dda::{Blocks, Load, Motion, Phase};
-use riprap_sph::{Absorber, Fluid, FluidError, Stepping, SymmetryPlane, Vec3};
+use riprap_sph::{Absorber, Fluid, FluidError, Sleeping, Stepping, SymmetryPlane, Vec3};
 
 use crate::interface::{Interface, WallSettings};
 use crate::joints::JointWater;
 use crate::ledger::Ledger;
-use crate::openings::Openings;
+use crate::openings::{Openings, Series};
 use crate::scene::file::Leaving;
 use crate::scene::symmetry::TOUCH;
 use crate::time_step::{Cause, Limits, TimeStep};
@@ -48,6 +48,7 @@ pub struct World {
     /// What moved each block beside the fluid, over its last sub-steps.
     pub(crate) dry: Vec<Acceleration>,
     leaving: Leaving,
+    weakenings: Vec<Weakening>,
     /// What the fluid gave the blocks of which accounts are kept.
     accounts: Vec<(usize, FluidImpulses)>,
 }
@@ -80,6 +81,8 @@ pub struct Water {
     pub openings: Openings,
     /// Layers that damp waves.
     absorbers: Vec<Absorber>,
+    /// When the fluid sleeps, if ever.
+    sleeping: Option<Sleeping>,
 }
 
 /// The fluid with what its walls are made of.
@@ -97,6 +100,19 @@ pub struct WaterAtStart {
     pub openings: Openings,
     /// Layers that damp waves.
     pub absorbers: Vec<Absorber>,
+    /// When the fluid sleeps, if ever.
+    pub sleeping: Option<Sleeping>,
+}
+
+/// A joint that weakens.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Weakening {
+    /// Numbers of its two materials.
+    pub materials: (usize, usize),
+    /// Share of the tangent of its friction angles over time.
+    pub friction: Series,
+    /// Share of its cohesions over time.
+    pub cohesion: Series,
 }
 
 /// Time and steps.
@@ -134,8 +150,12 @@ pub struct Extremes {
     pub blocks_removed: u64,
     /// Ordered neighbour pairs summed over all steps.
     pub pair_interactions: u64,
-    /// Particles summed over all steps.
+    /// Particles that sums were made for, summed over all steps.
     pub particle_steps: u64,
+    /// Particles that were awake, summed over all steps.
+    pub particle_steps_awake: u64,
+    /// All particles, summed over all steps.
+    pub particle_steps_of_all: u64,
 }
 
 /// Wall time by phase.
@@ -337,6 +357,7 @@ impl World {
                     joints,
                     openings,
                     absorbers,
+                    sleeping,
                 } = start;
                 openings
                     .fill(&mut fluid)
@@ -353,6 +374,7 @@ impl World {
                     joints,
                     openings,
                     absorbers,
+                    sleeping,
                 })
             }
         };
@@ -373,6 +395,7 @@ impl World {
             deformable: Vec::new(),
             dry: Vec::new(),
             leaving: Leaving::Removed,
+            weakenings: Vec::new(),
             accounts: Vec::new(),
         };
         if world.symmetry_planes().next().is_some() {
@@ -398,6 +421,20 @@ impl World {
     /// Makes it an error that a particle or block leaves the domain, or not.
     pub fn set_leaving(&mut self, leaving: Leaving) {
         self.leaving = leaving;
+    }
+
+    /// Lets joints weaken as time goes on.
+    pub fn set_weakenings(&mut self, weakenings: Vec<Weakening>) {
+        self.weakenings = weakenings;
+        self.weaken();
+    }
+
+    pub(crate) fn weaken(&mut self) {
+        let time = self.clock.time;
+        for weakening in &self.weakenings {
+            let shares = (weakening.friction.at(time), weakening.cohesion.at(time));
+            self.blocks.weaken(weakening.materials, shares.0, shares.1);
+        }
     }
 
     /// Keeps accounts of what moves some blocks, source by source, from now on.
@@ -509,6 +546,8 @@ impl World {
     /// [`StepError`] with the cause and what to change; the state is then that of the failed step.
     pub fn step(&mut self, step: TimeStep) -> Result<(), StepError> {
         let dt = step.dt;
+        self.weaken();
+        self.let_sleep()?;
         let block_substeps = self.advance(dt, step.block_substeps)?;
         if let Some(water) = &mut self.water {
             let absorbed = water.fluid.absorb(&water.absorbers, dt);
@@ -520,6 +559,25 @@ impl World {
         self.clock.last_dt = Some(dt);
         self.note_extremes();
         self.check_speeds()
+    }
+
+    /// Lets the fluid sleep from the first step of a run on: settling is for all of it.
+    fn let_sleep(&mut self) -> Result<(), StepError> {
+        let Some(water) = &mut self.water else {
+            return Ok(());
+        };
+        let Some(sleeping) = water.sleeping.filter(|_| !water.fluid.may_sleep()) else {
+            return Ok(());
+        };
+        let laid = water.fluid.let_sleep(sleeping, movable(&self.blocks));
+        let laid = laid.map_err(|source| StepError::Fluid {
+            time: self.clock.time,
+            step: self.clock.steps,
+            source,
+        })?;
+        self.ledger.lay_to_rest(&laid);
+        // what is awake feels what sleeps
+        self.evaluate_fluid(0.0)
     }
 
     /// A step of the fluid alone, blocks held, velocities damped by `exp(−rate · dt)`.
@@ -545,6 +603,12 @@ impl World {
     pub fn release(&mut self) -> Result<(), StepError> {
         self.held = Held::NoBlock;
         self.extremes = Extremes::default();
+        if let Some(water) = &mut self.water
+            && water.sleeping.is_some()
+        {
+            // what sleeps is at rest, and what is left of settling is no part of the run
+            water.fluid.damp(0.0);
+        }
         self.evaluate_fluid(0.0)?;
         self.open_ledger();
         Ok(())
@@ -783,11 +847,13 @@ impl World {
         }
         self.phases.integration += watch.lap();
         self.refresh_fluid()?;
-        self.phases.neighbors += watch.lap();
         let held = self.held == Held::AllBlocks;
         let Some(water) = &mut self.water else {
             return Ok(());
         };
+        let laid = water.fluid.watch_rest(dt, movable(&self.blocks));
+        self.ledger.lay_to_rest(&laid);
+        self.phases.neighbors += watch.lap();
 
         water.interface.find(&water.fluid, &self.blocks);
         self.hold_off_intruders();
@@ -893,7 +959,9 @@ impl World {
                 .max(-touch.distance / spacing);
         }
         extremes.pair_interactions += fluid.n_pairs();
-        extremes.particle_steps += fluid.particles().len() as u64;
+        extremes.particle_steps += fluid.n_receivers();
+        extremes.particle_steps_awake += fluid.n_awake() as u64;
+        extremes.particle_steps_of_all += fluid.particles().len() as u64;
     }
 
     /// Refuses velocities that no fluid has.
@@ -967,6 +1035,17 @@ impl World {
         });
         hasher.finalize().to_hex()[..16].to_string()
     }
+}
+
+/// Boxes round the parts of blocks that may move; m.
+fn movable(blocks: &Blocks) -> impl Iterator<Item = (Vec3, Vec3)> {
+    let may_move = |&part: &usize| {
+        let block = blocks.block_of_part(part);
+        !matches!(blocks.motion(block), Motion::Fixed) && !blocks.is_removed(block)
+    };
+    (0..blocks.n_parts())
+        .filter(may_move)
+        .map(|part| blocks.part_aabb(part))
 }
 
 fn remedy(cause: Cause) -> &'static str {

@@ -117,6 +117,34 @@ pub(crate) fn describe(scene: &Scene, reach: &Reach) -> String {
         "blocks",
         format!("{free} free, {prescribed} prescribed, {fixed} fixed; {parts} convex parts"),
     );
+    if let Some(terrain) = &scene.terrain {
+        let (low, high) = (terrain.grid.corner, terrain.grid.far_corner());
+        let origin = scene
+            .file
+            .terrain
+            .as_ref()
+            .map_or((0.0, 0.0, 0.0), |t| t.origin);
+        let filled = match terrain.n_filled {
+            0 => String::new(),
+            n => format!("; {n} points lay in gaps"),
+        };
+        line(
+            "terrain",
+            format!(
+                "{} x {} points {} m apart, x from {:.3} to {:.3}, y from {:.3} to {:.3}; (0, 0, 0) is ({}, {}, {}) on the map{filled}",
+                terrain.grid.n[0],
+                terrain.grid.n[1],
+                terrain.grid.spacing,
+                low[0],
+                high[0],
+                low[1],
+                high[1],
+                origin.0,
+                origin.1,
+                origin.2
+            ),
+        );
+    }
     if triangles > 0 {
         line("surfaces", format!("{triangles} triangles"));
     }
@@ -181,6 +209,15 @@ pub(crate) fn describe(scene: &Scene, reach: &Reach) -> String {
                     fluid.expected_speed
                 ),
             );
+            if let Some(sleeping) = &fluid.sleeping {
+                line(
+                    "sleep",
+                    format!(
+                        "until moved by {} spacings beside; at rest below {:.2e} m/s for {:.3} s",
+                        sleeping.displacement, sleeping.speed, sleeping.time
+                    ),
+                );
+            }
             line(
                 "walls",
                 match fluid.wall_method {

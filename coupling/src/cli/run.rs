@@ -330,9 +330,9 @@ fn keep_inputs(kept: &Kept, case: &Path, folder: &Path) -> Result<(), String> {
 
 /// The names of files in the run folder, by those in the scene. A file from outside of the scene's folder, or one that
 /// is called as what the run writes, gets a name of its own.
-fn kept_names(files: &[&str]) -> BTreeMap<String, String> {
+fn kept_names(files: &[String]) -> BTreeMap<String, String> {
     let mut names = BTreeMap::new();
-    for &file in files {
+    for file in files {
         let mut parts = Path::new(file).components().filter_map(|part| match part {
             Component::Normal(name) => Some(name.to_string_lossy()),
             _ => None,
@@ -344,7 +344,7 @@ fn kept_names(files: &[&str]) -> BTreeMap<String, String> {
             names.insert(file.to_owned(), file.to_owned());
         }
     }
-    for &file in files {
+    for file in files {
         if names.contains_key(file) {
             continue;
         }

@@ -5,6 +5,7 @@ use std::path::Path;
 use riprap_dda::{Blocks, Motion};
 use riprap_sph::{Dimensions, Fluid, Vec3};
 
+use super::crossing::Crossing;
 use super::{ObserveError, Observer, Schedule};
 use crate::checkpoint::Saved;
 use crate::scene::file::GaugeFile;
@@ -23,6 +24,8 @@ pub struct Gauges {
     schedule: Schedule,
     table: Table,
     gauges: Vec<Gauge>,
+    /// Between rows; s.
+    interval: f64,
     row: Vec<f64>,
 }
 
@@ -38,6 +41,7 @@ enum Gauge {
     BlockForce(usize),
     RunUp(Line),
     Front(Line),
+    Overtopping(Crossing),
     Displaced {
         starts: Vec<(usize, Vec3)>,
         farther_than: f64,
@@ -60,8 +64,10 @@ impl Gauges {
         for gauge in &scene.file.gauges {
             columns.extend(columns_of(gauge));
         }
+        let interval = scene.file.output.gauge_interval.unwrap_or(f64::INFINITY);
         Ok(Self {
-            schedule: Schedule::every(scene.file.output.gauge_interval.unwrap_or(f64::INFINITY)),
+            schedule: Schedule::every(interval),
+            interval,
             table: Table::open(&folder.join("gauges.csv"), &columns, start)?,
             gauges: scene
                 .file
@@ -96,8 +102,8 @@ impl Observer for Gauges {
     fn observe(&mut self, world: &World) -> Result<(), ObserveError> {
         self.row.clear();
         self.row.push(world.time());
-        for gauge in &self.gauges {
-            gauge.read(world, &mut self.row);
+        for gauge in &mut self.gauges {
+            gauge.read(world, self.interval, &mut self.row);
         }
         self.table.row(&self.row)?;
         self.schedule.done(world.time());
@@ -105,7 +111,8 @@ impl Observer for Gauges {
     }
 
     fn save(&self, out: Vec<u8>) -> Saved {
-        postcard::to_extend(&(self.schedule, self.table.length()), out)
+        let crossings: Vec<&Crossing> = self.gauges.iter().filter_map(Gauge::crossing).collect();
+        postcard::to_extend(&(self.schedule, self.table.length(), crossings), out)
     }
 
     fn sync(&self) -> Result<(), ObserveError> {
@@ -114,9 +121,17 @@ impl Observer for Gauges {
     }
 
     fn read<'a>(&mut self, bytes: &'a [u8]) -> Result<&'a [u8], ObserveError> {
-        let (length, rest);
-        ((self.schedule, length), rest) = postcard::take_from_bytes(bytes)?;
+        let (length, crossings, rest): (_, Vec<Crossing>, _);
+        ((self.schedule, length, crossings), rest) = postcard::take_from_bytes(bytes)?;
         self.table.cut(length)?;
+        let mut crossings = crossings.into_iter();
+        for gauge in &mut self.gauges {
+            if let Gauge::Overtopping(crossing) = gauge
+                && let Some(saved) = crossings.next()
+            {
+                *crossing = saved;
+            }
+        }
         Ok(rest)
     }
 }
@@ -128,6 +143,10 @@ fn columns_of(gauge: &GaugeFile) -> Vec<Column> {
         | GaugeFile::Front { name, .. } => vec![Column::new(name, "m")],
         GaugeFile::Pressure { name, .. } => vec![Column::new(name, "Pa")],
         GaugeFile::Displaced { name, .. } => vec![Column::new(name, "-")],
+        GaugeFile::Overtopping { name, .. } => vec![
+            Column::new(format!("{name}.volume"), "m3"),
+            Column::new(format!("{name}.discharge"), "m3/s"),
+        ],
         GaugeFile::Velocity { name, .. } => ["vx", "vy", "vz"]
             .map(|c| Column::new(format!("{name}.{c}"), "m/s"))
             .to_vec(),
@@ -164,6 +183,7 @@ fn resolve(gauge: &GaugeFile, scene: &Scene, blocks: &Blocks) -> Gauge {
         ),
         GaugeFile::RunUp { from, to, .. } => Gauge::RunUp(Line::between(*from, *to)),
         GaugeFile::Front { from, to, .. } => Gauge::Front(Line::between(*from, *to)),
+        GaugeFile::Overtopping { from, to, .. } => Gauge::Overtopping(Crossing::of(*from, *to)),
         GaugeFile::Displaced {
             blocks: prefix,
             farther_than,
@@ -179,8 +199,15 @@ fn resolve(gauge: &GaugeFile, scene: &Scene, blocks: &Blocks) -> Gauge {
 }
 
 impl Gauge {
+    fn crossing(&self) -> Option<&Crossing> {
+        match self {
+            Self::Overtopping(crossing) => Some(crossing),
+            _ => None,
+        }
+    }
+
     /// Appends what the gauge shows; NaN when it is dry.
-    fn read(&self, world: &World, row: &mut Vec<f64>) {
+    fn read(&mut self, world: &World, interval: f64, row: &mut Vec<f64>) {
         let fluid = world.water.as_ref().map(|water| &water.fluid);
         match self {
             Self::SurfaceElevation { x, y } => {
@@ -208,6 +235,12 @@ impl Gauge {
             Self::Front(line) => row.push(farthest(fluid, &world.blocks, line, |_, water| {
                 line.share([water.x, water.y]) * line.length()
             })),
+            Self::Overtopping(crossing) => {
+                let passed = fluid.map_or([f64::NAN; 2], |fluid| {
+                    crossing.look(fluid, world.time(), interval)
+                });
+                row.extend(passed);
+            }
             Self::Displaced {
                 starts,
                 farther_than,

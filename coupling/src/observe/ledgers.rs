@@ -21,7 +21,7 @@ pub struct Ledgers {
 }
 
 /// Columns of `energy.csv` behind the time, in the order of [`energy_row`].
-pub const ENERGY_COLUMNS: [&str; 20] = [
+pub const ENERGY_COLUMNS: [&str; 21] = [
     "kinetic",
     "potential",
     "elastic",
@@ -37,6 +37,7 @@ pub const ENERGY_COLUMNS: [&str; 20] = [
     "pushed_back",
     "removed",
     "absorbed",
+    "laid_to_rest",
     "external_work",
     "joint_water",
     "through_openings",
@@ -45,7 +46,7 @@ pub const ENERGY_COLUMNS: [&str; 20] = [
 ];
 
 /// The terms of the ledger in the order of [`ENERGY_COLUMNS`]; J.
-pub fn energy_row(energy: &Energy) -> [f64; 20] {
+pub fn energy_row(energy: &Energy) -> [f64; 21] {
     // no `..`: a new term cannot be forgotten
     let Energy {
         kinetic,
@@ -63,6 +64,7 @@ pub fn energy_row(energy: &Energy) -> [f64; 20] {
         pushed_back,
         removed,
         absorbed,
+        laid_to_rest,
         external_work,
         joint_water,
         through_openings,
@@ -85,6 +87,7 @@ pub fn energy_row(energy: &Energy) -> [f64; 20] {
         pushed_back,
         removed,
         absorbed,
+        laid_to_rest,
         external_work,
         joint_water,
         through_openings,

@@ -8,9 +8,9 @@ use std::path::Path;
 
 use riprap_dda::Vec3;
 
-use super::ground::Ground;
 use super::{ObserveError, Observer, Schedule};
 use crate::checkpoint::Saved;
+use crate::ground::Ground;
 use crate::scene::file::TrajectoriesFile;
 use crate::scene::resolve::Scene;
 use crate::table::{Column, Start, Table};

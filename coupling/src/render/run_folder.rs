@@ -63,7 +63,8 @@ pub(crate) fn open(folder: &Path) -> Result<RunFolder, RenderError> {
     for body in &mut fixed {
         let block = usize::try_from(body.id).ok();
         let block = block.and_then(|id| scene.blocks.get(id));
-        body.is_terrain = block.is_some_and(|b| matches!(b.shape, ShapeFile::Raster { .. }));
+        body.is_terrain =
+            block.is_some_and(|b| matches!(b.shape, ShapeFile::Raster { .. } | ShapeFile::Terrain));
     }
     let spacing = spacing(&folder.join("summary.json"), &scene)?;
     Ok(RunFolder {

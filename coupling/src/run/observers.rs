@@ -7,6 +7,8 @@ use crate::observe::forces::Forces;
 use crate::observe::frames::Frames;
 use crate::observe::gauges::Gauges;
 use crate::observe::ledgers::Ledgers;
+use crate::observe::maps::Maps;
+use crate::observe::masses::Masses;
 use crate::observe::pictures::Pictures;
 use crate::observe::trajectories::Trajectories;
 use crate::observe::{ObserveError, Observer};
@@ -23,6 +25,8 @@ pub(super) struct Observers {
     /// Absent when the scene does not ask for them.
     forces: Option<Forces>,
     trajectories: Option<Trajectories>,
+    maps: Option<Maps>,
+    masses: Option<Masses>,
     pictures: Pictures,
 }
 
@@ -52,6 +56,12 @@ impl Observers {
                 None => None,
                 Some(asked) => Some(Trajectories::new(folder, asked, scene, world, start)?),
             },
+            maps: (scene.file.maps.as_ref()).map(|asked| Maps::new(folder, asked, scene, world)),
+            masses: if scene.file.masses.is_empty() {
+                None
+            } else {
+                Some(Masses::new(folder, scene, world, (ledger_interval, start))?)
+            },
             pictures: Pictures::new(scene),
         })
     }
@@ -64,13 +74,17 @@ impl Observers {
             ledgers,
             forces,
             trajectories,
+            maps,
+            masses,
             pictures: _,
         } = self;
-        let observers: [Option<&dyn Observer>; 5] = [
+        let observers: [Option<&dyn Observer>; 7] = [
             Some(gauges),
             Some(ledgers),
             forces.as_ref().map(|forces| forces as _),
             trajectories.as_ref().map(|trajectories| trajectories as _),
+            maps.as_ref().map(|maps| maps as _),
+            masses.as_ref().map(|masses| masses as _),
             Some(frames),
         ];
         observers.into_iter().flatten()
@@ -83,13 +97,17 @@ impl Observers {
             ledgers,
             forces,
             trajectories,
+            maps,
+            masses,
             pictures: _,
         } = self;
-        let observers: [Option<&mut dyn Observer>; 5] = [
+        let observers: [Option<&mut dyn Observer>; 7] = [
             Some(gauges),
             Some(ledgers),
             forces.as_mut().map(|forces| forces as _),
             trajectories.as_mut().map(|trajectories| trajectories as _),
+            maps.as_mut().map(|maps| maps as _),
+            masses.as_mut().map(|masses| masses as _),
             Some(frames),
         ];
         observers.into_iter().flatten()

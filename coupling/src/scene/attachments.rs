@@ -8,9 +8,11 @@ use riprap_dda::{
 
 use super::file::{
     AttachmentFile, Axis, ContactDetectionFile, DeformableFile, DeformableModelFile, HoldFile,
-    NormalLawFile, RollingLawFile, SceneFile, StaticDampingFile, TurningFile,
+    JointFile, NormalLawFile, RollingLawFile, SceneFile, StaticDampingFile, TurningFile,
 };
 use super::resolve::vec3;
+use crate::openings::Series;
+use crate::world::Weakening;
 
 /// The attachments of the file; validation has seen that its blocks exist.
 pub fn attachments(file: &SceneFile, blocks: &[BlockDefinition]) -> Vec<Attachment> {
@@ -83,16 +85,10 @@ pub fn attachments(file: &SceneFile, blocks: &[BlockDefinition]) -> Vec<Attachme
 
 /// The joints of the file; validation has seen that its materials exist.
 pub fn joints(file: &SceneFile) -> Vec<JointOverride> {
-    let number = |name: &String| {
-        file.materials
-            .iter()
-            .position(|m| m.name == *name)
-            .unwrap_or(0)
-    };
     file.joints
         .iter()
         .map(|joint| JointOverride {
-            materials: (number(&joint.between.0), number(&joint.between.1)),
+            materials: numbers(file, joint),
             friction_angle: joint.friction_angle_deg.map(f64::to_radians),
             residual_friction_angle: joint.residual_friction_angle_deg.map(f64::to_radians),
             cohesion: joint.cohesion,
@@ -102,6 +98,36 @@ pub fn joints(file: &SceneFile) -> Vec<JointOverride> {
             rolling_friction: joint.rolling_friction,
         })
         .collect()
+}
+
+/// Joints that weaken with time.
+pub fn weakenings(file: &SceneFile) -> Vec<Weakening> {
+    let series = |ramp: &[(f64, f64)]| {
+        let whole = vec![(0.0, 1.0)];
+        Series::new(if ramp.is_empty() {
+            whole
+        } else {
+            ramp.to_vec()
+        })
+    };
+    let weakening = |joint: &JointFile| {
+        let (friction, cohesion) = (&joint.friction_ramp, &joint.cohesion_ramp);
+        (!(friction.is_empty() && cohesion.is_empty())).then(|| Weakening {
+            materials: numbers(file, joint),
+            friction: series(friction),
+            cohesion: series(cohesion),
+        })
+    };
+    file.joints.iter().filter_map(weakening).collect()
+}
+
+/// Of the two materials of a joint, whose names validation has seen.
+fn numbers(file: &SceneFile, joint: &JointFile) -> (usize, usize) {
+    let number = |name: &String| {
+        let mut materials = file.materials.iter();
+        materials.position(|m| m.name == *name).unwrap_or(0)
+    };
+    (number(&joint.between.0), number(&joint.between.1))
 }
 
 /// Part and face whose normal is nearest to a direction; (0, 0) for a ball, which has none.

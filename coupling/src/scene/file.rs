@@ -16,6 +16,7 @@ mod numerics;
 mod openings;
 mod output;
 mod shapes;
+mod terrain;
 
 use serde::{Deserialize, Serialize};
 
@@ -29,17 +30,20 @@ pub use fluid::{
     FlowFile, FluidFile, RegionFile, RegionShapeFile, RegularizationFile, ResolutionFile,
     RheologyFile,
 };
-pub use gauges::{ForcesFile, GaugeFile, TrajectoriesFile};
+pub use gauges::{ForcesFile, GaugeFile, MapsFile, MassFile, TrajectoriesFile};
 pub use interface::{InterfaceFile, SlipFile, WallMethodFile};
 pub use materials::{ElasticFile, JointFile, MaterialFile};
 pub use numerics::{
     ContactDetectionFile, DensityDiffusionFile, DensityFile, KernelFile, NegativePressure,
-    NormalLawFile, NumericsFile, PrecisionFile, Preset, RollingLawFile, ShiftingFile,
+    NormalLawFile, NumericsFile, PrecisionFile, Preset, RollingLawFile, ShiftingFile, SleepingFile,
     StateEquationFile, StaticDampingFile, SteppingFile, ViscosityFile,
 };
 pub use openings::{AbsorberFile, InflowFile, OutflowFile};
 pub use output::{BlockField, CameraFile, OutputFile, WaterField};
 pub use shapes::{PartFile, ShapeFile};
+pub use terrain::{
+    ExcavationFile, FailureSurfaceFile, GapsFile, HeightsFile, OutlineFile, SlideFile, TerrainFile,
+};
 
 /// A vector or point as written, `(x, y, z)`.
 pub type Triple = (f64, f64, f64);
@@ -64,6 +68,12 @@ pub struct SceneFile {
     /// What holds between two materials in place of what follows from the two.
     #[serde(default)]
     pub joints: Vec<JointFile>,
+    /// The lie of the land: what blocks of the shape `Terrain` are made of.
+    #[serde(default)]
+    pub terrain: Option<TerrainFile>,
+    /// Rock that slides off the terrain; its blocks join the list of blocks.
+    #[serde(default)]
+    pub slides: Vec<SlideFile>,
     /// Rock blocks, walls and wavemakers.
     #[serde(default)]
     pub blocks: Vec<BlockFile>,
@@ -105,6 +115,12 @@ pub struct SceneFile {
     /// Ways of falling blocks: run-out, bounce height, speed and energy; not followed when left out.
     #[serde(default)]
     pub trajectories: Option<TrajectoriesFile>,
+    /// Maps of what waves did; not drawn when left out.
+    #[serde(default)]
+    pub maps: Option<MapsFile>,
+    /// Blocks that are followed as one body; those of each slide join in.
+    #[serde(default)]
+    pub masses: Vec<MassFile>,
     /// What is written, and how often.
     #[serde(default)]
     pub output: OutputFile,
@@ -115,28 +131,19 @@ pub struct SceneFile {
 
 impl SceneFile {
     /// Files that the scene names, relative to its folder.
-    pub fn referenced_files(&self) -> Vec<&str> {
+    pub fn referenced_files(&self) -> Vec<String> {
+        let mut named = self.clone();
         let mut files = Vec::new();
-        let shapes = self.blocks.iter().map(|block| &block.shape);
-        let boundaries = self.rock_masses.iter().map(|mass| &mass.boundary);
-        for shape in shapes.chain(boundaries) {
-            if let ShapeFile::Mesh { file, .. }
-            | ShapeFile::Surface { file, .. }
-            | ShapeFile::Raster { file, .. } = shape
-            {
-                files.push(file.as_str());
-            }
-        }
-        for block in &self.blocks {
-            if let MotionFile::Table { file } | MotionFile::Shaking { file, .. } = &block.motion {
-                files.push(file.as_str());
-            }
-        }
+        named.visit_files(|file| files.push(std::mem::take(file)));
         files
     }
 
     /// Names files anew: each gets what `rename` makes of its name.
     pub fn rename_files(&mut self, rename: impl Fn(&str) -> String) {
+        self.visit_files(|file| *file = rename(file));
+    }
+
+    fn visit_files(&mut self, mut visit: impl FnMut(&mut String)) {
         let shapes = self.blocks.iter_mut().map(|block| &mut block.shape);
         let boundaries = self.rock_masses.iter_mut().map(|mass| &mut mass.boundary);
         for shape in shapes.chain(boundaries) {
@@ -144,13 +151,31 @@ impl SceneFile {
             | ShapeFile::Surface { file, .. }
             | ShapeFile::Raster { file, .. } = shape
             {
-                *file = rename(file);
+                visit(file);
             }
         }
         for block in &mut self.blocks {
             if let MotionFile::Table { file } | MotionFile::Shaking { file, .. } = &mut block.motion
             {
-                *file = rename(file);
+                visit(file);
+            }
+        }
+        let mut holes = Vec::new();
+        if let Some(terrain) = &mut self.terrain {
+            for source in &mut terrain.sources {
+                visit(&mut source.file);
+            }
+            let excavations = terrain.excavations.iter_mut();
+            holes.extend(excavations.map(|e| (&mut e.outline, &mut e.failure_surface)));
+        }
+        let slides = self.slides.iter_mut();
+        holes.extend(slides.map(|s| (&mut s.outline, &mut s.failure_surface)));
+        for (outline, beneath) in holes {
+            if let OutlineFile::File(file) = outline {
+                visit(file);
+            }
+            if let FailureSurfaceFile::Raster { file, .. } = beneath {
+                visit(file);
             }
         }
     }

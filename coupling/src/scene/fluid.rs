@@ -236,6 +236,7 @@ pub(super) fn resolve(
         periodic: [Axis::X, Axis::Y, Axis::Z].map(|axis| file.domain.periodic.contains(&axis)),
         symmetry: super::symmetry::symmetry(&file.domain),
     };
+    let sleeping = super::sleep::sleeping(file, &settings, lattice.depth, problems);
     let work = (file.time.duration, lattice.positions.len());
     problems.extend(slow_viscosity(&settings, &laws, work));
     super::symmetry::question_rows(&file.domain, &lattice, problems);
@@ -254,6 +255,7 @@ pub(super) fn resolve(
         kinds: laws.kinds,
         absorbers: absorbers(file, lattice.depth),
         openings: openings(file, &lattice, (ratio, dimensions), problems),
+        sleeping,
         lattice,
     }
 }

@@ -1,4 +1,4 @@
-//! Terrain from an ESRI ASCII grid.
+//! Grids of heights from ESRI ASCII files, and terrain right from one.
 
 use std::sync::Arc;
 
@@ -6,9 +6,12 @@ use riprap_dda::{Shape, Surface, Vec3};
 
 use super::mesh::{Fault, MeshError, content};
 use super::reach::Reach;
+use super::terrain::grid::Grid;
 
-/// Most points of a grid; each makes two triangles.
-const MOST_POINTS: usize = 2_500_000;
+/// Most points of a grid; each takes 8 bytes.
+const MOST_POINTS: usize = 50_000_000;
+/// Most points of a grid that becomes terrain as it is; each makes two triangles.
+const MOST_POINTS_OF_A_SHAPE: usize = 2_500_000;
 
 /// What the lines before the heights say.
 struct Header {
@@ -43,39 +46,72 @@ pub fn terrain(reach: &Reach, file: &str, origin: (f64, f64)) -> Result<Shape, M
 ///
 /// [`Fault`].
 pub fn terrain_from(content: &[u8], origin: (f64, f64)) -> Result<Shape, Fault> {
-    let surface = triangulate(&String::from_utf8_lossy(content), origin)?;
+    let mut grid = grid_from(content)?;
+    grid.shift([-origin.0, -origin.1]);
+    let surface = triangulate(&grid)?;
     Ok(Shape::Surface(Arc::new(surface)))
 }
 
-fn triangulate(content: &str, origin: (f64, f64)) -> Result<Surface, Fault> {
-    let (header, first_row) = header(content)?;
-    let heights = heights(content, first_row, &header)?;
-    let (columns, rows) = (header.n_columns, header.n_rows);
-    let has_height = |k: usize| heights[k] != header.no_data;
+/// The grid of heights in the content of a file, in coordinates of the map.
+///
+/// # Errors
+///
+/// [`Fault`], with the line and what would be right.
+pub fn grid_from(content: &[u8]) -> Result<Grid, Fault> {
+    let content = String::from_utf8_lossy(content);
+    let (header, first_row) = header(&content)?;
+    let mut heights = heights(&content, first_row, &header)?;
+    // rows of a file run from north to south
+    for row in 0..header.n_rows / 2 {
+        let (north, south) = heights.split_at_mut((header.n_rows - 1 - row) * header.n_columns);
+        let start = row * header.n_columns;
+        north[start..start + header.n_columns].swap_with_slice(&mut south[..header.n_columns]);
+    }
+    for height in &mut heights {
+        if *height == header.no_data {
+            *height = f64::NAN;
+        }
+    }
+    Ok(Grid {
+        n: [header.n_columns, header.n_rows],
+        corner: header.corner,
+        spacing: header.cell_size,
+        heights,
+    })
+}
+
+fn triangulate(grid: &Grid) -> Result<Surface, Fault> {
+    let [columns, rows] = grid.n;
+    if columns.saturating_mul(rows) > MOST_POINTS_OF_A_SHAPE {
+        return Err(Fault::Format(format!(
+            "has {columns} x {rows} points, more than {MOST_POINTS_OF_A_SHAPE}; use it as `terrain`, which resamples it"
+        )));
+    }
     // Numbered without the points that have no height.
-    let mut number = vec![u32::MAX; heights.len()];
+    let mut number = vec![u32::MAX; grid.heights.len()];
     let mut vertices = Vec::new();
-    for k in (0..heights.len()).filter(|&k| has_height(k)) {
-        let (row, column) = (k / columns, k % columns);
-        number[k] = vertices.len() as u32;
-        vertices.push(Vec3::new(
-            header.corner[0] - origin.0 + column as f64 * header.cell_size,
-            header.corner[1] - origin.1 + (rows - 1 - row) as f64 * header.cell_size,
-            heights[k],
-        ));
+    for row in (0..rows).rev() {
+        for column in 0..columns {
+            let k = grid.index([column, row]);
+            if grid.heights[k].is_finite() {
+                number[k] = vertices.len() as u32;
+                let [x, y] = grid.place([column, row]);
+                vertices.push(Vec3::new(x, y, grid.heights[k]));
+            }
+        }
     }
     let mut triangles = Vec::new();
-    for row in 0..rows - 1 {
+    for row in (0..rows - 1).rev() {
         for column in 0..columns - 1 {
-            let north = row * columns + column;
-            let south = north + columns;
+            let south = grid.index([column, row]);
+            let north = south + columns;
             // Counter-clockwise from above.
             let square = [south, south + 1, north + 1, north];
-            if !square.iter().all(|&k| has_height(k)) {
+            if square.iter().any(|&k| number[k] == u32::MAX) {
                 continue;
             }
             let [a, b, c, d] = square.map(|k| number[k]);
-            let rise = |k: usize, l: usize| (heights[k] - heights[l]).abs();
+            let rise = |k: usize, l: usize| (grid.heights[k] - grid.heights[l]).abs();
             if rise(square[0], square[2]) <= rise(square[1], square[3]) {
                 triangles.extend([[a, b, c], [a, c, d]]);
             } else {
@@ -173,7 +209,8 @@ fn header(content: &str) -> Result<(Header, usize), Fault> {
 /// Row by row from the north, wherever the lines break.
 fn heights(content: &str, first_row: usize, header: &Header) -> Result<Vec<f64>, Fault> {
     let n = header.n_columns * header.n_rows;
-    let mut heights = Vec::with_capacity(n);
+    // a header may promise more than the file has
+    let mut heights = Vec::with_capacity(n.min(content.len() / 2 + 1));
     for (k, line) in content.lines().enumerate().skip(first_row) {
         for word in line.split_whitespace() {
             let height = word
@@ -205,7 +242,9 @@ mod tests {
 
     #[test]
     fn rows_run_from_north_to_south() {
-        let surface = triangulate(GRID, (100.0, 200.0)).unwrap();
+        let mut shifted = grid_from(GRID.as_bytes()).unwrap();
+        shifted.shift([-100.0, -200.0]);
+        let surface = triangulate(&shifted).unwrap();
         assert_eq!(surface.triangles().len(), 4);
         let height = |x: f64, y: f64| {
             let at = surface.vertices().iter().find(|v| v.x == x && v.y == y);
@@ -221,7 +260,8 @@ mod tests {
 
     #[test]
     fn missing_heights_leave_a_hole() {
-        let surface = triangulate(&GRID.replace("5 6 7", "-1 6 7"), (0.0, 0.0)).unwrap();
+        let grid = grid_from(GRID.replace("5 6 7", "-1 6 7").as_bytes()).unwrap();
+        let surface = triangulate(&grid).unwrap();
         assert_eq!(
             (surface.triangles().len(), surface.vertices().len()),
             (2, 5)
@@ -230,7 +270,7 @@ mod tests {
 
     #[test]
     fn faults_name_the_line() {
-        let fault = |content: &str| triangulate(content, (0.0, 0.0)).unwrap_err().to_string();
+        let fault = |content: &str| grid_from(content.as_bytes()).unwrap_err().to_string();
         for (content, expected) in [
             (GRID.replace("1 2 3", "1 2 x"), "line 8: `x` is no height"),
             (

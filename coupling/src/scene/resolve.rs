@@ -6,14 +6,14 @@ use riprap_dda::{
     Attachment, BlockDefinition, Hold, JointOverride, Material, Motion, PrescribedMotion, Shape,
 };
 use riprap_sph::boundary::wall_particles::Slip;
-use riprap_sph::{Absorber, Rheology, Vec3};
+use riprap_sph::{Absorber, Rheology, Sleeping, Vec3};
 
 use crate::interface::WallSettings;
 use crate::memory;
 use crate::openings::{Openings, Series};
 use crate::scene::attachments::{
     attachments, contact_detection, deformability, hold, joints, normal_law, rolling_law,
-    static_damping,
+    static_damping, weakenings,
 };
 use crate::scene::error::{Problem, Severity};
 use crate::scene::file::{OutputFile, SceneFile, Triple, WallMethodFile};
@@ -23,7 +23,10 @@ use crate::scene::grains::{self, GrainsReport};
 use crate::scene::motion::motion;
 use crate::scene::reach::Reach;
 use crate::scene::rock_mass::{RockMassReport, expand};
-use crate::scene::shape::solid;
+use crate::scene::shape::solid_on;
+use crate::scene::slides;
+use crate::scene::terrain::{self, Terrain};
+use crate::world::Weakening;
 
 /// A scene that can run: geometry, initial water and all numbers. Nothing in it changes.
 #[derive(Clone, Debug)]
@@ -32,7 +35,9 @@ pub struct Scene {
     pub file: SceneFile,
     /// Blocks in the order of the file.
     pub blocks: Vec<BlockDefinition>,
-    /// What became of the rock masses, which are blocks now.
+    /// The lie of the land.
+    pub terrain: Option<Terrain>,
+    /// What became of the rock masses and slides, which are blocks now.
     pub rock_masses: Vec<RockMassReport>,
     /// What became of the grains, which are blocks now.
     pub grains: Vec<GrainsReport>,
@@ -44,6 +49,8 @@ pub struct Scene {
     pub materials: Vec<Material>,
     /// What holds between two of them in place of what follows from the two.
     pub joints: Vec<JointOverride>,
+    /// Joints that weaken with time.
+    pub weakenings: Vec<Weakening>,
     /// What the block solver needs.
     pub block_settings: riprap_dda::Settings,
     /// Water, where the scene has some.
@@ -75,6 +82,8 @@ pub struct FluidScene {
     pub absorbers: Vec<Absorber>,
     /// Inflows and outflows.
     pub openings: Openings,
+    /// When it sleeps, if ever.
+    pub sleeping: Option<Sleeping>,
     /// Fastest flow expected, from which sound speed and stiffnesses follow; m/s.
     pub expected_speed: f64,
 }
@@ -91,6 +100,12 @@ const IMPACT_SHARE_OF_THICKNESS: f64 = 0.25;
 const NOTICED_STATIC_OVERLAP: f64 = 1e-2;
 /// Looks at a falling block in a run: at 20 s one per 0.02 s, which misses 0.5 mm of the top of a leap.
 const TRAJECTORY_SAMPLES: f64 = 1000.0;
+/// Points of maps stand this far apart: waves that water of this spacing has are longer; × particle spacing.
+const MAP_SPACING: f64 = 2.0;
+/// Looks at the water for maps in a run.
+const MAP_LOOKS: f64 = 200.0;
+/// Water that rises by this has noticed; × particle spacing.
+const NOTICED_RISE: f64 = 0.25;
 /// Contact stiffness of scenes in which no block can move; N/m.
 const IDLE_STIFFNESS: f64 = 1e6;
 
@@ -110,13 +125,18 @@ impl Scene {
     ///
     /// All problems of the geometry together; that it needs more memory than there is.
     pub fn resolve_within(mut file: SceneFile, reach: &Reach) -> Result<Self, Vec<Problem>> {
-        let rock_masses = expand(&mut file, reach)?;
+        let terrain = terrain::resolve(&mut file, reach)?;
+        let mut rock_masses = expand(&mut file, reach)?;
+        rock_masses.extend(slides::expand(&mut file, terrain.as_ref())?);
         let bytes = reach
             .memory
             .map_or(f64::INFINITY, |memory| memory.bytes as f64);
         let grains = grains::expand(&mut file, (bytes / memory::PER_BLOCK) as usize)?;
         let mut problems = Vec::new();
-        let solids = named_solids(&file, reach, &mut problems);
+        if let Some(terrain) = &terrain {
+            problems.extend(terrain.questions.iter().cloned());
+        }
+        let solids = named_solids(&file, (reach, terrain.as_ref()), &mut problems);
         let motions = motions(&file, reach, &mut problems);
         if solids.len() != file.blocks.len() || motions.len() != file.blocks.len() {
             return Err(problems);
@@ -156,6 +176,13 @@ impl Scene {
             let interval = &mut trajectories.interval;
             interval.get_or_insert(file.time.duration / TRAJECTORY_SAMPLES);
         }
+        if let (Some(maps), Some(water)) = (&mut file.maps, &lattice) {
+            let [dx, dy, dz] = water.spacing;
+            let spacing = (dx * dy * dz).cbrt();
+            maps.spacing.get_or_insert(MAP_SPACING * spacing);
+            maps.interval.get_or_insert(file.time.duration / MAP_LOOKS);
+            maps.arrival_threshold.get_or_insert(NOTICED_RISE * spacing);
+        }
         resolve_stiffness(&mut file, &solids, &motions, speed);
         problems.extend(soft_contacts(&file, &solids, &motions));
         let fluid =
@@ -190,6 +217,7 @@ impl Scene {
             })
             .collect::<Vec<_>>();
         let scene = Self {
+            terrain,
             rock_masses,
             grains,
             attachments: attachments(&file, &blocks),
@@ -202,6 +230,7 @@ impl Scene {
             blocks,
             materials: materials(&file),
             joints: joints(&file),
+            weakenings: weakenings(&file),
             block_settings: riprap_dda::Settings {
                 gravity: vec3(file.gravity),
                 time_step_factor: block_factor,
@@ -229,12 +258,12 @@ pub fn vec3((x, y, z): Triple) -> Vec3 {
 
 fn named_solids(
     file: &SceneFile,
-    reach: &Reach,
+    (reach, terrain): (&Reach, Option<&Terrain>),
     problems: &mut Vec<Problem>,
 ) -> Vec<(String, Shape)> {
     let mut solids = Vec::new();
     for (index, block) in file.blocks.iter().enumerate() {
-        match solid(block, index, reach) {
+        match solid_on(block, index, reach, terrain) {
             Ok(shape) => solids.push((block.name.clone(), shape)),
             Err(found) => problems.extend(found),
         }

@@ -1,14 +1,14 @@
 //! Rock masses: bodies cut into blocks by joint sets, each block an entry of its own.
 
 use riprap_dda::{
-    BlockQuality, JointError, JointSet, JointedMass, MergedMass, Polyhedron, Shape, SliverLimits,
-    cut_by_joints, merge_slivers,
+    BlockQuality, JointError, JointSet, JointedMass, JointedUnion, MergedMass, Polyhedron, Shape,
+    SliverLimits, cut_by_joints, merge_union_slivers,
 };
 
 use super::error::Problem;
 use super::file::{
-    BlockFile, JointSetFile, MotionFile, PartFile, PlacementFile, RockMassFile, SceneFile,
-    ShapeFile,
+    BlockFile, DeformableFile, JointSetFile, MotionFile, PartFile, PlacementFile, RockMassFile,
+    SceneFile, ShapeFile, SliversFile,
 };
 use super::reach::Reach;
 use super::resolve::vec3;
@@ -59,11 +59,7 @@ pub fn expand(file: &mut SceneFile, reach: &Reach) -> Result<Vec<RockMassReport>
         match blocks_of(mass, index, reach) {
             Ok((cut, report)) => {
                 reports.push(report);
-                let blocks = cut
-                    .iter()
-                    .enumerate()
-                    .map(|(k, parts)| block(mass, k, shape_of(parts)));
-                file.blocks.extend(blocks);
+                file.blocks.extend(maker(mass).blocks(&cut));
             }
             Err(found) => problems.extend(found),
         }
@@ -75,17 +71,45 @@ pub fn expand(file: &mut SceneFile, reach: &Reach) -> Result<Vec<RockMassReport>
     }
 }
 
-fn block(mass: &RockMassFile, number: usize, shape: ShapeFile) -> BlockFile {
-    BlockFile {
-        name: format!("{}.{:04}", mass.name, number + 1),
-        material: mass.material.clone(),
-        shape,
-        placement: PlacementFile::default(),
-        motion: MotionFile::Free,
-        velocity: (0.0, 0.0, 0.0),
-        angular_velocity: (0.0, 0.0, 0.0),
-        deformable: mass.deformable.clone(),
-        hold: None,
+/// A block of a mass, apart from its shape.
+pub(super) struct Maker<'a> {
+    pub(super) name: &'a str,
+    pub(super) material: &'a str,
+    pub(super) deformable: Option<&'a DeformableFile>,
+    pub(super) sealed: bool,
+}
+
+impl Maker<'_> {
+    fn block(&self, number: usize, shape: ShapeFile) -> BlockFile {
+        BlockFile {
+            name: format!("{}.{:04}", self.name, number + 1),
+            material: self.material.to_owned(),
+            shape,
+            placement: PlacementFile::default(),
+            motion: MotionFile::Free,
+            velocity: (0.0, 0.0, 0.0),
+            angular_velocity: (0.0, 0.0, 0.0),
+            deformable: self.deformable.cloned(),
+            hold: None,
+            sealed: self.sealed,
+        }
+    }
+
+    /// Entries of the list of blocks, of convex parts each.
+    pub(super) fn blocks<'a>(
+        &'a self,
+        cut: &'a [Vec<Polyhedron>],
+    ) -> impl Iterator<Item = BlockFile> + 'a {
+        let numbered = cut.iter().enumerate();
+        numbered.map(|(k, parts)| self.block(k, shape_of(parts)))
+    }
+}
+
+fn maker(mass: &RockMassFile) -> Maker<'_> {
+    Maker {
+        name: &mass.name,
+        material: &mass.material,
+        deformable: mass.deformable.as_ref(),
         sealed: mass.sealed,
     }
 }
@@ -109,73 +133,108 @@ fn shape_of(block: &[Polyhedron]) -> ShapeFile {
     }
 }
 
-fn blocks_of(
-    mass: &RockMassFile,
-    index: usize,
-    reach: &Reach,
-) -> Result<(Vec<Vec<Polyhedron>>, RockMassReport), Vec<Problem>> {
+fn blocks_of(mass: &RockMassFile, index: usize, reach: &Reach) -> Result<Cut, Vec<Problem>> {
+    let path = format!("rock_masses[{index}]");
     let refused = |field: &str, what: String| {
         let message = format!("rock mass `{}`: {what}", mass.name);
-        vec![Problem::error(
-            format!("rock_masses[{index}].{field}"),
-            message,
-        )]
+        vec![Problem::error(format!("{path}.{field}"), message)]
     };
-    let whole = block(mass, 0, mass.boundary.clone());
+    let whole = maker(mass).block(0, mass.boundary.clone());
     let shape = solid(&whole, 0, reach).map_err(|found| {
         let texts: Vec<String> = found.into_iter().map(|problem| problem.message).collect();
         refused("boundary", texts.join("; "))
     })?;
     let Shape::Polyhedra(bodies) = shape else {
-        return Err(refused("boundary", "a ball cannot be cut by joints".into()));
+        return Err(refused(
+            "boundary",
+            "a ball or a surface cannot be cut by joints".into(),
+        ));
     };
     let volume: f64 = bodies.iter().map(riprap_dda::volume).sum();
     let sets: Vec<JointSet> = mass.joint_sets.iter().map(joint_set).collect();
     let failed = |error: JointError| refused(&blamed(&error), error.to_string());
     let JointedMass { blocks, n_uncut } =
         cut_by_joints(bodies, &sets, mass.seed, mass.maximum_blocks as usize).map_err(failed)?;
-    let MergedMass {
-        mut blocks,
-        n_merged,
-        n_left,
-    } = match &mass.merge_slivers {
-        Some(file) => {
-            let limits = SliverLimits {
-                volume_share: file.volume_share,
-                aspect: file.aspect,
-            };
-            merge_slivers(blocks, &limits).map_err(failed)?
-        }
-        None => MergedMass {
-            blocks: blocks.into_iter().map(|block| vec![block]).collect(),
-            n_merged: 0,
-            n_left: 0,
-        },
-    };
-    let n_cut = blocks.len();
-    blocks.retain(|parts| {
-        let volumes = parts.iter().map(riprap_dda::volume);
-        volumes.sum::<f64>() >= mass.minimum_volume
-    });
-    if blocks.is_empty() {
-        let what = format!(
-            "all {n_cut} blocks are smaller than {} m3; lower minimum_volume",
-            mass.minimum_volume
-        );
-        return Err(refused("minimum_volume", what));
-    }
-    let report = RockMassReport {
+    let cut = JointedUnion {
+        blocks: blocks.into_iter().map(|block| vec![block]).collect(),
         n_uncut,
-        n_merged,
-        n_unmerged: n_left,
-        n_removed: n_cut - blocks.len(),
-        ..report(&mass.name, volume, &blocks)
     };
-    Ok((blocks, report))
+    let cleaning = Cleaning {
+        name: &mass.name,
+        merge_slivers: mass.merge_slivers.as_ref(),
+        minimum_volume: mass.minimum_volume,
+        volume,
+    };
+    cleaning
+        .clean(cut)
+        .map_err(|(field, what)| refused(&field, what))
+}
+
+/// Blocks of convex parts, and what became of the mass.
+pub(super) type Cut = (Vec<Vec<Polyhedron>>, RockMassReport);
+
+/// The field of a mass to blame, and why.
+pub(super) type Refusal = (String, String);
+
+/// What is done about slivers and small blocks of a mass.
+pub(super) struct Cleaning<'a> {
+    pub(super) name: &'a str,
+    pub(super) merge_slivers: Option<&'a SliversFile>,
+    pub(super) minimum_volume: f64,
+    /// Of the mass before it was cut; m³.
+    pub(super) volume: f64,
+}
+
+impl Cleaning<'_> {
+    /// Blocks without slivers and small ones, and a report of them; or the field to blame and why.
+    pub(super) fn clean(
+        &self,
+        JointedUnion { blocks, n_uncut }: JointedUnion,
+    ) -> Result<Cut, Refusal> {
+        let MergedMass {
+            mut blocks,
+            n_merged,
+            n_left,
+        } = match self.merge_slivers {
+            Some(file) => {
+                let limits = SliverLimits {
+                    volume_share: file.volume_share,
+                    aspect: file.aspect,
+                };
+                merge_union_slivers(blocks, &limits)
+                    .map_err(|error| (blamed(&error), error.to_string()))?
+            }
+            None => MergedMass {
+                blocks,
+                n_merged: 0,
+                n_left: 0,
+            },
+        };
+        let n_cut = blocks.len();
+        blocks.retain(|parts| {
+            let volumes = parts.iter().map(riprap_dda::volume);
+            volumes.sum::<f64>() >= self.minimum_volume
+        });
+        if blocks.is_empty() {
+            let what = format!(
+                "all {n_cut} blocks are smaller than {} m3; lower minimum_volume",
+                self.minimum_volume
+            );
+            return Err(("minimum_volume".into(), what));
+        }
+        let report = RockMassReport {
+            n_uncut,
+            n_merged,
+            n_unmerged: n_left,
+            n_removed: n_cut - blocks.len(),
+            ..report(self.name, self.volume, &blocks)
+        };
+        Ok((blocks, report))
+    }
 }
 
 /// The field of a rock mass that an error speaks of.
-fn blamed(error: &JointError) -> String {
+pub(super) fn blamed(error: &JointError) -> String {
     match error {
         JointError::Set { set, field, .. } => match *field {
             "dip" | "dip_direction" | "scatter" => format!("joint_sets[{set}].{field}_deg"),
@@ -216,7 +275,7 @@ fn report(name: &str, volume: f64, blocks: &[Vec<Polyhedron>]) -> RockMassReport
     }
 }
 
-fn joint_set(file: &JointSetFile) -> JointSet {
+pub(super) fn joint_set(file: &JointSetFile) -> JointSet {
     JointSet {
         dip: file.dip_deg.to_radians(),
         dip_direction: file.dip_direction_deg.to_radians(),

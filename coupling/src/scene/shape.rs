@@ -9,20 +9,35 @@ use super::mesh::{self, MeshError};
 use super::raster;
 use super::reach::Reach;
 use super::resolve::vec3;
+use super::terrain::Terrain;
 
-/// The solid of block `index` of the file, turned and shifted into place.
+/// The solid of block `index` of the file, turned and shifted into place, where the scene has no terrain.
 ///
 /// # Errors
 ///
 /// [`Problem`]s with the path of the field that is to blame.
 pub fn solid(block: &BlockFile, index: usize, reach: &Reach) -> Result<Shape, Vec<Problem>> {
+    solid_on(block, index, reach, None)
+}
+
+/// The same where it has one.
+///
+/// # Errors
+///
+/// As [`solid`].
+pub fn solid_on(
+    block: &BlockFile,
+    index: usize,
+    reach: &Reach,
+    terrain: Option<&Terrain>,
+) -> Result<Shape, Vec<Problem>> {
     let refused = |field: &str, found: String| {
         let message = format!("block `{}`: {found}", block.name);
         vec![Problem::error(format!("blocks[{index}].{field}"), message)]
     };
     let placement = placement(&block.placement)
         .ok_or_else(|| refused("placement.rotate.axis", "the axis has no direction".into()))?;
-    match build(&block.shape, reach) {
+    match build(&block.shape, reach, terrain) {
         Ok(shape) => Ok(shape.transformed(&placement)),
         Err(found) => {
             let field = blamed(&block.shape, &found);
@@ -40,11 +55,13 @@ enum ShapeError {
     Mesh(#[from] MeshError),
     #[error("radius must be finite and > 0, got {0}")]
     Radius(f64),
+    #[error("the scene has no terrain; say with `terrain` where its heights come from")]
+    NoTerrain,
     #[error("scale must be finite and > 0, got {0}")]
     Scale(f64),
 }
 
-fn build(shape: &ShapeFile, reach: &Reach) -> Result<Shape, ShapeError> {
+fn build(shape: &ShapeFile, reach: &Reach, terrain: Option<&Terrain>) -> Result<Shape, ShapeError> {
     let one = |part| Shape::Polyhedra(vec![part]);
     let points = |list: &[_]| list.iter().copied().map(vec3).collect::<Vec<Vec3>>();
     let is_positive = |value: f64| value.is_finite() && value > 0.0;
@@ -88,6 +105,10 @@ fn build(shape: &ShapeFile, reach: &Reach) -> Result<Shape, ShapeError> {
         ShapeFile::Mesh { file, scale } => mesh::solid(reach, file, *scale)?,
         ShapeFile::Surface { file, scale } => mesh::surface(reach, file, *scale)?,
         ShapeFile::Raster { file, origin } => raster::terrain(reach, file, *origin)?,
+        ShapeFile::Terrain => {
+            let terrain = terrain.ok_or(ShapeError::NoTerrain)?;
+            Shape::Surface(terrain.surface.clone())
+        }
     })
 }
 

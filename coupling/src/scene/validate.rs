@@ -11,6 +11,7 @@ mod materials;
 mod numerics;
 mod openings;
 mod shapes;
+mod terrain;
 
 use super::error::Problem;
 use super::file::SceneFile;
@@ -39,6 +40,7 @@ pub fn values(scene: &SceneFile) -> Vec<Problem> {
         "rock_masses",
         scene.rock_masses.iter().map(|m| m.name.as_str()),
     );
+    check.terrain(scene);
     for (index, grains) in scene.grains.iter().enumerate() {
         check.grains(index, grains, scene);
     }
@@ -66,6 +68,13 @@ pub fn values(scene: &SceneFile) -> Vec<Problem> {
     if let Some(forces) = &scene.forces {
         check.forces(forces, scene);
     }
+    if let Some(maps) = &scene.maps {
+        check.maps(maps, scene);
+    }
+    for (index, mass) in scene.masses.iter().enumerate() {
+        check.mass(index, mass, scene);
+    }
+    check.unique("masses", scene.masses.iter().map(|mass| mass.name.as_str()));
     if let Some(trajectories) = &scene.trajectories {
         check.trajectories(trajectories, scene);
     }

@@ -275,6 +275,8 @@ impl ParticleWalls {
         ((forces, self.accelerations, buried), rest) = postcard::take_from_bytes(bytes)?;
         (self.loads, self.force_on_fluid, self.power) = forces;
         (self.buried.is_buried, self.buried.is_any) = buried;
+        self.fixed.forget();
+        self.moving.forget();
         if (self.loads.len(), self.buried.is_buried.len()) != lengths
             || self.accelerations.len() != lengths.0
         {

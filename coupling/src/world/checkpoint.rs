@@ -30,6 +30,8 @@ impl World {
             // scratch
             loads_at_start: _,
             stretches_at_start: _,
+            // follows from the time
+            weakenings: _,
         } = self;
         let progress = (clock, ledger, held, extremes, phases);
         let out = postcard::to_extend(&(progress, dry, accounts), out)?;
@@ -65,6 +67,7 @@ impl World {
             self.extremes,
             self.phases,
         ) = progress;
+        self.weaken();
         let bytes = self.blocks.read(rest)?;
         let Some(water) = &mut self.water else {
             return Ok(bytes);

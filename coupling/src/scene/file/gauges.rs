@@ -57,6 +57,16 @@ pub enum GaugeFile {
         /// End of the line, (x, y); m.
         to: (f64, f64),
     },
+    /// Water that passed over a line, to the right of it as one walks from its start to its end: two columns, the net volume since t = 0
+    /// (m³) and the mean discharge since the last row (m³/s). What leaves the domain is not seen to pass: keep it well inside. Along a periodic axis its ends go a spacing past the domain.
+    Overtopping {
+        /// What its columns begin with.
+        name: String,
+        /// Start of the line, (x, y); m.
+        from: (f64, f64),
+        /// End of the line, (x, y); m.
+        to: (f64, f64),
+    },
     /// How many free blocks are farther from where they were at t = 0 than a distance, or have left the domain: damage
     /// of an armour layer.
     Displaced {
@@ -80,6 +90,33 @@ pub struct ForcesFile {
     /// Over which forces are means; s. As `output.gauge_interval` when left out.
     #[serde(default)]
     pub interval: Option<f64>,
+}
+
+/// Maps over the plan: `maximum_elevation.asc`, `first_arrival.asc`, `inundation_depth.asc` in coordinates of the map, and
+/// `maps.vtp` on the ground.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct MapsFile {
+    /// Distance of their points; two particle spacings when left out; m.
+    #[serde(default)]
+    pub spacing: Option<f64>,
+    /// Between two looks at the water; extremes are those of the looks; s. A two-hundredth of the duration when left out.
+    #[serde(default)]
+    pub interval: Option<f64>,
+    /// Water has come where its surface differs from that at t = 0 by more than this, and where dry land is wet; a quarter of a particle
+    /// spacing when left out; m.
+    #[serde(default)]
+    pub arrival_threshold: Option<f64>,
+}
+
+/// Blocks that are followed as one body: where it is, how fast, what of it is under water. `masses.csv` has a row per time.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct MassFile {
+    /// What its columns begin with.
+    pub name: String,
+    /// What the names of its free blocks begin with.
+    pub blocks: String,
 }
 
 /// Which blocks are followed on their way: `trajectories.csv` has a row per block and time, `rockfall.csv`

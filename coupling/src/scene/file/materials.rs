@@ -88,6 +88,13 @@ pub struct JointFile {
     /// Resistance of balls to rolling: torque over normal force and effective radius.
     #[serde(default)]
     pub rolling_friction: Option<f64>,
+    /// Rows of time and share of the tangent of the friction angles that is left, linear between them: a slope that weakens until it
+    /// fails; all of it when left out; s, -.
+    #[serde(default)]
+    pub friction_ramp: Vec<(f64, f64)>,
+    /// Rows of time and share of the cohesions that is left, likewise; s, -.
+    #[serde(default)]
+    pub cohesion_ramp: Vec<(f64, f64)>,
 }
 
 fn default_shear_stiffness_ratio() -> f64 {

@@ -49,6 +49,9 @@ pub struct NumericsFile {
     /// What is done with pressures below zero.
     #[serde(default)]
     pub negative_pressure: Option<NegativePressure>,
+    /// When water at rest is left out until it is disturbed; all of it is computed when left out.
+    #[serde(default)]
+    pub sleeping: Option<SleepingFile>,
     /// Share of the blocks' stability limit that a sub-step may use, above 0 and at most 1.
     #[serde(default)]
     pub block_time_step_factor: Option<f64>,
@@ -181,6 +184,21 @@ pub enum NegativePressure {
     Clamped,
     /// Kept.
     Kept,
+}
+
+/// Water at rest sleeps: it is held as it is, tile by tile of three support radii, until water beside it has moved or a block comes near.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SleepingFile {
+    /// Mean horizontal displacement of the water in a tile, over the particle spacing, from which on the tiles around it are awake.
+    #[serde(default)]
+    pub displacement: Option<f64>,
+    /// Root mean square of the speed in a tile up to which it is at rest; m/s. A thousandth of the speed of long waves when left out.
+    #[serde(default)]
+    pub speed: Option<f64>,
+    /// How long it is to be no faster before it sleeps; s. Ten times `√(depth/g)` when left out.
+    #[serde(default)]
+    pub time: Option<f64>,
 }
 
 /// How the common plane of two blocks is found.

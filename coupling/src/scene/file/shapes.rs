@@ -85,6 +85,8 @@ pub enum ShapeFile {
         #[serde(default)]
         origin: (f64, f64),
     },
+    /// The scene's `terrain`, of a fixed block.
+    Terrain,
 }
 
 /// A closed convex polyhedron; faces counter-clockwise seen from outside.

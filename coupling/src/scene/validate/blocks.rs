@@ -16,7 +16,7 @@ impl Checks {
         );
         let is_surface = matches!(
             block.shape,
-            ShapeFile::Surface { .. } | ShapeFile::Raster { .. }
+            ShapeFile::Surface { .. } | ShapeFile::Raster { .. } | ShapeFile::Terrain
         );
         if is_surface && !matches!(block.motion, MotionFile::Fixed) {
             self.refuse(

@@ -2,7 +2,8 @@
 
 use super::checks::{Checks, is_inside};
 use crate::scene::file::{
-    BlockFile, CameraFile, ForcesFile, GaugeFile, MotionFile, SceneFile, TrajectoriesFile, Triple,
+    BlockFile, CameraFile, DimensionsFile, ForcesFile, GaugeFile, MapsFile, MassFile, MotionFile,
+    SceneFile, TrajectoriesFile, Triple,
 };
 use crate::scene::parse::suggestion;
 
@@ -14,8 +15,27 @@ pub(super) fn gauge_name(gauge: &GaugeFile) -> &str {
         | GaugeFile::BlockForce { name, .. }
         | GaugeFile::RunUp { name, .. }
         | GaugeFile::Front { name, .. }
+        | GaugeFile::Overtopping { name, .. }
         | GaugeFile::Displaced { name, .. } => name,
     }
+}
+
+/// Does a line of the plan pass through the domain? Its ends may lie beyond the sides.
+fn meets_the_plan(from: (f64, f64), to: (f64, f64), scene: &SceneFile) -> bool {
+    let (min, max) = (scene.domain.min, scene.domain.max);
+    let axes = [(from.0, to.0, min.0, max.0), (from.1, to.1, min.1, max.1)];
+    let mut shares = (0.0_f64, 1.0_f64);
+    for (from, to, min, max) in axes {
+        if from == to {
+            if !(min..=max).contains(&from) {
+                return false;
+            }
+            continue;
+        }
+        let (a, b) = ((min - from) / (to - from), (max - from) / (to - from));
+        shares = (shares.0.max(a.min(b)), shares.1.min(a.max(b)));
+    }
+    shares.0 <= shares.1
 }
 
 impl Checks {
@@ -39,6 +59,15 @@ impl Checks {
             GaugeFile::RunUp { from, to, .. } | GaugeFile::Front { from, to, .. } => {
                 inside("from", (from.0, from.1, level));
                 inside("to", (to.0, to.1, level));
+            }
+            GaugeFile::Overtopping { from, to, .. } => {
+                if from == to {
+                    self.refuse(path("to"), format!("{who} has a line of no length"));
+                } else if !meets_the_plan(*from, *to, scene) {
+                    let what =
+                        format!("{who}: its line from {from:?} to {to:?} misses the domain");
+                    self.refuse(path("from"), what);
+                }
             }
             GaugeFile::BlockForce { block, .. } => {
                 self.block_exists(path("block"), &who, block, scene);
@@ -73,6 +102,7 @@ impl Checks {
         let free = scene.blocks.iter().filter(|block| is_free(block));
         let mut stems: Vec<&str> = free.map(|block| block.name.as_str()).collect();
         let made: Vec<&str> = (scene.rock_masses.iter().map(|mass| mass.name.as_str()))
+            .chain(scene.slides.iter().map(|slide| slide.name.as_str()))
             .chain(scene.grains.iter().map(|grains| grains.name.as_str()))
             .collect();
         let is_made = made.iter().any(|name| prefix.starts_with(name));
@@ -127,12 +157,37 @@ impl Checks {
             }
             self.listed_once(&path, format!("{what}: `{name}`"), (blocks, index));
         }
-        if names.is_empty() && scene.rock_masses.is_empty() {
+        if names.is_empty() && scene.rock_masses.is_empty() && scene.slides.is_empty() {
             self.refuse(
                 what,
                 format!("{what}: no block is free to move; leave {what} out"),
             );
         }
+    }
+
+    pub(super) fn maps(&mut self, maps: &MapsFile, scene: &SceneFile) {
+        self.positive("maps.spacing", "maps: spacing", maps.spacing);
+        self.positive("maps.interval", "maps: interval", maps.interval);
+        let what = "maps: arrival_threshold";
+        self.positive("maps.arrival_threshold", what, maps.arrival_threshold);
+        if scene.fluid.is_none() {
+            self.refuse(
+                "maps",
+                "maps are of water, but the scene has none".to_owned(),
+            );
+        }
+        if scene.domain.dimensions == DimensionsFile::Two {
+            self.refuse(
+                "maps",
+                "a flow in a plane has no plan to map; use gauges".to_owned(),
+            );
+        }
+    }
+
+    pub(super) fn mass(&mut self, index: usize, mass: &MassFile, scene: &SceneFile) {
+        let who = format!("mass `{}`", mass.name);
+        let path = format!("masses[{index}].blocks");
+        self.free_blocks_begin_with(&path, &who, &mass.blocks, scene);
     }
 
     pub(super) fn trajectories(&mut self, trajectories: &TrajectoriesFile, scene: &SceneFile) {

@@ -110,6 +110,28 @@ impl Checks {
         if scene.joints[..index].iter().any(is_same) {
             self.refuse(path("between"), of("is listed twice"));
         }
+        for (field, ramp) in [
+            ("friction_ramp", &joint.friction_ramp),
+            ("cohesion_ramp", &joint.cohesion_ramp),
+        ] {
+            if let Some(row) = ramp.iter().find(|row| row.1 < 0.0) {
+                self.refuse(
+                    path(field),
+                    format!("{} has a share of {}, must be >= 0", of(field), row.1),
+                );
+            }
+            if let Some(rows) = ramp.windows(2).find(|rows| rows[1].0 <= rows[0].0) {
+                self.refuse(
+                    path(field),
+                    format!(
+                        "{}: times must increase, found {} s after {} s",
+                        of(field),
+                        rows[1].0,
+                        rows[0].0
+                    ),
+                );
+            }
+        }
         // what is left out is the lesser of the two materials
         let lesser = |limit: f64, of_material: fn(&MaterialFile) -> f64| {
             let both = [first, second].map(|name| scene.materials.iter().find(|m| m.name == *name));

@@ -6,6 +6,7 @@ use crate::scene::file::{SceneFile, StaticDampingFile};
 impl Checks {
     pub(super) fn numbers(&mut self, scene: &SceneFile) {
         let (numerics, time, output) = (&scene.numerics, &scene.time, &scene.output);
+        let sleeping = numerics.sleeping.unwrap_or_default();
         for (path, what, value) in [
             (
                 "interface.penalty_stiffness",
@@ -34,6 +35,21 @@ impl Checks {
                 output.ledger_interval,
             ),
             ("time.duration", "duration", Some(time.duration)),
+            (
+                "numerics.sleeping.displacement",
+                "displacement of sleeping water",
+                sleeping.displacement,
+            ),
+            (
+                "numerics.sleeping.speed",
+                "speed of sleeping water",
+                sleeping.speed,
+            ),
+            (
+                "numerics.sleeping.time",
+                "time of sleeping water",
+                sleeping.time,
+            ),
         ] {
             self.positive(path, what, value);
         }

@@ -75,6 +75,7 @@ impl Checks {
                     self.refuse(at("origin"), of("origin must be finite"));
                 }
             }
+            ShapeFile::Terrain => {}
         }
     }
 

@@ -1,4 +1,4 @@
-//! The ground: faces of fixed blocks that look up, and how high they lie under a point.
+//! The ground: faces that look up, of fixed blocks or of a survey, and how high they lie under a point.
 
 use riprap_dda::{Blocks, Motion, Vec3};
 
@@ -7,8 +7,8 @@ const LEAST_UPWARD: f64 = 1e-6;
 /// A point this far outside a triangle still counts as over it, so that none falls between two; × its double area.
 const ROUND_OFF: f64 = 1e-9;
 
-/// Triangles of fixed blocks that look up, in a grid of squares over the plan. Fixed blocks do not move: it is made once.
-#[derive(Debug)]
+/// Triangles that look up, in a grid of squares over the plan. Those of fixed blocks do not move: it is made once.
+#[derive(Clone, Debug)]
 pub struct Ground {
     triangles: Vec<[Vec3; 3]>,
     /// Lower corner of the grid, x and y; m.
@@ -34,10 +34,26 @@ impl Ground {
                 let corner = |k: usize| vertices[face[k] as usize];
                 let fan = (1..face.len().saturating_sub(1))
                     .map(|k| [corner(0), corner(k), corner(k + 1)]);
-                triangles.extend(fan.filter(looks_up));
+                triangles.extend(fan);
             }
         }
+        Self::over(triangles)
+    }
+
+    /// Of those of some triangles (m) that look up.
+    pub fn over(mut triangles: Vec<[Vec3; 3]>) -> Self {
+        triangles.retain(looks_up);
         Self::sorted(triangles)
+    }
+
+    /// Whether there is none at all.
+    pub fn is_empty(&self) -> bool {
+        self.triangles.is_empty()
+    }
+
+    /// Height of the highest ground over a place of the plan (m), `None` where there is none; m.
+    pub fn height_under_the_sky(&self, [x, y]: [f64; 2]) -> Option<f64> {
+        self.height_below(&Vec3::new(x, y, f64::INFINITY))
     }
 
     /// Height of the highest ground at or below a point (m), `None` where there is none; m.

@@ -1,0 +1,333 @@
+//! One grid of heights from rasters and surveys.
+
+use std::path::Path;
+
+use riprap_dda::Shape;
+
+use super::grid::Grid;
+use crate::ground::Ground;
+use crate::scene::error::Problem;
+use crate::scene::file::{GapsFile, HeightsFile, TerrainFile};
+use crate::scene::mesh::{self, Fault, MeshError, content};
+use crate::scene::raster::grid_from;
+use crate::scene::reach::Reach;
+
+/// Most points that are used.
+const MOST_POINTS: f64 = 4e6;
+/// Points of a source along each axis over which the height of a coarser point is averaged, at most.
+const MOST_SAMPLES: f64 = 16.0;
+/// Where a grid ends a point that round-off took out is in it; × spacing.
+const ROUND_OFF: f64 = 1e-6;
+/// Sweeps that smooth what fills gaps, once it is as smooth as its rim: a membrane over some tens of points.
+const MEMBRANE_SWEEPS: usize = 200;
+
+/// Heights of a file, in the scene's coordinates.
+#[derive(Clone, Debug)]
+pub struct Source {
+    heights: Heights,
+    /// Heights outside of it count as missing; m.
+    range: (f64, f64),
+}
+
+#[derive(Clone, Debug)]
+enum Heights {
+    Raster(Grid),
+    Survey {
+        ground: Ground,
+        /// Least and most x and y; m.
+        extent: [[f64; 2]; 2],
+    },
+}
+
+impl Source {
+    /// Reads a file that the scene names; `origin` is the point of the map that is the scene's.
+    ///
+    /// # Errors
+    ///
+    /// [`MeshError`], which names the file, the place and what would be right.
+    pub fn read(
+        file: &HeightsFile,
+        origin: (f64, f64, f64),
+        reach: &Reach,
+    ) -> Result<Self, MeshError> {
+        let place = |z: f64| file.height_scale * z + file.height_shift - origin.2;
+        let heights = if is_raster(&file.file) {
+            let mut grid = raster(&file.file, reach)?;
+            grid.shift([-origin.0, -origin.1]);
+            for height in &mut grid.heights {
+                *height = place(*height);
+            }
+            Heights::Raster(grid)
+        } else {
+            let Shape::Surface(surface) = mesh::surface(reach, &file.file, 1.0)? else {
+                return Err(refused(&file.file, Fault::Empty));
+            };
+            let corner = |v: u32| {
+                let mut x = surface.vertices()[v as usize];
+                (x.x, x.y, x.z) = (x.x - origin.0, x.y - origin.1, place(x.z));
+                x
+            };
+            let triangles = surface.triangles().iter().map(|t| t.map(corner));
+            let ground = Ground::over(triangles.collect());
+            if ground.is_empty() {
+                let what = "no triangle looks up; turn the normals round";
+                return Err(refused(&file.file, Fault::Format(what.into())));
+            }
+            let (low, high) = surface.aabb();
+            let extent = [
+                [low.x - origin.0, low.y - origin.1],
+                [high.x - origin.0, high.y - origin.1],
+            ];
+            Heights::Survey { ground, extent }
+        };
+        Ok(Self {
+            heights,
+            range: file
+                .heights
+                .map_or((f64::NEG_INFINITY, f64::INFINITY), |(low, high)| {
+                    (low - origin.2, high - origin.2)
+                }),
+        })
+    }
+
+    /// Height over a place of the plan, `None` where there is none; m.
+    pub fn height(&self, place: [f64; 2]) -> Option<f64> {
+        let height = match &self.heights {
+            Heights::Raster(grid) => grid.height(place),
+            Heights::Survey { ground, .. } => ground.height_under_the_sky(place),
+        };
+        height.filter(|z| self.range.0 <= *z && *z <= self.range.1)
+    }
+
+    /// Least and most x and y; m.
+    fn extent(&self) -> [[f64; 2]; 2] {
+        match &self.heights {
+            Heights::Raster(grid) => [grid.corner, grid.far_corner()],
+            Heights::Survey { extent, .. } => *extent,
+        }
+    }
+
+    /// Distance of its points; surveys have none; m.
+    pub fn spacing(&self) -> Option<f64> {
+        match &self.heights {
+            Heights::Raster(grid) => Some(grid.spacing),
+            Heights::Survey { .. } => None,
+        }
+    }
+}
+
+fn refused(file: &str, fault: Fault) -> MeshError {
+    MeshError {
+        file: file.to_owned(),
+        fault,
+    }
+}
+
+fn extension(file: &str) -> String {
+    let extension = Path::new(file).extension().unwrap_or_default();
+    extension.to_string_lossy().to_lowercase()
+}
+
+fn is_raster(file: &str) -> bool {
+    matches!(
+        extension(file).as_str(),
+        "asc" | "tif" | "tiff" | "txt" | "grd"
+    )
+}
+
+/// The grid in a file, in coordinates of the map.
+fn raster(file: &str, reach: &Reach) -> Result<Grid, MeshError> {
+    let read = |content: Vec<u8>| match extension(file).as_str() {
+        "tif" | "tiff" => geotiff(&content),
+        _ => grid_from(&content),
+    };
+    let read = content(reach, file).and_then(read);
+    read.map_err(|fault| refused(file, fault))
+}
+
+#[cfg(feature = "geotiff")]
+fn geotiff(content: &[u8]) -> Result<Grid, Fault> {
+    crate::scene::geotiff::grid_from(content)
+}
+
+#[cfg(not(feature = "geotiff"))]
+fn geotiff(_: &[u8]) -> Result<Grid, Fault> {
+    Err(Fault::Format(
+        "is a GeoTIFF, for which riprap must be built with `--features geotiff`; or export an ESRI ASCII grid \
+         (gdal_translate -of AAIGrid)"
+            .into(),
+    ))
+}
+
+/// The heights that a scene uses.
+#[derive(Clone, Debug)]
+pub struct Merged {
+    /// Without a gap.
+    pub grid: Grid,
+    /// Points that lay in gaps.
+    pub n_filled: usize,
+}
+
+/// Samples sources at the points that the scene uses, `spacing` (m) apart.
+///
+/// Points of a raster stay where they are if the distance does; a coarser point has the mean over its square.
+///
+/// # Errors
+///
+/// A [`Problem`] for an extent without points and for places without a height.
+pub fn merge(file: &TerrainFile, sources: &[Source], spacing: f64) -> Result<Merged, Problem> {
+    let Some(first) = sources.first() else {
+        return Err(Problem::error(
+            "terrain.sources",
+            "the terrain has no source; name a raster or a survey",
+        ));
+    };
+    let mut grid = lattice(file, first, spacing)?;
+    for point in grid.points() {
+        let k = grid.index(point);
+        let place = grid.place(point);
+        grid.heights[k] = sample(sources, place, spacing).unwrap_or(f64::NAN);
+    }
+    let n_filled = fill_gaps(&mut grid, file)?;
+    Ok(Merged { grid, n_filled })
+}
+
+/// Points in the phase of the first source, within the clip.
+fn lattice(file: &TerrainFile, first: &Source, spacing: f64) -> Result<Grid, Problem> {
+    let own = first.extent();
+    let [low, high] = file
+        .clip
+        .map_or(own, |(min, max)| [[min.0, min.1], [max.0, max.1]]);
+    let mut n = [0; 2];
+    let mut corner = [0.0; 2];
+    for axis in 0..2 {
+        let start = ((low[axis] - own[0][axis]) / spacing - ROUND_OFF).ceil();
+        corner[axis] = own[0][axis] + start * spacing;
+        let count = ((high[axis] - corner[axis]) / spacing + ROUND_OFF).floor() + 1.0;
+        if !(2.0..=MOST_POINTS).contains(&count) {
+            let what = format!(
+                "{} m from {} to {} m make {} points at a spacing of {spacing} m, needed are 2 to {MOST_POINTS:.0}",
+                high[axis] - low[axis],
+                low[axis],
+                high[axis],
+                count.max(0.0)
+            );
+            let field = if file.clip.is_some() {
+                "clip"
+            } else {
+                "spacing"
+            };
+            return Err(Problem::error(format!("terrain.{field}"), what));
+        }
+        n[axis] = count as usize;
+    }
+    if n[0] as f64 * n[1] as f64 > MOST_POINTS {
+        let what = format!(
+            "{} x {} points of terrain are more than {MOST_POINTS:.0}; raise the spacing above {spacing} m, or clip what is not needed",
+            n[0], n[1]
+        );
+        return Err(Problem::error("terrain.spacing", what));
+    }
+    Ok(Grid {
+        n,
+        corner,
+        spacing,
+        heights: vec![f64::NAN; n[0] * n[1]],
+    })
+}
+
+/// Height of a point that stands for a square; m. Of the first source that has the point, averaged where it is finer.
+fn sample(sources: &[Source], place: [f64; 2], spacing: f64) -> Option<f64> {
+    let (source, middle) = sources
+        .iter()
+        .find_map(|source| Some((source, source.height(place)?)))?;
+    let finer = spacing / source.spacing().unwrap_or(spacing);
+    let n = finer.min(MOST_SAMPLES).round() as u32;
+    if n < 2 {
+        return Some(middle);
+    }
+    let offset = |k: u32| ((f64::from(k) + 0.5) / f64::from(n) - 0.5) * spacing;
+    let (mut sum, mut count) = (0.0, 0.0);
+    for j in 0..n {
+        for i in 0..n {
+            if let Some(z) = source.height([place[0] + offset(i), place[1] + offset(j)]) {
+                sum += z;
+                count += 1.0;
+            }
+        }
+    }
+    Some(if count > 0.0 { sum / count } else { middle })
+}
+
+/// Gives points without a height one between those around them, or refuses; returns how many there were.
+fn fill_gaps(grid: &mut Grid, file: &TerrainFile) -> Result<usize, Problem> {
+    let missing: Vec<[usize; 2]> = grid
+        .points()
+        .filter(|&point| grid.heights[grid.index(point)].is_nan())
+        .collect();
+    let Some(&first) = missing.first() else {
+        return Ok(0);
+    };
+    let described = |grid: &Grid, point: [usize; 2]| {
+        let [x, y] = grid.place(point);
+        format!(
+            "({x:.2}, {y:.2}) m, on the map ({:.2}, {:.2})",
+            x + file.origin.0,
+            y + file.origin.1
+        )
+    };
+    let GapsFile::Filled(width) = file.gaps else {
+        let what = format!(
+            "no source has a height at {}, nor at {} more of {} points; clip them off, add a source that covers them, \
+             or fill gaps with `gaps: Filled(width)`",
+            described(grid, first),
+            missing.len() - 1,
+            grid.heights.len()
+        );
+        return Err(Problem::error("terrain.sources", what));
+    };
+    // from the rim inwards, each the mean of those beside it that are known
+    let mut rounds = 0.0;
+    let mut open = missing.clone();
+    while let Some(&point) = open.first() {
+        rounds += 1.0;
+        if rounds * grid.spacing > width.max(grid.spacing) {
+            let what = format!(
+                "the gap at {} is wider than {width} m from its rim; cover it with a source, or allow wider gaps",
+                described(grid, point)
+            );
+            return Err(Problem::error("terrain.gaps", what));
+        }
+        let found: Vec<Option<f64>> = open.iter().map(|&p| mean_beside(grid, p)).collect();
+        for (&point, height) in open.iter().zip(&found) {
+            let k = grid.index(point);
+            grid.heights[k] = height.unwrap_or(f64::NAN);
+        }
+        let mut is_open = found.iter().map(Option::is_none);
+        open.retain(|_| is_open.next() == Some(true));
+    }
+    for _ in 0..MEMBRANE_SWEEPS {
+        for &point in &missing {
+            let k = grid.index(point);
+            grid.heights[k] = mean_beside(grid, point).unwrap_or(grid.heights[k]);
+        }
+    }
+    Ok(missing.len())
+}
+
+/// Mean of the known heights of the four points beside one; m.
+fn mean_beside(grid: &Grid, [i, j]: [usize; 2]) -> Option<f64> {
+    let beside = [
+        (0 < i).then(|| [i.wrapping_sub(1), j]),
+        (i + 1 < grid.n[0]).then_some([i + 1, j]),
+        (0 < j).then(|| [i, j.wrapping_sub(1)]),
+        (j + 1 < grid.n[1]).then_some([i, j + 1]),
+    ];
+    let known = beside
+        .into_iter()
+        .flatten()
+        .map(|point| grid.heights[grid.index(point)])
+        .filter(|z| z.is_finite());
+    let (sum, count) = known.fold((0.0, 0.0), |(sum, count), z| (sum + z, count + 1.0));
+    (count > 0.0).then(|| sum / count)
+}
