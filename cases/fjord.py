@@ -1,0 +1,75 @@
+#!/usr/bin/env python3
+"""The fjord of fjord_rockslide.ron and slide_section.ron, from a closed form; standard library only.
+
+    python3 fjord.py grid > fjord.asc      land and sea bed, an ESRI ASCII grid in coordinates of the map
+    python3 fjord.py section               the polygons of slide_section.ron: the ground along y = 0
+
+Change a number, run it again, and the fjord is another one; a test holds the committed files to this script.
+Lengths in metres, in the scene's coordinates: x runs east across the fjord, y north along it, z up from the still water.
+"""
+
+import math
+import sys
+
+ORIGIN = (412000.0, 6904000.0)  # of the scene, on the map
+CELL = 20.0
+WEST, EAST = -1100.0, 1100.0
+SOUTH, NORTH = -1000.0, 1000.0
+
+DEPTH = 120.0  # of the middle
+WEST_SHORE, EAST_SHORE = -450.0, 550.0  # where the slopes would meet the water
+WEST_SLOPE, EAST_SLOPE = 42.0, 28.0  # degrees
+PLATEAU = 460.0  # height of the land above the slopes
+ROUNDING = 14.0  # length over which slopes, floor and plateau pass into each other
+
+# The slide: within this outline, above a plane that comes out of the slope at its toe.
+OUTLINE = [(-900.0, -115.0), (-620.0, -115.0), (-620.0, 115.0), (-900.0, 115.0)]
+TOE = (-620.0, 0.0)
+FAILURE_DIP = 34.0
+
+
+def smooth_max(*heights):
+    """The largest of some heights, rounded where two are alike."""
+    top = max(heights)
+    return top + ROUNDING * math.log(sum(math.exp((z - top) / ROUNDING) for z in heights))
+
+
+def height(x, y):
+    """Height of land and sea bed; m."""
+    # headlands and bays: both shores wander, but not where the slide is
+    far = 1.0 - math.exp(-((y / 400.0) ** 4))
+    wander = 35.0 * math.sin(2 * math.pi * y / 900.0) * far
+    west = math.tan(math.radians(WEST_SLOPE)) * (WEST_SHORE + wander - x)
+    east = math.tan(math.radians(EAST_SLOPE)) * (x - EAST_SHORE - 0.6 * wander)
+    # an upright fjord end would send waves back: the floor goes on to the edge
+    land = smooth_max(west, east, -DEPTH)
+    return -smooth_max(-land, -PLATEAU)
+
+
+def toe():
+    """The lowest point of the failure plane within the outline; m."""
+    return (*TOE, height(*TOE))
+
+
+def grid():
+    columns = round((EAST - WEST) / CELL) + 1
+    rows = round((NORTH - SOUTH) / CELL) + 1
+    print(f"ncols {columns}\nnrows {rows}")
+    print(f"xllcenter {ORIGIN[0] + WEST:.1f}\nyllcenter {ORIGIN[1] + SOUTH:.1f}")
+    print(f"cellsize {CELL:g}\nNODATA_value -9999")
+    for row in range(rows - 1, -1, -1):
+        y = SOUTH + row * CELL
+        print(" ".join(f"{height(WEST + column * CELL, y):.2f}" for column in range(columns)))
+
+
+def section():
+    raise SystemExit("not yet")
+
+
+if __name__ == "__main__":
+    if sys.argv[1:] == ["grid"]:
+        grid()
+    elif sys.argv[1:] == ["section"]:
+        section()
+    else:
+        sys.exit(__doc__)
