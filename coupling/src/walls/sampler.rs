@@ -35,6 +35,17 @@ pub(super) struct Thin {
     pub(super) behind: Vec<Vec<WallSample>>,
 }
 
+/// How far a stone reaches from its middle at most, over the support radius.
+const STONE: f64 = 1.5;
+
+/// How far the corners of some parts are from their middle; m.
+fn reach_of(parts: &[Part]) -> f64 {
+    let corners = || parts.iter().flat_map(Part::corners);
+    let middle = corners().sum::<Vec3>() / corners().count().max(1) as f64;
+    let distances = corners().map(|x| (x - middle).norm());
+    distances.fold(0.0, f64::max)
+}
+
 /// What is known of the faces of a part that may be a screen.
 struct Faces {
     /// At which it only seems to end.
@@ -126,8 +137,13 @@ impl Sampler {
     }
 
     /// Which of some parts, of which `inside` is what is inside the domain, are screens, with points behind each of their
-    /// sides, and which are not. Sides that other parts cover have none: nothing looks through them.
+    /// sides, and which are not. Sides that other parts cover have none: nothing looks through them. What is altogether a stone among
+    /// stones, no larger than the water's sight, is none: it parts no waters, and thousands of screens that touch would cost more than
+    /// all else.
     pub(super) fn screens(&self, inside: &[Part], parts: &[Part]) -> (Vec<Thin>, Vec<usize>) {
+        if reach_of(inside) < STONE * self.lattice.support_radius {
+            return (Vec::new(), (0..parts.len()).collect());
+        }
         let (mut screens, mut others) = (Vec::new(), Vec::new());
         for (k, part) in parts.iter().enumerate() {
             match self.screen(k, part, inside) {
