@@ -19,6 +19,8 @@ const THICKNESS_SHARE: f64 = 0.5;
 const SKIN_OF_THICKNESS: f64 = 0.25;
 /// A block is a needle from this `m R² |J⁻¹|` on, which is 8 of a cube and `3/2 a²` of a box a : 1 : 1; –.
 const NEEDLE: f64 = 1e3;
+/// Below this share of the volume of its body a part is a sliver of it; –.
+const SLIVER_SHARE: f64 = 0.05;
 /// Margin of the fat boxes; × size of the part.
 const SKIN: f64 = 0.05;
 
@@ -215,8 +217,13 @@ impl Blocks {
                 self.reference.push(Part::Sphere { center, radius })
             }
         }
+        let (least_size, least_thickness) = least_of_the_large(&self.reference[first..]);
         let mut radius = 0.0_f64;
         for part in &self.reference[first..] {
+            let (size, thickness) = (
+                part.size().max(least_size),
+                part.thickness().max(least_thickness),
+            );
             let from = if part.is_surface() {
                 *centroid
             } else {
@@ -231,15 +238,15 @@ impl Blocks {
             self.block_of_part.push(block as u32);
             self.material_of_part.push(material as u32);
             self.margin.push(if can_move {
-                f64::min(SKIN * part.size(), SKIN_OF_THICKNESS * part.thickness())
+                f64::min(SKIN * size, SKIN_OF_THICKNESS * thickness)
             } else {
                 0.0
             });
             self.can_move.push(can_move);
-            self.size.push(part.size());
+            self.size.push(size);
             self.deepest_allowed.push(f64::min(
-                self.settings.overlap_limit * part.size(),
-                THICKNESS_SHARE * part.thickness(),
+                self.settings.overlap_limit * size,
+                THICKNESS_SHARE * thickness,
             ));
         }
         self.radius.push(radius);
@@ -368,6 +375,19 @@ fn make_deformable(
         }
         DeformableModel::Dda12 => Deformable::Dda12(Dda12::new(body, constants, stress)),
     })
+}
+
+/// Least size and thickness of the parts of a body that are no slivers of it; m. A sliver that a body has for its shape moves with the
+/// others and is held back by them: alone it would ask for steps and overlaps as small as itself.
+fn least_of_the_large(parts: &[Part]) -> (f64, f64) {
+    let volume = |part: &Part| part.size().powi(3);
+    let whole: f64 = parts.iter().map(volume).sum();
+    let is_large = |part: &&Part| SLIVER_SHARE * whole <= volume(part);
+    let least = |of: fn(&Part) -> f64| {
+        let large = parts.iter().filter(is_large);
+        large.map(of).fold(f64::INFINITY, f64::min)
+    };
+    (least(Part::size), least(Part::thickness))
 }
 
 /// Moments of inertia and the turn that takes principal axes to the given placement.
