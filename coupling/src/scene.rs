@@ -9,6 +9,7 @@ mod fluid;
 #[cfg(feature = "geotiff")]
 pub mod geotiff;
 pub mod grains;
+pub mod impulse_wave;
 pub mod locate;
 pub mod mesh;
 pub mod motion;

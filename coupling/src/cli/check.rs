@@ -1,5 +1,7 @@
 //! `riprap check`: what a scene will model and what it costs.
 
+mod landslide;
+
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -158,6 +160,9 @@ pub(crate) fn describe(scene: &Scene, reach: &Reach) -> String {
     );
     for report in &scene.rock_masses {
         line("rock mass", report.to_string());
+    }
+    for (what, value) in landslide::lines(scene) {
+        line(what, value);
     }
     for report in &scene.grains {
         line("grains", report.to_string());

@@ -42,6 +42,10 @@ pub struct Terrain {
 /// Rock taken out of the ground.
 #[derive(Clone, Debug)]
 pub struct Rock {
+    /// Of the slide.
+    pub name: String,
+    /// Of the slide.
+    pub material: String,
     /// Convex bodies that adjoin.
     pub bodies: Vec<Polyhedron>,
     /// Area times mean thickness, triangle by triangle; m³.
@@ -130,10 +134,18 @@ pub fn resolve(file: &mut SceneFile, reach: &Reach) -> Result<Option<Terrain>, V
     let questions = plausible::questions(&grid, terrain);
     let n_excavations = terrain.excavations.len();
     let (surface, rock) = dug(&grid, &holes, tolerance)?;
+    let of_slides = rock.into_iter().skip(n_excavations).zip(slides);
     Ok(Some(Terrain {
         grid,
         surface: Arc::new(surface),
-        rock: rock.into_iter().skip(n_excavations).collect(),
+        rock: of_slides
+            .map(|((bodies, volume), slide)| Rock {
+                name: slide.name,
+                material: slide.material,
+                bodies,
+                volume,
+            })
+            .collect(),
         questions,
         n_filled,
     }))
@@ -190,12 +202,12 @@ fn hole(
     Ok((outline, beneath))
 }
 
-/// The ground without what is above the failure surfaces, and what that is.
+/// The ground without what is above the failure surfaces, and what that is, with its volumes (m³).
 fn dug(
     grid: &Grid,
     holes: &[(String, Outline, Beneath)],
     tolerance: f64,
-) -> Result<(Surface, Vec<Rock>), Vec<Problem>> {
+) -> Result<(Surface, Vec<(Vec<Polyhedron>, f64)>), Vec<Problem>> {
     let outlines: Vec<Outline> = holes
         .iter()
         .map(|(_, outline, _)| outline.clone())
@@ -248,10 +260,5 @@ fn dug(
     }
     let surface = Surface::new(points, triangles)
         .map_err(|error| vec![Problem::error("terrain", format!("is no surface: {error}"))])?;
-    let rock = rock.into_iter().zip(volumes);
-    Ok((
-        surface,
-        rock.map(|(bodies, volume)| Rock { bodies, volume })
-            .collect(),
-    ))
+    Ok((surface, rock.into_iter().zip(volumes).collect()))
 }

@@ -1,0 +1,86 @@
+//! What a slide into water needs of its water, and whether the water fills its basin.
+
+use crate::scene::file::RegionShapeFile;
+use crate::scene::impulse_wave::SlideImpact;
+use crate::scene::resolve::{FluidScene, Scene};
+use crate::scene::terrain::Terrain;
+use crate::scene::terrain::basin::volume_below;
+
+/// Particle spacings across the thickness of a slide: with fewer most of its water is within the support of its back too.
+const IN_SLIDE: f64 = 4.0;
+/// Particle spacings in the height of the first crest: where the surface is, is known to half a one.
+const IN_CREST: f64 = 3.0;
+
+/// A basin is well filled with a volume as near to its own as this; –.
+const WELL_FILLED: f64 = 0.005;
+
+/// Lines of the description: what, and its words.
+pub(super) fn lines(scene: &Scene) -> Vec<(&'static str, String)> {
+    let (Some(terrain), Some(fluid)) = (&scene.terrain, &scene.fluid) else {
+        return Vec::new();
+    };
+    let mut lines = basins(scene, terrain, fluid);
+    let spacing = fluid.walls.particle_spacing;
+    for rock in &terrain.rock {
+        let Some(slide) = SlideImpact::of(rock, scene) else {
+            continue;
+        };
+        let crest = slide.first_crest();
+        lines.push((
+            "slide wave",
+            format!(
+                "`{}`, {:.3e} m3, {:.1} m thick and {:.0} m wide, meets the water at about {:.0} m/s; by formulas fitted to \
+                 experiments (P = {:.2}) the first crest is {crest:.1} m, within a third",
+                rock.name,
+                slide.volume,
+                slide.thickness,
+                slide.width,
+                slide.speed,
+                slide.impulse_product()
+            ),
+        ));
+        let (of_slide, of_crest) = (slide.thickness / IN_SLIDE, crest / IN_CREST);
+        let coarsest = of_slide.min(of_crest);
+        let verdict = if spacing <= coarsest {
+            "resolves both"
+        } else {
+            "is too coarse for figures, good for a first look"
+        };
+        lines.push((
+            "resolution",
+            format!(
+                "{IN_SLIDE} spacings of {of_slide:.2} m in the thickness of the slide, {IN_CREST} of {of_crest:.2} m in the crest: \
+                 {coarsest:.2} m or finer; {spacing:.2} m {verdict}"
+            ),
+        ));
+    }
+    lines
+}
+
+/// Water poured into basins of the terrain, against the room below its level.
+fn basins(scene: &Scene, terrain: &Terrain, fluid: &FluidScene) -> Vec<(&'static str, String)> {
+    let (min, max) = (scene.file.domain.min, scene.file.domain.max);
+    let plan = [[min.0, min.1], [max.0, max.1]];
+    let regions = scene.file.fluid.iter().flat_map(|water| &water.regions);
+    let basins = regions.enumerate().filter_map(|(k, region)| {
+        let RegionShapeFile::Below { level, seed } = region.shape else {
+            return None;
+        };
+        let room = volume_below(terrain, level, [seed.0, seed.1], plan)?;
+        let of_region = fluid.lattice.region.iter().filter(|&&r| r as usize == k);
+        let volume = of_region.count() as f64 * fluid.lattice.particle_volume();
+        let off = volume / room - 1.0;
+        let advice = if off.abs() < WELL_FILLED {
+            ""
+        } else {
+            ": rows end above a flat bottom, choose a spacing that divides its depth"
+        };
+        let words = format!(
+            "`{}`: {volume:.4e} m3 in particles, {:+.2} % of the integral between ground and level{advice}",
+            region.name,
+            100.0 * off
+        );
+        Some(("water", words))
+    });
+    basins.collect()
+}

@@ -1,0 +1,163 @@
+//! The wave that a slide is expected to make, by formulas fitted to experiments: what the water has to resolve.
+
+use riprap_dda::Vec3;
+
+use super::file::ShapeFile;
+use super::resolve::Scene;
+use super::terrain::Rock;
+
+/// A slide as the formulas see it, where it meets the water.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SlideImpact {
+    /// m/s.
+    pub speed: f64,
+    /// Mean, across the failure surface; m.
+    pub thickness: f64,
+    /// Across its way; m.
+    pub width: f64,
+    /// m³.
+    pub volume: f64,
+    /// Of the failure surface to the horizontal; rad.
+    pub slope: f64,
+    /// Density of the rock over that of water; –.
+    pub relative_density: f64,
+    /// Of the still water; m.
+    pub depth: f64,
+    /// m/s².
+    pub gravity: f64,
+}
+
+impl SlideImpact {
+    /// What is expected of a slide that starts from rest, falls until the middle of its mass is at the water's level, and is slowed
+    /// by its friction. None in scenes without water or gravity, and of slides that friction holds or that start below the water.
+    ///
+    /// ```text
+    /// v = √(2 g Δz (1 − tan δ/tan α))         Evers et al. (2019), VAW-Mitteilung 254        [m/s]
+    /// ```
+    pub fn of(rock: &Rock, scene: &Scene) -> Option<Self> {
+        let fluid = scene.fluid.as_ref()?;
+        let water = scene.file.fluid.as_ref()?;
+        let gravity = scene.block_settings.gravity.norm();
+        let bed: Vec3 = rock.bodies.iter().map(bed_area).sum();
+        let up = -bed.try_normalize(0.0)?;
+        let along = Vec3::new(up.x, up.y, 0.0).try_normalize(1e-6)?;
+        let slope = up.z.clamp(-1.0, 1.0).acos();
+        let across = Vec3::z().cross(&along);
+        let places = rock.bodies.iter().flat_map(|body| body.vertices());
+        let (least, most) = places
+            .map(|x| across.dot(x))
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| {
+                (a.min(x), b.max(x))
+            });
+        let masses = rock.bodies.iter().map(riprap_dda::mass_properties);
+        let moment: f64 = masses.map(|m| m.volume * m.centroid.z).sum();
+        let level = fluid.lattice.still_water_level;
+        let drop = moment / rock.volume - level;
+        let share = 1.0 - friction_below(rock, scene)? / slope.tan();
+        let speed = (2.0 * gravity * drop * share).max(0.0).sqrt();
+        let material = scene
+            .file
+            .materials
+            .iter()
+            .find(|m| m.name == rock.material)?;
+        (0.0 < speed).then_some(Self {
+            speed,
+            thickness: rock.volume / bed.norm(),
+            width: most - least,
+            volume: rock.volume,
+            slope,
+            relative_density: material.density / water.density,
+            depth: fluid.lattice.depth,
+            gravity,
+        })
+    }
+
+    /// Impulse product parameter.
+    ///
+    /// ```text
+    /// P = F S^½ M^¼ √cos(6α/7),   F = v/√(g h),   S = s/h,   M = ρ_s V/(ρ_w b h²)       Heller & Hager (2010)   [–]
+    /// ```
+    pub fn impulse_product(&self) -> f64 {
+        let Self { depth: h, .. } = *self;
+        let froude = self.speed / (self.gravity * h).sqrt();
+        let mass = self.relative_density * self.volume / (self.width * h * h);
+        froude
+            * (self.thickness / h).sqrt()
+            * mass.powf(0.25)
+            * (6.0 / 7.0 * self.slope).cos().sqrt()
+    }
+
+    /// Height of the first crest over the still water, of waves that spread out from a slide narrower than the basin; m.
+    ///
+    /// ```text
+    /// a/h = 0.2 P^½ (b/h)^¾ cos^¼(6α/7)                  Evers et al. (2019), VAW-Mitteilung 254
+    /// ```
+    pub fn first_crest(&self) -> f64 {
+        let turned = (6.0 / 7.0 * self.slope).cos().powf(0.25);
+        let width = (self.width / self.depth).powf(0.75);
+        0.2 * self.impulse_product().sqrt() * width * turned * self.depth
+    }
+}
+
+/// Area of the faces that look down, as a vector; m².
+fn bed_area(body: &riprap_dda::Polyhedron) -> Vec3 {
+    /// Faces steeper than this are walls, not bed: sine of 6 degrees.
+    const WALL: f64 = 0.1;
+    let areas = (0..body.n_faces()).map(|face| {
+        let corners: Vec<Vec3> = body
+            .face_vertices(face)
+            .map(|v| body.vertices()[v as usize])
+            .collect();
+        let fan = corners.windows(2).map(|pair| {
+            let first = corners[0];
+            0.5 * (pair[0] - first).cross(&(pair[1] - first))
+        });
+        fan.sum::<Vec3>()
+    });
+    areas.filter(|area| area.z < -WALL * area.norm()).sum()
+}
+
+/// Tangent of the friction angle between a slide and the terrain, when all weakening is over.
+fn friction_below(rock: &Rock, scene: &Scene) -> Option<f64> {
+    let number = |name: &str| scene.file.materials.iter().position(|m| m.name == name);
+    let of_slide = number(&rock.material)?;
+    let blocks = &scene.file.blocks;
+    let terrain = blocks
+        .iter()
+        .find(|block| matches!(block.shape, ShapeFile::Terrain))?;
+    let of_terrain = number(&terrain.material)?;
+    let pair = |(a, b): (usize, usize)| {
+        (a, b) == (of_slide, of_terrain) || (b, a) == (of_slide, of_terrain)
+    };
+    let joint = scene.joints.iter().find(|joint| pair(joint.materials));
+    let own = |m: usize| scene.materials[m].friction_angle.tan();
+    let tangent = joint
+        .and_then(|joint| joint.friction_angle)
+        .map_or_else(|| own(of_slide).min(own(of_terrain)), f64::tan);
+    let weakening = scene.weakenings.iter().find(|w| pair(w.materials));
+    let share = weakening.map_or(1.0, |w| w.friction.at(f64::INFINITY));
+    Some(tangent * share)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The worked example of the manual of ETH Zurich on impulse waves: P = 0.64, first crest 14.4 m, as printed.
+    #[test]
+    fn the_example_of_the_manual_comes_out() {
+        let slide = SlideImpact {
+            speed: 58.0,
+            thickness: 12.0,
+            width: 100.0,
+            volume: 220_000.0,
+            slope: 40.0_f64.to_radians(),
+            relative_density: 1.7,
+            depth: 80.0,
+            gravity: 9.81,
+        };
+        // to the digits printed
+        assert!((slide.impulse_product() - 0.64).abs() < 0.005);
+        assert!((slide.first_crest() - 14.4).abs() < 0.05);
+    }
+}
