@@ -7,7 +7,7 @@ use crate::scene::terrain::Terrain;
 use crate::scene::terrain::basin::volume_below;
 
 /// Particle spacings across the thickness of a slide: with fewer most of its water is within the support of its back too.
-const IN_SLIDE: f64 = 4.0;
+const IN_SLIDE: f64 = 3.0;
 /// Particle spacings in the height of the first crest: where the surface is, is known to half a one.
 const IN_CREST: f64 = 3.0;
 
