@@ -65,6 +65,9 @@ const SHALLOW_EDGES: f64 = 0.5;
 /// Sizes that differ by less than this share are equal, and a normal less inclined than this is level: the
 /// rest is round-off.
 const EQUAL_SIZE: f64 = 1e-9;
+/// An overlap deeper than this, over the thickness of the thinner body, is none, if in another direction it is less than this share
+/// of that.
+const PASSED_THROUGH: f64 = 0.5;
 /// An overlap that changed by less than this share since the last full test needs no new one ...
 const TRUSTED_CHANGE: f64 = 0.1;
 /// ... nor does one that changed by less than this (× size of the smaller body): so shallow, another
@@ -431,6 +434,10 @@ impl AxisCache {
 
     fn verified(&mut self, a: &Polyhedron, b: &Polyhedron, down: &Vec3) -> Option<Axis> {
         let mut kept = None;
+        if self.trust > 0 && self.verified_gap == f64::NEG_INFINITY {
+            self.trust -= 1;
+            return None;
+        }
         if let Some(axis) = self.axis {
             let shallow = TRUSTED_DEPTH * a.size().min(b.size());
             // Neighbours that hardly touch flicker between apart and overlapping: no reason to search.
@@ -484,11 +491,29 @@ impl AxisCache {
             TRUSTED_STEPS
         };
         self.axis = Some(axis);
-        self.verified_gap = axis.gap;
         self.trust = self.trusted;
-        // No axis at all: nothing of the two is visible to the other here.
-        (axis.gap <= 0.0 && axis.gap > f64::NEG_INFINITY).then_some(axis)
+        // nothing of the two is visible to the other here
+        let is_hidden = axis.gap == f64::NEG_INFINITY || touch_where_covered(a, b, &axis);
+        self.verified_gap = if is_hidden {
+            f64::NEG_INFINITY
+        } else {
+            axis.gap
+        };
+        (axis.gap <= 0.0 && !is_hidden).then_some(axis)
     }
+}
+
+/// Do two bodies, parts of larger ones, touch only where other parts cover their faces or carry on their corners? By what is left they
+/// would then have passed through each other: what is between them is between these others.
+fn touch_where_covered(a: &Polyhedron, b: &Polyhedron, axis: &Axis) -> bool {
+    let thinner = a.thickness().min(b.thickness());
+    if -axis.gap <= PASSED_THROUGH * thinner {
+        return false;
+    }
+    let of_a = (0..a.n_faces()).map(|face| a.face_normal(face));
+    let of_b = (0..b.n_faces()).map(|face| -b.face_normal(face));
+    let gaps = of_a.chain(of_b).map(|normal| gap_along(a, b, &normal));
+    gaps.fold(f64::NEG_INFINITY, f64::max) > PASSED_THROUGH * axis.gap
 }
 
 /// The published cold start: along the line between the middles of the corners.

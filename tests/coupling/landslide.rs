@@ -16,6 +16,7 @@ use riprap::observe::Observer as _;
 use riprap::observe::gauges::Gauges;
 use riprap::run;
 use riprap::scene::error::Problem;
+use riprap::scene::impulse_wave::SlideImpact;
 use riprap::scene::parse;
 use riprap::scene::resolve::Scene;
 use riprap::scene::terrain::Terrain;
@@ -589,6 +590,145 @@ fn wrong_terrain_and_outlines_are_refused_in_words() {
             problems[0].message
         );
     }
+}
+
+/// Water that gets out of the raster or over all land is refused, with the place on the map.
+#[test]
+fn basins_that_do_not_hold_are_refused_in_words() {
+    let folder = tempfile::tempdir().unwrap();
+    let floor = Raster {
+        corner: [500_000.0, 6_000_000.0],
+        cell: 10.0,
+        n: [41, 31],
+    };
+    // a valley that goes on to the south
+    floor.write(&folder.path().join("valley.asc"), |x, y| {
+        0.5 * (x - 500_200.0).abs() + 0.5 * (y - 6_000_150.0).max(0.0)
+    });
+    for (level, words) in [
+        (40.0, "leaks out of the domain at ("),
+        (40.0, "on the map (0, 0, 0) is (500000, 6000000, 0) m"),
+        (500.0, "above the domain"),
+        (250.0, "leaks out of the domain at ("),
+    ] {
+        let text = format!(
+            r#"(title: "no basin", domain: (min: (0, 0, -20), max: (400, 300, 300)),
+                materials: [(name: "rock", density: 2600, friction_angle_deg: 30)],
+                terrain: (sources: [(file: "valley.asc")], origin: (500000, 6000000, 0)),
+                blocks: [(name: "ground", material: "rock", motion: Fixed, shape: Terrain)],
+                fluid: (resolution: Spacing(5), regions: [(name: "lake", shape: Below(level: {level}, seed: (200, 100, 30)))]),
+                time: (duration: 1))"#
+        );
+        let problems = Scene::resolve(parse::read(&text).unwrap(), folder.path()).unwrap_err();
+        println!("{}: {}", problems[0].path, problems[0].message);
+        assert!(
+            problems[0].message.contains(words),
+            "{}",
+            problems[0].message
+        );
+    }
+}
+
+/// The scene of the README is one.
+#[test]
+fn the_slope_of_the_readme_is_read() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    let readme = std::fs::read_to_string(root.join("README.md")).unwrap();
+    let (_, from) = readme.split_once("```ron\n").unwrap();
+    let (text, _) = from.split_once("```").unwrap();
+    let scene = Scene::resolve(parse::read(text).unwrap(), &root.join("cases")).unwrap();
+    assert!(scene.warnings.is_empty(), "{:?}", scene.warnings);
+    assert!(scene.rock_masses[0].n_blocks > 50);
+    let slide = SlideImpact::of(&scene.terrain.as_ref().unwrap().rock[0], &scene).unwrap();
+    // 40 to 50 m of rock over half of the outline's 280 m, 300 m above the water, on 34 degrees with a friction of 20
+    assert!((20.0..40.0).contains(&slide.thickness) && (slide.width - 230.0).abs() < 1e-6);
+    assert!((slide.slope.to_degrees() - 34.0).abs() < 0.1);
+    let expected =
+        2.0 * G * 300.0 * (1.0 - 20.0_f64.to_radians().tan() / 34.0_f64.to_radians().tan());
+    assert!((slide.speed / expected.sqrt() - 1.0).abs() < 0.05);
+}
+
+/// A slope turned by a quarter about z, with its outline, its joints and its failure plane, is cut into the same blocks, which slide
+/// as far. Triangles may lie across the other diagonal: volumes are the same to its tolerance.
+#[test]
+fn a_turned_slope_fails_alike() {
+    let folder = tempfile::tempdir().unwrap();
+    // 390 m by 390 m about its middle
+    let square = Raster {
+        corner: [-200.0, -200.0],
+        cell: 10.0,
+        n: [41, 41],
+    };
+    let slope = |x: f64, y: f64| -0.8 * x + 3.0 * (x / 37.0).sin() * (y / 29.0).cos();
+    square.write(&folder.path().join("east.asc"), slope);
+    // what was at (x, y) is at (-y, x)
+    square.write(&folder.path().join("north.asc"), |x, y| slope(y, -x));
+    let made = |file: &str, turn: f64, corners: &str, point: &str| {
+        let slide = format!(
+            "(name: \"slide\", material: \"rock\", outline: Corners([{corners}]),
+              failure_surface: Plane(point: {point}, dip_deg: 36, dip_direction_deg: {}),
+              joint_sets: [(dip_deg: 36, dip_direction_deg: {}, spacing: 15, origin: {point}),
+                           (dip_deg: 60, dip_direction_deg: {}, spacing: 22, origin: (0, 0, 0)),
+                           (dip_deg: 90, dip_direction_deg: {}, spacing: 19, origin: (0, 0, 0))],
+              minimum_volume: 200)",
+            90.0 - turn,
+            90.0 - turn,
+            270.0 - turn,
+            360.0 - turn
+        );
+        let text = format!(
+            r#"(title: "a slope", domain: (min: (-190, -190, -250), max: (190, 190, 250)),
+                materials: [(name: "rock", density: 2600, friction_angle_deg: 10, contact_stiffness: 1e10)],
+                terrain: (sources: [(file: "{file}")], tolerance: 0.001),
+                slides: [{slide}],
+                blocks: [(name: "ground", material: "rock", motion: Fixed, shape: Terrain)],
+                time: (duration: 2))"#
+        );
+        Scene::resolve(parse::read(&text).unwrap(), folder.path()).unwrap()
+    };
+    let east = made(
+        "east.asc",
+        0.0,
+        "(-90, -55), (20, -55), (20, 55), (-90, 55)",
+        "(20, 0, -26)",
+    );
+    let north = made(
+        "north.asc",
+        90.0,
+        "(55, -90), (55, 20), (-55, 20), (-55, -90)",
+        "(0, 20, -26)",
+    );
+    let volume = |scene: &Scene| scene.terrain.as_ref().unwrap().rock[0].volume;
+    let off = volume(&north) / volume(&east) - 1.0;
+    println!(
+        "{} and {} blocks, volume off by {off:.1e}",
+        east.rock_masses[0].n_blocks, north.rock_masses[0].n_blocks
+    );
+    assert!(off.abs() < 1e-4);
+    assert_eq!(east.rock_masses[0].n_blocks, north.rock_masses[0].n_blocks);
+    let ways = [east, north].map(|scene| {
+        let mut world = run::build(&scene).unwrap();
+        let free: Vec<usize> = (0..scene.blocks.len())
+            .filter(|&b| world.blocks.is_free(b))
+            .collect();
+        let center = |world: &riprap::world::World| {
+            let mass: f64 = free.iter().map(|&b| world.blocks.mass(b)).sum();
+            let moments = free
+                .iter()
+                .map(|&b| world.blocks.centroid(b) * world.blocks.mass(b));
+            moments.sum::<Vec3>() / mass
+        };
+        let start = center(&world);
+        while world.time() < 1.0 {
+            let step = world.next_step(1.0).unwrap();
+            world.step(step).unwrap();
+        }
+        center(&world) - start
+    });
+    let turned = Vec3::new(-ways[0].y, ways[0].x, ways[0].z);
+    println!("{:.4?} and {:.4?}", ways[0], ways[1]);
+    // of a way of some metres: triangles of rough ground differ by 1 mm
+    assert!((ways[1] - turned).norm() < 0.01 * ways[0].norm());
 }
 
 /// Feet for metres and degrees for both are asked about.

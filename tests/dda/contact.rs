@@ -506,3 +506,38 @@ fn meet(blocks: &mut Blocks, end: f64) -> bool {
     }
     true
 }
+
+/// Two plates of three wedges each meet face on: the middle wedges touch only by edges between covered faces, and have no contact of
+/// their own. Hit centrally they exchange their velocities, as whole plates do.
+#[test]
+fn wedges_that_touch_between_their_siblings_have_no_contact() {
+    let plate = |side: f64, y: f64| {
+        let wedge = |corners: [[f64; 2]; 3]| {
+            let points: Vec<Vec3> = corners
+                .iter()
+                .flat_map(|&[x, depth]| [0.0, 0.5].map(|z| Vec3::new(x, y + side * depth, z)))
+                .collect();
+            Polyhedron::convex_hull(&points).unwrap()
+        };
+        let parts = vec![
+            wedge([[0.0, 0.0], [0.0, 2.0], [1.0, 0.0]]),
+            wedge([[1.0, 0.0], [0.0, 2.0], [2.0, 2.0]]),
+            wedge([[1.0, 0.0], [2.0, 2.0], [2.0, 0.0]]),
+        ];
+        riprap_dda::BlockDefinition {
+            shape: Shape::Polyhedra(parts),
+            ..block(cuboid([0.0; 3], [1.0; 3]), Motion::Free)
+        }
+    };
+    let definitions = vec![moving(plate(-1.0, 0.0), [0.0, 0.5, 0.0]), plate(1.0, 1e-4)];
+    let mut blocks = blocks(definitions, elastic(), Vec3::zeros());
+    let dt = 2e-5;
+    for k in 0..5000 {
+        blocks.advance(f64::from(k) * dt, dt, 1).unwrap();
+    }
+    let (first, second) = (blocks.velocity(0), blocks.velocity(1));
+    // half a step of one contact of some hundred steps
+    assert_below("left with the first", first.norm(), 5e-3);
+    assert_close("given to the second", second.y, 0.5, 5e-3);
+    assert_below("turned", blocks.angular_velocity(1).norm(), 1e-3);
+}

@@ -16,7 +16,7 @@ use crate::scene::attachments::{
     static_damping, weakenings,
 };
 use crate::scene::error::{Problem, Severity};
-use crate::scene::file::{OutputFile, SceneFile, Triple, WallMethodFile};
+use crate::scene::file::{OutputFile, SceneFile, TerrainFile, Triple, WallMethodFile};
 use crate::scene::fill::{Lattice, Room, lattice_within, narrow_gaps, overlaps};
 use crate::scene::fluid::mould_rows;
 use crate::scene::grains::{self, GrainsReport};
@@ -57,6 +57,20 @@ pub struct Scene {
     pub fluid: Option<FluidScene>,
     /// What the user should know.
     pub warnings: Vec<Problem>,
+}
+
+/// A problem with places, where the scene is part of a map.
+fn on_the_map(problem: Problem, terrain: Option<&TerrainFile>) -> Problem {
+    match terrain.map(|terrain| terrain.origin) {
+        Some((x, y, z)) if problem.message.contains(") m") => Problem {
+            message: format!(
+                "{}; on the map (0, 0, 0) is ({x}, {y}, {z}) m",
+                problem.message
+            ),
+            ..problem
+        },
+        _ => problem,
+    }
 }
 
 /// Water at the start and its numbers.
@@ -150,7 +164,12 @@ impl Scene {
         let mut lattice = match &file.fluid {
             None => None,
             Some(fluid) => lattice_within(fluid, &file.domain, &solids, mould_rows(&file), room)
-                .map_err(|found| problems.extend(found))
+                .map_err(|found| {
+                    let placed = found
+                        .into_iter()
+                        .map(|p| on_the_map(p, file.terrain.as_ref()));
+                    problems.extend(placed);
+                })
                 .ok(),
         };
         if problems.iter().any(|p| p.severity == Severity::Error) {
