@@ -106,7 +106,7 @@ def section():
         piece = polygon([(x0, BASE), (x1, BASE), (x1, z1), (x0, z0)])
         print(
             f'        (name: "ground_{number:02}", material: "ground", motion: Fixed,'
-            f" shape: Extrusion(axis: Y, from: 0, to: 10, polygon: {piece})),"
+            f" shape: Extrusion(axis: Y, from: -20, to: 30, polygon: {piece})),"
         )
     # the slide: terrain from the toe up, and the failure plane back down
     top = simplified(terrain(back, front), TOLERANCE)[::-1]
