@@ -11,7 +11,7 @@ import math
 
 ORIGIN = (618000.0, 5142000.0, 500.0)  # of the scene, on the map; heights of the file are above sea level
 CELL = 10.0
-WEST, EAST = -880.0, 440.0
+WEST, EAST = -940.0, 440.0
 SOUTH, NORTH = -300.0, 460.0
 
 DEPTH = 70.0  # of the valley floor below the full reservoir, under the dam
