@@ -2,7 +2,7 @@
 """The fjord of fjord_rockslide.ron and slide_section.ron, from a closed form; standard library only.
 
     python3 fjord.py grid > fjord.asc      land and sea bed, an ESRI ASCII grid in coordinates of the map
-    python3 fjord.py section               the polygons of slide_section.ron: the ground along y = 0
+    python3 fjord.py section               the polygons of slide_section.ron: ground and slide along y = 0
 
 Change a number, run it again, and the fjord is another one; a test holds the committed files to this script.
 Lengths in metres, in the scene's coordinates: x runs east across the fjord, y north along it, z up from the still water.
@@ -26,6 +26,11 @@ ROUNDING = 14.0  # length over which slopes, floor and plateau pass into each ot
 OUTLINE = [(-900.0, -115.0), (-620.0, -115.0), (-620.0, 115.0), (-900.0, 115.0)]
 TOE = (-620.0, 0.0)
 FAILURE_DIP = 34.0
+
+# The section: from and to, lowest edge of its pieces, and how far they may be off the raster.
+SECTION = (-960.0, 960.0)
+BASE = -150.0
+TOLERANCE = 0.3
 
 
 def smooth_max(*heights):
@@ -62,8 +67,51 @@ def grid():
         print(" ".join(f"{height(WEST + column * CELL, y):.2f}" for column in range(columns)))
 
 
+def failure_plane(x):
+    """Height of the failure plane; m."""
+    x_toe, _, z_toe = toe()
+    return z_toe + math.tan(math.radians(FAILURE_DIP)) * (x_toe - x)
+
+
+def simplified(points, tolerance):
+    """The ends of a line and those of its points between that it takes to stay within a tolerance (Douglas and Peucker 1973)."""
+    (x0, z0), (x1, z1) = points[0], points[-1]
+    off = [abs(z - z0 - (z1 - z0) * (x - x0) / (x1 - x0)) for x, z in points]
+    worst = max(range(len(points)), key=off.__getitem__)
+    if off[worst] <= tolerance:
+        return [points[0], points[-1]]
+    return simplified(points[: worst + 1], tolerance)[:-1] + simplified(points[worst:], tolerance)
+
+
+def terrain(west, east):
+    """The raster along y = 0; m."""
+    first, last = round((west - WEST) / CELL), round((east - WEST) / CELL)
+    return [(WEST + i * CELL, height(WEST + i * CELL, 0.0)) for i in range(first, last + 1)]
+
+
+def polygon(points):
+    return "[" + ", ".join(f"({x:g}, {z:.2f})" for x, z in points) + "]"
+
+
 def section():
-    raise SystemExit("not yet")
+    back, front = OUTLINE[0][0], TOE[0]
+    # terrain, the failure plane under the slide, terrain
+    stretches = [
+        simplified(terrain(SECTION[0], back), TOLERANCE),
+        [(back, failure_plane(back)), (front, failure_plane(front))],
+        simplified(terrain(front, SECTION[1]), TOLERANCE),
+    ]
+    pieces = [pair for stretch in stretches for pair in zip(stretch, stretch[1:])]
+    for number, ((x0, z0), (x1, z1)) in enumerate(pieces, 1):
+        piece = polygon([(x0, BASE), (x1, BASE), (x1, z1), (x0, z0)])
+        print(
+            f'        (name: "ground_{number:02}", material: "ground", motion: Fixed,'
+            f" shape: Extrusion(axis: Y, from: -20, to: 30, polygon: {piece})),"
+        )
+    # the slide: terrain from the toe up, and the failure plane back down
+    top = simplified(terrain(back, front), TOLERANCE)[::-1]
+    rock = polygon([*top, (back, failure_plane(back))])
+    print(f"        boundary: Extrusion(axis: Y, from: 0, to: 10, polygon: {rock}),")
 
 
 if __name__ == "__main__":
