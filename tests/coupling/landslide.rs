@@ -629,6 +629,30 @@ fn basins_that_do_not_hold_are_refused_in_words() {
     }
 }
 
+/// The scripts make the terrain that is here, and the section's ground and rock, to the letter.
+#[test]
+fn the_scripts_make_the_terrain_of_the_cases() {
+    let cases = Path::new(env!("CARGO_MANIFEST_DIR")).join("../cases");
+    let made = |script: &str, what: &[&str]| {
+        let mut command = std::process::Command::new("python3");
+        let output = command.arg(cases.join(script)).args(what).output();
+        output.map(|output| String::from_utf8(output.stdout).unwrap())
+    };
+    let text = |file: &str| std::fs::read_to_string(cases.join(file)).unwrap();
+    let Ok(fjord) = made("fjord.py", &["grid"]) else {
+        println!("skipped: there is no python3");
+        return;
+    };
+    assert_eq!(fjord, text("fjord.asc"));
+    assert_eq!(made("reservoir.py", &[]).unwrap(), text("reservoir.asc"));
+    let section = made("fjord.py", &["section"]).unwrap();
+    let scene = text("slide_section.ron");
+    assert!(section.lines().count() > 10);
+    for line in section.lines().filter(|line| !line.trim().is_empty()) {
+        assert!(scene.contains(line.trim()), "{line}");
+    }
+}
+
 /// The scene of the README is one.
 #[test]
 fn the_slope_of_the_readme_is_read() {
