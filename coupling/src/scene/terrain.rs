@@ -202,12 +202,15 @@ fn hole(
     Ok((outline, beneath))
 }
 
-/// The ground without what is above the failure surfaces, and what that is, with its volumes (m³).
+/// Rock in convex bodies, and its volume; m³.
+type Piece = (Vec<Polyhedron>, f64);
+
+/// The ground without what is above the failure surfaces, and what that is.
 fn dug(
     grid: &Grid,
     holes: &[(String, Outline, Beneath)],
     tolerance: f64,
-) -> Result<(Surface, Vec<(Vec<Polyhedron>, f64)>), Vec<Problem>> {
+) -> Result<(Surface, Vec<Piece>), Vec<Problem>> {
     let outlines: Vec<Outline> = holes
         .iter()
         .map(|(_, outline, _)| outline.clone())
