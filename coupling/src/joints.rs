@@ -275,20 +275,22 @@ impl JointWater {
         &self.loads
     }
 
-    /// Force on the blocks that are free to move, and its power; N, W.
-    pub fn on_free_blocks(&self, blocks: &Blocks) -> (Vec3, f64) {
-        let (mut force, mut power) = (Vec3::zeros(), 0.0);
-        for (b, load) in self
-            .loads
-            .iter()
-            .enumerate()
-            .filter(|(b, _)| blocks.is_free(*b))
-        {
-            force += load.force;
-            power +=
-                load.force.dot(&blocks.velocity(b)) + load.torque.dot(&blocks.angular_velocity(b));
-        }
-        (force, power)
+    /// Force on the blocks that are free to move; N.
+    pub fn force_on_free_blocks(&self, blocks: &Blocks) -> Vec3 {
+        self.on_free(blocks).map(|(_, load)| load.force).sum()
+    }
+
+    /// Power of the water in joints on these blocks; W.
+    pub fn power_on_free_blocks(&self, blocks: &Blocks) -> f64 {
+        let power = |(b, load): (usize, &Load)| {
+            load.force.dot(&blocks.velocity(b)) + load.torque.dot(&blocks.angular_velocity(b))
+        };
+        self.on_free(blocks).map(power).sum()
+    }
+
+    fn on_free<'a>(&'a self, blocks: &'a Blocks) -> impl Iterator<Item = (usize, &'a Load)> {
+        let loads = self.loads.iter().enumerate();
+        loads.filter(|(b, _)| blocks.is_free(*b))
     }
 
     /// Pressures and loads at the present state and time (s); after the fluid's pressures.

@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::joints::JointWater;
 use crate::walls::Walls;
 use crate::world::World;
 use riprap_dda::{Blocks, Load};
@@ -133,6 +134,12 @@ impl Ledger {
         self.exchanged += laid.momentum.norm();
     }
 
+    /// Books what water in joints does to blocks that move over `dt`, as [`Self::book_walls`]: blocks at rest on each other are pushed
+    /// apart in one kick and come back by the next, and with the velocities before each that would look like work.
+    pub(crate) fn book_joints(&mut self, joints: &JointWater, blocks: &Blocks, dt: f64) {
+        self.joint_water += joints.power_on_free_blocks(blocks) * dt;
+    }
+
     /// Books what openings brought in.
     pub(crate) fn exchange(&mut self, brought: &Exchange) {
         self.through_openings += brought.energy;
@@ -185,9 +192,7 @@ impl Ledger {
                 }
             }
         }
-        let (apart, push) = water.joints.on_free_blocks(&world.blocks);
-        impulse += apart;
-        self.joint_water += push * dt;
+        impulse += water.joints.force_on_free_blocks(&world.blocks);
         // what sleeps is held up by what is below it
         let weight = world.gravity * water.fluid.awake_mass();
         let mirrored = water.fluid.plane_force();

@@ -652,11 +652,13 @@ impl World {
     }
 
     fn book_walls(&mut self, dt: f64) {
-        if self.held == Held::NoBlock
-            && let Some(walls) = self.water.as_ref().and_then(|water| water.walls.as_ref())
-        {
+        let Some(water) = self.water.as_ref().filter(|_| self.held == Held::NoBlock) else {
+            return;
+        };
+        if let Some(walls) = &water.walls {
             self.ledger.book_walls(walls, &self.blocks, dt);
         }
+        self.ledger.book_joints(&water.joints, &self.blocks, dt);
     }
 
     fn note_walls(&mut self) {
