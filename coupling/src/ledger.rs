@@ -230,7 +230,7 @@ impl World {
             pushed_back: self.ledger.pushed_back,
             removed: self.ledger.removed_energy,
             absorbed: self.ledger.absorbed,
-            laid_to_rest: self.ledger.laid_to_rest,
+            laid_to_rest: self.ledger.laid_to_rest + blocks.laid_to_rest,
             joint_water: self.ledger.joint_water,
             through_openings: self.ledger.through_openings,
             external_work: blocks.external_work + self.ledger.wall_work,

@@ -21,6 +21,7 @@ use crate::{
     links::Links,
     material::Joint,
     parts::Part,
+    rest::Rest,
     sphere_contact::{PairRates, Rolling, SphereContact, SphereLoads, SphereMark, SpherePair},
     surface_contact::SurfacePair,
 };
@@ -65,6 +66,8 @@ pub struct Blocks {
     pub(crate) damping: Account,
     pub(crate) strain_damping: Account,
     pub(crate) static_damping: Account,
+    /// What was left of the motion of blocks that fell asleep.
+    pub(crate) laid_to_rest: Account,
     pub(crate) external_work: Account,
     /// Impulse of gravity and of fixed and prescribed blocks on free ones; N s.
     pub(crate) support_impulse: Vec3,
@@ -76,6 +79,7 @@ pub struct Blocks {
     pub(crate) n_broken_bonds: u64,
     pub(crate) n_axis_searches: u64,
     pub(crate) max_overlap_over_size: f64,
+    pub(crate) rest: Rest,
 
     // Follows from the state.
     /// Rigid motion of every block; written by integrate.
@@ -169,6 +173,8 @@ pub(crate) enum Role {
     Still,
     /// Forces: rigid and free of holds.
     Plain,
+    /// Forces would, but it lies still.
+    Asleep,
     /// Forces: deformable, held, or damped by its load.
     Special,
 }
@@ -197,6 +203,8 @@ impl Blocks {
             damping: Account::default(),
             strain_damping: Account::default(),
             static_damping: Account::default(),
+            laid_to_rest: Account::default(),
+            rest: Rest::default(),
             external_work: Account::default(),
             support_impulse: Vec3::zeros(),
             impulse_exchanged: 0.0,
@@ -255,7 +263,7 @@ impl Blocks {
     }
 
     /// Sorts the blocks by who moves them.
-    fn note_roles(&mut self) {
+    pub(crate) fn note_roles(&mut self) {
         let is_damped = matches!(self.settings.static_damping, Some(StaticDamping::Local(_)));
         self.role = (0..self.n_blocks())
             .map(|b| {
@@ -264,6 +272,8 @@ impl Blocks {
                 } else if is_damped || self.deformable_of[b].is_some() || self.hold_of(b).is_some()
                 {
                     Role::Special
+                } else if self.rest.has(b) {
+                    Role::Asleep
                 } else {
                     Role::Plain
                 }

@@ -30,7 +30,7 @@ use serde::{Deserialize, Serialize};
 use takeover::{Features, Former};
 
 use crate::{
-    Vec3,
+    Motion, Vec3,
     blocks::Role,
     common_plane::{Axis, AxisCache, AxisKind, ContactDetection},
     friction::{ShearSpring, Shearing},
@@ -150,6 +150,7 @@ pub(crate) struct Medium<'a> {
     pub parts: &'a [Part],
     pub kinematics: &'a [Kinematics],
     pub role: &'a [Role],
+    pub motion: &'a [Motion],
     pub joints: &'a [Joint],
     pub material_of_part: &'a [u32],
     pub n_materials: usize,
@@ -171,6 +172,19 @@ pub(crate) struct Medium<'a> {
 }
 
 impl Medium<'_> {
+    /// Do both lie still, one of them asleep? Their contact is then as it was.
+    pub fn are_still(&self, blocks: (u32, u32)) -> bool {
+        let roles = [blocks.0, blocks.1].map(|block| self.role[block as usize]);
+        let is_still = |block: u32, role: Role| match role {
+            Role::Asleep => true,
+            Role::Still => matches!(self.motion[block as usize], Motion::Fixed),
+            Role::Plain | Role::Special => false,
+        };
+        roles.contains(&Role::Asleep)
+            && is_still(blocks.0, roles[0])
+            && is_still(blocks.1, roles[1])
+    }
+
     pub fn joint(&self, pair: &Pair) -> &Joint {
         self.joint_of(pair.parts)
     }

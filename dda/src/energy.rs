@@ -29,6 +29,8 @@ pub struct Energies {
     pub strain_damping: f64,
     /// Taken by the damping that a search for a state of rest may ask for; cumulative.
     pub static_damping: f64,
+    /// What was left of the motion of blocks that fell asleep; cumulative.
+    pub laid_to_rest: f64,
     /// Lost in bolts that yield; cumulative.
     pub plastic: f64,
     /// Work of prescribed blocks and of given loads on free blocks; cumulative. The work of impulses given with
@@ -49,6 +51,7 @@ impl Energies {
             damping,
             strain_damping,
             static_damping,
+            laid_to_rest,
             plastic,
             external_work,
         } = *self;
@@ -60,6 +63,7 @@ impl Energies {
             + damping
             + strain_damping
             + static_damping
+            + laid_to_rest
             + plastic
             - external_work
     }

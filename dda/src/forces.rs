@@ -113,6 +113,9 @@ impl Blocks {
                 return tally;
             };
             for pair in pairs {
+                if medium.are_still(pair.blocks) {
+                    continue;
+                }
                 let is_near = broad_phase::overlap(
                     &boxes[pair.parts.0 as usize],
                     &boxes[pair.parts.1 as usize],
@@ -172,13 +175,17 @@ impl Blocks {
                 .zip(rows.3)
                 .zip(rows.4);
             for ((((pair, mark), contact), loads), rates) in rows {
+                let rolling = rolling.next();
+                if medium.are_still(pair.blocks) {
+                    continue;
+                }
                 let row = SphereRow {
                     pair,
                     mark,
                     contact,
                     loads,
                     rates,
-                    rolling: rolling.next(),
+                    rolling,
                 };
                 row.evaluate(&medium, dt, &mut tally);
             }
@@ -198,6 +205,9 @@ impl Blocks {
         let update = |_, pairs: &mut [SurfacePair]| {
             let mut tally = Tally::default();
             for pair in pairs {
+                if medium.are_still(pair.blocks) {
+                    continue;
+                }
                 pair.evaluate(&medium, dt);
                 tally.friction += pair.friction;
                 tally.damping += pair.damping;

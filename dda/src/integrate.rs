@@ -57,7 +57,11 @@ impl Blocks {
     /// torque here, and what strains it by [`Self::apply_stretch`].
     pub fn apply_impulse(&mut self, loads: &[Load], dt: f64) {
         for (b, load) in loads.iter().enumerate().take(self.n_blocks()) {
-            if self.is_free(b) {
+            self.rest.note_outside(b, load);
+            if self.rest.has(b) {
+                // held by what it lies on
+                self.support_impulse -= load.force * dt;
+            } else if self.is_free(b) {
                 self.push_block(b, load, dt);
             }
         }
@@ -67,6 +71,7 @@ impl Blocks {
     /// free ignore it.
     pub fn apply_impulse_to(&mut self, b: usize, impulse: &Load) {
         if self.is_free(b) {
+            self.wake_one(b);
             self.push_block(b, impulse, 1.0);
         }
     }
@@ -198,6 +203,7 @@ impl Blocks {
         self.half_kick(dt);
         self.drop_excess();
         self.damp(dt);
+        self.rest_or_wake(dt);
         for b in 0..self.n_blocks() {
             match (self.role[b], &self.motion[b]) {
                 (Role::Still, Motion::Prescribed(path)) => {
@@ -254,7 +260,7 @@ impl Blocks {
                 if let Some(attached) = attached.get(b) {
                     load += *attached;
                 }
-                if role[b] == Role::Still {
+                if matches!(role[b], Role::Still | Role::Asleep) {
                     kicked.impulse -= load.force * (0.5 * dt);
                     kicked.exchanged += load.force.norm() * (0.5 * dt);
                     continue;

@@ -235,6 +235,10 @@ impl Scene {
                 deformability: block.deformable.as_ref().map(deformability),
             })
             .collect::<Vec<_>>();
+        let resting = super::sleep::resting(&mut file, &blocks, &mut problems);
+        if problems.iter().any(|p| p.severity == Severity::Error) {
+            return Err(problems);
+        }
         let scene = Self {
             terrain,
             rock_masses,
@@ -257,6 +261,7 @@ impl Scene {
                 normal_law: normal_law(file.numerics.normal_law),
                 rolling_law: rolling_law(file.numerics.rolling_law),
                 static_damping: file.numerics.static_damping.map(static_damping),
+                resting,
                 ..riprap_dda::Settings::default()
             },
             fluid,

@@ -1,5 +1,6 @@
-//! When water sleeps: numbers where the file has none, and what it cannot sleep with.
+//! When water and blocks sleep: numbers where the file has none, and what they cannot sleep with.
 
+use riprap_dda::{BlockDefinition, Motion, Resting};
 use riprap_sph::{Settings, Sleeping};
 
 use super::error::Problem;
@@ -13,6 +14,38 @@ const SPEED: f64 = 1e-3;
 /// Time of rest over that in which long waves go a depth: standing waves up to ten depths long, which pause as they turn,
 /// do not do so for as long.
 const TIME: f64 = 10.0;
+
+/// Way of a block at rest, over its size: a boulder of a metre may creep by a millimetre in half a second.
+const RESTING_WAY: f64 = 1e-3;
+/// Time of rest over that in which a block falls half its size.
+const RESTING_TIME: f64 = 2.0;
+/// Change of load that wakes, over the weight: of a block under water what pushes it in kicks is a tenth.
+const RESTING_LOAD: f64 = 0.2;
+
+/// Fills in when blocks sleep, if the file wants them to.
+pub(super) fn resting(
+    file: &mut SceneFile,
+    blocks: &[BlockDefinition],
+    problems: &mut Vec<Problem>,
+) -> Option<Resting> {
+    let gravity = super::resolve::vec3(file.gravity).norm();
+    let resting = file.numerics.resting.as_mut()?;
+    if gravity == 0.0 {
+        let what = "blocks cannot rest without gravity; leave `numerics.resting` out";
+        problems.push(Problem::error("numerics.resting", what));
+    }
+    let free = blocks.iter().filter(|b| matches!(b.motion, Motion::Free));
+    let largest = free.map(|b| b.shape.volume().cbrt()).fold(0.0, f64::max);
+    let time = RESTING_TIME * (largest / gravity).sqrt();
+    Some(Resting {
+        displacement: *resting.displacement.get_or_insert(RESTING_WAY),
+        // without any free block it is of no use, but is still a number
+        time: *resting
+            .time
+            .get_or_insert(if time > 0.0 { time } else { 1.0 }),
+        load: *resting.load.get_or_insert(RESTING_LOAD),
+    })
+}
 
 /// Fills in when the water sleeps, if the file wants it to.
 pub(super) fn sleeping(

@@ -58,6 +58,7 @@ impl Blocks {
             this.push(block, definition, &materials)?;
         }
         this.note_neighbors();
+        this.begin_rest();
         this.note_roles();
         this.place_parts(true);
         this.find_candidates();

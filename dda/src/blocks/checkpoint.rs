@@ -44,6 +44,8 @@ saved!({
     damping,
     strain_damping,
     static_damping,
+    laid_to_rest,
+    rest,
     external_work,
     support_impulse,
     impulse_exchanged,

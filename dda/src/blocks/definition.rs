@@ -1,7 +1,7 @@
 //! What a system of blocks is made from: blocks as they are given, and the numbers of the solver.
 
 use crate::{
-    BlockError, ContactDetection, Deformability, Motion, NormalLaw, RollingLaw, Shape,
+    BlockError, ContactDetection, Deformability, Motion, NormalLaw, Resting, RollingLaw, Shape,
     StaticDamping, Vec3,
 };
 
@@ -44,6 +44,8 @@ pub struct Settings {
     pub contact_detection: ContactDetection,
     /// Damping for a search for a state of rest. Default none: not for blocks that move.
     pub static_damping: Option<StaticDamping>,
+    /// When blocks that lie still sleep. Default never.
+    pub resting: Option<Resting>,
 }
 
 impl Default for Settings {
@@ -57,6 +59,7 @@ impl Default for Settings {
             rolling_law: RollingLaw::default(),
             contact_detection: ContactDetection::default(),
             static_damping: None,
+            resting: None,
         }
     }
 }
@@ -72,6 +75,7 @@ pub(super) fn check_settings(settings: &Settings) -> Result<(), BlockError> {
         normal_law: _,
         rolling_law: _,
         static_damping,
+        resting,
     } = *settings;
     if let Some(&value) = gravity.iter().find(|c| !c.is_finite()) {
         return refuse("gravity", value, "must be finite");
@@ -92,6 +96,22 @@ pub(super) fn check_settings(settings: &Settings) -> Result<(), BlockError> {
             overlap_limit,
             "must be above 0 and at most 1",
         );
+    }
+    if let Some(Resting {
+        displacement,
+        time,
+        load,
+    }) = resting
+    {
+        for (field, value) in [
+            ("resting.displacement", displacement),
+            ("resting.time", time),
+            ("resting.load", load),
+        ] {
+            if !(value > 0.0 && value.is_finite()) {
+                return refuse(field, value, "must be above 0");
+            }
+        }
     }
     match static_damping {
         Some(StaticDamping::MassProportional(value)) if !(value >= 0.0 && value.is_finite()) => {

@@ -212,6 +212,7 @@ impl Blocks {
             parts: &self.parts,
             kinematics: &self.kinematics,
             role: &self.role,
+            motion: &self.motion,
             joints: &self.joints,
             material_of_part: &self.material_of_part,
             n_materials: self.n_materials,

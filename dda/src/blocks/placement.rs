@@ -16,7 +16,7 @@ impl Blocks {
     /// `all`.
     pub(crate) fn place_parts(&mut self, all: bool) {
         for block in 0..self.n_blocks() {
-            if self.role[block] != Role::Plain
+            if !matches!(self.role[block], Role::Plain | Role::Asleep)
                 && (all || !matches!(self.motion[block], Motion::Fixed))
             {
                 self.set_kinematics(block);
@@ -34,12 +34,13 @@ impl Blocks {
             centroid,
             deformable_of,
             deformables,
+            role,
             ..
         } = self;
         let place = |first: usize, (parts, boxes): (&mut [Part], &mut [Bounds])| {
             for ((k, part), bounds) in (first..).zip(parts).zip(boxes) {
                 let block = block_of_part[k] as usize;
-                if !all && matches!(motion[block], Motion::Fixed) {
+                if !all && (matches!(motion[block], Motion::Fixed) || role[block] == Role::Asleep) {
                     continue;
                 }
                 let turn = || attitude[block] * principal[block].inverse();
@@ -76,7 +77,7 @@ impl Blocks {
         } = self;
         let set = |first: usize, kinematics: &mut [Kinematics]| {
             for (b, kinematics) in (first..).zip(kinematics) {
-                if role[b] != Role::Plain {
+                if !matches!(role[b], Role::Plain | Role::Asleep) {
                     continue;
                 }
                 if is_isotropic(&inertia[b]) && kinematics.inverse_mass > 0.0 {

@@ -406,6 +406,7 @@ impl Blocks {
                 + self.attachments.elastic,
             strain_damping: self.strain_damping.total(),
             static_damping: self.static_damping.total(),
+            laid_to_rest: self.laid_to_rest.total(),
             plastic: self.attachments.plastic.total(),
             friction: self.friction.total(),
             damping: self.damping.total(),

@@ -15,6 +15,7 @@ impl Blocks {
             self.joints_at_start.clone_from(&self.joints);
         }
         let (i, j) = materials;
+        let mut has_changed = false;
         for k in [i * self.n_materials + j, j * self.n_materials + i] {
             let Joint {
                 friction: tangent,
@@ -25,12 +26,17 @@ impl Blocks {
                 ..
             } = self.joints_at_start[k];
             let joint = &mut self.joints[k];
+            let before = *joint;
             joint.friction = friction * tangent;
             joint.residual_friction = friction * residual_friction;
             joint.cohesion = cohesion * bond;
             joint.residual_cohesion = cohesion * residual_cohesion;
             joint.spheres.static_friction = friction * spheres.static_friction;
             joint.spheres.dynamic_friction = friction * spheres.dynamic_friction;
+            has_changed |= *joint != before;
+        }
+        if has_changed {
+            self.wake_all();
         }
     }
 }

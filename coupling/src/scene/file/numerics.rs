@@ -67,6 +67,9 @@ pub struct NumericsFile {
     /// Damping of blocks in a search for a state of rest; none for blocks that move.
     #[serde(default)]
     pub static_damping: Option<StaticDampingFile>,
+    /// When blocks that lie still are left out until their load changes; all are computed when left out.
+    #[serde(default)]
+    pub resting: Option<RestingFile>,
 }
 
 /// A fluid scheme with its numbers.
@@ -199,6 +202,21 @@ pub struct SleepingFile {
     /// How long it is to be no faster before it sleeps; s. Ten times `√(depth/g)` when left out.
     #[serde(default)]
     pub time: Option<f64>,
+}
+
+/// Blocks that lie still sleep, with their contacts, until their load changes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RestingFile {
+    /// Farthest way within `time` of a block at rest, over its size. 0.001 when left out.
+    #[serde(default)]
+    pub displacement: Option<f64>,
+    /// How long it has to be at rest; s. Twice `√(size/g)` of the largest free block when left out.
+    #[serde(default)]
+    pub time: Option<f64>,
+    /// Change of its load that wakes it, over its weight. 0.2 when left out.
+    #[serde(default)]
+    pub load: Option<f64>,
 }
 
 /// How the common plane of two blocks is found.

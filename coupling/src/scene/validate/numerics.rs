@@ -7,6 +7,7 @@ impl Checks {
     pub(super) fn numbers(&mut self, scene: &SceneFile) {
         let (numerics, time, output) = (&scene.numerics, &scene.time, &scene.output);
         let sleeping = numerics.sleeping.unwrap_or_default();
+        let resting = numerics.resting.unwrap_or_default();
         for (path, what, value) in [
             (
                 "interface.penalty_stiffness",
@@ -49,6 +50,21 @@ impl Checks {
                 "numerics.sleeping.time",
                 "time of sleeping water",
                 sleeping.time,
+            ),
+            (
+                "numerics.resting.displacement",
+                "displacement of resting blocks",
+                resting.displacement,
+            ),
+            (
+                "numerics.resting.time",
+                "time of resting blocks",
+                resting.time,
+            ),
+            (
+                "numerics.resting.load",
+                "change of load of resting blocks",
+                resting.load,
             ),
         ] {
             self.positive(path, what, value);
