@@ -372,6 +372,7 @@ impl Blocks {
             return;
         }
         self.is_removed[b] = true;
+        self.rest.leave(b);
         for part in self.parts_of(b) {
             self.boxes[part] = NOWHERE;
             self.fat_boxes[part] = NOWHERE;
