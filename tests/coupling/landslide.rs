@@ -702,7 +702,7 @@ fn a_turned_slope_fails_alike() {
         );
         let text = format!(
             r#"(title: "a slope", domain: (min: (-190, -190, -250), max: (190, 190, 250)),
-                materials: [(name: "rock", density: 2600, friction_angle_deg: 10, contact_stiffness: 1e10)],
+                materials: [(name: "rock", density: 2600, friction_angle_deg: 10, contact_stiffness: 1e9)],
                 terrain: (sources: [(file: "{file}")], tolerance: 0.001),
                 slides: [{slide}],
                 blocks: [(name: "ground", material: "rock", motion: Fixed, shape: Terrain)],
