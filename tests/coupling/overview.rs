@@ -155,6 +155,7 @@ fn a_breaking_wave() {
                 record("total", "J", 2000, 2.5, |t| 10_900.0 + t),
             ],
             view: ([-0.1, -0.1], [6.1, 1.5]),
+            plan: None,
         },
     );
     assert_eq!(pictures(&page).len(), 3);
@@ -196,6 +197,7 @@ fn a_long_flume() {
                 .collect(),
             energy: vec![record("total", "J", 100, 60.0, |_| 0.0)],
             view: ([0.0, 0.0], [100.0, 1.2]),
+            plan: None,
         },
     );
     assert!(page.contains("vertical exaggeration 10 ×"));

@@ -106,6 +106,23 @@ impl Maps {
             .collect()
     }
 
+    /// Highest surface so far, NaN where all was dry; m.
+    pub fn highest(&self) -> Grid {
+        self.map_of(&self.highest)
+    }
+
+    /// When water came or began to move, NaN where it did not; s.
+    pub fn arrival(&self) -> Grid {
+        self.map_of(&self.arrival)
+    }
+
+    fn map_of(&self, values: &[f64]) -> Grid {
+        Grid {
+            heights: values.to_vec(),
+            ..self.ground
+        }
+    }
+
     /// Writes all maps as they are now.
     ///
     /// # Errors

@@ -64,8 +64,7 @@ impl Checks {
                 if from == to {
                     self.refuse(path("to"), format!("{who} has a line of no length"));
                 } else if !meets_the_plan(*from, *to, scene) {
-                    let what =
-                        format!("{who}: its line from {from:?} to {to:?} misses the domain");
+                    let what = format!("{who}: its line from {from:?} to {to:?} misses the domain");
                     self.refuse(path("from"), what);
                 }
             }
