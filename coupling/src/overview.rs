@@ -117,7 +117,7 @@ pub fn svg(overview: &Overview) -> String {
         y = view::draw(&mut page, y, snapshots, *view, (*particle_spacing, budget));
     }
     if let Some(plan) = plan {
-        y = plan::draw(&mut page, y, plan);
+        y = plan::draw(&mut page, y, plan, *particle_spacing);
     }
     for chart in charts {
         let curves: Vec<&Record> = chart.curves.iter().collect();

@@ -9,6 +9,7 @@ use riprap_sph::Fluid;
 use super::{ObserveError, Observer, Schedule};
 use crate::checkpoint::Saved;
 use crate::ground::Ground;
+use crate::overview::plan::Extremes;
 use crate::scene::file::MapsFile;
 use crate::scene::resolve::Scene;
 use crate::scene::terrain::grid::Grid;
@@ -106,20 +107,16 @@ impl Maps {
             .collect()
     }
 
-    /// Highest surface so far, NaN where all was dry; m.
-    pub fn highest(&self) -> Grid {
-        self.map_of(&self.highest)
-    }
-
-    /// When water came or began to move, NaN where it did not; s.
-    pub fn arrival(&self) -> Grid {
-        self.map_of(&self.arrival)
-    }
-
-    fn map_of(&self, values: &[f64]) -> Grid {
-        Grid {
+    /// What was seen so far.
+    pub fn extremes(&self) -> Extremes {
+        let map = |values: &[f64]| Grid {
             heights: values.to_vec(),
             ..self.ground
+        };
+        Extremes {
+            at_start: map(&self.at_start),
+            highest: map(&self.highest),
+            arrival: map(&self.arrival),
         }
     }
 

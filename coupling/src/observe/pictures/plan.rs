@@ -49,8 +49,7 @@ pub(super) fn begun(scene: &Scene, world: &World) -> Option<Plan> {
             .filter(|level| level.is_finite()),
         water: points(view, spacing.max(longest / MOST_POINTS_OF_WATER)),
         views: Vec::new(),
-        highest: None,
-        arrival: None,
+        maps: None,
         marks: scene.file.gauges.iter().filter_map(mark).collect(),
     })
 }
@@ -90,8 +89,7 @@ fn mark(gauge: &GaugeFile) -> Option<Mark> {
 
 /// Takes over what maps have at the end.
 pub(super) fn take_maps(plan: &mut Plan, maps: &Maps) {
-    plan.highest = Some(maps.highest());
-    plan.arrival = Some(maps.arrival());
+    plan.maps = Some(maps.extremes());
 }
 
 /// Water and blocks as they are now.

@@ -1,6 +1,7 @@
 //! Instruments, scale and north on a plan.
 
-use super::{Chart, Mark};
+use super::Mark;
+use super::layout::Chart;
 use crate::overview::page::{Anchor, Frame, INK, Page, shortened};
 
 /// Height of the letters of names, and the mean width of one; px.
@@ -10,6 +11,10 @@ const LETTER_WIDTH: f64 = 5.7;
 const LONGEST_NAME: usize = 24;
 /// Radius of the mark of a point; px.
 const RADIUS: f64 = 3.2;
+/// Names keep so far from lines, which are looked at in such steps, in so many at most; px.
+const LINE_RADIUS: f64 = 1.5;
+const LINE_STEP: f64 = 3.0;
+const MOST_STEPS: f64 = 1000.0;
 /// Share of the width of a plan that its scale is at most.
 const SCALE_SHARE: f64 = 0.3;
 /// Behind letters, so that they can be read on any ground.
@@ -44,11 +49,7 @@ pub(super) fn draw(page: &mut Page, chart: Chart, marks: &[Mark]) {
 
 /// Writes the names, where they hide neither each other nor a point and stay in the frame, if there is such a place.
 pub(super) fn names(page: &mut Page, chart: Chart, marks: &[Mark]) {
-    let points = marks.iter().filter_map(|mark| match mark {
-        Mark::Point { at, .. } => Some(Frame::around(chart.pixel(*at), RADIUS)),
-        Mark::Line { .. } => None,
-    });
-    let mut taken: Vec<Frame> = points.collect();
+    let mut taken: Vec<Frame> = marks.iter().flat_map(|mark| covered(chart, mark)).collect();
     for mark in marks {
         let (name, [x, y]) = match mark {
             Mark::Point { name, at } => (name, chart.pixel(*at)),
@@ -94,6 +95,24 @@ pub(super) fn names(page: &mut Page, chart: Chart, marks: &[Mark]) {
         let style = format!("font-size=\"{LETTERS}\" fill=\"#1a1a1a\" {HALO}");
         page.styled_text(baseline, Anchor::Start, &style, &name);
     }
+}
+
+/// What a mark covers: a line is a row of small squares.
+fn covered(chart: Chart, mark: &Mark) -> Vec<Frame> {
+    let (from, to) = match mark {
+        Mark::Point { at, .. } => return vec![Frame::around(chart.pixel(*at), RADIUS)],
+        Mark::Line { from, to, .. } => (chart.pixel(*from), chart.pixel(*to)),
+    };
+    let n = ((to[0] - from[0]).hypot(to[1] - from[1]) / LINE_STEP).ceil();
+    // a line that is far larger than the plan is not looked at all along
+    let n = n.clamp(1.0, MOST_STEPS);
+    let at = |k: u32| {
+        let share = f64::from(k) / n;
+        [0, 1].map(|axis| from[axis] + share * (to[axis] - from[axis]))
+    };
+    (0..=n as u32)
+        .map(|k| Frame::around(at(k), LINE_RADIUS))
+        .collect()
 }
 
 /// Draws a bar of a round length in the lower left corner.
@@ -222,9 +241,8 @@ mod tests {
     fn names_stand_beside_their_points_and_are_escaped() {
         let found = written(&[point("a<b & \"c\"", [400.0, 200.0])]);
         // the point is at (300, 150) px
-        let [(x, y, name)] = &found[..] else {
-            unreachable!("one name: {found:?}")
-        };
+        assert_eq!(found.len(), 1);
+        let (x, y, name) = &found[0];
         assert!((300.0..310.0).contains(x) && (145.0..160.0).contains(y));
         assert_eq!(name, "a&lt;b &amp; &quot;c&quot;");
     }
@@ -241,6 +259,20 @@ mod tests {
         let away = (found[1].1 - found[2].1).abs() >= LETTERS
             || (found[1].0 - found[2].0).abs() >= LETTER_WIDTH * 5.0;
         assert!(away, "{found:?}");
+    }
+
+    #[test]
+    fn names_keep_off_lines() {
+        let line = Mark::Line {
+            name: "line".to_owned(),
+            from: [410.0, 200.0],
+            to: [700.0, 200.0],
+        };
+        let found = written(&[point("point", [400.0, 200.0]), line]);
+        // the line goes off from (305, 150) px: the name of the point at (300, 150) is not on it, and that of the line
+        // is above it
+        assert!(found[0].0 + 5.0 * LETTER_WIDTH < 300.0, "{found:?}");
+        assert!(found[1].1 < 150.0, "{found:?}");
     }
 
     #[test]

@@ -17,7 +17,7 @@ pub(super) const BED: [u8; 3] = [0xc4, 0xcd, 0xd2];
 /// Direction to the sun, in the north-west at 45°, as maps have it; –.
 const SUN: [f64; 3] = [-0.5, 0.5, FRAC_1_SQRT_2];
 /// Brightness of ground without light over that of level ground; –.
-const DARKEST: f64 = 0.42;
+const DARKEST: f64 = 0.58;
 /// How far ground that faces the sun goes towards white; –.
 const GLOSS: f64 = 0.55;
 
@@ -39,6 +39,8 @@ impl<'a> Relief<'a> {
     pub fn new(ground: &'a Grid, still_level: Option<f64>) -> Self {
         let (lowest, highest) = ground.range();
         let shore = still_level.unwrap_or(lowest);
+        // where there is neither water nor ground
+        let shore = if shore.is_finite() { shore } else { 0.0 };
         let land = (highest - shore).max(0.0);
         let (layer, n_layers) = match 0.0 < land && land.is_finite() {
             true => {
