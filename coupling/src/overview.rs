@@ -1,19 +1,23 @@
 //! The whole run on one page: `overview.svg`, made without any other program.
 //!
-//! Side views (x to the right, z up, seen from −y) with the water coloured by speed, then charts, and the gauges and the
-//! energies, one plot per unit. Input is plain data, so that a page can be made from files as well as from a running world.
+//! Side views (x to the right, z up, seen from −y) with the water coloured by speed, plans of scenes with terrain, then
+//! charts, and the gauges and the energies, one plot per unit. Input is plain data, so that a page can be made from files as
+//! well as from a running world.
 //!
 //! Particles are many: they become a picture inside the page. Everything else is lines and text that stay sharp. The page
 //! stays below 500 kB: pictures give up resolution, curves keep two points (lowest and highest) per column of pixels.
 
 mod axis;
+mod bar;
 mod color;
 pub(crate) mod page;
+pub mod plan;
 mod plot;
 mod raster;
 mod view;
 
 use page::{Anchor, Page, WIDTH};
+use plan::Plan;
 use plot::Axes;
 use serde::{Deserialize, Serialize};
 
@@ -82,7 +86,14 @@ pub struct Overview {
     pub energy: Vec<Record>,
     /// Lower left and upper right corner of the side view, x and z; m.
     pub view: ([f64; 2], [f64; 2]),
+    /// Drawn below the side views, for scenes with terrain.
+    pub plan: Option<Plan>,
 }
+
+/// Pictures and outlines of the side views, so that the page stays below 500 kB with its curves; bytes of text.
+const VIEW_BUDGET: usize = 250_000;
+/// The same where there are plans too.
+const VIEW_BUDGET_BESIDE_PLANS: usize = 110_000;
 
 /// Draws the page.
 pub fn svg(overview: &Overview) -> String {
@@ -95,11 +106,19 @@ pub fn svg(overview: &Overview) -> String {
         gauges,
         energy,
         view,
+        plan,
     } = overview;
     let mut page = Page::default();
     let mut y = heading(&mut page, title, subtitle);
     if !snapshots.is_empty() {
-        y = view::draw(&mut page, y, snapshots, *view, *particle_spacing);
+        let budget = match plan {
+            None => VIEW_BUDGET,
+            Some(_) => VIEW_BUDGET_BESIDE_PLANS,
+        };
+        y = view::draw(&mut page, y, snapshots, *view, (*particle_spacing, budget));
+    }
+    if let Some(plan) = plan {
+        y = plan::draw(&mut page, y, plan, *particle_spacing);
     }
     for chart in charts {
         let curves: Vec<&Record> = chart.curves.iter().collect();

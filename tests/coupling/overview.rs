@@ -1,7 +1,9 @@
 //! The page of a run, from made-up data; the pages stay in the target folder, to be looked at.
 
 use base64::Engine;
+use riprap::overview::plan::{Extremes, Footprint, FromAbove, Mark, Plan};
 use riprap::overview::{Outline, Overview, Record, Snapshot, svg};
+use riprap::scene::terrain::grid::Grid;
 use std::path::Path;
 
 /// Writes a page where the build keeps temporary files, after what every page must fulfil.
@@ -155,6 +157,7 @@ fn a_breaking_wave() {
                 record("total", "J", 2000, 2.5, |t| 10_900.0 + t),
             ],
             view: ([-0.1, -0.1], [6.1, 1.5]),
+            plan: None,
         },
     );
     assert_eq!(pictures(&page).len(), 3);
@@ -196,6 +199,7 @@ fn a_long_flume() {
                 .collect(),
             energy: vec![record("total", "J", 100, 60.0, |_| 0.0)],
             view: ([0.0, 0.0], [100.0, 1.2]),
+            plan: None,
         },
     );
     assert!(page.contains("vertical exaggeration 10 ×"));
@@ -300,4 +304,179 @@ fn nothing_and_nonsense_are_drawn_without_complaint() {
         ..Overview::default()
     };
     keep("nonsense.svg", &nonsense);
+}
+
+/// Heights over 2 km by 1.6 km with the point (-1000, -800) in the corner.
+fn over_the_plan(spacing: f64, height: impl Fn(f64, f64) -> f64) -> Grid {
+    let mut grid = Grid {
+        n: [2000.0, 1600.0].map(|length| (length / spacing) as usize),
+        corner: [-1000.0 + 0.5 * spacing, -800.0 + 0.5 * spacing],
+        spacing,
+        heights: Vec::new(),
+    };
+    let heights = grid.points().map(|point| grid.place(point));
+    grid.heights = heights.map(|[x, y]| height(x, y)).collect();
+    grid
+}
+
+/// A lake between slopes, a wave from the middle of it, and `n` blocks on the western slope.
+fn lake(n: u16, roughness: f64) -> Plan {
+    let noise = |x: f64, y: f64| (12.9898 * x + 78.233 * y).sin() * 43_758.547 % 1.0;
+    let ground = over_the_plan(5.0, |x, y| 0.5 * x.abs() - 200.0 + roughness * noise(x, y));
+    let water = over_the_plan(20.0, |_, _| 0.0);
+    let view = |time: f64| {
+        let surface = water.points().map(|point| {
+            let [x, y] = water.place(point);
+            let wave = 4.0 * time * (x.hypot(y) / 60.0).cos() * (-x.hypot(y) / 300.0).exp();
+            if x.abs() < 400.0 {
+                wave as f32
+            } else {
+                f32::NAN
+            }
+        });
+        let blocks = (0..n).map(|i| {
+            let [x, y] = [
+                f32::from(i % 70) * 6.0 - 800.0,
+                f32::from(i / 70) * 9.0 - 300.0,
+            ];
+            Footprint {
+                points: vec![[x, y], [x + 5.0, y + 1.0], [x + 5.0, y + 7.0], [x, y + 8.0]],
+                is_under_water: x > -400.0,
+            }
+        });
+        FromAbove {
+            time,
+            surface: surface.collect(),
+            blocks: blocks.collect(),
+        }
+    };
+    let wet = |value: &dyn Fn(f64, f64) -> f64| {
+        over_the_plan(20.0, |x, y| {
+            if x.abs() < 410.0 {
+                value(x, y)
+            } else {
+                f64::NAN
+            }
+        })
+    };
+    Plan {
+        view: ([-1000.0, -800.0], [1000.0, 800.0]),
+        origin: [400_000.0, 6_900_000.0, 12.0],
+        still_level: Some(0.0),
+        views: vec![view(0.0), view(1.0)],
+        maps: Some(Extremes {
+            at_start: wet(&|_, _| 0.0),
+            highest: wet(&|x, y| 5.0 * (-x.hypot(y) / 500.0).exp()),
+            arrival: wet(&|x, y| x.hypot(y) / 40.0),
+        }),
+        marks: vec![
+            Mark::Point {
+                name: "mid <lake>".into(),
+                at: [0.0, 0.0],
+            },
+            Mark::Line {
+                name: "run_up".into(),
+                from: [400.0, 100.0],
+                to: [900.0, 100.0],
+            },
+        ],
+        ground,
+        water,
+    }
+}
+
+#[test]
+fn a_lake_from_above() {
+    let page = keep(
+        "lake.svg",
+        &Overview {
+            title: "Lake".into(),
+            plan: Some(lake(300, 2.0)),
+            ..Overview::default()
+        },
+    );
+    // the land, once, and what lies over it at the start, at the end and on two maps
+    assert_eq!(pictures(&page).len(), 5);
+    assert_eq!(page.matches("<use xlink:href=\"#land\"").count(), 4);
+    for text in [
+        "t = 0.000 s: surface over still water",
+        "t = 1.000 s: surface over still water",
+        "highest surface over still water",
+        "first arrival",
+        "mid &lt;lake&gt;",
+        "run_up",
+        // heights and places are those of the map
+        "shore at still water, 12 m",
+        "heights every 50 m",
+        "blocks under water",
+        "400500",
+        "6900000",
+        "500 m",
+    ] {
+        assert!(page.contains(&format!(">{text}<")), "{text}");
+    }
+    // blocks of the lower left corner of the first row, 200 m from the western and 500 m from the southern edge
+    let path = page
+        .lines()
+        .find(|line| line.starts_with("<path transform"))
+        .unwrap();
+    let start = path.split("d=\"M").nth(1).unwrap();
+    let start: Vec<f64> = start
+        .split([' ', 'l'])
+        .take(2)
+        .map(|n| n.parse().unwrap())
+        .collect();
+    let frame = page
+        .lines()
+        .find(|line| line.contains("<use xlink:href=\"#land\""))
+        .unwrap();
+    assert!(frame.contains("x=\"76.0\""));
+    // 374 px for 2000 m, 299.2 px for 1600 m, to a tenth of a pixel
+    assert!((start[0] - 200.0 * 0.187).abs() < 0.06, "{start:?}");
+    assert!((start[1] - 1100.0 * 0.187).abs() < 0.06, "{start:?}");
+}
+
+/// Noise of 60 m from point to point and 7000 blocks, with many gauges: the worst to compress.
+#[test]
+fn rough_ground_and_many_blocks_from_above() {
+    let page = keep(
+        "rough_lake.svg",
+        &Overview {
+            title: "Rough".into(),
+            plan: Some(lake(7000, 60.0)),
+            gauges: (0..9)
+                .map(|i| {
+                    record(&format!("g{i}"), "m", 3000, 60.0, |t| {
+                        (t + f64::from(i)).sin()
+                    })
+                })
+                .collect(),
+            ..Overview::default()
+        },
+    );
+    assert_eq!(pictures(&page).len(), 5);
+}
+
+/// Ground without heights, water without places, blocks without corners.
+#[test]
+fn nothing_from_above_is_drawn_without_complaint() {
+    let mut plan = lake(0, 0.0);
+    plan.ground.heights.fill(f64::NAN);
+    for map in plan.maps.iter_mut() {
+        map.highest.heights.fill(f64::NAN);
+        map.arrival.heights.fill(f64::NAN);
+    }
+    plan.views = vec![FromAbove {
+        time: 0.0,
+        surface: Vec::new(),
+        blocks: vec![Footprint::default()],
+    }];
+    plan.still_level = None;
+    keep(
+        "nothing_from_above.svg",
+        &Overview {
+            plan: Some(plan),
+            ..Overview::default()
+        },
+    );
 }

@@ -9,6 +9,7 @@ use riprap_sph::Fluid;
 use super::{ObserveError, Observer, Schedule};
 use crate::checkpoint::Saved;
 use crate::ground::Ground;
+use crate::overview::plan::Extremes;
 use crate::scene::file::MapsFile;
 use crate::scene::resolve::Scene;
 use crate::scene::terrain::grid::Grid;
@@ -104,6 +105,19 @@ impl Maps {
             })
             .map(|depth| if 0.0 < depth { depth } else { f64::NAN })
             .collect()
+    }
+
+    /// What was seen so far.
+    pub fn extremes(&self) -> Extremes {
+        let map = |values: &[f64]| Grid {
+            heights: values.to_vec(),
+            ..self.ground
+        };
+        Extremes {
+            at_start: map(&self.at_start),
+            highest: map(&self.highest),
+            arrival: map(&self.arrival),
+        }
     }
 
     /// Writes all maps as they are now.

@@ -1,4 +1,6 @@
-//! What `overview.svg` shows: three side views, ways of falling blocks, gauge records, the energy ledger.
+//! What `overview.svg` shows: three side views, plans, ways of falling blocks, gauge records, the energy ledger.
+
+mod plan;
 
 use std::path::{Path, PathBuf};
 
@@ -6,8 +8,10 @@ use riprap_dda::Vec3;
 
 use super::gauges::Gauges;
 use super::ledgers::ENERGY_COLUMNS;
+use super::maps::Maps;
 use super::trajectories::Trajectories;
 use crate::checkpoint::{Read, Saved};
+use crate::overview::plan::FromAbove;
 use crate::overview::{Chart, Outline, Overview, Record, Snapshot, svg};
 use crate::scene::resolve::Scene;
 use crate::table::{TableData, read_table};
@@ -26,7 +30,7 @@ pub struct Pictures {
 
 impl Pictures {
     /// Nothing seen yet.
-    pub fn new(scene: &Scene) -> Self {
+    pub fn new(scene: &Scene, world: &World) -> Self {
         let columns = Gauges::scalar_columns(scene);
         let record = |name: &str, unit: &str| Record {
             name: name.to_owned(),
@@ -54,6 +58,7 @@ impl Pictures {
                     .map(|name| record(name, "J"))
                     .collect(),
                 view: ([min.0, min.2], [max.0, max.2]),
+                plan: plan::begun(scene, world),
             },
             places: columns.iter().map(|(place, _, _)| *place).collect(),
             duration: scene.file.time.duration,
@@ -72,13 +77,17 @@ impl Pictures {
 
     /// Appends the views taken so far to some bytes.
     pub fn save(&self, out: Vec<u8>) -> Saved {
-        postcard::to_extend(&self.overview.snapshots, out)
+        let plans = self.overview.plan.as_ref().map(|plan| &plan.views);
+        postcard::to_extend(&(&self.overview.snapshots, plans), out)
     }
 
     /// Takes them over again; returns the rest of the bytes.
     pub fn read<'a>(&mut self, bytes: &'a [u8]) -> Read<'a> {
-        let rest;
-        (self.overview.snapshots, rest) = postcard::take_from_bytes(bytes)?;
+        let (views, rest): (Option<Vec<FromAbove>>, _);
+        ((self.overview.snapshots, views), rest) = postcard::take_from_bytes(bytes)?;
+        if let Some((plan, views)) = self.overview.plan.as_mut().zip(views) {
+            plan.views = views;
+        }
         Ok(rest)
     }
 
@@ -91,7 +100,14 @@ impl Pictures {
         self.overview.charts = vec![bounce_heights(&trajectories.heights()), reached(&run_outs)];
     }
 
-    /// Takes the view at the start and, once, at the middle.
+    /// Draws the maps.
+    pub fn note_maps(&mut self, maps: &Maps) {
+        if let Some(plan) = &mut self.overview.plan {
+            plan::take_maps(plan, maps);
+        }
+    }
+
+    /// Takes the view at the start, from above too, and, once, at the middle.
     pub fn note_view(&mut self, world: &World) {
         let due = match self.overview.snapshots.len() {
             0 => 0.0,
@@ -99,7 +115,16 @@ impl Pictures {
             _ => return,
         };
         if due <= world.time() {
+            if self.overview.snapshots.is_empty() {
+                self.look_from_above(world);
+            }
             self.overview.snapshots.push(snapshot(world));
+        }
+    }
+
+    fn look_from_above(&mut self, world: &World) {
+        if let Some(plan) = &mut self.overview.plan {
+            plan.views.push(plan::from_above(plan, world));
         }
     }
 
@@ -115,6 +140,7 @@ impl Pictures {
         subtitle: String,
     ) -> Result<PathBuf, ObserveError> {
         self.overview.snapshots.push(snapshot(world));
+        self.look_from_above(world);
         self.overview.subtitle = subtitle;
         self.read_records(folder)?;
         // a term that the scene does not have needs no line in the legend

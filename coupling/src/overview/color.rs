@@ -1,8 +1,8 @@
-//! Colours for speed: deep blue at rest, amber when fast.
+//! Colours for speed, deep blue at rest, amber when fast, and for what is seen from above.
 //!
-//! Equal steps of speed look equally large: the map runs at constant pace through OKLab, a colour space made so that
-//! distances agree with the eye (Ottosson 2020), and its lightness only rises, so that it survives grey printing and
-//! the common forms of colour blindness.
+//! Equal steps of a quantity look equally large: the maps run at constant pace through OKLab, a colour space made so that
+//! distances agree with the eye (Ottosson 2020), and lightness only rises or only falls, so that they survive grey printing
+//! and the common forms of colour blindness.
 
 /// Corners of the way through the colour space, as sRGB.
 const STOPS: [[u8; 3]; 4] = [
@@ -11,13 +11,88 @@ const STOPS: [[u8; 3]; 4] = [
     [0x6d, 0xbd, 0x8f],
     [0xf7, 0xc5, 0x3b],
 ];
+/// Water as high as at rest: as good as white.
+const AT_REST: [u8; 3] = [0xee, 0xf2, 0xf3];
+/// From water at rest down to the deepest trough.
+const TROUGH: [[u8; 3]; 4] = [
+    AT_REST,
+    [0x9c, 0xc4, 0xdf],
+    [0x3f, 0x86, 0xbd],
+    [0x17, 0x3f, 0x7c],
+];
+/// From water at rest up to the highest crest.
+const CREST: [[u8; 3]; 4] = [
+    AT_REST,
+    [0xf2, 0xbf, 0x98],
+    [0xd8, 0x66, 0x4b],
+    [0x86, 0x18, 0x2c],
+];
+/// Highest water: pale where it hardly rose.
+const HIGHEST: [[u8; 3]; 5] = [
+    [0xf3, 0xf1, 0xd2],
+    [0x9b, 0xcf, 0xb4],
+    [0x38, 0x97, 0xae],
+    [0x25, 0x4e, 0x8c],
+    [0x2c, 0x1a, 0x55],
+];
+/// Arrival: dark where water came first.
+const ARRIVAL: [[u8; 3]; 4] = [
+    [0x4a, 0x16, 0x4e],
+    [0xb0, 0x38, 0x5f],
+    [0xee, 0x91, 0x66],
+    [0xfb, 0xea, 0xc6],
+];
+/// Dry land from the shore up, quiet, so that what lies over it stands out.
+const LAND: [[u8; 3]; 5] = [
+    [0xd3, 0xdd, 0xc4],
+    [0xe6, 0xe3, 0xc6],
+    [0xe2, 0xd2, 0xb0],
+    [0xcd, 0xb7, 0x9c],
+    [0xee, 0xea, 0xe4],
+];
 
 /// Particles whose speed is not a number must catch the eye.
 pub(super) const NOT_A_NUMBER: [u8; 3] = [0xff, 0x00, 0xff];
 
 /// `n` colours, slow to fast.
 pub(super) fn map(n: usize) -> Vec<[u8; 3]> {
-    let stops = STOPS.map(oklab);
+    along(&STOPS, n)
+}
+
+/// `2 n + 1` colours, deep trough to high crest; the one in the middle is water at rest.
+pub(super) fn elevation(n: usize) -> Vec<[u8; 3]> {
+    let troughs = along(&TROUGH, n + 1).into_iter().rev();
+    troughs
+        .chain(along(&CREST, n + 1).into_iter().skip(1))
+        .collect()
+}
+
+/// `n` colours, low to high.
+pub(super) fn highest(n: usize) -> Vec<[u8; 3]> {
+    along(&HIGHEST, n)
+}
+
+/// `n` colours, early to late.
+pub(super) fn arrival(n: usize) -> Vec<[u8; 3]> {
+    along(&ARRIVAL, n)
+}
+
+/// `n` colours, from the shore up.
+pub(super) fn land(n: usize) -> Vec<[u8; 3]> {
+    along(&LAND, n)
+}
+
+/// A colour (opacity 0 to 1) laid over another.
+pub(super) fn over(top: [u8; 3], opacity: f64, below: [u8; 3]) -> [u8; 3] {
+    std::array::from_fn(|k| {
+        let (top, below) = (f64::from(top[k]), f64::from(below[k]));
+        (below + opacity * (top - below)).round().clamp(0.0, 255.0) as u8
+    })
+}
+
+/// `n` colours at constant pace.
+fn along(stops: &[[u8; 3]], n: usize) -> Vec<[u8; 3]> {
+    let stops: Vec<[f64; 3]> = stops.iter().copied().map(oklab).collect();
     let lengths: Vec<f64> = stops
         .windows(2)
         .map(|pair| distance(pair[0], pair[1]))
@@ -110,6 +185,28 @@ mod tests {
             );
             assert!(colors[i][0] < colors[i + 1][0], "lightness falls at {i}");
         }
+    }
+
+    #[test]
+    fn lightness_tells_the_sequence() {
+        let lightness = |colors: Vec<[u8; 3]>| -> Vec<f64> {
+            colors.into_iter().map(|color| oklab(color)[0]).collect()
+        };
+        let falls = |of: &[f64]| of.windows(2).all(|pair| pair[1] < pair[0]);
+        assert!(falls(&lightness(highest(33))));
+        assert!(falls(&lightness(arrival(33).into_iter().rev().collect())));
+        let both = lightness(elevation(16));
+        assert_eq!((both.len(), elevation(16)[16]), (33, AT_REST));
+        assert!(falls(&both[16..]));
+        assert!(falls(
+            &both[..=16].iter().rev().copied().collect::<Vec<_>>()
+        ));
+    }
+
+    #[test]
+    fn what_is_half_seen_through_is_half_way() {
+        assert_eq!(over([200, 100, 0], 0.5, [100, 200, 0]), [150, 150, 0]);
+        assert_eq!(over([1, 2, 3], 1.0, [9, 9, 9]), [1, 2, 3]);
     }
 
     #[test]

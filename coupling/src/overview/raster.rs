@@ -7,7 +7,7 @@ use base64::engine::general_purpose::STANDARD;
 /// Shades of speed; few enough that the pictures compress, enough that no bands show.
 pub(super) const N_SHADES: usize = 64;
 /// Palette places: 0 is transparent, then the shades, then the colour of a speed that is not a number.
-const CLEAR: u8 = 0;
+pub(super) const CLEAR: u8 = 0;
 const NOT_A_NUMBER: u8 = N_SHADES as u8 + 1;
 /// Below this size in pixels a particle is drawn as a rectangle, which leaves no specks of background between neighbours.
 /// Smaller discs make patterns with the pixels that look like flow.
@@ -15,7 +15,7 @@ const SMALLEST_DISC: f64 = 12.0;
 /// Size of a particle in the picture over its spacing.
 const OVERLAP: f64 = 1.1;
 
-/// The part of the x-z plane that a picture shows, and its size in pixels.
+/// The part of the x-z plane, or of the plan, that a picture shows, and its size in pixels.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Window {
     pub min: [f64; 2],
@@ -105,7 +105,16 @@ pub(super) fn data_address(pixels: &[u8], window: Window) -> Option<String> {
     palette.push(color::NOT_A_NUMBER);
     let mut opacity = vec![0xff; palette.len()];
     opacity[usize::from(CLEAR)] = 0;
+    png_address(pixels, window, palette, opacity)
+}
 
+/// Places of a palette with opacities as a PNG in a `data:` address.
+pub(super) fn png_address(
+    pixels: &[u8],
+    window: Window,
+    palette: Vec<[u8; 3]>,
+    opacity: Vec<u8>,
+) -> Option<String> {
     let mut file = Vec::new();
     let mut encoder = png::Encoder::new(
         &mut file,

@@ -1,6 +1,7 @@
 //! Side views of the scene, with axes and a colour bar.
 
-use super::axis::{self, Axis, Labels, Tick, nice_up, open_range};
+use super::axis::{self, Axis, Labels, nice_up, open_range};
+use super::bar::{self, Bar};
 use super::color;
 use super::page::{Anchor, Frame, INK, LABEL, LEFT, Page, RIGHT};
 use super::raster::{self, N_SHADES, Water, Window};
@@ -17,18 +18,11 @@ const MIN_HEIGHT: f64 = 90.0;
 /// Room above a panel for its time, and below the last one for the axis; px.
 const ABOVE: f64 = 22.0;
 const BELOW: f64 = 44.0;
-/// All pictures of a page together, so that it stays below 500 kB with its curves; bytes of text.
-const PICTURE_BUDGET: usize = 250_000;
 /// What a corner of an outline costs, and what pictures get however many outlines there are; bytes of text.
 const BYTES_PER_CORNER: usize = 10;
 const LEAST_BUDGET: usize = 60_000;
 /// Picture pixels per pixel of the page, finest first; the first that keeps the budget is taken.
-const RESOLUTIONS: [f64; 5] = [2.0, 1.5, 1.0, 0.7, 0.5];
-/// Share of the particles that are slower than the top of the colour bar: a few drops must not darken all others.
-const BELOW_TOP: f64 = 0.995;
-/// Ends of the colour bar, times a power of ten; finer than the steps of an axis, so that the colours are used.
-const TOPS: [f64; 10] = [1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0];
-
+pub(super) const RESOLUTIONS: [f64; 5] = [2.0, 1.5, 1.0, 0.7, 0.5];
 /// Where the panels stand.
 struct Layout {
     panels: Vec<Frame>,
@@ -38,17 +32,18 @@ struct Layout {
     max: [f64; 2],
 }
 
-/// Draws all snapshots from `y` down; where the next thing may start.
+/// Draws all snapshots from `y` down, of particles of a spacing (m), with pictures and outlines of so many bytes; where the
+/// next thing may start.
 pub(super) fn draw(
     page: &mut Page,
     y: f64,
     snapshots: &[Snapshot],
     view: ([f64; 2], [f64; 2]),
-    spacing: f64,
+    (spacing, budget): (f64, usize),
 ) -> f64 {
     let layout = Layout::new(y, snapshots.len(), view);
     let top_speed = top_speed(snapshots);
-    let pictures = pictures(&layout, snapshots, spacing, top_speed);
+    let pictures = pictures(&layout, snapshots, (spacing, budget), top_speed);
     let last = snapshots.len() - 1;
     for (i, (snapshot, &frame)) in snapshots.iter().zip(&layout.panels).enumerate() {
         layout.scene(
@@ -258,12 +253,12 @@ impl Layout {
 fn pictures(
     layout: &Layout,
     snapshots: &[Snapshot],
-    spacing: f64,
+    (spacing, budget): (f64, usize),
     top_speed: f64,
 ) -> Vec<Option<String>> {
     let outlines = snapshots.iter().flat_map(|snapshot| &snapshot.outlines);
     let n_corners: usize = outlines.map(|outline| outline.points.len()).sum();
-    let budget = PICTURE_BUDGET
+    let budget = budget
         .saturating_sub(BYTES_PER_CORNER * n_corners)
         .max(LEAST_BUDGET);
     let mut pictures = Vec::new();
@@ -305,22 +300,7 @@ fn fastest(snapshots: &[Snapshot]) -> f64 {
 
 /// Speed at the top of the colour bar: round, and above nearly all particles.
 fn top_speed(snapshots: &[Snapshot]) -> f64 {
-    let mut speeds: Vec<f64> = finite_speeds(snapshots).collect();
-    let index = (BELOW_TOP * speeds.len() as f64) as usize;
-    if index >= speeds.len() {
-        return 1.0;
-    }
-    let (_, &mut top, _) = speeds.select_nth_unstable_by(index, f64::total_cmp);
-    // Water at rest within rounding is at rest.
-    if top < 1e-9 {
-        return 1.0;
-    }
-    let power = 10f64.powf(top.log10().floor());
-    // The last one should rounding have hidden the right one.
-    TOPS.into_iter()
-        .map(|factor| factor * power)
-        .find(|&round| round >= top)
-        .unwrap_or(10.0 * power)
+    bar::round_top(finite_speeds(snapshots).collect())
 }
 
 fn color_bar(page: &mut Page, layout: &Layout, top_speed: f64, is_exceeded: bool) {
@@ -333,48 +313,11 @@ fn color_bar(page: &mut Page, layout: &Layout, top_speed: f64, is_exceeded: bool
         width: 13.0,
         height: (first.height - 4.0).clamp(80.0, 200.0),
     };
-    page.text([frame.left, first.top - 6.0], Anchor::Start, "speed [m/s]");
-    let step = frame.height / N_SHADES as f64;
-    for (i, shade) in color::map(N_SHADES).into_iter().enumerate() {
-        let strip = Frame {
-            top: frame.bottom() - (i + 1) as f64 * step,
-            // Strips overlap, or the background shines through between them.
-            height: step + if i == 0 { 0.0 } else { 0.6 },
-            ..frame
-        };
-        page.rectangle(strip, &format!("fill=\"{}\"", color::hex(shade)));
-    }
-    page.rectangle(
-        frame,
-        &format!("fill=\"none\" stroke=\"{INK}\" stroke-width=\"0.6\""),
-    );
-    let axis = Axis {
-        min: 0.0,
-        max: top_speed,
-        from: frame.bottom(),
-        to: frame.top,
+    let speed = Bar {
+        label: "speed [m/s]",
+        shades: &color::map(N_SHADES),
+        range: (0.0, top_speed),
+        is_exceeded: (false, is_exceeded),
     };
-    let mut ticks = axis.ticks(32.0, 1.0);
-    // The top has its number in any case, and room for it.
-    ticks.retain(|tick| axis.at(tick.value) > frame.top + 14.0);
-    // a whole number of tenths, but for round-off
-    let top = (top_speed * 1e9).round() / 1e9;
-    let label = if is_exceeded {
-        format!("≥ {top}")
-    } else {
-        top.to_string()
-    };
-    ticks.push(Tick {
-        value: top_speed,
-        label,
-    });
-    for Tick { value, label } in ticks {
-        let y = axis.at(value);
-        page.line(
-            [frame.right(), y],
-            [frame.right() + 4.0, y],
-            &format!("stroke=\"{INK}\""),
-        );
-        page.text([frame.right() + 7.0, y + 4.0], Anchor::Start, &label);
-    }
+    speed.draw(page, frame);
 }

@@ -62,7 +62,7 @@ impl Observers {
             } else {
                 Some(Masses::new(folder, scene, world, (ledger_interval, start))?)
             },
-            pictures: Pictures::new(scene),
+            pictures: Pictures::new(scene, world),
         })
     }
 
@@ -137,6 +137,9 @@ impl Observers {
                 finished
             }
         };
+        if let Some(maps) = &self.maps {
+            self.pictures.note_maps(maps);
+        }
         self.pictures.write(folder, world, subtitle)?;
         followed
     }
