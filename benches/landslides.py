@@ -99,7 +99,7 @@ def still(args):
         calm = ["slides=[]", "gauges=[]", "time.settle=30", "time.duration=60"]
         made = run(args, f"still_{name}", CASES / f"{name}.ron", *settings, *calm)
         energy = made.table("energy.csv")
-        mass = sum(made.summary["fluid_mass"])
+        mass = made.summary["fluid_mass"][0]
         speeds = [math.sqrt(2 * k / mass) / math.sqrt(G * depth) for k in energy["kinetic"]]
         sunk = (energy["potential"][-1] - energy["potential"][0]) / (mass * G)
         rows.append([

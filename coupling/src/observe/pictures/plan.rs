@@ -187,7 +187,7 @@ mod tests {
         assert_eq!(mark(&front), Some(expected));
         let pressure = GaugeFile::Pressure {
             name: "p".to_owned(),
-            position: (0.0, 0.0, 0.0).into(),
+            position: (0.0, 0.0, 0.0),
         };
         assert_eq!(mark(&pressure), None);
     }

@@ -12,6 +12,8 @@ use crate::scene::terrain::grid::Grid;
 const MOST_LAYERS: usize = 10;
 /// Shades of each tint; with the tints as many as a palette holds.
 const N_SHADES: usize = 23;
+// indices of the picture are bytes
+const _: () = assert!((1 + MOST_LAYERS) * N_SHADES < 256);
 /// Bed of the water, which has no tint of height: the water over it has its own colours.
 pub(super) const BED: [u8; 3] = [0xc4, 0xcd, 0xd2];
 /// Direction to the sun, in the north-west at 45°, as maps have it; –.
@@ -232,10 +234,5 @@ mod tests {
             // half a shade
             assert!(found.abs_diff(tint) < 8, "{found} {tint}");
         }
-    }
-
-    #[test]
-    fn as_many_tints_and_shades_as_a_palette_holds() {
-        assert!(1 + (1 + MOST_LAYERS) * N_SHADES <= 256);
     }
 }
