@@ -65,9 +65,10 @@ const SHALLOW_EDGES: f64 = 0.5;
 /// Sizes that differ by less than this share are equal, and a normal less inclined than this is level: the
 /// rest is round-off.
 const EQUAL_SIZE: f64 = 1e-9;
-/// An overlap deeper than this, over the thickness of the thinner body, is none, if in another direction it is less than this share
-/// of that.
-const PASSED_THROUGH: f64 = 0.5;
+/// An overlap of parts deeper than this, over the thickness of the thinner one, is none ...
+const COVERED_DEPTH: f64 = 0.01;
+/// ... if in another direction, covered or not, it is less than this share of that.
+const COVERED_SHARE: f64 = 0.5;
 /// An overlap that changed by less than this share since the last full test needs no new one ...
 const TRUSTED_CHANGE: f64 = 0.1;
 /// ... nor does one that changed by less than this (× size of the smaller body): so shallow, another
@@ -504,16 +505,16 @@ impl AxisCache {
 }
 
 /// Do two bodies, parts of larger ones, touch only where other parts cover their faces or carry on their corners? By what is left they
-/// would then have passed through each other: what is between them is between these others.
+/// would be much deeper in each other than they are: what is between them is between these others.
 fn touch_where_covered(a: &Polyhedron, b: &Polyhedron, axis: &Axis) -> bool {
     let thinner = a.thickness().min(b.thickness());
-    if -axis.gap <= PASSED_THROUGH * thinner {
+    if -axis.gap <= COVERED_DEPTH * thinner {
         return false;
     }
     let of_a = (0..a.n_faces()).map(|face| a.face_normal(face));
     let of_b = (0..b.n_faces()).map(|face| -b.face_normal(face));
     let gaps = of_a.chain(of_b).map(|normal| gap_along(a, b, &normal));
-    gaps.fold(f64::NEG_INFINITY, f64::max) > PASSED_THROUGH * axis.gap
+    gaps.fold(f64::NEG_INFINITY, f64::max) > COVERED_SHARE * axis.gap
 }
 
 /// The published cold start: along the line between the middles of the corners.

@@ -1,7 +1,9 @@
 //! The contact law: collisions, limits, damping, rocking, bonds.
 
 use crate::setup::*;
-use riprap_dda::{Blocks, Isometry, Material, Motion, Polyhedron, Settings, Shape, Vec3};
+use riprap_dda::{
+    Blocks, Isometry, Material, Motion, Polyhedron, Settings, Shape, Vec3, separating_axes,
+};
 
 fn elastic() -> Material {
     Material {
@@ -540,4 +542,42 @@ fn wedges_that_touch_between_their_siblings_have_no_contact() {
     assert_below("left with the first", first.norm(), 5e-3);
     assert_close("given to the second", second.y, 0.5, 5e-3);
     assert_below("turned", blocks.angular_velocity(1).norm(), 1e-3);
+}
+
+/// Boxes of two halves each press side by side, tilted a little: the halves see no deeper than the boxes do. Corners on the seams are
+/// none of the boxes'; once the halves then took hold of each other behind their backs, as deep as they are thick.
+#[test]
+fn halves_see_no_deeper_than_the_whole() {
+    let whole = cuboid([-0.35, -0.5, -0.5], [0.35, 0.5, 0.5]);
+    let seam = riprap_dda::Plane::through(&Vec3::zeros(), &Vec3::new(-0.65, -0.33, 0.69));
+    let (below, above) = whole.cut(&seam).unwrap().unwrap();
+    let mut random = Random(8);
+    let mut n_touching = 0;
+    for _ in 0..300 {
+        let tilt = Isometry::rotation(random.vector() * 0.1);
+        let shift = random.vector() * 0.2;
+        let near = Isometry::translation(shift.x, 1.0, shift.z) * tilt;
+        let apart = separating_axes(&whole, &whole.transformed(&near)).best();
+        let pressed = apart.normal * (-0.005 - apart.gap);
+        let place = Isometry::translation(pressed.x, pressed.y, pressed.z) * near;
+        let depth = -separating_axes(&whole, &whole.transformed(&place))
+            .best()
+            .gap;
+        let halves = |placement: Isometry| riprap_dda::BlockDefinition {
+            shape: Shape::Polyhedra(vec![
+                below.transformed(&placement),
+                above.transformed(&placement),
+            ]),
+            ..block(whole.clone(), Motion::Free)
+        };
+        let definitions = vec![halves(Isometry::identity()), halves(place)];
+        let mut blocks = blocks(definitions, elastic(), Vec3::zeros());
+        blocks.advance(0.0, 1e-6, 1).unwrap();
+        let contacts = blocks.contacts();
+        let deepest = contacts.iter().map(|c| c.overlap).fold(0.0, f64::max);
+        n_touching += usize::from(deepest > 0.0);
+        // in a hundredth of a thickness everything is as good as a face
+        assert!(deepest < depth + 0.007, "{deepest} of {depth}");
+    }
+    assert_eq!(n_touching, 300);
 }
