@@ -17,8 +17,19 @@ const LINE_STEP: f64 = 3.0;
 const MOST_STEPS: f64 = 1000.0;
 /// Share of the width of a plan that its scale is at most.
 const SCALE_SHARE: f64 = 0.3;
-/// Behind letters, so that they can be read on any ground.
-const HALO: &str = "paint-order=\"stroke\" stroke=\"#fff\" stroke-width=\"2.6\" stroke-opacity=\"0.85\" stroke-linejoin=\"round\"";
+/// Of letters and what is behind them, so that they can be read on any ground; drawn one after the other, because not all programs
+/// that show the page know `paint-order`.
+const LETTERING: [&str; 2] = [
+    "fill=\"none\" stroke=\"#fff\" stroke-width=\"2.6\" stroke-opacity=\"0.85\" stroke-linejoin=\"round\"",
+    "fill=\"#1a1a1a\"",
+];
+
+fn letters(page: &mut Page, at: [f64; 2], anchor: Anchor, weight: &str, text: &str) {
+    for style in LETTERING {
+        let style = format!("font-size=\"{LETTERS}\" font-weight=\"{weight}\" {style}");
+        page.styled_text(at, anchor, &style, text);
+    }
+}
 
 /// Draws points and lines.
 pub(super) fn draw(page: &mut Page, chart: Chart, marks: &[Mark]) {
@@ -92,8 +103,7 @@ pub(super) fn names(page: &mut Page, chart: Chart, marks: &[Mark]) {
         };
         taken.push(place);
         let baseline = [place.left, place.bottom() - 2.0];
-        let style = format!("font-size=\"{LETTERS}\" fill=\"#1a1a1a\" {HALO}");
-        page.styled_text(baseline, Anchor::Start, &style, &name);
+        letters(page, baseline, Anchor::Start, "normal", &name);
     }
 }
 
@@ -142,19 +152,19 @@ pub(super) fn scale_bar(page: &mut Page, chart: Chart) {
         ..1.0 => format!("{:.0} mm", 1000.0 * length),
         _ => format!("{length} m"),
     };
-    let style = format!("font-size=\"{LETTERS}\" fill=\"#1a1a1a\" {HALO}");
-    page.styled_text([0.5 * (from + to), y - 6.0], Anchor::Middle, &style, &label);
+    let middle = [0.5 * (from + to), y - 6.0];
+    letters(page, middle, Anchor::Middle, "normal", &label);
 }
 
 /// Draws an arrow to the north, which is that of y, in the upper right corner.
 pub(super) fn north(page: &mut Page, frame: Frame) {
     let [x, y] = [frame.right() - 14.0, frame.top + 18.0];
-    page.push(&format!(
-        "<path d=\"M{x:.1} {:.1}l4.5 13l-4.5 -3.2l-4.5 3.2z\" fill=\"#1a1a1a\" stroke=\"#fff\" stroke-width=\"2\" stroke-opacity=\"0.85\" paint-order=\"stroke\"/>",
-        y,
-    ));
-    let style = format!("font-size=\"{LETTERS}\" font-weight=\"bold\" fill=\"#1a1a1a\" {HALO}");
-    page.styled_text([x, y - 4.0], Anchor::Middle, &style, "N");
+    for style in LETTERING {
+        page.push(&format!(
+            "<path d=\"M{x:.1} {y:.1}l4.5 13l-4.5 -3.2l-4.5 3.2z\" {style}/>"
+        ));
+    }
+    letters(page, [x, y - 4.0], Anchor::Middle, "bold", "N");
 }
 
 /// Largest of 1, 2, 5 times a power of ten that is not above a value.

@@ -39,7 +39,8 @@ pub enum GaugeFile {
         /// Name of the block.
         block: String,
     },
-    /// Highest point that water touches above a line of the plan; m, NaN when dry.
+    /// Highest point that water touches above a line of the plan; m, NaN when dry. It is under the outermost particle: still water
+    /// reads up to a spacing too low.
     RunUp {
         /// Column name.
         name: String,
