@@ -101,7 +101,7 @@ fn what_changes_their_load_wakes_blocks() {
         }
         assert_eq!(blocks.n_asleep(), n_asleep, "{share}");
     }
-    blocks.apply_impulse(&vec![Load::default(); 4], 2e-4);
+    blocks.apply_impulse(&[Load::default(); 4], 2e-4);
     advance(&mut blocks, 2.0, 4.0);
     assert_eq!(blocks.n_asleep(), 3);
     blocks.weaken((0, 0), 0.9, 1.0);
