@@ -135,8 +135,8 @@ def channel(slide):
     title: "a slide into a channel",
     domain: (min: (-1.9, 0, {-DEPTH - 0.1}), max: ({LENGTH}, {WIDTH}, 1.6)),
     materials: [
-        (name: "rock", density: {ROCK}, friction_angle_deg: 25, restitution: 0.4, contact_stiffness: 2e5),
-        (name: "ramp", density: 2500, friction_angle_deg: 10, restitution: 0.4, contact_stiffness: 2e5),
+        (name: "rock", density: {ROCK}, friction_angle_deg: 34, restitution: 0.4, contact_stiffness: 2e5),
+        (name: "ramp", density: 2500, friction_angle_deg: 24, restitution: 0.4, contact_stiffness: 2e5),
         (name: "glass", density: 2500, friction_angle_deg: 0, restitution: 0.4, contact_stiffness: 2e5),
     ],
     {slide}
