@@ -14,7 +14,8 @@ use thiserror::Error;
 ///
 /// The space behind the surface is shared out among the triangles by the planes that halve the angles at
 /// their edges: a point belongs to the triangle whose plane is nearest there, and its depth is continuous
-/// from one to the next.
+/// from one to the next. The plane at a sharp ridge bounds what belongs to the triangles next to it, and to those beyond these that
+/// go on almost in their plane: behind a sliver along a ridge the other side soon is nearer than what comes after the sliver.
 #[derive(Clone, Debug)]
 pub struct Surface {
     vertices: Vec<Vec3>,
@@ -27,6 +28,9 @@ pub struct Surface {
     neighbor: Vec<[u32; 3]>,
     /// Plane through the side that halves the angle, outward unit normal and offset.
     divide: Vec<[(Vec3, f64); 3]>,
+    /// Such planes at ridges of triangles beside each.
+    ridges_start: Vec<u32>,
+    ridges: Vec<(Vec3, f64)>,
     /// Triangles of one plane have one number.
     plane: Vec<u32>,
     /// Sum of the normals around a vertex, by angle.
@@ -93,6 +97,10 @@ pub enum SurfaceError {
 const NONE: u32 = u32::MAX;
 /// Neighbours that turn by less than this against the first of their plane are of one plane; rad.
 const FLAT: f64 = 1e-7;
+/// Cosine of the least angle between the sides of a sharp ridge.
+const RIDGE: f64 = 0.9;
+/// Cosine of the largest angle between triangles that go on almost in one plane.
+const GOES_ON: f64 = 0.99;
 /// A triangle lower than this over its longest side has no area; –.
 const SLIVER: f64 = 1e-9;
 
@@ -168,7 +176,7 @@ impl Surface {
             .zip(&normal)
             .map(|(triangle, n)| n.dot(&vertices[triangle[0] as usize]))
             .collect();
-        let divide = (0..triangles.len())
+        let divide: Vec<[(Vec3, f64); 3]> = (0..triangles.len())
             .map(|t| {
                 [0, 1, 2].map(|k| {
                     let other = neighbor[t][k];
@@ -198,6 +206,8 @@ impl Surface {
                 })
             })
             .collect();
+        let (ridges_start, ridges) =
+            ridges_beside((&vertices, &triangles, &normal), (&neighbor, &divide));
         let mut vertex_normal = vec![Vec3::zeros(); vertices.len()];
         let mut spokes = vec![Vec::new(); vertices.len()];
         for (t, triangle) in triangles.iter().enumerate() {
@@ -241,6 +251,8 @@ impl Surface {
             offset,
             neighbor,
             divide,
+            ridges_start,
+            ridges,
             vertex_normal,
             spokes_start,
             spokes: all_spokes,
@@ -329,8 +341,12 @@ impl Surface {
     }
 
     /// The planes that bound what belongs to a triangle.
-    pub(crate) fn divides(&self, triangle: u32) -> &[(Vec3, f64); 3] {
-        &self.divide[triangle as usize]
+    pub(crate) fn divides(&self, triangle: u32) -> impl Iterator<Item = &(Vec3, f64)> {
+        let t = triangle as usize;
+        let (from, to) = (self.ridges_start[t], self.ridges_start[t + 1]);
+        self.divide[t]
+            .iter()
+            .chain(&self.ridges[from as usize..to as usize])
     }
 
     /// Number of the plane that a triangle lies in.
@@ -497,6 +513,64 @@ enum Feature {
 fn aabb(bounds: &Bounds) -> Aabb {
     let vector = |x: &Vec3| Vector::new(x.x, x.y, x.z);
     Aabb::new(vector(&bounds.0), vector(&bounds.1))
+}
+
+/// Planes at sharp ridges of the triangles beside a triangle, or beside these, that go on almost in its plane, where it lies wholly on
+/// the inner side: where each triangle's begin, and all. What shares a vertex is beside.
+fn ridges_beside(
+    (vertices, triangles, normal): (&[Vec3], &[[u32; 3]], &[Vec3]),
+    (neighbor, divide): (&[[u32; 3]], &[[(Vec3, f64); 3]]),
+) -> (Vec<u32>, Vec<(Vec3, f64)>) {
+    let mut around = vec![Vec::new(); vertices.len()];
+    for (t, corners) in triangles.iter().enumerate() {
+        for &v in corners {
+            around[v as usize].push(t);
+        }
+    }
+    let is_ridge = |t: usize, k: usize| {
+        let other = neighbor[t][k];
+        other != NONE && {
+            let other = other as usize;
+            let beyond = triangles[other].map(|v| vertices[v as usize]);
+            let on_the_side = vertices[triangles[t][k] as usize];
+            normal[t].dot(&normal[other]) < RIDGE
+                && beyond
+                    .iter()
+                    .map(|x| normal[t].dot(&(x - on_the_side)))
+                    .sum::<f64>()
+                    < 0.0
+        }
+    };
+    let mut start = vec![0];
+    let mut ridges = Vec::new();
+    let mut beside: Vec<usize> = Vec::new();
+    for (t, corners) in triangles.iter().enumerate() {
+        beside.clear();
+        beside.push(t);
+        for _ring in 0..2 {
+            let inner = beside.len();
+            for k in 0..inner {
+                let corners = triangles[beside[k]];
+                beside.extend(corners.iter().flat_map(|&v| &around[v as usize]));
+            }
+            beside.sort_unstable();
+            beside.dedup();
+            beside.retain(|&u| normal[u].dot(&normal[t]) > GOES_ON);
+        }
+        beside.retain(|&u| u != t);
+        let [a, b, c] = corners.map(|v| vertices[v as usize]);
+        let slack = FLAT * ((b - a).norm() + (c - b).norm());
+        for &u in &beside {
+            for k in (0..3).filter(|&k| is_ridge(u, k)) {
+                let (outward, offset) = divide[u][k];
+                if [a, b, c].iter().all(|x| outward.dot(x) <= offset + slack) {
+                    ridges.push((outward, offset));
+                }
+            }
+        }
+        start.push(ridges.len() as u32);
+    }
+    (start, ridges)
 }
 
 /// Numbers of planes: neighbours that lie flat with the first of theirs.

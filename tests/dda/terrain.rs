@@ -363,3 +363,47 @@ fn bad_surfaces_are_refused() {
     let error = Blocks::new(vec![free], vec![rock()], riprap_dda::Settings::default()).unwrap_err();
     assert_eq!(error, BlockError::Surface { block: 0 });
 }
+
+/// The top of a cliff bears a body that juts out over its edge, turned a little so that its sides look at the wall of the cliff. How
+/// the wall is cut into triangles does not matter: behind a sliver along the edge the top is nearer than the rest of the wall, which
+/// once pushed the body as far as it reached over the top.
+#[test]
+fn slivers_along_a_ridge_do_not_matter() {
+    let cliff = |heights: &[f64]| {
+        let mut vertices = vec![Vec3::new(-5.0, 5.0, 0.0), Vec3::new(5.0, 5.0, 0.0)];
+        vertices.extend(
+            heights
+                .iter()
+                .flat_map(|&z| [Vec3::new(-5.0, 0.0, z), Vec3::new(5.0, 0.0, z)]),
+        );
+        let mut triangles = vec![[0, 2, 3], [0, 3, 1]];
+        for row in (2..).step_by(2).take(heights.len() - 1) {
+            triangles.extend([[row, row + 2, row + 3], [row, row + 3, row + 1]]);
+        }
+        Surface::new(vertices, triangles).unwrap()
+    };
+    let sunk = 0.02;
+    let place = Isometry::new(Vec3::new(0.3, 0.4, 0.5 - sunk), Vec3::new(0.01, 0.0, 0.1));
+    let body = cuboid([-1.0, -1.0, -0.5], [1.0, 1.0, 0.5]).transformed(&place);
+    let loads = [
+        &[0.0, -4.0][..],
+        &[0.0, -0.005, -4.0],
+        &[0.0, -0.005, -0.012, -4.0],
+    ]
+    .map(|heights| {
+        let definitions = vec![ground(cliff(heights)), block(body.clone(), Motion::Free)];
+        let mut system = blocks(definitions, smooth(), Vec3::zeros());
+        system.advance(0.0, 1e-7, 1).unwrap();
+        let contacts = system.contacts();
+        let deepest = contacts.iter().map(|c| c.overlap).fold(0.0, f64::max);
+        // of the corner that is lowered by the tilt
+        assert!(deepest < sunk + 0.015, "{heights:?}: {deepest}");
+        system.contact_force(1)
+    });
+    let [whole, rest @ ..] = loads;
+    for (load, name) in rest.iter().zip(["one sliver", "two"]) {
+        // round-off of cuts, and of a step
+        let off = (load.force - whole.force).norm() / whole.force.norm();
+        assert_below(name, off, 1e-6);
+    }
+}
