@@ -10,6 +10,9 @@ use parry3d_f64::{
 };
 use thiserror::Error;
 
+/// A plane by its unit normal and offset; m.
+type Divide = (Vec3, f64);
+
 /// Triangles that meet edge to edge, open or closed. Bodies are kept on the side of the normals.
 ///
 /// The space behind the surface is shared out among the triangles by the planes that halve the angles at
@@ -27,10 +30,10 @@ pub struct Surface {
     /// Across the side from vertex k to the next; `NONE` at the rim.
     neighbor: Vec<[u32; 3]>,
     /// Plane through the side that halves the angle, outward unit normal and offset.
-    divide: Vec<[(Vec3, f64); 3]>,
+    divide: Vec<[Divide; 3]>,
     /// Such planes at ridges of triangles beside each.
     ridges_start: Vec<u32>,
-    ridges: Vec<(Vec3, f64)>,
+    ridges: Vec<Divide>,
     /// Triangles of one plane have one number.
     plane: Vec<u32>,
     /// Sum of the normals around a vertex, by angle.
@@ -176,7 +179,7 @@ impl Surface {
             .zip(&normal)
             .map(|(triangle, n)| n.dot(&vertices[triangle[0] as usize]))
             .collect();
-        let divide: Vec<[(Vec3, f64); 3]> = (0..triangles.len())
+        let divide: Vec<[Divide; 3]> = (0..triangles.len())
             .map(|t| {
                 [0, 1, 2].map(|k| {
                     let other = neighbor[t][k];
@@ -341,7 +344,7 @@ impl Surface {
     }
 
     /// The planes that bound what belongs to a triangle.
-    pub(crate) fn divides(&self, triangle: u32) -> impl Iterator<Item = &(Vec3, f64)> {
+    pub(crate) fn divides(&self, triangle: u32) -> impl Iterator<Item = &Divide> {
         let t = triangle as usize;
         let (from, to) = (self.ridges_start[t], self.ridges_start[t + 1]);
         self.divide[t]
@@ -519,8 +522,8 @@ fn aabb(bounds: &Bounds) -> Aabb {
 /// the inner side: where each triangle's begin, and all. What shares a vertex is beside.
 fn ridges_beside(
     (vertices, triangles, normal): (&[Vec3], &[[u32; 3]], &[Vec3]),
-    (neighbor, divide): (&[[u32; 3]], &[[(Vec3, f64); 3]]),
-) -> (Vec<u32>, Vec<(Vec3, f64)>) {
+    (neighbor, divide): (&[[u32; 3]], &[[Divide; 3]]),
+) -> (Vec<u32>, Vec<Divide>) {
     let mut around = vec![Vec::new(); vertices.len()];
     for (t, corners) in triangles.iter().enumerate() {
         for &v in corners {
