@@ -248,17 +248,29 @@ fn prefers_b(a: &Polyhedron, b: &Polyhedron, normal: &Vec3, down: &Vec3) -> bool
 
 /// Full separating-axis test.
 pub fn separating_axes(a: &Polyhedron, b: &Polyhedron) -> SeparatingAxes {
+    axes(a, b, Neighbors::Heeded)
+}
+
+/// What adjoins a body: whether it covers faces and carries on corners, or the body is taken by itself.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Neighbors {
+    Heeded,
+    Ignored,
+}
+
+fn axes(a: &Polyhedron, b: &Polyhedron, neighbors: Neighbors) -> SeparatingAxes {
+    let is_alone = neighbors == Neighbors::Ignored;
     let none = |kind| Axis {
         normal: Vec3::z(),
         gap: f64::NEG_INFINITY,
         kind,
     };
     let mut face_a = none(AxisKind::FaceA(0));
-    for face in (0..a.n_faces()).filter(|&face| !a.is_hidden(face)) {
+    for face in (0..a.n_faces()).filter(|&face| is_alone || !a.is_hidden(face)) {
         let normal = a.face_normal(face);
         let (depth, corner) = support(b, &-normal);
         let gap = -depth - a.face_offset(face);
-        if gap > face_a.gap && (gap > 0.0 || b.is_corner(corner as u32, &-normal)) {
+        if gap > face_a.gap && (gap > 0.0 || is_alone || b.is_corner(corner as u32, &-normal)) {
             face_a = Axis {
                 normal,
                 gap,
@@ -267,11 +279,11 @@ pub fn separating_axes(a: &Polyhedron, b: &Polyhedron) -> SeparatingAxes {
         }
     }
     let mut face_b = none(AxisKind::FaceB(0));
-    for face in (0..b.n_faces()).filter(|&face| !b.is_hidden(face)) {
+    for face in (0..b.n_faces()).filter(|&face| is_alone || !b.is_hidden(face)) {
         let normal = -b.face_normal(face);
         let (height, corner) = support(a, &normal);
         let gap = -b.face_offset(face) - height;
-        if gap > face_b.gap && (gap > 0.0 || a.is_corner(corner as u32, &normal)) {
+        if gap > face_b.gap && (gap > 0.0 || is_alone || a.is_corner(corner as u32, &normal)) {
             face_b = Axis {
                 normal,
                 gap,
@@ -322,7 +334,9 @@ pub fn separating_axes(a: &Polyhedron, b: &Polyhedron) -> SeparatingAxes {
             );
             if edges.is_none_or(|best| gap > best.gap)
                 && gap_along(a, b, &normal) >= gap - SUPPORT_TOLERANCE * a.size().min(b.size())
-                && (gap > 0.0 || (is_ridge(a, edge_a, &normal) && is_ridge(b, edge_b, &-normal)))
+                && (gap > 0.0
+                    || is_alone
+                    || (is_ridge(a, edge_a, &normal) && is_ridge(b, edge_b, &-normal)))
             {
                 edges = Some(Axis {
                     normal,
@@ -508,13 +522,10 @@ impl AxisCache {
 /// would be much deeper in each other than they are: what is between them is between these others.
 fn touch_where_covered(a: &Polyhedron, b: &Polyhedron, axis: &Axis) -> bool {
     let thinner = a.thickness().min(b.thickness());
-    if -axis.gap <= COVERED_DEPTH * thinner {
+    if !(a.has_seams() || b.has_seams()) || -axis.gap <= COVERED_DEPTH * thinner {
         return false;
     }
-    let of_a = (0..a.n_faces()).map(|face| a.face_normal(face));
-    let of_b = (0..b.n_faces()).map(|face| -b.face_normal(face));
-    let gaps = of_a.chain(of_b).map(|normal| gap_along(a, b, &normal));
-    gaps.fold(f64::NEG_INFINITY, f64::max) > COVERED_SHARE * axis.gap
+    axes(a, b, Neighbors::Ignored).best().gap > COVERED_SHARE * axis.gap
 }
 
 /// The published cold start: along the line between the middles of the corners.
