@@ -320,8 +320,9 @@ fn water_mesh(pov: &mut Pov, surface: &Surface, panel: &Panel) {
         format!("<{x:.4}, {y:.4}, {z:.4}>")
     };
     let corners = |t: &&[u32; 3]| {
+        // left-handed, as POV-Ray takes them: where the normals of all corners are one and the same it makes its own
         let [a, b, c] = t.map(|i| numbers[i as usize]);
-        format!("<{a}, {b}, {c}>")
+        format!("<{a}, {c}, {b}>")
     };
     pov.line(format!("mesh2 {{\n vertex_vectors {{ {},", used.len()));
     pov.line(vertices);

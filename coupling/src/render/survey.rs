@@ -69,6 +69,7 @@ pub(crate) fn survey(
 ) -> Result<Survey, RenderError> {
     let mut samples = Vec::new();
     let mut speeds = Vec::new();
+    let mut depth = None;
     let mut spacing = run.spacing;
     let looked_at = evenly(numbers, FRAMES);
     for &&number in &looked_at {
@@ -76,6 +77,7 @@ pub(crate) fn survey(
         if spacing.is_none() {
             spacing = guessed_spacing(&cloud.points);
         }
+        depth = depth.or_else(|| bounds(&cloud.points).map(|(low, high)| (high - low).z));
         samples.extend(evenly(&cloud.points, POINTS).into_iter().copied());
         speeds.extend(cloud.speeds.unwrap_or_default());
         let time = run.frames().get(number).map_or(0.0, |f| f.time);
@@ -104,7 +106,9 @@ pub(crate) fn survey(
         Some(panel) if panel.shift.norm() > 0.0 => 0.9 * (high - low)[1 - panel.axis],
         _ => {
             let thinnest = (high - low).xy().min().max(1e-3 * size);
-            (0.1 * size).min(0.9 * thinnest)
+            // nobody sees the bed of a lake: its waves are what a picture is for
+            let lake = depth.filter(|_| !stage.terrain.is_empty()).unwrap_or(size);
+            (0.1 * size).min(0.9 * thinnest).min(0.5 * lake)
         }
     };
     let size = if 0.0 < size {

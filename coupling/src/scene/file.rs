@@ -27,8 +27,8 @@ pub use blocks::{
 };
 pub use bulk::{GrainRegionFile, GrainsFile, JointSetFile, RockMassFile, SliversFile};
 pub use fluid::{
-    FlowFile, FluidFile, RegionFile, RegionShapeFile, RegularizationFile, ResolutionFile,
-    RheologyFile,
+    FlowFile, FluidFile, LatticeFile, RegionFile, RegionShapeFile, RegularizationFile,
+    ResolutionFile, RheologyFile,
 };
 pub use gauges::{ForcesFile, GaugeFile, MapsFile, MassFile, TrajectoriesFile};
 pub use interface::{InterfaceFile, SlipFile, WallMethodFile};

@@ -12,7 +12,8 @@ use riprap_sph::Dimensions;
 
 use super::error::Problem;
 use super::file::{
-    Axis, DimensionsFile, DomainFile, FluidFile, RegionFile, RegionShapeFile, ResolutionFile,
+    Axis, DimensionsFile, DomainFile, FluidFile, LatticeFile, RegionFile, RegionShapeFile,
+    ResolutionFile,
 };
 use super::resolve::vec3;
 use basin::Poured;
@@ -191,17 +192,33 @@ pub fn lattice_within(
     }
 }
 
+/// Spacings along x, y, z over that of a cubic lattice of the same volume. The layers of a staggered lattice are
+/// squares that are face-centred cubic one over the other, in a plane rows that are hexagonal.
+pub(super) fn proportions(lattice: LatticeFile, dimensions: DimensionsFile) -> [f64; 3] {
+    match (lattice, dimensions) {
+        (LatticeFile::Cubic, _) => [1.0; 3],
+        (LatticeFile::Staggered, DimensionsFile::Two) => {
+            let side = (4.0_f64 / 3.0).powf(0.25);
+            [side, 1.0, 1.0 / side]
+        }
+        (LatticeFile::Staggered, DimensionsFile::Three) => {
+            let side = 2.0_f64.powf(1.0 / 6.0);
+            [side, side, side / 2.0_f64.sqrt()]
+        }
+    }
+}
+
 /// Spacings along x, y, z: a periodic direction takes the nearest one that closes on itself, one that ends at a
 /// plane of symmetry the nearest one that does so half a spacing off; a flow in a plane has one row across.
-fn spacings(domain: &DomainFile, wanted: f64) -> [f64; 3] {
+fn spacings(fluid: &FluidFile, domain: &DomainFile, wanted: f64) -> [f64; 3] {
     let extent = vec3(domain.max) - vec3(domain.min);
-    let mut spacing = [wanted; 3];
+    let mut spacing = proportions(fluid.lattice, domain.dimensions).map(|share| share * wanted);
     let periodic = domain.periodic.iter().map(|axis: &Axis| axis.index());
     let mirrored = domain.symmetry.iter().map(|side| side.axis());
     // rows are counted from the lower side
     let mirrored = mirrored.filter_map(|(axis, is_upper)| is_upper.then_some(axis));
     for axis in periodic.chain(mirrored) {
-        spacing[axis] = extent[axis] / (extent[axis] / wanted).round().max(1.0);
+        spacing[axis] = extent[axis] / (extent[axis] / spacing[axis]).round().max(1.0);
     }
     if domain.dimensions == DimensionsFile::Two {
         spacing[1] = extent.y;
@@ -221,7 +238,7 @@ fn at_spacing(
     (n_mould_rows, room): (usize, Room),
     wanted: f64,
 ) -> Result<Lattice, Vec<Problem>> {
-    let spacing = spacings(domain, wanted);
+    let spacing = spacings(fluid, domain, wanted);
     if !spacing.iter().all(|s| s.is_finite() && *s > 0.0) {
         let message = format!("fluid: spacing must be finite and > 0, got {wanted}");
         return Err(vec![Problem::error("fluid.resolution", message)]);
@@ -243,7 +260,7 @@ fn at_spacing(
                 let seed = vec3(*seed);
                 let poured = basin::fill(
                     domain,
-                    spacing,
+                    (spacing, fluid.lattice),
                     (*level, &seed),
                     solids,
                     (n_mould_rows, room),
@@ -385,6 +402,7 @@ mod tests {
         FluidFile {
             density: 1000.0,
             dynamic_viscosity: 1.0,
+            lattice: LatticeFile::Cubic,
             rheology: None,
             resolution,
             regions: vec![RegionFile {

@@ -14,12 +14,12 @@ use riprap_dda::{Polyhedron, Shape};
 
 use super::error::Problem;
 use super::file::{
-    Axis, DensityDiffusionFile, DensityFile, DimensionsFile, FluidFile, KernelFile,
+    Axis, DensityDiffusionFile, DensityFile, DimensionsFile, FluidFile, KernelFile, LatticeFile,
     NegativePressure, NumericsFile, PrecisionFile, Preset, RegionShapeFile, RegularizationFile,
     RheologyFile, SceneFile, ShiftingFile, SideFile, SlipFile, StateEquationFile, SteppingFile,
     ViscosityFile, WallMethodFile, WaterField,
 };
-use super::fill::Lattice;
+use super::fill::{Lattice, proportions};
 use super::resolve::{FluidScene, vec3};
 use crate::interface::{DAMPING_RATIO, STANDOFF, WallSettings};
 use crate::openings::{Drive, Inflow, Openings, Outflow, Passage, Series};
@@ -116,14 +116,18 @@ impl Preset {
 }
 
 /// Rows above the level that keep the surface of water in place while it is packed against its walls: those
-/// within the support. None where penalty springs hold the water, which need its lattice half a spacing off.
+/// within the support, of a staggered lattice those that are nearer to each other. None where penalty springs hold the water, which need its lattice half a spacing off.
 pub(super) fn mould_rows(file: &SceneFile) -> usize {
     let preset = file.numerics.preset.numbers(file.domain.dimensions);
     let ratio = file.numerics.smoothing_length_ratio;
     match file.interface.walls.unwrap_or(preset.walls) {
         WallMethodFile::Penalty => 0,
         WallMethodFile::Particles | WallMethodFile::Integral => {
-            (2.0 * ratio.unwrap_or(preset.smoothing_length_ratio)).ceil() as usize
+            let support = 2.0 * ratio.unwrap_or(preset.smoothing_length_ratio);
+            let fluid = file.fluid.as_ref();
+            let [.., height] =
+                fluid.map_or([1.0; 3], |f| proportions(f.lattice, file.domain.dimensions));
+            (support / height).ceil() as usize
         }
     }
 }
@@ -239,7 +243,16 @@ pub(super) fn resolve(
     let sleeping = super::sleep::sleeping(file, &settings, lattice.depth, problems);
     let work = (file.time.duration, lattice.positions.len());
     problems.extend(slow_viscosity(&settings, &laws, work));
-    super::symmetry::question_rows(&file.domain, &lattice, problems);
+    super::symmetry::question_rows(
+        (
+            &file.domain,
+            file.fluid
+                .as_ref()
+                .map_or(LatticeFile::Cubic, |f| f.lattice),
+        ),
+        &lattice,
+        problems,
+    );
     FluidScene {
         settings,
         walls,

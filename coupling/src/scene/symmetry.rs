@@ -4,7 +4,7 @@ use riprap_dda::{Motion, PrescribedMotion, Shape, Vec3};
 use riprap_sph::{Symmetry, SymmetryPlane};
 
 use super::error::Problem;
-use super::file::{DomainFile, SceneFile, SideFile};
+use super::file::{DomainFile, LatticeFile, SceneFile, SideFile};
 use super::fill::Lattice;
 use super::resolve::vec3;
 
@@ -91,8 +91,17 @@ fn farthest_across(motion: &PrescribedMotion, plane: &SymmetryPlane, duration: f
 }
 
 /// Says so where the first row of water does not stand half a spacing from a plane: the row and its image would
-/// push each other apart, or leave a gap.
-pub(super) fn question_rows(domain: &DomainFile, lattice: &Lattice, problems: &mut Vec<Problem>) {
+/// push each other apart, or leave a gap. Rows of staggered layers stand a quarter to and fro of that, and packing
+/// spreads them.
+pub(super) fn question_rows(
+    (domain, arrangement): (&DomainFile, LatticeFile),
+    lattice: &Lattice,
+    problems: &mut Vec<Problem>,
+) {
+    let first = match arrangement {
+        LatticeFile::Cubic => 0.5,
+        LatticeFile::Staggered => 0.25,
+    };
     for (side, plane) in planes(domain) {
         let spacing = lattice.spacing[plane.axis];
         let distance = |x: &Vec3| plane.distance(x) / spacing;
@@ -102,12 +111,12 @@ pub(super) fn question_rows(domain: &DomainFile, lattice: &Lattice, problems: &m
             .map(distance)
             .fold(f64::INFINITY, f64::min);
         // farther off there is no water at the plane
-        if nearest < 1.5 && ROW_SLACK < (nearest - 0.5).abs() {
+        if nearest < 1.5 && ROW_SLACK < (nearest - first).abs() {
             problems.push(Problem::warning(
                 "domain.symmetry",
                 format!(
                     "{side:?}: the first row of water stands {nearest:.2} spacings from the plane of symmetry, not \
-                     half of one; let regions end at the plane, and their length be a whole number of spacings"
+                     {first}; let regions end at the plane, and their length be a whole number of spacings"
                 ),
             ));
         }

@@ -5,7 +5,7 @@ use std::time::Instant;
 use proptest::prelude::*;
 use riprap::scene::error::{Problem, Severity};
 use riprap::scene::file::{
-    Axis, DimensionsFile, DomainFile, FluidFile, Leaving, RegionFile, RegionShapeFile,
+    Axis, DimensionsFile, DomainFile, FluidFile, LatticeFile, Leaving, RegionFile, RegionShapeFile,
     ResolutionFile, Triple,
 };
 use riprap::scene::fill::{Lattice, lattice, narrow_gaps, overlaps};
@@ -29,6 +29,7 @@ fn fluid(regions: &[(&str, RegionShapeFile)], resolution: ResolutionFile) -> Flu
     FluidFile {
         density: 1000.0,
         dynamic_viscosity: 1.0,
+        lattice: LatticeFile::Cubic,
         rheology: None,
         resolution,
         regions: regions
@@ -438,6 +439,52 @@ fn what_is_to_be_packed_has_the_volume_of_the_basin() {
     assert!(plain.mould.is_empty());
     assert!(packed.mould.iter().all(|x| 0.8 < x.z && x.z < 1.0));
     assert_eq!(packed.mould.len(), 4 * 40 * 20);
+}
+
+/// Distance and number of the nearest neighbours of a close packing: 12 in space, at `2^(1/6)` spacings of the cubic lattice
+/// of the same volume, and 6 in a plane, at `(4/3)^(1/4)`.
+#[test]
+fn a_staggered_lattice_is_the_densest() {
+    let planes = [DimensionsFile::Three, DimensionsFile::Two];
+    for (dimensions, (neighbors, distance)) in planes.into_iter().zip([
+        (12, 2.0_f64.powf(1.0 / 6.0)),
+        (6, (4.0_f64 / 3.0).powf(0.25)),
+    ]) {
+        let spacing = 0.05;
+        let mut water = fluid(
+            &[("lake", below(0.8, (1.0, 0.5, 0.4)))],
+            ResolutionFile::Spacing(spacing),
+        );
+        water.lattice = LatticeFile::Staggered;
+        let mut domain = tank_domain();
+        domain.dimensions = dimensions;
+        let packed = lattice(&water, &domain, &tank(), 4).unwrap();
+        let distance = distance * spacing;
+        // those that have all of their neighbours in the tank
+        let inner = packed.positions.iter().filter(|x| {
+            (0.2..1.8).contains(&x.x)
+                && (0.2..0.6).contains(&x.z)
+                && (dimensions == DimensionsFile::Two || (0.2..0.8).contains(&x.y))
+        });
+        let mut n = 0;
+        for x in inner {
+            n += 1;
+            let apart = packed.positions.iter().map(|y| (y - x).norm());
+            let near: Vec<f64> = apart.filter(|d| 0.0 < *d && *d < 1.2 * distance).collect();
+            assert_eq!(near.len(), neighbors, "at {x:?}");
+            // the digits of places
+            assert!(near.iter().all(|d| (d / distance - 1.0).abs() < 1e-9));
+        }
+        assert!(200 < n, "{n}");
+        // as of a cubic one; in the plane layers of 0.0465 m make 0.4 % of 0.8 m
+        let width = if dimensions == DimensionsFile::Two {
+            1.4
+        } else {
+            1.0
+        };
+        let off = volume(&packed) / (2.0 * width * 0.8) - 1.0;
+        assert!(off.abs() < 0.02, "{off}");
+    }
 }
 
 #[test]

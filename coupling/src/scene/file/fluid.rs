@@ -20,6 +20,9 @@ pub struct FluidFile {
     pub rheology: Option<RheologyFile>,
     /// How fine.
     pub resolution: ResolutionFile,
+    /// How its particles stand at the start.
+    #[serde(default)]
+    pub lattice: LatticeFile,
     /// Where the water stands at the start.
     pub regions: Vec<RegionFile>,
 }
@@ -32,6 +35,18 @@ pub enum ResolutionFile {
     /// Wanted number of particles, met as nearly as whole rows allow; a miss of more than 10 % is
     /// refused.
     Count(u32),
+}
+
+/// How particles stand at the start.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum LatticeFile {
+    /// In rows one above the other, which fit boxes. Deep water comes down from them once it is stirred, and stirs
+    /// itself by that: its surface dips by a hundredth of the depth for a while.
+    #[default]
+    Cubic,
+    /// Each layer over the gaps of the one below, as water packs itself: face-centred, in a plane hexagonal. For
+    /// regions that are `Below` a level.
+    Staggered,
 }
 
 /// A body of water at the start.

@@ -11,7 +11,7 @@ use riprap_sph::Symmetry;
 
 use super::obstacles::Obstacles;
 use super::{FillError, Room, rows};
-use crate::scene::file::{Axis, DimensionsFile, DomainFile};
+use crate::scene::file::{Axis, DimensionsFile, DomainFile, LatticeFile};
 use crate::scene::resolve::vec3;
 use crate::scene::symmetry::symmetry;
 
@@ -22,6 +22,8 @@ struct Basin {
     /// Rows below the level; those above are of the mould.
     n_wet_rows: usize,
     first: Vec3,
+    /// To where layers stand to and fro from their places, every other one; m.
+    stagger: Vec3,
     periodic: [bool; 3],
     /// Sides beyond which there is the mirror image of the water.
     symmetry: Symmetry,
@@ -48,12 +50,12 @@ enum Node {
 /// to be packed.
 pub(super) fn fill(
     domain: &DomainFile,
-    spacing: [f64; 3],
+    (spacing, arrangement): ([f64; 3], LatticeFile),
     (level, seed): (f64, &Vec3),
     solids: &[(String, Shape)],
     (n_mould_rows, room): (usize, Room),
 ) -> Result<Poured, FillError> {
-    let basin = Basin::new(domain, spacing, level, (n_mould_rows, room))?;
+    let basin = Basin::new(domain, (spacing, arrangement), level, (n_mould_rows, room))?;
     let obstacles = Obstacles::new(solids, &basin.first, spacing, basin.counts);
     let start = basin.start(seed, level, domain, &obstacles, solids)?;
     let mut nodes = basin.flood(start, &obstacles)?;
@@ -86,7 +88,7 @@ impl Basin {
     /// first row stands half a spacing inside the domain.
     fn new(
         domain: &DomainFile,
-        spacing: [f64; 3],
+        (spacing, arrangement): ([f64; 3], LatticeFile),
         level: f64,
         (n_mould_rows, room): (usize, Room),
     ) -> Result<Self, FillError> {
@@ -102,6 +104,13 @@ impl Basin {
         let n_wet_rows = counts[2] as usize;
         let all = [counts[0], counts[1], counts[2] + n_mould_rows as f64];
         room.look_at(all.iter().product())?;
+        let stagger = match (arrangement, domain.dimensions) {
+            (LatticeFile::Cubic, _) => [0.0; 3],
+            (LatticeFile::Staggered, DimensionsFile::Two) => [0.25 * spacing[0], 0.0, 0.0],
+            (LatticeFile::Staggered, DimensionsFile::Three) => {
+                [0.25 * spacing[0], 0.25 * spacing[1], 0.0]
+            }
+        };
         Ok(Self {
             spacing,
             counts: all.map(|n| n as usize),
@@ -111,6 +120,7 @@ impl Basin {
                 min.y + 0.5 * spacing[1],
                 level - (counts[2] - 0.5) * spacing[2],
             ),
+            stagger: Vec3::from(stagger),
             // a flow in a plane is the same everywhere across it
             periodic: [Axis::X, Axis::Y, Axis::Z].map(|axis| {
                 domain.periodic.contains(&axis)
@@ -121,7 +131,11 @@ impl Basin {
     }
 
     fn position(&self, node: [usize; 3]) -> Vec3 {
-        self.first + Vec3::from_fn(|axis, _| node[axis] as f64 * self.spacing[axis])
+        // the layers at the level are the same however deep the domain is
+        let is_odd = (node[2] + self.n_wet_rows) % 2 == 1;
+        let to_and_fro = if is_odd { self.stagger } else { -self.stagger };
+        let row = Vec3::from_fn(|axis, _| node[axis] as f64 * self.spacing[axis]);
+        self.first + row + to_and_fro
     }
 
     fn index(&self, node: [usize; 3]) -> usize {

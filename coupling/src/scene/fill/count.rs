@@ -36,7 +36,7 @@ pub(super) fn lattice(
     // all fills together look at no more nodes than one may
     let looked = Cell::new(0.0);
     let fill = |spacing: f64| {
-        let particle: f64 = super::spacings(domain, spacing).iter().product();
+        let particle: f64 = super::spacings(fluid, domain, spacing).iter().product();
         looked.set(looked.get() + volume / particle);
         fill(spacing)
     };

@@ -139,8 +139,8 @@ impl<'a> Obstacles<'a> {
         let least = spacing.iter().copied().fold(f64::INFINITY, f64::min);
         let clearance = (0.5 - WALL_SLACK) * least;
         let size = Vec3::from(spacing) * NODES_PER_CELL as f64;
-        // nodes of a cell ask for points up to a step beyond their own
-        let reach = clearance + spacing.iter().copied().fold(0.0, f64::max);
+        // nodes of a cell ask for points up to a step beyond their own, those of staggered layers a quarter more
+        let reach = clearance + 1.25 * spacing.iter().copied().fold(0.0, f64::max);
         let origin = first - 0.5 * Vec3::from(spacing);
         let mut found: Vec<(u32, u32)> = Vec::new();
         for (p, (_, part)) in parts.iter().enumerate() {

@@ -2,10 +2,10 @@
 
 use super::checks::{Checks, is_inside, is_ordered};
 use crate::scene::file::{
-    FlowFile, FluidFile, RegionFile, RegionShapeFile, ResolutionFile, RheologyFile, SceneFile,
-    SlipFile,
+    FlowFile, FluidFile, LatticeFile, RegionFile, RegionShapeFile, ResolutionFile, RheologyFile,
+    SceneFile, SlipFile,
 };
-use crate::scene::fluid::flow_law;
+use crate::scene::fluid::{flow_law, mould_rows};
 
 impl Checks {
     pub(super) fn fluid(&mut self, fluid: &FluidFile, scene: &SceneFile) {
@@ -48,6 +48,7 @@ impl Checks {
                 "fluid: no region; add one, or leave fluid out".to_owned(),
             );
         }
+        self.staggered(fluid, scene);
         for (index, region) in fluid.regions.iter().enumerate() {
             self.region(&format!("fluid.regions[{index}].shape"), region, scene);
             self.flow(&format!("fluid.regions[{index}].flow"), region, scene);
@@ -92,6 +93,30 @@ impl Checks {
                 ),
             );
         }
+    }
+
+    /// Staggered layers fit no plane wall: what has them is to be packed.
+    fn staggered(&mut self, fluid: &FluidFile, scene: &SceneFile) {
+        if fluid.lattice != LatticeFile::Staggered {
+            return;
+        }
+        let is_box = |r: &&RegionFile| matches!(r.shape, RegionShapeFile::Box { .. });
+        let why_not = if let Some(region) = fluid.regions.iter().find(is_box) {
+            format!(
+                "fluid region `{}` is a Box; let it be Below a level",
+                region.name
+            )
+        } else if !(scene.inflows.is_empty() && scene.outflows.is_empty()) {
+            "water that comes in stands in rows".to_owned()
+        } else if mould_rows(scene) == 0 {
+            "penalty walls hold rows; take walls of particles or integrals".to_owned()
+        } else {
+            return;
+        };
+        self.refuse(
+            "fluid.lattice",
+            format!("a staggered lattice is packed against its walls: {why_not}, or take Cubic"),
+        );
     }
 
     fn region(&mut self, path: &str, region: &RegionFile, scene: &SceneFile) {
