@@ -15,7 +15,7 @@ mod slivers;
 mod unions;
 
 use crate::{Plane, Polyhedron, Random, Vec3};
-pub use slivers::{MergedMass, SliverLimits, merge_slivers, merge_union_slivers};
+pub use slivers::{MergedMass, SliverLimits, hull_within, merge_slivers, merge_union_slivers};
 use std::ops::RangeInclusive;
 use thiserror::Error;
 pub use unions::{JointedUnion, cut_union_by_joints};

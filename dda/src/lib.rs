@@ -131,7 +131,7 @@ pub use holds::{Hold, Turning};
 pub use integrate::Phase;
 pub use joint_sets::{
     JointError, JointSet, JointedMass, JointedUnion, MergedMass, SliverLimits, cut_by_joints,
-    cut_union_by_joints, merge_slivers, merge_union_slivers,
+    cut_union_by_joints, hull_within, merge_slivers, merge_union_slivers,
 };
 pub use kinematics::Load;
 pub use material::{

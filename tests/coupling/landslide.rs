@@ -342,6 +342,19 @@ fn rock_between_two_rough_surfaces_keeps_its_volume() {
     println!("{}", merged.rock_masses[0]);
     assert!((volume(&merged, "bowl.") / rock - 1.0).abs() < 1e-9);
     assert!(merged.blocks.len() < plain.blocks.len());
+    // blocks of several parts become convex as far as they may, each for no more than that
+    let unions = |scene: &Scene| scene.rock_masses[0].n_unions;
+    let mut left = unions(&plain);
+    for share in [1e-3, 1e-2, 1e-1] {
+        let convex = of(&format!(", convex_within: {share}"));
+        println!("{}", convex.rock_masses[0]);
+        let gained = volume(&convex, "bowl.") / rock - 1.0;
+        assert!((-1e-9..share).contains(&gained), "{gained:e}");
+        let report = &convex.rock_masses[0];
+        assert_eq!(report.n_unions + report.n_filled, unions(&plain));
+        assert!(unions(&convex) < left, "{share}: {}", unions(&convex));
+        left = unions(&convex);
+    }
     // written out and read again it is the same scene, to the bit
     let text = parse::write(&merged.file).unwrap();
     let again = Scene::resolve(parse::read(&text).unwrap(), folder.path()).unwrap();

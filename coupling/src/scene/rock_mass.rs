@@ -2,7 +2,7 @@
 
 use riprap_dda::{
     BlockQuality, JointError, JointSet, JointedMass, JointedUnion, MergedMass, Polyhedron, Shape,
-    SliverLimits, cut_by_joints, merge_union_slivers,
+    SliverLimits, cut_by_joints, hull_within, merge_union_slivers,
 };
 
 use super::error::Problem;
@@ -27,6 +27,8 @@ pub struct RockMassReport {
     pub n_merged: usize,
     /// Slivers that were to be joined but share no face with another block.
     pub n_unmerged: usize,
+    /// Blocks of several parts that became convex.
+    pub n_filled: usize,
     /// Blocks of several convex parts.
     pub n_unions: usize,
     /// Blocks smaller than the least volume, left out.
@@ -162,6 +164,7 @@ fn blocks_of(mass: &RockMassFile, index: usize, reach: &Reach) -> Result<Cut, Ve
     let cleaning = Cleaning {
         name: &mass.name,
         merge_slivers: mass.merge_slivers.as_ref(),
+        convex_within: 0.0,
         minimum_volume: mass.minimum_volume,
         volume,
     };
@@ -180,6 +183,8 @@ pub(super) type Refusal = (String, String);
 pub(super) struct Cleaning<'a> {
     pub(super) name: &'a str,
     pub(super) merge_slivers: Option<&'a SliversFile>,
+    /// Volume that blocks of several parts may gain by becoming convex; of theirs.
+    pub(super) convex_within: f64,
     pub(super) minimum_volume: f64,
     /// Of the mass before it was cut; m³.
     pub(super) volume: f64,
@@ -210,6 +215,15 @@ impl Cleaning<'_> {
                 n_left: 0,
             },
         };
+        let mut n_filled = 0;
+        if 0.0 < self.convex_within {
+            for parts in blocks.iter_mut().filter(|parts| parts.len() > 1) {
+                if let Some(hull) = hull_within(parts, self.convex_within) {
+                    *parts = vec![hull];
+                    n_filled += 1;
+                }
+            }
+        }
         let n_cut = blocks.len();
         blocks.retain(|parts| {
             let volumes = parts.iter().map(riprap_dda::volume);
@@ -226,6 +240,7 @@ impl Cleaning<'_> {
             n_uncut,
             n_merged,
             n_unmerged: n_left,
+            n_filled,
             n_removed: n_cut - blocks.len(),
             ..report(self.name, self.volume, &blocks)
         };
@@ -261,6 +276,7 @@ fn report(name: &str, volume: f64, blocks: &[Vec<Polyhedron>]) -> RockMassReport
         n_uncut: 0,
         n_merged: 0,
         n_unmerged: 0,
+        n_filled: 0,
         n_unions: blocks.iter().filter(|parts| parts.len() > 1).count(),
         n_removed: 0,
         removed_share: ((volume - kept) / volume).max(0.0),
@@ -307,6 +323,13 @@ impl std::fmt::Display for RockMassReport {
                 f,
                 "; {} slivers merged, {} blocks of several parts",
                 self.n_merged, self.n_unions
+            )?;
+        }
+        if self.n_filled > 0 {
+            write!(
+                f,
+                "; {} made convex, {} left of several parts",
+                self.n_filled, self.n_unions
             )?;
         }
         if self.n_unmerged > 0 {

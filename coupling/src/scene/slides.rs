@@ -66,6 +66,7 @@ fn cut(slide: &SlideFile, rock: &Rock) -> Result<Cut, Refusal> {
     let cleaning = Cleaning {
         name: &slide.name,
         merge_slivers: slide.merge_slivers.as_ref(),
+        convex_within: slide.convex_within,
         minimum_volume: slide.minimum_volume,
         volume: rock.volume,
     };

@@ -272,6 +272,25 @@ fn union(mut parts: Vec<Polyhedron>, added: Vec<Polyhedron>) -> Vec<Polyhedron> 
 /// The union of polyhedra that do not overlap, if it is convex: if their hull has no more volume than they
 /// have.
 fn convex_union(parts: &[&Polyhedron]) -> Option<Polyhedron> {
+    let hull = hull_of(parts)?;
+    let sum: f64 = parts.iter().map(|part| volume(part)).sum();
+    // Rounding moves the surface of the hull by that of its corners.
+    let farthest = hull.vertices().iter().map(|x| x.amax()).fold(0.0, f64::max);
+    let surface: f64 = (0..hull.n_faces()).map(|face| face_area(&hull, face)).sum();
+    let rounding = 4.0 * f64::EPSILON * farthest * surface;
+    ((volume(&hull) - sum).abs() <= CONVEX * sum + rounding).then_some(hull)
+}
+
+/// The hull of a block of several convex parts, if it has no more volume than they have and a share of it on top,
+/// ≥ 0: dents of a raster's last digit are filled.
+#[must_use]
+pub fn hull_within(parts: &[Polyhedron], share: f64) -> Option<Polyhedron> {
+    let hull = hull_of(&parts.iter().collect::<Vec<_>>())?;
+    let sum: f64 = parts.iter().map(volume).sum();
+    (volume(&hull) <= (1.0 + share) * sum).then_some(hull)
+}
+
+fn hull_of(parts: &[&Polyhedron]) -> Option<Polyhedron> {
     let mut points: Vec<Vec3> = Vec::new();
     let size = parts.iter().map(|part| part.size()).fold(0.0, f64::max);
     // Corners in common may differ by rounding, of which no hull can be made.
@@ -280,13 +299,7 @@ fn convex_union(parts: &[&Polyhedron]) -> Option<Polyhedron> {
             points.push(*x);
         }
     }
-    let hull = Polyhedron::convex_hull(&points).ok()?;
-    let sum: f64 = parts.iter().map(|part| volume(part)).sum();
-    // Rounding moves the surface of the hull by that of its corners.
-    let farthest = points.iter().map(|x| x.amax()).fold(0.0, f64::max);
-    let surface: f64 = (0..hull.n_faces()).map(|face| face_area(&hull, face)).sum();
-    let rounding = 4.0 * f64::EPSILON * farthest * surface;
-    ((volume(&hull) - sum).abs() <= CONVEX * sum + rounding).then_some(hull)
+    Polyhedron::convex_hull(&points).ok()
 }
 
 /// A union is convex if its hull has the volume of its parts within this share. A thousand times stricter

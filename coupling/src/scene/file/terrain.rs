@@ -92,6 +92,10 @@ pub struct SlideFile {
     /// Joins slivers with the neighbour with which they share the largest area; kept when left out.
     #[serde(default)]
     pub merge_slivers: Option<SliversFile>,
+    /// Blocks of several parts become convex where that adds no more than this share of their volume: the last digit of a
+    /// raster leaves dents, and convex blocks touch faster. 0: none.
+    #[serde(default)]
+    pub convex_within: f64,
     /// Smaller blocks are left out, after slivers are merged, and counted; m³.
     #[serde(default)]
     pub minimum_volume: f64,

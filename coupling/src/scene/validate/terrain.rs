@@ -146,6 +146,11 @@ impl Checks {
             (&slide.outline, &slide.failure_surface),
         );
         self.not_negative(
+            at("convex_within"),
+            &of("convex_within"),
+            slide.convex_within,
+        );
+        self.not_negative(
             at("minimum_volume"),
             &of("minimum_volume"),
             slide.minimum_volume,
