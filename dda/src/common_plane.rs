@@ -291,9 +291,6 @@ fn axes(a: &Polyhedron, b: &Polyhedron, neighbors: Neighbors) -> SeparatingAxes 
             };
         }
     }
-    let is_ridge = |body: &Polyhedron, e: u32, direction: &Vec3| {
-        body.is_corner(body.origin(e), direction) && body.is_corner(body.target(e), direction)
-    };
     let mut edges: Option<Axis> = None;
     let mut sides = Sides::of(b);
     for edge_a in a.edges() {
@@ -336,7 +333,7 @@ fn axes(a: &Polyhedron, b: &Polyhedron, neighbors: Neighbors) -> SeparatingAxes 
                 && gap_along(a, b, &normal) >= gap - SUPPORT_TOLERANCE * a.size().min(b.size())
                 && (gap > 0.0
                     || is_alone
-                    || (is_ridge(a, edge_a, &normal) && is_ridge(b, edge_b, &-normal)))
+                    || (a.is_ridge(edge_a, &normal) && b.is_ridge(edge_b, &-normal)))
             {
                 edges = Some(Axis {
                     normal,

@@ -131,6 +131,7 @@ pub(crate) fn note_neighbors(body: &mut Polyhedron, others: &[&Polyhedron]) {
         let holders = others.iter().filter(|other| holds(other, x, slack));
         holders
             .flat_map(|other| other.vertices().iter().map(|v| v - x))
+            .filter(|offset| offset.norm() > slack)
             .collect()
     };
     let at = |v: u32| body.vertices()[v as usize];

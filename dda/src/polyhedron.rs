@@ -49,6 +49,8 @@ pub struct Polyhedron {
 
 /// A neighbour that rises by less than this sine above a vertex continues its surface.
 const SEAM_SINE: f64 = 1e-3;
+/// Cosine of two degrees, by which a ridge may bend where it crosses a seam.
+const BEND_COSINE: f64 = 0.999_390_8;
 
 impl Polyhedron {
     /// The same polyhedron turned and shifted.
@@ -261,6 +263,21 @@ impl Polyhedron {
         self.is_farthest(vertex, direction, SEAM_SINE)
     }
 
+    /// Is an edge, which is this body's farthest in a direction, a ridge of the bodies that hold its ends, too? Where another body
+    /// carries it on it may be bent: cut and rounded, a ridge that crosses a seam has a dent there as often as a bulge.
+    pub(crate) fn is_ridge(&self, half_edge: u32, direction: &Vec3) -> bool {
+        [half_edge, self.twin(half_edge)].into_iter().all(|e| {
+            let end = self.target(e);
+            let along = self.vertices[end as usize] - self.vertices[self.origin(e) as usize];
+            let length = along.norm();
+            self.offsets(end as usize).iter().all(|offset| {
+                let reach = offset.norm();
+                offset.dot(direction) <= SEAM_SINE * reach
+                    || offset.dot(&along) >= BEND_COSINE * reach * length
+            })
+        })
+    }
+
     /// Does no body that holds the vertex rise above it in a direction by more than a sine?
     pub(crate) fn is_farthest(&self, vertex: u32, direction: &Vec3, sine: f64) -> bool {
         self.rises_above_none(vertex as usize, direction, sine)
@@ -273,11 +290,14 @@ impl Polyhedron {
     }
 
     fn rises_above_none(&self, row: usize, direction: &Vec3, sine: f64) -> bool {
-        let from = self.beyond_start[row] as usize;
-        let to = self.beyond_start[row + 1] as usize;
-        self.beyond[from..to]
+        self.offsets(row)
             .iter()
             .all(|offset| offset.dot(direction) <= sine * offset.norm())
+    }
+
+    /// How neighbours extend from a vertex, or from the middle of a half-edge after all vertices; m.
+    fn offsets(&self, row: usize) -> &[Vec3] {
+        &self.beyond[self.beyond_start[row] as usize..self.beyond_start[row + 1] as usize]
     }
 
     /// Distance of a point from the plane of a face, positive outside; m.

@@ -545,48 +545,64 @@ fn wedges_that_touch_between_their_siblings_have_no_contact() {
 }
 
 /// Boxes of two halves each press side by side, tilted a little: the halves see no deeper than the boxes do. Corners on the seams are
-/// none of the boxes'; once the halves then took hold of each other behind their backs, as deep as they are thick.
+/// none of the boxes'; once the halves then took hold of each other behind their backs, as deep as they are thick. Cut from a rounded
+/// surface halves do not quite fit: with dents and bulges of milliradians at the seams they are boxes still.
 #[test]
 fn halves_see_no_deeper_than_the_whole() {
     let whole = cuboid([-0.35, -0.5, -0.5], [0.35, 0.5, 0.5]);
-    let seam = riprap_dda::Plane::through(&Vec3::zeros(), &Vec3::new(-0.65, -0.33, 0.69));
+    let across = Vec3::new(-0.65, -0.33, 0.69).normalize();
+    let seam = riprap_dda::Plane::through(&Vec3::zeros(), &across);
     let (below, above) = whole.cut(&seam).unwrap().unwrap();
     let mut random = Random(8);
-    let (mut n_touching, mut least) = (0, f64::INFINITY);
-    for trial in 0..2000 {
-        // side by side, or in any attitude
-        let (tilt, shift) = match trial % 2 {
-            0 => (0.1, 0.2),
-            _ => (3.0, 0.5),
-        };
-        let tilt = Isometry::rotation(random.vector() * tilt);
-        let shift = random.vector() * shift;
-        let near = Isometry::translation(shift.x, 1.0, shift.z) * tilt;
-        let apart = separating_axes(&whole, &whole.transformed(&near)).best();
-        let by = if trial % 4 < 2 { 0.005 } else { 0.05 };
-        let pressed = apart.normal * (-by - apart.gap);
-        let place = Isometry::translation(pressed.x, pressed.y, pressed.z) * near;
-        let depth = -separating_axes(&whole, &whole.transformed(&place))
-            .best()
-            .gap;
-        let halves = |placement: Isometry| riprap_dda::BlockDefinition {
-            shape: Shape::Polyhedra(vec![
-                below.transformed(&placement),
-                above.transformed(&placement),
-            ]),
-            ..block(whole.clone(), Motion::Free)
-        };
-        let definitions = vec![halves(Isometry::identity()), halves(place)];
-        let mut blocks = blocks(definitions, elastic(), Vec3::zeros());
-        blocks.advance(0.0, 1e-6, 1).unwrap();
-        let contacts = blocks.contacts();
-        let deepest = contacts.iter().map(|c| c.overlap).fold(0.0, f64::max);
-        n_touching += usize::from(deepest > 0.0);
-        // in a hundredth of a thickness everything is as good as a face, and what is less than twice as deep as could be
-        assert!(deepest < 2.0 * depth + 0.007, "{deepest} of {depth}");
-        least = least.min(deepest / depth);
+    for bend in [0.0, 0.002] {
+        let mut n_touching = 0;
+        for trial in 0..2000 {
+            // side by side, or in any attitude
+            let (tilt, shift) = match trial % 2 {
+                0 => (0.1, 0.2),
+                _ => (3.0, 0.5),
+            };
+            let tilt = Isometry::rotation(random.vector() * tilt);
+            let shift = random.vector() * shift;
+            let near = Isometry::translation(shift.x, 1.0, shift.z) * tilt;
+            let apart = separating_axes(&whole, &whole.transformed(&near)).best();
+            let by = if trial % 4 < 2 { 0.005 } else { 0.05 };
+            let pressed = apart.normal * (-by - apart.gap);
+            let place = Isometry::translation(pressed.x, pressed.y, pressed.z) * near;
+            let depth = -separating_axes(&whole, &whole.transformed(&place))
+                .best()
+                .gap;
+            let mut halves = |placement: Isometry| {
+                let lean = random.vector() * bend;
+                let bent: Vec<Vec3> = above
+                    .vertices()
+                    .iter()
+                    .map(|x| x + lean * across.dot(x))
+                    .collect();
+                let bent = Polyhedron::convex_hull(&bent).unwrap();
+                riprap_dda::BlockDefinition {
+                    shape: Shape::Polyhedra(vec![
+                        below.transformed(&placement),
+                        bent.transformed(&placement),
+                    ]),
+                    ..block(whole.clone(), Motion::Free)
+                }
+            };
+            let definitions = vec![halves(Isometry::identity()), halves(place)];
+            let mut blocks = blocks(definitions, elastic(), Vec3::zeros());
+            blocks.advance(0.0, 1e-6, 1).unwrap();
+            let contacts = blocks.contacts();
+            let deepest = contacts.iter().map(|c| c.overlap).fold(0.0, f64::max);
+            n_touching += usize::from(deepest > 0.0);
+            // corners of both move by the lean times their distance from the seam, at most 0.8 m
+            let moved = 2.0 * 0.8 * bend;
+            // in a hundredth of a thickness everything is as good as a face, and what is less than twice as deep as could be
+            let most = 2.0 * (depth + moved) + 0.007;
+            assert!(deepest < most, "{bend}: {deepest} of {depth}");
+            let least = 0.9 * (depth - moved);
+            assert!(deepest > least, "{bend}: {deepest} of {depth}");
+        }
+        // no contact is lost
+        assert_eq!(n_touching, 2000);
     }
-    // no contact is lost
-    assert!(least > 0.9, "{least}");
-    assert_eq!(n_touching, 2000);
 }
