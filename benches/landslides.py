@@ -36,6 +36,8 @@ class Run:
         self.folder = folder
         self.cpu = float((folder / "ended").read_text())
         self.summary = json.loads((folder / "summary.json").read_text())
+        if not self.summary["completed"]:
+            sys.exit(f"{folder}: {self.summary['stop_reason']}")
 
     def table(self, name):
         """Columns of one of its tables, by name without unit; what is empty is NaN."""

@@ -352,14 +352,33 @@ fn cost(scene: &Scene) -> Result<String, crate::run::RunError> {
         "  disk           about {:.0} MB in {frames:.0} frames",
         disk / 1e6
     );
-    let (taken, wall) = probe(&mut world, duration)?;
+    let (taken, mut wall) = wall_time(&mut world, duration, steps)?;
+    drop(world);
+    let mut asleep = String::new();
+    if scene.fluid.as_ref().is_some_and(|f| f.sleeping.is_some()) {
+        let mut awake = scene.clone();
+        if let Some(fluid) = &mut awake.fluid {
+            fluid.sleeping = None;
+        }
+        asleep = format!(" with all water awake, {wall:.0} s with what sleeps at the start,");
+        wall = wall_time(&mut build(&awake)?, duration, steps)?.1;
+    }
     let _ = write!(
         text,
-        "  wall time      about {:.0} s with {} threads, from {taken} steps on this machine",
-        wall.as_secs_f64() / f64::from(taken) * steps,
+        "  wall time      about {wall:.0} s{asleep} with {} threads, from {taken} steps on this machine",
         rayon::current_num_threads(),
     );
     Ok(text)
+}
+
+/// Takes some steps; how many, and the wall time of a run of as many as are asked, s.
+fn wall_time(
+    world: &mut World,
+    duration: f64,
+    steps: f64,
+) -> Result<(u32, f64), crate::run::RunError> {
+    let (taken, wall) = probe(world, duration)?;
+    Ok((taken, wall.as_secs_f64() / f64::from(taken) * steps))
 }
 
 /// Takes some steps and the time they need.
