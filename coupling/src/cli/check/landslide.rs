@@ -4,14 +4,14 @@ use crate::scene::file::RegionShapeFile;
 use crate::scene::impulse_wave::SlideImpact;
 use crate::scene::resolve::{FluidScene, Scene};
 use crate::scene::terrain::Terrain;
-use crate::scene::terrain::basin::volume_below;
+use crate::scene::terrain::basin::{Room, room_below};
 
 /// Particle spacings across the thickness of a slide: with fewer most of its water is within the support of its back too.
 const IN_SLIDE: f64 = 3.0;
 /// Particle spacings in the height of the first crest: where the surface is, is known to half a one.
 const IN_CREST: f64 = 3.0;
 
-/// A basin is well filled with a volume as near to its own as this; –.
+/// A basin is well filled with a volume as near to its own as this, and rows that end as near to its bottom; –.
 const WELL_FILLED: f64 = 0.005;
 
 /// Lines of the description: what, and its words.
@@ -66,14 +66,14 @@ fn basins(scene: &Scene, terrain: &Terrain, fluid: &FluidScene) -> Vec<(&'static
         let RegionShapeFile::Below { level, seed } = region.shape else {
             return None;
         };
-        let room = volume_below(terrain, level, [seed.0, seed.1], plan)?;
+        let room = room_below(terrain, level, [seed.0, seed.1], plan)?;
         let of_region = fluid.lattice.region.iter().filter(|&&r| r as usize == k);
         let volume = of_region.count() as f64 * fluid.lattice.particle_volume();
-        let off = volume / room - 1.0;
+        let off = volume / room.volume - 1.0;
         let advice = if off.abs() < WELL_FILLED {
-            ""
+            String::new()
         } else {
-            ": rows end above a flat bottom, choose a spacing that divides its depth"
+            filling(&room, fluid)
         };
         let words = format!(
             "`{}`: {volume:.4e} m3 in particles, {:+.2} % of the integral between ground and level{advice}",
@@ -83,4 +83,18 @@ fn basins(scene: &Scene, terrain: &Terrain, fluid: &FluidScene) -> Vec<(&'static
         Some(("water", words))
     });
     basins.collect()
+}
+
+/// The spacing next to that of the scene with whole rows between level and bottom; empty where it has them.
+fn filling(room: &Room, fluid: &FluidScene) -> String {
+    let row_height = fluid.lattice.spacing[2];
+    let rows = (room.depth / row_height).round().max(1.0);
+    let stretch = room.depth / (rows * row_height);
+    if (stretch - 1.0).abs() < WELL_FILLED {
+        return String::new();
+    }
+    format!(
+        ": rows end above a flat bottom, at a spacing of {:.3} m {rows} of them fill the depth",
+        stretch * fluid.walls.particle_spacing
+    )
 }

@@ -4,18 +4,27 @@ use riprap_dda::Vec3;
 
 use super::Terrain;
 
-/// Volume between the ground and a level, where water from a seed gets to over the grid; m³.
+/// What is between the ground and a level.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Room {
+    /// m³.
+    pub volume: f64,
+    /// Of its deepest place; m.
+    pub depth: f64,
+}
+
+/// Room between the ground and a level, where water from a seed gets to over the grid.
 ///
 /// ```text
 /// V = Σ_triangles ∫ max(level − z, 0) dA      over what of each is in the box of the plan       [m³]
 /// ```
 /// Blocks in the water are not taken off it. None where the seed is dry.
-pub fn volume_below(
+pub fn room_below(
     terrain: &Terrain,
     level: f64,
     seed: [f64; 2],
     plan: [[f64; 2]; 2],
-) -> Option<f64> {
+) -> Option<Room> {
     let wet = flooded(terrain, level, seed, plan)?;
     let surface = &terrain.surface;
     let grid = &terrain.grid;
@@ -26,7 +35,10 @@ pub fn volume_below(
         });
         wet[grid.index(point)]
     };
-    let mut volume = 0.0;
+    let mut room = Room {
+        volume: 0.0,
+        depth: 0.0,
+    };
     for triangle in surface.triangles() {
         let corners = triangle.map(|v| surface.vertices()[v as usize]);
         let below = clipped(&corners, level, plan);
@@ -40,13 +52,14 @@ pub fn volume_below(
         if !is_wet(lowest) {
             continue;
         }
+        room.depth = room.depth.max(level - lowest.z);
         let (first, others) = rest;
         for pair in others.windows(2) {
             let twice_area = (pair[0] - first).xy().perp(&(pair[1] - first).xy());
-            volume += 0.5 * twice_area * (level - (first.z + pair[0].z + pair[1].z) / 3.0);
+            room.volume += 0.5 * twice_area * (level - (first.z + pair[0].z + pair[1].z) / 3.0);
         }
     }
-    Some(volume)
+    Some(room)
 }
 
 /// Which points of the grid water reaches from a seed; a shore belongs to it.
