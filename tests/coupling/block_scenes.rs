@@ -1,16 +1,8 @@
 //! Scenes of blocks alone: deformable blocks, loads, bolts, holds, base shaking, damping.
-#![expect(
-    clippy::unwrap_used,
-    clippy::print_stdout,
-    reason = "a test may stop and tell where a library may not"
-)]
-
-#[path = "../support/mod.rs"]
-mod support;
 
 use std::path::Path;
 
-use support::{riprap, run, table, words};
+use crate::support::{riprap, run, table, words};
 
 /// A scene with the given blocks and further fields.
 fn scene(folder: &Path, blocks: &str, further: &str) -> std::path::PathBuf {

@@ -1,22 +1,14 @@
 //! What a flume needs at its ends, and its gauges.
-#![expect(
-    clippy::unwrap_used,
-    clippy::print_stdout,
-    reason = "a test may stop and tell where a library may not"
-)]
-
-#[path = "../support/mod.rs"]
-mod support;
 
 use std::collections::BTreeSet;
 use std::f64::consts::PI;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
+use crate::support::{riprap, run, table, words};
 use riprap::scene;
 use riprap::table::Start;
 use riprap::world::World;
-use support::{riprap, run, table, words};
 
 const GRAVITY: f64 = 9.81;
 

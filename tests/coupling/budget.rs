@@ -1,10 +1,5 @@
 //! What the shipped studies say, held to: budgets of error are kept by settings that were hidden from the choice, and no preset
 //! is dominated. The tables are those in `benches/trade/results`; nothing is run here.
-#![expect(
-    clippy::unwrap_used,
-    clippy::print_stdout,
-    reason = "a test stops at the first thing that is wrong, and measured figures stand beside their bounds"
-)]
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};

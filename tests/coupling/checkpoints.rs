@@ -1,10 +1,5 @@
 //! X22: what is stopped and goes on from a checkpoint is the same to the bit as what never stopped, and nothing is lost on
 //! the way.
-#![expect(
-    clippy::unwrap_used,
-    clippy::print_stdout,
-    reason = "a test stops at the first thing that is wrong, and measured figures stand beside their bounds"
-)]
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -19,13 +14,8 @@ use riprap::scene::parse::Override;
 use riprap::scene::resolve::Scene;
 use riprap::world::World;
 
-#[path = "../support/killed.rs"]
-mod killed;
-#[path = "../support/mod.rs"]
-mod support;
-
-use killed::{Files, TANK, difference, random, results, spawn};
-use support::{riprap, words};
+use crate::support::killed::{Files, TANK, difference, random, results, spawn};
+use crate::support::{self, riprap, words};
 
 /// A case with some of its fields set.
 fn load(name: &str, set: &[(&str, &str)]) -> Scene {

@@ -1,10 +1,5 @@
 //! What serious scenes push: thin and soft blocks, overlaps, light bodies, scale, particles in odd places. The whole sweep is
 //! `benches/extremes.rs`.
-#![expect(
-    clippy::unwrap_used,
-    clippy::print_stdout,
-    reason = "a test stops at the first thing that is wrong, and measured figures stand beside their bounds"
-)]
 
 use std::path::Path;
 

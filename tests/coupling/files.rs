@@ -1,11 +1,4 @@
 //! Files: written, read back by this program and by the VTK library, cut and damaged on purpose.
-#![expect(
-    clippy::unwrap_used,
-    clippy::print_stdout,
-    reason = "a test stops at the first thing that is wrong, and says what it skipped"
-)]
-
-mod overview;
 
 use proptest::prelude::*;
 use riprap::vtk::{self, Array, Collection, PolyData, Polygons, Values};

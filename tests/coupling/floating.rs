@@ -1,13 +1,6 @@
 //! Blocks that water moves: on a column of it, released in it, floating on it, hit by it.
-#![expect(
-    clippy::unwrap_used,
-    clippy::print_stdout,
-    reason = "a test stops at the first thing that is wrong, and measured figures stand beside their bounds"
-)]
 
-#[path = "../support/mod.rs"]
-mod support;
-
+use crate::support;
 use std::path::Path;
 
 use riprap::observe::Observer;

@@ -1,16 +1,9 @@
 //! Hostile input: what fuzzing found stays mended, files stay where they may be, and nothing is started that memory has no
 //! room for.
-#![expect(
-    clippy::unwrap_used,
-    clippy::print_stdout,
-    reason = "a test may stop and tell where a library may not"
-)]
-
-#[path = "../support/mod.rs"]
-mod support;
 
 use std::path::{Path, PathBuf};
 
+use crate::support::{case, riprap, run, summary, words};
 use riprap::checkpoint;
 use riprap::memory::{Available, Estimate};
 use riprap::run::build as build_world;
@@ -24,7 +17,6 @@ use riprap::scene::reach::{FilesFrom, Reach};
 use riprap::scene::resolve::Scene;
 use riprap::table::table_from;
 use riprap::trade::plan;
-use support::{case, riprap, run, summary, words};
 
 /// Files of `fuzz/corpus`, by the target they were kept for.
 fn corpus(target: &str) -> Vec<(PathBuf, Vec<u8>)> {

@@ -1,13 +1,6 @@
 //! Terrain from rasters and surveys, and rock cut out of it: against closed forms.
-#![expect(
-    clippy::unwrap_used,
-    clippy::print_stdout,
-    reason = "a test may stop and tell where a library may not"
-)]
 
-#[path = "../support/mod.rs"]
-mod support;
-
+use crate::support;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 

@@ -1,19 +1,11 @@
 //! The whole program: scenes in, run folders out.
-#![expect(
-    clippy::unwrap_used,
-    clippy::print_stdout,
-    reason = "a test may stop and tell where a library may not"
-)]
-
-#[path = "../support/mod.rs"]
-mod support;
 
 use std::collections::BTreeSet;
 use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::Duration;
 
-use support::{case, riprap, run, summary, table, words};
+use crate::support::{case, riprap, run, summary, table, words};
 
 /// What every finished scene with water must show.
 fn assert_sound(summary: &serde_json::Value) {

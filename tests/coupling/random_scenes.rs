@@ -1,12 +1,6 @@
 //! Random scenes of blocks, water and gauges: each is refused with words or takes fifty steps to a finite state.
 //!
-//! `PROPTEST_CASES=2000 cargo test --release --test random_scenes` tries more of them; what fails is kept beside this file.
-#![expect(
-    clippy::unwrap_used,
-    clippy::panic,
-    clippy::print_stdout,
-    reason = "a test stops at the first thing that is wrong"
-)]
+//! `PROPTEST_CASES=2000 cargo test --release --test coupling random_scenes` tries more of them; what fails is kept beside this file.
 
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};

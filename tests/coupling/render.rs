@@ -2,14 +2,12 @@
 //!
 //! RIPRAP_REQUIRE_POVRAY=1 makes the absence of POV-Ray a failure instead of a skipped check.
 
-mod synthetic_run;
-
+use crate::support::synthetic_run::{self, Experiment, Result};
 use riprap::render::{RenderError, RenderOptions, RenderSummary, WaterLook, render};
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::Instant;
-use synthetic_run::{Experiment, Result};
 
 /// A tank coarse enough for a test.
 fn small_tank() -> Experiment {

@@ -1,17 +1,9 @@
 //! Falling blocks that are followed: closed forms of a thrown ball, the tables of the rockfall case, its script.
-#![expect(
-    clippy::unwrap_used,
-    clippy::print_stdout,
-    reason = "a test may stop and tell where a library may not"
-)]
-
-#[path = "../support/mod.rs"]
-mod support;
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use support::{case, riprap, run, table, words};
+use crate::support::{case, riprap, run, table, words};
 
 const G: f64 = 9.81;
 

@@ -1,8 +1,4 @@
 //! `cases/README.md` documents every field of scenes, `benches/trade/README.md` every field of studies, and nothing else.
-#![expect(
-    clippy::unwrap_used,
-    reason = "a test may stop where a library may not"
-)]
 
 use std::collections::BTreeSet;
 use std::path::Path;

@@ -1,9 +1,4 @@
 //! Water at rest that sleeps: what it leaves out is not missed.
-#![expect(
-    clippy::unwrap_used,
-    clippy::print_stdout,
-    reason = "a test stops at the first thing that is wrong, and measured figures stand beside their bounds"
-)]
 
 use std::fs;
 use std::path::Path;
@@ -15,9 +10,6 @@ use riprap::scene::parse::{self, Override};
 use riprap::scene::resolve::Scene;
 use riprap::world::World;
 use riprap_sph::Fluid;
-
-#[path = "../support/mod.rs"]
-mod support;
 
 /// No step is limited by it; s.
 const DURATION: f64 = 100.0;
@@ -31,7 +23,7 @@ fn case(name: &str, set: &[(&str, &str)]) -> World {
             value: (*value).to_owned(),
         })
         .collect();
-    build(&scene::load(&support::case(name), &set).unwrap().0).unwrap()
+    build(&scene::load(&crate::support::case(name), &set).unwrap().0).unwrap()
 }
 
 fn resolved(text: &str, folder: &Path) -> Result<Scene, Vec<Problem>> {

@@ -1,9 +1,4 @@
 //! Every stepping with blocks, walls of every kind, layers that absorb, and settling.
-#![expect(
-    clippy::unwrap_used,
-    clippy::print_stdout,
-    reason = "a test stops at the first thing that is wrong, and measured figures stand beside their bounds"
-)]
 
 use std::path::Path;
 

@@ -1,9 +1,4 @@
 //! Scenes with planes of symmetry against the same scenes in whole, and those that are refused.
-#![expect(
-    clippy::unwrap_used,
-    clippy::print_stdout,
-    reason = "a test stops at the first thing that is wrong, and measured figures stand beside their bounds"
-)]
 
 use std::path::Path;
 

@@ -1,19 +1,11 @@
 //! `riprap trade`: the table of a study, a study that is killed, wrong studies.
-#![expect(
-    clippy::unwrap_used,
-    clippy::print_stdout,
-    reason = "a test stops at the first thing that is wrong, and measured figures stand beside their bounds"
-)]
-
-#[path = "../support/mod.rs"]
-mod support;
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 use std::time::{Duration, Instant};
 
-use support::{case, riprap, words};
+use crate::support::{case, riprap, words};
 
 /// Pressure in the coarse still tank, for three spacings and two sound speeds.
 fn study(design: &str) -> String {

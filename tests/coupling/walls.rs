@@ -1,10 +1,5 @@
 //! Walls of all three kinds in running scenes: closure, buoyancy, a block that goes with the flow, leaks,
 //! thin plates, momentum, and the scenes that are refused.
-#![expect(
-    clippy::unwrap_used,
-    clippy::print_stdout,
-    reason = "a test stops at the first thing that is wrong, and measured figures stand beside their bounds"
-)]
 
 use std::path::Path;
 

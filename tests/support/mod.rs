@@ -1,10 +1,12 @@
-//! Running the program and reading what it leaves.
+//! Running the program and reading its output.
+
+pub mod killed;
+pub mod synthetic_run;
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
 /// A case of the repository.
-#[allow(dead_code, reason = "not every test has a case")]
 pub fn case(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR"))
         .join("../cases")
@@ -20,7 +22,6 @@ pub fn riprap(arguments: &[&str]) -> Output {
 }
 
 /// Runs a scene into a folder; its summary. Fails with the program's words.
-#[allow(dead_code, reason = "not every test runs one")]
 pub fn run(case: &Path, folder: &Path, extra: &[&str]) -> serde_json::Value {
     let mut arguments = vec![
         "run",
@@ -36,7 +37,6 @@ pub fn run(case: &Path, folder: &Path, extra: &[&str]) -> serde_json::Value {
 }
 
 /// The summary of a run folder.
-#[allow(dead_code, reason = "not every test runs a scene")]
 pub fn summary(folder: &Path) -> serde_json::Value {
     serde_json::from_str(&std::fs::read_to_string(folder.join("summary.json")).unwrap()).unwrap()
 }
@@ -47,7 +47,6 @@ pub fn words(output: &Output) -> String {
 }
 
 /// A table without its heading.
-#[allow(dead_code, reason = "not every test reads one")]
 pub fn table(path: &Path) -> Vec<Vec<f64>> {
     let text = std::fs::read_to_string(path).unwrap();
     text.lines()

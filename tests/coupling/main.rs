@@ -1,0 +1,34 @@
+//! Tests of the coupled engine: scenes, files, the program, and both media together.
+//!
+//! One program, so that everything is linked once: `cargo test --release --test coupling landslide::` runs one module.
+#![expect(
+    clippy::unwrap_used,
+    clippy::panic,
+    clippy::print_stdout,
+    reason = "a test stops at the first fault, and prints measured values beside their bounds"
+)]
+
+#[path = "../support/mod.rs"]
+mod support;
+
+mod block_scenes;
+mod boundaries;
+mod budget;
+mod checkpoints;
+mod extremes;
+mod files;
+mod floating;
+mod geometry;
+mod hostile;
+mod landslide;
+mod overview;
+mod program;
+mod random_scenes;
+mod render;
+mod rockfall;
+mod scene_docs;
+mod sleep;
+mod stepping;
+mod symmetry;
+mod trade;
+mod walls;
