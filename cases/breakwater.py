@@ -2,13 +2,13 @@
 """The pile of cubes, the paddle's records and the scene of breakwater.ron; standard library only.
 
     python3 breakwater.py pile > pile.ron                               cubes above the slope, dry
-    riprap run pile.ron -o pile                                         lets them down
+    riprap run pile.ron -o pile                                         lowers them
     python3 breakwater.py scene pile/blocks_00010.vtp > breakwater.ron  the scene, cubes where they came to rest
     python3 breakwater.py paddle 0.6 > breakwater_paddle.csv            wave of 0.6 depths
     python3 breakwater.py paddle 0.15 > breakwater_paddle_low.csv
 
-Cubes are let down in four lots, each a chequerboard of its layer, so that none touches another before it lands. Their
-final attitudes are read from their corners: which corner of a cube is which does not matter.
+Cubes are lowered in four lots, each a checkerboard of its layer, so that none touches another before it lands. Their
+final orientations are read from their corners, in any order.
 """
 
 import math
@@ -19,7 +19,7 @@ import sys
 import zlib
 from pathlib import Path
 
-# edge of a cube as it is let down, still water's depth, width of the flume; m
+# edge of a cube as it is lowered, still-water depth, width of the flume; m
 EDGE = 0.06
 DEPTH = 0.42
 WIDTH = 0.54
@@ -27,10 +27,10 @@ SLOPE = math.atan(1 / 1.5)
 # along and across the slope: 1.17 cubes per edge squared in two layers, a porosity of 47 % in a thickness of 2.2 edges
 ROWS, COLUMNS = 23, 7
 PITCH = 1.33 * EDGE
-# where the paddle stands and the slope ends; m
+# positions of the paddle and of the end of the slope; m
 PADDLE, CREST = -2.16, 1.08
 GRAVITY = 9.81
-# where the wave's outskirts are cut off: 3 % of its height, a third of a spacing
+# where the tails of the wave are truncated: 3 % of its height, a third of a spacing
 FADE = 2.5
 
 
@@ -40,14 +40,14 @@ def on_slope(along, above):
 
 
 def times(p, q):
-    """Product of two turns, quaternions with the real part first."""
+    """Product of two rotations, quaternions with the real part first."""
     (a, b, c, d), (e, f, g, h) = p, q
     return (a * e - b * f - c * g - d * h, a * f + b * e + c * h - d * g,
             a * g - b * h + c * e + d * f, a * h + b * g - c * f + d * e)
 
 
 def turn(axis, angle):
-    """Quaternion of a turn."""
+    """Quaternion of a rotation."""
     return (math.cos(angle / 2), *(math.sin(angle / 2) * c for c in axis))
 
 
@@ -60,24 +60,24 @@ def axis_angle(q):
 
 
 def lots():
-    """Places and attitudes from which the cubes are let down: name, centre, quaternion."""
+    """Positions and orientations from which the cubes are lowered: name, center, rotation."""
     draw = random.Random(1)
     placed = []
     for layer in range(2):
         for row in range(ROWS - layer):
             for column in range(COLUMNS):
-                # the upper layer's lie between those of the lower one
+                # the upper layer lies between the cubes of the lower one
                 along = 0.8 * EDGE + (row + 0.5 * layer) * PITCH
                 x, z = on_slope(along, (0.55 + 1.1 * layer) * EDGE)
                 y = (column + 0.5) / COLUMNS * WIDTH
                 lift = (0.5 if (row + column) % 2 == 0 else 2.1) + 2.8 * layer
-                # on their beds the cubes of the lower layer lie nearly in line, those above as they come
+                # the cubes of the lower layer are nearly aligned with their bed, those above are randomly oriented
                 yaw, tilt = ((20, 10), (45, 15))[layer]
                 flat = turn((0, 1, 0), -SLOPE)
                 q = times(flat, turn((0, 0, 1), math.radians(draw.uniform(-yaw, yaw))))
                 way = draw.uniform(0, math.tau)
                 q = times(q, turn((math.cos(way), math.sin(way), 0), math.radians(draw.uniform(0, tilt))))
-                # away from the side walls, within which a cube at 45 degrees just fits
+                # clear of the side walls, between which a cube at 45 degrees just fits
                 y = min(max(y + draw.uniform(-0.1, 0.1) * EDGE, 0.8 * EDGE), WIDTH - 0.8 * EDGE)
                 x += draw.uniform(-0.1, 0.1) * EDGE
                 placed.append((f"armour_{len(placed) + 1:03}", (x, y, z + lift * EDGE), axis_angle(q)))
@@ -102,7 +102,7 @@ def points_of(path):
 
 
 def attitude(corners):
-    """Centre of a cube and a turn that makes it of one along the axes."""
+    """Center of a cube and its rotation from an axis-aligned one."""
     center = tuple(sum(c) / 8 for c in zip(*corners))
     first = corners[0]
     edges = sorted((tuple(a - b for a, b in zip(c, first)) for c in corners[1:]), key=lambda e: math.hypot(*e))[:3]
@@ -119,7 +119,7 @@ def attitude(corners):
 
 
 def rested(path):
-    """Names, centres and attitudes of the cubes of a frame of the dry scene."""
+    """Names, centers and orientations of the cubes of a frame of the dry scene."""
     points = points_of(path)
     names = [name for name, _, _ in lots()]
     if len(points) != 8 * len(names):
@@ -128,7 +128,7 @@ def rested(path):
 
 
 def armour(cubes, edge):
-    """Blocks of the scene; sealed, for why see the head of breakwater.ron."""
+    """Blocks of the scene; sealed; for the reason see the header of breakwater.ron."""
     half = 0.5 * edge
     shape = f"Box(min: (-{half:g}, -{half:g}, -{half:g}), max: ({half:g}, {half:g}, {half:g}))"
     for name, place, (axis, angle) in cubes:
@@ -142,11 +142,11 @@ def structure():
     top_x, top_z = CREST * 1.5, CREST
     shoulder, foot = on_slope(0, 2.1 * EDGE), -2.8 * EDGE
     return f"""\
-        // slope of 1 : 1.5; what is below the floor keeps its foot from being sharp
+        // slope of 1 : 1.5, extended below the floor so that its toe is not sharp
         (name: "core", material: "concrete", motion: Fixed, shape: Extrusion(axis: Y, from: 0, to: {WIDTH:g}, polygon: [
             (0, -0.1), ({top_x + 0.2:g}, -0.1), ({top_x + 0.2:g}, {top_z:g}), ({top_x:g}, {top_z:g}), (0, 0),
         ])),
-        // holds two layers at their foot
+        // supports two layers at their toe
         (name: "toe", material: "concrete", motion: Fixed, shape: Extrusion(axis: Y, from: 0, to: {WIDTH:g}, polygon: [
             (0, 0), ({shoulder[0]:.5f}, {shoulder[1]:.5f}), ({foot:g}, 0),
         ])),
@@ -158,17 +158,17 @@ def structure():
 MATERIALS = """\
     materials: [
         (name: "concrete", density: 2400, friction_angle_deg: 40, contact_stiffness: 4e5),
-        // side walls keep the cubes in the flume and drag little
+        // side walls keep the cubes in the flume with little friction
         (name: "glass", density: 2500, friction_angle_deg: 2, contact_stiffness: 4e5),
     ],"""
 
 
 def pile():
-    """The dry scene that lets the cubes down."""
+    """The dry scene in which the cubes are lowered."""
     return f"""\
-// Cubes let down onto a slope: the pile of breakwater.ron, of breakwater.py.
+// Cubes lowered onto a slope: the pile of breakwater.ron, by breakwater.py.
 (
-    title: "Cubes let down onto a slope",
+    title: "Cubes lowered onto a slope",
     domain: (min: ({PADDLE - 0.4:g}, -0.12, -0.12), max: (2, {WIDTH + 0.12:g}, 2)),
 {MATERIALS}
     blocks: [
@@ -184,7 +184,7 @@ def pile():
 
 
 def scene(cubes):
-    """The scene, under the head that stands in the file of the same name beside this program."""
+    """The scene, with the header of the file of the same name beside this program."""
     path = Path(__file__).with_suffix(".ron")
     head = "\n".join(line for line in (path.read_text() if path.exists() else "").split("(\n")[0].splitlines())
     return f"""\
@@ -213,7 +213,7 @@ at least: water in the pores is missing.",
         SurfaceElevation(name: "incident", x: -0.5, y: {WIDTH / 2:g}),
         SurfaceElevation(name: "before_the_toe", x: -0.2, y: {WIDTH / 2:g}),
         SurfaceElevation(name: "over_the_slope", x: 0.3, y: {WIDTH / 2:g}),
-        // blocks that rocked or settled, and those that a laboratory would count
+        // blocks that rocked or settled, and those displaced by laboratory standards
         Displaced(name: "moved", blocks: "armour", farther_than: {0.1 * EDGE:g}),
         Displaced(name: "half", blocks: "armour", farther_than: {0.5 * EDGE:g}),
         Displaced(name: "displaced", blocks: "armour", farther_than: {EDGE:g}),

@@ -4,8 +4,8 @@
     python3 compound_beach.py C > compound_beach_paddle.csv     or A
 
 The paddle of a solitary wave after Goring (1978), x(t) = S/2 (1 + tanh theta), theta = w (t - x/c - start), with stroke S,
-rate w and celerity c fitted to the records of the laboratory (root mean square 0.7 mm for C, 0.15 mm for A): what the
-machine did, not what it was asked to do. The fit is cut off where tanh is nearly one.
+rate w and celerity c fitted to the laboratory records (root mean square error 0.7 mm for C, 0.15 mm for A): the actual motion of
+the machine, not the command signal. The fit is truncated where tanh is nearly one.
 """
 
 import math
@@ -18,7 +18,7 @@ ROWS = 140
 
 
 def record(stroke, rate, slowness):
-    """Time and paddle position, the start being cut to the fade; s, m."""
+    """Time and paddle position, truncated at both ends; s, m."""
     for row in range(ROWS + 1):
         theta = FADE * (2 * row / ROWS - 1)
         x = stroke / 2 * (math.tanh(theta) + math.tanh(FADE))

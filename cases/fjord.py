@@ -4,8 +4,8 @@
     python3 fjord.py grid > fjord.asc      land and sea bed, an ESRI ASCII grid in coordinates of the map
     python3 fjord.py section               the polygons of slide_section.ron: ground and slide along y = 0
 
-Change a number, run it again, and the fjord is another one; a test holds the committed files to this script.
-Lengths in metres, in the scene's coordinates: x runs east across the fjord, y north along it, z up from the still water.
+Edit a parameter and run it again for another fjord; a test holds the committed files to this script.
+Lengths in meters, in the scene's coordinates: x runs east across the fjord, y north along it, z up from the still water.
 """
 
 import math
@@ -17,36 +17,36 @@ WEST, EAST = -1100.0, 1100.0
 SOUTH, NORTH = -1000.0, 1000.0
 
 DEPTH = 120.0  # of the middle
-WEST_SHORE, EAST_SHORE = -450.0, 550.0  # where the slopes would meet the water
+WEST_SHORE, EAST_SHORE = -450.0, 550.0  # where the slopes meet the water, without rounding
 WEST_SLOPE, EAST_SLOPE = 42.0, 28.0  # degrees
 PLATEAU = 460.0  # height of the land above the slopes
-ROUNDING = 14.0  # length over which slopes, floor and plateau pass into each other
+ROUNDING = 14.0  # length of the transitions between slopes, floor and plateau
 
-# The slide: within this outline, above a plane that comes out of the slope at its toe.
+# The slide: within this outline, above a plane that daylights in the slope at its toe.
 OUTLINE = [(-900.0, -115.0), (-620.0, -115.0), (-620.0, 115.0), (-900.0, 115.0)]
 TOE = (-620.0, 0.0)
 FAILURE_DIP = 34.0
 
-# The section: from and to, lowest edge of its pieces, and how far they may be off the raster.
+# The section: from and to, lower edge of its pieces, and their tolerance to the raster.
 SECTION = (-960.0, 960.0)
 BASE = -150.0
 TOLERANCE = 0.3
 
 
 def smooth_max(*heights):
-    """The largest of some heights, rounded where two are alike."""
+    """The largest of some heights, rounded where two are close."""
     top = max(heights)
     return top + ROUNDING * math.log(sum(math.exp((z - top) / ROUNDING) for z in heights))
 
 
 def height(x, y):
-    """Height of land and sea bed; m."""
-    # headlands and bays: both shores wander, but not where the slide is
+    """Elevation of land and sea bed; m."""
+    # headlands and bays: both shores meander, except at the slide
     far = 1.0 - math.exp(-((y / 400.0) ** 4))
     wander = 35.0 * math.sin(2 * math.pi * y / 900.0) * far
     west = math.tan(math.radians(WEST_SLOPE)) * (WEST_SHORE + wander - x)
     east = math.tan(math.radians(EAST_SLOPE)) * (x - EAST_SHORE - 0.6 * wander)
-    # an upright fjord end would send waves back: the floor goes on to the edge
+    # a vertical fjord end would reflect waves: the floor continues to the edge
     land = smooth_max(west, east, -DEPTH)
     return -smooth_max(-land, -PLATEAU)
 
@@ -68,13 +68,13 @@ def grid():
 
 
 def failure_plane(x):
-    """Height of the failure plane; m."""
+    """Elevation of the failure plane; m."""
     x_toe, _, z_toe = toe()
     return z_toe + math.tan(math.radians(FAILURE_DIP)) * (x_toe - x)
 
 
 def simplified(points, tolerance):
-    """The ends of a line and those of its points between that it takes to stay within a tolerance (Douglas and Peucker 1973)."""
+    """A line reduced to the points needed to stay within a tolerance (Douglas and Peucker 1973)."""
     (x0, z0), (x1, z1) = points[0], points[-1]
     off = [abs(z - z0 - (z1 - z0) * (x - x0) / (x1 - x0)) for x, z in points]
     worst = max(range(len(points)), key=off.__getitem__)

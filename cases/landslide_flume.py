@@ -4,17 +4,17 @@
     python3 landslide_flume.py > landslide_flume_block.csv
 
 The speed of the block's middle along the bed is linear between KNOTS, fitted to the displacement measured by Sue (run
-SG3_IS5). Both ends of its base, a chord of 0.5 m, stay on the bed: so it turns as it leaves the ramp.
+SG3_IS5). Both ends of its base, a chord of 0.5 m, stay on the bed, so that it rotates as it leaves the ramp.
 """
 
 import math
 
 # time, speed along the bed; s, m/s
 KNOTS = [(0, 0), (0.6, 0.792), (1.35, 1.521), (1.55, 1.091), (2.1, 1.094), (3, 0.821), (4.5, 0.215), (5.3, 0)]
-# where the middle of the base is at rest, along the ramp from the shoreline; m
+# initial position of the middle of the base, along the ramp from the shoreline; m
 START = 0.2948
 CHORD, HEIGHT, DEPTH = 0.5, 0.026, 0.435
-# the block goes on below its base, into the bed: no water gets under it
+# the block extends below its base, into the bed: no water enters beneath it
 SKIRT = 0.045
 # ends of the pieces of the bed; m
 BENDS = [1.297 + 0.085 * k for k in range(7)]
@@ -22,7 +22,7 @@ ROWS = 265
 
 
 def curve(x):
-    """Height of the bed of the laboratory over the still level; m."""
+    """Elevation of the laboratory bed over the still-water level; m."""
     if x < BENDS[0]:
         return -math.tan(math.radians(15)) * x
     q = x - BENDS[0]
@@ -30,7 +30,7 @@ def curve(x):
 
 
 def bed(x):
-    """The same of the case: straight between the bends; m."""
+    """Elevation of the bed in the case: straight between the bends; m."""
     for left, right in zip(BENDS, BENDS[1:]):
         if left <= x < right:
             share = (x - left) / (right - left)
@@ -56,7 +56,7 @@ def outline(n=24):
 
 
 def centroid(corners):
-    """Of a polygon; m."""
+    """Centroid of a polygon; m."""
     area = x = z = 0.0
     for (x0, z0), (x1, z1) in zip(corners, corners[1:] + corners[:1]):
         cross = x0 * z1 - x1 * z0
@@ -65,14 +65,14 @@ def centroid(corners):
 
 
 def place(point, pose):
-    """A point of the block in the flume; m."""
+    """Position of a point of the block in the flume; m."""
     x, z, dip = pose
     return (x + point[0] * math.cos(dip) + point[1] * math.sin(dip),
             z - point[0] * math.sin(dip) + point[1] * math.cos(dip))
 
 
 def way(time):
-    """Way of the middle along the bed; m."""
+    """Displacement of the middle along the bed; m."""
     total = 0.0
     for (t0, v0), (t1, v1) in zip(KNOTS, KNOTS[1:]):
         t = min(max(time, t0), t1)
@@ -82,7 +82,7 @@ def way(time):
 
 
 def poses():
-    """Time and pose, by 20 ms; what the ends have run is the way of the middle."""
+    """Time and pose, every 20 ms; the rear end travels as far as the middle."""
     rear, run, step = START * math.cos(math.radians(15)) - 0.5 * CHORD * math.cos(math.radians(15)), 0.0, 1e-4
     for row in range(ROWS + 1):
         while run < way(0.02 * row):

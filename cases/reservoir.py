@@ -3,8 +3,8 @@
 
     python3 reservoir.py > reservoir.asc      an ESRI ASCII grid in coordinates of the map
 
-Change a number, run it again, and the reservoir is another one; a test holds the committed file to this script.
-Lengths in metres, in the scene's coordinates: x runs down the valley, y north across it, z up from the full reservoir.
+Edit a parameter and run it again for another reservoir; a test holds the committed file to this script.
+Lengths in meters, in the scene's coordinates: x runs down the valley, y north across it, z up from the full reservoir.
 """
 
 import math
@@ -20,7 +20,7 @@ SLOPE = 38.0  # of both sides; degrees
 FALL = 0.05  # of the floor along the valley
 HEAD, HEAD_SLOPE = -700.0, 16.0  # from here on the floor rises at this angle upstream; degrees
 PLATEAU = 230.0  # height of the land above the slopes
-ROUNDING = 8.0  # length over which slopes, floor and plateau pass into each other
+ROUNDING = 8.0  # length of the transitions between slopes, floor and plateau
 
 CREST = (0.0, 10.0)  # from and to, along the valley
 FREEBOARD = 10.0
@@ -28,15 +28,15 @@ FACES = (1.5, 1.5)  # run over rise, upstream and downstream
 
 
 def smooth_max(*heights):
-    """The largest of some heights, rounded where two are alike."""
+    """The largest of some heights, rounded where two are close."""
     top = max(heights)
     return top + ROUNDING * math.log(sum(math.exp((z - top) / ROUNDING) for z in heights))
 
 
 def valley(x, y):
-    """Height of the land without the dam; m."""
+    """Elevation of the land without the dam; m."""
     slope = math.tan(math.radians(SLOPE))
-    # the valley comes round a bend
+    # the valley bends upstream
     middle = 0.1 * max(0.0, -450.0 - x) ** 2 / 250.0
     floor = smooth_max(-DEPTH - FALL * x, -DEPTH - FALL * HEAD + math.tan(math.radians(HEAD_SLOPE)) * (HEAD - x))
     side = -DEPTH + slope * (abs(y - middle) - FLOOR)
@@ -44,13 +44,13 @@ def valley(x, y):
 
 
 def dam(x):
-    """Height of the dam, as if it went on below the ground; m."""
+    """Elevation of the dam, extended below the ground; m."""
     upstream, downstream = CREST
     return FREEBOARD - max(0.0, (upstream - x) / FACES[0], (x - downstream) / FACES[1])
 
 
 def height(x, y):
-    """Height of land, bed and dam; m."""
+    """Elevation of land, bed and dam; m."""
     return max(valley(x, y), dam(x))
 
 

@@ -4,14 +4,14 @@
     python3 rockfall.py grid > rockfall.asc     the terrain, an ESRI ASCII grid
     python3 rockfall.py boulders                the lines of rockfall.ron between its two marks
 
-Change a number, run both, and the scene is another one; a test holds the committed files to this script.
-Lengths in metres. x runs down the slope, y across it, z up.
+Edit a parameter and run both for another scene; a test holds the committed files to this script.
+Lengths in meters. x runs down the slope, y across it, z up.
 """
 
 import math
 import sys
 
-CELL = 2.5  # distance of the grid's points
+CELL = 2.5  # grid spacing
 COLUMNS, ROWS = 97, 41  # x from 0 to 240, y from -50 to 50
 HALF_WIDTH = 50.0
 
@@ -32,13 +32,13 @@ ROUNDING = 4.0
 
 
 def bend(d):
-    """Way past a break of slope, rounded: 0 before it, `d` after it; its derivative is a smooth step."""
+    """Distance past a break of slope, rounded: 0 before it, `d` after it; its derivative is a smooth step."""
     share = min(max((d + ROUNDING) / (2 * ROUNDING), 0.0), 1.0)
     return 2 * ROUNDING * (share**3 - 0.5 * share**4) + max(d - ROUNDING, 0.0)
 
 
 def section(x):
-    """Height along y = 0 over that of x = 0; m."""
+    """Elevation along y = 0 relative to x = 0; m."""
     falls = [math.tan(math.radians(degrees)) for _, degrees in SECTION]
     total = falls[0] * x
     for (end, _), before, after in zip(SECTION, falls, falls[1:]):
@@ -53,13 +53,13 @@ def rise(x, start, end):
 
 
 def height(x, y):
-    """Height of the terrain; m."""
-    # gullies: three furrows that start below the brink and run out into the valley, and wander a little
+    """Elevation of the terrain; m."""
+    # gullies: three furrows that start below the brink and run out into the valley, meandering slightly
     furrow = math.cos(2 * math.pi * (y + 2.5 * math.sin(x / 17.0)) / 23.0)
     gully = -1.6 * (0.5 + 0.5 * furrow) ** 2 * rise(x, 24, 48) * (1 - rise(x, 112, 134))
     # the brink and the foot are not straight
     shift = 3.0 * math.sin(y / 9.0 + 0.6) + 2.0 * math.sin(y / 4.3)
-    # sides rise, so that what falls stays in the picture
+    # raised sides keep the boulders in the scene
     side = 0.032 * max(abs(y) - 23.0, 0.0) ** 2
     # a rough surface: waves of 6 to 15 m, calmer in the valley
     rough = (
@@ -82,12 +82,12 @@ def grid():
     yield "NODATA_value -9999"
     for row in reversed(range(ROWS)):
         y = -HALF_WIDTH + row * CELL
-        # adding zero turns -0.00 into 0.00
+        # adding zero avoids -0.00
         yield " ".join(f"{round(height(k * CELL, y), 2) + 0.0:.2f}" for k in range(COLUMNS))
 
 
 def ground(x, y):
-    """Height of the triangles over the grid, whichever diagonal halves the square: the higher."""
+    """Elevation of the triangulated grid: the higher one of the two diagonals of a cell."""
     i, j = int(x / CELL), int((y + HALF_WIDTH) / CELL)
     a, b, c, d = (
         height((i + k) * CELL, -HALF_WIDTH + (j + l) * CELL) for k, l in ((0, 0), (1, 0), (0, 1), (1, 1))
@@ -110,19 +110,19 @@ class Random:
 
 
 def direction(random):
-    """A direction, all equally likely."""
+    """A direction, uniformly distributed."""
     z, turn = random.between(-1, 1), random.between(0, 2 * math.pi)
     r = math.sqrt(1 - z * z)
     return (r * math.cos(turn), r * math.sin(turn), z)
 
 
 def hull(random, size):
-    """6 to 12 points that are apart on an ellipsoid of mean diameter `size`: 8 to 20 faces."""
+    """6 to 12 well separated points on an ellipsoid of mean diameter `size`: 8 to 20 faces."""
     axes = [0.5 * size * random.between(0.75, 1.25) for _ in range(3)]
     points = []
     n = int(random.between(6, 13))
     while len(points) < n:
-        # the one of some candidates that is farthest from the others
+        # the candidate farthest from the others
         candidates = [direction(random) for _ in range(12)]
         far = lambda c: min((math.dist(c, p) for p in points), default=0.0)
         points.append(max(candidates, key=far))
