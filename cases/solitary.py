@@ -4,14 +4,14 @@
     python3 solitary.py 1.0 0.3 > solitary_paddle.csv     depth and height of the wave in metres
 
 Goring (1978): the paddle moves with the depth-averaged water, xi(t) = (H/k) tanh(k (c t - xi)/d) + its start, with
-Rayleigh's outskirts k = sqrt(3 H/(4 (d + H))) and c = sqrt(g (d + H)). The record starts at rest at x = 0.
+Rayleigh's outskirts decay k = sqrt(3 H/(4 (d + H))) and c = sqrt(g (d + H)). The record starts at rest at x = 0.
 """
 
 import math
 import sys
 
 GRAVITY = 9.81
-# Where the wave is cut off, tanh(FADE) being nearly one: a thousandth of its height.
+# Truncation of the wave, where tanh(FADE) is nearly one: a thousandth of its height.
 FADE = 4.0
 ROWS = 400
 
@@ -23,7 +23,7 @@ def records(depth, height):
     half_stroke = height / k
     start = -half_stroke * math.tanh(FADE)
     for row in range(ROWS + 1):
-        # along the phase theta = k (c t - xi)/d, which gives the time without an iteration
+        # by the phase theta = k (c t - xi)/d, which gives the time without iteration
         theta = FADE * (2 * row / ROWS - 1)
         xi = half_stroke * math.tanh(theta)
         time = (theta * depth / k + xi) / celerity
