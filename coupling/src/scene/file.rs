@@ -48,83 +48,83 @@ pub use terrain::{
 /// A vector or point as written, `(x, y, z)`.
 pub type Triple = (f64, f64, f64);
 
-/// A whole scene.
+/// A complete scene.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SceneFile {
     /// One line that names the experiment.
     pub title: String,
-    /// What is modelled, after whom, and what is known of the right answer.
+    /// The model, its source, and the known solution.
     #[serde(default)]
     pub description: String,
     /// Acceleration of gravity; m/s².
     #[serde(default = "standard_gravity")]
     pub gravity: Triple,
-    /// The box outside of which nothing is modelled.
+    /// The box outside of which nothing is modeled.
     pub domain: DomainFile,
     /// Rock and wall materials, referred to by name.
     #[serde(default)]
     pub materials: Vec<MaterialFile>,
-    /// What holds between two materials in place of what follows from the two.
+    /// Joint properties between two materials that replace those derived from the two.
     #[serde(default)]
     pub joints: Vec<JointFile>,
-    /// The lie of the land: what blocks of the shape `Terrain` are made of.
+    /// Digital terrain model: ground of blocks with the shape `Terrain`.
     #[serde(default)]
     pub terrain: Option<TerrainFile>,
-    /// Rock that slides off the terrain; its blocks join the list of blocks.
+    /// Rock that slides off the terrain; its blocks are added to the list of blocks.
     #[serde(default)]
     pub slides: Vec<SlideFile>,
     /// Rock blocks, walls and wavemakers.
     #[serde(default)]
     pub blocks: Vec<BlockFile>,
-    /// Bodies to be cut into blocks by joint sets; the blocks join the list of blocks.
+    /// Bodies cut into blocks by joint sets; the blocks are added to the list of blocks.
     #[serde(default)]
     pub rock_masses: Vec<RockMassFile>,
-    /// Balls in bulk; they join the list of blocks.
+    /// Spheres in bulk, added to the list of blocks.
     #[serde(default)]
     pub grains: Vec<GrainsFile>,
     /// Loads, supports and rock bolts on blocks.
     #[serde(default)]
     pub attachments: Vec<AttachmentFile>,
-    /// Water; without it no fluid structure is made.
+    /// Water; without it no fluid is modeled.
     #[serde(default)]
     pub fluid: Option<FluidFile>,
-    /// Layers that take the motion out of waves before they meet the end of the domain.
+    /// Layers that absorb waves before they reach the end of the domain.
     #[serde(default)]
     pub absorbers: Vec<AbsorberFile>,
-    /// Where water comes in.
+    /// Inflow boundaries.
     #[serde(default)]
     pub inflows: Vec<InflowFile>,
-    /// Where water goes out.
+    /// Outflow boundaries.
     #[serde(default)]
     pub outflows: Vec<OutflowFile>,
-    /// How fluid and blocks push each other.
+    /// Coupling of fluid and blocks.
     #[serde(default)]
     pub interface: InterfaceFile,
-    /// Schemes and their numbers.
+    /// Numerical schemes and parameters.
     #[serde(default)]
     pub numerics: NumericsFile,
-    /// How long.
+    /// Duration.
     pub time: TimeFile,
-    /// What is recorded, as in a laboratory.
+    /// Recording instruments, as in a laboratory.
     #[serde(default)]
     pub gauges: Vec<GaugeFile>,
     /// Forces and moments on blocks by source; not recorded when left out.
     #[serde(default)]
     pub forces: Option<ForcesFile>,
-    /// Ways of falling blocks: run-out, bounce height, speed and energy; not followed when left out.
+    /// Paths of falling blocks: run-out, bounce height, speed and energy; not tracked when left out.
     #[serde(default)]
     pub trajectories: Option<TrajectoriesFile>,
-    /// Maps of what waves did; not drawn when left out.
+    /// Maps of wave impact; not drawn when left out.
     #[serde(default)]
     pub maps: Option<MapsFile>,
-    /// Blocks that are followed as one body; those of each slide join in.
+    /// Groups of blocks tracked as one body; those of each slide are added.
     #[serde(default)]
     pub masses: Vec<MassFile>,
-    /// What is written, and how often.
+    /// Output files and intervals.
     #[serde(default)]
     pub output: OutputFile,
-    /// The eye of `riprap render`; fitted to the scene when left out.
+    /// Camera of `riprap render`; fitted to the scene when left out.
     #[serde(default)]
     pub camera: Option<CameraFile>,
 }
@@ -181,7 +181,7 @@ impl SceneFile {
     }
 }
 
-/// The modelled box.
+/// The modeled box.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct DomainFile {
@@ -189,18 +189,18 @@ pub struct DomainFile {
     pub min: Triple,
     /// Upper corner; m.
     pub max: Triple,
-    /// Directions in which the fluid repeats itself with the period of the box. A slab a few
-    /// spacings thick and periodic across makes a 2-D flume at a 2-D price.
+    /// Periodic directions of the fluid, with the box as the period. A slab several spacings wide and periodic across
+    /// is a 2-D flume at 2-D cost.
     #[serde(default)]
     pub periodic: Vec<Axis>,
-    /// Sides that are planes of symmetry: half of a symmetric flow stands for the whole. Water and blocks beyond
-    /// are the mirror image of what is before; free blocks may not touch such a side.
+    /// Sides that are planes of symmetry: half of a symmetric flow stands for the whole. Water and blocks beyond are
+    /// the mirror image of the modeled part; free blocks may not touch such a side.
     #[serde(default)]
     pub symmetry: Vec<SideFile>,
-    /// What becomes of a particle or block that leaves.
+    /// Treatment of a particle or block that leaves.
     #[serde(default)]
     pub leaving: Leaving,
-    /// Whether the flow is in space or in a vertical plane along x; then nothing depends on y, and masses and
+    /// Flow in three dimensions or in a vertical plane along x; in the latter nothing depends on y, and masses and
     /// forces are those of a slice as wide as the domain.
     #[serde(default)]
     pub dimensions: DimensionsFile,
@@ -228,7 +228,7 @@ impl Axis {
     }
 }
 
-/// A side of a box along the axes.
+/// A side of an axis-aligned box.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum SideFile {
     /// The side of lowest x.
@@ -259,7 +259,7 @@ impl SideFile {
     }
 }
 
-/// What becomes of a particle or block that leaves the domain.
+/// Treatment of a particle or block that leaves the domain.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Leaving {
     /// It is removed and counted; its mass, momentum and energy are booked as removed.
@@ -274,19 +274,19 @@ pub enum Leaving {
 pub enum DimensionsFile {
     /// In a vertical plane.
     Two,
-    /// In space.
+    /// Three-dimensional.
     #[default]
     Three,
 }
 
-/// How long.
+/// Duration.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TimeFile {
     /// Simulated time, after settling; s.
     pub duration: f64,
-    /// Time before t = 0 in which the water comes to rest: blocks are held, the fluid is damped;
-    /// s. Nothing of it enters the records or the energy ledger.
+    /// Duration before t = 0 in which the water comes to rest: blocks are held, the fluid is damped; s. Excluded from
+    /// the records and the energy ledger.
     #[serde(default)]
     pub settle: f64,
 }

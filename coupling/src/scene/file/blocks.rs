@@ -14,10 +14,10 @@ pub struct BlockFile {
     pub material: String,
     /// Geometry before `placement`.
     pub shape: ShapeFile,
-    /// Turn and shift of the shape.
+    /// Rotation and translation of the shape.
     #[serde(default)]
     pub placement: PlacementFile,
-    /// How it moves.
+    /// Type of motion.
     #[serde(default)]
     pub motion: MotionFile,
     /// Initial velocity of the centroid, free blocks only; m/s.
@@ -29,33 +29,33 @@ pub struct BlockFile {
     /// Makes a free block deformable; its material must have elastic moduli. Rigid when left out.
     #[serde(default)]
     pub deformable: Option<DeformableFile>,
-    /// What a free, rigid block may not do.
+    /// Constraints on a free, rigid block.
     #[serde(default)]
     pub hold: Option<HoldFile>,
-    /// No water gets into the joints between a free block and what it rests on or leans against, where these are
-    /// too narrow for particles: no uplift. Otherwise the pressure there is that of seepage between what water the
-    /// joint is open to.
+    /// Keeps water out of the joints between a free block and its support where these are too narrow for particles:
+    /// no uplift. Otherwise the pressure there is that of seepage between the bodies of water to which the joint is
+    /// open.
     #[serde(default)]
     pub sealed: bool,
 }
 
-/// A turn about an axis through a point, then a shift.
+/// A rotation about an axis through a point, then a translation.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PlacementFile {
-    /// The turn.
+    /// The rotation.
     #[serde(default)]
     pub rotate: Option<RotationFile>,
-    /// The shift, after the turn; m.
+    /// The translation, after the rotation; m.
     #[serde(default)]
     pub translate: Triple,
 }
 
-/// A turn, right-handed.
+/// A right-handed rotation.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RotationFile {
-    /// Direction of the axis; any length but zero.
+    /// Direction of the axis; any nonzero length.
     pub axis: Triple,
     /// Angle; degrees.
     pub angle_deg: f64,
@@ -64,19 +64,19 @@ pub struct RotationFile {
     pub about: Triple,
 }
 
-/// How a block moves.
+/// Motion of a block.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum MotionFile {
     /// By the forces on it.
     #[default]
     Free,
-    /// Not at all.
+    /// None.
     Fixed,
-    /// Back and forth along a line:
-    /// `amplitude · ramp(t) · sin(2π t/period + phase)`, ramp rising smoothly from 0 to 1.
+    /// Oscillation along a line: `amplitude · ramp(t) · sin(2π t/period + phase)`, with a ramp rising smoothly from 0
+    /// to 1.
     Sinusoid {
-        /// Direction; any length but zero.
+        /// Direction; any nonzero length.
         direction: Triple,
         /// Half the stroke; m.
         amplitude: f64,
@@ -85,27 +85,27 @@ pub enum MotionFile {
         /// Phase; degrees.
         #[serde(default)]
         phase_deg: f64,
-        /// Time of the smooth start; s.
+        /// Duration of the smooth start; s.
         #[serde(default)]
         ramp: f64,
     },
-    /// Along a record: CSV with columns time (s), displacement x, y, z (m) and, where it turns, the rotation vector
+    /// A record: CSV with columns time (s), displacement x, y, z (m) and, for a rotating block, the rotation vector
     /// rx, ry, rz about the centroid (degrees); `#` comments.
     Table {
         /// Path, relative to the scene file.
         file: String,
     },
-    /// Base shaking by a record of acceleration, integrated twice from rest: CSV with columns time
-    /// (s, in equal steps from 0) and acceleration (m/s²); `#` comments.
+    /// Base excitation by a record of acceleration, integrated twice from rest: CSV with columns time (s, in equal
+    /// steps from 0) and acceleration (m/s²); `#` comments.
     Shaking {
-        /// Direction; any length but zero.
+        /// Direction; any nonzero length.
         direction: Triple,
         /// Path, relative to the scene file.
         file: String,
     },
 }
 
-/// How a block deforms: one strain for the whole block.
+/// Deformation of a block: one uniform strain.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct DeformableFile {
@@ -115,7 +115,7 @@ pub struct DeformableFile {
     /// Stress at t = 0: xx, yy, zz, yz, zx, xy, tension positive; Pa.
     #[serde(default)]
     pub initial_stress: (f64, f64, f64, f64, f64, f64),
-    /// Factor on the inertia of the strain modes, at least 1: a larger step for a slower swing.
+    /// Factor on the inertia of the strain modes, at least 1: a larger step for slower oscillations.
     #[serde(default = "one")]
     pub strain_mass_factor: f64,
 }
@@ -132,26 +132,26 @@ pub enum DeformableModelFile {
     Classical,
 }
 
-/// Directions in which a block does not move, and how it may turn. Holding forces do no work.
+/// Directions in which a block does not move, and constraints on its rotation. Constraint forces do no work.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct HoldFile {
     /// Directions in which the centroid does not move.
     #[serde(default)]
     pub directions: Vec<Axis>,
-    /// How the block may turn.
+    /// Rotation of the block.
     #[serde(default)]
     pub turning: TurningFile,
 }
 
-/// How a held block may turn.
+/// Rotation of a held block.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum TurningFile {
-    /// As forces make it.
+    /// Unconstrained.
     #[default]
     Free,
     /// About this axis only.
     About(Axis),
-    /// Not at all.
+    /// None.
     Held,
 }

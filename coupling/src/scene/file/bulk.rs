@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{DeformableFile, ShapeFile, Triple, one};
 
-/// A body cut into free blocks, named `name.0001` and on, by joint sets, one after the other.
+/// A body cut into free blocks, named `name.0001` and so on, by joint sets, one after the other.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RockMassFile {
@@ -12,38 +12,39 @@ pub struct RockMassFile {
     pub name: String,
     /// Name of its material.
     pub material: String,
-    /// The body before it is cut: any shape but a ball.
+    /// The body before it is cut: any shape but a sphere.
     pub boundary: ShapeFile,
     /// The joints.
     pub joint_sets: Vec<JointSetFile>,
-    /// Of the random numbers of scatter and persistence.
+    /// Seed of the random numbers for scatter and persistence.
     #[serde(default)]
     pub seed: u64,
-    /// Joins slivers with the neighbour with which they share the largest area; kept when left out.
+    /// Merges each sliver with the neighbor that shares the largest area with it; slivers are kept when left out.
     #[serde(default)]
     pub merge_slivers: Option<SliversFile>,
-    /// Smaller blocks are left out, after slivers are merged, and counted; m³.
+    /// Smaller blocks are removed after slivers are merged, and counted; m³.
     #[serde(default)]
     pub minimum_volume: f64,
-    /// More blocks are refused.
+    /// More blocks are rejected.
     #[serde(default = "default_maximum_blocks")]
     pub maximum_blocks: u32,
     /// Makes the blocks deformable.
     #[serde(default)]
     pub deformable: Option<DeformableFile>,
-    /// No water gets into joints too narrow for particles; as of a block.
+    /// Keeps water out of joints too narrow for particles; as for a block.
     #[serde(default)]
     pub sealed: bool,
 }
 
-/// Which blocks of a rock mass are slivers: those that pass either limit.
+/// Definition of slivers in a rock mass: blocks beyond either limit. The smallest is merged first, until no block
+/// with a neighbor is a sliver; a union that is not convex is a block of several parts. The volume is preserved.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SliversFile {
-    /// Less than this share of the median volume, 0 to 1.
+    /// Volume below this fraction of the median volume, 0 to 1.
     #[serde(default = "default_volume_share")]
     pub volume_share: f64,
-    /// Longer than this many times their smallest thickness, at least 2.
+    /// Length above this multiple of the smallest thickness, at least 2.
     #[serde(default = "default_aspect")]
     pub aspect: f64,
 }
@@ -56,24 +57,24 @@ pub struct JointSetFile {
     pub dip_deg: f64,
     /// Dip direction, clockwise from north (+y); degrees.
     pub dip_direction_deg: f64,
-    /// Distance of the joints; m.
+    /// Spacing of the joints; m.
     pub spacing: f64,
-    /// A point through which one joint passes; m.
+    /// A point on one of the joints; m.
     #[serde(default)]
     pub origin: Triple,
-    /// Chance that a joint cuts a block which it meets, 0 to 1.
+    /// Probability that a joint cuts a block in its path, 0 to 1.
     #[serde(default = "one")]
     pub persistence: f64,
-    /// Standard deviation of the tilt of a joint about each of two axes; tilts beyond three of them are
-    /// drawn again; degrees.
+    /// Standard deviation of the tilt of a joint about each of two axes; tilts beyond three standard deviations are
+    /// redrawn; degrees.
     #[serde(default)]
     pub scatter_deg: f64,
-    /// A joint lies off its place by at most this share of the spacing, 0 to 0.5.
+    /// Largest offset of a joint from its regular position, as a fraction of the spacing, 0 to 0.5.
     #[serde(default)]
     pub spacing_scatter: f64,
 }
 
-/// Free balls, named `name_0001` and on, on a cubic lattice, filled in from below. None overlap at the start.
+/// Free spheres, named `name_0001` and so on, on a cubic lattice, placed from below without initial overlap.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct GrainsFile {
@@ -81,21 +82,21 @@ pub struct GrainsFile {
     pub name: String,
     /// Name of their material.
     pub material: String,
-    /// Where they are at the start; no ball reaches out of it.
+    /// Initial region; no sphere extends beyond it.
     pub region: GrainRegionFile,
-    /// Smallest and largest diameter, the same for equal balls; all between are as likely; m.
+    /// Smallest and largest diameter, equal for a single size; uniform distribution between them; m.
     pub diameter: (f64, f64),
-    /// How many; as many as fit when left out.
+    /// Number of spheres; as many as fit when left out.
     #[serde(default)]
     pub count: Option<u32>,
-    /// Distance of the places of the lattice; the closest without overlap when left out: the largest diameter times
-    /// (1 + 2 jitter); m.
+    /// Spacing of the lattice; the smallest without overlap when left out: the largest diameter times (1 + 2 jitter);
+    /// m.
     #[serde(default)]
     pub spacing: Option<f64>,
-    /// Along each axis a ball lies off its place by at most this share of the largest diameter.
+    /// Largest offset of a sphere from its lattice site along each axis, as a fraction of the largest diameter.
     #[serde(default = "default_jitter")]
     pub jitter: f64,
-    /// Of the random numbers of sizes and places.
+    /// Seed of the random numbers for sizes and positions.
     #[serde(default)]
     pub seed: u64,
     /// Initial velocity; m/s.
@@ -103,11 +104,11 @@ pub struct GrainsFile {
     pub velocity: Triple,
 }
 
-/// Where balls are at the start.
+/// Initial region of spheres.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum GrainRegionFile {
-    /// A box along the axes.
+    /// An axis-aligned box.
     Box {
         /// Lower corner; m.
         min: Triple,
@@ -116,7 +117,7 @@ pub enum GrainRegionFile {
     },
     /// An upright cylinder.
     Cylinder {
-        /// Middle of its lower end; m.
+        /// Center of its lower end; m.
         base: Triple,
         /// Radius; m.
         radius: f64,

@@ -2,14 +2,14 @@
 
 use serde::{Deserialize, Serialize};
 
-/// How fluid and blocks push each other.
+/// Coupling of fluid and blocks.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct InterfaceFile {
-    /// How walls hold the fluid; the preset's way when left out.
+    /// Wall method; that of the preset when left out.
     #[serde(default)]
     pub walls: Option<WallMethodFile>,
-    /// Whether the fluid slides along walls; with penalty walls it always does.
+    /// Slip of the fluid along walls; penalty walls always have free slip.
     #[serde(default)]
     pub slip: SlipFile,
     /// Spring `K_S` between a particle and a surface; N/m.
@@ -20,28 +20,29 @@ pub struct InterfaceFile {
     pub penalty_damping: Option<f64>,
 }
 
-/// How walls hold the fluid.
+/// Wall method.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum WallMethodFile {
-    /// A spring and a dashpot between each particle and each surface, as published: cheap, and off by about
-    /// a tenth in forces.
+    /// A spring and a dashpot between each particle and each surface, as published: cheap, with errors of about a
+    /// tenth in forces.
     Penalty,
-    /// Particles inside the walls, with pressures continued from the fluid. Thin and sharp bodies keep the water on
-    /// their two sides apart.
+    /// Particles inside the walls, with pressures extrapolated from the fluid. Thin and sharp bodies separate the
+    /// water on their two sides.
     Particles,
-    /// Exact integrals of the kernel over polyhedra: no wall particles, for large faces. Wants Wendland's kernel,
-    /// density from continuity and no plane of symmetry; in a domain that repeats itself, blocks that go through all of it.
+    /// Exact integrals of the kernel over polyhedra: no wall particles, for large faces. Requires the Wendland
+    /// kernel, density from continuity and no plane of symmetry; in a periodic domain, blocks that extend through the
+    /// whole period.
     Integral,
 }
 
-/// What the fluid does along a wall.
+/// Slip of the fluid along a wall.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub enum SlipFile {
-    /// It slides.
+    /// Free slip.
     #[default]
     Free,
-    /// It sticks.
+    /// No slip.
     None,
-    /// It sticks until Coulomb's friction gives way, at this angle, from 0 to below 90; degrees.
+    /// No slip up to Coulomb friction with this angle, from 0 to below 90; degrees.
     Friction(f64),
 }

@@ -2,8 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-/// A rock or wall material. Where two meet, the lesser friction, cohesion, tension and
-/// restitution hold, and the stiffnesses act in series; `joints` can say otherwise.
+/// A rock or wall material. Between two materials the smaller friction, cohesion, tensile strength and restitution
+/// apply, and the stiffnesses act in series; `joints` can override this.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct MaterialFile {
@@ -13,7 +13,7 @@ pub struct MaterialFile {
     pub density: f64,
     /// Friction angle of its joints; degrees.
     pub friction_angle_deg: f64,
-    /// Friction angle of a joint once it has slipped or broken; the same when left out; degrees.
+    /// Friction angle of a joint once it has slipped or broken; degrees.
     #[serde(default)]
     pub residual_friction_angle_deg: Option<f64>,
     /// Cohesion of a joint until it breaks; Pa.
@@ -25,24 +25,24 @@ pub struct MaterialFile {
     /// Tensile strength of a joint until it breaks; Pa.
     #[serde(default)]
     pub tensile_strength: f64,
-    /// Normal restitution, 0 to 1; what is below 0.135 rebounds with 0.135, as no dashpot is more than critical.
+    /// Normal restitution, 0 to 1; values below 0.135 act as 0.135, since no dashpot exceeds critical damping.
     #[serde(default)]
     pub restitution: f64,
     /// Contact penalty stiffness of a block of this material; N/m.
     #[serde(default)]
     pub contact_stiffness: Option<f64>,
-    /// Normal stiffness of its joints per area; where both materials have one it holds instead of
-    /// `contact_stiffness`; Pa/m.
+    /// Normal stiffness of its joints per unit area; if both materials have one, it replaces `contact_stiffness`;
+    /// Pa/m.
     #[serde(default)]
     pub joint_stiffness: Option<f64>,
-    /// Shear over normal penalty stiffness.
+    /// Ratio of shear to normal penalty stiffness.
     #[serde(default = "default_shear_stiffness_ratio")]
     pub shear_stiffness_ratio: f64,
-    /// Resistance of balls to rolling: torque over normal force and effective radius. Where two materials
-    /// meet, their mean.
+    /// Rolling resistance of spheres: torque over normal force and effective radius. Between two materials the mean
+    /// applies.
     #[serde(default)]
     pub rolling_friction: f64,
-    /// Elastic moduli, which deformable blocks and Hertz's law need; rigid blocks ignore them.
+    /// Elastic moduli, required by deformable blocks and Hertz's law; rigid blocks ignore them.
     #[serde(default)]
     pub elastic: Option<ElasticFile>,
 }
@@ -60,7 +60,8 @@ pub struct ElasticFile {
     pub viscosity: f64,
 }
 
-/// What holds between two materials, or within one named twice; what is left out follows from the two.
+/// Joint properties between two materials, or within one that is named twice; properties left out are derived from
+/// the two.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct JointFile {
@@ -69,8 +70,8 @@ pub struct JointFile {
     /// Friction angle; degrees.
     #[serde(default)]
     pub friction_angle_deg: Option<f64>,
-    /// Friction angle once the joint has slipped or broken; that of this joint when left out, if it has one;
-    /// degrees.
+    /// Friction angle once the joint has slipped or broken; when left out, the friction angle of this joint if it has
+    /// one; degrees.
     #[serde(default)]
     pub residual_friction_angle_deg: Option<f64>,
     /// Cohesion until the joint breaks; Pa.
@@ -82,17 +83,17 @@ pub struct JointFile {
     /// Tensile strength until the joint breaks; Pa.
     #[serde(default)]
     pub tensile_strength: Option<f64>,
-    /// Normal restitution, 0 to 1; what is below 0.135 rebounds with 0.135, as no dashpot is more than critical.
+    /// Normal restitution, 0 to 1; values below 0.135 act as 0.135, since no dashpot exceeds critical damping.
     #[serde(default)]
     pub restitution: Option<f64>,
-    /// Resistance of balls to rolling: torque over normal force and effective radius.
+    /// Rolling resistance of spheres: torque over normal force and effective radius.
     #[serde(default)]
     pub rolling_friction: Option<f64>,
-    /// Rows of time and share of the tangent of the friction angles that is left, linear between them: a slope that weakens until it
-    /// fails; all of it when left out; s, -.
+    /// Rows of time and remaining fraction of the tangent of the friction angles, with linear interpolation: a slope
+    /// that weakens until it fails; full strength when left out; s, -.
     #[serde(default)]
     pub friction_ramp: Vec<(f64, f64)>,
-    /// Rows of time and share of the cohesions that is left, likewise; s, -.
+    /// Rows of time and remaining fraction of the cohesions, likewise; s, -.
     #[serde(default)]
     pub cohesion_ramp: Vec<(f64, f64)>,
 }

@@ -2,89 +2,92 @@
 
 use serde::{Deserialize, Serialize};
 
-/// Schemes and their numbers.
+/// Numerical schemes and parameters.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 #[derive(Default)]
 pub struct NumericsFile {
-    /// The fluid scheme whose numbers hold where none is given.
+    /// Fluid scheme whose parameters apply where not given.
     #[serde(default)]
     pub preset: Preset,
     /// Smoothing kernel.
     #[serde(default)]
     pub kernel: Option<KernelFile>,
-    /// How density is found.
+    /// Computation of density.
     #[serde(default)]
     pub density: Option<DensityFile>,
     /// Pressure from density.
     #[serde(default)]
     pub state_equation: Option<StateEquationFile>,
-    /// What smooths the density of `Continuity`; the number is its coefficient, customarily 0.1. `Some(None)` for nothing: `None` by itself leaves it chosen.
+    /// Density diffusion for `Continuity`; the number is its coefficient, customarily 0.1. `Some(None)` switches it
+    /// off; `None` leaves it to the preset.
     #[serde(default)]
     pub density_diffusion: Option<DensityDiffusionFile>,
-    /// What resists shear. `Some(None)` for nothing: `None` by itself leaves it chosen.
+    /// Viscosity model. `Some(None)` switches it off; `None` leaves it to the preset.
     #[serde(default)]
     pub viscosity: Option<ViscosityFile>,
-    /// What keeps particles evenly spread. `Some(None)` for nothing: `None` by itself leaves it chosen.
+    /// Particle shifting. `Some(None)` switches it off; `None` leaves it to the preset.
     #[serde(default)]
     pub shifting: Option<ShiftingFile>,
-    /// How a step is taken.
+    /// Time integration.
     #[serde(default)]
     pub stepping: Option<SteppingFile>,
-    /// Width of numbers in the sums over neighbours.
+    /// Floating-point precision of the sums over neighbors.
     #[serde(default)]
     pub precision: Option<PrecisionFile>,
-    /// Smoothing length over particle spacing; the support radius is twice the smoothing length.
+    /// Ratio of smoothing length to particle spacing; the support radius is twice the smoothing length.
     #[serde(default)]
     pub smoothing_length_ratio: Option<f64>,
-    /// Numerical sound speed; m/s. Chosen as ten times the fastest expected speed when left out.
+    /// Numerical speed of sound; m/s. Ten times the fastest expected speed when left out, seven with `Preview`,
+    /// fourteen with `Reference`.
     #[serde(default)]
     pub sound_speed: Option<f64>,
-    /// Fastest flow expected, from which the sound speed follows; m/s.
+    /// Fastest expected flow, from which the speed of sound follows; m/s.
     #[serde(default)]
     pub expected_speed: Option<f64>,
-    /// Share of the fluid's stability limit that a step may use, above 0 and at most 1.
+    /// Time step over the fluid's stability limit, above 0 and at most 1.
     #[serde(default)]
     pub time_step_factor: Option<f64>,
-    /// What is done with pressures below zero.
+    /// Treatment of negative pressures.
     #[serde(default)]
     pub negative_pressure: Option<NegativePressure>,
-    /// When water at rest is left out until it is disturbed; all of it is computed when left out.
+    /// Sleep of water at rest until it is disturbed; all water is computed when left out.
     #[serde(default)]
     pub sleeping: Option<SleepingFile>,
-    /// Share of the blocks' stability limit that a sub-step may use, above 0 and at most 1.
+    /// Sub-step over the blocks' stability limit, above 0 and at most 1.
     #[serde(default)]
     pub block_time_step_factor: Option<f64>,
-    /// How the common plane of two blocks is found.
+    /// Detection of the common plane of two blocks.
     #[serde(default)]
     pub contact_detection: ContactDetectionFile,
-    /// How balls answer to being pressed.
+    /// Normal contact law of spheres.
     #[serde(default)]
     pub normal_law: NormalLawFile,
-    /// Which turning the rolling resistance of balls opposes.
+    /// Angular velocity that rolling resistance of spheres acts on.
     #[serde(default)]
     pub rolling_law: RollingLawFile,
-    /// Damping of blocks in a search for a state of rest; none for blocks that move.
+    /// Damping of blocks in the search for a static equilibrium; none in dynamic runs.
     #[serde(default)]
     pub static_damping: Option<StaticDampingFile>,
-    /// When blocks that lie still are left out until their load changes; all are computed when left out.
+    /// Sleep of blocks at rest until their load changes; all blocks are computed when left out.
     #[serde(default)]
     pub resting: Option<RestingFile>,
 }
 
-/// A fluid scheme with its numbers.
+/// A fluid scheme with its parameters.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Preset {
     /// Density by summation and Mueller's kernels, as published, misprints corrected.
     Mueller2003,
-    /// A first look: `Standard` with the longest step that the scheme allows and a sound speed of seven instead of ten times
-    /// the fastest expected speed.
+    /// For a first look: `Standard` with the longest step allowed by the scheme and a speed of sound of seven instead
+    /// of ten times the fastest expected speed.
     Preview,
-    /// What coastal engineers use: Wendland's kernel, density from continuity with diffusion, particles in walls.
+    /// Common practice in coastal engineering: Wendland kernel, density from continuity with diffusion, walls of
+    /// particles.
     #[default]
     Standard,
-    /// Accuracy first, by what studies show to buy it: a wide kernel in space too, water's own viscosity, a sound speed of
-    /// fourteen times the fastest expected speed.
+    /// For accuracy, with the settings that studies show to improve it: a wide kernel in three dimensions, too, the
+    /// physical viscosity, a speed of sound of fourteen times the fastest expected speed.
     Reference,
 }
 
@@ -95,16 +98,16 @@ pub enum KernelFile {
     Mueller,
     /// Wendland's C2.
     WendlandC2,
-    /// The cubic spline, for comparison: particles pair above some 60 neighbours.
+    /// The cubic spline, for comparison: particles pair above some 60 neighbors.
     CubicSpline,
 }
 
-/// How density is found.
+/// Computation of density.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum DensityFile {
-    /// By a sum over neighbours: low near surfaces and walls.
+    /// By a sum over neighbors: underestimated near surfaces and walls.
     Summation,
-    /// By integrating the equation of continuity.
+    /// By integration of the continuity equation.
     Continuity,
 }
 
@@ -117,61 +120,61 @@ pub enum StateEquationFile {
     Tait,
 }
 
-/// What smooths the density, with its coefficient.
+/// Density diffusion, with its coefficient.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum DensityDiffusionFile {
-    /// Nothing.
+    /// None.
     None,
-    /// Works on the hydrostatic gradient too: wrong near free surfaces.
+    /// Acts on the hydrostatic gradient, too: wrong near free surfaces.
     MolteniColagrossi(f64),
-    /// Spares the hydrostatic gradient.
+    /// Preserves the hydrostatic gradient.
     Fourtakas(f64),
-    /// Spares every linear gradient; one more sum.
+    /// Preserves every linear gradient; requires one more sum.
     Antuono(f64),
 }
 
-/// What resists shear. All but the artificial one use the viscosity of the fluid.
+/// Viscosity model. All but the artificial one use the viscosity of the fluid.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum ViscosityFile {
-    /// Nothing.
+    /// None.
     None,
     /// The published form.
     Published,
-    /// Monaghan's, with its coefficient, 0.01 to 0.1.
+    /// Monaghan's artificial viscosity, with its coefficient, 0.01 to 0.1.
     Artificial(f64),
-    /// Along the line of centres: conserves angular momentum.
+    /// Along the line of centers: conserves angular momentum.
     Laminar,
-    /// Along the difference of velocities: better in shear.
+    /// Along the velocity difference: better in shear.
     Morris,
-    /// That of Morris with a viscosity of each particle from the flow laws of the fluid and its regions; chosen
-    /// where there are any.
+    /// Form of Morris with the viscosity of each particle from the flow laws of the fluid and its regions; chosen if
+    /// there are any.
     Rheological,
-    /// Smagorinsky's eddies smaller than the spacing, with its coefficient, customarily 0.12, on top of the
-    /// viscosity of the fluid; only where the spacing resolves the flow.
+    /// Smagorinsky's model of eddies smaller than the spacing, with its coefficient, customarily 0.12, in addition to
+    /// the viscosity of the fluid; only where the spacing resolves the flow.
     SubParticleScale(f64),
 }
 
-/// What keeps particles evenly spread.
+/// Particle shifting.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum ShiftingFile {
-    /// Nothing.
+    /// None.
     None,
-    /// Towards where particles are sparse, with its coefficient, customarily 2.
+    /// Toward lower particle concentration, with its coefficient, customarily 2.
     Fickian(f64),
 }
 
-/// How a step is taken.
+/// Time integration.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum SteppingFile {
-    /// Half kick, drift with density half way, half kick: second order, one evaluation a step.
+    /// Half kick, drift with the density advanced half way, half kick: second order, one evaluation per step.
     KickDriftKick,
-    /// That of DualSPHysics: second order, two evaluations and shorter steps; wants density diffusion.
+    /// Scheme of DualSPHysics: second order, two evaluations and shorter steps; requires density diffusion.
     PredictorCorrector,
-    /// As published: velocities, then positions with them; one evaluation a step, `Summation` only.
+    /// As published: velocities first, then positions from them; one evaluation per step, `Summation` only.
     SymplecticEuler,
 }
 
-/// Width of numbers in the sums over neighbours; everything else is in double precision.
+/// Floating-point precision of the sums over neighbors; everything else is in double precision.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum PrecisionFile {
     /// 7 digits, twice as fast.
@@ -180,38 +183,41 @@ pub enum PrecisionFile {
     Double,
 }
 
-/// What is done with pressures below zero.
+/// Treatment of negative pressures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum NegativePressure {
-    /// Set to zero: water does not pull.
+    /// Set to zero: water carries no tension.
     Clamped,
     /// Kept.
     Kept,
 }
 
-/// Water at rest sleeps: it is held as it is, tile by tile of three support radii, until water beside it has moved or a block comes near.
+/// Water at rest sleeps in tiles of three support radii: it is not updated until water beside it has moved or a block
+/// approaches.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SleepingFile {
-    /// Mean horizontal displacement of the water in a tile, over the particle spacing, from which on the tiles around it are awake.
+    /// Mean horizontal displacement of the water in a tile, over the particle spacing, that wakes the tiles around
+    /// it.
     #[serde(default)]
     pub displacement: Option<f64>,
-    /// Root mean square of the speed in a tile up to which it is at rest; m/s. A thousandth of the speed of long waves when left out.
+    /// Root mean square speed in a tile below which it is at rest; m/s. A thousandth of the speed of long waves when
+    /// left out.
     #[serde(default)]
     pub speed: Option<f64>,
-    /// How long it is to be no faster before it sleeps; s. Ten times `√(depth/g)` when left out.
+    /// Time at rest before it is put to sleep; s. Ten times `√(depth/g)` when left out.
     #[serde(default)]
     pub time: Option<f64>,
 }
 
-/// Blocks that lie still sleep, with their contacts, until their load changes.
+/// Blocks at rest sleep, with their contacts, until their load changes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RestingFile {
-    /// Farthest way within `time` of a block at rest, over its size. 0.001 when left out.
+    /// Largest displacement within `time` of a block at rest, over its size. 0.001 when left out.
     #[serde(default)]
     pub displacement: Option<f64>,
-    /// How long it has to be at rest; s. Twice `√(size/g)` of the largest free block when left out.
+    /// Time at rest before it is put to sleep; s. Twice `√(size/g)` of the largest free block when left out.
     #[serde(default)]
     pub time: Option<f64>,
     /// Change of its load that wakes it, over its weight. 0.2 when left out.
@@ -219,42 +225,43 @@ pub struct RestingFile {
     pub load: Option<f64>,
 }
 
-/// How the common plane of two blocks is found.
+/// Detection of the common plane of two blocks.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum ContactDetectionFile {
-    /// Verified by the separating-axis test: no overlap is missed.
+    /// Verified by the separating-axis test: every overlap is found.
     #[default]
     Verified,
     /// By the fast common plane alone, as published; for comparison.
     FastCommonPlane,
 }
 
-/// How balls answer to being pressed.
+/// Normal contact law of spheres.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum NormalLawFile {
-    /// Spring of the material's `contact_stiffness`.
+    /// Linear spring with the material's `contact_stiffness`.
     #[default]
     Linear,
-    /// Hertz's, from the elastic moduli, which every material then needs.
+    /// Hertz's law, from the elastic moduli, which every material must then have.
     Hertz,
 }
 
-/// Which turning the rolling resistance of balls opposes.
+/// Angular velocity that rolling resistance of spheres acts on.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum RollingLawFile {
-    /// That of one against the other: equal and opposite torques.
+    /// Relative angular velocity of the two: equal and opposite torques.
     #[default]
     Relative,
-    /// That of each ball on its own, as published by Zhou et al. (1999); angular momentum is lost.
+    /// Angular velocity of each sphere by itself, as published by Zhou et al. (1999); angular momentum is not
+    /// conserved.
     OwnSpin,
 }
 
-/// Damping for statics. What it takes stands in the ledger.
+/// Damping for statics. The energy it dissipates is in the ledger.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum StaticDampingFile {
-    /// Force against velocity, per mass; 1/s.
+    /// Force per mass opposite to the velocity; 1/s.
     MassProportional(f64),
-    /// Share of each component of force and torque, against its velocity, in [0, 1).
+    /// Fraction of each component of force and torque, opposite to its velocity, in [0, 1).
     Local(f64),
     /// Factor on velocities after each block step, above 0 and at most 1.
     Kinetic(f64),

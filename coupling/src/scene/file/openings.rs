@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{SideFile, Triple};
 
-/// A box in which the water is damped: `dv/dt = −rate (s/L)² v`, with `s` from 0 to its length `L`.
+/// A box of damped water: `dv/dt = −rate (s/L)² v`, with `s` from 0 to its length `L`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct AbsorberFile {
@@ -14,15 +14,15 @@ pub struct AbsorberFile {
     pub min: Triple,
     /// Upper corner; m.
     pub max: Triple,
-    /// The side at which it is strongest, the end of the flume.
+    /// The side of strongest damping, the end of the flume.
     pub towards: SideFile,
-    /// Damping there; chosen from depth and length when left out; 1/s.
+    /// Damping rate there; chosen from depth and length when left out; 1/s.
     #[serde(default)]
     pub rate: Option<f64>,
 }
 
-/// A box of water that moves as given, filled with whole rows, and the face through which it flows in. At least a
-/// support radius and a spacing long.
+/// A box of water with prescribed motion, filled with whole rows, and its inflow face. At least a support radius and
+/// a spacing long.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct InflowFile {
@@ -32,22 +32,22 @@ pub struct InflowFile {
     pub min: Triple,
     /// Upper corner; m.
     pub max: Triple,
-    /// The side that the water goes to: the face to the modelled water.
+    /// The downstream side: the face to the modeled water.
     pub towards: SideFile,
-    /// Rows of time and velocity, linear between and constant outside; this or `discharge`; s, m/s.
+    /// Rows of time and velocity, linear between rows and constant outside; this or `discharge`; s, m/s.
     #[serde(default)]
     pub velocity: Vec<(f64, f64)>,
-    /// Rows of time and discharge through the face, in a plane of the slice; s, m³/s.
+    /// Rows of time and discharge through the face, in two dimensions through the slice; s, m³/s.
     #[serde(default)]
     pub discharge: Vec<(f64, f64)>,
-    /// Rows of time and depth over the bottom of the box, met to whole rows of particles; that of the box
-    /// when left out; s, m.
+    /// Rows of time and depth above the bottom of the box, rounded to whole rows of particles; that of the box when
+    /// left out; s, m.
     #[serde(default)]
     pub depth: Vec<(f64, f64)>,
 }
 
-/// A box through which water leaves, keeping its velocity, and the face past which it is taken out. At least a
-/// support radius long.
+/// A box through which water leaves at its own velocity, and the face beyond which it is removed. At least a support
+/// radius long.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct OutflowFile {
@@ -57,10 +57,9 @@ pub struct OutflowFile {
     pub min: Triple,
     /// Upper corner; m.
     pub max: Triple,
-    /// The side that the water goes to and leaves by.
+    /// The downstream side, where water is removed.
     pub towards: SideFile,
-    /// Rows of time and depth over the bottom of the box, whose pressures are held; as they come when left
-    /// out; s, m.
+    /// Rows of time and depth above the bottom of the box, whose pressures are imposed; free when left out; s, m.
     #[serde(default)]
     pub depth: Vec<(f64, f64)>,
 }

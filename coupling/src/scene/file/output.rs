@@ -4,30 +4,30 @@ use serde::{Deserialize, Serialize};
 
 use super::Triple;
 
-/// What is written, and how often.
+/// Output files and intervals.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct OutputFile {
-    /// Between VTK frames; s. A fiftieth of the duration when left out.
+    /// Interval of VTK frames; s. A fiftieth of the duration when left out.
     #[serde(default)]
     pub frame_interval: Option<f64>,
-    /// Between rows of `gauges.csv`; s. A five-hundredth of the duration when left out.
+    /// Interval of rows in `gauges.csv`; s. A five-hundredth of the duration when left out.
     #[serde(default)]
     pub gauge_interval: Option<f64>,
-    /// Between rows of `blocks.csv` and `energy.csv`; s. As `gauge_interval` when left out.
+    /// Interval of rows in `blocks.csv` and `energy.csv`; s. `gauge_interval` when left out.
     #[serde(default)]
     pub ledger_interval: Option<f64>,
-    /// Arrays of the water files. The first four when left out, all for a fluid with flow laws.
+    /// Arrays in the water files. The first four when left out, all for a fluid with flow laws.
     #[serde(default)]
     pub water_fields: Option<Vec<WaterField>>,
-    /// Arrays of the block files besides `BlockId`.
+    /// Arrays in the block files in addition to `BlockId`.
     #[serde(default = "all_block_fields")]
     pub block_fields: Vec<BlockField>,
-    /// Whether contact points are written.
+    /// Output of contact points.
     #[serde(default)]
     pub contacts: bool,
-    /// Whether the water's pressure on the faces of blocks is written, tile by tile. Thin bodies show both of their sides'
-    /// pressure on each.
+    /// Output of the water pressure on the faces of blocks, tile by tile. Thin bodies show the pressure of both of
+    /// their sides on each.
     #[serde(default)]
     pub face_pressures: bool,
 }
@@ -46,7 +46,7 @@ impl Default for OutputFile {
     }
 }
 
-/// An array of the water files.
+/// An array in the water files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum WaterField {
     /// m/s.
@@ -55,7 +55,7 @@ pub enum WaterField {
     Density,
     /// Pa.
     Pressure,
-    /// Number of the particle, the same in every frame.
+    /// Particle number, the same in every frame.
     Id,
     /// Apparent viscosity; Pa s.
     Viscosity,
@@ -63,7 +63,7 @@ pub enum WaterField {
     Yielded,
 }
 
-/// An array of the block files.
+/// An array in the block files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum BlockField {
     /// Of the centroid; m/s.
@@ -76,13 +76,13 @@ pub enum BlockField {
     ForceContact,
 }
 
-/// The eye of `riprap render`.
+/// Camera of `riprap render`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CameraFile {
-    /// Where it stands; m.
+    /// Position; m.
     pub position: Triple,
-    /// What it looks at; m.
+    /// Target point; m.
     pub look_at: Triple,
     /// Horizontal angle of view; degrees.
     #[serde(default = "default_field_of_view")]

@@ -8,15 +8,15 @@ use super::{Axis, Triple};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum ShapeFile {
-    /// A box along the axes.
+    /// An axis-aligned box.
     Box {
         /// Lower corner; m.
         min: Triple,
         /// Upper corner; m.
         max: Triple,
     },
-    /// A right-triangular prism: corners (0,0), (length,0), (0,height) in the x-z plane, drawn from
-    /// y = 0 to y = width.
+    /// A right-triangular prism: corners (0,0), (length,0), (0,height) in the x-z plane, extruded from y = 0 to y =
+    /// width.
     Wedge {
         /// Leg along x; m.
         length: f64,
@@ -27,7 +27,7 @@ pub enum ShapeFile {
     },
     /// The convex hull of points.
     Hull {
-        /// At least four, not in one plane; m.
+        /// At least four points, not coplanar; m.
         points: Vec<Triple>,
     },
     /// A closed polyhedron; faces counter-clockwise seen from outside.
@@ -37,15 +37,15 @@ pub enum ShapeFile {
         /// Corner numbers of each face.
         faces: Vec<Vec<u32>>,
     },
-    /// Closed polyhedra that adjoin, as one rigid union.
+    /// Adjoining closed polyhedra, as one rigid union.
     Polyhedra {
         /// The convex parts.
         parts: Vec<PartFile>,
     },
-    /// A polygon drawn along an axis; a non-convex one becomes a rigid union of convex parts.
+    /// A polygon extruded along an axis; a non-convex one becomes a rigid union of convex parts.
     Extrusion {
-        /// Corners in the plane across the axis, in the order of the remaining axes (for `Y`:
-        /// x, z); either sense; m.
+        /// Corners in the plane across the axis, in the order of the remaining axes (for `Y`: x, z); either sense of
+        /// rotation; m.
         polygon: Vec<(f64, f64)>,
         /// Direction of the extrusion.
         axis: Axis,
@@ -54,9 +54,9 @@ pub enum ShapeFile {
         /// End along the axis; m.
         to: f64,
     },
-    /// A ball.
+    /// A sphere.
     Sphere {
-        /// Centre; m.
+        /// Center; m.
         center: Triple,
         /// Radius; m.
         radius: f64,
@@ -66,22 +66,22 @@ pub enum ShapeFile {
     Mesh {
         /// Path, relative to the scene file.
         file: String,
-        /// Metres per unit of the file.
+        /// Meters per unit of the file.
         scale: f64,
     },
-    /// An open or closed surface of triangles, STL, OBJ or VTK, of a fixed block: solid on the side away
-    /// from the normals, which must look to one side.
+    /// An open or closed surface of triangles, STL, OBJ or VTK, of a fixed block: solid on the side opposite to the
+    /// normals, which must all point to the same side.
     Surface {
         /// Path, relative to the scene file.
         file: String,
-        /// Metres per unit of the file.
+        /// Meters per unit of the file.
         scale: f64,
     },
-    /// Terrain of a fixed block from an ESRI ASCII grid; each square is halved along its shorter diagonal.
+    /// Terrain of a fixed block from an ESRI ASCII grid; each cell is split along its shorter diagonal.
     Raster {
         /// Path, relative to the scene file.
         file: String,
-        /// Point of the map that becomes x = y = 0; m.
+        /// Map coordinates of x = y = 0; m.
         #[serde(default)]
         origin: (f64, f64),
     },

@@ -4,74 +4,78 @@ use serde::{Deserialize, Serialize};
 
 use super::{DeformableFile, JointSetFile, SliversFile, Triple, one};
 
-/// Heights over the plan from rasters and surveys: what a block of the shape `Terrain` is made of. Files are in coordinates
-/// of the map, everything in the scene is in metres from `origin`.
+/// Elevations in plan view from rasters and surveys: the ground of a block with the shape `Terrain`. Files are in map
+/// coordinates, everything in the scene is in meters from `origin`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TerrainFile {
-    /// Where heights come from: at each place the first that has one there, so that land and bathymetry may be two.
+    /// Sources of elevations: at each location the first with a value there, so that land and bathymetry may be two
+    /// files.
     pub sources: Vec<HeightsFile>,
-    /// The point of the map that is x = y = 0 in the scene, and the height that is z = 0; m.
+    /// Map coordinates of x = y = 0 in the scene, and the elevation of z = 0; m.
     #[serde(default)]
     pub origin: Triple,
-    /// Lower and upper corner of what is used, (x, y); all that the first source covers when left out; m.
+    /// Lower and upper corner of the part in use, (x, y); the extent of the first source when left out; m.
     #[serde(default)]
     pub clip: Option<((f64, f64), (f64, f64))>,
-    /// Distance of the points that are used, where sources are averaged or interpolated; that of the first raster when
-    /// left out, but no less than a fifth of the spacing of the water; m.
+    /// Spacing of the sampled points where sources are averaged or interpolated; when left out that of the first
+    /// raster, but at least a fifth of the spacing of the water; m.
     #[serde(default)]
     pub spacing: Option<f64>,
-    /// How far the triangles may be off the points: what is flat within it becomes few; 0.01 spacings when left out; m.
+    /// Largest distance of the triangles from the points, for fewer triangles where the ground is plane within it;
+    /// 0.01 spacings when left out; m.
     #[serde(default)]
     pub tolerance: Option<f64>,
-    /// What becomes of places that no source covers.
+    /// Treatment of locations without a source.
     #[serde(default)]
     pub gaps: GapsFile,
-    /// Where the ground was taken away: scars of slides that are under way or gone.
+    /// Removed ground: scars of past or ongoing slides.
     #[serde(default)]
     pub excavations: Vec<ExcavationFile>,
 }
 
-/// A file of heights.
+/// An elevation file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct HeightsFile {
-    /// Path, relative to the scene file: a raster (.asc; .tif if riprap was built with GeoTIFF), or a triangulated survey (.stl, .obj,
-    /// .vtk, .vtp, .vtu) whose highest triangle counts.
+    /// Path, relative to the scene file: a raster (.asc; .tif if riprap was built with GeoTIFF), or a triangulated
+    /// survey (.stl, .obj, .vtk, .vtp, .vtu), of which the highest triangle is used.
     pub file: String,
-    /// Metres per unit of its heights: 0.3048 for feet.
+    /// Meters per unit of its elevations: 0.3048 for feet.
     #[serde(default = "one")]
     pub height_scale: f64,
-    /// Added to its heights, for another zero; m.
+    /// Added to its elevations, to change the datum; m.
     #[serde(default)]
     pub height_shift: f64,
-    /// Heights outside of this range count as missing: land that has 0 for water, say; m, scaled and shifted.
+    /// Elevations outside of this range are treated as missing, such as land with the value 0 in a file of
+    /// bathymetry; m, scaled and shifted.
     #[serde(default)]
     pub heights: Option<(f64, f64)>,
 }
 
-/// What becomes of places without a height.
+/// Treatment of locations without an elevation.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub enum GapsFile {
     /// They are an error that names the first of them.
     #[default]
     Refused,
-    /// They get heights between those around them, as a membrane would, where none is farther from a known one than this; m.
+    /// They are filled from the surrounding elevations, as by a membrane, if none is farther than this from a known
+    /// one; m.
     Filled(f64),
 }
 
-/// Ground that was taken away within an outline, down to a surface.
+/// Ground removed within an outline, down to a surface.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ExcavationFile {
-    /// Where.
+    /// Extent in plan view.
     pub outline: OutlineFile,
-    /// Down to where.
+    /// Base of the excavation.
     pub failure_surface: FailureSurfaceFile,
 }
 
-/// Rock that slides: what lies within an outline between the terrain and a failure surface is taken out of the ground, cut into free
-/// blocks by joint sets, and the ground is left with the scar. The blocks are named `name.0001` and on.
+/// Sliding rock: the rock within an outline between the terrain and a failure surface is excavated from the ground
+/// and cut into free blocks by joint sets; the scar remains. The blocks are named `name.0001` and so on.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SlideFile {
@@ -79,43 +83,43 @@ pub struct SlideFile {
     pub name: String,
     /// Name of its material.
     pub material: String,
-    /// Where it lies.
+    /// Extent in plan view.
     pub outline: OutlineFile,
-    /// On what it slides.
+    /// Surface of sliding.
     pub failure_surface: FailureSurfaceFile,
-    /// The joints; one block without any.
+    /// The joints; a single block without any.
     #[serde(default)]
     pub joint_sets: Vec<JointSetFile>,
-    /// Of the random numbers of scatter and persistence.
+    /// Seed of the random numbers for scatter and persistence.
     #[serde(default)]
     pub seed: u64,
-    /// Joins slivers with the neighbour with which they share the largest area; kept when left out.
+    /// Merges each sliver with the neighbor that shares the largest area with it; slivers are kept when left out.
     #[serde(default)]
     pub merge_slivers: Option<SliversFile>,
-    /// Blocks of several parts become convex where that adds no more than this share of their volume: the last digit of a
-    /// raster leaves dents, and convex blocks touch faster. 0: none.
+    /// Blocks of several parts are made convex where that adds at most this fraction of their volume: rounding in a
+    /// raster leaves dents, and contact of convex blocks is faster. 0: never.
     #[serde(default)]
     pub convex_within: f64,
-    /// Smaller blocks are left out, after slivers are merged, and counted; m³.
+    /// Smaller blocks are removed after slivers are merged, and counted; m³.
     #[serde(default)]
     pub minimum_volume: f64,
-    /// More blocks are refused.
+    /// More blocks are rejected.
     #[serde(default = "default_maximum_blocks")]
     pub maximum_blocks: u32,
     /// Makes the blocks deformable.
     #[serde(default)]
     pub deformable: Option<DeformableFile>,
-    /// No water gets into joints too narrow for particles; as of a block.
+    /// Keeps water out of joints too narrow for particles; as for a block.
     #[serde(default)]
     pub sealed: bool,
 }
 
-/// A polygon in the plan, in either sense.
+/// A polygon in plan view, in either sense of rotation.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum OutlineFile {
     /// Corners, (x, y); m.
     Corners(Vec<(f64, f64)>),
-    /// A table of corners in coordinates of the map, columns x and y; m. Path, relative to the scene file.
+    /// A table of corners in map coordinates, columns x and y; m. Path, relative to the scene file.
     File(String),
 }
 
@@ -125,21 +129,21 @@ pub enum OutlineFile {
 pub enum FailureSurfaceFile {
     /// A plane.
     Plane {
-        /// A point of it; m.
+        /// A point on it; m.
         point: Triple,
         /// Dip, down from the horizontal, 0 to below 90; degrees.
         dip_deg: f64,
         /// Dip direction, clockwise from north (+y); degrees.
         dip_direction_deg: f64,
     },
-    /// Heights of a raster.
+    /// Elevations of a raster.
     Raster {
         /// Path, relative to the scene file.
         file: String,
-        /// Metres per unit of its heights.
+        /// Meters per unit of its elevations.
         #[serde(default = "one")]
         height_scale: f64,
-        /// Added to its heights; m.
+        /// Added to its elevations; m.
         #[serde(default)]
         height_shift: f64,
     },
