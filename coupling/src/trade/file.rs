@@ -8,38 +8,38 @@ use super::quantity::Take;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct StudyFile {
-    /// Of tables and plots.
+    /// Title in tables and plots.
     pub title: String,
-    /// The scene, by its path from the study.
+    /// The scene, as a path relative to the study.
     pub case: String,
-    /// Fields of the scene that all runs set, as `PATH=VALUE`.
+    /// Fields of the scene set in all runs, as `PATH=VALUE`.
     #[serde(default)]
     pub set: Vec<String>,
-    /// The number that runs are judged by.
+    /// The quantity by which runs are compared.
     pub output: OutputFile,
-    /// What it should be.
+    /// Its reference value.
     pub truth: TruthFile,
-    /// What is varied.
+    /// Varied parameters.
     pub knobs: Vec<KnobFile>,
-    /// Which combinations are run.
+    /// Combinations that are run.
     #[serde(default)]
     pub design: DesignFile,
 }
 
-/// A number read off a table of the run.
+/// A quantity evaluated from a table of the run.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct OutputFile {
-    /// Of tables and plots.
+    /// Name in tables and plots.
     pub name: String,
     /// The table in the run folder.
     #[serde(default = "gauges")]
     pub file: String,
-    /// Its column, with or without unit.
+    /// Column name, with or without unit.
     pub column: String,
-    /// Name of the block whose rows are meant, in a table that has rows of several.
+    /// Name of the block whose rows are used, in a table with rows of several.
     pub block: Option<String>,
-    /// What becomes of the column; a truth that is a record takes all of it.
+    /// Evaluation of the column; a reference that is a record uses all of it.
     pub take: Option<Take>,
 }
 
@@ -47,39 +47,39 @@ fn gauges() -> String {
     "gauges.csv".to_owned()
 }
 
-/// What the number should be. Errors are relative to it, or to `scale`.
+/// Reference value. Errors are relative to it, or to `scale`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum TruthFile {
-    /// A number and where it is from; of the output's unit.
+    /// A number and its source.
     Value {
-        /// The number.
+        /// The number, in the column's unit.
         value: f64,
-        /// What errors are relative to; the number itself when left out.
+        /// Scale of the errors.
         scale: Option<f64>,
-        /// Where it is from: an equation, a table, a paper.
+        /// An equation, a table, a paper.
         source: String,
     },
-    /// A closed form.
+    /// A closed-form solution.
     Closed {
-        /// Which.
+        /// The solution.
         form: ClosedForm,
-        /// What errors are relative to; the number itself when left out.
+        /// Scale of the errors.
         scale: Option<f64>,
     },
-    /// A record of one's own, compared over time: the error is the root mean square difference over the record's range.
+    /// A record, compared over time: the error is the root mean square difference over the record's range.
     Record {
-        /// CSV by its path from the study: time and value.
+        /// CSV of time and value, as a path relative to the study.
         file: String,
         /// Added to the times of runs; s.
         #[serde(default)]
         shift: f64,
-        /// Window on the record's clock; s.
+        /// Window in the time of the record; s.
         window: Option<(f64, f64)>,
     },
-    /// The finest of the runs: that with the smallest value of a knob. It judges the others and has no error itself.
+    /// The finest run is the reference for the others and has no error itself.
     Finest {
-        /// The knob, whose values say what they are `at`.
+        /// The knob whose smallest value, given by `at`, is the finest.
         knob: String,
     },
 }
@@ -88,27 +88,27 @@ pub enum TruthFile {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum ClosedForm {
-    /// Pressure of water at rest, `ρ g z`, with its own compression `c₀²ρ₀(e^{g z/c₀²} − 1)` where `sound_speed` is given; Pa.
+    /// Pressure of water at rest, ρ g z; Pa.
     Hydrostatic {
         /// kg/m³.
         density: f64,
         /// m/s².
         gravity: f64,
-        /// Under the level; m.
+        /// Below the water level; m.
         depth: f64,
-        /// c₀; m/s.
+        /// Includes compressibility, c₀²ρ₀(exp(g z/c₀²) - 1); m/s.
         sound_speed: Option<f64>,
     },
-    /// Period of a standing wave of small height, `2π/√(g k tanh(k d))`; s.
+    /// Period of a standing wave of small height, 2π/√(g k tanh(k d)); s.
     StandingWave {
         /// m/s².
         gravity: f64,
-        /// Of the wave; m.
+        /// Wave length; m.
         length: f64,
-        /// Of the water; m.
+        /// Water depth; m.
         depth: f64,
     },
-    /// Way of a block that slides from rest, `g (sin β − cos β tan φ) t²/2`, zero below the friction angle; m.
+    /// Displacement of a block sliding from rest, g (sin β - cos β tan φ) t²/2, zero below the friction angle; m.
     Sliding {
         /// m/s².
         gravity: f64,
@@ -156,13 +156,13 @@ impl ClosedForm {
     }
 }
 
-/// A knob: a field with values, or values that set several fields each.
+/// A parameter: a field with values, or values that set several fields each.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct KnobFile {
-    /// Of tables and plots.
+    /// Name in tables and plots.
     pub name: String,
-    /// The first one is where the knob stands while others are turned.
+    /// The first one is used while other knobs are varied.
     pub values: Vec<ValueFile>,
 }
 
@@ -170,11 +170,11 @@ pub struct KnobFile {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ValueFile {
-    /// Of tables and plots.
+    /// Name in tables and plots.
     pub name: String,
-    /// As a number, where it is one: an order of convergence is fitted to it.
+    /// Numerical value, if there is one: an order of convergence is fitted to it.
     pub at: Option<f64>,
-    /// Fields of the scene that it sets, as `PATH=VALUE`; none leaves the scene as it is.
+    /// Fields of the scene that it sets, as `PATH=VALUE`; empty for the unchanged scene.
     #[serde(default)]
     pub set: Vec<String>,
 }
@@ -183,15 +183,14 @@ pub struct ValueFile {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum DesignFile {
-    /// One knob away from the first values of all.
+    /// One knob varied at a time, the others at their first values.
     #[default]
     OneAtATime,
-    /// All.
+    /// All combinations.
     FullGrid,
-    /// One knob away from the first values of all, then those combinations that are foretold to push the front out
-    /// farthest, a few at a time.
+    /// One knob at a time, then the combinations predicted to advance the Pareto front most, four at a time.
     Search {
-        /// At most so many in all.
+        /// Largest total number of runs.
         runs: usize,
     },
 }

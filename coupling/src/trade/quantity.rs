@@ -5,48 +5,48 @@ use serde::{Deserialize, Serialize};
 
 use crate::compare::Series;
 
-/// What becomes of a record.
+/// Evaluation of a column. A record that is too short or contains only gaps has no value.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum Take {
-    /// Mean over a window, by time; s.
+    /// Time mean over a window.
     Mean {
-        /// Its start.
+        /// Its start; s.
         from: f64,
-        /// Its end.
+        /// Its end; s.
         to: f64,
     },
-    /// Largest value in a window; s.
+    /// Largest value in a window.
     Maximum {
-        /// Its start.
+        /// Its start; s.
         from: f64,
-        /// Its end.
+        /// Its end; s.
         to: f64,
     },
-    /// Smallest value in a window; s.
+    /// Smallest value in a window.
     Minimum {
-        /// Its start.
+        /// Its start; s.
         from: f64,
-        /// Its end.
+        /// Its end; s.
         to: f64,
     },
-    /// Largest less smallest value in a window, as the height of a wave; s.
+    /// Largest minus smallest value in a window, such as a wave height.
     Height {
-        /// Its start.
+        /// Its start; s.
         from: f64,
-        /// Its end.
+        /// Its end; s.
         to: f64,
     },
-    /// Value at a time, linear between samples; s.
+    /// `At(t)`: value at a time, linearly interpolated; s.
     At(f64),
-    /// Change over a window, over its length: the speed of a front; of the unit of the record, 1/s.
+    /// Change over a window divided by its length, such as the speed of a front; unit of the record, 1/s.
     Rate {
         /// Its start; s.
         from: f64,
         /// Its end; s.
         to: f64,
     },
-    /// Height, from trough to crest, of the sine of a period that fits the window best; the mean may drift.
+    /// Height, from trough to crest, of the best-fit sine with a given period; the mean may drift.
     Harmonic {
         /// s.
         period: f64,
@@ -55,16 +55,16 @@ pub enum Take {
         /// Its end; s.
         to: f64,
     },
-    /// First crest over a level: the highest value before the record falls to half of that height again.
+    /// First crest above a level: the highest value before the record falls to half of that height.
     FirstCrest {
-        /// Of rest, in the unit of the record.
+        /// Level at rest, in the unit of the column.
         level: f64,
     },
-    /// Mean time from rising through a level to rising through it again, from a time (s) on.
+    /// Mean time between upward crossings of a level; s.
     Period {
-        /// In the unit of the record.
+        /// In the unit of the column.
         level: f64,
-        /// s.
+        /// Start of the evaluation; s.
         from: f64,
     },
 }
