@@ -23,7 +23,7 @@ pub struct Series {
     pub value: Vec<f64>,
 }
 
-/// What to compare.
+/// Options of a comparison.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Options {
     /// Added to the times of the computed series; s.

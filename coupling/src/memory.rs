@@ -1,7 +1,7 @@
 //! Memory: what a run will need, and what the machine has.
 //!
-//! What a run needs is told from the checked scene alone, before its world is built. The numbers are measured peaks of
-//! short runs (see `tests/coupling/hostile.rs`), each rounded up, so that the sum is a bound.
+//! The estimate uses the checked scene alone, before its world is built. The numbers are measured peaks of short runs
+//! (see `tests/coupling/hostile.rs`), each rounded up, so that the sum is an upper bound.
 
 use riprap_dda::{Motion, Polyhedron, Shape};
 use riprap_sph::{Dimensions, Vec3};
@@ -35,7 +35,7 @@ const FIRST_BALLS: (f64, f64) = (500.0, 36e3);
 /// Bytes for each triangle of a surface.
 const PER_TRIANGLE: f64 = 900.0;
 
-/// What a run will need; bytes.
+/// Memory required by a run; bytes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Estimate {
     /// The program by itself.

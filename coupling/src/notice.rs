@@ -1,5 +1,5 @@
-//! What a scene asks for and would not notice: models whose effect is below what the scene can resolve, or which took no error
-//! from any shipped study. The figures are those of `benches/trade/README.md`.
+//! Options without effect at the resolution of a scene: models whose effect is not resolved, or which reduced the error of
+//! no shipped study. The figures are those of `benches/trade/README.md`.
 
 use riprap_dda::{Motion, Shape};
 use riprap_sph::scheme::{Shifting, Viscosity};
@@ -80,7 +80,7 @@ fn width(scene: &Scene) -> Option<String> {
     })
 }
 
-/// What the shipped studies found to change nothing.
+/// Options without effect in the shipped studies.
 fn of_scheme(fluid: &FluidScene, scene: &Scene) -> Vec<String> {
     let Scheme {
         precision,

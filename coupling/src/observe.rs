@@ -17,7 +17,7 @@ use crate::vtk::VtkError;
 use crate::world::World;
 use serde::{Deserialize, Serialize};
 
-/// What keeps an observer from writing.
+/// Failure of an observer.
 #[derive(Debug, thiserror::Error)]
 pub enum ObserveError {
     /// A VTK file or collection.
@@ -26,7 +26,7 @@ pub enum ObserveError {
     /// A CSV table.
     #[error(transparent)]
     Table(#[from] TableError),
-    /// What a checkpoint says of an observer.
+    /// Invalid state of an observer in a checkpoint.
     #[error("the checkpoint is not of this run's observers: {0}")]
     State(#[from] postcard::Error),
     /// Any other file.
@@ -34,7 +34,7 @@ pub enum ObserveError {
     Write {
         /// The file.
         path: String,
-        /// What the system says.
+        /// Error of the operating system.
         source: std::io::Error,
     },
 }

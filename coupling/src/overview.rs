@@ -59,15 +59,15 @@ pub struct Record {
 /// Curves over something else than time.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Chart {
-    /// What the vertical axis shows.
+    /// Label of the vertical axis.
     pub label: String,
-    /// What the horizontal axis shows, with its unit.
+    /// Label of the horizontal axis, with unit.
     pub along: String,
     /// The curves, of one unit; `time` is what runs along.
     pub curves: Vec<Record>,
 }
 
-/// What the page shows.
+/// Content of the page.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Overview {
     /// Headline.

@@ -38,7 +38,7 @@ pub enum WaterLook {
     Particles,
 }
 
-/// What is drawn, and how.
+/// Options of a rendering.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RenderOptions {
     /// Every how many-th frame of the run; at least 1.
@@ -72,7 +72,7 @@ impl Default for RenderOptions {
     }
 }
 
-/// What came of it.
+/// Outcome of a rendering.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RenderSummary {
     /// Where everything is.

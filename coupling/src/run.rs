@@ -48,7 +48,7 @@ const UNDAMPED_SHARE: f64 = 0.1;
 const GOOD_INTERVAL_WITH_WATER: u64 = 100;
 const GOOD_INTERVAL_OF_BLOCKS: u64 = 1000;
 
-/// What ends a run early.
+/// Failure of a run.
 #[derive(Debug, thiserror::Error)]
 pub enum RunError {
     /// The world could not be built.
@@ -65,7 +65,7 @@ pub enum RunError {
         "{error}\nit came again from the last good state, t = {good:.6} s, with {share} of the usual step: it is not the step; the checkpoint is of that state"
     )]
     Unstable {
-        /// What happened.
+        /// Error of the step.
         error: StepError,
         /// s.
         good: f64,
@@ -173,14 +173,14 @@ pub struct Plan<'a> {
     pub checkpoint_interval: Duration,
 }
 
-/// What is told of a run under way.
+/// Progress event of a run.
 #[derive(Clone, Copy, Debug)]
 pub enum Event<'a> {
     /// A step was taken.
     Step(&'a Progress),
     /// A step went wrong.
     FellBack {
-        /// What happened.
+        /// Error of the step.
         error: &'a StepError,
         /// Where the run goes on from; s.
         to: f64,
@@ -220,7 +220,7 @@ enum Stage {
     Running,
 }
 
-/// What a run counts beside its world: the same whenever it is stopped and goes on.
+/// Counters of a run, preserved when it is stopped and resumed.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct Tally {
     stage: Stage,

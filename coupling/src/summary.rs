@@ -95,7 +95,7 @@ pub struct Summary {
     pub mass_escaped: f64,
     /// Mass of the fluid at the start and at the end; kg.
     pub fluid_mass: [f64; 2],
-    /// What inflows and outflows let through.
+    /// Water that passed inflows and outflows.
     pub openings: Vec<Passed>,
     /// Particles found inside a solid and put back.
     pub particles_pushed_back: u64,

@@ -8,7 +8,7 @@ use std::fs::{self, File};
 use std::io::{self, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
-/// What a column holds.
+/// Kind of a column.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Column {
     /// Name, e.g. `g1`.
@@ -305,11 +305,11 @@ pub enum TableError {
     /// The operating system refused.
     #[error("cannot {operation} {}: {cause}", path.display())]
     Io {
-        /// What was tried.
+        /// Operation that failed.
         operation: &'static str,
         /// The file.
         path: PathBuf,
-        /// What the system said.
+        /// Error of the operating system.
         cause: io::Error,
     },
     /// A name that would break the header line.
@@ -347,7 +347,7 @@ pub enum TableError {
         path: PathBuf,
         /// Number of the line; the first is 1.
         line: usize,
-        /// What is wrong with it.
+        /// Fault of the line.
         fault: LineFault,
     },
     /// A column that was asked for is not there, or twice.
@@ -372,7 +372,7 @@ impl TableError {
     }
 }
 
-/// What is wrong with a line of a table.
+/// Fault of a line of a table.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum LineFault {
     /// The file is empty.

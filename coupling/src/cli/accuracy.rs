@@ -46,7 +46,7 @@ impl FromStr for Budget {
     }
 }
 
-/// What is asked of a run.
+/// Accuracy requested of a run.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Asked<'a> {
     pub(super) case: &'a Path,
@@ -158,7 +158,7 @@ fn study_of(asked: &Asked) -> Result<Option<(PathBuf, StudyFile)>, String> {
     }
 }
 
-/// What was measured of a study here, or what was shipped with it.
+/// Results of a study, measured here or shipped with it.
 fn measured(path: &Path, file: &StudyFile) -> Result<(PathBuf, Vec<Found>), String> {
     let name = path.file_stem().unwrap_or_default();
     let beside = path.parent().unwrap_or(Path::new(".")).join("results");
@@ -224,7 +224,7 @@ fn from_study(asked: &Asked, path: PathBuf, file: StudyFile) -> Result<Chosen, E
     })
 }
 
-/// What was chosen, why, and what is left out of account.
+/// Report of the choice, its reason, and the effects that it neglects.
 fn words_of_study(
     asked: &Asked,
     file: &StudyFile,

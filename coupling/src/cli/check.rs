@@ -88,7 +88,7 @@ fn block_motion(scene: &Scene) -> String {
     }
 }
 
-/// What will be modelled and what will not, and why.
+/// Report of the modeled and the neglected effects, with reasons.
 pub(crate) fn describe(scene: &Scene, reach: &Reach) -> String {
     let mut text = format!("{}\n", scene.file.title);
     let count = |test: fn(&Motion) -> bool| scene.blocks.iter().filter(|b| test(&b.motion)).count();

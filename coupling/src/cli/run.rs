@@ -286,7 +286,7 @@ fn is_ours(name: &str) -> bool {
         .contains(&name)
 }
 
-/// What a run folder keeps of a scene.
+/// Archived copy of a scene in its run folder.
 struct Kept {
     /// Names of the scene's files there, by those in the scene.
     names: BTreeMap<String, String>,

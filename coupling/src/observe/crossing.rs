@@ -3,7 +3,7 @@
 use riprap_sph::{Fluid, Vec3};
 use serde::{Deserialize, Serialize};
 
-/// What has passed, by looks at the water: nothing gets past between two of them that is not faster than sound.
+/// Volume that has crossed a line, from samples of the water: only flow faster than sound could cross between two samples.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct Crossing {
     /// m.

@@ -11,7 +11,7 @@ use crate::scene::file::{BlockField, OutputFile, WaterField};
 use crate::vtk::{self, Array, Collection, PolyData, Polygons, Values};
 use crate::world::{Water, World};
 
-/// What there are frames of.
+/// Kinds of frames.
 const STEMS: [&str; 4] = ["water", "blocks", "contacts", "faces"];
 
 /// Writes `water_00000.vtp`, `blocks_00000.vtp`, ... and their collections.

@@ -16,7 +16,7 @@ use crate::scene::terrain::grid::Grid;
 use crate::vtk::{self, Array, PolyData, Polygons, Values, replace_file};
 use crate::world::World;
 
-/// What stands for nothing in ASCII grids.
+/// Missing value in ASCII grids.
 const NO_DATA: f64 = -9999.0;
 
 /// Writes `maps.vtp` and an ASCII grid for each map.
@@ -107,7 +107,7 @@ impl Maps {
             .collect()
     }
 
-    /// What was seen so far.
+    /// Extremes so far.
     pub fn extremes(&self) -> Extremes {
         let map = |values: &[f64]| Grid {
             heights: values.to_vec(),

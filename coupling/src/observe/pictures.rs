@@ -1,4 +1,4 @@
-//! What `overview.svg` shows: three side views, plans, ways of falling blocks, gauge records, the energy ledger.
+//! Data of `overview.svg`: three side views, plan views, paths of falling blocks, gauge records, the energy ledger.
 
 mod plan;
 

@@ -69,7 +69,7 @@ pub struct Trajectories {
     row: Vec<f64>,
 }
 
-/// What is known of the way of a block; every extreme is that of the samples.
+/// Trajectory of a block; extremes are those of the samples.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct Track {
     block: usize,

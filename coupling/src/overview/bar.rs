@@ -9,10 +9,10 @@ const BELOW_TOP: f64 = 0.995;
 /// Ends of a colour bar, times a power of ten; finer than the steps of an axis, so that the colours are used.
 const TOPS: [f64; 10] = [1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0];
 
-/// What the colours mean.
+/// Color bar.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Bar<'a> {
-    /// What stands above.
+    /// Label above the bar.
     pub label: &'a str,
     /// From below.
     pub shades: &'a [[u8; 3]],

@@ -19,7 +19,7 @@ use layout::{Chart, Layout};
 use lines::Lines;
 use relief::Relief;
 
-/// What plans show.
+/// Data of the plan views.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plan {
     /// Lower left and upper right corner, x and y; m.
@@ -34,13 +34,13 @@ pub struct Plan {
     pub water: Grid,
     /// Usually the start and the end.
     pub views: Vec<FromAbove>,
-    /// What came of it, where maps are made.
+    /// Maps of extremes, if recorded.
     pub maps: Option<Extremes>,
     /// Instruments.
     pub marks: Vec<Mark>,
 }
 
-/// What the water did, at the points of one grid; NaN where it did nothing.
+/// Extremes of the water at the points of one grid; NaN where dry.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Extremes {
     /// Height of the surface at the start; m.
@@ -62,7 +62,7 @@ pub struct FromAbove {
     pub blocks: Vec<Footprint>,
 }
 
-/// What a block covers of the plan.
+/// Outline of a block in plan view.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Footprint {
     /// Corners of a convex outline, x and y; m.
@@ -76,14 +76,14 @@ pub struct Footprint {
 pub enum Mark {
     /// At a point.
     Point {
-        /// What it is called.
+        /// Name.
         name: String,
         /// x and y; m.
         at: [f64; 2],
     },
     /// Along a line.
     Line {
-        /// What it is called.
+        /// Name.
         name: String,
         /// x and y; m.
         from: [f64; 2],
@@ -92,7 +92,7 @@ pub enum Mark {
     },
 }
 
-/// What all plans have in common, by its name in the page.
+/// Identifier of the land picture that all plans share.
 const LAND: &str = "land";
 const LINES: &str = "lines";
 

@@ -25,7 +25,7 @@ const DASHES: [&str; 3] = [
     " stroke-dasharray=\"2 2.5\"",
 ];
 
-/// What stands at the axes of a plot.
+/// Axis labels of a plot.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Axes<'a> {
     /// Of the vertical axis, without its unit.

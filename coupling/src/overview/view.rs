@@ -18,7 +18,7 @@ const MIN_HEIGHT: f64 = 90.0;
 /// Room above a panel for its time, and below the last one for the axis; px.
 const ABOVE: f64 = 22.0;
 const BELOW: f64 = 44.0;
-/// What a corner of an outline costs, and what pictures get however many outlines there are; bytes of text.
+/// Size of a corner of an outline, and the least size of pictures for any number of outlines; bytes of text.
 const BYTES_PER_CORNER: usize = 10;
 const LEAST_BUDGET: usize = 60_000;
 /// Picture pixels per pixel of the page, finest first; the first that keeps the budget is taken.

@@ -29,7 +29,7 @@ const HEADING: f64 = 0.07;
 pub struct Camera {
     /// Where it stands; m.
     pub eye: Vector3<f64>,
-    /// What it looks at; m.
+    /// Target point; m.
     pub look_at: Vector3<f64>,
     /// How it projects.
     pub lens: Lens,
@@ -51,7 +51,7 @@ pub enum Lens {
         width: f64,
         /// Top to bottom; at least one.
         panels: Vec<Panel>,
-        /// What is written over each of them.
+        /// Label of each panel.
         labels: Vec<String>,
         /// Height of a strip in the picture; m.
         tall: f64,
@@ -154,7 +154,7 @@ impl Camera {
         Axes::looking(self.look_at - self.eye)
     }
 
-    /// What is shown, piece by piece.
+    /// Panels of the picture.
     pub fn panels(&self) -> &[Panel] {
         match &self.lens {
             Lens::Perspective { .. } => &[Panel::WHOLE],
@@ -162,7 +162,7 @@ impl Camera {
         }
     }
 
-    /// What is written over strips, and where in the picture.
+    /// Labels of the strips and their positions in the picture.
     pub fn strip_labels(&self) -> Vec<(String, (f64, f64))> {
         let Lens::Strips {
             width,

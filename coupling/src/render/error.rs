@@ -13,7 +13,7 @@ pub enum RenderError {
     Read {
         /// The file.
         path: PathBuf,
-        /// What the system said.
+        /// Error of the operating system.
         source: io::Error,
     },
     /// A file of the run is not what it should be.
@@ -21,7 +21,7 @@ pub enum RenderError {
     BadFile {
         /// The file.
         path: PathBuf,
-        /// What is wrong.
+        /// Cause.
         reason: String,
     },
     /// The run has written no frame.
@@ -33,7 +33,7 @@ pub enum RenderError {
     /// The chosen frames are none.
     #[error("frames {}..{} are none of the {available} frames in {}; choose among 0..{available}", frames.start, frames.end, folder.display())]
     NoSuchFrames {
-        /// What was asked for.
+        /// Requested frames.
         frames: Range<usize>,
         /// Frames there are.
         available: usize,
@@ -53,9 +53,9 @@ pub enum RenderError {
     BadOption {
         /// Which.
         option: &'static str,
-        /// What it was.
+        /// Given value.
         value: String,
-        /// What it may be.
+        /// Allowed values.
         limit: &'static str,
     },
     /// The camera of the scene looks nowhere.
@@ -69,7 +69,7 @@ pub enum RenderError {
     Surface {
         /// Number of the frame.
         frame: usize,
-        /// What the reconstruction said.
+        /// Message of the surface reconstruction.
         reason: String,
     },
     /// A file cannot be written.
@@ -77,7 +77,7 @@ pub enum RenderError {
     Write {
         /// The file.
         path: PathBuf,
-        /// What the system said.
+        /// Error of the operating system.
         source: io::Error,
     },
     /// POV-Ray or ffmpeg failed.

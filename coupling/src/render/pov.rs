@@ -19,7 +19,7 @@ pub const INCLUDES: [(&str, &str); 3] = [
 /// Colours in `materials.inc`.
 const SPEED_COLOURS: usize = 64;
 
-/// What is the same in every frame.
+/// Declarations shared by all frames.
 pub(crate) struct Setting<'a> {
     pub title: &'a str,
     pub camera: &'a Camera,

@@ -1,4 +1,4 @@
-//! What `render` reads of a run: nothing is written there, and no run waits for it.
+//! Input of `render` from a run folder: read-only, and without blocking the run.
 
 use super::RenderError;
 use super::body::{Body, bodies};

@@ -87,7 +87,7 @@ fn distance_squared(a: &[f32; 3], b: &[f32; 3]) -> f32 {
 ///
 /// # Errors
 ///
-/// What the reconstruction said, in its own words.
+/// The message of the surface reconstruction.
 #[cfg(feature = "surface")]
 pub fn surface(points: &[[f32; 3]], spacing: f32) -> Result<Surface, String> {
     use splashsurf_lib::mesh::Mesh3d;

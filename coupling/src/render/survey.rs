@@ -18,7 +18,7 @@ const RAYS: usize = 600;
 /// darken the rest.
 const FASTEST: f64 = 0.002;
 
-/// What is the same in all frames.
+/// Quantities shared by all frames.
 pub(crate) struct Survey {
     pub camera: Camera,
     pub stage: Stage,

@@ -9,7 +9,7 @@ const MOST_IN_VAIN: u32 = 2;
 /// Way, over that from the good state to the failure, by which a try has to come farther to be of any use.
 const FARTHER: f64 = 0.05;
 
-/// What was tried against a failure.
+/// Attempts to recover from a failure.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Caution {
     /// Times that the step is halved at present.

@@ -1,4 +1,4 @@
-//! What no single step shows: energy from nowhere, water that leaves in masses.
+//! Faults that no single step shows: spurious energy, mass outflow of water.
 //!
 //! ```text
 //! (E_residual − E_residual,before)/(E_motion + E_springs + E_compression, before, or a little) ≤ 3
@@ -105,8 +105,8 @@ impl Watch {
     }
 }
 
-/// What moves or is strained, and what would be no more than rest: water that moves at a hundredth of the speed of sound,
-/// blocks that fall by a thousandth of their size.
+/// Kinetic and strain energy, at least that of a state close to rest: water moving at a hundredth of the speed of sound,
+/// blocks falling by a thousandth of their size.
 fn scale(energy: &Energy, world: &World) -> f64 {
     let water = world.water.as_ref().map_or(0.0, |water| {
         let speed = STILL * water.fluid.settings().sound_speed;

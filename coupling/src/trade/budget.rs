@@ -1,7 +1,7 @@
 //! Which settings of a study meet an error budget with the least work.
 //!
-//! What was measured is known. What was not is foretold from the nearest run b that was made, the most accurate of those that
-//! differ in the fewest knobs, and from the runs in which one knob alone is turned:
+//! Measured settings are known. Others are predicted from the nearest run b, the most accurate of those that differ in
+//! the fewest knobs, and from the runs in which a single knob is changed:
 //!
 //! ```text
 //! work    w = w_b Π wₖ/wₖ'                                    k the knobs that differ, ' their values in b
@@ -22,7 +22,7 @@ const MARGIN_OF_FORETOLD: f64 = 1.4;
 const DOUBT_OF_GAIN: f64 = 0.2;
 /// Deviations below it are none, where they are divided by; –.
 const LEAST_DEVIATION: f64 = 1e-4;
-/// What is expected of settings.
+/// Predicted error and work of settings.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Expected {
     /// Which value of each knob.
@@ -36,7 +36,7 @@ pub struct Expected {
 }
 
 impl Expected {
-    /// What the error may be after all.
+    /// Upper bound of the predicted error.
     fn bound(&self) -> f64 {
         self.error
             * match self.is_measured {
@@ -71,7 +71,7 @@ pub fn choose(
     }
 }
 
-/// What was run, and what is one change of a knob away from it.
+/// Settings that were run, and those that differ from them in one knob.
 pub fn candidates(study: &StudyFile, known: &[Found]) -> Vec<Vec<usize>> {
     let mut all: Vec<Vec<usize>> = known.iter().map(|found| found.choice.clone()).collect();
     for found in known {
@@ -88,7 +88,7 @@ pub fn candidates(study: &StudyFile, known: &[Found]) -> Vec<Vec<usize>> {
     all
 }
 
-/// What is expected of settings; none where nothing can be said of them.
+/// Predicted error and work of settings, where a prediction is possible.
 pub fn expect(study: &StudyFile, known: &[Found], choice: &[usize]) -> Option<Expected> {
     if let Some(found) = known.iter().find(|found| found.choice == choice) {
         let error = found.error.filter(|_| found.is_stable)?;
@@ -153,12 +153,12 @@ fn turned(study: &StudyFile, known: &[Found], knob: usize, value: usize) -> Opti
     }
 }
 
-/// What turning one knob alone does.
+/// Effect of changing one knob alone.
 #[derive(Clone, Copy, Debug)]
 struct Alone {
     /// Error with the sign of value less truth, where both are numbers.
     deviation: f64,
-    /// What the deviation may be wrong by.
+    /// Uncertainty of the deviation.
     doubt: f64,
     work: f64,
 }

@@ -14,12 +14,12 @@ use serde::{Deserialize, Serialize};
 
 use super::plan::{Planned, Study};
 
-/// What is written when a run has ended.
+/// Result of a completed run, as written.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Ended {
     /// Whether it reached its end; otherwise it failed, as an unstable one does.
     pub completed: bool,
-    /// What it said when it failed.
+    /// Error message of a failed run.
     pub message: String,
     /// Of the process, from its start to its end; s.
     pub wall_time: f64,
@@ -34,16 +34,16 @@ pub enum ExecuteError {
     /// A file could not be written or a process not started; what has ended stays.
     #[error("cannot {what} {}: {source}", path.display())]
     Io {
-        /// What was tried.
+        /// Operation that failed.
         what: &'static str,
         /// Where.
         path: PathBuf,
-        /// What the system said.
+        /// Error of the operating system.
         source: io::Error,
     },
 }
 
-/// What may be used at once.
+/// Resources for concurrent runs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Means {
     /// Runs at once, one thread each.

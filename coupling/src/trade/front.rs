@@ -1,6 +1,6 @@
-//! What runs say of their knobs: who is on the front, what a doubling of cost buys, and the order of convergence.
+//! Analysis of the runs of a study: Pareto front, error reduction per doubling of cost, and order of convergence.
 
-/// What a run cost, in any unit, and its error; both above zero.
+/// Cost of a run, in any unit, and its error; both above zero.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Point {
     /// Of wall time, or of work.

@@ -1,4 +1,4 @@
-//! What three coarse runs say of finer ones, where no study does.
+//! Extrapolation from three coarse runs to finer ones, where there is no study.
 //!
 //! ```text
 //! e(s) = safety · |f∞ − f₁| (s/s₁)^p / |f₁ − f₀|        f₀ the value that means nothing, such as the level of rest

@@ -34,7 +34,7 @@ pub struct Study {
 pub struct Planned {
     /// Which value of each knob.
     pub choice: Vec<usize>,
-    /// What is set, in order.
+    /// Overrides, in order.
     pub overrides: Vec<Override>,
     /// Number of the block that the output is of, where it is of one.
     pub block: Option<usize>,
@@ -144,7 +144,7 @@ pub fn read_text(name: &str, text: &str) -> Result<StudyFile, SceneError> {
     }
 }
 
-/// What is wrong with a study by itself.
+/// Problems of a study, without its scene.
 fn problems(study: &StudyFile) -> Vec<Problem> {
     let mut found = Vec::new();
     let mut refuse = |path: String, message: String| found.push(Problem::error(path, message));

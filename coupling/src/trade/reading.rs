@@ -6,12 +6,12 @@ use crate::scene::file::GaugeFile;
 use crate::scene::parse::suggestion;
 use crate::scene::resolve::Scene;
 
-/// What a name means.
+/// Evaluation denoted by a name.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Reading {
     /// Where it is read.
     pub output: OutputFile,
-    /// What errors are not relative to: the still-water level for heights of the surface, else 0; of the column's unit.
+    /// Origin that relative errors exclude: the still-water level for surface elevations, otherwise 0; in the column's unit.
     pub zero: f64,
 }
 

@@ -1,4 +1,4 @@
-//! What the runs of a study found: value, error and cost of each, `trade.csv` and `front.csv`.
+//! Results of a study: value, error and cost of each run, `trade.csv` and `front.csv`.
 
 use std::io;
 use std::path::Path;
@@ -29,13 +29,13 @@ pub struct Found {
     pub error: Option<f64>,
     /// Whether the run reached its end.
     pub is_stable: bool,
-    /// What ended it early.
+    /// Error message of an incomplete run.
     pub message: String,
-    /// What it cost.
+    /// Cost of the run.
     pub cost: Cost,
 }
 
-/// What a run cost.
+/// Cost of a run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
 #[serde(default)]
 pub struct Cost {
@@ -335,7 +335,7 @@ fn lines(study: &Study, all: &[Found], fronts: &Fronts, rows: &[usize]) -> Strin
 ///
 /// # Errors
 ///
-/// What is wrong with the file: it cannot be read, or is not a table of this study.
+/// A message if the file cannot be read or is not a table of this study.
 pub fn read(study: &StudyFile, path: &Path) -> Result<Vec<Found>, String> {
     let failed = |error: csv::Error| format!("cannot read {}: {error}", path.display());
     let mut reader = csv::Reader::from_path(path).map_err(failed)?;
@@ -386,7 +386,7 @@ pub fn read(study: &StudyFile, path: &Path) -> Result<Vec<Found>, String> {
 ///
 /// # Errors
 ///
-/// What the system says.
+/// The error of the operating system.
 pub fn write(path: &Path, bytes: &[u8]) -> io::Result<()> {
     let temporary = path.with_extension("part");
     std::fs::write(&temporary, bytes)?;
@@ -394,7 +394,7 @@ pub fn write(path: &Path, bytes: &[u8]) -> io::Result<()> {
 }
 
 impl Planned {
-    /// What its knobs are set to, for people: `spacing 20 mm, kernel as it is`.
+    /// Its knob settings in readable form: `spacing 20 mm, kernel as it is`.
     pub fn label(&self, study: &Study) -> String {
         let chosen = study.file.knobs.iter().zip(&self.choice);
         let each =

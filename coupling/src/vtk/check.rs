@@ -1,4 +1,4 @@
-//! What polygon data must fulfil, and what can go wrong with a file.
+//! Requirements of polygon data, and errors of a file.
 
 use super::{Array, PolyData, Polygons};
 use std::io;
@@ -10,11 +10,11 @@ pub enum VtkError {
     /// The operating system refused.
     #[error("cannot {operation} {}: {cause}", path.display())]
     Io {
-        /// What was tried, e.g. `create`.
+        /// Operation that failed, e.g. `create`.
         operation: &'static str,
         /// The file.
         path: PathBuf,
-        /// What the system said.
+        /// Error of the operating system.
         cause: io::Error,
     },
     /// The data contradict themselves or are not what this module writes.
@@ -22,7 +22,7 @@ pub enum VtkError {
     Data {
         /// The file.
         path: PathBuf,
-        /// What is wrong with it.
+        /// Fault of the file.
         fault: Fault,
     },
 }
@@ -49,7 +49,7 @@ impl VtkError {
     }
 }
 
-/// What is wrong with polygon data or with a file.
+/// Fault of polygon data or of a file.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Fault {
     /// ParaView orders frames by time.

@@ -93,7 +93,7 @@ fn require_layout(tag: &Tag<'_>) -> Result<(), Fault> {
     Ok(())
 }
 
-/// What has been read so far.
+/// Content read so far.
 struct File<'a> {
     appended: &'a [u8],
     data: PolyData,

@@ -13,7 +13,7 @@ use std::path::Path;
 /// A constant, so that the bytes do not depend on the number of threads.
 const BLOCK_BYTES: usize = 32 * 1024;
 
-/// What every file says about itself; ParaView shows it in the field data.
+/// Source note in every file; ParaView shows it in the field data.
 const SOURCE: &str = concat!("riprap ", env!("CARGO_PKG_VERSION"), "; SI units; z up");
 
 /// Writes `data` as a compressed `.vtp` file, under its final name only once it is complete.

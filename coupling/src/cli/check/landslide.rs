@@ -1,4 +1,4 @@
-//! What a slide into water needs of its water, and whether the water fills its basin.
+//! Resolution required for a slide into water, and a check that the water fills its basin.
 
 use crate::scene::file::RegionShapeFile;
 use crate::scene::impulse_wave::SlideImpact;

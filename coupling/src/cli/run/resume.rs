@@ -7,7 +7,7 @@ use super::Kept;
 use crate::checkpoint::{self, Checkpoint};
 use crate::cli::say;
 
-/// What a run folder holds.
+/// Contents of a run folder.
 pub(super) enum Found {
     /// Nothing that a run could go on from.
     Nothing,

@@ -1,4 +1,4 @@
-//! What plans show of a scene and of a world.
+//! Plan views of a scene and of a world.
 
 use rayon::prelude::*;
 use riprap_dda::Vec3;

@@ -107,7 +107,7 @@ pub(super) fn names(page: &mut Page, chart: Chart, marks: &[Mark]) {
     }
 }
 
-/// What a mark covers: a line is a row of small squares.
+/// Area covered by a mark: a line is a row of small squares.
 fn covered(chart: Chart, mark: &Mark) -> Vec<Frame> {
     let (from, to) = match mark {
         Mark::Point { at, .. } => return vec![Frame::around(chart.pixel(*at), RADIUS)],
@@ -223,7 +223,7 @@ mod tests {
         }
     }
 
-    /// What is written, and where; not what is behind it.
+    /// Text and position of the labels, without the halos behind them.
     fn written(marks: &[Mark]) -> Vec<(f64, f64, String)> {
         let mut page = Page::default();
         names(&mut page, CHART, marks);

@@ -1,4 +1,4 @@
-//! What each plan shows, and its pictures.
+//! Content and pictures of each plan view.
 
 use super::layout::Chart;
 use super::relief::Relief;
@@ -21,11 +21,11 @@ pub(super) struct Panel<'a> {
     key: Key,
 }
 
-/// What the colour bar beside a plan is of.
+/// Quantity of the color bar beside a plan view.
 #[derive(Clone, Copy, Debug)]
 enum Key {
     Land,
-    /// What is over the land, with its unit.
+    /// Quantity drawn over the land, with unit.
     Sheet(&'static str),
 }
 

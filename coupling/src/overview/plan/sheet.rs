@@ -79,7 +79,7 @@ impl Scale {
         self.shades.iter().map(shown).collect()
     }
 
-    /// What the colours mean.
+    /// Color bar of the quantity.
     pub fn bar<'a>(&self, label: &'a str, shown: &'a [[u8; 3]]) -> Bar<'a> {
         Bar {
             label,
