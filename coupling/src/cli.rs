@@ -10,6 +10,8 @@ mod trade;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use clap::{Parser, Subcommand};
 
@@ -92,6 +94,21 @@ pub(crate) fn say(line: &str) {
 /// A result on standard output.
 pub(crate) fn show(line: &str) {
     let _ = writeln!(std::io::stdout(), "{line}");
+}
+
+/// The first signal ends the run in good order, the second at once.
+pub(crate) fn stop_on_signal(stop: &Arc<AtomicBool>) {
+    let stop = Arc::clone(stop);
+    let handler = move || {
+        if stop.swap(true, Ordering::Relaxed) {
+            std::process::exit(130);
+        }
+        say("\nstopping after this step; once more to stop at once");
+    };
+    // without a handler a signal ends the program as it always did
+    if ctrlc::set_handler(handler).is_err() {
+        say("warning: signals cannot be caught here; Ctrl-C will lose the last records");
+    }
 }
 
 /// Loads a scene; tells of its warnings, or of all that is wrong with it.

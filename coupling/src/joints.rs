@@ -26,7 +26,7 @@ use riprap_sph::boundary::sampling::{FaceSample, sample_face};
 use riprap_sph::fluid::ContinuedPressure;
 use riprap_sph::{Fluid, Vec3};
 
-use crate::checkpoint::{Read, Saved};
+use crate::saved::{Read, Saved};
 use crate::walls::{Part, before, face_lattice, parts};
 
 mod links;

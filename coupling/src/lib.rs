@@ -19,27 +19,27 @@
 //! observers look and never change the world; steps never bend to output times; every pair force
 //! acts twice with opposite sign; results are the same bits for any number of threads.
 
-pub mod checkpoint;
+mod build_info;
 pub mod cli;
-pub mod compare;
-pub mod ground;
-pub mod interface;
+pub mod files;
 pub mod joints;
-pub mod ledger;
-pub mod memory;
-pub mod notice;
-pub mod observe;
 pub mod openings;
-pub mod overview;
-pub mod packing;
-mod part_table;
-pub mod render;
+pub mod output;
+pub mod picture;
 pub mod run;
+mod saved;
 pub mod scene;
-pub mod summary;
-pub mod table;
-pub mod time_step;
-pub mod trade;
-pub mod vtk;
+pub mod series;
+pub mod study;
 pub mod walls;
 pub mod world;
+
+// the paths of 0.1, for one release
+pub use files::{table, vtk};
+pub use output::{checkpoint_file as checkpoint, observe, summary};
+pub use picture::{overview, render};
+pub use run::notice;
+pub use scene::estimate as memory;
+pub use study::{compare, trade};
+pub use walls::penalty as interface;
+pub use world::{ground, ledger, time_step};

@@ -16,29 +16,8 @@ use riprap_sph::exchange::{Exchange, Imposed, NewParticle};
 use riprap_sph::{Fluid, FluidError, Vec3};
 use serde::{Deserialize, Serialize};
 
-use crate::checkpoint::{Read, Saved};
-
-/// Numbers over time: linear between rows, constant before and after.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Series(Vec<(f64, f64)>);
-
-impl Series {
-    /// Rows of time (s) and value, the times increasing; zero always without any.
-    pub fn new(rows: Vec<(f64, f64)>) -> Self {
-        Self(rows)
-    }
-
-    /// Value at a time.
-    pub fn at(&self, time: f64) -> f64 {
-        let next = self.0.partition_point(|row| row.0 <= time);
-        match (next.checked_sub(1).map(|k| self.0[k]), self.0.get(next)) {
-            (Some((t0, a)), Some((t1, b))) => a + (b - a) * (time - t0) / (t1 - t0),
-            (Some((_, a)), None) => a,
-            (None, Some((_, b))) => *b,
-            (None, None) => 0.0,
-        }
-    }
-}
+use crate::saved::{Read, Saved};
+use crate::series::Series;
 
 /// A box along the axes that the flow crosses along one of them.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -432,19 +411,4 @@ impl Openings {
 /// Half a spacing: particles do not sit exactly in their rows.
 fn slack(fluid: &Fluid) -> f64 {
     0.5 * fluid.settings().particle_spacing[2]
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_series_is_linear_between_rows_and_constant_outside() {
-        let series = Series::new(vec![(1.0, 2.0), (3.0, 6.0)]);
-        assert_eq!(
-            [0.0, 1.0, 2.0, 3.0, 9.0].map(|t| series.at(t)),
-            [2.0, 2.0, 4.0, 6.0, 6.0]
-        );
-        assert_eq!(Series::default().at(1.0), 0.0);
-    }
 }

@@ -5,7 +5,9 @@
 //! and when the run is stopped: it goes on from there to the same bits.
 
 mod caution;
+pub mod notice;
 mod observers;
+mod packing;
 mod watch;
 
 use std::collections::BTreeMap;
@@ -17,26 +19,22 @@ use riprap_dda::{Blocks, Motion};
 use riprap_sph::{Fluid, Precision};
 use serde::{Deserialize, Serialize};
 
-use crate::checkpoint::{self, Checkpoint, Header, Saved};
+use crate::build_info::COMMIT;
+use crate::files::table::Start;
 use crate::joints::JointWater;
-use crate::observe::{ObserveError, Observer};
-use crate::packing::packed;
+use crate::output::checkpoint_file::{self as checkpoint, Checkpoint, Header};
+use crate::output::observe::{ObserveError, Observer};
+use crate::output::summary::{Summary, TimeByPhase, peak_memory};
+use crate::run::packing::packed;
+use crate::saved::Saved;
 use crate::scene::file::TimeFile;
 use crate::scene::resolve::{Scene, vec3};
-use crate::summary::{Summary, TimeByPhase, peak_memory};
-use crate::table::Start;
-use crate::time_step::{CAUSES, Cause};
 use crate::walls::Walls;
+use crate::world::time_step::{CAUSES, Cause};
 use crate::world::{StepError, WaterAtStart, World};
 use caution::Caution;
 use observers::Observers;
 use watch::Watch;
-
-/// The commit that the program was built from, where known.
-pub const COMMIT: &str = match option_env!("RIPRAP_COMMIT") {
-    Some(commit) => commit,
-    None => "unknown",
-};
 
 /// Damping rate of settling times its duration: what moves at first is damped by `e⁻²⁰` at the end.
 const SETTLING_DECAY: f64 = 20.0;
@@ -155,7 +153,7 @@ pub fn build(scene: &Scene) -> Result<World, RunError> {
     };
     let domain = (vec3(scene.file.domain.min), vec3(scene.file.domain.max));
     let mut world = World::new(blocks, fluid, vec3(scene.file.gravity), domain)?;
-    world.set_leaving(scene.file.domain.leaving);
+    world.set_out_of_domain(scene.file.domain.leaving.into());
     world.set_weakenings(scene.weakenings.clone());
     Ok(world)
 }
@@ -775,7 +773,7 @@ mod tests {
         let ending = run.go(&stop, &mut tell);
         let (summary, ending) = run.finish(ending).unwrap();
         assert_eq!(ending, Ending::Completed);
-        let gauges = crate::table::read_table(&folder.path().join("gauges.csv")).unwrap();
+        let gauges = crate::files::table::read_table(&folder.path().join("gauges.csv")).unwrap();
         (told, summary, gauges.column("time").unwrap().to_vec())
     }
 

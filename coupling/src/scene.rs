@@ -2,6 +2,7 @@
 
 mod attachments;
 pub mod error;
+pub mod estimate;
 pub mod file;
 pub mod fill;
 mod flow;
@@ -30,6 +31,7 @@ use std::io::Read as _;
 use std::path::Path;
 
 use error::{Problem, SceneError, Severity};
+use estimate::Estimate;
 use parse::Override;
 use reach::{FilesFrom, Reach};
 use resolve::Scene;
@@ -100,6 +102,10 @@ pub fn load_text(
     }
     match Scene::resolve_within(file, reach) {
         Ok(mut scene) => {
+            if let Some(refusal) = Estimate::of(&scene).refusal(reach.memory) {
+                let all = problems.into_iter().chain([refusal]).collect();
+                return Err(SceneError::from_problems(name, &text, all));
+            }
             scene.warnings.splice(0..0, problems);
             let warnings = SceneError::from_problems(name, &text, scene.warnings.clone());
             Ok((scene, warnings))

@@ -8,7 +8,9 @@ pub mod added_mass;
 mod cutting;
 mod endless;
 pub mod integral;
+pub(crate) mod part_table;
 pub mod particles;
+pub mod penalty;
 mod sampler;
 mod screens;
 
@@ -19,12 +21,22 @@ use riprap_sph::boundary::wall_particles::Slip;
 use riprap_sph::{Dimensions, Fluid, Vec3};
 use serde::{Deserialize, Serialize};
 
-use crate::checkpoint::{Read, Saved};
-use crate::scene::file::WallMethodFile;
+use crate::saved::{Read, Saved};
 use added_mass::Movers;
 pub(crate) use cutting::before;
 use integral::IntegralWalls;
 use particles::ParticleWalls;
+
+/// How walls hold the fluid.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum WallMethod {
+    /// A spring and a dashpot between each particle and each surface.
+    Penalty,
+    /// Particles inside the solids.
+    Particles,
+    /// Exact integrals of the kernel over polyhedra.
+    Integral,
+}
 
 /// The walls of all blocks.
 #[derive(Clone, Debug)]
@@ -48,21 +60,21 @@ macro_rules! of_walls {
 impl Walls {
     /// Walls at the blocks' present places; none where penalty springs hold the fluid.
     pub fn new(
-        method: WallMethodFile,
+        method: WallMethod,
         definitions: &[BlockDefinition],
         blocks: &Blocks,
         fluid: &Fluid,
         slip: Slip,
     ) -> Option<Self> {
         match method {
-            WallMethodFile::Penalty => None,
-            WallMethodFile::Particles => Some(Self::Particles(ParticleWalls::new(
+            WallMethod::Penalty => None,
+            WallMethod::Particles => Some(Self::Particles(ParticleWalls::new(
                 definitions,
                 blocks,
                 fluid,
                 slip,
             ))),
-            WallMethodFile::Integral => Some(Self::Integral(IntegralWalls::new(
+            WallMethod::Integral => Some(Self::Integral(IntegralWalls::new(
                 definitions,
                 blocks,
                 fluid,

@@ -1,8 +1,11 @@
 //! Blocks and water at one time, and the step that takes both to the next.
 
 mod checkpoint;
+pub mod ground;
 mod intruders;
+pub mod ledger;
 mod stepping;
+pub mod time_step;
 
 use serde::{Deserialize, Serialize};
 use std::time::{Duration, Instant};
@@ -11,15 +14,17 @@ use nalgebra::Matrix3;
 use riprap_dda::{Blocks, Load, Motion, Phase};
 use riprap_sph::{Absorber, Fluid, FluidError, Sleeping, Stepping, SymmetryPlane, Vec3};
 
-use crate::interface::{Interface, WallSettings};
 use crate::joints::JointWater;
-use crate::ledger::Ledger;
-use crate::openings::{Openings, Series};
-use crate::scene::file::Leaving;
-use crate::scene::symmetry::TOUCH;
-use crate::time_step::{Cause, Limits, TimeStep};
+use crate::openings::Openings;
+use crate::series::Series;
 use crate::walls::Walls;
 use crate::walls::added_mass::{Acceleration, Movers};
+use crate::walls::penalty::{Interface, WallSettings};
+use crate::world::ledger::Ledger;
+use crate::world::time_step::{Cause, Limits, TimeStep};
+
+/// Distance below which a block touches a plane of symmetry, over the size of the domain: digits that a user types.
+pub(crate) const TOUCH: f64 = 1e-9;
 
 /// Everything that changes during a run. Only [`World::step`] and [`World::settle_step`] change it.
 #[derive(Debug)]
@@ -47,7 +52,7 @@ pub struct World {
     deformable: Vec<usize>,
     /// What moved each block beside the fluid, over its last sub-steps.
     pub(crate) dry: Vec<Acceleration>,
-    leaving: Leaving,
+    out_of_domain: OutOfDomain,
     weakenings: Vec<Weakening>,
     /// What the fluid gave the blocks of which accounts are kept.
     accounts: Vec<(usize, FluidImpulses)>,
@@ -102,6 +107,15 @@ pub struct WaterAtStart {
     pub absorbers: Vec<Absorber>,
     /// When the fluid sleeps, if ever.
     pub sleeping: Option<Sleeping>,
+}
+
+/// Fate of a particle or block that leaves the domain.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum OutOfDomain {
+    /// It is removed and counted; its mass, momentum and energy are booked as removed.
+    Remove,
+    /// The step fails with an error that names it.
+    Fail,
 }
 
 /// A joint that weakens.
@@ -394,7 +408,7 @@ impl World {
             stretches_at_start: vec![Matrix3::zeros(); n_blocks],
             deformable: Vec::new(),
             dry: Vec::new(),
-            leaving: Leaving::Removed,
+            out_of_domain: OutOfDomain::Remove,
             weakenings: Vec::new(),
             accounts: Vec::new(),
         };
@@ -418,9 +432,9 @@ impl World {
         Ok(world)
     }
 
-    /// Makes it an error that a particle or block leaves the domain, or not.
-    pub fn set_leaving(&mut self, leaving: Leaving) {
-        self.leaving = leaving;
+    /// Sets the fate of particles and blocks that leave the domain.
+    pub fn set_out_of_domain(&mut self, fate: OutOfDomain) {
+        self.out_of_domain = fate;
     }
 
     /// Lets joints weaken as time goes on.
@@ -714,7 +728,7 @@ impl World {
             return Ok(());
         };
         let escaped = water.fluid.refresh();
-        if escaped > 0 && self.leaving == Leaving::Error {
+        if escaped > 0 && self.out_of_domain == OutOfDomain::Fail {
             return Err(StepError::Left {
                 time: self.clock.time,
                 step: self.clock.steps,
@@ -766,7 +780,7 @@ impl World {
         let before = self.extremes.blocks_removed;
         self.remove_escaped_blocks();
         let count = self.extremes.blocks_removed - before;
-        if count > 0 && self.leaving == Leaving::Error {
+        if count > 0 && self.out_of_domain == OutOfDomain::Fail {
             return Err(StepError::Left {
                 time: self.clock.time,
                 step: self.clock.steps,

@@ -11,13 +11,13 @@ use super::trade::{means, spawn};
 use super::{Exit, report_scene_error, say};
 use crate::scene::parse::Override;
 use crate::scene::resolve::Scene;
-use crate::trade::budget::{Expected, candidates, choose};
-use crate::trade::execute::{Progress, execute as run_all};
-use crate::trade::file::{DesignFile, KnobFile, StudyFile, TruthFile, ValueFile};
-use crate::trade::ladder::{Estimate, Rung, rows_for, rungs};
-use crate::trade::plan::{self, Planned, Study};
-use crate::trade::reading::{Reading, reading};
-use crate::trade::results::{Found, along, collect, finest_run, judge, read};
+use crate::study::trade::budget::{Expected, candidates, choose};
+use crate::study::trade::execute::{Progress, execute as run_all};
+use crate::study::trade::file::{DesignFile, KnobFile, StudyFile, TruthFile, ValueFile};
+use crate::study::trade::ladder::{Estimate, Rung, rows_for, rungs};
+use crate::study::trade::plan::{self, Planned, Study};
+use crate::study::trade::reading::{Reading, reading};
+use crate::study::trade::results::{Found, along, collect, finest_run, judge, read};
 
 /// Where studies of cases are looked for, besides the folder of the case.
 const STUDIES: &str = "benches/trade";

@@ -9,16 +9,17 @@ use std::time::{Duration, Instant};
 use riprap_dda::{Motion, Shape};
 
 use super::{Exit, files_from, load, say, show};
-use crate::memory::Estimate;
-use crate::notice::unnoticed;
 use crate::run::build;
-use crate::scene::file::{ShapeFile, WallMethodFile};
+use crate::run::notice::unnoticed;
+use crate::scene::estimate::Estimate;
+use crate::scene::file::ShapeFile;
 use crate::scene::mesh;
 use crate::scene::parse::Override;
 use crate::scene::reach::Reach;
 use crate::scene::resolve::Scene;
-use crate::time_step::Cause;
+use crate::walls::WallMethod;
 use crate::world::World;
+use crate::world::time_step::Cause;
 
 /// Longest that the timed probe may take.
 const PROBE_TIME: Duration = Duration::from_secs(2);
@@ -226,14 +227,14 @@ pub(crate) fn describe(scene: &Scene, reach: &Reach) -> String {
             line(
                 "walls",
                 match fluid.wall_method {
-                    WallMethodFile::Penalty => format!(
+                    WallMethod::Penalty => format!(
                         "penalty, K_S {:.3e} N/m, K_D {:.3e} N s/m, from half a spacing off the surface",
                         fluid.walls.stiffness, fluid.walls.damping
                     ),
-                    WallMethodFile::Particles => {
+                    WallMethod::Particles => {
                         "particles inside, pressure continued from the fluid".to_owned()
                     }
-                    WallMethodFile::Integral => format!(
+                    WallMethod::Integral => format!(
                         "kernel integrals over polyhedra; a stop of {:.3e} N/m within {:.3e} m of the surface",
                         fluid.walls.stiffness, fluid.walls.standoff
                     ),

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use super::{Exit, say, show};
-use crate::compare::{Options, compare_files, json, text};
+use crate::study::compare::{Options, compare_files, json, text};
 
 /// Compare a recorded column with a reference.
 #[derive(Debug, clap::Args)]

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use super::{Exit, say};
-use crate::render::{RenderOptions, WaterLook, render};
+use crate::picture::render::{RenderOptions, WaterLook, render};
 
 /// Make pictures of a run with POV-Ray.
 #[derive(Debug, clap::Args)]

@@ -6,18 +6,18 @@ use std::collections::BTreeMap;
 use std::io::{IsTerminal, Write as _};
 use std::path::{Component, Path, PathBuf};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
 use super::accuracy::{self, Asked, Budget};
-use super::{Exit, default_folder, files_from, load, say, show};
-use crate::checkpoint::{self, Checkpoint};
+use super::{Exit, default_folder, files_from, load, say, show, stop_on_signal};
 use crate::cli::check::describe;
+use crate::output::checkpoint_file::{self as checkpoint, Checkpoint};
+use crate::output::summary::Summary;
 use crate::run::{Ending, Event, Plan, Progress, run};
 use crate::scene::parse::{self, Override};
 use crate::scene::reach::{Reach, is_below};
 use crate::scene::resolve::Scene;
-use crate::summary::Summary;
 use resume::Found;
 
 /// Run a scene into a folder.
@@ -362,21 +362,6 @@ fn kept_names(files: &[String]) -> BTreeMap<String, String> {
         names.insert(file.to_owned(), name);
     }
     names
-}
-
-/// The first signal ends the run in good order, the second at once.
-pub(super) fn stop_on_signal(stop: &Arc<AtomicBool>) {
-    let stop = Arc::clone(stop);
-    let handler = move || {
-        if stop.swap(true, Ordering::Relaxed) {
-            std::process::exit(130);
-        }
-        say("\nstopping after this step; once more to stop at once");
-    };
-    // without a handler a signal ends the program as it always did
-    if ctrlc::set_handler(handler).is_err() {
-        say("warning: signals cannot be caught here; Ctrl-C will lose the last records");
-    }
 }
 
 fn closing_words(summary: &Summary, folder: &Path) -> String {

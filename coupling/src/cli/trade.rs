@@ -7,13 +7,12 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
-use super::run::stop_on_signal;
-use super::{Exit, report_scene_error, say, show};
-use crate::memory;
-use crate::trade::execute::{Ended, Means, Progress, execute as run_all};
-use crate::trade::plan::{Planned, Study};
-use crate::trade::results::{Found, Fronts, bought, collect, front_table, table, write};
-use crate::trade::{picture, plot};
+use super::{Exit, report_scene_error, say, show, stop_on_signal};
+use crate::scene::estimate as memory;
+use crate::study::trade::execute::{Ended, Means, Progress, execute as run_all};
+use crate::study::trade::plan::{Planned, Study};
+use crate::study::trade::results::{Found, Fronts, bought, collect, front_table, table, write};
+use crate::study::trade::{picture, plot};
 
 /// Share of the memory that is free which runs may hold together.
 const MEMORY_SHARE: f64 = 0.8;

@@ -2,18 +2,18 @@
 
 use std::path::Path;
 
-use crate::checkpoint::Saved;
-use crate::observe::forces::Forces;
-use crate::observe::frames::Frames;
-use crate::observe::gauges::Gauges;
-use crate::observe::ledgers::Ledgers;
-use crate::observe::maps::Maps;
-use crate::observe::masses::Masses;
-use crate::observe::pictures::Pictures;
-use crate::observe::trajectories::Trajectories;
-use crate::observe::{ObserveError, Observer};
+use crate::files::table::Start;
+use crate::output::observe::forces::Forces;
+use crate::output::observe::frames::Frames;
+use crate::output::observe::gauges::Gauges;
+use crate::output::observe::ledgers::Ledgers;
+use crate::output::observe::maps::Maps;
+use crate::output::observe::masses::Masses;
+use crate::output::observe::pictures::Pictures;
+use crate::output::observe::trajectories::Trajectories;
+use crate::output::observe::{ObserveError, Observer};
+use crate::saved::Saved;
 use crate::scene::resolve::Scene;
-use crate::table::Start;
 use crate::world::World;
 
 /// Whoever looks at the world of a run.

@@ -7,7 +7,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::ledger::Energy;
+use crate::world::ledger::Energy;
 use crate::world::{StepError, World};
 
 /// Steps from one look to the next, so that looking takes less than a hundredth of the time: with water, and of blocks by

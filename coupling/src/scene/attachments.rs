@@ -11,7 +11,7 @@ use super::file::{
     JointFile, NormalLawFile, RollingLawFile, SceneFile, StaticDampingFile, TurningFile,
 };
 use super::resolve::vec3;
-use crate::openings::Series;
+use crate::series::Series;
 use crate::world::Weakening;
 
 /// The attachments of the file; validation has seen that its blocks exist.

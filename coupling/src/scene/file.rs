@@ -45,6 +45,8 @@ pub use terrain::{
     ExcavationFile, FailureSurfaceFile, GapsFile, HeightsFile, OutlineFile, SlideFile, TerrainFile,
 };
 
+use crate::world::OutOfDomain;
+
 /// A vector or point as written, `(x, y, z)`.
 pub type Triple = (f64, f64, f64);
 
@@ -267,6 +269,15 @@ pub enum Leaving {
     Removed,
     /// The run stops with an error that names it.
     Error,
+}
+
+impl From<Leaving> for OutOfDomain {
+    fn from(leaving: Leaving) -> Self {
+        match leaving {
+            Leaving::Removed => Self::Remove,
+            Leaving::Error => Self::Fail,
+        }
+    }
 }
 
 /// Dimensions of the flow.

@@ -21,9 +21,11 @@ use super::file::{
 };
 use super::fill::{Lattice, proportions};
 use super::resolve::{FluidScene, vec3};
-use crate::interface::{DAMPING_RATIO, STANDOFF, WallSettings};
-use crate::openings::{Drive, Inflow, Openings, Outflow, Passage, Series};
+use crate::openings::{Drive, Inflow, Openings, Outflow, Passage};
+use crate::series::Series;
+use crate::walls::WallMethod;
 use crate::walls::integral::CLOSEST;
+use crate::walls::penalty::{DAMPING_RATIO, STANDOFF, WallSettings};
 
 /// Sound speed over the fastest expected flow, below which a warning is due: density varies by about 1 % there.
 const SOUND_SPEED_RATIO: f64 = 10.0;
@@ -256,7 +258,7 @@ pub(super) fn resolve(
     FluidScene {
         settings,
         walls,
-        wall_method: method,
+        wall_method: method.into(),
         slip: match file.interface.slip {
             SlipFile::Free => Slip::Free,
             SlipFile::None => Slip::None,
@@ -579,17 +581,17 @@ fn refuse_integrals(file: &SceneFile, scheme: &Scheme, problems: &mut Vec<Proble
 pub(super) fn refuse_shapes(
     file: &SceneFile,
     solids: &[(String, Shape)],
-    method: WallMethodFile,
+    method: WallMethod,
     problems: &mut Vec<Problem>,
 ) {
-    if method == WallMethodFile::Penalty {
+    if method == WallMethod::Penalty {
         return;
     }
-    if method == WallMethodFile::Integral {
+    if method == WallMethod::Integral {
         refuse_ends(file, solids, problems);
     }
     let is_any_shape =
-        method == WallMethodFile::Particles && file.domain.dimensions != DimensionsFile::Two;
+        method == WallMethod::Particles && file.domain.dimensions != DimensionsFile::Two;
     let hollow = |shape: &Shape| match shape {
         Shape::Sphere { .. } | Shape::Surface(_) => !is_any_shape,
         Shape::Polyhedra(_) => false,

@@ -2,8 +2,8 @@
 
 use std::path::{Component, Path, PathBuf};
 
+use super::estimate::{self, Available};
 use super::mesh::Fault;
-use crate::memory::{self, Available};
 
 /// Where the files that a scene names may be.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -32,7 +32,7 @@ impl<'a> Reach<'a> {
         Self {
             folder,
             files: FilesFrom::default(),
-            memory: memory::available(),
+            memory: estimate::available(),
         }
     }
 

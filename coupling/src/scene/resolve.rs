@@ -8,15 +8,14 @@ use riprap_dda::{
 use riprap_sph::boundary::wall_particles::Slip;
 use riprap_sph::{Absorber, Rheology, Sleeping, Vec3};
 
-use crate::interface::WallSettings;
-use crate::memory;
-use crate::openings::{Openings, Series};
+use crate::openings::Openings;
 use crate::scene::attachments::{
     attachments, contact_detection, deformability, hold, joints, normal_law, rolling_law,
     static_damping, weakenings,
 };
 use crate::scene::error::{Problem, Severity};
-use crate::scene::file::{OutputFile, SceneFile, TerrainFile, Triple, WallMethodFile};
+use crate::scene::estimate;
+use crate::scene::file::{OutputFile, SceneFile, TerrainFile, Triple};
 use crate::scene::fill::{Lattice, Room, lattice_within, narrow_gaps, overlaps};
 use crate::scene::fluid::mould_rows;
 use crate::scene::grains::{self, GrainsReport};
@@ -26,6 +25,9 @@ use crate::scene::rock_mass::{RockMassReport, expand};
 use crate::scene::shape::solid_on;
 use crate::scene::slides;
 use crate::scene::terrain::{self, Terrain};
+use crate::series::Series;
+use crate::walls::WallMethod;
+use crate::walls::penalty::WallSettings;
 use crate::world::Weakening;
 
 /// A scene that can run: geometry, initial water and all numbers. Nothing in it changes.
@@ -83,7 +85,7 @@ pub struct FluidScene {
     /// Penalty walls; without stiffness where particles hold the fluid.
     pub walls: WallSettings,
     /// How walls hold the fluid.
-    pub wall_method: WallMethodFile,
+    pub wall_method: WallMethod,
     /// Whether it slides along them.
     pub slip: Slip,
     /// Pressure of each particle of the lattice at the start; Pa.
@@ -137,7 +139,7 @@ impl Scene {
     ///
     /// # Errors
     ///
-    /// All problems of the geometry together; that it needs more memory than there is.
+    /// All problems of the geometry together.
     pub fn resolve_within(mut file: SceneFile, reach: &Reach) -> Result<Self, Vec<Problem>> {
         let terrain = terrain::resolve(&mut file, reach)?;
         let mut rock_masses = expand(&mut file, reach)?;
@@ -145,7 +147,7 @@ impl Scene {
         let bytes = reach
             .memory
             .map_or(f64::INFINITY, |memory| memory.bytes as f64);
-        let grains = grains::expand(&mut file, (bytes / memory::PER_BLOCK) as usize)?;
+        let grains = grains::expand(&mut file, (bytes / estimate::PER_BLOCK) as usize)?;
         let mut problems = Vec::new();
         if let Some(terrain) = &terrain {
             problems.extend(terrain.questions.iter().cloned());
@@ -159,7 +161,7 @@ impl Scene {
         super::symmetry::refuse_blocks(&file, &solids, &motions, &mut problems);
         let room = Room {
             bytes,
-            bytes_per_particle: memory::PER_PARTICLE,
+            bytes_per_particle: estimate::PER_PARTICLE,
         };
         let mut lattice = match &file.fluid {
             None => None,
@@ -239,7 +241,7 @@ impl Scene {
         if problems.iter().any(|p| p.severity == Severity::Error) {
             return Err(problems);
         }
-        let scene = Self {
+        Ok(Self {
             terrain,
             rock_masses,
             grains,
@@ -267,11 +269,7 @@ impl Scene {
             fluid,
             warnings: problems,
             file,
-        };
-        match memory::Estimate::of(&scene).refusal(reach.memory) {
-            None => Ok(scene),
-            Some(refusal) => Err(vec![refusal]),
-        }
+        })
     }
 }
 

@@ -7,9 +7,8 @@ use super::error::Problem;
 use super::file::{DomainFile, LatticeFile, SceneFile, SideFile};
 use super::fill::Lattice;
 use super::resolve::vec3;
+use crate::world::TOUCH;
 
-/// A block nearer to a plane than this touches it, of the size of the domain: digits that a user types.
-pub(crate) const TOUCH: f64 = 1e-9;
 /// Way across a plane from which on a prescribed motion is not along it, of the size of the domain.
 const ALONG: f64 = 1e-9;
 /// Looks at a prescribed motion.

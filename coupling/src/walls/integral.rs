@@ -36,8 +36,8 @@ use super::added_mass::{Acceleration, AddedMass, Movers, largest_ratio};
 use super::cutting::disjoint;
 use super::endless::Endless;
 use super::{FluidLoad, Part, face_lattice, is_fixed, parts};
-use crate::checkpoint::{Read, Saved};
-use crate::part_table::{PartTable, Placed, Solids};
+use crate::saved::{Read, Saved};
+use crate::walls::part_table::{PartTable, Placed, Solids};
 
 /// Distance off a surface, in spacings, below which a particle sees the wall as from there: nearer the
 /// integrals hardly grow, so that a spring has to stop it.

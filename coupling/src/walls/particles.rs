@@ -23,7 +23,7 @@ use super::cutting::before;
 use super::sampler::{Sampler, Thin};
 use super::screens::Screens;
 use super::{FluidLoad, Part, is_fixed, parts};
-use crate::checkpoint::{Read, Saved};
+use crate::saved::{Read, Saved};
 
 /// The walls of all blocks.
 #[derive(Clone, Debug)]

@@ -5,7 +5,7 @@ use riprap_sph::boundary::screens::{Plane, are_opposed};
 use riprap_sph::{Fluid, Vec3};
 
 use super::{Part, is_fixed};
-use crate::checkpoint::{Read, Saved};
+use crate::saved::{Read, Saved};
 
 /// Distance off a face at which others may cover it; spacings.
 const OFF_FACE: f64 = 0.1;

@@ -1,7 +1,7 @@
 //! The state of a world as bytes: saved in a run, read back into the world of the same scene.
 
 use super::World;
-use crate::checkpoint::{Read, Saved};
+use crate::saved::{Read, Saved};
 
 impl World {
     /// Appends the state to some bytes.
@@ -26,7 +26,7 @@ impl World {
             domain: _,
             kept_clear: _,
             deformable: _,
-            leaving: _,
+            out_of_domain: _,
             // scratch
             loads_at_start: _,
             stretches_at_start: _,

@@ -15,7 +15,7 @@ use riprap_dda::Load;
 use riprap_sph::Vec3;
 
 use super::{Held, Water, World};
-use crate::interface::Intruder;
+use crate::walls::penalty::Intruder;
 
 impl World {
     /// Stops the particles at surfaces and puts back those inside; the water must be sorted and its touches found,

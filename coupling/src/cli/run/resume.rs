@@ -4,8 +4,8 @@ use std::fs;
 use std::path::Path;
 
 use super::Kept;
-use crate::checkpoint::{self, Checkpoint};
 use crate::cli::say;
+use crate::output::checkpoint_file::{self as checkpoint, Checkpoint};
 
 /// Contents of a run folder.
 pub(super) enum Found {

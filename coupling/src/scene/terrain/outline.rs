@@ -1,9 +1,9 @@
 //! Polygons in the plan.
 
+use crate::files::table::table_from;
 use crate::scene::file::OutlineFile;
 use crate::scene::mesh::content;
 use crate::scene::reach::Reach;
-use crate::table::table_from;
 
 /// A polygon in the plan.
 #[derive(Clone, Debug, PartialEq)]

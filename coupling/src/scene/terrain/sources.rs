@@ -5,12 +5,12 @@ use std::path::Path;
 use riprap_dda::Shape;
 
 use super::grid::Grid;
-use crate::ground::Ground;
 use crate::scene::error::Problem;
 use crate::scene::file::{GapsFile, HeightsFile, TerrainFile};
 use crate::scene::mesh::{self, Fault, MeshError, content};
 use crate::scene::raster::grid_from;
 use crate::scene::reach::Reach;
+use crate::world::ground::Ground;
 
 /// Most points that are used.
 const MOST_POINTS: f64 = 4e6;

@@ -1,0 +1,5 @@
+//! Output of a run: observers, their files, the summary and the checkpoint.
+
+pub mod checkpoint_file;
+pub mod observe;
+pub mod summary;

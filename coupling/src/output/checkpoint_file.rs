@@ -1,0 +1,255 @@
+//! Checkpoints: files from which a run goes on as if it had never stopped.
+//!
+//! ```text
+//! "riprap checkpoint\n"   the magic, then the number of the format, 4 bytes
+//! postcard                Header: the build, the scene, when
+//! 8 bytes                 length of the state
+//! state                   what the run saves of itself, its world and its observers
+//! 32 bytes                BLAKE3 of all before
+//! ```
+//! All numbers are little-endian. A state is laid out as its build has it in memory, so that another build refuses it. The
+//! file is written under another name, synced and renamed; the one before it is kept.
+
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+
+use crate::build_info::COMMIT;
+use crate::files::vtk::VtkError;
+use crate::files::vtk::replace_file;
+use crate::saved::Saved;
+
+/// The newest checkpoint of a run.
+pub const FILE: &str = "checkpoint.bin";
+/// The one before.
+pub const PREVIOUS: &str = "checkpoint.previous.bin";
+
+/// One that is not yet complete.
+pub const NEW: &str = "checkpoint.new.bin";
+
+const MAGIC: &[u8] = b"riprap checkpoint\n";
+/// Number of the layout of the file around the state.
+const FORMAT: u32 = 1;
+/// Length of the hash at the end.
+const HASH: usize = blake3::OUT_LEN;
+
+/// What a checkpoint says of itself.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Header {
+    /// Version and commit of the program.
+    pub build: String,
+    /// Hash of the scene as it ran, see [`scene_hash`].
+    pub scene: [u8; HASH],
+    /// Whether the water was still settling.
+    pub is_settling: bool,
+    /// Of this stage; s.
+    pub time: f64,
+    /// Of this stage.
+    pub steps: u64,
+}
+
+/// What a checkpoint holds.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Checkpoint {
+    /// What it says of itself.
+    pub header: Header,
+    /// The state of the run.
+    pub state: Vec<u8>,
+}
+
+/// Why a checkpoint cannot be gone on from.
+#[derive(Debug, thiserror::Error)]
+pub enum CheckpointError {
+    /// The operating system refused.
+    #[error("cannot read {}: {cause}", path.display())]
+    Io {
+        /// The file.
+        path: PathBuf,
+        /// What the system said.
+        cause: io::Error,
+    },
+    /// It begins with something else, or not at all.
+    #[error("{} is no checkpoint of riprap", path.display())]
+    Foreign {
+        /// The file.
+        path: PathBuf,
+    },
+    /// Of another format.
+    #[error("{} is a checkpoint of format {found}, and this riprap reads format {FORMAT}: go on with the riprap that wrote it, or begin anew with --force", path.display())]
+    Format {
+        /// The file.
+        path: PathBuf,
+        /// Its format.
+        found: u32,
+    },
+    /// Cut short, or changed.
+    #[error("{} is damaged: {fault}", path.display())]
+    Damaged {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        fault: &'static str,
+    },
+    /// Of another build of the program.
+    #[error("{} was written by riprap {found}, and this is riprap {}: a state is laid out as its build has it; go on with that build, or begin anew with --force", path.display(), build())]
+    Build {
+        /// The file.
+        path: PathBuf,
+        /// The build that wrote it.
+        found: String,
+    },
+    /// Of another scene.
+    #[error("{} is of another scene than the case.ron beside it; begin anew with --force", path.display())]
+    Scene {
+        /// The file.
+        path: PathBuf,
+    },
+}
+
+/// Version and commit of this program.
+pub fn build() -> String {
+    format!("{} ({COMMIT})", env!("CARGO_PKG_VERSION"))
+}
+
+/// Hash of a scene as it is written.
+pub fn scene_hash(text: &str) -> [u8; HASH] {
+    *blake3::hash(text.as_bytes()).as_bytes()
+}
+
+/// Writes a checkpoint into a run folder, where the last one becomes the previous one; returns its size in bytes.
+///
+/// # Errors
+///
+/// [`VtkError::Io`] names the file; whichever checkpoints there were are still there.
+pub fn write(folder: &Path, header: &Header, state: &[u8]) -> Result<u64, VtkError> {
+    let head =
+        head(header).map_err(|_| VtkError::io("write", folder)(io::ErrorKind::Other.into()))?;
+    let length = (state.len() as u64).to_le_bytes();
+    let mut hasher = blake3::Hasher::new();
+    for part in [&head, length.as_slice(), state] {
+        hasher.update(part);
+    }
+    let hash = hasher.finalize();
+    let parts = [&head, length.as_slice(), state, hash.as_bytes()];
+    let (path, previous) = (folder.join(FILE), folder.join(PREVIOUS));
+    // complete under a third name first: a full disk takes neither of the two that there are
+    let new = folder.join(NEW);
+    replace_file(&new, &parts)?;
+    if path.exists() {
+        fs::rename(&path, &previous).map_err(VtkError::io("rename", &path))?;
+    }
+    fs::rename(&new, &path).map_err(VtkError::io("rename", &new))?;
+    Ok(parts.iter().map(|part| part.len() as u64).sum())
+}
+
+fn head(header: &Header) -> Saved {
+    let mut head = MAGIC.to_vec();
+    head.extend(FORMAT.to_le_bytes());
+    postcard::to_extend(header, head)
+}
+
+/// Removes the checkpoints of a run folder, where there are any: a run that is over needs none.
+///
+/// # Errors
+///
+/// What the system says.
+pub fn remove(folder: &Path) -> io::Result<()> {
+    for name in [FILE, PREVIOUS] {
+        match fs::remove_file(folder.join(name)) {
+            Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
+            _ => {}
+        }
+    }
+    Ok(())
+}
+
+/// The newest checkpoint of a run folder that can be gone on from, none if none was written; with it why a newer one
+/// cannot.
+///
+/// # Errors
+///
+/// [`CheckpointError`] of the newest if none can be gone on from.
+pub fn newest(
+    folder: &Path,
+    scene: &[u8; HASH],
+) -> Result<Option<(Checkpoint, Option<CheckpointError>)>, CheckpointError> {
+    let mut refused = None;
+    for name in [FILE, PREVIOUS] {
+        let path = folder.join(name);
+        let bytes = match fs::read(&path) {
+            Ok(bytes) => bytes,
+            Err(error) if error.kind() == io::ErrorKind::NotFound => continue,
+            Err(cause) => {
+                refused.get_or_insert(CheckpointError::Io { path, cause });
+                continue;
+            }
+        };
+        match read(&path, &bytes, scene) {
+            Ok(checkpoint) => return Ok(Some((checkpoint, refused))),
+            Err(error) => {
+                refused.get_or_insert(error);
+            }
+        }
+    }
+    match refused {
+        Some(error) => Err(error),
+        None => Ok(None),
+    }
+}
+
+/// Reads a checkpoint of a scene from the bytes of a file.
+///
+/// # Errors
+///
+/// [`CheckpointError`] says what is wrong with it.
+pub fn read(path: &Path, bytes: &[u8], scene: &[u8; HASH]) -> Result<Checkpoint, CheckpointError> {
+    let path = || path.to_owned();
+    let damaged = |fault| CheckpointError::Damaged {
+        path: path(),
+        fault,
+    };
+    let Some(rest) = bytes.strip_prefix(MAGIC) else {
+        return Err(CheckpointError::Foreign { path: path() });
+    };
+    let Some((format, _)) = rest.split_first_chunk() else {
+        return Err(damaged("it ends in its first line"));
+    };
+    let found = u32::from_le_bytes(*format);
+    if found != FORMAT {
+        return Err(CheckpointError::Format {
+            path: path(),
+            found,
+        });
+    }
+    let Some((hashed, hash)) = bytes.split_last_chunk::<HASH>() else {
+        return Err(damaged("it ends in its head"));
+    };
+    if blake3::hash(hashed) != *hash {
+        return Err(damaged(
+            "its bytes are not those that were written, or not all of them",
+        ));
+    }
+    let body = hashed.get(MAGIC.len() + format.len()..).unwrap_or_default();
+    let (header, body) =
+        postcard::take_from_bytes::<Header>(body).map_err(|_| damaged("its head means nothing"))?;
+    if header.build != build() {
+        return Err(CheckpointError::Build {
+            path: path(),
+            found: header.build,
+        });
+    }
+    if header.scene != *scene {
+        return Err(CheckpointError::Scene { path: path() });
+    }
+    match body.split_first_chunk() {
+        Some((length, state)) if u64::from_le_bytes(*length) == state.len() as u64 => {
+            Ok(Checkpoint {
+                header,
+                state: state.to_vec(),
+            })
+        }
+        _ => Err(damaged("its state is not as long as it says")),
+    }
+}

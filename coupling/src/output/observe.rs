@@ -1,0 +1,130 @@
+//! Observers: they look at the world when due and write files; they never change it.
+
+mod crossing;
+mod face_pressures;
+pub mod forces;
+pub mod frames;
+pub mod gauges;
+pub mod ledgers;
+pub mod maps;
+pub mod masses;
+pub mod pictures;
+pub mod trajectories;
+
+use crate::files::table::TableError;
+use crate::files::vtk::VtkError;
+use crate::saved::Saved;
+use crate::world::World;
+use serde::{Deserialize, Serialize};
+
+/// Failure of an observer.
+#[derive(Debug, thiserror::Error)]
+pub enum ObserveError {
+    /// A VTK file or collection.
+    #[error(transparent)]
+    Vtk(#[from] VtkError),
+    /// A CSV table.
+    #[error(transparent)]
+    Table(#[from] TableError),
+    /// Invalid state of an observer in a checkpoint.
+    #[error("the checkpoint is not of this run's observers: {0}")]
+    State(#[from] postcard::Error),
+    /// Any other file.
+    #[error("cannot write {path}: {source}; free some space or choose another folder with -o")]
+    Write {
+        /// The file.
+        path: String,
+        /// Error of the operating system.
+        source: std::io::Error,
+    },
+}
+
+/// Looks at the world and records what it sees.
+pub trait Observer {
+    /// Whether the next record is due; asking changes nothing.
+    fn is_due(&self, world: &World) -> bool;
+
+    /// Records the world as it is.
+    ///
+    /// # Errors
+    ///
+    /// [`ObserveError`] names the file; what was written before stays valid.
+    fn observe(&mut self, world: &World) -> Result<(), ObserveError>;
+
+    /// Appends to some bytes what it has done so far.
+    ///
+    /// # Errors
+    ///
+    /// None that is known: the format takes whatever it remembers.
+    fn save(&self, out: Vec<u8>) -> Saved;
+
+    /// Makes sure that what was written outlasts a power failure.
+    ///
+    /// # Errors
+    ///
+    /// [`ObserveError`] names the file.
+    fn sync(&self) -> Result<(), ObserveError>;
+
+    /// Takes over from the front of some bytes what had been done then, and takes back what was written since; returns the
+    /// rest of the bytes.
+    ///
+    /// # Errors
+    ///
+    /// [`ObserveError`] names the file that cannot go on.
+    fn read<'a>(&mut self, bytes: &'a [u8]) -> Result<&'a [u8], ObserveError>;
+}
+
+/// Due times at a fixed interval from zero.
+///
+/// An observer acts at the first step at or after its due time and records that step's own time:
+/// steps never bend to hit output times.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+pub struct Schedule {
+    interval: f64,
+    n_done: u64,
+}
+
+impl Schedule {
+    /// Due at 0, `interval`, 2 `interval`, ...; s.
+    pub fn every(interval: f64) -> Self {
+        Self {
+            interval,
+            n_done: 0,
+        }
+    }
+
+    /// Whether the time has come.
+    pub fn is_due(&self, time: f64) -> bool {
+        // a billionth of an interval of slack: a sum of steps may fall short of a due time by
+        // round-off
+        (self.n_done as f64 - 1e-9) * self.interval <= time
+    }
+
+    /// Notes that it was done; due times already passed are not made up for.
+    pub fn done(&mut self, time: f64) {
+        self.n_done = (time / self.interval + 1e-9).floor() as u64 + 1;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_schedule_is_due_once_per_interval_whatever_the_step() {
+        for step in [0.013, 0.1, 0.37] {
+            let mut schedule = Schedule::every(0.1);
+            let (mut time, mut records) = (0.0, 0);
+            while time <= 3.0 {
+                if schedule.is_due(time) {
+                    schedule.done(time);
+                    records += 1;
+                }
+                time += step;
+            }
+            // 0, 0.1, ..., 3.0, or once per step when steps are longer than the interval
+            let expected = if step <= 0.1 { 30..=31 } else { 9..=9 };
+            assert!(expected.contains(&records), "step {step}: {records}");
+        }
+    }
+}

@@ -1,0 +1,233 @@
+//! Forces and moments on blocks by source: `forces.csv` with a row per block and interval, `contacts.csv` with a row
+//! per block, partner and time.
+//!
+//! Forces are means over the interval, impulse over time, so that they hold whatever happens between two rows;
+//! moments are about the centroid. What the momentum of the block gained is beside them, and what of that no source
+//! explains: round-off, or an error of the program.
+
+use serde::{Deserialize, Serialize};
+use std::path::Path;
+
+use riprap_dda::{Impulses, Load, Vec3};
+
+use super::{ObserveError, Observer, Schedule};
+use crate::files::table::{Column, Start, Table};
+use crate::saved::Saved;
+use crate::scene::file::ForcesFile;
+use crate::scene::resolve::Scene;
+use crate::world::{FluidImpulses, World};
+
+/// Sources of force in `forces.csv`.
+const SOURCES: [&str; 8] = [
+    "pressure",
+    "shear",
+    "joint_water",
+    "pushed_back",
+    "contact",
+    "attached",
+    "restrained",
+    "gravity",
+];
+
+/// Writes both tables.
+#[derive(Debug)]
+pub struct Forces {
+    schedule: Schedule,
+    forces: Table,
+    contacts: Table,
+    tracks: Vec<Track>,
+    row: Vec<f64>,
+}
+
+/// A block at its last row.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+struct Track {
+    block: usize,
+    /// s.
+    time: f64,
+    momentum: Load,
+    by_blocks: Impulses,
+    by_fluid: FluidImpulses,
+}
+
+impl Track {
+    fn of(block: usize, world: &World) -> Self {
+        let blocks = &world.blocks;
+        Self {
+            block,
+            time: world.time(),
+            momentum: Load {
+                force: blocks.velocity(block) * blocks.mass(block),
+                torque: blocks.spin_momentum(block),
+            },
+            by_blocks: blocks.account(block).copied().unwrap_or_default(),
+            by_fluid: world.fluid_impulses(block),
+        }
+    }
+
+    /// Impulses since an earlier look, in the order of [`SOURCES`], and the momentum gained.
+    fn since(&self, before: &Self) -> ([Load; 8], Load) {
+        let (f, f0) = (&self.by_fluid, &before.by_fluid);
+        let (b, b0) = (&self.by_blocks, &before.by_blocks);
+        let gravity = |impulses: &Impulses| Load {
+            force: impulses.gravity,
+            torque: Vec3::zeros(),
+        };
+        let sources = [
+            less(f.pressure, f0.pressure),
+            less(f.shear, f0.shear),
+            less(f.joint_water, f0.joint_water),
+            less(f.pushed_back, f0.pushed_back),
+            less(b.contact, b0.contact),
+            less(b.attached, b0.attached),
+            less(b.restrained, b0.restrained),
+            less(gravity(b), gravity(b0)),
+        ];
+        (sources, less(self.momentum, before.momentum))
+    }
+}
+
+fn less(a: Load, b: Load) -> Load {
+    Load {
+        force: a.force - b.force,
+        torque: a.torque - b.torque,
+    }
+}
+
+impl ForcesFile {
+    /// The free blocks that are asked for.
+    pub fn chosen(&self, scene: &Scene, world: &World) -> Vec<usize> {
+        let is_asked = |&b: &usize| {
+            let name = &scene.file.blocks[b].name;
+            world.blocks.is_free(b) && (self.blocks.is_empty() || self.blocks.contains(name))
+        };
+        (0..world.blocks.n_blocks()).filter(is_asked).collect()
+    }
+}
+
+fn columns(names: impl Iterator<Item = String>) -> Vec<Column> {
+    let mut columns = vec![Column::new("time", "s"), Column::new("block", "-")];
+    for name in names {
+        for axis in ["x", "y", "z"] {
+            columns.push(Column::new(format!("{name}_f{axis}"), "N"));
+        }
+        for axis in ["x", "y", "z"] {
+            columns.push(Column::new(format!("{name}_m{axis}"), "N m"));
+        }
+    }
+    columns
+}
+
+impl Forces {
+    /// Tables in `folder` for some blocks, of which the world keeps accounts.
+    ///
+    /// # Errors
+    ///
+    /// [`ObserveError`] when a table cannot be created.
+    pub fn new(
+        folder: &Path,
+        asked: &ForcesFile,
+        (chosen, world): (&[usize], &World),
+        start: Start,
+    ) -> Result<Self, ObserveError> {
+        let names = SOURCES.iter().chain(&["gained", "residual"]);
+        let mut of_contacts = columns(["contact".to_owned()].into_iter());
+        of_contacts.insert(2, Column::new("partner", "-"));
+        Ok(Self {
+            schedule: Schedule::every(asked.interval.unwrap_or(f64::INFINITY)),
+            forces: Table::open(
+                &folder.join("forces.csv"),
+                &columns(names.map(|name| (*name).to_owned())),
+                start,
+            )?,
+            contacts: Table::open(&folder.join("contacts.csv"), &of_contacts, start)?,
+            tracks: chosen.iter().map(|&b| Track::of(b, world)).collect(),
+            row: Vec::new(),
+        })
+    }
+
+    fn write_contacts(&mut self, world: &World) -> Result<(), ObserveError> {
+        let mut loads: Vec<((usize, usize), Load)> = Vec::new();
+        for contact in world.blocks.contacts() {
+            let on_second = contact.normal * contact.normal_force + contact.shear_force;
+            let (i, j) = contact.blocks;
+            for (block, partner, force) in [(j, i, on_second), (i, j, -on_second)] {
+                if !self.tracks.iter().any(|track| track.block == block) {
+                    continue;
+                }
+                let key = (block, partner);
+                let k = match loads.binary_search_by_key(&key, |(key, _)| *key) {
+                    Ok(k) => k,
+                    Err(k) => {
+                        loads.insert(k, (key, Load::default()));
+                        k
+                    }
+                };
+                let arm = contact.point - world.blocks.centroid(block);
+                loads[k].1.add(&force, &arm);
+            }
+        }
+        for ((block, partner), load) in loads {
+            if load == Load::default() {
+                continue;
+            }
+            self.row.clear();
+            self.row
+                .extend([world.time(), block as f64, partner as f64]);
+            self.row.extend(load.force.iter().chain(load.torque.iter()));
+            self.contacts.row(&self.row)?;
+        }
+        Ok(())
+    }
+}
+
+impl Observer for Forces {
+    fn is_due(&self, world: &World) -> bool {
+        self.schedule.is_due(world.time())
+    }
+
+    fn observe(&mut self, world: &World) -> Result<(), ObserveError> {
+        for track in &mut self.tracks {
+            if world.blocks.is_removed(track.block) {
+                continue;
+            }
+            let now = Track::of(track.block, world);
+            let time = now.time - track.time;
+            if 0.0 < time {
+                let (sources, gained) = now.since(track);
+                let unexplained = sources.iter().fold(gained, |rest, load| less(rest, *load));
+                self.row.clear();
+                self.row.extend([now.time, now.block as f64]);
+                for load in sources.iter().chain(&[gained, unexplained]) {
+                    let mean = load.force.iter().chain(load.torque.iter());
+                    self.row.extend(mean.map(|impulse| impulse / time));
+                }
+                self.forces.row(&self.row)?;
+            }
+            *track = now;
+        }
+        self.write_contacts(world)?;
+        self.schedule.done(world.time());
+        Ok(())
+    }
+
+    fn save(&self, out: Vec<u8>) -> Saved {
+        let lengths = (self.forces.length(), self.contacts.length());
+        postcard::to_extend(&(self.schedule, lengths, &self.tracks), out)
+    }
+
+    fn sync(&self) -> Result<(), ObserveError> {
+        self.forces.sync()?;
+        self.contacts.sync()?;
+        Ok(())
+    }
+
+    fn read<'a>(&mut self, bytes: &'a [u8]) -> Result<&'a [u8], ObserveError> {
+        let (forces, contacts, rest);
+        ((self.schedule, (forces, contacts), self.tracks), rest) =
+            postcard::take_from_bytes(bytes)?;
+        self.forces.cut(forces)?;
+        self.contacts.cut(contacts)?;
+        Ok(rest)
+    }
+}

@@ -1,0 +1,327 @@
+//! VTK frames: water, blocks, contacts and pressures on faces.
+
+use std::path::{Path, PathBuf};
+
+use riprap_dda::Vec3;
+
+use super::face_pressures::face_pressures;
+use super::{ObserveError, Observer, Schedule};
+use crate::files::vtk::{self, Array, Collection, PolyData, Polygons, Values};
+use crate::saved::Saved;
+use crate::scene::file::{BlockField, OutputFile, WaterField};
+use crate::world::{Water, World};
+
+/// Kinds of frames.
+const STEMS: [&str; 4] = ["water", "blocks", "contacts", "faces"];
+
+/// Writes `water_00000.vtp`, `blocks_00000.vtp`, ... and their collections.
+#[derive(Debug)]
+pub struct Frames {
+    folder: PathBuf,
+    schedule: Schedule,
+    water_fields: Vec<WaterField>,
+    block_fields: Vec<BlockField>,
+    water: Option<Collection>,
+    blocks: Option<Collection>,
+    contacts: Option<Collection>,
+    faces: Option<Collection>,
+    n_written: u32,
+}
+
+impl Frames {
+    /// Frames of the world's kinds of objects; fixed blocks are written here, once.
+    ///
+    /// # Errors
+    ///
+    /// [`ObserveError`] when the folder cannot be written.
+    pub fn new(folder: &Path, output: &OutputFile, world: &World) -> Result<Self, ObserveError> {
+        let blocks = &world.blocks;
+        let fixed: Vec<usize> = (0..blocks.n_blocks())
+            .filter(|&b| world.is_fixed(b))
+            .collect();
+        if !fixed.is_empty() {
+            let data = block_polygons(world, &fixed, &[]);
+            vtk::write(&folder.join("fixed_blocks.vtp"), &data)?;
+        }
+        let has_movers = fixed.len() < blocks.n_blocks();
+        let collection = |stem: &str| Collection::new(folder, stem);
+        Ok(Self {
+            folder: folder.to_path_buf(),
+            schedule: Schedule::every(output.frame_interval.unwrap_or(f64::INFINITY)),
+            water_fields: output.water_fields.clone().unwrap_or_default(),
+            block_fields: output.block_fields.clone(),
+            water: world.water.is_some().then(|| collection("water")),
+            blocks: has_movers.then(|| collection("blocks")),
+            contacts: output.contacts.then(|| collection("contacts")),
+            faces: (output.face_pressures && world.water.is_some()).then(|| collection("faces")),
+            n_written: 0,
+        })
+    }
+}
+
+impl Frames {
+    fn collections(&self) -> [Option<&Collection>; 4] {
+        [&self.water, &self.blocks, &self.contacts, &self.faces].map(Option::as_ref)
+    }
+
+    /// Removes the frames that were written since: the run will write them again.
+    fn remove_later_frames(&self) -> Result<(), ObserveError> {
+        for number in self.n_written.. {
+            let mut is_any = false;
+            for stem in STEMS {
+                let path = self.folder.join(frame_name(stem, number));
+                match std::fs::remove_file(&path) {
+                    Ok(()) => is_any = true,
+                    Err(error) if error.kind() == std::io::ErrorKind::NotFound => {}
+                    Err(source) => {
+                        return Err(ObserveError::Write {
+                            path: path.display().to_string(),
+                            source,
+                        });
+                    }
+                }
+            }
+            if !is_any {
+                break;
+            }
+        }
+        Ok(())
+    }
+}
+
+fn frame_name(stem: &str, number: u32) -> String {
+    format!("{stem}_{number:05}.vtp")
+}
+
+impl Observer for Frames {
+    fn is_due(&self, world: &World) -> bool {
+        self.schedule.is_due(world.time())
+    }
+
+    fn observe(&mut self, world: &World) -> Result<(), ObserveError> {
+        let number = self.n_written;
+        let folder = &self.folder;
+        let write = |collection: &mut Collection, stem: &str, data: &PolyData| {
+            let name = frame_name(stem, number);
+            vtk::write(&folder.join(&name), data)?;
+            collection.push(data.time, name)
+        };
+        if let (Some(collection), Some(water)) = (&mut self.water, &world.water) {
+            let mut data = water_points(water, &self.water_fields);
+            data.time = world.time();
+            write(collection, "water", &data)?;
+        }
+        if let Some(collection) = &mut self.blocks {
+            let movers: Vec<usize> = (0..world.blocks.n_blocks())
+                .filter(|&b| !world.is_fixed(b) && !world.blocks.is_removed(b))
+                .collect();
+            write(
+                collection,
+                "blocks",
+                &block_polygons(world, &movers, &self.block_fields),
+            )?;
+        }
+        if let Some(collection) = &mut self.contacts {
+            write(collection, "contacts", &contact_points(world))?;
+        }
+        if let (Some(collection), Some(water)) = (&mut self.faces, &world.water) {
+            let mut data = face_pressures(water, &world.blocks);
+            data.time = world.time();
+            write(collection, "faces", &data)?;
+        }
+        self.n_written += 1;
+        self.schedule.done(world.time());
+        Ok(())
+    }
+
+    fn save(&self, out: Vec<u8>) -> Saved {
+        let frames = self.collections().map(|c| c.map(Collection::frames));
+        postcard::to_extend(&(self.schedule, self.n_written, frames), out)
+    }
+
+    fn sync(&self) -> Result<(), ObserveError> {
+        // each file is synced before it gets its name
+        Ok(())
+    }
+
+    fn read<'a>(&mut self, bytes: &'a [u8]) -> Result<&'a [u8], ObserveError> {
+        type Listed = [Option<Vec<(f64, String)>>; 4];
+        let (listed, rest);
+        ((self.schedule, self.n_written, listed), rest) = postcard::take_from_bytes(bytes)?;
+        let listed: Listed = listed;
+        let Self {
+            water,
+            blocks,
+            contacts,
+            faces,
+            ..
+        } = self;
+        for (collection, frames) in [water, blocks, contacts, faces].into_iter().zip(listed) {
+            if let (Some(collection), Some(frames)) = (collection, frames) {
+                collection.go_back(frames)?;
+            }
+        }
+        self.remove_later_frames()?;
+        Ok(rest)
+    }
+}
+
+pub(super) fn single(v: &Vec3) -> [f32; 3] {
+    [v.x as f32, v.y as f32, v.z as f32]
+}
+
+pub(super) fn scalars(name: &str, values: Vec<f32>) -> Array {
+    Array {
+        name: name.to_owned(),
+        components: 1,
+        values: Values::F32(values),
+    }
+}
+
+fn vectors<'a>(name: &str, values: impl Iterator<Item = &'a Vec3>) -> Array {
+    Array {
+        name: name.to_owned(),
+        components: 3,
+        values: Values::F32(values.flat_map(single).collect()),
+    }
+}
+
+pub(super) fn integers(name: &str, values: Vec<i32>) -> Array {
+    Array {
+        name: name.to_owned(),
+        components: 1,
+        values: Values::I32(values),
+    }
+}
+
+/// Particles in order of id, so that a particle keeps its place from frame to frame.
+fn water_points(water: &Water, fields: &[WaterField]) -> PolyData {
+    let particles = water.fluid.particles();
+    let mut order: Vec<usize> = (0..particles.len()).collect();
+    order.sort_unstable_by_key(|&a| particles.id[a]);
+    let column = |values: &[f64]| order.iter().map(|&a| values[a] as f32).collect();
+    let point_data = fields
+        .iter()
+        .map(|field| match field {
+            WaterField::Velocity => {
+                vectors("Velocity", order.iter().map(|&a| &particles.velocity[a]))
+            }
+            WaterField::Density => scalars("Density", column(&particles.density)),
+            WaterField::Pressure => scalars("Pressure", column(&particles.pressure)),
+            WaterField::Viscosity => {
+                let of = |&a: &usize| water.fluid.apparent_viscosity(a) as f32;
+                scalars("Viscosity", order.iter().map(of).collect())
+            }
+            WaterField::Yielded => {
+                let of = |&a: &usize| i32::from(water.fluid.is_yielded(a));
+                integers("Yielded", order.iter().map(of).collect())
+            }
+            WaterField::Id => integers(
+                "Id",
+                order.iter().map(|&a| particles.id[a] as i32).collect(),
+            ),
+        })
+        .collect();
+    PolyData {
+        points: order
+            .iter()
+            .map(|&a| single(&particles.position[a]))
+            .collect(),
+        point_data,
+        ..PolyData::default()
+    }
+}
+
+/// Faces of blocks, with the values of the block on each face.
+fn block_polygons(world: &World, which: &[usize], fields: &[BlockField]) -> PolyData {
+    let blocks = &world.blocks;
+    let mut data = PolyData {
+        time: world.time(),
+        ..PolyData::default()
+    };
+    let mut owner = Vec::new();
+    let Polygons {
+        connectivity,
+        offsets,
+    } = &mut data.polygons;
+    for &block in which {
+        let (vertices, faces) = blocks.world_polygons(block);
+        let first = data.points.len() as i32;
+        data.points.extend(vertices.iter().map(single));
+        for face in &faces {
+            connectivity.extend(face.iter().map(|&v| first + v as i32));
+            offsets.push(connectivity.len() as i32);
+            owner.push(block);
+        }
+    }
+    let per_face = |name: &str, value: &dyn Fn(usize) -> Vec3| {
+        let values: Vec<Vec3> = owner.iter().map(|&block| value(block)).collect();
+        vectors(name, values.iter())
+    };
+    data.cell_data.push(integers(
+        "BlockId",
+        owner.iter().map(|&block| block as i32).collect(),
+    ));
+    if which.iter().any(|&b| blocks.is_deformable(b)) {
+        // xx yy zz yz zx xy, tension positive; a rigid block has none
+        let stress = owner
+            .iter()
+            .flat_map(|&b| blocks.stress(b).unwrap_or([f64::NAN; 6]))
+            .map(|c| c as f32)
+            .collect();
+        data.cell_data.push(Array {
+            name: "Stress".to_owned(),
+            components: 6,
+            values: Values::F32(stress),
+        });
+    }
+    for field in fields {
+        data.cell_data.push(match field {
+            BlockField::Velocity => per_face("Velocity", &|b| blocks.velocity(b)),
+            BlockField::AngularVelocity => {
+                per_face("AngularVelocity", &|b| blocks.angular_velocity(b))
+            }
+            BlockField::ForceFluid => per_face("ForceFluid", &|b| {
+                world
+                    .water
+                    .as_ref()
+                    .map_or(Vec3::zeros(), |water| water.interface.loads()[b].force)
+            }),
+            BlockField::ForceContact => {
+                per_face("ForceContact", &|b| blocks.contact_force(b).force)
+            }
+        });
+    }
+    data
+}
+
+/// Contact points with normal, forces and state.
+fn contact_points(world: &World) -> PolyData {
+    let contacts = world.blocks.contacts();
+    PolyData {
+        points: contacts.iter().map(|c| single(&c.point)).collect(),
+        point_data: vec![
+            integers(
+                "BlockA",
+                contacts.iter().map(|c| c.blocks.0 as i32).collect(),
+            ),
+            integers(
+                "BlockB",
+                contacts.iter().map(|c| c.blocks.1 as i32).collect(),
+            ),
+            vectors("Normal", contacts.iter().map(|c| &c.normal)),
+            scalars(
+                "NormalForce",
+                contacts.iter().map(|c| c.normal_force as f32).collect(),
+            ),
+            vectors("ShearForce", contacts.iter().map(|c| &c.shear_force)),
+            scalars(
+                "Overlap",
+                contacts.iter().map(|c| c.overlap as f32).collect(),
+            ),
+            integers("State", contacts.iter().map(|c| c.state as i32).collect()),
+        ],
+        time: world.time(),
+        ..PolyData::default()
+    }
+}

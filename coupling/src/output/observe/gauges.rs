@@ -1,0 +1,333 @@
+//! Gauges as in a laboratory: free surface, pressure, velocity, force, run-up, displaced blocks.
+
+use std::path::Path;
+
+use riprap_dda::{Blocks, Motion};
+use riprap_sph::{Dimensions, Fluid, Vec3};
+
+use super::crossing::Crossing;
+use super::{ObserveError, Observer, Schedule};
+use crate::files::table::{Column, Start, Table};
+use crate::saved::Saved;
+use crate::scene::file::GaugeFile;
+use crate::scene::resolve::{Scene, vec3};
+use crate::world::World;
+
+/// Distance from the ground, in spacings, within which water touches it.
+const TOUCHING_DISTANCE: f64 = 1.5;
+/// Least upward part of the normal of what counts as ground.
+const GROUND_SLOPE: f64 = 0.05;
+
+/// Writes `gauges.csv`.
+#[derive(Debug)]
+pub struct Gauges {
+    schedule: Schedule,
+    table: Table,
+    gauges: Vec<Gauge>,
+    /// Between rows; s.
+    interval: f64,
+    row: Vec<f64>,
+}
+
+/// A gauge with its names resolved.
+#[derive(Clone, Debug)]
+enum Gauge {
+    SurfaceElevation {
+        x: f64,
+        y: f64,
+    },
+    Pressure(Vec3),
+    Velocity(Vec3),
+    BlockForce(usize),
+    RunUp(Line),
+    Front(Line),
+    Overtopping(Crossing),
+    Displaced {
+        starts: Vec<(usize, Vec3)>,
+        farther_than: f64,
+    },
+}
+
+impl Gauges {
+    /// A table in `folder` with the columns of the scene's gauges; blocks are where they start from.
+    ///
+    /// # Errors
+    ///
+    /// [`ObserveError`] when the table cannot be created.
+    pub fn new(
+        folder: &Path,
+        scene: &Scene,
+        world: &World,
+        start: Start,
+    ) -> Result<Self, ObserveError> {
+        let mut columns = vec![Column::new("time", "s")];
+        for gauge in &scene.file.gauges {
+            columns.extend(columns_of(gauge));
+        }
+        let interval = scene.file.output.gauge_interval.unwrap_or(f64::INFINITY);
+        Ok(Self {
+            schedule: Schedule::every(interval),
+            interval,
+            table: Table::open(&folder.join("gauges.csv"), &columns, start)?,
+            gauges: scene
+                .file
+                .gauges
+                .iter()
+                .map(|g| resolve(g, scene, &world.blocks))
+                .collect(),
+            row: Vec::with_capacity(columns.len()),
+        })
+    }
+
+    /// Columns of the scalar gauges and their units, with their places in the row; for plots.
+    pub fn scalar_columns(scene: &Scene) -> Vec<(usize, String, String)> {
+        let mut place = 1;
+        let mut scalars = Vec::new();
+        for gauge in &scene.file.gauges {
+            let columns = columns_of(gauge);
+            if let [column] = columns.as_slice() {
+                scalars.push((place, column.name.clone(), column.unit.clone()));
+            }
+            place += columns.len();
+        }
+        scalars
+    }
+}
+
+impl Observer for Gauges {
+    fn is_due(&self, world: &World) -> bool {
+        self.schedule.is_due(world.time())
+    }
+
+    fn observe(&mut self, world: &World) -> Result<(), ObserveError> {
+        self.row.clear();
+        self.row.push(world.time());
+        for gauge in &mut self.gauges {
+            gauge.read(world, self.interval, &mut self.row);
+        }
+        self.table.row(&self.row)?;
+        self.schedule.done(world.time());
+        Ok(())
+    }
+
+    fn save(&self, out: Vec<u8>) -> Saved {
+        let crossings: Vec<&Crossing> = self.gauges.iter().filter_map(Gauge::crossing).collect();
+        postcard::to_extend(&(self.schedule, self.table.length(), crossings), out)
+    }
+
+    fn sync(&self) -> Result<(), ObserveError> {
+        self.table.sync()?;
+        Ok(())
+    }
+
+    fn read<'a>(&mut self, bytes: &'a [u8]) -> Result<&'a [u8], ObserveError> {
+        let (length, crossings, rest): (_, Vec<Crossing>, _);
+        ((self.schedule, length, crossings), rest) = postcard::take_from_bytes(bytes)?;
+        self.table.cut(length)?;
+        let mut crossings = crossings.into_iter();
+        for gauge in &mut self.gauges {
+            if let Gauge::Overtopping(crossing) = gauge
+                && let Some(saved) = crossings.next()
+            {
+                *crossing = saved;
+            }
+        }
+        Ok(rest)
+    }
+}
+
+fn columns_of(gauge: &GaugeFile) -> Vec<Column> {
+    match gauge {
+        GaugeFile::SurfaceElevation { name, .. }
+        | GaugeFile::RunUp { name, .. }
+        | GaugeFile::Front { name, .. } => vec![Column::new(name, "m")],
+        GaugeFile::Pressure { name, .. } => vec![Column::new(name, "Pa")],
+        GaugeFile::Displaced { name, .. } => vec![Column::new(name, "-")],
+        GaugeFile::Overtopping { name, .. } => vec![
+            Column::new(format!("{name}.volume"), "m3"),
+            Column::new(format!("{name}.discharge"), "m3/s"),
+        ],
+        GaugeFile::Velocity { name, .. } => ["vx", "vy", "vz"]
+            .map(|c| Column::new(format!("{name}.{c}"), "m/s"))
+            .to_vec(),
+        GaugeFile::BlockForce { name, .. } => ["fluid", "contact"]
+            .iter()
+            .flat_map(|source| {
+                [
+                    ("fx", "N"),
+                    ("fy", "N"),
+                    ("fz", "N"),
+                    ("mx", "N m"),
+                    ("my", "N m"),
+                    ("mz", "N m"),
+                ]
+                .map(|(c, unit)| Column::new(format!("{name}.{source}_{c}"), unit))
+            })
+            .collect(),
+    }
+}
+
+fn resolve(gauge: &GaugeFile, scene: &Scene, blocks: &Blocks) -> Gauge {
+    match gauge {
+        GaugeFile::SurfaceElevation { x, y, .. } => Gauge::SurfaceElevation { x: *x, y: *y },
+        GaugeFile::Pressure { position, .. } => Gauge::Pressure(vec3(*position)),
+        GaugeFile::Velocity { position, .. } => Gauge::Velocity(vec3(*position)),
+        GaugeFile::BlockForce { block, .. } => Gauge::BlockForce(
+            // validation has seen that the name exists
+            scene
+                .file
+                .blocks
+                .iter()
+                .position(|b| &b.name == block)
+                .unwrap_or(0),
+        ),
+        GaugeFile::RunUp { from, to, .. } => Gauge::RunUp(Line::between(*from, *to)),
+        GaugeFile::Front { from, to, .. } => Gauge::Front(Line::between(*from, *to)),
+        GaugeFile::Overtopping { from, to, .. } => Gauge::Overtopping(Crossing::of(*from, *to)),
+        GaugeFile::Displaced {
+            blocks: prefix,
+            farther_than,
+            ..
+        } => Gauge::Displaced {
+            starts: (0..blocks.n_blocks())
+                .filter(|&b| blocks.is_free(b) && scene.file.blocks[b].name.starts_with(prefix))
+                .map(|b| (b, blocks.centroid(b)))
+                .collect(),
+            farther_than: *farther_than,
+        },
+    }
+}
+
+impl Gauge {
+    fn crossing(&self) -> Option<&Crossing> {
+        match self {
+            Self::Overtopping(crossing) => Some(crossing),
+            _ => None,
+        }
+    }
+
+    /// Appends what the gauge shows; NaN when it is dry.
+    fn read(&mut self, world: &World, interval: f64, row: &mut Vec<f64>) {
+        let fluid = world.water.as_ref().map(|water| &water.fluid);
+        match self {
+            Self::SurfaceElevation { x, y } => {
+                let surface = fluid.and_then(|fluid| fluid.surface_elevation(*x, *y));
+                row.push(surface.unwrap_or(f64::NAN));
+            }
+            Self::Pressure(point) => {
+                let sample = fluid.and_then(|fluid| fluid.sample(point));
+                row.push(sample.map_or(f64::NAN, |s| s.pressure));
+            }
+            Self::Velocity(point) => {
+                let sample = fluid.and_then(|fluid| fluid.sample(point));
+                let velocity = sample.map_or(Vec3::repeat(f64::NAN), |s| s.velocity);
+                row.extend(velocity.iter());
+            }
+            Self::BlockForce(block) => {
+                for load in [world.fluid_load(*block), world.blocks.contact_force(*block)] {
+                    row.extend(load.force.iter());
+                    row.extend(load.torque.iter());
+                }
+            }
+            Self::RunUp(line) => {
+                row.push(farthest(fluid, &world.blocks, line, |ground, _| ground.z))
+            }
+            Self::Front(line) => row.push(farthest(fluid, &world.blocks, line, |_, water| {
+                line.share([water.x, water.y]) * line.length()
+            })),
+            Self::Overtopping(crossing) => {
+                let passed = fluid.map_or([f64::NAN; 2], |fluid| {
+                    crossing.look(fluid, world.time(), interval)
+                });
+                row.extend(passed);
+            }
+            Self::Displaced {
+                starts,
+                farther_than,
+            } => {
+                let blocks = &world.blocks;
+                let is_displaced = |&&(b, start): &&(usize, Vec3)| {
+                    blocks.is_removed(b) || *farther_than < (blocks.centroid(b) - start).norm()
+                };
+                row.push(starts.iter().filter(is_displaced).count() as f64);
+            }
+        }
+    }
+}
+
+/// A line of the plan between two points; m.
+#[derive(Clone, Copy, Debug)]
+struct Line {
+    from: [f64; 2],
+    along: [f64; 2],
+}
+
+impl Line {
+    fn between(from: (f64, f64), to: (f64, f64)) -> Self {
+        Self {
+            from: [from.0, from.1],
+            along: [to.0 - from.0, to.1 - from.1],
+        }
+    }
+
+    fn length(&self) -> f64 {
+        self.along[0].hypot(self.along[1])
+    }
+
+    /// How far along it, of its length, a point is nearest to.
+    fn share(&self, point: [f64; 2]) -> f64 {
+        let offset = [point[0] - self.from[0], point[1] - self.from[1]];
+        let length2 = self.length().powi(2);
+        if length2 > 0.0 {
+            let along = offset[0] * self.along[0] + offset[1] * self.along[1];
+            (along / length2).clamp(0.0, 1.0)
+        } else {
+            0.0
+        }
+    }
+
+    /// m.
+    fn distance(&self, point: [f64; 2]) -> f64 {
+        let share = self.share(point);
+        let at = |axis: usize| self.from[axis] + share * self.along[axis];
+        (point[0] - at(0)).hypot(point[1] - at(1))
+    }
+}
+
+/// The largest measure of a place on the ground, and of the water that touches it, near a line; NaN where all is dry.
+///
+/// Water touches the ground where a particle within a spacing of the line is within 1.5 spacings
+/// of a fixed surface that looks up; a drop in the air touches nothing.
+fn farthest(
+    fluid: Option<&Fluid>,
+    blocks: &Blocks,
+    line: &Line,
+    measure: impl Fn(&Vec3, &Vec3) -> f64,
+) -> f64 {
+    let Some(fluid) = fluid else { return f64::NAN };
+    let [dx, dy, dz] = fluid.settings().particle_spacing;
+    let spacing = match fluid.settings().dimensions {
+        Dimensions::Three => (dx * dy * dz).cbrt(),
+        // across, the slice may be as wide as it likes
+        Dimensions::Two { .. } => (dx * dz).sqrt(),
+    };
+    let reach = TOUCHING_DISTANCE * spacing;
+    let ground: Vec<usize> = (0..blocks.n_parts())
+        .filter(|&part| matches!(blocks.motion(blocks.block_of_part(part)), Motion::Fixed))
+        .collect();
+    // a maximum of NaN and a number is the number
+    let mut most = f64::NAN;
+    for x in &fluid.particles().position {
+        if line.distance([x.x, x.y]) > spacing {
+            continue;
+        }
+        for &part in &ground {
+            if let Some(surface) = blocks.surface_point_within(part, x, reach)
+                && GROUND_SLOPE < surface.normal.z
+            {
+                most = most.max(measure(&surface.point, x));
+            }
+        }
+    }
+    most
+}

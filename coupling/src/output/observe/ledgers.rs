@@ -1,0 +1,213 @@
+//! `energy.csv` and `blocks.csv`.
+
+use std::path::Path;
+
+use riprap_dda::Vec3;
+
+use super::{ObserveError, Observer, Schedule};
+use crate::files::table::{Column, Start, Table};
+use crate::saved::Saved;
+use crate::world::World;
+use crate::world::ledger::Energy;
+
+/// Writes the energy ledger and the motion of blocks.
+#[derive(Debug)]
+pub struct Ledgers {
+    schedule: Schedule,
+    energy: Table,
+    /// Absent when no block can move.
+    blocks: Option<Table>,
+    row: Vec<f64>,
+}
+
+/// Columns of `energy.csv` behind the time, in the order of [`energy_row`].
+pub const ENERGY_COLUMNS: [&str; 21] = [
+    "kinetic",
+    "potential",
+    "elastic",
+    "strain",
+    "internal",
+    "friction",
+    "viscous",
+    "diffusive",
+    "damping",
+    "strain_damping",
+    "static_damping",
+    "plastic",
+    "pushed_back",
+    "removed",
+    "absorbed",
+    "laid_to_rest",
+    "external_work",
+    "joint_water",
+    "through_openings",
+    "at_walls",
+    "residual",
+];
+
+/// The terms of the ledger in the order of [`ENERGY_COLUMNS`]; J.
+pub fn energy_row(energy: &Energy) -> [f64; 21] {
+    // no `..`: a new term cannot be forgotten
+    let Energy {
+        kinetic,
+        potential,
+        elastic,
+        strain,
+        internal,
+        friction,
+        viscous,
+        diffusive,
+        damping,
+        strain_damping,
+        static_damping,
+        plastic,
+        pushed_back,
+        removed,
+        absorbed,
+        laid_to_rest,
+        external_work,
+        joint_water,
+        through_openings,
+        at_walls,
+        residual,
+    } = *energy;
+    [
+        kinetic,
+        potential,
+        elastic,
+        strain,
+        internal,
+        friction,
+        viscous,
+        diffusive,
+        damping,
+        strain_damping,
+        static_damping,
+        plastic,
+        pushed_back,
+        removed,
+        absorbed,
+        laid_to_rest,
+        external_work,
+        joint_water,
+        through_openings,
+        at_walls,
+        residual,
+    ]
+}
+
+/// Columns of `blocks.csv`: one row per block that can move and time.
+const BLOCK_COLUMNS: [(&str, &str); 20] = [
+    ("time", "s"),
+    ("block", "-"),
+    ("x", "m"),
+    ("y", "m"),
+    ("z", "m"),
+    ("vx", "m/s"),
+    ("vy", "m/s"),
+    ("vz", "m/s"),
+    ("wx", "rad/s"),
+    ("wy", "rad/s"),
+    ("wz", "rad/s"),
+    ("fluid_fx", "N"),
+    ("fluid_fy", "N"),
+    ("fluid_fz", "N"),
+    ("contact_fx", "N"),
+    ("contact_fy", "N"),
+    ("contact_fz", "N"),
+    ("gravity_fx", "N"),
+    ("gravity_fy", "N"),
+    ("gravity_fz", "N"),
+];
+
+impl Ledgers {
+    /// Tables in `folder`, with a row per `interval` seconds.
+    ///
+    /// # Errors
+    ///
+    /// [`ObserveError`] when a table cannot be created.
+    pub fn new(
+        folder: &Path,
+        interval: f64,
+        world: &World,
+        start: Start,
+    ) -> Result<Self, ObserveError> {
+        let mut columns = vec![Column::new("time", "s")];
+        columns.extend(ENERGY_COLUMNS.map(|name| Column::new(name, "J")));
+        let has_movers = (0..world.blocks.n_blocks()).any(|b| !world.is_fixed(b));
+        let blocks = has_movers
+            .then(|| {
+                let columns = BLOCK_COLUMNS.map(|(name, unit)| Column::new(name, unit));
+                Table::open(&folder.join("blocks.csv"), &columns, start)
+            })
+            .transpose()?;
+        Ok(Self {
+            schedule: Schedule::every(interval),
+            energy: Table::open(&folder.join("energy.csv"), &columns, start)?,
+            blocks,
+            row: Vec::new(),
+        })
+    }
+}
+
+impl Observer for Ledgers {
+    fn is_due(&self, world: &World) -> bool {
+        self.schedule.is_due(world.time())
+    }
+
+    fn observe(&mut self, world: &World) -> Result<(), ObserveError> {
+        let row = &mut self.row;
+        row.clear();
+        row.push(world.time());
+        row.extend(energy_row(&world.energy()));
+        self.energy.row(row)?;
+        if let Some(table) = &mut self.blocks {
+            let blocks = &world.blocks;
+            for b in (0..blocks.n_blocks()).filter(|&b| !world.is_fixed(b) && !blocks.is_removed(b))
+            {
+                let fluid = world
+                    .water
+                    .as_ref()
+                    .map_or(Vec3::zeros(), |water| water.interface.loads()[b].force);
+                row.clear();
+                row.extend([world.time(), b as f64]);
+                for v in [
+                    blocks.centroid(b),
+                    blocks.velocity(b),
+                    blocks.angular_velocity(b),
+                    fluid,
+                    blocks.contact_force(b).force,
+                    world.gravity * blocks.mass(b),
+                ] {
+                    row.extend(v.iter());
+                }
+                table.row(row)?;
+            }
+        }
+        self.schedule.done(world.time());
+        Ok(())
+    }
+
+    fn save(&self, out: Vec<u8>) -> Saved {
+        let blocks = self.blocks.as_ref().map(Table::length);
+        postcard::to_extend(&(self.schedule, self.energy.length(), blocks), out)
+    }
+
+    fn sync(&self) -> Result<(), ObserveError> {
+        self.energy.sync()?;
+        if let Some(table) = &self.blocks {
+            table.sync()?;
+        }
+        Ok(())
+    }
+
+    fn read<'a>(&mut self, bytes: &'a [u8]) -> Result<&'a [u8], ObserveError> {
+        let (energy, blocks, rest);
+        ((self.schedule, energy, blocks), rest) = postcard::take_from_bytes(bytes)?;
+        self.energy.cut(energy)?;
+        if let (Some(table), Some(length)) = (&mut self.blocks, blocks) {
+            table.cut(length)?;
+        }
+        Ok(rest)
+    }
+}

@@ -1,0 +1,262 @@
+//! Maps of what waves did: highest water, when it came, how deep it stood on land.
+
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+
+use rayon::prelude::*;
+use riprap_sph::Fluid;
+
+use super::{ObserveError, Observer, Schedule};
+use crate::files::vtk::{self, Array, PolyData, Polygons, Values, replace_file};
+use crate::picture::overview::plan::Extremes;
+use crate::saved::Saved;
+use crate::scene::file::MapsFile;
+use crate::scene::resolve::Scene;
+use crate::scene::terrain::grid::Grid;
+use crate::world::World;
+use crate::world::ground::Ground;
+
+/// Missing value in ASCII grids.
+const NO_DATA: f64 = -9999.0;
+
+/// Writes `maps.vtp` and an ASCII grid for each map.
+#[derive(Debug)]
+pub struct Maps {
+    schedule: Schedule,
+    folder: PathBuf,
+    /// Heights of the ground, NaN where there is none; m.
+    ground: Grid,
+    /// The point of the map that is the scene's; m.
+    origin: (f64, f64, f64),
+    /// The surface has come where it differs from that at the start by more than this; m.
+    arrival_threshold: f64,
+    /// Height of the surface at t = 0, NaN where it was dry; m.
+    at_start: Vec<f64>,
+    /// Highest surface so far, NaN where all was dry; m.
+    highest: Vec<f64>,
+    /// When water came or began to move, NaN where it did not; s.
+    arrival: Vec<f64>,
+}
+
+impl Maps {
+    /// Maps in `folder`.
+    pub fn new(folder: &Path, asked: &MapsFile, scene: &Scene, world: &World) -> Self {
+        let domain = &scene.file.domain;
+        let (min, max) = ([domain.min.0, domain.min.1], [domain.max.0, domain.max.1]);
+        // resolved with the scene
+        let spacing = asked.spacing.unwrap_or(max[0] - min[0]);
+        let n = [0, 1].map(|axis| (((max[axis] - min[axis]) / spacing) as usize).max(2));
+        let mut ground = Grid {
+            n,
+            // centred in the domain
+            corner: [0, 1].map(|axis| {
+                let rest = max[axis] - min[axis] - (n[axis] - 1) as f64 * spacing;
+                min[axis] + 0.5 * rest
+            }),
+            spacing,
+            heights: Vec::new(),
+        };
+        let land = Ground::of(&world.blocks);
+        let height = |point| land.height_under_the_sky(ground.place(point));
+        ground.heights = ground
+            .points()
+            .map(|p| height(p).unwrap_or(f64::NAN))
+            .collect();
+        let none = vec![f64::NAN; ground.heights.len()];
+        Self {
+            schedule: Schedule::every(asked.interval.unwrap_or(f64::INFINITY)),
+            folder: folder.to_owned(),
+            origin: scene
+                .file
+                .terrain
+                .as_ref()
+                .map_or((0.0, 0.0, 0.0), |t| t.origin),
+            arrival_threshold: asked.arrival_threshold.unwrap_or(f64::INFINITY),
+            at_start: none.clone(),
+            highest: none.clone(),
+            arrival: none,
+            ground,
+        }
+    }
+
+    /// Heights of the surface now; m.
+    fn surface(&self, fluid: &Fluid) -> Vec<f64> {
+        let points: Vec<[usize; 2]> = self.ground.points().collect();
+        points
+            .par_iter()
+            .map(|&point| {
+                let [x, y] = self.ground.place(point);
+                fluid.surface_elevation(x, y).unwrap_or(f64::NAN)
+            })
+            .collect()
+    }
+
+    /// Greatest depth of water where it was dry at the start; m.
+    fn inundation(&self) -> Vec<f64> {
+        let heights = self.highest.iter().zip(&self.ground.heights);
+        heights
+            .zip(&self.at_start)
+            .map(|((highest, ground), at_start)| {
+                if at_start.is_nan() {
+                    (highest - ground).max(0.0)
+                } else {
+                    f64::NAN
+                }
+            })
+            .map(|depth| if 0.0 < depth { depth } else { f64::NAN })
+            .collect()
+    }
+
+    /// Extremes so far.
+    pub fn extremes(&self) -> Extremes {
+        let map = |values: &[f64]| Grid {
+            heights: values.to_vec(),
+            ..self.ground
+        };
+        Extremes {
+            at_start: map(&self.at_start),
+            highest: map(&self.highest),
+            arrival: map(&self.arrival),
+        }
+    }
+
+    /// Writes all maps as they are now.
+    ///
+    /// # Errors
+    ///
+    /// [`ObserveError`] names the file.
+    pub fn write(&self, time: f64) -> Result<(), ObserveError> {
+        let inundation = self.inundation();
+        let raised = |heights: &[f64]| {
+            heights
+                .iter()
+                .map(|z| z + self.origin.2)
+                .collect::<Vec<_>>()
+        };
+        for (name, values) in [
+            ("maximum_elevation", raised(&self.highest)),
+            ("first_arrival", self.arrival.clone()),
+            ("inundation_depth", inundation.clone()),
+        ] {
+            let path = self.folder.join(format!("{name}.asc"));
+            replace_file(&path, &[self.ascii(&values).as_bytes()])?;
+        }
+        let on_land = [
+            ("MaximumElevation", &self.highest),
+            ("FirstArrival", &self.arrival),
+            ("InundationDepth", &inundation),
+        ];
+        vtk::write(&self.folder.join("maps.vtp"), &self.sheet(time, &on_land))?;
+        Ok(())
+    }
+
+    /// An ESRI grid, rows from the north, in coordinates of the map.
+    fn ascii(&self, values: &[f64]) -> String {
+        let Grid {
+            n, corner, spacing, ..
+        } = &self.ground;
+        let mut text = format!(
+            "ncols {}\nnrows {}\nxllcenter {:?}\nyllcenter {:?}\ncellsize {spacing:?}\nNODATA_value {NO_DATA}\n",
+            n[0],
+            n[1],
+            corner[0] + self.origin.0,
+            corner[1] + self.origin.1,
+        );
+        for row in values.chunks_exact(n[0]).rev() {
+            for (k, value) in row.iter().enumerate() {
+                let gap = if k == 0 { "" } else { " " };
+                let value = if value.is_finite() { *value } else { NO_DATA };
+                // writing to a string does not fail
+                let _ = write!(text, "{gap}{value:.3}");
+            }
+            text.push('\n');
+        }
+        text
+    }
+
+    /// The ground with values at its points.
+    fn sheet(&self, time: f64, fields: &[(&str, &Vec<f64>)]) -> PolyData {
+        let grid = &self.ground;
+        let lowest = grid.range().0;
+        let lowest = if lowest.is_finite() { lowest } else { 0.0 };
+        let points = grid.points().map(|point| {
+            let [x, y] = grid.place(point);
+            let z = grid.heights[grid.index(point)];
+            let z = if z.is_finite() { z } else { lowest };
+            [x as f32, y as f32, z as f32]
+        });
+        let mut polygons = Polygons::default();
+        for [i, j] in grid
+            .points()
+            .filter(|[i, j]| i + 1 < grid.n[0] && j + 1 < grid.n[1])
+        {
+            let corners = [[i, j], [i + 1, j], [i + 1, j + 1], [i, j + 1]];
+            let corners = corners.map(|point| grid.index(point) as i32);
+            polygons.connectivity.extend(corners);
+            polygons.offsets.push(polygons.connectivity.len() as i32);
+        }
+        let of = |&(name, values): &(&str, &Vec<f64>)| Array {
+            name: name.to_owned(),
+            components: 1,
+            values: Values::F32(values.iter().map(|&value| value as f32).collect()),
+        };
+        PolyData {
+            points: points.collect(),
+            polygons,
+            point_data: fields.iter().map(of).collect(),
+            time,
+            ..PolyData::default()
+        }
+    }
+}
+
+impl Observer for Maps {
+    fn is_due(&self, world: &World) -> bool {
+        self.schedule.is_due(world.time())
+    }
+
+    fn observe(&mut self, world: &World) -> Result<(), ObserveError> {
+        let now = match &world.water {
+            Some(water) => self.surface(&water.fluid),
+            None => vec![f64::NAN; self.highest.len()],
+        };
+        let is_first = world.time() <= 0.0;
+        if is_first {
+            self.at_start.clone_from(&now);
+        }
+        for (k, &surface) in now.iter().enumerate() {
+            // a maximum of NaN and a number is the number
+            self.highest[k] = self.highest[k].max(surface);
+            let before = self.at_start[k];
+            let has_come = if before.is_nan() {
+                surface.is_finite()
+            } else {
+                self.arrival_threshold < (surface - before).abs()
+            };
+            if !is_first && has_come && self.arrival[k].is_nan() {
+                self.arrival[k] = world.time();
+            }
+        }
+        self.schedule.done(world.time());
+        self.write(world.time())
+    }
+
+    fn save(&self, out: Vec<u8>) -> Saved {
+        let state = (self.schedule, &self.at_start, &self.highest, &self.arrival);
+        postcard::to_extend(&state, out)
+    }
+
+    fn sync(&self) -> Result<(), ObserveError> {
+        // each file is complete before it has its name
+        Ok(())
+    }
+
+    fn read<'a>(&mut self, bytes: &'a [u8]) -> Result<&'a [u8], ObserveError> {
+        let rest;
+        (
+            (self.schedule, self.at_start, self.highest, self.arrival),
+            rest,
+        ) = postcard::take_from_bytes(bytes)?;
+        Ok(rest)
+    }
+}

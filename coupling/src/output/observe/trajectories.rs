@@ -1,0 +1,271 @@
+//! Ways of blocks that fall: `trajectories.csv` while they do, `rockfall.csv` with one row per block.
+//!
+//! The ground is what [`Ground`] says: faces of fixed blocks that look up. A height above it is that of the block's
+//! centroid, taken along z; that of a block at rest is about half its size.
+
+use serde::{Deserialize, Serialize};
+use std::path::Path;
+
+use riprap_dda::Vec3;
+
+use super::{ObserveError, Observer, Schedule};
+use crate::files::table::{Column, Start, Table};
+use crate::saved::Saved;
+use crate::scene::file::TrajectoriesFile;
+use crate::scene::resolve::Scene;
+use crate::world::World;
+use crate::world::ground::Ground;
+
+/// Stretches of horizontal distance into which heights are sorted for the overview, over the longest way in the plan
+/// of the domain.
+const STRETCHES: f64 = 200.0;
+
+/// Columns of `trajectories.csv`: one row per block and time.
+const SAMPLE_COLUMNS: [(&str, &str); 9] = [
+    ("time", "s"),
+    ("block", "-"),
+    ("x", "m"),
+    ("y", "m"),
+    ("z", "m"),
+    ("path_length", "m"),
+    ("distance", "m"),
+    ("height", "m"),
+    ("kinetic_energy", "J"),
+];
+
+/// Columns of `rockfall.csv`: one row per block.
+const BLOCK_COLUMNS: [(&str, &str); 17] = [
+    ("block", "-"),
+    ("mass", "kg"),
+    ("start_x", "m"),
+    ("start_y", "m"),
+    ("start_z", "m"),
+    ("end_x", "m"),
+    ("end_y", "m"),
+    ("end_z", "m"),
+    ("end_time", "s"),
+    ("end_speed", "m/s"),
+    ("path_length", "m"),
+    ("run_out", "m"),
+    ("drop", "m"),
+    ("run_out_angle", "rad"),
+    ("bounce_height", "m"),
+    ("max_speed", "m/s"),
+    ("max_kinetic_energy", "J"),
+];
+
+/// Follows blocks and writes both tables.
+#[derive(Debug)]
+pub struct Trajectories {
+    schedule: Schedule,
+    ground: Ground,
+    samples: Table,
+    blocks: Table,
+    tracks: Vec<Track>,
+    /// Length of a stretch of horizontal distance; m.
+    stretch: f64,
+    /// Of the last sample; s.
+    time: f64,
+    row: Vec<f64>,
+}
+
+/// Trajectory of a block; extremes are those of the samples.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+struct Track {
+    block: usize,
+    start: Vec3,
+    end: Vec3,
+    /// Of its last sample: it may have left the domain since; s.
+    end_time: f64,
+    /// m/s.
+    end_speed: f64,
+    /// m.
+    path_length: f64,
+    /// Greatest height of the centroid above the ground, NaN if there never was ground below; m.
+    bounce_height: f64,
+    /// m/s.
+    max_speed: f64,
+    /// J.
+    max_kinetic_energy: f64,
+    /// Greatest height above the ground in each stretch of horizontal distance, NaN where it was not; m.
+    highest: Vec<f64>,
+}
+
+impl Trajectories {
+    /// Tables in `folder` for the blocks that the scene asks for.
+    ///
+    /// # Errors
+    ///
+    /// [`ObserveError`] when a table cannot be created.
+    pub fn new(
+        folder: &Path,
+        asked: &TrajectoriesFile,
+        scene: &Scene,
+        world: &World,
+        start: Start,
+    ) -> Result<Self, ObserveError> {
+        let table = |name: &str, list: &[(&str, &str)]| {
+            let columns = list.iter().map(|(name, unit)| Column::new(*name, *unit));
+            Table::open(&folder.join(name), &columns.collect::<Vec<_>>(), start)
+        };
+        let is_asked = |&b: &usize| {
+            let name = &scene.file.blocks[b].name;
+            world.blocks.is_free(b) && (asked.blocks.is_empty() || asked.blocks.contains(name))
+        };
+        let tracks = (0..world.blocks.n_blocks())
+            .filter(is_asked)
+            .map(|b| Track::new(b, world.blocks.centroid(b)))
+            .collect();
+        let extent = (world.domain.1 - world.domain.0).xy();
+        Ok(Self {
+            schedule: Schedule::every(asked.interval.unwrap_or(f64::INFINITY)),
+            ground: Ground::of(&world.blocks),
+            samples: table("trajectories.csv", &SAMPLE_COLUMNS)?,
+            blocks: table("rockfall.csv", &BLOCK_COLUMNS)?,
+            tracks,
+            stretch: extent.norm() / STRETCHES,
+            time: f64::NEG_INFINITY,
+            row: Vec::new(),
+        })
+    }
+
+    /// Takes a last sample and writes `rockfall.csv`.
+    ///
+    /// # Errors
+    ///
+    /// [`ObserveError`] names the file.
+    pub fn finish(&mut self, world: &World) -> Result<(), ObserveError> {
+        if self.time < world.time() {
+            self.observe(world)?;
+        }
+        for track in &self.tracks {
+            let run_out = track.run_out();
+            let drop = track.start.z - track.end.z;
+            self.row.clear();
+            self.row
+                .extend([track.block as f64, world.blocks.mass(track.block)]);
+            self.row.extend(track.start.iter().chain(track.end.iter()));
+            self.row.extend([
+                track.end_time,
+                track.end_speed,
+                track.path_length,
+                run_out,
+                drop,
+                drop.atan2(run_out),
+                track.bounce_height,
+                track.max_speed,
+                track.max_kinetic_energy,
+            ]);
+            self.blocks.row(&self.row)?;
+        }
+        Ok(())
+    }
+
+    /// Horizontal distances from start to end, ascending; m.
+    pub fn run_outs(&self) -> Vec<f64> {
+        let mut run_outs: Vec<f64> = self.tracks.iter().map(Track::run_out).collect();
+        run_outs.sort_by(f64::total_cmp);
+        run_outs
+    }
+
+    /// Middle of each stretch of horizontal distance (m), and the greatest heights (m) there of the blocks that came
+    /// by, ascending.
+    pub fn heights(&self) -> Vec<(f64, Vec<f64>)> {
+        let n = self.tracks.iter().map(|track| track.highest.len()).max();
+        let of_stretch = |k: usize| {
+            let heights = self.tracks.iter().filter_map(|track| track.highest.get(k));
+            let mut heights: Vec<f64> = heights.copied().filter(|h| !h.is_nan()).collect();
+            heights.sort_by(f64::total_cmp);
+            ((k as f64 + 0.5) * self.stretch, heights)
+        };
+        (0..n.unwrap_or(0)).map(of_stretch).collect()
+    }
+}
+
+impl Observer for Trajectories {
+    fn is_due(&self, world: &World) -> bool {
+        self.schedule.is_due(world.time())
+    }
+
+    fn observe(&mut self, world: &World) -> Result<(), ObserveError> {
+        let blocks = &world.blocks;
+        for track in &mut self.tracks {
+            if blocks.is_removed(track.block) {
+                continue;
+            }
+            let x = blocks.centroid(track.block);
+            let height = self.ground.height_below(&x).map_or(f64::NAN, |z| x.z - z);
+            let kinetic_energy = blocks.kinetic_energy(track.block);
+            track.path_length += (x - track.end).norm();
+            track.end = x;
+            track.end_time = world.time();
+            track.end_speed = blocks.velocity(track.block).norm();
+            track.bounce_height = track.bounce_height.max(height);
+            track.max_speed = track.max_speed.max(track.end_speed);
+            track.max_kinetic_energy = track.max_kinetic_energy.max(kinetic_energy);
+            track.note_height(height, self.stretch);
+            self.row.clear();
+            self.row
+                .extend([world.time(), track.block as f64, x.x, x.y, x.z]);
+            self.row
+                .extend([track.path_length, track.run_out(), height, kinetic_energy]);
+            self.samples.row(&self.row)?;
+        }
+        self.time = world.time();
+        self.schedule.done(world.time());
+        Ok(())
+    }
+
+    fn save(&self, out: Vec<u8>) -> Saved {
+        let lengths = (self.samples.length(), self.blocks.length());
+        postcard::to_extend(&(self.schedule, lengths, &self.tracks, self.time), out)
+    }
+
+    fn sync(&self) -> Result<(), ObserveError> {
+        self.samples.sync()?;
+        self.blocks.sync()?;
+        Ok(())
+    }
+
+    fn read<'a>(&mut self, bytes: &'a [u8]) -> Result<&'a [u8], ObserveError> {
+        let (samples, blocks, rest);
+        (
+            (self.schedule, (samples, blocks), self.tracks, self.time),
+            rest,
+        ) = postcard::take_from_bytes(bytes)?;
+        self.samples.cut(samples)?;
+        self.blocks.cut(blocks)?;
+        Ok(rest)
+    }
+}
+
+impl Track {
+    fn new(block: usize, start: Vec3) -> Self {
+        Self {
+            block,
+            start,
+            end: start,
+            end_time: 0.0,
+            end_speed: 0.0,
+            path_length: 0.0,
+            // `max` takes a number over NaN
+            bounce_height: f64::NAN,
+            max_speed: 0.0,
+            max_kinetic_energy: 0.0,
+            highest: Vec::new(),
+        }
+    }
+
+    /// Horizontal distance from the start; m.
+    fn run_out(&self) -> f64 {
+        (self.end - self.start).xy().norm()
+    }
+
+    fn note_height(&mut self, height: f64, stretch: f64) {
+        let k = (self.run_out() / stretch) as usize;
+        if self.highest.len() <= k {
+            self.highest.resize(k + 1, f64::NAN);
+        }
+        self.highest[k] = self.highest[k].max(height);
+    }
+}

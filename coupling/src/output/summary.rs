@@ -1,0 +1,175 @@
+//! `summary.json`: the figures of a run under stable names, SI units.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use serde::Serialize;
+
+use crate::openings::Passed;
+use crate::output::observe::ObserveError;
+use crate::world::ledger::Energy;
+use crate::world::time_step::Cause;
+
+/// The figures of a run.
+#[derive(Clone, Debug, Serialize)]
+pub struct Summary {
+    /// Title of the scene.
+    pub case: String,
+    /// Version of riprap.
+    pub version: String,
+    /// Commit it was built from, where known.
+    pub commit: String,
+    /// Threads used.
+    pub threads: usize,
+    /// Arithmetic of the fluid's pair sums.
+    pub precision: String,
+    /// Stepping of the fluid, or of blocks by themselves.
+    pub stepping: String,
+    /// Whether the run reached its end.
+    pub completed: bool,
+    /// Why it ended.
+    pub stop_reason: String,
+    /// s.
+    pub simulated_time: f64,
+    /// From the first step to the last record, settling included; s.
+    pub wall_time: f64,
+    /// Part of it spent on settling; s.
+    pub settling_wall_time: f64,
+    /// Common steps.
+    pub steps: u64,
+    /// Steps of the blocks inside them.
+    pub block_substeps: u64,
+    /// At the start.
+    pub fluid_particles: usize,
+    /// Particles that stand for walls: none with penalty walls.
+    pub wall_particles: usize,
+    /// Blocks moved by forces.
+    pub free_blocks: usize,
+    /// Blocks that never move.
+    pub fixed_blocks: usize,
+    /// Blocks moved by a record or formula.
+    pub prescribed_blocks: usize,
+    /// Particle spacing; m.
+    pub particle_spacing: f64,
+    /// Neighbours of a particle, itself not counted, over the run.
+    pub mean_neighbours: f64,
+    /// Particles times steps, without settling as all that follows and without what sleeps.
+    pub particle_steps: u64,
+    /// Share of the particles that was awake, over the run: 1 where water does not sleep.
+    pub awake_share: f64,
+    /// Ordered neighbour pairs evaluated.
+    pub pair_interactions: u64,
+    /// Contact points evaluated.
+    pub contact_updates: u64,
+    /// Particles times steps over wall time without settling; 1/s.
+    pub particle_steps_per_second: f64,
+    /// Ordered neighbour pairs evaluated over wall time without settling; 1/s.
+    pub pair_interactions_per_second: f64,
+    /// Contact points evaluated over wall time without settling; 1/s.
+    pub contact_updates_per_second: f64,
+    /// Wall time by phase; s.
+    pub time_by_phase: TimeByPhase,
+    /// Smallest step; s.
+    pub dt_min: f64,
+    /// Largest step; s.
+    pub dt_max: f64,
+    /// Share of the steps that each cause governed.
+    pub dt_governed_by: BTreeMap<Cause, f64>,
+    /// Times that a step went wrong and the run went back to its last good state.
+    pub fell_back: u64,
+    /// Largest gain of energy in ten steps, of blocks by themselves in fifty, that nothing explains, over all that moved or was strained.
+    pub largest_unexplained_gain: f64,
+    /// Times that the run went on from a checkpoint.
+    pub resumed: u64,
+    /// Checkpoints written.
+    pub checkpoints: u64,
+    /// Size of the last one; bytes.
+    pub checkpoint_bytes: u64,
+    /// Largest particle speed over sound speed.
+    pub max_mach: f64,
+    /// Root mean square of ρ/ρ₀ − 1 over compressed particles at the end.
+    pub density_error_rms: f64,
+    /// Particles that left the domain.
+    pub particles_escaped: u64,
+    /// Their mass; kg.
+    pub mass_escaped: f64,
+    /// Mass of the fluid at the start and at the end; kg.
+    pub fluid_mass: [f64; 2],
+    /// Water that passed inflows and outflows.
+    pub openings: Vec<Passed>,
+    /// Particles found inside a solid and put back.
+    pub particles_pushed_back: u64,
+    /// Blocks that left the domain.
+    pub blocks_escaped: u64,
+    /// Deepest particle inside a solid over the spacing.
+    pub max_wall_penetration_over_spacing: f64,
+    /// Deepest overlap of blocks over their size.
+    pub max_block_overlap_over_size: f64,
+    /// Momentum that nothing explains over the momentum exchanged.
+    pub momentum_residual: f64,
+    /// The energy ledger at the end; J.
+    pub energy: Energy,
+    /// Hash of the final state: equal for equal runs, whatever the number of threads.
+    pub state_hash: String,
+    /// Largest memory held; bytes, 0 where the system does not tell.
+    pub peak_memory: u64,
+}
+
+/// Wall time by phase; s.
+#[derive(Clone, Copy, Debug, Default, Serialize)]
+pub struct TimeByPhase {
+    /// Sorting and neighbour search.
+    pub neighbours: f64,
+    /// Densities and pressures.
+    pub density: f64,
+    /// Pair forces in the fluid.
+    pub forces: f64,
+    /// Which pairs of blocks may touch.
+    pub contact_detection: f64,
+    /// Narrow phase and contact law of the blocks, which share a loop: each pair is found and evaluated in one
+    /// go.
+    pub contact_forces: f64,
+    /// Placing walls, and which particles are near which of them.
+    pub wall_search: f64,
+    /// Sums and forces between particles and blocks.
+    pub coupling: f64,
+    /// Kicks, drifts and step limits of both media.
+    pub integration: f64,
+    /// Observers.
+    pub output: f64,
+    /// Keeping the last good state, and looking whether it is one.
+    pub guards: f64,
+    /// Writing checkpoints.
+    pub checkpoints: f64,
+}
+
+impl Summary {
+    /// Writes `summary.json` under a temporary name and renames it.
+    ///
+    /// # Errors
+    ///
+    /// [`ObserveError::Write`] names the file.
+    pub fn write(&self, folder: &Path) -> Result<(), ObserveError> {
+        let path = folder.join("summary.json");
+        let temporary = folder.join("summary.json.part");
+        let failed = |source| ObserveError::Write {
+            path: path.display().to_string(),
+            source,
+        };
+        let text = serde_json::to_string_pretty(self).map_err(|e| failed(e.into()))?;
+        std::fs::write(&temporary, text + "\n").map_err(failed)?;
+        std::fs::rename(&temporary, &path).map_err(failed)
+    }
+}
+
+/// Largest memory that this process has held; bytes, 0 where the system does not tell.
+pub fn peak_memory() -> u64 {
+    // Linux: "VmHWM:     12345 kB"
+    std::fs::read_to_string("/proc/self/status")
+        .ok()
+        .and_then(|status| {
+            let line = status.lines().find(|line| line.starts_with("VmHWM:"))?;
+            line.split_whitespace().nth(1)?.parse::<u64>().ok()
+        })
+        .map_or(0, |kib| kib * 1024)
+}

@@ -1,0 +1,4 @@
+//! Pictures of a run: the overview drawn with it, and rendered frames.
+
+pub mod overview;
+pub mod render;

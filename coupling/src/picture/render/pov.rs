@@ -1,0 +1,394 @@
+//! The text of a frame: what POV-Ray reads.
+
+use super::body::{Body, Stage, in_panel};
+use super::camera::{Camera, Lens, Panel};
+use super::surface::Surface;
+use nalgebra::{Matrix3, Vector3};
+use std::fmt::{Display, Write};
+
+/// Files that every frame includes, by name and text.
+pub const INCLUDES: [(&str, &str); 3] = [
+    ("scene.inc", include_str!("../../../../render/scene.inc")),
+    (
+        "materials.inc",
+        include_str!("../../../../render/materials.inc"),
+    ),
+    ("labels.inc", include_str!("../../../../render/labels.inc")),
+];
+
+/// Colours in `materials.inc`.
+const SPEED_COLOURS: usize = 64;
+
+/// Declarations shared by all frames.
+pub(crate) struct Setting<'a> {
+    pub title: &'a str,
+    pub camera: &'a Camera,
+    pub stage: &'a Stage,
+    /// Bodies in the first frame: where their textures are at home.
+    pub reference: &'a [Body],
+    /// Length of the scene; m.
+    pub size: f64,
+    /// Way through water after which its colour shows; m.
+    pub clear: f64,
+    /// Height of the ground; m.
+    pub ground: f64,
+    /// Distance of particles; m.
+    pub spacing: f64,
+    /// Speed at the upper end of the colours; m/s.
+    pub speed_range: f64,
+}
+
+/// Water as drawn.
+pub(crate) enum Water {
+    /// A surface, and the particles that are not part of it.
+    Surface(Surface, Vec<[f32; 3]>),
+    /// Particles with their speeds; m/s. Without speeds all have the colour of still water.
+    Particles(Vec<[f32; 3]>, Option<Vec<f32>>),
+}
+
+/// The text of one frame.
+pub(crate) fn frame(setting: &Setting<'_>, time: f64, water: &Water, bodies: &[Body]) -> String {
+    let mut pov = Pov {
+        text: String::new(),
+        unit: unit(setting.size),
+    };
+    head(&mut pov, setting, time);
+    for panel in setting.camera.panels() {
+        fixed(&mut pov, setting, panel);
+        for body in bodies {
+            rock(&mut pov, setting, body, panel);
+        }
+        match water {
+            Water::Surface(surface, spray) => {
+                water_mesh(&mut pov, surface, panel);
+                spheres(&mut pov, spray, 0.3 * setting.spacing, panel, |_| {
+                    "Riprap_Spray_Texture".to_owned()
+                });
+            }
+            Water::Particles(points, speeds) => {
+                spheres(&mut pov, points, 0.5 * setting.spacing, panel, |i| {
+                    let speed = speeds
+                        .as_ref()
+                        .and_then(|s| s.get(i))
+                        .copied()
+                        .unwrap_or(0.0);
+                    let share = (f64::from(speed) / setting.speed_range).clamp(0.0, 1.0);
+                    let colour = (share * SPEED_COLOURS as f64) as usize;
+                    format!("Riprap_Speed_Textures[{}]", colour.min(SPEED_COLOURS - 1))
+                });
+            }
+        }
+    }
+    labels(&mut pov, setting, time, water);
+    pov.text
+}
+
+/// Text under construction; writing to a `String` cannot fail.
+struct Pov {
+    text: String,
+    /// POV-Ray's lengths per metre.
+    unit: f64,
+}
+
+impl Pov {
+    fn line(&mut self, text: impl Display) {
+        let _ = writeln!(self.text, "{text}");
+    }
+
+    /// A length given in metres.
+    fn length(&self, metres: f64) -> f32 {
+        number(self.unit * metres)
+    }
+
+    /// A place given in metres.
+    fn place(&self, metres: Vector3<f64>) -> String {
+        vector(self.unit * metres)
+    }
+}
+
+/// Lengths per metre that make a scene 100 to 1000 long: POV-Ray overlooks surfaces closer than
+/// 0.001 to one another, a millimetre in a tank drawn in metres, and leaves rings where water
+/// touches walls.
+fn unit(size: f64) -> f64 {
+    10_f64.powf(3.0 - size.log10().ceil())
+}
+
+/// A POV-Ray vector.
+fn vector(v: Vector3<f64>) -> String {
+    format!("<{}, {}, {}>", number(v.x), number(v.y), number(v.z))
+}
+
+/// A number that POV-Ray reads back to single precision: no exponent, no -0.
+fn number(x: f64) -> f32 {
+    let x = x as f32;
+    if x.abs() < 1e-12 { 0.0 } else { x }
+}
+
+/// A POV-Ray string: only what its built-in font can draw, and no quote that would end it.
+fn string(text: &str) -> String {
+    let plain = |c: char| {
+        if (' '..='~').contains(&c) && c != '"' && c != '\\' {
+            c
+        } else {
+            '?'
+        }
+    };
+    format!("\"{}\"", text.chars().map(plain).collect::<String>())
+}
+
+fn head(pov: &mut Pov, setting: &Setting<'_>, time: f64) {
+    let camera = setting.camera;
+    let axes = camera.axes();
+    let strips = match &camera.lens {
+        Lens::Perspective { .. } => 0,
+        Lens::Strips { panels, .. } => panels.len(),
+    };
+    let to_target = (camera.look_at - camera.eye).norm();
+    let (label_distance, half_width) = match camera.lens {
+        // Near enough for nothing to come between.
+        Lens::Perspective { field_of_view_deg } => {
+            let near = 0.02 * to_target;
+            (near, near * (0.5 * field_of_view_deg.to_radians()).tan())
+        }
+        Lens::Strips { width, .. } => (0.02 * to_target, 0.5 * width),
+    };
+    // A comment ends at the line's end: the title must not have one.
+    pov.line(format!(
+        "// {}, t = {time} s; written by riprap render",
+        string(setting.title)
+    ));
+    pov.line("#version 3.7;");
+    for (name, value) in [
+        ("Time", time),
+        ("Unit", pov.unit),
+        ("Size", pov.unit * setting.size),
+        ("Clear", pov.unit * setting.clear),
+        ("Ground", pov.unit * setting.ground),
+        ("Strips", strips as f64),
+        ("Label_Distance", pov.unit * label_distance),
+        ("Half_Width", pov.unit * half_width),
+    ] {
+        pov.line(format!("#declare Riprap_{name} = {};", number(value)));
+    }
+    for (name, value) in [
+        ("Eye", pov.unit * camera.eye),
+        ("Target", pov.unit * camera.look_at),
+        ("Right", axes.right),
+        ("Up", axes.up),
+        ("Forward", axes.forward),
+    ] {
+        pov.line(format!("#declare Riprap_{name} = {};", vector(value)));
+    }
+    for (name, _) in INCLUDES {
+        pov.line(format!("#include \"{name}\""));
+    }
+    // POV-Ray's own axes are left-handed; ours are right-handed with z up, hence the minus.
+    match camera.lens {
+        Lens::Perspective { field_of_view_deg } => pov.line(format!(
+            "camera {{ location Riprap_Eye sky {} right -x*image_width/image_height \
+             angle {} look_at Riprap_Target }}",
+            if axes.forward.z.abs() < 0.9999 {
+                "z"
+            } else {
+                "y"
+            },
+            number(field_of_view_deg)
+        )),
+        Lens::Strips { .. } => pov.line(
+            "camera { orthographic location Riprap_Eye direction Riprap_Forward \
+             right 2*Riprap_Half_Width*Riprap_Right \
+             up 2*Riprap_Half_Width*Riprap_Up*image_height/image_width }",
+        ),
+    }
+}
+
+/// Walls and terrain, and the outlines of walls cut away.
+fn fixed(pov: &mut Pov, setting: &Setting<'_>, panel: &Panel) {
+    let Stage { drawn, terrain, .. } = setting.stage;
+    for (faces, look) in [
+        (drawn, "texture { Riprap_Wall_Texture } no_shadow"),
+        (terrain, "texture { Riprap_Terrain_Texture }"),
+    ] {
+        let faces: Vec<_> = faces.iter().map(|p| in_panel(p, panel)).collect();
+        flat_mesh(pov, &faces, look);
+    }
+    let radius = 0.0012 * setting.size;
+    for polygon in &setting.stage.cut {
+        let polygon = in_panel(polygon, panel);
+        for (i, &p) in polygon.iter().enumerate() {
+            let q = polygon[(i + 1) % polygon.len()];
+            if (p - q).norm() > radius {
+                let (from, to, thick) = (pov.place(p), pov.place(q), pov.length(radius));
+                pov.line(format!(
+                    "cylinder {{ {from}, {to}, {thick} texture {{ Riprap_Outline_Texture }} \
+                     no_shadow no_reflection }}"
+                ));
+            }
+        }
+    }
+}
+
+/// A block in granite that moves with it.
+fn rock(pov: &mut Pov, setting: &Setting<'_>, body: &Body, panel: &Panel) {
+    let polygons: Vec<_> = body.polygons().map(|p| in_panel(&p, panel)).collect();
+    let reference = setting
+        .reference
+        .iter()
+        .find(|r| r.id == body.id)
+        .unwrap_or(body);
+    let (turn, shift) = body
+        .motion_from(reference)
+        .unwrap_or((Matrix3::identity(), Vector3::zeros()));
+    let shift = shift + panel.shift;
+    let extent =
+        reference
+            .corners
+            .iter()
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), p| {
+                let along = p.dot(&Vector3::new(0.577, 0.577, 0.577));
+                (low.min(along), high.max(along))
+            });
+    let grain = 0.35 * (extent.1 - extent.0).max(1e-6);
+    // Blocks of one shape get their own piece of the stone: the golden ratio spreads tints evenly.
+    let tint = (f64::from(body.id) * 0.618_034).rem_euclid(1.0);
+    let shift = pov.unit * shift;
+    let matrix: Vec<String> = turn
+        .iter()
+        .chain(shift.iter())
+        .map(|&x| number(x).to_string())
+        .collect();
+    // POV-Ray multiplies rows from the left: its rows are our columns, the order of `iter`.
+    let texture = format!(
+        "texture {{ Riprap_Rock({}, {}) translate {} matrix <{}> }}",
+        number(tint),
+        pov.length(grain),
+        pov.length(7.3 * f64::from(body.id) * grain),
+        matrix.join(", ")
+    );
+    flat_mesh(pov, &polygons, &texture);
+}
+
+/// Convex polygons as fans of triangles, without normals: edges stay sharp.
+fn flat_mesh(pov: &mut Pov, polygons: &[Vec<Vector3<f64>>], texture: &str) {
+    let solid: Vec<_> = polygons.iter().filter(|p| 3 <= p.len()).collect();
+    if solid.is_empty() {
+        return;
+    }
+    let n_vertices: usize = solid.iter().map(|p| p.len()).sum();
+    pov.line(format!("mesh2 {{\n vertex_vectors {{ {n_vertices},"));
+    let corners = solid.iter().flat_map(|p| p.iter());
+    let corners: Vec<String> = corners.map(|&p| pov.place(p)).collect();
+    pov.line(corners.join(",\n"));
+    pov.line(format!(
+        " }}\n face_indices {{ {},",
+        n_vertices - 2 * solid.len()
+    ));
+    let mut first = 0;
+    let mut fans = Vec::new();
+    for polygon in solid {
+        fans.extend(
+            (1..polygon.len() - 1).map(|i| format!("<{first}, {}, {}>", first + i, first + i + 1)),
+        );
+        first += polygon.len();
+    }
+    pov.line(fans.join(",\n"));
+    pov.line(format!(" }}\n {texture}\n}}"));
+}
+
+/// The part of the surface in a panel; a triangle belongs to where its first corner is.
+fn water_mesh(pov: &mut Pov, surface: &Surface, panel: &Panel) {
+    let inside = |t: &&[u32; 3]| panel.contains(&surface.vertices[t[0] as usize]);
+    let triangles: Vec<&[u32; 3]> = surface.triangles.iter().filter(inside).collect();
+    if triangles.is_empty() {
+        return;
+    }
+    let mut numbers = vec![u32::MAX; surface.vertices.len()];
+    let mut used = Vec::new();
+    for &corner in triangles.iter().copied().flatten() {
+        let number = &mut numbers[corner as usize];
+        if *number == u32::MAX {
+            *number = used.len() as u32;
+            used.push(corner as usize);
+        }
+    }
+    let list = |values: &mut dyn Iterator<Item = String>| values.collect::<Vec<_>>().join(",\n");
+    let place =
+        |i: &usize| pov.place(Vector3::from(surface.vertices[*i].map(f64::from)) + panel.shift);
+    let vertices = list(&mut used.iter().map(place));
+    let normal = |i: &usize| {
+        let [x, y, z] = surface.normals[*i];
+        format!("<{x:.4}, {y:.4}, {z:.4}>")
+    };
+    let corners = |t: &&[u32; 3]| {
+        // left-handed, as POV-Ray takes them: where the normals of all corners are one and the same it makes its own
+        let [a, b, c] = t.map(|i| numbers[i as usize]);
+        format!("<{a}, {c}, {b}>")
+    };
+    pov.line(format!("mesh2 {{\n vertex_vectors {{ {},", used.len()));
+    pov.line(vertices);
+    pov.line(format!(" }}\n normal_vectors {{ {},", used.len()));
+    pov.line(list(&mut used.iter().map(normal)));
+    pov.line(format!(" }}\n face_indices {{ {},", triangles.len()));
+    pov.line(list(&mut triangles.iter().map(corners)));
+    pov.line(
+        " }\n inside_vector z\n texture { Riprap_Water_Texture } \
+         interior_texture { Riprap_Water_Side } \
+         interior { Riprap_Water_Interior } hollow no_shadow\n}",
+    );
+}
+
+fn spheres(
+    pov: &mut Pov,
+    points: &[[f32; 3]],
+    radius: f64,
+    panel: &Panel,
+    texture: impl Fn(usize) -> String,
+) {
+    let radius = pov.length(radius);
+    for (i, point) in points.iter().enumerate().filter(|(_, p)| panel.contains(p)) {
+        let at = pov.place(Vector3::from(point.map(f64::from)) + panel.shift);
+        pov.line(format!(
+            "sphere {{ {at}, {radius} texture {{ {} }} }}",
+            texture(i)
+        ));
+    }
+}
+
+/// Time, strips and the range of colours.
+fn labels(pov: &mut Pov, setting: &Setting<'_>, time: f64, water: &Water) {
+    pov.line(format!(
+        "Riprap_Label(\"t = {time:.2} s\", -0.95, 0.88, 0.075)"
+    ));
+    for (words, (x, y)) in setting.camera.strip_labels() {
+        pov.line(format!(
+            "Riprap_Label({}, {}, {}, 0.05)",
+            string(&words),
+            number(x),
+            number(y)
+        ));
+    }
+    if let Water::Particles(_, Some(_)) = water {
+        pov.line(format!(
+            "Riprap_Speed_Bar(\"0\", \"{} m/s\")",
+            setting.speed_range
+        ));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_title_cannot_end_a_string_or_a_comment() {
+        assert_eq!(string("a \"b\"\n\\ é"), "\"a ?b??? ?\"");
+    }
+
+    #[test]
+    fn numbers_have_no_exponent() {
+        for x in [1e-9, -1e-20, 123_456_789.0, -0.0] {
+            let text = number(x).to_string();
+            assert!(!text.contains(['e', 'E']), "{text}");
+        }
+    }
+}

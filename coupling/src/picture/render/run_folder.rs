@@ -1,0 +1,231 @@
+//! Input of `render` from a run folder: read-only, and without blocking the run.
+
+use super::RenderError;
+use super::body::{Body, bodies};
+use crate::files::vtk::{self, PolyData, Values};
+use crate::scene::file::{ResolutionFile, SceneFile, ShapeFile};
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// A run folder that can be drawn.
+pub(crate) struct RunFolder {
+    /// The frozen scene.
+    pub scene: SceneFile,
+    /// Water files; empty without water.
+    pub water: Vec<Timed>,
+    /// Files of moving blocks; empty without.
+    pub blocks: Vec<Timed>,
+    /// Walls and slopes.
+    pub fixed: Vec<Body>,
+    /// Distance of particles as `summary.json` or the scene has it; m.
+    pub spacing: Option<f64>,
+    /// Faces left out because a corner is not finite.
+    pub skipped_faces: usize,
+}
+
+/// A file and the time it shows.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Timed {
+    /// s.
+    pub time: f64,
+    /// Where it is.
+    pub path: PathBuf,
+}
+
+/// Particles at one time.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Cloud {
+    /// Finite points; m.
+    pub points: Vec<[f32; 3]>,
+    /// One per point; m/s. `None` where the run did not write velocities.
+    pub speeds: Option<Vec<f32>>,
+    /// Points left out because a coordinate is not finite.
+    pub skipped: usize,
+}
+
+/// Reads what is the same in every frame, and which frames there are.
+pub(crate) fn open(folder: &Path) -> Result<RunFolder, RenderError> {
+    let case = folder.join("case.ron");
+    let scene = scene(&case)?;
+    let water = collection(&folder.join("water.pvd"))?;
+    let blocks = collection(&folder.join("blocks.pvd"))?;
+    if water.is_empty() && blocks.is_empty() {
+        return Err(RenderError::NoFrames {
+            folder: folder.to_owned(),
+        });
+    }
+    let fixed_path = folder.join("fixed_blocks.vtp");
+    let (mut fixed, skipped_faces) = if fixed_path.exists() {
+        bodies(&read(&fixed_path)?)
+    } else {
+        (Vec::new(), 0)
+    };
+    for body in &mut fixed {
+        let block = usize::try_from(body.id).ok();
+        let block = block.and_then(|id| scene.blocks.get(id));
+        body.is_terrain =
+            block.is_some_and(|b| matches!(b.shape, ShapeFile::Raster { .. } | ShapeFile::Terrain));
+    }
+    let spacing = spacing(&folder.join("summary.json"), &scene)?;
+    Ok(RunFolder {
+        scene,
+        water,
+        blocks,
+        fixed,
+        spacing,
+        skipped_faces,
+    })
+}
+
+impl RunFolder {
+    /// The files that give frames their numbers: the water, or without it the blocks.
+    pub fn frames(&self) -> &[Timed] {
+        if self.water.is_empty() {
+            &self.blocks
+        } else {
+            &self.water
+        }
+    }
+
+    /// The particles of a frame.
+    pub fn cloud(&self, frame: usize) -> Result<Cloud, RenderError> {
+        match self.water.get(frame) {
+            Some(file) => Ok(cloud(&read(&file.path)?)),
+            None => Ok(Cloud::default()),
+        }
+    }
+
+    /// The moving blocks at the time nearest to `time`, and the faces left out.
+    pub fn blocks_at(&self, time: f64) -> Result<(Vec<Body>, usize), RenderError> {
+        let distance = |file: &&Timed| (file.time - time).abs();
+        match self
+            .blocks
+            .iter()
+            .min_by(|a, b| distance(a).total_cmp(&distance(b)))
+        {
+            Some(file) => Ok(bodies(&read(&file.path)?)),
+            None => Ok((Vec::new(), 0)),
+        }
+    }
+}
+
+fn read_text(path: &Path) -> Result<String, RenderError> {
+    fs::read_to_string(path).map_err(|source| RenderError::Read {
+        path: path.to_owned(),
+        source,
+    })
+}
+
+fn read(path: &Path) -> Result<PolyData, RenderError> {
+    vtk::read(path).map_err(|error| RenderError::BadFile {
+        path: path.to_owned(),
+        reason: error.to_string(),
+    })
+}
+
+fn scene(path: &Path) -> Result<SceneFile, RenderError> {
+    let options =
+        ron::Options::default().with_default_extension(ron::extensions::Extensions::IMPLICIT_SOME);
+    options
+        .from_str(&read_text(path)?)
+        .map_err(|error| RenderError::BadFile {
+            path: path.to_owned(),
+            reason: error.to_string(),
+        })
+}
+
+/// Distance of particles: of the summary, which a running job does not have yet, or of the scene.
+fn spacing(summary: &Path, scene: &SceneFile) -> Result<Option<f64>, RenderError> {
+    let of_summary = if summary.exists() {
+        let value: serde_json::Value =
+            serde_json::from_str(&read_text(summary)?).map_err(|error| RenderError::BadFile {
+                path: summary.to_owned(),
+                reason: error.to_string(),
+            })?;
+        value
+            .get("particle_spacing")
+            .and_then(serde_json::Value::as_f64)
+    } else {
+        None
+    };
+    let of_scene = || match scene.fluid.as_ref()?.resolution {
+        ResolutionFile::Spacing(spacing) => Some(spacing),
+        ResolutionFile::Count(_) => None,
+    };
+    let is_usable = |s: &f64| s.is_finite() && 0.0 < *s;
+    Ok(of_summary
+        .filter(is_usable)
+        .or_else(of_scene)
+        .filter(is_usable))
+}
+
+fn cloud(data: &PolyData) -> Cloud {
+    let velocity = data
+        .point_data
+        .iter()
+        .find(|a| a.name == "Velocity" && a.components == 3);
+    let speed = |values: &Values, i: usize| -> Option<f32> {
+        let norm = |v: [f64; 3]| v.iter().map(|x| x * x).sum::<f64>().sqrt() as f32;
+        let at = 3 * i..3 * i + 3;
+        match values {
+            Values::F32(v) => <[f32; 3]>::try_from(v.get(at)?)
+                .ok()
+                .map(|v| norm(v.map(f64::from))),
+            Values::F64(v) => <[f64; 3]>::try_from(v.get(at)?).ok().map(norm),
+            Values::I32(_) => None,
+        }
+    };
+    let is_finite: Vec<bool> = data
+        .points
+        .iter()
+        .map(|p| p.iter().all(|x| x.is_finite()))
+        .collect();
+    let kept = || (0..data.points.len()).filter(|&i| is_finite[i]);
+    Cloud {
+        points: kept().map(|i| data.points[i]).collect(),
+        // A speed that is not finite is drawn as still water; its particle has a place all the same.
+        speeds: velocity.map(|a| {
+            let finite = |s: &f32| s.is_finite();
+            kept()
+                .map(|i| speed(&a.values, i).filter(finite).unwrap_or(0.0))
+                .collect()
+        }),
+        skipped: is_finite.iter().filter(|&&f| !f).count(),
+    }
+}
+
+/// The files of a ParaView collection; none when it does not exist.
+///
+/// Only what riprap's own writer puts there is understood: one `DataSet` element per file.
+fn collection(path: &Path) -> Result<Vec<Timed>, RenderError> {
+    if !path.exists() {
+        return Ok(Vec::new());
+    }
+    let text = read_text(path)?;
+    let folder = path.parent().unwrap_or(Path::new("."));
+    let bad = |element: &str| RenderError::BadFile {
+        path: path.to_owned(),
+        reason: format!("no time or file in <DataSet{element}"),
+    };
+    text.split("<DataSet")
+        .skip(1)
+        .map(|rest| {
+            let element = rest.split_inclusive('>').next().unwrap_or(rest);
+            let time = attribute(element, "timestep").and_then(|t| t.parse::<f64>().ok());
+            let file = attribute(element, "file");
+            let (Some(time), Some(file)) = (time.filter(|t| t.is_finite()), file) else {
+                return Err(bad(element));
+            };
+            Ok(Timed {
+                time,
+                path: folder.join(file),
+            })
+        })
+        .collect()
+}
+
+/// The value of `name="value"`.
+fn attribute<'a>(element: &'a str, name: &str) -> Option<&'a str> {
+    let (_, rest) = element.split_once(&format!(" {name}=\""))?;
+    rest.split_once('"').map(|(value, _)| value)
+}

@@ -1,0 +1,108 @@
+//! Packing: where walls run askew to the water's lattice, its particles are spread evenly between them before
+//! the run.
+//!
+//! A lattice cut along a slanted wall leaves gaps and crowds of up to a spacing: still water falls into them
+//! and stirs itself, and a body seems larger or smaller than it is. Here its particles move towards where they
+//! are sparse, walls and water counted alike, until they no longer get anywhere; a mould of more lattice above
+//! the level keeps the surface where it is. Where the lattice fits, nothing moves.
+
+use riprap_dda::{BlockDefinition, Blocks};
+use riprap_sph::{Fluid, FluidError, Start, Vec3};
+
+use crate::scene::resolve::FluidScene;
+use crate::walls::Walls;
+use crate::walls::penalty::Interface;
+
+/// Largest `h |∇C|` that counts as even.
+const EVEN: f64 = 1e-3;
+/// Rounds at most: unevenness spreads over some ten spacings.
+const MOST_ROUNDS: usize = 200;
+
+/// The start of the water, packed, and which of its particles are in it: where a shore is too shallow for all of them some
+/// would stand above the level.
+///
+/// # Errors
+///
+/// [`FluidError`] for settings that are out of range.
+pub fn packed(
+    water: &FluidScene,
+    definitions: &[BlockDefinition],
+    blocks: &Blocks,
+) -> Result<(Start, Vec<u32>), FluidError> {
+    let lattice = &water.lattice;
+    let mut start = Start {
+        positions: lattice.positions.clone(),
+        velocities: lattice.velocities.clone(),
+        pressures: water.pressures.clone(),
+    };
+    let n = start.positions.len();
+    let all = (0..n as u32).collect();
+    if lattice.mould.is_empty() {
+        return Ok((start, all));
+    }
+    let mut settings = water.settings.clone();
+    let support = settings.support_radius();
+    let (_, top) = &mut settings.domain;
+    top.z = lattice.mould.iter().fold(top.z, |top, x| top.max(x.z)) + support;
+    let positions: Vec<Vec3> = [&lattice.positions, &lattice.mould]
+        .into_iter()
+        .flatten()
+        .copied()
+        .collect();
+    let is_free = |(x, &region): (&Vec3, &u32)| {
+        lattice.is_packed[region as usize] && !water.openings.has_near(x, support)
+    };
+    let particles = lattice.positions.iter().zip(&lattice.region);
+    let is_free: Vec<bool> = particles.map(is_free).collect();
+    let at_rest = Start {
+        velocities: vec![Vec3::zeros(); positions.len()],
+        positions,
+        pressures: Vec::new(),
+    };
+    let mut fluid = Fluid::new(at_rest, settings)?;
+    let Some(mut walls) = Walls::new(water.wall_method, definitions, blocks, &fluid, water.slip)
+    else {
+        return Ok((start, all));
+    };
+    let mut interface = Interface::new(water.walls, blocks, &fluid);
+    for _ in 0..MOST_ROUNDS {
+        fluid.refresh();
+        interface.find(&fluid, blocks);
+        // into a sharp corner nothing but the surface itself keeps them from going on
+        for intruder in interface.intruders(&fluid, blocks) {
+            fluid.replace(intruder.particle as usize, intruder.clear, Vec3::zeros());
+        }
+        fluid.refresh();
+        walls.find(&mut fluid);
+        fluid.update_spread();
+        walls.add_spreads(&mut fluid);
+        if fluid.even_out(|id| is_free.get(id as usize) != Some(&true)) < EVEN {
+            break;
+        }
+    }
+    let particles = fluid.particles();
+    let weight = water.settings.gravity * water.settings.reference_density;
+    for (x, &id) in particles.position.iter().zip(&particles.id) {
+        let a = id as usize;
+        if n <= a {
+            continue;
+        }
+        // one and the same hydrostatic pressure field at the new place
+        start.pressures[a] = (start.pressures[a] + weight.dot(&(x - start.positions[a]))).max(0.0);
+        start.positions[a] = *x;
+    }
+    let height = water.settings.particle_spacing[2];
+    let mut levels = vec![f64::NEG_INFINITY; lattice.is_packed.len()];
+    for (x, &region) in lattice.positions.iter().zip(&lattice.region) {
+        let level = &mut levels[region as usize];
+        *level = level.max(x.z + 0.5 * height);
+    }
+    let is_below = |a: usize| start.positions[a].z <= levels[lattice.region[a] as usize];
+    let kept: Vec<usize> = (0..n).filter(|&a| is_below(a)).collect();
+    let start = Start {
+        positions: kept.iter().map(|&a| start.positions[a]).collect(),
+        velocities: kept.iter().map(|&a| start.velocities[a]).collect(),
+        pressures: kept.iter().map(|&a| start.pressures[a]).collect(),
+    };
+    Ok((start, kept.into_iter().map(|a| a as u32).collect()))
+}

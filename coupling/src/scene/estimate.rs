@@ -1,0 +1,268 @@
+//! Memory: what a run will need, and what the machine has.
+//!
+//! The estimate uses the checked scene alone, before its world is built. The numbers are measured peaks of short runs
+//! (see `tests/coupling/hostile.rs`), each rounded up, so that the sum is an upper bound.
+
+use riprap_dda::{Motion, Polyhedron, Shape};
+use riprap_sph::{Dimensions, Vec3};
+
+use crate::scene::error::Problem;
+use crate::scene::resolve::{FluidScene, Scene};
+use crate::walls::WallMethod;
+
+/// Bytes of the program by itself; with water.
+const PROGRAM: [f64; 2] = [13e6, 20e6];
+/// Bytes for each particle of water, without its list of neighbours: the start, the state, sorted copies, what is written.
+pub const PER_PARTICLE: f64 = 700.0;
+/// Bytes more for each where water may sleep: where it was at rest, what it is doing, what rates are summed from.
+const PER_SLEEPING_PARTICLE: f64 = 110.0;
+/// Bytes for each neighbour in a list, with what lists are longer by than they are full.
+const PER_NEIGHBOR: f64 = 6.0;
+/// Lists reach farther than the support by this share of it.
+const LARGEST_SKIN: f64 = 0.1;
+/// Bytes for each particle of a wall.
+const PER_WALL_PARTICLE: f64 = 280.0;
+/// Bytes for each block, at least.
+pub const PER_BLOCK: f64 = 3000.0;
+/// Bytes more for each that moves: its contacts, and its row in what is written.
+const PER_MOVING_BLOCK: f64 = 10e3;
+/// Bytes for each corner of a polyhedron: of the scene, of the solver, of what is written.
+const PER_CORNER: f64 = 5600.0;
+/// Bytes for each ball, which is written as a fine mesh.
+const PER_BALL: f64 = 17e3;
+/// Bytes more for each of the first so many balls.
+const FIRST_BALLS: (f64, f64) = (500.0, 36e3);
+/// Bytes for each triangle of a surface.
+const PER_TRIANGLE: f64 = 900.0;
+
+/// Memory required by a run; bytes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Estimate {
+    /// The program by itself.
+    pub program: f64,
+    /// Particles of water, with their lists of neighbours.
+    pub water: f64,
+    /// Particles of walls.
+    pub walls: f64,
+    /// Blocks, surfaces and contacts.
+    pub blocks: f64,
+}
+
+impl Estimate {
+    /// Of a checked scene.
+    pub fn of(scene: &Scene) -> Self {
+        let program = PROGRAM[usize::from(scene.fluid.is_some())];
+        let blocks = blocks(scene);
+        match &scene.fluid {
+            None => Self {
+                program,
+                water: 0.0,
+                walls: 0.0,
+                blocks,
+            },
+            Some(fluid) => Self {
+                program,
+                water: water(fluid),
+                walls: PER_WALL_PARTICLE * wall_particles(scene, fluid),
+                blocks,
+            },
+        }
+    }
+
+    /// All together; bytes.
+    pub fn total(&self) -> f64 {
+        self.program + self.water + self.walls + self.blocks
+    }
+
+    /// Why a run does not fit into the memory there is, if it does not.
+    pub fn refusal(&self, available: Option<Available>) -> Option<Problem> {
+        let available = available?.bytes as f64;
+        if self.total() <= available {
+            return None;
+        }
+        let (path, remedy) = if self.blocks <= self.water + self.walls {
+            ("fluid.resolution", "coarsen `fluid.resolution`")
+        } else {
+            ("blocks", "take fewer or simpler blocks")
+        };
+        Some(Problem::error(
+            path,
+            format!(
+                "the run needs {}; the machine has {:.3} GB: {remedy}",
+                self,
+                available / 1e9
+            ),
+        ))
+    }
+}
+
+impl std::fmt::Display for Estimate {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let megabytes = |bytes: f64| (bytes / 1e6).ceil();
+        write!(f, "up to {:.0} MB", megabytes(self.total()))?;
+        let parts = [
+            ("water", self.water),
+            ("walls", self.walls),
+            ("blocks", self.blocks),
+        ];
+        let mut before = ": ";
+        for (what, bytes) in parts.into_iter().filter(|(_, bytes)| *bytes > 0.0) {
+            write!(f, "{before}{what} {:.0}", megabytes(bytes))?;
+            before = ", ";
+        }
+        Ok(())
+    }
+}
+
+fn water(fluid: &FluidScene) -> f64 {
+    let settings = &fluid.settings;
+    let reach = (1.0 + LARGEST_SKIN) * settings.support_radius();
+    let [dx, dy, dz] = settings.particle_spacing;
+    let neighbors = match settings.dimensions {
+        Dimensions::Three => 4.0 / 3.0 * std::f64::consts::PI * reach.powi(3) / (dx * dy * dz),
+        Dimensions::Two { .. } => std::f64::consts::PI * reach.powi(2) / (dx * dz),
+    };
+    // what holds the surface while water is packed against its walls is given back before the run
+    let particles = (fluid.lattice.positions.len() + fluid.lattice.mould.len()) as f64;
+    let sleeping = fluid.sleeping.map_or(0.0, |_| PER_SLEEPING_PARTICLE);
+    particles * (PER_PARTICLE + sleeping + PER_NEIGHBOR * neighbors)
+}
+
+/// No more than there will be: the points of a solid are those of its part in reach of the domain, and not deeper in it
+/// than the support.
+///
+/// ```text
+/// n = min(V, A R)/s³
+/// ```
+fn wall_particles(scene: &Scene, fluid: &FluidScene) -> f64 {
+    if fluid.wall_method != WallMethod::Particles {
+        return 0.0;
+    }
+    let settings = &fluid.settings;
+    let support = settings.support_radius();
+    let (mut min, mut max) = settings.domain;
+    (min, max) = (min.add_scalar(-support), max.add_scalar(support));
+    let spacing = fluid.walls.particle_spacing;
+    let is_plane = matches!(settings.dimensions, Dimensions::Two { .. });
+    if is_plane {
+        // one row across
+        let middle = 0.5 * (min.y + max.y);
+        (min.y, max.y) = (middle - 0.5 * spacing, middle + 0.5 * spacing);
+    }
+    let layer = |(low, high): (Vec3, Vec3), (volume, area): (f64, f64)| {
+        let extent = (high.inf(&max) - low.sup(&min)).map(|length| length.max(0.0));
+        let (x, y, z) = (extent.x, extent.y, extent.z);
+        // a convex body has less surface than one around it
+        let (across, around) = (x * z, (x + z) * y);
+        let area = if is_plane {
+            2.0 * around
+        } else {
+            area.min(2.0 * (across + around))
+        };
+        // a row more where a wall begins
+        volume.min(extent.product()).min(area * (support + spacing))
+    };
+    let of_shape = |shape: &Shape| match shape {
+        Shape::Polyhedra(parts) => {
+            let of_part = |part: &Polyhedron| {
+                layer(part.aabb(), (riprap_dda::volume(part), surface_area(part)))
+            };
+            parts.iter().map(of_part).sum()
+        }
+        Shape::Sphere { radius, .. } => layer(
+            shape.aabb(),
+            (shape.volume(), 4.0 * std::f64::consts::PI * radius * radius),
+        ),
+        Shape::Surface(surface) => {
+            let corner = |v: u32| surface.vertices()[v as usize];
+            let triangles = surface.triangles().iter();
+            let near = triangles.filter_map(|&[a, b, c]| {
+                let (a, b, c) = (corner(a), corner(b), corner(c));
+                let (low, high) = (a.inf(&b).inf(&c), a.sup(&b).sup(&c));
+                let meets = (0..3).all(|k| low[k] <= max[k] && min[k] <= high[k]);
+                meets.then(|| 0.5 * (b - a).cross(&(c - a)).norm())
+            });
+            near.sum::<f64>() * (support + spacing)
+        }
+    };
+    let volume: f64 = scene
+        .blocks
+        .iter()
+        .map(|block| of_shape(&block.shape))
+        .sum();
+    volume / spacing.powi(3)
+}
+
+/// m².
+fn surface_area(body: &Polyhedron) -> f64 {
+    (0..body.n_faces())
+        .map(|face| riprap_dda::face_area(body, face))
+        .sum()
+}
+
+fn blocks(scene: &Scene) -> f64 {
+    let of_shape = |shape: &Shape| match shape {
+        Shape::Polyhedra(parts) => {
+            let corners: usize = parts.iter().map(|part| part.vertices().len()).sum();
+            PER_CORNER * corners as f64
+        }
+        Shape::Sphere { .. } => PER_BALL,
+        Shape::Surface(surface) => PER_TRIANGLE * surface.triangles().len() as f64,
+    };
+    let is_ball = |shape: &Shape| matches!(shape, Shape::Sphere { .. });
+    let balls = scene.blocks.iter().filter(|block| is_ball(&block.shape));
+    let (first, each) = FIRST_BALLS;
+    let all: f64 = scene
+        .blocks
+        .iter()
+        .map(|block| {
+            let moving = match block.motion {
+                Motion::Fixed => 0.0,
+                Motion::Free | Motion::Prescribed(_) => PER_MOVING_BLOCK,
+            };
+            PER_BLOCK + moving + of_shape(&block.shape)
+        })
+        .sum();
+    all + (balls.count() as f64).min(first) * each
+}
+
+/// Memory that a run may take.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Available {
+    /// Bytes.
+    pub bytes: u64,
+}
+
+/// Memory that the system could give to this process: what is free, or its group's limit where that is lower. `None`
+/// where the system does not tell.
+pub fn available() -> Option<Available> {
+    // Linux: "MemAvailable:   12345 kB"
+    let free = std::fs::read_to_string("/proc/meminfo")
+        .ok()
+        .and_then(|text| {
+            let line = text
+                .lines()
+                .find(|line| line.starts_with("MemAvailable:"))?;
+            line.split_whitespace().nth(1)?.parse::<u64>().ok()
+        });
+    // second, then first version of control groups; "max" is no number and no limit
+    let limits = [
+        "/sys/fs/cgroup/memory.max",
+        "/sys/fs/cgroup/memory/memory.limit_in_bytes",
+    ];
+    let limit = limits
+        .iter()
+        .filter_map(|path| {
+            std::fs::read_to_string(path)
+                .ok()?
+                .trim()
+                .parse::<u64>()
+                .ok()
+        })
+        .min();
+    free.map(|kib| kib.saturating_mul(1024))
+        .into_iter()
+        .chain(limit)
+        .min()
+        .map(|bytes| Available { bytes })
+}

@@ -1,0 +1,343 @@
+//! Which runs a study asks for, each with the scene that it is and a key by which it is found again.
+
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+
+use super::file::{DesignFile, KnobFile, StudyFile, TruthFile};
+use super::results::Found;
+use super::search;
+use crate::build_info::COMMIT;
+use crate::scene;
+use crate::scene::error::{Problem, SceneError};
+use crate::scene::estimate::Estimate;
+use crate::scene::parse::{self, Override};
+use crate::scene::resolve::Scene;
+
+/// Most runs that a study may ask for: more is a slip of the pen.
+const MOST_RUNS: usize = 10_000;
+
+/// A study that was read and makes sense.
+#[derive(Clone, Debug)]
+pub struct Study {
+    /// As written.
+    pub file: StudyFile,
+    /// Where it stands.
+    pub path: PathBuf,
+    /// For errors in their place.
+    text: String,
+    /// Runs in the order of the design: the first has the first value of every knob.
+    pub runs: Vec<Planned>,
+}
+
+/// A run of a study.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Planned {
+    /// Which value of each knob.
+    pub choice: Vec<usize>,
+    /// Overrides, in order.
+    pub overrides: Vec<Override>,
+    /// Number of the block that the output is of, where it is of one.
+    pub block: Option<usize>,
+    /// Equal for equal scenes and programs, and the name of the run's folder.
+    pub key: String,
+    /// Expected to be held; bytes.
+    pub memory: u64,
+}
+
+impl Study {
+    /// Reads a study and resolves the scenes that it asks for.
+    ///
+    /// # Errors
+    ///
+    /// [`SceneError`] with every problem in its place, in the study or in the scene that a value makes.
+    pub fn load(path: &Path) -> Result<Self, SceneError> {
+        let (file, text) = read(path)?;
+        Self::of(file, path, text)
+    }
+
+    /// A study that stands at a path and says this; resolves the scenes that it asks for.
+    ///
+    /// # Errors
+    ///
+    /// [`SceneError`] with every problem of the scenes, in its place in the text.
+    pub fn of(file: StudyFile, path: &Path, text: String) -> Result<Self, SceneError> {
+        let first = choices(&file);
+        let mut study = Self {
+            file,
+            path: path.to_owned(),
+            text,
+            runs: Vec::new(),
+        };
+        study.add(first)?;
+        Ok(study)
+    }
+
+    /// Adds runs with these values of the knobs.
+    ///
+    /// # Errors
+    ///
+    /// [`SceneError`] with every scene that cannot be, and by which value.
+    pub fn add(&mut self, choices: Vec<Vec<usize>>) -> Result<(), SceneError> {
+        let case = self.case();
+        let mut problems = Vec::new();
+        for choice in choices {
+            match planned(&self.file, &case, &choice) {
+                Ok(run) => self.runs.push(run),
+                Err((path, message)) => problems.push(Problem::error(path, message)),
+            }
+        }
+        if problems.is_empty() {
+            return Ok(());
+        }
+        let name = self.path.display().to_string();
+        Err(SceneError::from_problems(&name, &self.text, problems))
+    }
+
+    /// Values of the knobs of the runs to add to those of which this was found; none where the design has no more.
+    pub fn next(&self, all: &[Found]) -> Vec<Vec<usize>> {
+        let DesignFile::Search { runs } = self.file.design else {
+            return Vec::new();
+        };
+        let knobs = self.file.knobs.iter();
+        let n_values: Vec<usize> = knobs.map(|knob| knob.values.len()).collect();
+        search::next(&n_values, all, runs.saturating_sub(self.runs.len()))
+    }
+
+    /// The folder from which its files are named.
+    pub fn folder(&self) -> &Path {
+        self.path.parent().unwrap_or(Path::new("."))
+    }
+
+    /// The scene that all runs start from.
+    pub fn case(&self) -> PathBuf {
+        self.folder().join(&self.file.case)
+    }
+}
+
+/// Reads a study by itself, and its text.
+///
+/// # Errors
+///
+/// [`SceneError`] with every problem in its place.
+pub fn read(path: &Path) -> Result<(StudyFile, String), SceneError> {
+    let name = path.display().to_string();
+    let text = std::fs::read_to_string(path).map_err(|error| {
+        let message = format!("cannot read the study: {error}");
+        SceneError::from_problems(&name, "", vec![Problem::error("", message)])
+    })?;
+    Ok((read_text(&name, &text)?, text))
+}
+
+/// The study written in a text, called `name` in messages.
+///
+/// # Errors
+///
+/// As [`read`].
+pub fn read_text(name: &str, text: &str) -> Result<StudyFile, SceneError> {
+    let file: StudyFile = parse::read_as(text)
+        .map_err(|error| SceneError::at_span(name, text, error.span, error.message))?;
+    let problems = problems(&file);
+    if problems.is_empty() {
+        Ok(file)
+    } else {
+        Err(SceneError::from_problems(name, text, problems))
+    }
+}
+
+/// Problems of a study, without its scene.
+fn problems(study: &StudyFile) -> Vec<Problem> {
+    let mut found = Vec::new();
+    let mut refuse = |path: String, message: String| found.push(Problem::error(path, message));
+    if study.knobs.is_empty() {
+        refuse("knobs".into(), "a study needs a knob at least".into());
+    }
+    for (k, knob) in study.knobs.iter().enumerate() {
+        if knob.values.is_empty() {
+            let message = format!("knob `{}` has no values", knob.name);
+            refuse(format!("knobs[{k}].values"), message);
+        }
+        if study.knobs[..k].iter().any(|other| other.name == knob.name) {
+            let message = format!("there are two knobs `{}`", knob.name);
+            refuse(format!("knobs[{k}].name"), message);
+        }
+        for (v, value) in knob.values.iter().enumerate() {
+            let is_double = knob.values[..v]
+                .iter()
+                .any(|other| other.name == value.name);
+            if is_double {
+                let message = format!("knob `{}` has two values `{}`", knob.name, value.name);
+                refuse(format!("knobs[{k}].values[{v}].name"), message);
+            }
+            for (s, text) in value.set.iter().enumerate() {
+                if let Err(message) = Override::from_str(text) {
+                    refuse(format!("knobs[{k}].values[{v}].set[{s}]"), message);
+                }
+            }
+        }
+    }
+    for (s, text) in study.set.iter().enumerate() {
+        if let Err(message) = Override::from_str(text) {
+            refuse(format!("set[{s}]"), message);
+        }
+    }
+    match &study.truth {
+        TruthFile::Finest { knob } => match study.knobs.iter().find(|k| k.name == *knob) {
+            None => {
+                let names: Vec<&str> = study.knobs.iter().map(|k| k.name.as_str()).collect();
+                let hint = parse::suggestion(knob, &names);
+                refuse(
+                    "truth.knob".into(),
+                    format!("no knob is called `{knob}`{hint}"),
+                );
+            }
+            Some(knob) if finest(knob).is_none() => {
+                let message = format!(
+                    "the values of `{}` do not say what they are `at`",
+                    knob.name
+                );
+                refuse("truth.knob".into(), message);
+            }
+            Some(_) => {}
+        },
+        TruthFile::Value { value, scale, .. } => {
+            if let Some(message) = no_scale(*value, *scale) {
+                refuse("truth".into(), message);
+            }
+        }
+        TruthFile::Closed { form, scale } => {
+            if let Some(message) = no_scale(form.value(), *scale) {
+                refuse("truth".into(), message);
+            }
+        }
+        TruthFile::Record { .. } => {}
+    }
+    let is_record = matches!(study.truth, TruthFile::Record { .. });
+    if is_record != study.output.take.is_none() {
+        let message = match is_record {
+            true => "the truth is a record: it takes the whole column, leave `take` out",
+            false => "say what becomes of the column, such as take: Maximum(from: 0, to: 5)",
+        };
+        refuse("output".into(), message.into());
+    }
+    let n_runs = match study.design {
+        DesignFile::OneAtATime => 1,
+        DesignFile::Search { runs } => runs,
+        DesignFile::FullGrid => {
+            let sizes = study.knobs.iter().map(|knob| knob.values.len());
+            sizes.fold(1_usize, usize::saturating_mul)
+        }
+    };
+    if MOST_RUNS < n_runs {
+        refuse(
+            "design".into(),
+            format!("{n_runs} runs; at most {MOST_RUNS}"),
+        );
+    }
+    found
+}
+
+/// Why errors cannot be relative to a truth or its scale, if they cannot.
+fn no_scale(truth: f64, scale: Option<f64>) -> Option<String> {
+    match scale {
+        _ if !truth.is_finite() => Some(format!("the truth is {truth}, which is no number")),
+        Some(0.0) => Some("`scale` is 0, errors are relative to it: give another".to_owned()),
+        None if truth == 0.0 => {
+            Some("the truth is 0, errors are relative to it: give a `scale`".to_owned())
+        }
+        _ => None,
+    }
+}
+
+/// The value of a knob that is finest.
+pub(super) fn finest(knob: &KnobFile) -> Option<usize> {
+    let at: Option<Vec<f64>> = knob.values.iter().map(|value| value.at).collect();
+    let at = at?;
+    (0..at.len()).min_by(|&a, &b| at[a].total_cmp(&at[b]))
+}
+
+/// Values of the knobs of all runs, in order.
+fn choices(study: &StudyFile) -> Vec<Vec<usize>> {
+    let n = study.knobs.len();
+    match study.design {
+        DesignFile::OneAtATime | DesignFile::Search { .. } => {
+            let mut all = vec![vec![0; n]];
+            for (k, knob) in study.knobs.iter().enumerate() {
+                for value in 1..knob.values.len() {
+                    let mut choice = vec![0; n];
+                    choice[k] = value;
+                    all.push(choice);
+                }
+            }
+            all
+        }
+        DesignFile::FullGrid => study.knobs.iter().fold(vec![Vec::new()], |all, knob| {
+            let longer = |choice: Vec<usize>| {
+                (0..knob.values.len()).map(move |value| {
+                    let mut choice = choice.clone();
+                    choice.push(value);
+                    choice
+                })
+            };
+            all.into_iter().flat_map(longer).collect()
+        }),
+    }
+}
+
+/// A run, or where and why there is none.
+fn planned(study: &StudyFile, case: &Path, choice: &[usize]) -> Result<Planned, (String, String)> {
+    let chosen = study.knobs.iter().zip(choice);
+    let of_values = chosen.flat_map(|(knob, &value)| &knob.values[value].set);
+    let overrides: Result<Vec<Override>, String> = study
+        .set
+        .iter()
+        .chain(of_values)
+        .map(|text| Override::from_str(text))
+        .collect();
+    // the value that is not the first is what the run is about
+    let place = match (0..choice.len()).rfind(|&k| choice[k] != 0) {
+        Some(k) => format!("knobs[{k}].values[{}]", choice[k]),
+        None => "case".to_owned(),
+    };
+    let overrides = overrides.map_err(|message| (place.clone(), message))?;
+    let (scene, _) =
+        scene::load(case, &overrides).map_err(|error| (place.clone(), error.to_string()))?;
+    let block = match &study.output.block {
+        None => None,
+        Some(name) => {
+            let names: Vec<&str> = scene.file.blocks.iter().map(|b| b.name.as_str()).collect();
+            let found = names.iter().position(|other| other == name);
+            let unknown = || {
+                let hint = parse::suggestion(name, &names);
+                (
+                    "output.block".to_owned(),
+                    format!("no block is called `{name}`{hint}"),
+                )
+            };
+            Some(found.ok_or_else(unknown)?)
+        }
+    };
+    let key = key(&scene, case).map_err(|message| (place, message))?;
+    Ok(Planned {
+        choice: choice.to_vec(),
+        overrides,
+        block,
+        key,
+        memory: Estimate::of(&scene).total() as u64,
+    })
+}
+
+/// Of the scene with every default written out, the files that it names, and the program.
+fn key(scene: &Scene, case: &Path) -> Result<String, String> {
+    let text = parse::write(&scene.file).map_err(|error| error.to_string())?;
+    let mut hasher = blake3::Hasher::new();
+    hasher.update(text.as_bytes());
+    hasher.update(COMMIT.as_bytes());
+    let folder = case.parent().unwrap_or(Path::new("."));
+    for file in scene.file.referenced_files() {
+        let path = folder.join(file);
+        let bytes = std::fs::read(&path)
+            .map_err(|error| format!("cannot read {}: {error}", path.display()))?;
+        hasher.update(&bytes);
+    }
+    Ok(hasher.finalize().to_hex()[..16].to_owned())
+}

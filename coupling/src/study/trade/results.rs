@@ -1,0 +1,404 @@
+//! Results of a study: value, error and cost of each run, `trade.csv` and `front.csv`.
+
+use std::io;
+use std::path::Path;
+
+use serde::Deserialize;
+
+use super::execute::{ended, folder_of};
+use super::file::{StudyFile, TruthFile};
+use super::front::{Point, error_per_doubling, front};
+use super::plan::{Planned, Study, finest};
+use crate::files::table::{TableData, TableError, read_table};
+use crate::study::compare::{Options, Series, compare_files};
+
+/// Pair interactions that cost as much as the update of one contact between blocks, by the speeds in benches/RESULTS.md:
+/// 3e8 pairs and 3e5 contacts a second and core.
+const PAIRS_PER_CONTACT: f64 = 1e3;
+
+/// A run with what it found.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Found {
+    /// Which value of each knob.
+    pub choice: Vec<usize>,
+    /// Of its folder.
+    pub key: String,
+    /// The number that the study is about; none of a run that did not reach it, or where the truth is a record.
+    pub value: Option<f64>,
+    /// Relative; none of what has no value, and of the truth itself.
+    pub error: Option<f64>,
+    /// Whether the run reached its end.
+    pub is_stable: bool,
+    /// Error message of an incomplete run.
+    pub message: String,
+    /// Cost of the run.
+    pub cost: Cost,
+}
+
+/// Cost of a run.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
+#[serde(default)]
+pub struct Cost {
+    /// On one thread, settling and output included; s.
+    pub wall_time: f64,
+    /// Largest memory held; bytes.
+    pub peak_memory: f64,
+    /// Steps.
+    pub steps: f64,
+    /// Particles times steps.
+    pub particle_steps: f64,
+    /// Ordered neighbour pairs evaluated.
+    pub pair_interactions: f64,
+    /// Contact points evaluated.
+    pub contact_updates: f64,
+}
+
+/// One of the costs of a run.
+pub type CostOf = fn(&Cost) -> f64;
+
+impl Cost {
+    /// The same on any machine: pair interactions, and contacts as so many of them.
+    pub fn work(&self) -> f64 {
+        self.pair_interactions + PAIRS_PER_CONTACT * self.contact_updates
+    }
+}
+
+/// Reads what the runs of a study left; those that have not ended are not there.
+pub fn collect(study: &Study, runs: &Path) -> Vec<Found> {
+    let ended_runs = study.runs.iter().filter_map(|run| {
+        let folder = folder_of(runs, run);
+        Some((run, ended(&folder)?, folder))
+    });
+    let mut all: Vec<Found> = ended_runs
+        .map(|(run, ended, folder)| {
+            let judged = match ended.completed {
+                true => judge(&study.file, study.folder(), run.block, &folder),
+                false => Err(ended.message),
+            };
+            let (value, error, message) = match judged {
+                Ok((value, error)) => (value, error, String::new()),
+                Err(message) => (None, None, message),
+            };
+            Found {
+                choice: run.choice.clone(),
+                key: run.key.clone(),
+                value,
+                error,
+                is_stable: ended.completed,
+                message,
+                cost: cost(&folder),
+            }
+        })
+        .collect();
+    judge_by_finest(study, &mut all);
+    all
+}
+
+/// Value and error of a run by itself: of a study in a folder, of a block, in the folder of the run.
+///
+/// # Errors
+///
+/// Why it has none.
+pub fn judge(
+    study: &StudyFile,
+    study_folder: &Path,
+    block: Option<usize>,
+    folder: &Path,
+) -> Result<(Option<f64>, Option<f64>), String> {
+    let output = &study.output;
+    let path = folder.join(&output.file);
+    let value = || {
+        let mut table = read_table(&path).map_err(|error| error.to_string())?;
+        if let Some(block) = block {
+            table = of_block(table, block).map_err(|error| error.to_string())?;
+        }
+        let series =
+            Series::from_table(&table, &output.column).map_err(|error| error.to_string())?;
+        let taken = output.take.and_then(|take| take.of(&series));
+        taken.ok_or_else(|| format!("`{}` does not hold what is asked of it", output.column))
+    };
+    let relative = |truth: f64, scale: &Option<f64>| {
+        let value = value()?;
+        let scale = scale.unwrap_or(truth).abs();
+        Ok((Some(value), Some((value - truth).abs() / scale)))
+    };
+    match &study.truth {
+        TruthFile::Value { value, scale, .. } => relative(*value, scale),
+        TruthFile::Closed { form, scale } => relative(form.value(), scale),
+        TruthFile::Finest { .. } => Ok((Some(value()?), None)),
+        TruthFile::Record {
+            file,
+            shift,
+            window,
+        } => {
+            let options = Options {
+                shift: *shift,
+                from: window.map(|(from, _)| from),
+                to: window.map(|(_, to)| to),
+                ..Options::default()
+            };
+            let record = study_folder.join(file);
+            let reports = compare_files(&path, &record, Some(&output.column), options)
+                .map_err(|error| error.to_string())?;
+            let error = reports
+                .first()
+                .and_then(|one| one.comparison.normalized_rms_error);
+            Ok((None, error))
+        }
+    }
+}
+
+/// The rows of a table that are of one block.
+fn of_block(mut table: TableData, block: usize) -> Result<TableData, TableError> {
+    let is_of: Vec<bool> = (table.column("block")?.iter().map(|&b| b == block as f64)).collect();
+    for values in &mut table.values {
+        let mut is_of = is_of.iter();
+        values.retain(|_| is_of.next() == Some(&true));
+    }
+    Ok(table)
+}
+
+/// The run with the finest value of the knob that the study's truth names, the others at their first values.
+pub fn finest_run<'a>(study: &StudyFile, all: &'a [Found]) -> Option<&'a Found> {
+    let TruthFile::Finest { knob } = &study.truth else {
+        return None;
+    };
+    let k = study.knobs.iter().position(|one| one.name == *knob)?;
+    let finest = finest(&study.knobs[k])?;
+    along(all, k).find(|found| found.choice[k] == finest)
+}
+
+/// Errors against the finest run.
+fn judge_by_finest(study: &Study, all: &mut [Found]) {
+    let truth = finest_run(&study.file, all).map(|found| (found.choice.clone(), found.value));
+    let Some((finest, Some(truth))) = truth else {
+        return;
+    };
+    for found in all.iter_mut().filter(|found| found.choice != finest) {
+        found.error = found.value.map(|value| ((value - truth) / truth).abs());
+    }
+}
+
+fn cost(folder: &Path) -> Cost {
+    let text = std::fs::read_to_string(folder.join("summary.json"));
+    let read = |text: String| serde_json::from_str(&text).ok();
+    text.ok().and_then(read).unwrap_or_default()
+}
+
+/// Places in the list of those on the front: by wall time, and by work.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Fronts {
+    /// By wall time.
+    pub by_time: Vec<usize>,
+    /// By pair interactions and contacts.
+    pub by_work: Vec<usize>,
+}
+
+impl Fronts {
+    /// Of runs that reached their end with an error.
+    pub fn of(all: &[Found]) -> Self {
+        let by = |cost: CostOf| {
+            let points: Vec<Point> = all.iter().map(|found| point(found, cost)).collect();
+            front(&points)
+        };
+        Self {
+            by_time: by(|cost| cost.wall_time),
+            by_work: by(Cost::work),
+        }
+    }
+}
+
+/// Cost and error of a run, NaN where it has none.
+pub fn point(found: &Found, cost: CostOf) -> Point {
+    Point {
+        cost: cost(&found.cost),
+        error: found.error.filter(|_| found.is_stable).unwrap_or(f64::NAN),
+    }
+}
+
+/// The runs in which one knob alone is turned.
+pub fn along(all: &[Found], knob: usize) -> impl Iterator<Item = &Found> + Clone {
+    all.iter().filter(move |found| {
+        let mut others = found.choice.iter().enumerate().filter(|(k, _)| *k != knob);
+        others.all(|(_, &value)| value == 0)
+    })
+}
+
+/// By which factor a doubling of the cost along one knob changes the error; none where the cost hardly changes.
+pub(super) fn bought_along(all: &[Found], knob: usize, cost: CostOf) -> Option<f64> {
+    let points: Vec<Point> = along(all, knob).map(|found| point(found, cost)).collect();
+    error_per_doubling(&points)
+}
+
+/// The same for every knob, by wall time.
+pub fn bought<'a>(study: &'a Study, all: &[Found]) -> Vec<(&'a str, Option<f64>)> {
+    let knobs = study.file.knobs.iter().enumerate();
+    knobs
+        .map(|(k, knob)| {
+            (
+                knob.name.as_str(),
+                bought_along(all, k, |cost| cost.wall_time),
+            )
+        })
+        .collect()
+}
+
+/// `trade.csv`: a line per run, in the order of the design.
+pub fn table(study: &Study, all: &[Found]) -> String {
+    let fronts = Fronts::of(all);
+    let rows: Vec<usize> = (0..all.len()).collect();
+    lines(study, all, &fronts, &rows)
+}
+
+/// `front.csv`: those that no other beats in both cost and error, by wall time or by work; by increasing wall time.
+pub fn front_table(study: &Study, all: &[Found]) -> String {
+    let fronts = Fronts::of(all);
+    let mut rows: Vec<usize> = fronts
+        .by_time
+        .iter()
+        .chain(&fronts.by_work)
+        .copied()
+        .collect();
+    rows.sort_by(|&a, &b| {
+        all[a]
+            .cost
+            .wall_time
+            .total_cmp(&all[b].cost.wall_time)
+            .then(a.cmp(&b))
+    });
+    rows.dedup();
+    lines(study, all, &fronts, &rows)
+}
+
+/// Heads of the columns that follow those of the knobs.
+const HEADS: [&str; 14] = [
+    "value",
+    "error [-]",
+    "stable",
+    "wall_time [s]",
+    "work [pairs]",
+    "steps",
+    "particle_steps",
+    "pair_interactions",
+    "contact_updates",
+    "peak_memory [B]",
+    "on_front_by_time",
+    "on_front_by_work",
+    "run",
+    "message",
+];
+
+fn lines(study: &Study, all: &[Found], fronts: &Fronts, rows: &[usize]) -> String {
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    let knobs = study.file.knobs.iter().map(|knob| knob.name.as_str());
+    // nothing can fail: memory takes all, and rows are equally long
+    let _ = writer.write_record(knobs.chain(HEADS));
+    for &row in rows {
+        let found = &all[row];
+        let chosen = study.file.knobs.iter().zip(&found.choice);
+        let mut cells: Vec<String> = chosen
+            .map(|(knob, &value)| knob.values[value].name.clone())
+            .collect();
+        let number = |x: Option<f64>| x.map_or("NaN".to_owned(), |x| format!("{x:?}"));
+        let flag = |is: bool| u8::from(is).to_string();
+        let Cost {
+            wall_time,
+            peak_memory,
+            steps,
+            particle_steps,
+            pair_interactions,
+            contact_updates,
+        } = found.cost;
+        cells.extend([
+            number(found.value),
+            number(found.error),
+            flag(found.is_stable),
+            number(Some(wall_time)),
+            number(Some(found.cost.work())),
+            number(Some(steps)),
+            number(Some(particle_steps)),
+            number(Some(pair_interactions)),
+            number(Some(contact_updates)),
+            number(Some(peak_memory)),
+            flag(fronts.by_time.contains(&row)),
+            flag(fronts.by_work.contains(&row)),
+            found.key.clone(),
+            found.message.replace(['\n', '\r'], " "),
+        ]);
+        let _ = writer.write_record(&cells);
+    }
+    let bytes = writer.into_inner().unwrap_or_default();
+    String::from_utf8_lossy(&bytes).into_owned()
+}
+
+/// Reads `trade.csv` back. Rows of values that the study does not have any more are left out.
+///
+/// # Errors
+///
+/// A message if the file cannot be read or is not a table of this study.
+pub fn read(study: &StudyFile, path: &Path) -> Result<Vec<Found>, String> {
+    let failed = |error: csv::Error| format!("cannot read {}: {error}", path.display());
+    let mut reader = csv::Reader::from_path(path).map_err(failed)?;
+    let heads = reader.headers().map_err(failed)?.clone();
+    let place = |name: &str| {
+        let found = heads.iter().position(|head| head == name);
+        found.ok_or_else(|| format!("{} has no column `{name}`", path.display()))
+    };
+    let places: Result<Vec<usize>, String> =
+        study.knobs.iter().map(|knob| place(&knob.name)).collect();
+    let (places, columns) = (places?, HEADS.map(place));
+    let mut all = Vec::new();
+    for record in reader.records() {
+        let record = record.map_err(failed)?;
+        let values = study.knobs.iter().zip(&places).map(|(knob, &place)| {
+            let mut values = knob.values.iter();
+            values.position(|value| Some(value.name.as_str()) == record.get(place))
+        });
+        let Some(choice) = values.collect::<Option<Vec<usize>>>() else {
+            continue;
+        };
+        let text = |name: usize| match &columns[name] {
+            Ok(place) => Ok(record.get(*place).unwrap_or_default()),
+            Err(message) => Err(message.clone()),
+        };
+        let number = |name: usize| text(name).map(|text| text.parse().unwrap_or(f64::NAN));
+        all.push(Found {
+            choice,
+            value: Some(number(0)?).filter(|x| x.is_finite()),
+            error: Some(number(1)?).filter(|x| x.is_finite()),
+            is_stable: text(2)? == "1",
+            cost: Cost {
+                wall_time: number(3)?,
+                steps: number(5)?,
+                particle_steps: number(6)?,
+                pair_interactions: number(7)?,
+                contact_updates: number(8)?,
+                peak_memory: number(9)?,
+            },
+            key: text(12)?.to_owned(),
+            message: text(13)?.to_owned(),
+        });
+    }
+    Ok(all)
+}
+
+/// Writes a file under a temporary name and renames it.
+///
+/// # Errors
+///
+/// The error of the operating system.
+pub fn write(path: &Path, bytes: &[u8]) -> io::Result<()> {
+    let temporary = path.with_extension("part");
+    std::fs::write(&temporary, bytes)?;
+    std::fs::rename(&temporary, path)
+}
+
+impl Planned {
+    /// Its knob settings in readable form: `spacing 20 mm, kernel as it is`.
+    pub fn label(&self, study: &Study) -> String {
+        let chosen = study.file.knobs.iter().zip(&self.choice);
+        let each =
+            chosen.map(|(knob, &value)| format!("{} {}", knob.name, knob.values[value].name));
+        each.collect::<Vec<_>>().join(", ")
+    }
+}
