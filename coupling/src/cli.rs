@@ -35,7 +35,7 @@ pub(crate) enum Exit {
 
 /// Rock blocks and water in one explicit engine.
 ///
-/// A scene file describes an experiment; `riprap check` says what will be modelled and what it
+/// A scene file describes an experiment; `riprap check` says what will be modeled and what it
 /// costs, `riprap run` runs it into a folder of VTK files, CSV tables and pictures.
 #[derive(Debug, Parser)]
 #[command(

@@ -1,4 +1,4 @@
-//! `riprap run --error`: settings that meet an error budget, and afterwards whether they did.
+//! `riprap run --error`: settings that meet an error budget, and afterward whether they did.
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};

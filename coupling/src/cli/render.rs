@@ -19,7 +19,7 @@ pub(crate) struct Arguments {
     /// Water as a smooth surface, the default.
     #[arg(long, conflicts_with = "particles")]
     surface: bool,
-    /// Water as spheres coloured by speed.
+    /// Water as spheres colored by speed.
     #[arg(long)]
     particles: bool,
 }

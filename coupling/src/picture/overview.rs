@@ -1,6 +1,6 @@
 //! The whole run on one page: `overview.svg`, made without any other program.
 //!
-//! Side views (x to the right, z up, seen from −y) with the water coloured by speed, plans of scenes with terrain, then
+//! Side views (x to the right, z up, seen from −y) with the water colored by speed, plans of scenes with terrain, then
 //! charts, and the gauges and the energies, one plot per unit. Input is plain data, so that a page can be made from files as
 //! well as from a running world.
 //!
@@ -39,7 +39,7 @@ pub struct Snapshot {
 pub struct Outline {
     /// Corners, x and z; m. Leave out what lies between the viewer and the water, such as a front wall.
     pub points: Vec<[f32; 2]>,
-    /// Whether the block never moves; drawn in grey, behind the water.
+    /// Whether the block never moves; drawn in gray, behind the water.
     pub is_fixed: bool,
 }
 

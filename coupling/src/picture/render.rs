@@ -34,7 +34,7 @@ use std::path::{Path, PathBuf};
 pub enum WaterLook {
     /// A smooth surface; needs feature `surface`.
     Surface,
-    /// Every particle as a sphere, coloured by speed.
+    /// Every particle as a sphere, colored by speed.
     Particles,
 }
 
@@ -85,7 +85,7 @@ pub struct RenderSummary {
     pub film: Option<Film>,
     /// The eye of all frames.
     pub camera: Camera,
-    /// Speed at the upper end of the particles' colours, the same in all frames; m/s.
+    /// Speed at the upper end of the particles' colors, the same in all frames; m/s.
     pub speed_range: f64,
     /// Particles left out because a coordinate is not finite, over all frames.
     pub skipped_points: usize,

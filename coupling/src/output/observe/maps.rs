@@ -48,7 +48,7 @@ impl Maps {
         let n = [0, 1].map(|axis| (((max[axis] - min[axis]) / spacing) as usize).max(2));
         let mut ground = Grid {
             n,
-            // centred in the domain
+            // centered in the domain
             corner: [0, 1].map(|axis| {
                 let rest = max[axis] - min[axis] - (n[axis] - 1) as f64 * spacing;
                 min[axis] + 0.5 * rest

@@ -1,12 +1,12 @@
-//! Colour bars, and the round ends of their ranges.
+//! Color bars, and the round ends of their ranges.
 
 use super::axis::{Axis, Tick, nice_up, open_range};
 use super::color;
 use super::page::{Anchor, Frame, INK, Page};
 
-/// Share of the values that are below the top of a colour bar: a few drops must not darken all others.
+/// Share of the values that are below the top of a color bar: a few drops must not darken all others.
 const BELOW_TOP: f64 = 0.995;
-/// Ends of a colour bar, times a power of ten; finer than the steps of an axis, so that the colours are used.
+/// Ends of a color bar, times a power of ten; finer than the steps of an axis, so that the colors are used.
 const TOPS: [f64; 10] = [1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0];
 
 /// Color bar.

@@ -1,10 +1,10 @@
-//! Colours for speed, deep blue at rest, amber when fast, and for what is seen from above.
+//! Colors for speed, deep blue at rest, amber when fast, and for what is seen from above.
 //!
-//! Equal steps of a quantity look equally large: the maps run at constant pace through OKLab, a colour space made so that
-//! distances agree with the eye (Ottosson 2020), and lightness only rises or only falls, so that they survive grey printing
-//! and the common forms of colour blindness.
+//! Equal steps of a quantity look equally large: the maps run at constant pace through OKLab, a color space made so that
+//! distances agree with the eye (Ottosson 2020), and lightness only rises or only falls, so that they survive gray printing
+//! and the common forms of color blindness.
 
-/// Corners of the way through the colour space, as sRGB.
+/// Corners of the way through the color space, as sRGB.
 const STOPS: [[u8; 3]; 4] = [
     [0x1d, 0x35, 0x6e],
     [0x1f, 0x7f, 0x9c],
@@ -54,12 +54,12 @@ const LAND: [[u8; 3]; 5] = [
 /// Particles whose speed is not a number must catch the eye.
 pub(super) const NOT_A_NUMBER: [u8; 3] = [0xff, 0x00, 0xff];
 
-/// `n` colours, slow to fast.
+/// `n` colors, slow to fast.
 pub(super) fn map(n: usize) -> Vec<[u8; 3]> {
     along(&STOPS, n)
 }
 
-/// `2 n + 1` colours, deep trough to high crest; the one in the middle is water at rest.
+/// `2 n + 1` colors, deep trough to high crest; the one in the middle is water at rest.
 pub(super) fn elevation(n: usize) -> Vec<[u8; 3]> {
     let troughs = along(&TROUGH, n + 1).into_iter().rev();
     troughs
@@ -67,22 +67,22 @@ pub(super) fn elevation(n: usize) -> Vec<[u8; 3]> {
         .collect()
 }
 
-/// `n` colours, low to high.
+/// `n` colors, low to high.
 pub(super) fn highest(n: usize) -> Vec<[u8; 3]> {
     along(&HIGHEST, n)
 }
 
-/// `n` colours, early to late.
+/// `n` colors, early to late.
 pub(super) fn arrival(n: usize) -> Vec<[u8; 3]> {
     along(&ARRIVAL, n)
 }
 
-/// `n` colours, from the shore up.
+/// `n` colors, from the shore up.
 pub(super) fn land(n: usize) -> Vec<[u8; 3]> {
     along(&LAND, n)
 }
 
-/// A colour (opacity 0 to 1) laid over another.
+/// A color (opacity 0 to 1) laid over another.
 pub(super) fn over(top: [u8; 3], opacity: f64, below: [u8; 3]) -> [u8; 3] {
     std::array::from_fn(|k| {
         let (top, below) = (f64::from(top[k]), f64::from(below[k]));
@@ -90,7 +90,7 @@ pub(super) fn over(top: [u8; 3], opacity: f64, below: [u8; 3]) -> [u8; 3] {
     })
 }
 
-/// `n` colours at constant pace.
+/// `n` colors at constant pace.
 fn along(stops: &[[u8; 3]], n: usize) -> Vec<[u8; 3]> {
     let stops: Vec<[f64; 3]> = stops.iter().copied().map(oklab).collect();
     let lengths: Vec<f64> = stops
@@ -178,7 +178,7 @@ mod tests {
             .collect();
         let mean = steps.iter().sum::<f64>() / steps.len() as f64;
         for (i, step) in steps.iter().enumerate() {
-            // Rounding to 8 bits moves a colour by up to 0.003 of the mean 0.02; a corner cuts the way short.
+            // Rounding to 8 bits moves a color by up to 0.003 of the mean 0.02; a corner cuts the way short.
             assert!(
                 (step / mean - 1.0).abs() < 0.3,
                 "step {i}: {step} of mean {mean}"

@@ -6,7 +6,7 @@ use crate::files::vtk::escape;
 pub(crate) const WIDTH: f64 = 1000.0;
 /// Left edge of every plot; labels of the vertical axis stand before it.
 pub(crate) const LEFT: f64 = 76.0;
-/// Right edge of every plot; legends and the colour bar stand behind it.
+/// Right edge of every plot; legends and the color bar stand behind it.
 pub(crate) const RIGHT: f64 = 848.0;
 
 /// Middle of the labels of vertical axes.
@@ -99,7 +99,7 @@ impl Page {
         self.styled_text([x, y], Anchor::Middle, &style, text);
     }
 
-    /// Thin grey line of the grid.
+    /// Thin gray line of the grid.
     pub fn grid_line(&mut self, from: [f64; 2], to: [f64; 2]) {
         self.line(from, to, &format!("stroke=\"{FAINT}\""));
     }

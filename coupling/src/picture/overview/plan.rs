@@ -204,7 +204,7 @@ fn used(id: &str, Frame { left, top, .. }: Frame) -> String {
     format!("<use xlink:href=\"#{id}\" x=\"{left:.1}\" y=\"{top:.1}\"/>")
 }
 
-/// Says what lines and colours are; where the next thing may start.
+/// Says what lines and colors are; where the next thing may start.
 fn legend(page: &mut Page, y: f64, plan: &Plan, step: Option<f64>) -> f64 {
     let mut items: Vec<(&str, String)> = Vec::new();
     if let Some(level) = plan.still_level {

@@ -14,11 +14,11 @@ const LEAST_RANGE: f64 = 1e-4;
 /// Characters of a name that fit beside the plot.
 const LEGEND_CHARACTERS: usize = 17;
 
-/// Colours that stay apart for colour-blind readers (Okabe and Ito 2008), the loud yellow left out.
+/// Colors that stay apart for color-blind readers (Okabe and Ito 2008), the loud yellow left out.
 const COLORS: [&str; 7] = [
     "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", "#333333",
 ];
-/// Strokes for the second, third, ... round of colours.
+/// Strokes for the second, third, ... round of colors.
 const DASHES: [&str; 3] = [
     "",
     " stroke-dasharray=\"6 3\"",

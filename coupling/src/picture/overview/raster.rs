@@ -6,10 +6,10 @@ use base64::engine::general_purpose::STANDARD;
 
 /// Shades of speed; few enough that the pictures compress, enough that no bands show.
 pub(super) const N_SHADES: usize = 64;
-/// Palette places: 0 is transparent, then the shades, then the colour of a speed that is not a number.
+/// Palette places: 0 is transparent, then the shades, then the color of a speed that is not a number.
 pub(super) const CLEAR: u8 = 0;
 const NOT_A_NUMBER: u8 = N_SHADES as u8 + 1;
-/// Below this size in pixels a particle is drawn as a rectangle, which leaves no specks of background between neighbours.
+/// Below this size in pixels a particle is drawn as a rectangle, which leaves no specks of background between neighbors.
 /// Smaller discs make patterns with the pixels that look like flow.
 const SMALLEST_DISC: f64 = 12.0;
 /// Size of a particle in the picture over its spacing.
@@ -80,7 +80,7 @@ fn far_to_near(positions: &[[f32; 3]]) -> Vec<usize> {
     order
 }
 
-/// Pixels whose centres lie within `radius` of `center`; none for a centre that is not a number.
+/// Pixels whose centers lie within `radius` of `center`; none for a center that is not a number.
 fn covered(center: f64, radius: f64, n: usize) -> std::ops::Range<usize> {
     let first = (center - radius - 0.5).ceil().clamp(0.0, n as f64);
     let end = (center + radius - 0.5).floor() + 1.0;

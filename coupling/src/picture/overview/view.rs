@@ -1,4 +1,4 @@
-//! Side views of the scene, with axes and a colour bar.
+//! Side views of the scene, with axes and a color bar.
 
 use super::axis::{self, Axis, Labels, nice_up, open_range};
 use super::bar::{self, Bar};
@@ -13,7 +13,7 @@ const TALL: f64 = 0.6;
 const MAX_HEIGHT: f64 = 300.0;
 /// Panels side by side are not taller than this; px.
 const MAX_HEIGHT_BESIDE: f64 = 420.0;
-/// A long flat scene is exaggerated upwards until its panels are this tall; px.
+/// A long flat scene is exaggerated upward until its panels are this tall; px.
 const MIN_HEIGHT: f64 = 90.0;
 /// Room above a panel for its time, and below the last one for the axis; px.
 const ABOVE: f64 = 22.0;
@@ -298,7 +298,7 @@ fn fastest(snapshots: &[Snapshot]) -> f64 {
     finite_speeds(snapshots).fold(0.0, f64::max)
 }
 
-/// Speed at the top of the colour bar: round, and above nearly all particles.
+/// Speed at the top of the color bar: round, and above nearly all particles.
 fn top_speed(snapshots: &[Snapshot]) -> f64 {
     bar::round_top(finite_speeds(snapshots).collect())
 }

@@ -21,7 +21,7 @@ const FILL: f64 = 0.88;
 const LONG: f64 = 10.0;
 /// Free share of a strip's height, for its label and the eye.
 const STRIP_GAP: f64 = 0.3;
-/// Share of the picture over strips that belongs to time and colours.
+/// Share of the picture over strips that belongs to time and colors.
 const HEADING: f64 = 0.07;
 
 /// An eye and what is put before it.
@@ -87,12 +87,12 @@ impl Panel {
     }
 }
 
-/// Camera axes in the world: rightwards and upwards in the picture, and into it; unit vectors.
+/// Camera axes in the world: rightward and upward in the picture, and into it; unit vectors.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Axes {
-    /// Rightwards.
+    /// rightward.
     pub right: Vector3<f64>,
-    /// Upwards.
+    /// Upward.
     pub up: Vector3<f64>,
     /// From the eye into the picture.
     pub forward: Vector3<f64>,

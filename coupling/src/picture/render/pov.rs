@@ -16,8 +16,8 @@ pub const INCLUDES: [(&str, &str); 3] = [
     ("labels.inc", include_str!("../../../../render/labels.inc")),
 ];
 
-/// Colours in `materials.inc`.
-const SPEED_COLOURS: usize = 64;
+/// Colors in `materials.inc`.
+const SPEED_COLORS: usize = 64;
 
 /// Declarations shared by all frames.
 pub(crate) struct Setting<'a> {
@@ -28,13 +28,13 @@ pub(crate) struct Setting<'a> {
     pub reference: &'a [Body],
     /// Length of the scene; m.
     pub size: f64,
-    /// Way through water after which its colour shows; m.
+    /// Way through water after which its color shows; m.
     pub clear: f64,
     /// Height of the ground; m.
     pub ground: f64,
     /// Distance of particles; m.
     pub spacing: f64,
-    /// Speed at the upper end of the colours; m/s.
+    /// Speed at the upper end of the colors; m/s.
     pub speed_range: f64,
 }
 
@@ -42,7 +42,7 @@ pub(crate) struct Setting<'a> {
 pub(crate) enum Water {
     /// A surface, and the particles that are not part of it.
     Surface(Surface, Vec<[f32; 3]>),
-    /// Particles with their speeds; m/s. Without speeds all have the colour of still water.
+    /// Particles with their speeds; m/s. Without speeds all have the color of still water.
     Particles(Vec<[f32; 3]>, Option<Vec<f32>>),
 }
 
@@ -73,8 +73,8 @@ pub(crate) fn frame(setting: &Setting<'_>, time: f64, water: &Water, bodies: &[B
                         .copied()
                         .unwrap_or(0.0);
                     let share = (f64::from(speed) / setting.speed_range).clamp(0.0, 1.0);
-                    let colour = (share * SPEED_COLOURS as f64) as usize;
-                    format!("Riprap_Speed_Textures[{}]", colour.min(SPEED_COLOURS - 1))
+                    let color = (share * SPEED_COLORS as f64) as usize;
+                    format!("Riprap_Speed_Textures[{}]", color.min(SPEED_COLORS - 1))
                 });
             }
         }
@@ -86,7 +86,7 @@ pub(crate) fn frame(setting: &Setting<'_>, time: f64, water: &Water, bodies: &[B
 /// Text under construction; writing to a `String` cannot fail.
 struct Pov {
     text: String,
-    /// POV-Ray's lengths per metre.
+    /// POV-Ray's lengths per meter.
     unit: f64,
 }
 
@@ -95,19 +95,19 @@ impl Pov {
         let _ = writeln!(self.text, "{text}");
     }
 
-    /// A length given in metres.
-    fn length(&self, metres: f64) -> f32 {
-        number(self.unit * metres)
+    /// A length given in meters.
+    fn length(&self, meters: f64) -> f32 {
+        number(self.unit * meters)
     }
 
-    /// A place given in metres.
-    fn place(&self, metres: Vector3<f64>) -> String {
-        vector(self.unit * metres)
+    /// A place given in meters.
+    fn place(&self, meters: Vector3<f64>) -> String {
+        vector(self.unit * meters)
     }
 }
 
-/// Lengths per metre that make a scene 100 to 1000 long: POV-Ray overlooks surfaces closer than
-/// 0.001 to one another, a millimetre in a tank drawn in metres, and leaves rings where water
+/// Lengths per meter that make a scene 100 to 1000 long: POV-Ray overlooks surfaces closer than
+/// 0.001 to one another, a millimeter in a tank drawn in meters, and leaves rings where water
 /// touches walls.
 fn unit(size: f64) -> f64 {
     10_f64.powf(3.0 - size.log10().ceil())
@@ -354,7 +354,7 @@ fn spheres(
     }
 }
 
-/// Time, strips and the range of colours.
+/// Time, strips and the range of colors.
 fn labels(pov: &mut Pov, setting: &Setting<'_>, time: f64, water: &Water) {
     pov.line(format!(
         "Riprap_Label(\"t = {time:.2} s\", -0.95, 0.88, 0.075)"

@@ -7,7 +7,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-/// Colour difference above which POV-Ray samples a pixel again.
+/// Color difference above which POV-Ray samples a pixel again.
 const ANTIALIASING: &str = "+A0.2";
 
 /// A film made of frames.
@@ -101,7 +101,7 @@ pub(crate) fn film(
     })?;
     let rate = format!("{frames_per_second:.4}");
     let part = "film.part.mp4";
-    // Players refuse odd sizes and colours finer than 4:2:0.
+    // Players refuse odd sizes and colors finer than 4:2:0.
     let arguments = [
         "-y",
         "-loglevel",

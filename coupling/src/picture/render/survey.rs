@@ -1,4 +1,4 @@
-//! A first look at the whole run, so that camera, colours and cut walls are the same in all frames.
+//! A first look at the whole run, so that camera, colors and cut walls are the same in all frames.
 
 use super::body::{Body, Stage, stage};
 use super::camera::{Camera, Lens, bounds};
@@ -14,7 +14,7 @@ const FRAMES: usize = 16;
 const POINTS: usize = 6000;
 /// Rays of sight that decide which walls are cut.
 const RAYS: usize = 600;
-/// Share of particles faster than the upper end of the colours: a few drops of spray do not
+/// Share of particles faster than the upper end of the colors: a few drops of spray do not
 /// darken the rest.
 const FASTEST: f64 = 0.002;
 
@@ -95,7 +95,7 @@ pub(crate) fn survey(
         })?;
 
     let (low, high) = bounds(&samples).unwrap_or((camera.look_at, camera.look_at));
-    // Along strips only the length of one counts: colours and lines are the picture's business.
+    // Along strips only the length of one counts: colors and lines are the picture's business.
     let size = match &camera.lens {
         Lens::Perspective { .. } => (high - low).norm(),
         Lens::Strips { width, .. } => *width,
@@ -126,7 +126,7 @@ pub(crate) fn survey(
         Lens::Strips { panels, .. } => format!("{} strips, top to bottom", panels.len()),
     };
     let description = format!(
-        "{view}; eye at {}; {} wall faces cut away; particle spacing {spacing:.4} m; colours 0 to {speed_range} m/s",
+        "{view}; eye at {}; {} wall faces cut away; particle spacing {spacing:.4} m; colors 0 to {speed_range} m/s",
         place(camera.eye),
         stage.cut.len(),
     );

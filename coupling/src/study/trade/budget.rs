@@ -6,7 +6,7 @@
 //! ```text
 //! work    w = w_b Π wₖ/wₖ'                                    k the knobs that differ, ' their values in b
 //! error   e = max(|d_b + Σ Δₖ|, |d_b| Π max(1, |dₖ/dₖ'|))      Δₖ = dₖ − dₖ', deviations with signs
-//!           + ½ (Σ |Δₖ| − max |Δₖ|) + ⅕ |d_b − d₀| + ½ |step between the neighbours of what is interpolated|
+//!           + ½ (Σ |Δₖ| − max |Δₖ|) + ⅕ |d_b − d₀| + ½ |step between the neighbors of what is interpolated|
 //! ```
 //! Deviations of different origin add, those of one origin multiply: the larger counts. What makes it better is believed only
 //! of b itself, and a fifth of what b has won over the first settings is kept in hand: it may be by deviations that cancel.
@@ -183,7 +183,7 @@ fn alone(study: &StudyFile, known: &[Found], choice: &[usize]) -> Option<Alone> 
     })
 }
 
-/// Of a value of a knob that is a number, between its neighbours that were run; linear over its logarithm.
+/// Of a value of a knob that is a number, between its neighbors that were run; linear over its logarithm.
 fn between(study: &StudyFile, known: &[Found], knob: usize, value: usize) -> Option<Alone> {
     let values = &study.knobs[knob].values;
     let at = values[value].at?;

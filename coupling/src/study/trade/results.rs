@@ -47,7 +47,7 @@ pub struct Cost {
     pub steps: f64,
     /// Particles times steps.
     pub particle_steps: f64,
-    /// Ordered neighbour pairs evaluated.
+    /// Ordered neighbor pairs evaluated.
     pub pair_interactions: f64,
     /// Contact points evaluated.
     pub contact_updates: f64,

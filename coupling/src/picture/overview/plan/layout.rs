@@ -9,7 +9,7 @@ const WIDE: f64 = 2.2;
 const MAX_HEIGHT: f64 = 480.0;
 /// A long strip is widened until its plans are this tall; px.
 const MIN_HEIGHT: f64 = 60.0;
-/// Room above a plan for its title, beside it for its colour bar and below it for its axis; px.
+/// Room above a plan for its title, beside it for its color bar and below it for its axis; px.
 const ABOVE: f64 = 24.0;
 const BESIDE: f64 = 76.0;
 const BELOW: f64 = 26.0;

@@ -72,12 +72,12 @@ pub(super) fn names(page: &mut Page, chart: Chart, marks: &[Mark]) {
         let name = shortened(name, LONGEST_NAME);
         let width = LETTER_WIDTH * name.chars().count() as f64;
         let (beside, above) = (RADIUS + 3.0, RADIUS + 2.5);
-        let centred = x - 0.5 * width;
+        let centered = x - 0.5 * width;
         let mut places = vec![
             [x + beside, y - 0.5 * LETTERS],
             [x - beside - width, y - 0.5 * LETTERS],
-            [centred, y - above - LETTERS],
-            [centred, y + above],
+            [centered, y - above - LETTERS],
+            [centered, y + above],
             [x + beside, y - above - LETTERS],
             [x + beside, y + above],
             [x - beside - width, y - above - LETTERS],

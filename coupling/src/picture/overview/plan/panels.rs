@@ -175,7 +175,7 @@ pub(super) fn pictures(
     pictures
 }
 
-/// Draws the colour bar beside a plan; heights of land are those of the scene and `raise` (m).
+/// Draws the color bar beside a plan; heights of land are those of the scene and `raise` (m).
 pub(super) fn bar(
     page: &mut Page,
     frame: Frame,

@@ -14,7 +14,7 @@ const MOST_LAYERS: usize = 10;
 const N_SHADES: usize = 23;
 // indices of the picture are bytes
 const _: () = assert!((1 + MOST_LAYERS) * N_SHADES < 256);
-/// Bed of the water, which has no tint of height: the water over it has its own colours.
+/// Bed of the water, which has no tint of height: the water over it has its own colors.
 pub(super) const BED: [u8; 3] = [0xc4, 0xcd, 0xd2];
 /// Direction to the sun, in the north-west at 45°, as maps have it; –.
 const SUN: [f64; 3] = [-0.5, 0.5, FRAC_1_SQRT_2];
@@ -79,7 +79,7 @@ impl<'a> Relief<'a> {
         ((self.shore, top), color::land(self.n_layers))
     }
 
-    /// Colours and opacities of the palette.
+    /// Colors and opacities of the palette.
     pub fn palette(&self) -> (Vec<[u8; 3]>, Vec<u8>) {
         let mut colors = vec![[0xff; 3]];
         for tint in [BED].into_iter().chain(color::land(self.n_layers)) {
@@ -131,7 +131,7 @@ fn lit(ground: &Grid) -> Grid {
     }
 }
 
-/// Slope along an axis: between the neighbours, or to the one that there is; –.
+/// Slope along an axis: between the neighbors, or to the one that there is; –.
 fn slope(ground: &Grid, point: [usize; 2], axis: usize) -> f64 {
     let height = |along: usize| {
         let mut at = point;

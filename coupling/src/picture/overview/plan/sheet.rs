@@ -7,13 +7,13 @@ use crate::scene::terrain::grid::Grid;
 
 use super::relief::BED;
 
-/// How much of what is below shows through the colours is one less this; –.
+/// How much of what is below shows through the colors is one less this; –.
 const OPACITY: f64 = 0.8;
-/// Colours on each side of water at rest, and of a scale that goes one way.
+/// Colors on each side of water at rest, and of a scale that goes one way.
 const N_SIDE: usize = 40;
 const N_SHADES: usize = 64;
 
-/// Colours of a quantity.
+/// Colors of a quantity.
 #[derive(Clone, Debug)]
 pub(super) struct Scale {
     shades: Vec<[u8; 3]>,
@@ -64,7 +64,7 @@ impl Scale {
             .clamp(0.0, last) as u8
     }
 
-    /// Colours and opacities of the palette.
+    /// Colors and opacities of the palette.
     pub fn palette(&self) -> (Vec<[u8; 3]>, Vec<u8>) {
         let mut colors = vec![[0xff; 3]];
         colors.extend(&self.shades);
@@ -73,7 +73,7 @@ impl Scale {
         (colors, opacity)
     }
 
-    /// The colours as they show over level ground, which is what they are seen on most.
+    /// The colors as they show over level ground, which is what they are seen on most.
     pub fn shown(&self) -> Vec<[u8; 3]> {
         let shown = |&shade| color::over(shade, OPACITY, BED);
         self.shades.iter().map(shown).collect()
