@@ -1,11 +1,11 @@
-//! The whole run on one page: `overview.svg`, made without any other program.
+//! Summary of a run on one page, `overview.svg`, without external programs.
 //!
 //! Side views (x to the right, z up, seen from −y) with the water colored by speed, plans of scenes with terrain, then
 //! charts, and the gauges and the energies, one plot per unit. Input is plain data, so that a page can be made from files as
 //! well as from a running world.
 //!
-//! Particles are many: they become a picture inside the page. Everything else is lines and text that stay sharp. The page
-//! stays below 500 kB: pictures give up resolution, curves keep two points (lowest and highest) per column of pixels.
+//! Particles are drawn as a raster image inside the page, everything else as vector graphics. The page stays below 500 kB:
+//! images reduce their resolution, curves keep two points (lowest and highest) per column of pixels.
 
 mod axis;
 mod bar;
@@ -37,7 +37,7 @@ pub struct Snapshot {
 /// Silhouette of a block in the side view.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Outline {
-    /// Corners, x and z; m. Leave out what lies between the viewer and the water, such as a front wall.
+    /// Corners, x and z; m. Omit bodies between the viewer and the water, such as a front wall.
     pub points: Vec<[f32; 2]>,
     /// Whether the block never moves; drawn in gray, behind the water.
     pub is_fixed: bool,
@@ -56,14 +56,14 @@ pub struct Record {
     pub value: Vec<f64>,
 }
 
-/// Curves over something else than time.
+/// Curves over a variable other than time.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Chart {
     /// Label of the vertical axis.
     pub label: String,
     /// Label of the horizontal axis, with unit.
     pub along: String,
-    /// The curves, of one unit; `time` is what runs along.
+    /// The curves, of one unit; `time` holds the abscissa.
     pub curves: Vec<Record>,
 }
 
@@ -143,7 +143,7 @@ pub fn svg(overview: &Overview) -> String {
     page.finish(title, y)
 }
 
-/// Headline and key figures; where the next thing may start.
+/// Draws headline and key figures; returns the next vertical position.
 fn heading(page: &mut Page, title: &str, subtitle: &str) -> f64 {
     let mut y = 34.0;
     page.styled_text(
@@ -166,7 +166,7 @@ fn heading(page: &mut Page, title: &str, subtitle: &str) -> f64 {
     y + 14.0
 }
 
-/// Lines of at most `n` characters where the words allow it.
+/// Lines of at most `n` characters, broken between words.
 fn wrapped(text: &str, n: usize) -> Vec<String> {
     let mut lines = Vec::new();
     for paragraph in text.lines() {

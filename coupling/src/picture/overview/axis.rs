@@ -59,8 +59,8 @@ pub(super) fn nice_up(value: f64) -> f64 {
     nice.unwrap_or(10.0) * power
 }
 
-/// The interval to show for values between `min` and `max`: finite, and not narrower than `least` of their size, so that
-/// labels need no more digits than there is room for.
+/// Interval shown for values between `min` and `max`: finite, and at least the fraction `least` of their size, so that
+/// the digits of the labels fit.
 pub(super) fn open_range(min: f64, max: f64, least: f64) -> (f64, f64) {
     if !((max - min).is_finite() && min <= max) {
         return (0.0, 1.0);
@@ -74,7 +74,7 @@ pub(super) fn open_range(min: f64, max: f64, least: f64) -> (f64, f64) {
     }
 }
 
-/// Power of a thousand in which the labels of numbers up to `largest` count, and its name to stand before the unit.
+/// Power of a thousand that scales the labels of numbers up to `largest`, and its name before the unit.
 pub(super) fn thousands(largest: f64) -> (f64, String) {
     if (1e-2..1e4).contains(&largest) || !(1e-290..=f64::MAX).contains(&largest) {
         return (1.0, String::new());
@@ -83,7 +83,7 @@ pub(super) fn thousands(largest: f64) -> (f64, String) {
     let exponent_text = exponent.to_string();
     let raised = exponent_text.chars().map(|c| match c {
         '-' => '⁻',
-        // Unicode has the first three apart from the others.
+        // Unicode has the first three in another block.
         '1' => '¹',
         '2' => '²',
         '3' => '³',

@@ -4,9 +4,9 @@ use super::axis::{Axis, Tick, nice_up, open_range};
 use super::color;
 use super::page::{Anchor, Frame, INK, Page};
 
-/// Share of the values that are below the top of a color bar: a few drops must not darken all others.
+/// Fraction of the values below the top of a color bar: a few drops must not darken all others.
 const BELOW_TOP: f64 = 0.995;
-/// Ends of a color bar, times a power of ten; finer than the steps of an axis, so that the colors are used.
+/// Ends of a color bar, times a power of ten; finer than the steps of an axis, to use the full range of colors.
 const TOPS: [f64; 10] = [1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0];
 
 /// Color bar.
@@ -52,7 +52,7 @@ impl Bar<'_> {
             to: frame.top,
         };
         let mut ticks = axis.ticks(32.0, 1.0);
-        // The top has its number in any case, and room for it.
+        // The top always has its number, and room for it.
         ticks.retain(|tick| axis.at(tick.value) > frame.top + 14.0);
         let end = |value: f64, sign: &str| {
             // a whole number of tenths, but for round-off
@@ -91,14 +91,14 @@ pub(super) fn round_top(mut values: Vec<f64>) -> f64 {
         return 1.0;
     }
     let power = 10f64.powf(top.log10().floor());
-    // The last one should rounding have hidden the right one.
+    // The last one, in case rounding misses the right one.
     TOPS.into_iter()
         .map(|factor| factor * power)
         .find(|&round| round >= top)
         .unwrap_or(10.0 * power)
 }
 
-/// Round ends with nearly all values between them; those of one value are apart all the same.
+/// Round ends with nearly all values between them; distinct even for a single value.
 pub(super) fn round_range(mut values: Vec<f64>) -> (f64, f64) {
     values.sort_by(f64::total_cmp);
     let last = values.len().saturating_sub(1);
@@ -108,7 +108,7 @@ pub(super) fn round_range(mut values: Vec<f64>) -> (f64, f64) {
     };
     let (low, high) = open_range(low, high, 1e-6);
     let step = nice_up((high - low) / 10.0);
-    // what is a step within rounding is no step more
+    // a step within rounding does not count as another step
     let (low, high) = (low / step + 1e-6, high / step - 1e-6);
     (low.floor() * step, high.ceil() * step)
 }

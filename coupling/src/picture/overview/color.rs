@@ -1,17 +1,16 @@
-//! Colors for speed, deep blue at rest, amber when fast, and for what is seen from above.
+//! Color maps: speed, from deep blue at rest to amber, and the quantities of plan views.
 //!
-//! Equal steps of a quantity look equally large: the maps run at constant pace through OKLab, a color space made so that
-//! distances agree with the eye (Ottosson 2020), and lightness only rises or only falls, so that they survive gray printing
-//! and the common forms of color blindness.
+//! The maps are perceptually uniform: they have a constant rate in OKLab, a color space with perceptual distances (Ottosson
+//! 2020), and monotonic lightness, which suits gray printing and the common forms of color blindness.
 
-/// Corners of the way through the color space, as sRGB.
+/// Vertices of the path through the color space, as sRGB.
 const STOPS: [[u8; 3]; 4] = [
     [0x1d, 0x35, 0x6e],
     [0x1f, 0x7f, 0x9c],
     [0x6d, 0xbd, 0x8f],
     [0xf7, 0xc5, 0x3b],
 ];
-/// Water as high as at rest: as good as white.
+/// Water at its rest level: almost white.
 const AT_REST: [u8; 3] = [0xee, 0xf2, 0xf3];
 /// From water at rest down to the deepest trough.
 const TROUGH: [[u8; 3]; 4] = [
@@ -27,7 +26,7 @@ const CREST: [[u8; 3]; 4] = [
     [0xd8, 0x66, 0x4b],
     [0x86, 0x18, 0x2c],
 ];
-/// Highest water: pale where it hardly rose.
+/// Highest water: pale for a small rise.
 const HIGHEST: [[u8; 3]; 5] = [
     [0xf3, 0xf1, 0xd2],
     [0x9b, 0xcf, 0xb4],
@@ -35,14 +34,14 @@ const HIGHEST: [[u8; 3]; 5] = [
     [0x25, 0x4e, 0x8c],
     [0x2c, 0x1a, 0x55],
 ];
-/// Arrival: dark where water came first.
+/// Arrival: dark where water arrived first.
 const ARRIVAL: [[u8; 3]; 4] = [
     [0x4a, 0x16, 0x4e],
     [0xb0, 0x38, 0x5f],
     [0xee, 0x91, 0x66],
     [0xfb, 0xea, 0xc6],
 ];
-/// Dry land from the shore up, quiet, so that what lies over it stands out.
+/// Dry land from the shore up, muted, so that objects on it stand out.
 const LAND: [[u8; 3]; 5] = [
     [0xd3, 0xdd, 0xc4],
     [0xe6, 0xe3, 0xc6],
@@ -51,7 +50,7 @@ const LAND: [[u8; 3]; 5] = [
     [0xee, 0xea, 0xe4],
 ];
 
-/// Particles whose speed is not a number must catch the eye.
+/// Particles with a NaN speed, highlighted.
 pub(super) const NOT_A_NUMBER: [u8; 3] = [0xff, 0x00, 0xff];
 
 /// `n` colors, slow to fast.
@@ -82,7 +81,7 @@ pub(super) fn land(n: usize) -> Vec<[u8; 3]> {
     along(&LAND, n)
 }
 
-/// A color (opacity 0 to 1) laid over another.
+/// A color (opacity 0 to 1) composited over another.
 pub(super) fn over(top: [u8; 3], opacity: f64, below: [u8; 3]) -> [u8; 3] {
     std::array::from_fn(|k| {
         let (top, below) = (f64::from(top[k]), f64::from(below[k]));
@@ -90,7 +89,7 @@ pub(super) fn over(top: [u8; 3], opacity: f64, below: [u8; 3]) -> [u8; 3] {
     })
 }
 
-/// `n` colors at constant pace.
+/// `n` colors at a constant perceptual rate.
 fn along(stops: &[[u8; 3]], n: usize) -> Vec<[u8; 3]> {
     let stops: Vec<[f64; 3]> = stops.iter().copied().map(oklab).collect();
     let lengths: Vec<f64> = stops
@@ -178,7 +177,7 @@ mod tests {
             .collect();
         let mean = steps.iter().sum::<f64>() / steps.len() as f64;
         for (i, step) in steps.iter().enumerate() {
-            // Rounding to 8 bits moves a color by up to 0.003 of the mean 0.02; a corner cuts the way short.
+            // Rounding to 8 bits moves a color by up to 0.003 of the mean 0.02; vertices shorten the path.
             assert!(
                 (step / mean - 1.0).abs() < 0.3,
                 "step {i}: {step} of mean {mean}"

@@ -1,12 +1,12 @@
-//! The sheet of SVG on which the parts draw; all lengths in pixels, y down.
+//! SVG page on which the parts draw; all lengths in pixels, y down.
 
 use crate::files::vtk::escape;
 
 /// Width of the page.
 pub(crate) const WIDTH: f64 = 1000.0;
-/// Left edge of every plot; labels of the vertical axis stand before it.
+/// Left edge of every plot; labels of the vertical axis are left of it.
 pub(crate) const LEFT: f64 = 76.0;
-/// Right edge of every plot; legends and the color bar stand behind it.
+/// Right edge of every plot; legends and the color bar are right of it.
 pub(crate) const RIGHT: f64 = 848.0;
 
 /// Middle of the labels of vertical axes.
@@ -34,7 +34,7 @@ impl Frame {
     }
 }
 
-/// Which end of a text stands at its point.
+/// Anchor of a text at its point.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Anchor {
     Start,
@@ -50,7 +50,7 @@ pub(crate) struct Page {
 }
 
 impl Page {
-    /// The file: `height` is where the last part ended.
+    /// The file; `height` is the end of the last part.
     pub fn finish(self, title: &str, height: f64) -> String {
         let height = (height + 12.0).ceil();
         format!(
@@ -69,7 +69,7 @@ impl Page {
         self.body.push('\n');
     }
 
-    /// An element that says something when pointed at.
+    /// An element with a tooltip.
     pub fn titled(&mut self, element: &str, title: &str) {
         self.push(&format!("<g><title>{}</title>{element}</g>", plain(title)));
     }
@@ -116,7 +116,7 @@ impl Page {
         self.push(&format!("<rect {} {style}/>", corners(frame)));
     }
 
-    /// Opens a group of which nothing shows outside `frame`; to be closed with [`Self::close_group`].
+    /// Opens a group clipped to `frame`; to be closed with [`Self::close_group`].
     pub fn open_clipped_group(&mut self, frame: Frame) {
         let id = self.n_clips;
         self.n_clips += 1;
@@ -142,7 +142,7 @@ fn corners(frame: Frame) -> String {
     format!("x=\"{left:.1}\" y=\"{top:.1}\" width=\"{width:.1}\" height=\"{height:.1}\"")
 }
 
-/// Text that XML accepts: control characters have no place in it, not even escaped.
+/// Text valid in XML, without control characters, which XML forbids even escaped.
 pub(crate) fn plain(text: &str) -> String {
     escape(&text.replace(
         |c: char| c.is_control() || matches!(c, '\u{fffe}' | '\u{ffff}'),

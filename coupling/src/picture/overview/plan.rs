@@ -1,7 +1,7 @@
-//! Plans: the scene from above, x to the right and y up, and maps of what the water did.
+//! Plan views of the scene, x to the right and y up, and maps of wave impact.
 //!
-//! Land is shaded from its heights, and what lies over it comes in the order of a map: water, lines of equal height, blocks,
-//! instruments. The picture of the land and the lines are in the page once, however many plans there are.
+//! Shaded relief is overlaid in the order of a map: water, contour lines, blocks, instruments. The image of the land and
+//! the lines are in the page once for all plans.
 
 mod contour;
 mod layout;
@@ -28,9 +28,9 @@ pub struct Plan {
     pub origin: [f64; 3],
     /// Heights of the ground, NaN where there is none; m.
     pub ground: Grid,
-    /// Height of the water at rest; none without water; m.
+    /// Still-water level, if there is water; m.
     pub still_level: Option<f64>,
-    /// Points at which views have the surface; it has no heights itself.
+    /// Sampling points of the surface in views, without elevations.
     pub water: Grid,
     /// Usually the start and the end.
     pub views: Vec<FromAbove>,
@@ -47,7 +47,7 @@ pub struct Extremes {
     pub at_start: Grid,
     /// Highest surface; m.
     pub highest: Grid,
-    /// When water came; s.
+    /// Arrival time of the water; s.
     pub arrival: Grid,
 }
 
@@ -108,7 +108,7 @@ const ROCKS: [&str; 2] = [
     "fill=\"#b3916d\" stroke=\"#4d3a28\" stroke-width=\"0.3\" stroke-linejoin=\"round\"",
 ];
 
-/// Draws all plans from `y` down, with water of a particle spacing (m); where the next thing may start.
+/// Draws all plans from `y` down, with water of a particle spacing (m); returns the next vertical position.
 pub(super) fn draw(page: &mut Page, y: f64, plan: &Plan, spacing: f64) -> f64 {
     let panels = panels::panels(plan, spacing);
     let layout = Layout::new(y, panels.len(), plan.view);
@@ -121,7 +121,7 @@ pub(super) fn draw(page: &mut Page, y: f64, plan: &Plan, spacing: f64) -> f64 {
         min: layout.min,
         max: layout.max,
     };
-    // of a page with nothing else
+    // position in an otherwise empty page
     let alone = chart(Frame {
         left: 0.0,
         top: 0.0,
@@ -166,7 +166,7 @@ pub(super) fn draw(page: &mut Page, y: f64, plan: &Plan, spacing: f64) -> f64 {
     legend(page, layout.bottom(y) + 8.0, plan, lines.step)
 }
 
-/// Puts what all plans have in common into the page, once.
+/// Adds the elements shared by all plans to the page.
 fn define(page: &mut Page, frame: Frame, land: Option<&str>, lines: &Lines) {
     page.push("<defs>");
     if let Some(address) = land {
@@ -204,7 +204,7 @@ fn used(id: &str, Frame { left, top, .. }: Frame) -> String {
     format!("<use xlink:href=\"#{id}\" x=\"{left:.1}\" y=\"{top:.1}\"/>")
 }
 
-/// Says what lines and colors are; where the next thing may start.
+/// Draws the legend of lines and colors; returns the next vertical position.
 fn legend(page: &mut Page, y: f64, plan: &Plan, step: Option<f64>) -> f64 {
     let mut items: Vec<(&str, String)> = Vec::new();
     if let Some(level) = plan.still_level {
@@ -233,7 +233,7 @@ fn legend(page: &mut Page, y: f64, plan: &Plan, step: Option<f64>) -> f64 {
         };
         page.push(&sample);
         page.text([x + 26.0, y], Anchor::Start, &text);
-        // letters of 11 px are about so wide
+        // approximate width of letters of 11 px
         x += 26.0 + 5.8 * text.chars().count() as f64 + 22.0;
     }
     y + 8.0

@@ -1,4 +1,4 @@
-//! Records over time, or over something else.
+//! Plots of records over time or another variable.
 
 use super::Record;
 use super::axis::{self, Axis, Labels, open_range, thousands};
@@ -9,16 +9,16 @@ const ABOVE: f64 = 14.0;
 const BELOW: f64 = 44.0;
 /// Distance of legend lines; px.
 const LEGEND_STEP: f64 = 16.0;
-/// A record that varies less than this part of its size is shown as the constant that it is; five digits fit the margin.
+/// A record with a smaller relative variation is shown as a constant; five digits fit the margin.
 const LEAST_RANGE: f64 = 1e-4;
 /// Characters of a name that fit beside the plot.
 const LEGEND_CHARACTERS: usize = 17;
 
-/// Colors that stay apart for color-blind readers (Okabe and Ito 2008), the loud yellow left out.
+/// Colors distinguishable for color-blind readers (Okabe and Ito 2008), without yellow.
 const COLORS: [&str; 7] = [
     "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", "#333333",
 ];
-/// Strokes for the second, third, ... round of colors.
+/// Dash patterns for the second, third, ... cycle of colors.
 const DASHES: [&str; 3] = [
     "",
     " stroke-dasharray=\"6 3\"",
@@ -36,7 +36,7 @@ pub(super) struct Axes<'a> {
     pub marked: &'a [f64],
 }
 
-/// Draws records of one unit from `y` down; where the next thing may start.
+/// Draws records of one unit from `y` down; returns the next vertical position.
 pub(super) fn draw(page: &mut Page, y: f64, axes: Axes, records: &[&Record]) -> f64 {
     let legend = 8.0 + LEGEND_STEP * records.len() as f64;
     let frame = Frame {
@@ -99,7 +99,7 @@ pub(super) fn draw(page: &mut Page, y: f64, axes: Axes, records: &[&Record]) -> 
     frame.bottom() + BELOW
 }
 
-/// Grid, marks and numbers; the power of ten in which the vertical axis counts, to stand before the unit.
+/// Draws grid, ticks and numbers; returns the power of ten of the vertical axis, as a prefix of the unit.
 fn decorate(page: &mut Page, frame: Frame, horizontal: Axis, vertical: Axis) -> String {
     let (power, prefix) = thousands(vertical.min.abs().max(vertical.max.abs()));
     let (x_ticks, y_ticks) = (horizontal.ticks(70.0, 1.0), vertical.ticks(28.0, power));
@@ -140,7 +140,7 @@ fn legend_line(page: &mut Page, frame: Frame, i: usize, name: &str) {
     page.close_group();
 }
 
-/// Smallest and largest number; an empty interval the wrong way round if there is none.
+/// Smallest and largest number; a reversed interval if there is none.
 fn extent<'a>(values: impl Iterator<Item = &'a f64>) -> (f64, f64) {
     let finite = values.copied().filter(|&value| is_number(value));
     finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(min, max), value| {
@@ -153,7 +153,7 @@ fn is_number(value: f64) -> bool {
     value.abs() < 1e300
 }
 
-/// The samples of one column of pixels that are kept: the lowest and the highest.
+/// Samples kept for one column of pixels: the lowest and the highest.
 #[derive(Clone, Copy)]
 struct Extremes {
     column: i64,
@@ -194,7 +194,7 @@ impl Extremes {
     }
 }
 
-/// Path of a record: no more points than the page can show, no peak lost, a gap at every NaN.
+/// Path of a record with as many points as the page resolves, all peaks, and a gap at every NaN.
 fn curve(record: &Record, horizontal: Axis, vertical: Axis) -> String {
     let samples = record
         .time

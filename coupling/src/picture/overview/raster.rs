@@ -1,21 +1,21 @@
-//! Particles as a picture.
+//! Particles as a raster image.
 
 use super::color;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 
-/// Shades of speed; few enough that the pictures compress, enough that no bands show.
+/// Number of shades of speed: few enough for compression, enough to avoid bands.
 pub(super) const N_SHADES: usize = 64;
-/// Palette places: 0 is transparent, then the shades, then the color of a speed that is not a number.
+/// Palette indices: 0 is transparent, then the shades, then the color of a NaN speed.
 pub(super) const CLEAR: u8 = 0;
 const NOT_A_NUMBER: u8 = N_SHADES as u8 + 1;
-/// Below this size in pixels a particle is drawn as a rectangle, which leaves no specks of background between neighbors.
+/// Below this size in pixels a particle is drawn as a rectangle, so that no background shows between neighbors.
 /// Smaller discs make patterns with the pixels that look like flow.
 const SMALLEST_DISC: f64 = 12.0;
 /// Size of a particle in the picture over its spacing.
 const OVERLAP: f64 = 1.1;
 
-/// The part of the x-z plane, or of the plan, that a picture shows, and its size in pixels.
+/// Extent of an image in the x-z plane or in plan view, and its size in pixels.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Window {
     pub min: [f64; 2],
@@ -34,7 +34,7 @@ pub(super) struct Water<'a> {
     pub top_speed: f64,
 }
 
-/// Palette places, row after row from the top.
+/// Palette indices, row by row from the top.
 pub(super) fn pixels(water: Water<'_>, window: Window) -> Vec<u8> {
     let Window {
         min,
@@ -46,8 +46,8 @@ pub(super) fn pixels(water: Water<'_>, window: Window) -> Vec<u8> {
         width as f64 / (max[0] - min[0]),
         height as f64 / (max[1] - min[1]),
     ];
-    // Half a pixel at least, so that a particle always shows; and a little overlap, or discs would leave lens-shaped
-    // holes and rounding would leave lines between rows.
+    // Half a pixel at least, so that a particle is always visible, and a small overlap, without which there are lens-shaped
+    // holes between discs and lines between rounded rows.
     let radius = scale.map(|scale| (OVERLAP * 0.5 * water.spacing * scale).max(0.5));
     let is_disc = 2.0 * radius[0].min(radius[1]) >= SMALLEST_DISC;
 
@@ -80,7 +80,7 @@ fn far_to_near(positions: &[[f32; 3]]) -> Vec<usize> {
     order
 }
 
-/// Pixels whose centers lie within `radius` of `center`; none for a center that is not a number.
+/// Pixels with centers within `radius` of `center`; empty if the center is NaN.
 fn covered(center: f64, radius: f64, n: usize) -> std::ops::Range<usize> {
     let first = (center - radius - 0.5).ceil().clamp(0.0, n as f64);
     let end = (center + radius - 0.5).floor() + 1.0;
@@ -98,7 +98,7 @@ fn shade(speed: f32, top_speed: f64) -> u8 {
         .clamp(0.0, last) as u8
 }
 
-/// The picture as a PNG in a `data:` address; nothing if the encoder refuses, which it has no reason to.
+/// The image as a PNG in a `data:` address; empty if the encoder fails, which is not expected.
 pub(super) fn data_address(pixels: &[u8], window: Window) -> Option<String> {
     let mut palette = vec![[0xff; 3]];
     palette.extend(color::map(N_SHADES));
@@ -108,7 +108,7 @@ pub(super) fn data_address(pixels: &[u8], window: Window) -> Option<String> {
     png_address(pixels, window, palette, opacity)
 }
 
-/// Places of a palette with opacities as a PNG in a `data:` address.
+/// Indices of a palette with opacities as a PNG in a `data:` address.
 pub(super) fn png_address(
     pixels: &[u8],
     window: Window,
@@ -126,7 +126,7 @@ pub(super) fn png_address(
     encoder.set_palette(palette.into_flattened());
     encoder.set_trns(opacity);
     encoder.set_compression(png::Compression::High);
-    // Palette places are not heights: their differences mean nothing.
+    // Differences of palette indices are meaningless.
     encoder.set_filter(png::Filter::NoFilter);
     let mut writer = encoder.write_header().ok()?;
     writer.write_image_data(pixels).ok()?;

@@ -21,9 +21,9 @@ const BELOW: f64 = 44.0;
 /// Size of a corner of an outline, and the least size of pictures for any number of outlines; bytes of text.
 const BYTES_PER_CORNER: usize = 10;
 const LEAST_BUDGET: usize = 60_000;
-/// Picture pixels per pixel of the page, finest first; the first that keeps the budget is taken.
+/// Image pixels per pixel of the page, finest first; the first within the budget is used.
 pub(super) const RESOLUTIONS: [f64; 5] = [2.0, 1.5, 1.0, 0.7, 0.5];
-/// Where the panels stand.
+/// Layout of the panels.
 struct Layout {
     panels: Vec<Frame>,
     exaggeration: f64,
@@ -32,8 +32,8 @@ struct Layout {
     max: [f64; 2],
 }
 
-/// Draws all snapshots from `y` down, of particles of a spacing (m), with pictures and outlines of so many bytes; where the
-/// next thing may start.
+/// Draws all snapshots from `y` down, with particles of a given spacing (m), within a budget of bytes for images and outlines;
+/// returns the next vertical position.
 pub(super) fn draw(
     page: &mut Page,
     y: f64,
@@ -203,7 +203,7 @@ impl Layout {
             .iter()
             .filter(|outline| outline.is_fixed == is_fixed)
         {
-            // A block that flew away must not leave numbers that no renderer can hold.
+            // A block far away must not produce numbers beyond the range of renderers.
             let near = |pixel: f64| (10.0 * pixel.clamp(-1e4, 1e4)).round() as i32;
             let tenths = |n: i32| f64::from(n) / 10.0;
             let mut before: Option<[i32; 2]> = None;
@@ -224,7 +224,7 @@ impl Layout {
                 path.push('z');
             }
         }
-        // One path for all would cut holes where blocks overlap, but for this rule of filling.
+        // With the default fill rule a single path would have holes where blocks overlap.
         if !path.is_empty() {
             page.push(&format!(
                 "<path d=\"{path}\" fill-rule=\"nonzero\" {style}/>"

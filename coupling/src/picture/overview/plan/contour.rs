@@ -1,18 +1,17 @@
-//! Lines of equal height.
+//! Contour lines.
 
 use std::collections::BTreeMap;
 
 use crate::scene::terrain::grid::Grid;
 
-/// A side of a square of the grid: its lower point, and the axis along which it runs.
+/// Edge of a grid cell: its lower point and its axis.
 type Side = ([usize; 2], usize);
 
-/// Lines along which a grid has a height (m), in the plan; m. Closed ones end where they began. None goes through a square
-/// with a corner that has no height.
+/// Contour lines of a grid at a level (m), in plan view; m. Closed lines end at their start. Cells with a NaN corner are
+/// skipped.
 ///
-/// Marching squares: each square gives the lines between the points of its sides where the height changes from below to
-/// at least the level, linear along a side; where it does so on all four, the mean of the corners tells which belong
-/// together.
+/// Marching squares: in each cell lines connect the points on its edges where the elevation crosses the level, by linear
+/// interpolation; if it crosses on all four edges, the mean of the corners decides which points are connected.
 pub(super) fn lines(grid: &Grid, level: f64) -> Vec<Vec<[f64; 2]>> {
     let mut next: BTreeMap<Side, Vec<Side>> = BTreeMap::new();
     let inner = grid
@@ -25,7 +24,7 @@ pub(super) fn lines(grid: &Grid, level: f64) -> Vec<Vec<[f64; 2]>> {
         }
     }
     let mut lines = Vec::new();
-    // those with ends first: what is left then is closed
+    // open lines first: the remaining ones are closed
     let ends: Vec<Side> = next
         .iter()
         .filter(|(_, beside)| beside.len() == 1)
@@ -53,7 +52,7 @@ pub(super) fn lines(grid: &Grid, level: f64) -> Vec<Vec<[f64; 2]>> {
     lines
 }
 
-/// The parts of a line within a square, from side to side.
+/// Segments of a line within a cell, from edge to edge.
 fn cuts(grid: &Grid, [i, j]: [usize; 2], level: f64) -> Vec<[Side; 2]> {
     let corners = [[i, j], [i + 1, j], [i + 1, j + 1], [i, j + 1]];
     let heights = corners.map(|corner| grid.heights[grid.index(corner)]);
@@ -71,7 +70,7 @@ fn cuts(grid: &Grid, [i, j]: [usize; 2], level: f64) -> Vec<[Side; 2]> {
         [a, b] => vec![[a, b]],
         [south, east, north, west] => {
             let is_middle_above = level <= 0.25 * heights.iter().sum::<f64>();
-            // a corner that is unlike the middle is cut off
+            // a corner on the other side than the middle is cut off
             match is_middle_above == is_above[0] {
                 true => vec![[south, east], [north, west]],
                 false => vec![[south, west], [east, north]],
@@ -81,7 +80,7 @@ fn cuts(grid: &Grid, [i, j]: [usize; 2], level: f64) -> Vec<[Side; 2]> {
     }
 }
 
-/// Where a level is along a side; m.
+/// Position of a level along an edge; m.
 fn crossing(grid: &Grid, (point, axis): Side, level: f64) -> [f64; 2] {
     let mut end = point;
     end[axis] += 1;
@@ -91,7 +90,7 @@ fn crossing(grid: &Grid, (point, axis): Side, level: f64) -> [f64; 2] {
     place
 }
 
-/// A line with fewer points, none of the others farther from it than a tolerance (in the unit of the points).
+/// A simplified line within a tolerance of the original points (in their unit).
 ///
 /// Source: Douglas and Peucker (1973).
 pub(super) fn simplified(line: &[[f64; 2]], tolerance: f64) -> Vec<[f64; 2]> {
@@ -117,7 +116,7 @@ pub(super) fn simplified(line: &[[f64; 2]], tolerance: f64) -> Vec<[f64; 2]> {
     kept.map(|(point, _)| *point).collect()
 }
 
-/// From a point to the line between two others.
+/// Distance of a point from the segment between two others.
 fn distance(p: [f64; 2], (a, b): ([f64; 2], [f64; 2])) -> f64 {
     let along = [b[0] - a[0], b[1] - a[1]];
     let offset = [p[0] - a[0], p[1] - a[1]];

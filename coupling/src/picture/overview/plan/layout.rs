@@ -1,9 +1,9 @@
-//! Where plans stand in the page, and what stands at their edges.
+//! Layout of the plans in the page, and labels at their edges.
 
 use crate::picture::overview::axis::{self, Axis, Labels, nice_up, open_range};
 use crate::picture::overview::page::{Anchor, Frame, INK, LEFT, Page, RIGHT, WIDTH, shortened};
 
-/// Plans wider than this many times their height are shown below each other, others side by side.
+/// Plans with a larger ratio of width to height are shown below each other, others side by side.
 const WIDE: f64 = 2.2;
 /// Plans side by side are not taller than this; px.
 const MAX_HEIGHT: f64 = 480.0;
@@ -19,7 +19,7 @@ const BELOW_LAST: f64 = 44.0;
 /// Middle of the label of the vertical axis, beside coordinates of seven digits; px.
 const LABEL_OF_Y: f64 = 12.0;
 
-/// Where in the page a part of the plan is.
+/// Mapping from plan view to page.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Chart {
     pub frame: Frame,
@@ -44,7 +44,7 @@ impl Chart {
         ]
     }
 
-    /// Of a place of the plan; px.
+    /// Position of a point in plan view; px.
     pub fn pixel(self, place: [f64; 2]) -> [f64; 2] {
         let [x, y] = self.axes();
         [x.at(place[0]), y.at(place[1])]
@@ -56,11 +56,11 @@ impl Chart {
     }
 }
 
-/// Where the plans stand.
+/// Positions of the plans.
 pub(super) struct Layout {
     pub frames: Vec<Frame>,
     columns: usize,
-    /// How much larger y is drawn than x.
+    /// Vertical exaggeration of the drawing, y over x.
     pub widening: f64,
     pub min: [f64; 2],
     pub max: [f64; 2],
@@ -98,13 +98,13 @@ impl Layout {
         }
     }
 
-    /// Where the next thing may start, had the first plan its title at `y`.
+    /// Next vertical position, with the title of the first plan at `y`.
     pub fn bottom(&self, y: f64) -> f64 {
         let last = self.frames.last();
         last.map_or(y, |frame| frame.bottom() + BELOW_LAST)
     }
 
-    /// Marks and numbers, in coordinates of the map; those that stand at a plan before are left out.
+    /// Ticks and numbers in map coordinates, omitted where the previous plan has them.
     pub fn decorate(&self, page: &mut Page, i: usize, origin: [f64; 3]) {
         let frame = self.frames[i];
         let on_map = Chart {
@@ -131,9 +131,9 @@ impl Layout {
     }
 }
 
-/// Writes what a plan shows above it.
+/// Writes the title above a plan.
 pub(super) fn title(page: &mut Page, frame: Frame, title: &str) {
-    // bold letters of 12 px are about so wide
+    // approximate width of bold letters of 12 px
     let title = shortened(title, ((frame.width + 12.0) / 6.6) as usize);
     let style = format!("font-size=\"12\" font-weight=\"bold\" fill=\"{INK}\"");
     page.styled_text([frame.left, frame.top - 6.0], Anchor::Start, &style, &title);

@@ -1,4 +1,4 @@
-//! Lines of equal height and outlines of blocks as paths.
+//! Contour lines and outlines of blocks as paths.
 
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
@@ -10,25 +10,25 @@ use super::{Footprint, Plan};
 use crate::picture::overview::axis::nice_up;
 use crate::scene::terrain::grid::Grid;
 
-/// Lines of equal height, and outlines of blocks; bytes of text.
+/// Budgets of contour lines and of outlines of blocks; bytes of text.
 const LINE_BUDGET: usize = 45_000;
 const OUTLINE_BUDGET: usize = 45_000;
-/// About so many lines of equal height from the lowest to the highest ground.
+/// Approximate number of contour levels from the lowest to the highest ground.
 const N_CONTOURS: f64 = 12.0;
-/// How far a line may be from where it is, so that it takes less text; px.
+/// Tolerance of simplified lines; px.
 const LINE_TOLERANCES: [f64; 4] = [0.2, 0.4, 0.8, 1.5];
-/// Lines that extend less are left out; px.
+/// Smaller lines are omitted; px.
 const LEAST_LINE: f64 = 4.0;
-/// Corners of outlines are at whole multiples of these, finest first; tenths of px.
+/// Lattices on which corners of outlines are rounded, finest first; tenths of px.
 const LATTICES: [i32; 5] = [1, 5, 10, 20, 40];
 
-/// Lines of equal height; text of paths.
+/// Contour lines; text of paths.
 #[derive(Debug, Default)]
 pub(super) struct Lines {
     pub land: String,
     pub bed: String,
     pub shore: String,
-    /// From one to the next, none where they would be too many; m.
+    /// Contour interval, if there are not too many lines; m.
     pub step: Option<f64>,
 }
 
@@ -44,7 +44,7 @@ impl Lines {
         if !(step.is_finite() && 0.0 < step) {
             return Self::default();
         }
-        // rough ground has long lines: fewer and simpler ones, until they fit
+        // rough ground has long lines: fewer and simpler ones until they fit
         for tolerance in LINE_TOLERANCES {
             let mut lines = Self {
                 shore: shore(tolerance).unwrap_or_default(),
@@ -56,7 +56,7 @@ impl Lines {
             let levels = (0..).map(|k| (first + f64::from(k)) * step - raise);
             for level in levels.take_while(|&level| level < high) {
                 let over_rest = level - plan.still_level.unwrap_or(f64::NEG_INFINITY);
-                // that of water at rest is the shore
+                // the contour of still water is the shore
                 if over_rest.abs() < 1e-6 * step {
                     continue;
                 }
@@ -99,7 +99,7 @@ pub(super) fn outlines(chart: Chart, panels: &[Panel<'_>]) -> Vec<[String; 2]> {
     outlines
 }
 
-/// Path of a level (m), off by no more than a tolerance (px); what is smaller than a few pixels is left out.
+/// Path of a contour (m) within a tolerance (px); lines of a few pixels are omitted.
 fn path_of_level(chart: Chart, ground: &Grid, level: f64, tolerance: f64) -> String {
     let mut path = String::new();
     for line in contour::lines(ground, level) {
@@ -117,7 +117,7 @@ fn path_of_level(chart: Chart, ground: &Grid, level: f64, tolerance: f64) -> Str
     path
 }
 
-/// Path of blocks with corners on a lattice (tenths of a pixel); of those that look alike there, one is enough.
+/// Path of blocks with corners on a lattice (tenths of a pixel), without duplicates.
 fn path_of_blocks<'a>(
     chart: Chart,
     blocks: impl Iterator<Item = &'a Footprint>,
@@ -142,7 +142,7 @@ fn path_of_blocks<'a>(
     path
 }
 
-/// Appends a line through points in tenths of a pixel, each relative to that before, which takes half the text.
+/// Appends a line through points in tenths of a pixel, in relative coordinates, which halves the text.
 fn push_path(path: &mut String, points: &[[i32; 2]]) {
     let mut before: Option<[i32; 2]> = None;
     for &[x, y] in points {
@@ -157,7 +157,7 @@ fn push_path(path: &mut String, points: &[[i32; 2]]) {
     }
 }
 
-/// Whole tenths of a pixel, a multiple of some; what is far off the page stays where a renderer can hold it.
+/// Position in tenths of a pixel, rounded to a multiple and clamped to the range of renderers.
 fn tenths(pixel: f64, multiple: i32) -> i32 {
     let n = 10.0 * pixel.clamp(-1e4, 1e4) / f64::from(multiple);
     n.round() as i32 * multiple

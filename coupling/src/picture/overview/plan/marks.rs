@@ -11,14 +11,14 @@ const LETTER_WIDTH: f64 = 5.7;
 const LONGEST_NAME: usize = 24;
 /// Radius of the mark of a point; px.
 const RADIUS: f64 = 3.2;
-/// Names keep so far from lines, which are looked at in such steps, in so many at most; px.
+/// Distance of names from lines, the sampling step of the lines, and the largest number of samples; px.
 const LINE_RADIUS: f64 = 1.5;
 const LINE_STEP: f64 = 3.0;
 const MOST_STEPS: f64 = 1000.0;
-/// Share of the width of a plan that its scale is at most.
+/// Largest length of the scale bar over the width of a plan.
 const SCALE_SHARE: f64 = 0.3;
-/// Of letters and what is behind them, so that they can be read on any ground; drawn one after the other, because not all programs
-/// that show the page know `paint-order`.
+/// Styles of letters and of the halo behind them, for legibility on any ground; drawn separately, since not all viewers
+/// support `paint-order`.
 const LETTERING: [&str; 2] = [
     "fill=\"none\" stroke=\"#fff\" stroke-width=\"2.6\" stroke-opacity=\"0.85\" stroke-linejoin=\"round\"",
     "fill=\"#1a1a1a\"",
@@ -58,7 +58,7 @@ pub(super) fn draw(page: &mut Page, chart: Chart, marks: &[Mark]) {
     }
 }
 
-/// Writes the names, where they hide neither each other nor a point and stay in the frame, if there is such a place.
+/// Writes the names where they overlap neither each other nor a point and stay in the frame, if possible.
 pub(super) fn names(page: &mut Page, chart: Chart, marks: &[Mark]) {
     let mut taken: Vec<Frame> = marks.iter().flat_map(|mark| covered(chart, mark)).collect();
     for mark in marks {
@@ -114,7 +114,7 @@ fn covered(chart: Chart, mark: &Mark) -> Vec<Frame> {
         Mark::Line { from, to, .. } => (chart.pixel(*from), chart.pixel(*to)),
     };
     let n = ((to[0] - from[0]).hypot(to[1] - from[1]) / LINE_STEP).ceil();
-    // a line that is far larger than the plan is not looked at all along
+    // a line far longer than the plan is sampled only in part
     let n = n.clamp(1.0, MOST_STEPS);
     let at = |k: u32| {
         let share = f64::from(k) / n;
@@ -156,7 +156,7 @@ pub(super) fn scale_bar(page: &mut Page, chart: Chart) {
     letters(page, middle, Anchor::Middle, "normal", &label);
 }
 
-/// Draws an arrow to the north, which is that of y, in the upper right corner.
+/// Draws a north arrow, along y, in the upper right corner.
 pub(super) fn north(page: &mut Page, frame: Frame) {
     let [x, y] = [frame.right() - 14.0, frame.top + 18.0];
     for style in LETTERING {
@@ -167,7 +167,7 @@ pub(super) fn north(page: &mut Page, frame: Frame) {
     letters(page, [x, y - 4.0], Anchor::Middle, "bold", "N");
 }
 
-/// Largest of 1, 2, 5 times a power of ten that is not above a value.
+/// Largest of 1, 2, 5 times a power of ten up to a value.
 fn nice_down(value: f64) -> f64 {
     let power = 10f64.powf(value.log10().floor());
     let nice = [5.0, 2.0, 1.0]

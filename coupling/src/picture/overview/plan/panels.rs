@@ -10,7 +10,7 @@ use crate::picture::overview::raster::{self, Window};
 use crate::picture::overview::view::RESOLUTIONS;
 use crate::scene::terrain::grid::Grid;
 
-/// Pictures of all plans together, so that the page stays below 500 kB; bytes of text.
+/// Budget of the images of all plans, so that the page stays below 500 kB; bytes of text.
 const PICTURE_BUDGET: usize = 130_000;
 
 /// One of the plans.
@@ -29,10 +29,10 @@ enum Key {
     Sheet(&'static str),
 }
 
-/// Addresses of the pictures.
+/// `data:` addresses of the images.
 pub(super) struct Pictures {
     pub land: Option<String>,
-    /// One per plan, where it has a sheet.
+    /// One per plan with a color layer.
     pub sheets: Vec<Option<String>>,
 }
 
@@ -87,7 +87,7 @@ pub(super) fn panels(plan: &Plan, spacing: f64) -> Vec<Panel<'_>> {
     panels
 }
 
-/// Plans of the maps that have something on them.
+/// Plans of the maps that are not empty.
 fn of_maps(maps: &Extremes, (level, spacing): (f64, f64)) -> Vec<Panel<'static>> {
     let Extremes {
         at_start,
@@ -122,9 +122,9 @@ fn of_maps(maps: &Extremes, (level, spacing): (f64, f64)) -> Vec<Panel<'static>>
 
 /// Heights of a surface over that at rest at a level (m); m.
 ///
-/// Where the surface was within a particle spacing (m) of the level at the start, which is as well as particles tell a level, it
-/// was at rest there, and what it has risen since is what it is over it: beside a shore the surface of water at rest is found
-/// up to half a spacing off, and a wave would seem to be there.
+/// Where the surface is within a particle spacing (m) of the level at the start, the accuracy of a particle surface, it is
+/// assumed at rest, and elevations are relative to it: near a shore the computed surface of still water is off by up to half
+/// a spacing, which would otherwise look like a wave.
 fn over_rest(surface: &Grid, at_start: &Grid, (level, spacing): (f64, f64)) -> Vec<f64> {
     let heights = surface.heights.iter().zip(&at_start.heights);
     heights
@@ -136,7 +136,7 @@ fn over_rest(surface: &Grid, at_start: &Grid, (level, spacing): (f64, f64)) -> V
         .collect()
 }
 
-/// The pictures, as fine as the budget allows.
+/// The images, as fine as the budget allows.
 pub(super) fn pictures(
     chart: Chart,
     plan: &Plan,
@@ -232,7 +232,7 @@ mod tests {
             spacing: 1.0,
             heights: heights.to_vec(),
         };
-        // found 0.4 m too high, dry, a wave from the start on, and dry again
+        // computed 0.4 m too high, dry, a wave from the start on, and dry again
         let at_start = grid([10.4, f64::NAN, 13.0, 10.0]);
         let now = grid([12.4, 12.0, 12.0, f64::NAN]);
         let found = over_rest(&now, &at_start, (10.0, 0.5));

@@ -1,4 +1,4 @@
-//! The lie of the land as a picture: layer tints, and light from the north-west.
+//! Shaded relief of the terrain: hypsometric tints, and light from the northwest.
 
 use std::f64::consts::FRAC_1_SQRT_2;
 
@@ -8,27 +8,27 @@ use crate::picture::overview::color;
 use crate::picture::overview::raster::CLEAR;
 use crate::scene::terrain::grid::Grid;
 
-/// At most so many layers of dry land, each of a tint; what is below the water at rest is one more.
+/// Largest number of elevation layers of dry land, one tint each; the bed below still water is one more.
 const MOST_LAYERS: usize = 10;
-/// Shades of each tint; with the tints as many as a palette holds.
+/// Shades of each tint; all tints and shades fit a palette.
 const N_SHADES: usize = 23;
 // indices of the picture are bytes
 const _: () = assert!((1 + MOST_LAYERS) * N_SHADES < 256);
-/// Bed of the water, which has no tint of height: the water over it has its own colors.
+/// Bed of the water, without elevation tint: the water above has its own colors.
 pub(super) const BED: [u8; 3] = [0xc4, 0xcd, 0xd2];
-/// Direction to the sun, in the north-west at 45°, as maps have it; –.
+/// Direction to the sun, northwest at 45°, the cartographic convention; –.
 const SUN: [f64; 3] = [-0.5, 0.5, FRAC_1_SQRT_2];
 /// Brightness of ground without light over that of level ground; –.
 const DARKEST: f64 = 0.58;
-/// How far ground that faces the sun goes towards white; –.
+/// Lightening of ground that faces the sun; –.
 const GLOSS: f64 = 0.55;
 
-/// Ground made ready to be drawn.
+/// Ground prepared for drawing.
 #[derive(Debug)]
 pub(super) struct Relief<'a> {
     ground: &'a Grid,
     light: Grid,
-    /// Where land begins; m.
+    /// Elevation of the shore; m.
     shore: f64,
     /// Thickness of a layer; m.
     layer: f64,
@@ -37,17 +37,17 @@ pub(super) struct Relief<'a> {
 }
 
 impl<'a> Relief<'a> {
-    /// Of ground with water at rest up to a level (m).
+    /// Relief of ground with still water up to a level (m).
     pub fn new(ground: &'a Grid, still_level: Option<f64>) -> Self {
         let (lowest, highest) = ground.range();
         let shore = still_level.unwrap_or(lowest);
-        // where there is neither water nor ground
+        // neither water nor ground
         let shore = if shore.is_finite() { shore } else { 0.0 };
         let land = (highest - shore).max(0.0);
         let (layer, n_layers) = match 0.0 < land && land.is_finite() {
             true => {
                 let layer = nice_up(land / MOST_LAYERS as f64);
-                // the highest point is in the layer that it is the top of
+                // the highest point belongs to the uppermost layer
                 (layer, (land / layer * (1.0 - 1e-9)).ceil() as usize)
             }
             false => (1.0, 1),
@@ -62,7 +62,7 @@ impl<'a> Relief<'a> {
         }
     }
 
-    /// Place in the palette of what lies at a place of the plan.
+    /// Palette index at a point in plan view.
     pub fn color_at(&self, place: [f64; 2]) -> u8 {
         let height = sheet::value(self.ground, place);
         let light = sheet::value(&self.light, place);
@@ -73,7 +73,7 @@ impl<'a> Relief<'a> {
         (1 + self.tint(height) * N_SHADES + shade) as u8
     }
 
-    /// Where the lowest layer begins and the highest ends (m), and their tints.
+    /// Bottom of the lowest and top of the highest layer (m), and the tints.
     pub fn land(&self) -> ((f64, f64), Vec<[u8; 3]>) {
         let top = self.shore + self.n_layers as f64 * self.layer;
         ((self.shore, top), color::land(self.n_layers))
@@ -105,7 +105,7 @@ impl<'a> Relief<'a> {
     }
 }
 
-/// Light that falls on ground of a slope ∂z/∂x, ∂z/∂y from a sun `s`.
+/// Light on ground of a slope ∂z/∂x, ∂z/∂y from a sun `s`.
 ///
 /// ```text
 /// I = max(0, n·s),      n = (−∂z/∂x, −∂z/∂y, 1) / √(1 + |∇z|²)                               [–]
@@ -116,7 +116,7 @@ fn illumination([slope_x, slope_y]: [f64; 2]) -> f64 {
     (along / (1.0 + slope_x * slope_x + slope_y * slope_y).sqrt()).max(0.0)
 }
 
-/// Light at each point; NaN where there is no ground.
+/// Light at each point; NaN without ground.
 fn lit(ground: &Grid) -> Grid {
     let light = ground.points().map(|point| {
         let known = ground.heights[ground.index(point)].is_finite();
@@ -131,7 +131,7 @@ fn lit(ground: &Grid) -> Grid {
     }
 }
 
-/// Slope along an axis: between the neighbors, or to the one that there is; –.
+/// Slope along an axis: central difference, one-sided at edges; –.
 fn slope(ground: &Grid, point: [usize; 2], axis: usize) -> f64 {
     let height = |along: usize| {
         let mut at = point;

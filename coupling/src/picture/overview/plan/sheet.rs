@@ -1,4 +1,4 @@
-//! Quantities over the plan as pictures.
+//! Quantities in plan view as raster images.
 
 use crate::picture::overview::bar::{Bar, round_range, round_top};
 use crate::picture::overview::color;
@@ -7,9 +7,9 @@ use crate::scene::terrain::grid::Grid;
 
 use super::relief::BED;
 
-/// How much of what is below shows through the colors is one less this; –.
+/// Opacity of the colors; –.
 const OPACITY: f64 = 0.8;
-/// Colors on each side of water at rest, and of a scale that goes one way.
+/// Number of colors on each side of water at rest, and of a one-sided scale.
 const N_SIDE: usize = 40;
 const N_SHADES: usize = 64;
 
@@ -43,7 +43,7 @@ impl Scale {
     }
 
     fn of(shades: Vec<[u8; 3]>, range: (f64, f64), values: &[f64]) -> Self {
-        // numbers of the range are rounded to tenths of its steps
+        // bounds of the range are rounded to tenths of its steps
         let tolerance = 1e-6 * (range.1 - range.0);
         Self {
             shades,
@@ -73,7 +73,7 @@ impl Scale {
         (colors, opacity)
     }
 
-    /// The colors as they show over level ground, which is what they are seen on most.
+    /// The colors composited over level ground, the most frequent background.
     pub fn shown(&self) -> Vec<[u8; 3]> {
         let shown = |&shade| color::over(shade, OPACITY, BED);
         self.shades.iter().map(shown).collect()
@@ -90,22 +90,22 @@ impl Scale {
     }
 }
 
-/// A quantity of the water, drawn where that stands above the ground.
+/// A quantity of the water, drawn where the water is above the ground.
 #[derive(Clone, Debug)]
 pub(super) struct Sheet {
     /// NaN where there is none.
     pub values: Grid,
-    /// Height of the water whose quantity it is, NaN where there is none; m.
+    /// Elevation of the water, NaN where dry; m.
     pub surface: Grid,
     pub scale: Scale,
 }
 
 impl Sheet {
-    /// Place in the palette of what is over a place of the plan.
+    /// Palette index at a point in plan view.
     pub fn color_at(&self, place: [f64; 2], ground: &Grid) -> u8 {
         let surface = value(&self.surface, place);
         let is_wet = surface.is_some_and(|surface| {
-            // beyond the survey nothing says that it is dry
+            // beyond the survey the ground is unknown
             value(ground, place).is_none_or(|ground| ground < surface)
         });
         match value(&self.values, place).filter(|_| is_wet) {
@@ -115,7 +115,7 @@ impl Sheet {
     }
 }
 
-/// Places of a palette, row after row from the top.
+/// Palette indices, row by row from the top.
 pub(super) fn pixels(window: Window, color_at: impl Fn([f64; 2]) -> u8) -> Vec<u8> {
     let Window {
         min,
@@ -131,8 +131,8 @@ pub(super) fn pixels(window: Window, color_at: impl Fn([f64; 2]) -> u8) -> Vec<u
         .collect()
 }
 
-/// Value over a place of the plan: the bilinear mean of the four points about it that have one, where these have at least
-/// half of the weight; beyond the rim as at it.
+/// Value at a point in plan view: bilinear mean of the surrounding grid points with a value, if these have at least half
+/// of the weight; constant beyond the rim.
 pub(super) fn value(grid: &Grid, place: [f64; 2]) -> Option<f64> {
     let mut square = [0; 2];
     let mut share = [0.0; 2];
@@ -174,7 +174,7 @@ mod tests {
         assert_eq!(value(&grid, [5.0, 5.0]), Some(3.5));
         assert_eq!(value(&grid, [15.0, 0.0]), Some(2.0));
         assert_eq!(value(&grid, [15.1, 0.0]), None);
-        // the rim is the last that is known
+        // values beyond the rim are those at the rim
         assert_eq!(value(&grid, [-4.0, 12.0]), Some(5.0));
     }
 
