@@ -3,28 +3,29 @@
 mod build;
 mod checkpoint;
 mod definition;
+pub(crate) mod links;
 mod pairing;
 pub(crate) mod placement;
 mod query;
 mod strength;
 
-use crate::{
-    Attachment, BlockError, Hold, Load, Motion, StaticDamping, Turning, Vec3,
-    accounts::Accounts,
-    attachments::{Attachments, Surroundings},
-    broad_phase::Bounds,
-    contact::{Pair, Workspace},
-    critical_step::BlockRates,
-    deformation::Deformable,
-    energy::Account,
-    kinematics::Kinematics,
-    links::Links,
-    material::Joint,
-    parts::Part,
-    rest::Rest,
-    sphere_contact::{PairRates, Rolling, SphereContact, SphereLoads, SphereMark, SpherePair},
-    surface_contact::SurfacePair,
+use crate::blocks::links::Links;
+use crate::contact::detection::broad_phase::Bounds;
+use crate::contact::penalty::polyhedra::{Pair, Workspace};
+use crate::contact::penalty::spheres::{
+    PairRates, Rolling, SphereContact, SphereLoads, SphereMark, SpherePair,
 };
+use crate::contact::penalty::step_bound::BlockRates;
+use crate::contact::penalty::terrain::SurfacePair;
+use crate::geometry::parts::Part;
+use crate::material::Joint;
+use crate::motion::deformation::Deformable;
+use crate::motion::kinematics::Kinematics;
+use crate::step::accounts::Accounts;
+use crate::step::attachments::{Attachments, Surroundings};
+use crate::step::energy::Account;
+use crate::step::sleep::Rest;
+use crate::{Attachment, BlockError, Hold, Load, Motion, StaticDamping, Turning, Vec3};
 pub use definition::{BlockDefinition, Settings};
 use nalgebra::{Matrix3, UnitQuaternion};
 use pairing::SpherePairBefore;

@@ -68,79 +68,53 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-mod accounts;
-mod attachments;
-mod block_quality;
 mod blocks;
-mod broad_phase;
 mod chunks;
-mod common_plane;
 mod contact;
-mod critical_step;
-mod cut;
-mod damping;
-mod deformation;
-mod distance;
-mod energy;
 mod error;
-mod forces;
-mod friction;
-mod holds;
-mod integrate;
-mod joint_sets;
-mod kinematics;
-mod links;
+mod geometry;
 mod material;
-mod measure;
 mod motion;
-mod parts;
-mod patch;
-mod polyhedron;
 mod random;
-mod rest;
-mod rigid;
-mod shape;
-mod sphere_contact;
-mod stability;
-mod surface;
-mod surface_contact;
+mod rock_mass;
+mod step;
 
 /// Vector of three `f64`.
 pub type Vec3 = nalgebra::Vector3<f64>;
 /// Turn and shift.
 pub type Isometry = nalgebra::Isometry3<f64>;
 
-pub use accounts::Impulses;
-pub use attachments::Attachment;
-pub use block_quality::BlockQuality;
 pub use blocks::{BlockDefinition, Blocks, Settings};
-pub use common_plane::{
+pub use contact::detection::common_plane::{
     Axis, AxisKind, ContactDetection, SeparatingAxes, fast_common_plane, gap_along, separating_axes,
 };
-pub use contact::{Contact, ContactState};
-pub use critical_step::CriticalStep;
-pub use cut::Plane;
-pub use damping::StaticDamping;
-pub use deformation::{
-    Deformability, DeformableModel, StressLaw, Voigt, classical_mass_matrix, natural_frequencies,
-};
-pub use distance::SurfacePoint;
-pub use energy::Energies;
+pub use contact::penalty::polyhedra::{Contact, ContactState};
+pub use contact::penalty::step_bound::CriticalStep;
 pub use error::{BlockError, StepError};
-pub use holds::{Hold, Turning};
-pub use integrate::Phase;
-pub use joint_sets::{
-    JointError, JointSet, JointedMass, JointedUnion, MergedMass, SliverLimits, cut_by_joints,
-    cut_union_by_joints, hull_within, merge_slivers, merge_union_slivers,
-};
-pub use kinematics::Load;
+pub use geometry::block_quality::BlockQuality;
+pub use geometry::cut::Plane;
+pub use geometry::distance::SurfacePoint;
+pub use geometry::measure::{MassProperties, face_area, mass_properties, volume};
+pub use geometry::polyhedron::{Polyhedron, PolyhedronError};
+pub use geometry::shape::Shape;
+pub use geometry::surface::{Surface, SurfaceError};
 pub use material::{
     Elastic, JointOverride, Material, NormalLaw, RollingLaw, clamped_restitution, damping_ratio,
 };
-pub use measure::{MassProperties, face_area, mass_properties, volume};
-pub use motion::{Accelerogram, Motion, PrescribedMotion};
-pub use polyhedron::{Polyhedron, PolyhedronError};
+pub use motion::deformation::{
+    Deformability, DeformableModel, StressLaw, Voigt, classical_mass_matrix, natural_frequencies,
+};
+pub use motion::holds::{Hold, Turning};
+pub use motion::kinematics::Load;
+pub use motion::prescribed::{Accelerogram, Motion, PrescribedMotion};
 pub use random::Random;
-pub use rest::Resting;
-pub use shape::Shape;
-pub use surface::{Surface, SurfaceError};
+pub use rock_mass::joint_sets::{
+    JointError, JointSet, JointedMass, JointedUnion, MergedMass, SliverLimits, cut_by_joints,
+    cut_union_by_joints, hull_within, merge_slivers, merge_union_slivers,
+};
+pub use step::accounts::Impulses;
+pub use step::attachments::Attachment;
+pub use step::central_difference::Phase;
+pub use step::damping::StaticDamping;
+pub use step::energy::Energies;
+pub use step::sleep::Resting;

@@ -1,6 +1,7 @@
 //! Rock materials, and the joint that two of them make where they touch.
 
-use crate::{BlockError, patch::Scaling};
+use crate::BlockError;
+use crate::contact::detection::patch::Scaling;
 
 /// Isotropic linear elasticity of deformable blocks; rigid blocks ignore it.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,14 +1,17 @@
 //! How a system of blocks is made: bodies about their centroids, in principal axes, with margins and limits.
 
 use super::definition::check_settings;
+use crate::contact::detection::broad_phase;
+use crate::contact::penalty::step_bound::BlockRates;
+use crate::geometry::parts::Part;
+use crate::material::Joint;
+use crate::motion::deformation::{
+    Affine12, AffineBody, Dda12, Deformable, elastic_constants, tensor,
+};
+use crate::motion::kinematics::Kinematics;
 use crate::{
     BlockDefinition, BlockError, Blocks, Deformability, DeformableModel, Isometry, JointOverride,
-    Load, MassProperties, Material, Motion, NormalLaw, Settings, Shape, Vec3, broad_phase,
-    critical_step::BlockRates,
-    deformation::{Affine12, AffineBody, Dda12, Deformable, elastic_constants, tensor},
-    kinematics::Kinematics,
-    material::Joint,
-    parts::Part,
+    Load, MassProperties, Material, Motion, NormalLaw, Settings, Shape, Vec3,
 };
 use nalgebra::{Matrix3, Rotation3, SymmetricEigen, UnitQuaternion};
 
@@ -328,7 +331,7 @@ impl Blocks {
             if let (Part::Polyhedron(body), Part::Polyhedron(reference)) =
                 (&mut self.parts[part], &mut self.reference[part])
             {
-                crate::parts::note_neighbors(body, &others);
+                crate::geometry::parts::note_neighbors(body, &others);
                 reference.copy_neighbors(body, &turn_back.inverse());
             }
         }

@@ -1,7 +1,8 @@
 //! The state as bytes: saved in a run, read back into the same system of blocks built anew.
 
 use super::Blocks;
-use crate::{contact::Workspace, forces::PAIR_CHUNK};
+use crate::contact::penalty::polyhedra::Workspace;
+use crate::step::sums::PAIR_CHUNK;
 use postcard::Error;
 
 /// Writes and reads the bytes of some columns. All are named, so that a new one cannot be forgotten: those that change

@@ -1,17 +1,16 @@
 //! The lists of pairs of parts that may touch, with what they remember.
 
 use super::NOWHERE;
-use crate::{
-    Blocks, Motion, NormalLaw,
-    broad_phase::{self, Bounds},
-    contact::{Medium, Pair, Workspace},
-    forces::PAIR_CHUNK,
-    parts::Part,
-    sphere_contact::{
-        PairRates, Rolling, Scales, SphereContact, SphereLoads, SphereMark, SpherePair,
-    },
-    surface_contact::SurfacePair,
+use crate::contact::detection::broad_phase;
+use crate::contact::detection::broad_phase::Bounds;
+use crate::contact::penalty::polyhedra::{Medium, Pair, Workspace};
+use crate::contact::penalty::spheres::{
+    PairRates, Rolling, Scales, SphereContact, SphereLoads, SphereMark, SpherePair,
 };
+use crate::contact::penalty::terrain::SurfacePair;
+use crate::geometry::parts::Part;
+use crate::step::sums::PAIR_CHUNK;
+use crate::{Blocks, Motion, NormalLaw};
 
 impl Blocks {
     /// Lists the pairs of parts whose fat boxes overlap; pairs that stay keep their history.

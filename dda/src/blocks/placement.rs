@@ -1,14 +1,11 @@
 //! From the state of the blocks to their kinematics and world geometry.
 
 use super::{CHUNK, Role};
-use crate::{
-    Blocks, Isometry, Motion, Vec3,
-    broad_phase::Bounds,
-    chunks,
-    deformation::{axial, symmetric},
-    kinematics::Kinematics,
-    parts::Part,
-};
+use crate::contact::detection::broad_phase::Bounds;
+use crate::geometry::parts::Part;
+use crate::motion::deformation::{axial, symmetric};
+use crate::motion::kinematics::Kinematics;
+use crate::{Blocks, Isometry, Motion, Vec3, chunks};
 use nalgebra::{Matrix3, UnitQuaternion};
 
 impl Blocks {

@@ -1,11 +1,11 @@
 //! What can be asked of the blocks. Asking changes nothing.
 
+use crate::geometry::parts::Part;
+use crate::material::{Joint, SphereJoint};
+use crate::motion::deformation::{axial, voigt};
+use crate::motion::holds::Hold;
 use crate::{
     Blocks, Contact, Energies, Isometry, Load, Motion, Settings, SurfacePoint, Vec3, Voigt,
-    deformation::{axial, voigt},
-    holds::Hold,
-    material::{Joint, SphereJoint},
-    parts::Part,
 };
 use nalgebra::{Matrix3, UnitQuaternion};
 

@@ -1,0 +1,233 @@
+//! Contact of balls, with each other and with polyhedra: one point, linear or Hertz's spring, shear
+//! spring with history, rolling resistance.
+//!
+//! ```text
+//! linear   F_n = k δ − 2 ξ √(k m̃) u_n ≥ 0
+//! Hertz    F_n = K δ^3/2 − β √(m̃ K) δ^1/4 u_n ≥ 0,    K = 4/3 E* √R̃                                [N]
+//! shear    F_t = −k_t ξ − 2 ξ_t √(k_t m̃) u_t,   |F_t| ≤ μ_s F_n, once it slips μ_d F_n, until it holds again
+//! rolling  M = −k_r θ − c_r ω_r,   k_r = 9/4 k_n μ_r² R̃²,   |M| ≤ μ_r R̃ F_n,el                      [N m]
+//! ```
+//! `1/m̃` is the sum of both sides' compliances along the normal, `R̃ = r_i r_j/(r_i + r_j)`, or `r` against
+//! a polyhedron; ξ and β are those that give the restitution with a force that never pulls (Schwager &
+//! Pöschel 2007). Sources: Cundall & Strack (1979), Tsuji, Tanaka & Ishida (1992), Luding (2008); rolling:
+//! Ai, Chen, Rotter & Ooi (2011), whose spring lets a ball come to rest. What `ω_r` and `θ`, its integral, turn
+//! against: see [`RollingLaw`](crate::RollingLaw).
+//!
+//! The force acts in the middle of the overlap, so that angular momentum is kept, but for
+//! [`RollingLaw::OwnSpin`](crate::RollingLaw::OwnSpin), whose sink is booked.
+
+mod feet;
+mod law;
+mod rolling;
+mod sides;
+
+use crate::contact::penalty::polyhedra::{Medium, Rates};
+use crate::geometry::parts::Part;
+use crate::motion::kinematics::Kinematics;
+use crate::step::sums::Tally;
+pub(crate) use feet::BallOnSurface;
+use law::{Law, Touch, book_first_half};
+pub(crate) use law::{SphereContact, SphereLoads};
+pub(crate) use rolling::Rolling;
+use serde::{Deserialize, Serialize};
+use sides::{Ball, Body, Side};
+
+/// Two parts that may touch, a ball at least one of them: what is read of a pair that stays apart, as half of
+/// them do. The rest lies in columns of its own, which only those that touch bring into the caches.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+pub(crate) struct SpherePair {
+    pub parts: (u32, u32),
+    pub blocks: (u32, u32),
+}
+
+/// Where a pair stands.
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
+pub(crate) struct SphereMark {
+    pub is_touching: bool,
+    /// Are its rates others than after the last evaluation?
+    pub has_new_rates: bool,
+    /// Was it ever looked at?
+    is_known: bool,
+}
+
+/// One row of all columns of a pair.
+pub(crate) struct SphereRow<'a> {
+    pub pair: &'a SpherePair,
+    pub mark: &'a mut SphereMark,
+    pub contact: &'a mut SphereContact,
+    pub loads: &'a mut SphereLoads,
+    pub rates: &'a mut PairRates,
+    /// Only where a joint resists rolling.
+    pub rolling: Option<&'a mut Rolling>,
+}
+
+/// What a pair adds to the step bound of each of its blocks.
+pub(crate) type PairRates = (Rates, Rates);
+
+/// Lengths of a pair; m.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Scales {
+    /// `R̃`.
+    pub effective_radius: f64,
+    /// One over the deepest overlap allowed, and over the size of the smaller part; 1/m.
+    per_allowed: f64,
+    per_size: f64,
+}
+
+impl Scales {
+    /// Of two parts, a ball at least one of them; the lesser of what is allowed and of their sizes.
+    pub fn of(parts: (&Part, &Part), allowed_overlap: f64, size: f64) -> Self {
+        let radius = |part: &Part| match part {
+            Part::Sphere { radius, .. } => *radius,
+            Part::Polyhedron(_) | Part::Surface(_) => f64::INFINITY,
+        };
+        // 1/R̃ = 1/r_i + 1/r_j, a polyhedron being flat.
+        let curvature = 1.0 / radius(parts.0) + 1.0 / radius(parts.1);
+        Self {
+            effective_radius: 1.0 / curvature,
+            per_allowed: 1.0 / allowed_overlap,
+            per_size: 1.0 / size,
+        }
+    }
+}
+
+impl SphereRow<'_> {
+    /// Finds the contact in the present place and its force at the present velocities; books what was
+    /// lost during the last `dt` (s).
+    pub fn evaluate(self, medium: &Medium, dt: f64, tally: &mut Tally) {
+        let parts = self.pair.parts;
+        let (first, second) = (
+            &medium.parts[parts.0 as usize],
+            &medium.parts[parts.1 as usize],
+        );
+        let (a, b) = (
+            &medium.kinematics[self.pair.blocks.0 as usize],
+            &medium.kinematics[self.pair.blocks.1 as usize],
+        );
+        match (first, second) {
+            (
+                Part::Sphere {
+                    center: x,
+                    radius: r,
+                },
+                Part::Sphere {
+                    center: y,
+                    radius: s,
+                },
+            ) => {
+                let found = Touch::of_balls((x, *r), (y, *s));
+                self.update(found, &(Ball(a, *r), Ball(b, *s)), medium, dt, tally);
+            }
+            (Part::Sphere { center, radius }, Part::Polyhedron(body)) => {
+                let surface = body.touch_point_within(center, *radius);
+                let found = surface.map(|at| Touch::on_surface(&at, -at.normal, *radius));
+                self.update(found, &(Ball(a, *radius), Body(b)), medium, dt, tally);
+            }
+            (Part::Polyhedron(body), Part::Sphere { center, radius }) => {
+                let surface = body.touch_point_within(center, *radius);
+                let found = surface.map(|at| Touch::on_surface(&at, at.normal, *radius));
+                self.update(found, &(Body(a), Ball(b, *radius)), medium, dt, tally);
+            }
+            _ => {}
+        }
+    }
+
+    fn update<A: Side, B: Side>(
+        mut self,
+        found: Option<Touch>,
+        sides: &(A, B),
+        medium: &Medium,
+        dt: f64,
+        tally: &mut Tally,
+    ) {
+        let was_touching = self.mark.is_touching;
+        self.mark.has_new_rates = false;
+        if found.is_none() && !was_touching && self.mark.is_known && !medium.is_hertz {
+            return;
+        }
+        let joint = &medium.joint_of(self.pair.parts).spheres;
+        let scales = self.contact.scales;
+        let law = Law {
+            joint,
+            effective_radius: scales.effective_radius,
+            rolling_law: medium.rolling_law,
+            shear_damping_ratio: medium.shear_damping_ratio,
+            dt,
+            is_meeting: !was_touching,
+        };
+        if was_touching {
+            let rolling = self.rolling.as_deref();
+            book_first_half(self.contact, self.loads, rolling, dt, sides, tally);
+        }
+        self.mark.is_known = true;
+        self.mark.is_touching = found.is_some();
+        let Some(found) = found else {
+            if was_touching && self.contact.normal_force == 0.0 {
+                // No force acted any more: what the spring still held is lost.
+                tally.damping += joint.energy(self.contact.overlap, law.effective_radius);
+            }
+            // What shear and rolling springs held was booked with the first half.
+            *self.contact = SphereContact::apart(scales);
+            *self.loads = SphereLoads::default();
+            *self.rates = self.pair.rates_before_touch(&law, sides, medium);
+            self.mark.has_new_rates = true;
+            if let Some(rolling) = self.rolling {
+                *rolling = Rolling::default();
+            }
+            return;
+        };
+        tally.note_overlap(
+            self.pair.parts,
+            found.overlap * scales.per_allowed,
+            found.overlap * scales.per_size,
+        );
+        let rolling = self.rolling.as_deref_mut();
+        let pressed = self
+            .contact
+            .apply(&found, &law, sides, self.loads, rolling, tally);
+        let is_steady = was_touching
+            && joint.is_linear()
+            && joint.rolling_friction == 0.0
+            && sides.0.has_steady_rates()
+            && sides.1.has_steady_rates();
+        if !is_steady {
+            *self.rates =
+                self.contact
+                    .rates(&found, &law, sides, &pressed, self.rolling.as_deref());
+            self.mark.has_new_rates = true;
+        }
+    }
+}
+
+impl SpherePair {
+    /// Rates of a pair that may touch in the next step.
+    fn rates_before_touch<A: Side, B: Side>(
+        &self,
+        law: &Law,
+        sides: &(A, B),
+        medium: &Medium,
+    ) -> (Rates, Rates) {
+        let (a, b) = (sides.0.kinematics(), sides.1.kinematics());
+        let joint = law.joint;
+        let mobility = a.inverse_mass + b.inverse_mass;
+        let approach = (b.velocity - a.velocity).norm();
+        let stiffness = joint.tangent_bound(0.0, law.effective_radius, approach, mobility);
+        let dashpot = |ratio: f64, k: f64| 2.0 * ratio * (k / mobility).sqrt();
+        let viscosity = joint.damping_ratio_bound();
+        let shear = joint.shear_ratio * stiffness;
+        let of = |body: &Kinematics, twice: f64, block: u32| {
+            let (along, sum) = body.worst_compliance(medium.lever[block as usize]);
+            let across = sum - along;
+            Rates {
+                stiffness: twice * (stiffness * along + shear * across),
+                damping: twice
+                    * (dashpot(viscosity, stiffness) * along
+                        + dashpot(law.shear_damping_ratio, shear) * across),
+            }
+        };
+        (
+            of(a, sides.1.twice(), self.blocks.0),
+            of(b, sides.0.twice(), self.blocks.1),
+        )
+    }
+}

@@ -1,0 +1,141 @@
+//! Balls on a surface of triangles: a contact for each foot.
+
+use super::{
+    PairRates,
+    law::{Law, SphereContact, SphereLoads, Touch, book_first_half},
+    rolling::Rolling,
+    sides::{Ball, Body},
+};
+use crate::Vec3;
+use crate::material::{RollingLaw, SphereJoint};
+use crate::motion::kinematics::{Kinematics, Load};
+use crate::step::sums::Tally;
+use serde::{Deserialize, Serialize};
+
+/// A place where a ball touches a surface: i is the ball, j the surface.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(crate) struct BallOnSurface {
+    pub contact: SphereContact,
+    pub loads: SphereLoads,
+    pub rates: PairRates,
+    pub rolling: Rolling,
+    is_touching: bool,
+    /// From the ball into the surface, and the overlap (m), as just found.
+    found: Option<(Vec3, f64)>,
+}
+
+/// Feet whose normals turn by less are one; cos 5°.
+const ONE_FOOT: f64 = 0.996_195;
+/// A foot goes on from one of the last step if its normal turned by less; cos 45°.
+const SAME_FOOT: f64 = 0.707;
+
+impl BallOnSurface {
+    /// Forgets where the feet are, not what they remember.
+    pub fn forget(feet: &mut [Self]) {
+        for foot in feet {
+            foot.found = None;
+        }
+    }
+
+    /// Notes a foot. Of several in one direction the deepest counts.
+    pub fn note(feet: &mut Vec<Self>, normal: Vec3, overlap: f64) {
+        let found = feet.iter_mut().find(|foot| {
+            foot.found
+                .is_some_and(|(known, _)| known.dot(&normal) > ONE_FOOT)
+        });
+        if let Some(foot) = found {
+            if foot.found.is_some_and(|(_, known)| overlap > known) {
+                foot.found = Some((normal, overlap));
+            }
+            return;
+        }
+        let old = feet
+            .iter_mut()
+            .filter(|foot| foot.found.is_none() && foot.contact.normal.dot(&normal) > SAME_FOOT)
+            .max_by(|a, b| {
+                let turned = |foot: &Self| foot.contact.normal.dot(&normal);
+                turned(a).total_cmp(&turned(b))
+            });
+        match old {
+            Some(foot) => foot.found = Some((normal, overlap)),
+            None => feet.push(Self {
+                contact: SphereContact::default(),
+                loads: SphereLoads::default(),
+                rates: PairRates::default(),
+                rolling: Rolling::default(),
+                is_touching: false,
+                found: Some((normal, overlap)),
+            }),
+        }
+    }
+
+    pub fn is_found(&self) -> bool {
+        self.found.is_some()
+    }
+
+    /// Energy of the springs of a ball of a radius (m); J.
+    pub fn energy(&self, law: &SphereJoint, radius: f64) -> f64 {
+        law.energy(self.contact.overlap, radius)
+            + self.contact.shear_energy()
+            + self.rolling.energy()
+    }
+
+    /// Forces in the present place; books what the last `dt` (s) took.
+    pub fn evaluate(
+        &mut self,
+        (ball, surface): (&Kinematics, &Kinematics),
+        (joint, rolling_law, shear_damping_ratio): (&SphereJoint, RollingLaw, f64),
+        radius: f64,
+        dt: f64,
+        tally: &mut Tally,
+    ) {
+        let sides = (Ball(ball, radius), Body(surface));
+        if self.is_touching {
+            let rolling = Some(&self.rolling);
+            book_first_half(&self.contact, &self.loads, rolling, dt, &sides, tally);
+        }
+        let Some((normal, overlap)) = self.found else {
+            if self.contact.normal_force == 0.0 {
+                // No force acted any more: what the spring still held is lost.
+                tally.damping += joint.energy(self.contact.overlap, radius);
+            }
+            return;
+        };
+        let law = Law {
+            joint,
+            effective_radius: radius,
+            rolling_law,
+            shear_damping_ratio,
+            dt,
+            is_meeting: !self.is_touching,
+        };
+        let found = Touch {
+            normal,
+            point: ball.centroid + normal * (radius - 0.5 * overlap),
+            overlap,
+        };
+        let (loads, rolling) = (&mut self.loads, Some(&mut self.rolling));
+        let pressed = self
+            .contact
+            .apply(&found, &law, &sides, loads, rolling, tally);
+        let rolling = Some(&self.rolling);
+        self.rates = self.contact.rates(&found, &law, &sides, &pressed, rolling);
+        self.is_touching = true;
+    }
+
+    /// Force and torque on the ball and on the surface, about their centroids.
+    pub fn forces(&self, ball: &Kinematics, surface: &Kinematics) -> (Load, Load) {
+        let SphereLoads { force, point } = self.loads;
+        let torque = |body: &Kinematics, force: &Vec3| (point - body.centroid).cross(force);
+        (
+            Load {
+                force: -force,
+                torque: torque(ball, &-force) + self.rolling.torques.0,
+            },
+            Load {
+                force,
+                torque: torque(surface, &force) + self.rolling.torques.1,
+            },
+        )
+    }
+}

@@ -1,0 +1,309 @@
+//! The law of a touching pair: normal and shear spring with their dashpots, what they hold and what they take.
+
+use super::{PairRates, Scales, rolling::Rolling, sides::Side};
+use crate::contact::penalty::friction::carry;
+use crate::contact::penalty::polyhedra::{ContactState, Rates, dashpot_share};
+use crate::material::{RollingLaw, SphereJoint};
+use crate::step::sums::Tally;
+use crate::{SurfacePoint, Vec3};
+use serde::{Deserialize, Serialize};
+
+/// Memory of a touching pair.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(crate) struct SphereContact {
+    /// Unit, from i to j.
+    pub normal: Vec3,
+    /// `ξ`; m.
+    pub shear: Vec3,
+    /// `δ`; m.
+    pub overlap: f64,
+    /// With its viscous part; N.
+    pub normal_force: f64,
+    pub normal_viscous: f64,
+    /// `k_t`; N/m.
+    pub shear_stiffness: f64,
+    /// `1/m̃` (1/kg), normal and shear dashpot (N s/m) of the last evaluation: the same again for two balls.
+    mobility: f64,
+    viscosity: f64,
+    dashpot: f64,
+    pub(super) scales: Scales,
+    pub is_slipping: bool,
+}
+
+impl SphereContact {
+    /// Of a pair that does not touch.
+    pub fn apart(scales: Scales) -> Self {
+        Self {
+            scales,
+            ..Self::default()
+        }
+    }
+
+    /// Energy of the springs of a pair that touches; J.
+    pub fn energy(&self, law: &SphereJoint, rolling: Option<&Rolling>) -> f64 {
+        law.energy(self.overlap, self.scales.effective_radius)
+            + self.shear_energy()
+            + rolling.map_or(0.0, Rolling::energy)
+    }
+
+    pub(super) fn shear_energy(&self) -> f64 {
+        0.5 * self.shear_stiffness * self.shear.norm_squared()
+    }
+
+    /// Normal stiffness at the present overlap; N/m.
+    pub fn tangent(&self, law: &SphereJoint) -> f64 {
+        law.normal(self.overlap, self.scales.effective_radius)
+            .tangent
+    }
+
+    /// Normal and shear dashpot; N s/m.
+    pub fn dashpots(&self) -> (f64, f64) {
+        (self.viscosity, self.dashpot)
+    }
+
+    pub fn state(&self) -> ContactState {
+        match (self.normal_force > 0.0, self.is_slipping) {
+            (false, _) => ContactState::Open,
+            (true, true) => ContactState::Slide,
+            (true, false) => ContactState::Stick,
+        }
+    }
+}
+
+/// What a pair does to its blocks; beside the pairs, because each block reads it of all its own.
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
+pub(crate) struct SphereLoads {
+    /// On j; N. Zero when apart.
+    pub force: Vec3,
+    /// Where it acts; world; m.
+    pub point: Vec3,
+}
+
+/// Where a ball and another part touch.
+pub(super) struct Touch {
+    pub normal: Vec3,
+    pub point: Vec3,
+    pub overlap: f64,
+}
+
+impl Touch {
+    /// Of balls of centre and radius.
+    pub fn of_balls((a, r): (&Vec3, f64), (b, s): (&Vec3, f64)) -> Option<Self> {
+        let offset = b - a;
+        let square = offset.norm_squared();
+        if square >= (r + s) * (r + s) {
+            return None;
+        }
+        let distance = square.sqrt();
+        let normal = if distance > 0.0 {
+            offset * (1.0 / distance)
+        } else {
+            Vec3::z()
+        };
+        let overlap = r + s - distance;
+        Some(Self {
+            normal,
+            point: a + normal * (r - 0.5 * overlap),
+            overlap,
+        })
+    }
+
+    pub fn on_surface(surface: &SurfacePoint, normal: Vec3, radius: f64) -> Self {
+        let overlap = radius - surface.distance;
+        Self {
+            normal,
+            point: surface.point - surface.normal * (0.5 * overlap),
+            overlap,
+        }
+    }
+}
+
+/// The law of a pair, and the step.
+pub(super) struct Law<'a> {
+    pub joint: &'a SphereJoint,
+    pub effective_radius: f64,
+    pub rolling_law: RollingLaw,
+    pub shear_damping_ratio: f64,
+    /// s.
+    pub dt: f64,
+    /// Do the bodies meet in this step?
+    pub is_meeting: bool,
+}
+
+/// Work of the forces in the first half of the step, and what the springs across the normal held.
+pub(super) fn book_first_half<A: Side, B: Side>(
+    contact: &SphereContact,
+    loads: &SphereLoads,
+    rolling: Option<&Rolling>,
+    dt: f64,
+    sides: &(A, B),
+    tally: &mut Tally,
+) {
+    let x = &loads.point;
+    let rate = sides.1.velocity_from(x, dt) - sides.0.velocity_from(x, dt);
+    let along = contact.normal.dot(&rate);
+    let shear = loads.force.dot(&rate) - contact.normal_force * along;
+    tally.damping -= 0.5 * dt * contact.normal_viscous * along;
+    tally.friction += contact.shear_energy() - 0.5 * dt * shear;
+    if let Some(rolling) = rolling {
+        tally.friction += rolling.energy();
+        rolling.book_half(dt, sides, tally);
+    }
+}
+
+/// What the step bound asks of a contact just evaluated.
+pub(super) struct Pressed {
+    /// m/s.
+    opening: f64,
+    /// Normal; N/m.
+    tangent: f64,
+    /// Of the rolling dashpots of both sides; N m s.
+    rolling_dashpots: (f64, f64),
+}
+
+impl SphereContact {
+    /// The law, in the place just found.
+    pub(super) fn apply<A: Side, B: Side>(
+        &mut self,
+        found: &Touch,
+        law: &Law,
+        sides: &(A, B),
+        loads: &mut SphereLoads,
+        rolling: Option<&mut Rolling>,
+        tally: &mut Tally,
+    ) -> Pressed {
+        let Law {
+            joint,
+            effective_radius,
+            rolling_law: _,
+            shear_damping_ratio,
+            dt,
+            is_meeting,
+        } = *law;
+        let (a, b) = (sides.0.kinematics(), sides.1.kinematics());
+        let (n, x) = (found.normal, &found.point);
+        let rate = sides.1.velocity_at(x) - sides.0.velocity_at(x);
+        let opening = n.dot(&rate);
+        let slip = rate - n * opening;
+        let mobility = sides.0.compliance(x, &n) + sides.1.compliance(x, &n);
+        let spring = joint.normal(found.overlap, effective_radius);
+        let shear_stiffness = joint.shear_ratio * spring.tangent;
+        if !(mobility == self.mobility && joint.is_linear()) {
+            self.mobility = mobility;
+            self.viscosity = joint.viscosity(found.overlap, effective_radius, 1.0 / mobility);
+            self.dashpot = 2.0 * shear_damping_ratio * (shear_stiffness / mobility).sqrt();
+        }
+        let share = if joint.is_linear() {
+            let meeting = is_meeting.then_some((found.overlap, -opening));
+            dashpot_share(self.viscosity * mobility, dt, meeting)
+        } else {
+            // Hertz's dashpot starts from nothing, as its spring does.
+            1.0
+        };
+        let normal_force = f64::max(spring.force - share * self.viscosity * opening, 0.0);
+
+        // A spring that has stiffened keeps its force, one that has softened its stretch: no energy is made.
+        let kept = if shear_stiffness > self.shear_stiffness {
+            self.shear_stiffness / shear_stiffness
+        } else {
+            1.0
+        };
+        let turn = 0.5 * (a.spin + b.spin).dot(&n) * dt;
+        let mut stretch = carry(&self.shear, &n, turn) * kept + slip * dt;
+        let mut shear = -stretch * shear_stiffness - slip * self.dashpot;
+        let friction = if self.is_slipping {
+            joint.dynamic_friction
+        } else {
+            joint.static_friction
+        };
+        self.is_slipping = shear.norm_squared() > (friction * normal_force).powi(2);
+        if self.is_slipping {
+            shear *= joint.dynamic_friction * normal_force / shear.norm();
+            stretch = if shear_stiffness > 0.0 {
+                shear * (-1.0 / shear_stiffness)
+            } else {
+                Vec3::zeros()
+            };
+        }
+        self.normal = n;
+        self.shear = stretch;
+        self.overlap = found.overlap;
+        self.normal_force = normal_force;
+        self.normal_viscous = normal_force - spring.force;
+        self.shear_stiffness = shear_stiffness;
+        tally.damping -= 0.5 * dt * self.normal_viscous * opening;
+        tally.friction -= 0.5 * dt * shear.dot(&slip) + self.shear_energy();
+        *loads = SphereLoads {
+            force: n * normal_force + shear,
+            point: *x,
+        };
+        let mut rolling_dashpots = (0.0, 0.0);
+        if let Some(rolling) = rolling
+            && joint.rolling_friction > 0.0
+        {
+            let limit = joint.rolling_friction * effective_radius * spring.force;
+            rolling_dashpots = rolling.apply(law, found, spring.tangent, sides, limit);
+            tally.friction -= rolling.energy();
+            rolling.book_half(dt, sides, tally);
+        }
+        Pressed {
+            opening,
+            tangent: spring.tangent,
+            rolling_dashpots,
+        }
+    }
+
+    /// What the contact just evaluated adds to the step bound.
+    pub(super) fn rates<A: Side, B: Side>(
+        &self,
+        found: &Touch,
+        law: &Law,
+        sides: &(A, B),
+        pressed: &Pressed,
+        rolling: Option<&Rolling>,
+    ) -> PairRates {
+        // Hertz's spring stiffens: what it may become counts.
+        let bound = law.joint.tangent_bound(
+            found.overlap,
+            law.effective_radius,
+            pressed.opening,
+            self.mobility,
+        );
+        let stiffening = if bound > pressed.tangent {
+            bound / pressed.tangent.max(f64::MIN_POSITIVE)
+        } else {
+            1.0
+        };
+        let stiffness = pressed.tangent * stiffening;
+        let across = self.shear_stiffness * stiffening;
+        let turning_stiffness = rolling.map_or(0.0, |rolling| rolling.stiffness * stiffening);
+        let turning = |dashpot: f64, trace: f64| Rates {
+            stiffness: turning_stiffness * trace,
+            damping: dashpot * trace,
+        };
+        let of = |along: f64, trace: f64, turning: Rates, twice: f64| {
+            let rest = trace - along;
+            Rates {
+                stiffness: twice * (stiffness * along + across * rest + turning.stiffness),
+                damping: twice * (self.viscosity * along + self.dashpot * rest + turning.damping),
+            }
+        };
+        let (first, second) = sides;
+        let (n, x) = (&found.normal, &found.point);
+        let dashpots = pressed.rolling_dashpots;
+        (
+            of(
+                first.compliance(x, n),
+                first.compliance_trace(x),
+                turning(dashpots.0, first.turning_trace()),
+                second.twice(),
+            ),
+            of(
+                second.compliance(x, n),
+                second.compliance_trace(x),
+                turning(dashpots.1, second.turning_trace()),
+                first.twice(),
+            ),
+        )
+    }
+}

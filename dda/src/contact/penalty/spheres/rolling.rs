@@ -1,0 +1,116 @@
+//! Rolling resistance: a spring and a dashpot of turning.
+
+use super::{
+    law::{Law, Touch},
+    sides::Side,
+};
+use crate::Vec3;
+use crate::contact::penalty::friction::carry;
+use crate::material::RollingLaw;
+use crate::step::sums::Tally;
+use serde::{Deserialize, Serialize};
+
+/// Memory of the rolling spring of a touching pair; only where a material resists rolling.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Rolling {
+    /// `θ`, of i and of j on their own, or of j against i and nothing; rad.
+    pub angles: (Vec3, Vec3),
+    /// On i and j; N m.
+    pub torques: (Vec3, Vec3),
+    /// `k_r`; N m.
+    pub stiffness: f64,
+}
+
+impl Rolling {
+    pub fn energy(&self) -> f64 {
+        0.5 * self.stiffness * (self.angles.0.norm_squared() + self.angles.1.norm_squared())
+    }
+
+    pub fn for_each_state_f64(&self, f: &mut dyn FnMut(f64)) {
+        for v in [
+            &self.angles.0,
+            &self.angles.1,
+            &self.torques.0,
+            &self.torques.1,
+        ] {
+            v.iter().for_each(|&c| f(c));
+        }
+    }
+
+    /// Books half a step (s) of the torques.
+    pub(super) fn book_half<A: Side, B: Side>(&self, dt: f64, sides: &(A, B), tally: &mut Tally) {
+        let (a, b) = (sides.0.kinematics(), sides.1.kinematics());
+        let power = self.torques.0.dot(&a.spin) + self.torques.1.dot(&b.spin);
+        tally.friction -= 0.5 * dt * power;
+        tally.rolling_impulse += (self.torques.0 + self.torques.1) * (0.5 * dt);
+    }
+}
+
+/// Damping ratio of the rolling dashpot while its spring holds; –.
+const ROLLING_DAMPING_RATIO: f64 = 0.3;
+
+impl Rolling {
+    /// Advances the springs by the turning of a step and finds the torques, each at most `limit` (N m). Returns
+    /// the dashpot of each side; N m s.
+    pub(super) fn apply<A: Side, B: Side>(
+        &mut self,
+        law: &Law,
+        found: &Touch,
+        normal_stiffness: f64,
+        sides: &(A, B),
+        limit: f64,
+    ) -> (f64, f64) {
+        let n = found.normal;
+        let (a, b) = (sides.0.kinematics(), sides.1.kinematics());
+        let arm = law.joint.rolling_friction * law.effective_radius;
+        let stiffness = 2.25 * normal_stiffness * arm * arm;
+        let kept = if stiffness > self.stiffness {
+            self.stiffness / stiffness
+        } else {
+            1.0
+        };
+        self.stiffness = stiffness;
+        let damping = |mobility: f64| 2.0 * ROLLING_DAMPING_RATIO * (stiffness / mobility).sqrt();
+        let spring = |angle: Vec3, rate: Vec3, dashpot: f64| {
+            let torque = -angle * stiffness - rate * dashpot;
+            let size = torque.norm();
+            if size > limit {
+                let torque = torque * (limit / size);
+                (torque * (-1.0 / stiffness), torque)
+            } else {
+                (angle, torque)
+            }
+        };
+        // Mean over the axes: exact for balls.
+        let mobilities = (sides.0.turning_trace() / 3.0, sides.1.turning_trace() / 3.0);
+        match law.rolling_law {
+            RollingLaw::Relative => {
+                let turning = b.spin - a.spin;
+                let rolling = turning - n * turning.dot(&n);
+                let spin = 0.5 * (a.spin + b.spin).dot(&n) * law.dt;
+                let angle = carry(&self.angles.0, &n, spin) * kept + rolling * law.dt;
+                let dashpot = damping(mobilities.0 + mobilities.1);
+                let (angle, torque) = spring(angle, rolling, dashpot);
+                self.angles.0 = angle;
+                self.torques = (-torque, torque);
+                (dashpot, dashpot)
+            }
+            RollingLaw::OwnSpin => {
+                let own = |angle: Vec3, rate: Vec3, mobility: f64| {
+                    // What cannot turn needs no dashpot.
+                    let dashpot = if mobility > 0.0 {
+                        damping(mobility)
+                    } else {
+                        0.0
+                    };
+                    (spring(angle * kept + rate * law.dt, rate, dashpot), dashpot)
+                };
+                let first = own(self.angles.0, sides.0.own_spin(), mobilities.0);
+                let second = own(self.angles.1, sides.1.own_spin(), mobilities.1);
+                self.angles = (first.0.0, second.0.0);
+                self.torques = (first.0.1, second.0.1);
+                (first.1, second.1)
+            }
+        }
+    }
+}

@@ -1,0 +1,10 @@
+//! Polyhedra and surfaces: topology, measures, cuts and distances.
+
+pub(crate) mod block_quality;
+pub(crate) mod cut;
+pub(crate) mod distance;
+pub(crate) mod measure;
+pub(crate) mod parts;
+pub(crate) mod polyhedron;
+pub(crate) mod shape;
+pub(crate) mod surface;

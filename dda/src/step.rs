@@ -1,0 +1,10 @@
+//! A step of the blocks: the integrator, sums of forces, damping, sleep and accounts.
+
+pub(crate) mod accounts;
+pub(crate) mod attachments;
+pub(crate) mod central_difference;
+pub(crate) mod damping;
+pub(crate) mod energy;
+pub(crate) mod sleep;
+pub(crate) mod stability;
+pub(crate) mod sums;

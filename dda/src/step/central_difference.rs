@@ -1,0 +1,552 @@
+//! Time stepping: kick, drift, kick, with exact rotations.
+//!
+//! ```text
+//! v += dt/2 M⁻¹f;   x += dt v,  Q := Q R;   contacts, f;   v += dt/2 M⁻¹f
+//! ```
+
+use crate::blocks::{CHUNK, Role};
+use crate::contact::detection::broad_phase;
+use crate::contact::detection::broad_phase::Bounds;
+use crate::motion::kinematics::{InternalMotion, Kinematics, Moment, flushed};
+use crate::motion::rigid::Rigid6;
+use crate::step::damping::local_damping;
+use crate::step::sums::PAIR_CHUNK;
+use crate::{Blocks, Load, Motion, StaticDamping, StepError, Vec3, chunks};
+use nalgebra::{Matrix3, UnitQuaternion};
+
+/// Principal value of Green's strain below which Saint Venant-Kirchhoff's law softens; –.
+const CRUSHED: f64 = -0.2;
+
+/// A part of a step: who takes its time.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Phase {
+    /// Kicks, drifts, places of the parts, attachments, checks.
+    Motion,
+    /// Which pairs may touch.
+    BroadPhase,
+    /// Narrow phase and contact law: pair by pair, in one loop, so that a pair's patch never leaves the cache
+    /// between the two.
+    Contacts,
+    /// What the pairs add up to for each block.
+    Sums,
+}
+
+/// Impulses of half a kick; N s.
+#[derive(Clone, Copy, Debug, Default)]
+struct Kicked {
+    /// Of gravity and of the supports on free blocks.
+    impulse: Vec3,
+    /// Sum of their sizes.
+    exchanged: f64,
+}
+
+impl Kicked {
+    fn with(self, other: Self) -> Self {
+        Self {
+            impulse: self.impulse + other.impulse,
+            exchanged: self.exchanged + other.exchanged,
+        }
+    }
+}
+
+impl Blocks {
+    /// Gives every free block the impulse `loads · dt`, `v += dt M⁻¹ load`: the half kicks of a
+    /// fluid. Fixed, prescribed and removed blocks ignore theirs; a deformable one takes force and
+    /// torque here, and what strains it by [`Self::apply_stretch`].
+    pub fn apply_impulse(&mut self, loads: &[Load], dt: f64) {
+        for (b, load) in loads.iter().enumerate().take(self.n_blocks()) {
+            self.rest.note_outside(b, load);
+            if self.rest.has(b) {
+                // held by what it lies on
+                self.support_impulse -= load.force * dt;
+            } else if self.is_free(b) {
+                self.push_block(b, load, dt);
+            }
+        }
+    }
+
+    /// Gives a block at once the impulse of a force and a moment about its centroid; N s, N m s. Those that are not
+    /// free ignore it.
+    pub fn apply_impulse_to(&mut self, b: usize, impulse: &Load) {
+        if self.is_free(b) {
+            self.wake_one(b);
+            self.push_block(b, impulse, 1.0);
+        }
+    }
+
+    fn push_block(&mut self, b: usize, load: &Load, dt: f64) {
+        self.kick_centroid(b, &load.force, dt);
+        let moment = Moment {
+            torque: load.torque,
+            stretch: Matrix3::zeros(),
+        };
+        match self.deformable_of[b] {
+            None => self.rigid(b).kick(&moment, dt),
+            Some(k) => self.deformables[k as usize].push(&moment, dt),
+        }
+        if self.hold_of(b).is_some() {
+            let momentum = self.accounted_momentum(b);
+            self.hold_velocities(b);
+            self.account_restraint(b, momentum, &Load::default());
+        }
+        self.set_kinematics(b);
+    }
+
+    /// Gives a free deformable block the impulse of the straining part `Σ (f ⊗ r + r ⊗ f)/2` (N m) of the
+    /// moment of some forces, over `dt` (s); others ignore it.
+    pub fn apply_stretch(&mut self, b: usize, stretch: Matrix3<f64>, dt: f64) {
+        let Some(k) = self.deformable_of[b].filter(|_| self.is_free(b)) else {
+            return;
+        };
+        let torque = Vec3::zeros();
+        self.deformables[k as usize].push(&Moment { torque, stretch }, dt);
+        self.set_kinematics(b);
+    }
+
+    fn kick_centroid(&mut self, b: usize, force: &Vec3, dt: f64) {
+        self.velocity[b] += force * (dt / self.mass[b]);
+    }
+
+    fn rigid(&mut self, b: usize) -> Rigid6<'_> {
+        Rigid6 {
+            attitude: &mut self.attitude[b],
+            angular_momentum: &mut self.angular_momentum[b],
+            inertia: &self.inertia[b],
+        }
+    }
+
+    /// Takes away what a hold does not allow; the impulse is the supports'.
+    fn hold_velocities(&mut self, b: usize) {
+        let Some(hold) = self.holds.get(b).and_then(Option::as_ref) else {
+            return;
+        };
+        let held = hold.held_part(&self.velocity[b]);
+        self.velocity[b] -= held;
+        self.support_impulse -= held * self.mass[b];
+        hold.hold_turning(
+            &self.attitude[b],
+            &self.inertia[b],
+            &mut self.angular_momentum[b],
+        );
+    }
+
+    /// Moves all blocks from `time` over `dt` (s) in `n_substeps` equal sub-steps, under gravity and
+    /// contact forces; prescribed blocks follow their paths exactly.
+    ///
+    /// # Errors
+    ///
+    /// [`StepError`] if the step is unusable, a block's state is no longer finite, or two blocks
+    /// overlap by more than the limit of the settings.
+    pub fn advance(&mut self, time: f64, dt: f64, n_substeps: u32) -> Result<(), StepError> {
+        self.advance_watched(time, dt, n_substeps, &mut |_| {})
+    }
+
+    /// The same, and calls `ended` at the end of each phase: for who wants to know the time they take. The
+    /// solver has no clock.
+    ///
+    /// # Errors
+    ///
+    /// As [`Blocks::advance`].
+    pub fn advance_watched(
+        &mut self,
+        time: f64,
+        dt: f64,
+        n_substeps: u32,
+        ended: &mut (impl FnMut(Phase) + Send),
+    ) -> Result<(), StepError> {
+        if !(dt > 0.0 && dt.is_finite()) {
+            return Err(StepError::TimeStep { dt, time });
+        }
+        let n_free = self.n_free();
+        if n_free == 0 && self.n_prescribed() == 0 {
+            return Ok(());
+        }
+        let n = f64::from(n_substeps.max(1));
+        chunks::in_pool(self.is_large(), || {
+            for k in 0..n_substeps.max(1) {
+                let from = time + dt * (f64::from(k) / n);
+                let to = time + dt * (f64::from(k + 1) / n);
+                self.sub_step(from, to, dt / n, ended)?;
+            }
+            Ok(())
+        })
+    }
+
+    /// Is a step worth more than one thread?
+    pub(crate) fn is_large(&self) -> bool {
+        self.n_blocks().max(self.sphere_pairs.len()) > CHUNK
+            || self.pairs.len().max(self.surface_pairs.len()) > 2 * PAIR_CHUNK
+    }
+
+    fn sub_step(
+        &mut self,
+        from: f64,
+        to: f64,
+        dt: f64,
+        ended: &mut impl FnMut(Phase),
+    ) -> Result<(), StepError> {
+        self.account_half_kick(dt);
+        self.half_kick(dt);
+        self.drift(from, to, dt);
+        self.place_parts(false);
+        ended(Phase::Motion);
+        if self.is_skin_used_up() {
+            self.find_candidates();
+        }
+        ended(Phase::BroadPhase);
+        self.evaluate_contacts(dt, ended);
+        self.evaluate_attachments(false);
+        self.book_external_work(dt);
+        self.account_half_kick(dt);
+        self.half_kick(dt);
+        self.drop_excess();
+        self.damp(dt);
+        self.rest_or_wake(dt);
+        for b in 0..self.n_blocks() {
+            match (self.role[b], &self.motion[b]) {
+                (Role::Still, Motion::Prescribed(path)) => {
+                    self.velocity[b] = path.velocity(to);
+                    let spin = path.spin(to);
+                    self.set_spin(b, &spin);
+                    self.set_kinematics(b);
+                }
+                (Role::Special, _) => self.set_kinematics(b),
+                _ => {}
+            }
+        }
+        self.set_plain_velocities();
+        let checked = self.check(to);
+        ended(Phase::Motion);
+        checked
+    }
+
+    fn half_kick(&mut self, dt: f64) {
+        let mut kicked = self.kick_plain(dt);
+        let outer = self.attachments.outer_force * (0.5 * dt);
+        kicked.impulse += outer;
+        kicked.exchanged += outer.norm();
+        for k in 0..self.special.len() {
+            kicked = kicked.with(self.kick_special(self.special[k] as usize, dt));
+        }
+        self.support_impulse += kicked.impulse;
+        self.impulse_exchanged += kicked.exchanged;
+    }
+
+    /// Kicks the plain blocks; the forces on those that stand still are the supports'.
+    fn kick_plain(&mut self, dt: f64) -> Kicked {
+        let Self {
+            velocity,
+            angular_momentum,
+            attitude,
+            contact_load,
+            attachments,
+            mass,
+            role,
+            settings,
+            ..
+        } = self;
+        let (attached, gravity) = (&attachments.loads, settings.gravity);
+        let heaviness = gravity.norm();
+        type Moving<'a> = (&'a mut [Vec3], &'a mut [Vec3]);
+        let kick = |first: usize, (velocity, momentum): Moving| {
+            let mut kicked = Kicked::default();
+            for ((b, velocity), momentum) in (first..).zip(velocity).zip(momentum) {
+                if role[b] == Role::Special {
+                    continue;
+                }
+                let mut load = contact_load[b];
+                if let Some(attached) = attached.get(b) {
+                    load += *attached;
+                }
+                if matches!(role[b], Role::Still | Role::Asleep) {
+                    kicked.impulse -= load.force * (0.5 * dt);
+                    kicked.exchanged += load.force.norm() * (0.5 * dt);
+                    continue;
+                }
+                let weight = gravity * mass[b];
+                kicked.impulse += weight * (0.5 * dt);
+                kicked.exchanged += heaviness * mass[b] * (0.5 * dt);
+                *velocity += (load.force + weight) * (0.5 * dt / mass[b]);
+                *momentum += attitude[b].inverse_transform_vector(&load.torque) * (0.5 * dt);
+            }
+            kicked
+        };
+        let columns = (velocity.as_mut_slice(), angular_momentum.as_mut_slice());
+        chunks::reduce(columns, CHUNK, &kick, &Kicked::with)
+    }
+
+    fn kick_special(&mut self, b: usize, dt: f64) -> Kicked {
+        let mut load = self.contact_load[b];
+        if let Some(attached) = self.attachments.loads.get(b) {
+            load += *attached;
+        }
+        let weight = self.settings.gravity * self.mass[b];
+        load.force += weight;
+        let known = load.times(0.5 * dt);
+        let momentum = self.accounted_momentum(b);
+        let damper = self.local_damper(b, &load);
+        load += damper;
+        let before = (self.velocity[b], self.angular_velocity(b));
+        self.kick(b, &load, 0.5 * dt);
+        self.hold_velocities(b);
+        self.account_restraint(b, momentum, &known);
+        let after = (self.velocity[b], self.angular_velocity(b));
+        // The kick of a force f does the work f·(v + v')/2 dt, exactly.
+        self.static_damping.book(
+            -0.25
+                * dt
+                * (damper.force.dot(&(before.0 + after.0))
+                    + damper.torque.dot(&(before.1 + after.1))),
+        );
+        Kicked {
+            impulse: (weight + damper.force) * (0.5 * dt),
+            exchanged: weight.norm() * (0.5 * dt),
+        }
+    }
+
+    fn local_damper(&self, b: usize, load: &Load) -> Load {
+        match self.settings.static_damping {
+            Some(StaticDamping::Local(alpha)) => Load {
+                force: local_damping(alpha, &load.force, &self.velocity[b]),
+                torque: local_damping(alpha, &load.torque, &self.angular_velocity(b)),
+            },
+            _ => Load::default(),
+        }
+    }
+
+    /// Forces inside and outside act on a free block.
+    fn kick(&mut self, b: usize, load: &Load, dt: f64) {
+        self.kick_centroid(b, &load.force, dt);
+        let torque = load.torque;
+        match self.deformable_of[b] {
+            None => self.rigid(b).kick(
+                &Moment {
+                    torque,
+                    stretch: Matrix3::zeros(),
+                },
+                dt,
+            ),
+            Some(k) => {
+                let k = k as usize;
+                let mut stretch = self.contact_stretch[k];
+                if let Some(attached) = self.attachments.stretch.get(k) {
+                    stretch += attached;
+                }
+                self.deformables[k]
+                    .motion()
+                    .kick(&Moment { torque, stretch }, dt);
+            }
+        }
+    }
+
+    fn drift(&mut self, from: f64, to: f64, dt: f64) {
+        for k in 0..self.special.len() {
+            let b = self.special[k] as usize;
+            self.centroid[b] += self.velocity[b] * dt;
+            self.turn(b, dt);
+        }
+        for b in 0..self.n_blocks() {
+            if let (Role::Still, Motion::Prescribed(path)) = (self.role[b], &self.motion[b]) {
+                let (before, after) = (path.displacement(from), path.displacement(to));
+                self.centroid[b] = self.initial_centroid[b] + after;
+                // Mean over the sub-step, as the half-step velocity of the free blocks is.
+                self.velocity[b] = (after - before) / dt;
+                let (before, after) = (path.turn(from), path.turn(to));
+                self.attitude[b] = after * self.principal[b];
+                self.set_spin(b, &((after * before.inverse()).scaled_axis() / dt));
+            }
+        }
+        let Self {
+            centroid,
+            attitude,
+            angular_momentum,
+            velocity,
+            inertia,
+            role,
+            ..
+        } = self;
+        type Moving<'a> = (
+            &'a mut [Vec3],
+            &'a mut [UnitQuaternion<f64>],
+            &'a mut [Vec3],
+        );
+        let drift = |first: usize, (centroid, attitude, momentum): Moving| {
+            let rows = (first..).zip(centroid).zip(attitude).zip(momentum);
+            for (((b, centroid), attitude), angular_momentum) in rows {
+                if role[b] == Role::Plain {
+                    *centroid += velocity[b] * dt;
+                    Rigid6 {
+                        attitude,
+                        angular_momentum,
+                        inertia: &inertia[b],
+                    }
+                    .drift(dt);
+                }
+            }
+        };
+        let columns = (
+            centroid.as_mut_slice(),
+            attitude.as_mut_slice(),
+            angular_momentum.as_mut_slice(),
+        );
+        chunks::for_each(columns, CHUNK, &drift);
+    }
+
+    /// Gives a block an angular velocity (rad/s).
+    pub(crate) fn set_spin(&mut self, b: usize, spin: &Vec3) {
+        let spin_rel = self.attitude[b].inverse_transform_vector(spin);
+        self.angular_momentum[b] = spin_rel.component_mul(&self.inertia[b]);
+    }
+
+    /// Velocities of plain blocks after their last kick; their place stays.
+    fn set_plain_velocities(&mut self) {
+        let Self {
+            kinematics,
+            velocity,
+            angular_momentum,
+            attitude,
+            inertia,
+            role,
+            ..
+        } = self;
+        let set = |first: usize, kinematics: &mut [Kinematics]| {
+            for (b, kinematics) in (first..).zip(kinematics) {
+                if role[b] == Role::Plain {
+                    kinematics.velocity = velocity[b];
+                    kinematics.spin = attitude[b] * angular_momentum[b].component_div(&inertia[b]);
+                }
+            }
+        };
+        chunks::for_each(kinematics.as_mut_slice(), CHUNK, &set);
+    }
+
+    /// Turns and strains a free block.
+    fn turn(&mut self, b: usize, dt: f64) {
+        if let Some(k) = self.deformable_of[b] {
+            let deformable = &mut self.deformables[k as usize];
+            deformable.motion().drift(dt);
+            self.strain_damping.book(deformable.viscous_loss());
+            return;
+        }
+        let is_held = self
+            .holds
+            .get(b)
+            .and_then(Option::as_ref)
+            .is_some_and(|hold| {
+                hold.turn(
+                    &mut self.attitude[b],
+                    &self.inertia[b],
+                    &mut self.angular_momentum[b],
+                    dt,
+                )
+            });
+        if !is_held {
+            self.rigid(b).drift(dt);
+        }
+    }
+
+    /// Damping that scales velocities, if the settings ask for it.
+    fn damp(&mut self, dt: f64) {
+        let Some(damping) = self.settings.static_damping else {
+            return;
+        };
+        let factor = damping.velocity_factor(dt);
+        if factor == 1.0 {
+            return;
+        }
+        for b in 0..self.n_blocks() {
+            if !self.is_free(b) {
+                continue;
+            }
+            self.static_damping
+                .book((1.0 - factor * factor) * self.kinetic_energy(b));
+            self.support_impulse += self.velocity[b] * (self.mass[b] * (factor - 1.0));
+            let momentum = self.accounted_momentum(b);
+            self.velocity[b].apply(|c| *c = flushed(*c * factor));
+            match self.deformable_of[b] {
+                None => self.rigid(b).scale_velocities(factor),
+                Some(k) => self.deformables[k as usize]
+                    .motion()
+                    .scale_velocities(factor),
+            }
+            self.account_restraint(b, momentum, &Load::default());
+        }
+    }
+
+    fn is_skin_used_up(&self) -> bool {
+        let leaves = |first: usize, (fat, boxes): (&[Bounds], &[Bounds])| {
+            (first..)
+                .zip(fat.iter().zip(boxes))
+                .any(|(part, (fat, bounds))| {
+                    self.can_move[part] && !broad_phase::holds(fat, bounds)
+                })
+        };
+        let columns = (self.fat_boxes.as_slice(), self.boxes.as_slice());
+        chunks::reduce(columns, CHUNK, &leaves, &|a, b| a || b)
+    }
+
+    /// Work of prescribed blocks on free ones over the sub-step, force at its two ends.
+    fn book_external_work(&mut self, dt: f64) {
+        for b in 0..self.n_blocks() {
+            if matches!(self.motion[b], Motion::Prescribed(_)) {
+                let (now, before) = (&self.contact_load[b], &self.contact_load_before[b]);
+                let power = (now.force + before.force).dot(&self.velocity[b])
+                    + (now.torque + before.torque).dot(&self.angular_velocity(b));
+                self.external_work.book(-0.5 * power * dt);
+            }
+        }
+    }
+
+    fn check(&self, time: f64) -> Result<(), StepError> {
+        // A sum is finite if all its terms are; one that overflows is past saving too.
+        let bad = |first: usize, (centroid, velocity, momentum): (&[Vec3], &[Vec3], &[Vec3])| {
+            (first..)
+                .zip(centroid.iter().zip(velocity).zip(momentum))
+                .find(|(b, ((x, v), l))| {
+                    let turn = self.attitude[*b].coords.sum();
+                    !(x.sum() + v.sum() + l.sum() + turn).is_finite()
+                })
+                .map(|(b, _)| b)
+        };
+        let columns = (
+            self.centroid.as_slice(),
+            self.velocity.as_slice(),
+            self.angular_momentum.as_slice(),
+        );
+        if let Some(block) = chunks::reduce(columns, CHUNK, &bad, &Option::or) {
+            return Err(StepError::NotFinite { block, time });
+        }
+        for (k, block) in self
+            .deformable_of
+            .iter()
+            .enumerate()
+            .filter_map(|(b, k)| k.map(|k| (k, b)))
+        {
+            let strain = self.deformables[k as usize].lowest_strain();
+            // NaN counts as crushed.
+            if !(strain >= CRUSHED) {
+                return Err(StepError::Crushed {
+                    block,
+                    strain,
+                    limit: CRUSHED,
+                    time,
+                });
+            }
+        }
+        let (over_allowed, parts) = self.worst_overlap;
+        if over_allowed > 1.0 {
+            let parts = [parts.0 as usize, parts.1 as usize];
+            let least = |of: &[f64]| of[parts[0]].min(of[parts[1]]);
+            let allowed = least(&self.deepest_allowed);
+            return Err(StepError::Overlap {
+                first: self.block_of_part[parts[0]] as usize,
+                second: self.block_of_part[parts[1]] as usize,
+                overlap: over_allowed * allowed,
+                size: least(&self.size),
+                allowed,
+                time,
+            });
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,175 @@
+//! Blocks that lie still sleep: they keep their place, and so do their contacts with what lies still, until their load changes.
+//!
+//! A block falls asleep when for a while it has gone nowhere, though what pushes it in kicks, water above all, lets it tremble. What
+//! was left of its motion is booked. Its load is watched as a mean over a short time, as single kicks say little:
+//!
+//! ```text
+//! L += (F − L) dt/τ,      asleep until |L_f − L_f0| > s m g  or  |L_t − L_t0| > s m g R           [N, N m]
+//! ```
+//! A load is of contacts, attachments and what is outside (`apply_impulse`). Sleepers bear each other and what lies on them as fixed
+//! blocks do, so that one that is pushed out from under others wakes these by what they lose.
+
+use nalgebra::UnitQuaternion;
+use serde::{Deserialize, Serialize};
+
+use crate::blocks::Role;
+use crate::{Blocks, Load, Vec3};
+
+/// When blocks fall asleep, and what wakes them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Resting {
+    /// Farthest way within `time` of a block that is at rest, of its centroid and of its corners by turning, above 0; × size.
+    pub displacement: f64,
+    /// How long it has to be at rest, above 0; s.
+    pub time: f64,
+    /// Change of its load that wakes it, above 0; × weight.
+    pub load: f64,
+}
+
+/// The load that is watched is a mean over this share of the time that a block has to be at rest.
+const MEAN_OVER: f64 = 0.05;
+
+/// Who sleeps, and why.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub(crate) struct Rest {
+    is_asleep: Vec<bool>,
+    /// Where a block was when it began to be at rest.
+    since: Vec<(Vec3, UnitQuaternion<f64>)>,
+    /// For how long it has been; s.
+    calm: Vec<f64>,
+    /// Mean load.
+    mean: Vec<Load>,
+    /// That with which it fell asleep.
+    at_rest: Vec<Load>,
+    /// Of what is outside, as it was last given.
+    outside: Vec<Load>,
+}
+
+impl Rest {
+    pub(crate) fn has(&self, block: usize) -> bool {
+        self.is_asleep.get(block).copied().unwrap_or(false)
+    }
+
+    /// Forgets a block that is taken out.
+    pub(crate) fn leave(&mut self, block: usize) {
+        if let Some(is_asleep) = self.is_asleep.get_mut(block) {
+            *is_asleep = false;
+        }
+    }
+
+    /// Notes a load from outside, if anyone may sleep.
+    pub(crate) fn note_outside(&mut self, block: usize, load: &Load) {
+        if let Some(outside) = self.outside.get_mut(block) {
+            *outside = *load;
+        }
+    }
+}
+
+impl Blocks {
+    /// All are awake, and may sleep if the settings say so; those that are deformable, held or damped for a search for rest never do.
+    pub(crate) fn begin_rest(&mut self) {
+        if self.settings.resting.is_none() {
+            return;
+        }
+        let n = self.n_blocks();
+        self.rest = Rest {
+            is_asleep: vec![false; n],
+            since: self
+                .centroid
+                .iter()
+                .copied()
+                .zip(self.attitude.iter().copied())
+                .collect(),
+            calm: vec![0.0; n],
+            mean: vec![Load::default(); n],
+            at_rest: vec![Load::default(); n],
+            outside: vec![Load::default(); n],
+        };
+    }
+
+    /// Number of blocks that sleep.
+    pub fn n_asleep(&self) -> usize {
+        self.rest.is_asleep.iter().filter(|&&is| is).count()
+    }
+
+    /// Wakes all.
+    pub(crate) fn wake_all(&mut self) {
+        for b in 0..self.rest.is_asleep.len() {
+            self.wake(b);
+        }
+        self.note_roles();
+    }
+
+    pub(crate) fn wake_one(&mut self, b: usize) {
+        if self.rest.has(b) {
+            self.wake(b);
+            self.note_roles();
+        }
+    }
+
+    fn wake(&mut self, b: usize) {
+        self.rest.is_asleep[b] = false;
+        self.rest.calm[b] = 0.0;
+        self.rest.since[b] = (self.centroid[b], self.attitude[b]);
+    }
+
+    /// Lets those sleep that have been at rest for long enough, and wakes those whose load has changed, at the end of a step.
+    pub(crate) fn rest_or_wake(&mut self, dt: f64) {
+        let Some(resting) = self.settings.resting else {
+            return;
+        };
+        let share = (dt / (MEAN_OVER * resting.time)).min(1.0);
+        let mut has_changed = false;
+        for b in 0..self.n_blocks() {
+            if !matches!(self.role[b], Role::Plain | Role::Asleep) {
+                continue;
+            }
+            let mut load = self.contact_load[b];
+            let is_free_flight = load.force == Vec3::zeros();
+            if let Some(attached) = self.attachments.loads.get(b) {
+                load += *attached;
+            }
+            load += self.rest.outside[b];
+            let mean = &mut self.rest.mean[b];
+            mean.force += (load.force - mean.force) * share;
+            mean.torque += (load.torque - mean.torque) * share;
+            if self.rest.is_asleep[b] {
+                let at_rest = &self.rest.at_rest[b];
+                let much = resting.load * self.mass[b] * self.settings.gravity.norm();
+                let is_pushed = (mean.force - at_rest.force).norm() > much
+                    || (mean.torque - at_rest.torque).norm() > much * self.radius[b];
+                if is_pushed {
+                    self.wake(b);
+                    has_changed = true;
+                }
+                continue;
+            }
+            let (place, attitude) = &self.rest.since[b];
+            let way = (self.centroid[b] - place).norm()
+                + attitude.angle_to(&self.attitude[b]) * self.radius[b];
+            let size = self.size[self.part_start[b] as usize];
+            if is_free_flight || way > resting.displacement * size {
+                self.wake(b);
+                continue;
+            }
+            self.rest.calm[b] += dt;
+            if self.rest.calm[b] >= resting.time {
+                self.lay_to_rest(b);
+                has_changed = true;
+            }
+        }
+        if has_changed {
+            self.note_roles();
+        }
+    }
+
+    fn lay_to_rest(&mut self, b: usize) {
+        self.laid_to_rest.book(self.kinetic_energy(b));
+        self.support_impulse -= self.velocity[b] * self.mass[b];
+        self.velocity[b] = Vec3::zeros();
+        self.angular_momentum[b] = Vec3::zeros();
+        self.set_kinematics(b);
+        self.rest.is_asleep[b] = true;
+        self.rest.at_rest[b] = self.rest.mean[b];
+    }
+}

@@ -1,0 +1,477 @@
+//! Contact forces of all pairs, and what they add up to for each block.
+
+use crate::blocks::CHUNK;
+use crate::chunks::PerChunk;
+use crate::contact::detection::broad_phase;
+use crate::contact::penalty::polyhedra::{Pair, PointForce, Rates, Workspace};
+use crate::contact::penalty::spheres::{
+    PairRates, Rolling, SphereContact, SphereLoads, SphereMark, SpherePair, SphereRow,
+};
+use crate::contact::penalty::step_bound::{BlockRates, Listed};
+use crate::contact::penalty::terrain::SurfacePair;
+use crate::motion::kinematics::stretch;
+use crate::step::central_difference::Phase;
+use crate::{Blocks, Load, Vec3, chunks};
+use nalgebra::Matrix3;
+
+/// Pairs of polyhedra that one thread takes at a time.
+pub(crate) const PAIR_CHUNK: usize = 16;
+
+/// What the pairs of a chunk add up to in a step.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Tally {
+    /// Lost; J.
+    pub friction: f64,
+    pub damping: f64,
+    /// Angular impulse that rolling resistance took out of both sides together; N m s.
+    pub rolling_impulse: Vec3,
+    pub n_touching: u64,
+    pub n_broken: u64,
+    /// Pairs that have met or parted.
+    pub n_cut: u64,
+    /// Full separating-axis tests.
+    pub n_searches: u64,
+    /// Deepest overlap, × size of the smaller part.
+    pub deepest_over_size: f64,
+    /// Deepest overlap, × what is allowed, with its parts.
+    pub worst: (f64, (u32, u32)),
+}
+
+impl Tally {
+    fn with(self, other: Self) -> Self {
+        Self {
+            friction: self.friction + other.friction,
+            damping: self.damping + other.damping,
+            rolling_impulse: self.rolling_impulse + other.rolling_impulse,
+            n_touching: self.n_touching + other.n_touching,
+            n_broken: self.n_broken + other.n_broken,
+            n_cut: self.n_cut + other.n_cut,
+            n_searches: self.n_searches + other.n_searches,
+            deepest_over_size: self.deepest_over_size.max(other.deepest_over_size),
+            worst: if other.worst.0 > self.worst.0 {
+                other.worst
+            } else {
+                self.worst
+            },
+        }
+    }
+
+    /// Notes how deep two parts overlap; × what is allowed and × size.
+    pub fn note_overlap(&mut self, parts: (u32, u32), over_allowed: f64, over_size: f64) {
+        self.n_touching += 1;
+        self.deepest_over_size = self.deepest_over_size.max(over_size);
+        if over_allowed > self.worst.0 {
+            self.worst = (over_allowed, parts);
+        }
+    }
+}
+
+impl Blocks {
+    /// Contact forces in the present place, and what they lost in the last `dt` (s).
+    pub(crate) fn evaluate_contacts(&mut self, dt: f64, ended: &mut impl FnMut(Phase)) {
+        let pairs = self.evaluate_pairs(dt);
+        let spheres = self.evaluate_spheres(dt);
+        let tally = pairs.with(spheres).with(self.evaluate_surfaces(dt));
+        ended(Phase::Contacts);
+        std::mem::swap(&mut self.contact_load, &mut self.contact_load_before);
+        self.sum_loads();
+        ended(Phase::Sums);
+        self.friction.book(tally.friction);
+        self.damping.book(tally.damping);
+        self.rolling_impulse += tally.rolling_impulse;
+        self.n_broken_bonds += tally.n_broken;
+        self.n_axis_searches += tally.n_searches;
+        self.n_contact_updates += tally.n_touching;
+        self.max_overlap_over_size = self.max_overlap_over_size.max(tally.deepest_over_size);
+        self.worst_overlap = tally.worst;
+        self.has_excess = tally.n_cut > 0;
+    }
+
+    /// The half kick at the end of the step is over: what bodies that met or parted in it were spared is none of
+    /// the next one's.
+    pub(crate) fn drop_excess(&mut self) {
+        if !std::mem::take(&mut self.has_excess) {
+            return;
+        }
+        for pair in &mut self.pairs {
+            pair.excess.clear();
+        }
+        for pair in &mut self.surface_pairs {
+            pair.excess.clear();
+        }
+        self.sum_loads();
+    }
+
+    fn evaluate_pairs(&mut self, dt: f64) -> Tally {
+        let (lists, medium, boxes) = self.split_pairs();
+        type Rows<'a> = (&'a mut [Pair], PerChunk<'a, Workspace>);
+        let update = |_, (pairs, workspaces): Rows| {
+            let mut tally = Tally::default();
+            let Some(work) = workspaces.rows.first_mut() else {
+                return tally;
+            };
+            for pair in pairs {
+                if medium.are_still(pair.blocks) {
+                    continue;
+                }
+                let is_near = broad_phase::overlap(
+                    &boxes[pair.parts.0 as usize],
+                    &boxes[pair.parts.1 as usize],
+                );
+                if pair.is_idle && !is_near {
+                    continue;
+                }
+                pair.evaluate(&medium, dt, is_near, work);
+                tally.friction += pair.friction;
+                tally.damping += pair.damping;
+                tally.n_broken += u64::from(pair.has_broken);
+                tally.n_cut += u64::from(!pair.excess.is_empty());
+                tally.n_searches += u64::from(is_near && pair.axis.has_searched);
+                if pair.is_touching {
+                    tally.note_overlap(
+                        pair.parts,
+                        pair.deepest / medium.least_of(pair.parts, medium.deepest_allowed),
+                        pair.deepest / medium.least_of(pair.parts, medium.size),
+                    );
+                }
+            }
+            tally
+        };
+        let pairs = lists.pairs.as_mut_slice();
+        let workspaces = PerChunk {
+            rows: lists.workspaces.as_mut_slice(),
+            len: pairs.len(),
+            chunk: PAIR_CHUNK,
+        };
+        chunks::reduce((pairs, workspaces), PAIR_CHUNK, &update, &Tally::with)
+    }
+
+    fn evaluate_spheres(&mut self, dt: f64) -> Tally {
+        let (lists, medium, _) = self.split_pairs();
+        type Rows<'a> = (
+            &'a [SpherePair],
+            &'a mut [SphereMark],
+            &'a mut [SphereContact],
+            &'a mut [SphereLoads],
+            &'a mut [PairRates],
+        );
+        let columns = (
+            lists.sphere_pairs.as_slice(),
+            lists.sphere_marks.as_mut_slice(),
+            lists.sphere_contacts.as_mut_slice(),
+            lists.sphere_loads.as_mut_slice(),
+            lists.sphere_rates.as_mut_slice(),
+        );
+        let evaluate = |rows: Rows, rolling: Option<&mut [Rolling]>| {
+            let mut tally = Tally::default();
+            let mut rolling = rolling.into_iter().flatten();
+            let rows = rows
+                .0
+                .iter()
+                .zip(rows.1)
+                .zip(rows.2)
+                .zip(rows.3)
+                .zip(rows.4);
+            for ((((pair, mark), contact), loads), rates) in rows {
+                let rolling = rolling.next();
+                if medium.are_still(pair.blocks) {
+                    continue;
+                }
+                let row = SphereRow {
+                    pair,
+                    mark,
+                    contact,
+                    loads,
+                    rates,
+                    rolling,
+                };
+                row.evaluate(&medium, dt, &mut tally);
+            }
+            tally
+        };
+        if lists.sphere_rolling.is_empty() {
+            let update = |_, rows: Rows| evaluate(rows, None);
+            return chunks::reduce(columns, CHUNK, &update, &Tally::with);
+        }
+        let update = |_, (rows, rolling): (Rows, &mut [Rolling])| evaluate(rows, Some(rolling));
+        let columns = (columns, lists.sphere_rolling.as_mut_slice());
+        chunks::reduce(columns, CHUNK, &update, &Tally::with)
+    }
+
+    fn evaluate_surfaces(&mut self, dt: f64) -> Tally {
+        let (lists, medium, _) = self.split_pairs();
+        let update = |_, pairs: &mut [SurfacePair]| {
+            let mut tally = Tally::default();
+            for pair in pairs {
+                if medium.are_still(pair.blocks) {
+                    continue;
+                }
+                pair.evaluate(&medium, dt);
+                tally.friction += pair.friction;
+                tally.damping += pair.damping;
+                tally.rolling_impulse += pair.rolling_impulse;
+                tally.n_cut += u64::from(!pair.excess.is_empty());
+                if pair.is_touching {
+                    tally.note_overlap(
+                        pair.parts,
+                        pair.deepest / medium.least_of(pair.parts, medium.deepest_allowed),
+                        pair.deepest / medium.least_of(pair.parts, medium.size),
+                    );
+                }
+            }
+            tally
+        };
+        let pairs = lists.surface_pairs.as_mut_slice();
+        chunks::reduce(pairs, PAIR_CHUNK, &update, &Tally::with)
+    }
+
+    /// Sums the pairs' forces and step bounds for each block, in the order of the lists, whatever thread
+    /// found them.
+    pub(crate) fn sum_loads(&mut self) {
+        let Self {
+            contact_load,
+            rates,
+            links,
+            sphere_links,
+            pairs,
+            sphere_marks,
+            sphere_loads,
+            sphere_rates,
+            sphere_rolling,
+            surface_links,
+            surface_pairs,
+            kinematics,
+            has_new_links,
+            ..
+        } = self;
+        let sum = |first: usize, (loads, rates): (&mut [Load], &mut [BlockRates])| {
+            for ((b, load), all) in (first..).zip(loads).zip(rates) {
+                *load = Load::default();
+                let mut has_new_rates = *has_new_links;
+                let centroid = kinematics[b].centroid;
+                for (k, is_second) in links.of(b) {
+                    has_new_rates = true;
+                    let pair = &pairs[k];
+                    if pair.is_touching {
+                        *load += if is_second {
+                            pair.loads.1
+                        } else {
+                            pair.loads.0
+                        };
+                    }
+                    load.add_all(&pair.excess, is_second, &centroid);
+                }
+                for (k, is_second) in sphere_links.of(b) {
+                    has_new_rates |= sphere_marks[k].has_new_rates;
+                    if !sphere_marks[k].is_touching {
+                        continue;
+                    }
+                    let SphereLoads { force, point } = &sphere_loads[k];
+                    let sign = if is_second { 1.0 } else { -1.0 };
+                    load.add(&(force * sign), &(point - centroid));
+                    if let Some(rolling) = sphere_rolling.get(k) {
+                        load.torque += side(&rolling.torques, is_second);
+                    }
+                }
+                for (k, is_second) in surface_links.of(b) {
+                    has_new_rates = true;
+                    let pair = &surface_pairs[k];
+                    *load += if is_second {
+                        pair.loads.1
+                    } else {
+                        pair.loads.0
+                    };
+                    load.add_all(&pair.excess, is_second, &centroid);
+                }
+                if !has_new_rates {
+                    continue;
+                }
+                *all = BlockRates::default();
+                for (k, is_second) in links.of(b) {
+                    let pair = &pairs[k];
+                    all.add(
+                        side(&pair.rates, is_second),
+                        pair.is_touching,
+                        (Listed::Pair, k as u32),
+                    );
+                }
+                for (k, is_second) in sphere_links.of(b) {
+                    all.add(
+                        side(&sphere_rates[k], is_second),
+                        sphere_marks[k].is_touching,
+                        (Listed::Sphere, k as u32),
+                    );
+                }
+                for (k, is_second) in surface_links.of(b) {
+                    if !is_second {
+                        let pair = &surface_pairs[k];
+                        let contact = (Listed::Surface, k as u32);
+                        all.add(&pair.rates, pair.is_touching, contact);
+                    }
+                }
+            }
+        };
+        chunks::for_each(
+            (contact_load.as_mut_slice(), rates.as_mut_slice()),
+            CHUNK,
+            &sum,
+        );
+        self.has_new_links = false;
+        if !self.deformables.is_empty() {
+            self.sum_stretch();
+        }
+    }
+
+    /// What the contact forces strain, deformable blocks only.
+    fn sum_stretch(&mut self) {
+        self.contact_stretch.clear();
+        self.contact_stretch
+            .resize(self.deformables.len(), Matrix3::zeros());
+        let acts = |pair: &&Pair| pair.is_touching || !pair.excess.is_empty();
+        for pair in self.pairs.iter().filter(acts) {
+            for (block, sign) in [(pair.blocks.0, -1.0), (pair.blocks.1, 1.0)] {
+                let b = block as usize;
+                let Some(k) = self.deformable_of[b] else {
+                    continue;
+                };
+                for excess in &pair.excess {
+                    let offset = excess.point - self.kinematics[b].centroid;
+                    self.contact_stretch[k as usize] += stretch(&(excess.force * sign), &offset);
+                }
+                for point in &pair.points {
+                    let force = (pair.normal * point.normal_force + point.shear_force) * sign;
+                    let offset = point.patch.position - self.kinematics[b].centroid;
+                    self.contact_stretch[k as usize] += stretch(&force, &offset);
+                }
+            }
+        }
+        for pair in &self.surface_pairs {
+            let b = pair.blocks.0 as usize;
+            if let Some(k) = self.deformable_of[b] {
+                pair.for_each_contact(&mut |contact| {
+                    let force = -(contact.normal * contact.normal_force + contact.shear_force);
+                    let offset = contact.point - self.kinematics[b].centroid;
+                    self.contact_stretch[k as usize] += stretch(&force, &offset);
+                });
+                for excess in &pair.excess {
+                    let offset = excess.point - self.kinematics[b].centroid;
+                    self.contact_stretch[k as usize] += stretch(&-excess.force, &offset);
+                }
+            }
+        }
+        for (k, pair) in self.sphere_pairs.iter().enumerate() {
+            let loads = &self.sphere_loads[k];
+            for (block, sign) in [(pair.blocks.0, -1.0), (pair.blocks.1, 1.0)] {
+                let b = block as usize;
+                if let Some(k) = self.deformable_of[b] {
+                    let offset = loads.point - self.kinematics[b].centroid;
+                    self.contact_stretch[k as usize] += stretch(&(loads.force * sign), &offset);
+                }
+            }
+        }
+    }
+}
+
+impl Load {
+    /// Adds forces on the second body of a pair, or what they do to the first; its centroid, m.
+    fn add_all(&mut self, forces: &[PointForce], is_second: bool, centroid: &Vec3) {
+        let sign = if is_second { 1.0 } else { -1.0 };
+        for at in forces {
+            self.add(&(at.force * sign), &(at.point - centroid));
+        }
+    }
+}
+
+impl BlockRates {
+    /// Adds a pair, and notes the stiffest so far.
+    fn add(&mut self, rates: &Rates, is_touching: bool, contact: (Listed, u32)) {
+        if is_touching {
+            self.stiffness += rates.stiffness;
+            self.damping += rates.damping;
+        } else {
+            self.next_stiffness = self.next_stiffness.max(rates.stiffness);
+            self.next_damping = self.next_damping.max(rates.damping);
+        }
+        if rates.stiffness > self.stiffest {
+            self.stiffest = rates.stiffness;
+            self.contact = Some(contact);
+        }
+    }
+}
+
+fn side<T>(of: &(T, T), is_second: bool) -> &T {
+    if is_second { &of.1 } else { &of.0 }
+}
+
+#[cfg(test)]
+#[expect(clippy::unwrap_used, reason = "a test may fail")]
+mod tests {
+    use super::*;
+    use crate::{BlockDefinition, Material, Motion, Polyhedron, Settings, Shape, Vec3};
+
+    /// Balls, a cube among them, that fall on a floor.
+    fn shower() -> Blocks {
+        let rock = Material {
+            density: 2500.0,
+            friction_angle: 0.5,
+            residual_friction_angle: None,
+            cohesion: 0.0,
+            residual_cohesion: 0.0,
+            tensile_strength: 0.0,
+            restitution: 0.5,
+            contact_stiffness: 1e7,
+            joint_stiffness: None,
+            shear_stiffness_ratio: 0.5,
+            rolling_friction: 0.0,
+            elastic: None,
+        };
+        let body = |shape, motion| BlockDefinition {
+            shape,
+            material: 0,
+            motion,
+            velocity: Vec3::zeros(),
+            angular_velocity: Vec3::zeros(),
+            deformability: None,
+        };
+        let cuboid = |from: [f64; 3], to: [f64; 3]| {
+            Shape::Polyhedra(vec![Polyhedron::cuboid(from.into(), to.into()).unwrap()])
+        };
+        let mut bodies = vec![
+            body(cuboid([-5.0, -5.0, -1.0], [5.0, 5.0, 0.0]), Motion::Fixed),
+            body(cuboid([0.0, 0.0, 1.5], [0.8, 0.8, 2.3]), Motion::Free),
+        ];
+        for k in 0..64 {
+            let place = Vec3::from([k % 4, k / 4 % 4, k / 16].map(f64::from));
+            let sideways = Vec3::new(0.1 * place.z, 0.05 * place.x, 0.0);
+            let center = place * 0.9 + sideways + Vec3::new(-1.5, -1.5, 2.9);
+            let ball = Shape::Sphere {
+                center,
+                radius: 0.4,
+            };
+            bodies.push(body(ball, Motion::Free));
+        }
+        Blocks::new(bodies, vec![rock], Settings::default()).unwrap()
+    }
+
+    #[test]
+    fn rates_that_are_kept_are_those_that_a_new_sum_gives() {
+        let mut blocks = shower();
+        let (mut kept, mut n_contacts) = (0, 0);
+        for _ in 0..4000 {
+            let dt = blocks.critical_time_step().dt;
+            blocks.advance(0.0, dt, 1).unwrap();
+            kept += usize::from(blocks.sphere_marks.iter().all(|mark| !mark.has_new_rates));
+            n_contacts = n_contacts.max(blocks.n_contacts());
+            let before = blocks.critical_time_step();
+            let rates = blocks.rates.clone();
+            blocks.has_new_links = true;
+            blocks.sum_loads();
+            assert_eq!(blocks.critical_time_step(), before);
+            for (new, old) in blocks.rates.iter().zip(&rates) {
+                let all = |r: &BlockRates| (r.stiffness, r.damping, r.next_stiffness, r.stiffest);
+                assert_eq!(all(new), all(old));
+            }
+        }
+        assert!(kept > 100 && n_contacts > 60, "{kept} {n_contacts}");
+    }
+}
