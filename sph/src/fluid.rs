@@ -23,31 +23,37 @@
 //! ```
 
 mod checkpoint;
+pub mod energy;
+pub mod exchange;
+mod packing;
+pub mod sample;
+pub(crate) mod sleep;
 
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use crate::boundary::screens::{Plane, Screens};
-use crate::cells::{CellGrid, Periodicity};
-use crate::energy::fixed_order_sum;
 use crate::error::FluidError;
+use crate::fluid::energy::fixed_order_sum;
+use crate::fluid::sleep::{Sleep, Still};
 use crate::kernel::{Dimensions, Kernel, PointKernel};
-use crate::lists::Lists;
+use crate::neighbors::cells::{CellGrid, Periodicity};
+use crate::neighbors::lists::Lists;
+use crate::neighbors::sweep::AnyPoints;
 use crate::particles::filter;
-use crate::points::Frame;
 use crate::scheme::{
     DIFFUSION, DensityDiffusion, DensityMethod, Scheme, Shifting, Stepping, Viscosity,
 };
-use crate::sleep::{Sleep, Still};
+use crate::simd::points::Frame;
 use crate::state_equation::State;
-use crate::stepping::AtStart;
-use crate::sums::{self, Places};
-use crate::sweep::AnyPoints;
+use crate::stepping::predictor_corrector::AtStart;
 use crate::terms::continuity::Rate;
 use crate::terms::disorder::Spread;
 use crate::terms::extrapolation::Extrapolated;
 use crate::terms::gradient::StrainSums;
 use crate::terms::momentum::ForceDensity;
+use crate::terms::sums;
+use crate::terms::sums::Places;
 use crate::{CHUNK, Particles, Rheology, Symmetry, Vec3};
 
 /// Most particles that neighbour ids can number.

@@ -8,7 +8,7 @@
 
 use std::f64::consts::PI;
 
-use crate::lanes::Lanes;
+use crate::simd::lanes::Lanes;
 
 /// Number of dimensions of the flow.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -712,7 +712,7 @@ mod tests {
 
     #[test]
     fn kernels_in_registers_are_those_of_points() {
-        use crate::lanes::{Machine, Portable};
+        use crate::simd::lanes::{Machine, Portable};
         // a dozen roundings of a quantity no larger than its scale: 1e-15 and 6e-8 each
         let check = |single: f64, double: f64| {
             assert!(single < 1e-6, "{single}");
@@ -723,8 +723,8 @@ mod tests {
             register_errors::<<Portable as Machine>::F64>(Portable),
         );
         #[cfg(target_arch = "x86_64")]
-        if let Some(machine) = crate::lanes::Avx2::detect() {
-            use crate::lanes::Avx2;
+        if let Some(machine) = crate::simd::lanes::Avx2::detect() {
+            use crate::simd::lanes::Avx2;
             check(
                 register_errors::<<Avx2 as Machine>::F32>(machine),
                 register_errors::<<Avx2 as Machine>::F64>(machine),

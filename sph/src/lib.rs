@@ -74,42 +74,34 @@
 //! et al. (2019); Domínguez et al. (2022); Geraili Mikola & Sitar (2014).
 
 pub mod boundary;
-pub mod cells;
-pub mod energy;
 pub mod error;
-pub mod exchange;
 pub mod fluid;
 pub mod kernel;
-mod lanes;
-mod lists;
-pub mod mirror;
-mod packing;
+pub mod neighbors;
 pub mod particles;
-mod points;
 pub mod rheology;
-pub mod sample;
 pub mod scheme;
-mod sleep;
+mod simd;
 mod stability;
 pub mod state_equation;
 mod stepping;
-mod sums;
-mod sweep;
 mod terms;
 
-pub use cells::{CellGrid, Periodicity};
-pub use energy::Energies;
 pub use error::FluidError;
-pub use exchange::{Absorber, Exchange};
+pub use fluid::energy::Energies;
+pub use fluid::exchange::{Absorber, Exchange};
+pub use fluid::sleep::Sleeping;
 pub use fluid::{Fluid, ParticleForce, Settings, Start, StepLimits};
+pub use fluid::{energy, exchange, sample};
 pub use kernel::{Dimensions, KernelChoice};
-pub use mirror::{Symmetry, SymmetryPlane};
+pub use neighbors::cells::{CellGrid, Periodicity};
+pub use neighbors::mirror::{Symmetry, SymmetryPlane};
+pub use neighbors::sweep::Precision;
+pub use neighbors::{cells, mirror};
 pub use particles::Particles;
 pub use rheology::{Regularization, Rheology};
 pub use scheme::{Scheme, Stepping};
-pub use sleep::Sleeping;
 pub use state_equation::{NegativePressure, StateEquation};
-pub use sweep::Precision;
 
 /// A vector or point, m, m/s, ...
 pub type Vec3 = nalgebra::Vector3<f64>;

@@ -23,9 +23,9 @@
 //! (2013) for the wide support of waves that travel far.
 
 use crate::kernel::KernelChoice;
+use crate::neighbors::sweep::Precision;
 use crate::rheology::Rheology;
 use crate::state_equation::{NegativePressure, StateEquation};
-use crate::sweep::Precision;
 
 /// How density is found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -12,11 +12,9 @@
 //! of it, see the margin table of the benchmarks.
 
 use crate::Vec3;
-use crate::{
-    Settings, Stepping,
-    kernel::{Dimensions, Kernel, PointKernel},
-    scheme::{DensityDiffusion, DensityMethod},
-};
+use crate::kernel::{Dimensions, Kernel, PointKernel};
+use crate::scheme::{DensityDiffusion, DensityMethod};
+use crate::{Settings, Stepping};
 
 /// Waves along an axis, up to the shortest.
 const N_WAVES: u32 = 12;

@@ -9,8 +9,9 @@ pub(crate) mod extrapolation;
 pub(crate) mod gradient;
 pub(crate) mod momentum;
 pub(crate) mod summation;
+pub(crate) mod sums;
 
-use crate::lanes::Lanes;
+use crate::simd::lanes::Lanes;
 
 /// Three registers.
 pub(crate) type Lanes3<L> = [L; 3];

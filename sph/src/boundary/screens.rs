@@ -28,7 +28,7 @@
 //! which `g` goes from 0 at the edge to 1 at 0.8 of the support. Shares of one place add up to one.
 
 use crate::Vec3;
-use crate::cells::CellGrid;
+use crate::neighbors::cells::CellGrid;
 
 /// The side of a screen through which a wall particle is seen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -27,15 +27,16 @@
 use rayon::prelude::*;
 
 use crate::boundary::screens::Facet;
-use crate::cells::CellGrid;
+use crate::neighbors::cells::CellGrid;
+use crate::neighbors::sweep::{AnyPoints, Between};
 use crate::scheme::Viscosity;
-use crate::sums::{self, Places, Shearing};
-use crate::sweep::{AnyPoints, Between};
 use crate::terms::continuity::Rate;
 use crate::terms::disorder::Spread;
 use crate::terms::extrapolation::Extrapolated;
 use crate::terms::gradient::StrainSums;
 use crate::terms::momentum::ForceDensity;
+use crate::terms::sums;
+use crate::terms::sums::{Places, Shearing};
 use crate::{CHUNK, Fluid, Vec3};
 
 /// What the fluid does along a wall.

@@ -5,9 +5,9 @@
 
 use postcard::Error;
 
+use crate::fluid::sleep::Sleep;
+use crate::neighbors::sweep::AnyPoints;
 use crate::particles::Particles;
-use crate::sleep::Sleep;
-use crate::sweep::AnyPoints;
 use crate::{Fluid, Stepping, Vec3};
 
 /// No particle is farther from the domain; × its diagonal.

@@ -4,8 +4,8 @@
 
 use crate::Vec3;
 use crate::kernel::PairKernel;
-use crate::lanes::{Lanes, RECORD};
-use crate::sweep::{Pair, Term};
+use crate::neighbors::sweep::{Pair, Term};
+use crate::simd::lanes::{Lanes, RECORD};
 use crate::terms::{Lanes3, dot, minus, signed, splat3};
 use serde::{Deserialize, Serialize};
 
@@ -227,7 +227,7 @@ impl<L: Lanes> Diffusion<L> for GradientDiffusion<'_, L> {
 
     #[inline(always)]
     fn own(&self, machine: L::Machine, a: usize) -> Lanes3<L> {
-        use crate::lanes::Record;
+        use crate::simd::lanes::Record;
         let g = &self.gradients[a];
         splat3(machine, [g.value(0), g.value(1), g.value(2)])
     }

@@ -1,8 +1,8 @@
 //! How unevenly particles are spread, and how near the free surface they are.
 
 use crate::kernel::PairKernel;
-use crate::lanes::Lanes;
-use crate::sweep::{Pair, Term};
+use crate::neighbors::sweep::{Pair, Term};
+use crate::simd::lanes::Lanes;
 use crate::terms::{Lanes3, add_scaled, signed, totals};
 
 /// Spread of the neighbours of a particle.

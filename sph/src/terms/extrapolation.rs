@@ -3,8 +3,8 @@
 //! Records hold velocity, pressure and volume.
 
 use crate::kernel::PairKernel;
-use crate::lanes::Lanes;
-use crate::sweep::{Pair, Term};
+use crate::neighbors::sweep::{Pair, Term};
+use crate::simd::lanes::Lanes;
 use crate::terms::{Lanes3, add_scaled, signed, totals};
 
 /// Sums over the fluid near a point, each weighted with `V_f W`.

@@ -9,8 +9,8 @@ use nalgebra::{Matrix3, Vector3};
 
 use crate::Vec3;
 use crate::kernel::{Dimensions, PairKernel};
-use crate::lanes::Lanes;
-use crate::sweep::{Pair, Term};
+use crate::neighbors::sweep::{Pair, Term};
+use crate::simd::lanes::Lanes;
 use crate::terms::{Lanes3, add_scaled, minus, signed, splat3, totals};
 
 /// Determinant of `B` below which it is not inverted: at a spray of few particles. `B` is the unit

@@ -4,8 +4,8 @@
 
 use crate::Vec3;
 use crate::kernel::{PairKernel, Viscous};
-use crate::lanes::{Lanes, RECORD, Record};
-use crate::sweep::{Pair, Term};
+use crate::neighbors::sweep::{Pair, Term};
+use crate::simd::lanes::{Lanes, RECORD, Record};
 use crate::terms::{Lanes3, add_scaled, dot, minus, signed, splat3, totals};
 
 /// Force per volume of the receiver.

@@ -1,8 +1,8 @@
 //! Density by summation.
 
 use crate::kernel::PairKernel;
-use crate::lanes::Lanes;
-use crate::sweep::{Pair, Term};
+use crate::neighbors::sweep::{Pair, Term};
+use crate::simd::lanes::Lanes;
 use crate::terms::Lanes3;
 
 /// `Σ_b m_b W_ab`, b = a included; kg/m³. Records hold the mass in the place of the volume.

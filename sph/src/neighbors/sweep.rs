@@ -1,5 +1,5 @@
 //! Sums over neighbours that are searched for anew: one loop for all of them. Sums within the fluid read
-//! [`crate::lists`] instead, unless there are screens.
+//! [`crate::neighbors::lists`] instead, unless there are screens.
 //!
 //! For each receiving particle the candidates of nine rows of cells are filtered by distance into a
 //! short buffer, eight at a time and without a branch; what is left is summed a register at a time.
@@ -9,11 +9,13 @@
 use rayon::prelude::*;
 
 use crate::boundary::screens::{Facet, Screens};
-use crate::cells::{CellGrid, MAX_RUNS, OWN_IMAGE, Run};
-use crate::lanes::{FILTER_WIDTH, Lanes, Machine, Place, Portable, RECORD, Record, Sight, Task};
-use crate::mirror::{Image, MOST_IMAGES, Mirrors};
-use crate::points::{Frame, Points};
-use crate::sleep::Still;
+use crate::fluid::sleep::Still;
+use crate::neighbors::cells::{CellGrid, MAX_RUNS, OWN_IMAGE, Run};
+use crate::neighbors::mirror::{Image, MOST_IMAGES, Mirrors};
+use crate::simd::lanes::{
+    FILTER_WIDTH, Lanes, Machine, Place, Portable, RECORD, Record, Sight, Task,
+};
+use crate::simd::points::{Frame, Points};
 use crate::terms::{Lanes3, splat3};
 use crate::{CHUNK, Vec3};
 
@@ -478,10 +480,10 @@ pub(crate) trait Sum {
 /// Runs a sum on the machine at hand.
 pub(crate) fn dispatch(precision: Precision, sum: impl Sum) {
     #[cfg(target_arch = "x86_64")]
-    if let Some(machine) = crate::lanes::Avx2::detect() {
+    if let Some(machine) = crate::simd::lanes::Avx2::detect() {
         return match precision {
-            Precision::Single => sum.run::<<crate::lanes::Avx2 as Machine>::F32>(machine),
-            Precision::Double => sum.run::<<crate::lanes::Avx2 as Machine>::F64>(machine),
+            Precision::Single => sum.run::<<crate::simd::lanes::Avx2 as Machine>::F32>(machine),
+            Precision::Double => sum.run::<<crate::simd::lanes::Avx2 as Machine>::F64>(machine),
         };
     }
     match precision {
@@ -493,8 +495,8 @@ pub(crate) fn dispatch(precision: Precision, sum: impl Sum) {
 /// Points in both precisions; only one is ever filled.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct AnyPoints {
-    single: Points<crate::lanes::Single>,
-    double: Points<crate::lanes::Double>,
+    single: Points<crate::simd::lanes::Single>,
+    double: Points<crate::simd::lanes::Double>,
 }
 
 /// A record that knows its points among [`AnyPoints`].
@@ -503,13 +505,13 @@ pub(crate) trait PackedIn: Record {
     fn of(points: &AnyPoints) -> &Points<Self>;
 }
 
-impl PackedIn for crate::lanes::Single {
+impl PackedIn for crate::simd::lanes::Single {
     fn of(points: &AnyPoints) -> &Points<Self> {
         &points.single
     }
 }
 
-impl PackedIn for crate::lanes::Double {
+impl PackedIn for crate::simd::lanes::Double {
     fn of(points: &AnyPoints) -> &Points<Self> {
         &points.double
     }

@@ -7,9 +7,9 @@
 
 use rayon::prelude::*;
 
-use crate::cells::CellGrid;
-use crate::lanes::{FILTER_WIDTH, Place, RECORD, Record};
-use crate::sleep::Still;
+use crate::fluid::sleep::Still;
+use crate::neighbors::cells::CellGrid;
+use crate::simd::lanes::{FILTER_WIDTH, Place, RECORD, Record};
 use crate::{CHUNK, Vec3};
 
 /// Quanta per support radius, at least; `f32` keeps differences up to twice as many exactly.

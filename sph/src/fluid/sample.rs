@@ -2,9 +2,9 @@
 
 use nalgebra::Matrix3;
 
-use crate::cells::{MAX_RUNS, Run};
 use crate::kernel::{Dimensions, Kernel, PointKernel};
-use crate::mirror::{Image, MOST_IMAGES};
+use crate::neighbors::cells::{MAX_RUNS, Run};
+use crate::neighbors::mirror::{Image, MOST_IMAGES};
 use crate::{Fluid, Vec3};
 
 /// The fluid at a point.

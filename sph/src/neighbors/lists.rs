@@ -19,12 +19,12 @@
 
 use rayon::prelude::*;
 
-use crate::cells::{CellGrid, MAX_RUNS, OWN_IMAGE, Run};
-use crate::lanes::{FILTER_WIDTH, Lanes, Machine, Sight, Task};
-use crate::mirror::{Image, MOST_IMAGES, Mirrors, signs_in};
-use crate::points::{Frame, Points};
-use crate::sleep::Rest;
-use crate::sweep::{BUFFER, FILTER_MARGIN, Seen, Sources, Term, Veil};
+use crate::fluid::sleep::Rest;
+use crate::neighbors::cells::{CellGrid, MAX_RUNS, OWN_IMAGE, Run};
+use crate::neighbors::mirror::{Image, MOST_IMAGES, Mirrors, signs_in};
+use crate::neighbors::sweep::{BUFFER, FILTER_MARGIN, Seen, Sources, Term, Veil};
+use crate::simd::lanes::{FILTER_WIDTH, Lanes, Machine, Sight, Task};
+use crate::simd::points::{Frame, Points};
 use crate::terms::splat3;
 use crate::{CHUNK, Vec3};
 
@@ -348,7 +348,7 @@ struct Work<'a, L: Lanes, T: Term<L>> {
 }
 
 /// Summing over the lists of a chunk, past screens or where there are none: code of its own, see
-/// [`sweep_as`](crate::sweep::sweep_as).
+/// [`sweep_as`](crate::neighbors::sweep::sweep_as).
 struct Summing<'a, L: Lanes, T: Term<L>, const SCREENED: bool>(Work<'a, L, T>);
 
 impl<L, T, const SCREENED: bool> Task for Summing<'_, L, T, SCREENED>
@@ -453,9 +453,8 @@ fn keep(
 mod tests {
     use super::*;
     use crate::scheme::{DensityDiffusion, Viscosity};
-    use crate::{
-        Dimensions, Fluid, FluidError, KernelChoice, Precision, Scheme, Settings, Start, sums,
-    };
+    use crate::terms::sums;
+    use crate::{Dimensions, Fluid, FluidError, KernelChoice, Precision, Scheme, Settings, Start};
 
     const RADIUS: f64 = 0.2;
 

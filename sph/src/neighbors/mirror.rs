@@ -13,7 +13,7 @@
 
 use rayon::prelude::*;
 
-use crate::sleep::Still;
+use crate::fluid::sleep::Still;
 use crate::{CHUNK, Fluid, FluidError, Settings, Vec3};
 
 /// Which sides of the domain are planes of symmetry: the lower and the upper one along x, y, z.

@@ -3,17 +3,17 @@
 use std::marker::PhantomData;
 
 use crate::boundary::screens::{Facet, Screens};
-use crate::cells::CellGrid;
 use crate::fluid::Settings;
+use crate::fluid::sleep::Still;
 use crate::kernel::{CubicSpline, KernelChoice, Mueller, PairKernel, Viscous, WendlandC2};
-use crate::lanes::{Lanes, Machine};
-use crate::lists::{Lists, Surroundings};
-use crate::points::Frame;
-use crate::scheme::{DensityDiffusion, Viscosity};
-use crate::sleep::Still;
-use crate::sweep::{
+use crate::neighbors::cells::CellGrid;
+use crate::neighbors::lists::{Lists, Surroundings};
+use crate::neighbors::sweep::{
     AnyPoints, Between, PackedIn, Receivers, Sources, Sum, Term, Veil, dispatch, sweep, sweep_as,
 };
+use crate::scheme::{DensityDiffusion, Viscosity};
+use crate::simd::lanes::{Lanes, Machine};
+use crate::simd::points::Frame;
 use crate::terms::continuity::{
     Continuity, Diffusion, GradientDiffusion, JumpDiffusion, NoDiffusion, Rate, RateOwn,
 };

@@ -26,9 +26,9 @@
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use crate::cells::{CellGrid, ROW_SPLIT};
-use crate::energy::fixed_order_sum;
-use crate::exchange::Exchange;
+use crate::fluid::energy::fixed_order_sum;
+use crate::fluid::exchange::Exchange;
+use crate::neighbors::cells::{CellGrid, ROW_SPLIT};
 use crate::scheme::{DensityDiffusion, DensityMethod, Stepping};
 use crate::terms::momentum::ForceDensity;
 use crate::{CHUNK, Dimensions, Fluid, FluidError, Particles, Settings, Vec3};

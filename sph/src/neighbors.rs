@@ -1,0 +1,6 @@
+//! Neighbor search: cells, lists, sweeps over cells, and mirror images across planes of symmetry.
+
+pub mod cells;
+pub(crate) mod lists;
+pub mod mirror;
+pub(crate) mod sweep;
