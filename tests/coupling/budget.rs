@@ -6,15 +6,16 @@ use std::path::{Path, PathBuf};
 
 use riprap::trade::budget::{choose, expect};
 use riprap::trade::file::StudyFile;
+use riprap::trade::outcome::Outcome;
 use riprap::trade::plan;
-use riprap::trade::results::{Found, read};
+use riprap::trade::results::read;
 
 fn folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../benches/trade")
 }
 
 /// Studies with what was measured of them, by name.
-fn studies() -> Vec<(String, StudyFile, Vec<Found>)> {
+fn studies() -> Vec<(String, StudyFile, Vec<Outcome>)> {
     let mut all: Vec<_> = std::fs::read_dir(folder())
         .unwrap()
         .map(|entry| entry.unwrap().path())
@@ -36,7 +37,7 @@ fn studies() -> Vec<(String, StudyFile, Vec<Found>)> {
     all
 }
 
-fn error_of(found: &Found) -> Option<f64> {
+fn error_of(found: &Outcome) -> Option<f64> {
     found.error.filter(|_| found.is_stable)
 }
 
@@ -62,7 +63,7 @@ fn budgets_are_kept_with_runs_hidden() {
                 COMBINATIONS => 1 < n_turned(k),
                 fold => 0 < k && k % 5 == fold,
             };
-            let seen: Vec<Found> = (0..all.len())
+            let seen: Vec<Outcome> = (0..all.len())
                 .filter(|&k| !is_hidden(k))
                 .map(|k| all[k].clone())
                 .collect();

@@ -32,3 +32,4 @@ mod stepping;
 mod symmetry;
 mod trade;
 mod walls;
+mod wings;

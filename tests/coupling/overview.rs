@@ -1,7 +1,8 @@
 //! The page of a run, from made-up data; the pages stay in the target folder, to be looked at.
 
 use base64::Engine;
-use riprap::overview::plan::{Extremes, Footprint, FromAbove, Mark, Plan};
+use riprap::observe::maps::MapExtremes;
+use riprap::overview::plan::{Footprint, FromAbove, Mark, Plan};
 use riprap::overview::{Outline, Overview, Record, Snapshot, svg};
 use riprap::scene::terrain::grid::Grid;
 use std::path::Path;
@@ -364,7 +365,7 @@ fn lake(n: u16, roughness: f64) -> Plan {
         origin: [400_000.0, 6_900_000.0, 12.0],
         still_level: Some(0.0),
         views: vec![view(0.0), view(1.0)],
-        maps: Some(Extremes {
+        maps: Some(MapExtremes {
             at_start: wet(&|_, _| 0.0),
             highest: wet(&|x, y| 5.0 * (-x.hypot(y) / 500.0).exp()),
             arrival: wet(&|x, y| x.hypot(y) / 40.0),

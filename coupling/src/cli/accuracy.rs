@@ -15,9 +15,10 @@ use crate::study::trade::budget::{Expected, candidates, choose};
 use crate::study::trade::execute::{Progress, execute as run_all};
 use crate::study::trade::file::{DesignFile, KnobFile, StudyFile, TruthFile, ValueFile};
 use crate::study::trade::ladder::{Estimate, Rung, rows_for, rungs};
+use crate::study::trade::outcome::Outcome;
 use crate::study::trade::plan::{self, Planned, Study};
 use crate::study::trade::reading::{Reading, reading};
-use crate::study::trade::results::{Found, along, collect, finest_run, judge, read};
+use crate::study::trade::results::{along, collect, finest_run, judge, read};
 
 /// Where studies of cases are looked for, besides the folder of the case.
 const STUDIES: &str = "benches/trade";
@@ -76,7 +77,7 @@ enum Basis {
     Study {
         path: PathBuf,
         file: StudyFile,
-        known: Vec<Found>,
+        known: Vec<Outcome>,
         choice: Vec<usize>,
     },
     Ladder {
@@ -159,7 +160,7 @@ fn study_of(asked: &Asked) -> Result<Option<(PathBuf, StudyFile)>, String> {
 }
 
 /// Results of a study, measured here or shipped with it.
-fn measured(path: &Path, file: &StudyFile) -> Result<(PathBuf, Vec<Found>), String> {
+fn measured(path: &Path, file: &StudyFile) -> Result<(PathBuf, Vec<Outcome>), String> {
     let name = path.file_stem().unwrap_or_default();
     let beside = path.parent().unwrap_or(Path::new(".")).join("results");
     let places = [Path::new(MEASURED), &beside].map(|folder| folder.join(name).join("trade.csv"));
@@ -228,7 +229,7 @@ fn from_study(asked: &Asked, path: PathBuf, file: StudyFile) -> Result<Chosen, E
 fn words_of_study(
     asked: &Asked,
     file: &StudyFile,
-    known: &[Found],
+    known: &[Outcome],
     expected: &Expected,
     meets: bool,
     table: &Path,
@@ -497,7 +498,7 @@ impl Chosen {
 
 /// The grid convergence of a study at its first values, by the three finest values of the knob that sets the resolution, and
 /// the spacing of a choice (m).
-fn grid_of_study(file: &StudyFile, known: &[Found], choice: &[usize]) -> Option<(Estimate, f64)> {
+fn grid_of_study(file: &StudyFile, known: &[Outcome], choice: &[usize]) -> Option<(Estimate, f64)> {
     let sets_resolution = |value: &ValueFile| {
         let mut sets = value.set.iter();
         sets.any(|set| set.starts_with("fluid.resolution="))

@@ -10,8 +10,9 @@ use std::time::Instant;
 use super::{Exit, report_scene_error, say, show, stop_on_signal};
 use crate::scene::estimate as memory;
 use crate::study::trade::execute::{Ended, Means, Progress, execute as run_all};
+use crate::study::trade::outcome::Outcome;
 use crate::study::trade::plan::{Planned, Study};
-use crate::study::trade::results::{Found, Fronts, bought, collect, front_table, table, write};
+use crate::study::trade::results::{Fronts, bought, collect, front_table, table, write};
 use crate::study::trade::{picture, plot};
 
 /// Share of the memory that is free which runs may hold together.
@@ -96,7 +97,7 @@ pub(crate) fn execute(arguments: &Arguments) -> Exit {
 }
 
 /// Writes tables and plots; tells of what could not be.
-fn write_all(study: &Study, all: &[Found], folder: &Path) -> Result<(), String> {
+fn write_all(study: &Study, all: &[Outcome], folder: &Path) -> Result<(), String> {
     let svg = plot::svg(study, all);
     let png = picture::png(&svg).map_err(|error| error.to_string());
     let files = [
@@ -156,7 +157,7 @@ pub(super) fn means(jobs: Option<usize>) -> Means {
 }
 
 /// The front, and what each knob buys.
-fn words(study: &Study, all: &[Found]) -> String {
+fn words(study: &Study, all: &[Outcome]) -> String {
     let mut lines = vec![format!("{}: {}", study.file.title, study.file.output.name)];
     for &k in &Fronts::of(all).by_time {
         let found = &all[k];

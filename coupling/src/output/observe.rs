@@ -1,5 +1,6 @@
 //! Observers: they look at the world when due and write files; they never change it.
 
+mod arrays;
 mod crossing;
 mod face_pressures;
 pub mod forces;
@@ -8,7 +9,6 @@ pub mod gauges;
 pub mod ledgers;
 pub mod maps;
 pub mod masses;
-pub mod pictures;
 pub mod trajectories;
 
 use crate::files::table::TableError;

@@ -9,9 +9,9 @@ use crate::output::observe::gauges::Gauges;
 use crate::output::observe::ledgers::Ledgers;
 use crate::output::observe::maps::Maps;
 use crate::output::observe::masses::Masses;
-use crate::output::observe::pictures::Pictures;
 use crate::output::observe::trajectories::Trajectories;
 use crate::output::observe::{ObserveError, Observer};
+use crate::picture::overview_data::OverviewData;
 use crate::saved::Saved;
 use crate::scene::resolve::Scene;
 use crate::world::World;
@@ -27,7 +27,7 @@ pub(super) struct Observers {
     trajectories: Option<Trajectories>,
     maps: Option<Maps>,
     masses: Option<Masses>,
-    pictures: Pictures,
+    overview: OverviewData,
 }
 
 impl Observers {
@@ -62,7 +62,7 @@ impl Observers {
             } else {
                 Some(Masses::new(folder, scene, world, (ledger_interval, start))?)
             },
-            pictures: Pictures::new(scene, world),
+            overview: OverviewData::new(scene, world),
         })
     }
 
@@ -76,7 +76,7 @@ impl Observers {
             trajectories,
             maps,
             masses,
-            pictures: _,
+            overview: _,
         } = self;
         let observers: [Option<&dyn Observer>; 7] = [
             Some(gauges),
@@ -99,7 +99,7 @@ impl Observers {
             trajectories,
             maps,
             masses,
-            pictures: _,
+            overview: _,
         } = self;
         let observers: [Option<&mut dyn Observer>; 7] = [
             Some(gauges),
@@ -115,7 +115,7 @@ impl Observers {
 
     /// Has those look whose time has come.
     pub fn observe(&mut self, world: &World) -> Result<(), ObserveError> {
-        self.pictures.note_view(world);
+        self.overview.note_view(world);
         for observer in self.all_mut().filter(|observer| observer.is_due(world)) {
             observer.observe(world)?;
         }
@@ -133,14 +133,14 @@ impl Observers {
             None => Ok(()),
             Some(trajectories) => {
                 let finished = trajectories.finish(world);
-                self.pictures.note_trajectories(trajectories);
+                self.overview.note_trajectories(trajectories);
                 finished
             }
         };
         if let Some(maps) = &self.maps {
-            self.pictures.note_maps(maps);
+            self.overview.note_maps(maps);
         }
-        self.pictures.write(folder, world, subtitle)?;
+        self.overview.write(folder, world, subtitle)?;
         followed
     }
 
@@ -154,7 +154,7 @@ impl Observers {
         let out = self
             .all()
             .try_fold(out, |out, observer| observer.save(out))?;
-        self.pictures.save(out)
+        self.overview.save(out)
     }
 
     /// Takes it over again, and takes back what was written since; returns the rest of the bytes.
@@ -162,6 +162,6 @@ impl Observers {
         let rest = self
             .all_mut()
             .try_fold(bytes, |bytes, observer| observer.read(bytes))?;
-        Ok(self.pictures.read(rest)?)
+        Ok(self.overview.read(rest)?)
     }
 }

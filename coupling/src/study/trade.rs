@@ -15,6 +15,7 @@ pub mod execute;
 pub mod file;
 pub mod front;
 pub mod ladder;
+pub mod outcome;
 pub mod picture;
 pub mod plan;
 pub mod plot;

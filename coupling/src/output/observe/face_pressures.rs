@@ -5,7 +5,7 @@ use riprap_sph::boundary::integral::Face;
 use riprap_sph::boundary::sampling::tiles;
 use riprap_sph::fluid::ContinuedPressure;
 
-use super::frames::{integers, scalars, single};
+use super::arrays::{integers, scalars, single};
 use crate::files::vtk::PolyData;
 use crate::walls::face_lattice;
 use crate::world::Water;

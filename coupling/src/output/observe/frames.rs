@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use riprap_dda::Vec3;
 
+use super::arrays::{integers, scalars, single, vectors};
 use super::face_pressures::face_pressures;
 use super::{ObserveError, Observer, Schedule};
 use crate::files::vtk::{self, Array, Collection, PolyData, Polygons, Values};
@@ -163,34 +164,6 @@ impl Observer for Frames {
         }
         self.remove_later_frames()?;
         Ok(rest)
-    }
-}
-
-pub(super) fn single(v: &Vec3) -> [f32; 3] {
-    [v.x as f32, v.y as f32, v.z as f32]
-}
-
-pub(super) fn scalars(name: &str, values: Vec<f32>) -> Array {
-    Array {
-        name: name.to_owned(),
-        components: 1,
-        values: Values::F32(values),
-    }
-}
-
-fn vectors<'a>(name: &str, values: impl Iterator<Item = &'a Vec3>) -> Array {
-    Array {
-        name: name.to_owned(),
-        components: 3,
-        values: Values::F32(values.flat_map(single).collect()),
-    }
-}
-
-pub(super) fn integers(name: &str, values: Vec<i32>) -> Array {
-    Array {
-        name: name.to_owned(),
-        components: 1,
-        values: Values::I32(values),
     }
 }
 

@@ -8,7 +8,6 @@ use riprap_sph::Fluid;
 
 use super::{ObserveError, Observer, Schedule};
 use crate::files::vtk::{self, Array, PolyData, Polygons, Values, replace_file};
-use crate::picture::overview::plan::Extremes;
 use crate::saved::Saved;
 use crate::scene::file::MapsFile;
 use crate::scene::resolve::Scene;
@@ -18,6 +17,17 @@ use crate::world::ground::Ground;
 
 /// Missing value in ASCII grids.
 const NO_DATA: f64 = -9999.0;
+
+/// Extremes of the water at the points of one grid; NaN where dry.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MapExtremes {
+    /// Height of the surface at the start; m.
+    pub at_start: Grid,
+    /// Highest surface; m.
+    pub highest: Grid,
+    /// When water came; s.
+    pub arrival: Grid,
+}
 
 /// Writes `maps.vtp` and an ASCII grid for each map.
 #[derive(Debug)]
@@ -108,12 +118,12 @@ impl Maps {
     }
 
     /// Extremes so far.
-    pub fn extremes(&self) -> Extremes {
+    pub fn extremes(&self) -> MapExtremes {
         let map = |values: &[f64]| Grid {
             heights: values.to_vec(),
             ..self.ground
         };
-        Extremes {
+        MapExtremes {
             at_start: map(&self.at_start),
             highest: map(&self.highest),
             arrival: map(&self.arrival),

@@ -10,6 +10,8 @@ const STOPS: [[u8; 3]; 4] = [
     [0x6d, 0xbd, 0x8f],
     [0xf7, 0xc5, 0x3b],
 ];
+/// Bed of the water, without elevation tint: the water above has its own colors.
+pub(super) const BED: [u8; 3] = [0xc4, 0xcd, 0xd2];
 /// Water at its rest level: almost white.
 const AT_REST: [u8; 3] = [0xee, 0xf2, 0xf3];
 /// From water at rest down to the deepest trough.

@@ -14,6 +14,7 @@ mod sheet;
 use serde::{Deserialize, Serialize};
 
 use super::page::{Anchor, Frame, INK, LEFT, Page};
+use crate::output::observe::maps::MapExtremes;
 use crate::scene::terrain::grid::Grid;
 use layout::{Chart, Layout};
 use lines::Lines;
@@ -35,20 +36,9 @@ pub struct Plan {
     /// Usually the start and the end.
     pub views: Vec<FromAbove>,
     /// Maps of extremes, if recorded.
-    pub maps: Option<Extremes>,
+    pub maps: Option<MapExtremes>,
     /// Instruments.
     pub marks: Vec<Mark>,
-}
-
-/// Extremes of the water at the points of one grid; NaN where dry.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Extremes {
-    /// Height of the surface at the start; m.
-    pub at_start: Grid,
-    /// Highest surface; m.
-    pub highest: Grid,
-    /// Arrival time of the water; s.
-    pub arrival: Grid,
 }
 
 /// Water and blocks from above at one time.

@@ -12,7 +12,8 @@
 //! of b itself, and a fifth of what b has won over the first settings is kept in hand: it may be by deviations that cancel.
 
 use super::file::{StudyFile, TruthFile};
-use super::results::{Found, finest_run};
+use super::outcome::Outcome;
+use super::results::finest_run;
 
 /// Kept of the budget for what was measured: another build or machine may draw another run of water that is not calm.
 const MARGIN_OF_MEASURED: f64 = 1.1;
@@ -54,7 +55,7 @@ impl Expected {
 /// The best there is, where it does not meet the budget.
 pub fn choose(
     study: &StudyFile,
-    known: &[Found],
+    known: &[Outcome],
     candidates: &[Vec<usize>],
     budget: f64,
 ) -> Result<Expected, Option<Expected>> {
@@ -72,7 +73,7 @@ pub fn choose(
 }
 
 /// Settings that were run, and those that differ from them in one knob.
-pub fn candidates(study: &StudyFile, known: &[Found]) -> Vec<Vec<usize>> {
+pub fn candidates(study: &StudyFile, known: &[Outcome]) -> Vec<Vec<usize>> {
     let mut all: Vec<Vec<usize>> = known.iter().map(|found| found.choice.clone()).collect();
     for found in known {
         for (k, knob) in study.knobs.iter().enumerate() {
@@ -89,7 +90,7 @@ pub fn candidates(study: &StudyFile, known: &[Found]) -> Vec<Vec<usize>> {
 }
 
 /// Predicted error and work of settings, where a prediction is possible.
-pub fn expect(study: &StudyFile, known: &[Found], choice: &[usize]) -> Option<Expected> {
+pub fn expect(study: &StudyFile, known: &[Outcome], choice: &[usize]) -> Option<Expected> {
     if let Some(found) = known.iter().find(|found| found.choice == choice) {
         let error = found.error.filter(|_| found.is_stable)?;
         return Some(Expected {
@@ -130,8 +131,8 @@ pub fn expect(study: &StudyFile, known: &[Found], choice: &[usize]) -> Option<Ex
 }
 
 /// Of the runs that reached their end with an error those that differ in the fewest knobs, and of these the most accurate.
-fn nearest<'a>(known: &'a [Found], choice: &[usize]) -> Option<&'a [usize]> {
-    let distance = |found: &Found| {
+fn nearest<'a>(known: &'a [Outcome], choice: &[usize]) -> Option<&'a [usize]> {
+    let distance = |found: &Outcome| {
         let pairs = found.choice.iter().zip(choice);
         pairs.filter(|(a, b)| a != b).count()
     };
@@ -144,7 +145,7 @@ fn nearest<'a>(known: &'a [Found], choice: &[usize]) -> Option<&'a [usize]> {
 }
 
 /// Of a value of a knob, the others at their first values.
-fn turned(study: &StudyFile, known: &[Found], knob: usize, value: usize) -> Option<Alone> {
+fn turned(study: &StudyFile, known: &[Outcome], knob: usize, value: usize) -> Option<Alone> {
     let mut single = vec![0; study.knobs.len()];
     single[knob] = value;
     match known.iter().any(|found| found.choice == single) {
@@ -164,7 +165,7 @@ struct Alone {
 }
 
 /// Of a run that was made and reached its end.
-fn alone(study: &StudyFile, known: &[Found], choice: &[usize]) -> Option<Alone> {
+fn alone(study: &StudyFile, known: &[Outcome], choice: &[usize]) -> Option<Alone> {
     let found = known.iter().find(|found| found.choice == choice)?;
     let error = found.error.filter(|_| found.is_stable)?;
     let truth = match &study.truth {
@@ -184,7 +185,7 @@ fn alone(study: &StudyFile, known: &[Found], choice: &[usize]) -> Option<Alone> 
 }
 
 /// Of a value of a knob that is a number, between its neighbors that were run; linear over its logarithm.
-fn between(study: &StudyFile, known: &[Found], knob: usize, value: usize) -> Option<Alone> {
+fn between(study: &StudyFile, known: &[Outcome], knob: usize, value: usize) -> Option<Alone> {
     let values = &study.knobs[knob].values;
     let at = values[value].at?;
     let points = || {
@@ -214,7 +215,7 @@ fn between(study: &StudyFile, known: &[Found], knob: usize, value: usize) -> Opt
 mod tests {
     use super::*;
     use crate::study::trade::file::{DesignFile, KnobFile, OutputFile, ValueFile};
-    use crate::study::trade::results::Cost;
+    use crate::study::trade::outcome::Cost;
 
     /// A knob that makes the work two and a half times less and one that takes most of the error; the truth is 1.
     fn study() -> StudyFile {
@@ -250,8 +251,8 @@ mod tests {
         }
     }
 
-    fn found(choice: [usize; 2], value: f64, work: f64) -> Found {
-        Found {
+    fn found(choice: [usize; 2], value: f64, work: f64) -> Outcome {
+        Outcome {
             choice: choice.to_vec(),
             key: String::new(),
             value: Some(value),

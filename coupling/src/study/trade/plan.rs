@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
 use super::file::{DesignFile, KnobFile, StudyFile, TruthFile};
-use super::results::Found;
+use super::outcome::Outcome;
 use super::search;
 use crate::build_info::COMMIT;
 use crate::scene;
@@ -94,7 +94,7 @@ impl Study {
     }
 
     /// Values of the knobs of the runs to add to those of which this was found; none where the design has no more.
-    pub fn next(&self, all: &[Found]) -> Vec<Vec<usize>> {
+    pub fn next(&self, all: &[Outcome]) -> Vec<Vec<usize>> {
         let DesignFile::Search { runs } = self.file.design else {
             return Vec::new();
         };

@@ -4,8 +4,9 @@ use std::fmt::Write as _;
 
 use super::file::KnobFile;
 use super::front::{Point, PowerLaw, front};
+use super::outcome::{Cost, CostOf, Outcome, point};
 use super::plan::Study;
-use super::results::{Cost, CostOf, Found, along, bought_along, point};
+use super::results::{along, bought_along};
 use crate::picture::overview::page::{Anchor, Frame, INK, LEFT, Page};
 
 const HEIGHT: f64 = 260.0;
@@ -147,7 +148,7 @@ fn short(x: f64) -> String {
 }
 
 /// Draws the page.
-pub fn svg(study: &Study, all: &[Found]) -> String {
+pub fn svg(study: &Study, all: &[Outcome]) -> String {
     let mut page = Page::default();
     let title = &study.file.title;
     page.styled_text(
@@ -178,7 +179,7 @@ fn scatter(
     page: &mut Page,
     top: f64,
     study: &Study,
-    all: &[Found],
+    all: &[Outcome],
     labels: [&str; 2],
     cost: CostOf,
 ) -> f64 {
@@ -230,10 +231,10 @@ fn convergence<'a>(
     page: &mut Page,
     top: f64,
     knob: &KnobFile,
-    runs: impl Iterator<Item = &'a Found> + Clone,
+    runs: impl Iterator<Item = &'a Outcome> + Clone,
     error: &str,
 ) -> f64 {
-    let at = |found: &Found| {
+    let at = |found: &Outcome| {
         let mut values = found.choice.iter().copied().filter(|&value| value != 0);
         knob.values[values.next().unwrap_or(0)].at
     };

@@ -3,73 +3,21 @@
 use std::io;
 use std::path::Path;
 
-use serde::Deserialize;
-
 use super::execute::{ended, folder_of};
 use super::file::{StudyFile, TruthFile};
 use super::front::{Point, error_per_doubling, front};
+use super::outcome::{Cost, CostOf, Outcome, point};
 use super::plan::{Planned, Study, finest};
 use crate::files::table::{TableData, TableError, read_table};
 use crate::study::compare::{Options, Series, compare_files};
 
-/// Pair interactions that cost as much as the update of one contact between blocks, by the speeds in benches/RESULTS.md:
-/// 3e8 pairs and 3e5 contacts a second and core.
-const PAIRS_PER_CONTACT: f64 = 1e3;
-
-/// A run with what it found.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Found {
-    /// Which value of each knob.
-    pub choice: Vec<usize>,
-    /// Of its folder.
-    pub key: String,
-    /// The number that the study is about; none of a run that did not reach it, or where the truth is a record.
-    pub value: Option<f64>,
-    /// Relative; none of what has no value, and of the truth itself.
-    pub error: Option<f64>,
-    /// Whether the run reached its end.
-    pub is_stable: bool,
-    /// Error message of an incomplete run.
-    pub message: String,
-    /// Cost of the run.
-    pub cost: Cost,
-}
-
-/// Cost of a run.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
-#[serde(default)]
-pub struct Cost {
-    /// On one thread, settling and output included; s.
-    pub wall_time: f64,
-    /// Largest memory held; bytes.
-    pub peak_memory: f64,
-    /// Steps.
-    pub steps: f64,
-    /// Particles times steps.
-    pub particle_steps: f64,
-    /// Ordered neighbor pairs evaluated.
-    pub pair_interactions: f64,
-    /// Contact points evaluated.
-    pub contact_updates: f64,
-}
-
-/// One of the costs of a run.
-pub type CostOf = fn(&Cost) -> f64;
-
-impl Cost {
-    /// The same on any machine: pair interactions, and contacts as so many of them.
-    pub fn work(&self) -> f64 {
-        self.pair_interactions + PAIRS_PER_CONTACT * self.contact_updates
-    }
-}
-
 /// Reads what the runs of a study left; those that have not ended are not there.
-pub fn collect(study: &Study, runs: &Path) -> Vec<Found> {
+pub fn collect(study: &Study, runs: &Path) -> Vec<Outcome> {
     let ended_runs = study.runs.iter().filter_map(|run| {
         let folder = folder_of(runs, run);
         Some((run, ended(&folder)?, folder))
     });
-    let mut all: Vec<Found> = ended_runs
+    let mut all: Vec<Outcome> = ended_runs
         .map(|(run, ended, folder)| {
             let judged = match ended.completed {
                 true => judge(&study.file, study.folder(), run.block, &folder),
@@ -79,7 +27,7 @@ pub fn collect(study: &Study, runs: &Path) -> Vec<Found> {
                 Ok((value, error)) => (value, error, String::new()),
                 Err(message) => (None, None, message),
             };
-            Found {
+            Outcome {
                 choice: run.choice.clone(),
                 key: run.key.clone(),
                 value,
@@ -159,7 +107,7 @@ fn of_block(mut table: TableData, block: usize) -> Result<TableData, TableError>
 }
 
 /// The run with the finest value of the knob that the study's truth names, the others at their first values.
-pub fn finest_run<'a>(study: &StudyFile, all: &'a [Found]) -> Option<&'a Found> {
+pub fn finest_run<'a>(study: &StudyFile, all: &'a [Outcome]) -> Option<&'a Outcome> {
     let TruthFile::Finest { knob } = &study.truth else {
         return None;
     };
@@ -169,7 +117,7 @@ pub fn finest_run<'a>(study: &StudyFile, all: &'a [Found]) -> Option<&'a Found> 
 }
 
 /// Errors against the finest run.
-fn judge_by_finest(study: &Study, all: &mut [Found]) {
+fn judge_by_finest(study: &Study, all: &mut [Outcome]) {
     let truth = finest_run(&study.file, all).map(|found| (found.choice.clone(), found.value));
     let Some((finest, Some(truth))) = truth else {
         return;
@@ -196,7 +144,7 @@ pub struct Fronts {
 
 impl Fronts {
     /// Of runs that reached their end with an error.
-    pub fn of(all: &[Found]) -> Self {
+    pub fn of(all: &[Outcome]) -> Self {
         let by = |cost: CostOf| {
             let points: Vec<Point> = all.iter().map(|found| point(found, cost)).collect();
             front(&points)
@@ -208,16 +156,8 @@ impl Fronts {
     }
 }
 
-/// Cost and error of a run, NaN where it has none.
-pub fn point(found: &Found, cost: CostOf) -> Point {
-    Point {
-        cost: cost(&found.cost),
-        error: found.error.filter(|_| found.is_stable).unwrap_or(f64::NAN),
-    }
-}
-
 /// The runs in which one knob alone is turned.
-pub fn along(all: &[Found], knob: usize) -> impl Iterator<Item = &Found> + Clone {
+pub fn along(all: &[Outcome], knob: usize) -> impl Iterator<Item = &Outcome> + Clone {
     all.iter().filter(move |found| {
         let mut others = found.choice.iter().enumerate().filter(|(k, _)| *k != knob);
         others.all(|(_, &value)| value == 0)
@@ -225,13 +165,13 @@ pub fn along(all: &[Found], knob: usize) -> impl Iterator<Item = &Found> + Clone
 }
 
 /// By which factor a doubling of the cost along one knob changes the error; none where the cost hardly changes.
-pub(super) fn bought_along(all: &[Found], knob: usize, cost: CostOf) -> Option<f64> {
+pub(super) fn bought_along(all: &[Outcome], knob: usize, cost: CostOf) -> Option<f64> {
     let points: Vec<Point> = along(all, knob).map(|found| point(found, cost)).collect();
     error_per_doubling(&points)
 }
 
 /// The same for every knob, by wall time.
-pub fn bought<'a>(study: &'a Study, all: &[Found]) -> Vec<(&'a str, Option<f64>)> {
+pub fn bought<'a>(study: &'a Study, all: &[Outcome]) -> Vec<(&'a str, Option<f64>)> {
     let knobs = study.file.knobs.iter().enumerate();
     knobs
         .map(|(k, knob)| {
@@ -244,14 +184,14 @@ pub fn bought<'a>(study: &'a Study, all: &[Found]) -> Vec<(&'a str, Option<f64>)
 }
 
 /// `trade.csv`: a line per run, in the order of the design.
-pub fn table(study: &Study, all: &[Found]) -> String {
+pub fn table(study: &Study, all: &[Outcome]) -> String {
     let fronts = Fronts::of(all);
     let rows: Vec<usize> = (0..all.len()).collect();
     lines(study, all, &fronts, &rows)
 }
 
 /// `front.csv`: those that no other beats in both cost and error, by wall time or by work; by increasing wall time.
-pub fn front_table(study: &Study, all: &[Found]) -> String {
+pub fn front_table(study: &Study, all: &[Outcome]) -> String {
     let fronts = Fronts::of(all);
     let mut rows: Vec<usize> = fronts
         .by_time
@@ -288,7 +228,7 @@ const HEADS: [&str; 14] = [
     "message",
 ];
 
-fn lines(study: &Study, all: &[Found], fronts: &Fronts, rows: &[usize]) -> String {
+fn lines(study: &Study, all: &[Outcome], fronts: &Fronts, rows: &[usize]) -> String {
     let mut writer = csv::Writer::from_writer(Vec::new());
     let knobs = study.file.knobs.iter().map(|knob| knob.name.as_str());
     // nothing can fail: memory takes all, and rows are equally long
@@ -336,7 +276,7 @@ fn lines(study: &Study, all: &[Found], fronts: &Fronts, rows: &[usize]) -> Strin
 /// # Errors
 ///
 /// A message if the file cannot be read or is not a table of this study.
-pub fn read(study: &StudyFile, path: &Path) -> Result<Vec<Found>, String> {
+pub fn read(study: &StudyFile, path: &Path) -> Result<Vec<Outcome>, String> {
     let failed = |error: csv::Error| format!("cannot read {}: {error}", path.display());
     let mut reader = csv::Reader::from_path(path).map_err(failed)?;
     let heads = reader.headers().map_err(failed)?.clone();
@@ -362,7 +302,7 @@ pub fn read(study: &StudyFile, path: &Path) -> Result<Vec<Found>, String> {
             Err(message) => Err(message.clone()),
         };
         let number = |name: usize| text(name).map(|text| text.parse().unwrap_or(f64::NAN));
-        all.push(Found {
+        all.push(Outcome {
             choice,
             value: Some(number(0)?).filter(|x| x.is_finite()),
             error: Some(number(1)?).filter(|x| x.is_finite()),

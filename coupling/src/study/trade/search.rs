@@ -8,7 +8,7 @@
 use std::collections::BTreeSet;
 
 use super::front::{Point, front};
-use super::results::{Cost, Found, point};
+use super::outcome::{Cost, Outcome, point};
 
 /// Runs chosen at once: fixed, so that the number of cores does not change the search.
 const BATCH: usize = 4;
@@ -21,12 +21,12 @@ type Logs = [f64; 2];
 
 /// The values of all knobs that are to be run next, at most `left` of them, for knobs of so many values each; none when
 /// every change of one knob from the front was run.
-pub fn next(n_values: &[usize], all: &[Found], left: usize) -> Vec<Vec<usize>> {
+pub fn next(n_values: &[usize], all: &[Outcome], left: usize) -> Vec<Vec<usize>> {
     let points: Vec<Point> = all.iter().map(|found| point(found, Cost::work)).collect();
     let logs: Vec<Option<Logs>> = points.iter().map(logarithms).collect();
     let ran: BTreeSet<&[usize]> = all.iter().map(|found| found.choice.as_slice()).collect();
     let alone = |knob: usize, value: usize| {
-        let is = |found: &Found| {
+        let is = |found: &Outcome| {
             let mut others = found.choice.iter().enumerate();
             others.all(|(k, &v)| v == if k == knob { value } else { 0 })
         };
@@ -79,9 +79,9 @@ mod tests {
     use super::*;
 
     /// A run whose work and error are products over its knobs; a doubling of `a` and `b` costs as much, but `b` buys more.
-    fn found(choice: &[usize]) -> Found {
+    fn found(choice: &[usize]) -> Outcome {
         let (a, b) = (choice[0] as f64, choice[1] as f64);
-        Found {
+        Outcome {
             choice: choice.to_vec(),
             key: String::new(),
             value: None,
@@ -99,13 +99,13 @@ mod tests {
     fn the_search_finds_the_front_of_the_full_grid() {
         let n_values = [4, 4];
         let grid = (0..4).flat_map(|a| (0..4).map(move |b| [a, b]));
-        let full: Vec<Found> = grid.map(|choice| found(&choice)).collect();
+        let full: Vec<Outcome> = grid.map(|choice| found(&choice)).collect();
         let points: Vec<Point> = full.iter().map(|f| point(f, Cost::work)).collect();
         let best: BTreeSet<Vec<usize>> = front(&points)
             .into_iter()
             .map(|k| full[k].choice.clone())
             .collect();
-        let mut all: Vec<Found> = [[0, 0], [1, 0], [2, 0], [3, 0], [0, 1], [0, 2], [0, 3]]
+        let mut all: Vec<Outcome> = [[0, 0], [1, 0], [2, 0], [3, 0], [0, 1], [0, 2], [0, 3]]
             .map(|choice| found(&choice))
             .to_vec();
         // seven by themselves, and the three beyond the dearest value of the better knob
@@ -118,7 +118,7 @@ mod tests {
 
     #[test]
     fn it_ends_when_all_near_the_front_was_run() {
-        let all: Vec<Found> = [[0, 0], [0, 1], [1, 0], [1, 1]]
+        let all: Vec<Outcome> = [[0, 0], [0, 1], [1, 0], [1, 1]]
             .map(|choice| found(&choice))
             .to_vec();
         assert_eq!(next(&[2, 2], &all, 4), Vec::<Vec<usize>>::new());
@@ -128,7 +128,7 @@ mod tests {
 
     #[test]
     fn what_did_not_reach_its_end_leads_nowhere() {
-        let mut all: Vec<Found> = [[0, 0], [0, 1], [1, 0]]
+        let mut all: Vec<Outcome> = [[0, 0], [0, 1], [1, 0]]
             .map(|choice| found(&choice))
             .to_vec();
         all[1].is_stable = false;

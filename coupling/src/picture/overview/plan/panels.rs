@@ -3,7 +3,8 @@
 use super::layout::Chart;
 use super::relief::Relief;
 use super::sheet::{self, Scale, Sheet};
-use super::{Extremes, Footprint, Plan};
+use super::{Footprint, Plan};
+use crate::output::observe::maps::MapExtremes;
 use crate::picture::overview::bar::Bar;
 use crate::picture::overview::page::{Frame, Page};
 use crate::picture::overview::raster::{self, Window};
@@ -88,8 +89,8 @@ pub(super) fn panels(plan: &Plan, spacing: f64) -> Vec<Panel<'_>> {
 }
 
 /// Plans of the maps that are not empty.
-fn of_maps(maps: &Extremes, (level, spacing): (f64, f64)) -> Vec<Panel<'static>> {
-    let Extremes {
+fn of_maps(maps: &MapExtremes, (level, spacing): (f64, f64)) -> Vec<Panel<'static>> {
+    let MapExtremes {
         at_start,
         highest,
         arrival,

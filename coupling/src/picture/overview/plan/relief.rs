@@ -14,8 +14,6 @@ const MOST_LAYERS: usize = 10;
 const N_SHADES: usize = 23;
 // indices of the picture are bytes
 const _: () = assert!((1 + MOST_LAYERS) * N_SHADES < 256);
-/// Bed of the water, without elevation tint: the water above has its own colors.
-pub(super) const BED: [u8; 3] = [0xc4, 0xcd, 0xd2];
 /// Direction to the sun, northwest at 45°, the cartographic convention; –.
 const SUN: [f64; 3] = [-0.5, 0.5, FRAC_1_SQRT_2];
 /// Brightness of ground without light over that of level ground; –.
@@ -82,7 +80,7 @@ impl<'a> Relief<'a> {
     /// Colors and opacities of the palette.
     pub fn palette(&self) -> (Vec<[u8; 3]>, Vec<u8>) {
         let mut colors = vec![[0xff; 3]];
-        for tint in [BED].into_iter().chain(color::land(self.n_layers)) {
+        for tint in [color::BED].into_iter().chain(color::land(self.n_layers)) {
             colors.extend((0..N_SHADES).map(|shade| {
                 let light = (shade as f64 + 0.5) / N_SHADES as f64 / SUN[2];
                 match light < 1.0 {

@@ -5,8 +5,6 @@ use crate::picture::overview::color;
 use crate::picture::overview::raster::{CLEAR, Window};
 use crate::scene::terrain::grid::Grid;
 
-use super::relief::BED;
-
 /// Opacity of the colors; –.
 const OPACITY: f64 = 0.8;
 /// Number of colors on each side of water at rest, and of a one-sided scale.
@@ -75,7 +73,7 @@ impl Scale {
 
     /// The colors composited over level ground, the most frequent background.
     pub fn shown(&self) -> Vec<[u8; 3]> {
-        let shown = |&shade| color::over(shade, OPACITY, BED);
+        let shown = |&shade| color::over(shade, OPACITY, color::BED);
         self.shades.iter().map(shown).collect()
     }
 

@@ -6,29 +6,28 @@ use std::path::{Path, PathBuf};
 
 use riprap_dda::Vec3;
 
-use super::gauges::Gauges;
-use super::ledgers::ENERGY_COLUMNS;
-use super::maps::Maps;
-use super::trajectories::Trajectories;
+use super::overview::plan::FromAbove;
+use super::overview::{Chart, Outline, Overview, Record, Snapshot, svg};
 use crate::files::table::{TableData, read_table};
-use crate::picture::overview::plan::FromAbove;
-use crate::picture::overview::{Chart, Outline, Overview, Record, Snapshot, svg};
+use crate::output::observe::ObserveError;
+use crate::output::observe::gauges::Gauges;
+use crate::output::observe::ledgers::ENERGY_COLUMNS;
+use crate::output::observe::maps::Maps;
+use crate::output::observe::trajectories::Trajectories;
 use crate::saved::{Read, Saved};
 use crate::scene::resolve::Scene;
 use crate::world::World;
 
-use super::ObserveError;
-
 /// Gathers the material of `overview.svg` during a run.
 #[derive(Debug)]
-pub struct Pictures {
+pub struct OverviewData {
     overview: Overview,
     /// Place of each gauge record in the gauges' row.
     places: Vec<usize>,
     duration: f64,
 }
 
-impl Pictures {
+impl OverviewData {
     /// Nothing seen yet.
     pub fn new(scene: &Scene, world: &World) -> Self {
         let columns = Gauges::scalar_columns(scene);

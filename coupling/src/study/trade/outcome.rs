@@ -1,0 +1,64 @@
+//! Outcome of one run of a study: value, error and cost.
+
+use serde::Deserialize;
+
+use super::front::Point;
+
+/// Pair interactions that cost as much as the update of one contact between blocks, by the speeds in benches/RESULTS.md:
+/// 3e8 pairs and 3e5 contacts a second and core.
+const PAIRS_PER_CONTACT: f64 = 1e3;
+
+/// Outcome of a run.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Outcome {
+    /// Which value of each knob.
+    pub choice: Vec<usize>,
+    /// Of its folder.
+    pub key: String,
+    /// The number that the study is about; none of a run that did not reach it, or where the truth is a record.
+    pub value: Option<f64>,
+    /// Relative; none of what has no value, and of the truth itself.
+    pub error: Option<f64>,
+    /// Whether the run reached its end.
+    pub is_stable: bool,
+    /// Error message of an incomplete run.
+    pub message: String,
+    /// Cost of the run.
+    pub cost: Cost,
+}
+
+/// Cost of a run.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
+#[serde(default)]
+pub struct Cost {
+    /// On one thread, settling and output included; s.
+    pub wall_time: f64,
+    /// Largest memory held; bytes.
+    pub peak_memory: f64,
+    /// Steps.
+    pub steps: f64,
+    /// Particles times steps.
+    pub particle_steps: f64,
+    /// Ordered neighbor pairs evaluated.
+    pub pair_interactions: f64,
+    /// Contact points evaluated.
+    pub contact_updates: f64,
+}
+
+/// One of the costs of a run.
+pub type CostOf = fn(&Cost) -> f64;
+
+impl Cost {
+    /// The same on any machine: pair interactions, and contacts as so many of them.
+    pub fn work(&self) -> f64 {
+        self.pair_interactions + PAIRS_PER_CONTACT * self.contact_updates
+    }
+}
+
+/// Cost and error of a run, NaN where it has none.
+pub fn point(found: &Outcome, cost: CostOf) -> Point {
+    Point {
+        cost: cost(&found.cost),
+        error: found.error.filter(|_| found.is_stable).unwrap_or(f64::NAN),
+    }
+}
