@@ -1,4 +1,4 @@
-//! File formats that more than one wing reads or writes: tables (CSV) and VTK.
+//! File formats shared by several wings: tables (CSV) and VTK.
 
 pub mod table;
 pub mod vtk;

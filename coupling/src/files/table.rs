@@ -1,14 +1,14 @@
 //! Tables of numbers over time: gauges, energies, reference records.
 //!
-//! Comma-separated text with one header line, `time [s],g1 [m]`, and a number per column and line, with as many digits as
-//! give back the same bits. A gap is `NaN`. Tables that are read may also have comment lines, which start with `#`, blank
+//! Comma-separated text with one header line, `time [s],g1 [m]`, and a number per column and line, with enough digits to
+//! restore the same bits. A gap is `NaN`. Input tables may also have comment lines, which start with `#`, blank
 //! lines, and empty cells, which are gaps.
 
 use std::fs::{self, File};
 use std::io::{self, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
-/// Kind of a column.
+/// Header of a column.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Column {
     /// Name, e.g. `g1`.
@@ -47,22 +47,22 @@ impl Column {
     }
 }
 
-/// A table while it is written; each row is on disk before the next one, so that a killed run keeps its data.
+/// A table during writing; each row is on disk before the next one, so that a killed run keeps its data.
 #[derive(Debug)]
 pub struct Table {
     path: PathBuf,
     file: File,
     n_columns: usize,
-    /// Written so far; bytes.
+    /// Length written so far; bytes.
     length: u64,
 }
 
-/// Whether the files of a run begin.
+/// Start or continuation of the files of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Start {
-    /// They do; what was there is gone.
+    /// Start: previous content is discarded.
     Anew,
-    /// They go on: what is there stays until it is [cut](Table::cut) to where the run goes on from.
+    /// Continuation: the content stays until it is [cut](Table::cut) to the length at the checkpoint.
     Again,
 }
 
@@ -70,15 +70,15 @@ impl Table {
     /// Creates the file, or empties it, and writes the header.
     ///
     /// # Errors
-    /// [`TableError::Name`] for a name or unit that would break the header, [`TableError::Io`] if the system refuses.
+    /// [`TableError::Name`] for a name or unit that would break the header, [`TableError::Io`] if writing fails.
     pub fn create(path: &Path, columns: &[Column]) -> Result<Self, TableError> {
         Self::open(path, columns, Start::Anew)
     }
 
-    /// The same, or opens the file to go on with it.
+    /// Creates the file, or opens it to continue.
     ///
     /// # Errors
-    /// As for [`Self::create`]; [`TableError::Io`] too if there is no file to go on with.
+    /// As for [`Self::create`]; also [`TableError::Io`] if there is no file to continue.
     pub fn open(path: &Path, columns: &[Column], start: Start) -> Result<Self, TableError> {
         let headers: Vec<String> = columns.iter().map(Column::header).collect();
         let breaks = |header: &&String| {
@@ -109,23 +109,23 @@ impl Table {
         Ok(table)
     }
 
-    /// Written so far; bytes.
+    /// Length written so far; bytes.
     pub fn length(&self) -> u64 {
         self.length
     }
 
-    /// Makes sure that what was written outlasts a power failure.
+    /// Flushes the file to disk, so that it survives a power failure.
     ///
     /// # Errors
-    /// [`TableError::Io`] if the system refuses.
+    /// [`TableError::Io`] if writing fails.
     pub fn sync(&self) -> Result<(), TableError> {
         (self.file.sync_data()).map_err(TableError::io("write", &self.path))
     }
 
-    /// Takes away all but the first `length` bytes, which were written once, and goes on behind them.
+    /// Truncates the file to its first `length` bytes and continues after them.
     ///
     /// # Errors
-    /// [`TableError::Short`] if the file has become shorter, [`TableError::Io`] if the system refuses.
+    /// [`TableError::Short`] if the file has become shorter, [`TableError::Io`] if writing fails.
     pub fn cut(&mut self, length: u64) -> Result<(), TableError> {
         let failed = || TableError::io("go on with", &self.path);
         let found = self.file.metadata().map_err(failed())?.len();
@@ -145,7 +145,7 @@ impl Table {
     /// Writes one row and flushes it.
     ///
     /// # Errors
-    /// [`TableError::Count`] if there is not one value per column, [`TableError::Io`] if the system refuses.
+    /// [`TableError::Count`] if there is not one value per column, [`TableError::Io`] if writing fails.
     pub fn row(&mut self, values: &[f64]) -> Result<(), TableError> {
         if values.len() != self.n_columns {
             return Err(TableError::Count {
@@ -154,12 +154,12 @@ impl Table {
                 expected: self.n_columns,
             });
         }
-        // `{:?}`: the shortest digits that give back the same bits, with an exponent where that is shorter.
+        // `{:?}`: the shortest digits that restore the same bits, with an exponent where that is shorter.
         let cells: Vec<String> = values.iter().map(|value| format!("{value:?}")).collect();
         self.line(&cells)
     }
 
-    /// One write per line, straight to the file: there is no buffer that a killed run could lose.
+    /// One write per line, directly to the file: a killed run loses no buffer.
     fn line(&mut self, cells: &[String]) -> Result<(), TableError> {
         let line = cells.join(",") + "\n";
         self.file
@@ -170,10 +170,10 @@ impl Table {
     }
 }
 
-/// A table that was read.
+/// A table read from a file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TableData {
-    /// File it came from, for messages.
+    /// Its file, for messages.
     pub path: PathBuf,
     /// The columns, in the order of the file.
     pub columns: Vec<Column>,
@@ -185,7 +185,7 @@ impl TableData {
     /// Values of the column `name`; with its unit, `g1 [m]`, or without, `g1`.
     ///
     /// # Errors
-    /// [`TableError::NoColumn`] if there is none or, without the unit, more than one.
+    /// [`TableError::NoColumn`] if there is none or, without unit, more than one.
     pub fn column(&self, name: &str) -> Result<&[f64], TableError> {
         let index = self.index(name)?;
         Ok(&self.values[index])
@@ -229,7 +229,7 @@ impl TableData {
 /// Reads a whole table.
 ///
 /// # Errors
-/// [`TableError::Io`] if the file cannot be read, [`TableError::Line`] for the first line that is wrong.
+/// [`TableError::Io`] if the file cannot be read, [`TableError::Line`] for the first invalid line.
 pub fn read_table(path: &Path) -> Result<TableData, TableError> {
     let text = fs::read_to_string(path).map_err(TableError::io("read", path))?;
     table_from(path, &text)
@@ -238,7 +238,7 @@ pub fn read_table(path: &Path) -> Result<TableData, TableError> {
 /// The table of the text of a file; `path` is for messages.
 ///
 /// # Errors
-/// [`TableError::Line`] for the first line that is wrong.
+/// [`TableError::Line`] for the first invalid line.
 pub fn table_from(path: &Path, text: &str) -> Result<TableData, TableError> {
     parse(path, text).map_err(|(line, fault)| TableError::Line {
         path: path.to_owned(),
@@ -293,16 +293,16 @@ fn parse(path: &Path, text: &str) -> Result<TableData, (usize, LineFault)> {
     })
 }
 
-/// Cells of a line; quotes around a cell are taken off, commas inside quotes are not expected.
+/// Cells of a line, without enclosing quotes; commas inside quotes are not supported.
 fn cells(line: &str) -> impl Iterator<Item = &str> {
     line.split(',')
         .map(|cell| cell.trim().trim_matches('"').trim())
 }
 
-/// Why a table could not be written or read.
+/// Error of writing or reading a table.
 #[derive(Debug, thiserror::Error)]
 pub enum TableError {
-    /// The operating system refused.
+    /// Error of the operating system.
     #[error("cannot {operation} {}: {cause}", path.display())]
     Io {
         /// Operation that failed.
@@ -330,7 +330,7 @@ pub enum TableError {
         /// Columns of the table.
         expected: usize,
     },
-    /// A table that is to go on is shorter than it was.
+    /// A table to be continued is shorter than it was.
     #[error("{}: {found} bytes, where the run had written {expected}: it was changed since, and cannot go on", path.display())]
     Short {
         /// The file.
@@ -340,7 +340,7 @@ pub enum TableError {
         /// Length written; bytes.
         expected: u64,
     },
-    /// A line cannot be read.
+    /// An invalid line.
     #[error("{}, line {line}: {fault}", path.display())]
     Line {
         /// The file.
@@ -350,14 +350,14 @@ pub enum TableError {
         /// Fault of the line.
         fault: LineFault,
     },
-    /// A column that was asked for is not there, or twice.
+    /// A requested column is missing or not unique.
     #[error("{}: not exactly one column `{name}`; there are: {present}", path.display())]
     NoColumn {
         /// The file.
         path: PathBuf,
-        /// The name asked for.
+        /// The requested name.
         name: String,
-        /// The names that are there.
+        /// The available names.
         present: String,
     },
 }
@@ -378,7 +378,7 @@ pub enum LineFault {
     /// The file is empty.
     #[error("no header; the first line must name the columns, e.g. `time [s],g1 [m]`")]
     NoHeader,
-    /// A header cell is empty, a number, or there twice.
+    /// A header cell is empty, a number, or a duplicate.
     #[error(
         "`{name}` is no column name, or is there twice; the first line must name the columns, e.g. `time [s],g1 [m]`"
     )]
@@ -394,7 +394,7 @@ pub enum LineFault {
         /// Cells of the header.
         expected: usize,
     },
-    /// A cell is no number.
+    /// A cell is not a number.
     #[error("`{text}` in column `{column}` is not a number")]
     Number {
         /// The column.
@@ -431,7 +431,7 @@ mod tests {
         ];
         let mut table = Table::create(&path, &columns).unwrap();
         table.row(&[0.0, 0.1 + 0.2, 1.0]).unwrap();
-        // No drop, no flush: the row is there already.
+        // No drop, no flush: the row is already on disk.
         let text = fs::read_to_string(&path).unwrap();
         assert_eq!(text, "time [s],g1 [m],wet\n0.0,0.30000000000000004,1.0\n");
         table.row(&[1e-7, f64::NAN, 0.0]).unwrap();
@@ -511,7 +511,7 @@ mod tests {
             }
             let data = read_table(&path).unwrap();
             for (&wrote, &read) in values.iter().zip(data.column("a").unwrap()) {
-                // The payload of a NaN is not kept, that it is one is.
+                // A NaN stays NaN, without its payload.
                 prop_assert!(wrote.to_bits() == read.to_bits() || (wrote.is_nan() && read.is_nan()));
             }
         }

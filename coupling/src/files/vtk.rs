@@ -1,7 +1,7 @@
-//! VTK XML PolyData: what ParaView opens.
+//! VTK XML PolyData, readable by ParaView.
 //!
-//! One file holds one kind of thing at one time (`water_00042.vtp`); a [`Collection`] ties the files of a run to their
-//! times. Layout of a file, as the VTK library's own writer lays it out:
+//! One file holds one kind of object at one time (`water_00042.vtp`); a [`Collection`] assigns times to the files of a
+//! run. Layout of a file, as written by the VTK library:
 //!
 //! ```text
 //! XML header        names, types, counts, one offset per array, TimeValue as text
@@ -10,7 +10,7 @@
 //!                   zlib streams, one per block
 //! ```
 //!
-//! Everything is little endian, raw after the underscore. The numbers are stored as they are: NaN stays NaN.
+//! Everything is little endian, raw after the underscore. Numbers are stored unchanged, including NaN.
 
 mod check;
 mod collection;
@@ -75,7 +75,7 @@ impl Polygons {
         self.offsets.len()
     }
 
-    /// Whether there is none.
+    /// Whether it is empty.
     pub fn is_empty(&self) -> bool {
         self.offsets.is_empty()
     }
@@ -101,7 +101,7 @@ impl Values {
         }
     }
 
-    /// Whether there is none.
+    /// Whether it is empty.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }

@@ -1,14 +1,14 @@
-//! Checkpoints: files from which a run goes on as if it had never stopped.
+//! Checkpoints: files from which a run resumes to bitwise the same result.
 //!
 //! ```text
 //! "riprap checkpoint\n"   the magic, then the number of the format, 4 bytes
 //! postcard                Header: the build, the scene, when
 //! 8 bytes                 length of the state
-//! state                   what the run saves of itself, its world and its observers
+//! state                   state of the run, its world and its observers
 //! 32 bytes                BLAKE3 of all before
 //! ```
-//! All numbers are little-endian. A state is laid out as its build has it in memory, so that another build refuses it. The
-//! file is written under another name, synced and renamed; the one before it is kept.
+//! All numbers are little-endian. The layout of the state depends on the build, so that another build rejects it. The
+//! file is written under another name, synced and renamed; the previous one is kept.
 
 use std::fs;
 use std::io;
@@ -23,24 +23,24 @@ use crate::saved::Saved;
 
 /// The newest checkpoint of a run.
 pub const FILE: &str = "checkpoint.bin";
-/// The one before.
+/// The previous one.
 pub const PREVIOUS: &str = "checkpoint.previous.bin";
 
-/// One that is not yet complete.
+/// One under construction.
 pub const NEW: &str = "checkpoint.new.bin";
 
 const MAGIC: &[u8] = b"riprap checkpoint\n";
-/// Number of the layout of the file around the state.
+/// Version of the file format around the state.
 const FORMAT: u32 = 1;
 /// Length of the hash at the end.
 const HASH: usize = blake3::OUT_LEN;
 
-/// What a checkpoint says of itself.
+/// Header of a checkpoint.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Header {
     /// Version and commit of the program.
     pub build: String,
-    /// Hash of the scene as it ran, see [`scene_hash`].
+    /// Hash of the scene as run, see [`scene_hash`].
     pub scene: [u8; HASH],
     /// Whether the water was still settling.
     pub is_settling: bool,
@@ -50,49 +50,49 @@ pub struct Header {
     pub steps: u64,
 }
 
-/// What a checkpoint holds.
+/// Content of a checkpoint.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Checkpoint {
-    /// What it says of itself.
+    /// The header.
     pub header: Header,
     /// The state of the run.
     pub state: Vec<u8>,
 }
 
-/// Why a checkpoint cannot be gone on from.
+/// Reason why a run cannot resume from a checkpoint.
 #[derive(Debug, thiserror::Error)]
 pub enum CheckpointError {
-    /// The operating system refused.
+    /// Error of the operating system.
     #[error("cannot read {}: {cause}", path.display())]
     Io {
         /// The file.
         path: PathBuf,
-        /// What the system said.
+        /// Error of the operating system.
         cause: io::Error,
     },
-    /// It begins with something else, or not at all.
+    /// Not a checkpoint, or empty.
     #[error("{} is no checkpoint of riprap", path.display())]
     Foreign {
         /// The file.
         path: PathBuf,
     },
-    /// Of another format.
+    /// Another format version.
     #[error("{} is a checkpoint of format {found}, and this riprap reads format {FORMAT}: go on with the riprap that wrote it, or begin anew with --force", path.display())]
     Format {
         /// The file.
         path: PathBuf,
-        /// Its format.
+        /// Its format version.
         found: u32,
     },
-    /// Cut short, or changed.
+    /// Truncated or altered.
     #[error("{} is damaged: {fault}", path.display())]
     Damaged {
         /// The file.
         path: PathBuf,
-        /// What is wrong.
+        /// Fault.
         fault: &'static str,
     },
-    /// Of another build of the program.
+    /// Written by another build of the program.
     #[error("{} was written by riprap {found}, and this is riprap {}: a state is laid out as its build has it; go on with that build, or begin anew with --force", path.display(), build())]
     Build {
         /// The file.
@@ -100,7 +100,7 @@ pub enum CheckpointError {
         /// The build that wrote it.
         found: String,
     },
-    /// Of another scene.
+    /// Written for another scene.
     #[error("{} is of another scene than the case.ron beside it; begin anew with --force", path.display())]
     Scene {
         /// The file.
@@ -118,11 +118,11 @@ pub fn scene_hash(text: &str) -> [u8; HASH] {
     *blake3::hash(text.as_bytes()).as_bytes()
 }
 
-/// Writes a checkpoint into a run folder, where the last one becomes the previous one; returns its size in bytes.
+/// Writes a checkpoint into a run folder and keeps the last one as the previous one; returns its size in bytes.
 ///
 /// # Errors
 ///
-/// [`VtkError::Io`] names the file; whichever checkpoints there were are still there.
+/// [`VtkError::Io`] names the file; existing checkpoints are preserved.
 pub fn write(folder: &Path, header: &Header, state: &[u8]) -> Result<u64, VtkError> {
     let head =
         head(header).map_err(|_| VtkError::io("write", folder)(io::ErrorKind::Other.into()))?;
@@ -134,7 +134,7 @@ pub fn write(folder: &Path, header: &Header, state: &[u8]) -> Result<u64, VtkErr
     let hash = hasher.finalize();
     let parts = [&head, length.as_slice(), state, hash.as_bytes()];
     let (path, previous) = (folder.join(FILE), folder.join(PREVIOUS));
-    // complete under a third name first: a full disk takes neither of the two that there are
+    // complete under a third name first: a full disk affects neither of the two existing ones
     let new = folder.join(NEW);
     replace_file(&new, &parts)?;
     if path.exists() {
@@ -150,11 +150,11 @@ fn head(header: &Header) -> Saved {
     postcard::to_extend(header, head)
 }
 
-/// Removes the checkpoints of a run folder, where there are any: a run that is over needs none.
+/// Removes the checkpoints of a run folder, since a completed run does not need them.
 ///
 /// # Errors
 ///
-/// What the system says.
+/// The error of the operating system.
 pub fn remove(folder: &Path) -> io::Result<()> {
     for name in [FILE, PREVIOUS] {
         match fs::remove_file(folder.join(name)) {
@@ -165,12 +165,12 @@ pub fn remove(folder: &Path) -> io::Result<()> {
     Ok(())
 }
 
-/// The newest checkpoint of a run folder that can be gone on from, none if none was written; with it why a newer one
-/// cannot.
+/// The newest valid checkpoint of a run folder, if any was written, and the reason why a newer one
+/// is invalid.
 ///
 /// # Errors
 ///
-/// [`CheckpointError`] of the newest if none can be gone on from.
+/// [`CheckpointError`] of the newest if none is valid.
 pub fn newest(
     folder: &Path,
     scene: &[u8; HASH],
@@ -203,7 +203,7 @@ pub fn newest(
 ///
 /// # Errors
 ///
-/// [`CheckpointError`] says what is wrong with it.
+/// [`CheckpointError`] if it is invalid.
 pub fn read(path: &Path, bytes: &[u8], scene: &[u8; HASH]) -> Result<Checkpoint, CheckpointError> {
     let path = || path.to_owned();
     let damaged = |fault| CheckpointError::Damaged {

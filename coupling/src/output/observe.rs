@@ -1,4 +1,4 @@
-//! Observers: they look at the world when due and write files; they never change it.
+//! Observers: they sample the world when due and write files; they never change it.
 
 mod arrays;
 mod crossing;
@@ -39,45 +39,45 @@ pub enum ObserveError {
     },
 }
 
-/// Looks at the world and records what it sees.
+/// Samples the world and records it.
 pub trait Observer {
     /// Whether the next record is due; asking changes nothing.
     fn is_due(&self, world: &World) -> bool;
 
-    /// Records the world as it is.
+    /// Records the current world.
     ///
     /// # Errors
     ///
-    /// [`ObserveError`] names the file; what was written before stays valid.
+    /// [`ObserveError`] names the file; earlier output stays valid.
     fn observe(&mut self, world: &World) -> Result<(), ObserveError>;
 
-    /// Appends to some bytes what it has done so far.
+    /// Appends its state to a byte buffer.
     ///
     /// # Errors
     ///
-    /// None that is known: the format takes whatever it remembers.
+    /// None is expected: the format accepts any state.
     fn save(&self, out: Vec<u8>) -> Saved;
 
-    /// Makes sure that what was written outlasts a power failure.
+    /// Flushes its files to disk, so that they survive a power failure.
     ///
     /// # Errors
     ///
     /// [`ObserveError`] names the file.
     fn sync(&self) -> Result<(), ObserveError>;
 
-    /// Takes over from the front of some bytes what had been done then, and takes back what was written since; returns the
+    /// Restores its state from the front of a byte buffer and removes later output; returns the
     /// rest of the bytes.
     ///
     /// # Errors
     ///
-    /// [`ObserveError`] names the file that cannot go on.
+    /// [`ObserveError`] names the file that cannot be continued.
     fn read<'a>(&mut self, bytes: &'a [u8]) -> Result<&'a [u8], ObserveError>;
 }
 
 /// Due times at a fixed interval from zero.
 ///
 /// An observer acts at the first step at or after its due time and records that step's own time:
-/// steps never bend to hit output times.
+/// steps are never adjusted to output times.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct Schedule {
     interval: f64,
@@ -93,14 +93,14 @@ impl Schedule {
         }
     }
 
-    /// Whether the time has come.
+    /// Whether the next due time has been reached.
     pub fn is_due(&self, time: f64) -> bool {
         // a billionth of an interval of slack: a sum of steps may fall short of a due time by
         // round-off
         (self.n_done as f64 - 1e-9) * self.interval <= time
     }
 
-    /// Notes that it was done; due times already passed are not made up for.
+    /// Records completion; missed due times are skipped.
     pub fn done(&mut self, time: f64) {
         self.n_done = (time / self.interval + 1e-9).floor() as u64 + 1;
     }

@@ -1,4 +1,4 @@
-//! `summary.json`: the figures of a run under stable names, SI units.
+//! `summary.json`: statistics of a run under stable names, SI units.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -10,14 +10,14 @@ use crate::output::observe::ObserveError;
 use crate::world::ledger::Energy;
 use crate::world::time_step::Cause;
 
-/// The figures of a run.
+/// Statistics of a run.
 #[derive(Clone, Debug, Serialize)]
 pub struct Summary {
     /// Title of the scene.
     pub case: String,
     /// Version of riprap.
     pub version: String,
-    /// Commit it was built from, where known.
+    /// Commit of the build, if known.
     pub commit: String,
     /// Threads used.
     pub threads: usize,
@@ -27,7 +27,7 @@ pub struct Summary {
     pub stepping: String,
     /// Whether the run reached its end.
     pub completed: bool,
-    /// Why it ended.
+    /// Reason for its end.
     pub stop_reason: String,
     /// s.
     pub simulated_time: f64,
@@ -41,7 +41,7 @@ pub struct Summary {
     pub block_substeps: u64,
     /// At the start.
     pub fluid_particles: usize,
-    /// Particles that stand for walls: none with penalty walls.
+    /// Wall particles: 0 with penalty walls.
     pub wall_particles: usize,
     /// Blocks moved by forces.
     pub free_blocks: usize,
@@ -51,21 +51,21 @@ pub struct Summary {
     pub prescribed_blocks: usize,
     /// Particle spacing; m.
     pub particle_spacing: f64,
-    /// Neighbours of a particle, itself not counted, over the run.
+    /// Mean number of neighbors of a particle, excluding itself, over the run.
     pub mean_neighbours: f64,
-    /// Particles times steps, without settling as all that follows and without what sleeps.
+    /// Particles times steps, without settling (as all that follows) and without sleeping particles.
     pub particle_steps: u64,
-    /// Share of the particles that was awake, over the run: 1 where water does not sleep.
+    /// Fraction of awake particles over the run: 1 where water does not sleep.
     pub awake_share: f64,
-    /// Ordered neighbour pairs evaluated.
+    /// Evaluated ordered pairs of neighbors.
     pub pair_interactions: u64,
-    /// Contact points evaluated.
+    /// Evaluated contact points.
     pub contact_updates: u64,
     /// Particles times steps over wall time without settling; 1/s.
     pub particle_steps_per_second: f64,
-    /// Ordered neighbour pairs evaluated over wall time without settling; 1/s.
+    /// Evaluated ordered pairs of neighbors over wall time without settling; 1/s.
     pub pair_interactions_per_second: f64,
-    /// Contact points evaluated over wall time without settling; 1/s.
+    /// Evaluated contact points over wall time without settling; 1/s.
     pub contact_updates_per_second: f64,
     /// Wall time by phase; s.
     pub time_by_phase: TimeByPhase,
@@ -73,13 +73,13 @@ pub struct Summary {
     pub dt_min: f64,
     /// Largest step; s.
     pub dt_max: f64,
-    /// Share of the steps that each cause governed.
+    /// Fraction of the steps governed by each cause.
     pub dt_governed_by: BTreeMap<Cause, f64>,
-    /// Times that a step went wrong and the run went back to its last good state.
+    /// Number of failed steps after which the run returned to its last good state.
     pub fell_back: u64,
-    /// Largest gain of energy in ten steps, of blocks by themselves in fifty, that nothing explains, over all that moved or was strained.
+    /// Largest unexplained energy gain in ten steps (in fifty for blocks without water), over the kinetic and strain energy.
     pub largest_unexplained_gain: f64,
-    /// Times that the run went on from a checkpoint.
+    /// Number of resumptions from a checkpoint.
     pub resumed: u64,
     /// Checkpoints written.
     pub checkpoints: u64,
@@ -97,39 +97,38 @@ pub struct Summary {
     pub fluid_mass: [f64; 2],
     /// Water that passed inflows and outflows.
     pub openings: Vec<Passed>,
-    /// Particles found inside a solid and put back.
+    /// Particles found inside a solid and pushed back.
     pub particles_pushed_back: u64,
     /// Blocks that left the domain.
     pub blocks_escaped: u64,
-    /// Deepest particle inside a solid over the spacing.
+    /// Largest penetration of a particle into a solid over the spacing.
     pub max_wall_penetration_over_spacing: f64,
-    /// Deepest overlap of blocks over their size.
+    /// Largest overlap of blocks over their size.
     pub max_block_overlap_over_size: f64,
-    /// Momentum that nothing explains over the momentum exchanged.
+    /// Unexplained momentum over the momentum exchanged.
     pub momentum_residual: f64,
     /// The energy ledger at the end; J.
     pub energy: Energy,
     /// Hash of the final state: equal for equal runs, whatever the number of threads.
     pub state_hash: String,
-    /// Largest memory held; bytes, 0 where the system does not tell.
+    /// Peak memory; bytes, 0 if unknown.
     pub peak_memory: u64,
 }
 
 /// Wall time by phase; s.
 #[derive(Clone, Copy, Debug, Default, Serialize)]
 pub struct TimeByPhase {
-    /// Sorting and neighbour search.
+    /// Sorting and neighbor search.
     pub neighbours: f64,
     /// Densities and pressures.
     pub density: f64,
     /// Pair forces in the fluid.
     pub forces: f64,
-    /// Which pairs of blocks may touch.
+    /// Broad phase of the blocks.
     pub contact_detection: f64,
-    /// Narrow phase and contact law of the blocks, which share a loop: each pair is found and evaluated in one
-    /// go.
+    /// Narrow phase and contact law of the blocks, which share a loop over pairs.
     pub contact_forces: f64,
-    /// Placing walls, and which particles are near which of them.
+    /// Placement of walls, and search of particles near them.
     pub wall_search: f64,
     /// Sums and forces between particles and blocks.
     pub coupling: f64,
@@ -137,7 +136,7 @@ pub struct TimeByPhase {
     pub integration: f64,
     /// Observers.
     pub output: f64,
-    /// Keeping the last good state, and looking whether it is one.
+    /// Saving and checking the last good state.
     pub guards: f64,
     /// Writing checkpoints.
     pub checkpoints: f64,
@@ -162,7 +161,7 @@ impl Summary {
     }
 }
 
-/// Largest memory that this process has held; bytes, 0 where the system does not tell.
+/// Peak memory of this process; bytes, 0 if unknown.
 pub fn peak_memory() -> u64 {
     // Linux: "VmHWM:     12345 kB"
     std::fs::read_to_string("/proc/self/status")

@@ -1,4 +1,4 @@
-//! Pictures of a run: a POV-Ray file per frame, and through POV-Ray and ffmpeg pictures and a film.
+//! Rendering of a run: a POV-Ray file per frame, and images and a film by POV-Ray and ffmpeg.
 //!
 //! ```text
 //! RUN/case.ron, *.pvd, *.vtp ─run_folder→ clouds and bodies ─camera, body→ what is seen
@@ -7,7 +7,7 @@
 //!                                     RUN/frames/ *.inc, frame_%05d.pov ─programs→ .png, film.mp4
 //! ```
 //!
-//! The run folder is only read (but for `frames/` in it); a running job is drawn up to its newest
+//! The run folder is read-only (except for its `frames/`); a running job is rendered up to its latest
 //! frame. Coordinates are single precision, as in the VTK files.
 
 pub mod camera;
@@ -29,7 +29,7 @@ use std::fs;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-/// How water is drawn.
+/// Drawing style of the water.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum WaterLook {
     /// A smooth surface; needs feature `surface`.
@@ -41,13 +41,13 @@ pub enum WaterLook {
 /// Options of a rendering.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RenderOptions {
-    /// Every how many-th frame of the run; at least 1.
+    /// Interval of rendered frames; at least 1.
     pub every: usize,
-    /// Which frames, by the number in their file names; all of them when `None`.
+    /// Range of frames, by the number in their file names; all of them when `None`.
     pub frames: Option<Range<usize>>,
     /// Width and height of the picture; pixels.
     pub size: (u32, u32),
-    /// How water is drawn.
+    /// Drawing style of the water.
     pub water: WaterLook,
     /// Name or path of POV-Ray.
     pub povray: PathBuf,
@@ -75,7 +75,7 @@ impl Default for RenderOptions {
 /// Outcome of a rendering.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RenderSummary {
-    /// Where everything is.
+    /// Output folder.
     pub folder: PathBuf,
     /// POV-Ray files.
     pub scenes: Vec<PathBuf>,
@@ -83,7 +83,7 @@ pub struct RenderSummary {
     pub pictures: Vec<PathBuf>,
     /// The film; `None` without POV-Ray or ffmpeg, or of a single frame.
     pub film: Option<Film>,
-    /// The eye of all frames.
+    /// Camera of all frames.
     pub camera: Camera,
     /// Speed at the upper end of the particles' colors, the same in all frames; m/s.
     pub speed_range: f64,
@@ -95,11 +95,11 @@ pub struct RenderSummary {
     pub spray: usize,
 }
 
-/// Draws a run. `report` hears a line of text per event worth telling a user.
+/// Renders a run. `report` receives a line of text per event for the user.
 ///
 /// # Errors
 ///
-/// [`RenderError`]: what cannot be read, drawn or written.
+/// [`RenderError`] if a file cannot be read, drawn or written.
 pub fn render(
     run_folder: &Path,
     options: &RenderOptions,
@@ -199,7 +199,7 @@ fn chosen(
     Ok(numbers)
 }
 
-/// Makes the folder and puts the includes there; edited ones are kept.
+/// Creates the folder with the includes; edited ones are kept.
 fn prepare(
     frames: &Path,
     options: &RenderOptions,
@@ -220,7 +220,7 @@ fn prepare(
             Err(_) => write(&path, text)?,
         }
     }
-    // POV-Ray reads this file where it is started, so that `povray frame_00000.pov` alone gives
+    // POV-Ray reads this file from its working folder, so that `povray frame_00000.pov` alone gives
     // the same picture.
     let (width, height) = options.size;
     let ini = format!(

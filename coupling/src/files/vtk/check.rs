@@ -4,10 +4,10 @@ use super::{Array, PolyData, Polygons};
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// Why a VTK file or a collection could not be written or read.
+/// Error of writing or reading a VTK file or a collection.
 #[derive(Debug, thiserror::Error)]
 pub enum VtkError {
-    /// The operating system refused.
+    /// Error of the operating system.
     #[error("cannot {operation} {}: {cause}", path.display())]
     Io {
         /// Operation that failed, e.g. `create`.
@@ -17,7 +17,7 @@ pub enum VtkError {
         /// Error of the operating system.
         cause: io::Error,
     },
-    /// The data contradict themselves or are not what this module writes.
+    /// Inconsistent data, or data in another layout.
     #[error("{}: {fault}", path.display())]
     Data {
         /// The file.
@@ -72,7 +72,7 @@ pub enum Fault {
         /// The name.
         name: String,
     },
-    /// Scalars and vectors are all there is.
+    /// Only scalars, vectors and symmetric tensors are supported.
     #[error("array `{name}` has {components} components, 1, 3 or 6 are possible")]
     Components {
         /// Name of the array.
@@ -85,12 +85,12 @@ pub enum Fault {
     Length {
         /// Name of the array.
         name: String,
-        /// Values it has.
+        /// Number of values.
         found: u64,
-        /// Values it must have.
+        /// Required number of values.
         expected: u64,
     },
-    /// A polygon is not one.
+    /// An invalid polygon.
     #[error(
         "polygon {polygon} needs 3 or more corners, all among the {n_points} points, and corners that end in order"
     )]
@@ -100,13 +100,13 @@ pub enum Fault {
         /// Number of points.
         n_points: usize,
     },
-    /// A part of the file is not there or is no text.
+    /// A part of the file is missing or is not text.
     #[error("not a complete file of this program: {part} is missing or damaged")]
     Missing {
         /// The part.
         part: &'static str,
     },
-    /// The file is valid VTK, perhaps, but not as written here.
+    /// The file may be valid VTK, but has another layout.
     #[error("cannot read `{attribute}` = `{}`", value.escape_debug())]
     Unsupported {
         /// Attribute of the XML header.
@@ -114,7 +114,7 @@ pub enum Fault {
         /// Its value.
         value: String,
     },
-    /// Compressed bytes are damaged or cut.
+    /// Compressed bytes are damaged or truncated.
     #[error("compressed data of array `{name}` are damaged or cut")]
     Compressed {
         /// Name of the array.
@@ -123,7 +123,7 @@ pub enum Fault {
 }
 
 impl PolyData {
-    /// Checks that counts agree, corners exist and names are usable.
+    /// Checks that counts agree, corners exist and names are valid.
     ///
     /// # Errors
     /// The first [`Fault`] found.
@@ -137,7 +137,7 @@ impl PolyData {
         }
         check_arrays(&self.point_data, self.points.len())?;
         check_arrays(&self.cell_data, self.polygons.len())?;
-        // Readers count the vertex cells of a cloud as cells, so that an array over no polygon would be too short.
+        // Readers count the vertex cells of a point cloud as cells, for which an empty polygon array would be too short.
         if let Some(array) = self.cell_data.first()
             && self.polygons.is_empty()
             && !self.points.is_empty()

@@ -1,13 +1,13 @@
-//! The files of a run and their times.
+//! Collection of the files of a run with their times.
 
 use super::write::{escape, replace_file};
 use super::{Fault, VtkError};
 use std::path::{Path, PathBuf};
 
-/// An index of frames, kept in both forms that ParaView opens as an animation: `<stem>.pvd` and `<stem>.vtp.series`.
+/// An index of frames, in both formats that ParaView opens as an animation: `<stem>.pvd` and `<stem>.vtp.series`.
 ///
-/// Neither form can be appended to, so that both are written anew after each frame, under their names only once
-/// complete: the animation can be opened while the run goes on, and after a crash.
+/// Neither format can be appended to, so both are rewritten after each frame and renamed once complete: the
+/// animation can be opened during the run, and after a crash.
 #[derive(Debug)]
 pub struct Collection {
     pvd: PathBuf,
@@ -28,7 +28,7 @@ impl Collection {
     /// Adds a finished file, named relative to the folder of the collection, and rewrites both forms; `time` in s.
     ///
     /// # Errors
-    /// [`VtkError::Data`] if `time` is not finite, [`VtkError::Io`] if the system refuses.
+    /// [`VtkError::Data`] if `time` is not finite, [`VtkError::Io`] if writing fails.
     pub fn push(&mut self, time: f64, file_name: impl Into<String>) -> Result<(), VtkError> {
         if !time.is_finite() {
             return Err(VtkError::data(&self.pvd)(Fault::Time { time }));
@@ -42,10 +42,10 @@ impl Collection {
         &self.frames
     }
 
-    /// Goes back to these frames, and rewrites both forms; removes them if there are none.
+    /// Resets the collection to these frames and rewrites both files; removes them if there are no frames.
     ///
     /// # Errors
-    /// [`VtkError::Io`] if the system refuses.
+    /// [`VtkError::Io`] if writing fails.
     pub fn go_back(&mut self, frames: Vec<(f64, String)>) -> Result<(), VtkError> {
         self.frames = frames;
         if self.frames.is_empty() {

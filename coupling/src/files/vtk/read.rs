@@ -1,7 +1,7 @@
-//! Reading of our own files: for rendered frames and for tests.
+//! Reading of our own files, for rendering and tests.
 //!
-//! Nothing in the file is believed before it is checked, and no memory is taken on the word of a header: a block is only
-//! unpacked if the compressed bytes that are really there could hold it.
+//! The content is verified before use, and no memory is allocated from the size in a header alone: a block is only
+//! decompressed if the compressed bytes present could hold it.
 
 use super::write::escape;
 use super::{Array, Fault, PolyData, Polygons, Values, VtkError};
@@ -10,14 +10,14 @@ use rayon::prelude::*;
 use std::fs;
 use std::path::Path;
 
-/// No deflate stream grows more than this when unpacked: 258 bytes from 2 bits, 1032:1, rounded up.
+/// Upper bound on the compression ratio of deflate: 258 bytes from 2 bits, 1032:1, rounded up.
 const MAX_EXPANSION: u64 = 1100;
 
 /// Reads a file written by [`write`](super::write()).
 ///
 /// # Errors
-/// [`VtkError::Io`] if the file cannot be read; [`VtkError::Data`] if it is cut, damaged or from another program and
-/// laid out in another way.
+/// [`VtkError::Io`] if the file cannot be read; [`VtkError::Data`] if it is truncated, damaged or in the layout of another
+/// program.
 pub fn read(path: &Path) -> Result<PolyData, VtkError> {
     let bytes = fs::read(path).map_err(VtkError::io("read", path))?;
     parse(&bytes).map_err(VtkError::data(path))
@@ -57,7 +57,7 @@ fn parse(bytes: &[u8]) -> Result<PolyData, Fault> {
     file.complete()
 }
 
-/// Splits a file into its XML text and the bytes after the underscore; a file that was cut anywhere is refused.
+/// Splits a file into its XML text and the bytes after the underscore; a truncated file is rejected.
 fn split(bytes: &[u8]) -> Result<(&str, &[u8]), Fault> {
     const MARK: &[u8] = b"<AppendedData encoding=\"raw\">";
     let missing = |part| Fault::Missing { part };
@@ -140,7 +140,7 @@ impl File<'_> {
             ("Polys", "offsets") => {
                 self.data.polygons.offsets = self.integers(tag, name, Some(self.n_polygons))?
             }
-            // The vertex cells of a cloud say nothing that the points do not.
+            // The vertex cells of a point cloud are redundant.
             _ => {}
         }
         Ok(())
@@ -155,7 +155,7 @@ impl File<'_> {
         }
     }
 
-    /// An array of `n_tuples`, or of as many as there are.
+    /// An array of `n_tuples`, or of the number present.
     fn array(&self, tag: &Tag<'_>, name: String, n_tuples: Option<u64>) -> Result<Array, Fault> {
         let components = tag.number("NumberOfComponents")?;
         if ![1, 3, 6].contains(&components) {
@@ -192,7 +192,7 @@ impl File<'_> {
         })
     }
 
-    /// The data, if the counts of the header were met even by sections that were left out.
+    /// The data, if the counts of the header agree, including omitted sections.
     fn complete(self) -> Result<PolyData, Fault> {
         let Polygons { offsets, .. } = &self.data.polygons;
         if self.data.points.len() as u64 != self.n_points {
@@ -214,7 +214,7 @@ fn numbers<T, const N: usize>(bytes: &[u8], from_bytes: impl Fn([u8; N]) -> T) -
         .collect()
 }
 
-/// Unpacks the array at `offset`; nothing if the table or a block is damaged.
+/// Decompresses the array at `offset`; `None` if the table or a block is damaged.
 fn unpack(appended: &[u8], offset: u64) -> Option<Vec<u8>> {
     let array = appended.get(usize::try_from(offset).ok()?..)?;
     let (words, _) = array.as_chunks::<8>();
@@ -248,7 +248,7 @@ fn unpack_block(block: &[u8], n_bytes: u64) -> Option<Vec<u8>> {
         return None;
     }
     let n_bytes = usize::try_from(n_bytes).ok()?;
-    // One byte of room more, so that a block that holds too much shows itself.
+    // One extra byte reveals a block with too much data.
     let mut unpacked = Vec::with_capacity(n_bytes + 1);
     let mut zlib = Decompress::new(true);
     let status = zlib
@@ -267,7 +267,7 @@ struct Tag<'a> {
     content: &'a str,
 }
 
-/// The opening tags of our own XML, in which no `<` or `>` stands inside an attribute.
+/// The opening tags of our own XML, without `<` or `>` inside attributes.
 fn tags(header: &str) -> impl Iterator<Item = Tag<'_>> {
     header.split('<').skip(1).filter_map(|piece| {
         let (inside, content) = piece.split_once('>')?;
@@ -285,7 +285,7 @@ fn tags(header: &str) -> impl Iterator<Item = Tag<'_>> {
 
 impl Tag<'_> {
     fn text(&self, attribute: &'static str) -> Result<String, Fault> {
-        // Values are between quotes, so that every second piece is one.
+        // Values are quoted, so that every second piece is one.
         let mut pieces = self.attributes.split('"');
         while let (Some(key), Some(value)) = (pieces.next(), pieces.next()) {
             if key.trim().strip_suffix('=') == Some(attribute) {

@@ -8,8 +8,8 @@ use std::fs::{self, File};
 use std::io::{self, Write};
 use std::path::Path;
 
-/// Uncompressed bytes per zlib block, as in the VTK library: fits the fastest caches, keeps all threads busy with one
-/// array. 200 000 points with noise: 30 ms, against 48 ms with 128 KiB and 52 ms with 512 KiB, at the same size of file.
+/// Uncompressed bytes per zlib block, as in the VTK library: fits the fastest caches and keeps all threads busy with one
+/// array. 200 000 points with noise: 30 ms, against 48 ms with 128 KiB and 52 ms with 512 KiB, at the same file size.
 /// A constant, so that the bytes do not depend on the number of threads.
 const BLOCK_BYTES: usize = 32 * 1024;
 
@@ -18,12 +18,12 @@ const SOURCE: &str = concat!("riprap ", env!("CARGO_PKG_VERSION"), "; SI units; 
 
 /// Writes `data` as a compressed `.vtp` file, under its final name only once it is complete.
 ///
-/// A cloud (no polygons) gets a vertex cell per point, without which ParaView's filters and selections see nothing. The
+/// A point cloud (no polygons) gets a vertex cell per point, required by ParaView's filters and selections. The
 /// first one-component array of floating-point numbers is marked as active scalars, the first of three components as
 /// active vectors.
 ///
 /// # Errors
-/// [`VtkError::Data`] if [`PolyData::check`] finds a fault, [`VtkError::Io`] if the system refuses.
+/// [`VtkError::Data`] if [`PolyData::check`] finds a fault, [`VtkError::Io`] if writing fails.
 pub fn write(path: &Path, data: &PolyData) -> Result<(), VtkError> {
     data.check().map_err(VtkError::data(path))?;
     let document = Document::of(data).map_err(VtkError::io("compress", path))?;
@@ -35,11 +35,11 @@ pub fn write(path: &Path, data: &PolyData) -> Result<(), VtkError> {
 
 const CLOSING: &[u8] = b"\n  </AppendedData>\n</VTKFile>\n";
 
-/// Writes the parts to a hidden file beside `path`, then gives it its name: whoever opens `path`, at any moment, finds
-/// the old content or the new one, never a piece. For any file, not only those of this module.
+/// Writes the parts to a hidden file beside `path`, then renames it: `path` holds the old or the new content at any
+/// moment, never a fragment. For any file, not only those of this module.
 ///
 /// # Errors
-/// [`VtkError::Io`] if the system refuses; the hidden file is gone then.
+/// [`VtkError::Io`] if writing fails; the hidden file is then removed.
 pub fn replace_file(path: &Path, parts: &[&[u8]]) -> Result<(), VtkError> {
     let Some(name) = path.file_name() else {
         let part = "the file name";
@@ -51,7 +51,7 @@ pub fn replace_file(path: &Path, parts: &[&[u8]]) -> Result<(), VtkError> {
     let partial = path.with_file_name(hidden);
     let result = write_then_rename(&partial, path, parts);
     if result.is_err() {
-        // Frees a full disk; the first error is the one worth reporting.
+        // Frees space on a full disk; the first error is reported.
         let _ = fs::remove_file(&partial);
     }
     result
@@ -62,13 +62,13 @@ fn write_then_rename(partial: &Path, path: &Path, parts: &[&[u8]]) -> Result<(),
     for part in parts {
         file.write_all(part).map_err(VtkError::io("write", path))?;
     }
-    // Network and full disks may report only now that they did not keep the bytes.
+    // Network and full disks may report lost bytes only now.
     file.sync_all().map_err(VtkError::io("flush", path))?;
     drop(file);
     fs::rename(partial, path).map_err(VtkError::io("rename the finished", path))
 }
 
-/// The two halves of a file while they grow.
+/// The two halves of a file during writing.
 struct Document {
     xml: String,
     appended: Vec<u8>,
@@ -97,7 +97,7 @@ impl Document {
             time,
         } = data;
         self.xml += "  <PolyData>\n    <FieldData>\n";
-        // As text, so that `head` shows it; `{:?}` prints the shortest digits that give back the same bits.
+        // As text, visible to `head`; `{:?}` prints the shortest digits that restore the same bits.
         self.xml += &format!(
             "      <DataArray type=\"Float64\" Name=\"TimeValue\" NumberOfTuples=\"1\" format=\"ascii\">{time:?}</DataArray>\n"
         );
@@ -122,7 +122,7 @@ impl Document {
         self.array("Points", 3, Numbers::F32(points.as_flattened()))?;
         self.xml += "      </Points>\n";
         if n_vertices > 0 {
-            // `PolyData::check` has seen that the number of points fits.
+            // `PolyData::check` has verified that the number of points fits.
             let numbers: Vec<i32> = (0..=n_vertices as i32).collect();
             self.cells("Verts", &numbers[..n_vertices], &numbers[1..])?;
         }
@@ -174,7 +174,7 @@ impl Document {
     }
 }
 
-/// The five characters that mean something in XML.
+/// Escapes the five special characters of XML.
 pub(crate) fn escape(text: &str) -> String {
     text.replace('&', "&amp;")
         .replace('<', "&lt;")

@@ -1,4 +1,4 @@
-//! Water that passes over a line of the plan: a dam crest, a section of a river.
+//! Water that crosses a line in plan view: a dam crest, a section of a river.
 
 use riprap_sph::{Fluid, Vec3};
 use serde::{Deserialize, Serialize};
@@ -10,11 +10,11 @@ pub(super) struct Crossing {
     from: [f64; 2],
     /// From its start to its end; m.
     along: [f64; 2],
-    /// Particles that could be on the other side at the next look: id and place in the plan (m), sorted by id.
+    /// Particles that could cross before the next sample: id and position in plan view (m), sorted by id.
     near: Vec<(u32, [f64; 2])>,
-    /// Net, to the right of the line as one walks along it; m³.
+    /// Net volume to the right of the line in its direction; m³.
     volume: f64,
-    /// When it was looked at; s.
+    /// Time of the last sample; s.
     time: Option<f64>,
 }
 
@@ -29,7 +29,7 @@ impl Crossing {
         }
     }
 
-    /// Volume that has passed since the first look (m³), and the mean discharge since the last one (m³/s). The next look comes within
+    /// Volume since the first sample (m³), and mean discharge since the last one (m³/s). The next sample follows within
     /// `interval` (s).
     pub(super) fn look(&mut self, fluid: &Fluid, time: f64, interval: f64) -> [f64; 2] {
         let particles = fluid.particles();
@@ -55,12 +55,12 @@ impl Crossing {
         [self.volume, discharge]
     }
 
-    /// How far left of the line's own straight a place is, times its length; m².
+    /// Signed distance of a point to the left of the line, times its length; m².
     fn side(&self, [x, y]: [f64; 2]) -> f64 {
         self.along[0] * (y - self.from[1]) - self.along[1] * (x - self.from[0])
     }
 
-    /// 1 for a way across the line from its left to its right, -1 for the other, 0 for one past its ends.
+    /// 1 for a path across the line from left to right, -1 for the reverse, 0 for one past its ends.
     fn passage(&self, before: [f64; 2], now: [f64; 2]) -> f64 {
         let (left, right) = (self.side(before), self.side(now));
         if (0.0 <= left) == (0.0 <= right) {
@@ -81,7 +81,7 @@ impl Crossing {
         }
     }
 
-    /// From the line between its ends; m.
+    /// Distance from the segment; m.
     fn distance(&self, [x, y]: [f64; 2]) -> f64 {
         let offset = [x - self.from[0], y - self.from[1]];
         let length2 = self.along[0].powi(2) + self.along[1].powi(2);
@@ -95,7 +95,7 @@ impl Crossing {
 mod tests {
     use super::*;
 
-    /// Walking north, east is to the right; what goes round the ends does not pass.
+    /// Facing north, east is to the right; flow around the ends does not count.
     #[test]
     fn a_passage_has_a_side_and_ends() {
         let line = Crossing::of((0.0, 0.0), (0.0, 10.0));

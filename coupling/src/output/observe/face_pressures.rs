@@ -1,4 +1,4 @@
-//! The water's pressure on the faces of blocks, tile by tile.
+//! Water pressure on the faces of blocks, tile by tile.
 
 use riprap_dda::{Blocks, Vec3};
 use riprap_sph::boundary::integral::Face;
@@ -10,10 +10,10 @@ use crate::files::vtk::PolyData;
 use crate::walls::face_lattice;
 use crate::world::Water;
 
-/// Share of the support that is water, `Σ V W`, below which a tile is dry; before the wet side of a plane it is a half.
+/// Water fraction of the kernel support, `Σ V W`, below which a tile is dry; at a wetted plane wall it is one half.
 const DRY: f64 = 0.05;
 
-/// Wet tiles, about a spacing wide, of the faces of all blocks, with the pressure continued to the middle of each.
+/// Wet tiles, about a spacing wide, of the faces of all blocks, with the pressure extrapolated to the center of each.
 pub(super) fn face_pressures(water: &Water, blocks: &Blocks) -> PolyData {
     let (spacing, middle) = face_lattice(&water.fluid);
     let (mut outlines, mut places, mut owner) = (Vec::new(), Vec::new(), Vec::new());
@@ -61,7 +61,7 @@ pub(super) fn face_pressures(water: &Water, blocks: &Blocks) -> PolyData {
     data
 }
 
-/// Outward unit normal of a face, none without an area.
+/// Outward unit normal of a face, if it has an area.
 fn normal_of(corners: &[Vec3]) -> Option<Vec3> {
     let first = corners.first()?;
     let area: Vec3 = corners

@@ -1,9 +1,9 @@
 //! Forces and moments on blocks by source: `forces.csv` with a row per block and interval, `contacts.csv` with a row
 //! per block, partner and time.
 //!
-//! Forces are means over the interval, impulse over time, so that they hold whatever happens between two rows;
-//! moments are about the centroid. What the momentum of the block gained is beside them, and what of that no source
-//! explains: round-off, or an error of the program.
+//! Forces are means over the interval, impulse over time, so that they include all events between two rows;
+//! moments are about the centroid. They are followed by the rate of momentum gain of the block and its unexplained part,
+//! which is round-off or an error of the program.
 
 use serde::{Deserialize, Serialize};
 use std::path::Path;
@@ -65,7 +65,7 @@ impl Track {
         }
     }
 
-    /// Impulses since an earlier look, in the order of [`SOURCES`], and the momentum gained.
+    /// Impulses since the last row, in the order of [`SOURCES`], and the momentum gained.
     fn since(&self, before: &Self) -> ([Load; 8], Load) {
         let (f, f0) = (&self.by_fluid, &before.by_fluid);
         let (b, b0) = (&self.by_blocks, &before.by_blocks);
@@ -95,7 +95,7 @@ fn less(a: Load, b: Load) -> Load {
 }
 
 impl ForcesFile {
-    /// The free blocks that are asked for.
+    /// The requested free blocks.
     pub fn chosen(&self, scene: &Scene, world: &World) -> Vec<usize> {
         let is_asked = |&b: &usize| {
             let name = &scene.file.blocks[b].name;
@@ -119,7 +119,7 @@ fn columns(names: impl Iterator<Item = String>) -> Vec<Column> {
 }
 
 impl Forces {
-    /// Tables in `folder` for some blocks, of which the world keeps accounts.
+    /// Tables in `folder` for blocks whose impulses the world records.
     ///
     /// # Errors
     ///

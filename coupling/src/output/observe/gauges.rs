@@ -15,7 +15,7 @@ use crate::world::World;
 
 /// Distance from the ground, in spacings, within which water touches it.
 const TOUCHING_DISTANCE: f64 = 1.5;
-/// Least upward part of the normal of what counts as ground.
+/// Smallest vertical component of the normal of a face that counts as ground.
 const GROUND_SLOPE: f64 = 0.05;
 
 /// Writes `gauges.csv`.
@@ -49,7 +49,7 @@ enum Gauge {
 }
 
 impl Gauges {
-    /// A table in `folder` with the columns of the scene's gauges; blocks are where they start from.
+    /// A table in `folder` with the columns of the scene's gauges; blocks are at their initial positions.
     ///
     /// # Errors
     ///
@@ -79,7 +79,7 @@ impl Gauges {
         })
     }
 
-    /// Columns of the scalar gauges and their units, with their places in the row; for plots.
+    /// Columns of the scalar gauges and their units, with their indices in the row; for plots.
     pub fn scalar_columns(scene: &Scene) -> Vec<(usize, String, String)> {
         let mut place = 1;
         let mut scalars = Vec::new();
@@ -173,7 +173,7 @@ fn resolve(gauge: &GaugeFile, scene: &Scene, blocks: &Blocks) -> Gauge {
         GaugeFile::Pressure { position, .. } => Gauge::Pressure(vec3(*position)),
         GaugeFile::Velocity { position, .. } => Gauge::Velocity(vec3(*position)),
         GaugeFile::BlockForce { block, .. } => Gauge::BlockForce(
-            // validation has seen that the name exists
+            // validation has verified that the name exists
             scene
                 .file
                 .blocks
@@ -206,7 +206,7 @@ impl Gauge {
         }
     }
 
-    /// Appends what the gauge shows; NaN when it is dry.
+    /// Appends the reading of the gauge; NaN when dry.
     fn read(&mut self, world: &World, interval: f64, row: &mut Vec<f64>) {
         let fluid = world.water.as_ref().map(|water| &water.fluid);
         match self {
@@ -255,7 +255,7 @@ impl Gauge {
     }
 }
 
-/// A line of the plan between two points; m.
+/// A line in plan view between two points; m.
 #[derive(Clone, Copy, Debug)]
 struct Line {
     from: [f64; 2],
@@ -274,7 +274,7 @@ impl Line {
         self.along[0].hypot(self.along[1])
     }
 
-    /// How far along it, of its length, a point is nearest to.
+    /// Relative position along it of the nearest point.
     fn share(&self, point: [f64; 2]) -> f64 {
         let offset = [point[0] - self.from[0], point[1] - self.from[1]];
         let length2 = self.length().powi(2);
@@ -294,10 +294,10 @@ impl Line {
     }
 }
 
-/// The largest measure of a place on the ground, and of the water that touches it, near a line; NaN where all is dry.
+/// Largest value of a function over the wetted ground near a line; NaN if all is dry.
 ///
 /// Water touches the ground where a particle within a spacing of the line is within 1.5 spacings
-/// of a fixed surface that looks up; a drop in the air touches nothing.
+/// of an upward fixed surface; a drop in the air touches nothing.
 fn farthest(
     fluid: Option<&Fluid>,
     blocks: &Blocks,
@@ -308,7 +308,7 @@ fn farthest(
     let [dx, dy, dz] = fluid.settings().particle_spacing;
     let spacing = match fluid.settings().dimensions {
         Dimensions::Three => (dx * dy * dz).cbrt(),
-        // across, the slice may be as wide as it likes
+        // the width of the slice does not matter
         Dimensions::Two { .. } => (dx * dz).sqrt(),
     };
     let reach = TOUCHING_DISTANCE * spacing;

@@ -15,12 +15,12 @@ use crate::world::ledger::Energy;
 pub struct Ledgers {
     schedule: Schedule,
     energy: Table,
-    /// Absent when no block can move.
+    /// `None` if no block can move.
     blocks: Option<Table>,
     row: Vec<f64>,
 }
 
-/// Columns of `energy.csv` behind the time, in the order of [`energy_row`].
+/// Columns of `energy.csv` after the time, in the order of [`energy_row`].
 pub const ENERGY_COLUMNS: [&str; 21] = [
     "kinetic",
     "potential",

@@ -1,4 +1,4 @@
-//! Maps of what waves did: highest water, when it came, how deep it stood on land.
+//! Maps of wave impact: highest water, arrival time, inundation depth.
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -36,15 +36,15 @@ pub struct Maps {
     folder: PathBuf,
     /// Heights of the ground, NaN where there is none; m.
     ground: Grid,
-    /// The point of the map that is the scene's; m.
+    /// Map coordinates of the scene's origin; m.
     origin: (f64, f64, f64),
-    /// The surface has come where it differs from that at the start by more than this; m.
+    /// Change of the surface since the start that counts as arrival; m.
     arrival_threshold: f64,
     /// Height of the surface at t = 0, NaN where it was dry; m.
     at_start: Vec<f64>,
     /// Highest surface so far, NaN where all was dry; m.
     highest: Vec<f64>,
-    /// When water came or began to move, NaN where it did not; s.
+    /// Time of arrival, NaN without arrival; s.
     arrival: Vec<f64>,
 }
 
@@ -89,7 +89,7 @@ impl Maps {
         }
     }
 
-    /// Heights of the surface now; m.
+    /// Current elevation of the surface; m.
     fn surface(&self, fluid: &Fluid) -> Vec<f64> {
         let points: Vec<[usize; 2]> = self.ground.points().collect();
         points
@@ -101,7 +101,7 @@ impl Maps {
             .collect()
     }
 
-    /// Greatest depth of water where it was dry at the start; m.
+    /// Largest water depth where it was dry at the start; m.
     fn inundation(&self) -> Vec<f64> {
         let heights = self.highest.iter().zip(&self.ground.heights);
         heights
@@ -130,7 +130,7 @@ impl Maps {
         }
     }
 
-    /// Writes all maps as they are now.
+    /// Writes all maps.
     ///
     /// # Errors
     ///
@@ -160,7 +160,7 @@ impl Maps {
         Ok(())
     }
 
-    /// An ESRI grid, rows from the north, in coordinates of the map.
+    /// An ESRI grid, rows from the north, in map coordinates.
     fn ascii(&self, values: &[f64]) -> String {
         let Grid {
             n, corner, spacing, ..
@@ -257,7 +257,7 @@ impl Observer for Maps {
     }
 
     fn sync(&self) -> Result<(), ObserveError> {
-        // each file is complete before it has its name
+        // each file is complete before it is renamed
         Ok(())
     }
 

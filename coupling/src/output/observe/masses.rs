@@ -1,4 +1,4 @@
-//! Bodies of many blocks as one: where a slide is, how fast, how much of it is under water, and what it gave to the water.
+//! Groups of blocks as one body: position, speed and submerged volume of a slide, and its energy transfer to the water.
 
 use std::path::Path;
 
@@ -15,9 +15,9 @@ use crate::world::World;
 pub struct Masses {
     schedule: Schedule,
     table: Table,
-    /// Blocks of each, and where they start from; m.
+    /// Blocks of each, and their initial positions; m.
     members: Vec<Vec<(usize, Vec3)>>,
-    /// Of still water; m.
+    /// Still-water level; m.
     level: f64,
     row: Vec<f64>,
 }
@@ -36,7 +36,7 @@ const COLUMNS: [(&str, &str); 11] = [
     ("volume_under_water", "m3"),
     ("blocks", "-"),
 ];
-/// Of the water: its energies, and the work that blocks that move did on it since the start.
+/// Columns of the water: its energies, and the work of moving blocks on it since the start.
 const WATER_COLUMNS: [&str; 3] = ["water.kinetic", "water.potential", "water.work"];
 
 impl Masses {
@@ -117,7 +117,7 @@ impl Observer for Masses {
     }
 }
 
-/// Appends [`COLUMNS`] of blocks that are still in the domain; NaN where none is.
+/// Appends [`COLUMNS`] of the blocks still in the domain; NaN if there are none.
 fn push_mass(world: &World, members: &[(usize, Vec3)], level: f64, row: &mut Vec<f64>) {
     let blocks = &world.blocks;
     let left = || members.iter().filter(|&&(b, _)| !blocks.is_removed(b));

@@ -1,7 +1,7 @@
-//! Ways of blocks that fall: `trajectories.csv` while they do, `rockfall.csv` with one row per block.
+//! Trajectories of falling blocks: `trajectories.csv` over time, `rockfall.csv` with one row per block.
 //!
-//! The ground is what [`Ground`] says: faces of fixed blocks that look up. A height above it is that of the block's
-//! centroid, taken along z; that of a block at rest is about half its size.
+//! The ground ([`Ground`]) consists of the upward faces of fixed blocks. A height above ground is that of the block's
+//! centroid, along z; that of a block at rest is about half its size.
 
 use serde::{Deserialize, Serialize};
 use std::path::Path;
@@ -16,7 +16,7 @@ use crate::scene::resolve::Scene;
 use crate::world::World;
 use crate::world::ground::Ground;
 
-/// Stretches of horizontal distance into which heights are sorted for the overview, over the longest way in the plan
+/// Number of bins of horizontal distance for the heights in the overview, over the longest path in plan view
 /// of the domain.
 const STRETCHES: f64 = 200.0;
 
@@ -54,7 +54,7 @@ const BLOCK_COLUMNS: [(&str, &str); 17] = [
     ("max_kinetic_energy", "J"),
 ];
 
-/// Follows blocks and writes both tables.
+/// Tracks blocks and writes both tables.
 #[derive(Debug)]
 pub struct Trajectories {
     schedule: Schedule,
@@ -62,9 +62,9 @@ pub struct Trajectories {
     samples: Table,
     blocks: Table,
     tracks: Vec<Track>,
-    /// Length of a stretch of horizontal distance; m.
+    /// Width of a bin of horizontal distance; m.
     stretch: f64,
-    /// Of the last sample; s.
+    /// Time of the last sample; s.
     time: f64,
     row: Vec<f64>,
 }
@@ -75,24 +75,24 @@ struct Track {
     block: usize,
     start: Vec3,
     end: Vec3,
-    /// Of its last sample: it may have left the domain since; s.
+    /// Time of its last sample, since it may have left the domain; s.
     end_time: f64,
     /// m/s.
     end_speed: f64,
     /// m.
     path_length: f64,
-    /// Greatest height of the centroid above the ground, NaN if there never was ground below; m.
+    /// Largest height of the centroid above ground, NaN if there was never ground below; m.
     bounce_height: f64,
     /// m/s.
     max_speed: f64,
     /// J.
     max_kinetic_energy: f64,
-    /// Greatest height above the ground in each stretch of horizontal distance, NaN where it was not; m.
+    /// Largest height above ground in each bin of horizontal distance, NaN if not visited; m.
     highest: Vec<f64>,
 }
 
 impl Trajectories {
-    /// Tables in `folder` for the blocks that the scene asks for.
+    /// Tables in `folder` for the blocks requested by the scene.
     ///
     /// # Errors
     ///
@@ -168,8 +168,8 @@ impl Trajectories {
         run_outs
     }
 
-    /// Middle of each stretch of horizontal distance (m), and the greatest heights (m) there of the blocks that came
-    /// by, ascending.
+    /// Center of each bin of horizontal distance (m), and the largest heights (m) there of the blocks that passed,
+    /// ascending.
     pub fn heights(&self) -> Vec<(f64, Vec<f64>)> {
         let n = self.tracks.iter().map(|track| track.highest.len()).max();
         let of_stretch = |k: usize| {

@@ -12,12 +12,12 @@ use crate::scene::terrain::grid::Grid;
 use crate::world::World;
 use crate::world::ground::Ground;
 
-/// Points of the ground along the longer side of the domain, at most; more than a plan has pixels at half its finest.
+/// Largest number of ground points along the longer side of the domain: more than the pixels of a plan at half resolution.
 const MOST_POINTS_OF_GROUND: f64 = 480.0;
-/// The same of the water, which is kept with the state of the run.
+/// Largest number of water points, which are saved with the state of the run.
 const MOST_POINTS_OF_WATER: f64 = 240.0;
 
-/// Nothing seen yet; none where there is no terrain.
+/// Empty record, if there is terrain.
 pub(super) fn begun(scene: &Scene, world: &World) -> Option<Plan> {
     let terrain = scene.terrain.as_ref()?;
     let origin = scene.file.terrain.as_ref()?.origin;
@@ -54,7 +54,7 @@ pub(super) fn begun(scene: &Scene, world: &World) -> Option<Plan> {
     })
 }
 
-/// Points in the middles of squares that cover a rectangle of the plan, without heights; m.
+/// Centers of squares that cover a rectangle in plan view, without elevations; m.
 fn points((min, max): ([f64; 2], [f64; 2]), spacing: f64) -> Grid {
     let squares = |axis: usize| ((max[axis] - min[axis]) / spacing * (1.0 - 1e-9)).ceil();
     let n = [0, 1].map(|axis| (squares(axis) as usize).max(2));
@@ -87,12 +87,12 @@ fn mark(gauge: &GaugeFile) -> Option<Mark> {
     }
 }
 
-/// Takes over what maps have at the end.
+/// Takes the final maps.
 pub(super) fn take_maps(plan: &mut Plan, maps: &Maps) {
     plan.maps = Some(maps.extremes());
 }
 
-/// Water and blocks as they are now.
+/// Current water and blocks.
 pub(super) fn from_above(plan: &Plan, world: &World) -> FromAbove {
     let fluid = world.water.as_ref().map(|water| &water.fluid);
     let surface_at = |[x, y]: [f64; 2]| fluid.and_then(|fluid| fluid.surface_elevation(x, y));
@@ -130,7 +130,7 @@ pub(super) fn from_above(plan: &Plan, world: &World) -> FromAbove {
     }
 }
 
-/// Convex hull of corners (m) in the plan; m.
+/// Convex hull of corners (m) in plan view; m.
 fn footprint(corners: &[Vec3]) -> Vec<[f32; 2]> {
     convex_outline(corners.iter().map(|x| [x.x as f32, x.y as f32]).collect())
 }

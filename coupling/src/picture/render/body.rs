@@ -1,15 +1,15 @@
-//! Blocks and walls as drawn: read from polygons, cut open towards the eye, cut into strips.
+//! Blocks and walls as drawn: read from polygons, cut open toward the camera, cut into strips.
 
 use super::camera::{Camera, Panel};
 use crate::files::vtk::{PolyData, Values};
 use nalgebra::{Matrix3, Vector3};
 use std::collections::BTreeMap;
 
-/// Share of sampled rays of sight that a wall's face may stop before it is left out.
+/// Fraction of sampled lines of sight that a wall face may block before it is removed.
 const HIDING_SHARE: f64 = 0.03;
 
-/// Rays of sight end this share of their length short of their point: a block that rests on a floor has sunk into it a
-/// little, and the floor hides nothing of it.
+/// Lines of sight end this fraction of their length before their point: a block at rest overlaps the floor slightly, and
+/// the floor does not hide it.
 const SHORT_OF_END: f64 = 2e-3;
 
 /// A block or wall.
@@ -17,7 +17,7 @@ const SHORT_OF_END: f64 = 2e-3;
 pub(crate) struct Body {
     /// Its number in the run.
     pub id: i32,
-    /// Corners, in the order in which the faces name them first; m.
+    /// Corners, in the order of their first occurrence in the faces; m.
     pub corners: Vec<Vector3<f64>>,
     /// Corner numbers, counter-clockwise from outside.
     pub faces: Vec<Vec<usize>>,
@@ -25,7 +25,7 @@ pub(crate) struct Body {
     pub is_terrain: bool,
 }
 
-/// The bodies of a file, and how many faces were left out because a corner is not finite.
+/// The bodies of a file, and the number of faces omitted because a corner is not finite.
 pub(crate) fn bodies(data: &PolyData) -> (Vec<Body>, usize) {
     let ids = data
         .cell_data
@@ -84,8 +84,8 @@ impl Body {
         self.faces.iter().map(|face| self.polygon(face))
     }
 
-    /// Rotation and shift that carry `reference`, the same body at another time, onto this one.
-    /// `None` when the two have different corners or lie in a line.
+    /// Rotation and translation that move `reference`, the same body at another time, onto this one.
+    /// `None` when the two have different corners or all corners are collinear.
     pub fn motion_from(&self, reference: &Self) -> Option<(Matrix3<f64>, Vector3<f64>)> {
         if self.corners.len() != reference.corners.len() {
             return None;
@@ -108,7 +108,7 @@ impl Body {
     }
 }
 
-/// Fixed bodies cut open towards the eye.
+/// Fixed bodies cut open toward the camera.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Stage {
     /// Faces of walls that are drawn.
@@ -117,20 +117,20 @@ pub(crate) struct Stage {
     pub terrain: Vec<Vec<Vector3<f64>>>,
     /// Faces that would hide the scene; only their outlines are drawn.
     pub cut: Vec<Vec<Vector3<f64>>>,
-    /// Share of sampled rays of sight that met a wall.
+    /// Fraction of sampled lines of sight blocked by a wall.
     pub hidden_share: f64,
 }
 
-/// Which faces of fixed bodies are drawn.
+/// Selection of the drawn faces of fixed bodies.
 ///
-/// 1. Faces that look away from the eye are not: in a closed body they are behind others, or they
-///    are the near walls' inner sides.
-/// 2. A face that stops more than `HIDING_SHARE` of the rays of sight to `samples` (points of the
+/// 1. Faces that face away from the camera are omitted: in a closed body they are behind others, or they
+///    are the inner sides of near walls.
+/// 2. A face that blocks more than `HIDING_SHARE` of the lines of sight to `samples` (points of the
 ///    water and of the moving blocks over the whole run) is cut.
-/// 3. Where the cut faces are most of what a body turns to the eye, its other faces (rim, ends)
-///    go with them.
+/// 3. Where the cut faces are most of the visible area of a body, its other faces (rim, ends)
+///    are cut with them.
 ///
-/// Terrain is drawn whole: it throws shadows.
+/// Terrain is drawn completely, since it casts shadows.
 pub(crate) fn stage(fixed: &[Body], camera: &Camera, samples: &[[f32; 3]]) -> Stage {
     let rays: Vec<_> = samples
         .iter()

@@ -1,46 +1,46 @@
-//! Where the eye stands, and how a long flume is laid out.
+//! Camera of a scene, and layout of a long flume.
 //!
-//! A compact scene is seen in perspective, three-quarters from above. A flume 170 m long and 5 m
-//! deep would be a line of 28 pixels that way; it is cut into consecutive strips of equal length
-//! instead, stacked from top to bottom like lines of text, all at one scale and undistorted.
+//! A compact scene is shown in perspective, obliquely from above. A flume 170 m long and 5 m
+//! deep would be a line of 28 pixels; it is cut into consecutive strips of equal length
+//! instead, stacked from top to bottom like lines of text, at a common scale and undistorted.
 
 use crate::scene::file::CameraFile;
 use nalgebra::Vector3;
 
-/// Elevation of a fitted eye; degrees.
+/// Elevation of a fitted camera; degrees.
 const ELEVATION_DEG: f64 = 22.0;
-/// How far a fitted eye is turned out of the view square to the long side; degrees.
+/// Rotation of a fitted camera from the perpendicular to the long side; degrees.
 const TURN_DEG: f64 = 28.0;
-/// Horizontal angle of view of a fitted eye; degrees. Narrow enough for parallel lines to look it.
+/// Horizontal angle of view of a fitted camera; degrees. Narrow enough that parallel lines look parallel.
 const FIELD_OF_VIEW_DEG: f64 = 30.0;
-/// Elevation of the eye over strips; degrees. Low: a strip shows a section.
+/// Elevation of the camera over strips; degrees. Low, since a strip shows a section.
 const STRIP_ELEVATION_DEG: f64 = 9.0;
-/// Share of the picture that a fitted scene may fill.
+/// Largest fraction of the picture filled by a fitted scene.
 const FILL: f64 = 0.88;
-/// A scene longer than this many heights and widths is cut into strips.
+/// Ratio of length to height and width above which a scene is cut into strips.
 const LONG: f64 = 10.0;
-/// Free share of a strip's height, for its label and the eye.
+/// Free fraction of a strip's height, for its label and as a margin.
 const STRIP_GAP: f64 = 0.3;
-/// Share of the picture over strips that belongs to time and colors.
+/// Fraction of the picture above strips reserved for time and color bar.
 const HEADING: f64 = 0.07;
 
-/// An eye and what is put before it.
+/// A camera and its projection.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Camera {
-    /// Where it stands; m.
+    /// Position; m.
     pub eye: Vector3<f64>,
     /// Target point; m.
     pub look_at: Vector3<f64>,
-    /// How it projects.
+    /// Projection.
     pub lens: Lens,
     /// Width over height of the picture.
     pub aspect: f64,
 }
 
-/// How a camera projects.
+/// Projection of a camera.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Lens {
-    /// Far is small.
+    /// Perspective.
     Perspective {
         /// Horizontal angle of view; degrees.
         field_of_view_deg: f64,
@@ -58,7 +58,7 @@ pub enum Lens {
     },
 }
 
-/// A piece of the scene, and where it is shown.
+/// A piece of the scene, and its position in the picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Panel {
     /// Axis along which the scene is cut: 0 or 1.
@@ -67,12 +67,12 @@ pub struct Panel {
     pub from: f64,
     /// End of the piece; m.
     pub to: f64,
-    /// From where it is to where it is shown; m.
+    /// Shift from its position in the scene to that in the picture; m.
     pub shift: Vector3<f64>,
 }
 
 impl Panel {
-    /// The whole scene where it is.
+    /// The whole scene, without shift.
     pub const WHOLE: Self = Self {
         axis: 0,
         from: f64::NEG_INFINITY,
@@ -80,7 +80,7 @@ impl Panel {
         shift: Vector3::new(0.0, 0.0, 0.0),
     };
 
-    /// Whether the piece has the point.
+    /// Whether the piece contains the point.
     pub fn contains(&self, point: &[f32; 3]) -> bool {
         let x = f64::from(point[self.axis]);
         self.from <= x && x < self.to
@@ -90,11 +90,11 @@ impl Panel {
 /// Camera axes in the world: rightward and upward in the picture, and into it; unit vectors.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Axes {
-    /// rightward.
+    /// Rightward.
     pub right: Vector3<f64>,
     /// Upward.
     pub up: Vector3<f64>,
-    /// From the eye into the picture.
+    /// From the camera into the picture.
     pub forward: Vector3<f64>,
 }
 
@@ -102,7 +102,7 @@ impl Axes {
     /// Looking along `forward`, z up as far as possible.
     pub fn looking(forward: Vector3<f64>) -> Self {
         let forward = forward.normalize();
-        // Straight down, z gives no direction to the picture: +y is up then, as on a map.
+        // Vertically down, z does not define an upward direction: +y is up then, as on a map.
         let sky = if forward.z.abs() < 0.9999 {
             Vector3::z()
         } else {
@@ -118,7 +118,7 @@ impl Axes {
 }
 
 impl Camera {
-    /// The eye that a scene asks for.
+    /// The camera given by a scene.
     pub fn from_scene(camera: &CameraFile, aspect: f64) -> Self {
         let vector = |(x, y, z)| Vector3::new(x, y, z);
         Self {
@@ -131,15 +131,15 @@ impl Camera {
         }
     }
 
-    /// Two eyes that see all of `points`, turned to either end of the scene; one for a long scene.
-    /// Which is better depends on what stands in the way. Empty without points.
+    /// Two cameras with all of `points` in view, rotated toward either end of the scene; one for a long scene.
+    /// The choice depends on the walls in the line of sight. Empty without points.
     pub fn fitted(points: &[[f32; 3]], aspect: f64) -> Vec<Self> {
         let Some((low, high)) = bounds(points) else {
             return Vec::new();
         };
         let extent = high - low;
         let long = usize::from(extent.x < extent.y);
-        // Square to the long side, the long axis runs to the right: from -y, or from +x.
+        // Perpendicular to the long side, with the long axis to the right: from -y, or from +x.
         let square_deg = if long == 0 { -90.0 } else { 0.0 };
         if extent[long] > LONG * extent.z.max(extent[1 - long]) {
             return vec![strips(low, high, long, square_deg, aspect)];
@@ -180,7 +180,7 @@ impl Camera {
         labels.iter().cloned().zip(places).collect()
     }
 
-    /// Start of the ray of sight that ends in `point`, before panels are shifted; m.
+    /// Start of the line of sight that ends in `point`, before panels are shifted; m.
     pub fn ray_start(&self, point: Vector3<f64>) -> Vector3<f64> {
         match self.lens {
             Lens::Perspective { .. } => self.eye,
@@ -188,8 +188,8 @@ impl Camera {
         }
     }
 
-    /// Place of a (shifted) point in the picture: -1 to 1 from left to right and from bottom to
-    /// top; `None` behind the eye.
+    /// Position of a (shifted) point in the picture: -1 to 1 from left to right and from bottom to
+    /// top; `None` behind the camera.
     pub fn project(&self, point: Vector3<f64>) -> Option<(f64, f64)> {
         let axes = self.axes();
         let to_point = point - self.eye;
@@ -207,7 +207,7 @@ impl Camera {
     }
 }
 
-/// Direction from the scene to an eye.
+/// Direction from the scene to a camera.
 fn direction(azimuth_deg: f64, elevation_deg: f64) -> Vector3<f64> {
     let (azimuth, elevation) = (azimuth_deg.to_radians(), elevation_deg.to_radians());
     Vector3::new(
@@ -217,11 +217,11 @@ fn direction(azimuth_deg: f64, elevation_deg: f64) -> Vector3<f64> {
     )
 }
 
-/// The nearest eye in a direction that has all points within `FILL` of the picture.
+/// The nearest camera in a direction with all points within `FILL` of the picture.
 ///
 /// Four planes bound the view. Along the picture's x, with t = tan(angle/2), a point at (x, depth)
 /// from the target is inside when |x - x_eye| <= t (depth + distance): the two extremes of
-/// x ± t depth fix the eye's x and its distance. Likewise for y; the larger distance holds.
+/// x ± t depth determine the camera's x and its distance. Likewise for y; the larger distance governs.
 fn perspective(points: &[[f32; 3]], azimuth_deg: f64, aspect: f64) -> Camera {
     let axes = Axes::looking(-direction(azimuth_deg, ELEVATION_DEG));
     let tan_x = FILL * (0.5 * FIELD_OF_VIEW_DEG.to_radians()).tan();
@@ -233,14 +233,14 @@ fn perspective(points: &[[f32; 3]], azimuth_deg: f64, aspect: f64) -> Camera {
             least = least.min(x + tan * depth);
             most = most.max(x - tan * depth);
         }
-        // least = x_eye - tan d and most = x_eye + tan d, where d is how far the eye stands back.
+        // least = x_eye - tan d and most = x_eye + tan d, where d is the distance of the camera.
         (0.5 * (least + most), 0.5 * (most - least) / tan)
     };
     let (x, back_x) = fit(axes.right, tan_x);
     let (y, back_y) = fit(axes.up, tan_x / aspect);
     let back = back_x.max(back_y);
     let eye = axes.right * x + axes.up * y - axes.forward * back;
-    // Any point ahead serves as target; the scene's own depth keeps the numbers readable.
+    // Any point ahead is a valid target; the scene's own depth keeps the numbers readable.
     let depth = points
         .iter()
         .map(|p| Vector3::from(p.map(f64::from)).dot(&axes.forward) + back)
@@ -256,7 +256,7 @@ fn perspective(points: &[[f32; 3]], azimuth_deg: f64, aspect: f64) -> Camera {
     }
 }
 
-/// A long scene as strips: as many as make its scale largest.
+/// A long scene as strips, in the number that maximizes its scale.
 fn strips(
     low: Vector3<f64>,
     high: Vector3<f64>,
@@ -269,7 +269,7 @@ fn strips(
     let depth = extent[1 - long];
     let tall = extent.z * axes.up.z.abs() + depth * axes.forward.z.abs();
     let pitch = tall * (1.0 + STRIP_GAP);
-    // Width of a picture that holds n strips: its own width or that for its height.
+    // Width of a picture with n strips: that of a strip or that required by its height.
     let width_of = |n: usize| {
         (extent[long] / n as f64 / FILL).max(n as f64 * pitch / (FILL - HEADING) * aspect)
     };
@@ -278,7 +278,7 @@ fn strips(
         .unwrap_or(1);
     let (length, width) = (extent[long] / count as f64, width_of(count));
 
-    // Strips lie behind one another, far enough for no shadow to reach the next one. Parallel
+    // Strips are behind one another, too far for shadows to reach the next one. Parallel
     // rays do not show the distance.
     let apart = axes.forward * (4.0 * width);
     let panels = (0..count).map(|i| {
@@ -286,7 +286,7 @@ fn strips(
         let down = (i as f64 - 0.5 * (count as f64 - 1.0)) * pitch + HEADING * width / aspect;
         let mut shift = apart * i as f64 - axes.up * down;
         shift[long] -= from + 0.5 * length - 0.5 * (low[long] + high[long]);
-        // The outermost strips keep what sticks out of the sampled bounds.
+        // The outermost strips include points beyond the sampled bounds.
         let to = if i + 1 == count {
             f64::INFINITY
         } else {

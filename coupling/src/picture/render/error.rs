@@ -1,10 +1,10 @@
-//! Why there is no picture, and what to do.
+//! Errors of rendering, with remedies.
 
 use std::io;
 use std::ops::Range;
 use std::path::PathBuf;
 
-/// Why there is no picture.
+/// Error of rendering.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum RenderError {
@@ -16,7 +16,7 @@ pub enum RenderError {
         /// Error of the operating system.
         source: io::Error,
     },
-    /// A file of the run is not what it should be.
+    /// A file of the run is invalid.
     #[error("{}: {reason}; a run by this version of riprap writes it anew", path.display())]
     BadFile {
         /// The file.
@@ -30,12 +30,12 @@ pub enum RenderError {
         /// The run folder.
         folder: PathBuf,
     },
-    /// The chosen frames are none.
+    /// No frame matches the request.
     #[error("frames {}..{} are none of the {available} frames in {}; choose among 0..{available}", frames.start, frames.end, folder.display())]
     NoSuchFrames {
         /// Requested frames.
         frames: Range<usize>,
-        /// Frames there are.
+        /// Available frames.
         available: usize,
         /// The run folder.
         folder: PathBuf,
@@ -43,7 +43,7 @@ pub enum RenderError {
     /// Nothing in the chosen frames can be drawn.
     #[error("{} frames of {} have neither a finite particle nor a moving block; set `camera` in its case.ron to draw walls alone", frames, folder.display())]
     NothingToSee {
-        /// Frames looked at.
+        /// Frames searched.
         frames: usize,
         /// The run folder.
         folder: PathBuf,
@@ -51,20 +51,20 @@ pub enum RenderError {
     /// An option is out of range.
     #[error("{option} must be {limit}, got {value}")]
     BadOption {
-        /// Which.
+        /// Option.
         option: &'static str,
         /// Given value.
         value: String,
         /// Allowed values.
         limit: &'static str,
     },
-    /// The camera of the scene looks nowhere.
+    /// The camera of the scene has no direction.
     #[error("camera in {} must have position and look_at apart and an angle of view above 0 and below 180 degrees", path.display())]
     BadCamera {
         /// The scene.
         path: PathBuf,
     },
-    /// No surface could be made.
+    /// The surface reconstruction failed.
     #[error("no water surface in frame {frame}: {reason}; draw particles instead (--particles)")]
     Surface {
         /// Number of the frame.
@@ -85,9 +85,9 @@ pub enum RenderError {
     Program {
         /// The command line.
         command: String,
-        /// Where it ran.
+        /// Working folder.
         folder: PathBuf,
-        /// Its last words.
+        /// End of its output.
         reason: String,
     },
 }

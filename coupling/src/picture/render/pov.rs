@@ -1,4 +1,4 @@
-//! The text of a frame: what POV-Ray reads.
+//! POV-Ray file of a frame.
 
 use super::body::{Body, Stage, in_panel};
 use super::camera::{Camera, Lens, Panel};
@@ -6,7 +6,7 @@ use super::surface::Surface;
 use nalgebra::{Matrix3, Vector3};
 use std::fmt::{Display, Write};
 
-/// Files that every frame includes, by name and text.
+/// Files included by every frame, by name and text.
 pub const INCLUDES: [(&str, &str); 3] = [
     ("scene.inc", include_str!("../../../../render/scene.inc")),
     (
@@ -24,15 +24,15 @@ pub(crate) struct Setting<'a> {
     pub title: &'a str,
     pub camera: &'a Camera,
     pub stage: &'a Stage,
-    /// Bodies in the first frame: where their textures are at home.
+    /// Bodies in the first frame, to which their textures are attached.
     pub reference: &'a [Body],
     /// Length of the scene; m.
     pub size: f64,
-    /// Way through water after which its color shows; m.
+    /// Depth of water at which its color becomes visible; m.
     pub clear: f64,
     /// Height of the ground; m.
     pub ground: f64,
-    /// Distance of particles; m.
+    /// Particle spacing; m.
     pub spacing: f64,
     /// Speed at the upper end of the colors; m/s.
     pub speed_range: f64,
@@ -86,7 +86,7 @@ pub(crate) fn frame(setting: &Setting<'_>, time: f64, water: &Water, bodies: &[B
 /// Text under construction; writing to a `String` cannot fail.
 struct Pov {
     text: String,
-    /// POV-Ray's lengths per meter.
+    /// POV-Ray units per meter.
     unit: f64,
 }
 
@@ -100,14 +100,14 @@ impl Pov {
         number(self.unit * meters)
     }
 
-    /// A place given in meters.
+    /// A position given in meters.
     fn place(&self, meters: Vector3<f64>) -> String {
         vector(self.unit * meters)
     }
 }
 
-/// Lengths per meter that make a scene 100 to 1000 long: POV-Ray overlooks surfaces closer than
-/// 0.001 to one another, a millimeter in a tank drawn in meters, and leaves rings where water
+/// Units per meter for a scene length of 100 to 1000: POV-Ray misses surfaces closer than
+/// 0.001 to each other, a millimeter in a tank drawn in meters, which causes rings where water
 /// touches walls.
 fn unit(size: f64) -> f64 {
     10_f64.powf(3.0 - size.log10().ceil())
@@ -118,13 +118,13 @@ fn vector(v: Vector3<f64>) -> String {
     format!("<{}, {}, {}>", number(v.x), number(v.y), number(v.z))
 }
 
-/// A number that POV-Ray reads back to single precision: no exponent, no -0.
+/// A number exact in single precision, without exponent and -0.
 fn number(x: f64) -> f32 {
     let x = x as f32;
     if x.abs() < 1e-12 { 0.0 } else { x }
 }
 
-/// A POV-Ray string: only what its built-in font can draw, and no quote that would end it.
+/// A POV-Ray string with the characters of its built-in font, without quotes.
 fn string(text: &str) -> String {
     let plain = |c: char| {
         if (' '..='~').contains(&c) && c != '"' && c != '\\' {
@@ -145,14 +145,14 @@ fn head(pov: &mut Pov, setting: &Setting<'_>, time: f64) {
     };
     let to_target = (camera.look_at - camera.eye).norm();
     let (label_distance, half_width) = match camera.lens {
-        // Near enough for nothing to come between.
+        // Close enough for an unobstructed view.
         Lens::Perspective { field_of_view_deg } => {
             let near = 0.02 * to_target;
             (near, near * (0.5 * field_of_view_deg.to_radians()).tan())
         }
         Lens::Strips { width, .. } => (0.02 * to_target, 0.5 * width),
     };
-    // A comment ends at the line's end: the title must not have one.
+    // A comment ends at the end of the line, so the title must be a single line.
     pov.line(format!(
         "// {}, t = {time} s; written by riprap render",
         string(setting.title)
@@ -202,7 +202,7 @@ fn head(pov: &mut Pov, setting: &Setting<'_>, time: f64) {
     }
 }
 
-/// Walls and terrain, and the outlines of walls cut away.
+/// Writes walls and terrain, and the outlines of cut walls.
 fn fixed(pov: &mut Pov, setting: &Setting<'_>, panel: &Panel) {
     let Stage { drawn, terrain, .. } = setting.stage;
     for (faces, look) in [
@@ -228,7 +228,7 @@ fn fixed(pov: &mut Pov, setting: &Setting<'_>, panel: &Panel) {
     }
 }
 
-/// A block in granite that moves with it.
+/// Writes a block with a granite texture that moves with it.
 fn rock(pov: &mut Pov, setting: &Setting<'_>, body: &Body, panel: &Panel) {
     let polygons: Vec<_> = body.polygons().map(|p| in_panel(&p, panel)).collect();
     let reference = setting
@@ -249,7 +249,7 @@ fn rock(pov: &mut Pov, setting: &Setting<'_>, body: &Body, panel: &Panel) {
                 (low.min(along), high.max(along))
             });
     let grain = 0.35 * (extent.1 - extent.0).max(1e-6);
-    // Blocks of one shape get their own piece of the stone: the golden ratio spreads tints evenly.
+    // Blocks of equal shape get different parts of the texture; the golden ratio spreads tints evenly.
     let tint = (f64::from(body.id) * 0.618_034).rem_euclid(1.0);
     let shift = pov.unit * shift;
     let matrix: Vec<String> = turn
@@ -295,7 +295,7 @@ fn flat_mesh(pov: &mut Pov, polygons: &[Vec<Vector3<f64>>], texture: &str) {
     pov.line(format!(" }}\n {texture}\n}}"));
 }
 
-/// The part of the surface in a panel; a triangle belongs to where its first corner is.
+/// Writes the part of the surface in a panel; a triangle belongs to the panel of its first corner.
 fn water_mesh(pov: &mut Pov, surface: &Surface, panel: &Panel) {
     let inside = |t: &&[u32; 3]| panel.contains(&surface.vertices[t[0] as usize]);
     let triangles: Vec<&[u32; 3]> = surface.triangles.iter().filter(inside).collect();
@@ -320,7 +320,7 @@ fn water_mesh(pov: &mut Pov, surface: &Surface, panel: &Panel) {
         format!("<{x:.4}, {y:.4}, {z:.4}>")
     };
     let corners = |t: &&[u32; 3]| {
-        // left-handed, as POV-Ray takes them: where the normals of all corners are one and the same it makes its own
+        // left-handed, as in POV-Ray, which computes its own normals where those of all corners are equal
         let [a, b, c] = t.map(|i| numbers[i as usize]);
         format!("<{a}, {c}, {b}>")
     };

@@ -1,4 +1,4 @@
-//! POV-Ray and ffmpeg, called as a user would.
+//! Calls of POV-Ray and ffmpeg, as from the command line.
 
 use super::RenderError;
 use std::ffi::OsString;
@@ -7,13 +7,13 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-/// Color difference above which POV-Ray samples a pixel again.
+/// Color difference above which POV-Ray supersamples a pixel.
 const ANTIALIASING: &str = "+A0.2";
 
 /// A film made of frames.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Film {
-    /// Where it is.
+    /// Path.
     pub path: PathBuf,
     /// Frames per second of playing time.
     pub frames_per_second: f64,
@@ -43,7 +43,7 @@ pub(crate) fn povray_arguments(pov: &str, png: &str, size: (u32, u32)) -> Vec<St
         ANTIALIASING.to_owned(),
         format!("+WT{threads}"),
         "+FN8".to_owned(),
-        // No window, and no chatter. Not -GA: it also silences the line that a parse error is in.
+        // No window, and no console output. Not -GA: it also suppresses the line of a parse error.
         "-D".to_owned(),
         "-GD".to_owned(),
         "-GR".to_owned(),
@@ -51,7 +51,7 @@ pub(crate) fn povray_arguments(pov: &str, png: &str, size: (u32, u32)) -> Vec<St
     ]
 }
 
-/// Turns `frame.pov` in `frames` into `frame.png`; under another name until it is whole.
+/// Renders `frame.pov` in `frames` to `frame.png`, under another name until it is complete.
 pub(crate) fn picture(
     povray: &Path,
     frames: &Path,
@@ -70,7 +70,7 @@ pub(crate) fn picture(
     Ok(png)
 }
 
-/// Joins pictures to a film; `interval` is the simulated time between two; s.
+/// Encodes images as a film; `interval` is the simulated time between two; s.
 ///
 /// Real time where that is between 8 and 60 frames per second, else 25 frames per second.
 pub(crate) fn film(
@@ -101,7 +101,7 @@ pub(crate) fn film(
     })?;
     let rate = format!("{frames_per_second:.4}");
     let part = "film.part.mp4";
-    // Players refuse odd sizes and colors finer than 4:2:0.
+    // Players reject odd sizes and chroma finer than 4:2:0.
     let arguments = [
         "-y",
         "-loglevel",
@@ -141,7 +141,7 @@ fn rename(from: &Path, to: &Path) -> Result<(), RenderError> {
     })
 }
 
-/// Runs a program in `folder`; what it says is kept for the error.
+/// Runs a program in `folder`; its output is kept for the error.
 fn call(program: &Path, arguments: &[OsString], folder: &Path) -> Result<(), RenderError> {
     let failed = |reason: String| RenderError::Program {
         command: std::iter::once(program.as_os_str())
@@ -166,7 +166,7 @@ fn call(program: &Path, arguments: &[OsString], folder: &Path) -> Result<(), Ren
         .lines()
         .filter(|line| !line.trim().is_empty())
         .collect();
-    // What precedes the last few lines is a list of settings.
+    // All but the last few lines is a list of settings.
     let last = &lines[lines.len().saturating_sub(5)..];
     Err(failed(
         last.iter()

@@ -17,18 +17,18 @@ pub(crate) struct RunFolder {
     pub blocks: Vec<Timed>,
     /// Walls and slopes.
     pub fixed: Vec<Body>,
-    /// Distance of particles as `summary.json` or the scene has it; m.
+    /// Particle spacing from `summary.json` or the scene; m.
     pub spacing: Option<f64>,
     /// Faces left out because a corner is not finite.
     pub skipped_faces: usize,
 }
 
-/// A file and the time it shows.
+/// A file and its simulated time.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Timed {
     /// s.
     pub time: f64,
-    /// Where it is.
+    /// Path.
     pub path: PathBuf,
 }
 
@@ -43,7 +43,7 @@ pub(crate) struct Cloud {
     pub skipped: usize,
 }
 
-/// Reads what is the same in every frame, and which frames there are.
+/// Reads the data shared by all frames, and the list of frames.
 pub(crate) fn open(folder: &Path) -> Result<RunFolder, RenderError> {
     let case = folder.join("case.ron");
     let scene = scene(&case)?;
@@ -78,7 +78,7 @@ pub(crate) fn open(folder: &Path) -> Result<RunFolder, RenderError> {
 }
 
 impl RunFolder {
-    /// The files that give frames their numbers: the water, or without it the blocks.
+    /// The files that define the frame numbers: the water, or without it the blocks.
     pub fn frames(&self) -> &[Timed] {
         if self.water.is_empty() {
             &self.blocks
@@ -134,7 +134,7 @@ fn scene(path: &Path) -> Result<SceneFile, RenderError> {
         })
 }
 
-/// Distance of particles: of the summary, which a running job does not have yet, or of the scene.
+/// Particle spacing: from the summary, which a running job does not have yet, or from the scene.
 fn spacing(summary: &Path, scene: &SceneFile) -> Result<Option<f64>, RenderError> {
     let of_summary = if summary.exists() {
         let value: serde_json::Value =
@@ -183,7 +183,7 @@ fn cloud(data: &PolyData) -> Cloud {
     let kept = || (0..data.points.len()).filter(|&i| is_finite[i]);
     Cloud {
         points: kept().map(|i| data.points[i]).collect(),
-        // A speed that is not finite is drawn as still water; its particle has a place all the same.
+        // A non-finite speed is drawn as still water, since the position of the particle is valid.
         speeds: velocity.map(|a| {
             let finite = |s: &f32| s.is_finite();
             kept()
@@ -194,9 +194,9 @@ fn cloud(data: &PolyData) -> Cloud {
     }
 }
 
-/// The files of a ParaView collection; none when it does not exist.
+/// The files of a ParaView collection; empty when it does not exist.
 ///
-/// Only what riprap's own writer puts there is understood: one `DataSet` element per file.
+/// Supports only the format of riprap's own writer: one `DataSet` element per file.
 fn collection(path: &Path) -> Result<Vec<Timed>, RenderError> {
     if !path.exists() {
         return Ok(Vec::new());

@@ -1,15 +1,15 @@
-//! A smooth water surface from particles.
+//! Smooth water surface from particles.
 //!
-//! Marching cubes on a kernel density field (`splashsurf_lib`), then volume-keeping smoothing:
-//! raw marching cubes look like stairs, and plain Laplacian smoothing shrinks drops and thin
+//! Marching cubes on a kernel density field (`splashsurf_lib`), then volume-preserving smoothing:
+//! raw marching cubes show stair steps, and plain Laplacian smoothing shrinks drops and thin
 //! sheets, so every inward pass is followed by an outward one (Taubin 1995, λ|μ).
 
 use std::cmp::Ordering;
 
 /// Distance within which neighbors of a particle are counted, over the spacing.
 const STRAY_RADIUS: f32 = 2.0;
-/// A particle with fewer neighbors than this is a stray. A full neighborhood has 32, a sheet one
-/// particle thick 12, a filament 4; drawn as a surface, strays turn into drops several spacings fat.
+/// Particles with fewer neighbors are spray. A full neighborhood has 32, a sheet one
+/// particle thick 12, a filament 4; drawn as a surface, spray turns into drops several spacings wide.
 const STRAY_NEIGHBORS: usize = 6;
 
 /// A closed triangle mesh with a normal per vertex.
@@ -47,7 +47,7 @@ impl Surface {
     }
 }
 
-/// Which particles have too few neighbors to belong to a body of water.
+/// Particles with too few neighbors to belong to a body of water.
 pub fn strays(points: &[[f32; 3]], spacing: f32) -> Vec<bool> {
     let radius = STRAY_RADIUS * spacing;
     let cell = |p: &[f32; 3]| p.map(|x| (f64::from(x) / f64::from(radius)).floor() as i64);
@@ -83,7 +83,7 @@ fn distance_squared(a: &[f32; 3], b: &[f32; 3]) -> f32 {
     a.iter().zip(b).map(|(x, y)| (x - y) * (x - y)).sum()
 }
 
-/// The surface around `points`, which must be finite and without strays.
+/// The surface around `points`, which must be finite and without spray.
 ///
 /// # Errors
 ///
@@ -98,7 +98,7 @@ pub fn surface(points: &[[f32; 3]], spacing: f32) -> Result<Surface, String> {
     };
 
     /// Kernel support over the spacing: wide enough to bridge the voids between disordered
-    /// particles (at 2.0 a tank after a splash is full of bubbles), narrow enough to keep a crest.
+    /// particles (at 2.0 a tank after a splash is full of bubbles), narrow enough to preserve a crest.
     const SUPPORT: f32 = 2.6;
     /// Marching-cubes cell over the spacing; half of it costs four times the triangles and looks
     /// the same after smoothing.
@@ -137,7 +137,7 @@ pub fn surface(points: &[[f32; 3]], spacing: f32) -> Result<Surface, String> {
 
     Ok(Surface {
         vertices: mesh.vertices.iter().map(|v| [v.x, v.y, v.z]).collect(),
-        // A vertex of degenerate triangles has no normal; any will do, but never NaN.
+        // A vertex of degenerate triangles has no normal; any finite one will do.
         normals: normals
             .iter()
             .map(|n| [n.x, n.y, n.z])
@@ -153,7 +153,7 @@ pub fn surface(points: &[[f32; 3]], spacing: f32) -> Result<Surface, String> {
     })
 }
 
-/// Stands in for the reconstruction in a build without feature `surface`.
+/// Substitute for the reconstruction in a build without feature `surface`.
 ///
 /// # Errors
 ///

@@ -1,4 +1,4 @@
-//! A first look at the whole run, so that camera, colors and cut walls are the same in all frames.
+//! First pass over the whole run, for a common camera, color range and set of cut walls in all frames.
 
 use super::body::{Body, Stage, stage};
 use super::camera::{Camera, Lens, bounds};
@@ -8,13 +8,13 @@ use super::{RenderError, RenderOptions};
 use nalgebra::Vector3;
 use std::path::Path;
 
-/// Frames that are looked at; more make no visible difference.
+/// Sampled frames; more make no visible difference.
 const FRAMES: usize = 16;
-/// Particles per frame that are looked at.
+/// Sampled particles per frame.
 const POINTS: usize = 6000;
-/// Rays of sight that decide which walls are cut.
+/// Lines of sight for the selection of cut walls.
 const RAYS: usize = 600;
-/// Share of particles faster than the upper end of the colors: a few drops of spray do not
+/// Fraction of particles faster than the upper end of the color range, so that a few drops of spray do not
 /// darken the rest.
 const FASTEST: f64 = 0.002;
 
@@ -28,12 +28,12 @@ pub(crate) struct Survey {
     pub ground: f64,
     pub spacing: f64,
     pub speed_range: f64,
-    /// For the user.
+    /// Report to the user.
     pub description: String,
 }
 
 impl Survey {
-    /// For the writer of frames.
+    /// Declarations for the frames.
     pub fn setting<'a>(&'a self, title: &'a str) -> Setting<'a> {
         let Self {
             camera,
@@ -60,7 +60,7 @@ impl Survey {
     }
 }
 
-/// Looks at some of the chosen frames, the first and the last among them.
+/// Samples the chosen frames, including the first and the last.
 pub(crate) fn survey(
     run: &RunFolder,
     folder: &Path,
@@ -95,18 +95,18 @@ pub(crate) fn survey(
         })?;
 
     let (low, high) = bounds(&samples).unwrap_or((camera.look_at, camera.look_at));
-    // Along strips only the length of one counts: colors and lines are the picture's business.
+    // Along strips only the length of one counts: colors and lines depend on the picture.
     let size = match &camera.lens {
         Lens::Perspective { .. } => (high - low).norm(),
         Lens::Strips { width, .. } => *width,
     };
-    // Across strips one looks through the slab, else through a fraction of the scene, and through a
-    // slab again where that is thinner: its water would be a pane of glass.
+    // Strips are viewed through the slab, other scenes through a fraction of their size, or through the slab if that is
+    // thinner: otherwise its water would look like a pane of glass.
     let clear = match camera.panels().first() {
         Some(panel) if panel.shift.norm() > 0.0 => 0.9 * (high - low)[1 - panel.axis],
         _ => {
             let thinnest = (high - low).xy().min().max(1e-3 * size);
-            // nobody sees the bed of a lake: its waves are what a picture is for
+            // the bed of a lake need not be visible, its waves must be
             let lake = depth.filter(|_| !stage.terrain.is_empty()).unwrap_or(size);
             (0.1 * size).min(0.9 * thinnest).min(0.5 * lake)
         }
@@ -143,7 +143,7 @@ pub(crate) fn survey(
     })
 }
 
-/// The scene's own eye, or of the fitted ones that which walls hide least from.
+/// The scene's own camera, or the fitted one from which walls hide least.
 fn eye(
     run: &RunFolder,
     folder: &Path,
@@ -182,7 +182,7 @@ fn evenly<T>(items: &[T], n: usize) -> Vec<&T> {
         .collect()
 }
 
-/// Distance of particles from the cloud itself: the median distance to the nearest neighbor of a
+/// Particle spacing from the particles themselves: the median distance to the nearest neighbor of a
 /// few; m.
 fn guessed_spacing(points: &[[f32; 3]]) -> Option<f64> {
     let nearest = |p: &[f32; 3]| {
@@ -202,7 +202,7 @@ fn guessed_spacing(points: &[[f32; 3]]) -> Option<f64> {
     distances.get(distances.len() / 2).copied()
 }
 
-/// A round number that few speeds exceed; m/s.
+/// Round number exceeded by few speeds; m/s.
 fn upper_end(speeds: &mut [f32]) -> f64 {
     speeds.sort_by(f32::total_cmp);
     let at = ((1.0 - FASTEST) * speeds.len() as f64) as usize;
