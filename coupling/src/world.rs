@@ -158,7 +158,7 @@ pub struct Extremes {
     pub max_mach: f64,
     /// Deepest particle inside a solid, over the spacing.
     pub max_wall_penetration_over_spacing: f64,
-    /// Particles found inside a solid and put back.
+    /// Particles found inside a solid and pushed back.
     pub particles_pushed_back: u64,
     /// Blocks that left the domain.
     pub blocks_removed: u64,
@@ -175,7 +175,7 @@ pub struct Extremes {
 /// Wall time by phase.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct PhaseTimes {
-    /// Sorting and neighbour search.
+    /// Sorting and neighbor search.
     pub neighbors: Duration,
     /// Densities and pressures.
     pub density: Duration,
@@ -185,7 +185,7 @@ pub struct PhaseTimes {
     pub broad_phase: Duration,
     /// Blocks: narrow phase with the contact law, which share a loop, and the sums for each block.
     pub contacts: Duration,
-    /// Placing walls, and which particles are near which of them.
+    /// Placement of walls, and search of particles near them.
     pub wall_search: Duration,
     /// Sums and forces between particles and blocks.
     pub coupling: Duration,

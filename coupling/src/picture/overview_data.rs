@@ -18,11 +18,11 @@ use crate::saved::{Read, Saved};
 use crate::scene::resolve::Scene;
 use crate::world::World;
 
-/// Gathers the material of `overview.svg` during a run.
+/// Collects the data of `overview.svg` during a run.
 #[derive(Debug)]
 pub struct OverviewData {
     overview: Overview,
-    /// Place of each gauge record in the gauges' row.
+    /// Index of each gauge record in the row of gauges.
     places: Vec<usize>,
     duration: f64,
 }
@@ -80,7 +80,7 @@ impl OverviewData {
         postcard::to_extend(&(&self.overview.snapshots, plans), out)
     }
 
-    /// Takes them over again; returns the rest of the bytes.
+    /// Restores the views; returns the rest of the bytes.
     pub fn read<'a>(&mut self, bytes: &'a [u8]) -> Read<'a> {
         let (views, rest): (Option<Vec<FromAbove>>, _);
         ((self.overview.snapshots, views), rest) = postcard::take_from_bytes(bytes)?;
@@ -90,7 +90,7 @@ impl OverviewData {
         Ok(rest)
     }
 
-    /// Draws what became of the blocks that were followed: how high they flew, and how far they went.
+    /// Plots bounce heights and run-out of the tracked blocks.
     pub fn note_trajectories(&mut self, trajectories: &Trajectories) {
         let run_outs = trajectories.run_outs();
         if run_outs.is_empty() {
@@ -106,7 +106,7 @@ impl OverviewData {
         }
     }
 
-    /// Takes the view at the start, from above too, and, once, at the middle.
+    /// Takes the view at the start, also from above, and once at the middle.
     pub fn note_view(&mut self, world: &World) {
         let due = match self.overview.snapshots.len() {
             0 => 0.0,
@@ -142,7 +142,7 @@ impl OverviewData {
         self.look_from_above(world);
         self.overview.subtitle = subtitle;
         self.read_records(folder)?;
-        // a term that the scene does not have needs no line in the legend
+        // terms absent from the scene are omitted from the legend
         self.overview
             .energy
             .retain(|record| record.value.iter().any(|&value| value != 0.0));
@@ -155,10 +155,10 @@ impl OverviewData {
     }
 }
 
-/// Envelope of the heights above the ground over the horizontal distance, and the heights that one block in ten and
-/// every other one passes.
+/// Envelope of the heights above ground over the horizontal distance, and the heights exceeded by 10 % and
+/// 50 % of the blocks.
 fn bounce_heights(heights: &[(f64, Vec<f64>)]) -> Chart {
-    // NaN, where no block came by, is a gap
+    // NaN, where no block passed, is a gap
     let passed_by = |share: f64| -> Vec<f64> {
         let rank = |heights: &Vec<f64>| {
             let place = ((1.0 - share) * heights.len() as f64) as usize;
@@ -184,7 +184,7 @@ fn bounce_heights(heights: &[(f64, Vec<f64>)]) -> Chart {
     }
 }
 
-/// Share of the blocks that went no farther than a distance, a stair.
+/// Cumulative distribution of the run-out, as a step function.
 fn reached(run_outs: &[f64]) -> Chart {
     let n = run_outs.len() as f64;
     let steps = (0..).zip(run_outs);
@@ -237,8 +237,8 @@ fn snapshot(world: &World) -> Snapshot {
     }
 }
 
-/// Silhouettes of the blocks that the middle of the domain cuts: side walls do not hide the water. On a terrain, which
-/// hides nothing here but its section, all blocks that move.
+/// Silhouettes of the blocks cut by the middle plane of the domain, without side walls that would hide the water. On
+/// terrain, which appears as a section only, all moving blocks.
 fn outlines(world: &World) -> Vec<Outline> {
     let blocks = &world.blocks;
     let middle = 0.5 * (world.domain.0.y + world.domain.1.y);
@@ -273,8 +273,8 @@ fn in_view(x: &Vec3) -> [f32; 2] {
     [x.x as f32, x.z as f32]
 }
 
-/// Section of a surface of triangles at `y` = middle: what lies below a terrain, down to `bottom` (m); the cuts one by
-/// one where it overhangs.
+/// Section of a triangulated surface at `y` = middle: the ground below a terrain, down to `bottom` (m); individual cuts
+/// where it overhangs.
 fn section(vertices: &[Vec3], faces: &[Vec<u32>], middle: f64, bottom: f64) -> Vec<Outline> {
     let corner = |v: u32| vertices[v as usize];
     let cut = |face: &Vec<u32>| -> Vec<[f32; 2]> {
@@ -363,7 +363,7 @@ mod tests {
         ];
         assert_eq!(found.len(), 1);
         assert_eq!(found[0].points, expected);
-        // seen from below it is no terrain
+        // a surface facing down is not a terrain
         let turned = faces.map(|face| face.into_iter().rev().collect());
         assert_eq!(section(&vertices, &turned, 1.0, -3.0).len(), 4);
     }

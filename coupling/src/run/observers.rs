@@ -144,7 +144,7 @@ impl Observers {
         followed
     }
 
-    /// Makes sure that what was written outlasts a power failure.
+    /// Flushes the file to disk, so that it survives a power failure.
     pub fn sync(&self) -> Result<(), ObserveError> {
         self.all().try_for_each(Observer::sync)
     }

@@ -64,7 +64,7 @@ pub fn expand(file: &mut SceneFile, most: usize) -> Result<Vec<GrainsReport>, Ve
             problems.push(refused("name", what));
             continue;
         }
-        // validation has seen that the name exists
+        // validation has verified that the name exists
         let material = file.materials.iter().find(|m| m.name == grains.material);
         reports.push(report(grains, material.map_or(0.0, |m| m.density), &blocks));
         file.blocks.extend(blocks);

@@ -225,7 +225,7 @@ impl Scene {
             .zip(&file.blocks)
             .map(|(((_, shape), motion), block)| BlockDefinition {
                 shape,
-                // validation has seen that the name exists
+                // validation has verified that the name exists
                 material: file
                     .materials
                     .iter()

@@ -30,7 +30,7 @@ pub struct Frames {
 }
 
 impl Frames {
-    /// Frames of the world's kinds of objects; fixed blocks are written here, once.
+    /// Frames of all kinds of objects in the world; fixed blocks are written here, once.
     ///
     /// # Errors
     ///
@@ -65,7 +65,7 @@ impl Frames {
         [&self.water, &self.blocks, &self.contacts, &self.faces].map(Option::as_ref)
     }
 
-    /// Removes the frames that were written since: the run will write them again.
+    /// Removes later frames, which the run will write again.
     fn remove_later_frames(&self) -> Result<(), ObserveError> {
         for number in self.n_written.. {
             let mut is_any = false;
@@ -141,7 +141,7 @@ impl Observer for Frames {
     }
 
     fn sync(&self) -> Result<(), ObserveError> {
-        // each file is synced before it gets its name
+        // each file is synced before it is renamed
         Ok(())
     }
 
@@ -167,7 +167,7 @@ impl Observer for Frames {
     }
 }
 
-/// Particles in order of id, so that a particle keeps its place from frame to frame.
+/// Particles in order of id, so that a particle has the same index in all frames.
 fn water_points(water: &Water, fields: &[WaterField]) -> PolyData {
     let particles = water.fluid.particles();
     let mut order: Vec<usize> = (0..particles.len()).collect();
