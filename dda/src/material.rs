@@ -2,6 +2,7 @@
 
 use crate::BlockError;
 use crate::contact::detection::patch::Scaling;
+use serde::{Deserialize, Serialize};
 
 /// Isotropic linear elasticity of deformable blocks; rigid blocks ignore it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -283,7 +284,7 @@ impl Strength {
 }
 
 /// Constants of the contact between two materials.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Joint {
     /// What the stiffnesses refer to.
     pub scaling: Scaling,
@@ -342,7 +343,7 @@ pub enum RollingLaw {
 }
 
 /// Constants of the contact of a ball.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct SphereJoint {
     pub normal: SphereSpring,
     /// `k_t` over the tangent normal stiffness; –.
@@ -354,7 +355,7 @@ pub(crate) struct SphereJoint {
     pub rolling_friction: f64,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) enum SphereSpring {
     /// `k` (N/m) and `ξ` (–).
     Linear { stiffness: f64, damping_ratio: f64 },

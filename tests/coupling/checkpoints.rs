@@ -294,7 +294,7 @@ fn what_cannot_go_on_says_why_and_changes_nothing() {
         ),
         (
             &newer,
-            "is a checkpoint of format 2, and this riprap reads format 1",
+            "is a checkpoint of format 3, and this riprap reads format 2",
         ),
         (&b"solid cube"[..], "is no checkpoint of riprap"),
     ] {

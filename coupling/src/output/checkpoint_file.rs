@@ -31,7 +31,7 @@ pub const NEW: &str = "checkpoint.new.bin";
 
 const MAGIC: &[u8] = b"riprap checkpoint\n";
 /// Version of the file format around the state.
-const FORMAT: u32 = 1;
+const FORMAT: u32 = 2;
 /// Length of the hash at the end.
 const HASH: usize = blake3::OUT_LEN;
 

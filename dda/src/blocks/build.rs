@@ -54,15 +54,14 @@ impl Blocks {
     ) -> Result<Self, BlockError> {
         check_settings(&settings)?;
         let joints = Joint::table(&materials, overrides, settings.normal_law)?;
-        let resists_rolling = joints.iter().any(|j| j.spheres.rolling_friction > 0.0);
         let mut this = Self::empty(joints, materials.len(), settings);
-        this.has_rolling = resists_rolling;
         for (block, definition) in definitions.into_iter().enumerate() {
             this.push(block, definition, &materials)?;
         }
         this.note_neighbors();
         this.begin_rest();
-        this.note_roles();
+        this.sort_by_update();
+        this.mark_movable_parts();
         this.place_parts(true);
         this.find_candidates();
         this.bond_pairs();
@@ -91,7 +90,7 @@ impl Blocks {
                 n_materials: materials.len(),
             });
         };
-        if self.settings.normal_law == NormalLaw::Hertz
+        if self.constants.settings.normal_law == NormalLaw::Hertz
             && matches!(shape, Shape::Sphere { .. })
             && materials.iter().any(|m| m.elastic.is_none())
         {
@@ -148,8 +147,8 @@ impl Blocks {
             &start,
             !matches!(motion, Motion::Fixed),
         );
-        self.centroid.push(start + displacement);
-        self.velocity.push(match &motion {
+        self.state.centroid.push(start + displacement);
+        self.state.velocity.push(match &motion {
             Motion::Free => velocity,
             Motion::Fixed => Vec3::zeros(),
             Motion::Prescribed(path) => path.velocity(0.0),
@@ -163,10 +162,10 @@ impl Blocks {
         let momentum = attitude
             .inverse_transform_vector(&spin)
             .component_mul(&moments);
-        self.angular_momentum.push(momentum);
-        self.attitude.push(attitude);
-        self.is_removed.push(false);
-        self.kinematics.push(Kinematics {
+        self.state.angular_momentum.push(momentum);
+        self.state.attitude.push(attitude);
+        self.state.is_removed.push(false);
+        self.state.kinematics.push(Kinematics {
             centroid: start,
             velocity,
             spin,
@@ -174,24 +173,24 @@ impl Blocks {
             inverse_inertia: Matrix3::zeros(),
             strain_rate: None,
         });
-        self.deformable_of.push(
+        self.constants.deformable_of.push(
             deformable
                 .is_some()
-                .then_some(self.deformables.len() as u32),
+                .then_some(self.state.deformables.len() as u32),
         );
-        self.deformables.extend(deformable);
-        self.contact_load.push(Load::default());
-        self.contact_load_before.push(Load::default());
-        self.rates.push(BlockRates::default());
+        self.state.deformables.extend(deformable);
+        self.state.contact_load.push(Load::default());
+        self.state.contact_load_before.push(Load::default());
+        self.state.rates.push(BlockRates::default());
         let mass = rock.density * properties.volume;
         let lever = self.worst_lever(block, &moments, &principal, mass);
-        self.lever.push(lever);
-        self.mass.push(mass);
-        self.volume.push(properties.volume);
-        self.inertia.push(moments);
-        self.principal.push(principal);
-        self.initial_centroid.push(start);
-        self.motion.push(motion);
+        self.constants.lever.push(lever);
+        self.constants.mass.push(mass);
+        self.constants.volume.push(properties.volume);
+        self.constants.inertia.push(moments);
+        self.constants.principal.push(principal);
+        self.constants.initial_centroid.push(start);
+        self.constants.motion.push(motion);
         Ok(())
     }
 
@@ -204,26 +203,27 @@ impl Blocks {
         can_move: bool,
     ) {
         let shift = Isometry::translation(-centroid.x, -centroid.y, -centroid.z);
-        let first = self.reference.len();
+        let first = self.constants.reference.len();
         // A surface stays where it is given.
         let about_centroid = match shape {
             Shape::Surface(_) => shape.clone(),
             _ => shape.transformed(&shift),
         };
         match about_centroid {
-            Shape::Surface(surface) => self.reference.push(Part::Surface(surface)),
-            Shape::Polyhedra(parts) => self.reference.extend(
+            Shape::Surface(surface) => self.constants.reference.push(Part::Surface(surface)),
+            Shape::Polyhedra(parts) => self.constants.reference.extend(
                 parts
                     .into_iter()
                     .map(|part| Part::Polyhedron(Box::new(part))),
             ),
-            Shape::Sphere { center, radius } => {
-                self.reference.push(Part::Sphere { center, radius })
-            }
+            Shape::Sphere { center, radius } => self
+                .constants
+                .reference
+                .push(Part::Sphere { center, radius }),
         }
-        let (least_size, least_thickness) = least_of_the_large(&self.reference[first..]);
+        let (least_size, least_thickness) = least_of_the_large(&self.constants.reference[first..]);
         let mut radius = 0.0_f64;
-        for part in &self.reference[first..] {
+        for part in &self.constants.reference[first..] {
             let (size, thickness) = (
                 part.size().max(least_size),
                 part.thickness().max(least_thickness),
@@ -236,28 +236,30 @@ impl Blocks {
             radius = radius.max(part.reach_from(&from));
             let mut placed = part.clone();
             placed.set_transformed(part, &shift.inverse());
-            self.parts.push(placed);
-            self.boxes.push(part.aabb());
-            self.fat_boxes.push(part.aabb());
-            self.block_of_part.push(block as u32);
-            self.material_of_part.push(material as u32);
-            self.margin.push(if can_move {
+            self.derived.parts.push(placed);
+            self.state.boxes.push(part.aabb());
+            self.state.fat_boxes.push(part.aabb());
+            self.constants.block_of_part.push(block as u32);
+            self.constants.material_of_part.push(material as u32);
+            self.constants.margin.push(if can_move {
                 f64::min(SKIN * size, SKIN_OF_THICKNESS * thickness)
             } else {
                 0.0
             });
-            self.can_move.push(can_move);
-            self.size.push(size);
-            self.deepest_allowed.push(f64::min(
-                self.settings.overlap_limit * size,
+            self.constants.size.push(size);
+            self.constants.deepest_allowed.push(f64::min(
+                self.constants.settings.overlap_limit * size,
                 THICKNESS_SHARE * thickness,
             ));
         }
-        self.radius.push(radius);
-        let margins = self.margin[first..].iter().copied();
-        self.least_margin
+        self.constants.radius.push(radius);
+        let margins = self.constants.margin[first..].iter().copied();
+        self.constants
+            .least_margin
             .push(margins.fold(f64::INFINITY, f64::min));
-        self.part_start.push(self.reference.len() as u32);
+        self.constants
+            .part_start
+            .push(self.constants.reference.len() as u32);
     }
 
     /// The radius `R`; of a needle the lever with the turning compliance of its worst corner. A force across a needle's axis
@@ -273,7 +275,7 @@ impl Blocks {
         principal: &UnitQuaternion<f64>,
         mass: f64,
     ) -> f64 {
-        let radius = self.radius[block];
+        let radius = self.constants.radius[block];
         let inverse = moments.map(|moment| 1.0 / moment);
         let softness = inverse.norm();
         if !(radius * radius * softness * mass > NEEDLE) {
@@ -285,7 +287,7 @@ impl Blocks {
             r.map(|component| square - component * component)
                 .dot(&inverse)
         };
-        let worst = self.reference[self.parts_of(block)]
+        let worst = self.constants.reference[self.parts_of(block)]
             .iter()
             .map(|part| match part {
                 Part::Polyhedron(body) => {
@@ -300,14 +302,14 @@ impl Blocks {
     /// Finds the faces that nothing can touch and the corners where surfaces join, between parts of one
     /// body and between fixed bodies.
     fn note_neighbors(&mut self) {
-        let is_fixed = |block: u32| matches!(self.motion[block as usize], Motion::Fixed);
+        let is_fixed = |block: u32| matches!(self.constants.motion[block as usize], Motion::Fixed);
         // In the initial placement, where the fixed parts can be compared.
-        let placed = self.parts.clone();
+        let placed = self.derived.parts.clone();
         let fixed: Vec<usize> = (0..placed.len())
-            .filter(|&part| is_fixed(self.block_of_part[part]))
+            .filter(|&part| is_fixed(self.constants.block_of_part[part]))
             .collect();
-        for part in 0..self.parts.len() {
-            let block = self.block_of_part[part];
+        for part in 0..self.derived.parts.len() {
+            let block = self.constants.block_of_part[part];
             let own: Vec<usize> = self.parts_of(block as usize).collect();
             let company = if is_fixed(block) { &fixed } else { &own };
             if company.len() < 2 || !matches!(placed[part], Part::Polyhedron(_)) {
@@ -326,11 +328,12 @@ impl Blocks {
                     Part::Sphere { .. } | Part::Surface(_) => None,
                 })
                 .collect();
-            let turn_back =
-                self.attitude[block as usize] * self.principal[block as usize].inverse();
-            if let (Part::Polyhedron(body), Part::Polyhedron(reference)) =
-                (&mut self.parts[part], &mut self.reference[part])
-            {
+            let turn_back = self.state.attitude[block as usize]
+                * self.constants.principal[block as usize].inverse();
+            if let (Part::Polyhedron(body), Part::Polyhedron(reference)) = (
+                &mut self.derived.parts[part],
+                &mut self.constants.reference[part],
+            ) {
                 crate::geometry::parts::note_neighbors(body, &others);
                 reference.copy_neighbors(body, &turn_back.inverse());
             }

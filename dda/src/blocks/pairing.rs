@@ -15,16 +15,17 @@ use crate::{Blocks, Motion, NormalLaw};
 impl Blocks {
     /// Lists the pairs of parts whose fat boxes overlap; pairs that stay keep their history.
     pub(crate) fn find_candidates(&mut self) {
-        for part in 0..self.parts.len() {
-            self.fat_boxes[part] = if self.is_removed[self.block_of_part[part] as usize] {
-                NOWHERE
-            } else {
-                broad_phase::grown(&self.boxes[part], self.margin[part])
-            };
+        for part in 0..self.derived.parts.len() {
+            self.state.fat_boxes[part] =
+                if self.state.is_removed[self.constants.block_of_part[part] as usize] {
+                    NOWHERE
+                } else {
+                    broad_phase::grown(&self.state.boxes[part], self.constants.margin[part])
+                };
         }
-        let mut candidates = std::mem::take(&mut self.candidates);
-        let (block_of, motion) = (&self.block_of_part, &self.motion);
-        let (parts, margin) = (&self.parts, &self.margin);
+        let mut candidates = std::mem::take(&mut self.scratch.candidates);
+        let (block_of, motion) = (&self.constants.block_of_part, &self.constants.motion);
+        let (parts, margin) = (&self.derived.parts, &self.constants.margin);
         // The boxes of balls meet at their corners long before the balls do.
         let may_meet = |i: usize, j: usize| match (&parts[i], &parts[j]) {
             (
@@ -44,8 +45,8 @@ impl Blocks {
             _ => true,
         };
         broad_phase::candidates(
-            &self.fat_boxes,
-            &self.can_move,
+            &self.state.fat_boxes,
+            &self.derived.can_move,
             |i, j| {
                 let (a, b) = (block_of[i as usize] as usize, block_of[j as usize] as usize);
                 let is_free = |block: usize| matches!(motion[block], Motion::Free);
@@ -53,7 +54,7 @@ impl Blocks {
             },
             &mut candidates,
         );
-        self.candidates = candidates;
+        self.scratch.candidates = candidates;
         self.keep_pairs();
         self.keep_sphere_pairs();
         self.keep_surface_pairs();
@@ -62,7 +63,10 @@ impl Blocks {
 
     /// Which list two parts belong to.
     fn kind_of(&self, parts: (u32, u32)) -> PairKind {
-        let (i, j) = (&self.parts[parts.0 as usize], &self.parts[parts.1 as usize]);
+        let (i, j) = (
+            &self.derived.parts[parts.0 as usize],
+            &self.derived.parts[parts.1 as usize],
+        );
         if i.is_surface() || j.is_surface() {
             PairKind::Surface
         } else if i.is_sphere() || j.is_sphere() {
@@ -73,16 +77,16 @@ impl Blocks {
     }
 
     fn blocks_of(&self, parts: (u32, u32)) -> (u32, u32) {
-        let block = |part: u32| self.block_of_part[part as usize];
+        let block = |part: u32| self.constants.block_of_part[part as usize];
         (block(parts.0), block(parts.1))
     }
 
     fn keep_pairs(&mut self) {
-        std::mem::swap(&mut self.pairs, &mut self.pairs_before);
-        let mut old = std::mem::take(&mut self.pairs_before);
+        std::mem::swap(&mut self.contacts.pairs, &mut self.scratch.pairs_before);
+        let mut old = std::mem::take(&mut self.scratch.pairs_before);
         let mut rest = old.drain(..).peekable();
-        for k in 0..self.candidates.len() {
-            let parts = self.candidates[k];
+        for k in 0..self.scratch.candidates.len() {
+            let parts = self.scratch.candidates[k];
             if self.kind_of(parts) != PairKind::Polyhedra {
                 continue;
             }
@@ -90,45 +94,54 @@ impl Blocks {
             let pair = rest
                 .next_if(|pair| pair.parts == parts)
                 .unwrap_or_else(|| Pair::new(parts, self.blocks_of(parts)));
-            self.pairs.push(pair);
+            self.contacts.pairs.push(pair);
         }
         drop(rest);
-        self.pairs_before = old;
-        let n_chunks = self.pairs.len().div_ceil(PAIR_CHUNK);
-        if self.workspaces.len() < n_chunks {
-            self.workspaces.resize_with(n_chunks, Workspace::default);
+        self.scratch.pairs_before = old;
+        let n_chunks = self.contacts.pairs.len().div_ceil(PAIR_CHUNK);
+        if self.scratch.workspaces.len() < n_chunks {
+            self.scratch
+                .workspaces
+                .resize_with(n_chunks, Workspace::default);
         }
     }
 
     fn scales_of(&self, parts: (u32, u32)) -> Scales {
         let (i, j) = (parts.0 as usize, parts.1 as usize);
         Scales::of(
-            (&self.parts[i], &self.parts[j]),
-            self.deepest_allowed[i].min(self.deepest_allowed[j]),
-            self.size[i].min(self.size[j]),
+            (&self.derived.parts[i], &self.derived.parts[j]),
+            self.constants.deepest_allowed[i].min(self.constants.deepest_allowed[j]),
+            self.constants.size[i].min(self.constants.size[j]),
         )
     }
 
     fn keep_sphere_pairs(&mut self) {
-        let mut old = std::mem::take(&mut self.sphere_pairs_before);
+        let mut old = std::mem::take(&mut self.scratch.sphere_pairs_before);
         old.clear();
-        old.extend((0..self.sphere_pairs.len()).map(|k| SpherePairBefore {
-            pair: self.sphere_pairs[k],
-            mark: self.sphere_marks[k],
-            contact: self.sphere_contacts[k],
-            loads: self.sphere_loads[k],
-            rates: self.sphere_rates[k],
-            rolling: self.sphere_rolling.get(k).copied().unwrap_or_default(),
+        old.extend((0..self.contacts.sphere_pairs.len()).map(|k| {
+            SpherePairBefore {
+                pair: self.contacts.sphere_pairs[k],
+                mark: self.contacts.sphere_marks[k],
+                contact: self.contacts.sphere_contacts[k],
+                loads: self.contacts.sphere_loads[k],
+                rates: self.contacts.sphere_rates[k],
+                rolling: self
+                    .contacts
+                    .sphere_rolling
+                    .get(k)
+                    .copied()
+                    .unwrap_or_default(),
+            }
         }));
-        self.sphere_pairs.clear();
-        self.sphere_marks.clear();
-        self.sphere_contacts.clear();
-        self.sphere_loads.clear();
-        self.sphere_rates.clear();
-        self.sphere_rolling.clear();
+        self.contacts.sphere_pairs.clear();
+        self.contacts.sphere_marks.clear();
+        self.contacts.sphere_contacts.clear();
+        self.contacts.sphere_loads.clear();
+        self.contacts.sphere_rates.clear();
+        self.contacts.sphere_rolling.clear();
         let mut rest = old.drain(..).peekable();
-        for k in 0..self.candidates.len() {
-            let parts = self.candidates[k];
+        for k in 0..self.scratch.candidates.len() {
+            let parts = self.scratch.candidates[k];
             if self.kind_of(parts) != PairKind::Sphere {
                 continue;
             }
@@ -146,23 +159,26 @@ impl Blocks {
                     rates: PairRates::default(),
                     rolling: Rolling::default(),
                 });
-            self.sphere_pairs.push(row.pair);
-            self.sphere_marks.push(row.mark);
-            self.sphere_contacts.push(row.contact);
-            self.sphere_loads.push(row.loads);
-            self.sphere_rates.push(row.rates);
-            if self.has_rolling {
-                self.sphere_rolling.push(row.rolling);
+            self.contacts.sphere_pairs.push(row.pair);
+            self.contacts.sphere_marks.push(row.mark);
+            self.contacts.sphere_contacts.push(row.contact);
+            self.contacts.sphere_loads.push(row.loads);
+            self.contacts.sphere_rates.push(row.rates);
+            if self.constants.has_rolling {
+                self.contacts.sphere_rolling.push(row.rolling);
             }
         }
         drop(rest);
-        self.sphere_pairs_before = old;
+        self.scratch.sphere_pairs_before = old;
     }
 
     /// Surfaces are few: the pairs are sorted by candidates, whichever of the two the body is.
     fn keep_surface_pairs(&mut self) {
-        std::mem::swap(&mut self.surface_pairs, &mut self.surface_pairs_before);
-        let mut old = std::mem::take(&mut self.surface_pairs_before);
+        std::mem::swap(
+            &mut self.contacts.surface_pairs,
+            &mut self.scratch.surface_pairs_before,
+        );
+        let mut old = std::mem::take(&mut self.scratch.surface_pairs_before);
         let sorted = |pair: &SurfacePair| {
             (
                 pair.parts.0.min(pair.parts.1),
@@ -170,8 +186,8 @@ impl Blocks {
             )
         };
         let mut rest = old.drain(..).peekable();
-        for k in 0..self.candidates.len() {
-            let parts = self.candidates[k];
+        for k in 0..self.scratch.candidates.len() {
+            let parts = self.scratch.candidates[k];
             if self.kind_of(parts) != PairKind::Surface {
                 continue;
             }
@@ -179,64 +195,76 @@ impl Blocks {
             let mut pair = rest
                 .next_if(|pair| sorted(pair) == parts)
                 .unwrap_or_else(|| {
-                    let (body, surface) = if self.parts[parts.0 as usize].is_surface() {
+                    let (body, surface) = if self.derived.parts[parts.0 as usize].is_surface() {
                         (parts.1, parts.0)
                     } else {
                         parts
                     };
                     let ordered = (body, surface);
-                    SurfacePair::new(ordered, self.blocks_of(ordered), &self.parts[body as usize])
+                    SurfacePair::new(
+                        ordered,
+                        self.blocks_of(ordered),
+                        &self.derived.parts[body as usize],
+                    )
                 });
-            if let Part::Surface(surface) = &self.parts[pair.parts.1 as usize] {
-                surface.near(&self.fat_boxes[pair.parts.0 as usize], &mut pair.triangles);
+            if let Part::Surface(surface) = &self.derived.parts[pair.parts.1 as usize] {
+                surface.near(
+                    &self.state.fat_boxes[pair.parts.0 as usize],
+                    &mut pair.triangles,
+                );
             }
-            self.surface_pairs.push(pair);
+            self.contacts.surface_pairs.push(pair);
         }
         drop(rest);
-        self.surface_pairs_before = old;
+        self.scratch.surface_pairs_before = old;
     }
 
     pub(super) fn link_pairs(&mut self) {
         let n = self.n_blocks();
-        self.has_new_links = true;
-        self.surface_links
-            .set(n, self.surface_pairs.iter().map(|pair| pair.blocks));
-        self.links.set(n, self.pairs.iter().map(|pair| pair.blocks));
-        self.sphere_links
-            .set(n, self.sphere_pairs.iter().map(|pair| pair.blocks));
+        self.derived.has_new_links = true;
+        self.derived.surface_links.set(
+            n,
+            self.contacts.surface_pairs.iter().map(|pair| pair.blocks),
+        );
+        self.derived
+            .links
+            .set(n, self.contacts.pairs.iter().map(|pair| pair.blocks));
+        self.derived
+            .sphere_links
+            .set(n, self.contacts.sphere_pairs.iter().map(|pair| pair.blocks));
     }
 
     pub(crate) fn split_pairs(&mut self) -> (Lists<'_>, Medium<'_>, &[Bounds]) {
         let medium = Medium {
-            parts: &self.parts,
-            kinematics: &self.kinematics,
-            role: &self.role,
-            motion: &self.motion,
-            joints: &self.joints,
-            material_of_part: &self.material_of_part,
-            n_materials: self.n_materials,
-            shear_damping_ratio: self.settings.shear_damping_ratio,
-            rolling_law: self.settings.rolling_law,
-            radius: &self.radius,
-            lever: &self.lever,
-            contact_detection: self.settings.contact_detection,
-            gravity: self.settings.gravity,
-            is_hertz: self.settings.normal_law == NormalLaw::Hertz,
-            size: &self.size,
-            deepest_allowed: &self.deepest_allowed,
+            parts: &self.derived.parts,
+            kinematics: &self.state.kinematics,
+            update: &self.derived.update,
+            motion: &self.constants.motion,
+            joints: &self.state.joints,
+            material_of_part: &self.constants.material_of_part,
+            n_materials: self.constants.n_materials,
+            shear_damping_ratio: self.constants.settings.shear_damping_ratio,
+            rolling_law: self.constants.settings.rolling_law,
+            radius: &self.constants.radius,
+            lever: &self.constants.lever,
+            contact_detection: self.constants.settings.contact_detection,
+            gravity: self.constants.settings.gravity,
+            is_hertz: self.constants.settings.normal_law == NormalLaw::Hertz,
+            size: &self.constants.size,
+            deepest_allowed: &self.constants.deepest_allowed,
         };
         let lists = Lists {
-            pairs: &mut self.pairs,
-            workspaces: &mut self.workspaces,
-            sphere_pairs: &self.sphere_pairs,
-            surface_pairs: &mut self.surface_pairs,
-            sphere_marks: &mut self.sphere_marks,
-            sphere_contacts: &mut self.sphere_contacts,
-            sphere_loads: &mut self.sphere_loads,
-            sphere_rates: &mut self.sphere_rates,
-            sphere_rolling: &mut self.sphere_rolling,
+            pairs: &mut self.contacts.pairs,
+            workspaces: &mut self.scratch.workspaces,
+            sphere_pairs: &self.contacts.sphere_pairs,
+            surface_pairs: &mut self.contacts.surface_pairs,
+            sphere_marks: &mut self.contacts.sphere_marks,
+            sphere_contacts: &mut self.contacts.sphere_contacts,
+            sphere_loads: &mut self.contacts.sphere_loads,
+            sphere_rates: &mut self.contacts.sphere_rates,
+            sphere_rolling: &mut self.contacts.sphere_rolling,
         };
-        (lists, medium, &self.boxes)
+        (lists, medium, &self.state.boxes)
     }
 
     pub(super) fn bond_pairs(&mut self) {

@@ -1,6 +1,6 @@
 //! From the state of the blocks to their kinematics and world geometry.
 
-use super::{CHUNK, Role};
+use super::{CHUNK, Constants, Derived, State, Update};
 use crate::contact::detection::broad_phase::Bounds;
 use crate::geometry::parts::Part;
 use crate::motion::deformation::{axial, symmetric};
@@ -13,31 +13,40 @@ impl Blocks {
     /// `all`.
     pub(crate) fn place_parts(&mut self, all: bool) {
         for block in 0..self.n_blocks() {
-            if !matches!(self.role[block], Role::Plain | Role::Asleep)
-                && (all || !matches!(self.motion[block], Motion::Fixed))
+            if !matches!(self.derived.update[block], Update::Rigid | Update::Asleep)
+                && (all || !matches!(self.constants.motion[block], Motion::Fixed))
             {
                 self.set_kinematics(block);
             }
         }
         self.set_plain_kinematics();
         let Self {
-            parts,
-            boxes,
-            reference,
-            block_of_part,
-            motion,
-            attitude,
-            principal,
-            centroid,
-            deformable_of,
-            deformables,
-            role,
+            derived: Derived { parts, update, .. },
+            state:
+                State {
+                    boxes,
+                    attitude,
+                    centroid,
+                    deformables,
+                    ..
+                },
+            constants:
+                Constants {
+                    reference,
+                    block_of_part,
+                    motion,
+                    principal,
+                    deformable_of,
+                    ..
+                },
             ..
         } = self;
         let place = |first: usize, (parts, boxes): (&mut [Part], &mut [Bounds])| {
             for ((k, part), bounds) in (first..).zip(parts).zip(boxes) {
                 let block = block_of_part[k] as usize;
-                if !all && (matches!(motion[block], Motion::Fixed) || role[block] == Role::Asleep) {
+                if !all
+                    && (matches!(motion[block], Motion::Fixed) || update[block] == Update::Asleep)
+                {
                     continue;
                 }
                 let turn = || attitude[block] * principal[block].inverse();
@@ -62,19 +71,22 @@ impl Blocks {
 
     fn set_plain_kinematics(&mut self) {
         let Self {
-            kinematics,
-            centroid,
-            velocity,
-            attitude,
-            angular_momentum,
-            inertia,
-            role,
-            mass,
+            state:
+                State {
+                    kinematics,
+                    centroid,
+                    velocity,
+                    attitude,
+                    angular_momentum,
+                    ..
+                },
+            constants: Constants { inertia, mass, .. },
+            derived: Derived { update, .. },
             ..
         } = self;
         let set = |first: usize, kinematics: &mut [Kinematics]| {
             for (b, kinematics) in (first..).zip(kinematics) {
-                if !matches!(role[b], Role::Plain | Role::Asleep) {
+                if !matches!(update[b], Update::Rigid | Update::Asleep) {
                     continue;
                 }
                 if is_isotropic(&inertia[b]) && kinematics.inverse_mass > 0.0 {
@@ -96,31 +108,35 @@ impl Blocks {
     }
 
     pub(crate) fn set_kinematics(&mut self, block: usize) {
-        if let Some(k) = self.deformable_of[block] {
+        if let Some(k) = self.constants.deformable_of[block] {
             self.set_deformable_kinematics(block, k as usize);
             return;
         }
         if self.is_free(block) {
             let mut kinematics = rigid_kinematics(
-                (self.centroid[block], self.velocity[block], self.mass[block]),
-                &self.attitude[block],
-                &self.angular_momentum[block],
-                &self.inertia[block],
+                (
+                    self.state.centroid[block],
+                    self.state.velocity[block],
+                    self.constants.mass[block],
+                ),
+                &self.state.attitude[block],
+                &self.state.angular_momentum[block],
+                &self.constants.inertia[block],
             );
             if let Some(hold) = self.hold_of(block) {
                 kinematics.inverse_inertia = hold.inverse_inertia(
                     kinematics.inverse_inertia,
-                    &self.attitude[block],
-                    &self.inertia[block],
+                    &self.state.attitude[block],
+                    &self.constants.inertia[block],
                 );
             }
-            self.kinematics[block] = kinematics;
+            self.state.kinematics[block] = kinematics;
             return;
         }
-        self.kinematics[block] = Kinematics {
-            centroid: self.centroid[block],
-            velocity: self.velocity[block],
-            spin: match self.motion[block] {
+        self.state.kinematics[block] = Kinematics {
+            centroid: self.state.centroid[block],
+            velocity: self.state.velocity[block],
+            spin: match self.constants.motion[block] {
                 Motion::Prescribed(_) => self.angular_velocity(block),
                 Motion::Free | Motion::Fixed => Vec3::zeros(),
             },
@@ -133,17 +149,21 @@ impl Blocks {
     /// Kinematics of a deformable block; its attitude and angular momentum follow for those who ask.
     fn set_deformable_kinematics(&mut self, block: usize, k: usize) {
         let is_free = self.is_free(block);
-        let deformable = &self.deformables[k];
+        let deformable = &self.state.deformables[k];
         let body = deformable.body();
         let gradient = body.velocity_gradient();
-        self.attitude[block] = deformable.rotation() * self.principal[block];
-        self.angular_momentum[block] =
-            self.attitude[block].inverse_transform_vector(&deformable.angular_momentum());
-        self.kinematics[block] = Kinematics {
-            centroid: self.centroid[block],
-            velocity: self.velocity[block],
+        self.state.attitude[block] = deformable.rotation() * self.constants.principal[block];
+        self.state.angular_momentum[block] =
+            self.state.attitude[block].inverse_transform_vector(&deformable.angular_momentum());
+        self.state.kinematics[block] = Kinematics {
+            centroid: self.state.centroid[block],
+            velocity: self.state.velocity[block],
             spin: axial(&gradient),
-            inverse_mass: if is_free { 1.0 / self.mass[block] } else { 0.0 },
+            inverse_mass: if is_free {
+                1.0 / self.constants.mass[block]
+            } else {
+                0.0
+            },
             inverse_inertia: if is_free {
                 body.present_inverse_second_moment()
             } else {

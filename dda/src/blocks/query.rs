@@ -14,7 +14,7 @@ impl Blocks {
 
     /// Number of blocks, removed ones included.
     pub fn n_blocks(&self) -> usize {
-        self.centroid.len()
+        self.state.centroid.len()
     }
 
     /// Number of blocks that forces move.
@@ -34,13 +34,14 @@ impl Blocks {
 
     fn count(&self, is_wanted: impl Fn(&Motion) -> bool) -> usize {
         (0..self.n_blocks())
-            .filter(|&b| !self.is_removed[b] && is_wanted(&self.motion[b]))
+            .filter(|&b| !self.state.is_removed[b] && is_wanted(&self.constants.motion[b]))
             .count()
     }
 
     /// Number of blocks taken out with [`remove`](Self::remove).
     pub fn n_removed(&self) -> usize {
-        self.is_removed
+        self.state
+            .is_removed
             .iter()
             .filter(|&&is_removed| is_removed)
             .count()
@@ -48,44 +49,44 @@ impl Blocks {
 
     /// Number of convex parts.
     pub fn n_parts(&self) -> usize {
-        self.parts.len()
+        self.derived.parts.len()
     }
 
     /// The block that a part belongs to.
     pub fn block_of_part(&self, part: usize) -> usize {
-        self.block_of_part[part] as usize
+        self.constants.block_of_part[part] as usize
     }
 
     /// The parts of a block.
     pub fn parts_of(&self, b: usize) -> std::ops::Range<usize> {
-        self.part_start[b] as usize..self.part_start[b + 1] as usize
+        self.constants.part_start[b] as usize..self.constants.part_start[b + 1] as usize
     }
 
     // One block.
 
     /// How it moves.
     pub fn motion(&self, b: usize) -> &Motion {
-        &self.motion[b]
+        &self.constants.motion[b]
     }
 
     /// Do forces move it?
     pub fn is_free(&self, b: usize) -> bool {
-        matches!(self.motion[b], Motion::Free) && !self.is_removed[b]
+        matches!(self.constants.motion[b], Motion::Free) && !self.state.is_removed[b]
     }
 
     /// Has it been taken out?
     pub fn is_removed(&self, b: usize) -> bool {
-        self.is_removed[b]
+        self.state.is_removed[b]
     }
 
     /// Centroid, world; m.
     pub fn centroid(&self, b: usize) -> Vec3 {
-        self.centroid[b]
+        self.state.centroid[b]
     }
 
     /// Turn since the initial placement.
     pub fn orientation(&self, b: usize) -> UnitQuaternion<f64> {
-        self.attitude[b] * self.principal[b].inverse()
+        self.state.attitude[b] * self.constants.principal[b].inverse()
     }
 
     /// World from the axes of the start: rotation, with the deformation gradient of a block that deforms.
@@ -103,108 +104,122 @@ impl Blocks {
     /// Present from initial placement.
     pub fn pose(&self, b: usize) -> Isometry {
         let turn = self.orientation(b);
-        let shift = self.centroid[b] - turn * self.initial_centroid[b];
+        let shift = self.state.centroid[b] - turn * self.constants.initial_centroid[b];
         Isometry::from_parts(shift.into(), turn)
     }
 
     /// Velocity of the centroid; m/s.
     pub fn velocity(&self, b: usize) -> Vec3 {
-        self.velocity[b]
+        self.state.velocity[b]
     }
 
     /// Angular velocity, world; rad/s.
     pub fn angular_velocity(&self, b: usize) -> Vec3 {
-        match self.deformable_of[b] {
-            None => self.attitude[b] * self.angular_momentum[b].component_div(&self.inertia[b]),
-            Some(k) => axial(&self.deformables[k as usize].body().velocity_gradient()),
+        match self.constants.deformable_of[b] {
+            None => {
+                self.state.attitude[b]
+                    * self.state.angular_momentum[b].component_div(&self.constants.inertia[b])
+            }
+            Some(k) => axial(
+                &self.state.deformables[k as usize]
+                    .body()
+                    .velocity_gradient(),
+            ),
         }
     }
 
     /// Does it deform?
     pub fn is_deformable(&self, b: usize) -> bool {
-        self.deformable_of[b].is_some()
+        self.constants.deformable_of[b].is_some()
     }
 
     /// Mean Cauchy stress in a deformable block, tension positive; none for a rigid one; Pa.
     pub fn stress(&self, b: usize) -> Option<Voigt> {
-        self.deformable_of[b].map(|k| voigt(&self.deformables[k as usize].stress()))
+        self.constants.deformable_of[b].map(|k| voigt(&self.state.deformables[k as usize].stress()))
     }
 
     /// Green's strain of a deformable block, in the axes of the start; none for a rigid one; –.
     pub fn strain(&self, b: usize) -> Option<Voigt> {
-        self.deformable_of[b].map(|k| voigt(&self.deformables[k as usize].strain()))
+        self.constants.deformable_of[b].map(|k| voigt(&self.state.deformables[k as usize].strain()))
     }
 
     /// Volume over initial volume: 1 for a rigid block; –.
     pub fn volume_ratio(&self, b: usize) -> f64 {
-        self.deformable_of[b].map_or(1.0, |k| {
-            self.deformables[k as usize].body().gradient.determinant()
+        self.constants.deformable_of[b].map_or(1.0, |k| {
+            self.state.deformables[k as usize]
+                .body()
+                .gradient
+                .determinant()
         })
     }
 
     /// Tension and yielded length of each rock bolt, in the order they were attached; N, m.
     pub fn bolts(&self) -> impl Iterator<Item = (f64, f64)> + '_ {
-        self.attachments.bolts()
+        self.state.attachments.bolts()
     }
 
     /// Kinetic energy of a free block, without what mass scaling adds; J.
     pub fn kinetic_energy(&self, b: usize) -> f64 {
-        let p = self.angular_momentum[b];
-        0.5 * self.mass[b] * self.velocity[b].norm_squared()
-            + match self.deformable_of[b] {
-                None => 0.5 * p.dot(&p.component_div(&self.inertia[b])),
-                Some(k) => self.deformables[k as usize].kinetic_energy(),
+        let p = self.state.angular_momentum[b];
+        0.5 * self.constants.mass[b] * self.state.velocity[b].norm_squared()
+            + match self.constants.deformable_of[b] {
+                None => 0.5 * p.dot(&p.component_div(&self.constants.inertia[b])),
+                Some(k) => self.state.deformables[k as usize].kinetic_energy(),
             }
     }
 
     /// Angular momentum about the centroid, world; N m s.
     pub fn spin_momentum(&self, b: usize) -> Vec3 {
-        self.attitude[b] * self.angular_momentum[b]
+        self.state.attitude[b] * self.state.angular_momentum[b]
     }
 
     /// Mass; kg.
     pub fn mass(&self, b: usize) -> f64 {
-        self.mass[b]
+        self.constants.mass[b]
     }
 
     /// Volume; m³.
     pub fn volume(&self, b: usize) -> f64 {
-        self.volume[b]
+        self.constants.volume[b]
     }
 
     /// Inertia tensor about the centroid, world; kg m².
     pub fn inertia(&self, b: usize) -> Matrix3<f64> {
-        let turn = self.attitude[b].to_rotation_matrix();
-        turn.matrix() * Matrix3::from_diagonal(&self.inertia[b]) * turn.matrix().transpose()
+        let turn = self.state.attitude[b].to_rotation_matrix();
+        turn.matrix()
+            * Matrix3::from_diagonal(&self.constants.inertia[b])
+            * turn.matrix().transpose()
     }
 
     /// Farthest point of the block from its centroid; m.
     pub fn radius(&self, b: usize) -> f64 {
-        self.radius[b]
+        self.constants.radius[b]
     }
 
     /// Velocity of the block's material at a world point; m/s.
     pub fn velocity_at(&self, b: usize, point: &Vec3) -> Vec3 {
-        self.kinematics[b].velocity_at(point)
+        self.state.kinematics[b].velocity_at(point)
     }
 
     /// Gradient of the velocity in the block: `ω×` of a rigid one; 1/s.
     pub fn velocity_gradient(&self, b: usize) -> Matrix3<f64> {
-        match self.deformable_of[b] {
+        match self.constants.deformable_of[b] {
             None => self.angular_velocity(b).cross_matrix(),
-            Some(k) => self.deformables[k as usize].body().velocity_gradient(),
+            Some(k) => self.state.deformables[k as usize]
+                .body()
+                .velocity_gradient(),
         }
     }
 
     /// `n·M⁻¹n` at a world point, rotation included: the acceleration along the unit vector `n`
     /// under a unit force along it; 0 for fixed and prescribed blocks; 1/kg.
     pub fn compliance(&self, b: usize, point: &Vec3, n: &Vec3) -> f64 {
-        self.kinematics[b].compliance(point, n)
+        self.state.kinematics[b].compliance(point, n)
     }
 
     /// Contact forces on a block at the end of the last step.
     pub fn contact_force(&self, b: usize) -> Load {
-        self.contact_load[b]
+        self.state.contact_load[b]
     }
 
     /// Corners and faces in the present place, for output; faces counter-clockwise from outside. A
@@ -212,7 +227,7 @@ impl Blocks {
     pub fn world_polygons(&self, b: usize) -> (Vec<Vec3>, Vec<Vec<u32>>) {
         let (mut vertices, mut faces) = (Vec::new(), Vec::new());
         for part in self.parts_of(b) {
-            match &self.parts[part] {
+            match &self.derived.parts[part] {
                 Part::Polyhedron(body) => {
                     let first = vertices.len() as u32;
                     vertices.extend_from_slice(body.vertices());
@@ -242,12 +257,12 @@ impl Blocks {
 
     /// Whether a part is a surface of triangles, which knows what is behind it only as deep as it is asked.
     pub fn is_surface(&self, part: usize) -> bool {
-        matches!(self.parts[part], Part::Surface(_))
+        matches!(self.derived.parts[part], Part::Surface(_))
     }
 
     /// Corners of a part in its present place, for output; of a ball, points all over it.
     pub fn part_points(&self, part: usize) -> Vec<Vec3> {
-        match &self.parts[part] {
+        match &self.derived.parts[part] {
             Part::Polyhedron(body) => body.vertices().to_vec(),
             Part::Surface(surface) => surface.vertices().to_vec(),
             Part::Sphere { center, radius } => {
@@ -260,7 +275,7 @@ impl Blocks {
 
     /// Box around a part, world; m. Lower above upper if its block was removed.
     pub fn part_aabb(&self, part: usize) -> (Vec3, Vec3) {
-        self.boxes[part]
+        self.state.boxes[part]
     }
 
     /// Closest point of a part's surface in its present place, or `None` if it is farther outside
@@ -268,10 +283,10 @@ impl Blocks {
     ///
     /// [`Polyhedron::surface_point_within`]: crate::Polyhedron::surface_point_within
     pub fn surface_point_within(&self, part: usize, x: &Vec3, cutoff: f64) -> Option<SurfacePoint> {
-        if self.is_removed[self.block_of_part[part] as usize] {
+        if self.state.is_removed[self.constants.block_of_part[part] as usize] {
             return None;
         }
-        self.parts[part].surface_point_within(x, cutoff)
+        self.derived.parts[part].surface_point_within(x, cutoff)
     }
 
     /// Ways out of a part for a point inside: the foot on the plane of each face, nearest first. The first is
@@ -289,7 +304,7 @@ impl Blocks {
         else {
             return Vec::new();
         };
-        let Part::Polyhedron(body) = &self.parts[part] else {
+        let Part::Polyhedron(body) = &self.derived.parts[part] else {
             return vec![nearest];
         };
         let mut ways: Vec<SurfacePoint> = (0..body.n_faces())
@@ -309,7 +324,7 @@ impl Blocks {
     /// Outward normals of the faces of a part that a point is within a distance (m) of the planes of, with its height over
     /// each (m), negative inside. Of a ball or a surface of triangles the one at the nearest point.
     pub fn planes_within(&self, part: usize, x: &Vec3, distance: f64) -> Vec<(Vec3, f64)> {
-        match &self.parts[part] {
+        match &self.derived.parts[part] {
             Part::Polyhedron(body) => (0..body.n_faces())
                 .map(|face| (body.face_normal(face), body.plane_distance(face, x)))
                 .filter(|(_, height)| height.abs() < distance)
@@ -330,7 +345,7 @@ impl Blocks {
     /// those on surfaces last, the surface second.
     pub fn contacts(&self) -> Vec<Contact> {
         let blocks = |pair: (u32, u32)| (pair.0 as usize, pair.1 as usize);
-        let of_pairs = self.pairs.iter().flat_map(|pair| {
+        let of_pairs = self.contacts.pairs.iter().flat_map(|pair| {
             pair.points.iter().map(move |point| Contact {
                 blocks: blocks(pair.blocks),
                 parts: blocks(pair.parts),
@@ -344,8 +359,11 @@ impl Blocks {
             })
         });
         let of_spheres = self.touching_spheres().map(|k| {
-            let (pair, loads) = (&self.sphere_pairs[k], &self.sphere_loads[k]);
-            let contact = &self.sphere_contacts[k];
+            let (pair, loads) = (
+                &self.contacts.sphere_pairs[k],
+                &self.contacts.sphere_loads[k],
+            );
+            let contact = &self.contacts.sphere_contacts[k];
             Contact {
                 blocks: blocks(pair.blocks),
                 parts: blocks(pair.parts),
@@ -359,7 +377,7 @@ impl Blocks {
             }
         });
         let mut contacts: Vec<Contact> = of_pairs.chain(of_spheres).collect();
-        for pair in &self.surface_pairs {
+        for pair in &self.contacts.surface_pairs {
             pair.for_each_contact(&mut |contact| contacts.push(contact));
         }
         contacts
@@ -367,57 +385,69 @@ impl Blocks {
 
     /// Number of contact points of the last step, without making their list.
     pub fn n_contacts(&self) -> usize {
-        let of_pairs: usize = self.pairs.iter().map(|pair| pair.points.len()).sum();
-        let of_surfaces = self.surface_pairs.iter().map(|pair| pair.n_contacts());
+        let of_pairs: usize = self
+            .contacts
+            .pairs
+            .iter()
+            .map(|pair| pair.points.len())
+            .sum();
+        let of_surfaces = self
+            .contacts
+            .surface_pairs
+            .iter()
+            .map(|pair| pair.n_contacts());
         of_pairs + self.touching_spheres().count() + of_surfaces.sum::<usize>()
     }
 
     /// Force evaluations of pairs of parts so far.
     pub fn contact_updates(&self) -> u64 {
-        self.n_contact_updates
+        self.state.totals.n_contact_updates
     }
 
     /// Full separating-axis tests so far: the rest of the contact updates went on with the common plane of
     /// the step before.
     pub fn axis_searches(&self) -> u64 {
-        self.n_axis_searches
+        self.state.totals.n_axis_searches
     }
 
     /// Bonds broken so far.
     pub fn broken_bonds(&self) -> u64 {
-        self.n_broken_bonds
+        self.state.totals.n_broken_bonds
     }
 
     /// Deepest overlap so far, × size of the smaller part (cube root of its volume).
     pub fn max_overlap_over_size(&self) -> f64 {
-        self.max_overlap_over_size
+        self.state.totals.max_overlap_over_size
     }
 
     /// Energies and works; J.
     pub fn energies(&self) -> Energies {
         let mut energies = Energies {
             elastic: self
+                .contacts
                 .pairs
                 .iter()
                 .map(|pair| pair.elastic.0 + pair.elastic.1)
                 .sum::<f64>()
                 + self.sphere_energy()
                 + self.surface_energy()
-                + self.attachments.elastic,
-            strain_damping: self.strain_damping.total(),
-            static_damping: self.static_damping.total(),
-            laid_to_rest: self.laid_to_rest.total(),
-            plastic: self.attachments.plastic.total(),
-            friction: self.friction.total(),
-            damping: self.damping.total(),
-            external_work: self.external_work.total() + self.attachments.work.total(),
+                + self.state.attachments.elastic,
+            strain_damping: self.state.totals.strain_damping.total(),
+            static_damping: self.state.totals.static_damping.total(),
+            laid_to_rest: self.state.totals.laid_to_rest.total(),
+            plastic: self.state.attachments.plastic.total(),
+            friction: self.state.totals.friction.total(),
+            damping: self.state.totals.damping.total(),
+            external_work: self.state.totals.external_work.total()
+                + self.state.attachments.work.total(),
             ..Energies::default()
         };
         for b in (0..self.n_blocks()).filter(|&b| self.is_free(b)) {
             energies.kinetic += self.kinetic_energy(b);
-            energies.potential -= self.mass[b] * self.settings.gravity.dot(&self.centroid[b]);
+            energies.potential -= self.constants.mass[b]
+                * self.constants.settings.gravity.dot(&self.state.centroid[b]);
         }
-        for deformable in &self.deformables {
+        for deformable in &self.state.deformables {
             let added = deformable.body().added_kinetic_energy();
             energies.kinetic += added;
             energies.added_kinetic += added;
@@ -429,31 +459,32 @@ impl Blocks {
     fn sphere_energy(&self) -> f64 {
         self.touching_spheres()
             .map(|k| {
-                let joint = self.sphere_joint(self.sphere_pairs[k].parts);
-                self.sphere_contacts[k].energy(joint, self.sphere_rolling.get(k))
+                let joint = self.sphere_joint(self.contacts.sphere_pairs[k].parts);
+                self.contacts.sphere_contacts[k].energy(joint, self.contacts.sphere_rolling.get(k))
             })
             .sum()
     }
 
     /// Places in the list of pairs with a ball.
     pub(crate) fn touching_spheres(&self) -> impl Iterator<Item = usize> + '_ {
-        let marks = self.sphere_marks.iter().enumerate();
+        let marks = self.contacts.sphere_marks.iter().enumerate();
         marks.filter(|(_, mark)| mark.is_touching).map(|(k, _)| k)
     }
 
     fn surface_energy(&self) -> f64 {
-        self.surface_pairs
+        self.contacts
+            .surface_pairs
             .iter()
             .map(|pair| {
-                let radius = self.radius[pair.blocks.0 as usize];
+                let radius = self.constants.radius[pair.blocks.0 as usize];
                 pair.energy(self.sphere_joint(pair.parts), radius)
             })
             .sum()
     }
 
     pub(crate) fn joint_between(&self, parts: (u32, u32)) -> &Joint {
-        let material = |part: u32| self.material_of_part[part as usize] as usize;
-        &self.joints[material(parts.0) * self.n_materials + material(parts.1)]
+        let material = |part: u32| self.constants.material_of_part[part as usize] as usize;
+        &self.state.joints[material(parts.0) * self.constants.n_materials + material(parts.1)]
     }
 
     fn sphere_joint(&self, parts: (u32, u32)) -> &SphereJoint {
@@ -464,44 +495,44 @@ impl Blocks {
     pub fn momentum(&self) -> Vec3 {
         (0..self.n_blocks())
             .filter(|&b| self.is_free(b))
-            .map(|b| self.velocity[b] * self.mass[b])
+            .map(|b| self.state.velocity[b] * self.constants.mass[b])
             .sum()
     }
 
     /// Impulse that gravity, fixed and prescribed blocks, loads, holds and damping for statics gave to
     /// free blocks so far; N s.
     pub fn support_impulse(&self) -> Vec3 {
-        self.support_impulse
+        self.state.totals.support_impulse
     }
 
     /// Sum of the sizes of the impulses of gravity and of the supports, what a residual of momentum
     /// is measured by; N s.
     pub fn impulse_exchanged(&self) -> f64 {
-        self.impulse_exchanged
+        self.state.totals.impulse_exchanged
     }
 
     /// Angular impulse that [`RollingLaw::OwnSpin`](crate::RollingLaw::OwnSpin) gave to balls so far, which no other
     /// body took up: what the balance of angular momentum lacks; zero with the other law; N m s.
     pub fn rolling_impulse(&self) -> Vec3 {
-        self.rolling_impulse
+        self.state.totals.rolling_impulse
     }
 
     /// Numbers of the solver.
     pub fn settings(&self) -> &Settings {
-        &self.settings
+        &self.constants.settings
     }
 
     /// Visits every number of the state in a fixed order: what a restart needs, and what a hash of
     /// the state covers.
     pub fn for_each_state_f64(&self, f: &mut dyn FnMut(f64)) {
         for b in 0..self.n_blocks() {
-            self.centroid[b].iter().for_each(|&c| f(c));
-            self.velocity[b].iter().for_each(|&c| f(c));
-            self.attitude[b].coords.iter().for_each(|&c| f(c));
-            self.angular_momentum[b].iter().for_each(|&c| f(c));
-            f(f64::from(u8::from(self.is_removed[b])));
+            self.state.centroid[b].iter().for_each(|&c| f(c));
+            self.state.velocity[b].iter().for_each(|&c| f(c));
+            self.state.attitude[b].coords.iter().for_each(|&c| f(c));
+            self.state.angular_momentum[b].iter().for_each(|&c| f(c));
+            f(f64::from(u8::from(self.state.is_removed[b])));
         }
-        for pair in &self.pairs {
+        for pair in &self.contacts.pairs {
             f(f64::from(pair.parts.0));
             f(f64::from(pair.parts.1));
             f(pair.elastic.0);
@@ -529,36 +560,39 @@ impl Blocks {
                 point.shear_viscous.iter().for_each(|&c| f(c));
             }
         }
-        for (k, pair) in self.sphere_pairs.iter().enumerate() {
-            let contact = &self.sphere_contacts[k];
+        for (k, pair) in self.contacts.sphere_pairs.iter().enumerate() {
+            let contact = &self.contacts.sphere_contacts[k];
             f(f64::from(pair.parts.0));
             f(f64::from(pair.parts.1));
             f(f64::from(u8::from(contact.is_slipping)));
-            self.sphere_loads[k].force.iter().for_each(|&c| f(c));
+            self.contacts.sphere_loads[k]
+                .force
+                .iter()
+                .for_each(|&c| f(c));
             contact.shear.iter().for_each(|&c| f(c));
             f(contact.normal_force);
-            if let Some(rolling) = self.sphere_rolling.get(k) {
+            if let Some(rolling) = self.contacts.sphere_rolling.get(k) {
                 rolling.for_each_state_f64(f);
             }
         }
-        for pair in &self.surface_pairs {
+        for pair in &self.contacts.surface_pairs {
             f(f64::from(pair.parts.0));
             f(f64::from(pair.parts.1));
             pair.for_each_state_f64(f);
         }
-        for deformable in &self.deformables {
+        for deformable in &self.state.deformables {
             deformable.for_each_state_f64(f);
         }
-        self.attachments.for_each_state_f64(f);
-        f(self.strain_damping.total());
-        f(self.static_damping.total());
-        f(self.friction.total());
-        f(self.damping.total());
-        f(self.external_work.total());
-        self.support_impulse.iter().for_each(|&c| f(c));
-        self.rolling_impulse.iter().for_each(|&c| f(c));
-        f(self.impulse_exchanged);
-        f(self.max_overlap_over_size);
+        self.state.attachments.for_each_state_f64(f);
+        f(self.state.totals.strain_damping.total());
+        f(self.state.totals.static_damping.total());
+        f(self.state.totals.friction.total());
+        f(self.state.totals.damping.total());
+        f(self.state.totals.external_work.total());
+        self.state.totals.support_impulse.iter().for_each(|&c| f(c));
+        self.state.totals.rolling_impulse.iter().for_each(|&c| f(c));
+        f(self.state.totals.impulse_exchanged);
+        f(self.state.totals.max_overlap_over_size);
     }
 }
 

@@ -11,12 +11,12 @@ impl Blocks {
     /// |τ| ≤ s_c c + s_φ tan φ σ                                          [Pa]
     /// ```
     pub fn weaken(&mut self, materials: (usize, usize), friction: f64, cohesion: f64) {
-        if self.joints_at_start.is_empty() {
-            self.joints_at_start.clone_from(&self.joints);
-        }
         let (i, j) = materials;
         let mut has_changed = false;
-        for k in [i * self.n_materials + j, j * self.n_materials + i] {
+        for k in [
+            i * self.constants.n_materials + j,
+            j * self.constants.n_materials + i,
+        ] {
             let Joint {
                 friction: tangent,
                 residual_friction,
@@ -24,8 +24,8 @@ impl Blocks {
                 residual_cohesion,
                 spheres,
                 ..
-            } = self.joints_at_start[k];
-            let joint = &mut self.joints[k];
+            } = self.constants.initial_joints[k];
+            let joint = &mut self.state.joints[k];
             let before = *joint;
             joint.friction = friction * tangent;
             joint.residual_friction = friction * residual_friction;

@@ -29,38 +29,38 @@ impl Blocks {
         let mut chosen: Vec<u32> = blocks.iter().map(|&b| b as u32).collect();
         chosen.sort_unstable();
         chosen.dedup();
-        self.accounts.rows = vec![Impulses::default(); chosen.len()];
-        self.accounts.blocks = chosen;
+        self.state.accounts.rows = vec![Impulses::default(); chosen.len()];
+        self.state.accounts.blocks = chosen;
     }
 
     /// The account of a block, where one is kept.
     pub fn account(&self, b: usize) -> Option<&Impulses> {
-        let k = self.accounts.blocks.binary_search(&(b as u32)).ok()?;
-        self.accounts.rows.get(k)
+        let k = self.state.accounts.blocks.binary_search(&(b as u32)).ok()?;
+        self.state.accounts.rows.get(k)
     }
 
     /// Books half a kick of contacts, attachments and gravity; dt of the whole, s.
     pub(crate) fn account_half_kick(&mut self, dt: f64) {
         let half = 0.5 * dt;
-        for k in 0..self.accounts.blocks.len() {
-            let b = self.accounts.blocks[k] as usize;
+        for k in 0..self.state.accounts.blocks.len() {
+            let b = self.state.accounts.blocks[k] as usize;
             if !self.is_free(b) {
                 continue;
             }
-            let row = &mut self.accounts.rows[k];
-            row.contact += self.contact_load[b].times(half);
-            if let Some(attached) = self.attachments.loads.get(b) {
+            let row = &mut self.state.accounts.rows[k];
+            row.contact += self.state.contact_load[b].times(half);
+            if let Some(attached) = self.state.attachments.loads.get(b) {
                 row.attached += attached.times(half);
             }
-            row.gravity += self.settings.gravity * (self.mass[b] * half);
+            row.gravity += self.constants.settings.gravity * (self.constants.mass[b] * half);
         }
     }
 
     /// Momentum of a block and its moment about the centroid, where an account of it is kept; kg m/s, kg m²/s.
     pub(crate) fn accounted_momentum(&self, b: usize) -> Option<Load> {
-        self.accounts.blocks.binary_search(&(b as u32)).ok()?;
+        self.state.accounts.blocks.binary_search(&(b as u32)).ok()?;
         Some(Load {
-            force: self.velocity[b] * self.mass[b],
+            force: self.state.velocity[b] * self.constants.mass[b],
             torque: self.spin_momentum(b),
         })
     }
@@ -70,8 +70,8 @@ impl Blocks {
         let (Some(before), Some(after)) = (before, self.accounted_momentum(b)) else {
             return;
         };
-        if let Ok(k) = self.accounts.blocks.binary_search(&(b as u32)) {
-            let row = &mut self.accounts.rows[k].restrained;
+        if let Ok(k) = self.state.accounts.blocks.binary_search(&(b as u32)) {
+            let row = &mut self.state.accounts.rows[k].restrained;
             row.force += after.force - before.force - given.force;
             row.torque += after.torque - before.torque - given.torque;
         }

@@ -4,7 +4,7 @@
 //! v += dt/2 M⁻¹f;   x += dt v,  Q := Q R;   contacts, f;   v += dt/2 M⁻¹f
 //! ```
 
-use crate::blocks::{CHUNK, Role};
+use crate::blocks::{CHUNK, Constants, Derived, State, Update};
 use crate::contact::detection::broad_phase;
 use crate::contact::detection::broad_phase::Bounds;
 use crate::motion::kinematics::{InternalMotion, Kinematics, Moment, flushed};
@@ -55,10 +55,10 @@ impl Blocks {
     /// torque here, and what strains it by [`Self::apply_stretch`].
     pub fn apply_impulse(&mut self, loads: &[Load], dt: f64) {
         for (b, load) in loads.iter().enumerate().take(self.n_blocks()) {
-            self.rest.note_outside(b, load);
-            if self.rest.has(b) {
+            self.state.rest.note_outside(b, load);
+            if self.state.rest.has(b) {
                 // held by what it lies on
-                self.support_impulse -= load.force * dt;
+                self.state.totals.support_impulse -= load.force * dt;
             } else if self.is_free(b) {
                 self.push_block(b, load, dt);
             }
@@ -80,9 +80,9 @@ impl Blocks {
             torque: load.torque,
             stretch: Matrix3::zeros(),
         };
-        match self.deformable_of[b] {
+        match self.constants.deformable_of[b] {
             None => self.rigid(b).kick(&moment, dt),
-            Some(k) => self.deformables[k as usize].push(&moment, dt),
+            Some(k) => self.state.deformables[k as usize].push(&moment, dt),
         }
         if self.hold_of(b).is_some() {
             let momentum = self.accounted_momentum(b);
@@ -95,38 +95,38 @@ impl Blocks {
     /// Gives a free deformable block the impulse of the straining part `Σ (f ⊗ r + r ⊗ f)/2` (N m) of the
     /// moment of some forces, over `dt` (s); others ignore it.
     pub fn apply_stretch(&mut self, b: usize, stretch: Matrix3<f64>, dt: f64) {
-        let Some(k) = self.deformable_of[b].filter(|_| self.is_free(b)) else {
+        let Some(k) = self.constants.deformable_of[b].filter(|_| self.is_free(b)) else {
             return;
         };
         let torque = Vec3::zeros();
-        self.deformables[k as usize].push(&Moment { torque, stretch }, dt);
+        self.state.deformables[k as usize].push(&Moment { torque, stretch }, dt);
         self.set_kinematics(b);
     }
 
     fn kick_centroid(&mut self, b: usize, force: &Vec3, dt: f64) {
-        self.velocity[b] += force * (dt / self.mass[b]);
+        self.state.velocity[b] += force * (dt / self.constants.mass[b]);
     }
 
     fn rigid(&mut self, b: usize) -> Rigid6<'_> {
         Rigid6 {
-            attitude: &mut self.attitude[b],
-            angular_momentum: &mut self.angular_momentum[b],
-            inertia: &self.inertia[b],
+            attitude: &mut self.state.attitude[b],
+            angular_momentum: &mut self.state.angular_momentum[b],
+            inertia: &self.constants.inertia[b],
         }
     }
 
     /// Takes away what a hold does not allow; the impulse is the supports'.
     fn hold_velocities(&mut self, b: usize) {
-        let Some(hold) = self.holds.get(b).and_then(Option::as_ref) else {
+        let Some(hold) = self.constants.holds.get(b).and_then(Option::as_ref) else {
             return;
         };
-        let held = hold.held_part(&self.velocity[b]);
-        self.velocity[b] -= held;
-        self.support_impulse -= held * self.mass[b];
+        let held = hold.held_part(&self.state.velocity[b]);
+        self.state.velocity[b] -= held;
+        self.state.totals.support_impulse -= held * self.constants.mass[b];
         hold.hold_turning(
-            &self.attitude[b],
-            &self.inertia[b],
-            &mut self.angular_momentum[b],
+            &self.state.attitude[b],
+            &self.constants.inertia[b],
+            &mut self.state.angular_momentum[b],
         );
     }
 
@@ -174,8 +174,13 @@ impl Blocks {
 
     /// Is a step worth more than one thread?
     pub(crate) fn is_large(&self) -> bool {
-        self.n_blocks().max(self.sphere_pairs.len()) > CHUNK
-            || self.pairs.len().max(self.surface_pairs.len()) > 2 * PAIR_CHUNK
+        self.n_blocks().max(self.contacts.sphere_pairs.len()) > CHUNK
+            || self
+                .contacts
+                .pairs
+                .len()
+                .max(self.contacts.surface_pairs.len())
+                > 2 * PAIR_CHUNK
     }
 
     fn sub_step(
@@ -203,14 +208,14 @@ impl Blocks {
         self.damp(dt);
         self.rest_or_wake(dt);
         for b in 0..self.n_blocks() {
-            match (self.role[b], &self.motion[b]) {
-                (Role::Still, Motion::Prescribed(path)) => {
-                    self.velocity[b] = path.velocity(to);
+            match (self.derived.update[b], &self.constants.motion[b]) {
+                (Update::Fixed, Motion::Prescribed(path)) => {
+                    self.state.velocity[b] = path.velocity(to);
                     let spin = path.spin(to);
                     self.set_spin(b, &spin);
                     self.set_kinematics(b);
                 }
-                (Role::Special, _) => self.set_kinematics(b),
+                (Update::Constrained, _) => self.set_kinematics(b),
                 _ => {}
             }
         }
@@ -222,27 +227,30 @@ impl Blocks {
 
     fn half_kick(&mut self, dt: f64) {
         let mut kicked = self.kick_plain(dt);
-        let outer = self.attachments.outer_force * (0.5 * dt);
+        let outer = self.state.attachments.outer_force * (0.5 * dt);
         kicked.impulse += outer;
         kicked.exchanged += outer.norm();
-        for k in 0..self.special.len() {
-            kicked = kicked.with(self.kick_special(self.special[k] as usize, dt));
+        for k in 0..self.derived.constrained.len() {
+            kicked = kicked.with(self.kick_special(self.derived.constrained[k] as usize, dt));
         }
-        self.support_impulse += kicked.impulse;
-        self.impulse_exchanged += kicked.exchanged;
+        self.state.totals.support_impulse += kicked.impulse;
+        self.state.totals.impulse_exchanged += kicked.exchanged;
     }
 
     /// Kicks the plain blocks; the forces on those that stand still are the supports'.
     fn kick_plain(&mut self, dt: f64) -> Kicked {
         let Self {
-            velocity,
-            angular_momentum,
-            attitude,
-            contact_load,
-            attachments,
-            mass,
-            role,
-            settings,
+            state:
+                State {
+                    velocity,
+                    angular_momentum,
+                    attitude,
+                    contact_load,
+                    attachments,
+                    ..
+                },
+            constants: Constants { mass, settings, .. },
+            derived: Derived { update, .. },
             ..
         } = self;
         let (attached, gravity) = (&attachments.loads, settings.gravity);
@@ -251,14 +259,14 @@ impl Blocks {
         let kick = |first: usize, (velocity, momentum): Moving| {
             let mut kicked = Kicked::default();
             for ((b, velocity), momentum) in (first..).zip(velocity).zip(momentum) {
-                if role[b] == Role::Special {
+                if update[b] == Update::Constrained {
                     continue;
                 }
                 let mut load = contact_load[b];
                 if let Some(attached) = attached.get(b) {
                     load += *attached;
                 }
-                if matches!(role[b], Role::Still | Role::Asleep) {
+                if matches!(update[b], Update::Fixed | Update::Asleep) {
                     kicked.impulse -= load.force * (0.5 * dt);
                     kicked.exchanged += load.force.norm() * (0.5 * dt);
                     continue;
@@ -276,23 +284,23 @@ impl Blocks {
     }
 
     fn kick_special(&mut self, b: usize, dt: f64) -> Kicked {
-        let mut load = self.contact_load[b];
-        if let Some(attached) = self.attachments.loads.get(b) {
+        let mut load = self.state.contact_load[b];
+        if let Some(attached) = self.state.attachments.loads.get(b) {
             load += *attached;
         }
-        let weight = self.settings.gravity * self.mass[b];
+        let weight = self.constants.settings.gravity * self.constants.mass[b];
         load.force += weight;
         let known = load.times(0.5 * dt);
         let momentum = self.accounted_momentum(b);
         let damper = self.local_damper(b, &load);
         load += damper;
-        let before = (self.velocity[b], self.angular_velocity(b));
+        let before = (self.state.velocity[b], self.angular_velocity(b));
         self.kick(b, &load, 0.5 * dt);
         self.hold_velocities(b);
         self.account_restraint(b, momentum, &known);
-        let after = (self.velocity[b], self.angular_velocity(b));
+        let after = (self.state.velocity[b], self.angular_velocity(b));
         // The kick of a force f does the work f·(v + v')/2 dt, exactly.
-        self.static_damping.book(
+        self.state.totals.static_damping.book(
             -0.25
                 * dt
                 * (damper.force.dot(&(before.0 + after.0))
@@ -305,9 +313,9 @@ impl Blocks {
     }
 
     fn local_damper(&self, b: usize, load: &Load) -> Load {
-        match self.settings.static_damping {
+        match self.constants.settings.static_damping {
             Some(StaticDamping::Local(alpha)) => Load {
-                force: local_damping(alpha, &load.force, &self.velocity[b]),
+                force: local_damping(alpha, &load.force, &self.state.velocity[b]),
                 torque: local_damping(alpha, &load.torque, &self.angular_velocity(b)),
             },
             _ => Load::default(),
@@ -318,7 +326,7 @@ impl Blocks {
     fn kick(&mut self, b: usize, load: &Load, dt: f64) {
         self.kick_centroid(b, &load.force, dt);
         let torque = load.torque;
-        match self.deformable_of[b] {
+        match self.constants.deformable_of[b] {
             None => self.rigid(b).kick(
                 &Moment {
                     torque,
@@ -328,11 +336,11 @@ impl Blocks {
             ),
             Some(k) => {
                 let k = k as usize;
-                let mut stretch = self.contact_stretch[k];
-                if let Some(attached) = self.attachments.stretch.get(k) {
+                let mut stretch = self.state.contact_stretch[k];
+                if let Some(attached) = self.state.attachments.stretch.get(k) {
                     stretch += attached;
                 }
-                self.deformables[k]
+                self.state.deformables[k]
                     .motion()
                     .kick(&Moment { torque, stretch }, dt);
             }
@@ -340,29 +348,35 @@ impl Blocks {
     }
 
     fn drift(&mut self, from: f64, to: f64, dt: f64) {
-        for k in 0..self.special.len() {
-            let b = self.special[k] as usize;
-            self.centroid[b] += self.velocity[b] * dt;
+        for k in 0..self.derived.constrained.len() {
+            let b = self.derived.constrained[k] as usize;
+            self.state.centroid[b] += self.state.velocity[b] * dt;
             self.turn(b, dt);
         }
         for b in 0..self.n_blocks() {
-            if let (Role::Still, Motion::Prescribed(path)) = (self.role[b], &self.motion[b]) {
+            if let (Update::Fixed, Motion::Prescribed(path)) =
+                (self.derived.update[b], &self.constants.motion[b])
+            {
                 let (before, after) = (path.displacement(from), path.displacement(to));
-                self.centroid[b] = self.initial_centroid[b] + after;
+                self.state.centroid[b] = self.constants.initial_centroid[b] + after;
                 // Mean over the sub-step, as the half-step velocity of the free blocks is.
-                self.velocity[b] = (after - before) / dt;
+                self.state.velocity[b] = (after - before) / dt;
                 let (before, after) = (path.turn(from), path.turn(to));
-                self.attitude[b] = after * self.principal[b];
+                self.state.attitude[b] = after * self.constants.principal[b];
                 self.set_spin(b, &((after * before.inverse()).scaled_axis() / dt));
             }
         }
         let Self {
-            centroid,
-            attitude,
-            angular_momentum,
-            velocity,
-            inertia,
-            role,
+            state:
+                State {
+                    centroid,
+                    attitude,
+                    angular_momentum,
+                    velocity,
+                    ..
+                },
+            constants: Constants { inertia, .. },
+            derived: Derived { update, .. },
             ..
         } = self;
         type Moving<'a> = (
@@ -373,7 +387,7 @@ impl Blocks {
         let drift = |first: usize, (centroid, attitude, momentum): Moving| {
             let rows = (first..).zip(centroid).zip(attitude).zip(momentum);
             for (((b, centroid), attitude), angular_momentum) in rows {
-                if role[b] == Role::Plain {
+                if update[b] == Update::Rigid {
                     *centroid += velocity[b] * dt;
                     Rigid6 {
                         attitude,
@@ -394,24 +408,28 @@ impl Blocks {
 
     /// Gives a block an angular velocity (rad/s).
     pub(crate) fn set_spin(&mut self, b: usize, spin: &Vec3) {
-        let spin_rel = self.attitude[b].inverse_transform_vector(spin);
-        self.angular_momentum[b] = spin_rel.component_mul(&self.inertia[b]);
+        let spin_rel = self.state.attitude[b].inverse_transform_vector(spin);
+        self.state.angular_momentum[b] = spin_rel.component_mul(&self.constants.inertia[b]);
     }
 
     /// Velocities of plain blocks after their last kick; their place stays.
     fn set_plain_velocities(&mut self) {
         let Self {
-            kinematics,
-            velocity,
-            angular_momentum,
-            attitude,
-            inertia,
-            role,
+            state:
+                State {
+                    kinematics,
+                    velocity,
+                    angular_momentum,
+                    attitude,
+                    ..
+                },
+            constants: Constants { inertia, .. },
+            derived: Derived { update, .. },
             ..
         } = self;
         let set = |first: usize, kinematics: &mut [Kinematics]| {
             for (b, kinematics) in (first..).zip(kinematics) {
-                if role[b] == Role::Plain {
+                if update[b] == Update::Rigid {
                     kinematics.velocity = velocity[b];
                     kinematics.spin = attitude[b] * angular_momentum[b].component_div(&inertia[b]);
                 }
@@ -422,21 +440,25 @@ impl Blocks {
 
     /// Turns and strains a free block.
     fn turn(&mut self, b: usize, dt: f64) {
-        if let Some(k) = self.deformable_of[b] {
-            let deformable = &mut self.deformables[k as usize];
+        if let Some(k) = self.constants.deformable_of[b] {
+            let deformable = &mut self.state.deformables[k as usize];
             deformable.motion().drift(dt);
-            self.strain_damping.book(deformable.viscous_loss());
+            self.state
+                .totals
+                .strain_damping
+                .book(deformable.viscous_loss());
             return;
         }
         let is_held = self
+            .constants
             .holds
             .get(b)
             .and_then(Option::as_ref)
             .is_some_and(|hold| {
                 hold.turn(
-                    &mut self.attitude[b],
-                    &self.inertia[b],
-                    &mut self.angular_momentum[b],
+                    &mut self.state.attitude[b],
+                    &self.constants.inertia[b],
+                    &mut self.state.angular_momentum[b],
                     dt,
                 )
             });
@@ -447,7 +469,7 @@ impl Blocks {
 
     /// Damping that scales velocities, if the settings ask for it.
     fn damp(&mut self, dt: f64) {
-        let Some(damping) = self.settings.static_damping else {
+        let Some(damping) = self.constants.settings.static_damping else {
             return;
         };
         let factor = damping.velocity_factor(dt);
@@ -458,14 +480,17 @@ impl Blocks {
             if !self.is_free(b) {
                 continue;
             }
-            self.static_damping
+            self.state
+                .totals
+                .static_damping
                 .book((1.0 - factor * factor) * self.kinetic_energy(b));
-            self.support_impulse += self.velocity[b] * (self.mass[b] * (factor - 1.0));
+            self.state.totals.support_impulse +=
+                self.state.velocity[b] * (self.constants.mass[b] * (factor - 1.0));
             let momentum = self.accounted_momentum(b);
-            self.velocity[b].apply(|c| *c = flushed(*c * factor));
-            match self.deformable_of[b] {
+            self.state.velocity[b].apply(|c| *c = flushed(*c * factor));
+            match self.constants.deformable_of[b] {
                 None => self.rigid(b).scale_velocities(factor),
-                Some(k) => self.deformables[k as usize]
+                Some(k) => self.state.deformables[k as usize]
                     .motion()
                     .scale_velocities(factor),
             }
@@ -478,21 +503,24 @@ impl Blocks {
             (first..)
                 .zip(fat.iter().zip(boxes))
                 .any(|(part, (fat, bounds))| {
-                    self.can_move[part] && !broad_phase::holds(fat, bounds)
+                    self.derived.can_move[part] && !broad_phase::holds(fat, bounds)
                 })
         };
-        let columns = (self.fat_boxes.as_slice(), self.boxes.as_slice());
+        let columns = (self.state.fat_boxes.as_slice(), self.state.boxes.as_slice());
         chunks::reduce(columns, CHUNK, &leaves, &|a, b| a || b)
     }
 
     /// Work of prescribed blocks on free ones over the sub-step, force at its two ends.
     fn book_external_work(&mut self, dt: f64) {
         for b in 0..self.n_blocks() {
-            if matches!(self.motion[b], Motion::Prescribed(_)) {
-                let (now, before) = (&self.contact_load[b], &self.contact_load_before[b]);
-                let power = (now.force + before.force).dot(&self.velocity[b])
+            if matches!(self.constants.motion[b], Motion::Prescribed(_)) {
+                let (now, before) = (
+                    &self.state.contact_load[b],
+                    &self.state.contact_load_before[b],
+                );
+                let power = (now.force + before.force).dot(&self.state.velocity[b])
                     + (now.torque + before.torque).dot(&self.angular_velocity(b));
-                self.external_work.book(-0.5 * power * dt);
+                self.state.totals.external_work.book(-0.5 * power * dt);
             }
         }
     }
@@ -503,26 +531,27 @@ impl Blocks {
             (first..)
                 .zip(centroid.iter().zip(velocity).zip(momentum))
                 .find(|(b, ((x, v), l))| {
-                    let turn = self.attitude[*b].coords.sum();
+                    let turn = self.state.attitude[*b].coords.sum();
                     !(x.sum() + v.sum() + l.sum() + turn).is_finite()
                 })
                 .map(|(b, _)| b)
         };
         let columns = (
-            self.centroid.as_slice(),
-            self.velocity.as_slice(),
-            self.angular_momentum.as_slice(),
+            self.state.centroid.as_slice(),
+            self.state.velocity.as_slice(),
+            self.state.angular_momentum.as_slice(),
         );
         if let Some(block) = chunks::reduce(columns, CHUNK, &bad, &Option::or) {
             return Err(StepError::NotFinite { block, time });
         }
         for (k, block) in self
+            .constants
             .deformable_of
             .iter()
             .enumerate()
             .filter_map(|(b, k)| k.map(|k| (k, b)))
         {
-            let strain = self.deformables[k as usize].lowest_strain();
+            let strain = self.state.deformables[k as usize].lowest_strain();
             // NaN counts as crushed.
             if !(strain >= CRUSHED) {
                 return Err(StepError::Crushed {
@@ -533,16 +562,16 @@ impl Blocks {
                 });
             }
         }
-        let (over_allowed, parts) = self.worst_overlap;
+        let (over_allowed, parts) = self.state.worst_overlap;
         if over_allowed > 1.0 {
             let parts = [parts.0 as usize, parts.1 as usize];
             let least = |of: &[f64]| of[parts[0]].min(of[parts[1]]);
-            let allowed = least(&self.deepest_allowed);
+            let allowed = least(&self.constants.deepest_allowed);
             return Err(StepError::Overlap {
-                first: self.block_of_part[parts[0]] as usize,
-                second: self.block_of_part[parts[1]] as usize,
+                first: self.constants.block_of_part[parts[0]] as usize,
+                second: self.constants.block_of_part[parts[1]] as usize,
                 overlap: over_allowed * allowed,
-                size: least(&self.size),
+                size: least(&self.constants.size),
                 allowed,
                 time,
             });

@@ -12,7 +12,7 @@
 use nalgebra::UnitQuaternion;
 use serde::{Deserialize, Serialize};
 
-use crate::blocks::Role;
+use crate::blocks::Update;
 use crate::{Blocks, Load, Vec3};
 
 /// When blocks fall asleep, and what wakes them.
@@ -68,17 +68,18 @@ impl Rest {
 impl Blocks {
     /// All are awake, and may sleep if the settings say so; those that are deformable, held or damped for a search for rest never do.
     pub(crate) fn begin_rest(&mut self) {
-        if self.settings.resting.is_none() {
+        if self.constants.settings.resting.is_none() {
             return;
         }
         let n = self.n_blocks();
-        self.rest = Rest {
+        self.state.rest = Rest {
             is_asleep: vec![false; n],
             since: self
+                .state
                 .centroid
                 .iter()
                 .copied()
-                .zip(self.attitude.iter().copied())
+                .zip(self.state.attitude.iter().copied())
                 .collect(),
             calm: vec![0.0; n],
             mean: vec![Load::default(); n],
@@ -89,87 +90,88 @@ impl Blocks {
 
     /// Number of blocks that sleep.
     pub fn n_asleep(&self) -> usize {
-        self.rest.is_asleep.iter().filter(|&&is| is).count()
+        self.state.rest.is_asleep.iter().filter(|&&is| is).count()
     }
 
     /// Wakes all.
     pub(crate) fn wake_all(&mut self) {
-        for b in 0..self.rest.is_asleep.len() {
+        for b in 0..self.state.rest.is_asleep.len() {
             self.wake(b);
         }
-        self.note_roles();
+        self.sort_by_update();
     }
 
     pub(crate) fn wake_one(&mut self, b: usize) {
-        if self.rest.has(b) {
+        if self.state.rest.has(b) {
             self.wake(b);
-            self.note_roles();
+            self.sort_by_update();
         }
     }
 
     fn wake(&mut self, b: usize) {
-        self.rest.is_asleep[b] = false;
-        self.rest.calm[b] = 0.0;
-        self.rest.since[b] = (self.centroid[b], self.attitude[b]);
+        self.state.rest.is_asleep[b] = false;
+        self.state.rest.calm[b] = 0.0;
+        self.state.rest.since[b] = (self.state.centroid[b], self.state.attitude[b]);
     }
 
     /// Lets those sleep that have been at rest for long enough, and wakes those whose load has changed, at the end of a step.
     pub(crate) fn rest_or_wake(&mut self, dt: f64) {
-        let Some(resting) = self.settings.resting else {
+        let Some(resting) = self.constants.settings.resting else {
             return;
         };
         let share = (dt / (MEAN_OVER * resting.time)).min(1.0);
         let mut has_changed = false;
         for b in 0..self.n_blocks() {
-            if !matches!(self.role[b], Role::Plain | Role::Asleep) {
+            if !matches!(self.derived.update[b], Update::Rigid | Update::Asleep) {
                 continue;
             }
-            let mut load = self.contact_load[b];
+            let mut load = self.state.contact_load[b];
             let is_free_flight = load.force == Vec3::zeros();
-            if let Some(attached) = self.attachments.loads.get(b) {
+            if let Some(attached) = self.state.attachments.loads.get(b) {
                 load += *attached;
             }
-            load += self.rest.outside[b];
-            let mean = &mut self.rest.mean[b];
+            load += self.state.rest.outside[b];
+            let mean = &mut self.state.rest.mean[b];
             mean.force += (load.force - mean.force) * share;
             mean.torque += (load.torque - mean.torque) * share;
-            if self.rest.is_asleep[b] {
-                let at_rest = &self.rest.at_rest[b];
-                let much = resting.load * self.mass[b] * self.settings.gravity.norm();
+            if self.state.rest.is_asleep[b] {
+                let at_rest = &self.state.rest.at_rest[b];
+                let much =
+                    resting.load * self.constants.mass[b] * self.constants.settings.gravity.norm();
                 let is_pushed = (mean.force - at_rest.force).norm() > much
-                    || (mean.torque - at_rest.torque).norm() > much * self.radius[b];
+                    || (mean.torque - at_rest.torque).norm() > much * self.constants.radius[b];
                 if is_pushed {
                     self.wake(b);
                     has_changed = true;
                 }
                 continue;
             }
-            let (place, attitude) = &self.rest.since[b];
-            let way = (self.centroid[b] - place).norm()
-                + attitude.angle_to(&self.attitude[b]) * self.radius[b];
-            let size = self.size[self.part_start[b] as usize];
+            let (place, attitude) = &self.state.rest.since[b];
+            let way = (self.state.centroid[b] - place).norm()
+                + attitude.angle_to(&self.state.attitude[b]) * self.constants.radius[b];
+            let size = self.constants.size[self.constants.part_start[b] as usize];
             if is_free_flight || way > resting.displacement * size {
                 self.wake(b);
                 continue;
             }
-            self.rest.calm[b] += dt;
-            if self.rest.calm[b] >= resting.time {
+            self.state.rest.calm[b] += dt;
+            if self.state.rest.calm[b] >= resting.time {
                 self.lay_to_rest(b);
                 has_changed = true;
             }
         }
         if has_changed {
-            self.note_roles();
+            self.sort_by_update();
         }
     }
 
     fn lay_to_rest(&mut self, b: usize) {
-        self.laid_to_rest.book(self.kinetic_energy(b));
-        self.support_impulse -= self.velocity[b] * self.mass[b];
-        self.velocity[b] = Vec3::zeros();
-        self.angular_momentum[b] = Vec3::zeros();
+        self.state.totals.laid_to_rest.book(self.kinetic_energy(b));
+        self.state.totals.support_impulse -= self.state.velocity[b] * self.constants.mass[b];
+        self.state.velocity[b] = Vec3::zeros();
+        self.state.angular_momentum[b] = Vec3::zeros();
         self.set_kinematics(b);
-        self.rest.is_asleep[b] = true;
-        self.rest.at_rest[b] = self.rest.mean[b];
+        self.state.rest.is_asleep[b] = true;
+        self.state.rest.at_rest[b] = self.state.rest.mean[b];
     }
 }

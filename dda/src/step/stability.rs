@@ -46,9 +46,12 @@ impl Blocks {
         let springs = self.springs();
         let (mut k_bound, mut c_bound) = (0.0_f64, 0.0_f64);
         let mut attached = vec![0.0; self.n_blocks()];
-        self.attachments
-            .add_stiffness_rates(&self.kinematics, |b| self.is_free(b), &mut attached);
-        for pair in &self.surface_pairs {
+        self.state.attachments.add_stiffness_rates(
+            &self.state.kinematics,
+            |b| self.is_free(b),
+            &mut attached,
+        );
+        for pair in &self.contacts.surface_pairs {
             if pair.is_touching {
                 attached[pair.blocks.0 as usize] += pair.rates.stiffness;
                 c_bound = c_bound.max(pair.rates.damping);
@@ -56,8 +59,8 @@ impl Blocks {
         }
         for b in (0..self.n_blocks()).filter(|&b| self.is_free(b)) {
             let mut k = attached[b];
-            if let Some(of) = self.deformable_of[b] {
-                let (square, xi) = self.deformables[of as usize].stiffness_rate();
+            if let Some(of) = self.constants.deformable_of[b] {
+                let (square, xi) = self.state.deformables[of as usize].stiffness_rate();
                 k += square;
                 c_bound = c_bound.max(2.0 * xi * square.sqrt());
             }
@@ -84,7 +87,7 @@ impl Blocks {
     fn springs(&self) -> Vec<Spring> {
         let blocks = |of: (u32, u32)| [of.0 as usize, of.1 as usize];
         let mut springs = Vec::new();
-        for pair in self.pairs.iter().filter(|pair| pair.is_touching) {
+        for pair in self.contacts.pairs.iter().filter(|pair| pair.is_touching) {
             let joint = self.joint_between(pair.parts);
             let total: f64 = pair.points.iter().map(|p| p.patch.weight).sum();
             let pressed: f64 = pair.points.iter().map(|p| p.normal_force.max(0.0)).sum();
@@ -109,12 +112,15 @@ impl Blocks {
             }
         }
         for k in self.touching_spheres() {
-            let (pair, contact) = (&self.sphere_pairs[k], &self.sphere_contacts[k]);
+            let (pair, contact) = (
+                &self.contacts.sphere_pairs[k],
+                &self.contacts.sphere_contacts[k],
+            );
             let joint = &self.joint_between(pair.parts).spheres;
             let (along, across) = contact.dashpots();
             springs.push(Spring {
                 blocks: blocks(pair.blocks),
-                point: self.sphere_loads[k].point,
+                point: self.contacts.sphere_loads[k].point,
                 normal: contact.normal,
                 stiffness: [contact.tangent(joint), contact.shear_stiffness],
                 dashpot: [along, across],
@@ -129,12 +135,12 @@ impl Blocks {
         let stir = |(b, body): (usize, &Kinematics)| {
             let mut motion = Motion::default();
             for k in 0..3 {
-                let x = body.centroid + some(2 * (3 * b + k)) * self.radius[b];
+                let x = body.centroid + some(2 * (3 * b + k)) * self.constants.radius[b];
                 motion.push(&some(2 * (3 * b + k) + 1), &x, body);
             }
             motion
         };
-        self.kinematics.iter().enumerate().map(stir).collect()
+        self.state.kinematics.iter().enumerate().map(stir).collect()
     }
 
     /// Rayleigh's quotients of stiffness (1/s²) and damping (1/s) of the motion for which `s² K + s C` is largest;
@@ -147,7 +153,7 @@ impl Blocks {
             let (mut k, mut c) = (0.0, 0.0);
             for spring in springs {
                 let [i, j] = spring.blocks;
-                let (a, b) = (&self.kinematics[i], &self.kinematics[j]);
+                let (a, b) = (&self.state.kinematics[i], &self.state.kinematics[j]);
                 let rate = motion[j].at(&spring.point, b) - motion[i].at(&spring.point, a);
                 let along = spring.normal * spring.normal.dot(&rate);
                 let across = rate - along;

@@ -1,6 +1,6 @@
 //! Contact forces of all pairs, and what they add up to for each block.
 
-use crate::blocks::CHUNK;
+use crate::blocks::{CHUNK, Contacts, Derived, State};
 use crate::chunks::PerChunk;
 use crate::contact::detection::broad_phase;
 use crate::contact::penalty::polyhedra::{Pair, PointForce, Rates, Workspace};
@@ -73,30 +73,37 @@ impl Blocks {
         let spheres = self.evaluate_spheres(dt);
         let tally = pairs.with(spheres).with(self.evaluate_surfaces(dt));
         ended(Phase::Contacts);
-        std::mem::swap(&mut self.contact_load, &mut self.contact_load_before);
+        std::mem::swap(
+            &mut self.state.contact_load,
+            &mut self.state.contact_load_before,
+        );
         self.sum_loads();
         ended(Phase::Sums);
-        self.friction.book(tally.friction);
-        self.damping.book(tally.damping);
-        self.rolling_impulse += tally.rolling_impulse;
-        self.n_broken_bonds += tally.n_broken;
-        self.n_axis_searches += tally.n_searches;
-        self.n_contact_updates += tally.n_touching;
-        self.max_overlap_over_size = self.max_overlap_over_size.max(tally.deepest_over_size);
-        self.worst_overlap = tally.worst;
-        self.has_excess = tally.n_cut > 0;
+        self.state.totals.friction.book(tally.friction);
+        self.state.totals.damping.book(tally.damping);
+        self.state.totals.rolling_impulse += tally.rolling_impulse;
+        self.state.totals.n_broken_bonds += tally.n_broken;
+        self.state.totals.n_axis_searches += tally.n_searches;
+        self.state.totals.n_contact_updates += tally.n_touching;
+        self.state.totals.max_overlap_over_size = self
+            .state
+            .totals
+            .max_overlap_over_size
+            .max(tally.deepest_over_size);
+        self.state.worst_overlap = tally.worst;
+        self.derived.has_excess = tally.n_cut > 0;
     }
 
     /// The half kick at the end of the step is over: what bodies that met or parted in it were spared is none of
     /// the next one's.
     pub(crate) fn drop_excess(&mut self) {
-        if !std::mem::take(&mut self.has_excess) {
+        if !std::mem::take(&mut self.derived.has_excess) {
             return;
         }
-        for pair in &mut self.pairs {
+        for pair in &mut self.contacts.pairs {
             pair.excess.clear();
         }
-        for pair in &mut self.surface_pairs {
+        for pair in &mut self.contacts.surface_pairs {
             pair.excess.clear();
         }
         self.sum_loads();
@@ -229,19 +236,31 @@ impl Blocks {
     /// found them.
     pub(crate) fn sum_loads(&mut self) {
         let Self {
-            contact_load,
-            rates,
-            links,
-            sphere_links,
-            pairs,
-            sphere_marks,
-            sphere_loads,
-            sphere_rates,
-            sphere_rolling,
-            surface_links,
-            surface_pairs,
-            kinematics,
-            has_new_links,
+            state:
+                State {
+                    contact_load,
+                    rates,
+                    kinematics,
+                    ..
+                },
+            derived:
+                Derived {
+                    links,
+                    sphere_links,
+                    surface_links,
+                    has_new_links,
+                    ..
+                },
+            contacts:
+                Contacts {
+                    pairs,
+                    sphere_marks,
+                    sphere_loads,
+                    sphere_rates,
+                    sphere_rolling,
+                    surface_pairs,
+                    ..
+                },
             ..
         } = self;
         let sum = |first: usize, (loads, rates): (&mut [Load], &mut [BlockRates])| {
@@ -316,56 +335,59 @@ impl Blocks {
             CHUNK,
             &sum,
         );
-        self.has_new_links = false;
-        if !self.deformables.is_empty() {
+        self.derived.has_new_links = false;
+        if !self.state.deformables.is_empty() {
             self.sum_stretch();
         }
     }
 
     /// What the contact forces strain, deformable blocks only.
     fn sum_stretch(&mut self) {
-        self.contact_stretch.clear();
-        self.contact_stretch
-            .resize(self.deformables.len(), Matrix3::zeros());
+        self.state.contact_stretch.clear();
+        self.state
+            .contact_stretch
+            .resize(self.state.deformables.len(), Matrix3::zeros());
         let acts = |pair: &&Pair| pair.is_touching || !pair.excess.is_empty();
-        for pair in self.pairs.iter().filter(acts) {
+        for pair in self.contacts.pairs.iter().filter(acts) {
             for (block, sign) in [(pair.blocks.0, -1.0), (pair.blocks.1, 1.0)] {
                 let b = block as usize;
-                let Some(k) = self.deformable_of[b] else {
+                let Some(k) = self.constants.deformable_of[b] else {
                     continue;
                 };
                 for excess in &pair.excess {
-                    let offset = excess.point - self.kinematics[b].centroid;
-                    self.contact_stretch[k as usize] += stretch(&(excess.force * sign), &offset);
+                    let offset = excess.point - self.state.kinematics[b].centroid;
+                    self.state.contact_stretch[k as usize] +=
+                        stretch(&(excess.force * sign), &offset);
                 }
                 for point in &pair.points {
                     let force = (pair.normal * point.normal_force + point.shear_force) * sign;
-                    let offset = point.patch.position - self.kinematics[b].centroid;
-                    self.contact_stretch[k as usize] += stretch(&force, &offset);
+                    let offset = point.patch.position - self.state.kinematics[b].centroid;
+                    self.state.contact_stretch[k as usize] += stretch(&force, &offset);
                 }
             }
         }
-        for pair in &self.surface_pairs {
+        for pair in &self.contacts.surface_pairs {
             let b = pair.blocks.0 as usize;
-            if let Some(k) = self.deformable_of[b] {
+            if let Some(k) = self.constants.deformable_of[b] {
                 pair.for_each_contact(&mut |contact| {
                     let force = -(contact.normal * contact.normal_force + contact.shear_force);
-                    let offset = contact.point - self.kinematics[b].centroid;
-                    self.contact_stretch[k as usize] += stretch(&force, &offset);
+                    let offset = contact.point - self.state.kinematics[b].centroid;
+                    self.state.contact_stretch[k as usize] += stretch(&force, &offset);
                 });
                 for excess in &pair.excess {
-                    let offset = excess.point - self.kinematics[b].centroid;
-                    self.contact_stretch[k as usize] += stretch(&-excess.force, &offset);
+                    let offset = excess.point - self.state.kinematics[b].centroid;
+                    self.state.contact_stretch[k as usize] += stretch(&-excess.force, &offset);
                 }
             }
         }
-        for (k, pair) in self.sphere_pairs.iter().enumerate() {
-            let loads = &self.sphere_loads[k];
+        for (k, pair) in self.contacts.sphere_pairs.iter().enumerate() {
+            let loads = &self.contacts.sphere_loads[k];
             for (block, sign) in [(pair.blocks.0, -1.0), (pair.blocks.1, 1.0)] {
                 let b = block as usize;
-                if let Some(k) = self.deformable_of[b] {
-                    let offset = loads.point - self.kinematics[b].centroid;
-                    self.contact_stretch[k as usize] += stretch(&(loads.force * sign), &offset);
+                if let Some(k) = self.constants.deformable_of[b] {
+                    let offset = loads.point - self.state.kinematics[b].centroid;
+                    self.state.contact_stretch[k as usize] +=
+                        stretch(&(loads.force * sign), &offset);
                 }
             }
         }
@@ -460,14 +482,20 @@ mod tests {
         for _ in 0..4000 {
             let dt = blocks.critical_time_step().dt;
             blocks.advance(0.0, dt, 1).unwrap();
-            kept += usize::from(blocks.sphere_marks.iter().all(|mark| !mark.has_new_rates));
+            kept += usize::from(
+                blocks
+                    .contacts
+                    .sphere_marks
+                    .iter()
+                    .all(|mark| !mark.has_new_rates),
+            );
             n_contacts = n_contacts.max(blocks.n_contacts());
             let before = blocks.critical_time_step();
-            let rates = blocks.rates.clone();
-            blocks.has_new_links = true;
+            let rates = blocks.state.rates.clone();
+            blocks.derived.has_new_links = true;
             blocks.sum_loads();
             assert_eq!(blocks.critical_time_step(), before);
-            for (new, old) in blocks.rates.iter().zip(&rates) {
+            for (new, old) in blocks.state.rates.iter().zip(&rates) {
                 let all = |r: &BlockRates| (r.stiffness, r.damping, r.next_stiffness, r.stiffest);
                 assert_eq!(all(new), all(old));
             }

@@ -70,7 +70,7 @@ pub(crate) struct Patch {
 }
 
 /// What the pair's stiffness refers to.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) enum Scaling {
     /// N/m of the whole contact: weights of flat faces sum to 1.
     Point,

@@ -29,7 +29,7 @@ pub(crate) use meeting::PointForce;
 use serde::{Deserialize, Serialize};
 use takeover::{Features, Former};
 
-use crate::blocks::Role;
+use crate::blocks::Update;
 use crate::contact::detection::common_plane::{Axis, AxisCache, AxisKind, ContactDetection};
 use crate::contact::detection::patch::{Patch, PatchPoint, Scaling};
 use crate::contact::penalty::friction::{ShearSpring, Shearing};
@@ -147,7 +147,7 @@ pub(crate) struct Workspace {
 pub(crate) struct Medium<'a> {
     pub parts: &'a [Part],
     pub kinematics: &'a [Kinematics],
-    pub role: &'a [Role],
+    pub update: &'a [Update],
     pub motion: &'a [Motion],
     pub joints: &'a [Joint],
     pub material_of_part: &'a [u32],
@@ -172,15 +172,15 @@ pub(crate) struct Medium<'a> {
 impl Medium<'_> {
     /// Do both lie still, one of them asleep? Their contact is then as it was.
     pub fn are_still(&self, blocks: (u32, u32)) -> bool {
-        let roles = [blocks.0, blocks.1].map(|block| self.role[block as usize]);
-        let is_still = |block: u32, role: Role| match role {
-            Role::Asleep => true,
-            Role::Still => matches!(self.motion[block as usize], Motion::Fixed),
-            Role::Plain | Role::Special => false,
+        let updates = [blocks.0, blocks.1].map(|block| self.update[block as usize]);
+        let is_still = |block: u32, update: Update| match update {
+            Update::Asleep => true,
+            Update::Fixed => matches!(self.motion[block as usize], Motion::Fixed),
+            Update::Rigid | Update::Constrained => false,
         };
-        roles.contains(&Role::Asleep)
-            && is_still(blocks.0, roles[0])
-            && is_still(blocks.1, roles[1])
+        updates.contains(&Update::Asleep)
+            && is_still(blocks.0, updates[0])
+            && is_still(blocks.1, updates[1])
     }
 
     pub fn joint(&self, pair: &Pair) -> &Joint {
@@ -299,7 +299,7 @@ impl Pair {
         self.rates = self.rate_bounds(medium, patch.flat_weight);
         self.is_touching = !self.points.is_empty();
         // The compliances of blocks that deform or are held change as they turn.
-        let is_steady = |block: u32| medium.role[block as usize] != Role::Special;
+        let is_steady = |block: u32| medium.update[block as usize] != Update::Constrained;
         self.is_idle = !(is_near || self.is_touching || self.bond.is_some() || self.has_broken)
             && is_steady(self.blocks.0)
             && is_steady(self.blocks.1);

@@ -61,14 +61,19 @@ impl Blocks {
         let n = self.n_blocks();
         let has_others = self.has_others();
         let fastest_path = (0..if has_others { n } else { 0 })
-            .filter(|&b| matches!(self.motion[b], Motion::Prescribed(_)) && !self.is_removed[b])
-            .map(|b| self.velocity[b].norm() + self.angular_velocity(b).norm() * self.radius(b))
+            .filter(|&b| {
+                matches!(self.constants.motion[b], Motion::Prescribed(_))
+                    && !self.state.is_removed[b]
+            })
+            .map(|b| {
+                self.state.velocity[b].norm() + self.angular_velocity(b).norm() * self.radius(b)
+            })
             .fold(0.0, f64::max);
         let mut attached = Vec::new();
-        if !self.attachments.is_empty() {
+        if !self.state.attachments.is_empty() {
             attached.resize(n, 0.0);
-            self.attachments.add_stiffness_rates(
-                &self.kinematics,
+            self.state.attachments.add_stiffness_rates(
+                &self.state.kinematics,
                 |b| self.is_free(b),
                 &mut attached,
             );
@@ -84,13 +89,15 @@ impl Blocks {
                 let mut k = rates.stiffness + rates.next_stiffness;
                 let mut c = rates.damping + rates.next_damping;
                 k += attached.get(b).copied().unwrap_or(0.0);
-                if let Some(of) = self.deformable_of[b] {
-                    let (square, xi) = self.deformables[of as usize].stiffness_rate();
+                if let Some(of) = self.constants.deformable_of[b] {
+                    let (square, xi) = self.state.deformables[of as usize].stiffness_rate();
                     k += square;
                     c += 2.0 * xi * square.sqrt();
                 }
                 if k > worst.0 || c > worst.1 {
-                    let bound = self.settings.time_step_factor * ((c * c + 4.0 * k).sqrt() - c) / k;
+                    let bound = self.constants.settings.time_step_factor
+                        * ((c * c + 4.0 * k).sqrt() - c)
+                        / k;
                     if bound < found.0 {
                         found = (bound, b, true);
                         worst = (k, c);
@@ -110,7 +117,7 @@ impl Blocks {
             }
             found
         };
-        let rates = self.rates.as_slice();
+        let rates = self.state.rates.as_slice();
         let (dt, block, is_contact) = chunks::in_pool(rates.len() > 8 * CHUNK, || {
             chunks::reduce(rates, CHUNK, &slowest, &|a, b| {
                 if b.0 < a.0 { b } else { a }
@@ -120,6 +127,7 @@ impl Blocks {
             dt,
             block: (dt < f64::INFINITY).then_some(block),
             contact: self
+                .state
                 .rates
                 .get(block)
                 .filter(|_| is_contact)
@@ -127,9 +135,9 @@ impl Blocks {
                 .map(|(list, k)| {
                     let k = k as usize;
                     let (i, j) = match list {
-                        Listed::Pair => self.pairs[k].blocks,
-                        Listed::Sphere => self.sphere_pairs[k].blocks,
-                        Listed::Surface => self.surface_pairs[k].blocks,
+                        Listed::Pair => self.contacts.pairs[k].blocks,
+                        Listed::Sphere => self.contacts.sphere_pairs[k].blocks,
+                        Listed::Surface => self.contacts.surface_pairs[k].blocks,
                     };
                     (i as usize, j as usize)
                 }),
@@ -138,15 +146,16 @@ impl Blocks {
 
     /// Cheap and on the safe side: may the block travel farther in `dt` (s) than half its margin?
     fn may_travel_too_far(&self, b: usize, fastest_path: f64, dt: f64) -> bool {
-        let body = &self.kinematics[b];
-        let radius = self.radius[b];
+        let body = &self.state.kinematics[b];
+        let radius = self.constants.radius[b];
         let mut square = fastest_path * fastest_path
             + body.velocity.norm_squared()
             + body.spin.norm_squared() * (radius * radius);
         if let Some(rate) = &body.strain_rate {
             square += rate.norm_squared() * (radius * radius);
         }
-        let way = 0.5 * (self.least_margin[b] - self.settings.gravity.norm() * dt * dt);
+        let way = 0.5
+            * (self.constants.least_margin[b] - self.constants.settings.gravity.norm() * dt * dt);
         // (a + b + c + d)² ≤ 4 (a² + b² + c² + d²). The step is infinite while nothing bounds it.
         !(way > 0.0 && 4.0 * square * dt * dt <= way * way)
     }
@@ -159,13 +168,13 @@ impl Blocks {
     /// ```
     /// which a free body keeps. `|ω|` swings as it tumbles, and a step in time with that would pump it.
     fn turning_time(&self, b: usize, dt: f64) -> Option<f64> {
-        let square = self.kinematics[b].spin.norm_squared();
+        let square = self.state.kinematics[b].spin.norm_squared();
         // The step is infinite while nothing bounds it.
         if !(square > 0.0 && square * dt * dt > LARGEST_TURN * LARGEST_TURN) {
             return None;
         }
-        let (momentum, inertia) = (&self.angular_momentum[b], &self.inertia[b]);
-        if is_isotropic(inertia) || self.deformable_of[b].is_some() {
+        let (momentum, inertia) = (&self.state.angular_momentum[b], &self.constants.inertia[b]);
+        if is_isotropic(inertia) || self.constants.deformable_of[b].is_some() {
             return None;
         }
         let rate = momentum.dot(&momentum.component_div(inertia)) / momentum.norm();
@@ -174,7 +183,8 @@ impl Blocks {
 
     /// Is there more than one block?
     fn has_others(&self) -> bool {
-        self.is_removed
+        self.state
+            .is_removed
             .iter()
             .filter(|&&gone| !gone)
             .nth(1)
@@ -184,14 +194,14 @@ impl Blocks {
     /// Time in which no point of the block, with the fastest path (m/s) against it, moves farther than
     /// half its margin, gravity included: `v t + g t²/2 = margin/2`; s.
     fn travel_time(&self, b: usize, fastest_path: f64) -> f64 {
-        let margin = self.least_margin[b];
+        let margin = self.constants.least_margin[b];
         let v = fastest_path
-            + self.velocity[b].norm()
-            + self.kinematics[b].spin.norm() * self.radius[b]
-            + self.kinematics[b]
+            + self.state.velocity[b].norm()
+            + self.state.kinematics[b].spin.norm() * self.constants.radius[b]
+            + self.state.kinematics[b]
                 .strain_rate
-                .map_or(0.0, |rate| rate.norm() * self.radius[b]);
-        let g = self.settings.gravity.norm();
+                .map_or(0.0, |rate| rate.norm() * self.constants.radius[b]);
+        let g = self.constants.settings.gravity.norm();
         // The positive root, in the form that survives g = 0.
         margin / (v + (v * v + g * margin).sqrt())
     }

@@ -1,0 +1,56 @@
+//! Constants of the blocks: set when the system is built, the same in every step.
+
+use crate::geometry::parts::Part;
+use crate::material::Joint;
+use crate::{Hold, Motion, Settings, Vec3};
+use nalgebra::UnitQuaternion;
+
+/// Constants of a system of blocks. Columns are one per block unless said otherwise.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Constants {
+    /// Free, fixed or on a prescribed path.
+    pub motion: Vec<Motion>,
+    /// Position among the deformable blocks, if it is one.
+    pub deformable_of: Vec<Option<u32>>,
+    /// Directions in which a free block is held; empty if no block is.
+    pub holds: Vec<Option<Hold>>,
+    /// Mass; kg.
+    pub mass: Vec<f64>,
+    /// Volume; m³.
+    pub volume: Vec<f64>,
+    /// Principal moments of inertia; kg m².
+    pub inertia: Vec<Vec3>,
+    /// Initial placement from principal axes.
+    pub principal: Vec<UnitQuaternion<f64>>,
+    /// Centroid at t = 0, before the displacement of a prescribed path; m.
+    pub initial_centroid: Vec<Vec3>,
+    /// Distance of the farthest point from the centroid; m.
+    pub radius: Vec<f64>,
+    /// Lever of the largest rotational compliance of a contact: the radius, less for a needle; m.
+    pub lever: Vec<f64>,
+    /// Least margin of the fat boxes of its parts; m.
+    pub least_margin: Vec<f64>,
+    /// First part of each block, then the number of parts; n_blocks + 1.
+    pub part_start: Vec<u32>,
+    /// Block of each part.
+    pub block_of_part: Vec<u32>,
+    /// Material of each part.
+    pub material_of_part: Vec<u32>,
+    /// Geometry about the initial centroid, in the initial axes; one per part.
+    pub reference: Vec<Part>,
+    /// Margin of the fat box, zero if the part cannot move; one per part; m.
+    pub margin: Vec<f64>,
+    /// Overlap allowed: a share of the size, and so little of the thickness that no part comes out on the other
+    /// side; one per part; m.
+    pub deepest_allowed: Vec<f64>,
+    /// Cube root of the volume; one per part; m.
+    pub size: Vec<f64>,
+    /// True if a joint resists rolling.
+    pub has_rolling: bool,
+    /// Contact constants of every pair of materials before any weakening, row by row.
+    pub initial_joints: Vec<Joint>,
+    /// Number of materials.
+    pub n_materials: usize,
+    /// Parameters of the solver.
+    pub settings: Settings,
+}

@@ -1,0 +1,59 @@
+//! State of the blocks: all that a run changes and a restart needs, contacts apart.
+
+use super::totals::Totals;
+use crate::contact::detection::broad_phase::Bounds;
+use crate::contact::penalty::step_bound::BlockRates;
+use crate::material::Joint;
+use crate::motion::deformation::Deformable;
+use crate::motion::kinematics::Kinematics;
+use crate::step::accounts::Accounts;
+use crate::step::attachments::Attachments;
+use crate::step::sleep::Rest;
+use crate::{Load, Vec3};
+use nalgebra::{Matrix3, UnitQuaternion};
+use serde::{Deserialize, Serialize};
+
+/// State of a system of blocks. Columns are one per block unless said otherwise; velocities are those of full steps.
+///
+/// Everything in it is saved in a checkpoint, in the order of the fields.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub(crate) struct State {
+    /// Centroid; m.
+    pub centroid: Vec<Vec3>,
+    /// Velocity of the centroid; m/s.
+    pub velocity: Vec<Vec3>,
+    /// World from principal axes.
+    pub attitude: Vec<UnitQuaternion<f64>>,
+    /// Angular momentum in principal axes; N m s.
+    pub angular_momentum: Vec<Vec3>,
+    /// True of a block that was taken out.
+    pub is_removed: Vec<bool>,
+    /// Strain and stress; one per deformable block.
+    pub deformables: Vec<Deformable>,
+    /// Loads, supports and bolts.
+    pub attachments: Attachments,
+    /// Sleep of blocks at rest.
+    pub rest: Rest,
+    /// Impulses on chosen blocks, by source.
+    pub accounts: Accounts,
+    /// Energies, impulses and counts since t = 0.
+    pub totals: Totals,
+    /// Contact constants of every pair of materials, row by row; changed by `weaken`.
+    pub joints: Vec<Joint>,
+    /// Rigid motion at the last evaluation; written by the step.
+    pub kinematics: Vec<Kinematics>,
+    /// Sum of contact forces at the last evaluation; N, N m.
+    pub contact_load: Vec<Load>,
+    /// The same, one sub-step before; N, N m.
+    pub contact_load_before: Vec<Load>,
+    /// Straining moment of the contacts at the last evaluation; one per deformable block; N m.
+    pub contact_stretch: Vec<Matrix3<f64>>,
+    /// Share of the contacts in the step bound at the last evaluation.
+    pub rates: Vec<BlockRates>,
+    /// Deepest overlap at the last evaluation, × the overlap allowed, with its parts.
+    pub worst_overlap: (f64, (u32, u32)),
+    /// Axis-aligned boxes around the parts; one per part; m.
+    pub boxes: Vec<Bounds>,
+    /// Boxes with their margin, with which the candidate pairs were found; one per part; m.
+    pub fat_boxes: Vec<Bounds>,
+}
