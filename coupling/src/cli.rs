@@ -20,7 +20,7 @@ use crate::scene::parse::Override;
 use crate::scene::reach::FilesFrom;
 use crate::scene::{self, resolve::Scene};
 
-/// How a command ends.
+/// Exit status of a command.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Exit {
     /// 0.
@@ -35,8 +35,8 @@ pub(crate) enum Exit {
 
 /// Rock blocks and water in one explicit engine.
 ///
-/// A scene file describes an experiment; `riprap check` says what will be modeled and what it
-/// costs, `riprap run` runs it into a folder of VTK files, CSV tables and pictures.
+/// A scene file describes an experiment; `riprap check` reports its model and
+/// cost, `riprap run` runs it into a folder of VTK files, CSV tables and pictures.
 #[derive(Debug, Parser)]
 #[command(
     name = "riprap",
@@ -58,13 +58,13 @@ struct Arguments {
 enum Command {
     /// Run a scene into a folder.
     Run(run::Arguments),
-    /// Check a scene and say what it will model and cost; runs nothing.
+    /// Check a scene and report its model and cost, without a run.
     Check(check::Arguments),
     /// Make pictures of a run with POV-Ray.
     Render(render::Arguments),
     /// Compare a recorded column with a reference.
     Compare(compare::Arguments),
-    /// Measure what settings of a scene cost and what error they leave.
+    /// Measure error against cost for settings of a scene.
     Trade(trade::Arguments),
 }
 
@@ -85,7 +85,7 @@ pub fn main() -> ExitCode {
     })
 }
 
-/// A line for the user on standard error, where it does not mix with results.
+/// A line for the user on standard error, separate from results.
 pub(crate) fn say(line: &str) {
     // nobody listens any more, as behind `| head`: no reason to fail
     let _ = writeln!(std::io::stderr(), "{line}");
@@ -96,7 +96,7 @@ pub(crate) fn show(line: &str) {
     let _ = writeln!(std::io::stdout(), "{line}");
 }
 
-/// The first signal ends the run in good order, the second at once.
+/// The first signal ends the run regularly, the second immediately.
 pub(crate) fn stop_on_signal(stop: &Arc<AtomicBool>) {
     let stop = Arc::clone(stop);
     let handler = move || {
@@ -105,13 +105,13 @@ pub(crate) fn stop_on_signal(stop: &Arc<AtomicBool>) {
         }
         say("\nstopping after this step; once more to stop at once");
     };
-    // without a handler a signal ends the program as it always did
+    // without a handler a signal ends the program in the default way
     if ctrlc::set_handler(handler).is_err() {
         say("warning: signals cannot be caught here; Ctrl-C will lose the last records");
     }
 }
 
-/// Loads a scene; tells of its warnings, or of all that is wrong with it.
+/// Loads a scene; reports its warnings or errors.
 pub(crate) fn load(case: &Path, overrides: &[Override], files: FilesFrom) -> Result<Scene, Exit> {
     match scene::load_from(case, overrides, files) {
         Ok((scene, warnings)) => {
@@ -127,7 +127,7 @@ pub(crate) fn load(case: &Path, overrides: &[Override], files: FilesFrom) -> Res
     }
 }
 
-/// Where files that a scene names may be, by the flag of a command.
+/// Access to files named by a scene, by the flag of a command.
 pub(crate) fn files_from(allow_outside: bool) -> FilesFrom {
     if allow_outside {
         FilesFrom::Anywhere
@@ -136,7 +136,7 @@ pub(crate) fn files_from(allow_outside: bool) -> FilesFrom {
     }
 }
 
-/// The plain lines, for editors and logs, and the source frame, for eyes.
+/// The plain lines, for editors and logs, and the source frame, for reading.
 pub(crate) fn report_scene_error(error: &SceneError) {
     use miette::{GraphicalReportHandler, GraphicalTheme};
     let mut frame = String::new();
@@ -153,7 +153,7 @@ pub(crate) fn report_scene_error(error: &SceneError) {
     }
 }
 
-/// Where a case runs by default: `runs/` and the name of its file.
+/// Default run folder: `runs/` and the name of the case file.
 pub(crate) fn default_folder(case: &Path) -> PathBuf {
     Path::new("runs").join(case.file_stem().unwrap_or_default())
 }

@@ -1,4 +1,4 @@
-//! `riprap run --error`: settings that meet an error budget, and afterward whether they did.
+//! `riprap run --error`: choice of settings for an error budget, and verification after the run.
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -20,9 +20,9 @@ use crate::study::trade::plan::{self, Planned, Study};
 use crate::study::trade::reading::{Reading, reading};
 use crate::study::trade::results::{along, collect, finest_run, judge, read};
 
-/// Where studies of cases are looked for, besides the folder of the case.
+/// Folder with studies of cases, in addition to the folder of the case.
 const STUDIES: &str = "benches/trade";
-/// Where `riprap trade` leaves what it measures.
+/// Folder with the results of `riprap trade`.
 const MEASURED: &str = "runs/trade";
 
 /// A relative error, as `5%` or `0.05`.
@@ -52,26 +52,26 @@ impl FromStr for Budget {
 pub(super) struct Asked<'a> {
     pub(super) case: &'a Path,
     pub(super) budget: Budget,
-    /// Of what.
+    /// Quantity.
     pub(super) of: Option<&'a str>,
-    /// Of the user, which stand above those that are chosen.
+    /// Overrides of the user, which take precedence over the chosen ones.
     pub(super) overrides: &'a [Override],
-    /// Of the run; a ladder goes below it.
+    /// Folder of the run; coarse runs are in subfolders.
     pub(super) folder: &'a Path,
-    /// Runs of a ladder at once.
+    /// Number of concurrent coarse runs.
     pub(super) jobs: Option<usize>,
 }
 
-/// Settings for a run, and what it will be judged by.
+/// Settings for a run, and the criterion of its evaluation.
 #[derive(Debug)]
 pub(super) struct Chosen {
-    /// Before those of the user.
+    /// Chosen overrides, before those of the user.
     pub(super) overrides: Vec<Override>,
     report: Report,
     basis: Basis,
 }
 
-/// Where an expectation comes from.
+/// Source of a prediction.
 #[derive(Debug)]
 enum Basis {
     Study {
@@ -97,15 +97,15 @@ struct Report {
     settings: Vec<String>,
     expected_error: f64,
     value: Option<f64>,
-    /// Against the study's truth.
+    /// Error against the reference value of the study.
     error: Option<f64>,
-    /// Grid convergence index, or its stand-in where the order is not observed.
+    /// Grid convergence index, or its substitute if the order was not observed.
     uncertainty: Option<f64>,
     observed_order: Option<f64>,
     budget_met: Option<bool>,
 }
 
-/// Chooses settings and says which and why.
+/// Chooses settings and reports them with the reason.
 pub(super) fn plan(asked: &Asked, scene: &Scene, stop: &AtomicBool) -> Result<Chosen, Exit> {
     match study_of(asked) {
         Err(message) => {
@@ -117,7 +117,7 @@ pub(super) fn plan(asked: &Asked, scene: &Scene, stop: &AtomicBool) -> Result<Ch
     }
 }
 
-/// The study of the case that the name means: its file's or its output's; the only one there is, where no name is given.
+/// The study of the case with a name: that of its file or its output; by default the only one.
 fn study_of(asked: &Asked) -> Result<Option<(PathBuf, StudyFile)>, String> {
     let case = asked.case.canonicalize().ok();
     let folder = asked.case.parent().unwrap_or(Path::new("."));
@@ -130,7 +130,7 @@ fn study_of(asked: &Asked) -> Result<Option<(PathBuf, StudyFile)>, String> {
         paths.sort();
         let is_ron = |path: &PathBuf| path.extension().is_some_and(|end| end == "ron");
         for path in paths.into_iter().filter(is_ron) {
-            // what is no study is a scene
+            // other files are scenes
             let Ok((file, _)) = plan::read(&path) else {
                 continue;
             };
@@ -190,7 +190,7 @@ fn from_study(asked: &Asked, path: PathBuf, file: StudyFile) -> Result<Chosen, E
             return Err(Exit::BadInput);
         }
     };
-    // frames and gauges are the user's affair
+    // frames and gauges are left to the user
     let of_study = file.set.iter().filter(|set| !set.starts_with("output."));
     let values = file.knobs.iter().zip(&expected.choice);
     let of_values = values.flat_map(|(knob, &value)| &knob.values[value].set);
@@ -249,7 +249,7 @@ fn words_of_study(
     let first = known
         .iter()
         .find(|found| found.choice.iter().all(|&v| v == 0));
-    // what is not turned is as the case or a preset has it
+    // other settings are those of the case or a preset
     let turned = file.knobs.iter().zip(&expected.choice);
     for (knob, &value) in turned.filter(|(_, value)| **value != 0) {
         let _ = write!(text, "\n  {:<32} {}", knob.name, knob.values[value].name);
@@ -360,7 +360,7 @@ fn words_of_ladder(
     )
 }
 
-/// Makes the three runs, coarse to fine.
+/// Executes the three runs, coarse to fine.
 fn climb(
     asked: &Asked,
     reading: &Reading,
@@ -429,7 +429,7 @@ fn climb(
 }
 
 impl Chosen {
-    /// Judges the run in a folder, writes `accuracy.json` and says how it came out.
+    /// Evaluates the run in a folder, writes `accuracy.json` and reports the result.
     pub(super) fn judge(mut self, scene: &Scene, folder: &Path) -> Result<String, String> {
         match &self.basis {
             Basis::Study {
@@ -503,7 +503,7 @@ fn grid_of_study(file: &StudyFile, known: &[Outcome], choice: &[usize]) -> Optio
         let mut sets = value.set.iter();
         sets.any(|set| set.starts_with("fluid.resolution="))
     };
-    // presets may set it too, but are no numbers
+    // presets may set it too, but have no numerical value
     let is_spacing = |knob: &KnobFile| {
         let mut values = knob.values.iter();
         values.all(|value| value.at.is_some()) && knob.values.iter().any(sets_resolution)
@@ -520,7 +520,7 @@ fn grid_of_study(file: &StudyFile, known: &[Outcome], choice: &[usize]) -> Optio
         .collect();
     rungs.sort_by(|a, b| b.spacing.total_cmp(&a.spacing));
     let n = rungs.len();
-    // what errors are relative to is counted from there
+    // the scale of errors is measured from there
     let zero = match &file.truth {
         TruthFile::Value { value, scale, .. } => scale.map(|scale| value - scale),
         TruthFile::Closed { form, scale } => scale.map(|scale| form.value() - scale),

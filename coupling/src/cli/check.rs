@@ -1,4 +1,4 @@
-//! `riprap check`: what a scene will model and what it costs.
+//! `riprap check`: report of the model of a scene and its cost.
 
 mod landslide;
 
@@ -21,12 +21,12 @@ use crate::walls::WallMethod;
 use crate::world::World;
 use crate::world::time_step::Cause;
 
-/// Longest that the timed probe may take.
+/// Largest wall time of the timed probe.
 const PROBE_TIME: Duration = Duration::from_secs(2);
-/// Most steps of the probe.
+/// Largest number of steps of the probe.
 const PROBE_STEPS: u32 = 50;
 
-/// Check a scene and say what it will model and cost.
+/// Check a scene and report its model and cost.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Arguments {
     /// The scene, a RON file; see cases/README.md.
@@ -34,7 +34,7 @@ pub(crate) struct Arguments {
     /// Set a field of the scene, e.g. --set fluid.resolution="Count(5000)"; may be repeated.
     #[arg(long = "set", value_name = "PATH=VALUE")]
     set: Vec<Override>,
-    /// Let the scene name files outside of its folder.
+    /// Allow the scene to name files outside of its folder.
     #[arg(long)]
     allow_outside: bool,
 }
@@ -246,7 +246,7 @@ pub(crate) fn describe(scene: &Scene, reach: &Reach) -> String {
         ShapeFile::Mesh { file, scale } => Some((b, file, *scale)),
         _ => None,
     }) {
-        // the scene is read: its meshes can be, too
+        // the scene was resolved, so its meshes can be read
         if let Ok(found) = mesh::survey(reach, file, scale) {
             let size = found.max - found.min;
             line(
@@ -372,7 +372,7 @@ fn cost(scene: &Scene) -> Result<String, crate::run::RunError> {
     Ok(text)
 }
 
-/// Takes some steps; how many, and the wall time of a run of as many as are asked, s.
+/// Takes some steps; returns their number, and the predicted wall time of a run, s.
 fn wall_time(
     world: &mut World,
     duration: f64,
@@ -382,7 +382,7 @@ fn wall_time(
     Ok((taken, wall.as_secs_f64() / f64::from(taken) * steps))
 }
 
-/// Takes some steps and the time they need.
+/// Takes some steps and measures their time.
 fn probe(world: &mut World, duration: f64) -> Result<(u32, Duration), crate::run::RunError> {
     let start = Instant::now();
     let mut taken = 0;

@@ -12,16 +12,16 @@ pub(crate) struct Arguments {
     gauges: PathBuf,
     /// The reference: CSV with time and value, `#` comments.
     reference: PathBuf,
-    /// Column of the run; all that both tables have when left out.
+    /// Column of the run; all common columns when left out.
     #[arg(long)]
     column: Option<String>,
     /// Added to the times of the run; s.
     #[arg(long, default_value_t = 0.0, allow_negative_numbers = true)]
     shift: f64,
-    /// Start of the comparison on the reference's clock; s.
+    /// Start of the comparison in the time of the reference; s.
     #[arg(long, allow_negative_numbers = true)]
     from: Option<f64>,
-    /// End of the comparison on the reference's clock; s.
+    /// End of the comparison in the time of the reference; s.
     #[arg(long, allow_negative_numbers = true)]
     to: Option<f64>,
     /// Write JSON.

@@ -5,10 +5,10 @@ use std::path::PathBuf;
 use super::{Exit, say};
 use crate::picture::render::{RenderOptions, WaterLook, render};
 
-/// Make pictures of a run with POV-Ray.
+/// Render pictures of a run with POV-Ray.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Arguments {
-    /// A run folder, finished or still growing.
+    /// A run folder, finished or running.
     run: PathBuf,
     /// Every N-th frame of the run.
     #[arg(long, value_name = "N", default_value_t = 1)]

@@ -37,23 +37,23 @@ pub(crate) struct Arguments {
     /// Threads; all cores when left out. Results do not depend on it.
     #[arg(long, value_name = "N")]
     threads: Option<usize>,
-    /// Take the cheapest settings that keep the error of a number below this, as 5%: by the case's own study, or else by
+    /// Use the cheapest settings with an error of a quantity below this, e.g. 5%: from the case's study, or else from
     /// three coarse runs.
     #[arg(long, value_name = "BUDGET")]
     error: Option<Budget>,
-    /// The number: a study of the case by its file or output, or crest_at_GAUGE, trough_at_, max_of_, min_of_, mean_of_.
+    /// The quantity: a study of the case by its file or output, or crest_at_GAUGE, trough_at_, max_of_, min_of_, mean_of_.
     #[arg(long, value_name = "NAME", requires = "error")]
     of: Option<String>,
-    /// Let the scene name files outside of its folder; they are copied into the run folder under names of their own.
+    /// Allow the scene to name files outside of its folder; they are copied into the run folder under other names.
     #[arg(long, conflicts_with = "error")]
     allow_outside: bool,
-    /// Write over an existing run folder.
+    /// Overwrite an existing run folder.
     #[arg(long)]
     force: bool,
-    /// Go on with a run that was stopped, from its last checkpoint and to the same bits as if it had not been.
+    /// Resume a stopped run from its last checkpoint, to bitwise the same result as without the stop.
     #[arg(long, conflicts_with_all = ["force", "error"])]
     resume: bool,
-    /// Wall time between checkpoints in seconds. One more is written when a run is stopped or fails.
+    /// Wall time between checkpoints in seconds. Another one is written when a run is stopped or fails.
     #[arg(long, value_name = "T", default_value_t = 600.0, value_parser = seconds)]
     checkpoint_interval: f64,
     /// No progress, only errors.
@@ -99,7 +99,7 @@ pub(crate) fn execute(arguments: &Arguments) -> Exit {
                 Ok(chosen) => chosen,
                 Err(exit) => return exit,
             };
-            // what the user sets stands above what is chosen
+            // settings of the user take precedence over chosen ones
             let all = [chosen.overrides.as_slice(), &overrides].concat();
             scene = match load(&arguments.case, &all, files) {
                 Ok(scene) => scene,
@@ -180,7 +180,7 @@ pub(crate) fn execute(arguments: &Arguments) -> Exit {
     }
 }
 
-/// Makes the run folder ready, or finds the checkpoint to go on from.
+/// Prepares the run folder, or finds the checkpoint to resume from.
 fn place_of_run(
     arguments: &Arguments,
     scene: &Scene,
@@ -216,7 +216,7 @@ fn seconds(text: &str) -> Result<f64, String> {
     }
 }
 
-/// Makes the run folder; an old one is emptied of riprap's own files when `force` says so.
+/// Creates the run folder; with `force`, riprap's own files are removed from an existing one.
 fn prepare(folder: &Path, force: bool) -> Result<(), String> {
     let is_used = folder
         .read_dir()
@@ -234,7 +234,7 @@ fn prepare(folder: &Path, force: bool) -> Result<(), String> {
         .map_err(|error| format!("cannot make {}: {error}", folder.display()))
 }
 
-/// Removes the files of an earlier run, and nothing else.
+/// Removes the files of an earlier run only.
 fn remove_run(folder: &Path) -> Result<(), String> {
     let entries = folder
         .read_dir()
@@ -288,7 +288,7 @@ fn is_ours(name: &str) -> bool {
 
 /// Archived copy of a scene in its run folder.
 struct Kept {
-    /// Names of the scene's files there, by those in the scene.
+    /// Names of the archived files, by those in the scene.
     names: BTreeMap<String, String>,
     /// The scene with these names.
     text: String,
@@ -305,12 +305,12 @@ impl Kept {
     }
 }
 
-/// Copies the files that the scene names and writes `case.ron`, so that the folder can be run again by itself.
+/// Copies the files named by the scene and writes `case.ron`, so that the run can be repeated from the folder alone.
 fn keep_inputs(kept: &Kept, case: &Path, folder: &Path) -> Result<(), String> {
     let source = case.parent().unwrap_or(Path::new("."));
     for (file, name) in &kept.names {
         let (from, to) = (source.join(file), folder.join(name));
-        // a case that is run into its own folder has its files there
+        // a case run into its own folder already has its files there
         let is_there = from
             .canonicalize()
             .is_ok_and(|from| to.canonicalize().is_ok_and(|to| from == to));
@@ -328,8 +328,8 @@ fn keep_inputs(kept: &Kept, case: &Path, folder: &Path) -> Result<(), String> {
         .map_err(|error| format!("cannot write {}: {error}", path.display()))
 }
 
-/// The names of files in the run folder, by those in the scene. A file from outside of the scene's folder, or one that
-/// is called as what the run writes, gets a name of its own.
+/// The names of files in the run folder, by those in the scene. A file from outside of the scene's folder, or one with
+/// the name of an output file, is renamed.
 fn kept_names(files: &[String]) -> BTreeMap<String, String> {
     let mut names = BTreeMap::new();
     for file in files {
@@ -379,7 +379,7 @@ fn closing_words(summary: &Summary, folder: &Path) -> String {
     )
 }
 
-/// One line that is written over on a terminal; a line now and then in a log.
+/// Progress: one line updated in place on a terminal, occasional lines in a log.
 struct ProgressLine {
     is_quiet: bool,
     is_terminal: bool,

@@ -15,17 +15,17 @@ use crate::study::trade::plan::{Planned, Study};
 use crate::study::trade::results::{Fronts, bought, collect, front_table, table, write};
 use crate::study::trade::{picture, plot};
 
-/// Share of the memory that is free which runs may hold together.
+/// Fraction of the free memory available to all runs.
 const MEMORY_SHARE: f64 = 0.8;
-/// Free memory where the system does not tell; bytes.
+/// Free memory assumed if unknown; bytes.
 const UNKNOWN_MEMORY: u64 = 4_000_000_000;
 
-/// Measure what settings of a scene cost and what error they leave.
+/// Measure error against cost for settings of a scene.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Arguments {
     /// The study, a RON file; see benches/trade/README.md.
     study: PathBuf,
-    /// Folder of the runs and results; runs/trade/NAME when left out. Runs that have ended there are not repeated.
+    /// Folder of the runs and results; runs/trade/NAME when left out. Completed runs there are not repeated.
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
     /// Runs at once, one thread each; all cores when left out.
@@ -96,7 +96,7 @@ pub(crate) fn execute(arguments: &Arguments) -> Exit {
     Exit::Failed
 }
 
-/// Writes tables and plots; tells of what could not be.
+/// Writes tables and plots; reports failures.
 fn write_all(study: &Study, all: &[Outcome], folder: &Path) -> Result<(), String> {
     let svg = plot::svg(study, all);
     let png = picture::png(&svg).map_err(|error| error.to_string());
@@ -114,7 +114,7 @@ fn write_all(study: &Study, all: &[Outcome], folder: &Path) -> Result<(), String
     })
 }
 
-/// A run as a process of its own: one that fails, or takes all memory, takes nothing with it.
+/// A run as a separate process, so that a failure or lack of memory affects no other run.
 pub(super) fn spawn(case: &Path, run: &Planned, folder: &Path) -> io::Result<Option<Ended>> {
     let started = Instant::now();
     let mut command = Command::new(std::env::current_exe()?);
@@ -134,7 +134,7 @@ pub(super) fn spawn(case: &Path, run: &Planned, folder: &Path) -> io::Result<Opt
             message: String::new(),
             wall_time,
         })),
-        // a step failed, or the start: that is a result. A full disk will not take the note of it either
+        // a failed step or start is a result. A full disk cannot store it either
         Some(1) => Ok(Some(Ended {
             completed: false,
             message: said,
@@ -145,7 +145,7 @@ pub(super) fn spawn(case: &Path, run: &Planned, folder: &Path) -> io::Result<Opt
     }
 }
 
-/// So many runs at once, as many as cores when not said, in the memory that is free.
+/// Number of concurrent runs, by default the number of cores, within the free memory.
 pub(super) fn means(jobs: Option<usize>) -> Means {
     let cores = || std::thread::available_parallelism().map_or(1, usize::from);
     Means {
@@ -156,7 +156,7 @@ pub(super) fn means(jobs: Option<usize>) -> Means {
     }
 }
 
-/// The front, and what each knob buys.
+/// Report of the front and of the effect of each knob.
 fn words(study: &Study, all: &[Outcome]) -> String {
     let mut lines = vec![format!("{}: {}", study.file.title, study.file.output.name)];
     for &k in &Fronts::of(all).by_time {

@@ -1,4 +1,4 @@
-//! How close a computed series is to a reference.
+//! Comparison of a computed series with a reference.
 //!
 //! ```text
 //! window   times of the reference that the computed series covers too, within the limits asked for
@@ -6,8 +6,8 @@
 //! error    √( mean (c − r)² ) / range        c interpolated linearly to the times of r
 //! ```
 //!
-//! Samples that are NaN on either side are left out, and nothing is interpolated across them. What cannot be computed,
-//! such as an error relative to a range of zero, is undefined (`None`), never NaN.
+//! Samples that are NaN in either series are skipped, without interpolation across them. Undefined results, such as an
+//! error relative to a range of zero, are `None`, never NaN.
 
 mod report;
 
@@ -28,11 +28,11 @@ pub struct Series {
 pub struct Options {
     /// Added to the times of the computed series; s.
     pub shift: f64,
-    /// Start of the window on the reference's clock; the beginning of both series if not given; s.
+    /// Start of the window in the time of the reference; the beginning of both series if not given; s.
     pub from: Option<f64>,
     /// End of the window; the end of both series if not given; s.
     pub to: Option<f64>,
-    /// The wave has arrived when the departure from the initial value reaches this part of the reference's largest.
+    /// Deviation from the initial value, as a fraction of the largest one of the reference, that defines the arrival of a wave.
     pub arrival_fraction: f64,
 }
 
@@ -139,7 +139,7 @@ fn extent(values: impl Iterator<Item = f64>) -> Option<(f64, f64)> {
 }
 
 fn correlation(pairs: &[Pair]) -> Option<f64> {
-    // A constant does not correlate with anything; asked of the range, because rounding leaves a constant some variance.
+    // The correlation of a constant is undefined; the range is tested, since rounding leaves a constant some variance.
     let varies =
         |value: fn(&Pair) -> f64| pairs_range(pairs, value).is_some_and(|range| range > 0.0);
     if !varies(|pair| pair.c) || !varies(|pair| pair.r) {
@@ -174,7 +174,7 @@ impl Series {
         self.time.iter().copied().zip(self.value.iter().copied())
     }
 
-    /// Value at `time`, linear between samples; nothing outside, or in a gap.
+    /// Value at `time`, linear between samples; `None` outside or in a gap.
     pub(crate) fn at(&self, time: f64) -> Option<f64> {
         let after = self.time.partition_point(|&t| t < time);
         let (t1, v1) = (*self.time.get(after)?, *self.value.get(after)?);
@@ -186,7 +186,7 @@ impl Series {
         Some(v0 + (v1 - v0) * (time - t0) / (t1 - t0)).filter(|value| value.is_finite())
     }
 
-    /// The samples in `window`, and its ends, interpolated; nothing without a window.
+    /// The samples in `window`, and its ends, interpolated; empty without a window.
     pub(crate) fn within(&self, window: Option<(f64, f64)>) -> Self {
         let Some((start, end)) = window else {
             return Self::default();
@@ -215,12 +215,12 @@ impl Series {
         self.value.iter().copied().find(|value| value.is_finite())
     }
 
-    /// First time at which the departure from the initial value, up or down, reaches `threshold`.
+    /// First time at which the deviation from the initial value, up or down, reaches `threshold`.
     fn arrival(&self, threshold: f64) -> Option<f64> {
         let initial = self.initial()?;
         let departure = |i: usize| (self.value[i] - initial).abs();
         let i = (0..self.value.len()).find(|&i| departure(i) >= threshold)?;
-        // The first finite sample departs by nothing, so that `i` is not zero; after a gap there is nothing to refine.
+        // The first finite sample has no deviation, so that `i` is not zero; after a gap no refinement is possible.
         let before = i
             .checked_sub(1)
             .filter(|&before| departure(before).is_finite());

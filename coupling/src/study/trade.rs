@@ -1,4 +1,4 @@
-//! Studies of the trade between accuracy and cost.
+//! Studies of error against cost.
 //!
 //! ```text
 //! STUDY.ron ─load→ Study: runs, each a scene and a key ─execute→ RUNS/key/ ... ended.json
@@ -6,9 +6,10 @@
 //!                                                               trade.csv, front.csv, trade.svg, trade.png
 //! trade.csv ─choose→ the cheapest settings within a budget       where there is no study: ladder, three coarse runs
 //! ```
-//! A study names a case, a number with its truth, and knobs with values. Runs are processes of one thread, as many at once as
-//! cores and memory allow; what has ended is never run again, so that a study that was broken off goes on where it was. A run
-//! is known by its scene with every default written out, the files it names, and the program's commit.
+//! A study names a case, a quantity with its reference value, and parameters (knobs) with their values. Runs are
+//! single-threaded processes, as many at once as cores and memory allow; completed runs are never repeated, so that an
+//! interrupted study continues. A run is identified by its scene with every default written out, the files it names, and
+//! the program's commit.
 
 pub mod budget;
 pub mod execute;

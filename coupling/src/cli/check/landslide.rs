@@ -6,15 +6,15 @@ use crate::scene::resolve::{FluidScene, Scene};
 use crate::scene::terrain::Terrain;
 use crate::scene::terrain::basin::{Room, room_below};
 
-/// Particle spacings across the thickness of a slide: with fewer most of its water is within the support of its back too.
+/// Smallest number of particle spacings across the thickness of a slide: with fewer, most of the water is within the support of its far side, too.
 const IN_SLIDE: f64 = 3.0;
-/// Particle spacings in the height of the first crest: where the surface is, is known to half a one.
+/// Smallest number of particle spacings in the height of the first crest: the surface is known to half a spacing.
 const IN_CREST: f64 = 3.0;
 
-/// A basin is well filled with a volume as near to its own as this, and rows that end as near to its bottom; –.
+/// Tolerance of the filled volume of a basin, and of the distance between the last row and the bottom; –.
 const WELL_FILLED: f64 = 0.005;
 
-/// Lines of the description: what, and its words.
+/// Lines of the report: heading and text.
 pub(super) fn lines(scene: &Scene) -> Vec<(&'static str, String)> {
     let (Some(terrain), Some(fluid)) = (&scene.terrain, &scene.fluid) else {
         return Vec::new();
@@ -57,7 +57,7 @@ pub(super) fn lines(scene: &Scene) -> Vec<(&'static str, String)> {
     lines
 }
 
-/// Water poured into basins of the terrain, against the room below its level.
+/// Volume of the water in basins of the terrain, compared with the volume below its level.
 fn basins(scene: &Scene, terrain: &Terrain, fluid: &FluidScene) -> Vec<(&'static str, String)> {
     let (min, max) = (scene.file.domain.min, scene.file.domain.max);
     let plan = [[min.0, min.1], [max.0, max.1]];
@@ -85,7 +85,7 @@ fn basins(scene: &Scene, terrain: &Terrain, fluid: &FluidScene) -> Vec<(&'static
     basins.collect()
 }
 
-/// The spacing next to that of the scene with whole rows between level and bottom; empty where it has them.
+/// The spacing closest to that of the scene with whole rows between level and bottom; empty if the scene has them.
 fn filling(room: &Room, fluid: &FluidScene) -> String {
     let row_height = fluid.lattice.spacing[2];
     let rows = (room.depth / row_height).round().max(1.0);

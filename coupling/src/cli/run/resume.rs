@@ -1,4 +1,4 @@
-//! Where `riprap run --resume` goes on from.
+//! Starting point of `riprap run --resume`.
 
 use std::fs;
 use std::path::Path;
@@ -9,15 +9,15 @@ use crate::output::checkpoint_file::{self as checkpoint, Checkpoint};
 
 /// Contents of a run folder.
 pub(super) enum Found {
-    /// Nothing that a run could go on from.
+    /// No run to resume.
     Nothing,
-    /// A run that reached its end.
+    /// A completed run.
     Over,
-    /// A run that did not.
+    /// An incomplete run.
     Checkpoint(Checkpoint),
 }
 
-/// Looks what a run folder holds of the run of a scene; changes nothing in it.
+/// Examines the state of the run of a scene in a run folder, without changing it.
 pub(super) fn find(scene: &Kept, case: &Path, folder: &Path) -> Result<Found, String> {
     let Some(before) = read(&folder.join("case.ron"))? else {
         return Ok(Found::Nothing);
@@ -68,7 +68,7 @@ pub(super) fn find(scene: &Kept, case: &Path, folder: &Path) -> Result<Found, St
     }
 }
 
-/// A file as text, none where there is none.
+/// A file as text, if it exists.
 fn read(path: &Path) -> Result<Option<String>, String> {
     match fs::read_to_string(path) {
         Ok(text) => Ok(Some(text)),
@@ -77,7 +77,7 @@ fn read(path: &Path) -> Result<Option<String>, String> {
     }
 }
 
-/// The first line, by its number, in which two texts differ; both of it.
+/// Number and both versions of the first line in which two texts differ.
 fn first_difference<'t>(a: &'t str, b: &'t str) -> Option<(usize, (&'t str, &'t str))> {
     let longest = a.lines().count().max(b.lines().count());
     let lines = |text: &'t str| text.lines().map(str::trim).chain(std::iter::repeat(""));

@@ -1,4 +1,4 @@
-//! Comparison of two tables, for people and for programs.
+//! Comparison of two tables, as text and as JSON.
 
 use super::{Comparison, Options, Series, compare};
 use crate::files::table::{Column, TableData, TableError, read_table};
@@ -18,10 +18,10 @@ pub struct Report {
     pub comparison: Comparison,
 }
 
-/// Compares the table `computed` with the table `reference`: the column asked for, or all that both have by name.
+/// Compares the table `computed` with the table `reference`: the requested column, or all columns with common names.
 ///
 /// # Errors
-/// [`CompareError`]: files that cannot be read, columns that are missing or differ in unit, times that do not ascend.
+/// [`CompareError`] if a file cannot be read, a column is missing or differs in unit, or times do not ascend.
 pub fn compare_files(
     computed: &Path,
     reference: &Path,
@@ -64,9 +64,9 @@ pub fn compare_files(
         .collect()
 }
 
-/// The series of a file of two columns, time and value, whatever their names; a heading may be there
-/// or not, `#` starts a comment. `None` when the file is anything else: it is then read as a table,
-/// with a table's errors.
+/// The series of a file with two columns, time and value, of any name; the heading is optional,
+/// `#` starts a comment. `None` for any other file, which is then read as a table,
+/// with the errors of a table.
 fn two_columns(path: &Path) -> Option<Series> {
     let text = std::fs::read_to_string(path).ok()?;
     let mut series = Series::default();
@@ -147,7 +147,7 @@ fn headers(table: &TableData) -> String {
         .join(", ")
 }
 
-/// The reports for people: a paragraph per column.
+/// The reports as text: a paragraph per column.
 pub fn text(reports: &[Report]) -> String {
     let mut text = String::new();
     for Report {
@@ -216,7 +216,7 @@ fn short(value: f64) -> String {
     }
 }
 
-/// The reports for programs: an array of objects, `null` where undefined.
+/// The reports as JSON: an array of objects, `null` where undefined.
 ///
 /// # Errors
 /// As of `serde_json`; not expected for numbers and names.
@@ -224,19 +224,19 @@ pub fn json(reports: &[Report]) -> Result<String, serde_json::Error> {
     serde_json::to_string_pretty(reports)
 }
 
-/// Why two files cannot be compared.
+/// Error of a comparison.
 #[derive(Debug, thiserror::Error)]
 pub enum CompareError {
     /// A table cannot be read, or a column is missing.
     #[error(transparent)]
     Table(#[from] TableError),
-    /// Times are missing or go back.
+    /// Times are missing or do not ascend.
     #[error("{}: times must be finite and ascend from line to line", path.display())]
     Time {
         /// The file.
         path: PathBuf,
     },
-    /// The same name in two units.
+    /// A common name with two units.
     #[error(
         "column `{column}` is in {computed} here and in {reference} in the reference; convert one of them"
     )]
@@ -248,7 +248,7 @@ pub enum CompareError {
         /// Its unit in the reference.
         reference: String,
     },
-    /// No name is in both tables.
+    /// No common column.
     #[error("no column is in both tables; computed: {computed}; reference: {reference}")]
     NothingShared {
         /// Columns of the computed table.

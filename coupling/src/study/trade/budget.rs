@@ -1,4 +1,4 @@
-//! Which settings of a study meet an error budget with the least work.
+//! Settings of a study that meet an error budget with the least work.
 //!
 //! Measured settings are known. Others are predicted from the nearest run b, the most accurate of those that differ in
 //! the fewest knobs, and from the runs in which a single knob is changed:
@@ -8,20 +8,20 @@
 //! error   e = max(|d_b + Σ Δₖ|, |d_b| Π max(1, |dₖ/dₖ'|))      Δₖ = dₖ − dₖ', deviations with signs
 //!           + ½ (Σ |Δₖ| − max |Δₖ|) + ⅕ |d_b − d₀| + ½ |step between the neighbors of what is interpolated|
 //! ```
-//! Deviations of different origin add, those of one origin multiply: the larger counts. What makes it better is believed only
-//! of b itself, and a fifth of what b has won over the first settings is kept in hand: it may be by deviations that cancel.
+//! Deviations of different origin add, those of one origin multiply: the larger counts. An improvement is trusted only
+//! for b itself, with a margin of a fifth of its gain over the first settings, which may be due to canceling deviations.
 
 use super::file::{StudyFile, TruthFile};
 use super::outcome::Outcome;
 use super::results::finest_run;
 
-/// Kept of the budget for what was measured: another build or machine may draw another run of water that is not calm.
+/// Margin of the budget for measured settings: on another build or machine agitated water gives another realization.
 const MARGIN_OF_MEASURED: f64 = 1.1;
-/// Kept of the budget for what is foretold; measured on the shipped studies, see `tests/coupling/budget.rs`.
+/// Margin of the budget for predicted settings; measured on the shipped studies, see `tests/coupling/budget.rs`.
 const MARGIN_OF_FORETOLD: f64 = 1.4;
-/// Kept of what the nearest run has won over the first settings.
+/// Margin on the gain of the nearest run over the first settings.
 const DOUBT_OF_GAIN: f64 = 0.2;
-/// Deviations below it are none, where they are divided by; –.
+/// Floor of deviations in divisions; –.
 const LEAST_DEVIATION: f64 = 1e-4;
 /// Predicted error and work of settings.
 #[derive(Clone, Debug, PartialEq)]

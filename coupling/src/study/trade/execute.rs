@@ -1,8 +1,8 @@
-//! Runs the runs of a study, each in a folder and a process of its own, as many at once as cores and memory allow.
+//! Execution of the runs of a study, each in its own folder and process, as many at once as cores and memory allow.
 //!
-//! A run has a folder of its own to work in, by the number of this process: one that outlives a study which was killed
-//! writes into nobody's way. Once it has ended its folder, with `ended.json` written last, gets the name by which it is found
-//! again, and it is never run again. One that was interrupted starts anew.
+//! A run has its own working folder, named by the id of this process, so that a run that outlives a killed study does not
+//! interfere. After its end its folder, with `ended.json` written last, gets its final name, and the run is never
+//! repeated. An interrupted run starts again.
 
 use std::collections::BTreeSet;
 use std::io;
@@ -17,21 +17,21 @@ use super::plan::{Planned, Study};
 /// Result of a completed run, as written.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Ended {
-    /// Whether it reached its end; otherwise it failed, as an unstable one does.
+    /// Whether it reached its end; otherwise it failed, for instance by instability.
     pub completed: bool,
     /// Error message of a failed run.
     pub message: String,
-    /// Of the process, from its start to its end; s.
+    /// Wall time of the process; s.
     pub wall_time: f64,
 }
 
-/// How a run is made: in a folder, on one thread; none when it was interrupted.
+/// Function that executes a run in a folder, on one thread; `None` if it was interrupted.
 pub type Runner<'a> = dyn Fn(&Planned, &Path) -> io::Result<Option<Ended>> + Sync + 'a;
 
-/// Why a study cannot go on.
+/// Error of a study.
 #[derive(Debug, thiserror::Error)]
 pub enum ExecuteError {
-    /// A file could not be written or a process not started; what has ended stays.
+    /// A file could not be written or a process not started; completed runs are preserved.
     #[error("cannot {what} {}: {source}", path.display())]
     Io {
         /// Operation that failed.
@@ -48,16 +48,16 @@ pub enum ExecuteError {
 pub struct Means {
     /// Runs at once, one thread each.
     pub workers: usize,
-    /// Sum of what the runs at once are expected to hold; bytes. A run that needs more by itself runs alone.
+    /// Largest sum of the estimated memory of concurrent runs; bytes. A run that needs more runs alone.
     pub memory: u64,
 }
 
-/// How far a study is.
+/// Progress of a study.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Progress {
-    /// Runs that have ended.
+    /// Completed runs.
     pub ended: usize,
-    /// Of so many.
+    /// Total number.
     pub all: usize,
 }
 
@@ -66,17 +66,17 @@ pub fn folder_of(runs: &Path, run: &Planned) -> PathBuf {
     runs.join(&run.key)
 }
 
-/// How a run ended, if it did.
+/// Result of a run, if completed.
 pub fn ended(folder: &Path) -> Option<Ended> {
     let text = std::fs::read_to_string(folder.join("ended.json")).ok()?;
     serde_json::from_str(&text).ok()
 }
 
-/// Makes those runs of a study that have not ended; returns whether all have.
+/// Executes the incomplete runs of a study; returns whether all are complete.
 ///
 /// # Errors
 ///
-/// [`ExecuteError`]: the first file that could not be written. Runs under way are brought to their end before.
+/// [`ExecuteError`] names the first file that could not be written, after the active runs have ended.
 pub fn execute(
     study: &Study,
     runs: &Path,
@@ -85,7 +85,7 @@ pub fn execute(
     runner: &Runner,
     tell: &(dyn Fn(Progress) + Sync),
 ) -> Result<bool, ExecuteError> {
-    // two choices may make one scene: it is run once
+    // two combinations may give the same scene, which is run once
     let mut seen = BTreeSet::new();
     let mut unique: Vec<&Planned> = study.runs.iter().collect();
     unique.retain(|run| seen.insert(&run.key));
@@ -135,7 +135,7 @@ pub fn execute(
     }
 }
 
-/// Makes one run and notes that it has ended; whether it did.
+/// Executes one run and records its end; returns whether it is complete.
 fn make(run: &Planned, folder: &Path, runner: &Runner) -> Result<bool, ExecuteError> {
     let failed = |what, path: &Path| {
         let path = path.to_owned();
@@ -152,13 +152,13 @@ fn make(run: &Planned, folder: &Path, runner: &Runner) -> Result<bool, ExecuteEr
     let text =
         serde_json::to_string_pretty(&ended).map_err(|e| failed("write", &path)(e.into()))?;
     std::fs::write(&path, text + "\n").map_err(failed("write", &path))?;
-    // one that has not ended, of a program that worked in place
+    // an incomplete one, of an earlier program that worked in place
     let _ = std::fs::remove_dir_all(folder);
     std::fs::rename(&work, folder).map_err(failed("rename to", folder))?;
     Ok(true)
 }
 
-/// Removes what runs of studies that were killed left of those that have ended since.
+/// Removes folders left by killed studies of runs that have been completed since.
 fn clear_remains(runs: &Path, ended: &BTreeSet<&str>) {
     let Ok(entries) = std::fs::read_dir(runs) else {
         return;
@@ -171,13 +171,13 @@ fn clear_remains(runs: &Path, ended: &BTreeSet<&str>) {
             .file_stem()
             .map(|stem| stem.to_string_lossy().into_owned());
         if is_remains && key.is_some_and(|key| ended.contains(key.as_str())) {
-            // an orphan that still writes makes it anew: no harm
+            // an orphan process that still writes recreates it, without harm
             let _ = std::fs::remove_dir_all(path);
         }
     }
 }
 
-/// Runs that wait, and what those under way hold.
+/// Waiting runs, and the memory of active ones.
 struct Queue<'a> {
     state: Mutex<State<'a>>,
     changed: Condvar,
@@ -194,11 +194,11 @@ struct State<'a> {
 
 impl<'a> Queue<'a> {
     fn lock(&self) -> std::sync::MutexGuard<'_, State<'a>> {
-        // a worker that panicked leaves numbers that are still right
+        // a worker that panicked leaves valid numbers
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// The first run that there is memory for, in the order of the design; waits while there is none.
+    /// The first run with sufficient memory, in the order of the design; waits for one.
     fn next(&self, stop: &AtomicBool) -> Option<&'a Planned> {
         let mut state = self.lock();
         loop {
@@ -221,7 +221,7 @@ impl<'a> Queue<'a> {
         }
     }
 
-    /// Gives back what a run held; the number that have ended, if it did.
+    /// Releases the memory of a run; returns the number of completed runs, if it is complete.
     fn done(&self, run: &Planned, made: Result<bool, ExecuteError>) -> Option<usize> {
         let mut state = self.lock();
         state.used -= run.memory;

@@ -1,10 +1,10 @@
-//! A study as written: RON, unknown fields refused.
+//! Schema of a study: RON, unknown fields rejected.
 
 use serde::{Deserialize, Serialize};
 
 use super::quantity::Take;
 
-/// A study: one case, one number with its truth, and knobs with values.
+/// A study: one case, one quantity with its reference value, and knobs with values.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct StudyFile {
@@ -84,7 +84,7 @@ pub enum TruthFile {
     },
 }
 
-/// Truths that are formulas; SI units.
+/// Closed-form reference values; SI units.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum ClosedForm {
@@ -122,7 +122,7 @@ pub enum ClosedForm {
 }
 
 impl ClosedForm {
-    /// Its number.
+    /// Its value.
     pub fn value(&self) -> f64 {
         match *self {
             Self::Hydrostatic {
@@ -179,7 +179,7 @@ pub struct ValueFile {
     pub set: Vec<String>,
 }
 
-/// Which combinations of values are run.
+/// Design of a study: the combinations of values that are run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum DesignFile {

@@ -3,31 +3,31 @@
 //! ```text
 //! e(s) = safety · |f∞ − f₁| (s/s₁)^p / |f₁ − f₀|        f₀ the value that means nothing, such as the level of rest
 //! ```
-//! `p` and `f∞` are Richardson's where the three come closer from one side; an order that schemes do not have is taken for the
-//! nearest that they have, with a larger safety factor (Oberkampf & Roy 2010, Verification and Validation in Scientific
-//! Computing, 8.7). Where they do not, the error is taken to fall with the spacing itself from the largest difference between
-//! any two. Only the error of the spacing is seen: what a scheme or a scene does wrong at any spacing is not.
+//! `p` and `f∞` are Richardson's where the three converge monotonically; an order beyond that of the schemes is replaced by
+//! the nearest possible one, with a larger safety factor (Oberkampf & Roy 2010, Verification and Validation in Scientific
+//! Computing, 8.7). Otherwise the error is assumed proportional to the spacing, from the largest difference between
+//! any two. Only the discretization error is estimated, not errors of the scheme or the scene that are independent of spacing.
 
 use super::front::convergence;
 
-/// Roache's safety factor where the order was observed.
+/// Roache's safety factor for an observed order.
 const SAFETY: f64 = 1.25;
-/// The same where it was not, or is none that a scheme has.
+/// Safety factor for an order that was not observed or is beyond that of the schemes.
 const SAFETY_WITHOUT_ORDER: f64 = 3.0;
-/// Orders that a scheme of second order shows on the way to its limit.
+/// Range of orders that a second-order scheme may show before its asymptotic range.
 const ORDERS: std::ops::RangeInclusive<f64> = 0.5..=2.5;
-/// Formal order, the most that is counted on.
+/// Formal order, the largest one assumed.
 const FORMAL_ORDER: f64 = 2.0;
-/// Rows of water of the rungs, of those of the finest.
+/// Rows of water of the runs, over those of the finest.
 const RUNGS: [f64; 3] = [0.5, std::f64::consts::FRAC_1_SQRT_2, 1.0];
-/// Rows of the finest rung, of those of the scene.
+/// Rows of the finest run, over those of the scene.
 const FINEST_RUNG: f64 = 2.0 / 3.0;
-/// Rows of the finest rung at least.
+/// Smallest number of rows of the finest run.
 const LEAST_ROWS: f64 = 10.0;
-/// Rows of the final run at most, of those of the scene: a spacing is what its author is ready to pay for.
+/// Largest number of rows of the final run, over those of the scene, whose spacing reflects the acceptable cost.
 const MOST_ROWS: f64 = 2.0;
 
-/// A number at a spacing.
+/// A value at a spacing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rung {
     /// m.
@@ -36,22 +36,22 @@ pub struct Rung {
     pub value: f64,
 }
 
-/// How the error falls with the spacing.
+/// Convergence of the error with the spacing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Estimate {
-    /// Observed, or the nearest that schemes have; none where the runs do not come closer from one side.
+    /// Observed order, or the nearest possible one; `None` without monotonic convergence.
     pub order: Option<f64>,
-    /// Whether the order is the observed one: else coarser runs than the finest are not believed.
+    /// Whether the order is the observed one; otherwise coarser runs than the finest are not trusted.
     pub is_observed: bool,
     /// Richardson's limit, where there is an order.
     pub limit: Option<f64>,
-    /// Relative error of the finest, safety included: the grid convergence index where there is an order.
+    /// Relative error of the finest, including the safety factor: the grid convergence index if there is an order.
     pub error: f64,
     spacing: f64,
 }
 
 impl Estimate {
-    /// Of three runs, coarse to fine, about a value that means nothing.
+    /// From three runs, coarse to fine, relative to a reference value such as the level at rest.
     pub fn of(rungs: [Rung; 3], zero: f64) -> Self {
         let values = rungs.map(|rung| rung.value - zero);
         let found = convergence(rungs.map(|rung| rung.spacing), values);
@@ -88,12 +88,12 @@ impl Estimate {
         }
     }
 
-    /// The order where it is what was observed, not the nearest that schemes have.
+    /// The order if it is the observed one.
     pub fn observed_order(&self) -> Option<f64> {
         self.order.filter(|_| self.is_observed)
     }
 
-    /// Expected at another spacing (m).
+    /// Expected error at another spacing (m).
     pub fn error_at(&self, spacing: f64) -> f64 {
         self.error * (spacing / self.spacing).powf(self.order.unwrap_or(1.0))
     }
@@ -104,17 +104,17 @@ impl Estimate {
     }
 }
 
-/// Rows of water of the three rungs for a scene with so many, coarse to fine.
+/// Rows of water of the three runs for a scene with a given number, coarse to fine.
 pub fn rungs(rows: f64) -> [f64; 3] {
     let finest = (FINEST_RUNG * rows).max(LEAST_ROWS).round();
     RUNGS.map(|share| (share * finest).round())
 }
 
-/// Rows of the run that is to meet a budget: whole, so that the surface stays where it is; at least those of the coarsest
-/// rung, of the finest where no order was observed, at most twice those of the scene.
+/// Rows of the run that is to meet a budget: whole rows, to preserve the surface; at least those of the coarsest
+/// run, or of the finest if no order was observed, at most twice those of the scene.
 pub fn rows_for(estimate: &Estimate, budget: f64, depth: f64, rows: f64) -> f64 {
     let wanted = depth / estimate.spacing_for(budget);
-    // NaN of a ladder that says nothing is as much as may be
+    // NaN without a prediction counts as the largest error
     let most = (MOST_ROWS * rows).round();
     if wanted.is_nan() {
         return most;
@@ -157,7 +157,7 @@ mod tests {
         let left = (0.07_f64.powi(5) - 0.05_f64.powi(5)) / ((0.07_f64 / 0.05).powi(2) - 1.0);
         assert!((found.error - 3.0 * left).abs() < 1e-3 * left, "{found:?}");
         assert_eq!(found.observed_order(), None);
-        // nor is anything coarser than the finest rung
+        // nor is a run coarser than the finest
         assert_eq!(rows_for(&found, 0.9, 1.0, 30.0), 20.0);
     }
 

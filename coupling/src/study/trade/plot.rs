@@ -1,4 +1,4 @@
-//! `trade.svg`: error against cost with the front, what each knob buys, and convergence; all axes logarithmic.
+//! `trade.svg`: error against cost with the Pareto front, the effect of each knob, and convergence; all axes logarithmic.
 
 use std::fmt::Write as _;
 
@@ -12,7 +12,7 @@ use crate::picture::overview::page::{Anchor, Frame, INK, LEFT, Page};
 const HEIGHT: f64 = 260.0;
 const BELOW: f64 = 56.0;
 const RIGHT: f64 = 700.0;
-/// Okabe and Ito (2008), without the loud yellow.
+/// Okabe and Ito (2008), without yellow.
 const COLORS: [&str; 7] = [
     "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", "#333333",
 ];
@@ -28,7 +28,7 @@ struct LogAxis {
 }
 
 impl LogAxis {
-    /// Round what is shown out by a twelfth of it on both sides, a tenth of a decade at least.
+    /// Margin of the range on both sides: a twelfth of it, at least a tenth of a decade.
     fn over(values: impl Iterator<Item = f64>, from: f64, to: f64) -> Option<Self> {
         let logs = values.filter(|x| x.is_finite() && 0.0 < *x).map(f64::log10);
         let (low, high) = logs.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| {
@@ -47,8 +47,8 @@ impl LogAxis {
         self.from + (value.log10() - self.low) / (self.high - self.low) * (self.to - self.from)
     }
 
-    /// Round numbers: many between two powers of ten where there is not much more than one, powers alone where there are
-    /// many of these.
+    /// Round numbers: several per decade for a short range, powers of ten alone for a
+    /// long one.
     fn ticks(&self) -> Vec<f64> {
         let factors: &[f64] = match self.high - self.low {
             decades if decades < 1.0 => &[1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0],
@@ -138,7 +138,7 @@ impl Plot {
     }
 }
 
-/// A number of few digits.
+/// A number with few digits.
 fn short(x: f64) -> String {
     if (1e-3..1e5).contains(&x) {
         format!("{x}")
@@ -196,7 +196,7 @@ fn scatter(
         "stroke=\"#333\" stroke-width=\"1.2\" stroke-dasharray=\"5 3\"",
     );
     for (found, p) in all.iter().zip(&points) {
-        // the knob that is turned, where it is one
+        // the varied knob, if it is a single one
         let mut turned = (0..found.choice.len()).filter(|&k| found.choice[k] != 0);
         let color = match (turned.next(), turned.next()) {
             (Some(k), None) => COLORS[k % COLORS.len()],
@@ -226,7 +226,7 @@ fn scatter(
     plot.frame.bottom() + BELOW
 }
 
-/// Error against the values of a knob that are numbers, with the power law through them.
+/// Error against the numerical values of a knob, with a power-law fit.
 fn convergence<'a>(
     page: &mut Page,
     top: f64,

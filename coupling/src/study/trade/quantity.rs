@@ -1,4 +1,4 @@
-//! The number that a study is about, read off a record of a run.
+//! Quantity of a study, evaluated from a record of a run.
 
 use nalgebra::{Matrix4, Vector4};
 use serde::{Deserialize, Serialize};
@@ -70,7 +70,7 @@ pub enum Take {
 }
 
 impl Take {
-    /// The number; none where the record does not hold it: too short, all gaps, no crest.
+    /// The value; `None` if the record is too short, contains only gaps, or has no crest.
     pub fn of(&self, series: &Series) -> Option<f64> {
         if let Self::Mean { from, to }
         | Self::Maximum { from, to }
@@ -103,8 +103,8 @@ impl Take {
     }
 }
 
-/// Whether a record reaches over a window but for the time between two samples: a run that ended early has no mean of what
-/// it did not see.
+/// Whether a record covers a window, up to one sampling interval: a run that ended early has no mean over a later
+/// window.
 fn covers(series: &Series, from: f64, to: f64) -> bool {
     let Some((first, last)) = series.time.first().zip(series.time.last()) else {
         return false;
@@ -113,7 +113,7 @@ fn covers(series: &Series, from: f64, to: f64) -> bool {
     first - interval <= from && to <= last + interval
 }
 
-/// By the trapezium rule between samples that are numbers, so that uneven sampling does not weigh.
+/// By the trapezoidal rule between finite samples, so that uneven sampling has no effect.
 fn mean(series: &Series, from: f64, to: f64) -> Option<f64> {
     let inside = series.within(Some((from, to)));
     let samples: Vec<(f64, f64)> = inside.samples().filter(|(_, v)| v.is_finite()).collect();

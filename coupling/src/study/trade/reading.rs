@@ -1,4 +1,4 @@
-//! Numbers by name, for runs that have no study: `crest_at_g1`, `mean_of_p_floor`.
+//! Quantities by name, for runs without a study: `crest_at_g1`, `mean_of_p_floor`.
 
 use super::file::OutputFile;
 use super::quantity::Take;
@@ -9,16 +9,16 @@ use crate::scene::resolve::Scene;
 /// Evaluation denoted by a name.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Reading {
-    /// Where it is read.
+    /// Evaluation in the table.
     pub output: OutputFile,
     /// Origin that relative errors exclude: the still-water level for surface elevations, otherwise 0; in the column's unit.
     pub zero: f64,
 }
 
-/// Ways to read a column, as names begin.
+/// Evaluations, by prefix of the name.
 const WAYS: [&str; 5] = ["crest_at_", "trough_at_", "max_of_", "min_of_", "mean_of_"];
 
-/// Gauges of one column, with whether they show the height of the surface.
+/// Gauges with one column, and whether they record the surface elevation.
 fn gauges(scene: &Scene) -> impl Iterator<Item = (&str, bool)> {
     scene.file.gauges.iter().filter_map(|gauge| match gauge {
         GaugeFile::SurfaceElevation { name, .. } | GaugeFile::RunUp { name, .. } => {
@@ -31,11 +31,11 @@ fn gauges(scene: &Scene) -> impl Iterator<Item = (&str, bool)> {
     })
 }
 
-/// The number of a name; of the first surface gauge the crest, where no name is given. Windows are the whole run.
+/// The quantity with a name; by default the crest at the first surface gauge. Windows are the whole run.
 ///
 /// # Errors
 ///
-/// Why the scene has none, and what it has.
+/// A message with the available names.
 pub fn reading(name: Option<&str>, scene: &Scene) -> Result<Reading, String> {
     let first = || gauges(scene).find(|(_, is_surface)| *is_surface);
     let default = || {

@@ -11,7 +11,7 @@ use super::plan::{Planned, Study, finest};
 use crate::files::table::{TableData, TableError, read_table};
 use crate::study::compare::{Options, Series, compare_files};
 
-/// Reads what the runs of a study left; those that have not ended are not there.
+/// Reads the results of the completed runs of a study.
 pub fn collect(study: &Study, runs: &Path) -> Vec<Outcome> {
     let ended_runs = study.runs.iter().filter_map(|run| {
         let folder = folder_of(runs, run);
@@ -42,11 +42,11 @@ pub fn collect(study: &Study, runs: &Path) -> Vec<Outcome> {
     all
 }
 
-/// Value and error of a run by itself: of a study in a folder, of a block, in the folder of the run.
+/// Value and error of a single run, from the folder of the study and the folder of the run.
 ///
 /// # Errors
 ///
-/// Why it has none.
+/// A message if it has no value.
 pub fn judge(
     study: &StudyFile,
     study_folder: &Path,
@@ -96,7 +96,7 @@ pub fn judge(
     }
 }
 
-/// The rows of a table that are of one block.
+/// The rows of a table for one block.
 fn of_block(mut table: TableData, block: usize) -> Result<TableData, TableError> {
     let is_of: Vec<bool> = (table.column("block")?.iter().map(|&b| b == block as f64)).collect();
     for values in &mut table.values {
@@ -106,7 +106,7 @@ fn of_block(mut table: TableData, block: usize) -> Result<TableData, TableError>
     Ok(table)
 }
 
-/// The run with the finest value of the knob that the study's truth names, the others at their first values.
+/// The run with the finest value of the knob named by the reference, the others at their first values.
 pub fn finest_run<'a>(study: &StudyFile, all: &'a [Outcome]) -> Option<&'a Outcome> {
     let TruthFile::Finest { knob } = &study.truth else {
         return None;
@@ -133,7 +133,7 @@ fn cost(folder: &Path) -> Cost {
     text.ok().and_then(read).unwrap_or_default()
 }
 
-/// Places in the list of those on the front: by wall time, and by work.
+/// Indices of the runs on the Pareto front: by wall time, and by work.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Fronts {
     /// By wall time.
@@ -143,7 +143,7 @@ pub struct Fronts {
 }
 
 impl Fronts {
-    /// Of runs that reached their end with an error.
+    /// Runs that reached their end and have an error.
     pub fn of(all: &[Outcome]) -> Self {
         let by = |cost: CostOf| {
             let points: Vec<Point> = all.iter().map(|found| point(found, cost)).collect();
@@ -156,7 +156,7 @@ impl Fronts {
     }
 }
 
-/// The runs in which one knob alone is turned.
+/// The runs in which one knob alone is varied.
 pub fn along(all: &[Outcome], knob: usize) -> impl Iterator<Item = &Outcome> + Clone {
     all.iter().filter(move |found| {
         let mut others = found.choice.iter().enumerate().filter(|(k, _)| *k != knob);
@@ -164,13 +164,13 @@ pub fn along(all: &[Outcome], knob: usize) -> impl Iterator<Item = &Outcome> + C
     })
 }
 
-/// By which factor a doubling of the cost along one knob changes the error; none where the cost hardly changes.
+/// Factor on the error per doubling of the cost along one knob; `None` if the cost hardly changes.
 pub(super) fn bought_along(all: &[Outcome], knob: usize, cost: CostOf) -> Option<f64> {
     let points: Vec<Point> = along(all, knob).map(|found| point(found, cost)).collect();
     error_per_doubling(&points)
 }
 
-/// The same for every knob, by wall time.
+/// Factor on the error per doubling of wall time, for every knob.
 pub fn bought<'a>(study: &'a Study, all: &[Outcome]) -> Vec<(&'a str, Option<f64>)> {
     let knobs = study.file.knobs.iter().enumerate();
     knobs
@@ -190,7 +190,7 @@ pub fn table(study: &Study, all: &[Outcome]) -> String {
     lines(study, all, &fronts, &rows)
 }
 
-/// `front.csv`: those that no other beats in both cost and error, by wall time or by work; by increasing wall time.
+/// `front.csv`: the Pareto front, by wall time or by work, in order of increasing wall time.
 pub fn front_table(study: &Study, all: &[Outcome]) -> String {
     let fronts = Fronts::of(all);
     let mut rows: Vec<usize> = fronts
@@ -231,7 +231,7 @@ const HEADS: [&str; 14] = [
 fn lines(study: &Study, all: &[Outcome], fronts: &Fronts, rows: &[usize]) -> String {
     let mut writer = csv::Writer::from_writer(Vec::new());
     let knobs = study.file.knobs.iter().map(|knob| knob.name.as_str());
-    // nothing can fail: memory takes all, and rows are equally long
+    // writing to memory cannot fail, and rows are equally long
     let _ = writer.write_record(knobs.chain(HEADS));
     for &row in rows {
         let found = &all[row];
@@ -271,7 +271,7 @@ fn lines(study: &Study, all: &[Outcome], fronts: &Fronts, rows: &[usize]) -> Str
     String::from_utf8_lossy(&bytes).into_owned()
 }
 
-/// Reads `trade.csv` back. Rows of values that the study does not have any more are left out.
+/// Reads `trade.csv`. Rows with values no longer in the study are skipped.
 ///
 /// # Errors
 ///

@@ -1,26 +1,26 @@
-//! A search that spends its runs near the front: which combinations of knobs to run next.
+//! Search near the Pareto front: selection of the next combinations of knobs.
 //!
-//! One knob at a time comes first. What it says of each value, as factors of work and of error, is taken to hold wherever
-//! the other knobs stand; from every run on the front, each change of one knob is then a candidate whose work and error can
-//! be foretold. Those foretold to push the front out farthest are run, a few at a time, and the front is found anew.
-//! Work is counted in pair interactions and contacts, so that the same runs are chosen on any machine, whatever else it does.
+//! The search starts with one knob at a time. The factors of work and error of each value are assumed independent of the
+//! other knobs; from every run on the front, each change of one knob is then a candidate with predicted work and error.
+//! The candidates predicted to advance the front most are run, a few at a time, and the front is updated.
+//! Work is counted in pair interactions and contacts, so that the same runs are chosen on any machine under any load.
 
 use std::collections::BTreeSet;
 
 use super::front::{Point, front};
 use super::outcome::{Cost, Outcome, point};
 
-/// Runs chosen at once: fixed, so that the number of cores does not change the search.
+/// Runs chosen at once: constant, so that the number of cores does not change the search.
 const BATCH: usize = 4;
 
-/// Errors below it are as good as none, and have a logarithm.
+/// Floor of errors, so that their logarithm is finite.
 const LEAST_ERROR: f64 = 1e-9;
 
 /// Logarithms of work and error.
 type Logs = [f64; 2];
 
-/// The values of all knobs that are to be run next, at most `left` of them, for knobs of so many values each; none when
-/// every change of one knob from the front was run.
+/// The next combinations, at most `left`, for knobs with the given numbers of values; empty when every change of one
+/// knob from the front was run.
 pub fn next(n_values: &[usize], all: &[Outcome], left: usize) -> Vec<Vec<usize>> {
     let points: Vec<Point> = all.iter().map(|found| point(found, Cost::work)).collect();
     let logs: Vec<Option<Logs>> = points.iter().map(logarithms).collect();
@@ -65,8 +65,8 @@ fn logarithms(point: &Point) -> Option<Logs> {
     is_measured.then(|| [point.cost.ln(), point.error.max(LEAST_ERROR).ln()])
 }
 
-/// How far a place is before a front: the least, over its members, of what it is better by in what it is better in most;
-/// below zero behind it.
+/// Distance of a point ahead of a front: minimum over its members of the largest improvement in one coordinate;
+/// negative behind it.
 fn gain(front: &[Logs], place: &Logs) -> f64 {
     front
         .iter()
@@ -78,7 +78,7 @@ fn gain(front: &[Logs], place: &Logs) -> f64 {
 mod tests {
     use super::*;
 
-    /// A run whose work and error are products over its knobs; a doubling of `a` and `b` costs as much, but `b` buys more.
+    /// A run whose work and error are products over its knobs; doubling `a` or `b` costs the same, but `b` reduces the error more.
     fn found(choice: &[usize]) -> Outcome {
         let (a, b) = (choice[0] as f64, choice[1] as f64);
         Outcome {
@@ -108,7 +108,7 @@ mod tests {
         let mut all: Vec<Outcome> = [[0, 0], [1, 0], [2, 0], [3, 0], [0, 1], [0, 2], [0, 3]]
             .map(|choice| found(&choice))
             .to_vec();
-        // seven by themselves, and the three beyond the dearest value of the better knob
+        // seven single changes, and the three beyond the most expensive value of the better knob
         let more = next(&n_values, &all, 4);
         all.extend(more.iter().map(|choice| found(choice)));
         let ran: BTreeSet<Vec<usize>> = all.iter().map(|f| f.choice.clone()).collect();
