@@ -87,7 +87,7 @@ pub fn main() -> ExitCode {
 
 /// A line for the user on standard error, separate from results.
 pub(crate) fn say(line: &str) {
-    // nobody listens any more, as behind `| head`: no reason to fail
+    // a closed pipe, as with `| head`, is not a failure
     let _ = writeln!(std::io::stderr(), "{line}");
 }
 
