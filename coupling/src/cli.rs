@@ -103,11 +103,11 @@ pub(crate) fn stop_on_signal(stop: &Arc<AtomicBool>) {
         if stop.swap(true, Ordering::Relaxed) {
             std::process::exit(130);
         }
-        say("\nstopping after this step; once more to stop at once");
+        say("\nstopping after this step; press again to stop immediately");
     };
     // without a handler a signal ends the program in the default way
     if ctrlc::set_handler(handler).is_err() {
-        say("warning: signals cannot be caught here; Ctrl-C will lose the last records");
+        say("warning: signals cannot be caught; Ctrl-C will lose the last records");
     }
 }
 

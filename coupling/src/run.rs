@@ -60,7 +60,7 @@ pub enum RunError {
     Step(#[from] StepError),
     /// A step failed, and did so again from the last good state with shorter steps.
     #[error(
-        "{error}\nit came again from the last good state, t = {good:.6} s, with {share} of the usual step: it is not the step; the checkpoint is of that state"
+        "{error}\nit recurred from the last good state, t = {good:.6} s, with {share} of the usual step, so the step is not the cause; the checkpoint is of that state"
     )]
     Unstable {
         /// Error of the step.
@@ -74,7 +74,7 @@ pub enum RunError {
     #[error("{0}")]
     Observe(#[from] ObserveError),
     /// The state of a checkpoint is not of this scene.
-    #[error("the state of the checkpoint does not fit the scene: {0}; begin anew with --force")]
+    #[error("the state of the checkpoint does not fit the scene: {0}; start over with --force")]
     State(#[from] postcard::Error),
 }
 

@@ -287,7 +287,7 @@ fn what_cannot_go_on_says_why_and_changes_nothing() {
             "is damaged: its bytes are not those that were written, or not all of them",
         ),
         (&good[..40], "is damaged"),
-        (&good[..0], "is no checkpoint of riprap"),
+        (&good[..0], "is not a checkpoint of riprap"),
         (
             &flipped,
             "is damaged: its bytes are not those that were written, or not all of them",
@@ -296,7 +296,7 @@ fn what_cannot_go_on_says_why_and_changes_nothing() {
             &newer,
             "is a checkpoint of format 3, and this riprap reads format 2",
         ),
-        (&b"solid cube"[..], "is no checkpoint of riprap"),
+        (&b"solid cube"[..], "is not a checkpoint of riprap"),
     ] {
         fs::write(&file, bytes).unwrap();
         let message = refusal(&case, &out, &[]);
@@ -323,7 +323,7 @@ fn what_cannot_go_on_says_why_and_changes_nothing() {
     fs::remove_file(&previous).unwrap();
     let message = refusal(&case, &out, &[]);
     assert!(
-        message.contains("is of another scene than the case.ron beside it"),
+        message.contains("belongs to another scene than the case.ron beside it"),
         "{message}"
     );
     // a state that is whole, but of other blocks
@@ -338,7 +338,7 @@ fn what_cannot_go_on_says_why_and_changes_nothing() {
     ]);
     assert_eq!(run.status.code(), Some(1));
     assert!(
-        words(&run).contains("error: the checkpoint is not of this run's observers"),
+        words(&run).contains("error: the checkpoint does not match the observers of this run"),
         "{}",
         words(&run)
     );
@@ -383,7 +383,7 @@ fn tables_that_became_shorter_are_not_gone_on_with() {
     assert_eq!(output.status.code(), Some(1));
     let message = words(&output);
     assert!(
-        message.contains("energy.csv: 30 bytes, where the run had written"),
+        message.contains("energy.csv: 30 bytes, but the run had written"),
         "{message}"
     );
 }
@@ -415,8 +415,8 @@ fn what_no_step_helps_is_given_up_with_the_last_good_state_on_disk() {
         "warning: at t = 0.0009",
         "blocks 0 and 1 overlap by",
         "raise the contact stiffness",
-        "goes back to t = 0.000000 s and on with 0.5 of the step",
-        "came again from the last good state, t = 0.000000 s, with 0.25 of the usual step",
+        "returns to t = 0.000000 s and continues with 0.5 of the step",
+        "recurred from the last good state, t = 0.000000 s, with 0.25 of the usual step",
     ] {
         assert!(message.contains(part), "{message}");
     }

@@ -277,7 +277,7 @@ fn errors_name_the_file_and_the_reason() {
     data.polygons.connectivity[5] = 16;
     let message = vtk::write(nowhere, &data).unwrap_err().to_string();
     let expected = "no_such_folder/x.vtp: polygon 1 needs 3 or more corners, all among the 16 points, \
-                    and corners that end in order";
+                    and ascending ends";
     assert_eq!(message, expected);
     let mut data = cloud(3);
     data.point_data[1].components = 1;

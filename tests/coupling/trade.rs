@@ -220,7 +220,7 @@ fn a_wrong_study_is_told_where_and_what_would_be_right() {
         ),
         ("scale: 9810", "scale: 0", "scale"),
         (", take: Mean(from: 0.2, to: 0.6)", "", "take"),
-        ("name: \"sound\"", "name: \"spacing\"", "two knobs"),
+        ("name: \"sound\"", "name: \"spacing\"", "duplicate knob"),
         (
             "numerics.sound_speed=40",
             "numerics.sound_speed",
@@ -392,7 +392,7 @@ fn a_scene_is_told_what_it_would_not_notice() {
     let of = |text: &str| {
         let lines = text
             .lines()
-            .filter(|line| line.contains("would not notice"));
+            .filter(|line| line.contains("no effect at this resolution"));
         lines.map(str::to_owned).collect::<Vec<_>>()
     };
     let still = check(

@@ -33,7 +33,7 @@ impl FromStr for Budget {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        let wrong = || format!("`{text}` is no error budget; write 5% or 0.05");
+        let wrong = || format!("`{text}` is not an error budget; write 5% or 0.05");
         let value = match text.trim().strip_suffix('%') {
             Some(percent) => percent.trim().parse::<f64>().map(|p| p / 100.0),
             None => text.trim().parse::<f64>(),
@@ -152,7 +152,7 @@ fn study_of(asked: &Asked) -> Result<Option<(PathBuf, StudyFile)>, String> {
         None => {
             let names: Vec<String> = found.iter().filter_map(|(path, _)| stem(path)).collect();
             Err(format!(
-                "the case has several studies: say which with --of: {}",
+                "the case has several studies: choose one with --of: {}",
                 names.join(", ")
             ))
         }
@@ -166,7 +166,7 @@ fn measured(path: &Path, file: &StudyFile) -> Result<(PathBuf, Vec<Outcome>), St
     let places = [Path::new(MEASURED), &beside].map(|folder| folder.join(name).join("trade.csv"));
     let Some(table) = places.iter().find(|place| place.is_file()) else {
         return Err(format!(
-            "nothing was measured of {0} yet: `riprap trade {0}` does",
+            "no results of {0} yet: run `riprap trade {0}`",
             path.display()
         ));
     };
@@ -240,8 +240,8 @@ fn words_of_study(
         100.0 * budget,
         file.output.name,
         match meets {
-            true => "the least work that is expected to do",
-            false => "OUT OF REACH of what the study has; the most accurate",
+            true => "the least work predicted to suffice",
+            false => "OUT OF REACH of the study; the most accurate",
         },
         known.len(),
         table.display(),
@@ -264,7 +264,7 @@ fn words_of_study(
         100.0 * expected.error,
         expected.work,
         first.map_or(String::new(), |first| format!(
-            ", {:.2} of those of the study's first settings",
+            ", {:.2} times those of the study's first settings",
             expected.work / first.cost.work()
         )),
     );
@@ -299,7 +299,7 @@ fn from_ladder(asked: &Asked, scene: &Scene, stop: &AtomicBool) -> Result<Chosen
     );
     let rungs = rungs(rows).map(|rows| depth / rows);
     say(&format!(
-        "{} % of {}: no study of this case has it; three coarse runs, {} m, foretell finer ones",
+        "{} % of {}: no study of this case has it; extrapolated from three coarse runs at {} m",
         100.0 * budget,
         reading.output.name,
         rungs.map(|s| format!("{s:.4}")).join(", ")
@@ -345,7 +345,7 @@ fn words_of_ladder(
         .collect();
     let order = match (estimate.order, estimate.limit) {
         (Some(order), Some(limit)) => format!("order {order:.2}, limit {limit:.5}"),
-        _ => "they do not come closer from one side: errors by their largest difference".to_owned(),
+        _ => "no monotonic convergence: error from their largest difference".to_owned(),
     };
     let expected = estimate.error_at(spacing);
     let verdict = match expected <= budget * 1.0001 {
@@ -541,7 +541,7 @@ impl Report {
             let _ = write!(text, " {value:.6}");
         }
         if let Some(error) = self.error {
-            let _ = write!(text, ", error {} against the study's truth", percent(error));
+            let _ = write!(text, ", error {} against the study's reference value", percent(error));
         }
         if let Some(uncertainty) = self.uncertainty {
             let how = match self.observed_order {
@@ -550,7 +550,7 @@ impl Report {
             };
             let _ = write!(
                 text,
-                ", uncertainty of the spacing {} ({how})",
+                ", discretization uncertainty {} ({how})",
                 percent(uncertainty)
             );
         }

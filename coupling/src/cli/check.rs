@@ -51,7 +51,7 @@ pub(crate) fn execute(arguments: &Arguments) -> Exit {
     };
     show(&describe(&scene, &reach));
     for one in unnoticed(&scene) {
-        show(&format!("  this scene would not notice {one}"));
+        show(&format!("  no effect at this resolution: {one}"));
     }
     match cost(&scene) {
         Ok(text) => {
@@ -179,7 +179,7 @@ pub(crate) fn describe(scene: &Scene, reach: &Reach) -> String {
         );
     }
     match &scene.fluid {
-        None => line("fluid", "none: no fluid structures are made".into()),
+        None => line("fluid", "none: no fluid is modeled".into()),
         Some(fluid) => {
             let s = &fluid.settings;
             let n = fluid.lattice.positions.len();
@@ -219,7 +219,7 @@ pub(crate) fn describe(scene: &Scene, reach: &Reach) -> String {
                 line(
                     "sleep",
                     format!(
-                        "until moved by {} spacings beside; at rest below {:.2e} m/s for {:.3} s",
+                        "until the water beside it moves by {} spacings; at rest below {:.2e} m/s for {:.3} s",
                         sleeping.displacement, sleeping.speed, sleeping.time
                     ),
                 );
@@ -232,10 +232,10 @@ pub(crate) fn describe(scene: &Scene, reach: &Reach) -> String {
                         fluid.walls.stiffness, fluid.walls.damping
                     ),
                     WallMethod::Particles => {
-                        "particles inside, pressure continued from the fluid".to_owned()
+                        "particles inside, pressure extrapolated from the fluid".to_owned()
                     }
                     WallMethod::Integral => format!(
-                        "kernel integrals over polyhedra; a stop of {:.3e} N/m within {:.3e} m of the surface",
+                        "kernel integrals over polyhedra; penalty {:.3e} N/m within {:.3e} m of the surface",
                         fluid.walls.stiffness, fluid.walls.standoff
                     ),
                 },
@@ -281,7 +281,7 @@ pub(crate) fn describe(scene: &Scene, reach: &Reach) -> String {
         line(
             "symmetry",
             format!(
-                "in {}; loads and energies are of this part",
+                "in {}; loads and energies are those of this part",
                 sides.join(", ")
             ),
         );
@@ -361,7 +361,7 @@ fn cost(scene: &Scene) -> Result<String, crate::run::RunError> {
         if let Some(fluid) = &mut awake.fluid {
             fluid.sleeping = None;
         }
-        asleep = format!(" with all water awake, {wall:.0} s with what sleeps at the start,");
+        asleep = format!(" with all water awake, {wall:.0} s with the initial sleep,");
         wall = wall_time(&mut build(&awake)?, duration, steps)?.1;
     }
     let _ = write!(

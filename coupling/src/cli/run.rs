@@ -153,7 +153,7 @@ pub(crate) fn execute(arguments: &Arguments) -> Exit {
             match (ending, chosen) {
                 (Ending::Interrupted, _) => {
                     if !arguments.quiet {
-                        show("to go on: the same command with --resume");
+                        show("to continue: the same command with --resume");
                     }
                     Exit::Interrupted
                 }
@@ -164,7 +164,7 @@ pub(crate) fn execute(arguments: &Arguments) -> Exit {
                         Exit::Done
                     }
                     Err(message) => {
-                        say(&format!("error: the run cannot be judged: {message}"));
+                        say(&format!("error: the run cannot be evaluated: {message}"));
                         Exit::Failed
                     }
                 },
@@ -172,7 +172,7 @@ pub(crate) fn execute(arguments: &Arguments) -> Exit {
         }
         Err(error) => {
             say(&format!(
-                "error: {error}\nwhat was computed before is in {}",
+                "error: {error}\nearlier output is in {}",
                 folder.display()
             ));
             Exit::Failed
@@ -199,7 +199,7 @@ fn place_of_run(
             }
             Found::Checkpoint(checkpoint) => return Ok(Some(checkpoint)),
             Found::Nothing => say(&format!(
-                "{} holds no checkpoint: the run begins",
+                "{} contains no checkpoint: the run starts from the beginning",
                 folder.display()
             )),
         }
@@ -223,7 +223,7 @@ fn prepare(folder: &Path, force: bool) -> Result<(), String> {
         .is_ok_and(|mut entries| entries.next().is_some());
     if is_used && !force {
         return Err(format!(
-            "{} holds a run already; name another folder with -o or write over it with --force",
+            "{} already contains a run; choose another folder with -o or overwrite it with --force",
             folder.display()
         ));
     }
@@ -231,7 +231,7 @@ fn prepare(folder: &Path, force: bool) -> Result<(), String> {
         remove_run(folder)?;
     }
     std::fs::create_dir_all(folder)
-        .map_err(|error| format!("cannot make {}: {error}", folder.display()))
+        .map_err(|error| format!("cannot create {}: {error}", folder.display()))
 }
 
 /// Removes the files of an earlier run only.
@@ -408,7 +408,7 @@ impl ProgressLine {
             Event::FellBack { error, to, share } => {
                 self.end();
                 say(&format!(
-                    "warning: {error}\nthe run goes back to t = {to:.6} s and on with {share} of the step for a while"
+                    "warning: {error}\nthe run returns to t = {to:.6} s and continues with {share} of the step for a while"
                 ));
             }
         }

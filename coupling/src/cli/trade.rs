@@ -84,7 +84,7 @@ pub(crate) fn execute(arguments: &Arguments) -> Exit {
         }
         (Ok(false), Ok(())) => {
             say(&format!(
-                "stopped; the same command goes on with the runs that are left, in {}",
+                "stopped; the same command continues with the remaining runs, in {}",
                 folder.display()
             ));
             return Exit::Interrupted;
@@ -172,13 +172,13 @@ fn words(study: &Study, all: &[Outcome]) -> String {
     let failed = all.iter().filter(|found| !found.is_stable).count();
     if failed > 0 {
         lines.push(format!(
-            "  {failed} runs did not reach their end, see trade.csv"
+            "  {failed} runs failed, see trade.csv"
         ));
     }
     for (knob, bought) in bought(study, all) {
         lines.push(match bought {
             Some(factor) => {
-                format!("  {knob}: a doubling of the cost takes the error x {factor:.2}")
+                format!("  {knob}: doubling the cost multiplies the error by {factor:.2}")
             }
             None => format!("  {knob}: the cost changes by less than half"),
         });

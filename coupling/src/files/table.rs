@@ -313,7 +313,7 @@ pub enum TableError {
         cause: io::Error,
     },
     /// A name that would break the header line.
-    #[error("{}: column `{}` must not be empty, start with # or hold commas, quotes or line breaks", path.display(), name.escape_debug())]
+    #[error("{}: column `{}` must not be empty, start with # or contain commas, quotes or line breaks", path.display(), name.escape_debug())]
     Name {
         /// The file.
         path: PathBuf,
@@ -331,7 +331,7 @@ pub enum TableError {
         expected: usize,
     },
     /// A table to be continued is shorter than it was.
-    #[error("{}: {found} bytes, where the run had written {expected}: it was changed since, and cannot go on", path.display())]
+    #[error("{}: {found} bytes, but the run had written {expected}: it was changed since and cannot be continued", path.display())]
     Short {
         /// The file.
         path: PathBuf,
@@ -351,7 +351,7 @@ pub enum TableError {
         fault: LineFault,
     },
     /// A requested column is missing or not unique.
-    #[error("{}: not exactly one column `{name}`; there are: {present}", path.display())]
+    #[error("{}: column `{name}` missing or not unique; available: {present}", path.display())]
     NoColumn {
         /// The file.
         path: PathBuf,
@@ -380,7 +380,7 @@ pub enum LineFault {
     NoHeader,
     /// A header cell is empty, a number, or a duplicate.
     #[error(
-        "`{name}` is no column name, or is there twice; the first line must name the columns, e.g. `time [s],g1 [m]`"
+        "`{name}` is not a column name, or is a duplicate; the first line must name the columns, e.g. `time [s],g1 [m]`"
     )]
     Header {
         /// The cell.
@@ -468,7 +468,7 @@ mod tests {
             ),
             (
                 "0.0,1.0\n",
-                "x.csv, line 1: `0.0` is no column name, or is there twice; the first line must name the columns, \
+                "x.csv, line 1: `0.0` is not a column name, or is a duplicate; the first line must name the columns, \
                  e.g. `time [s],g1 [m]`",
             ),
             (
@@ -488,7 +488,7 @@ mod tests {
         for name in ["p", "q", "time [ms]"] {
             let message = data.column(name).unwrap_err().to_string();
             let end =
-                format!("not exactly one column `{name}`; there are: time [s], p [Pa], p [kPa]");
+                format!("column `{name}` missing or not unique; available: time [s], p [Pa], p [kPa]");
             assert!(message.ends_with(&end), "{message}");
         }
         let message = Table::create(Path::new("x.csv"), &[Column::new("a,b", "")])

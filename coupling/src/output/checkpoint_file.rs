@@ -71,13 +71,13 @@ pub enum CheckpointError {
         cause: io::Error,
     },
     /// Not a checkpoint, or empty.
-    #[error("{} is no checkpoint of riprap", path.display())]
+    #[error("{} is not a checkpoint of riprap", path.display())]
     Foreign {
         /// The file.
         path: PathBuf,
     },
     /// Another format version.
-    #[error("{} is a checkpoint of format {found}, and this riprap reads format {FORMAT}: go on with the riprap that wrote it, or begin anew with --force", path.display())]
+    #[error("{} is a checkpoint of format {found}, and this riprap reads format {FORMAT}: continue with the riprap that wrote it, or start over with --force", path.display())]
     Format {
         /// The file.
         path: PathBuf,
@@ -93,7 +93,7 @@ pub enum CheckpointError {
         fault: &'static str,
     },
     /// Written by another build of the program.
-    #[error("{} was written by riprap {found}, and this is riprap {}: a state is laid out as its build has it; go on with that build, or begin anew with --force", path.display(), build())]
+    #[error("{} was written by riprap {found}, and this is riprap {}: the layout of a state depends on the build; continue with that build, or start over with --force", path.display(), build())]
     Build {
         /// The file.
         path: PathBuf,
@@ -101,7 +101,7 @@ pub enum CheckpointError {
         found: String,
     },
     /// Written for another scene.
-    #[error("{} is of another scene than the case.ron beside it; begin anew with --force", path.display())]
+    #[error("{} belongs to another scene than the case.ron beside it; start over with --force", path.display())]
     Scene {
         /// The file.
         path: PathBuf,

@@ -27,7 +27,7 @@ pub enum ObserveError {
     #[error(transparent)]
     Table(#[from] TableError),
     /// Invalid state of an observer in a checkpoint.
-    #[error("the checkpoint is not of this run's observers: {0}")]
+    #[error("the checkpoint does not match the observers of this run: {0}")]
     State(#[from] postcard::Error),
     /// Any other file.
     #[error("cannot write {path}: {source}; free some space or choose another folder with -o")]

@@ -214,7 +214,7 @@ fn prepare(
         match fs::read_to_string(&path) {
             Ok(present) if present == text => {}
             Ok(_) => report(&format!(
-                "{} differs from riprap's own and is kept; delete it to start over",
+                "{} differs from riprap's own and is kept; delete it to restore the default",
                 path.display()
             )),
             Err(_) => write(&path, text)?,
@@ -301,7 +301,7 @@ fn film(
     }
     if !programs::is_present(&options.ffmpeg, "-version") {
         report(
-            "no film: ffmpeg is not on this machine; the pictures are in frames/, see render/README.md for the command",
+            "no film: ffmpeg was not found; the pictures are in frames/, see render/README.md for the command",
         );
         return Ok(None);
     }
@@ -333,7 +333,7 @@ fn without_povray(names: &[String], options: &RenderOptions) -> String {
 fn report_skipped(summary: &RenderSummary, report: &mut dyn FnMut(&str)) {
     if 0 < summary.skipped_points + summary.skipped_faces {
         report(&format!(
-            "left out because not finite: {} particles and {} block faces over all frames",
+            "omitted as not finite: {} particles and {} block faces over all frames",
             summary.skipped_points, summary.skipped_faces
         ));
     }

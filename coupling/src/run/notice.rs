@@ -91,7 +91,7 @@ fn of_scheme(fluid: &FluidScene, scene: &Scene) -> Vec<String> {
     let mut found = Vec::new();
     if precision == Precision::Double {
         found.push(
-            "double precision: water at rest and waves are the same to four digits; it takes 1.3 to 1.4 times as long".to_owned(),
+            "double precision: water at rest and waves agree to four digits with single precision, at 1.3 to 1.4 times the run time".to_owned(),
         );
     }
     if shifting != Shifting::None {
@@ -122,7 +122,7 @@ fn of_scheme(fluid: &FluidScene, scene: &Scene) -> Vec<String> {
         .unwrap_or(CUSTOMARY_FACTOR);
     if factor < CUSTOMARY_FACTOR {
         found.push(format!(
-            "a time-step factor of {factor}: no study moved between 0.25 and 1 but for its noise; 0.5 takes {:.2} of the time",
+            "a time-step factor of {factor}: no study changed between 0.25 and 1 except for noise; 0.5 takes {:.2} of the time",
             factor / CUSTOMARY_FACTOR
         ));
     }

@@ -44,7 +44,7 @@ pub(super) fn lines(scene: &Scene) -> Vec<(&'static str, String)> {
         let verdict = if spacing <= coarsest {
             "resolves both"
         } else {
-            "is too coarse for figures, good for a first look"
+            "is too coarse for quantitative results, sufficient for a first look"
         };
         lines.push((
             "resolution",

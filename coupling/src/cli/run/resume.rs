@@ -25,7 +25,7 @@ pub(super) fn find(scene: &Kept, case: &Path, folder: &Path) -> Result<Found, St
     if let Some((line, (before, now))) = first_difference(&before, &scene.text) {
         return Err(format!(
             "{}, line {line}: the run had `{before}`, and now it would be `{now}`; go on with the scene as it was, name \
-             another folder with -o, or begin anew with --force",
+             another folder with -o, or start over with --force",
             folder.join("case.ron").display()
         ));
     }
@@ -34,7 +34,7 @@ pub(super) fn find(scene: &Kept, case: &Path, folder: &Path) -> Result<Found, St
         let (before, now) = (fs::read(folder.join(name)), fs::read(source.join(file)));
         if before.ok() != now.ok() {
             return Err(format!(
-                "`{file}` is not what it was when the run began, see {}; begin anew with --force",
+                "`{file}` has changed since the start of the run, see {}; start over with --force",
                 folder.join(name).display()
             ));
         }
@@ -51,7 +51,7 @@ pub(super) fn find(scene: &Kept, case: &Path, folder: &Path) -> Result<Found, St
             }
             let header = &checkpoint.header;
             say(&format!(
-                "goes on from {}t = {:.6} s, step {}",
+                "resumes from {}t = {:.6} s, step {}",
                 if header.is_settling { "settling, " } else { "" },
                 header.time,
                 header.steps
@@ -60,7 +60,7 @@ pub(super) fn find(scene: &Kept, case: &Path, folder: &Path) -> Result<Found, St
         }
         Ok(None) if is_over => Ok(Found::Over),
         Ok(None) if has_ended => Err(format!(
-            "{} holds a run that ended early and left no checkpoint; begin anew with --force",
+            "{} contains a run that ended early without a checkpoint; start over with --force",
             folder.display()
         )),
         // killed before its first checkpoint

@@ -60,7 +60,7 @@ pub enum Fault {
     },
     /// Corner numbers are 32-bit.
     #[error(
-        "{found} points or corners are more than 32-bit numbers can count; write fewer per file"
+        "{found} points or corners exceed the range of 32-bit integers; write fewer per file"
     )]
     TooMany {
         /// Number of points or corners.
@@ -92,7 +92,7 @@ pub enum Fault {
     },
     /// An invalid polygon.
     #[error(
-        "polygon {polygon} needs 3 or more corners, all among the {n_points} points, and corners that end in order"
+        "polygon {polygon} needs 3 or more corners, all among the {n_points} points, and ascending ends"
     )]
     Polygon {
         /// Number of the polygon.
@@ -115,7 +115,7 @@ pub enum Fault {
         value: String,
     },
     /// Compressed bytes are damaged or truncated.
-    #[error("compressed data of array `{name}` are damaged or cut")]
+    #[error("compressed data of array `{name}` are damaged or truncated")]
     Compressed {
         /// Name of the array.
         name: String,

@@ -17,7 +17,7 @@ pub enum RenderError {
         source: io::Error,
     },
     /// A file of the run is invalid.
-    #[error("{}: {reason}; a run by this version of riprap writes it anew", path.display())]
+    #[error("{}: {reason}; rerun with this version of riprap", path.display())]
     BadFile {
         /// The file.
         path: PathBuf,
@@ -31,7 +31,7 @@ pub enum RenderError {
         folder: PathBuf,
     },
     /// No frame matches the request.
-    #[error("frames {}..{} are none of the {available} frames in {}; choose among 0..{available}", frames.start, frames.end, folder.display())]
+    #[error("frames {}..{} are not among the {available} frames in {}; choose from 0..{available}", frames.start, frames.end, folder.display())]
     NoSuchFrames {
         /// Requested frames.
         frames: Range<usize>,
@@ -59,7 +59,7 @@ pub enum RenderError {
         limit: &'static str,
     },
     /// The camera of the scene has no direction.
-    #[error("camera in {} must have position and look_at apart and an angle of view above 0 and below 180 degrees", path.display())]
+    #[error("camera in {} must have distinct position and look_at, and an angle of view above 0 and below 180 degrees", path.display())]
     BadCamera {
         /// The scene.
         path: PathBuf,

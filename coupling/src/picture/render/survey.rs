@@ -126,7 +126,7 @@ pub(crate) fn survey(
         Lens::Strips { panels, .. } => format!("{} strips, top to bottom", panels.len()),
     };
     let description = format!(
-        "{view}; eye at {}; {} wall faces cut away; particle spacing {spacing:.4} m; colors 0 to {speed_range} m/s",
+        "{view}; camera at {}; {} wall faces cut away; particle spacing {spacing:.4} m; colors 0 to {speed_range} m/s",
         place(camera.eye),
         stage.cut.len(),
     );

@@ -238,7 +238,7 @@ pub enum CompareError {
     },
     /// A common name with two units.
     #[error(
-        "column `{column}` is in {computed} here and in {reference} in the reference; convert one of them"
+        "column `{column}` has unit {computed} here and {reference} in the reference; convert one of them"
     )]
     Unit {
         /// The column.
@@ -249,7 +249,7 @@ pub enum CompareError {
         reference: String,
     },
     /// No common column.
-    #[error("no column is in both tables; computed: {computed}; reference: {reference}")]
+    #[error("no column common to both tables; computed: {computed}; reference: {reference}")]
     NothingShared {
         /// Columns of the computed table.
         computed: String,
@@ -326,11 +326,11 @@ g1 [m]
         let cases = [
             (
                 "time [s],g1 [mm]\n0,1\n",
-                "column `g1` is in m here and in mm in the reference; convert one of them",
+                "column `g1` has unit m here and mm in the reference; convert one of them",
             ),
             (
                 "time [s],g7 [m]\n0,1\n",
-                "no column is in both tables; computed: time [s], g1 [m], g2 [m]; reference: time [s], g7 [m]",
+                "no column common to both tables; computed: time [s], g1 [m], g2 [m]; reference: time [s], g7 [m]",
             ),
             (
                 "time [s],g1 [m]\n0,1\n0,1\n",
@@ -338,7 +338,7 @@ g1 [m]
             ),
             (
                 "x [m],g1 [m]\n0,1\n",
-                "reference.csv: not exactly one column `time`; there are: x [m], g1 [m]",
+                "reference.csv: column `time` missing or not unique; available: x [m], g1 [m]",
             ),
         ];
         for (reference, message) in cases {

@@ -12,7 +12,7 @@ pub enum PictureError {
     #[error("the plot cannot be read: {0}")]
     Drawing(#[from] usvg::Error),
     /// It is too large.
-    #[error("no picture of {width} by {height} pixels can be held")]
+    #[error("no memory for a picture of {width} by {height} pixels")]
     Size {
         /// Pixels.
         width: u32,
@@ -20,7 +20,7 @@ pub enum PictureError {
         height: u32,
     },
     /// It cannot be packed.
-    #[error("the picture cannot be packed: {0}")]
+    #[error("the picture cannot be encoded: {0}")]
     Png(String),
 }
 

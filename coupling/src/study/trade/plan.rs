@@ -149,7 +149,7 @@ fn problems(study: &StudyFile) -> Vec<Problem> {
     let mut found = Vec::new();
     let mut refuse = |path: String, message: String| found.push(Problem::error(path, message));
     if study.knobs.is_empty() {
-        refuse("knobs".into(), "a study needs a knob at least".into());
+        refuse("knobs".into(), "a study needs at least one knob".into());
     }
     for (k, knob) in study.knobs.iter().enumerate() {
         if knob.values.is_empty() {
@@ -157,7 +157,7 @@ fn problems(study: &StudyFile) -> Vec<Problem> {
             refuse(format!("knobs[{k}].values"), message);
         }
         if study.knobs[..k].iter().any(|other| other.name == knob.name) {
-            let message = format!("there are two knobs `{}`", knob.name);
+            let message = format!("duplicate knob `{}`", knob.name);
             refuse(format!("knobs[{k}].name"), message);
         }
         for (v, value) in knob.values.iter().enumerate() {
@@ -165,7 +165,7 @@ fn problems(study: &StudyFile) -> Vec<Problem> {
                 .iter()
                 .any(|other| other.name == value.name);
             if is_double {
-                let message = format!("knob `{}` has two values `{}`", knob.name, value.name);
+                let message = format!("knob `{}` has duplicate values `{}`", knob.name, value.name);
                 refuse(format!("knobs[{k}].values[{v}].name"), message);
             }
             for (s, text) in value.set.iter().enumerate() {
@@ -187,12 +187,12 @@ fn problems(study: &StudyFile) -> Vec<Problem> {
                 let hint = parse::suggestion(knob, &names);
                 refuse(
                     "truth.knob".into(),
-                    format!("no knob is called `{knob}`{hint}"),
+                    format!("no knob named `{knob}`{hint}"),
                 );
             }
             Some(knob) if finest(knob).is_none() => {
                 let message = format!(
-                    "the values of `{}` do not say what they are `at`",
+                    "the values of `{}` have no `at`",
                     knob.name
                 );
                 refuse("truth.knob".into(), message);
@@ -214,8 +214,8 @@ fn problems(study: &StudyFile) -> Vec<Problem> {
     let is_record = matches!(study.truth, TruthFile::Record { .. });
     if is_record != study.output.take.is_none() {
         let message = match is_record {
-            true => "the truth is a record: it takes the whole column, leave `take` out",
-            false => "say what becomes of the column, such as take: Maximum(from: 0, to: 5)",
+            true => "the reference is a record, which uses the whole column: omit `take`",
+            false => "give an evaluation of the column, such as take: Maximum(from: 0, to: 5)",
         };
         refuse("output".into(), message.into());
     }
@@ -239,10 +239,10 @@ fn problems(study: &StudyFile) -> Vec<Problem> {
 /// Why errors cannot be relative to a truth or its scale, if they cannot.
 fn no_scale(truth: f64, scale: Option<f64>) -> Option<String> {
     match scale {
-        _ if !truth.is_finite() => Some(format!("the truth is {truth}, which is no number")),
-        Some(0.0) => Some("`scale` is 0, errors are relative to it: give another".to_owned()),
+        _ if !truth.is_finite() => Some(format!("the reference value {truth} is not a finite number")),
+        Some(0.0) => Some("`scale` is 0, but errors are relative to it: give another".to_owned()),
         None if truth == 0.0 => {
-            Some("the truth is 0, errors are relative to it: give a `scale`".to_owned())
+            Some("the reference value is 0, but errors are relative to it: give a `scale`".to_owned())
         }
         _ => None,
     }
@@ -310,7 +310,7 @@ fn planned(study: &StudyFile, case: &Path, choice: &[usize]) -> Result<Planned, 
                 let hint = parse::suggestion(name, &names);
                 (
                     "output.block".to_owned(),
-                    format!("no block is called `{name}`{hint}"),
+                    format!("no block named `{name}`{hint}"),
                 )
             };
             Some(found.ok_or_else(unknown)?)

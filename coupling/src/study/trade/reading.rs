@@ -40,7 +40,7 @@ pub fn reading(name: Option<&str>, scene: &Scene) -> Result<Reading, String> {
     let first = || gauges(scene).find(|(_, is_surface)| *is_surface);
     let default = || {
         let (gauge, _) = first().ok_or(
-            "the scene has no gauge of the surface: say what the error is of with --of, such as --of max_of_p1",
+            "the scene has no surface gauge: choose the quantity with --of, such as --of max_of_p1",
         )?;
         Ok::<String, String>(format!("crest_at_{gauge}"))
     };

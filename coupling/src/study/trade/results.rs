@@ -63,7 +63,7 @@ pub fn judge(
         let series =
             Series::from_table(&table, &output.column).map_err(|error| error.to_string())?;
         let taken = output.take.and_then(|take| take.of(&series));
-        taken.ok_or_else(|| format!("`{}` does not hold what is asked of it", output.column))
+        taken.ok_or_else(|| format!("`{}` does not contain the requested data", output.column))
     };
     let relative = |truth: f64, scale: &Option<f64>| {
         let value = value()?;
