@@ -541,7 +541,11 @@ impl Report {
             let _ = write!(text, " {value:.6}");
         }
         if let Some(error) = self.error {
-            let _ = write!(text, ", error {} against the study's reference value", percent(error));
+            let _ = write!(
+                text,
+                ", error {} against the study's reference value",
+                percent(error)
+            );
         }
         if let Some(uncertainty) = self.uncertainty {
             let how = match self.observed_order {

@@ -171,9 +171,7 @@ fn words(study: &Study, all: &[Outcome]) -> String {
     }
     let failed = all.iter().filter(|found| !found.is_stable).count();
     if failed > 0 {
-        lines.push(format!(
-            "  {failed} runs failed, see trade.csv"
-        ));
+        lines.push(format!("  {failed} runs failed, see trade.csv"));
     }
     for (knob, bought) in bought(study, all) {
         lines.push(match bought {

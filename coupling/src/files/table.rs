@@ -487,8 +487,9 @@ mod tests {
         assert_eq!(data.column("p [kPa]").unwrap(), [2.0]);
         for name in ["p", "q", "time [ms]"] {
             let message = data.column(name).unwrap_err().to_string();
-            let end =
-                format!("column `{name}` missing or not unique; available: time [s], p [Pa], p [kPa]");
+            let end = format!(
+                "column `{name}` missing or not unique; available: time [s], p [Pa], p [kPa]"
+            );
             assert!(message.ends_with(&end), "{message}");
         }
         let message = Table::create(Path::new("x.csv"), &[Column::new("a,b", "")])

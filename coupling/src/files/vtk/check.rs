@@ -59,9 +59,7 @@ pub enum Fault {
         time: f64,
     },
     /// Corner numbers are 32-bit.
-    #[error(
-        "{found} points or corners exceed the range of 32-bit integers; write fewer per file"
-    )]
+    #[error("{found} points or corners exceed the range of 32-bit integers; write fewer per file")]
     TooMany {
         /// Number of points or corners.
         found: usize,

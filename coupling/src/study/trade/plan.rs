@@ -185,16 +185,10 @@ fn problems(study: &StudyFile) -> Vec<Problem> {
             None => {
                 let names: Vec<&str> = study.knobs.iter().map(|k| k.name.as_str()).collect();
                 let hint = parse::suggestion(knob, &names);
-                refuse(
-                    "truth.knob".into(),
-                    format!("no knob named `{knob}`{hint}"),
-                );
+                refuse("truth.knob".into(), format!("no knob named `{knob}`{hint}"));
             }
             Some(knob) if finest(knob).is_none() => {
-                let message = format!(
-                    "the values of `{}` have no `at`",
-                    knob.name
-                );
+                let message = format!("the values of `{}` have no `at`", knob.name);
                 refuse("truth.knob".into(), message);
             }
             Some(_) => {}
@@ -239,11 +233,13 @@ fn problems(study: &StudyFile) -> Vec<Problem> {
 /// Why errors cannot be relative to a truth or its scale, if they cannot.
 fn no_scale(truth: f64, scale: Option<f64>) -> Option<String> {
     match scale {
-        _ if !truth.is_finite() => Some(format!("the reference value {truth} is not a finite number")),
+        _ if !truth.is_finite() => Some(format!(
+            "the reference value {truth} is not a finite number"
+        )),
         Some(0.0) => Some("`scale` is 0, but errors are relative to it: give another".to_owned()),
-        None if truth == 0.0 => {
-            Some("the reference value is 0, but errors are relative to it: give a `scale`".to_owned())
-        }
+        None if truth == 0.0 => Some(
+            "the reference value is 0, but errors are relative to it: give a `scale`".to_owned(),
+        ),
         _ => None,
     }
 }
