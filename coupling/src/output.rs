@@ -2,4 +2,5 @@
 
 pub mod checkpoint_file;
 pub mod observe;
+pub mod run_folder;
 pub mod summary;

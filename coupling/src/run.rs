@@ -563,9 +563,9 @@ impl<'a> Run<'a> {
             let kept = self.write_checkpoint();
             // the run ends with its own error; that the last frame could not be written either
             // must not hide it
-            let _ = self.observers.frames.observe(&self.world);
-            let _ = self.observers.gauges.observe(&self.world);
-            let _ = self.observers.ledgers.observe(&self.world);
+            let _ = self.observers.frames.observe_last(&self.world);
+            let _ = self.observers.gauges.observe_last(&self.world);
+            let _ = self.observers.ledgers.observe_last(&self.world);
             kept
         };
         let stop_reason = match &ending {
@@ -723,6 +723,8 @@ fn subtitle(summary: &Summary) -> String {
 )]
 mod tests {
     use super::*;
+    use crate::files::table::read_table;
+    use crate::output::run_folder;
     use crate::scene::parse;
     use riprap_sph::Vec3;
 
@@ -773,7 +775,7 @@ mod tests {
         let ending = run.go(&stop, &mut tell);
         let (summary, ending) = run.finish(ending).unwrap();
         assert_eq!(ending, Ending::Completed);
-        let gauges = crate::files::table::read_table(&folder.path().join("gauges.csv")).unwrap();
+        let gauges = read_table(&folder.path().join(run_folder::GAUGES)).unwrap();
         (told, summary, gauges.column("time").unwrap().to_vec())
     }
 
@@ -799,6 +801,35 @@ mod tests {
             assert!(whole.steps < summary.steps && summary.steps < whole.steps + 250);
             assert!(summary.energy.residual.abs() < 1e-3 * summary.energy.internal);
         }
+    }
+
+    #[test]
+    fn a_run_stopped_on_a_row_holds_it_once() {
+        // every step has a row of each table, and a frame
+        let text = BOX.replace(
+            "gauge_interval: 0.001",
+            "gauge_interval: 1e-9, ledger_interval: 1e-9, frame_interval: 1e-9",
+        );
+        let scene = Scene::resolve(parse::read(&text).unwrap(), Path::new(".")).unwrap();
+        let folder = tempfile::tempdir().unwrap();
+        let mut run = Run::start(&scene, plan(folder.path())).unwrap();
+        let stop = AtomicBool::new(false);
+        let ending = run.go(&stop, &mut |event| {
+            if let Event::Step(Progress { steps: 5, .. }) = event {
+                stop.store(true, Ordering::Relaxed);
+            }
+        });
+        let (_, ending) = run.finish(ending).unwrap();
+        assert_eq!(ending, Ending::Interrupted);
+        for file in [run_folder::GAUGES, run_folder::ENERGY] {
+            let table = read_table(&folder.path().join(file)).unwrap();
+            let times = table.column("time").unwrap();
+            assert!(
+                times.len() == 6 && times.is_sorted_by(|a, b| a < b),
+                "{file}: {times:?}"
+            );
+        }
+        assert!(!folder.path().join(run_folder::frame("water", 6)).exists());
     }
 
     #[test]

@@ -323,6 +323,10 @@ fn a_run_by_force_leaves_nothing_of_the_old_one() {
             r#"forces=(blocks: ["wedge"], interval: 0.01)"#,
             "--set",
             r#"trajectories=(blocks: ["wedge"])"#,
+            "--set",
+            r#"masses=[(name: "slide", blocks: "wedge")]"#,
+            "--set",
+            "maps=(interval: 0.01)",
         ],
     ];
     run(&case("sliding_wedge.ron"), &old, &all.concat());
@@ -339,6 +343,11 @@ fn a_run_by_force_leaves_nothing_of_the_old_one() {
         "contacts.csv",
         "faces.pvd",
         "trajectories.csv",
+        "masses.csv",
+        "maps.vtp",
+        "maximum_elevation.asc",
+        "first_arrival.asc",
+        "inundation_depth.asc",
     ] {
         assert!(before.contains(file), "{file} is not in {before:?}");
     }

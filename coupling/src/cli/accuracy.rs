@@ -9,6 +9,7 @@ use serde::Serialize;
 
 use super::trade::{means, spawn};
 use super::{Exit, report_scene_error, say};
+use crate::output::run_folder;
 use crate::scene::parse::Override;
 use crate::scene::resolve::Scene;
 use crate::study::trade::budget::{Expected, candidates, choose};
@@ -488,7 +489,7 @@ impl Chosen {
                 self.report.budget_met = Some(uncertainty <= self.report.budget);
             }
         }
-        let path = folder.join("accuracy.json");
+        let path = folder.join(run_folder::ACCURACY);
         let text = serde_json::to_string_pretty(&self.report).map_err(|error| error.to_string())?;
         std::fs::write(&path, text + "\n")
             .map_err(|error| format!("cannot write {}: {error}", path.display()))?;

@@ -2,9 +2,8 @@
 
 mod resume;
 
-use std::collections::BTreeMap;
 use std::io::{IsTerminal, Write as _};
-use std::path::{Component, Path, PathBuf};
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
@@ -13,10 +12,11 @@ use super::accuracy::{self, Asked, Budget};
 use super::{Exit, default_folder, files_from, load, say, show, stop_on_signal};
 use crate::cli::check::describe;
 use crate::output::checkpoint_file::{self as checkpoint, Checkpoint};
+use crate::output::run_folder::{self, ArchivedScene, Existing};
 use crate::output::summary::Summary;
 use crate::run::{Ending, Event, Plan, Progress, run};
-use crate::scene::parse::{self, Override};
-use crate::scene::reach::{Reach, is_below};
+use crate::scene::parse::Override;
+use crate::scene::reach::Reach;
 use crate::scene::resolve::Scene;
 use resume::Found;
 
@@ -108,14 +108,14 @@ pub(crate) fn execute(arguments: &Arguments) -> Exit {
             Some(chosen)
         }
     };
-    let kept = Kept::of(&scene).and_then(|kept| {
+    let archived = ArchivedScene::of(&scene).and_then(|archived| {
         if from.is_none() {
-            keep_inputs(&kept, &arguments.case, &folder)?;
+            archived.write(&arguments.case, &folder)?;
         }
-        Ok(kept)
+        Ok(archived)
     });
-    let kept = match kept {
-        Ok(kept) => kept,
+    let archived = match archived {
+        Ok(archived) => archived,
         Err(message) => {
             say(&format!("error: {message}"));
             return Exit::BadInput;
@@ -140,7 +140,7 @@ pub(crate) fn execute(arguments: &Arguments) -> Exit {
     let plan = Plan {
         folder: &folder,
         from,
-        scene_hash: checkpoint::scene_hash(&kept.text),
+        scene_hash: checkpoint::scene_hash(&archived.text),
         checkpoint_interval: Duration::from_secs_f64(arguments.checkpoint_interval),
     };
     let ended = run(&scene, plan, &stop, &mut |event| line.tell(&event));
@@ -191,8 +191,8 @@ fn place_of_run(
         Exit::BadInput
     };
     if arguments.resume {
-        let kept = Kept::of(scene).map_err(wrong)?;
-        match resume::find(&kept, &arguments.case, folder).map_err(wrong)? {
+        let archived = ArchivedScene::of(scene).map_err(|error| wrong(error.to_string()))?;
+        match resume::find(&archived, &arguments.case, folder).map_err(wrong)? {
             Found::Over => {
                 show(&format!("{} is complete already", folder.display()));
                 return Err(Exit::Done);
@@ -204,7 +204,11 @@ fn place_of_run(
             )),
         }
     }
-    prepare(folder, arguments.force || arguments.resume).map_err(wrong)?;
+    let existing = match arguments.force || arguments.resume {
+        true => Existing::Replace,
+        false => Existing::Keep,
+    };
+    run_folder::create(folder, existing).map_err(|error| wrong(error.to_string()))?;
     Ok(None)
 }
 
@@ -214,154 +218,6 @@ fn seconds(text: &str) -> Result<f64, String> {
         Ok(seconds) if (0.0..=1e9).contains(&seconds) => Ok(seconds),
         _ => Err("expected seconds, from 0 to 1e9".to_owned()),
     }
-}
-
-/// Creates the run folder; with `force`, riprap's own files are removed from an existing one.
-fn prepare(folder: &Path, force: bool) -> Result<(), String> {
-    let is_used = folder
-        .read_dir()
-        .is_ok_and(|mut entries| entries.next().is_some());
-    if is_used && !force {
-        return Err(format!(
-            "{} already contains a run; choose another folder with -o or overwrite it with --force",
-            folder.display()
-        ));
-    }
-    if is_used {
-        remove_run(folder)?;
-    }
-    std::fs::create_dir_all(folder)
-        .map_err(|error| format!("cannot create {}: {error}", folder.display()))
-}
-
-/// Removes the files of an earlier run only.
-fn remove_run(folder: &Path) -> Result<(), String> {
-    let entries = folder
-        .read_dir()
-        .map_err(|error| format!("cannot read {}: {error}", folder.display()))?;
-    for path in entries.flatten().map(|entry| entry.path()) {
-        let name = path
-            .file_name()
-            .unwrap_or_default()
-            .to_string_lossy()
-            .into_owned();
-        let removed = if name == "frames" && path.is_dir() {
-            std::fs::remove_dir_all(&path)
-        } else if is_ours(&name) {
-            std::fs::remove_file(&path)
-        } else {
-            Ok(())
-        };
-        removed.map_err(|error| format!("cannot remove {}: {error}", path.display()))?;
-    }
-    Ok(())
-}
-
-/// Whether a run writes a file of this name into its folder.
-fn is_ours(name: &str) -> bool {
-    ["water", "blocks", "contacts", "fixed_blocks", "faces"]
-        .iter()
-        .any(|stem| {
-            name.starts_with(stem)
-                && [".vtp", ".pvd", ".series"]
-                    .iter()
-                    .any(|end| name.ends_with(end))
-        })
-        || [
-            "case.ron",
-            checkpoint::FILE,
-            checkpoint::PREVIOUS,
-            checkpoint::NEW,
-            "accuracy.json",
-            "summary.json",
-            "overview.svg",
-            "gauges.csv",
-            "blocks.csv",
-            "energy.csv",
-            "forces.csv",
-            "contacts.csv",
-            "trajectories.csv",
-            "rockfall.csv",
-        ]
-        .contains(&name)
-}
-
-/// Archived copy of a scene in its run folder.
-struct Kept {
-    /// Names of the archived files, by those in the scene.
-    names: BTreeMap<String, String>,
-    /// The scene with these names.
-    text: String,
-}
-
-impl Kept {
-    fn of(scene: &Scene) -> Result<Self, String> {
-        let names = kept_names(&scene.file.referenced_files());
-        let mut kept = scene.file.clone();
-        kept.rename_files(|file| names.get(file).cloned().unwrap_or_else(|| file.to_owned()));
-        let text = parse::write(&kept);
-        let text = text.map_err(|error| format!("cannot write case.ron: {error}"))?;
-        Ok(Self { names, text })
-    }
-}
-
-/// Copies the files named by the scene and writes `case.ron`, so that the run can be repeated from the folder alone.
-fn keep_inputs(kept: &Kept, case: &Path, folder: &Path) -> Result<(), String> {
-    let source = case.parent().unwrap_or(Path::new("."));
-    for (file, name) in &kept.names {
-        let (from, to) = (source.join(file), folder.join(name));
-        // a case run into its own folder already has its files there
-        let is_there = from
-            .canonicalize()
-            .is_ok_and(|from| to.canonicalize().is_ok_and(|to| from == to));
-        if is_there {
-            continue;
-        }
-        let copied = to
-            .parent()
-            .map_or(Ok(()), std::fs::create_dir_all)
-            .and_then(|()| std::fs::copy(&from, &to));
-        copied.map_err(|error| format!("cannot copy `{file}` to {}: {error}", to.display()))?;
-    }
-    let path = folder.join("case.ron");
-    std::fs::write(&path, &kept.text)
-        .map_err(|error| format!("cannot write {}: {error}", path.display()))
-}
-
-/// The names of files in the run folder, by those in the scene. A file from outside of the scene's folder, or one with
-/// the name of an output file, is renamed.
-fn kept_names(files: &[String]) -> BTreeMap<String, String> {
-    let mut names = BTreeMap::new();
-    for file in files {
-        let mut parts = Path::new(file).components().filter_map(|part| match part {
-            Component::Normal(name) => Some(name.to_string_lossy()),
-            _ => None,
-        });
-        let is_taken = parts
-            .next()
-            .is_some_and(|first| first == "frames" || is_ours(&first));
-        if is_below(file) && !is_taken {
-            names.insert(file.to_owned(), file.to_owned());
-        }
-    }
-    for file in files {
-        if names.contains_key(file) {
-            continue;
-        }
-        let last = Path::new(file).file_name().unwrap_or_default();
-        let last = last.to_string_lossy();
-        let is_free = |name: &String| {
-            !names
-                .values()
-                .any(|other| Path::new(other) == Path::new(name))
-        };
-        let name = (1..)
-            .map(|k| format!("inputs/{k}_{last}"))
-            .find(is_free)
-            .unwrap_or_default();
-        names.insert(file.to_owned(), name);
-    }
-    names
 }
 
 fn closing_words(summary: &Summary, folder: &Path) -> String {

@@ -16,18 +16,19 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
+use super::run_folder;
 use crate::build_info::COMMIT;
 use crate::files::vtk::VtkError;
 use crate::files::vtk::replace_file;
 use crate::saved::Saved;
 
 /// The newest checkpoint of a run.
-pub const FILE: &str = "checkpoint.bin";
+pub const FILE: &str = run_folder::CHECKPOINT;
 /// The previous one.
-pub const PREVIOUS: &str = "checkpoint.previous.bin";
+pub const PREVIOUS: &str = run_folder::PREVIOUS_CHECKPOINT;
 
 /// One under construction.
-pub const NEW: &str = "checkpoint.new.bin";
+const NEW: &str = run_folder::NEW_CHECKPOINT;
 
 const MAGIC: &[u8] = b"riprap checkpoint\n";
 /// Version of the file format around the state.

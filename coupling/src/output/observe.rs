@@ -41,8 +41,13 @@ pub enum ObserveError {
 
 /// Samples the world and records it.
 pub trait Observer {
+    /// Due times, and the time of the last record.
+    fn schedule(&self) -> &Schedule;
+
     /// Whether the next record is due; asking changes nothing.
-    fn is_due(&self, world: &World) -> bool;
+    fn is_due(&self, world: &World) -> bool {
+        self.schedule().is_due(world.time())
+    }
 
     /// Records the current world.
     ///
@@ -50,6 +55,18 @@ pub trait Observer {
     ///
     /// [`ObserveError`] names the file; earlier output stays valid.
     fn observe(&mut self, world: &World) -> Result<(), ObserveError>;
+
+    /// Records the last state of a run that ends early, unless its last step was recorded already.
+    ///
+    /// # Errors
+    ///
+    /// As [`Observer::observe`].
+    fn observe_last(&mut self, world: &World) -> Result<(), ObserveError> {
+        match self.schedule().last() {
+            Some(time) if time == world.time() => Ok(()),
+            _ => self.observe(world),
+        }
+    }
 
     /// Appends its state to a byte buffer.
     ///
@@ -82,6 +99,7 @@ pub trait Observer {
 pub struct Schedule {
     interval: f64,
     n_done: u64,
+    last: Option<f64>,
 }
 
 impl Schedule {
@@ -90,6 +108,7 @@ impl Schedule {
         Self {
             interval,
             n_done: 0,
+            last: None,
         }
     }
 
@@ -100,8 +119,14 @@ impl Schedule {
         (self.n_done as f64 - 1e-9) * self.interval <= time
     }
 
-    /// Records completion; missed due times are skipped.
+    /// Time of the last record; s.
+    pub fn last(&self) -> Option<f64> {
+        self.last
+    }
+
+    /// Notes a record; missed due times are skipped.
     pub fn done(&mut self, time: f64) {
+        self.last = Some(time);
         self.n_done = (time / self.interval + 1e-9).floor() as u64 + 1;
     }
 }

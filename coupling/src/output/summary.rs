@@ -5,8 +5,10 @@ use std::path::Path;
 
 use serde::Serialize;
 
+use crate::files::vtk::replace_file;
 use crate::openings::Passed;
 use crate::output::observe::ObserveError;
+use crate::output::run_folder;
 use crate::world::ledger::Energy;
 use crate::world::time_step::Cause;
 
@@ -147,17 +149,16 @@ impl Summary {
     ///
     /// # Errors
     ///
-    /// [`ObserveError::Write`] names the file.
+    /// [`ObserveError`] names the file.
     pub fn write(&self, folder: &Path) -> Result<(), ObserveError> {
-        let path = folder.join("summary.json");
-        let temporary = folder.join("summary.json.part");
+        let path = folder.join(run_folder::SUMMARY);
         let failed = |source| ObserveError::Write {
             path: path.display().to_string(),
             source,
         };
         let text = serde_json::to_string_pretty(self).map_err(|e| failed(e.into()))?;
-        std::fs::write(&temporary, text + "\n").map_err(failed)?;
-        std::fs::rename(&temporary, &path).map_err(failed)
+        replace_file(&path, &[text.as_bytes(), b"\n"])?;
+        Ok(())
     }
 }
 

@@ -14,6 +14,7 @@ use crate::output::observe::gauges::Gauges;
 use crate::output::observe::ledgers::ENERGY_COLUMNS;
 use crate::output::observe::maps::Maps;
 use crate::output::observe::trajectories::Trajectories;
+use crate::output::run_folder;
 use crate::saved::{Read, Saved};
 use crate::scene::resolve::Scene;
 use crate::world::World;
@@ -66,8 +67,8 @@ impl OverviewData {
 
     /// Takes the records of gauges and of the energy ledger from the tables of the run.
     fn read_records(&mut self, folder: &Path) -> Result<(), ObserveError> {
-        let gauges = read_table(&folder.join("gauges.csv"))?;
-        let energy = read_table(&folder.join("energy.csv"))?;
+        let gauges = read_table(&folder.join(run_folder::GAUGES))?;
+        let energy = read_table(&folder.join(run_folder::ENERGY))?;
         let places = self.places.iter().copied();
         fill(&mut self.overview.gauges, &gauges, places);
         fill(&mut self.overview.energy, &energy, 1..);
@@ -146,7 +147,7 @@ impl OverviewData {
         self.overview
             .energy
             .retain(|record| record.value.iter().any(|&value| value != 0.0));
-        let path = folder.join("overview.svg");
+        let path = folder.join(run_folder::OVERVIEW);
         std::fs::write(&path, svg(&self.overview)).map_err(|source| ObserveError::Write {
             path: path.display().to_string(),
             source,

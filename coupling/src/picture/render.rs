@@ -1,7 +1,7 @@
 //! Rendering of a run: a POV-Ray file per frame, and images and a film by POV-Ray and ffmpeg.
 //!
 //! ```text
-//! RUN/case.ron, *.pvd, *.vtp ─run_folder→ clouds and bodies ─camera, body→ what is seen
+//! RUN/case.ron, *.pvd, *.vtp ─recording→ clouds and bodies ─camera, body→ what is seen
 //!                                               │ surface                    │
 //!                                               └────────────── pov ─────────┘
 //!                                     RUN/frames/ *.inc, frame_%05d.pov ─programs→ .png, film.mp4
@@ -17,14 +17,15 @@ mod body;
 mod error;
 mod pov;
 mod programs;
-mod run_folder;
+mod recording;
 mod survey;
 
 pub use error::RenderError;
 pub use programs::Film;
 
+use crate::output::run_folder;
 use camera::Camera;
-use run_folder::{Cloud, RunFolder};
+use recording::{Cloud, Recording};
 use std::fs;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -101,17 +102,17 @@ pub struct RenderSummary {
 ///
 /// [`RenderError`] if a file cannot be read, drawn or written.
 pub fn render(
-    run_folder: &Path,
+    folder: &Path,
     options: &RenderOptions,
     report: &mut dyn FnMut(&str),
 ) -> Result<RenderSummary, RenderError> {
     check(options)?;
-    let run = run_folder::open(run_folder)?;
-    let numbers = chosen(&run, run_folder, options)?;
-    let survey = survey::survey(&run, run_folder, &numbers, options)?;
+    let run = recording::open(folder)?;
+    let numbers = chosen(&run, folder, options)?;
+    let survey = survey::survey(&run, folder, &numbers, options)?;
     report(&survey.description);
 
-    let frames = run_folder.join("frames");
+    let frames = folder.join(run_folder::RENDERED);
     prepare(&frames, options, report)?;
     let has_povray = programs::is_present(&options.povray, "--version");
     let mut summary = RenderSummary {
@@ -180,7 +181,7 @@ fn check(options: &RenderOptions) -> Result<(), RenderError> {
 
 /// Numbers of the frames that are drawn.
 fn chosen(
-    run: &RunFolder,
+    run: &Recording,
     folder: &Path,
     options: &RenderOptions,
 ) -> Result<Vec<usize>, RenderError> {
@@ -238,7 +239,7 @@ fn write(path: &Path, text: &str) -> Result<(), RenderError> {
 
 /// One frame, from files to text.
 fn scene_text(
-    run: &RunFolder,
+    run: &Recording,
     survey: &survey::Survey,
     number: usize,
     options: &RenderOptions,
@@ -282,7 +283,7 @@ fn scene_text(
 }
 
 fn film(
-    run: &RunFolder,
+    run: &Recording,
     numbers: &[usize],
     names: &[String],
     frames: &Path,

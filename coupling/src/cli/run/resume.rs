@@ -3,9 +3,9 @@
 use std::fs;
 use std::path::Path;
 
-use super::Kept;
 use crate::cli::say;
 use crate::output::checkpoint_file::{self as checkpoint, Checkpoint};
+use crate::output::run_folder::{self, ArchivedScene};
 
 /// Contents of a run folder.
 pub(super) enum Found {
@@ -18,15 +18,15 @@ pub(super) enum Found {
 }
 
 /// Examines the state of the run of a scene in a run folder, without changing it.
-pub(super) fn find(scene: &Kept, case: &Path, folder: &Path) -> Result<Found, String> {
-    let Some(before) = read(&folder.join("case.ron"))? else {
+pub(super) fn find(scene: &ArchivedScene, case: &Path, folder: &Path) -> Result<Found, String> {
+    let Some(before) = read(&folder.join(run_folder::CASE))? else {
         return Ok(Found::Nothing);
     };
     if let Some((line, (before, now))) = first_difference(&before, &scene.text) {
         return Err(format!(
             "{}, line {line}: the run had `{before}`, and now it would be `{now}`; go on with the scene as it was, name \
              another folder with -o, or start over with --force",
-            folder.join("case.ron").display()
+            folder.join(run_folder::CASE).display()
         ));
     }
     let source = case.parent().unwrap_or(Path::new("."));
@@ -39,7 +39,7 @@ pub(super) fn find(scene: &Kept, case: &Path, folder: &Path) -> Result<Found, St
             ));
         }
     }
-    let summary = read(&folder.join("summary.json"))?;
+    let summary = read(&folder.join(run_folder::SUMMARY))?;
     let has_ended = summary.is_some();
     let summary = summary.and_then(|text| serde_json::from_str::<serde_json::Value>(&text).ok());
     let is_over = summary.is_some_and(|summary| summary["completed"] == true);

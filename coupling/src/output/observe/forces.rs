@@ -12,6 +12,7 @@ use riprap_dda::{Impulses, Load, Vec3};
 
 use super::{ObserveError, Observer, Schedule};
 use crate::files::table::{Column, Start, Table};
+use crate::output::run_folder;
 use crate::saved::Saved;
 use crate::scene::file::ForcesFile;
 use crate::scene::resolve::Scene;
@@ -136,11 +137,11 @@ impl Forces {
         Ok(Self {
             schedule: Schedule::every(asked.interval.unwrap_or(f64::INFINITY)),
             forces: Table::open(
-                &folder.join("forces.csv"),
+                &folder.join(run_folder::FORCES),
                 &columns(names.map(|name| (*name).to_owned())),
                 start,
             )?,
-            contacts: Table::open(&folder.join("contacts.csv"), &of_contacts, start)?,
+            contacts: Table::open(&folder.join(run_folder::CONTACTS), &of_contacts, start)?,
             tracks: chosen.iter().map(|&b| Track::of(b, world)).collect(),
             row: Vec::new(),
         })
@@ -182,8 +183,8 @@ impl Forces {
 }
 
 impl Observer for Forces {
-    fn is_due(&self, world: &World) -> bool {
-        self.schedule.is_due(world.time())
+    fn schedule(&self) -> &Schedule {
+        &self.schedule
     }
 
     fn observe(&mut self, world: &World) -> Result<(), ObserveError> {

@@ -8,12 +8,10 @@ use super::arrays::{integers, scalars, single, vectors};
 use super::face_pressures::face_pressures;
 use super::{ObserveError, Observer, Schedule};
 use crate::files::vtk::{self, Array, Collection, PolyData, Polygons, Values};
+use crate::output::run_folder;
 use crate::saved::Saved;
 use crate::scene::file::{BlockField, OutputFile, WaterField};
 use crate::world::{Water, World};
-
-/// Kinds of frames.
-const STEMS: [&str; 4] = ["water", "blocks", "contacts", "faces"];
 
 /// Writes `water_00000.vtp`, `blocks_00000.vtp`, ... and their collections.
 #[derive(Debug)]
@@ -42,7 +40,7 @@ impl Frames {
             .collect();
         if !fixed.is_empty() {
             let data = block_polygons(world, &fixed, &[]);
-            vtk::write(&folder.join("fixed_blocks.vtp"), &data)?;
+            vtk::write(&folder.join(run_folder::FIXED_BLOCKS), &data)?;
         }
         let has_movers = fixed.len() < blocks.n_blocks();
         let collection = |stem: &str| Collection::new(folder, stem);
@@ -51,10 +49,16 @@ impl Frames {
             schedule: Schedule::every(output.frame_interval.unwrap_or(f64::INFINITY)),
             water_fields: output.water_fields.clone().unwrap_or_default(),
             block_fields: output.block_fields.clone(),
-            water: world.water.is_some().then(|| collection("water")),
-            blocks: has_movers.then(|| collection("blocks")),
-            contacts: output.contacts.then(|| collection("contacts")),
-            faces: (output.face_pressures && world.water.is_some()).then(|| collection("faces")),
+            water: world
+                .water
+                .is_some()
+                .then(|| collection(run_folder::WATER_FRAMES)),
+            blocks: has_movers.then(|| collection(run_folder::BLOCK_FRAMES)),
+            contacts: output
+                .contacts
+                .then(|| collection(run_folder::CONTACT_FRAMES)),
+            faces: (output.face_pressures && world.water.is_some())
+                .then(|| collection(run_folder::FACE_FRAMES)),
             n_written: 0,
         })
     }
@@ -69,8 +73,8 @@ impl Frames {
     fn remove_later_frames(&self) -> Result<(), ObserveError> {
         for number in self.n_written.. {
             let mut is_any = false;
-            for stem in STEMS {
-                let path = self.folder.join(frame_name(stem, number));
+            for stem in run_folder::FRAMES {
+                let path = self.folder.join(run_folder::frame(stem, number));
                 match std::fs::remove_file(&path) {
                     Ok(()) => is_any = true,
                     Err(error) if error.kind() == std::io::ErrorKind::NotFound => {}
@@ -90,27 +94,23 @@ impl Frames {
     }
 }
 
-fn frame_name(stem: &str, number: u32) -> String {
-    format!("{stem}_{number:05}.vtp")
-}
-
 impl Observer for Frames {
-    fn is_due(&self, world: &World) -> bool {
-        self.schedule.is_due(world.time())
+    fn schedule(&self) -> &Schedule {
+        &self.schedule
     }
 
     fn observe(&mut self, world: &World) -> Result<(), ObserveError> {
         let number = self.n_written;
         let folder = &self.folder;
         let write = |collection: &mut Collection, stem: &str, data: &PolyData| {
-            let name = frame_name(stem, number);
+            let name = run_folder::frame(stem, number);
             vtk::write(&folder.join(&name), data)?;
             collection.push(data.time, name)
         };
         if let (Some(collection), Some(water)) = (&mut self.water, &world.water) {
             let mut data = water_points(water, &self.water_fields);
             data.time = world.time();
-            write(collection, "water", &data)?;
+            write(collection, run_folder::WATER_FRAMES, &data)?;
         }
         if let Some(collection) = &mut self.blocks {
             let movers: Vec<usize> = (0..world.blocks.n_blocks())
@@ -118,17 +118,21 @@ impl Observer for Frames {
                 .collect();
             write(
                 collection,
-                "blocks",
+                run_folder::BLOCK_FRAMES,
                 &block_polygons(world, &movers, &self.block_fields),
             )?;
         }
         if let Some(collection) = &mut self.contacts {
-            write(collection, "contacts", &contact_points(world))?;
+            write(
+                collection,
+                run_folder::CONTACT_FRAMES,
+                &contact_points(world),
+            )?;
         }
         if let (Some(collection), Some(water)) = (&mut self.faces, &world.water) {
             let mut data = face_pressures(water, &world.blocks);
             data.time = world.time();
-            write(collection, "faces", &data)?;
+            write(collection, run_folder::FACE_FRAMES, &data)?;
         }
         self.n_written += 1;
         self.schedule.done(world.time());

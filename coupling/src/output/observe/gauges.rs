@@ -8,6 +8,7 @@ use riprap_sph::{Dimensions, Fluid, Vec3};
 use super::crossing::Crossing;
 use super::{ObserveError, Observer, Schedule};
 use crate::files::table::{Column, Start, Table};
+use crate::output::run_folder;
 use crate::saved::Saved;
 use crate::scene::file::GaugeFile;
 use crate::scene::resolve::{Scene, vec3};
@@ -68,7 +69,7 @@ impl Gauges {
         Ok(Self {
             schedule: Schedule::every(interval),
             interval,
-            table: Table::open(&folder.join("gauges.csv"), &columns, start)?,
+            table: Table::open(&folder.join(run_folder::GAUGES), &columns, start)?,
             gauges: scene
                 .file
                 .gauges
@@ -95,8 +96,8 @@ impl Gauges {
 }
 
 impl Observer for Gauges {
-    fn is_due(&self, world: &World) -> bool {
-        self.schedule.is_due(world.time())
+    fn schedule(&self) -> &Schedule {
+        &self.schedule
     }
 
     fn observe(&mut self, world: &World) -> Result<(), ObserveError> {

@@ -6,6 +6,7 @@ use riprap_dda::Vec3;
 
 use super::{ObserveError, Observer, Schedule};
 use crate::files::table::{Column, Start, Table};
+use crate::output::run_folder;
 use crate::saved::Saved;
 use crate::world::World;
 use crate::world::ledger::Energy;
@@ -138,12 +139,12 @@ impl Ledgers {
         let blocks = has_movers
             .then(|| {
                 let columns = BLOCK_COLUMNS.map(|(name, unit)| Column::new(name, unit));
-                Table::open(&folder.join("blocks.csv"), &columns, start)
+                Table::open(&folder.join(run_folder::BLOCKS), &columns, start)
             })
             .transpose()?;
         Ok(Self {
             schedule: Schedule::every(interval),
-            energy: Table::open(&folder.join("energy.csv"), &columns, start)?,
+            energy: Table::open(&folder.join(run_folder::ENERGY), &columns, start)?,
             blocks,
             row: Vec::new(),
         })
@@ -151,8 +152,8 @@ impl Ledgers {
 }
 
 impl Observer for Ledgers {
-    fn is_due(&self, world: &World) -> bool {
-        self.schedule.is_due(world.time())
+    fn schedule(&self) -> &Schedule {
+        &self.schedule
     }
 
     fn observe(&mut self, world: &World) -> Result<(), ObserveError> {

@@ -8,6 +8,7 @@ use riprap_sph::Fluid;
 
 use super::{ObserveError, Observer, Schedule};
 use crate::files::vtk::{self, Array, PolyData, Polygons, Values, replace_file};
+use crate::output::run_folder;
 use crate::saved::Saved;
 use crate::scene::file::MapsFile;
 use crate::scene::resolve::Scene;
@@ -144,11 +145,11 @@ impl Maps {
                 .collect::<Vec<_>>()
         };
         for (name, values) in [
-            ("maximum_elevation", raised(&self.highest)),
-            ("first_arrival", self.arrival.clone()),
-            ("inundation_depth", inundation.clone()),
+            (run_folder::MAXIMUM_ELEVATION, raised(&self.highest)),
+            (run_folder::FIRST_ARRIVAL, self.arrival.clone()),
+            (run_folder::INUNDATION_DEPTH, inundation.clone()),
         ] {
-            let path = self.folder.join(format!("{name}.asc"));
+            let path = self.folder.join(name);
             replace_file(&path, &[self.ascii(&values).as_bytes()])?;
         }
         let on_land = [
@@ -156,7 +157,10 @@ impl Maps {
             ("FirstArrival", &self.arrival),
             ("InundationDepth", &inundation),
         ];
-        vtk::write(&self.folder.join("maps.vtp"), &self.sheet(time, &on_land))?;
+        vtk::write(
+            &self.folder.join(run_folder::MAPS),
+            &self.sheet(time, &on_land),
+        )?;
         Ok(())
     }
 
@@ -221,8 +225,8 @@ impl Maps {
 }
 
 impl Observer for Maps {
-    fn is_due(&self, world: &World) -> bool {
-        self.schedule.is_due(world.time())
+    fn schedule(&self) -> &Schedule {
+        &self.schedule
     }
 
     fn observe(&mut self, world: &World) -> Result<(), ObserveError> {

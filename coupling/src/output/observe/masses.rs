@@ -6,6 +6,7 @@ use riprap_dda::{Blocks, Vec3};
 
 use super::{ObserveError, Observer, Schedule};
 use crate::files::table::{Column, Start, Table};
+use crate::output::run_folder;
 use crate::saved::Saved;
 use crate::scene::resolve::Scene;
 use crate::world::World;
@@ -67,7 +68,7 @@ impl Masses {
         }
         Ok(Self {
             schedule: Schedule::every(interval),
-            table: Table::open(&folder.join("masses.csv"), &columns, start)?,
+            table: Table::open(&folder.join(run_folder::MASSES), &columns, start)?,
             members,
             level: scene
                 .fluid
@@ -79,8 +80,8 @@ impl Masses {
 }
 
 impl Observer for Masses {
-    fn is_due(&self, world: &World) -> bool {
-        self.schedule.is_due(world.time())
+    fn schedule(&self) -> &Schedule {
+        &self.schedule
     }
 
     fn observe(&mut self, world: &World) -> Result<(), ObserveError> {

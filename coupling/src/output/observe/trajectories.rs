@@ -10,6 +10,7 @@ use riprap_dda::Vec3;
 
 use super::{ObserveError, Observer, Schedule};
 use crate::files::table::{Column, Start, Table};
+use crate::output::run_folder;
 use crate::saved::Saved;
 use crate::scene::file::TrajectoriesFile;
 use crate::scene::resolve::Scene;
@@ -64,8 +65,6 @@ pub struct Trajectories {
     tracks: Vec<Track>,
     /// Width of a bin of horizontal distance; m.
     stretch: f64,
-    /// Time of the last sample; s.
-    time: f64,
     row: Vec<f64>,
 }
 
@@ -120,11 +119,10 @@ impl Trajectories {
         Ok(Self {
             schedule: Schedule::every(asked.interval.unwrap_or(f64::INFINITY)),
             ground: Ground::of(&world.blocks),
-            samples: table("trajectories.csv", &SAMPLE_COLUMNS)?,
-            blocks: table("rockfall.csv", &BLOCK_COLUMNS)?,
+            samples: table(run_folder::TRAJECTORIES, &SAMPLE_COLUMNS)?,
+            blocks: table(run_folder::ROCKFALL, &BLOCK_COLUMNS)?,
             tracks,
             stretch: extent.norm() / STRETCHES,
-            time: f64::NEG_INFINITY,
             row: Vec::new(),
         })
     }
@@ -135,9 +133,7 @@ impl Trajectories {
     ///
     /// [`ObserveError`] names the file.
     pub fn finish(&mut self, world: &World) -> Result<(), ObserveError> {
-        if self.time < world.time() {
-            self.observe(world)?;
-        }
+        self.observe_last(world)?;
         for track in &self.tracks {
             let run_out = track.run_out();
             let drop = track.start.z - track.end.z;
@@ -183,8 +179,8 @@ impl Trajectories {
 }
 
 impl Observer for Trajectories {
-    fn is_due(&self, world: &World) -> bool {
-        self.schedule.is_due(world.time())
+    fn schedule(&self) -> &Schedule {
+        &self.schedule
     }
 
     fn observe(&mut self, world: &World) -> Result<(), ObserveError> {
@@ -211,14 +207,13 @@ impl Observer for Trajectories {
                 .extend([track.path_length, track.run_out(), height, kinetic_energy]);
             self.samples.row(&self.row)?;
         }
-        self.time = world.time();
         self.schedule.done(world.time());
         Ok(())
     }
 
     fn save(&self, out: Vec<u8>) -> Saved {
         let lengths = (self.samples.length(), self.blocks.length());
-        postcard::to_extend(&(self.schedule, lengths, &self.tracks, self.time), out)
+        postcard::to_extend(&(self.schedule, lengths, &self.tracks), out)
     }
 
     fn sync(&self) -> Result<(), ObserveError> {
@@ -229,10 +224,7 @@ impl Observer for Trajectories {
 
     fn read<'a>(&mut self, bytes: &'a [u8]) -> Result<&'a [u8], ObserveError> {
         let (samples, blocks, rest);
-        (
-            (self.schedule, (samples, blocks), self.tracks, self.time),
-            rest,
-        ) = postcard::take_from_bytes(bytes)?;
+        ((self.schedule, (samples, blocks), self.tracks), rest) = postcard::take_from_bytes(bytes)?;
         self.samples.cut(samples)?;
         self.blocks.cut(blocks)?;
         Ok(rest)

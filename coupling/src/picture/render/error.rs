@@ -4,6 +4,8 @@ use std::io;
 use std::ops::Range;
 use std::path::PathBuf;
 
+use crate::output::run_folder::ReadError;
+
 /// Error of rendering.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -90,4 +92,13 @@ pub enum RenderError {
         /// End of its output.
         reason: String,
     },
+}
+
+impl From<ReadError> for RenderError {
+    fn from(error: ReadError) -> Self {
+        match error {
+            ReadError::Io { path, source } => Self::Read { path, source },
+            ReadError::BadFile { path, reason } => Self::BadFile { path, reason },
+        }
+    }
 }

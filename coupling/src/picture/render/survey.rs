@@ -3,8 +3,9 @@
 use super::body::{Body, Stage, stage};
 use super::camera::{Camera, Lens, bounds};
 use super::pov::Setting;
-use super::run_folder::RunFolder;
+use super::recording::Recording;
 use super::{RenderError, RenderOptions};
+use crate::output::run_folder;
 use nalgebra::Vector3;
 use std::path::Path;
 
@@ -62,7 +63,7 @@ impl Survey {
 
 /// Samples the chosen frames, including the first and the last.
 pub(crate) fn survey(
-    run: &RunFolder,
+    run: &Recording,
     folder: &Path,
     numbers: &[usize],
     options: &RenderOptions,
@@ -145,7 +146,7 @@ pub(crate) fn survey(
 
 /// The scene's own camera, or the fitted one from which walls hide least.
 fn eye(
-    run: &RunFolder,
+    run: &Recording,
     folder: &Path,
     samples: &[[f32; 3]],
     rays: &[[f32; 3]],
@@ -158,7 +159,7 @@ fn eye(
             let apart = (camera.look_at - camera.eye).norm();
             if !(apart.is_finite() && 0.0 < apart && 0.0 < angle && angle < 180.0) {
                 return Err(RenderError::BadCamera {
-                    path: folder.join("case.ron"),
+                    path: folder.join(run_folder::CASE),
                 });
             }
             vec![camera]

@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::quantity::Take;
+use crate::output::run_folder;
 
 /// A study: one case, one quantity with its reference value, and knobs with values.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -44,7 +45,7 @@ pub struct OutputFile {
 }
 
 fn gauges() -> String {
-    "gauges.csv".to_owned()
+    run_folder::GAUGES.to_owned()
 }
 
 /// Reference value. Errors are relative to it, or to `scale`.

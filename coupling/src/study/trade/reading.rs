@@ -2,6 +2,7 @@
 
 use super::file::OutputFile;
 use super::quantity::Take;
+use crate::output::run_folder;
 use crate::scene::file::GaugeFile;
 use crate::scene::parse::suggestion;
 use crate::scene::resolve::Scene;
@@ -74,7 +75,7 @@ pub fn reading(name: Option<&str>, scene: &Scene) -> Result<Reading, String> {
     Ok(Reading {
         output: OutputFile {
             name,
-            file: "gauges.csv".to_owned(),
+            file: run_folder::GAUGES.to_owned(),
             column: gauge,
             block: None,
             take: Some(take),

@@ -9,6 +9,7 @@ use super::front::{Point, error_per_doubling, front};
 use super::outcome::{Cost, CostOf, Outcome, point};
 use super::plan::{Planned, Study, finest};
 use crate::files::table::{TableData, TableError, read_table};
+use crate::output::run_folder;
 use crate::study::compare::{Options, Series, compare_files};
 
 /// Reads the results of the completed runs of a study.
@@ -128,7 +129,7 @@ fn judge_by_finest(study: &Study, all: &mut [Outcome]) {
 }
 
 fn cost(folder: &Path) -> Cost {
-    let text = std::fs::read_to_string(folder.join("summary.json"));
+    let text = std::fs::read_to_string(folder.join(run_folder::SUMMARY));
     let read = |text: String| serde_json::from_str(&text).ok();
     text.ok().and_then(read).unwrap_or_default()
 }

@@ -3,14 +3,14 @@
 use super::RenderError;
 use super::body::{Body, bodies};
 use crate::files::vtk::{self, PolyData, Values};
-use crate::scene::file::{ResolutionFile, SceneFile, ShapeFile};
+use crate::output::run_folder::{self, RunScene};
 use std::fs;
 use std::path::{Path, PathBuf};
 
 /// A run folder that can be drawn.
-pub(crate) struct RunFolder {
+pub(crate) struct Recording {
     /// The frozen scene.
-    pub scene: SceneFile,
+    pub scene: RunScene,
     /// Water files; empty without water.
     pub water: Vec<Timed>,
     /// Files of moving blocks; empty without.
@@ -44,17 +44,17 @@ pub(crate) struct Cloud {
 }
 
 /// Reads the data shared by all frames, and the list of frames.
-pub(crate) fn open(folder: &Path) -> Result<RunFolder, RenderError> {
-    let case = folder.join("case.ron");
-    let scene = scene(&case)?;
-    let water = collection(&folder.join("water.pvd"))?;
-    let blocks = collection(&folder.join("blocks.pvd"))?;
+pub(crate) fn open(folder: &Path) -> Result<Recording, RenderError> {
+    let scene = run_folder::read_scene(folder)?;
+    let frames = |stem: &str| collection(&folder.join(format!("{stem}.pvd")));
+    let water = frames(run_folder::WATER_FRAMES)?;
+    let blocks = frames(run_folder::BLOCK_FRAMES)?;
     if water.is_empty() && blocks.is_empty() {
         return Err(RenderError::NoFrames {
             folder: folder.to_owned(),
         });
     }
-    let fixed_path = folder.join("fixed_blocks.vtp");
+    let fixed_path = folder.join(run_folder::FIXED_BLOCKS);
     let (mut fixed, skipped_faces) = if fixed_path.exists() {
         bodies(&read(&fixed_path)?)
     } else {
@@ -62,12 +62,10 @@ pub(crate) fn open(folder: &Path) -> Result<RunFolder, RenderError> {
     };
     for body in &mut fixed {
         let block = usize::try_from(body.id).ok();
-        let block = block.and_then(|id| scene.blocks.get(id));
-        body.is_terrain =
-            block.is_some_and(|b| matches!(b.shape, ShapeFile::Raster { .. } | ShapeFile::Terrain));
+        body.is_terrain = block.is_some_and(|b| scene.is_terrain.get(b) == Some(&true));
     }
-    let spacing = spacing(&folder.join("summary.json"), &scene)?;
-    Ok(RunFolder {
+    let spacing = spacing(folder, &scene)?;
+    Ok(Recording {
         scene,
         water,
         blocks,
@@ -77,8 +75,8 @@ pub(crate) fn open(folder: &Path) -> Result<RunFolder, RenderError> {
     })
 }
 
-impl RunFolder {
-    /// The files that define the frame numbers: the water, or without it the blocks.
+/// The files that define the frame numbers: the water, or without it the blocks.
+impl Recording {
     pub fn frames(&self) -> &[Timed] {
         if self.water.is_empty() {
             &self.blocks
@@ -123,39 +121,14 @@ fn read(path: &Path) -> Result<PolyData, RenderError> {
     })
 }
 
-fn scene(path: &Path) -> Result<SceneFile, RenderError> {
-    let options =
-        ron::Options::default().with_default_extension(ron::extensions::Extensions::IMPLICIT_SOME);
-    options
-        .from_str(&read_text(path)?)
-        .map_err(|error| RenderError::BadFile {
-            path: path.to_owned(),
-            reason: error.to_string(),
-        })
-}
-
-/// Particle spacing: from the summary, which a running job does not have yet, or from the scene.
-fn spacing(summary: &Path, scene: &SceneFile) -> Result<Option<f64>, RenderError> {
-    let of_summary = if summary.exists() {
-        let value: serde_json::Value =
-            serde_json::from_str(&read_text(summary)?).map_err(|error| RenderError::BadFile {
-                path: summary.to_owned(),
-                reason: error.to_string(),
-            })?;
-        value
-            .get("particle_spacing")
-            .and_then(serde_json::Value::as_f64)
-    } else {
-        None
-    };
-    let of_scene = || match scene.fluid.as_ref()?.resolution {
-        ResolutionFile::Spacing(spacing) => Some(spacing),
-        ResolutionFile::Count(_) => None,
-    };
+/// Particle spacing of the summary, which a running job does not have yet, or of the scene; m.
+fn spacing(folder: &Path, scene: &RunScene) -> Result<Option<f64>, RenderError> {
+    let summary = run_folder::read_summary(folder)?;
+    let of_summary = summary.and_then(|summary| summary.get("particle_spacing")?.as_f64());
     let is_usable = |s: &f64| s.is_finite() && 0.0 < *s;
     Ok(of_summary
         .filter(is_usable)
-        .or_else(of_scene)
+        .or(scene.particle_spacing)
         .filter(is_usable))
 }
 

@@ -1,0 +1,250 @@
+//! The run folder: every file name in it, and the only code that makes, empties, fills and reads one.
+//!
+//! ```text
+//! runs/x/  case.ron, inputs of the scene          archive.rs
+//!          summary.json, accuracy.json, overview.svg
+//!          gauges.csv, energy.csv, ... *.asc      a name each, below
+//!          water_00000.vtp, water.pvd, ...        a stem each, below
+//!          checkpoint*.bin                        while a run is incomplete
+//!          frames/                                of `riprap render`
+//! ```
+
+mod archive;
+mod read;
+
+use std::io;
+use std::path::{Path, PathBuf};
+
+pub use archive::ArchivedScene;
+pub use read::{ReadError, RunScene, read_scene, read_summary};
+
+/// The scene as run, every default written out.
+pub const CASE: &str = "case.ron";
+/// Figures of the whole run.
+pub const SUMMARY: &str = "summary.json";
+/// Error and cost of a run that was given a budget.
+pub const ACCURACY: &str = "accuracy.json";
+/// The run on one page.
+pub const OVERVIEW: &str = "overview.svg";
+/// Gauge records.
+pub const GAUGES: &str = "gauges.csv";
+/// Energy ledger.
+pub const ENERGY: &str = "energy.csv";
+/// Motion of blocks.
+pub const BLOCKS: &str = "blocks.csv";
+/// Forces on blocks by source.
+pub const FORCES: &str = "forces.csv";
+/// Forces on blocks by partner.
+pub const CONTACTS: &str = "contacts.csv";
+/// Paths of blocks.
+pub const TRAJECTORIES: &str = "trajectories.csv";
+/// One row per block that fell.
+pub const ROCKFALL: &str = "rockfall.csv";
+/// Slides as bodies.
+pub const MASSES: &str = "masses.csv";
+/// Maps of the water for ParaView.
+pub const MAPS: &str = "maps.vtp";
+/// Highest water, an ASCII grid.
+pub const MAXIMUM_ELEVATION: &str = "maximum_elevation.asc";
+/// Arrival times, an ASCII grid.
+pub const FIRST_ARRIVAL: &str = "first_arrival.asc";
+/// Depth on land, an ASCII grid.
+pub const INUNDATION_DEPTH: &str = "inundation_depth.asc";
+/// Blocks that never move.
+pub const FIXED_BLOCKS: &str = "fixed_blocks.vtp";
+/// The newest checkpoint.
+pub const CHECKPOINT: &str = "checkpoint.bin";
+/// The checkpoint before it.
+pub const PREVIOUS_CHECKPOINT: &str = "checkpoint.previous.bin";
+/// A checkpoint that is not yet complete.
+pub const NEW_CHECKPOINT: &str = "checkpoint.new.bin";
+/// Folder of rendered frames.
+pub const RENDERED: &str = "frames";
+/// Folder of inputs that have no other place in the run folder.
+pub const INPUTS: &str = "inputs";
+
+/// Stem of the frames of the water.
+pub const WATER_FRAMES: &str = "water";
+/// Stem of the frames of blocks that move.
+pub const BLOCK_FRAMES: &str = "blocks";
+/// Stem of the frames of contacts.
+pub const CONTACT_FRAMES: &str = "contacts";
+/// Stem of the frames of pressures on faces.
+pub const FACE_FRAMES: &str = "faces";
+
+/// Stems of all frames: `water_00000.vtp`, ..., with the collections `water.pvd` and `water.vtp.series`.
+pub const FRAMES: [&str; 4] = [WATER_FRAMES, BLOCK_FRAMES, CONTACT_FRAMES, FACE_FRAMES];
+
+/// All files with a name of their own.
+const FILES: [&str; 20] = [
+    CASE,
+    SUMMARY,
+    ACCURACY,
+    OVERVIEW,
+    GAUGES,
+    ENERGY,
+    BLOCKS,
+    FORCES,
+    CONTACTS,
+    TRAJECTORIES,
+    ROCKFALL,
+    MASSES,
+    MAPS,
+    MAXIMUM_ELEVATION,
+    FIRST_ARRIVAL,
+    INUNDATION_DEPTH,
+    FIXED_BLOCKS,
+    CHECKPOINT,
+    PREVIOUS_CHECKPOINT,
+    NEW_CHECKPOINT,
+];
+
+/// Name of a frame.
+pub fn frame(stem: &str, number: u32) -> String {
+    format!("{stem}_{number:05}.vtp")
+}
+
+/// Failure to make, empty or fill a run folder.
+#[derive(Debug, thiserror::Error)]
+pub enum RunFolderError {
+    /// The folder is not empty.
+    #[error(
+        "{} already contains a run; choose another folder with -o or overwrite it with --force",
+        folder.display()
+    )]
+    Used {
+        /// The folder.
+        folder: PathBuf,
+    },
+    /// Failed operation of the file system.
+    #[error("cannot {operation} {}: {source}", path.display())]
+    Io {
+        /// The operation.
+        operation: &'static str,
+        /// The file or folder.
+        path: PathBuf,
+        /// Error of the operating system.
+        source: io::Error,
+    },
+    /// An input of the scene that cannot be copied.
+    #[error("cannot copy `{file}` to {}: {source}", to.display())]
+    Copy {
+        /// The file as the scene names it.
+        file: String,
+        /// Its place in the folder.
+        to: PathBuf,
+        /// Error of the operating system.
+        source: io::Error,
+    },
+    /// A scene without a text.
+    #[error("cannot write {CASE}: {0}")]
+    Scene(#[from] ron::Error),
+}
+
+impl RunFolderError {
+    fn io(operation: &'static str, path: &Path) -> impl FnOnce(io::Error) -> Self {
+        let path = path.to_owned();
+        move |source| Self::Io {
+            operation,
+            path,
+            source,
+        }
+    }
+}
+
+/// Treatment of a run that is in the folder already.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Existing {
+    /// The new run is refused.
+    Keep,
+    /// Its files are removed, those of the user are not.
+    Replace,
+}
+
+/// Makes a run folder.
+///
+/// # Errors
+///
+/// [`RunFolderError`] when it holds anything that is to be kept, or the file system refuses.
+pub fn create(folder: &Path, existing: Existing) -> Result<(), RunFolderError> {
+    let is_used = folder
+        .read_dir()
+        .is_ok_and(|mut entries| entries.next().is_some());
+    match existing {
+        Existing::Keep if is_used => {
+            return Err(RunFolderError::Used {
+                folder: folder.to_owned(),
+            });
+        }
+        Existing::Replace if is_used => clean(folder)?,
+        Existing::Keep | Existing::Replace => {}
+    }
+    std::fs::create_dir_all(folder).map_err(RunFolderError::io("create", folder))
+}
+
+/// Removes the files of an earlier run, and nothing else.
+fn clean(folder: &Path) -> Result<(), RunFolderError> {
+    let entries = folder
+        .read_dir()
+        .map_err(RunFolderError::io("read", folder))?;
+    for path in entries.flatten().map(|entry| entry.path()) {
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        let removed = if name == RENDERED && path.is_dir() {
+            std::fs::remove_dir_all(&path)
+        } else if is_written_by_runs(&name) {
+            std::fs::remove_file(&path)
+        } else {
+            Ok(())
+        };
+        removed.map_err(RunFolderError::io("remove", &path))?;
+    }
+    Ok(())
+}
+
+/// Whether a run writes a file of this name into its folder.
+fn is_written_by_runs(name: &str) -> bool {
+    let is_frame = |stem: &str| {
+        let Some(rest) = name.strip_prefix(stem) else {
+            return false;
+        };
+        let number = rest.strip_prefix('_').and_then(|r| r.strip_suffix(".vtp"));
+        [".pvd", ".vtp.series"].contains(&rest)
+            || number.is_some_and(|n| 5 <= n.len() && n.bytes().all(|b| b.is_ascii_digit()))
+    };
+    // a program that is killed leaves a file under its temporary name
+    let hidden = name
+        .strip_prefix('.')
+        .and_then(|n| n.strip_suffix(".partial"));
+    hidden.is_some_and(is_written_by_runs)
+        || FRAMES.iter().any(|stem| is_frame(stem))
+        || FILES.contains(&name)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn files_of_runs_are_told_from_those_of_the_user() {
+        for name in [
+            "water_00012.vtp",
+            "blocks_100000.vtp",
+            "faces.pvd",
+            "contacts.vtp.series",
+            "masses.csv",
+            ".maps.vtp.partial",
+        ] {
+            assert!(is_written_by_runs(name), "{name}");
+        }
+        for name in [
+            "water.csv",
+            "water_depth.vtp",
+            "blocks_old.csv",
+            "waterfall.pvd",
+            ".notes.partial",
+            "notes.md",
+        ] {
+            assert!(!is_written_by_runs(name), "{name}");
+        }
+    }
+}

@@ -1,0 +1,94 @@
+//! Reading a run folder, while the run is under way, too.
+
+use std::io;
+use std::path::{Path, PathBuf};
+
+use super::{CASE, SUMMARY};
+use crate::scene::file::{CameraFile, ResolutionFile, SceneFile, ShapeFile};
+
+/// Failure to read a file of a run folder.
+#[derive(Debug, thiserror::Error)]
+pub enum ReadError {
+    /// Unreadable file.
+    #[error("cannot read {}: {source}", path.display())]
+    Io {
+        /// The file.
+        path: PathBuf,
+        /// Error of the operating system.
+        source: io::Error,
+    },
+    /// Unexpected contents.
+    #[error("{} is not readable: {reason}", path.display())]
+    BadFile {
+        /// The file.
+        path: PathBuf,
+        /// Fault of the contents.
+        reason: String,
+    },
+}
+
+/// Parts of the archived scene that a picture needs.
+#[derive(Clone, Debug)]
+pub struct RunScene {
+    /// Title.
+    pub title: String,
+    /// Camera, if the scene sets one.
+    pub camera: Option<CameraFile>,
+    /// Whether each block is terrain.
+    pub is_terrain: Vec<bool>,
+    /// Particle spacing as written, if it is; m.
+    pub particle_spacing: Option<f64>,
+}
+
+/// Reads `case.ron`.
+///
+/// # Errors
+///
+/// [`ReadError`] names the file.
+pub fn read_scene(folder: &Path) -> Result<RunScene, ReadError> {
+    let path = folder.join(CASE);
+    let options =
+        ron::Options::default().with_default_extension(ron::extensions::Extensions::IMPLICIT_SOME);
+    let file: SceneFile =
+        options
+            .from_str(&text_of(&path)?)
+            .map_err(|error| ReadError::BadFile {
+                path,
+                reason: error.to_string(),
+            })?;
+    let is_terrain =
+        |shape: &ShapeFile| matches!(shape, ShapeFile::Raster { .. } | ShapeFile::Terrain);
+    Ok(RunScene {
+        title: file.title,
+        camera: file.camera,
+        is_terrain: file.blocks.iter().map(|b| is_terrain(&b.shape)).collect(),
+        particle_spacing: file.fluid.and_then(|fluid| match fluid.resolution {
+            ResolutionFile::Spacing(spacing) => Some(spacing),
+            ResolutionFile::Count(_) => None,
+        }),
+    })
+}
+
+/// Reads `summary.json`; absent before the end of a run.
+///
+/// # Errors
+///
+/// [`ReadError`] names the file.
+pub fn read_summary(folder: &Path) -> Result<Option<serde_json::Value>, ReadError> {
+    let path = folder.join(SUMMARY);
+    if !path.exists() {
+        return Ok(None);
+    }
+    let summary = serde_json::from_str(&text_of(&path)?);
+    summary.map(Some).map_err(|error| ReadError::BadFile {
+        path,
+        reason: error.to_string(),
+    })
+}
+
+fn text_of(path: &Path) -> Result<String, ReadError> {
+    std::fs::read_to_string(path).map_err(|source| ReadError::Io {
+        path: path.to_owned(),
+        source,
+    })
+}
