@@ -38,7 +38,7 @@ pub mod world;
 pub use files::{table, vtk};
 pub use output::{checkpoint_file as checkpoint, observe, summary};
 pub use picture::{overview, render};
-pub use run::notice;
+pub use run::ineffective as notice;
 pub use scene::estimate as memory;
 pub use study::{compare, trade};
 pub use walls::penalty as interface;

@@ -10,7 +10,7 @@ use riprap_dda::{Motion, Shape};
 
 use super::{Exit, files_from, load, say, show};
 use crate::run::build;
-use crate::run::notice::unnoticed;
+use crate::run::ineffective::ineffective_options;
 use crate::scene::estimate::Estimate;
 use crate::scene::file::ShapeFile;
 use crate::scene::mesh;
@@ -50,7 +50,7 @@ pub(crate) fn execute(arguments: &Arguments) -> Exit {
         ..Reach::of(arguments.case.parent().unwrap_or(Path::new(".")))
     };
     show(&describe(&scene, &reach));
-    for one in unnoticed(&scene) {
+    for one in ineffective_options(&scene) {
         show(&format!("  no effect at this resolution: {one}"));
     }
     match cost(&scene) {

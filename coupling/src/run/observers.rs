@@ -30,12 +30,18 @@ pub(super) struct Observers {
     overview: OverviewData,
 }
 
+/// Blocks of which the observers need accounts of impulses.
+pub(super) fn accounts(scene: &Scene, world: &World) -> Vec<usize> {
+    let forces = scene.file.forces.as_ref();
+    forces.map_or(Vec::new(), |asked| asked.chosen(scene, world))
+}
+
 impl Observers {
-    /// Those that the scene asks for; the world keeps the accounts that they need.
+    /// Observers of a scene.
     pub fn new(
         scene: &Scene,
         folder: &Path,
-        world: &mut World,
+        world: &World,
         start: Start,
     ) -> Result<Self, ObserveError> {
         let output = &scene.file.output;
@@ -48,7 +54,6 @@ impl Observers {
                 None => None,
                 Some(asked) => {
                     let chosen = asked.chosen(scene, world);
-                    world.keep_accounts(&chosen);
                     Some(Forces::new(folder, asked, (&chosen, world), start)?)
                 }
             },

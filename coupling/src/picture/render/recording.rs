@@ -75,8 +75,8 @@ pub(crate) fn open(folder: &Path) -> Result<Recording, RenderError> {
     })
 }
 
-/// The files that define the frame numbers: the water, or without it the blocks.
 impl Recording {
+    /// The files that define the frame numbers: the water, or without it the blocks.
     pub fn frames(&self) -> &[Timed] {
         if self.water.is_empty() {
             &self.blocks

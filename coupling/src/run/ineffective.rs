@@ -16,7 +16,7 @@ const SIDE_TOLERANCE: f64 = 1e-6;
 const CUSTOMARY_FACTOR: f64 = 0.5;
 
 /// One sentence for each: what would not be noticed, and why.
-pub fn unnoticed(scene: &Scene) -> Vec<String> {
+pub fn ineffective_options(scene: &Scene) -> Vec<String> {
     let mut found: Vec<String> = strain(scene).into_iter().chain(width(scene)).collect();
     // the studies are of the other schemes
     if let Some(fluid) = &scene.fluid

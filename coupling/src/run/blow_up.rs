@@ -24,7 +24,7 @@ const STILL: f64 = 0.01;
 
 /// The world at the last look.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub(super) struct Watch {
+pub(super) struct BlowUpDetector {
     /// J.
     residual: f64,
     /// Energy that a gain is measured by; J.
@@ -40,7 +40,7 @@ fn interval(world: &World) -> u64 {
     INTERVALS[usize::from(world.water.is_none())]
 }
 
-impl Watch {
+impl BlowUpDetector {
     /// Whether it is time to look.
     pub fn is_due(world: &World) -> bool {
         world.clock().steps.is_multiple_of(interval(world))
@@ -58,7 +58,7 @@ impl Watch {
     }
 
     /// Compares the world with that of the last look.
-    pub fn look(&mut self, world: &World) -> Result<(), StepError> {
+    pub fn check(&mut self, world: &World) -> Result<(), StepError> {
         let energy = world.energy();
         let now = Self {
             residual: energy.residual,

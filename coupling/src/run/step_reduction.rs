@@ -11,7 +11,7 @@ const FARTHER: f64 = 0.05;
 
 /// Attempts to recover from a failure.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub(super) struct Caution {
+pub(super) struct StepReduction {
     /// Times that the step is halved at present.
     halvings: u32,
     in_vain: u32,
@@ -23,7 +23,7 @@ pub(super) struct Caution {
     n_falls: u64,
 }
 
-impl Caution {
+impl StepReduction {
     /// Whether steps are short at a time (s).
     pub fn is_on(&self, time: f64) -> bool {
         0 < self.halvings && time < self.until
@@ -37,8 +37,8 @@ impl Caution {
         }
     }
 
-    /// Ends it: the failure was passed.
-    pub fn rest(&mut self) {
+    /// Ends the reduction after the failure was passed.
+    pub fn end(&mut self) {
         *self = Self {
             n_falls: self.n_falls,
             ..Self::default()
@@ -84,14 +84,14 @@ mod tests {
     use super::*;
 
     fn tries(failures: impl IntoIterator<Item = f64>) -> Vec<f64> {
-        let mut caution = Caution::default();
+        let mut reduction = StepReduction::default();
         let mut shares = Vec::new();
         for failed_at in failures {
-            match caution.after(failed_at, 1.0) {
+            match reduction.after(failed_at, 1.0) {
                 None => break,
-                Some(next) => caution = next,
+                Some(next) => reduction = next,
             }
-            shares.push(caution.share(1.0));
+            shares.push(reduction.share(1.0));
         }
         shares
     }
@@ -111,8 +111,8 @@ mod tests {
 
     #[test]
     fn steps_are_short_until_well_past_the_failure() {
-        let caution = Caution::default().after(2.0, 1.0);
-        let share = |time: f64| caution.map(|caution| caution.share(time));
+        let reduction = StepReduction::default().after(2.0, 1.0);
+        let share = |time: f64| reduction.map(|reduction| reduction.share(time));
         assert_eq!(
             [share(1.0), share(2.9), share(3.0)],
             [Some(0.5), Some(0.5), Some(1.0)]

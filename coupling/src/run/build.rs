@@ -1,0 +1,62 @@
+//! Building the world of a scene.
+
+use riprap_dda::Blocks;
+use riprap_sph::Fluid;
+
+use super::RunError;
+use super::packing::packed;
+use crate::joints::JointWater;
+use crate::scene::resolve::{FluidScene, Scene, vec3};
+use crate::walls::Walls;
+use crate::world::{WaterAtStart, World};
+
+/// Builds the world of a scene.
+///
+/// # Errors
+///
+/// [`RunError`] when blocks or fluid refuse their settings.
+pub fn build(scene: &Scene) -> Result<World, RunError> {
+    let mut blocks = Blocks::with_joints(
+        scene.blocks.clone(),
+        scene.materials.clone(),
+        &scene.joints,
+        scene.block_settings,
+    )?;
+    for (block, hold) in &scene.holds {
+        blocks.hold(*block, hold.clone())?;
+    }
+    blocks.attach(&scene.attachments)?;
+    let water = (scene.fluid.as_ref())
+        .map(|fluid| water_at_start(fluid, scene, &blocks))
+        .transpose()?;
+    let domain = (vec3(scene.file.domain.min), vec3(scene.file.domain.max));
+    let mut world = World::new(blocks, water, vec3(scene.file.gravity), domain)?;
+    world.set_out_of_domain(scene.file.domain.leaving.into());
+    world.set_weakenings(scene.weakenings.clone());
+    Ok(world)
+}
+
+/// Packed water with its walls, joints and openings.
+fn water_at_start(
+    water: &FluidScene,
+    scene: &Scene,
+    blocks: &Blocks,
+) -> Result<WaterAtStart, RunError> {
+    let (start, kept) = packed(water, &scene.blocks, blocks)?;
+    let mut fluid = Fluid::new(start, water.settings.clone())?;
+    if !water.rheologies.is_empty() {
+        let kinds: Vec<_> = kept.iter().map(|&a| water.kinds[a as usize]).collect();
+        fluid.set_rheologies(water.rheologies.clone(), &kinds)?;
+    }
+    let walls = Walls::new(water.wall_method, &scene.blocks, blocks, &fluid, water.slip);
+    let is_sealed = |b: usize| scene.file.blocks[b].sealed;
+    Ok(WaterAtStart {
+        joints: JointWater::new(&scene.blocks, blocks, &fluid, is_sealed),
+        fluid,
+        penalty: water.walls,
+        walls,
+        openings: water.openings.clone(),
+        absorbers: water.absorbers.clone(),
+        sleeping: water.sleeping,
+    })
+}

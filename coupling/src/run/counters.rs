@@ -1,0 +1,79 @@
+//! Counters and costs of a run, for its summary.
+
+use std::collections::BTreeMap;
+
+use riprap_sph::Fluid;
+use serde::{Deserialize, Serialize};
+
+use super::blow_up::BlowUpDetector;
+use super::step_reduction::StepReduction;
+use crate::world::World;
+use crate::world::time_step::{Cause, TimeStep};
+
+/// Stage of a run.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) enum Stage {
+    /// The water comes to rest before t = 0.
+    Settling {
+        /// s.
+        time: f64,
+        steps: u64,
+    },
+    Running,
+}
+
+/// Counters of a run, preserved when it is stopped and resumed.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(super) struct Counters {
+    pub stage: Stage,
+    /// Shortest step; s.
+    pub dt_min: f64,
+    /// Longest step; s.
+    pub dt_max: f64,
+    /// Steps by the cause that limited them.
+    pub governed: BTreeMap<Cause, u64>,
+    pub particles_at_start: usize,
+    /// kg.
+    pub mass_at_start: f64,
+    pub detector: BlowUpDetector,
+    pub reduction: StepReduction,
+}
+
+impl Counters {
+    /// Counters of a world before its first step.
+    pub fn new(world: &World, stage: Stage) -> Self {
+        let fluid = world.water.as_ref().map(|water| &water.fluid);
+        Self {
+            stage,
+            dt_min: f64::INFINITY,
+            dt_max: 0.0,
+            governed: BTreeMap::new(),
+            particles_at_start: fluid.map_or(0, |f| f.particles().len()),
+            mass_at_start: fluid.map_or(0.0, Fluid::mass),
+            detector: BlowUpDetector::default(),
+            reduction: StepReduction::default(),
+        }
+    }
+
+    /// Counts a step.
+    pub fn count(&mut self, step: TimeStep) {
+        self.dt_min = self.dt_min.min(step.dt);
+        self.dt_max = self.dt_max.max(step.dt);
+        *self.governed.entry(step.cause).or_default() += 1;
+    }
+}
+
+/// Wall times and counts, undone steps included; s.
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
+pub(super) struct Costs {
+    /// Before this start of the program.
+    pub before: f64,
+    pub settling: f64,
+    pub output: f64,
+    pub guards: f64,
+    pub checkpoints: f64,
+    pub n_checkpoints: u64,
+    /// Bytes.
+    pub checkpoint_size: u64,
+    pub n_resumed: u64,
+}

@@ -1,0 +1,80 @@
+//! Events of a run: progress, recovery from a failed step, end and failure.
+
+use crate::output::observe::ObserveError;
+use crate::world::StepError;
+
+/// Progress of a run.
+#[derive(Clone, Copy, Debug)]
+pub struct Progress {
+    /// Whether the water is still settling.
+    pub is_settling: bool,
+    /// Steps since the start of this stage.
+    pub steps: u64,
+    /// Time of this stage; s.
+    pub time: f64,
+    /// End of this stage; s.
+    pub end: f64,
+    /// Last step; s.
+    pub dt: f64,
+    /// Contact points between blocks.
+    pub contacts: usize,
+    /// Fastest particle or block; m/s.
+    pub fastest: f64,
+}
+
+/// Result of [`Run::step`](super::Run::step).
+#[derive(Debug)]
+pub enum Event {
+    /// Completed step.
+    Step(Progress),
+    /// Failed step: the run resumes from the last good state with a shorter step.
+    FellBack {
+        /// Error of the step.
+        error: StepError,
+        /// Time of the last good state; s.
+        to: f64,
+        /// Fraction of the usual step.
+        share: f64,
+    },
+}
+
+/// End of a run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Ending {
+    /// It reached its duration.
+    Completed,
+    /// It was asked to stop.
+    Interrupted,
+}
+
+/// Failure of a run.
+#[derive(Debug, thiserror::Error)]
+pub enum RunError {
+    /// Blocks that cannot be built.
+    #[error("cannot build the blocks: {0}")]
+    Blocks(#[from] riprap_dda::BlockError),
+    /// Fluid that cannot be built.
+    #[error("cannot build the fluid: {0}")]
+    Fluid(#[from] riprap_sph::FluidError),
+    /// Failed step; the last state is in the run folder.
+    #[error("{0}")]
+    Step(#[from] StepError),
+    /// Step that failed again from the last good state with shorter steps.
+    #[error(
+        "{error}\nthe failure recurred from the last good state, t = {good:.6} s, with {share} of the usual step: a shorter step does not help; the checkpoint is of that state"
+    )]
+    Unstable {
+        /// Error of the step.
+        error: StepError,
+        /// Time of the last good state; s.
+        good: f64,
+        /// Fraction of the usual step in the last attempt.
+        share: f64,
+    },
+    /// File that cannot be written; everything written before stays valid.
+    #[error("{0}")]
+    Observe(#[from] ObserveError),
+    /// State of a checkpoint that does not belong to this scene.
+    #[error("the state of the checkpoint does not fit the scene: {0}; start over with --force")]
+    State(#[from] postcard::Error),
+}

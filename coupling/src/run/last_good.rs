@@ -1,0 +1,65 @@
+//! Last good state of a run: in memory to fall back to, and now and then on disk to resume from.
+
+use std::path::Path;
+
+use super::Place;
+use crate::output::checkpoint_file::{self as checkpoint, Header};
+use crate::output::observe::ObserveError;
+
+/// Steps between two states that are kept, with water: keeping one takes less than a hundredth of the time.
+const INTERVAL_WITH_WATER: u64 = 100;
+/// The same of blocks alone, where a step takes little longer than keeping a state.
+const INTERVAL_OF_BLOCKS: u64 = 1000;
+
+/// State of a run at the end of a step.
+#[derive(Debug)]
+pub(super) struct LastGoodState {
+    /// Saved run.
+    pub state: Vec<u8>,
+    /// Stage, time and steps.
+    pub place: Place,
+    is_on_disk: bool,
+}
+
+impl LastGoodState {
+    /// State that is not on disk yet.
+    pub fn new(state: Vec<u8>, place: Place) -> Self {
+        Self {
+            state,
+            place,
+            is_on_disk: false,
+        }
+    }
+
+    /// Whether a state is kept after so many steps: by their number, so that a resumed run keeps the same ones.
+    pub fn is_due(steps: u64, has_water: bool) -> bool {
+        steps.is_multiple_of(match has_water {
+            true => INTERVAL_WITH_WATER,
+            false => INTERVAL_OF_BLOCKS,
+        })
+    }
+
+    /// Whether it still has to be written to disk.
+    pub fn is_unwritten(&self) -> bool {
+        !self.is_on_disk
+    }
+
+    /// Writes the checkpoint; returns its size in bytes.
+    pub fn write(&mut self, folder: &Path, scene_hash: [u8; 32]) -> Result<u64, ObserveError> {
+        let Place {
+            is_settling,
+            time,
+            steps,
+        } = self.place;
+        let header = Header {
+            build: checkpoint::build(),
+            scene: scene_hash,
+            is_settling,
+            time,
+            steps,
+        };
+        let size = checkpoint::write(folder, &header, &self.state)?;
+        self.is_on_disk = true;
+        Ok(size)
+    }
+}

@@ -1,0 +1,134 @@
+//! Summary of a run from its world, counters and costs.
+
+use std::collections::BTreeMap;
+
+use riprap_dda::Motion;
+use riprap_sph::{Fluid, Precision};
+
+use super::Run;
+use crate::build_info::COMMIT;
+use crate::output::summary::{Summary, TimeByPhase, peak_memory};
+use crate::scene::resolve::Scene;
+use crate::walls::Walls;
+use crate::world::time_step::{CAUSES, Cause};
+
+impl Run<'_> {
+    pub(super) fn summary(&self, completed: bool, stop_reason: String) -> Summary {
+        let (world, counters, costs) = (&self.world, &self.counters, &self.costs);
+        let (clock, extremes, blocks) = (world.clock(), world.extremes(), &world.blocks);
+        let water = world.water.as_ref();
+        let fluid = water.map(|water| &water.fluid);
+        let removed = fluid.map(Fluid::removed);
+        let wall_time = self.wall_time();
+        let running = (wall_time - costs.settling).max(1e-9);
+        let count =
+            |test: &dyn Fn(usize) -> bool| (0..blocks.n_blocks()).filter(|&b| test(b)).count();
+        let ratio = |part: u64, whole: u64| part as f64 / whole.max(1) as f64;
+        let per_second = |n: u64| n as f64 / running;
+        Summary {
+            case: self.scene.file.title.clone(),
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+            commit: COMMIT.to_owned(),
+            threads: rayon::current_num_threads(),
+            precision: precision(self.scene).to_owned(),
+            stepping: format!("{:?}", world.stepping()),
+            completed,
+            stop_reason,
+            simulated_time: world.time(),
+            wall_time,
+            settling_wall_time: costs.settling,
+            steps: clock.steps,
+            block_substeps: clock.block_substeps,
+            fluid_particles: counters.particles_at_start,
+            wall_particles: water
+                .and_then(|w| w.walls.as_ref())
+                .map_or(0, Walls::n_points),
+            free_blocks: count(&|b| blocks.is_free(b)),
+            fixed_blocks: count(&|b| world.is_fixed(b)),
+            prescribed_blocks: count(&|b| matches!(blocks.motion(b), Motion::Prescribed(_))),
+            particle_spacing: (self.scene.fluid.as_ref()).map_or(0.0, |f| f.walls.particle_spacing),
+            mean_neighbours: ratio(extremes.pair_interactions, extremes.particle_steps),
+            particle_steps_per_second: per_second(extremes.particle_steps),
+            particle_steps: extremes.particle_steps,
+            awake_share: ratio(
+                extremes.particle_steps_awake,
+                extremes.particle_steps_of_all,
+            ),
+            pair_interactions: extremes.pair_interactions,
+            contact_updates: blocks.contact_updates(),
+            pair_interactions_per_second: per_second(extremes.pair_interactions),
+            contact_updates_per_second: per_second(blocks.contact_updates()),
+            time_by_phase: self.time_by_phase(),
+            dt_min: Some(counters.dt_min)
+                .filter(|dt| dt.is_finite())
+                .unwrap_or(0.0),
+            dt_max: counters.dt_max,
+            dt_governed_by: self.governing_causes(),
+            fell_back: counters.reduction.n_falls(),
+            largest_unexplained_gain: counters.detector.largest_gain(),
+            resumed: costs.n_resumed,
+            checkpoints: costs.n_checkpoints,
+            checkpoint_bytes: costs.checkpoint_size,
+            max_mach: extremes.max_mach,
+            density_error_rms: fluid.map_or(0.0, Fluid::density_error_rms),
+            particles_escaped: removed.map_or(0, |removed| removed.count),
+            mass_escaped: removed.map_or(0.0, |removed| removed.mass),
+            fluid_mass: [counters.mass_at_start, fluid.map_or(0.0, Fluid::mass)],
+            openings: water.map_or(Vec::new(), |w| w.openings.passed().to_vec()),
+            particles_pushed_back: extremes.particles_pushed_back,
+            blocks_escaped: extremes.blocks_removed,
+            max_wall_penetration_over_spacing: extremes.max_wall_penetration_over_spacing,
+            max_block_overlap_over_size: blocks.max_overlap_over_size(),
+            momentum_residual: world.momentum_residual(),
+            energy: world.energy(),
+            state_hash: world.state_hash(),
+            peak_memory: peak_memory(),
+        }
+    }
+
+    /// Share of the steps by the cause that limited them.
+    fn governing_causes(&self) -> BTreeMap<Cause, f64> {
+        let steps = self.world.clock().steps.max(1) as f64;
+        let n_steps = |cause: &Cause| self.counters.governed.get(cause).copied().unwrap_or(0);
+        let share = |cause: &Cause| (*cause, n_steps(cause) as f64 / steps);
+        CAUSES.iter().map(share).collect()
+    }
+
+    fn time_by_phase(&self) -> TimeByPhase {
+        let phases = self.world.phases();
+        TimeByPhase {
+            neighbours: phases.neighbors.as_secs_f64(),
+            density: phases.density.as_secs_f64(),
+            forces: phases.forces.as_secs_f64(),
+            contact_detection: phases.broad_phase.as_secs_f64(),
+            contact_forces: phases.contacts.as_secs_f64(),
+            wall_search: phases.wall_search.as_secs_f64(),
+            coupling: phases.coupling.as_secs_f64(),
+            integration: phases.integration.as_secs_f64(),
+            output: self.costs.output,
+            guards: self.costs.guards,
+            checkpoints: self.costs.checkpoints,
+        }
+    }
+}
+
+/// Precision of the fluid's sums; blocks are always in double precision.
+fn precision(scene: &Scene) -> &'static str {
+    match scene.fluid.as_ref().map(|f| f.settings.scheme.precision) {
+        Some(Precision::Single) => "f32 pair sums",
+        Some(Precision::Double) | None => "f64",
+    }
+}
+
+/// Subtitle of the overview.
+pub(super) fn subtitle(summary: &Summary) -> String {
+    format!(
+        "{} particles, {} free blocks, {} steps, {:.3} s simulated in {:.0} s, {}",
+        summary.fluid_particles,
+        summary.free_blocks,
+        summary.steps,
+        summary.simulated_time,
+        summary.wall_time,
+        summary.stop_reason,
+    )
+}
