@@ -37,7 +37,7 @@ const READS_THE_FILE: &[&str] = &[
     "output::observe::trajectories",
     "picture::overview_data",
     "picture::overview_data::plan",
-        "run",
+    "run",
     "run::build",
     "run::observers",
     "run::summary",
