@@ -15,9 +15,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use clap::{Parser, Subcommand};
 
+use crate::scene::access::FilesFrom;
 use crate::scene::error::SceneError;
 use crate::scene::parse::Override;
-use crate::scene::reach::FilesFrom;
 use crate::scene::{self, resolve::Scene};
 
 /// Exit status of a command.

@@ -1,5 +1,6 @@
 //! From scene text to a checked scene.
 
+pub mod access;
 mod attachments;
 pub mod error;
 pub mod estimate;
@@ -7,34 +8,32 @@ pub mod file;
 pub mod fill;
 mod flow;
 mod fluid;
-#[cfg(feature = "geotiff")]
-pub mod geotiff;
-pub mod grains;
+pub mod geometry;
 pub mod impulse_wave;
 pub mod locate;
-pub mod mesh;
 pub mod motion;
 pub mod parse;
-pub mod raster;
-pub mod reach;
 pub mod resolve;
-pub mod rock_mass;
-pub mod shape;
+pub mod resolved;
 mod sleep;
-pub mod slides;
 pub(crate) mod symmetry;
-pub mod terrain;
 pub mod validate;
+
+#[cfg(feature = "geotiff")]
+pub use geometry::geotiff;
+// the paths of 0.1, for one release
+pub use access as reach;
+pub use geometry::{grains, mesh, raster, rock_mass, shape, slides, terrain};
 
 use std::fs::File;
 use std::io::Read as _;
 use std::path::Path;
 
+use access::{Access, FilesFrom};
 use error::{Problem, SceneError, Severity};
 use estimate::Estimate;
 use parse::Override;
-use reach::{FilesFrom, Reach};
-use resolve::Scene;
+use resolved::Scene;
 
 /// Largest scene that is read; bytes.
 const LARGEST_SCENE: u64 = 200_000_000;
@@ -62,11 +61,11 @@ pub fn load_from(
     let written = text_of(path).map_err(|message| {
         SceneError::from_problems(&name, "", vec![Problem::error("", message)])
     })?;
-    let reach = Reach {
+    let access = Access {
         files,
-        ..Reach::of(path.parent().unwrap_or(Path::new(".")))
+        ..Access::of(path.parent().unwrap_or(Path::new(".")))
     };
-    load_text(&name, &written, overrides, &reach)
+    load_text(&name, &written, overrides, &access)
 }
 
 fn text_of(path: &Path) -> Result<String, String> {
@@ -90,7 +89,7 @@ pub fn load_text(
     name: &str,
     written: &str,
     overrides: &[Override],
-    reach: &Reach,
+    access: &Access,
 ) -> Result<(Scene, SceneError), SceneError> {
     let text = parse::overridden(written, overrides)
         .map_err(|problem| SceneError::from_problems(name, written, vec![problem]))?;
@@ -100,9 +99,9 @@ pub fn load_text(
     if problems.iter().any(|p| p.severity == Severity::Error) {
         return Err(SceneError::from_problems(name, &text, problems));
     }
-    match Scene::resolve_within(file, reach) {
+    match Scene::resolve_within(file, access) {
         Ok(mut scene) => {
-            if let Some(refusal) = Estimate::of(&scene).refusal(reach.memory) {
+            if let Some(refusal) = Estimate::of(&scene).refusal(access.memory) {
                 let all = problems.into_iter().chain([refusal]).collect();
                 return Err(SceneError::from_problems(name, &text, all));
             }

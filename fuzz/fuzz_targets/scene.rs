@@ -5,10 +5,10 @@ use std::path::Path;
 
 use libfuzzer_sys::fuzz_target;
 use riprap::memory::Available;
-use riprap::scene::reach::{FilesFrom, Reach};
+use riprap::scene::access::{FilesFrom, Access};
 
 fuzz_target!(|text: &str| {
-    let reach = Reach {
+    let reach = Access {
         folder: Path::new("no such folder"),
         files: FilesFrom::SceneFolder,
         memory: Some(Available { bytes: 40_000_000 }),

@@ -8,12 +8,12 @@ use riprap::checkpoint;
 use riprap::memory::{Available, Estimate};
 use riprap::run::build as build_world;
 use riprap::scene;
+use riprap::scene::access::{Access, FilesFrom};
 use riprap::scene::file::MotionFile;
 use riprap::scene::mesh::{solid_from, surface_from, survey_from};
 use riprap::scene::motion::recorded;
 use riprap::scene::parse::{self, Override};
 use riprap::scene::raster::terrain_from;
-use riprap::scene::reach::{FilesFrom, Reach};
 use riprap::scene::resolve::Scene;
 use riprap::table::table_from;
 use riprap::trade::plan;
@@ -126,8 +126,8 @@ fn kept_states_of_fuzzing_are_read_or_refused() {
     }
 }
 
-fn small_machine() -> Reach<'static> {
-    Reach {
+fn small_machine() -> Access<'static> {
+    Access {
         folder: Path::new("no such folder"),
         files: FilesFrom::SceneFolder,
         memory: Some(Available { bytes: 40_000_000 }),
@@ -273,7 +273,7 @@ fn what_is_no_file_is_not_read() {
     let output = riprap(&["check", scene.to_str().unwrap(), "--allow-outside"]);
     assert_eq!(output.status.code(), Some(2));
     assert!(
-        words(&output).contains("`/dev/zero`: is no file"),
+        words(&output).contains("`/dev/zero`: is not a regular file"),
         "{}",
         words(&output)
     );
@@ -379,7 +379,7 @@ fn what_needs_more_memory_than_there_is_is_refused_by_check_and_run() {
 fn both_figures_and_the_field_are_told_where_a_machine_is_too_small() {
     let text = std::fs::read_to_string(case("still_tank.ron")).unwrap();
     let on = |bytes: u64| {
-        let reach = Reach {
+        let reach = Access {
             memory: Some(Available { bytes }),
             ..small_machine()
         };

@@ -11,7 +11,7 @@ use proptest::test_runner::{FileFailurePersistence, RngAlgorithm, TestRng, TestR
 use riprap::memory::Available;
 use riprap::run::{Event, Plan, RunError, run};
 use riprap::scene;
-use riprap::scene::reach::{FilesFrom, Reach};
+use riprap::scene::access::{Access, FilesFrom};
 
 /// Few enough for continuous integration.
 const CASES: u32 = 100;
@@ -278,8 +278,8 @@ fn scene_text() -> impl Strategy<Value = String> {
     )
 }
 
-fn small_machine() -> Reach<'static> {
-    Reach {
+fn small_machine() -> Access<'static> {
+    Access {
         folder: Path::new("."),
         files: FilesFrom::SceneFolder,
         memory: Some(Available { bytes: MEMORY }),

@@ -11,11 +11,11 @@ use riprap_dda::{Motion, Shape};
 use super::{Exit, files_from, load, say, show};
 use crate::run::build;
 use crate::run::ineffective::ineffective_options;
+use crate::scene::access::Access;
 use crate::scene::estimate::Estimate;
 use crate::scene::file::ShapeFile;
 use crate::scene::mesh;
 use crate::scene::parse::Override;
-use crate::scene::reach::Reach;
 use crate::scene::resolve::Scene;
 use crate::walls::WallMethod;
 use crate::world::World;
@@ -45,11 +45,11 @@ pub(crate) fn execute(arguments: &Arguments) -> Exit {
         Ok(scene) => scene,
         Err(exit) => return exit,
     };
-    let reach = Reach {
+    let access = Access {
         files,
-        ..Reach::of(arguments.case.parent().unwrap_or(Path::new(".")))
+        ..Access::of(arguments.case.parent().unwrap_or(Path::new(".")))
     };
-    show(&describe(&scene, &reach));
+    show(&describe(&scene, &access));
     for one in ineffective_options(&scene) {
         show(&format!("  no effect at this resolution: {one}"));
     }
@@ -90,7 +90,7 @@ fn block_motion(scene: &Scene) -> String {
 }
 
 /// Report of the modeled and the neglected effects, with reasons.
-pub(crate) fn describe(scene: &Scene, reach: &Reach) -> String {
+pub(crate) fn describe(scene: &Scene, access: &Access) -> String {
     let mut text = format!("{}\n", scene.file.title);
     let count = |test: fn(&Motion) -> bool| scene.blocks.iter().filter(|b| test(&b.motion)).count();
     let free = count(|m| matches!(m, Motion::Free));
@@ -247,7 +247,7 @@ pub(crate) fn describe(scene: &Scene, reach: &Reach) -> String {
         _ => None,
     }) {
         // the scene was resolved, so its meshes can be read
-        if let Ok(found) = mesh::survey(reach, file, scale) {
+        if let Ok(found) = mesh::survey(access, file, scale) {
             let size = found.max - found.min;
             line(
                 "mesh",

@@ -15,8 +15,8 @@ use crate::output::checkpoint_file::{self as checkpoint, Checkpoint};
 use crate::output::run_folder::{self, ArchivedScene, Existing};
 use crate::output::summary::Summary;
 use crate::run::{Ending, Event, Plan, Progress, run};
+use crate::scene::access::Access;
 use crate::scene::parse::Override;
-use crate::scene::reach::Reach;
 use crate::scene::resolve::Scene;
 use resume::Found;
 
@@ -130,11 +130,11 @@ pub(crate) fn execute(arguments: &Arguments) -> Exit {
         return Exit::BadInput;
     }
     if !arguments.quiet {
-        let reach = Reach {
+        let access = Access {
             files,
-            ..Reach::of(arguments.case.parent().unwrap_or(Path::new(".")))
+            ..Access::of(arguments.case.parent().unwrap_or(Path::new(".")))
         };
-        say(&describe(&scene, &reach));
+        say(&describe(&scene, &access));
     }
     let mut line = ProgressLine::new(arguments.quiet);
     let plan = Plan {

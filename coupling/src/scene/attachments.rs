@@ -6,11 +6,11 @@ use riprap_dda::{
     JointOverride, NormalLaw, RollingLaw, Shape, StaticDamping, StressLaw, Turning, Vec3,
 };
 
+use super::file::vec3;
 use super::file::{
     AttachmentFile, Axis, ContactDetectionFile, DeformableFile, DeformableModelFile, HoldFile,
     JointFile, NormalLawFile, RollingLawFile, SceneFile, StaticDampingFile, TurningFile,
 };
-use super::resolve::vec3;
 use crate::series::Series;
 use crate::world::Weakening;
 

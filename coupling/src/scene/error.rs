@@ -44,8 +44,7 @@ use std::ops::Range;
 
 use miette::{Diagnostic, LabeledSpan, NamedSource, SourceCode};
 
-use super::locate::line_column;
-use super::parse;
+use super::locate::{Place, line_column, locate};
 
 /// Problems of a scene in their places.
 #[derive(Debug)]
@@ -76,8 +75,14 @@ impl SceneError {
         let located = problems
             .into_iter()
             .map(|problem| {
-                let span = parse::place(text, &problem.path);
-                Located::new(text, span, problem.message, problem.severity)
+                let Place { span, line, column } = locate(text, &problem.path);
+                Located {
+                    message: problem.message,
+                    span,
+                    line,
+                    column,
+                    severity: problem.severity,
+                }
             })
             .collect();
         Self::new(file, text, located)
@@ -85,8 +90,15 @@ impl SceneError {
 
     /// The one thing that keeps a text from being read.
     pub fn at_span(file: &str, text: &str, span: Range<usize>, message: String) -> Self {
-        let located = vec![Located::new(text, span, message, Severity::Error)];
-        Self::new(file, text, located)
+        let (line, column) = line_column(text, span.start);
+        let located = Located {
+            message,
+            span,
+            line,
+            column,
+            severity: Severity::Error,
+        };
+        Self::new(file, text, vec![located])
     }
 
     fn new(file: &str, text: &str, located: Vec<Located>) -> Self {
@@ -100,19 +112,6 @@ impl SceneError {
     /// The problems in the order they were found.
     pub fn located(&self) -> &[Located] {
         &self.located
-    }
-}
-
-impl Located {
-    fn new(text: &str, span: Range<usize>, message: String, severity: Severity) -> Self {
-        let (line, column) = line_column(text, span.start);
-        Self {
-            message,
-            span,
-            line,
-            column,
-            severity,
-        }
     }
 }
 

@@ -6,8 +6,9 @@
 use riprap_dda::{Motion, Polyhedron, Shape};
 use riprap_sph::{Dimensions, Vec3};
 
+pub use crate::scene::access::{Available, available};
 use crate::scene::error::Problem;
-use crate::scene::resolve::{FluidScene, Scene};
+use crate::scene::resolved::{FluidScene, Scene};
 use crate::walls::WallMethod;
 
 /// Bytes of the program by itself; with water.
@@ -224,45 +225,4 @@ fn blocks(scene: &Scene) -> f64 {
         })
         .sum();
     all + (balls.count() as f64).min(first) * each
-}
-
-/// Memory that a run may take.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Available {
-    /// Bytes.
-    pub bytes: u64,
-}
-
-/// Memory that the system could give to this process: what is free, or its group's limit where that is lower. `None`
-/// where the system does not tell.
-pub fn available() -> Option<Available> {
-    // Linux: "MemAvailable:   12345 kB"
-    let free = std::fs::read_to_string("/proc/meminfo")
-        .ok()
-        .and_then(|text| {
-            let line = text
-                .lines()
-                .find(|line| line.starts_with("MemAvailable:"))?;
-            line.split_whitespace().nth(1)?.parse::<u64>().ok()
-        });
-    // second, then first version of control groups; "max" is no number and no limit
-    let limits = [
-        "/sys/fs/cgroup/memory.max",
-        "/sys/fs/cgroup/memory/memory.limit_in_bytes",
-    ];
-    let limit = limits
-        .iter()
-        .filter_map(|path| {
-            std::fs::read_to_string(path)
-                .ok()?
-                .trim()
-                .parse::<u64>()
-                .ok()
-        })
-        .min();
-    free.map(|kib| kib.saturating_mul(1024))
-        .into_iter()
-        .chain(limit)
-        .min()
-        .map(|bytes| Available { bytes })
 }

@@ -18,6 +18,7 @@ mod output;
 mod shapes;
 mod terrain;
 
+use riprap_dda::Vec3;
 use serde::{Deserialize, Serialize};
 
 pub use attachments::AttachmentFile;
@@ -49,6 +50,11 @@ use crate::world::OutOfDomain;
 
 /// A vector or point as written, `(x, y, z)`.
 pub type Triple = (f64, f64, f64);
+
+/// A triple as a vector.
+pub fn vec3((x, y, z): Triple) -> Vec3 {
+    Vec3::new(x, y, z)
+}
 
 /// A complete scene.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

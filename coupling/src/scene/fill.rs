@@ -11,11 +11,11 @@ use riprap_dda::{Shape, Vec3};
 use riprap_sph::Dimensions;
 
 use super::error::Problem;
+use super::file::vec3;
 use super::file::{
     Axis, DimensionsFile, DomainFile, FluidFile, LatticeFile, RegionFile, RegionShapeFile,
     ResolutionFile,
 };
-use super::resolve::vec3;
 use basin::Poured;
 pub use gaps::narrow_gaps;
 use obstacles::WALL_SLACK;

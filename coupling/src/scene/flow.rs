@@ -2,9 +2,9 @@
 
 use riprap_dda::Vec3;
 
+use super::file::vec3;
 use super::file::{FlowFile, RegionShapeFile, SceneFile};
 use super::fill::Lattice;
-use super::resolve::vec3;
 
 /// Gives the water of each region the flow that its file asks for, on top of the velocity it has.
 pub(super) fn start(lattice: &mut Lattice, file: &SceneFile) {

@@ -13,6 +13,7 @@ use riprap_sph::{
 use riprap_dda::{Polyhedron, Shape};
 
 use super::error::Problem;
+use super::file::vec3;
 use super::file::{
     Axis, DensityDiffusionFile, DensityFile, DimensionsFile, FluidFile, KernelFile, LatticeFile,
     NegativePressure, NumericsFile, PrecisionFile, Preset, RegionShapeFile, RegularizationFile,
@@ -20,7 +21,7 @@ use super::file::{
     ViscosityFile, WallMethodFile, WaterField,
 };
 use super::fill::{Lattice, proportions};
-use super::resolve::{FluidScene, vec3};
+use super::resolved::FluidScene;
 use crate::openings::{Drive, Inflow, Openings, Outflow, Passage};
 use crate::series::Series;
 use crate::walls::WallMethod;

@@ -3,8 +3,8 @@
 use riprap_dda::Vec3;
 
 use super::file::ShapeFile;
-use super::resolve::Scene;
-use super::terrain::Rock;
+use super::geometry::terrain::Rock;
+use super::resolved::Scene;
 
 /// A slide as the formulas see it, where it meets the water.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -2,18 +2,17 @@
 
 use riprap_dda::{Accelerogram, Motion, PrescribedMotion, Vec3};
 
+use super::access::Access;
 use super::error::Problem;
 use super::file::MotionFile;
-use super::mesh::content;
-use super::reach::Reach;
-use super::resolve::vec3;
+use super::file::vec3;
 
 /// The motion that a block of the file asks for; `path` is where the file says so.
 ///
 /// # Errors
 ///
 /// A [`Problem`] that names the record and its line.
-pub fn motion(file: &MotionFile, path: &str, reach: &Reach) -> Result<Motion, Problem> {
+pub fn motion(file: &MotionFile, path: &str, access: &Access) -> Result<Motion, Problem> {
     match file {
         MotionFile::Free => Ok(Motion::Free),
         MotionFile::Fixed => Ok(Motion::Fixed),
@@ -36,7 +35,7 @@ pub fn motion(file: &MotionFile, path: &str, reach: &Reach) -> Result<Motion, Pr
             }))
         }
         MotionFile::Table { file: name } | MotionFile::Shaking { file: name, .. } => {
-            let text = text_of(reach, name)
+            let text = text_of(access, name)
                 .map_err(|message| Problem::error(format!("{path}.file"), message))?;
             recorded(file, path, &text)
         }
@@ -97,8 +96,9 @@ fn vec3_of(numbers: &[f64]) -> Vec3 {
 }
 
 /// The text of a record that the scene names.
-fn text_of(reach: &Reach, file: &str) -> Result<String, String> {
-    content(reach, file)
+fn text_of(access: &Access, file: &str) -> Result<String, String> {
+    access
+        .read(file)
         .map_err(|fault| format!("`{file}`: {fault}"))
         .and_then(|bytes| {
             String::from_utf8(bytes).map_err(|error| format!("`{file}` is no text: {error}"))

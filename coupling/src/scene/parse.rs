@@ -8,9 +8,9 @@ use serde::de::DeserializeOwned;
 
 use super::error::Problem;
 use super::file::SceneFile;
+use super::locate::offset;
 use super::locate::path::FieldPath;
 use super::locate::tree::{NodeKind, Tree};
-use super::locate::{offset, span_of};
 
 /// A field set from the command line: `PATH=VALUE`.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -227,9 +227,4 @@ pub fn write(scene: &SceneFile) -> Result<String, ron::Error> {
         env!("CARGO_PKG_VERSION"),
         dialect().to_string_pretty(scene, style)?
     ))
-}
-
-/// Where a path stands in a text; bytes.
-pub fn place(text: &str, path: &str) -> Range<usize> {
-    span_of(&Tree::new(text), path)
 }

@@ -2,64 +2,26 @@
 
 use std::path::Path;
 
-use riprap_dda::{
-    Attachment, BlockDefinition, Hold, JointOverride, Material, Motion, PrescribedMotion, Shape,
-};
-use riprap_sph::boundary::wall_particles::Slip;
-use riprap_sph::{Absorber, Rheology, Sleeping, Vec3};
+use riprap_dda::{BlockDefinition, Material, Motion, PrescribedMotion, Shape};
 
-use crate::openings::Openings;
+use crate::scene::access::Access;
 use crate::scene::attachments::{
     attachments, contact_detection, deformability, hold, joints, normal_law, rolling_law,
     static_damping, weakenings,
 };
 use crate::scene::error::{Problem, Severity};
 use crate::scene::estimate;
-use crate::scene::file::{OutputFile, SceneFile, TerrainFile, Triple};
+pub use crate::scene::file::vec3;
+use crate::scene::file::{OutputFile, SceneFile, TerrainFile};
 use crate::scene::fill::{Lattice, Room, lattice_within, narrow_gaps, overlaps};
 use crate::scene::fluid::mould_rows;
-use crate::scene::grains::{self, GrainsReport};
+use crate::scene::geometry::rock_mass::expand;
+use crate::scene::geometry::shape::solid_on;
+use crate::scene::geometry::terrain::{self, Terrain};
+use crate::scene::geometry::{grains, slides};
 use crate::scene::motion::motion;
-use crate::scene::reach::Reach;
-use crate::scene::rock_mass::{RockMassReport, expand};
-use crate::scene::shape::solid_on;
-use crate::scene::slides;
-use crate::scene::terrain::{self, Terrain};
+pub use crate::scene::resolved::{FluidScene, Scene};
 use crate::series::Series;
-use crate::walls::WallMethod;
-use crate::walls::penalty::WallSettings;
-use crate::world::Weakening;
-
-/// A scene that can run: geometry, initial water and all numbers. Nothing in it changes.
-#[derive(Clone, Debug)]
-pub struct Scene {
-    /// The scene with every choice written out.
-    pub file: SceneFile,
-    /// Blocks in the order of the file.
-    pub blocks: Vec<BlockDefinition>,
-    /// The lie of the land.
-    pub terrain: Option<Terrain>,
-    /// What became of the rock masses and slides, which are blocks now.
-    pub rock_masses: Vec<RockMassReport>,
-    /// What became of the grains, which are blocks now.
-    pub grains: Vec<GrainsReport>,
-    /// Loads, supports and bolts.
-    pub attachments: Vec<Attachment>,
-    /// Blocks that are held, by position, and how.
-    pub holds: Vec<(usize, Hold)>,
-    /// Materials in the order of the file.
-    pub materials: Vec<Material>,
-    /// What holds between two of them in place of what follows from the two.
-    pub joints: Vec<JointOverride>,
-    /// Joints that weaken with time.
-    pub weakenings: Vec<Weakening>,
-    /// What the block solver needs.
-    pub block_settings: riprap_dda::Settings,
-    /// Water, where the scene has some.
-    pub fluid: Option<FluidScene>,
-    /// What the user should know.
-    pub warnings: Vec<Problem>,
-}
 
 /// A problem with places, where the scene is part of a map.
 fn on_the_map(problem: Problem, terrain: Option<&TerrainFile>) -> Problem {
@@ -73,35 +35,6 @@ fn on_the_map(problem: Problem, terrain: Option<&TerrainFile>) -> Problem {
         },
         _ => problem,
     }
-}
-
-/// Water at the start and its numbers.
-#[derive(Clone, Debug)]
-pub struct FluidScene {
-    /// Particles at the start.
-    pub lattice: Lattice,
-    /// What the fluid solver needs.
-    pub settings: riprap_sph::Settings,
-    /// Penalty walls; without stiffness where particles hold the fluid.
-    pub walls: WallSettings,
-    /// How walls hold the fluid.
-    pub wall_method: WallMethod,
-    /// Whether it slides along them.
-    pub slip: Slip,
-    /// Pressure of each particle of the lattice at the start; Pa.
-    pub pressures: Vec<f64>,
-    /// Flow laws, where there are any.
-    pub rheologies: Vec<Rheology>,
-    /// Number of the flow law of each particle of the lattice.
-    pub kinds: Vec<u8>,
-    /// Layers that damp waves.
-    pub absorbers: Vec<Absorber>,
-    /// Inflows and outflows.
-    pub openings: Openings,
-    /// When it sleeps, if ever.
-    pub sleeping: Option<Sleeping>,
-    /// Fastest flow expected, from which sound speed and stiffnesses follow; m/s.
-    pub expected_speed: f64,
 }
 
 /// Safety factor of the block step, the customary share of the bound from the contact network.
@@ -132,7 +65,7 @@ impl Scene {
     ///
     /// All problems of the geometry together.
     pub fn resolve(file: SceneFile, folder: &Path) -> Result<Self, Vec<Problem>> {
-        Self::resolve_within(file, &Reach::of(folder))
+        Self::resolve_within(file, &Access::of(folder))
     }
 
     /// Builds what the file describes, in reach of files and memory.
@@ -140,11 +73,11 @@ impl Scene {
     /// # Errors
     ///
     /// All problems of the geometry together.
-    pub fn resolve_within(mut file: SceneFile, reach: &Reach) -> Result<Self, Vec<Problem>> {
-        let terrain = terrain::resolve(&mut file, reach)?;
-        let mut rock_masses = expand(&mut file, reach)?;
+    pub fn resolve_within(mut file: SceneFile, access: &Access) -> Result<Self, Vec<Problem>> {
+        let terrain = terrain::resolve(&mut file, access)?;
+        let mut rock_masses = expand(&mut file, access)?;
         rock_masses.extend(slides::expand(&mut file, terrain.as_ref())?);
-        let bytes = reach
+        let bytes = access
             .memory
             .map_or(f64::INFINITY, |memory| memory.bytes as f64);
         let grains = grains::expand(&mut file, (bytes / estimate::PER_BLOCK) as usize)?;
@@ -152,8 +85,8 @@ impl Scene {
         if let Some(terrain) = &terrain {
             problems.extend(terrain.questions.iter().cloned());
         }
-        let solids = named_solids(&file, (reach, terrain.as_ref()), &mut problems);
-        let motions = motions(&file, reach, &mut problems);
+        let solids = named_solids(&file, (access, terrain.as_ref()), &mut problems);
+        let motions = motions(&file, access, &mut problems);
         if solids.len() != file.blocks.len() || motions.len() != file.blocks.len() {
             return Err(problems);
         }
@@ -273,19 +206,14 @@ impl Scene {
     }
 }
 
-/// A triple of the file as a vector.
-pub fn vec3((x, y, z): Triple) -> Vec3 {
-    Vec3::new(x, y, z)
-}
-
 fn named_solids(
     file: &SceneFile,
-    (reach, terrain): (&Reach, Option<&Terrain>),
+    (access, terrain): (&Access, Option<&Terrain>),
     problems: &mut Vec<Problem>,
 ) -> Vec<(String, Shape)> {
     let mut solids = Vec::new();
     for (index, block) in file.blocks.iter().enumerate() {
-        match solid_on(block, index, reach, terrain) {
+        match solid_on(block, index, access, terrain) {
             Ok(shape) => solids.push((block.name.clone(), shape)),
             Err(found) => problems.extend(found),
         }
@@ -293,10 +221,10 @@ fn named_solids(
     solids
 }
 
-fn motions(file: &SceneFile, reach: &Reach, problems: &mut Vec<Problem>) -> Vec<Motion> {
+fn motions(file: &SceneFile, access: &Access, problems: &mut Vec<Problem>) -> Vec<Motion> {
     let mut motions = Vec::new();
     for (index, block) in file.blocks.iter().enumerate() {
-        match motion(&block.motion, &format!("blocks[{index}].motion"), reach) {
+        match motion(&block.motion, &format!("blocks[{index}].motion"), access) {
             Ok(found) => motions.push(found),
             Err(problem) => problems.push(problem),
         }

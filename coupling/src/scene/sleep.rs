@@ -28,7 +28,7 @@ pub(super) fn resting(
     blocks: &[BlockDefinition],
     problems: &mut Vec<Problem>,
 ) -> Option<Resting> {
-    let gravity = super::resolve::vec3(file.gravity).norm();
+    let gravity = super::file::vec3(file.gravity).norm();
     let resting = file.numerics.resting.as_mut()?;
     if gravity == 0.0 {
         let what = "blocks cannot rest without gravity; leave `numerics.resting` out";

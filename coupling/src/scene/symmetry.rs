@@ -4,9 +4,9 @@ use riprap_dda::{Motion, PrescribedMotion, Shape, Vec3};
 use riprap_sph::{Symmetry, SymmetryPlane};
 
 use super::error::Problem;
+use super::file::vec3;
 use super::file::{DomainFile, LatticeFile, SceneFile, SideFile};
 use super::fill::Lattice;
-use super::resolve::vec3;
 use crate::world::TOUCH;
 
 /// Way across a plane from which on a prescribed motion is not along it, of the size of the domain.

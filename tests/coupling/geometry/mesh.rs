@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
+use riprap::scene::access::Access;
 use riprap::scene::mesh::{MeshError, Survey, solid, survey};
-use riprap::scene::reach::Reach;
 use riprap_dda::{Polyhedron, Shape, Vec3};
 use tempfile::TempDir;
 
@@ -153,12 +153,12 @@ fn folder_with(name: &str, content: impl AsRef<[u8]>) -> TempDir {
 
 fn load(name: &str, content: impl AsRef<[u8]>, scale: f64) -> Result<Shape, MeshError> {
     let folder = folder_with(name, content);
-    solid(&Reach::of(folder.path()), name, scale)
+    solid(&Access::of(folder.path()), name, scale)
 }
 
 fn look(name: &str, content: impl AsRef<[u8]>) -> Survey {
     let folder = folder_with(name, content);
-    survey(&Reach::of(folder.path()), name, 1.0).unwrap()
+    survey(&Access::of(folder.path()), name, 1.0).unwrap()
 }
 
 fn n_parts(shape: &Shape) -> usize {
@@ -319,7 +319,7 @@ fn bad_meshes_say_what_and_where() {
         (
             "flip.stl",
             stl(&flipped),
-            "`flip.stl`: neighbouring triangles at (",
+            "`flip.stl`: neighboring triangles at (",
         ),
         (
             "dent.stl",
@@ -401,12 +401,12 @@ fn bad_meshes_say_what_and_where() {
 #[test]
 fn paths_stay_in_the_folder_of_the_scene() {
     for name in ["../cube.stl", "/cube.stl", "a/../../cube.stl"] {
-        let text = solid(&Reach::of(Path::new(".")), name, 1.0)
+        let text = solid(&Access::of(Path::new(".")), name, 1.0)
             .unwrap_err()
             .to_string();
         assert!(text.contains("leads out of the scene's folder"), "{text}");
     }
-    let text = solid(&Reach::of(Path::new(".")), "not there.stl", 1.0)
+    let text = solid(&Access::of(Path::new(".")), "not there.stl", 1.0)
         .unwrap_err()
         .to_string();
     assert!(
@@ -431,7 +431,7 @@ fn cut_files_make_no_panic() {
         let folder = tempfile::tempdir().unwrap();
         for end in (0..content.len()).step_by(7) {
             std::fs::write(folder.path().join(name), &content[..end]).unwrap();
-            let _ = solid(&Reach::of(folder.path()), name, 1.0);
+            let _ = solid(&Access::of(folder.path()), name, 1.0);
         }
     }
 }

@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
+use riprap::scene::access::Access;
 use riprap::scene::file::{Axis, BlockFile, MotionFile, PlacementFile, RotationFile, ShapeFile};
 use riprap::scene::motion::motion;
-use riprap::scene::reach::Reach;
 use riprap::scene::shape::solid;
 use riprap_dda::{Motion, PrescribedMotion, Vec3};
 
@@ -100,7 +100,7 @@ fn volumes_of_all_shapes() {
         let found = solid(
             &block(shape.clone(), placement),
             0,
-            &Reach::of(Path::new(".")),
+            &Access::of(Path::new(".")),
         )
         .unwrap();
         assert!(
@@ -123,9 +123,13 @@ fn a_placement_turns_first_and_then_shifts() {
         }),
         translate: (10.0, 20.0, 30.0),
     };
-    let (min, max) = solid(&block(unit_box(), placement), 0, &Reach::of(Path::new(".")))
-        .unwrap()
-        .aabb();
+    let (min, max) = solid(
+        &block(unit_box(), placement),
+        0,
+        &Access::of(Path::new(".")),
+    )
+    .unwrap()
+    .aabb();
     assert!((min - Vec3::new(10.0, 19.0, 30.0)).norm() < 1e-14);
     assert!((max - Vec3::new(11.0, 20.0, 31.0)).norm() < 1e-14);
 }
@@ -200,7 +204,7 @@ fn problems_name_the_field_and_the_block() {
         ),
     ];
     for (shape, placement, path, message) in cases {
-        let found = solid(&block(shape, placement), 2, &Reach::of(Path::new("."))).unwrap_err();
+        let found = solid(&block(shape, placement), 2, &Access::of(Path::new("."))).unwrap_err();
         assert_eq!(found[0].path, path);
         assert!(found[0].message.starts_with("block `stone`: "), "{found:?}");
         assert!(found[0].message.contains(message), "{found:?}");
@@ -219,7 +223,7 @@ fn motions_are_unit_vectors_radians_and_records() {
     };
     let Motion::Prescribed(PrescribedMotion::Sinusoid {
         direction, phase, ..
-    }) = motion(&sway, "blocks[0].motion", &Reach::of(folder.path())).unwrap()
+    }) = motion(&sway, "blocks[0].motion", &Access::of(folder.path())).unwrap()
     else {
         unreachable!()
     };
@@ -234,7 +238,7 @@ fn motions_are_unit_vectors_radians_and_records() {
     let table = MotionFile::Table {
         file: "paddle.csv".into(),
     };
-    let found = motion(&table, "blocks[0].motion", &Reach::of(folder.path())).unwrap_err();
+    let found = motion(&table, "blocks[0].motion", &Access::of(folder.path())).unwrap_err();
     assert_eq!(found.path, "blocks[0].motion.file");
     assert_eq!(
         found.message,

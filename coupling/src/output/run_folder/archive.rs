@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 use std::path::{Component, Path};
 
 use super::{CASE, INPUTS, RENDERED, RunFolderError, is_written_by_runs};
+use crate::scene::access::is_below;
 use crate::scene::parse;
-use crate::scene::reach::is_below;
 use crate::scene::resolve::Scene;
 
 /// A scene as its run folder has it.

@@ -11,8 +11,8 @@ use riprap_sph::Symmetry;
 
 use super::obstacles::Obstacles;
 use super::{FillError, Room, rows};
+use crate::scene::file::vec3;
 use crate::scene::file::{Axis, DimensionsFile, DomainFile, LatticeFile};
-use crate::scene::resolve::vec3;
 use crate::scene::symmetry::symmetry;
 
 /// Lattice nodes of the domain below a level.

@@ -4,8 +4,8 @@ use std::cell::Cell;
 
 use super::{Lattice, Room};
 use crate::scene::error::Problem;
+use crate::scene::file::vec3;
 use crate::scene::file::{DomainFile, FluidFile, RegionShapeFile};
-use crate::scene::resolve::vec3;
 
 /// Whole rows may not allow a wanted count; a miss by more than this share is refused.
 const TOLERANCE: f64 = 0.1;

@@ -5,8 +5,8 @@ use std::io::Cursor;
 use tiff::decoder::{Decoder, DecodingResult};
 use tiff::tags::Tag;
 
-use super::mesh::Fault;
 use super::terrain::grid::Grid;
+use crate::scene::access::fault::Fault;
 
 /// Numbers of keys and of their values.
 const MODEL_TYPE: u16 = 1024;

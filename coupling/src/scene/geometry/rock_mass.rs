@@ -5,14 +5,14 @@ use riprap_dda::{
     SliverLimits, cut_by_joints, hull_within, merge_union_slivers,
 };
 
-use super::error::Problem;
-use super::file::{
+use super::shape::solid;
+use crate::scene::access::Access;
+use crate::scene::error::Problem;
+use crate::scene::file::vec3;
+use crate::scene::file::{
     BlockFile, DeformableFile, JointSetFile, MotionFile, PartFile, PlacementFile, RockMassFile,
     SceneFile, ShapeFile, SliversFile,
 };
-use super::reach::Reach;
-use super::resolve::vec3;
-use super::shape::solid;
 
 /// What became of a rock mass.
 #[derive(Clone, Debug, PartialEq)]
@@ -54,11 +54,11 @@ const SLIVER: f64 = 20.0;
 /// # Errors
 ///
 /// Problems of shapes and joint sets, all together.
-pub fn expand(file: &mut SceneFile, reach: &Reach) -> Result<Vec<RockMassReport>, Vec<Problem>> {
+pub fn expand(file: &mut SceneFile, access: &Access) -> Result<Vec<RockMassReport>, Vec<Problem>> {
     let mut problems = Vec::new();
     let mut reports = Vec::new();
     for (index, mass) in std::mem::take(&mut file.rock_masses).iter().enumerate() {
-        match blocks_of(mass, index, reach) {
+        match blocks_of(mass, index, access) {
             Ok((cut, report)) => {
                 reports.push(report);
                 file.blocks.extend(maker(mass).blocks(&cut));
@@ -135,14 +135,14 @@ fn shape_of(block: &[Polyhedron]) -> ShapeFile {
     }
 }
 
-fn blocks_of(mass: &RockMassFile, index: usize, reach: &Reach) -> Result<Cut, Vec<Problem>> {
+fn blocks_of(mass: &RockMassFile, index: usize, access: &Access) -> Result<Cut, Vec<Problem>> {
     let path = format!("rock_masses[{index}]");
     let refused = |field: &str, what: String| {
         let message = format!("rock mass `{}`: {what}", mass.name);
         vec![Problem::error(format!("{path}.{field}"), message)]
     };
     let whole = maker(mass).block(0, mass.boundary.clone());
-    let shape = solid(&whole, 0, reach).map_err(|found| {
+    let shape = solid(&whole, 0, access).map_err(|found| {
         let texts: Vec<String> = found.into_iter().map(|problem| problem.message).collect();
         refused("boundary", texts.join("; "))
     })?;

@@ -2,11 +2,12 @@
 
 use vtkio::model::{DataSet, Piece, VertexNumbers};
 
-use super::{Fault, Soup, unreadable};
+use super::{Soup, unreadable};
 use super::{broken_lists, no_surface, push_cell, push_points, push_polygon, push_strip};
+use crate::scene::access::fault::Fault;
 
 /// The surface of a legacy file; a binary one is big-endian by definition.
-pub(in crate::scene::mesh) fn read(content: &[u8]) -> Result<Soup, Fault> {
+pub(in crate::scene::geometry::mesh) fn read(content: &[u8]) -> Result<Soup, Fault> {
     let title = content.split(|&b| b == b'\n').next().unwrap_or_default();
     let title = String::from_utf8_lossy(title);
     if !title.starts_with("# vtk DataFile Version") {

@@ -3,21 +3,22 @@
 use nalgebra::{Translation3, Unit, UnitQuaternion};
 use riprap_dda::{Isometry, Polyhedron, PolyhedronError, Shape, Vec3};
 
-use super::error::Problem;
-use super::file::{Axis, BlockFile, PartFile, PlacementFile, ShapeFile};
-use super::mesh::{self, MeshError};
+use super::mesh;
 use super::raster;
-use super::reach::Reach;
-use super::resolve::vec3;
 use super::terrain::Terrain;
+use crate::scene::access::Access;
+use crate::scene::access::fault::MeshError;
+use crate::scene::error::Problem;
+use crate::scene::file::vec3;
+use crate::scene::file::{Axis, BlockFile, PartFile, PlacementFile, ShapeFile};
 
 /// The solid of block `index` of the file, turned and shifted into place, where the scene has no terrain.
 ///
 /// # Errors
 ///
 /// [`Problem`]s with the path of the field that is to blame.
-pub fn solid(block: &BlockFile, index: usize, reach: &Reach) -> Result<Shape, Vec<Problem>> {
-    solid_on(block, index, reach, None)
+pub fn solid(block: &BlockFile, index: usize, access: &Access) -> Result<Shape, Vec<Problem>> {
+    solid_on(block, index, access, None)
 }
 
 /// The same where it has one.
@@ -28,7 +29,7 @@ pub fn solid(block: &BlockFile, index: usize, reach: &Reach) -> Result<Shape, Ve
 pub fn solid_on(
     block: &BlockFile,
     index: usize,
-    reach: &Reach,
+    access: &Access,
     terrain: Option<&Terrain>,
 ) -> Result<Shape, Vec<Problem>> {
     let refused = |field: &str, found: String| {
@@ -37,7 +38,7 @@ pub fn solid_on(
     };
     let placement = placement(&block.placement)
         .ok_or_else(|| refused("placement.rotate.axis", "the axis has no direction".into()))?;
-    match build(&block.shape, reach, terrain) {
+    match build(&block.shape, access, terrain) {
         Ok(shape) => Ok(shape.transformed(&placement)),
         Err(found) => {
             let field = blamed(&block.shape, &found);
@@ -61,7 +62,11 @@ enum ShapeError {
     Scale(f64),
 }
 
-fn build(shape: &ShapeFile, reach: &Reach, terrain: Option<&Terrain>) -> Result<Shape, ShapeError> {
+fn build(
+    shape: &ShapeFile,
+    access: &Access,
+    terrain: Option<&Terrain>,
+) -> Result<Shape, ShapeError> {
     let one = |part| Shape::Polyhedra(vec![part]);
     let points = |list: &[_]| list.iter().copied().map(vec3).collect::<Vec<Vec3>>();
     let is_positive = |value: f64| value.is_finite() && value > 0.0;
@@ -102,9 +107,9 @@ fn build(shape: &ShapeFile, reach: &Reach, terrain: Option<&Terrain>) -> Result<
         {
             return Err(ShapeError::Scale(*scale));
         }
-        ShapeFile::Mesh { file, scale } => mesh::solid(reach, file, *scale)?,
-        ShapeFile::Surface { file, scale } => mesh::surface(reach, file, *scale)?,
-        ShapeFile::Raster { file, origin } => raster::terrain(reach, file, *origin)?,
+        ShapeFile::Mesh { file, scale } => mesh::solid(access, file, *scale)?,
+        ShapeFile::Surface { file, scale } => mesh::surface(access, file, *scale)?,
+        ShapeFile::Raster { file, origin } => raster::terrain(access, file, *origin)?,
         ShapeFile::Terrain => {
             let terrain = terrain.ok_or(ShapeError::NoTerrain)?;
             Shape::Surface(terrain.surface.clone())

@@ -5,7 +5,8 @@
 
 use riprap_dda::Vec3;
 
-use super::{Fault, MOST_TRIANGLES, Soup};
+use super::Soup;
+use crate::scene::access::fault::{Fault, MOST_TRIANGLES};
 
 /// Bytes before the first facet: a free header and the number of facets.
 const HEADER: usize = 84;

@@ -9,148 +9,20 @@ mod shells;
 mod stl;
 mod vtk;
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 
-use riprap_dda::{Polyhedron, PolyhedronError, Shape, Surface, SurfaceError, Vec3, volume};
+use riprap_dda::{Polyhedron, Shape, Surface, Vec3, volume};
 use shells::{Seam, Shell};
 
-use super::reach::Reach;
+use crate::scene::access::Access;
+pub use crate::scene::access::fault::{Fault, MeshError};
+use crate::scene::access::fault::{MOST_TRIANGLES, MOST_TRIANGLES_OF_A_SHELL};
 
-/// Largest file that is read; bytes.
-const LARGEST_FILE: u64 = 200_000_000;
-/// Most triangles of a file; a binary STL of the largest size has 4 million.
-const MOST_TRIANGLES: usize = 5_000_000;
-/// Most triangles of one shell: the checks of a hull cost faces × corners.
-const MOST_TRIANGLES_OF_A_SHELL: usize = 20_000;
 /// A shell is convex when its hull has its volume within this share. STL and most VTK files carry
 /// 24-bit coordinates, so that a flat side of many triangles is rough by 1e-7 of its size; the
 /// volume that a block gains by its hull stays far below any density's uncertainty.
 const CONVEX_TOLERANCE: f64 = 1e-6;
-
-/// Why a mesh file cannot become a block.
-#[derive(Debug, thiserror::Error)]
-#[error("`{file}`: {fault}")]
-pub struct MeshError {
-    /// The file as the scene names it.
-    pub file: String,
-    /// What is wrong with it.
-    pub fault: Fault,
-}
-
-/// What is wrong with a mesh file.
-#[derive(Debug, thiserror::Error)]
-pub enum Fault {
-    /// The path is absolute, has `..`, or leads through a link.
-    #[error(
-        "leads out of the scene's folder, to {}; put the file beside the scene and name it from there, \
-         or allow it with --allow-outside", .to.display()
-    )]
-    LeavesFolder {
-        /// Where it leads.
-        to: PathBuf,
-    },
-    /// The system refuses it.
-    #[error("cannot be read: {0}")]
-    Unreadable(#[from] std::io::Error),
-    /// A folder, a device, a pipe.
-    #[error("is no file")]
-    NoFile,
-    /// Too many bytes.
-    #[error("has {bytes} bytes, more than {LARGEST_FILE}; simplify the mesh")]
-    TooLarge {
-        /// Size of the file.
-        bytes: u64,
-    },
-    /// Too many triangles.
-    #[error("has more than {MOST_TRIANGLES} triangles; simplify the mesh")]
-    TooManyTriangles,
-    /// The name ends in something else.
-    #[error("unknown kind of mesh; use .stl, .obj, .vtk, .vtp or .vtu")]
-    UnknownKind,
-    /// The text or the bytes are not what the format asks for.
-    #[error("{0}")]
-    Format(String),
-    /// NaN or infinity.
-    #[error("corner {corner} of triangle {triangle} is not finite; export the mesh again")]
-    NotFinite {
-        /// 1, 2 or 3.
-        corner: usize,
-        /// Counted from 1, polygons cut into fans.
-        triangle: usize,
-    },
-    /// No triangles.
-    #[error("has no triangles with an area; export the surface, not points or lines")]
-    Empty,
-    /// Holes.
-    #[error(
-        "the surface is open: {n_edges} edges have one side only, first at ({:.6}, {:.6}, {:.6}) m; \
-         a block needs a watertight mesh: fill the holes", .at.x, .at.y, .at.z
-    )]
-    Open {
-        /// Edges with a triangle on one side only.
-        n_edges: usize,
-        /// Middle of the first; m.
-        at: Vec3,
-    },
-    /// Neighbours that disagree about the outside.
-    #[error(
-        "neighbouring triangles at ({:.6}, {:.6}, {:.6}) m are turned opposite ways; make the normals \
-         consistent, outward", .at.x, .at.y, .at.z
-    )]
-    Unoriented {
-        /// Middle of their edge; m.
-        at: Vec3,
-    },
-    /// A cavity, or a shell turned inside out.
-    #[error(
-        "shell {shell} of {n_shells} is inside out, as the wall of a cavity would be; blocks are solid: \
-         remove it, or reverse its triangles"
-    )]
-    InsideOut {
-        /// Counted from 1 in the order of the file.
-        shell: usize,
-        /// Shells in the file.
-        n_shells: usize,
-    },
-    /// A shell with dents.
-    #[error(
-        "shell {shell} of {n_shells} is not convex: its volume is {volume:.6e} m³, that of its hull {hull:.6e} m³; \
-         split it into convex parts, one closed shell each, in one file"
-    )]
-    NotConvex {
-        /// Counted from 1 in the order of the file.
-        shell: usize,
-        /// Shells in the file.
-        n_shells: usize,
-        /// Of the shell; m³.
-        volume: f64,
-        /// Of its hull; m³.
-        hull: f64,
-    },
-    /// Triangles that make no surface, numbered from 0 without those of no area.
-    #[error("is no surface: {0}")]
-    NoSurface(#[from] SurfaceError),
-    /// A shell too fine to be a block.
-    #[error(
-        "shell {shell} has {n} triangles, more than {MOST_TRIANGLES_OF_A_SHELL}; simplify it: a block's contacts \
-         cost time by the face"
-    )]
-    TooFine {
-        /// Counted from 1 in the order of the file.
-        shell: usize,
-        /// Its triangles.
-        n: usize,
-    },
-    /// The hull routine refuses a shell.
-    #[error("shell {shell}: {source}")]
-    NoHull {
-        /// Counted from 1 in the order of the file.
-        shell: usize,
-        /// Its reason.
-        source: PolyhedronError,
-    },
-}
 
 /// What a file holds, for a look before it is used.
 #[derive(Clone, Debug, PartialEq)]
@@ -201,8 +73,8 @@ impl Soup {
 /// # Errors
 ///
 /// [`MeshError`], which names the file, the place and what would be right.
-pub fn solid(reach: &Reach, file: &str, scale: f64) -> Result<Shape, MeshError> {
-    with_content(reach, file, |content, extension| {
+pub fn solid(access: &Access, file: &str, scale: f64) -> Result<Shape, MeshError> {
+    with_content(access, file, |content, extension| {
         solid_from(content, extension, scale)
     })
 }
@@ -226,8 +98,8 @@ pub fn solid_from(content: &[u8], extension: &str, scale: f64) -> Result<Shape, 
 /// # Errors
 ///
 /// As [`solid`]; the surface need not be closed.
-pub fn surface(reach: &Reach, file: &str, scale: f64) -> Result<Shape, MeshError> {
-    with_content(reach, file, |content, extension| {
+pub fn surface(access: &Access, file: &str, scale: f64) -> Result<Shape, MeshError> {
+    with_content(access, file, |content, extension| {
         surface_from(content, extension, scale)
     })
 }
@@ -247,8 +119,8 @@ pub fn surface_from(content: &[u8], extension: &str, scale: f64) -> Result<Shape
 /// # Errors
 ///
 /// [`MeshError`] if the file cannot be read or holds no triangles.
-pub fn survey(reach: &Reach, file: &str, scale: f64) -> Result<Survey, MeshError> {
-    with_content(reach, file, |content, extension| {
+pub fn survey(access: &Access, file: &str, scale: f64) -> Result<Survey, MeshError> {
+    with_content(access, file, |content, extension| {
         survey_from(content, extension, scale)
     })
 }
@@ -275,7 +147,7 @@ pub fn survey_from(content: &[u8], extension: &str, scale: f64) -> Result<Survey
 
 /// What `make` makes of a file of the scene, from its content and the end of its name.
 fn with_content<T>(
-    reach: &Reach,
+    access: &Access,
     file: &str,
     make: impl FnOnce(&[u8], &str) -> Result<T, Fault>,
 ) -> Result<T, MeshError> {
@@ -283,26 +155,13 @@ fn with_content<T>(
         .extension()
         .map(|e| e.to_string_lossy().to_lowercase())
         .unwrap_or_default();
-    content(reach, file)
+    access
+        .read(file)
         .and_then(|content| make(&content, &extension))
         .map_err(|fault| MeshError {
             file: file.to_owned(),
             fault,
         })
-}
-
-/// All bytes of a file that the scene names, if there are not too many.
-pub(super) fn content(reach: &Reach, file: &str) -> Result<Vec<u8>, Fault> {
-    let path = reach.find(file)?;
-    let found = std::fs::metadata(&path)?;
-    // a device or a pipe may have no end
-    if !found.is_file() {
-        return Err(Fault::NoFile);
-    }
-    if found.len() > LARGEST_FILE {
-        return Err(Fault::TooLarge { bytes: found.len() });
-    }
-    Ok(std::fs::read(path)?)
 }
 
 fn read(content: &[u8], extension: &str, scale: f64) -> Result<Soup, Fault> {

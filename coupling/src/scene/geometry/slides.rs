@@ -2,10 +2,10 @@
 
 use riprap_dda::{JointSet, cut_union_by_joints};
 
-use super::error::Problem;
-use super::file::{ExcavationFile, MassFile, SceneFile, SlideFile};
 use super::rock_mass::{Cleaning, Cut, Maker, Refusal, RockMassReport, blamed, joint_set};
 use super::terrain::{Rock, Terrain};
+use crate::scene::error::Problem;
+use crate::scene::file::{ExcavationFile, MassFile, SceneFile, SlideFile};
 
 /// Cuts the slides of the file and puts their blocks in its list, named `slide.0001` and on. The slides are taken out and their holes
 /// become excavations of the terrain, so that the file then says what is run.

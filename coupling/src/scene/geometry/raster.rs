@@ -4,9 +4,9 @@ use std::sync::Arc;
 
 use riprap_dda::{Shape, Surface, Vec3};
 
-use super::mesh::{Fault, MeshError, content};
-use super::reach::Reach;
 use super::terrain::grid::Grid;
+use crate::scene::access::Access;
+use crate::scene::access::fault::{Fault, MeshError};
 
 /// Most points of a grid; each takes 8 bytes.
 const MOST_POINTS: usize = 50_000_000;
@@ -31,8 +31,9 @@ struct Header {
 /// # Errors
 ///
 /// [`MeshError`], which names the file, the line and what would be right.
-pub fn terrain(reach: &Reach, file: &str, origin: (f64, f64)) -> Result<Shape, MeshError> {
-    content(reach, file)
+pub fn terrain(access: &Access, file: &str, origin: (f64, f64)) -> Result<Shape, MeshError> {
+    access
+        .read(file)
         .and_then(|content| terrain_from(&content, origin))
         .map_err(|fault| MeshError {
             file: file.to_owned(),

@@ -1,9 +1,8 @@
 //! Polygons in the plan.
 
 use crate::files::table::table_from;
+use crate::scene::access::Access;
 use crate::scene::file::OutlineFile;
-use crate::scene::mesh::content;
-use crate::scene::reach::Reach;
 
 /// A polygon in the plan.
 #[derive(Clone, Debug, PartialEq)]
@@ -18,10 +17,10 @@ impl Outline {
     /// # Errors
     ///
     /// What is wrong with it.
-    pub fn read(file: &OutlineFile, origin: (f64, f64), reach: &Reach) -> Result<Self, String> {
+    pub fn read(file: &OutlineFile, origin: (f64, f64), access: &Access) -> Result<Self, String> {
         let corners = match file {
             OutlineFile::Corners(corners) => corners.iter().map(|&(x, y)| [x, y]).collect(),
-            OutlineFile::File(name) => corners_of(name, origin, reach)?,
+            OutlineFile::File(name) => corners_of(name, origin, access)?,
         };
         Self::new(corners)
     }
@@ -105,8 +104,10 @@ impl Outline {
     }
 }
 
-fn corners_of(name: &str, origin: (f64, f64), reach: &Reach) -> Result<Vec<[f64; 2]>, String> {
-    let bytes = content(reach, name).map_err(|fault| format!("`{name}`: {fault}"))?;
+fn corners_of(name: &str, origin: (f64, f64), access: &Access) -> Result<Vec<[f64; 2]>, String> {
+    let bytes = access
+        .read(name)
+        .map_err(|fault| format!("`{name}`: {fault}"))?;
     let text = String::from_utf8(bytes).map_err(|error| format!("`{name}` is no text: {error}"))?;
     let table = table_from(std::path::Path::new(name), &text).map_err(|error| error.to_string())?;
     let column = |axis: &str| table.column(axis).map_err(|error| error.to_string());

@@ -4,7 +4,8 @@
 
 use riprap_dda::Vec3;
 
-use super::{Fault, Soup};
+use super::Soup;
+use crate::scene::access::fault::Fault;
 
 /// No point of the soup yet.
 const UNUSED: u32 = u32::MAX;

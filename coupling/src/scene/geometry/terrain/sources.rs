@@ -5,11 +5,12 @@ use std::path::Path;
 use riprap_dda::Shape;
 
 use super::grid::Grid;
+use crate::scene::access::Access;
+use crate::scene::access::fault::{Fault, MeshError};
 use crate::scene::error::Problem;
 use crate::scene::file::{GapsFile, HeightsFile, TerrainFile};
-use crate::scene::mesh::{self, Fault, MeshError, content};
-use crate::scene::raster::grid_from;
-use crate::scene::reach::Reach;
+use crate::scene::geometry::mesh;
+use crate::scene::geometry::raster::grid_from;
 use crate::world::ground::Ground;
 
 /// Most points that are used.
@@ -48,18 +49,18 @@ impl Source {
     pub fn read(
         file: &HeightsFile,
         origin: (f64, f64, f64),
-        reach: &Reach,
+        access: &Access,
     ) -> Result<Self, MeshError> {
         let place = |z: f64| file.height_scale * z + file.height_shift - origin.2;
         let heights = if is_raster(&file.file) {
-            let mut grid = raster(&file.file, reach)?;
+            let mut grid = raster(&file.file, access)?;
             grid.shift([-origin.0, -origin.1]);
             for height in &mut grid.heights {
                 *height = place(*height);
             }
             Heights::Raster(grid)
         } else {
-            let Shape::Surface(surface) = mesh::surface(reach, &file.file, 1.0)? else {
+            let Shape::Surface(surface) = mesh::surface(access, &file.file, 1.0)? else {
                 return Err(refused(&file.file, Fault::Empty));
             };
             let corner = |v: u32| {
@@ -136,18 +137,18 @@ fn is_raster(file: &str) -> bool {
 }
 
 /// The grid in a file, in coordinates of the map.
-fn raster(file: &str, reach: &Reach) -> Result<Grid, MeshError> {
+fn raster(file: &str, access: &Access) -> Result<Grid, MeshError> {
     let read = |content: Vec<u8>| match extension(file).as_str() {
         "tif" | "tiff" => geotiff(&content),
         _ => grid_from(&content),
     };
-    let read = content(reach, file).and_then(read);
+    let read = access.read(file).and_then(read);
     read.map_err(|fault| refused(file, fault))
 }
 
 #[cfg(feature = "geotiff")]
 fn geotiff(content: &[u8]) -> Result<Grid, Fault> {
-    crate::scene::geotiff::grid_from(content)
+    crate::scene::geometry::geotiff::grid_from(content)
 }
 
 #[cfg(not(feature = "geotiff"))]

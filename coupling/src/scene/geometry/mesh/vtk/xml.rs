@@ -6,7 +6,8 @@ use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use roxmltree::{Document, Node, ParsingOptions};
 
-use super::{Fault, Soup, broken_lists, no_surface, push_cell, push_points, unreadable};
+use super::{Soup, broken_lists, no_surface, push_cell, push_points, unreadable};
+use crate::scene::access::fault::Fault;
 
 /// Most tags and texts of a file; each takes some hundred bytes of memory.
 const MOST_NODES: u32 = 1_000_000;
@@ -16,7 +17,7 @@ const POLYGON: u8 = 7;
 const STRIP: u8 = 6;
 
 /// The surface of a `.vtp` or `.vtu` file.
-pub(in crate::scene::mesh) fn read(content: &[u8]) -> Result<Soup, Fault> {
+pub(in crate::scene::geometry::mesh) fn read(content: &[u8]) -> Result<Soup, Fault> {
     let holds = |text: &[u8]| content.windows(text.len()).any(|window| window == text);
     if holds(b"compressor=\"vtk") || holds(b"<AppendedData") {
         return Err(Fault::Format(

@@ -12,12 +12,12 @@ use std::sync::Arc;
 
 use riprap_dda::{Polyhedron, Surface};
 
-use super::error::Problem;
-use super::file::{
+use crate::scene::access::Access;
+use crate::scene::error::Problem;
+use crate::scene::file::vec3;
+use crate::scene::file::{
     FailureSurfaceFile, HeightsFile, OutlineFile, ResolutionFile, SceneFile, TerrainFile,
 };
-use super::reach::Reach;
-use super::resolve::vec3;
 use excavation::{Excavated, excavated};
 use grid::Grid;
 use outline::Outline;
@@ -80,7 +80,7 @@ impl Beneath {
 /// # Errors
 ///
 /// Problems of the sources, the outlines and the failure surfaces.
-pub fn resolve(file: &mut SceneFile, reach: &Reach) -> Result<Option<Terrain>, Vec<Problem>> {
+pub fn resolve(file: &mut SceneFile, access: &Access) -> Result<Option<Terrain>, Vec<Problem>> {
     let water_spacing = match file.fluid.as_ref().map(|fluid| &fluid.resolution) {
         Some(ResolutionFile::Spacing(spacing)) => Some(*spacing),
         _ => None,
@@ -92,7 +92,7 @@ pub fn resolve(file: &mut SceneFile, reach: &Reach) -> Result<Option<Terrain>, V
     let mut problems = Vec::new();
     let mut sources = Vec::new();
     for (k, source) in terrain.sources.iter().enumerate() {
-        match Source::read(source, terrain.origin, reach) {
+        match Source::read(source, terrain.origin, access) {
             Ok(source) => sources.push(source),
             Err(error) => problems.push(Problem::error(
                 format!("terrain.sources[{k}].file"),
@@ -113,7 +113,7 @@ pub fn resolve(file: &mut SceneFile, reach: &Reach) -> Result<Option<Terrain>, V
         .map(|(k, of)| (format!("slides[{k}]"), of));
     let mut holes = Vec::new();
     for (path, (outline, beneath)) in asked.chain(of_slides) {
-        match hole(&path, (outline, beneath), terrain, reach) {
+        match hole(&path, (outline, beneath), terrain, access) {
             Ok((outline, beneath)) => holes.push((path, outline, beneath)),
             Err(problem) => problems.push(problem),
         }
@@ -162,10 +162,10 @@ fn hole(
     path: &str,
     (outline, beneath): (&OutlineFile, &FailureSurfaceFile),
     terrain: &TerrainFile,
-    reach: &Reach,
+    access: &Access,
 ) -> Result<(Outline, Beneath), Problem> {
     let origin = terrain.origin;
-    let outline = Outline::read(outline, (origin.0, origin.1), reach)
+    let outline = Outline::read(outline, (origin.0, origin.1), access)
         .map_err(|what| Problem::error(format!("{path}.outline"), what))?;
     let beneath = match beneath {
         FailureSurfaceFile::Plane {
@@ -193,7 +193,7 @@ fn hole(
                 height_shift: *height_shift,
                 heights: None,
             };
-            let source = Source::read(&heights, origin, reach).map_err(|error| {
+            let source = Source::read(&heights, origin, access).map_err(|error| {
                 Problem::error(format!("{path}.failure_surface.file"), error.to_string())
             })?;
             Beneath::Raster(source)
@@ -262,6 +262,6 @@ fn dug(
         return Err(problems);
     }
     let surface = Surface::new(points, triangles)
-        .map_err(|error| vec![Problem::error("terrain", format!("is no surface: {error}"))])?;
+        .map_err(|error| vec![Problem::error("terrain", format!("is not a valid surface: {error}"))])?;
     Ok((surface, rock.into_iter().zip(volumes).collect()))
 }

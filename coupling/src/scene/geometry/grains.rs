@@ -4,11 +4,11 @@ use std::collections::HashSet;
 
 use riprap_dda::{Random, Vec3};
 
-use super::error::Problem;
-use super::file::{
+use crate::scene::error::Problem;
+use crate::scene::file::vec3;
+use crate::scene::file::{
     BlockFile, GrainRegionFile, GrainsFile, MotionFile, PlacementFile, SceneFile, ShapeFile,
 };
-use super::resolve::vec3;
 
 /// What became of a list of grains.
 #[derive(Clone, Debug, PartialEq)]

@@ -10,7 +10,8 @@ pub(super) use xml::read as read_xml;
 
 use riprap_dda::Vec3;
 
-use super::{Fault, Soup};
+use super::Soup;
+use crate::scene::access::fault::Fault;
 
 /// Adds points, three numbers each, and returns the number of the first.
 fn push_points(soup: &mut Soup, numbers: &[f64]) -> u64 {

@@ -1,0 +1,132 @@
+//! Access of a scene: the files beside it and the memory of the machine.
+
+pub mod fault;
+
+use std::path::{Component, Path, PathBuf};
+
+use fault::{Fault, LARGEST_FILE};
+
+/// Folders of the files that a scene names.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum FilesFrom {
+    /// In the scene's folder and those below it, links followed.
+    #[default]
+    SceneFolder,
+    /// Anywhere.
+    Anywhere,
+}
+
+// the name of 0.1, for one release
+pub use Access as Reach;
+
+/// Files and memory that a scene may use.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Access<'a> {
+    /// Folder of the scene, from which it names files.
+    pub folder: &'a Path,
+    /// Folders of those files.
+    pub files: FilesFrom,
+    /// Memory available to a run; `None` where the system does not tell.
+    pub memory: Option<Available>,
+}
+
+impl<'a> Access<'a> {
+    /// Files in the scene's folder, and the memory of this machine.
+    pub fn of(folder: &'a Path) -> Self {
+        Self {
+            folder,
+            files: FilesFrom::default(),
+            memory: available(),
+        }
+    }
+
+    /// Path of a file that the scene names.
+    ///
+    /// # Errors
+    ///
+    /// [`Fault::LeavesFolder`], and what the system says of a file that is not there.
+    pub fn find(&self, file: &str) -> Result<PathBuf, Fault> {
+        let path = self.folder.join(file);
+        if self.files == FilesFrom::Anywhere {
+            return Ok(path);
+        }
+        // what leaves by its name is refused before the file system is asked about it
+        if !is_below(file) {
+            return Err(Fault::LeavesFolder { to: path });
+        }
+        let real = path.canonicalize()?;
+        // the folder of a scene in the working directory has the empty name
+        let folder = Path::new(".").join(self.folder).canonicalize()?;
+        if real.starts_with(folder) {
+            Ok(path)
+        } else {
+            Err(Fault::LeavesFolder { to: real })
+        }
+    }
+
+    /// Content of a file that the scene names.
+    ///
+    /// # Errors
+    ///
+    /// As [`find`](Self::find), [`Fault::NoFile`] and [`Fault::TooLarge`].
+    pub fn read(&self, file: &str) -> Result<Vec<u8>, Fault> {
+        let path = self.find(file)?;
+        let found = std::fs::metadata(&path)?;
+        // a device or a pipe may have no end
+        if !found.is_file() {
+            return Err(Fault::NoFile);
+        }
+        if found.len() > LARGEST_FILE {
+            return Err(Fault::TooLarge { bytes: found.len() });
+        }
+        Ok(std::fs::read(path)?)
+    }
+}
+
+/// Whether a name has no way out of the folder that it starts from, links aside.
+pub fn is_below(file: &str) -> bool {
+    Path::new(file)
+        .components()
+        .all(|part| matches!(part, Component::Normal(_) | Component::CurDir))
+}
+
+/// Memory available to a run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Available {
+    /// Bytes.
+    pub bytes: u64,
+}
+
+/// Memory that the system could give to this process: free memory, or the limit of its control group where that is
+/// lower. `None` where the system does not tell.
+pub fn available() -> Option<Available> {
+    // Linux: "MemAvailable:   12345 kB"
+    let free = std::fs::read_to_string("/proc/meminfo")
+        .ok()
+        .and_then(|text| {
+            let line = text
+                .lines()
+                .find(|line| line.starts_with("MemAvailable:"))?;
+            line.split_whitespace().nth(1)?.parse::<u64>().ok()
+        });
+    // second, then first version of control groups; "max" is no number and no limit
+    let limits = [
+        "/sys/fs/cgroup/memory.max",
+        "/sys/fs/cgroup/memory/memory.limit_in_bytes",
+    ];
+    let limit = limits
+        .iter()
+        .filter_map(|path| {
+            std::fs::read_to_string(path)
+                .ok()?
+                .trim()
+                .parse::<u64>()
+                .ok()
+        })
+        .min();
+    free.map(|kib| kib.saturating_mul(1024))
+        .into_iter()
+        .chain(limit)
+        .min()
+        .map(|bytes| Available { bytes })
+}

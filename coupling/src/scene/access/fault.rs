@@ -1,0 +1,138 @@
+//! Reasons why a file that the scene names cannot be used.
+
+use std::path::PathBuf;
+
+use riprap_dda::{PolyhedronError, SurfaceError, Vec3};
+
+/// Most triangles of one shell: the checks of a hull cost faces × corners.
+pub(in crate::scene) const MOST_TRIANGLES_OF_A_SHELL: usize = 20_000;
+
+/// Most triangles of a file; a binary STL of the largest size has 4 million.
+pub(in crate::scene) const MOST_TRIANGLES: usize = 5_000_000;
+
+/// Largest file that is read; bytes.
+pub(in crate::scene) const LARGEST_FILE: u64 = 200_000_000;
+
+/// A file that the scene cannot use, and the reason.
+#[derive(Debug, thiserror::Error)]
+#[error("`{file}`: {fault}")]
+pub struct MeshError {
+    /// The file as the scene names it.
+    pub file: String,
+    /// The reason.
+    pub fault: Fault,
+}
+
+/// Reason why a file cannot be used.
+#[derive(Debug, thiserror::Error)]
+pub enum Fault {
+    /// The path is absolute, has `..`, or leads through a link.
+    #[error(
+        "leads out of the scene's folder, to {}; put the file beside the scene and name it from there, \
+         or allow it with --allow-outside", .to.display()
+    )]
+    LeavesFolder {
+        /// Where it leads.
+        to: PathBuf,
+    },
+    /// The system refuses it.
+    #[error("cannot be read: {0}")]
+    Unreadable(#[from] std::io::Error),
+    /// A folder, a device, a pipe.
+    #[error("is not a regular file")]
+    NoFile,
+    /// Too many bytes.
+    #[error("has {bytes} bytes, more than {LARGEST_FILE}; simplify the mesh")]
+    TooLarge {
+        /// Size of the file.
+        bytes: u64,
+    },
+    /// Too many triangles.
+    #[error("has more than {MOST_TRIANGLES} triangles; simplify the mesh")]
+    TooManyTriangles,
+    /// The name ends in something else.
+    #[error("unknown kind of mesh; use .stl, .obj, .vtk, .vtp or .vtu")]
+    UnknownKind,
+    /// The text or the bytes are not what the format asks for.
+    #[error("{0}")]
+    Format(String),
+    /// NaN or infinity.
+    #[error("corner {corner} of triangle {triangle} is not finite; export the mesh again")]
+    NotFinite {
+        /// 1, 2 or 3.
+        corner: usize,
+        /// Counted from 1, polygons cut into fans.
+        triangle: usize,
+    },
+    /// No triangles.
+    #[error("has no triangles with an area; export the surface, not points or lines")]
+    Empty,
+    /// Holes.
+    #[error(
+        "the surface is open: {n_edges} edges have one side only, first at ({:.6}, {:.6}, {:.6}) m; \
+         a block needs a watertight mesh: fill the holes", .at.x, .at.y, .at.z
+    )]
+    Open {
+        /// Edges with a triangle on one side only.
+        n_edges: usize,
+        /// Middle of the first; m.
+        at: Vec3,
+    },
+    /// Neighbors that disagree about the outside.
+    #[error(
+        "neighboring triangles at ({:.6}, {:.6}, {:.6}) m are turned opposite ways; make the normals \
+         consistent, outward", .at.x, .at.y, .at.z
+    )]
+    Unoriented {
+        /// Middle of their edge; m.
+        at: Vec3,
+    },
+    /// A cavity, or a shell turned inside out.
+    #[error(
+        "shell {shell} of {n_shells} is inside out, as the wall of a cavity would be; blocks are solid: \
+         remove it, or reverse its triangles"
+    )]
+    InsideOut {
+        /// Counted from 1 in the order of the file.
+        shell: usize,
+        /// Shells in the file.
+        n_shells: usize,
+    },
+    /// A shell with dents.
+    #[error(
+        "shell {shell} of {n_shells} is not convex: its volume is {volume:.6e} m³, that of its hull {hull:.6e} m³; \
+         split it into convex parts, one closed shell each, in one file"
+    )]
+    NotConvex {
+        /// Counted from 1 in the order of the file.
+        shell: usize,
+        /// Shells in the file.
+        n_shells: usize,
+        /// Of the shell; m³.
+        volume: f64,
+        /// Of its hull; m³.
+        hull: f64,
+    },
+    /// Triangles that make no surface, numbered from 0 without those of no area.
+    #[error("is not a valid surface: {0}")]
+    NoSurface(#[from] SurfaceError),
+    /// A shell too fine to be a block.
+    #[error(
+        "shell {shell} has {n} triangles, more than {MOST_TRIANGLES_OF_A_SHELL}; simplify it: a block's contacts \
+         cost time by the face"
+    )]
+    TooFine {
+        /// Counted from 1 in the order of the file.
+        shell: usize,
+        /// Its triangles.
+        n: usize,
+    },
+    /// The hull routine refuses a shell.
+    #[error("shell {shell}: {source}")]
+    NoHull {
+        /// Counted from 1 in the order of the file.
+        shell: usize,
+        /// Its reason.
+        source: PolyhedronError,
+    },
+}

@@ -1,0 +1,11 @@
+//! Geometry of a scene: solids of blocks, terrain, and the bodies that become blocks.
+
+#[cfg(feature = "geotiff")]
+pub mod geotiff;
+pub mod grains;
+pub mod mesh;
+pub mod raster;
+pub mod rock_mass;
+pub mod shape;
+pub mod slides;
+pub mod terrain;

@@ -1,0 +1,76 @@
+//! A scene that can run.
+
+use riprap_dda::{Attachment, BlockDefinition, Hold, JointOverride, Material};
+use riprap_sph::boundary::wall_particles::Slip;
+use riprap_sph::{Absorber, Rheology, Sleeping};
+
+use super::error::Problem;
+use super::file::SceneFile;
+use super::fill::Lattice;
+use super::geometry::grains::GrainsReport;
+use super::geometry::rock_mass::RockMassReport;
+use super::geometry::terrain::Terrain;
+use crate::openings::Openings;
+use crate::walls::WallMethod;
+use crate::walls::penalty::WallSettings;
+use crate::world::Weakening;
+
+/// A scene that can run: geometry, initial water and all numbers. Nothing in it changes.
+#[derive(Clone, Debug)]
+pub struct Scene {
+    /// The scene with every choice written out.
+    pub file: SceneFile,
+    /// Blocks in the order of the file.
+    pub blocks: Vec<BlockDefinition>,
+    /// The lie of the land.
+    pub terrain: Option<Terrain>,
+    /// What became of the rock masses and slides, which are blocks now.
+    pub rock_masses: Vec<RockMassReport>,
+    /// What became of the grains, which are blocks now.
+    pub grains: Vec<GrainsReport>,
+    /// Loads, supports and bolts.
+    pub attachments: Vec<Attachment>,
+    /// Blocks that are held, by position, and how.
+    pub holds: Vec<(usize, Hold)>,
+    /// Materials in the order of the file.
+    pub materials: Vec<Material>,
+    /// What holds between two of them in place of what follows from the two.
+    pub joints: Vec<JointOverride>,
+    /// Joints that weaken with time.
+    pub weakenings: Vec<Weakening>,
+    /// What the block solver needs.
+    pub block_settings: riprap_dda::Settings,
+    /// Water, where the scene has some.
+    pub fluid: Option<FluidScene>,
+    /// What the user should know.
+    pub warnings: Vec<Problem>,
+}
+
+/// Water at the start and its numbers.
+#[derive(Clone, Debug)]
+pub struct FluidScene {
+    /// Particles at the start.
+    pub lattice: Lattice,
+    /// What the fluid solver needs.
+    pub settings: riprap_sph::Settings,
+    /// Penalty walls; without stiffness where particles hold the fluid.
+    pub walls: WallSettings,
+    /// How walls hold the fluid.
+    pub wall_method: WallMethod,
+    /// Whether it slides along them.
+    pub slip: Slip,
+    /// Pressure of each particle of the lattice at the start; Pa.
+    pub pressures: Vec<f64>,
+    /// Flow laws, where there are any.
+    pub rheologies: Vec<Rheology>,
+    /// Number of the flow law of each particle of the lattice.
+    pub kinds: Vec<u8>,
+    /// Layers that damp waves.
+    pub absorbers: Vec<Absorber>,
+    /// Inflows and outflows.
+    pub openings: Openings,
+    /// When it sleeps, if ever.
+    pub sleeping: Option<Sleeping>,
+    /// Fastest flow expected, from which sound speed and stiffnesses follow; m/s.
+    pub expected_speed: f64,
+}
