@@ -261,7 +261,11 @@ fn dug(
     if !problems.is_empty() {
         return Err(problems);
     }
-    let surface = Surface::new(points, triangles)
-        .map_err(|error| vec![Problem::error("terrain", format!("is not a valid surface: {error}"))])?;
+    let surface = Surface::new(points, triangles).map_err(|error| {
+        vec![Problem::error(
+            "terrain",
+            format!("is not a valid surface: {error}"),
+        )]
+    })?;
     Ok((surface, rock.into_iter().zip(volumes).collect()))
 }
