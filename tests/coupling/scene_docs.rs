@@ -17,7 +17,7 @@ fn schema_source() -> String {
 
 /// Source of the schema of studies.
 fn study_source() -> String {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("src/trade");
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("src/study/trade");
     ["file.rs", "quantity.rs"]
         .map(|name| std::fs::read_to_string(root.join(name)).unwrap())
         .concat()
