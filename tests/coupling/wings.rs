@@ -27,7 +27,8 @@ const AT_WORK: &[&str] = &["sph:", "dda:"];
 /// Modules that still compute with what is read.
 const READS_THE_FILE: &[&str] = &[
     "cli::accuracy",
-    "cli::check",
+    "cli::check::cost",
+    "cli::check::describe",
     "cli::check::landslide",
     "output::observe::forces",
     "output::observe::gauges",

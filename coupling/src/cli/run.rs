@@ -1,23 +1,25 @@
 //! `riprap run`.
 
+mod progress;
 mod resume;
 
-use std::io::{IsTerminal, Write as _};
+use std::fmt::Display;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
-use super::accuracy::{self, Asked, Budget};
+use super::accuracy::{self, Asked, Budget, Chosen};
 use super::{Exit, default_folder, files_from, load, say, show, stop_on_signal};
 use crate::cli::check::describe;
 use crate::output::checkpoint_file::{self as checkpoint, Checkpoint};
 use crate::output::run_folder::{self, ArchivedScene, Existing};
 use crate::output::summary::Summary;
-use crate::run::{Ending, Event, Plan, Progress, run};
+use crate::run::{Ending, Plan, run};
 use crate::scene::access::Access;
 use crate::scene::parse::Override;
 use crate::scene::resolve::Scene;
+use progress::ProgressLine;
 use resume::Found;
 
 /// Run a scene into a folder.
@@ -62,30 +64,25 @@ pub(crate) struct Arguments {
 }
 
 pub(crate) fn execute(arguments: &Arguments) -> Exit {
-    let mut overrides = arguments.set.clone();
-    if let Some(until) = arguments.until {
-        overrides.push(Override {
-            path: "time.duration".to_owned(),
-            value: format!("{until:?}"),
-        });
+    match choose_and_run(arguments) {
+        Ok(exit) | Err(exit) => exit,
     }
+}
+
+/// Chooses the settings, prepares the folder, runs and reports.
+fn choose_and_run(arguments: &Arguments) -> Result<Exit, Exit> {
+    let overrides = overrides(arguments);
     let files = files_from(arguments.allow_outside);
-    let mut scene = match load(&arguments.case, &overrides, files) {
-        Ok(scene) => scene,
-        Err(exit) => return exit,
-    };
+    let scene = load(&arguments.case, &overrides, files)?;
     let folder = arguments
         .output
         .clone()
         .unwrap_or_else(|| default_folder(&arguments.case));
-    let from = match place_of_run(arguments, &scene, &folder) {
-        Ok(from) => from,
-        Err(exit) => return exit,
-    };
+    let from = prepare(arguments, &scene, &folder)?;
     let stop = Arc::new(AtomicBool::new(false));
     stop_on_signal(&stop);
-    let chosen = match arguments.error {
-        None => None,
+    let (scene, chosen) = match arguments.error {
+        None => (scene, None),
         Some(budget) => {
             let asked = Asked {
                 case: &arguments.case,
@@ -95,40 +92,17 @@ pub(crate) fn execute(arguments: &Arguments) -> Exit {
                 folder: &folder,
                 jobs: arguments.threads,
             };
-            let chosen = match accuracy::plan(&asked, &scene, &stop) {
-                Ok(chosen) => chosen,
-                Err(exit) => return exit,
-            };
+            let chosen = accuracy::plan(&asked, &scene, &stop)?;
             // settings of the user take precedence over chosen ones
             let all = [chosen.overrides.as_slice(), &overrides].concat();
-            scene = match load(&arguments.case, &all, files) {
-                Ok(scene) => scene,
-                Err(exit) => return exit,
-            };
-            Some(chosen)
+            (load(&arguments.case, &all, files)?, Some(chosen))
         }
     };
-    let archived = ArchivedScene::of(&scene).and_then(|archived| {
-        if from.is_none() {
-            archived.write(&arguments.case, &folder)?;
-        }
-        Ok(archived)
-    });
-    let archived = match archived {
-        Ok(archived) => archived,
-        Err(message) => {
-            say(&format!("error: {message}"));
-            return Exit::BadInput;
-        }
-    };
-    if let Some(threads) = arguments.threads
-        && let Err(error) = rayon::ThreadPoolBuilder::new()
-            .num_threads(threads)
-            .build_global()
-    {
-        say(&format!("error: cannot start {threads} threads: {error}"));
-        return Exit::BadInput;
+    let archived = ArchivedScene::of(&scene).map_err(refused)?;
+    if from.is_none() {
+        archived.write(&arguments.case, &folder).map_err(refused)?;
     }
+    start_threads(arguments.threads)?;
     if !arguments.quiet {
         let access = Access {
             files,
@@ -136,63 +110,86 @@ pub(crate) fn execute(arguments: &Arguments) -> Exit {
         };
         say(&describe(&scene, &access));
     }
-    let mut line = ProgressLine::new(arguments.quiet);
     let plan = Plan {
         folder: &folder,
         from,
         scene_hash: checkpoint::scene_hash(&archived.text),
         checkpoint_interval: Duration::from_secs_f64(arguments.checkpoint_interval),
     };
+    let mut line = ProgressLine::new(arguments.quiet);
     let ended = run(&scene, plan, &stop, &mut |event| line.tell(&event));
     line.end();
-    match ended {
-        Ok((summary, ending)) => {
+    let (summary, ending) = ended.map_err(|error| {
+        say(&format!(
+            "error: {error}\nearlier output is in {}",
+            folder.display()
+        ));
+        Exit::Failed
+    })?;
+    if !arguments.quiet {
+        show(&closing_words(&summary, &folder));
+    }
+    match (ending, chosen) {
+        (Ending::Interrupted, _) => {
             if !arguments.quiet {
-                show(&closing_words(&summary, &folder));
+                show("to continue: the same command with --resume");
             }
-            match (ending, chosen) {
-                (Ending::Interrupted, _) => {
-                    if !arguments.quiet {
-                        show("to continue: the same command with --resume");
-                    }
-                    Exit::Interrupted
-                }
-                (Ending::Completed, None) => Exit::Done,
-                (Ending::Completed, Some(chosen)) => match chosen.judge(&scene, &folder) {
-                    Ok(words) => {
-                        show(&words);
-                        Exit::Done
-                    }
-                    Err(message) => {
-                        say(&format!("error: the run cannot be evaluated: {message}"));
-                        Exit::Failed
-                    }
-                },
-            }
+            Ok(Exit::Interrupted)
         }
-        Err(error) => {
-            say(&format!(
-                "error: {error}\nearlier output is in {}",
-                folder.display()
-            ));
+        (Ending::Completed, None) => Ok(Exit::Done),
+        (Ending::Completed, Some(chosen)) => Ok(judge(chosen, &scene, &folder)),
+    }
+}
+
+/// Overrides of the command line.
+fn overrides(arguments: &Arguments) -> Vec<Override> {
+    let until = arguments.until.map(|until| Override {
+        path: "time.duration".to_owned(),
+        value: format!("{until:?}"),
+    });
+    arguments.set.iter().cloned().chain(until).collect()
+}
+
+/// Reports why a run cannot begin.
+fn refused(fault: impl Display) -> Exit {
+    say(&format!("error: {fault}"));
+    Exit::BadInput
+}
+
+/// Sets the number of threads.
+fn start_threads(threads: Option<usize>) -> Result<(), Exit> {
+    let Some(threads) = threads else {
+        return Ok(());
+    };
+    rayon::ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .build_global()
+        .map_err(|error| refused(format!("cannot start {threads} threads: {error}")))
+}
+
+/// Compares the result with the error budget.
+fn judge(chosen: Chosen, scene: &Scene, folder: &Path) -> Exit {
+    match chosen.judge(scene, folder) {
+        Ok(words) => {
+            show(&words);
+            Exit::Done
+        }
+        Err(message) => {
+            say(&format!("error: the run cannot be evaluated: {message}"));
             Exit::Failed
         }
     }
 }
 
 /// Prepares the run folder, or finds the checkpoint to resume from.
-fn place_of_run(
+fn prepare(
     arguments: &Arguments,
     scene: &Scene,
     folder: &Path,
 ) -> Result<Option<Checkpoint>, Exit> {
-    let wrong = |message: String| {
-        say(&format!("error: {message}"));
-        Exit::BadInput
-    };
     if arguments.resume {
-        let archived = ArchivedScene::of(scene).map_err(|error| wrong(error.to_string()))?;
-        match resume::find(&archived, &arguments.case, folder).map_err(wrong)? {
+        let archived = ArchivedScene::of(scene).map_err(refused)?;
+        match resume::find(&archived, &arguments.case, folder).map_err(refused)? {
             Found::Over => {
                 show(&format!("{} is complete already", folder.display()));
                 return Err(Exit::Done);
@@ -208,7 +205,7 @@ fn place_of_run(
         true => Existing::Replace,
         false => Existing::Keep,
     };
-    run_folder::create(folder, existing).map_err(|error| wrong(error.to_string()))?;
+    run_folder::create(folder, existing).map_err(refused)?;
     Ok(None)
 }
 
@@ -233,89 +230,4 @@ fn closing_words(summary: &Summary, folder: &Path) -> String {
         summary.particles_escaped,
         folder.display(),
     )
-}
-
-/// Progress: one line updated in place on a terminal, occasional lines in a log.
-struct ProgressLine {
-    is_quiet: bool,
-    is_terminal: bool,
-    started: Instant,
-    stage_started: Instant,
-    was_settling: bool,
-    last: Option<Instant>,
-}
-
-impl ProgressLine {
-    fn new(is_quiet: bool) -> Self {
-        let now = Instant::now();
-        Self {
-            is_quiet,
-            is_terminal: std::io::stderr().is_terminal(),
-            started: now,
-            stage_started: now,
-            was_settling: false,
-            last: None,
-        }
-    }
-
-    fn tell(&mut self, event: &Event) {
-        match event {
-            Event::Step(progress) => self.show(progress),
-            Event::FellBack { error, to, share } => {
-                self.end();
-                say(&format!(
-                    "warning: {error}\nthe run returns to t = {to:.6} s and continues with {share} of the step for a while"
-                ));
-            }
-        }
-    }
-
-    fn show(&mut self, progress: &Progress) {
-        if self.was_settling != progress.is_settling {
-            self.was_settling = progress.is_settling;
-            self.stage_started = Instant::now();
-        }
-        let interval = Duration::from_secs(if self.is_terminal { 1 } else { 30 });
-        if self.is_quiet || self.last.is_some_and(|last| last.elapsed() < interval) {
-            return;
-        }
-        self.last = Some(Instant::now());
-        let share = (progress.time / progress.end).min(1.0);
-        let left = self.stage_started.elapsed().as_secs_f64() * (1.0 / share.max(1e-6) - 1.0);
-        let line = format!(
-            "{}step {} | t {:.4} of {:.4} s ({:.0} %) | dt {:.2e} s | contacts {} | v max {:.2} m/s | left {}:{:02}",
-            if progress.is_settling {
-                "settling: "
-            } else {
-                ""
-            },
-            progress.steps,
-            progress.time,
-            progress.end,
-            100.0 * share,
-            progress.dt,
-            progress.contacts,
-            progress.fastest,
-            left as u64 / 60,
-            left as u64 % 60,
-        );
-        self.write(&line);
-    }
-
-    fn write(&self, line: &str) {
-        if self.is_terminal {
-            let _ = write!(std::io::stderr(), "\r\x1b[K{line}");
-        } else {
-            say(&format!(
-                "[{:6.0} s] {line}",
-                self.started.elapsed().as_secs_f64()
-            ));
-        }
-    }
-
-    fn end(&self) {
-        if self.is_terminal && self.last.is_some() {
-            say("");
-        }
-    }
 }

@@ -1,0 +1,110 @@
+//! Cost of a run, from its first steps.
+
+use std::fmt::Write as _;
+use std::time::{Duration, Instant};
+
+use crate::run::{RunError, build};
+use crate::scene::resolve::Scene;
+use crate::world::World;
+use crate::world::time_step::{Cause, Limits, TimeStep};
+
+/// Largest wall time of the timed probe.
+const PROBE_TIME: Duration = Duration::from_secs(2);
+/// Largest number of steps of the probe.
+const PROBE_STEPS: u32 = 50;
+
+/// Step limits, steps, disk and wall time from a timed probe.
+pub(super) fn cost(scene: &Scene) -> Result<String, RunError> {
+    let mut world = build(scene)?;
+    let duration = scene.file.time.duration;
+    let settle = if scene.fluid.is_some() {
+        scene.file.time.settle
+    } else {
+        0.0
+    };
+    let step = world.next_step(duration)?;
+    let mut text = step_limits(&world, step);
+    let steps = ((duration + settle) / step.dt).ceil();
+    let _ = writeln!(
+        text,
+        "  steps          about {steps:.0}, {} block sub-steps in each",
+        step.block_substeps
+    );
+    text += &disk(scene);
+    let (taken, mut wall) = wall_time(&mut world, duration, steps)?;
+    drop(world);
+    let mut asleep = String::new();
+    if scene.fluid.as_ref().is_some_and(|f| f.sleeping.is_some()) {
+        let mut awake = scene.clone();
+        if let Some(fluid) = &mut awake.fluid {
+            fluid.sleeping = None;
+        }
+        asleep = format!(" with all water awake, {wall:.0} s with the initial sleep,");
+        wall = wall_time(&mut build(&awake)?, duration, steps)?.1;
+    }
+    let _ = write!(
+        text,
+        "  wall time      about {wall:.0} s{asleep} with {} threads, from {taken} steps on this machine",
+        rayon::current_num_threads(),
+    );
+    Ok(text)
+}
+
+/// Every limit of the step, its cause and its stability limit; the one that governs is marked.
+fn step_limits(world: &World, step: TimeStep) -> String {
+    let mut text = "  step limits\n".to_owned();
+    let Limits { common, blocks } = world.limits();
+    let stability = world.stability();
+    for (cause, limit) in common.into_iter().chain([(Cause::Contact, blocks)]) {
+        let value = if limit.is_finite() {
+            format!("{limit:.3e} s")
+        } else {
+            "no limit".into()
+        };
+        let governs = if cause == step.cause {
+            "  <- governs"
+        } else {
+            ""
+        };
+        let stable = stability
+            .iter()
+            .find(|(other, _)| *other == cause)
+            .map_or(String::new(), |(_, dt)| format!(", stable to {dt:.3e} s"));
+        let name = format!("{cause:?}").to_lowercase();
+        let _ = writeln!(text, "    {name:<12} {value}{stable}{governs}");
+    }
+    text
+}
+
+/// Disk space of the frames and gauge records.
+fn disk(scene: &Scene) -> String {
+    let duration = scene.file.time.duration;
+    let fluid = scene.fluid.as_ref();
+    let n = fluid.map_or(0, |f| f.lattice.positions.len()) as f64;
+    let output = &scene.file.output;
+    let frames = duration / output.frame_interval.unwrap_or(duration);
+    // measured: about 30 bytes a particle and frame, compressed
+    let bytes = frames * n * 30.0 + duration / output.gauge_interval.unwrap_or(duration) * 500.0;
+    format!(
+        "  disk           about {:.0} MB in {frames:.0} frames\n",
+        bytes / 1e6
+    )
+}
+
+/// Takes some steps; returns their number, and the predicted wall time of a run, s.
+fn wall_time(world: &mut World, duration: f64, steps: f64) -> Result<(u32, f64), RunError> {
+    let (taken, wall) = probe(world, duration)?;
+    Ok((taken, wall.as_secs_f64() / f64::from(taken) * steps))
+}
+
+/// Takes some steps and measures their time.
+fn probe(world: &mut World, duration: f64) -> Result<(u32, Duration), RunError> {
+    let start = Instant::now();
+    let mut taken = 0;
+    while taken < PROBE_STEPS && start.elapsed() < PROBE_TIME {
+        let step = world.next_step(duration)?;
+        world.step(step)?;
+        taken += 1;
+    }
+    Ok((taken, start.elapsed()))
+}

@@ -1,0 +1,295 @@
+//! Report of the modeled and the neglected effects, with reasons: one function per subject.
+
+use std::fmt::Write as _;
+
+use riprap_dda::{Motion, Shape};
+
+use super::landslide;
+use crate::scene::access::Access;
+use crate::scene::estimate::Estimate;
+use crate::scene::file::ShapeFile;
+use crate::scene::mesh;
+use crate::scene::resolve::{FluidScene, Scene};
+use crate::walls::WallMethod;
+
+/// Heading and text of a line.
+type Line = (&'static str, String);
+
+/// Subjects of the report, in order.
+const SUBJECTS: [fn(&Scene) -> Vec<Line>; 9] = [
+    blocks,
+    terrain,
+    surfaces,
+    block_motion,
+    rock_masses,
+    landslide::lines,
+    grains,
+    constraints,
+    fluid,
+];
+
+/// Report of the modeled and the neglected effects, with reasons.
+pub(crate) fn describe(scene: &Scene, access: &Access) -> String {
+    let lines = (SUBJECTS.iter().flat_map(|subject| subject(scene)))
+        .chain(meshes(scene, access))
+        .chain(borders(scene))
+        .chain([time(scene), ("memory", Estimate::of(scene).to_string())]);
+    let mut text = scene.file.title.clone();
+    for (heading, value) in lines {
+        let _ = write!(text, "\n  {heading:<14} {value}");
+    }
+    text
+}
+
+fn count(scene: &Scene, test: fn(&Motion) -> bool) -> usize {
+    scene.blocks.iter().filter(|b| test(&b.motion)).count()
+}
+
+fn n_free(scene: &Scene) -> usize {
+    count(scene, |motion| matches!(motion, Motion::Free))
+}
+
+fn n_prescribed(scene: &Scene) -> usize {
+    count(scene, |motion| matches!(motion, Motion::Prescribed(_)))
+}
+
+fn blocks(scene: &Scene) -> Vec<Line> {
+    let (free, prescribed) = (n_free(scene), n_prescribed(scene));
+    let fixed = count(scene, |motion| matches!(motion, Motion::Fixed));
+    let parts = scene.blocks.iter().map(|b| match &b.shape {
+        Shape::Polyhedra(parts) => parts.len(),
+        Shape::Sphere { .. } => 1,
+        Shape::Surface(_) => 0,
+    });
+    let parts: usize = parts.sum();
+    vec![(
+        "blocks",
+        format!("{free} free, {prescribed} prescribed, {fixed} fixed; {parts} convex parts"),
+    )]
+}
+
+fn terrain(scene: &Scene) -> Vec<Line> {
+    let Some(terrain) = &scene.terrain else {
+        return Vec::new();
+    };
+    let (low, high) = (terrain.grid.corner, terrain.grid.far_corner());
+    let origin = scene
+        .file
+        .terrain
+        .as_ref()
+        .map_or((0.0, 0.0, 0.0), |t| t.origin);
+    let filled = match terrain.n_filled {
+        0 => String::new(),
+        n => format!("; {n} points lay in gaps"),
+    };
+    vec![(
+        "terrain",
+        format!(
+            "{} x {} points {} m apart, x from {:.3} to {:.3}, y from {:.3} to {:.3}; (0, 0, 0) is ({}, {}, {}) on the map{filled}",
+            terrain.grid.n[0],
+            terrain.grid.n[1],
+            terrain.grid.spacing,
+            low[0],
+            high[0],
+            low[1],
+            high[1],
+            origin.0,
+            origin.1,
+            origin.2
+        ),
+    )]
+}
+
+fn surfaces(scene: &Scene) -> Vec<Line> {
+    let triangles = scene.blocks.iter().map(|b| match &b.shape {
+        Shape::Surface(surface) => surface.triangles().len(),
+        Shape::Polyhedra(_) | Shape::Sphere { .. } => 0,
+    });
+    match triangles.sum::<usize>() {
+        0 => Vec::new(),
+        n => vec![("surfaces", format!("{n} triangles"))],
+    }
+}
+
+fn block_motion(scene: &Scene) -> Vec<Line> {
+    let text = match (n_free(scene), n_prescribed(scene)) {
+        (0, 0) => "none: fixed blocks only, so no block dynamics and no contact search".into(),
+        (0, _) => "prescribed only: no block dynamics, no contact search between walls".into(),
+        _ => kinematics(scene),
+    };
+    vec![("block motion", text)]
+}
+
+/// Kinematics and contact of the free blocks.
+fn kinematics(scene: &Scene) -> String {
+    let deformable = scene.blocks.iter().filter(|b| b.deformability.is_some());
+    let kind = match deformable.count() {
+        0 => "rigid, no deformable model in this scene".to_owned(),
+        n => format!("{n} deformable, the others rigid"),
+    };
+    let stiffest =
+        |of: fn(&riprap_dda::Material) -> f64| scene.materials.iter().map(of).fold(0.0, f64::max);
+    if scene.materials.iter().all(|m| m.joint_stiffness.is_some()) {
+        let stiffness = stiffest(|m| m.joint_stiffness.unwrap_or(0.0));
+        format!("{kind}; joint stiffness {stiffness:.3e} Pa/m")
+    } else {
+        format!(
+            "{kind}; contact stiffness {:.3e} N/m",
+            stiffest(|m| m.contact_stiffness)
+        )
+    }
+}
+
+fn rock_masses(scene: &Scene) -> Vec<Line> {
+    let reports = scene.rock_masses.iter();
+    reports.map(|r| ("rock mass", r.to_string())).collect()
+}
+
+fn grains(scene: &Scene) -> Vec<Line> {
+    let reports = scene.grains.iter();
+    reports.map(|r| ("grains", r.to_string())).collect()
+}
+
+fn constraints(scene: &Scene) -> Vec<Line> {
+    if scene.attachments.is_empty() && scene.holds.is_empty() {
+        return Vec::new();
+    }
+    vec![(
+        "constraints",
+        format!(
+            "{} loads, supports and bolts; {} held blocks",
+            scene.attachments.len(),
+            scene.holds.len()
+        ),
+    )]
+}
+
+fn fluid(scene: &Scene) -> Vec<Line> {
+    let Some(fluid) = &scene.fluid else {
+        return vec![("fluid", "none: no fluid is modeled".into())];
+    };
+    let s = &fluid.settings;
+    let mut lines = vec![
+        (
+            "fluid",
+            format!(
+                "{} particles, spacing {:.4} m, {:.1} rows in {:.3} m of depth",
+                fluid.lattice.positions.len(),
+                fluid.walls.particle_spacing,
+                fluid.lattice.depth / s.particle_spacing[2],
+                fluid.lattice.depth
+            ),
+        ),
+        (
+            "scheme",
+            format!(
+                "{:?}: {:?} kernel, support {:.4} m, {:?} density, {:?}, {:?}, {:?} stepping, {:?} precision",
+                scene.file.numerics.preset,
+                s.scheme.kernel,
+                s.support_radius(),
+                s.scheme.density,
+                s.scheme.diffusion,
+                s.scheme.viscosity,
+                s.scheme.stepping,
+                s.scheme.precision,
+            ),
+        ),
+        (
+            "sound speed",
+            format!(
+                "{:.2} m/s, {:.1} times the fastest expected {:.2} m/s",
+                s.sound_speed,
+                s.sound_speed / fluid.expected_speed.max(1e-300),
+                fluid.expected_speed
+            ),
+        ),
+    ];
+    if let Some(sleeping) = &fluid.sleeping {
+        lines.push((
+            "sleep",
+            format!(
+                "until the water beside it moves by {} spacings; at rest below {:.2e} m/s for {:.3} s",
+                sleeping.displacement, sleeping.speed, sleeping.time
+            ),
+        ));
+    }
+    lines.push(("walls", walls(fluid)));
+    lines
+}
+
+fn walls(fluid: &FluidScene) -> String {
+    let walls = &fluid.walls;
+    match fluid.wall_method {
+        WallMethod::Penalty => format!(
+            "penalty, K_S {:.3e} N/m, K_D {:.3e} N s/m, from half a spacing off the surface",
+            walls.stiffness, walls.damping
+        ),
+        WallMethod::Particles => {
+            "particles inside, pressure extrapolated from the fluid".to_owned()
+        }
+        WallMethod::Integral => format!(
+            "kernel integrals over polyhedra; penalty {:.3e} N/m within {:.3e} m of the surface",
+            walls.stiffness, walls.standoff
+        ),
+    }
+}
+
+/// Meshes of blocks, as they are found in their files.
+fn meshes(scene: &Scene, access: &Access) -> Vec<Line> {
+    let mut lines = Vec::new();
+    for block in &scene.file.blocks {
+        let ShapeFile::Mesh { file, scale } = &block.shape else {
+            continue;
+        };
+        // the scene was resolved, so its meshes can be read
+        let Ok(found) = mesh::survey(access, file, *scale) else {
+            continue;
+        };
+        let size = found.max - found.min;
+        lines.push((
+            "mesh",
+            format!(
+                "`{}` from {file}: watertight {}, {} shells, {} triangles, {:.6} m3, box {:.3} x {:.3} x {:.3} m",
+                block.name,
+                if found.is_watertight { "yes" } else { "no" },
+                found.n_shells,
+                found.n_triangles,
+                found.volume,
+                size.x,
+                size.y,
+                size.z
+            ),
+        ));
+    }
+    lines
+}
+
+/// Sides of the domain that are periodic or planes of symmetry.
+fn borders(scene: &Scene) -> Vec<Line> {
+    let domain = &scene.file.domain;
+    let axes: Vec<String> = domain.periodic.iter().map(|a| format!("{a:?}")).collect();
+    let sides: Vec<String> = domain.symmetry.iter().map(|s| format!("{s:?}")).collect();
+    let mut lines = Vec::new();
+    if !axes.is_empty() {
+        lines.push(("periodic", format!("along {}", axes.join(", "))));
+    }
+    if !sides.is_empty() {
+        lines.push((
+            "symmetry",
+            format!(
+                "in {}; loads and energies are those of this part",
+                sides.join(", ")
+            ),
+        ));
+    }
+    lines
+}
+
+fn time(scene: &Scene) -> Line {
+    let time = &scene.file.time;
+    let settling = match (&scene.fluid, time.settle > 0.0) {
+        (Some(_), true) => format!(", after {} s of settling with blocks held", time.settle),
+        _ => String::new(),
+    };
+    ("time", format!("{} s{settling}", time.duration))
+}
