@@ -1,4 +1,4 @@
-//! What blocks and water cost together.
+//! Cost of blocks and water together.
 //!
 //! `cargo bench -p riprap --bench coupled_step -- wedge` times steps of `cases/sliding_wedge.ron` with each kind of wall beside
 //! steps of its water alone, the wedge fixed, and of its blocks alone. `-- crowd 100 10` times steps of water with 10 cubes of

@@ -33,7 +33,7 @@ const GRAVITY: f64 = 9.81;
 
 type Failure = Box<dyn std::error::Error + Send + Sync>;
 
-/// What is varied.
+/// Varied parameters.
 #[derive(Clone, Copy)]
 struct Variant {
     /// m.

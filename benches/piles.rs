@@ -1,4 +1,4 @@
-//! What the benches of piles share: bodies on a grid that fall into a bin, and the time that their steps take.
+//! Shared setup of the pile benchmarks: bodies on a grid that fall into a bin, and the time of their steps.
 
 use std::time::{Duration, Instant};
 

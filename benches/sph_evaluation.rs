@@ -134,7 +134,7 @@ fn print_roofs(threads: usize, roofs: &Roofs) {
     ));
 }
 
-/// What is measured.
+/// Measured configuration.
 #[derive(Clone, Copy)]
 struct Setting {
     dp: f64,
@@ -143,7 +143,7 @@ struct Setting {
     precision: Precision,
 }
 
-/// What a measurement found.
+/// Result of a measurement.
 struct Found {
     setting: Setting,
     needs: Needs,
@@ -275,7 +275,7 @@ impl Found {
         print(line.trim_end());
     }
 
-    /// What is reached of memory, multiply-adds, and the unit of divisions and square roots; percent.
+    /// Utilization of memory, multiply-adds, and the unit of divisions and square roots; percent.
     fn shares(&self, crew: &Crew, need: &Need, seconds: f64) -> [f64; 3] {
         let peak = crew.roofs.arithmetic(self.setting.precision);
         [

@@ -314,7 +314,7 @@ fn gaps(_: Length) -> Result<Vec<Row>, Failure> {
     }])
 }
 
-/// What a hit did to energy, momentum and the normal.
+/// Effect of an impact on energy, momentum and the normal.
 #[derive(Default)]
 struct Hits {
     n: u32,

@@ -2,7 +2,7 @@
 
 use std::fmt::{self, Display};
 
-/// What ends a trial without a row.
+/// Failure of a trial.
 pub type Failure = Box<dyn std::error::Error + Send + Sync>;
 
 /// How long the long trials are.
@@ -29,22 +29,22 @@ impl Length {
 pub struct Trial {
     /// X01 and on, or a word.
     pub id: &'static str,
-    /// What a filter may ask for.
+    /// Name for filters.
     pub subject: &'static str,
     pub run: fn(Length) -> Result<Vec<Row>, Failure>,
 }
 
-/// What was pushed and what came of it.
+/// Result of a sweep.
 #[derive(Clone, Debug, Default)]
 pub struct Row {
     pub id: &'static str,
-    /// What was pushed, and in what set-up.
+    /// Swept parameter and setup.
     pub pushed: String,
     /// From where to where.
     pub swept: String,
     /// The last that holds and the first that does not.
     pub holds: String,
-    /// What happens there.
+    /// Behavior beyond the limit.
     pub past: String,
     pub theory: String,
     /// The invariant with its figure, and what was asked.
@@ -153,7 +153,7 @@ pub fn table(before: &str, rows: &[Row]) -> String {
 pub struct Margin {
     pub last_good: Option<f64>,
     pub first_bad: Option<f64>,
-    /// What was found at the first that does not hold.
+    /// Finding at the first value that fails.
     pub past: String,
 }
 

@@ -20,7 +20,7 @@ use crate::tank::Tank;
 /// Particles that a thread takes at a time, as in the sums.
 const CHUNK: usize = 256;
 
-/// What the receivers of a sum look at.
+/// Candidates examined by the receivers of a sum.
 #[derive(Clone, Copy, Default)]
 pub struct Seen {
     /// Receivers with at least one candidate.
@@ -70,7 +70,7 @@ fn seen(
         .reduce(Seen::default, Add::add)
 }
 
-/// What there is to see in a tank.
+/// Pair counts of a tank.
 #[derive(Clone, Copy, Default)]
 pub struct Counts {
     pub particles: f64,
@@ -112,7 +112,7 @@ impl Counts {
     }
 }
 
-/// What a part of an evaluation needs at least.
+/// Lower bound on the operations of a part of an evaluation.
 #[derive(Clone, Copy, Default)]
 pub struct Need {
     pub bytes: f64,

@@ -1,7 +1,7 @@
 //! Time of the parts of an evaluation, each as long as its public call takes.
 //!
-//! What a call is made of is not timed but inferred: packing for the rates is taken to be that for the forces, and
-//! listing neighbours to be what the first rates after a sort take longer than the next.
+//! The parts of a call are not timed but inferred: packing for the rates is assumed equal to that for the forces, and
+//! listing of neighbors equal to the extra time of the first rates after a sort.
 
 use std::time::Instant;
 
@@ -102,7 +102,7 @@ impl Tank {
         Ok(best.unwrap_or_default())
     }
 
-    /// What else a step does, at the same state.
+    /// Other parts of a step, at the same state.
     pub fn beside(&mut self) -> Beside {
         let (mut sorting, mut first, mut next) = (f64::INFINITY, f64::INFINITY, f64::INFINITY);
         for _ in 0..3 {

@@ -1,4 +1,4 @@
-//! What the processor can do at most: bytes from memory, multiply-adds, divisions and square roots.
+//! Peak rates of the processor: memory bandwidth, multiply-adds, divisions and square roots.
 //!
 //! The registers are those of the sums, AVX2 with fused multiply-add, whatever wider ones there may be. Every
 //! rate is the fastest of a few tries, all threads at once.

@@ -400,7 +400,7 @@ impl<'a> Run<'a> {
     ) -> Result<(Summary, Ending), RunError> {
         let completed = matches!(ending, Ok(Ending::Completed));
         let kept = if completed {
-            // what is left of a run that is over does no harm
+            // leftover files of a completed run are harmless
             let _ = checkpoint::remove(&self.folder);
             Ok(())
         } else {
@@ -421,7 +421,7 @@ impl<'a> Run<'a> {
         let summary = self.summary(completed, stop_reason);
         let subtitle = summary::subtitle(&summary);
         let drawn = self.observers.finish(&self.folder, &self.world, subtitle);
-        // the figures come to disk even where the picture does not
+        // the summary is written even if the picture fails
         let written = summary.write(&self.folder).and(drawn);
         let ending = ending?;
         kept?;

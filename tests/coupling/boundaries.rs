@@ -1,4 +1,4 @@
-//! What a flume needs at its ends, and its gauges.
+//! Ends of a flume, and gauges.
 
 use std::collections::BTreeSet;
 use std::f64::consts::PI;

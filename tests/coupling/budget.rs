@@ -1,4 +1,4 @@
-//! What the shipped studies say, held to: budgets of error are kept by settings that were hidden from the choice, and no preset
+//! Verification of the shipped studies: error budgets are met by settings hidden from the choice, and no preset
 //! is dominated. The tables are those in `benches/trade/results`; nothing is run here.
 
 use std::collections::BTreeMap;

@@ -233,7 +233,7 @@ fn stopped(folder: &Path) -> (std::path::PathBuf, std::path::PathBuf) {
     (case, out)
 }
 
-/// What `--resume` says of a folder in which it must change nothing.
+/// Message of `--resume` for a folder that it must not change.
 fn refusal(case: &Path, out: &Path, extra: &[&str]) -> String {
     let listing = |out: &Path| -> BTreeMap<String, Vec<u8>> {
         let entries = fs::read_dir(out).unwrap().map(|entry| entry.unwrap());

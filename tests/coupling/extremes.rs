@@ -1,5 +1,5 @@
-//! What serious scenes push: thin and soft blocks, overlaps, light bodies, scale, particles in odd places. The whole sweep is
-//! `benches/extremes.rs`.
+//! Extremes of realistic scenes: thin and soft blocks, overlaps, light bodies, scale, particles in unusual positions. The
+//! full sweep is `benches/extremes.rs`.
 
 use std::path::Path;
 

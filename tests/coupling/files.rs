@@ -372,7 +372,7 @@ proptest! {
     }
 }
 
-/// What the VTK library says about `files`; nothing where Python has no such library, unless that is required.
+/// Report of the VTK library on `files`; `None` where Python lacks the library, unless it is required.
 fn read_back(files: &[&Path]) -> Option<Vec<serde_json::Value>> {
     let python = |arguments: &[&Path]| Command::new("python3").args(arguments).output();
     let import = [Path::new("-c"), Path::new("import vtk")];

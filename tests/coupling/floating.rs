@@ -893,7 +893,7 @@ fn c06_a_floating_box_is_pulled_back_by_what_it_displaces() {
     assert!((found / expected - 1.0).abs() < 0.02, "{found} {expected}");
 }
 
-/// What a paddle does to the water the water has, or lost by names, but for 2 % of the work that are the walls'.
+/// The work of a paddle is energy of the water or a named loss, except for 2 %, which walls introduce.
 #[test]
 fn the_work_of_a_paddle_is_accounted_for() {
     // far enough from the end wall that no water sees that through it

@@ -41,7 +41,7 @@ fn texts(target: &str) -> impl Iterator<Item = String> {
     files.filter_map(|(_, content)| String::from_utf8(content).ok())
 }
 
-/// What `fuzz/fuzz_targets` do with them, on a compiler that has no fuzzing: no panic.
+/// The fuzz targets on a stable compiler: no panic.
 #[test]
 fn kept_inputs_of_fuzzing_are_read_or_refused() {
     for (target, extension) in [
@@ -221,8 +221,8 @@ fn a_link_out_of_the_folder_is_refused_and_one_inside_is_not() {
     assert!(words(&riprap(&["check", path])).contains("leads out of the scene's folder"));
 }
 
-/// What comes from outside, and what is called as a file of the run, gets a name of its own in the run folder; the case
-/// that is left there runs by itself.
+/// Inputs from outside, and inputs with the name of an output, are renamed in the run folder; the archived case runs by
+/// itself.
 #[test]
 fn inputs_are_kept_inside_the_run_folder_under_safe_names() {
     let (outside, scene) = folder_of_scene(&scene_with_files("../a.obj", "gauges.csv"));

@@ -230,7 +230,7 @@ fn coarse_points_are_means_and_fine_points_are_interpolated() {
     assert_eq!(finer.height([51.25, 0.0]), Some(0.3 * 51.25));
 }
 
-/// What is flat is two triangles, whatever the number of points; what is not keeps to the tolerance at each of them.
+/// Flat ground is two triangles for any number of points; rough ground is within the tolerance at each of them.
 #[test]
 fn flat_ground_is_cheap_and_rough_ground_is_met() {
     let folder = tempfile::tempdir().unwrap();
@@ -508,7 +508,7 @@ fn a_block_goes_when_its_friction_has_fallen() {
     assert!((found / expected - 1.0).abs() < 0.01);
 }
 
-/// What a user gets wrong is said with its place and what would be right.
+/// Input errors are reported with their location and a remedy.
 #[test]
 fn wrong_terrain_and_outlines_are_refused_in_words() {
     let folder = tempfile::tempdir().unwrap();
@@ -871,8 +871,8 @@ fn maps_show_how_high_and_when() {
     assert_eq!(maps.point_data.len(), 3);
 }
 
-/// What passes a line is what is beyond it in the end, to the particle. The line goes past the ends of the period: until the next
-/// search for neighbours particles may be past them.
+/// The volume that crosses a line is the final volume beyond it, to the particle. The line extends past the ends of the period:
+/// until the next neighbor search particles may be past them.
 #[test]
 fn what_has_overtopped_is_beyond_the_line() {
     let folder = tempfile::tempdir().unwrap();

@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use crate::support::{case, riprap, run, summary, table, words};
 
-/// What every finished scene with water must show.
+/// Requirements on every finished scene with water.
 fn assert_sound(summary: &serde_json::Value) {
     println!(
         "{}: {} particles, {} steps, momentum residual {}, ledger residual {} J",

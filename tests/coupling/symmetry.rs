@@ -24,7 +24,7 @@ const WHOLE: Tank = Tank {
     from: [-0.2, -0.4, -0.2],
 };
 
-/// What stands goes on past the plane, to a place that is no whole number of spacings away.
+/// Fixed blocks extend past the plane, by a distance that is not a whole number of spacings.
 const HALF: Tank = Tank {
     symmetry: "symmetry: [YMin]",
     from: [0.0, -0.173, -0.17],

@@ -165,7 +165,7 @@ fn direct_shear() {
     }
 }
 
-/// What the springs of a bond hold when it breaks is booked: hung, in bending, on a slope.
+/// Energy stored in the springs of a breaking bond is booked: hung, in bending, on a slope.
 #[test]
 fn ledger_of_a_break() {
     let hung = vec![

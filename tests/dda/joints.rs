@@ -201,7 +201,7 @@ fn cuts_that_cannot_be_made_are_counted() {
     assert_eq!((mass.n_uncut, &mass.blocks), (1, &knife));
 }
 
-/// What would make a million slivers is refused before the first cut, with the set to blame.
+/// Joint sets that would make a million slivers are rejected before the first cut, with the responsible set.
 #[test]
 fn too_many_blocks_are_refused() {
     let body = || vec![cuboid([0.0; 3], [10.0; 3])];

@@ -1,4 +1,4 @@
-//! What must not change.
+//! Conserved quantities.
 
 use riprap_sph::{Fluid, Start, Vec3};
 

@@ -1,4 +1,4 @@
-//! What must not change with the standard scheme, its walls and its precisions: S12, S13, X21, T08 and
+//! Invariants of the standard scheme, its walls and its precisions: S12, S13, X21, T08 and
 //! the number of threads.
 
 use riprap_sph::boundary::wall_particles::Slip;

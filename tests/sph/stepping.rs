@@ -1,4 +1,4 @@
-//! What each stepping does to sound, to gravity waves and to the ledger.
+//! Effect of each stepping on sound, gravity waves and the ledger.
 
 use std::f64::consts::PI;
 

@@ -235,7 +235,7 @@ impl Crowd {
     }
 }
 
-/// What the sums should be, in plain loops over all pairs.
+/// Reference sums, in plain loops over all pairs.
 struct Twin {
     acceleration: Vec<Vec3>,
     rate: Vec<f64>,

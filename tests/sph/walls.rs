@@ -26,7 +26,7 @@ fn state(equation: StateEquation) -> State {
     }
 }
 
-/// What is left of stillness in a tank after 10 √(H/g).
+/// Deviation from rest in a tank after 10 √(H/g).
 #[derive(Debug)]
 struct Still {
     /// Root mean square error of pressure over ρ g H.

@@ -165,7 +165,7 @@ pub enum Existing {
 ///
 /// # Errors
 ///
-/// [`RunFolderError`] when it holds anything that is to be kept, or the file system refuses.
+/// [`RunFolderError`] when it contains files that are to be kept, or the file system fails.
 pub fn create(folder: &Path, existing: Existing) -> Result<(), RunFolderError> {
     let is_used = folder
         .read_dir()
@@ -182,7 +182,7 @@ pub fn create(folder: &Path, existing: Existing) -> Result<(), RunFolderError> {
     std::fs::create_dir_all(folder).map_err(RunFolderError::io("create", folder))
 }
 
-/// Removes the files of an earlier run, and nothing else.
+/// Removes the files of an earlier run only.
 fn clean(folder: &Path) -> Result<(), RunFolderError> {
     let entries = folder
         .read_dir()

@@ -3,50 +3,50 @@
 //! ```text
 //! (E_residual − E_residual,before)/(E_motion + E_springs + E_compression, before, or a little) ≤ 3
 //! ```
-//! from one look to the next. Schemes that lose or gain some percent pass: this is for what explodes.
+//! from one check to the next. Schemes that lose or gain some percent pass: the check is for explosive growth.
 
 use serde::{Deserialize, Serialize};
 
 use crate::world::ledger::Energy;
 use crate::world::{StepError, World};
 
-/// Steps from one look to the next, so that looking takes less than a hundredth of the time: with water, and of blocks by
-/// themselves.
+/// Steps between two checks, at a cost of less than a hundredth of the run time: with water, and for blocks
+/// alone.
 const INTERVALS: [u64; 2] = [10, 50];
-/// Largest gain of energy that nothing explains between two looks, over all that moves or is strained.
+/// Largest unexplained energy gain between two checks, over the kinetic and strain energy.
 const LARGEST_GAIN: f64 = 3.0;
-/// Largest share of the water that may leave between two looks.
+/// Largest fraction of the water that may leave between two checks.
 const LARGEST_LOSS: f64 = 0.2;
-/// Particles that may leave at once however few there are.
+/// Particles that may always leave at once.
 const FEW: u64 = 100;
-/// Speed, over that of sound, of water that is as good as at rest.
+/// Speed, over that of sound, of water considered at rest.
 const STILL: f64 = 0.01;
 
-/// The world at the last look.
+/// The world at the last check.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct BlowUpDetector {
     /// J.
     residual: f64,
-    /// Energy that a gain is measured by; J.
+    /// Energy scale of a gain; J.
     scale: f64,
     /// Particles that had left.
     escaped: u64,
-    /// Largest gain that was seen, over its scale.
+    /// Largest gain so far, over its scale.
     largest_gain: f64,
 }
 
-/// Steps from one look to the next.
+/// Steps between two checks.
 fn interval(world: &World) -> u64 {
     INTERVALS[usize::from(world.water.is_none())]
 }
 
 impl BlowUpDetector {
-    /// Whether it is time to look.
+    /// Whether a check is due.
     pub fn is_due(world: &World) -> bool {
         world.clock().steps.is_multiple_of(interval(world))
     }
 
-    /// From now on.
+    /// Starts from the current state.
     pub fn of(world: &World) -> Self {
         let energy = world.energy();
         Self {
@@ -57,7 +57,7 @@ impl BlowUpDetector {
         }
     }
 
-    /// Compares the world with that of the last look.
+    /// Compares the world with that of the last check.
     pub fn check(&mut self, world: &World) -> Result<(), StepError> {
         let energy = world.energy();
         let now = Self {
@@ -69,7 +69,7 @@ impl BlowUpDetector {
         let before = std::mem::replace(self, now);
         let (time, step) = (world.time(), world.clock().steps);
         let gained = energy.residual - before.residual;
-        // NaN is no less than the limit either
+        // a comparison with NaN is false
         if !(gained <= LARGEST_GAIN * before.scale) {
             return Err(StepError::EnergyFromNowhere {
                 time,
@@ -99,7 +99,7 @@ impl BlowUpDetector {
         Ok(())
     }
 
-    /// Largest gain of energy that nothing explains, over all that moved or was strained.
+    /// Largest unexplained energy gain, over the kinetic and strain energy.
     pub fn largest_gain(&self) -> f64 {
         self.largest_gain
     }

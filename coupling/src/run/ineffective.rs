@@ -8,17 +8,17 @@ use riprap_sph::{Precision, Scheme};
 use crate::scene::file::{DimensionsFile, Preset};
 use crate::scene::resolve::{FluidScene, Scene, vec3};
 
-/// Strain below which a block may as well be rigid; –.
+/// Strain below which a block is practically rigid; –.
 const LEAST_STRAIN: f64 = 1e-3;
-/// Share of the width by which a vertex may miss a side of the slab it belongs to; –.
+/// Tolerance of a vertex at a side of the slab, over its width; –.
 const SIDE_TOLERANCE: f64 = 1e-6;
 /// Time-step factor below which no study changed.
 const CUSTOMARY_FACTOR: f64 = 0.5;
 
-/// One sentence for each: what would not be noticed, and why.
+/// One sentence for each option, with the reason.
 pub fn ineffective_options(scene: &Scene) -> Vec<String> {
     let mut found: Vec<String> = strain(scene).into_iter().chain(width(scene)).collect();
-    // the studies are of the other schemes
+    // the studies do not cover this scheme
     if let Some(fluid) = &scene.fluid
         && scene.file.numerics.preset != Preset::Mueller2003
     {
@@ -27,8 +27,8 @@ pub fn ineffective_options(scene: &Scene) -> Vec<String> {
     found
 }
 
-/// Deformable blocks that hardly strain: all the free rock resting on the smallest of them, or a stop from the fastest speed
-/// within the time that an elastic wave takes through it.
+/// Deformable blocks with negligible strain: under the weight of all free rock on the smallest of them, or a stop from the
+/// largest speed within the travel time of an elastic wave.
 fn strain(scene: &Scene) -> Option<String> {
     let gravity = vec3(scene.file.gravity).norm();
     let speed = scene.file.numerics.expected_speed.unwrap_or(0.0);
@@ -59,7 +59,7 @@ fn strain(scene: &Scene) -> Option<String> {
     })
 }
 
-/// A scene in space of which every block goes through from side to side.
+/// A three-dimensional scene in which every block spans the width.
 fn width(scene: &Scene) -> Option<String> {
     let domain = &scene.file.domain;
     let is_slab = scene.fluid.is_some() && domain.dimensions == DimensionsFile::Three;

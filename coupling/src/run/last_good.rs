@@ -8,7 +8,7 @@ use crate::output::observe::ObserveError;
 
 /// Steps between two states that are kept, with water: keeping one takes less than a hundredth of the time.
 const INTERVAL_WITH_WATER: u64 = 100;
-/// The same of blocks alone, where a step takes little longer than keeping a state.
+/// Steps between two states for blocks alone, where a step takes little longer than keeping a state.
 const INTERVAL_OF_BLOCKS: u64 = 1000;
 
 /// State of a run at the end of a step.

@@ -16,13 +16,13 @@ use crate::saved::Saved;
 use crate::scene::resolve::Scene;
 use crate::world::World;
 
-/// Whoever looks at the world of a run.
+/// Observers of the world of a run.
 #[derive(Debug)]
 pub(super) struct Observers {
     pub frames: Frames,
     pub gauges: Gauges,
     pub ledgers: Ledgers,
-    /// Absent when the scene does not ask for them.
+    /// `None` unless requested by the scene.
     forces: Option<Forces>,
     trajectories: Option<Trajectories>,
     maps: Option<Maps>,
@@ -30,7 +30,7 @@ pub(super) struct Observers {
     overview: OverviewData,
 }
 
-/// Blocks of which the observers need accounts of impulses.
+/// Blocks whose impulses the observers need.
 pub(super) fn accounts(scene: &Scene, world: &World) -> Vec<usize> {
     let forces = scene.file.forces.as_ref();
     forces.map_or(Vec::new(), |asked| asked.chosen(scene, world))
@@ -71,7 +71,7 @@ impl Observers {
         })
     }
 
-    /// Those that write while the run goes on, frames last: a frame that is there has its rows in every table.
+    /// Observers that write during the run, frames last: every existing frame has its rows in every table.
     fn all(&self) -> impl Iterator<Item = &dyn Observer> {
         let Self {
             frames,
@@ -118,7 +118,7 @@ impl Observers {
         observers.into_iter().flatten()
     }
 
-    /// Has those look whose time has come.
+    /// Calls the observers that are due.
     pub fn observe(&mut self, world: &World) -> Result<(), ObserveError> {
         self.overview.note_view(world);
         for observer in self.all_mut().filter(|observer| observer.is_due(world)) {
@@ -127,7 +127,7 @@ impl Observers {
         Ok(())
     }
 
-    /// Writes what can be told only at the end.
+    /// Writes the final output.
     pub fn finish(
         &mut self,
         folder: &Path,
@@ -154,7 +154,7 @@ impl Observers {
         self.all().try_for_each(Observer::sync)
     }
 
-    /// Appends to some bytes what they have done so far.
+    /// Appends their states to a byte buffer.
     pub fn save(&self, out: Vec<u8>) -> Saved {
         let out = self
             .all()
@@ -162,7 +162,7 @@ impl Observers {
         self.overview.save(out)
     }
 
-    /// Takes it over again, and takes back what was written since; returns the rest of the bytes.
+    /// Restores their states and removes later output; returns the rest of the bytes.
     pub fn read<'b>(&mut self, bytes: &'b [u8]) -> Result<&'b [u8], ObserveError> {
         let rest = self
             .all_mut()

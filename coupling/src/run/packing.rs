@@ -1,10 +1,10 @@
-//! Packing: where walls run askew to the water's lattice, its particles are spread evenly between them before
+//! Packing: particles between walls inclined to the lattice of the water are redistributed evenly before
 //! the run.
 //!
-//! A lattice cut along a slanted wall leaves gaps and crowds of up to a spacing: still water falls into them
-//! and stirs itself, and a body seems larger or smaller than it is. Here its particles move towards where they
-//! are sparse, walls and water counted alike, until they no longer get anywhere; a mould of more lattice above
-//! the level keeps the surface where it is. Where the lattice fits, nothing moves.
+//! A lattice cut along an inclined wall leaves gaps and clusters of up to a spacing: still water flows into them,
+//! and the effective size of a body is wrong. Here particles move toward lower concentration of
+//! wall and water particles until they no longer advance; a mould of additional lattice above
+//! the level keeps the surface in place. Where the lattice fits, nothing moves.
 
 use riprap_dda::{BlockDefinition, Blocks};
 use riprap_sph::{Fluid, FluidError, Start, Vec3};
@@ -15,11 +15,11 @@ use crate::walls::penalty::Interface;
 
 /// Largest `h |∇C|` that counts as even.
 const EVEN: f64 = 1e-3;
-/// Rounds at most: unevenness spreads over some ten spacings.
+/// Largest number of iterations: unevenness spreads over some ten spacings.
 const MOST_ROUNDS: usize = 200;
 
-/// The start of the water, packed, and which of its particles are in it: where a shore is too shallow for all of them some
-/// would stand above the level.
+/// Packed initial state of the water, and the particles in it: at a shallow shore some would otherwise be above
+/// the level.
 ///
 /// # Errors
 ///
@@ -68,7 +68,7 @@ pub fn packed(
     for _ in 0..MOST_ROUNDS {
         fluid.refresh();
         interface.find(&fluid, blocks);
-        // into a sharp corner nothing but the surface itself keeps them from going on
+        // in a sharp corner only the surface itself stops them
         for intruder in interface.intruders(&fluid, blocks) {
             fluid.replace(intruder.particle as usize, intruder.clear, Vec3::zeros());
         }

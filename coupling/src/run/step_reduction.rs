@@ -1,25 +1,25 @@
-//! How a run goes on after a step that went wrong: from the last good state, with half the step for a while.
+//! Recovery from a failed step: from the last good state, with half the step for a while.
 
 use serde::{Deserialize, Serialize};
 
-/// Most times in a row that the step is halved.
+/// Largest number of successive halvings of the step.
 const MOST_HALVINGS: u32 = 5;
-/// Halvings in a row that did not take the run any farther: it is not the step.
+/// Successive halvings without progress after which the step is not considered the cause.
 const MOST_IN_VAIN: u32 = 2;
-/// Way, over that from the good state to the failure, by which a try has to come farther to be of any use.
+/// Smallest progress of a useful attempt, over the time from the good state to the failure.
 const FARTHER: f64 = 0.05;
 
 /// Attempts to recover from a failure.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct StepReduction {
-    /// Times that the step is halved at present.
+    /// Current number of halvings.
     halvings: u32,
     in_vain: u32,
-    /// Farthest that the run has come before it failed; s.
+    /// Latest time reached before a failure; s.
     failed_at: f64,
-    /// Until when steps are short; s.
+    /// End of the short steps; s.
     until: f64,
-    /// Falls back since the run began.
+    /// Number of recoveries since the start of the run.
     n_falls: u64,
 }
 
@@ -29,7 +29,7 @@ impl StepReduction {
         0 < self.halvings && time < self.until
     }
 
-    /// Share of the usual step to be taken at a time (s).
+    /// Fraction of the usual step at a time (s).
     pub fn share(&self, time: f64) -> f64 {
         match self.is_on(time) {
             true => 0.5_f64.powi(self.halvings as i32),
@@ -45,8 +45,8 @@ impl StepReduction {
         };
     }
 
-    /// After another failure at a time, from a good state at another; none where nothing helps. Steps are short until as
-    /// far beyond the failure as it is from the good state.
+    /// Reduction after another failure at a given time, from a good state; `None` if reduction does not help. Steps are short
+    /// until as far beyond the failure as it is from the good state.
     pub fn after(&self, failed_at: f64, good: f64) -> Option<Self> {
         let is_first = self.halvings == 0;
         let helped = FARTHER * (self.failed_at - good) < failed_at - self.failed_at;
@@ -67,13 +67,13 @@ impl StepReduction {
             halvings: self.halvings + 1,
             in_vain,
             failed_at,
-            // past it even where the very first step fails
+            // beyond it even if the first step fails
             until: failed_at + (failed_at - good).max(f64::MIN_POSITIVE),
             n_falls: self.n_falls + 1,
         })
     }
 
-    /// Falls back since the run began.
+    /// Number of recoveries since the start of the run.
     pub fn n_falls(&self) -> u64 {
         self.n_falls
     }

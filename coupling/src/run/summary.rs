@@ -86,7 +86,7 @@ impl Run<'_> {
         }
     }
 
-    /// Share of the steps by the cause that limited them.
+    /// Fraction of the steps by the cause that limited them.
     fn governing_causes(&self) -> BTreeMap<Cause, f64> {
         let steps = self.world.clock().steps.max(1) as f64;
         let n_steps = |cause: &Cause| self.counters.governed.get(cause).copied().unwrap_or(0);

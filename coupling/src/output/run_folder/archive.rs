@@ -40,7 +40,7 @@ impl ArchivedScene {
         let source = case.parent().unwrap_or(Path::new("."));
         for (file, name) in &self.names {
             let (from, to) = (source.join(file), folder.join(name));
-            // a case that is run into its own folder has its files there
+            // a case run into its own folder already has its files there
             let is_there = from
                 .canonicalize()
                 .is_ok_and(|from| to.canonicalize().is_ok_and(|to| from == to));
