@@ -119,7 +119,7 @@ fn wedge(steps: u32) -> Result<(), Failure> {
 fn crowd(side: usize, cubes: usize, steps: u32) -> Result<(), Failure> {
     println!("{cubes}³ cubes of 4 spacings in {side}³ spacings of water, {steps} steps; ms a step");
     println!(
-        "| walls | all | wall search | share | walls' sums | neighbours | density | forces | blocks | motion |"
+        "| walls | all | wall search | share | walls' sums | neighbors | density | forces | blocks | motion |"
     );
     println!("|---|---|---|---|---|---|---|---|---|---|");
     for (name, method) in METHODS {
@@ -143,7 +143,7 @@ fn crowd(side: usize, cubes: usize, steps: u32) -> Result<(), Failure> {
     Ok(())
 }
 
-/// A full box, spacings of a decimetre, with cubes half as heavy again as water.
+/// A full box, spacings of a decimeter, with cubes half as heavy again as water.
 fn crowd_scene(side: usize, cubes: usize) -> Result<String, std::fmt::Error> {
     let spacing = 0.1;
     let length = side as f64 * spacing;

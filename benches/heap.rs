@@ -209,12 +209,12 @@ fn measure(variant: &Variant) -> Result<(), Failure> {
         .iter()
         .map(|x| format!("{:.2}", x.z / diameter))
         .collect();
-    let millimetres = 1e3 * diameter;
+    let millimeters = 1e3 * diameter;
     let published = PUBLISHED
         .iter()
-        .find(|(d, _)| (d - millimetres).abs() < 1e-6);
+        .find(|(d, _)| (d - millimeters).abs() < 1e-6);
     println!(
-        "d {millimetres} mm, {law:?}, seed {seed}, box {width} d x {depth} d: {} of {n} beads stay, {} above the plate, at rest after {:.2} s \
+        "d {millimeters} mm, {law:?}, seed {seed}, box {width} d x {depth} d: {} of {n} beads stay, {} above the plate, at rest after {:.2} s \
          (kinetic energy {:.1e} m g d), {} steps, {:.0} s of wall",
         beads.len(),
         on_plate.len(),
@@ -262,8 +262,8 @@ fn main() -> Result<(), Failure> {
             depth = value.parse()?;
         } else if argument == "relative" {
             law = RollingLawFile::Relative;
-        } else if let Ok(millimetres) = argument.parse::<f64>() {
-            diameters.push(1e-3 * millimetres);
+        } else if let Ok(millimeters) = argument.parse::<f64>() {
+            diameters.push(1e-3 * millimeters);
         }
     }
     if diameters.is_empty() {

@@ -12,10 +12,10 @@ within; a row without its record is compared with what its scene quotes, or give
 
     SG3_IS5_motion.csv        t_s, com_x_m, com_y_m: way of the block; and for the other runs of the ellipse
     SG3_IS5_eta_t.csv         t_s, eta_x0.5_m to eta_x4.5_m: free surface at the gauges
-    falling_block_exp.csv     t_s, y_m: height of the centre
-    floating_block_exp.csv    t_s, y_m: height of the centre
+    falling_block_exp.csv     t_s, y_m: height of the center
+    floating_block_exp.csv    t_s, y_m: height of the center
     Case_A_gauges.csv         t_s, g1_mm, g2_mm: free surface
-    one_cube_exp_x.csv        t_s, x_m: place of the cube's centre
+    one_cube_exp_x.csv        t_s, x_m: place of the cube's center
     heave_codes.csv           t_s, NREL_CFD and other codes: heave, m
     d61_gauges.csv            t_s, g1ave_mm to g4ave_mm: free surface
 
@@ -212,7 +212,7 @@ def ellipse(args):
 
 
 def heights(found, asked, which):
-    """Errors of crests (0) or troughs (1) and the largest error of their times; millimetres where no record is known."""
+    """Errors of crests (0) or troughs (1) and the largest error of their times; millimeters where no record is known."""
     if asked is None:
         return ", ".join(f"{1e3 * pair[which][1]:.1f}" for pair in found) + " mm"
     errors, late = [], []
@@ -334,7 +334,7 @@ def tank(args, row, rest, until):
             if ran is not None:
                 cells[walls] = height_of_block(ran, panel, (walls, style, spacing), points, rest)
         table.append((f"{row}, {spacing} mm: root mean square of the height", "3 mm, times 0.03 s", cells))
-    panel.set_ylabel("height of the centre [mm]", fontsize=7)
+    panel.set_ylabel("height of the center [mm]", fontsize=7)
     panel.set_xlim(0, until)
     legend(panel)
     save(args, made, row)
@@ -428,11 +428,11 @@ def cube(args):
             places = ", ".join(f"{np.interp(t, time, x):.2f}" for t in (0.6, 1.0, 1.2, 1.4))
             cells[walls] = (f"{100 * apart(time, x, times[there], asked[there]) / 1.39:.1f} %, moved by {shift:+.3f} s "
                             f"{100 * apart(time, x, times[there], asked[there], shift) / 1.39:.1f} %; {places} m; "
-                            f"centre {1e3 * z.max():.0f} mm high at most; {ran.note()}")
+                            f"center {1e3 * z.max():.0f} mm high at most; {ran.note()}")
         table.append((f"cube, {1e3 * spacing:.0f} mm: root mean square of the place; at 0.6, 1.0, 1.2, 1.4 s",
                       "5 % of 1.39 m; 1.82, 2.13, 2.51, 2.90 m", cells))
     panels[0, 0].set_ylabel("place [m]", fontsize=7)
-    panels[1, 0].set_ylabel("height of the centre [mm]", fontsize=7)
+    panels[1, 0].set_ylabel("height of the center [mm]", fontsize=7)
     legend(panels[0, 0])
     save(args, made, "cube")
     return table

@@ -114,7 +114,7 @@ def still(args):
             str(made.summary["particles_escaped"]),
             f"{made.cpu:.0f}",
         ])
-    table(["still", "rms speed over sqrt(gH): start, most, end", "centre of mass", "escaped", "cpu s"], rows)
+    table(["still", "rms speed over sqrt(gH): start, most, end", "center of mass", "escaped", "cpu s"], rows)
 
 
 # A channel of still water with a ramp, made so that the numbers of Heller & Hager are in the range of their tests.

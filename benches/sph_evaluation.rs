@@ -1,6 +1,6 @@
 //! Speed of the water: a dam break column between walls, before it falls and while it falls.
 //!
-//! `cargo bench -p riprap-sph --bench sph_evaluation -- [SPACING ...]`, SPACING in metres: 0.0116
+//! `cargo bench -p riprap-sph --bench sph_evaluation -- [SPACING ...]`, SPACING in meters: 0.0116
 //! (50,000 particles) when left out, 0.0074 (200,000), 0.0043 (a million; 0.8 GB and some minutes).
 //!
 //! An evaluation is the density rates and the forces of all particles from fluid and walls at one
@@ -8,7 +8,7 @@
 //! of the parts of an evaluation, with the share of each roof that they reach: bytes from memory, multiply-adds,
 //! divisions and square roots, counted as `counts` says and measured as `roofs` does. The roof of the largest share
 //! is the nearest; none binds that is far from 100 %. A line of all settings comes last; its pairs are those of
-//! the fluid, each neighbour once per sum.
+//! the fluid, each neighbor once per sum.
 
 use std::time::Instant;
 
@@ -147,7 +147,7 @@ struct Setting {
 struct Found {
     setting: Setting,
     needs: Needs,
-    /// Neighbours of all particles.
+    /// Neighbors of all particles.
     neighbors: f64,
     seconds: Seconds,
     beside: Beside,
@@ -157,7 +157,7 @@ struct Found {
     /// Steps timed, and those that sorted.
     steps: u32,
     sorts: u32,
-    /// Of the fluid's arrays, its lists of neighbours and the walls' arrays, and as the system counts it; bytes.
+    /// Of the fluid's arrays, its lists of neighbors and the walls' arrays, and as the system counts it; bytes.
     arrays: [f64; 3],
     resident: Option<f64>,
 }
@@ -298,7 +298,7 @@ impl Found {
         ));
         let pairs = 2.0 * self.neighbors + 2.0 * c.from_walls.pairs + c.to_walls.pairs;
         print(&format!(
-            "  {:.1} neighbours in lists of {:.1}; {pairs:.3e} pairs an evaluation with those of the walls, {:.3e} a second",
+            "  {:.1} neighbors in lists of {:.1}; {pairs:.3e} pairs an evaluation with those of the walls, {:.3e} a second",
             self.neighbors / n,
             c.entries / n,
             pairs / total,

@@ -175,7 +175,7 @@ def pile():
 {structure()}
 {chr(10).join(armour(lots(), EDGE))}
     ],
-    // they sink at half a metre per second
+    // they sink at half a meter per second
     numerics: (static_damping: MassProportional(20), expected_speed: 0.5),
     time: (duration: 2.5),
     gauges: [Displaced(name: "off", blocks: "armour", farther_than: {6 * EDGE:g})],

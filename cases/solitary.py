@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Paddle records for water waves, from closed forms; standard library only.
 
-    python3 solitary.py 1.0 0.3 > solitary_paddle.csv     depth and height of the wave in metres
+    python3 solitary.py 1.0 0.3 > solitary_paddle.csv     depth and height of the wave in meters
 
 Goring (1978): the paddle moves with the depth-averaged water, xi(t) = (H/k) tanh(k (c t - xi)/d) + its start, with
 Rayleigh's outskirts decay k = sqrt(3 H/(4 (d + H))) and c = sqrt(g (d + H)). The record starts at rest at x = 0.

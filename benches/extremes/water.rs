@@ -42,7 +42,7 @@ pub const TRIALS: &[Trial] = &[
     Trial {
         id: "X21",
         subject: "time reversal",
-        run: backwards,
+        run: backward,
     },
     Trial {
         id: "depth",
@@ -51,7 +51,7 @@ pub const TRIALS: &[Trial] = &[
     },
     Trial {
         id: "scale",
-        subject: "scale from millimetres to ten metres",
+        subject: "scale from millimeters to ten meters",
         run: scale,
     },
 ];
@@ -351,7 +351,7 @@ fn creep(length: Length) -> Result<Vec<Row>, Failure> {
         ),
         holds: "all of the range".to_owned(),
         past: "not reached".to_owned(),
-        theory: "centre of mass stays within 1e-3 dp".to_owned(),
+        theory: "center of mass stays within 1e-3 dp".to_owned(),
         measured: format!(
             "sideways {:.1e} dp; up by tenths of the run, in dp: {}; second half {:+.1e}; without density diffusion {without:.1e} dp in all",
             all.x,
@@ -359,12 +359,12 @@ fn creep(length: Length) -> Result<Vec<Row>, Failure> {
             late.z
         ),
         missed: (all.norm() > 1e-3)
-            .then(|| format!("the centre of mass moves by {:.1e} dp, lifted by the density diffusion at the surface", all.norm())),
+            .then(|| format!("the center of mass moves by {:.1e} dp, lifted by the density diffusion at the surface", all.norm())),
         ..Row::default()
     }])
 }
 
-fn backwards(_: Length) -> Result<Vec<Row>, Failure> {
+fn backward(_: Length) -> Result<Vec<Row>, Failure> {
     let mut figures = Vec::new();
     let margin = sweep(&[1e-4, 1e-3, 1e-2, 1e-1, 1.0], 3, |speed| {
         let back = crate::steps::there_and_back(speed, 200).map_err(|e| e.to_string())?;

@@ -8,7 +8,7 @@ gravities of the block, IS5 to IS2 starts from shallow to deep. Everything is th
 how it goes: its speed along the bed is linear between knots fitted to each measured way, the largest error of the way up to
 4.4 s beside it. `free` writes the same block let go on the ramp, with its base on it and water below its front.
 
-The submergence published, d = 0.05 to 0.2 m, is said to be that of the centre of mass; in the records it is that of the top
+The submergence published, d = 0.05 to 0.2 m, is said to be that of the center of mass; in the records it is that of the top
 within 2 mm, for all starts. Blocks start where their record starts.
 
 Measured, walls of particles: crests and troughs mostly 10 to 40 % too high, those of the slowest block (SG1_IS5) up to 63 %,

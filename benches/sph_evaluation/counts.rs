@@ -6,8 +6,8 @@
 //! multiply-add does. Divisions and square roots have a unit of their own and are counted apart. Loads, shuffles
 //! and the packing of those found are not arithmetic and count nowhere; neither do empty lanes.
 //!
-//! Bytes are those of arrays read or written once by each loop over particles. Records of neighbours are read
-//! many times, but from the caches: they count once. Lists of neighbours are read once by each sum.
+//! Bytes are those of arrays read or written once by each loop over particles. Records of neighbors are read
+//! many times, but from the caches: they count once. Lists of neighbors are read once by each sum.
 
 use std::ops::Add;
 
@@ -167,7 +167,7 @@ const WALL_FORCE: Term = Term {
     operations: 17.0,
     divisions: 1.0,
 };
-/// The filter, in integers and single precision always: differences 3, conversions 3, metres 3, square 3,
+/// The filter, in integers and single precision always: differences 3, conversions 3, meters 3, square 3,
 /// comparison 1, number of the candidate 1.
 const FILTER: f64 = 14.0;
 

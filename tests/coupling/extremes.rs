@@ -44,7 +44,7 @@ fn on_floor(block: &str, material: &str) -> String {
     )
 }
 
-/// X04: the stiffness that is chosen is that of a plate as thin as a millimetre: a share of its size alone would be four times
+/// X04: the stiffness that is chosen is that of a plate as thin as a millimeter: a share of its size alone would be four times
 /// the overlap at which a step is refused.
 #[test]
 fn a_thin_plate_lands_with_the_stiffness_that_is_chosen() {
@@ -163,7 +163,7 @@ fn a_body_a_twentieth_as_dense_as_water_floats() {
     println!("X19: fastest {fastest:.2} m/s, bottom at {bottom:.3} m of 0.49");
     // half a side of lift gives √(g a) = 1.4 m/s
     assert!(fastest < (G * 0.2).sqrt());
-    // its draught is a centimetre, 0.4 spacings: within a spacing and a half
+    // its draught is a centimeter, 0.4 spacings: within a spacing and a half
     assert!((bottom - 0.49).abs() < 1.5 * dp);
 }
 
@@ -203,8 +203,8 @@ fn water_follows_froude() {
     assert!(other < 1e-3, "{other}");
 }
 
-/// The walls of a slice are those of its plane, however thin it is: of a spacing of a kilometre and a slice of a tenth of a
-/// metre there were none.
+/// The walls of a slice are those of its plane, however thin it is: of a spacing of a kilometer and a slice of a tenth of a
+/// meter there were none.
 #[test]
 fn a_slice_has_walls_however_thin() {
     let walls = |spacing: f64| {

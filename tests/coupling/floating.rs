@@ -63,7 +63,7 @@ fn basin(length: f64, height: f64, level: f64, spacing: f64, body: &str, more: &
     )
 }
 
-/// Smallest and largest of some values, and the times at which they cross their mean upwards.
+/// Smallest and largest of some values, and the times at which they cross their mean upward.
 fn crossings(samples: &[(f64, f64)]) -> (f64, Vec<f64>) {
     let mean = samples.iter().map(|s| s.1).sum::<f64>() / samples.len() as f64;
     let rising = samples
@@ -282,7 +282,7 @@ fn c10_water_that_hits_a_block_keeps_its_momentum() {
         let size = 2.0 * RHO * 0.4_f64.powi(3);
         let (linear, angular) = (
             (end[0] - start[0]).norm() / size,
-            // an arm of a metre stands for the moment
+            // an arm of a meter stands for the moment
             (end[1] - start[1]).norm() / size,
         );
         let given = world.blocks.velocity(0).x * world.blocks.mass(0) / size;

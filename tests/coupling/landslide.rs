@@ -27,7 +27,7 @@ struct Raster {
 }
 
 impl Raster {
-    /// Writes it with its lower-left cell named by its centre.
+    /// Writes it with its lower-left cell named by its center.
     fn write(&self, path: &Path, height: impl Fn(f64, f64) -> f64) {
         self.write_named(path, ("xllcenter", "yllcenter"), self.corner, height);
     }
@@ -111,12 +111,12 @@ const JOINTS: &str = "joint_sets: [(dip_deg: 40, dip_direction_deg: 90, spacing:
     (dip_deg: 75, dip_direction_deg: 270, spacing: 18, scatter_deg: 3, spacing_scatter: 0.2),
     (dip_deg: 88, dip_direction_deg: 10, spacing: 19, spacing_scatter: 0.2)], seed: 2";
 
-/// Rows run from the north; a cell may be named by its centre or its corner.
+/// Rows run from the north; a cell may be named by its center or its corner.
 #[test]
 fn centres_and_corners_of_cells_are_told_apart() {
     let folder = tempfile::tempdir().unwrap();
     let raster = valley();
-    raster.write(&folder.path().join("centre.asc"), hummocky);
+    raster.write(&folder.path().join("center.asc"), hummocky);
     let corner = raster.corner.map(|x| x - 0.5 * raster.cell);
     let named = ("xllcorner", "yllcorner");
     raster.write_named(&folder.path().join("corner.asc"), named, corner, hummocky);
@@ -124,14 +124,14 @@ fn centres_and_corners_of_cells_are_told_apart() {
         let terrain = format!("(sources: [(file: \"{file}\")])");
         terrain_of(folder.path(), &terrain).unwrap().grid
     };
-    let grid = of("centre.asc");
+    let grid = of("center.asc");
     assert_eq!(grid, of("corner.asc"));
     let [x, y] = grid.place([7, 11]);
     assert_eq!([x, y], [70.0, -40.0]);
     assert_eq!(grid.height([x, y]), Some(hummocky(x, y)));
 }
 
-/// A map 1e6 m off and a kilometre high gives the scene the same terrain: heights in a file of 1e6 m have 1e-10 m of round-off.
+/// A map 1e6 m off and a kilometer high gives the scene the same terrain: heights in a file of 1e6 m have 1e-10 m of round-off.
 #[test]
 fn a_far_map_is_shifted_to_the_scene() {
     let folder = tempfile::tempdir().unwrap();
@@ -760,11 +760,11 @@ fn a_turned_slope_fails_alike() {
     });
     let turned = Vec3::new(-ways[0].y, ways[0].x, ways[0].z);
     println!("{:.4?} and {:.4?}", ways[0], ways[1]);
-    // of a way of some metres: triangles of rough ground differ by 1 mm
+    // of a way of some meters: triangles of rough ground differ by 1 mm
     assert!((ways[1] - turned).norm() < 0.01 * ways[0].norm());
 }
 
-/// Feet for metres and degrees for both are asked about.
+/// Feet for meters and degrees for both are asked about.
 #[test]
 fn implausible_terrain_is_questioned() {
     let folder = tempfile::tempdir().unwrap();

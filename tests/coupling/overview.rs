@@ -7,7 +7,7 @@ use riprap::overview::{Outline, Overview, Record, Snapshot, svg};
 use riprap::scene::terrain::grid::Grid;
 use std::path::Path;
 
-/// Writes a page where the build keeps temporary files, after what every page must fulfil.
+/// Writes a page where the build keeps temporary files, after what every page must fulfill.
 fn keep(name: &str, overview: &Overview) -> String {
     let page = svg(overview);
     let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
@@ -170,7 +170,7 @@ fn a_breaking_wave() {
     assert!(!page.contains("exaggeration"));
 }
 
-/// A flume of 100 m by 1.2 m: exaggerated upwards, and the factor is stated.
+/// A flume of 100 m by 1.2 m: exaggerated upward, and the factor is stated.
 #[test]
 fn a_long_flume() {
     let snapshots = [0.0, 30.0, 60.0].map(|time: f32| {

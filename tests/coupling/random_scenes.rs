@@ -34,7 +34,7 @@ fn place(low: [f64; 3], high: [f64; 3]) -> impl Strategy<Value = String> {
         .prop_map(|(x, y, z)| format!("({x:?}, {y:?}, {z:?})"))
 }
 
-/// A body about the origin, no larger than some tenths of a metre.
+/// A body about the origin, no larger than some tenths of a meter.
 fn shape() -> impl Strategy<Value = String> {
     let size = || number(0.05..0.3);
     let extent = || (size(), size(), size());

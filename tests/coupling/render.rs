@@ -183,7 +183,7 @@ fn the_camera_of_the_scene_is_the_camera_of_the_frame() -> Result<()> {
     synthetic_run::write(run.path(), &small_tank(), camera, 0)?;
     let (summary, _) = drawn(run.path(), &text_only(WaterLook::Particles))?;
     let text = fs::read_to_string(&summary.scenes[1])?;
-    // A scene of 1 to 10 m is drawn in centimetres: POV-Ray overlooks gaps below 0.001.
+    // A scene of 1 to 10 m is drawn in centimeters: POV-Ray overlooks gaps below 0.001.
     assert!(text.contains("#declare Riprap_Unit = 100;"));
     assert!(text.contains("#declare Riprap_Eye = <100, -400, 200>;"));
     assert!(text.contains("#declare Riprap_Target = <50, 0, 25>;"));
@@ -266,10 +266,10 @@ fn povray_makes_pictures_of_the_right_size_and_ffmpeg_a_film() -> Result<()> {
     let mut pixels = vec![0; reader.output_buffer_size().unwrap_or_default()];
     let info = reader.next_frame(&mut pixels)?;
     assert_eq!((info.width, info.height), (97, 54));
-    let mut colours: Vec<&[u8]> = pixels.chunks(info.color_type.samples()).collect();
-    colours.sort_unstable();
-    colours.dedup();
-    assert!(100 < colours.len(), "{} colours", colours.len());
+    let mut colors: Vec<&[u8]> = pixels.chunks(info.color_type.samples()).collect();
+    colors.sort_unstable();
+    colors.dedup();
+    assert!(100 < colors.len(), "{} colors", colors.len());
 
     // The frames are 0.1 s apart: real time at 10 per second.
     if let Some(film) = summary.film {

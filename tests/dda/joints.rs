@@ -357,7 +357,7 @@ fn slivers_are_merged() {
     assert_eq!((left.count(), merged.n_left), (0, 0));
 }
 
-/// A turned mass is merged alike: scattered blocks, and equal ones, where rounding would choose among neighbours.
+/// A turned mass is merged alike: scattered blocks, and equal ones, where rounding would choose among neighbors.
 #[test]
 fn a_turned_mass_is_merged_alike() {
     let boxes = {

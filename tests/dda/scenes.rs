@@ -100,12 +100,12 @@ fn wedge_slides_without_chatter() {
         worst = worst.max((normal / (weight * angle.cos()) - 1.0).abs());
     }
     let x = blocks.centroid(1);
-    let travelled = blocks.velocity(1).norm();
-    println!("{n} steps, at {x}, speed {travelled}");
+    let traveled = blocks.velocity(1).norm();
+    println!("{n} steps, at {x}, speed {traveled}");
     assert_below("chatter of the normal force", worst, 1e-6);
     assert_close(
         "speed",
-        travelled,
+        traveled,
         1.2 * G * (angle.sin() - friction * angle.cos()),
         5e-3,
     );

@@ -753,7 +753,7 @@ fn balls_of_many_sizes_come_to_rest() {
         .filter(|&b| system.is_free(b))
         .map(|b| 0.5 * system.mass(b) * system.velocity(b).norm_squared())
         .sum();
-    assert_below("kinetic, of the centres, over lost", moving / lost, 1e-6);
+    assert_below("kinetic, of the centers, over lost", moving / lost, 1e-6);
     // First order at impacts that a step cuts in two; 5e-4 measured.
     assert_below("ledger", ((ledger(&energies) - start) / lost).abs(), 2e-3);
 }

@@ -96,7 +96,7 @@ pub fn arch(n: usize, thickness: f64) -> Vec<BlockDefinition> {
     definitions
 }
 
-/// Fall of the crown in the given time, at least 3 s, or until it has fallen by half a metre; m.
+/// Fall of the crown in the given time, at least 3 s, or until it has fallen by half a meter; m.
 fn crown_falls(thickness: f64, time: f64) -> f64 {
     let material = Material {
         // No sliding: the arch fails by hinges.

@@ -51,7 +51,7 @@ fn misprint_of_eq_18_viscosity_takes_energy() {
     assert!(sum.norm() < 1e-7 * size);
 }
 
-/// Misprint of Eq. 12: the sum runs over the neighbours' masses; on a lattice it gives ρ₀.
+/// Misprint of Eq. 12: the sum runs over the neighbors' masses; on a lattice it gives ρ₀.
 #[test]
 fn misprint_of_eq_12_lattice_water_has_its_reference_density() {
     for support_over_spacing in [2.4, 3.0, 4.0] {
@@ -61,7 +61,7 @@ fn misprint_of_eq_12_lattice_water_has_its_reference_density() {
         }
         .fluid(|_| Vec3::zeros(), |_| Vec3::zeros());
         for density in &fluid.particles().density {
-            // the normalised sum is exact up to the round-off of a hundred terms
+            // the normalized sum is exact up to the round-off of a hundred terms
             assert!((density - 1000.0).abs() < 1e-9, "{density}");
         }
     }

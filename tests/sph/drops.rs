@@ -129,7 +129,7 @@ fn a_stretched_drop_follows_its_ellipse() {
 fn a_turning_patch_keeps_its_spin() {
     let (n, dp) = (16, 1.0 / 32.0);
     for (name, viscosity, shifting, limit) in [
-        // asked 1e-10; forces along the line of centres have no moment but for round-off
+        // asked 1e-10; forces along the line of centers have no moment but for round-off
         ("inviscid", Viscosity::None, Shifting::None, 1e-10),
         (
             "laminar",

@@ -22,7 +22,7 @@ fn predicted(scheme: Scheme) -> Scheme {
     }
 }
 
-/// A periodic box of jittered water with random velocities of some metres a second.
+/// A periodic box of jittered water with random velocities of some meters a second.
 fn jittered(scheme: Scheme, support_over_spacing: f64) -> (PeriodicBox, Water) {
     let setup = PeriodicBox {
         scheme,

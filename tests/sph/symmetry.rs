@@ -141,7 +141,7 @@ fn eighth(name: &str, scheme: Scheme, n_steps: usize) -> [f64; 3] {
         found[1],
         found[2]
     );
-    // the same neighbours, and as many of them
+    // the same neighbors, and as many of them
     assert_eq!(8 * part.n_pairs(), whole.n_pairs(), "{name}");
     [found[0] / dp, found[1], found[2]]
 }

@@ -1,4 +1,4 @@
-//! Sums over neighbours against every pair there is.
+//! Sums over neighbors against every pair there is.
 
 use riprap_sph::boundary::wall_particles::{Slip, WallParticles};
 use riprap_sph::kernel::{Kernel, PointKernel};
@@ -17,7 +17,7 @@ const NU: f64 = 0.02;
 
 /// Random particles and wall points in a box.
 struct Crowd {
-    /// Whether neighbours are listed before the particles move, and not where they have moved to.
+    /// Whether neighbors are listed before the particles move, and not where they have moved to.
     lists_first: bool,
     extent: Vec3,
     periodic: Periodicity,
@@ -66,7 +66,7 @@ fn numbers(values: &[f64]) -> Vec<Vec3> {
 }
 
 impl Crowd {
-    /// A lattice of 25 neighbours, in space and in the plane.
+    /// A lattice of 25 neighbors, in space and in the plane.
     fn spacing(&self) -> [f64; 3] {
         match self.dimensions {
             Dimensions::Three => [1.1 * H; 3],

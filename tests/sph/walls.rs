@@ -136,7 +136,7 @@ fn still_water_stays_still_in_the_plane() {
 }
 
 /// S04 in space: a slab, periodic across. Water that stirs itself lets its pressure breathe, and one run is one draw:
-/// h/dp changed by 1e-8 to 1e-4 gave 0.2 to 4.2 %, with lists of neighbours and without. The bound is that of the median
+/// h/dp changed by 1e-8 to 1e-4 gave 0.2 to 4.2 %, with lists of neighbors and without. The bound is that of the median
 /// of five; with h/dp = 2 each run keeps it.
 #[test]
 fn still_water_stays_still_in_space() {
@@ -146,7 +146,7 @@ fn still_water_stays_still_in_space() {
     // asked 1.5 % of every run, which these miss
     assert!(pressures[2] < 0.015, "{pressures:?}");
     for still in &draws {
-        // asked 5e-3 m/s; measured 4e-2 to 1e-1, rms 2e-2. Eighty neighbours are too few to keep a lattice that
+        // asked 5e-3 m/s; measured 4e-2 to 1e-1, rms 2e-2. Eighty neighbors are too few to keep a lattice that
         // pressure holds together: 2.6e-2 at h/dp = 1.5, 1.5e-3 at 2; 2.1e-2 at 1.3 with α = 0.1
         assert!(still.speed[0] < 0.1, "{still:?}");
     }
@@ -309,7 +309,7 @@ fn flow_between_plates_starts_as_the_series_says() {
                 &errors,
             );
             let limit = match (flow, viscosity) {
-                // forces along lines of centres see a shear by Σ V W' x²z²/r³ of the lattice, which makes
+                // forces along lines of centers see a shear by Σ V W' x²z²/r³ of the lattice, which makes
                 // the viscosity 5 % too small at h/dp = 2 (20 % at 1.3), whatever the spacing; measured
                 // 4.3e-2. Morris has 1.5 % (3.7 %)
                 (StartUp::Poiseuille, Viscosity::Laminar { .. }) => 0.05,

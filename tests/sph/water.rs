@@ -249,7 +249,7 @@ pub fn short(numbers: &[f64]) -> String {
     format!("[{}]", each.join(", "))
 }
 
-/// Mean slope of `log error` over `log spacing`, and the slopes between neighbours, printed.
+/// Mean slope of `log error` over `log spacing`, and the slopes between neighbors, printed.
 pub fn order(name: &str, spacings: &[f64], errors: &[f64]) -> f64 {
     let slopes: Vec<f64> = spacings
         .windows(2)

@@ -19,13 +19,13 @@ pub struct Experiment {
     /// Corners of fixed boxes, and legs of a wedge whose right angle is at the origin.
     pub walls: Vec<[[f64; 3]; 2]>,
     pub wedge: [f64; 3],
-    /// Edge and position of the block's centre over time; m.
+    /// Edge and position of the block's center over time; m.
     pub block: f64,
     pub path: fn(f64) -> [f64; 3],
     pub times: Vec<f64>,
 }
 
-/// A tank a metre long: water sloshing over a slope, a block tumbling in.
+/// A tank a meter long: water sloshing over a slope, a block tumbling in.
 pub fn tank(spacing: f64) -> Experiment {
     let (l, w, h, d) = (1.2, 0.6, 0.55, 0.03);
     Experiment {
@@ -217,7 +217,7 @@ fn corners(min: [f64; 3], max: [f64; 3]) -> Vec<[f64; 3]> {
 
 fn block(experiment: &Experiment, time: f64) -> PolyData {
     let half = 0.5 * experiment.block;
-    let centre = (experiment.path)(time);
+    let center = (experiment.path)(time);
     // As wide as the flume allows, turned about y.
     let wide = half.min(0.45 * experiment.water[1]);
     let angle = 0.6 + 1.3 * time / (1.0 + time);
@@ -226,9 +226,9 @@ fn block(experiment: &Experiment, time: f64) -> PolyData {
         .map(|[x, y, z]| {
             let (s, c) = angle.sin_cos();
             [
-                centre[0] + c * x + s * z,
-                centre[1] + y,
-                centre[2] - s * x + c * z,
+                center[0] + c * x + s * z,
+                center[1] + y,
+                center[2] - s * x + c * z,
             ]
         });
     let mut mesh = Mesh::default();

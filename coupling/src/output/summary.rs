@@ -54,7 +54,7 @@ pub struct Summary {
     /// Particle spacing; m.
     pub particle_spacing: f64,
     /// Mean number of neighbors of a particle, excluding itself, over the run.
-    pub mean_neighbours: f64,
+    pub mean_neighbors: f64,
     /// Particles times steps, without settling (as all that follows) and without sleeping particles.
     pub particle_steps: u64,
     /// Fraction of awake particles over the run: 1 where water does not sleep.
@@ -121,7 +121,7 @@ pub struct Summary {
 #[derive(Clone, Copy, Debug, Default, Serialize)]
 pub struct TimeByPhase {
     /// Sorting and neighbor search.
-    pub neighbours: f64,
+    pub neighbors: f64,
     /// Densities and pressures.
     pub density: f64,
     /// Pair forces in the fluid.

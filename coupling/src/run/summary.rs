@@ -47,7 +47,7 @@ impl Run<'_> {
             fixed_blocks: count(&|b| world.is_fixed(b)),
             prescribed_blocks: count(&|b| matches!(blocks.motion(b), Motion::Prescribed(_))),
             particle_spacing: (self.scene.fluid.as_ref()).map_or(0.0, |f| f.walls.particle_spacing),
-            mean_neighbours: ratio(extremes.pair_interactions, extremes.particle_steps),
+            mean_neighbors: ratio(extremes.pair_interactions, extremes.particle_steps),
             particle_steps_per_second: per_second(extremes.particle_steps),
             particle_steps: extremes.particle_steps,
             awake_share: ratio(
@@ -97,7 +97,7 @@ impl Run<'_> {
     fn time_by_phase(&self) -> TimeByPhase {
         let phases = self.world.phases();
         TimeByPhase {
-            neighbours: phases.neighbors.as_secs_f64(),
+            neighbors: phases.neighbors.as_secs_f64(),
             density: phases.density.as_secs_f64(),
             forces: phases.forces.as_secs_f64(),
             contact_detection: phases.broad_phase.as_secs_f64(),

@@ -441,7 +441,7 @@ fn what_is_to_be_packed_has_the_volume_of_the_basin() {
     assert_eq!(packed.mould.len(), 4 * 40 * 20);
 }
 
-/// Distance and number of the nearest neighbours of a close packing: 12 in space, at `2^(1/6)` spacings of the cubic lattice
+/// Distance and number of the nearest neighbors of a close packing: 12 in space, at `2^(1/6)` spacings of the cubic lattice
 /// of the same volume, and 6 in a plane, at `(4/3)^(1/4)`.
 #[test]
 fn a_staggered_lattice_is_the_densest() {
@@ -460,7 +460,7 @@ fn a_staggered_lattice_is_the_densest() {
         domain.dimensions = dimensions;
         let packed = lattice(&water, &domain, &tank(), 4).unwrap();
         let distance = distance * spacing;
-        // those that have all of their neighbours in the tank
+        // those that have all of their neighbors in the tank
         let inner = packed.positions.iter().filter(|x| {
             (0.2..1.8).contains(&x.x)
                 && (0.2..0.6).contains(&x.z)
