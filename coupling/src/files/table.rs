@@ -203,7 +203,8 @@ impl TableData {
     fn index(&self, name: &str) -> Result<usize, TableError> {
         let wanted = Column::parse(name.trim());
         let fits = |column: &Column| {
-            column.name == wanted.name && (wanted.unit.is_empty() || column.unit == wanted.unit)
+            present_name(&column.name) == present_name(&wanted.name)
+                && (wanted.unit.is_empty() || column.unit == wanted.unit)
         };
         let mut found = self
             .columns
@@ -224,6 +225,14 @@ impl TableData {
             }),
         }
     }
+}
+
+/// Renamed columns, old and new name; each is found under both for one release.
+const RENAMED: [(&str, &str); 1] = [("laid_to_rest", "sleep_loss")];
+
+fn present_name(name: &str) -> &str {
+    let renamed = RENAMED.iter().find(|(old, _)| *old == name);
+    renamed.map_or(name, |(_, new)| new)
 }
 
 /// Reads a whole table.
@@ -418,6 +427,16 @@ mod tests {
         fs::write(file.path(), text).unwrap();
         let name = file.path().display().to_string();
         read_table(file.path()).map_err(|error| error.to_string().replace(&name, "x.csv"))
+    }
+
+    #[test]
+    fn a_renamed_column_is_found_under_both_names() {
+        for header in ["laid_to_rest", "sleep_loss"] {
+            let table = parsed(&format!("time [s],{header} [J]\n0,1\n")).unwrap();
+            for name in ["laid_to_rest", "sleep_loss [J]"] {
+                assert_eq!(table.column(name).unwrap(), [1.0], "{header} {name}");
+            }
+        }
     }
 
     #[test]

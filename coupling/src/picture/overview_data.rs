@@ -11,13 +11,13 @@ use super::overview::{Chart, Outline, Overview, Record, Snapshot, svg};
 use crate::files::table::{TableData, read_table};
 use crate::output::observe::ObserveError;
 use crate::output::observe::gauges::Gauges;
-use crate::output::observe::ledgers::ENERGY_COLUMNS;
 use crate::output::observe::maps::Maps;
 use crate::output::observe::trajectories::Trajectories;
 use crate::output::run_folder;
 use crate::saved::{Read, Saved};
 use crate::scene::resolve::Scene;
 use crate::world::World;
+use crate::world::ledger::Energy;
 
 /// Collects the data of `overview.svg` during a run.
 #[derive(Debug)]
@@ -53,10 +53,7 @@ impl OverviewData {
                     .iter()
                     .map(|(_, name, unit)| record(name, unit))
                     .collect(),
-                energy: ENERGY_COLUMNS
-                    .iter()
-                    .map(|name| record(name, "J"))
-                    .collect(),
+                energy: Energy::TERMS.iter().map(|name| record(name, "J")).collect(),
                 view: ([min.0, min.2], [max.0, max.2]),
                 plan: plan::begun(scene, world),
             },

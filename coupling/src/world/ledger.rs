@@ -8,53 +8,72 @@ use crate::world::World;
 use riprap_dda::{Blocks, Load};
 use riprap_sph::{Exchange, Vec3};
 
-/// Energy terms; J. Losses and works count from the start of the ledger.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub struct Energy {
+/// Declares every term once: the field, its column of `energy.csv` and its place in the row.
+macro_rules! energy_terms {
+    ($($(#[$doc:meta])* $term:ident,)*) => {
+        /// Energy terms; J. Losses and works count from the start of the ledger.
+        #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+        pub struct Energy {
+            $($(#[$doc])* pub $term: f64,)*
+        }
+
+        impl Energy {
+            /// Names of the terms.
+            pub const TERMS: &'static [&'static str] = &[$(stringify!($term)),*];
+
+            /// The terms in the order of [`Energy::TERMS`]; J.
+            pub fn terms(&self) -> [f64; Self::TERMS.len()] {
+                [$(self.$term),*]
+            }
+        }
+    };
+}
+
+energy_terms! {
     /// Of motion, fluid and free blocks.
-    pub kinetic: f64,
+    kinetic,
     /// In the field of gravity.
-    pub potential: f64,
+    potential,
     /// In contact springs, bolts, supports and penalty walls.
-    pub elastic: f64,
+    elastic,
     /// In deformable blocks.
-    pub strain: f64,
+    strain,
     /// Of compression of the fluid.
-    pub internal: f64,
+    internal,
     /// Taken by friction between blocks.
-    pub friction: f64,
+    friction,
     /// Taken by viscosity.
-    pub viscous: f64,
+    viscous,
     /// Of compression, taken by density diffusion.
-    pub diffusive: f64,
+    diffusive,
     /// Taken by the dashpots of contacts and walls.
-    pub damping: f64,
+    damping,
     /// Taken by the viscosity of deformable blocks.
-    pub strain_damping: f64,
+    strain_damping,
     /// Taken by the damping of a search for rest.
-    pub static_damping: f64,
+    static_damping,
     /// Taken by bolts that yield.
-    pub plastic: f64,
+    plastic,
     /// Taken where particles stopped at a solid, or were put back from its inside.
-    pub pushed_back: f64,
+    pushed_back,
     /// Carried off by what left the domain.
-    pub removed: f64,
+    removed,
     /// Taken by absorbing layers.
-    pub absorbed: f64,
+    absorbed,
     /// What was left of the motion of water that was laid to rest, to sleep.
-    pub laid_to_rest: f64,
+    laid_to_rest,
     /// Brought in by prescribed blocks and given loads.
-    pub external_work: f64,
+    external_work,
     /// Brought in by water in joints too narrow for particles, which pushes blocks apart.
-    pub joint_water: f64,
+    joint_water,
     /// Brought in through inflows and outflows, with what holding the flow there takes or gives.
-    pub through_openings: f64,
+    through_openings,
     /// Brought in where water meets walls of particles or integrals: what the water has from their pressure less what their
     /// blocks gave, `Σ p_w V_w V_a (v_w − v_a)·∇W`. That pressure is continued from the water, nothing stores its work: an
     /// error of the walls, which goes with the spacing. Cercos-Pita, Antuono, Colagrossi & Souto-Iglesias (2017).
-    pub at_walls: f64,
+    at_walls,
     /// What the terms above leave unexplained since the start: the error of the scheme.
-    pub residual: f64,
+    residual,
 }
 
 impl Energy {

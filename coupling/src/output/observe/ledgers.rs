@@ -21,82 +21,6 @@ pub struct Ledgers {
     row: Vec<f64>,
 }
 
-/// Columns of `energy.csv` after the time, in the order of [`energy_row`].
-pub const ENERGY_COLUMNS: [&str; 21] = [
-    "kinetic",
-    "potential",
-    "elastic",
-    "strain",
-    "internal",
-    "friction",
-    "viscous",
-    "diffusive",
-    "damping",
-    "strain_damping",
-    "static_damping",
-    "plastic",
-    "pushed_back",
-    "removed",
-    "absorbed",
-    "laid_to_rest",
-    "external_work",
-    "joint_water",
-    "through_openings",
-    "at_walls",
-    "residual",
-];
-
-/// The terms of the ledger in the order of [`ENERGY_COLUMNS`]; J.
-pub fn energy_row(energy: &Energy) -> [f64; 21] {
-    // no `..`: a new term cannot be forgotten
-    let Energy {
-        kinetic,
-        potential,
-        elastic,
-        strain,
-        internal,
-        friction,
-        viscous,
-        diffusive,
-        damping,
-        strain_damping,
-        static_damping,
-        plastic,
-        pushed_back,
-        removed,
-        absorbed,
-        laid_to_rest,
-        external_work,
-        joint_water,
-        through_openings,
-        at_walls,
-        residual,
-    } = *energy;
-    [
-        kinetic,
-        potential,
-        elastic,
-        strain,
-        internal,
-        friction,
-        viscous,
-        diffusive,
-        damping,
-        strain_damping,
-        static_damping,
-        plastic,
-        pushed_back,
-        removed,
-        absorbed,
-        laid_to_rest,
-        external_work,
-        joint_water,
-        through_openings,
-        at_walls,
-        residual,
-    ]
-}
-
 /// Columns of `blocks.csv`: one row per block that can move and time.
 const BLOCK_COLUMNS: [(&str, &str); 20] = [
     ("time", "s"),
@@ -134,7 +58,7 @@ impl Ledgers {
         start: Start,
     ) -> Result<Self, ObserveError> {
         let mut columns = vec![Column::new("time", "s")];
-        columns.extend(ENERGY_COLUMNS.map(|name| Column::new(name, "J")));
+        columns.extend(Energy::TERMS.iter().map(|term| Column::new(*term, "J")));
         let has_movers = (0..world.blocks.n_blocks()).any(|b| !world.is_fixed(b));
         let blocks = has_movers
             .then(|| {
@@ -160,7 +84,7 @@ impl Observer for Ledgers {
         let row = &mut self.row;
         row.clear();
         row.push(world.time());
-        row.extend(energy_row(&world.energy()));
+        row.extend(world.energy().terms());
         self.energy.row(row)?;
         if let Some(table) = &mut self.blocks {
             let blocks = &world.blocks;
