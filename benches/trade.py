@@ -2,7 +2,7 @@
 
     python3 benches/trade.py --results benches/trade/results --plots benches/plots
 
-Reads the tables that `riprap trade` left in `benches/trade/results/NAME/trade.csv`, prints tables in Markdown, and draws
+Reads the tables that `riprap study` left in `benches/trade/results/NAME/trade.csv`, prints tables in Markdown, and draws
 `trade_schemes.png`: error against cost in water, ours and published. Wants numpy and matplotlib.
 """
 

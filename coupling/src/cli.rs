@@ -5,8 +5,9 @@ mod check;
 mod compare;
 mod render;
 mod run;
-mod trade;
+mod study;
 
+use std::fmt::Display;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -65,7 +66,8 @@ enum Command {
     /// Compare a recorded column with a reference.
     Compare(compare::Arguments),
     /// Measure error against cost for settings of a scene.
-    Trade(trade::Arguments),
+    #[command(alias = "trade")]
+    Study(study::Arguments),
 }
 
 /// Runs the program with the arguments of the process.
@@ -75,7 +77,7 @@ pub fn main() -> ExitCode {
         Command::Check(arguments) => check::execute(&arguments),
         Command::Render(arguments) => render::execute(&arguments),
         Command::Compare(arguments) => compare::execute(&arguments),
-        Command::Trade(arguments) => trade::execute(&arguments),
+        Command::Study(arguments) => study::execute(&arguments),
     };
     ExitCode::from(match exit {
         Exit::Done => 0,
@@ -89,6 +91,12 @@ pub fn main() -> ExitCode {
 pub(crate) fn say(line: &str) {
     // a closed pipe, as with `| head`, is not a failure
     let _ = writeln!(std::io::stderr(), "{line}");
+}
+
+/// Reports wrong usage or input.
+pub(crate) fn refused(fault: impl Display) -> Exit {
+    say(&format!("error: {fault}"));
+    Exit::BadInput
 }
 
 /// A result on standard output.

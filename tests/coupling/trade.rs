@@ -34,7 +34,7 @@ fn written(folder: &Path, text: &str) -> PathBuf {
 
 fn trade(study: &Path, out: &Path) -> Output {
     riprap(&[
-        "trade",
+        "study",
         study.to_str().unwrap(),
         "-o",
         out.to_str().unwrap(),
@@ -118,6 +118,7 @@ fn a_study_that_was_killed_ends_with_the_same_table() {
     for enough in [1, 3, 5] {
         let mut child = Command::new(env!("CARGO_BIN_EXE_riprap"))
             .args([
+                // the old name, for one release
                 "trade",
                 study.to_str().unwrap(),
                 "-o",
@@ -335,7 +336,7 @@ fn a_budget_takes_the_least_work_of_the_study_and_says_whether_it_was_met() {
 }
 
 #[test]
-fn without_a_study_three_coarse_runs_foretell() {
+fn without_a_study_three_coarse_runs_predict() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("out");
     let run = || {
@@ -368,7 +369,7 @@ fn without_a_study_three_coarse_runs_foretell() {
     assert!((value / 8829.0 - 1.0).abs() < 0.05, "{value}");
     assert!(found["uncertainty"].as_f64().unwrap() < 0.05, "{found}");
     assert_eq!(found["budget_met"], true);
-    // the rungs are not climbed twice
+    // the levels are not run twice
     let again = words(&run());
     assert!(
         again.contains("3 of 3 runs") && !again.contains("2 of 3 runs"),

@@ -26,7 +26,7 @@ const AT_WORK: &[&str] = &["sph:", "dda:"];
 
 /// Modules that still compute with what is read.
 const READS_THE_FILE: &[&str] = &[
-    "cli::accuracy",
+    "cli::accuracy::verification",
     "cli::check::cost",
     "cli::check::describe",
     "cli::check::landslide",

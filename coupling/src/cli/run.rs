@@ -3,14 +3,13 @@
 mod progress;
 mod resume;
 
-use std::fmt::Display;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
 use super::accuracy::{self, Asked, Budget, Chosen};
-use super::{Exit, default_folder, files_from, load, say, show, stop_on_signal};
+use super::{Exit, default_folder, files_from, load, refused, say, show, stop_on_signal};
 use crate::cli::check::describe;
 use crate::output::checkpoint_file::{self as checkpoint, Checkpoint};
 use crate::output::run_folder::{self, ArchivedScene, Existing};
@@ -148,12 +147,6 @@ fn overrides(arguments: &Arguments) -> Vec<Override> {
         value: format!("{until:?}"),
     });
     arguments.set.iter().cloned().chain(until).collect()
-}
-
-/// Reports why a run cannot begin.
-fn refused(fault: impl Display) -> Exit {
-    say(&format!("error: {fault}"));
-    Exit::BadInput
 }
 
 /// Sets the number of threads.

@@ -1,4 +1,4 @@
-//! `riprap trade`.
+//! `riprap study`.
 
 use std::io;
 use std::path::{Path, PathBuf};

@@ -19,9 +19,9 @@ const ORDERS: std::ops::RangeInclusive<f64> = 0.5..=2.5;
 /// Formal order, the largest one assumed.
 const FORMAL_ORDER: f64 = 2.0;
 /// Rows of water of the runs, over those of the finest.
-const RUNGS: [f64; 3] = [0.5, std::f64::consts::FRAC_1_SQRT_2, 1.0];
+const LEVELS: [f64; 3] = [0.5, std::f64::consts::FRAC_1_SQRT_2, 1.0];
 /// Rows of the finest run, over those of the scene.
-const FINEST_RUNG: f64 = 2.0 / 3.0;
+const FINEST_LEVEL: f64 = 2.0 / 3.0;
 /// Smallest number of rows of the finest run.
 const LEAST_ROWS: f64 = 10.0;
 /// Largest number of rows of the final run, over those of the scene, whose spacing reflects the acceptable cost.
@@ -29,7 +29,7 @@ const MOST_ROWS: f64 = 2.0;
 
 /// A value at a spacing.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Rung {
+pub struct Level {
     /// m.
     pub spacing: f64,
     /// Of any unit.
@@ -52,10 +52,10 @@ pub struct Estimate {
 
 impl Estimate {
     /// From three runs, coarse to fine, relative to a reference value such as the level at rest.
-    pub fn of(rungs: [Rung; 3], zero: f64) -> Self {
-        let values = rungs.map(|rung| rung.value - zero);
-        let found = convergence(rungs.map(|rung| rung.spacing), values);
-        let spacing = rungs[2].spacing;
+    pub fn of(levels: [Level; 3], zero: f64) -> Self {
+        let values = levels.map(|level| level.value - zero);
+        let found = convergence(levels.map(|level| level.spacing), values);
+        let spacing = levels[2].spacing;
         if let Some(found) = found {
             let (order, safety) = match ORDERS.contains(&found.order) {
                 true => (found.order, SAFETY),
@@ -64,19 +64,19 @@ impl Estimate {
                     SAFETY_WITHOUT_ORDER,
                 ),
             };
-            let gain = (rungs[1].spacing / spacing).powf(order) - 1.0;
+            let gain = (levels[1].spacing / spacing).powf(order) - 1.0;
             let left = (values[2] - values[1]) / gain;
             return Self {
                 order: Some(order),
                 is_observed: order == found.order,
-                limit: Some(rungs[2].value + left),
+                limit: Some(levels[2].value + left),
                 error: safety * (left / values[2]).abs(),
                 spacing,
             };
         }
         let pairs = [(0, 1), (0, 2), (1, 2)];
         let slope = pairs
-            .map(|(a, b)| ((values[a] - values[b]) / (rungs[a].spacing - rungs[b].spacing)).abs())
+            .map(|(a, b)| ((values[a] - values[b]) / (levels[a].spacing - levels[b].spacing)).abs())
             .into_iter()
             .fold(0.0, f64::max);
         Self {
@@ -105,9 +105,9 @@ impl Estimate {
 }
 
 /// Rows of water of the three runs for a scene with a given number, coarse to fine.
-pub fn rungs(rows: f64) -> [f64; 3] {
-    let finest = (FINEST_RUNG * rows).max(LEAST_ROWS).round();
-    RUNGS.map(|share| (share * finest).round())
+pub fn levels(rows: f64) -> [f64; 3] {
+    let finest = (FINEST_LEVEL * rows).max(LEAST_ROWS).round();
+    LEVELS.map(|share| (share * finest).round())
 }
 
 /// Rows of the run that is to meet a budget: whole rows, to preserve the surface; at least those of the coarsest
@@ -119,7 +119,7 @@ pub fn rows_for(estimate: &Estimate, budget: f64, depth: f64, rows: f64) -> f64 
     if wanted.is_nan() {
         return most;
     }
-    let least = rungs(rows)[if estimate.is_observed { 0 } else { 2 }];
+    let least = levels(rows)[if estimate.is_observed { 0 } else { 2 }];
     wanted.ceil().clamp(least.min(most), most)
 }
 
@@ -127,8 +127,8 @@ pub fn rows_for(estimate: &Estimate, budget: f64, depth: f64, rows: f64) -> f64 
 mod tests {
     use super::*;
 
-    fn ladder(value: impl Fn(f64) -> f64) -> [Rung; 3] {
-        [0.1, 0.07, 0.05].map(|spacing| Rung {
+    fn refined(value: impl Fn(f64) -> f64) -> [Level; 3] {
+        [0.1, 0.07, 0.05].map(|spacing| Level {
             spacing,
             value: value(spacing),
         })
@@ -136,7 +136,7 @@ mod tests {
 
     #[test]
     fn an_order_is_used_where_there_is_one() {
-        let found = Estimate::of(ladder(|s| 3.0 + 0.2 * (1.0 + 4.0 * s * s)), 3.0);
+        let found = Estimate::of(refined(|s| 3.0 + 0.2 * (1.0 + 4.0 * s * s)), 3.0);
         // the iteration for the order stops at 1e-9
         assert!((found.order.unwrap_or(0.0) - 2.0).abs() < 1e-6, "{found:?}");
         assert!((found.limit.unwrap_or(0.0) - 3.2).abs() < 1e-8, "{found:?}");
@@ -149,7 +149,7 @@ mod tests {
 
     #[test]
     fn an_order_too_good_is_not_counted_on() {
-        let found = Estimate::of(ladder(|s| 1.0 + s.powi(5)), 0.0);
+        let found = Estimate::of(refined(|s| 1.0 + s.powi(5)), 0.0);
         assert!(
             (found.order.unwrap_or(0.0) - 2.0).abs() < 1e-12,
             "{found:?}"
@@ -163,7 +163,7 @@ mod tests {
 
     #[test]
     fn without_an_order_the_largest_difference_counts() {
-        let found = Estimate::of(ladder(|s| if s == 0.07 { 1.1 } else { 1.0 }), 0.0);
+        let found = Estimate::of(refined(|s| if s == 0.07 { 1.1 } else { 1.0 }), 0.0);
         assert_eq!(found.order, None);
         // 0.1 over 0.02 m, at 0.05 m, three times for safety
         assert!((found.error - 0.75).abs() < 1e-12, "{found:?}");
@@ -172,9 +172,9 @@ mod tests {
 
     #[test]
     fn rows_are_whole_and_bounded() {
-        assert_eq!(rungs(30.0), [10.0, 14.0, 20.0]);
-        assert_eq!(rungs(8.0), [5.0, 7.0, 10.0]);
-        let found = Estimate::of(ladder(|s| 1.0 + s), 0.0);
+        assert_eq!(levels(30.0), [10.0, 14.0, 20.0]);
+        assert_eq!(levels(8.0), [5.0, 7.0, 10.0]);
+        let found = Estimate::of(refined(|s| 1.0 + s), 0.0);
         // e = 1.25 s/(1 + 0.05): 2.5 % at 0.021 m
         assert_eq!(rows_for(&found, 0.025, 1.0, 30.0), 48.0);
         assert_eq!(rows_for(&found, 0.001, 1.0, 30.0), 60.0);
