@@ -35,8 +35,7 @@ pub fn packed(
         velocities: lattice.velocities.clone(),
         pressures: water.pressures.clone(),
     };
-    let n = start.positions.len();
-    let all = (0..n as u32).collect();
+    let all = (0..start.positions.len() as u32).collect();
     if lattice.mould.is_empty() {
         return Ok((start, all));
     }
@@ -80,17 +79,35 @@ pub fn packed(
             break;
         }
     }
+    take_positions(&fluid, water, &mut start);
+    let kept = below_level(water, &start);
+    let start = Start {
+        positions: kept.iter().map(|&a| start.positions[a]).collect(),
+        velocities: kept.iter().map(|&a| start.velocities[a]).collect(),
+        pressures: kept.iter().map(|&a| start.pressures[a]).collect(),
+    };
+    Ok((start, kept.into_iter().map(|a| a as u32).collect()))
+}
+
+/// Takes over the packed positions, with the hydrostatic pressure there.
+fn take_positions(fluid: &Fluid, water: &FluidScene, start: &mut Start) {
     let particles = fluid.particles();
     let weight = water.settings.gravity * water.settings.reference_density;
     for (x, &id) in particles.position.iter().zip(&particles.id) {
         let a = id as usize;
-        if n <= a {
+        // the mould is no part of the water
+        if start.positions.len() <= a {
             continue;
         }
         // one and the same hydrostatic pressure field at the new place
         start.pressures[a] = (start.pressures[a] + weight.dot(&(x - start.positions[a]))).max(0.0);
         start.positions[a] = *x;
     }
+}
+
+/// Particles that are not above the level of their region.
+fn below_level(water: &FluidScene, start: &Start) -> Vec<usize> {
+    let lattice = &water.lattice;
     let height = water.settings.particle_spacing[2];
     let mut levels = vec![f64::NEG_INFINITY; lattice.is_packed.len()];
     for (x, &region) in lattice.positions.iter().zip(&lattice.region) {
@@ -98,11 +115,7 @@ pub fn packed(
         *level = level.max(x.z + 0.5 * height);
     }
     let is_below = |a: usize| start.positions[a].z <= levels[lattice.region[a] as usize];
-    let kept: Vec<usize> = (0..n).filter(|&a| is_below(a)).collect();
-    let start = Start {
-        positions: kept.iter().map(|&a| start.positions[a]).collect(),
-        velocities: kept.iter().map(|&a| start.velocities[a]).collect(),
-        pressures: kept.iter().map(|&a| start.pressures[a]).collect(),
-    };
-    Ok((start, kept.into_iter().map(|a| a as u32).collect()))
+    (0..start.positions.len())
+        .filter(|&a| is_below(a))
+        .collect()
 }

@@ -101,17 +101,8 @@ pub(crate) fn survey(
         Lens::Perspective { .. } => (high - low).norm(),
         Lens::Strips { width, .. } => *width,
     };
-    // Strips are viewed through the slab, other scenes through a fraction of their size, or through the slab if that is
-    // thinner: otherwise its water would look like a pane of glass.
-    let clear = match camera.panels().first() {
-        Some(panel) if panel.shift.norm() > 0.0 => 0.9 * (high - low)[1 - panel.axis],
-        _ => {
-            let thinnest = (high - low).xy().min().max(1e-3 * size);
-            // the bed of a lake need not be visible, its waves must be
-            let lake = depth.filter(|_| !stage.terrain.is_empty()).unwrap_or(size);
-            (0.1 * size).min(0.9 * thinnest).min(0.5 * lake)
-        }
-    };
+    let lake = depth.filter(|_| !stage.terrain.is_empty());
+    let clear = clear_length(&camera, high - low, size, lake);
     let size = if 0.0 < size {
         size
     } else {
@@ -142,6 +133,20 @@ pub(crate) fn survey(
         speed_range,
         description,
     })
+}
+
+/// Length of water that light passes; m. Strips are viewed through the slab, other scenes through a fraction of their
+/// size, or through the slab if that is thinner: otherwise its water would look like a pane of glass.
+fn clear_length(camera: &Camera, extent: Vector3<f64>, size: f64, lake: Option<f64>) -> f64 {
+    match camera.panels().first() {
+        Some(panel) if panel.shift.norm() > 0.0 => 0.9 * extent[1 - panel.axis],
+        _ => {
+            let thinnest = extent.xy().min().max(1e-3 * size);
+            // the bed of a lake need not be visible, its waves must be
+            let depth = lake.unwrap_or(size);
+            (0.1 * size).min(0.9 * thinnest).min(0.5 * depth)
+        }
+    }
 }
 
 /// The scene's own camera, or the fitted one from which walls hide least.

@@ -146,72 +146,17 @@ pub fn read_text(name: &str, text: &str) -> Result<StudyFile, SceneError> {
 
 /// Problems of a study, without its scene.
 fn problems(study: &StudyFile) -> Vec<Problem> {
-    let mut found = Vec::new();
-    let mut refuse = |path: String, message: String| found.push(Problem::error(path, message));
-    if study.knobs.is_empty() {
-        refuse("knobs".into(), "a study needs at least one knob".into());
-    }
-    for (k, knob) in study.knobs.iter().enumerate() {
-        if knob.values.is_empty() {
-            let message = format!("knob `{}` has no values", knob.name);
-            refuse(format!("knobs[{k}].values"), message);
-        }
-        if study.knobs[..k].iter().any(|other| other.name == knob.name) {
-            let message = format!("duplicate knob `{}`", knob.name);
-            refuse(format!("knobs[{k}].name"), message);
-        }
-        for (v, value) in knob.values.iter().enumerate() {
-            let is_double = knob.values[..v]
-                .iter()
-                .any(|other| other.name == value.name);
-            if is_double {
-                let message = format!("knob `{}` has duplicate values `{}`", knob.name, value.name);
-                refuse(format!("knobs[{k}].values[{v}].name"), message);
-            }
-            for (s, text) in value.set.iter().enumerate() {
-                if let Err(message) = Override::from_str(text) {
-                    refuse(format!("knobs[{k}].values[{v}].set[{s}]"), message);
-                }
-            }
-        }
-    }
-    for (s, text) in study.set.iter().enumerate() {
-        if let Err(message) = Override::from_str(text) {
-            refuse(format!("set[{s}]"), message);
-        }
-    }
-    match &study.truth {
-        TruthFile::Finest { knob } => match study.knobs.iter().find(|k| k.name == *knob) {
-            None => {
-                let names: Vec<&str> = study.knobs.iter().map(|k| k.name.as_str()).collect();
-                let hint = parse::suggestion(knob, &names);
-                refuse("truth.knob".into(), format!("no knob named `{knob}`{hint}"));
-            }
-            Some(knob) if finest(knob).is_none() => {
-                let message = format!("the values of `{}` have no `at`", knob.name);
-                refuse("truth.knob".into(), message);
-            }
-            Some(_) => {}
-        },
-        TruthFile::Value { value, scale, .. } => {
-            if let Some(message) = no_scale(*value, *scale) {
-                refuse("truth".into(), message);
-            }
-        }
-        TruthFile::Closed { form, scale } => {
-            if let Some(message) = no_scale(form.value(), *scale) {
-                refuse("truth".into(), message);
-            }
-        }
-        TruthFile::Record { .. } => {}
-    }
+    let mut found = knob_problems(study);
+    let set = study.set.iter().enumerate();
+    found.extend(set.filter_map(|(s, text)| override_problem(format!("set[{s}]"), text)));
+    found.extend(truth_problem(study));
     let is_record = matches!(study.truth, TruthFile::Record { .. });
     if is_record != study.output.take.is_none() {
         let message = match is_record {
             true => "the reference is a record, which uses the whole column: omit `take`",
             false => "give an evaluation of the column, such as take: Maximum(from: 0, to: 5)",
         };
-        refuse("output".into(), message.into());
+        found.push(Problem::error("output", message));
     }
     let n_runs = match study.design {
         DesignFile::OneAtATime => 1,
@@ -222,12 +167,70 @@ fn problems(study: &StudyFile) -> Vec<Problem> {
         }
     };
     if MOST_RUNS < n_runs {
-        refuse(
-            "design".into(),
-            format!("{n_runs} runs; at most {MOST_RUNS}"),
-        );
+        let message = format!("{n_runs} runs; at most {MOST_RUNS}");
+        found.push(Problem::error("design", message));
     }
     found
+}
+
+fn override_problem(path: String, text: &str) -> Option<Problem> {
+    let message = Override::from_str(text).err()?;
+    Some(Problem::error(path, message))
+}
+
+fn knob_problems(study: &StudyFile) -> Vec<Problem> {
+    let mut found = Vec::new();
+    let mut refuse = |path: String, message: String| found.push(Problem::error(path, message));
+    if study.knobs.is_empty() {
+        refuse("knobs".into(), "a study needs at least one knob".into());
+    }
+    for (k, knob) in study.knobs.iter().enumerate() {
+        let name = &knob.name;
+        if knob.values.is_empty() {
+            let message = format!("knob `{name}` has no values");
+            refuse(format!("knobs[{k}].values"), message);
+        }
+        if study.knobs[..k].iter().any(|other| other.name == *name) {
+            let message = format!("duplicate knob `{name}`");
+            refuse(format!("knobs[{k}].name"), message);
+        }
+        for (v, value) in knob.values.iter().enumerate() {
+            let before = &knob.values[..v];
+            if before.iter().any(|other| other.name == value.name) {
+                let message = format!("knob `{name}` has duplicate values `{}`", value.name);
+                refuse(format!("knobs[{k}].values[{v}].name"), message);
+            }
+            for (s, text) in value.set.iter().enumerate() {
+                if let Err(message) = Override::from_str(text) {
+                    refuse(format!("knobs[{k}].values[{v}].set[{s}]"), message);
+                }
+            }
+        }
+    }
+    found
+}
+
+fn truth_problem(study: &StudyFile) -> Option<Problem> {
+    let (path, message) = match &study.truth {
+        TruthFile::Finest { knob } => {
+            let message = match study.knobs.iter().find(|k| k.name == *knob) {
+                None => {
+                    let names: Vec<&str> = study.knobs.iter().map(|k| k.name.as_str()).collect();
+                    let hint = parse::suggestion(knob, &names);
+                    Some(format!("no knob named `{knob}`{hint}"))
+                }
+                Some(knob) if finest(knob).is_none() => {
+                    Some(format!("the values of `{}` have no `at`", knob.name))
+                }
+                Some(_) => None,
+            };
+            ("truth.knob", message)
+        }
+        TruthFile::Value { value, scale, .. } => ("truth", no_scale(*value, *scale)),
+        TruthFile::Closed { form, scale } => ("truth", no_scale(form.value(), *scale)),
+        TruthFile::Record { .. } => ("truth", None),
+    };
+    Some(Problem::error(path, message?))
 }
 
 /// Why errors cannot be relative to a truth or its scale, if they cannot.
