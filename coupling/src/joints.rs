@@ -82,7 +82,7 @@ struct Jointed {
     faces: Vec<FacePoints>,
 }
 
-/// What is before a point at present.
+/// State in front of a point.
 #[derive(Clone, Copy, Debug)]
 struct Before {
     /// Width of the joint, with the solid at its other side; m.

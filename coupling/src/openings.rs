@@ -73,7 +73,7 @@ impl Passage {
     }
 }
 
-/// What drives an inflow.
+/// Driving condition of an inflow.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Drive {
     /// Velocity, the same over the depth; m/s.
@@ -110,7 +110,7 @@ pub struct Outflow {
     pub depth: Option<Series>,
 }
 
-/// What an opening let through.
+/// Water that passed an opening.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Passed {
     /// Name of the opening.
@@ -280,7 +280,7 @@ impl Openings {
         Ok(rest)
     }
 
-    /// What each has let through.
+    /// Water that passed each opening.
     pub fn passed(&self) -> &[Passed] {
         &self.passed
     }

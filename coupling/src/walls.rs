@@ -91,7 +91,7 @@ impl Walls {
         }
     }
 
-    /// What the fluid does to every block that moves.
+    /// Fluid loads on every moving block.
     pub fn loads(&self) -> &[FluidLoad] {
         of_walls!(self, walls => walls.loads())
     }
@@ -209,7 +209,7 @@ impl Walls {
     }
 }
 
-/// What the fluid does to a block, moments about the centroid.
+/// Fluid load on a block, moments about the centroid.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct FluidLoad {
     /// Of pressure; N, N m.

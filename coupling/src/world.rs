@@ -50,11 +50,11 @@ pub struct World {
     stretches_at_start: Vec<Matrix3<f64>>,
     /// Blocks that deform.
     deformable: Vec<usize>,
-    /// What moved each block beside the fluid, over its last sub-steps.
+    /// Acceleration of each block without the fluid, over its last sub-steps.
     pub(crate) dry: Vec<Acceleration>,
     out_of_domain: OutOfDomain,
     weakenings: Vec<Weakening>,
-    /// What the fluid gave the blocks of which accounts are kept.
+    /// Fluid impulses on the blocks with accounts.
     accounts: Vec<(usize, FluidImpulses)>,
 }
 
@@ -193,7 +193,7 @@ pub struct PhaseTimes {
     pub integration: Duration,
 }
 
-/// What ends a step without a new state.
+/// Failure of a step.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum StepError {
     /// In the fluid.
@@ -203,7 +203,7 @@ pub enum StepError {
         time: f64,
         /// Number of the step.
         step: u64,
-        /// What happened.
+        /// Error of the solver.
         source: FluidError,
     },
     /// Among the blocks.
@@ -213,7 +213,7 @@ pub enum StepError {
         time: f64,
         /// Number of the step.
         step: u64,
-        /// What happened.
+        /// Error of the solver.
         source: riprap_dda::StepError,
     },
     /// Something left the domain of a scene in which nothing may.
@@ -319,9 +319,9 @@ pub enum StepError {
         step: u64,
         /// s.
         dt: f64,
-        /// What limits it.
+        /// Governing limit.
         cause: Cause,
-        /// What to change.
+        /// Remedy.
         remedy: &'static str,
     },
 }
@@ -460,7 +460,7 @@ impl World {
             .collect();
     }
 
-    /// What the fluid gave a block since accounts of it are kept; nothing where none are.
+    /// Fluid impulse on a block since its accounts were opened; zero without accounts.
     pub fn fluid_impulses(&self, block: usize) -> FluidImpulses {
         let found = self.accounts.iter().find(|(b, _)| *b == block);
         found.map_or_else(FluidImpulses::default, |(_, impulses)| *impulses)
@@ -902,8 +902,8 @@ impl World {
         self.evaluate_forces()
     }
 
-    /// What follows from places, velocities and densities with all neighbours found: rates of density where
-    /// the stepping wants them here, pressures, accelerations and the forces of walls.
+    /// Evaluates, from positions, velocities and densities with known neighbors, the rates of density if
+    /// the stepping needs them here, pressures, accelerations and wall forces.
     fn evaluate_forces(&mut self) -> Result<(), StepError> {
         let (time, step) = (self.clock.time, self.clock.steps);
         let failed = |source| StepError::Fluid { time, step, source };

@@ -1,4 +1,4 @@
-//! What can go wrong when blocks are made and when they move.
+//! Errors of creating and advancing blocks.
 
 use thiserror::Error;
 
@@ -32,7 +32,7 @@ pub enum BlockError {
     JointPair {
         /// Its position in the list.
         joint: usize,
-        /// What is wrong.
+        /// Fault.
         reason: &'static str,
     },
     /// A number of a joint is out of range.
@@ -86,7 +86,7 @@ pub enum BlockError {
     Attachment {
         /// Its position in the list.
         attachment: usize,
-        /// What is wrong.
+        /// Fault.
         reason: &'static str,
     },
     /// A path is unusable.
@@ -94,7 +94,7 @@ pub enum BlockError {
     Motion {
         /// The block.
         block: usize,
-        /// What is wrong.
+        /// Fault.
         reason: &'static str,
     },
     /// A number of the settings is out of range.

@@ -159,7 +159,7 @@ fn first_bad(fields: Vec<Field>) -> Option<(&'static str, f64, &'static str)> {
         .map(|(field, value, _, rule)| (field, value, rule))
 }
 
-/// What holds where two materials meet, in place of what follows from the two. What is left out follows from
+/// Joint properties between two materials that override those derived from the two. Omitted properties are derived from
 /// them.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct JointOverride {
@@ -189,7 +189,7 @@ impl JointOverride {
     }
 }
 
-/// What a joint resists with.
+/// Strength of a joint.
 #[derive(Clone, Copy, Debug)]
 struct Strength {
     friction_angle: f64,
@@ -286,7 +286,7 @@ impl Strength {
 /// Constants of the contact between two materials.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Joint {
-    /// What the stiffnesses refer to.
+    /// Scaling of the stiffnesses.
     pub scaling: Scaling,
     /// `K`; N/m or Pa/m.
     pub normal_stiffness: f64,

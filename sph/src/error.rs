@@ -1,4 +1,4 @@
-//! What can go wrong in the fluid.
+//! Errors of the fluid.
 
 /// Errors of setting up or stepping the fluid.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -8,9 +8,9 @@ pub enum FluidError {
     Setting {
         /// Name of the setting.
         name: &'static str,
-        /// What was found, in SI units.
+        /// Value found, in SI units.
         value: f64,
-        /// What would be right.
+        /// Values allowed.
         range: &'static str,
     },
     /// The periodic extent is narrower than the support, so that a particle would meet itself.
@@ -53,7 +53,7 @@ pub enum FluidError {
     /// Water that cannot sleep.
     #[error("water cannot sleep with {refused}")]
     Sleepless {
-        /// What it cannot sleep with, and what to do.
+        /// Option incompatible with sleep, and a remedy.
         refused: &'static str,
     },
     /// A particle's state is no longer a number.
@@ -63,7 +63,7 @@ pub enum FluidError {
     NonFinite {
         /// Number of the particle.
         id: u32,
-        /// What is not finite.
+        /// Non-finite quantity.
         quantity: &'static str,
         /// m.
         x: f64,

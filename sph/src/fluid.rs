@@ -75,7 +75,7 @@ const PREDICTOR_CORRECTOR_SOUND: f64 = 0.59;
 /// Fewer neighbours than this make no pressure: a particle by itself keeps the reference density.
 const FEWEST_NEIGHBORS: u32 = 5;
 
-/// What the fluid needs to know; nothing here changes during a run.
+/// Settings of the fluid, constant during a run.
 #[derive(Clone, Debug)]
 pub struct Settings {
     /// Particle spacing along x, y, z at the start; m. In two dimensions that along y is the width.
@@ -132,7 +132,7 @@ impl StepLimits {
     }
 }
 
-/// What left the domain.
+/// Water that left the domain.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Removed {
     /// Particles.
@@ -165,7 +165,7 @@ pub struct Fluid {
     pub(crate) lists: Lists,
     pub(crate) screens: Screens,
     pub(crate) at_start: AtStart,
-    /// What sleeps, where water may.
+    /// Sleeping water, if enabled.
     pub(crate) sleep: Option<Box<Sleep>>,
     /// Flow laws by [`Particles::kind`].
     rheologies: Vec<Rheology>,
@@ -205,7 +205,7 @@ pub(crate) struct Scratch {
     numbers: Vec<f64>,
     kinds: Vec<u8>,
     pub(crate) points: AnyPoints,
-    /// What rates are summed from, where water may sleep: kept from step to step beside what forces are.
+    /// Packed points for the sums of rates, if water may sleep: kept from step to step, apart from those for forces.
     pub(crate) flow: AnyPoints,
     pub(crate) rates: Vec<Rate>,
     pub(crate) forces: Vec<ForceDensity>,
@@ -224,7 +224,7 @@ pub(crate) struct Scratch {
     pub(crate) changing: Vec<bool>,
 }
 
-/// What a step of density did to the energy of compression; J.
+/// Change of the compression energy by a density step; J.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Compression {
     /// Taken by diffusion.
@@ -486,7 +486,7 @@ impl Fluid {
         self.n_pairs
     }
 
-    /// What left the domain since the ledger was opened.
+    /// Water that left the domain since the ledger was opened.
     pub fn removed(&self) -> Removed {
         self.removed
     }

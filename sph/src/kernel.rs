@@ -44,7 +44,7 @@ pub enum KernelChoice {
     CubicSpline,
 }
 
-/// What pair loops ask of a kernel.
+/// Kernel functions for pair loops.
 pub(crate) trait PairKernel<L: Lanes>: Copy + Send + Sync {
     /// The kernel of a support radius in metres.
     fn new(machine: L::Machine, support_radius: f64, dimensions: Dimensions) -> Self;
@@ -204,7 +204,7 @@ impl<L: Lanes> PairKernel<L> for Mueller<L> {
     }
 }
 
-/// What a scheme asks of a kernel.
+/// Kernel functions for a scheme.
 pub trait Kernel {
     /// Radius beyond which the kernel is zero; m.
     fn support_radius(&self) -> f64;

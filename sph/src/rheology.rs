@@ -39,7 +39,7 @@ pub enum Rheology {
         dynamic_viscosity: f64,
         /// Yield stress `τ_y`; >= 0; Pa.
         yield_stress: f64,
-        /// What happens below it.
+        /// Behavior below it.
         regularization: Regularization,
     },
     /// A yield stress and a power law beyond it.
@@ -50,7 +50,7 @@ pub enum Rheology {
         exponent: f64,
         /// Yield stress `τ_y`; >= 0; Pa.
         yield_stress: f64,
-        /// What happens below it.
+        /// Behavior below it.
         regularization: Regularization,
     },
 }

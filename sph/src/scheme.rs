@@ -36,7 +36,7 @@ pub enum DensityMethod {
     Continuity,
 }
 
-/// What smooths the density. Each holds its coefficient δ, customarily 0.1.
+/// Density diffusion, with its coefficient δ, customarily 0.1.
 ///
 /// ```text
 /// D_a = δ h c₀ Σ V_b ψ_ab·∇W                                                 [kg/(m³ s)]
@@ -56,7 +56,7 @@ pub enum DensityDiffusion {
     Antuono(f64),
 }
 
-/// What resists shear.
+/// Viscosity model.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Viscosity {
     /// Nothing.
@@ -109,7 +109,7 @@ impl Viscosity {
     }
 }
 
-/// What keeps particles evenly spread.
+/// Particle shifting.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Shifting {
     /// Nothing.
@@ -154,7 +154,7 @@ pub struct Scheme {
     pub density: DensityMethod,
     /// Equation of state.
     pub state_equation: StateEquation,
-    /// What is done with pressures below zero.
+    /// Treatment of negative pressures.
     pub negative_pressure: NegativePressure,
     /// Density diffusion; none with summation.
     pub diffusion: DensityDiffusion,
@@ -193,7 +193,7 @@ impl Scheme {
         }
     }
 
-    /// What coastal engineers use: accurate at a fair price.
+    /// Common practice in coastal engineering: accurate at moderate cost.
     pub fn standard() -> Self {
         Self {
             kernel: KernelChoice::WendlandC2,

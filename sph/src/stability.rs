@@ -46,7 +46,7 @@ impl Settings {
     }
 }
 
-/// What a particle of the lattice sees of the others.
+/// Neighbors of a lattice particle.
 struct Lattice {
     /// Along which it extends.
     axes: [bool; 3],

@@ -1,6 +1,6 @@
 //! Pressure from density, and the energy stored in it.
 
-/// What is done with pressures below zero.
+/// Treatment of negative pressures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum NegativePressure {
     /// Set to zero. Summation density is low at free surfaces; without this, particles clump.
@@ -30,7 +30,7 @@ pub struct State {
     pub reference_density: f64,
     /// Sound speed at the reference density; m/s.
     pub sound_speed: f64,
-    /// What is done with pressures below zero.
+    /// Treatment of negative pressures.
     pub negative: NegativePressure,
 }
 

@@ -1,4 +1,4 @@
-//! What is summed over neighbours, one term a file.
+//! Terms of the sums over neighbors, one file each.
 //!
 //! All pair forces are written with volumes, `F_ab = −V_a V_b f_ab ∇W_ab` with `f_ab = f_ba`: momentum
 //! is conserved whatever the masses. `V = m/ρ`.

@@ -1,5 +1,5 @@
-//! What the file says of loads, supports, bolts, holds, joints, deformability, damping and detection, as
-//! the block solver takes it.
+//! Conversion of loads, supports, bolts, holds, joints, deformability, damping and detection to the input of
+//! the block solver.
 
 use riprap_dda::{
     Attachment, BlockDefinition, ContactDetection, Deformability, DeformableModel, Hold,

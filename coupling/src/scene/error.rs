@@ -1,11 +1,11 @@
-//! What is wrong with a scene, and where.
+//! Errors of a scene, with their location.
 
 /// One thing wrong with (or doubtful in) a scene, found after the text was read.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Problem {
     /// Path of the field, e.g. `blocks[1].shape.min`, as `--set` takes it.
     pub path: String,
-    /// What was found and what would be right; lowercase, no full stop.
+    /// Value found and values allowed; lowercase, no full stop.
     pub message: String,
     /// Whether the scene can run all the same.
     pub severity: Severity,
@@ -57,7 +57,7 @@ pub struct SceneError {
 /// A problem with its place.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Located {
-    /// What is wrong.
+    /// Fault.
     pub message: String,
     /// Bytes of the text.
     pub span: Range<usize>,

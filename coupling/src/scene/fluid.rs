@@ -559,7 +559,7 @@ fn refuse_particles(scheme: &Scheme, problems: &mut Vec<Problem>) {
     }
 }
 
-/// What walls of integrals cannot do yet.
+/// Rejects options that walls of integrals do not support.
 fn refuse_integrals(file: &SceneFile, scheme: &Scheme, problems: &mut Vec<Problem>) {
     let mut refuse = |found: &str| {
         problems.push(Problem::error(

@@ -28,8 +28,8 @@ pub struct SlideImpact {
 }
 
 impl SlideImpact {
-    /// What is expected of a slide that starts from rest, falls until the middle of its mass is at the water's level, and is slowed
-    /// by its friction. None in scenes without water or gravity, and of slides that friction holds or that start below the water.
+    /// Impact of a slide that starts from rest, descends until its center of mass is at the water level, and is slowed by its
+    /// friction. `None` without water or gravity, and for slides held by friction or starting below the water.
     ///
     /// ```text
     /// v = √(2 g Δz (1 − tan δ/tan α))         Evers et al. (2019), VAW-Mitteilung 254        [m/s]

@@ -39,10 +39,10 @@ impl std::str::FromStr for Override {
     }
 }
 
-/// What keeps a text from being a scene.
+/// Error of parsing a scene.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct TextError {
-    /// What was found and what would be right.
+    /// Value found and values allowed.
     pub message: String,
     /// Where; bytes of the text.
     pub span: Range<usize>,

@@ -24,9 +24,9 @@ pub struct Scene {
     pub blocks: Vec<BlockDefinition>,
     /// The lie of the land.
     pub terrain: Option<Terrain>,
-    /// What became of the rock masses and slides, which are blocks now.
+    /// Reports on rock masses and slides, now blocks.
     pub rock_masses: Vec<RockMassReport>,
-    /// What became of the grains, which are blocks now.
+    /// Reports on grains, now blocks.
     pub grains: Vec<GrainsReport>,
     /// Loads, supports and bolts.
     pub attachments: Vec<Attachment>,
@@ -34,15 +34,15 @@ pub struct Scene {
     pub holds: Vec<(usize, Hold)>,
     /// Materials in the order of the file.
     pub materials: Vec<Material>,
-    /// What holds between two of them in place of what follows from the two.
+    /// Joints between two of them that override the derived properties.
     pub joints: Vec<JointOverride>,
     /// Joints that weaken with time.
     pub weakenings: Vec<Weakening>,
-    /// What the block solver needs.
+    /// Settings of the block solver.
     pub block_settings: riprap_dda::Settings,
     /// Water, where the scene has some.
     pub fluid: Option<FluidScene>,
-    /// What the user should know.
+    /// Warnings to the user.
     pub warnings: Vec<Problem>,
 }
 
@@ -51,7 +51,7 @@ pub struct Scene {
 pub struct FluidScene {
     /// Particles at the start.
     pub lattice: Lattice,
-    /// What the fluid solver needs.
+    /// Settings of the fluid solver.
     pub settings: riprap_sph::Settings,
     /// Penalty walls; without stiffness where particles hold the fluid.
     pub walls: WallSettings,

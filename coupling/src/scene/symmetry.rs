@@ -1,4 +1,4 @@
-//! What planes of symmetry ask of blocks and of the water at the start.
+//! Conditions of planes of symmetry on blocks and on the initial water.
 
 use riprap_dda::{Motion, PrescribedMotion, Shape, Vec3};
 use riprap_sph::{Symmetry, SymmetryPlane};

@@ -1,4 +1,4 @@
-//! What can be told of a scene from the file alone; every problem, not only the first.
+//! Validation of a scene from the file alone; reports every problem, not only the first.
 
 mod attachments;
 mod blocks;

@@ -44,7 +44,7 @@ pub struct Movers<'a> {
     pub slab_axis: Option<usize>,
 }
 
-/// What a wall adds to the inertia of a block; six unknowns: the centroid, then the turning.
+/// Added mass of a block from its wall; six unknowns: translation of the centroid, then rotation.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct AddedMass(Matrix6<f64>);
 

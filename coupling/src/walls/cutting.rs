@@ -39,7 +39,7 @@ pub(super) fn pieces(part: Part, planes: impl Iterator<Item = (Vec3, f64)>) -> V
     })
 }
 
-/// What is left of a part before planes of symmetry; none where it is beyond one.
+/// The part in front of planes of symmetry; `None` if it is beyond one.
 pub(crate) fn before(part: &Part, planes: &[SymmetryPlane]) -> Option<Part> {
     planes.iter().try_fold(part.clone(), |part, plane| {
         let normal = plane.normal();
@@ -61,7 +61,7 @@ pub(super) fn image(part: &Part, plane: &SymmetryPlane) -> Part {
     }
 }
 
-/// What is left of a part when another is taken away from it.
+/// Difference of two parts.
 fn without(part: Part, other: &Part) -> Vec<Part> {
     let ((min, max), (other_min, other_max)) = (part.aabb(), other.aabb());
     if (0..3).any(|axis| max[axis] <= other_min[axis] || other_max[axis] <= min[axis]) {
@@ -84,7 +84,7 @@ fn without(part: Part, other: &Part) -> Vec<Part> {
     outside
 }
 
-/// What is left of a convex part on the side `n·x ≤ offset` (m) of a plane; none without volume.
+/// The piece of a convex part on the side `n·x ≤ offset` (m) of a plane; `None` without volume.
 fn below(part: &Part, normal: &Vec3, offset: f64) -> Option<Part> {
     let (min, max) = part.aabb();
     let slack = ON_PLANE * (max - min).norm();

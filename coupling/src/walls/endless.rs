@@ -5,7 +5,7 @@ use riprap_sph::{Dimensions, Fluid, Periodicity, Vec3};
 
 use super::{Part, face_lattice};
 
-/// What a solid is stretched by along an axis in which it has no end, so that its ends are out of sight.
+/// Stretch of a solid along an axis without ends, so that its ends are beyond the support.
 const STRETCH: f64 = 1e3;
 /// The least width it then has, however thin the slice; × the spacing.
 const LEAST_WIDTH: f64 = 100.0;
@@ -13,7 +13,7 @@ const LEAST_WIDTH: f64 = 100.0;
 /// In which directions solids have no end.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Endless {
-    /// What lies beyond a side that repeats is there already, as an image of what is inside; m.
+    /// Region inside the periodic sides; solids beyond are already present as images; m.
     pub(super) domain: Region,
     pub(super) periodic: Periodicity,
     is_plane: bool,

@@ -157,7 +157,7 @@ impl BodyMotion {
     }
 }
 
-/// What a particle sees of a body.
+/// A body within the support of a particle.
 #[derive(Clone, Copy, Debug)]
 struct Sight {
     particle: u32,
@@ -247,7 +247,7 @@ impl IntegralWalls {
         }
     }
 
-    /// What the fluid does to every block that moves.
+    /// Fluid loads on every moving block.
     pub fn loads(&self) -> &[FluidLoad] {
         &self.loads
     }
@@ -371,7 +371,7 @@ impl IntegralWalls {
         self.chunks = chunks;
     }
 
-    /// What a point sees of a solid, and its distance from the nearest plane; m.
+    /// Wall integral of a solid at a point, and the distance to the nearest plane; m.
     fn seen(&self, part: &Part, x: &Vec3) -> Option<(WallIntegral, f64)> {
         let (normal, distance) = part.nearest_plane(x)?;
         if self.support_radius <= distance {

@@ -23,7 +23,7 @@ pub(crate) struct Placed {
     pub(crate) gradient: Matrix3<f64>,
 }
 
-/// What is asked of a solid whose cells are to be listed.
+/// A solid whose cells are listed.
 pub(crate) trait Solids {
     /// The box round one; m.
     fn aabb(&self, solid: u32) -> (Vec3, Vec3);

@@ -109,7 +109,7 @@ pub struct Interface {
     chunks: Vec<Vec<Touch>>,
     touches: Vec<Touch>,
     loads: Vec<Load>,
-    /// What of the loads is shear.
+    /// Shear part of the loads.
     shears: Vec<Load>,
     /// Straining parts of the moments on blocks.
     stretches: Vec<Matrix3<f64>>,
@@ -203,7 +203,7 @@ impl Interface {
         &self.loads
     }
 
-    /// What of these loads the fluid's viscosity makes; N, N m about the centroid.
+    /// Viscous part of these loads; N, N m about the centroid.
     pub fn shears(&self) -> &[Load] {
         &self.shears
     }

@@ -46,7 +46,7 @@ fn reach_of(parts: &[Part]) -> f64 {
     distances.fold(0.0, f64::max)
 }
 
-/// What is known of the faces of a part that may be a screen.
+/// Faces of a part that may be a thin solid.
 struct Faces {
     /// At which it only seems to end.
     ends: Vec<bool>,

@@ -20,7 +20,7 @@ const MOVED: f64 = 0.1;
 #[derive(Clone, Debug, Default)]
 pub(super) struct Screens {
     screens: Vec<Screen>,
-    /// What stands for good and may cover them, and its planes.
+    /// Fixed parts that may cover them, and their planes.
     fixed: Vec<Part>,
     fixed_planes: Vec<Vec<Plane>>,
     /// m.
@@ -337,8 +337,8 @@ pub(super) fn is_side_of_plate(part: &Part, face: usize, support_radius: f64) ->
 
 /// Sides of a part, each by its faces: one, or those that curve away from a large one as long as they look the same way.
 ///
-/// What is behind a side has one pressure at each place. Of faces that meet at blunt edges water sees through many at once,
-/// also through some far off.
+/// Wall particles behind a side have a single pressure at each position. With faces that meet at blunt edges a fluid particle
+/// has many faces in its support, also distant ones.
 pub(super) fn sides(part: &Part, spacing: f64) -> Vec<Vec<usize>> {
     let n = part.faces.len();
     let areas: Vec<f64> = part.faces.iter().map(|(_, x)| area(x)).collect();

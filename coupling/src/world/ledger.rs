@@ -60,7 +60,7 @@ energy_terms! {
     removed,
     /// Taken by absorbing layers.
     absorbed,
-    /// What was left of the motion of water that was laid to rest, to sleep.
+    /// Kinetic energy removed when water was put to sleep.
     laid_to_rest,
     /// Brought in by prescribed blocks and given loads.
     external_work,
@@ -72,7 +72,7 @@ energy_terms! {
     /// blocks gave, `Σ p_w V_w V_a (v_w − v_a)·∇W`. That pressure is continued from the water, nothing stores its work: an
     /// error of the walls, which goes with the spacing. Cercos-Pita, Antuono, Colagrossi & Souto-Iglesias (2017).
     at_walls,
-    /// What the terms above leave unexplained since the start: the error of the scheme.
+    /// Energy unexplained by the terms above since the start: the error of the scheme.
     residual,
 }
 
@@ -98,7 +98,7 @@ impl Energy {
     }
 }
 
-/// What interface forces did, booked with each half kick.
+/// Work and impulse of the interface forces, booked with each half kick.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(crate) struct Ledger {
     /// Stored energy at the start; J.

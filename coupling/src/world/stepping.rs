@@ -96,8 +96,8 @@ impl World {
         }
     }
 
-    /// What follows from the fluid half way through a step, `half` after its start. Nothing comes, goes, is
-    /// put back or shifted here: the corrector would undo that.
+    /// Evaluates the fluid half way through a step, `half` after its start, without inflow, outflow,
+    /// push-back or shifting, which the corrector would undo.
     fn evaluate_half_way(&mut self, half: f64) -> Result<(), StepError> {
         let mut watch = Stopwatch::start();
         self.refresh_fluid()?;

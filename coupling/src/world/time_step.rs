@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 /// Largest growth from one step to the next; drops are immediate.
 const LARGEST_GROWTH: f64 = 1.05;
 
-/// What limits a step.
+/// Governing limit of a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Cause {
@@ -41,7 +41,7 @@ pub const CAUSES: [Cause; 7] = [
 pub struct TimeStep {
     /// s.
     pub dt: f64,
-    /// What limits it.
+    /// Governing limit.
     pub cause: Cause,
     /// Steps of the blocks inside it.
     pub block_substeps: u32,

@@ -1,4 +1,4 @@
-//! What a system of blocks is made from: blocks as they are given, and the numbers of the solver.
+//! Input of a system of blocks: block definitions and solver settings.
 
 use crate::{
     BlockError, ContactDetection, Deformability, Motion, NormalLaw, Resting, RollingLaw, Shape,

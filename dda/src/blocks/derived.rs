@@ -4,7 +4,7 @@ use super::Update;
 use super::links::Links;
 use crate::geometry::parts::Part;
 
-/// What follows from state and constants: made again when a checkpoint is read.
+/// Data derived from state and constants, rebuilt when a checkpoint is read.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Derived {
     /// Geometry in the world; one per part.

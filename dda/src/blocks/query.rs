@@ -1,4 +1,4 @@
-//! What can be asked of the blocks. Asking changes nothing.
+//! Queries of the blocks; read-only.
 
 use crate::geometry::parts::Part;
 use crate::material::{Joint, SphereJoint};

@@ -1,4 +1,4 @@
-//! What a block looks like: a rigid union of convex polyhedra, or a ball.
+//! Shape of a block: a rigid union of convex polyhedra, or a sphere.
 
 use std::sync::Arc;
 

@@ -506,7 +506,7 @@ pub(crate) struct Behind {
 /// Mark of the numbers of vertices among those of planes.
 const OF_VERTEX: u32 = 1 << 31;
 
-/// What part of a triangle a point lies on.
+/// Feature of a triangle on which a point lies.
 #[derive(Clone, Copy, Debug)]
 enum Feature {
     Face,

@@ -55,7 +55,7 @@ pub enum DeformableModel {
     Dda12,
 }
 
-/// What makes a block deformable. Its material must have elastic moduli.
+/// Deformability of a block. Its material must have elastic moduli.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Deformability {
     /// Kinematic model.
@@ -77,7 +77,7 @@ impl Default for Deformability {
     }
 }
 
-/// What both deformable models share: place, velocity and inertia of an affine body.
+/// Common state of both deformable models: position, velocity and inertia of an affine body.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct AffineBody {
     // State.
@@ -164,7 +164,7 @@ impl AffineBody {
         0.5 * (self.rate * self.second_moment).dot(&self.rate)
     }
 
-    /// What the scaled inertia of the strain modes adds to the kinetic energy; J.
+    /// Kinetic energy added by the scaled inertia of the strain modes; J.
     pub fn added_kinetic_energy(&self) -> f64 {
         if self.strain_mass_factor <= 1.0 {
             return 0.0;
@@ -270,7 +270,7 @@ impl Deformable {
         }
     }
 
-    /// What strain viscosity took in the last drift; J.
+    /// Dissipation by strain viscosity in the last drift; J.
     pub fn viscous_loss(&self) -> f64 {
         match self {
             Self::Affine12(model) => model.viscous_loss,

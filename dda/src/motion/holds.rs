@@ -15,8 +15,8 @@ pub enum Turning {
     Held,
 }
 
-/// What a free block may not do. Holding forces do no work; the impulse they give counts as the
-/// supports'.
+/// Constraints on a free block. Constraint forces do no work; their impulse counts as that of the
+/// supports.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Hold {
     /// World directions in which the centroid does not move: unit vectors at right angles, at most

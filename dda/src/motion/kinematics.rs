@@ -148,8 +148,8 @@ impl Kinematics {
         3.0 * self.inverse_mass + self.inverse_inertia.trace() * r.norm_squared() - along
     }
 
-    /// What no point within a radius of the centroid exceeds: the compliance in one direction, and
-    /// its sum over three at right angles; 1/kg.
+    /// Upper bound over points within a radius of the centroid: the compliance in one direction, and
+    /// its sum over three orthogonal ones; 1/kg.
     pub fn worst_compliance(&self, radius: f64) -> (f64, f64) {
         let square = radius * radius;
         // No eigenvalue exceeds the norm, nor two of three the trace.

@@ -226,7 +226,7 @@ fn too_many(sets: &[JointSet], max_blocks: usize, expected: f64) -> JointError {
     }
 }
 
-/// What joints cut.
+/// A body cut by joints.
 trait Body: Sized {
     /// The convex body about which chance decides.
     fn whole(&self) -> &Polyhedron;
@@ -234,7 +234,7 @@ trait Body: Sized {
     /// Its corners, which say where joints are needed.
     fn corners(&self) -> impl Iterator<Item = &Vec3>;
 
-    /// What is left of it in the halves of its whole; counts cuts that were not made.
+    /// Its pieces in the halves of the whole; counts omitted cuts.
     fn divided(self, halves: [Polyhedron; 2], plane: &Plane, n_uncut: &mut usize) -> Vec<Self>;
 }
 

@@ -1,4 +1,4 @@
-//! What moved chosen blocks, source by source: impulses summed over the steps.
+//! Impulses on chosen blocks by source, summed over the steps.
 
 use crate::{Blocks, Load, Vec3};
 use serde::{Deserialize, Serialize};

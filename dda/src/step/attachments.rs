@@ -1,4 +1,4 @@
-//! What is attached to blocks: loads, elastic supports, rock bolts. Each acts on material points, which
+//! Attachments of blocks: loads, elastic supports, rock bolts. Each acts on material points, which
 //! move and strain with their block.
 
 use crate::geometry::parts::Part;
@@ -118,7 +118,7 @@ pub(crate) struct Attachments {
     pub work: Account,
 }
 
-/// What the attachments see of the blocks.
+/// State of the blocks used by attachments.
 pub(crate) struct Surroundings<'a> {
     pub kinematics: &'a [Kinematics],
     /// World from the axes of the start, turned and strained; one per block.

@@ -27,7 +27,7 @@ pub enum Phase {
     /// Narrow phase and contact law: pair by pair, in one loop, so that a pair's patch never leaves the cache
     /// between the two.
     Contacts,
-    /// What the pairs add up to for each block.
+    /// Sums over the pairs of each block.
     Sums,
 }
 

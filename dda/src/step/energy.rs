@@ -29,7 +29,7 @@ pub struct Energies {
     pub strain_damping: f64,
     /// Taken by the damping that a search for a state of rest may ask for; cumulative.
     pub static_damping: f64,
-    /// What was left of the motion of blocks that fell asleep; cumulative.
+    /// Kinetic energy removed when blocks were put to sleep; cumulative.
     pub laid_to_rest: f64,
     /// Lost in bolts that yield; cumulative.
     pub plastic: f64,
@@ -39,7 +39,7 @@ pub struct Energies {
 }
 
 impl Energies {
-    /// What must stay the same: all stored and lost energy less the work from outside; J.
+    /// Conserved energy balance: stored and dissipated energy minus external work; J.
     pub fn balance(&self) -> f64 {
         let Self {
             kinetic,

@@ -9,7 +9,7 @@ const N_ROUNDS: usize = 300;
 /// Rounds in which the step is found that the stiffest motion bears.
 const N_TRIALS: usize = 4;
 
-/// What two blocks feel of each other at a point.
+/// Interaction of two blocks at a point.
 struct Spring {
     blocks: [usize; 2],
     point: Vec3,

@@ -17,7 +17,7 @@ use nalgebra::Matrix3;
 /// Pairs of polyhedra that one thread takes at a time.
 pub(crate) const PAIR_CHUNK: usize = 16;
 
-/// What the pairs of a chunk add up to in a step.
+/// Sums over the pairs of a chunk in a step.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Tally {
     /// Lost; J.
@@ -341,7 +341,7 @@ impl Blocks {
         }
     }
 
-    /// What the contact forces strain, deformable blocks only.
+    /// Generalized strain forces from contacts, deformable blocks only.
     fn sum_stretch(&mut self) {
         self.state.contact_stretch.clear();
         self.state

@@ -46,7 +46,7 @@ impl Face<'_> {
     }
 }
 
-/// What the kernel of a point sees of a solid.
+/// Integral of the kernel of a point over a solid.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WallIntegral {
     /// Share of the kernel inside the solid, `λ = ∫ W dV`; 0 to 1.
@@ -130,7 +130,7 @@ fn layer_factors(d: f64, dp: f64, dimensions: Dimensions) -> [f64; 2] {
     [g / whole.value, q / whole.moment]
 }
 
-/// What a point at a distance sees of a solid behind a plane wall; units of the support radius.
+/// Integrals at a distance from a solid behind a plane wall; units of the support radius.
 struct PlaneSums {
     /// `λ`.
     share: f64,

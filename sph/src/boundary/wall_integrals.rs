@@ -1,4 +1,4 @@
-//! What walls of exact kernel integrals add to a fluid.
+//! Contributions of walls of exact kernel integrals to a fluid.
 //!
 //! The integrals are those of [`super::integral`]; which solids a particle sees, and the forces that
 //! follow, are the caller's. Rates of density go through [`Fluid::add_density_rates`].

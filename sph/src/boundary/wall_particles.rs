@@ -39,7 +39,7 @@ use crate::terms::sums;
 use crate::terms::sums::{Places, Shearing};
 use crate::{CHUNK, Fluid, Vec3};
 
-/// What the fluid does along a wall.
+/// Slip of the fluid along a wall.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Slip {
     /// It slides: no viscous force.
@@ -473,7 +473,7 @@ impl WallParticles {
         self.scratch.strains = strains;
     }
 
-    /// What resists shear along these walls.
+    /// Viscosity model along these walls.
     fn shearing<'a>(&'a self, fluid: &'a Fluid) -> Shearing<'a> {
         match self.slip {
             Slip::Free => Shearing::Uniform(Viscosity::None),

@@ -1,5 +1,5 @@
-//! What crosses the edge of the fluid: particles made and taken out, velocities and densities
-//! imposed. Every change says what it brought in, so that ledgers close.
+//! Exchange across the boundary of the fluid: particles added and removed, velocities and densities
+//! imposed. Every change returns its contribution, so that ledgers close.
 
 use serde::{Deserialize, Serialize};
 use std::ops::AddAssign;
@@ -10,7 +10,7 @@ use crate::fluid::MAX_PARTICLES;
 use crate::particles::filter;
 use crate::{CHUNK, Fluid, FluidError, Vec3};
 
-/// What a change brought into the fluid; below zero where it took something out.
+/// Contribution of a change to the fluid; negative for a removal.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Exchange {
     /// Particles.
@@ -199,7 +199,7 @@ impl Fluid {
         }
     }
 
-    /// What a particle holds.
+    /// Mass, momentum and energy of a particle.
     pub(crate) fn content(&self, a: usize) -> Exchange {
         let x = self.particles.position[a];
         // what a predictor gave was not booked

@@ -58,7 +58,7 @@ pub struct Sleeping {
     pub time: f64,
 }
 
-/// What is done with a particle.
+/// Treatment of a particle.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) enum Rest {
     /// Everything.
@@ -107,7 +107,7 @@ struct Tile {
     seen: Seen,
 }
 
-/// What a look at a tile finds of the particles in it that are awake.
+/// Statistics of the awake particles in a tile.
 #[derive(Clone, Copy, Debug, Default)]
 struct Seen {
     n: usize,
@@ -121,7 +121,7 @@ struct Seen {
     is_disturbed: bool,
 }
 
-/// What is known of sleeping chunks from the step before, since the last sort or change.
+/// Results for sleeping chunks from the previous step, since the last sort or change.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Kept {
     pub flow: bool,
@@ -434,7 +434,7 @@ impl Fluid {
         laid
     }
 
-    /// What is level of a vector: in a plane nothing goes across, without gravity all of it is.
+    /// Horizontal part of a vector: without the component across a 2-D flow; all of it without gravity.
     fn level(&self, vector: Vec3) -> Vec3 {
         let gravity = self.settings.gravity;
         let square = gravity.norm_squared();
@@ -614,7 +614,7 @@ impl Fluid {
         self.lists.forget();
     }
 
-    /// What is done with each particle; nothing where all are awake.
+    /// Treatment of each particle; empty if all are awake.
     pub(crate) fn rests(&self) -> &[Rest] {
         self.sleep.as_ref().map_or(&[], |sleep| &sleep.rests)
     }

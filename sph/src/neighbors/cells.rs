@@ -251,7 +251,7 @@ impl CellGrid {
         wrapped
     }
 
-    /// What is added to a particle's position to see it through an image; m.
+    /// Shift of a particle's position to its image; m.
     ///
     /// ```text
     /// image = (s_x + 1) + 3 (s_y + 1) + 9 (s_z + 1),   shift = s · period,   s = −1, 0, 1
@@ -337,8 +337,8 @@ impl CellGrid {
 
     /// Squared distances along an axis from a coordinate to the cells before, at and after `cell`; m².
     ///
-    /// What is outside of the grid counts to the outermost cells: those reach on without end, so that
-    /// only the near side of a neighbour matters.
+    /// Points outside of the grid belong to the outermost cells, which extend to infinity, so that
+    /// only the near side of a neighbor matters.
     #[inline(always)]
     fn squared_distances(&self, axis: usize, x: f64, cell: usize) -> [f64; 3] {
         let size = self.cell_size[axis];

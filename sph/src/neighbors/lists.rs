@@ -15,7 +15,7 @@
 //! registers: results are the same bits for any number of threads. What a particle sees through a periodic
 //! side, or its image in a plane of symmetry sees, is a span of its own, summed from the shifted place.
 //!
-//! What sleeps far from all that is awake has nothing listed, and nothing is summed for it.
+//! Sleeping particles far from all awake ones have empty lists and are skipped in sums.
 
 use rayon::prelude::*;
 
@@ -36,7 +36,7 @@ pub(crate) struct Lists {
     is_made: bool,
     /// Particles with anything listed.
     n_receivers: u64,
-    /// What they were made from: positions (m), and the farthest that anything is listed at (m).
+    /// Basis of the lists: positions (m), and the largest listed distance (m).
     from: (Vec<Vec3>, f64),
 }
 
@@ -52,7 +52,7 @@ struct ChunkLists {
     ids: Vec<u32>,
 }
 
-/// What a receiver sees in one way.
+/// Neighbors of a receiver in one kind of list.
 #[derive(Clone, Copy, Debug)]
 struct Span {
     /// One past its last register of neighbours.
@@ -76,7 +76,7 @@ pub(crate) struct Surroundings<'a> {
     pub frame: &'a Frame,
     pub mirrors: Mirrors,
     pub positions: &'a [Vec3],
-    /// What is done with each particle; empty where all are awake.
+    /// Treatment of each particle; empty if all are awake.
     pub rests: &'a [Rest],
     /// Farthest that anything to be listed may be from a receiver; m.
     pub radius: f64,

@@ -41,17 +41,17 @@ pub(crate) struct Pair<L> {
     pub offset: [L; 3],
     /// `|x_a − x_b|²`; m².
     pub r2: L,
-    /// What the neighbours' records hold: last a volume, or what else each adds by, for the share that is seen of it.
+    /// Fields of the neighbors' records; the last is a volume or another weight, which occlusion scales.
     pub b: [L; 5],
 }
 
-/// What is summed over neighbours.
+/// Term of a sum over neighbors.
 pub(crate) trait Term<L: Lanes>: Sync {
     /// Values of the receiver, the same in all lanes.
     type Own: Copy;
     /// Sums under way.
     type Sums;
-    /// What comes of them.
+    /// Result of the sum.
     type Out: Send;
 
     /// Values of receiver `a`.
@@ -73,7 +73,7 @@ pub(crate) struct Sources<'a, R> {
     pub grid: &'a CellGrid,
     pub frame: &'a Frame,
     pub points: &'a Points<R>,
-    /// What hides points from receivers; none without screens.
+    /// Occlusion of points from receivers; `None` without thin solids.
     pub veil: Option<Veil<'a>>,
     /// Planes in which the receivers see the points mirrored.
     pub mirrors: Mirrors,
@@ -304,7 +304,7 @@ where
     }
 }
 
-/// What receivers see of the points, one after the other.
+/// Visible points of the receivers, one after the other.
 struct View<'a, L: Lanes, T: Term<L>, const SCREENED: bool> {
     machine: L::Machine,
     term: &'a T,

@@ -13,7 +13,7 @@ pub(crate) const RECORD: usize = 8;
 /// Candidates that the filter tests together; columns are padded by as many.
 pub(crate) const FILTER_WIDTH: usize = 8;
 
-/// What a sum reads of a particle, in one cache line or half of one.
+/// Particle data read by a sum, in one cache line or half of one.
 pub(crate) trait Record: Copy + Send + Sync {
     /// Coordinates in the frame of the sums, and five values.
     fn pack(place: &Place, values: [f64; 5]) -> Self;

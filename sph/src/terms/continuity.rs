@@ -9,7 +9,7 @@ use crate::simd::lanes::{Lanes, RECORD};
 use crate::terms::{Lanes3, dot, minus, signed, splat3};
 use serde::{Deserialize, Serialize};
 
-/// What a rate sum gives.
+/// Result of a rate sum.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub(crate) struct Rate {
     /// By the flow; kg/(m³ s).

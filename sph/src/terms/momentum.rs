@@ -184,7 +184,7 @@ impl<L: Lanes> PairPressure<L> for WeightedByDensity<L> {
     }
 }
 
-/// What a viscous force knows of a register of pairs.
+/// Pair quantities of a viscous force in a register.
 pub(crate) struct Sheared<'a, L> {
     pub pair: &'a Pair<L>,
     /// `v_a − v_b`; m/s.

@@ -38,7 +38,7 @@ pub(crate) struct Neighborhood<'a> {
     pub veil: Option<Veil<'a>>,
 }
 
-/// What is between receivers and points at given places; nothing without screens.
+/// Occlusion between receivers and points at given positions; `None` without thin solids.
 pub(crate) fn veil<'a>(
     screens: &'a Screens,
     positions: &'a [Vec3],
@@ -60,7 +60,7 @@ pub(crate) struct Places<'a> {
     pub facets: &'a [Facet],
 }
 
-/// What all sums share.
+/// Setup common to all sums.
 struct Setup<'a> {
     settings: &'a Settings,
     from: Neighborhood<'a>,
@@ -623,7 +623,7 @@ struct Forces<'a> {
 }
 sum_over_kernels!(Forces);
 
-/// What resists shear in a force sum.
+/// Viscosity model of a force sum.
 #[derive(Clone, Copy)]
 pub(crate) enum Shearing<'a> {
     /// The same for all.

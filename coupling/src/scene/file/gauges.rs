@@ -1,4 +1,4 @@
-//! What is recorded: instruments, and the ways of falling blocks.
+//! Schema of recording instruments and tracked blocks.
 
 use serde::{Deserialize, Serialize};
 

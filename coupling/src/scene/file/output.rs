@@ -1,4 +1,4 @@
-//! What is written, and how often; the eye that looks at it.
+//! Schema of output files, intervals and camera.
 
 use serde::{Deserialize, Serialize};
 

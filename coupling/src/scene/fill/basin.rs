@@ -29,7 +29,7 @@ struct Basin {
     symmetry: Symmetry,
 }
 
-/// What was poured; m.
+/// Filled region; m.
 #[derive(Debug, Default)]
 pub(super) struct Poured {
     pub(super) water: Vec<Vec3>,
@@ -37,7 +37,7 @@ pub(super) struct Poured {
     pub(super) mould: Vec<Vec3>,
 }
 
-/// What is known of a node.
+/// State of a node.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Node {
     Unknown,

@@ -10,7 +10,7 @@ use crate::scene::file::{
     BlockFile, GrainRegionFile, GrainsFile, MotionFile, PlacementFile, SceneFile, ShapeFile,
 };
 
-/// What became of a list of grains.
+/// Report on a list of grains.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GrainsReport {
     /// Its name.

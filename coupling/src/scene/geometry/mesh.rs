@@ -24,7 +24,7 @@ use crate::scene::access::fault::{MOST_TRIANGLES, MOST_TRIANGLES_OF_A_SHELL};
 /// volume that a block gains by its hull stays far below any density's uncertainty.
 const CONVEX_TOLERANCE: f64 = 1e-6;
 
-/// What a file holds, for a look before it is used.
+/// Summary of a mesh file, for inspection.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Survey {
     /// Whether every edge has its two sides, turned alike.
@@ -125,7 +125,7 @@ pub fn survey(access: &Access, file: &str, scale: f64) -> Result<Survey, MeshErr
     })
 }
 
-/// What the content of a mesh file holds whose name ends in `extension`, as [`survey`].
+/// Summary of the content of a mesh file with a given `extension`, as [`survey`].
 ///
 /// # Errors
 ///
@@ -145,7 +145,7 @@ pub fn survey_from(content: &[u8], extension: &str, scale: f64) -> Result<Survey
     })
 }
 
-/// What `make` makes of a file of the scene, from its content and the end of its name.
+/// Result of `make` for a file of the scene, from its content and extension.
 fn with_content<T>(
     access: &Access,
     file: &str,

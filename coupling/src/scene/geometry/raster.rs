@@ -13,7 +13,7 @@ const MOST_POINTS: usize = 50_000_000;
 /// Most points of a grid that becomes terrain as it is; each makes two triangles.
 const MOST_POINTS_OF_A_SHAPE: usize = 2_500_000;
 
-/// What the lines before the heights say.
+/// Header of a raster.
 struct Header {
     n_columns: usize,
     n_rows: usize,

@@ -14,7 +14,7 @@ use crate::scene::file::{
     SceneFile, ShapeFile, SliversFile,
 };
 
-/// What became of a rock mass.
+/// Report on a rock mass.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RockMassReport {
     /// Its name.
@@ -179,7 +179,7 @@ pub(super) type Cut = (Vec<Vec<Polyhedron>>, RockMassReport);
 /// The field of a mass to blame, and why.
 pub(super) type Refusal = (String, String);
 
-/// What is done about slivers and small blocks of a mass.
+/// Treatment of slivers and small blocks of a rock mass.
 pub(super) struct Cleaning<'a> {
     pub(super) name: &'a str,
     pub(super) merge_slivers: Option<&'a SliversFile>,
@@ -260,7 +260,7 @@ pub(super) fn blamed(error: &JointError) -> String {
     }
 }
 
-/// What the blocks tell of themselves; `volume`: of the mass; m³.
+/// Report on the blocks; `volume` is that of the rock mass; m³.
 fn report(name: &str, volume: f64, blocks: &[Vec<Polyhedron>]) -> RockMassReport {
     let qualities: Vec<BlockQuality> = blocks
         .iter()

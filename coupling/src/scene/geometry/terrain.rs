@@ -31,9 +31,9 @@ pub struct Terrain {
     pub grid: Grid,
     /// The ground as blocks and water meet it.
     pub surface: Arc<Surface>,
-    /// What slides are made of, in the order of the scene.
+    /// Rock of the slides, in the order of the scene.
     pub rock: Vec<Rock>,
-    /// What is doubtful about it.
+    /// Warnings.
     pub questions: Vec<Problem>,
     /// Points that lay in gaps of the sources.
     pub n_filled: usize,

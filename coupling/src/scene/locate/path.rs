@@ -23,7 +23,7 @@ pub enum Step {
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{message}")]
 pub struct PathError {
-    /// What is wrong; lowercase.
+    /// Fault; lowercase.
     pub message: String,
     /// Where in the path; bytes.
     pub span: Range<usize>,

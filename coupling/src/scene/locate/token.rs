@@ -5,7 +5,7 @@ use std::ops::Range;
 /// A piece of RON text. Whitespace, comments and `#![enable(...)]` lines leave no token.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Token {
-    /// What it is.
+    /// Kind of the token.
     pub kind: TokenKind,
     /// Where it is; bytes.
     pub span: Range<usize>,
@@ -208,7 +208,7 @@ impl Lexer<'_> {
     }
 }
 
-/// What RON passes over between tokens.
+/// Whitespace between tokens.
 fn is_blank(c: char) -> bool {
     c.is_ascii_whitespace()
         || matches!(

@@ -13,11 +13,11 @@ const DEEPEST: usize = 64;
 pub struct Node {
     /// From its first to behind its last byte, the name before a parenthesis included.
     pub span: Range<usize>,
-    /// What is inside.
+    /// Content.
     pub kind: NodeKind,
 }
 
-/// What a value is made of.
+/// Structure of a value.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum NodeKind {
     /// A number or a bare name.
@@ -59,7 +59,7 @@ pub struct Field {
 /// Where a text first stops being well-formed.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Flaw {
-    /// What is wrong; lowercase.
+    /// Fault; lowercase.
     pub message: String,
     /// Where; bytes.
     pub span: Range<usize>,
@@ -137,7 +137,7 @@ impl<'a> Tree<'a> {
         }
     }
 
-    /// What the field `name` of a record says, for list elements that have one.
+    /// Value of the field `name` of a record, for list elements that have one.
     pub fn name_of(&self, node: &Node) -> Option<String> {
         let node = self.child(self.without_some(node), &Step::Name("name".to_owned()))?;
         // Escapes are rare in names; RON itself resolves them.

@@ -76,7 +76,7 @@ impl Checks {
         }
     }
 
-    /// What is left of a strength: from 0 to the strength, which has a name.
+    /// Residual strength: from 0 to the named peak strength.
     pub fn residual(
         &mut self,
         path: String,

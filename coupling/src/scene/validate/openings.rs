@@ -3,7 +3,7 @@
 use super::checks::Checks;
 use crate::scene::file::{DimensionsFile, SceneFile, SideFile, Triple};
 
-/// What absorbers, inflows and outflows have in common.
+/// Common fields of absorbers, inflows and outflows.
 struct Opening {
     path: String,
     what: String,

@@ -22,7 +22,7 @@
 use crate::{Polyhedron, Vec3};
 use serde::{Deserialize, Serialize};
 
-/// What makes an axis.
+/// Features that define an axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum AxisKind {
     /// A face of A; the axis is its normal.
@@ -42,7 +42,7 @@ pub struct Axis {
     pub normal: Vec3,
     /// Gap along it, < 0 for overlap; m.
     pub gap: f64,
-    /// What makes it.
+    /// Features that define it.
     pub kind: AxisKind,
 }
 
@@ -251,7 +251,7 @@ pub fn separating_axes(a: &Polyhedron, b: &Polyhedron) -> SeparatingAxes {
     axes(a, b, Neighbors::Heeded)
 }
 
-/// What adjoins a body: whether it covers faces and carries on corners, or the body is taken by itself.
+/// Treatment of adjoining bodies: they cover faces and continue corners, or the body is considered alone.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Neighbors {
     Heeded,

@@ -69,7 +69,7 @@ pub(crate) struct Patch {
     spare: Vec<Corner>,
 }
 
-/// What the pair's stiffness refers to.
+/// Scaling of the pair's stiffness.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) enum Scaling {
     /// N/m of the whole contact: weights of flat faces sum to 1.

@@ -19,7 +19,7 @@ use crate::contact::penalty::polyhedra::{ContactState, PointState};
 use crate::motion::kinematics::Kinematics;
 use serde::{Deserialize, Serialize};
 
-/// What the shear spring of a pair remembers.
+/// History of the shear spring of a pair.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct ShearSpring {
     /// `ξ₀`, of j against i; m.
@@ -52,7 +52,7 @@ pub(crate) struct Shearing<'a> {
     pub dt: f64,
 }
 
-/// What became of the spring.
+/// Result of a shear update.
 pub(crate) struct Sheared {
     pub spring: ShearSpring,
     /// J.

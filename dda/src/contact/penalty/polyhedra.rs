@@ -68,11 +68,11 @@ pub struct Contact {
     pub shear_force: Vec3,
     /// Overlap at the point; m.
     pub overlap: f64,
-    /// What it does.
+    /// State of the contact.
     pub state: ContactState,
 }
 
-/// What a contact point remembers.
+/// History of a contact point.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct PointState {
     pub patch: PatchPoint,
@@ -93,7 +93,7 @@ pub(crate) struct PointState {
 pub(crate) struct Pair {
     pub parts: (u32, u32),
     pub blocks: (u32, u32),
-    /// What the pair adds to the step bound of each block, since the last evaluation.
+    /// Contribution of the pair to the step bound of each block, since the last evaluation.
     pub rates: (Rates, Rates),
     /// Is there any force?
     pub is_touching: bool,
@@ -111,7 +111,7 @@ pub(crate) struct Pair {
     pub has_slipped: bool,
     /// Has its bond broken, so that its residual cohesion holds?
     pub is_broken: bool,
-    /// What made the patch at that time, and what share of its stiffness it has, see `takeover`; –.
+    /// Features that formed the patch at that time, and the fraction of its stiffness, see `takeover`; –.
     pub features: Option<Features>,
     pub stiffness_share: f64,
     /// Energy of the normal and of the shear springs; J.
@@ -129,7 +129,7 @@ pub(crate) struct Pair {
     pub deepest: f64,
     /// Did the bond break in the last evaluation?
     pub has_broken: bool,
-    /// What is too much of the half kick to come, see `meeting`; none between two steps.
+    /// Correction to the next half kick, see `meeting`; empty between two steps.
     #[serde(skip)]
     pub excess: Vec<PointForce>,
 }
@@ -143,7 +143,7 @@ pub(crate) struct Workspace {
     patch: Patch,
 }
 
-/// What the law needs beside the pair itself.
+/// Context of the contact law beyond the pair itself.
 pub(crate) struct Medium<'a> {
     pub parts: &'a [Part],
     pub kinematics: &'a [Kinematics],

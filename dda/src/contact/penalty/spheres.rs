@@ -61,7 +61,7 @@ pub(crate) struct SphereRow<'a> {
     pub rolling: Option<&'a mut Rolling>,
 }
 
-/// What a pair adds to the step bound of each of its blocks.
+/// Contribution of a pair to the step bound of each of its blocks.
 pub(crate) type PairRates = (Rates, Rates);
 
 /// Lengths of a pair; m.

@@ -20,7 +20,7 @@ pub struct CriticalStep {
     pub contact: Option<(usize, usize)>,
 }
 
-/// What the contacts of a block add up to in the step bound.
+/// Sum of the contacts of a block in the step bound.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub(crate) struct BlockRates {
     /// `Λ_K` (1/s²) and `Λ_C` (1/s) of the contacts that touch.

@@ -44,7 +44,7 @@ pub(crate) struct SurfacePair {
     pub touch: SurfaceTouch,
     /// On the body and on the surface, torque about their centroids.
     pub loads: (Load, Load),
-    /// What the pair adds to the step bound of the body.
+    /// Contribution of the pair to the step bound of the body.
     pub rates: Rates,
     pub is_touching: bool,
     /// Energy lost in the last sub-step; J.
@@ -54,13 +54,13 @@ pub(crate) struct SurfacePair {
     pub rolling_impulse: Vec3,
     /// Deepest overlap; m.
     pub deepest: f64,
-    /// What is too much of the half kick to come, on the surface; none between two steps. As between polyhedra, and of
+    /// Correction to the next half kick, on the surface; empty between two steps. As between polyhedra, and for
     /// polyhedra only.
     #[serde(skip)]
     pub excess: Vec<PointForce>,
 }
 
-/// What touches.
+/// Kind of contact with a surface.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) enum SurfaceTouch {
     Polyhedron(Box<PolyhedronTouch>),
@@ -90,7 +90,7 @@ pub(crate) struct PolyhedronTouch {
     former: (Vec<PointState>, Vec<Vec3>),
     #[serde(skip)]
     found: Vec<Found>,
-    /// What of a face is behind a plane, and pieces of it.
+    /// Part of a face behind a plane, and its pieces.
     #[serde(skip)]
     wet: Vec<Vec3>,
     #[serde(skip)]
@@ -107,7 +107,7 @@ struct Found {
     x: Vec3,
     weight: f64,
     depth: f64,
-    /// What counts as energy, once for a corner that leans on two sides; m².
+    /// Weight in the energy, counted once for a corner that touches two sides; m².
     square: f64,
 }
 

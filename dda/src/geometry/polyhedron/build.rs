@@ -160,7 +160,7 @@ pub enum PolyhedronError {
     Hull {
         /// Points given.
         n_points: usize,
-        /// What went wrong.
+        /// Fault.
         reason: String,
     },
     /// Two edges of a polygon to be extruded cross or touch.
@@ -176,7 +176,7 @@ pub enum PolyhedronError {
     Polygon {
         /// Corners given.
         n: usize,
-        /// What is wrong.
+        /// Fault.
         reason: &'static str,
     },
 }

@@ -51,11 +51,11 @@ pub fn cut_union_by_joints(
     })
 }
 
-/// What is between the same joints.
+/// Rock between the same joints.
 struct Compound {
     /// All of the space between them, as far as the mass's box goes.
     whole: Polyhedron,
-    /// What of it is rock.
+    /// Its rock.
     parts: Vec<Polyhedron>,
 }
 

@@ -48,7 +48,7 @@ pub(super) fn edge_sums(face: &Face, x: &Vec3, a: f64, inverse_radius: f64) -> O
     })
 }
 
-/// What is seen of a whole half plane at a distance `a < 1`.
+/// Integrals over a half space at a distance `a < 1`.
 pub(super) fn plane_sums(a: f64) -> PlaneSums {
     let reach = (1.0 - a * a).sqrt();
     let powers = Powers::new(a, -reach, reach);

@@ -21,7 +21,7 @@ const SAME_CELL: f64 = 0.51;
 const COPY: f64 = 0.3;
 /// A cell that is partly exposed is divided into this many squared.
 const DIVISIONS: usize = 8;
-/// What lies this close above a face covers it; of the spacing.
+/// Distance above a face within which another face covers it; of the spacing.
 const HAIR: f64 = 1e-3;
 /// Round-off of positions; of the spacing.
 const TOLERANCE: f64 = 1e-6;
@@ -193,7 +193,7 @@ struct Plate<'a> {
     n: [usize; 2],
     /// Coordinate of the plane along the normal; m.
     height: f64,
-    /// What the columns and their continuation may touch; m.
+    /// Bounds of the columns and their continuation; m.
     reach: Region,
     /// Parts that touch `reach`.
     near_parts: Vec<usize>,
@@ -477,7 +477,7 @@ impl<'a> Plate<'a> {
         })
     }
 
-    /// What is not exposed of the cells within `n` cells of one that is, along both directions.
+    /// Covered cells within `n` cells of an exposed one, along both directions.
     fn behind_edges(&self, exposed: &[Column], n: usize) -> Vec<Column> {
         let [n_u, n_v] = self.n;
         let spread = |from: &[bool], length: usize, stride: usize| -> Vec<bool> {

@@ -4,7 +4,7 @@ use riprap_dda::Vec3;
 
 use super::Terrain;
 
-/// What is between the ground and a level.
+/// Space between the ground and a level.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Room {
     /// m³.
@@ -102,7 +102,7 @@ fn flooded(
     Some(wet)
 }
 
-/// What of a triangle is below a level and within a box of the plan.
+/// Part of a triangle below a level and within a box in plan view.
 fn clipped(corners: &[Vec3; 3], level: f64, [low, high]: [[f64; 2]; 2]) -> Vec<Vec3> {
     let mut polygon = corners.to_vec();
     let sides: [&dyn Fn(&Vec3) -> f64; 5] = [

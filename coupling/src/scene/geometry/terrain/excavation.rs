@@ -30,7 +30,7 @@ pub struct Excavated {
     pub points: Vec<Vec3>,
     /// Counter-clockwise from outside.
     pub triangles: Vec<[u32; 3]>,
-    /// What was taken out within each outline: convex bodies that adjoin.
+    /// Excavated rock within each outline: adjoining convex bodies.
     pub rock: Vec<Vec<Polyhedron>>,
     /// Volume of the rock within each outline: area times mean thickness, triangle by triangle; m³.
     pub volumes: Vec<f64>,

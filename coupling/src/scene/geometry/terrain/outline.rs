@@ -16,7 +16,7 @@ impl Outline {
     ///
     /// # Errors
     ///
-    /// What is wrong with it.
+    /// A message on the fault.
     pub fn read(file: &OutlineFile, origin: (f64, f64), access: &Access) -> Result<Self, String> {
         let corners = match file {
             OutlineFile::Corners(corners) => corners.iter().map(|&(x, y)| [x, y]).collect(),
@@ -29,7 +29,7 @@ impl Outline {
     ///
     /// # Errors
     ///
-    /// What is wrong with them.
+    /// A message on the fault.
     pub fn new(mut corners: Vec<[f64; 2]>) -> Result<Self, String> {
         // a ring may be closed by its first corner
         if 1 < corners.len() && corners.first() == corners.last() {

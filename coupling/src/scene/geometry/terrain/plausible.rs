@@ -16,7 +16,7 @@ const SAME_LENGTH: f64 = 1e-5;
 /// Cells below this, beside places that may be longitudes and latitudes, look like degrees.
 const SMALL_CELL: f64 = 0.02;
 
-/// What is doubtful about the heights that a scene uses.
+/// Doubtful elevations of a scene.
 pub(super) fn questions(grid: &Grid, file: &TerrainFile) -> Vec<Problem> {
     let mut found = Vec::new();
     let mut ask = |what: String| found.push(Problem::warning("terrain.sources", what));

@@ -22,7 +22,7 @@ use crate::contact::detection::patch::{Patch, PatchPoint};
 /// No contact becomes softer than this share; –.
 const SOFTEST: f64 = 1e-3;
 
-/// What makes the patch: the common plane, and the face of the other body that looks at it; none where
+/// Features that form the patch: the common plane, and the facing face of the other body; `None` if
 /// the contact is a point.
 pub(crate) type Features = (AxisKind, Option<u32>);
 
@@ -63,13 +63,13 @@ impl Pair {
         }
     }
 
-    /// What the normal springs of the step before hold after its first half, in which they worked; J.
+    /// Energy of the normal springs of the previous step after its first half, in which they did work; J.
     pub(super) fn energy_left(&self, medium: &Medium, dt: f64, former: &Former) -> f64 {
         self.elastic.0
             - self.work_of_normal_springs(former.points, &former.normal, medium, (dt, dt))
     }
 
-    /// What the springs of the present patch hold and give in the second half of the step; J.
+    /// Energy that the springs of the current patch store and release in the second half of the step; J.
     fn energy_asked(&self, medium: &Medium, dt: f64, patch: &Patch) -> f64 {
         let stiffness = medium.joint(self).normal_stiffness;
         let (a, b) = self.bodies(medium);

@@ -70,7 +70,7 @@ impl SphereContact {
     }
 }
 
-/// What a pair does to its blocks; beside the pairs, because each block reads it of all its own.
+/// Loads of a pair on its blocks; stored apart from the pairs, since each block reads those of all its pairs.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub(crate) struct SphereLoads {
     /// On j; N. Zero when apart.
@@ -151,7 +151,7 @@ pub(super) fn book_first_half<A: Side, B: Side>(
     }
 }
 
-/// What the step bound asks of a contact just evaluated.
+/// Quantities of a just evaluated contact for the step bound.
 pub(super) struct Pressed {
     /// m/s.
     opening: f64,
@@ -253,7 +253,7 @@ impl SphereContact {
         }
     }
 
-    /// What the contact just evaluated adds to the step bound.
+    /// Contribution of the just evaluated contact to the step bound.
     pub(super) fn rates<A: Side, B: Side>(
         &self,
         found: &Touch,

@@ -14,7 +14,7 @@ pub(super) trait Side {
     fn compliance_trace(&self, x: &Vec3) -> f64;
     /// `tr J⁻¹`; 1/(kg m²).
     fn turning_trace(&self) -> f64;
-    /// What [`RollingLaw::OwnSpin`](crate::RollingLaw::OwnSpin) opposes, nothing but of balls; rad/s.
+    /// Spin opposed by [`RollingLaw::OwnSpin`](crate::RollingLaw::OwnSpin), nonzero for spheres only; rad/s.
     fn own_spin(&self) -> Vec3;
 
     /// Velocity of the material that was at `x` before the drift of the last `dt` (s); m/s.
