@@ -1,25 +1,25 @@
-//! Water in joints that are too narrow for its particles: the uplift under a block that rests on its bed.
+//! Water in joints that are too narrow for particles: the uplift under a block that rests on its bed.
 //!
-//! Where a face of a free block is within a spacing of another solid no particle can get, and a particle's pressure
-//! reaches no farther in than the support of the kernel. Water would stand there all the same. Faces are sampled
-//! with points a spacing apart; in a closed joint the pressure between points that water reaches, or air, is
-//! that of steady seepage through a joint of even width, as under a dam without drains:
+//! Between a face of a free block and another solid within a spacing there is no room for particles, and their pressure
+//! reaches no farther in than the support of the kernel. The joint holds water all the same. Faces are sampled
+//! with points a spacing apart; in a closed joint the pressure between points that water or air reaches is
+//! that of steady seepage through a joint of uniform width, as under a dam without drains:
 //!
 //! ```text
-//! p = p_water          at points that the water's kernel reaches, continued along gravity
-//! p = 0                at points in the open that it does not, and at those at an edge beside which there is air
-//! ∇²(p − ρ g·x) = 0    in the joint between them, no flow out of its closed ends
-//! F = −Σ s p A n       on the block, the opposite on what it rests on                    [N]
+//! p = p_water          at points within the kernel of the water, extrapolated along gravity
+//! p = 0                at open points outside of it, and at an edge next to air
+//! ∇²(p − ρ g·x) = 0    in the joint between them, no flow through its closed ends
+//! F = −Σ s p A n       on the block, the opposite on its support                         [N]
 //! s = min(1, 2 − gap/dp) · min(1, (S₁ − S)/(S₁ − S₀)),   S = Σ V W at the point, each ≥ 0
 //! ```
-//! `s` fades it out as the joint opens and particles come in. The field is carried from step to step, with a few sweeps
-//! in each, so that a change of level spreads through a long joint over many steps. The joint's water has no volume. It goes
-//! round the edges of blocks, on to the joints beside and through the pores between blocks that are too narrow for
-//! particles: points of two faces that are near each other are neighbours too.
+//! `s` fades it out as the joint opens and particles enter. The field is kept from step to step and relaxed by a few sweeps
+//! in each, so that a change of level spreads through a long joint over many steps. The water of a joint has no volume. It
+//! continues around the edges of blocks, into adjacent joints and through pores between blocks that are too narrow for
+//! particles: points of two faces that are close to each other are neighbors, too.
 //! Joints near water are full at the start. A dry one that water reaches later fills from point to point, no faster than
-//! the head at its face drives water in, `u = √(2 max p/ρ)`; ahead of the front there is air. A joint of two blocks that both have points is sampled from either side: each counts half. What it
-//! pushes apart it does work on, which the ledger names. Blocks that are `sealed`, and
-//! joints with air all round, feel nothing.
+//! the head at its face drives water in, `u = √(2 max p/ρ)`; ahead of the front there is air. A joint of two blocks with
+//! points is sampled from both sides, and each counts half. Its work on the blocks is a term of the energy ledger.
+//! `sealed` blocks, and joints surrounded by air, carry no pressure.
 
 use riprap_dda::{BlockDefinition, Blocks, Load};
 use riprap_sph::boundary::sampling::{FaceSample, sample_face};
@@ -33,69 +33,69 @@ mod links;
 
 use links::Links;
 
-/// Widest joint, in spacings; full pressure up to one.
+/// Largest width of a joint, in spacings; full pressure up to one.
 const REACH: f64 = 2.0;
-/// Share of the support that is water, `Σ V W`, up to which walls leave the joint its pressure, and from which on
-/// they carry all of it: a face of a block under water has a half.
+/// Fractions `Σ V W` of the support that is water: below the first the joint carries the pressure, above the second the
+/// walls do; at a face of a submerged block it is a half.
 const SHARES: (f64, f64) = (0.25, 0.4);
-/// The same from which on the pressure of a point in a joint is that of the water near it.
+/// Fraction above which a point in a joint has the pressure of the water near it.
 const REACHED: f64 = 0.1;
-/// The same below which a point in the open has air before it.
+/// Fraction below which an open point has air ahead of it.
 const DRY: f64 = 0.05;
-/// Sweeps over the field: at first, and in each step.
+/// Relaxation sweeps at the start and in each step.
 const SWEEPS: (usize, usize) = (2000, 8);
-/// Weighted sum of the ways from its neighbours, in spacings, from which on a point is at an edge; a missing row makes 1.
+/// Weighted sum of the vectors from its neighbors, in spacings, above which a point is at an edge; a missing row gives 1.
 const LACKING: f64 = 0.5;
-/// Most that the normals of a joint's two sides agree.
+/// Largest scalar product of the normals of the two sides of a joint.
 const OPPOSED: f64 = -0.5;
-/// Room between solids, in spacings from its middle, into which particles do not get: between one solid and the block
-/// itself, or between two others and the block.
+/// Half widths, in spacings, of spaces that particles cannot enter: between one solid and the block, and between two other
+/// solids and the block.
 const PORE: [f64; 2] = [0.4, 0.75];
 
-/// A point of a face.
+/// Sampling point of a face.
 #[derive(Clone, Copy, Debug)]
 struct Point {
     block: u32,
     /// First point of its face.
     face: u32,
-    /// From the block's centroid, in the axes of the start; m.
+    /// Position relative to the centroid, in the initial axes; m.
     local: Vec3,
-    /// Outward, in the axes of the start.
+    /// Outward normal, in the initial axes.
     normal: Vec3,
-    /// m².
+    /// Area of its cell; m².
     area: f64,
-    /// Across the edge of the face that the point is at, in the axes of the start; nothing within the face.
+    /// Direction across the edge of the face that the point is at, in the initial axes; `None` within the face.
     across: Option<Vec3>,
 }
 
-/// Points of one face: a range, and the neighbours of each.
+/// Range of the points of a face.
 #[derive(Clone, Debug)]
 struct FacePoints {
     first: usize,
     last: usize,
 }
 
-/// A block whose joints are open to water.
+/// Block with joints that are open to water.
 #[derive(Clone, Debug)]
 struct Jointed {
     block: usize,
     faces: Vec<FacePoints>,
 }
 
-/// State in front of a point.
+/// Space ahead of a point.
 #[derive(Clone, Copy, Debug)]
-struct Before {
+struct Ahead {
     /// Width of the joint, with the solid at its other side; m.
     joint: Option<(f64, u32)>,
-    /// `Σ V W` and pressure of the water; Pa.
+    /// Fraction `Σ V W` and pressure of the water; –, Pa.
     water: [f64; 2],
-    /// A place in the open beside the block, at the edge that the point is at; m.
+    /// Open place beside the block, across the edge that the point is at; m.
     beside: Option<Vec3>,
-    /// Whether that place, or what is before a point in the open, is a pore that particles do not get into.
+    /// Whether that place, or the space ahead of an open point, is a pore that particles cannot enter.
     is_pore: bool,
 }
 
-/// The joints of all blocks that are free to move.
+/// Joints of all free blocks.
 #[derive(Clone, Debug)]
 pub struct JointWater {
     spacing: f64,
@@ -103,15 +103,15 @@ pub struct JointWater {
     /// Whether a block is one of them; one per block.
     is_jointed: Vec<bool>,
     points: Vec<Point>,
-    /// Neighbours of each point in its face, with the squares of the spacing over their distances.
+    /// Neighbors of each point in its face, with the squares of the spacing over their distances.
     neighbors: Vec<Vec<(u32, f64)>>,
-    /// Where each point was last; m.
+    /// Last position of each point; m.
     places: Vec<Vec3>,
-    /// Pa.
+    /// Pressure at each point; Pa.
     pressure: Vec<f64>,
-    /// Share of each point's surroundings that is full of water, 0 to 1.
+    /// Water-filled fraction of each cell, 0 to 1.
     full: Vec<f64>,
-    /// Time at which the field was found last, if it was; s.
+    /// Time of the last update; s.
     found_at: Option<f64>,
     loads: Vec<Load>,
     scratch: Scratch,
@@ -121,24 +121,24 @@ pub struct JointWater {
 struct Scratch {
     reached: Reached,
     near: Vec<usize>,
-    /// Points of faces with a joint, where they are, what is before them.
+    /// Points of faces with a joint, their positions, normals and the space ahead.
     active: Vec<u32>,
     positions: Vec<Vec3>,
     normals: Vec<Vec3>,
-    before: Vec<Before>,
+    ahead: Vec<Ahead>,
     water: ContinuedPressure,
-    /// Points at an edge that water does not reach, the open places beside them and the water there.
+    /// Points at an edge outside of the kernel of the water, the open places beside them and the water there.
     edges: Vec<usize>,
     beside: Vec<Vec3>,
     water_beside: ContinuedPressure,
-    /// Points whose pressure follows from that of their neighbours, in order.
+    /// Points with a pressure that follows from their neighbors, in order.
     inner: Vec<u32>,
     links: Links,
     next: Vec<f64>,
 }
 
 impl JointWater {
-    /// Joints of the free blocks that are not sealed, at the blocks' first places.
+    /// Joints of the free, unsealed blocks in their initial positions.
     pub fn new(
         definitions: &[BlockDefinition],
         blocks: &Blocks,
@@ -221,7 +221,7 @@ impl JointWater {
                 .filter(|&(_, d2)| 0.0 < d2 && d2 < reach)
                 .map(|(k, d2)| ((first + k) as u32, self.spacing.powi(2) / d2))
                 .collect();
-            // within the face neighbours are on all sides
+            // within the face there are neighbors on all sides
             let mut lacking: Vec3 = near
                 .iter()
                 .map(|&(other, weight)| {
@@ -234,7 +234,7 @@ impl JointWater {
             let across = (LACKING * self.spacing < lacking.norm()).then(|| lacking.normalize());
             self.neighbors.push(near);
             let mut position = sample.position;
-            // a flow in a plane sees the middle of the slice only
+            // a plane flow has particles in the middle of the slice only
             position.y = middle.unwrap_or(position.y);
             self.points.push(Point {
                 block: block as u32,
@@ -251,13 +251,13 @@ impl JointWater {
         }
     }
 
-    /// Appends what changes in a run to some bytes.
+    /// Appends its state to a byte buffer.
     pub(crate) fn save(&self, out: Vec<u8>) -> Saved {
         let field = (&self.places, &self.pressure, &self.full);
         postcard::to_extend(&(field, self.found_at, &self.loads), out)
     }
 
-    /// Takes it over again.
+    /// Restores a saved state.
     pub(crate) fn read<'a>(&mut self, bytes: &'a [u8]) -> Read<'a> {
         let (field, rest);
         let lengths = (self.points.len(), self.loads.len());
@@ -270,17 +270,17 @@ impl JointWater {
         Ok(rest)
     }
 
-    /// Force and moment of the water in its joints on every block; N, N m about the centroid.
+    /// Force and moment of joint water on every block; N, N m about the centroid.
     pub fn loads(&self) -> &[Load] {
         &self.loads
     }
 
-    /// Force on the blocks that are free to move; N.
+    /// Force on the free blocks; N.
     pub fn force_on_free_blocks(&self, blocks: &Blocks) -> Vec3 {
         self.on_free(blocks).map(|(_, load)| load.force).sum()
     }
 
-    /// Power of the water in joints on these blocks; W.
+    /// Power on the free blocks; W.
     pub fn power_on_free_blocks(&self, blocks: &Blocks) -> f64 {
         let power = |(b, load): (usize, &Load)| {
             load.force.dot(&blocks.velocity(b)) + load.torque.dot(&blocks.angular_velocity(b))
@@ -298,70 +298,13 @@ impl JointWater {
         let last = self.found_at.replace(time);
         self.loads.fill(Load::default());
         self.find_joints(fluid, blocks);
-        let scratch = &mut self.scratch;
-        if scratch.active.is_empty() {
+        if self.scratch.active.is_empty() {
             return;
         }
-        scratch.water.find(fluid, &scratch.positions);
-        scratch.inner.clear();
-        scratch.edges.clear();
-        scratch.beside.clear();
-        for (n, ((&k, before), water)) in scratch
-            .active
-            .iter()
-            .zip(&mut scratch.before)
-            .zip(scratch.water.found())
-            .enumerate()
-        {
-            before.water = water;
-            let [share, pressure] = water;
-            match before.joint {
-                Some(_) if share < REACHED => match before.beside {
-                    None => scratch.inner.push(k),
-                    Some(place) => {
-                        scratch.edges.push(n);
-                        scratch.beside.push(place);
-                    }
-                },
-                None if share < DRY && before.is_pore => scratch.inner.push(k),
-                None if share < DRY => {
-                    (self.pressure[k as usize], self.full[k as usize]) = (0.0, 0.0);
-                }
-                _ => {
-                    (self.pressure[k as usize], self.full[k as usize]) = (pressure.max(0.0), 1.0);
-                }
-            }
-        }
-        scratch.water_beside.find(fluid, &scratch.beside);
         let weight = fluid.settings().gravity * fluid.settings().reference_density;
-        let edges = scratch.edges.iter().zip(&scratch.beside);
-        for ((&n, place), [share, pressure]) in edges.zip(scratch.water_beside.found()) {
-            let below = weight.dot(&(scratch.positions[n] - place));
-            let k = scratch.active[n] as usize;
-            if share < DRY && scratch.before[n].is_pore {
-                scratch.inner.push(k as u32);
-                continue;
-            }
-            (self.pressure[k], self.full[k]) = if share < DRY {
-                (0.0, 0.0)
-            } else {
-                ((pressure + below).max(0.0), 1.0)
-            };
-        }
-        scratch.inner.sort_unstable();
-        let points = &self.points;
-        let are_apart = |k: u32, other: u32| {
-            let (a, b) = (&points[k as usize], &points[other as usize]);
-            // round an edge, or across a joint; not through a block
-            a.face != b.face && (a.block != b.block || OPPOSED < a.normal.dot(&b.normal))
-        };
-        (scratch.links).find(
-            &scratch.inner,
-            &scratch.active,
-            &self.places,
-            self.spacing,
-            are_apart,
-        );
+        self.set_boundary_points(fluid);
+        self.set_edge_points(fluid, &weight);
+        self.link_inner_points();
         match last {
             Some(last) => {
                 let density = fluid.settings().reference_density;
@@ -378,16 +321,98 @@ impl JointWater {
         self.sum(blocks);
     }
 
-    /// Faces with a joint, and what is before each of their points.
-    fn find_joints(&mut self, fluid: &Fluid, blocks: &Blocks) {
+    /// Sets the pressure of points that the water's kernel reaches, or air; the others are inner points, or at an edge.
+    fn set_boundary_points(&mut self, fluid: &Fluid) {
         let scratch = &mut self.scratch;
-        scratch.active.clear();
-        scratch.positions.clear();
-        scratch.normals.clear();
-        scratch.before.clear();
+        scratch.water.find(fluid, &scratch.positions);
+        scratch.inner.clear();
+        scratch.edges.clear();
+        scratch.beside.clear();
+        for (n, ((&k, ahead), water)) in scratch
+            .active
+            .iter()
+            .zip(&mut scratch.ahead)
+            .zip(scratch.water.found())
+            .enumerate()
+        {
+            ahead.water = water;
+            let [share, pressure] = water;
+            match ahead.joint {
+                Some(_) if share < REACHED => match ahead.beside {
+                    None => scratch.inner.push(k),
+                    Some(place) => {
+                        scratch.edges.push(n);
+                        scratch.beside.push(place);
+                    }
+                },
+                None if share < DRY && ahead.is_pore => scratch.inner.push(k),
+                None if share < DRY => {
+                    (self.pressure[k as usize], self.full[k as usize]) = (0.0, 0.0);
+                }
+                _ => {
+                    (self.pressure[k as usize], self.full[k as usize]) = (pressure.max(0.0), 1.0);
+                }
+            }
+        }
+    }
+
+    /// Sets the pressure of points at an edge from the water or air beside the block; those at a pore are inner points.
+    fn set_edge_points(&mut self, fluid: &Fluid, weight: &Vec3) {
+        let scratch = &mut self.scratch;
+        scratch.water_beside.find(fluid, &scratch.beside);
+        let edges = scratch.edges.iter().zip(&scratch.beside);
+        for ((&n, place), [share, pressure]) in edges.zip(scratch.water_beside.found()) {
+            let below = weight.dot(&(scratch.positions[n] - place));
+            let k = scratch.active[n] as usize;
+            if share < DRY && scratch.ahead[n].is_pore {
+                scratch.inner.push(k as u32);
+                continue;
+            }
+            (self.pressure[k], self.full[k]) = if share < DRY {
+                (0.0, 0.0)
+            } else {
+                ((pressure + below).max(0.0), 1.0)
+            };
+        }
+        scratch.inner.sort_unstable();
+    }
+
+    /// Neighbors of inner points in other faces.
+    fn link_inner_points(&mut self) {
+        let points = &self.points;
+        let are_linked = |k: u32, other: u32| {
+            let (a, b) = (&points[k as usize], &points[other as usize]);
+            // around an edge, or across a joint; not through a block
+            a.face != b.face && (a.block != b.block || OPPOSED < a.normal.dot(&b.normal))
+        };
+        let scratch = &mut self.scratch;
+        scratch.links.find(
+            &scratch.inner,
+            &scratch.active,
+            &self.places,
+            self.spacing,
+            are_linked,
+        );
+    }
+
+    /// Faces with a joint, and the space ahead of each of their points.
+    fn find_joints(&mut self, fluid: &Fluid, blocks: &Blocks) {
+        let Scratch {
+            reached,
+            near,
+            active,
+            positions,
+            normals,
+            ahead,
+            ..
+        } = &mut self.scratch;
+        active.clear();
+        positions.clear();
+        normals.clear();
+        ahead.clear();
         let reach = REACH * self.spacing;
-        scratch.reached.find(&self.blocks, reach, (fluid, blocks));
-        for (jointed, reached) in self.blocks.iter().zip(&scratch.reached.blocks) {
+        reached.find(&self.blocks, reach, (fluid, blocks));
+        for (jointed, reached) in self.blocks.iter().zip(&reached.blocks) {
             let b = jointed.block;
             if !blocks.is_free(b) {
                 continue;
@@ -399,74 +424,50 @@ impl JointWater {
                 }
                 continue;
             }
-            scratch.near.clear();
-            scratch.near.extend((0..blocks.n_parts()).filter(|&part| {
+            near.clear();
+            near.extend((0..blocks.n_parts()).filter(|&part| {
                 let (min, max) = blocks.part_aabb(part);
                 blocks.block_of_part(part) != b
                     && (0..3).all(|k| min[k] - reach < bounds.1[k] && bounds.0[k] < max[k] + reach)
             }));
-            if scratch.near.is_empty() {
+            if near.is_empty() {
                 continue;
             }
+            let surroundings = Surroundings {
+                blocks,
+                block: b,
+                near,
+                domain: fluid.settings().domain,
+                spacing: self.spacing,
+            };
             let (centroid, gradient) = (blocks.centroid(b), blocks.gradient(b));
             let turn = blocks.orientation(b);
             for face in &jointed.faces {
-                let from = scratch.active.len();
+                let from = active.len();
                 let mut has_joint = false;
                 for k in face.first..face.last {
                     let point = &self.points[k];
                     let (x, normal) = (centroid + gradient * point.local, turn * point.normal);
-                    let joint = scratch
-                        .near
-                        .iter()
-                        .filter_map(|&part| {
-                            let surface = blocks.surface_point_within(part, &x, reach)?;
-                            let faces_it = surface.normal.dot(&normal) < OPPOSED;
-                            faces_it.then(|| (surface.distance, blocks.block_of_part(part) as u32))
-                        })
-                        .min_by(|a, b| a.0.total_cmp(&b.0));
-                    has_joint |= joint.is_some();
-                    scratch.active.push(k as u32);
-                    scratch.positions.push(x);
-                    scratch.normals.push(normal);
+                    let across = point.across.map(|across| turn * across);
+                    let found = surroundings.ahead(&x, &normal, across);
+                    has_joint |= found.joint.is_some();
+                    active.push(k as u32);
+                    positions.push(x);
+                    normals.push(normal);
+                    ahead.push(found);
                     self.places[k] = x;
-                    let at_edge = self.points[k].across.filter(|_| joint.is_some());
-                    let beside = at_edge.map(|across| {
-                        x + turn * across * self.spacing - normal * (0.5 * self.spacing)
-                    });
-                    let ahead = || x + normal * (0.5 * self.spacing);
-                    let room = beside.or_else(|| joint.is_none().then(ahead));
-                    let is_pore = room.is_some_and(|place| {
-                        is_pore(&place, self.spacing, (blocks, &scratch.near))
-                    });
-                    let (low, high) = fluid.settings().domain;
-                    let is_open = |place: &Vec3| {
-                        let is_inside = (0..3).all(|k| low[k] <= place[k] && place[k] <= high[k]);
-                        let mut parts = scratch.near.iter().copied().chain(blocks.parts_of(b));
-                        is_inside
-                            && !parts.any(|part| {
-                                let surface = blocks.surface_point_within(part, place, 0.0);
-                                surface.is_some_and(|surface| surface.distance < 0.0)
-                            })
-                    };
-                    scratch.before.push(Before {
-                        joint,
-                        water: [0.0; 2],
-                        beside: beside.filter(is_open),
-                        is_pore,
-                    });
                 }
                 if !has_joint {
-                    scratch.active.truncate(from);
-                    scratch.positions.truncate(from);
-                    scratch.normals.truncate(from);
-                    scratch.before.truncate(from);
+                    active.truncate(from);
+                    positions.truncate(from);
+                    normals.truncate(from);
+                    ahead.truncate(from);
                 }
             }
         }
     }
 
-    /// Takes the fronts of water in dry joints on by a time (s), at a density in kg/m³.
+    /// Advances the fronts of water in dry joints by a time (s); density in kg/m³.
     fn advance(&mut self, elapsed: f64, density: f64) {
         let Scratch {
             inner, next, links, ..
@@ -501,7 +502,7 @@ impl JointWater {
         }
     }
 
-    /// Takes the field nearer to that of steady seepage where the joints are full; `weight` of a volume of water, N/m³.
+    /// Relaxes the pressure toward steady seepage where the joints are full; unit weight of water in N/m³.
     fn relax(&mut self, sweeps: usize, weight: &Vec3) {
         let Scratch {
             inner, next, links, ..
@@ -541,18 +542,18 @@ impl JointWater {
             active,
             positions,
             normals,
-            before,
+            ahead,
             ..
         } = &self.scratch;
-        for (((&k, x), normal), before) in active.iter().zip(positions).zip(normals).zip(before) {
-            let Some((gap, partner)) = before.joint else {
+        for (((&k, x), normal), ahead) in active.iter().zip(positions).zip(normals).zip(ahead) {
+            let Some((gap, partner)) = ahead.joint else {
                 continue;
             };
             let by_width = (REACH - gap / self.spacing).clamp(0.0, 1.0);
-            let by_water = ((SHARES.1 - before.water[0]) / (SHARES.1 - SHARES.0)).clamp(0.0, 1.0);
+            let by_water = ((SHARES.1 - ahead.water[0]) / (SHARES.1 - SHARES.0)).clamp(0.0, 1.0);
             let point = &self.points[k as usize];
             let (block, partner) = (point.block as usize, partner as usize);
-            // the partner's points, where it has some, see this joint too
+            // points of the partner, if any, sample this joint, too
             let sides = if self.is_jointed[partner] && blocks.is_free(partner) {
                 2.0
             } else {
@@ -566,26 +567,79 @@ impl JointWater {
     }
 }
 
-/// Which blocks water can reach: those near its particles, and from joint to joint those near them.
+/// Solids near a block.
+struct Surroundings<'a> {
+    blocks: &'a Blocks,
+    block: usize,
+    /// Parts of other blocks.
+    near: &'a [usize],
+    domain: (Vec3, Vec3),
+    spacing: f64,
+}
+
+impl Surroundings<'_> {
+    /// Space ahead of a point of the block with an outward normal, and the direction across the edge that it is at.
+    fn ahead(&self, x: &Vec3, normal: &Vec3, across: Option<Vec3>) -> Ahead {
+        let joint = self.joint(x, normal);
+        let at_edge = across.filter(|_| joint.is_some());
+        let beside =
+            at_edge.map(|across| x + across * self.spacing - normal * (0.5 * self.spacing));
+        let ahead = || x + normal * (0.5 * self.spacing);
+        let room = beside.or_else(|| joint.is_none().then(ahead));
+        Ahead {
+            joint,
+            water: [0.0; 2],
+            beside: beside.filter(|place| self.is_open(place)),
+            is_pore: room
+                .is_some_and(|place| is_pore(&place, self.spacing, (self.blocks, self.near))),
+        }
+    }
+
+    /// Width of the joint ahead (m), with the solid at its other side.
+    fn joint(&self, x: &Vec3, normal: &Vec3) -> Option<(f64, u32)> {
+        let reach = REACH * self.spacing;
+        let widths = self.near.iter().filter_map(|&part| {
+            let surface = self.blocks.surface_point_within(part, x, reach)?;
+            let is_opposed = surface.normal.dot(normal) < OPPOSED;
+            is_opposed.then(|| (surface.distance, self.blocks.block_of_part(part) as u32))
+        });
+        widths.min_by(|a, b| a.0.total_cmp(&b.0))
+    }
+
+    /// Whether a place is in the domain and in no solid.
+    fn is_open(&self, place: &Vec3) -> bool {
+        let (low, high) = self.domain;
+        let is_inside = (0..3).all(|k| low[k] <= place[k] && place[k] <= high[k]);
+        let own = self.blocks.parts_of(self.block);
+        let mut parts = self.near.iter().copied().chain(own);
+        is_inside
+            && !parts.any(|part| {
+                let surface = self.blocks.surface_point_within(part, place, 0.0);
+                surface.is_some_and(|surface| surface.distance < 0.0)
+            })
+    }
+}
+
+/// Blocks in reach of water: those near its particles, and from joint to joint those near them.
 #[derive(Clone, Debug, Default)]
 struct Reached {
     blocks: Vec<ReachedBlock>,
-    to_look_at: Vec<usize>,
+    queue: Vec<usize>,
 }
 
-/// A block, and whether water can reach it.
+/// Bounds of a block, and whether water reaches it.
 #[derive(Clone, Copy, Debug)]
 struct ReachedBlock {
-    /// The box round it; m.
+    /// Bounding box; m.
     bounds: (Vec3, Vec3),
     is_reached: bool,
 }
 
 impl Reached {
-    /// Finds them among some blocks; joints are no wider than `reach` (m).
+    /// Finds them; joints are at most `reach` (m) wide.
     fn find(&mut self, jointed: &[Jointed], reach: f64, (fluid, blocks): (&Fluid, &Blocks)) {
         self.blocks.clear();
-        self.to_look_at.clear();
+        self.queue.clear();
         for (n, jointed) in jointed.iter().enumerate() {
             let mut bounds = (Vec3::repeat(f64::INFINITY), Vec3::repeat(f64::NEG_INFINITY));
             for part in blocks.parts_of(jointed.block) {
@@ -595,24 +649,24 @@ impl Reached {
             let is_reached = blocks.is_free(jointed.block) && has_water(fluid, &bounds);
             self.blocks.push(ReachedBlock { bounds, is_reached });
             if is_reached {
-                self.to_look_at.push(n);
+                self.queue.push(n);
             }
         }
-        while let Some(n) = self.to_look_at.pop() {
+        while let Some(n) = self.queue.pop() {
             let (min, max) = self.blocks[n].bounds;
             for (m, other) in self.blocks.iter_mut().enumerate() {
                 let (low, high) = other.bounds;
                 let is_near = (0..3).all(|k| low[k] - reach < max[k] && min[k] < high[k] + reach);
                 if !other.is_reached && is_near && blocks.is_free(jointed[m].block) {
                     other.is_reached = true;
-                    self.to_look_at.push(m);
+                    self.queue.push(m);
                 }
             }
         }
     }
 }
 
-/// Whether a place is so near to solids (numbers of their parts) beside its block that no particle gets there.
+/// Whether a place is too close to solids (numbers of their parts) beside its block for a particle.
 fn is_pore(place: &Vec3, spacing: f64, (blocks, near): (&Blocks, &[usize])) -> bool {
     let [alone, between] = PORE.map(|reach| reach * spacing);
     let mut first = None;
@@ -625,7 +679,7 @@ fn is_pore(place: &Vec3, spacing: f64, (blocks, near): (&Blocks, &[usize])) -> b
     })
 }
 
-/// Whether there is any water in the cells round a box (m).
+/// Whether there is any water in the cells around a box (m).
 fn has_water(fluid: &Fluid, (min, max): &(Vec3, Vec3)) -> bool {
     let grid = fluid.grid();
     let reach = fluid.settings().support_radius();

@@ -1,16 +1,14 @@
-//! Inflows and outflows: where water enters and leaves the model.
+//! Open boundaries: inflows and outflows.
 //!
-//! Both are boxes that the flow crosses, with one face towards the side that the water goes to.
+//! Both are boxes that the flow crosses, with one face on the downstream side.
 //!
-//! - An inflow's box holds rows of particles that move with the given velocity at the pressure of water
-//!   at rest; those that cross the face are water from then on, and a new row is made at the rear when
-//!   there is room for one.
-//! - In an outflow's box particles keep the velocity at which they came in, level (no gradient along the
-//!   flow; Federico et al. 2012), at the pressure of water at rest of a given depth, if one is given. Past
-//!   its face they are taken out.
+//! - The box of an inflow contains rows of particles with the given velocity and the hydrostatic pressure; past the
+//!   downstream face they are ordinary water, and a new row is added upstream when there is room for one.
+//! - In the box of an outflow particles keep the horizontal velocity at which they entered (no gradient along the
+//!   flow; Federico et al. 2012), at the hydrostatic pressure of a given depth, if one is given. Past
+//!   its face they are removed.
 //!
-//! Whatever imposing velocities and pressures does to energy and momentum is counted with what
-//! particles carry in and out.
+//! Energy and momentum of imposed velocities and pressures are booked with those of the particles that enter and leave.
 
 use riprap_sph::exchange::{Exchange, Imposed, NewParticle};
 use riprap_sph::{Fluid, FluidError, Vec3};
@@ -19,7 +17,7 @@ use serde::{Deserialize, Serialize};
 use crate::saved::{Read, Saved};
 use crate::series::Series;
 
-/// A box along the axes that the flow crosses along one of them.
+/// Box, crossed by the flow along an axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Passage {
     /// Lower corner; m.
@@ -28,7 +26,7 @@ pub struct Passage {
     pub max: Vec3,
     /// Direction of the flow: 0 for x, 1 for y.
     pub axis: usize,
-    /// Whether it goes to the upper side.
+    /// Whether the flow is in the positive direction.
     pub upwards: bool,
 }
 
@@ -38,7 +36,7 @@ impl Passage {
         self.max[self.axis] - self.min[self.axis]
     }
 
-    /// Distance from the rear, along the flow; m.
+    /// Distance from the upstream face; m.
     fn along(&self, x: &Vec3) -> f64 {
         if self.upwards {
             x[self.axis] - self.min[self.axis]
@@ -47,7 +45,7 @@ impl Passage {
         }
     }
 
-    /// Whether a point is in the box, or before or behind it, by up to `slack` outside.
+    /// Whether a point is in the cross-section of the box, enlarged by `slack`.
     fn is_abreast(&self, x: &Vec3, slack: f64) -> bool {
         (0..3)
             .filter(|&axis| axis != self.axis)
@@ -60,7 +58,7 @@ impl Passage {
         -distance < s && s < self.length() + distance && self.is_abreast(x, distance)
     }
 
-    /// Whether a point is in the box, by up to `slack` outside but along the flow.
+    /// Whether a point is in the box, with its cross-section enlarged by `slack`.
     pub fn contains(&self, x: &Vec3, slack: f64) -> bool {
         let s = self.along(x);
         0.0 <= s && s < self.length() && self.is_abreast(x, slack)
@@ -76,50 +74,50 @@ impl Passage {
 /// Driving condition of an inflow.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Drive {
-    /// Velocity, the same over the depth; m/s.
+    /// Velocity, uniform over the depth; m/s.
     Velocity(Series),
     /// Through the whole face; m³/s.
     Discharge(Series),
 }
 
-/// Where water comes in.
+/// Inflow boundary.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Inflow {
     /// Its name.
     pub name: String,
-    /// Where.
+    /// Its box.
     pub passage: Passage,
-    /// How fast.
+    /// Velocity or discharge.
     pub drive: Drive,
-    /// Depth over the bottom of the box, met to whole rows; m.
+    /// Depth above the bottom of the box, rounded to whole rows; m.
     pub depth: Series,
-    /// Way of the rows since the last one was made; m.
-    travelled: f64,
-    /// Present velocity; m/s.
+    /// Distance that the rows have moved since the last one was added; m.
+    advanced: f64,
+    /// Velocity at the last hold; m/s.
     speed: f64,
 }
 
-/// Where water goes out.
+/// Outflow boundary.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Outflow {
     /// Its name.
     pub name: String,
-    /// Where.
+    /// Its box.
     pub passage: Passage,
-    /// Depth over the bottom of the box that its pressures are of; as they come when left out; m.
+    /// Depth above the bottom of the box for the hydrostatic pressure; unchanged pressures without one; m.
     pub depth: Option<Series>,
 }
 
-/// Water that passed an opening.
+/// Flow through an opening so far.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Passed {
     /// Name of the opening.
     pub name: String,
-    /// Particles made; those that filled it at the start are not counted.
+    /// Particles added, without those of the initial state.
     pub particles_in: u64,
     /// Their mass; kg.
     pub mass_in: f64,
-    /// Particles taken out.
+    /// Particles removed.
     pub particles_out: u64,
     /// Their mass; kg.
     pub mass_out: f64,
@@ -130,13 +128,13 @@ pub struct Passed {
 pub struct Openings {
     inflows: Vec<Inflow>,
     outflows: Vec<Outflow>,
-    /// Of each inflow, then of each outflow.
+    /// Flow through each inflow, then each outflow.
     passed: Vec<Passed>,
     /// Particles in the boxes, as of the last [`Self::hold`].
     held: Vec<Imposed>,
 }
 
-/// Rows across and upwards, and the first of each.
+/// Rows across the flow and upward, and their first position.
 struct Rows {
     counts: [usize; 2],
     axes: [usize; 2],
@@ -145,14 +143,14 @@ struct Rows {
 }
 
 impl Inflow {
-    /// At rest until it is first held.
+    /// Inflow at rest until it is first held.
     pub fn new(name: String, passage: Passage, drive: Drive, depth: Series) -> Self {
         Self {
             name,
             passage,
             drive,
             depth,
-            travelled: 0.0,
+            advanced: 0.0,
             speed: 0.0,
         }
     }
@@ -187,7 +185,7 @@ impl Inflow {
         }
     }
 
-    /// A row across the flow whose distance before the face is `before`.
+    /// Row across the flow at a distance `before` upstream of the face.
     fn row(&self, fluid: &Fluid, time: f64, before: f64) -> Vec<NewParticle> {
         let rows = self.rows(fluid, time);
         let Passage {
@@ -219,16 +217,16 @@ impl Inflow {
         made
     }
 
-    /// Rows along the flow, and their distance.
+    /// Number and spacing of the rows along the flow.
     fn n_rows(&self, fluid: &Fluid) -> (usize, f64) {
         let spacing = fluid.settings().particle_spacing[self.passage.axis];
-        // as many as fit, by the digits that a user types
+        // round-off of the lengths in a scene
         let n = (self.passage.length() / spacing + 1e-6).floor() as usize;
         (n, spacing)
     }
 }
 
-/// Density of water at rest under a depth; kg/m³.
+/// Hydrostatic density at a depth; kg/m³.
 fn hydrostatic(fluid: &Fluid, depth: f64) -> f64 {
     let state = fluid.state_equation();
     let pull = (-fluid.settings().gravity.z).max(0.0);
@@ -255,17 +253,13 @@ impl Openings {
         }
     }
 
-    /// Appends what changes in a run to some bytes.
+    /// Appends its state to a byte buffer.
     pub(crate) fn save(&self, out: Vec<u8>) -> Saved {
-        let rows: Vec<_> = self
-            .inflows
-            .iter()
-            .map(|i| (i.travelled, i.speed))
-            .collect();
+        let rows: Vec<_> = self.inflows.iter().map(|i| (i.advanced, i.speed)).collect();
         postcard::to_extend(&(rows, &self.passed, &self.held), out)
     }
 
-    /// Takes it over again.
+    /// Restores a saved state.
     pub(crate) fn read<'a>(&mut self, bytes: &'a [u8]) -> Read<'a> {
         let (rows, rest);
         let of_each = self.passed.len();
@@ -275,12 +269,12 @@ impl Openings {
             return Err(postcard::Error::DeserializeBadEncoding);
         }
         for (inflow, row) in self.inflows.iter_mut().zip(rows) {
-            (inflow.travelled, inflow.speed) = row;
+            (inflow.advanced, inflow.speed) = row;
         }
         Ok(rest)
     }
 
-    /// Water that passed each opening.
+    /// Flow through each opening so far.
     pub fn passed(&self) -> &[Passed] {
         &self.passed
     }
@@ -294,7 +288,7 @@ impl Openings {
             .any(|passage| passage.is_near(x, distance))
     }
 
-    /// Whether there is none.
+    /// Whether there are no openings.
     pub fn is_empty(&self) -> bool {
         self.passed.is_empty()
     }
@@ -315,8 +309,8 @@ impl Openings {
         Ok(())
     }
 
-    /// Makes the rows for which the last `dt` made room and takes out what is past the outflows; returns
-    /// what that brought in.
+    /// Adds rows where the last `dt` made room and removes particles past the outflows; returns the mass, momentum and
+    /// energy that this brought in.
     ///
     /// # Errors
     ///
@@ -333,10 +327,10 @@ impl Openings {
         }
         for (inflow, passed) in self.inflows.iter_mut().zip(&mut self.passed) {
             let (n, spacing) = inflow.n_rows(fluid);
-            inflow.travelled += inflow.speed * dt;
-            while spacing <= inflow.travelled {
-                inflow.travelled -= spacing;
-                let before = (n as f64 - 0.5) * spacing - inflow.travelled;
+            inflow.advanced += inflow.speed * dt;
+            while spacing <= inflow.advanced {
+                inflow.advanced -= spacing;
+                let before = (n as f64 - 0.5) * spacing - inflow.advanced;
                 let made = fluid.add(&inflow.row(fluid, time, before))?;
                 passed.particles_in += made.count.unsigned_abs();
                 passed.mass_in += made.mass;
@@ -362,8 +356,8 @@ impl Openings {
         Ok(total)
     }
 
-    /// Finds the particles in the boxes and holds them at their velocities and densities; returns what that
-    /// brought in. The fluid's order must then stay until [`Self::hold_velocities`] is done with it.
+    /// Imposes velocities and densities on the particles in the boxes; returns the energy and momentum that this brought
+    /// in. The order of the particles must not change before [`Self::hold_velocities`].
     pub fn hold(&mut self, fluid: &mut Fluid, time: f64) -> Exchange {
         if self.is_empty() {
             return Exchange::default();
@@ -399,7 +393,8 @@ impl Openings {
         fluid.impose(&self.held)
     }
 
-    /// Undoes what a kick did to the particles in the boxes; returns what that brought in.
+    /// Restores the velocities of the particles in the boxes after a kick; returns the energy and momentum that this
+    /// brought in.
     pub fn hold_velocities(&mut self, fluid: &mut Fluid) -> Exchange {
         for one in &mut self.held {
             one.density = None;
@@ -408,7 +403,7 @@ impl Openings {
     }
 }
 
-/// Half a spacing: particles do not sit exactly in their rows.
+/// Tolerance of half a spacing: particles are not exactly in their rows.
 fn slack(fluid: &Fluid) -> f64 {
     0.5 * fluid.settings().particle_spacing[2]
 }

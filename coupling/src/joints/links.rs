@@ -1,16 +1,16 @@
-//! Which points of other faces are near a point: where water goes round an edge, or on to another block.
+//! Neighbors of a point in other faces: water continues around an edge, or along another block.
 
 use riprap_sph::Vec3;
 
-/// Farthest, in spacings: points a half of one before an edge of a right angle see each other round it.
+/// Largest distance, in spacings: points half a spacing from a right-angled edge are neighbors around it.
 const REACH: f64 = 0.8;
-/// Distance, in spacings, below which a nearer point is no nearer neighbour.
+/// Smallest distance in the weights, in spacings.
 const NEAREST: f64 = 0.5;
 
-/// Neighbours of points in other faces: packed lists.
+/// Neighbors of points in other faces: packed lists.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Links {
-    /// One more than there are points.
+    /// Start of each list; one more than there are points.
     starts: Vec<u32>,
     /// Point, and the square of the spacing over its distance.
     found: Vec<(u32, f64)>,
@@ -19,7 +19,7 @@ pub(super) struct Links {
 }
 
 impl Links {
-    /// Neighbours of the `n`th of the points that they were found for.
+    /// Neighbors of the `n`th point of the last search.
     pub(super) fn of(&self, n: usize) -> &[(u32, f64)] {
         match self.starts.get(n..n + 2) {
             Some(range) => &self.found[range[0] as usize..range[1] as usize],
@@ -27,14 +27,14 @@ impl Links {
         }
     }
 
-    /// Finds the neighbours of some points among all that there are at present, of those pairs that may be.
+    /// Finds the neighbors of some points among all present ones, of admissible pairs.
     pub(super) fn find(
         &mut self,
         of: &[u32],
         all: &[u32],
         places: &[Vec3],
         spacing: f64,
-        may_be: impl Fn(u32, u32) -> bool,
+        is_admissible: impl Fn(u32, u32) -> bool,
     ) {
         let reach = REACH * spacing;
         // by z, y, x: a row of cells along x is one piece
@@ -59,7 +59,7 @@ impl Links {
                     .take_while(|(cell, _)| *cell <= [row, line, column + 1]);
                 for &(_, other) in near {
                     let d2 = (places[other as usize] - x).norm_squared();
-                    if d2 < reach * reach && may_be(k, other) {
+                    if d2 < reach * reach && is_admissible(k, other) {
                         let d2 = d2.max((NEAREST * spacing).powi(2));
                         self.found.push((other, spacing * spacing / d2));
                     }
