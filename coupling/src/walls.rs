@@ -27,7 +27,7 @@ pub(crate) use cutting::before;
 use integral::IntegralWalls;
 use particles::ParticleWalls;
 
-/// How walls hold the fluid.
+/// Wall method.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum WallMethod {
     /// A spring and a dashpot between each particle and each surface.

@@ -46,7 +46,7 @@ pub struct World {
     kept_clear: Vec<usize>,
     /// Scratch: loads of the fluid at the start of a predictor-corrector step.
     loads_at_start: Vec<Load>,
-    /// The same: what strains blocks that deform.
+    /// Generalized strain forces on deformable blocks at the start.
     stretches_at_start: Vec<Matrix3<f64>>,
     /// Blocks that deform.
     deformable: Vec<usize>,
@@ -86,7 +86,7 @@ pub struct Water {
     pub openings: Openings,
     /// Layers that damp waves.
     absorbers: Vec<Absorber>,
-    /// When the fluid sleeps, if ever.
+    /// Criteria of sleep of the fluid, if enabled.
     sleeping: Option<Sleeping>,
 }
 
@@ -105,7 +105,7 @@ pub struct WaterAtStart {
     pub openings: Openings,
     /// Layers that damp waves.
     pub absorbers: Vec<Absorber>,
-    /// When the fluid sleeps, if ever.
+    /// Criteria of sleep of the fluid, if enabled.
     pub sleeping: Option<Sleeping>,
 }
 
@@ -142,7 +142,7 @@ pub struct Clock {
     pub last_dt: Option<f64>,
 }
 
-/// Which blocks are held in place.
+/// Selection of blocks held in place.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) enum Held {
     /// None: a run.
@@ -225,7 +225,7 @@ pub enum StepError {
         time: f64,
         /// Number of the step.
         step: u64,
-        /// How many.
+        /// Number.
         count: u64,
         /// Particles or blocks.
         what: &'static str,
@@ -301,9 +301,9 @@ pub enum StepError {
         time: f64,
         /// Number of the step.
         step: u64,
-        /// How many.
+        /// Number.
         count: u64,
-        /// How many are left.
+        /// Number remaining.
         left: usize,
         /// Steps that it took.
         steps: u64,

@@ -2,7 +2,7 @@
 
 use thiserror::Error;
 
-/// Why a system of blocks was refused.
+/// Error of an invalid system of blocks.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum BlockError {
     /// A block refers to a material that is not there.
@@ -70,7 +70,7 @@ pub enum BlockError {
     Deformability {
         /// The block.
         block: usize,
-        /// Why not.
+        /// Reason.
         reason: &'static str,
     },
     /// A block cannot be held so.
@@ -78,7 +78,7 @@ pub enum BlockError {
     Hold {
         /// The block.
         block: usize,
-        /// Why not.
+        /// Reason.
         reason: &'static str,
     },
     /// A load, support or bolt is unusable.
@@ -109,7 +109,7 @@ pub enum BlockError {
     },
 }
 
-/// Why a step failed. The state is the one of the failing sub-step, fit for a last output only.
+/// Error of a step. The state is that of the failed sub-step, suitable for a last output only.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum StepError {
     /// A block's state is not finite.
@@ -133,7 +133,7 @@ pub enum StepError {
         first: usize,
         /// The higher block.
         second: usize,
-        /// How deep; m.
+        /// Overlap; m.
         overlap: f64,
         /// Size of the smaller part, the cube root of its volume; m.
         size: f64,

@@ -294,7 +294,7 @@ pub(crate) struct Joint {
     pub shear_stiffness: f64,
     /// `tan φ`; –.
     pub friction: f64,
-    /// The same once it has slipped or broken.
+    /// Friction coefficient once it has slipped or broken.
     pub residual_friction: f64,
     /// `c`; Pa.
     pub cohesion: f64,
@@ -304,11 +304,11 @@ pub(crate) struct Joint {
     pub tensile_strength: f64,
     /// `ξ_n`, from the restitution; –.
     pub damping_ratio: f64,
-    /// Where one of the two is a ball.
+    /// Joint properties if one of the two is a sphere.
     pub spheres: SphereJoint,
 }
 
-/// How balls answer to being pressed.
+/// Normal contact law of spheres.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum NormalLaw {
     /// Spring of the material's `contact_stiffness`.
@@ -318,7 +318,7 @@ pub enum NormalLaw {
     Hertz,
 }
 
-/// Which turning the rolling resistance of balls opposes, at each contact by at most `μ_r R̃ F_n`.
+/// Angular velocity that rolling resistance of spheres acts on, at each contact up to `μ_r R̃ F_n`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum RollingLaw {
     /// That of one body against the other, without the part about the normal: equal and opposite torques. Balls
@@ -538,8 +538,8 @@ impl Joint {
         Ok(joints)
     }
 
-    /// Where two materials meet, the lesser friction, cohesion, tension and restitution hold, and the mean
-    /// rolling friction, unless an override says otherwise; the springs are halves in series, so that equal
+    /// Between two materials the smaller friction, cohesion, tensile strength and restitution apply, and the mean
+    /// rolling friction, unless overridden; the springs act as halves in series, so that equal
     /// materials keep their value:
     ///
     /// ```text

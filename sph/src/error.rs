@@ -32,7 +32,7 @@ pub enum FluidError {
     Symmetry {
         /// 0, 1, 2 for x, y, z.
         axis: usize,
-        /// Why not.
+        /// Reason.
         reason: &'static str,
     },
     /// More particles than neighbour ids can number.

@@ -96,9 +96,9 @@ pub struct Settings {
     pub time_step_factor: f64,
     /// The modelled box; m.
     pub domain: (Vec3, Vec3),
-    /// Which directions repeat.
+    /// Periodic directions.
     pub periodic: Periodicity,
-    /// Which sides of the domain are planes of symmetry; not along gravity, nor where directions repeat.
+    /// Sides of the domain that are planes of symmetry; neither along gravity nor in periodic directions.
     pub symmetry: Symmetry,
 }
 

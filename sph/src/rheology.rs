@@ -14,7 +14,7 @@
 
 use crate::error::FluidError;
 
-/// How a fluid with a yield stress flows below it.
+/// Flow of a fluid below its yield stress.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Regularization {
     /// `τ_y (1 − exp(−m γ̇))/γ̇` in place of `τ_y/γ̇`, with the time `m`, 100 to 1000 s for mud; > 0; s.

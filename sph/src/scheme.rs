@@ -27,7 +27,7 @@ use crate::neighbors::sweep::Precision;
 use crate::rheology::Rheology;
 use crate::state_equation::{NegativePressure, StateEquation};
 
-/// How density is found.
+/// Computation of density.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DensityMethod {
     /// `ρ_a = Σ m_b W_ab / S`, S the sum over the undisturbed lattice: low near surfaces and walls.
@@ -48,7 +48,7 @@ pub enum DensityDiffusion {
     /// `ψ = 2 (ρ_b − ρ_a)(x_b − x_a)/r²`: wrong near free surfaces, where it works on the
     /// hydrostatic gradient. Molteni & Colagrossi (2009).
     MolteniColagrossi(f64),
-    /// The same of the density less its hydrostatic part. Fourtakas et al. (2019), with the linear
+    /// Diffusion of the density minus its hydrostatic part. Fourtakas et al. (2019), with the linear
     /// equation of state.
     Fourtakas(f64),
     /// The same less the mean of the renormalised density gradients: third order. Antuono et al.
@@ -122,7 +122,7 @@ pub enum Shifting {
     },
 }
 
-/// How a step is taken. What it costs is counted in sums over all pairs.
+/// Time integration. The cost is given in sums over all pairs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stepping {
     /// Half kick, half drift, density, half drift, forces, half kick: second order, and reversible where

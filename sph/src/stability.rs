@@ -1,4 +1,4 @@
-//! How long a step sound bears: the dispersion of a lattice.
+//! Stability limit of acoustic waves, from the dispersion on a lattice.
 //!
 //! On a lattice the sums over the pairs are those of a wave of each number `k`,
 //!

@@ -92,7 +92,7 @@ pub struct Overview {
 
 /// Pictures and outlines of the side views, so that the page stays below 500 kB with its curves; bytes of text.
 const VIEW_BUDGET: usize = 250_000;
-/// The same where there are plans too.
+/// Budget of the side views if there are plans, too.
 const VIEW_BUDGET_BESIDE_PLANS: usize = 110_000;
 
 /// Draws the page.

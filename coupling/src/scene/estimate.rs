@@ -75,7 +75,7 @@ impl Estimate {
         self.program + self.water + self.walls + self.blocks
     }
 
-    /// Why a run does not fit into the memory there is, if it does not.
+    /// Problem if a run does not fit the available memory.
     pub fn refusal(&self, available: Option<Available>) -> Option<Problem> {
         let available = available?.bytes as f64;
         if self.total() <= available {

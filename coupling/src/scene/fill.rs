@@ -65,7 +65,7 @@ impl Lattice {
     }
 }
 
-/// How much water memory has room for.
+/// Amount of water that fits the memory.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Room {
     /// Most bytes that may be taken; infinite where the system does not tell.
@@ -110,7 +110,7 @@ impl Room {
     }
 }
 
-/// Why a region holds no water.
+/// Reason for a region without water.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 enum FillError {
     #[error(

@@ -24,8 +24,8 @@ pub struct Place {
     pub column: usize,
 }
 
-/// Where the value of `path` stands in `text`. What has no text of its own, such as a default, is
-/// placed at the nearest thing around it that has.
+/// Location of the value of `path` in `text`. A value without text, such as a default, is
+/// located at the nearest enclosing value with text.
 pub fn locate(text: &str, path: &str) -> Place {
     let span = span_of(&Tree::new(text), path);
     let (line, column) = line_column(text, span.start);

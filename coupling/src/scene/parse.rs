@@ -44,7 +44,7 @@ impl std::str::FromStr for Override {
 pub struct TextError {
     /// Value found and values allowed.
     pub message: String,
-    /// Where; bytes of the text.
+    /// Location in the text; bytes.
     pub span: Range<usize>,
 }
 

@@ -55,7 +55,7 @@ pub struct FluidScene {
     pub settings: riprap_sph::Settings,
     /// Penalty walls; without stiffness where particles hold the fluid.
     pub walls: WallSettings,
-    /// How walls hold the fluid.
+    /// Wall method.
     pub wall_method: WallMethod,
     /// Whether it slides along them.
     pub slip: Slip,
@@ -69,7 +69,7 @@ pub struct FluidScene {
     pub absorbers: Vec<Absorber>,
     /// Inflows and outflows.
     pub openings: Openings,
-    /// When it sleeps, if ever.
+    /// Criteria of its sleep, if enabled.
     pub sleeping: Option<Sleeping>,
     /// Fastest flow expected, from which sound speed and stiffnesses follow; m/s.
     pub expected_speed: f64,

@@ -1,4 +1,4 @@
-//! When water and blocks sleep: numbers where the file has none, and what they cannot sleep with.
+//! Sleep of water and blocks: default parameters, and incompatible options.
 
 use riprap_dda::{BlockDefinition, Motion, Resting};
 use riprap_sph::{Settings, Sleeping};

@@ -16,7 +16,7 @@ const LOOKS: u32 = 1000;
 /// By how much the first row of water may be off half a spacing from a plane; × spacing.
 const ROW_SLACK: f64 = 0.1;
 
-/// Which sides of the domain are planes of symmetry.
+/// Sides of the domain that are planes of symmetry.
 pub(super) fn symmetry(domain: &DomainFile) -> Symmetry {
     let mut symmetry = Symmetry::default();
     for side in &domain.symmetry {

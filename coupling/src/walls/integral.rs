@@ -60,9 +60,9 @@ pub struct IntegralWalls {
     /// Solids of the blocks that move.
     moving: Vec<MovingPart>,
     near_moving: PartTable,
-    /// Where each block was at the start of the step.
+    /// Position of each block at the start of the step.
     start: Vec<Place>,
-    /// How each block moves now.
+    /// Current motion of each block.
     motions: Vec<BodyMotion>,
     added: Vec<AddedMass>,
     chunks: Vec<Vec<Sight>>,
@@ -79,9 +79,9 @@ struct MovingPart {
     block: u32,
     /// In the frame of the block; m.
     local: Part,
-    /// Where it is; no faces if its block was removed; m.
+    /// Its current placement; no faces if its block was removed; m.
     placed: Part,
-    /// Where its block is.
+    /// Placement of its block.
     at: Place,
 }
 

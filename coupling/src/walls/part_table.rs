@@ -1,4 +1,4 @@
-//! Which solids are near each cell of the fluid's grid, so that water far from all of them pays nothing.
+//! Solids near each cell of the fluid's grid, so that water far from all of them has no cost.
 //!
 //! A solid's cells are listed with a skin and stay so while nothing of it can have come farther than that:
 //!
@@ -43,7 +43,7 @@ pub(crate) struct PartTable {
 /// The cells of a solid.
 #[derive(Clone, Debug, Default)]
 struct Listed {
-    /// Where it was then.
+    /// Its placement then.
     at: Option<Placed>,
     /// From there to its farthest corner; m.
     radius: f64,

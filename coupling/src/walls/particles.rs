@@ -54,7 +54,7 @@ pub struct ParticleWalls {
 /// Depth in a fixed solid, in spacings, from which on points are buried: more than contacts press.
 const BURIED_DEPTH: f64 = 0.02;
 
-/// Where a block's material is.
+/// Frame of a block's material.
 #[derive(Clone, Copy, Debug)]
 struct Frame {
     /// m.
@@ -75,7 +75,7 @@ impl Frame {
     }
 }
 
-/// Which moving points, but those of screens, are inside a fixed solid.
+/// Moving points, except those of thin solids, inside a fixed solid.
 #[derive(Clone, Debug)]
 struct Buried {
     /// m³.

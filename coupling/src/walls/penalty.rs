@@ -562,7 +562,7 @@ impl Interface {
 }
 
 impl WallSettings {
-    /// How far from the surface of a part particles have to be looked for; m.
+    /// Search distance of particles from the surface of a part; m.
     fn reach(&self, part: usize, blocks: &Blocks) -> f64 {
         if blocks.is_surface(part) {
             self.standoff.max(BEHIND * self.particle_spacing)

@@ -1,4 +1,4 @@
-//! Where the points of walls of particles stand: bodies by themselves, fixed ones as one solid, each side of a screen.
+//! Sampling of wall particles: moving bodies individually, fixed ones as a single solid, thin solids side by side.
 
 use riprap_dda::Shape;
 use riprap_sph::boundary::integral::Face;
@@ -29,16 +29,16 @@ pub(super) struct Thin {
     pub(super) part: usize,
     /// Faces at which it only seems to end.
     pub(super) ends: Vec<bool>,
-    /// Which side each face is of.
+    /// Side of each face.
     pub(super) side_of: Vec<u32>,
     /// Points behind each side.
     pub(super) behind: Vec<Vec<WallSample>>,
 }
 
-/// How far a stone reaches from its middle at most, over the support radius.
+/// Largest radius of a stone about its middle, over the support radius.
 const STONE: f64 = 1.5;
 
-/// How far the corners of some parts are from their middle; m.
+/// Largest distance of the corners of some parts from their middle; m.
 fn reach_of(parts: &[Part]) -> f64 {
     let corners = || parts.iter().flat_map(Part::corners);
     let middle = corners().sum::<Vec3>() / corners().count().max(1) as f64;
@@ -55,7 +55,7 @@ struct Faces {
     thinness: Thinness,
 }
 
-/// How a fluid's walls are sampled.
+/// Sampler of wall particles.
 pub(super) struct Sampler {
     pub(super) lattice: UnionLattice,
     pub(super) endless: Endless,
@@ -136,10 +136,9 @@ impl Sampler {
         samples
     }
 
-    /// Which of some parts, of which `inside` is what is inside the domain, are screens, with points behind each of their
-    /// sides, and which are not. Sides that other parts cover have none: nothing looks through them. What is altogether a stone among
-    /// stones, no larger than the water's sight, is none: it parts no waters, and thousands of screens that touch would cost more than
-    /// all else.
+    /// Thin and thick parts among some parts (`inside` is their portion in the domain); thin ones get points behind each of their
+    /// sides, except sides covered by other parts. A stone among stones, no larger than the kernel support, is not a thin solid: it
+    /// separates no bodies of water, and thousands of touching thin solids would dominate the cost.
     pub(super) fn screens(&self, inside: &[Part], parts: &[Part]) -> (Vec<Thin>, Vec<usize>) {
         if reach_of(inside) < STONE * self.lattice.support_radius {
             return (Vec::new(), (0..parts.len()).collect());
@@ -239,7 +238,7 @@ impl Sampler {
         self.row_in_slice(of(&self.as_one_row(part, middle), Some(row)))
     }
 
-    /// Which faces of a part are open, and how thin it is between them; none of one that cannot be a screen.
+    /// Open faces of a part and its thickness between them; `None` if it cannot be a thin solid.
     fn open_faces(&self, number: usize, part: &Part, all: &[Part]) -> Option<Faces> {
         let (spacing, support) = (self.lattice.particle_spacing, self.lattice.support_radius);
         let ends = self.ends(part)?;

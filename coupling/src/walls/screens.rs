@@ -25,7 +25,7 @@ pub(super) struct Screens {
     fixed_planes: Vec<Vec<Plane>>,
     /// m.
     spacing: f64,
-    /// How far screens go on through covered faces; m.
+    /// Continuation of thin solids through covered faces; m.
     support_radius: f64,
     /// Whether the fluid has not seen them where they are now.
     are_new: bool,
@@ -42,15 +42,15 @@ struct Screen {
     siblings: Vec<Part>,
     /// Faces at which it only seems to end: it has no end there.
     ends: Vec<bool>,
-    /// Which side each face is of.
+    /// Side of each face.
     side_of: Vec<u32>,
     /// Faces through which it goes on.
     goes_on: Vec<bool>,
     /// Fixed parts that it may be partly inside of, as when it is drawn on into its bed.
     reaches_into: Vec<usize>,
-    /// Where the block was when that was found out; m.
+    /// Position of the block at the last search; m.
     looked_at: Vec3,
-    /// Where the faces, by one corner, were at the start of the step.
+    /// Position of the faces, by one corner, at the start of the step.
     start: Vec<(Vec3, Vec3)>,
     /// Present planes, and the box round the part; m.
     planes: Vec<Plane>,
@@ -309,13 +309,13 @@ impl Screen {
     }
 }
 
-/// Where a part is thin.
+/// Thin regions of a part.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Thinness {
     /// Whether two of its faces are somewhere so near, or meet at so sharp an edge, that fluid on both is within the
     /// support of each other through the solid.
     pub(super) is_thin: bool,
-    /// Which others cover one of the faces of such an edge elsewhere: there it stands on these, and is not thin.
+    /// Other parts that cover a face of such an edge elsewhere: there it rests on them and is not thin.
     pub(super) stands_on: Vec<usize>,
 }
 
@@ -383,7 +383,7 @@ fn area(corners: &[Vec3]) -> f64 {
     0.5 * triangles.sum::<Vec3>().norm()
 }
 
-/// How thin a part is between its open faces, for a support in m. Fluid is on these where none of the others covers
+/// Thickness of a part between its open faces, for a support in m. Faces are open where no other part covers
 /// them.
 pub(super) fn thinness(
     part: &Part,
@@ -448,7 +448,7 @@ pub(super) fn is_covered(normal: &Vec3, corners: &[Vec3], others: &[&Part], spac
         && places(corners, spacing).all(|x| cover(others, normal, &x, spacing).is_some())
 }
 
-/// Which other part is right before a place on a face, if one is.
+/// Other part directly in front of a point on a face, if any.
 fn cover(others: &[&Part], normal: &Vec3, x: &Vec3, spacing: f64) -> Option<usize> {
     let x = x + normal * (OFF_FACE * spacing);
     others.iter().position(|part| {

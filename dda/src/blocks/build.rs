@@ -1,4 +1,4 @@
-//! How a system of blocks is made: bodies about their centroids, in principal axes, with margins and limits.
+//! Construction of a system of blocks: bodies about their centroids, in principal axes, with margins and limits.
 
 use super::definition::check_settings;
 use crate::contact::detection::broad_phase;
@@ -41,7 +41,7 @@ impl Blocks {
         Self::with_joints(definitions, materials, &[], settings)
     }
 
-    /// The same with joints between certain materials.
+    /// Creates blocks with joints between certain materials.
     ///
     /// # Errors
     ///

@@ -12,7 +12,7 @@ pub struct BlockDefinition {
     pub shape: Shape,
     /// Position in the list of materials.
     pub material: usize,
-    /// How it moves.
+    /// Motion.
     pub motion: Motion,
     /// Initial velocity of the centroid, free blocks only; m/s.
     pub velocity: Vec3,
@@ -36,15 +36,15 @@ pub struct Settings {
     /// Deepest overlap allowed, × size of the smaller part; never more than half the thickness of the thinner
     /// one. Default 0.2.
     pub overlap_limit: f64,
-    /// How balls answer to being pressed. Default a linear spring; Hertz's needs elastic moduli.
+    /// Normal contact law of spheres. Default: linear spring; Hertz's law needs elastic moduli.
     pub normal_law: NormalLaw,
-    /// Which turning of balls is resisted. Default that of one against the other.
+    /// Angular velocity that rolling resistance acts on. Default: the relative one.
     pub rolling_law: RollingLaw,
-    /// How common planes are found. Default verified.
+    /// Detection of common planes. Default: verified.
     pub contact_detection: ContactDetection,
     /// Damping for a search for a state of rest. Default none: not for blocks that move.
     pub static_damping: Option<StaticDamping>,
-    /// When blocks that lie still sleep. Default never.
+    /// Criteria of sleep of blocks at rest. Default: off.
     pub resting: Option<Resting>,
 }
 

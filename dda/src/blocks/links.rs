@@ -1,4 +1,4 @@
-//! Which pairs a block takes part in.
+//! Pairs of each block.
 
 /// Rows of pairs, one row per block.
 #[derive(Clone, Debug, Default)]

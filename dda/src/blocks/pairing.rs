@@ -61,7 +61,7 @@ impl Blocks {
         self.link_pairs();
     }
 
-    /// Which list two parts belong to.
+    /// List of a pair of parts.
     fn kind_of(&self, parts: (u32, u32)) -> PairKind {
         let (i, j) = (
             &self.derived.parts[parts.0 as usize],
@@ -284,7 +284,7 @@ pub(crate) struct SpherePairBefore {
     rolling: Rolling,
 }
 
-/// Which list a pair belongs to.
+/// List of a pair.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum PairKind {
     Polyhedra,

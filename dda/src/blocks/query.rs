@@ -64,7 +64,7 @@ impl Blocks {
 
     // One block.
 
-    /// How it moves.
+    /// Motion.
     pub fn motion(&self, b: usize) -> &Motion {
         &self.constants.motion[b]
     }

@@ -11,9 +11,9 @@ pub(crate) struct Scratch {
     pub candidates: Vec<(u32, u32)>,
     /// Pairs before the list was rebuilt.
     pub pairs_before: Vec<Pair>,
-    /// The same of spheres.
+    /// Sphere pairs of the previous step.
     pub sphere_pairs_before: Vec<SpherePairBefore>,
-    /// The same of surfaces.
+    /// Surface pairs of the previous step.
     pub surface_pairs_before: Vec<SurfacePair>,
     /// One per chunk of `pairs`, or more.
     pub workspaces: Vec<Workspace>,

@@ -44,7 +44,7 @@ pub(crate) struct State {
     pub kinematics: Vec<Kinematics>,
     /// Sum of contact forces at the last evaluation; N, N m.
     pub contact_load: Vec<Load>,
-    /// The same, one sub-step before; N, N m.
+    /// Contact loads one sub-step before; N, N m.
     pub contact_load_before: Vec<Load>,
     /// Straining moment of the contacts at the last evaluation; one per deformable block; N m.
     pub contact_stretch: Vec<Matrix3<f64>>,

@@ -1,4 +1,4 @@
-//! Which equation of motion a block obeys in a step.
+//! Equation of motion of a block in a step.
 
 use super::Blocks;
 use crate::{Motion, StaticDamping};

@@ -1,4 +1,4 @@
-//! How well shaped blocks are: slivers and short edges cost time steps and stability.
+//! Quality of block shapes: slivers and short edges reduce time step and stability.
 
 use crate::{Polyhedron, Vec3, volume};
 

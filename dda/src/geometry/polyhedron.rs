@@ -41,7 +41,7 @@ pub struct Polyhedron {
     /// Corners of such bodies that hold a vertex of this one, or the middle of an edge, from there;
     /// packed; m.
     beyond: Vec<Vec3>,
-    /// Where those of a vertex start, then those of a half-edge; n_vertices + n_half_edges + 1.
+    /// Start of those of each vertex, then of each half-edge; n_vertices + n_half_edges + 1.
     beyond_start: Vec<u32>,
     /// Cube root of the volume, the length that tolerances refer to; m.
     size: f64,
@@ -53,7 +53,7 @@ const SEAM_SINE: f64 = 1e-3;
 const BEND_COSINE: f64 = 0.999_390_8;
 
 impl Polyhedron {
-    /// The same polyhedron turned and shifted.
+    /// The polyhedron, rotated and translated.
     pub fn transformed(&self, placement: &Isometry) -> Self {
         let mut moved = self.clone();
         moved.set_transformed(self, placement);
@@ -233,7 +233,7 @@ impl Polyhedron {
         self.is_hidden[face]
     }
 
-    /// How neighbours extend from each vertex, then from the middle of each half-edge (the lower of two
+    /// Extent of neighbors from each vertex, then from the middle of each half-edge (the lower of two
     /// twins); m.
     pub(crate) fn set_beyond(&mut self, beyond: &[Vec<Vec3>]) {
         self.beyond.clear();
@@ -295,7 +295,7 @@ impl Polyhedron {
             .all(|offset| offset.dot(direction) <= sine * offset.norm())
     }
 
-    /// How neighbours extend from a vertex, or from the middle of a half-edge after all vertices; m.
+    /// Extent of neighbors from a vertex, or from the middle of a half-edge after all vertices; m.
     fn offsets(&self, row: usize) -> &[Vec3] {
         &self.beyond[self.beyond_start[row] as usize..self.beyond_start[row + 1] as usize]
     }

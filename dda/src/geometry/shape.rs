@@ -74,7 +74,7 @@ impl Shape {
         }
     }
 
-    /// The same shape turned and shifted.
+    /// The shape, rotated and translated.
     pub fn transformed(&self, placement: &Isometry) -> Self {
         match self {
             Self::Polyhedra(parts) => Self::Polyhedra(

@@ -52,7 +52,7 @@ impl PartialEq for Surface {
     }
 }
 
-/// Why triangles are no surface.
+/// Error of an invalid surface.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum SurfaceError {
     /// Nothing to stand on.
@@ -264,7 +264,7 @@ impl Surface {
         }
     }
 
-    /// The same surface turned and shifted.
+    /// The surface, rotated and translated.
     pub fn transformed(&self, placement: &Isometry) -> Self {
         let vertices = self
             .vertices

@@ -36,7 +36,7 @@ use serde::{Deserialize, Serialize};
 /// tensor.
 pub type Voigt = [f64; 6];
 
-/// How the stress of a deformable block follows from its deformation.
+/// Stress law of a deformable block.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum StressLaw {
     /// `P = F (λ tr(E) I + 2μ E)`, `E = (FᵀF − I)/2`. Softens in strong compression.

@@ -3,7 +3,7 @@
 use crate::{BlockError, Vec3};
 use nalgebra::{Matrix3, UnitQuaternion};
 
-/// How a free block may turn.
+/// Rotation of a held block.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Turning {
     /// As forces make it.
@@ -22,7 +22,7 @@ pub struct Hold {
     /// World directions in which the centroid does not move: unit vectors at right angles, at most
     /// three.
     pub directions: Vec<Vec3>,
-    /// How it may turn.
+    /// Its rotation.
     pub turning: Turning,
 }
 

@@ -1,5 +1,5 @@
-//! How a block answers at a point: velocity, force, compliance. The only three things that contacts
-//! and coupling ask, of rigid and deformable blocks alike.
+//! Kinematics of a block at a point: velocity, force, compliance. Contacts and coupling use only these
+//! three, of rigid and deformable blocks alike.
 
 use crate::Vec3;
 use nalgebra::Matrix3;

@@ -1,10 +1,10 @@
-//! How a block moves: by forces, not at all, or along a given path.
+//! Motion of a block: free, fixed, or prescribed.
 
 use crate::{BlockError, Vec3};
 use nalgebra::UnitQuaternion;
 use std::f64::consts::TAU;
 
-/// How a block moves.
+/// Motion of a block.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Motion {
     /// By the forces on it.

@@ -40,7 +40,7 @@ pub struct JointSet {
     pub spacing_scatter: f64,
 }
 
-/// Why a rock mass was not cut.
+/// Error of cutting a rock mass.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum JointError {
     /// A number of a set is out of range.
@@ -309,7 +309,7 @@ fn cut_bodies<B: Body>(
     Ok((blocks, n_uncut))
 }
 
-/// How many blocks joints make of bodies.
+/// Expected number of blocks from joints.
 struct Expected {
     /// At least so many, but for what chance and the places of single joints do.
     at_least: f64,

@@ -15,7 +15,7 @@ pub enum Attachment {
     PointLoad {
         /// The block.
         block: usize,
-        /// Where; m.
+        /// Position; m.
         point: Vec3,
         /// World; N.
         force: Vec3,
@@ -42,7 +42,7 @@ pub enum Attachment {
     FixedPoint {
         /// The block.
         block: usize,
-        /// Where; m.
+        /// Position; m.
         point: Vec3,
         /// In every direction, > 0; N/m.
         stiffness: f64,

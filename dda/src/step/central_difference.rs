@@ -22,7 +22,7 @@ const CRUSHED: f64 = -0.2;
 pub enum Phase {
     /// Kicks, drifts, places of the parts, attachments, checks.
     Motion,
-    /// Which pairs may touch.
+    /// Broad phase.
     BroadPhase,
     /// Narrow phase and contact law: pair by pair, in one loop, so that a pair's patch never leaves the cache
     /// between the two.
@@ -141,7 +141,7 @@ impl Blocks {
         self.advance_watched(time, dt, n_substeps, &mut |_| {})
     }
 
-    /// The same, and calls `ended` at the end of each phase: for who wants to know the time they take. The
+    /// Advances, and calls `ended` at the end of each phase, for the caller's timing. The
     /// solver has no clock.
     ///
     /// # Errors

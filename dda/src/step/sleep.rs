@@ -15,12 +15,12 @@ use serde::{Deserialize, Serialize};
 use crate::blocks::Update;
 use crate::{Blocks, Load, Vec3};
 
-/// When blocks fall asleep, and what wakes them.
+/// Criteria for putting blocks to sleep and waking them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Resting {
     /// Farthest way within `time` of a block that is at rest, of its centroid and of its corners by turning, above 0; × size.
     pub displacement: f64,
-    /// How long it has to be at rest, above 0; s.
+    /// Time at rest before sleep, above 0; s.
     pub time: f64,
     /// Change of its load that wakes it, above 0; × weight.
     pub load: f64,
@@ -29,11 +29,11 @@ pub struct Resting {
 /// The load that is watched is a mean over this share of the time that a block has to be at rest.
 const MEAN_OVER: f64 = 0.05;
 
-/// Who sleeps, and why.
+/// State of sleep of the blocks.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(crate) struct Rest {
     is_asleep: Vec<bool>,
-    /// Where a block was when it began to be at rest.
+    /// Position of a block at the start of its rest.
     since: Vec<(Vec3, UnitQuaternion<f64>)>,
     /// For how long it has been; s.
     calm: Vec<f64>,

@@ -16,7 +16,7 @@ struct Spring {
     normal: Vec3,
     /// Along the normal and across it; N/m.
     stiffness: [f64; 2],
-    /// The same; N s/m.
+    /// Dashpot coefficients; N s/m.
     dashpot: [f64; 2],
 }
 

@@ -50,7 +50,7 @@ impl Facet {
 /// The plane of a face: outward unit normal, and its offset `n·x` in m.
 pub type Plane = (Vec3, f64);
 
-/// How far inside the edges of a face a segment has to hit it, over the support radius: lattices look along edges.
+/// Distance from the edges of a face within which a segment misses it, over the support radius: lattice lines run along edges.
 const SLACK: f64 = 1e-6;
 
 /// Width over which a sharp edge comes to hide what is behind it, over the support radius: half of that leaves water by an
@@ -66,7 +66,7 @@ pub(crate) struct Screens {
     planes: Vec<Plane>,
     /// Side of its screen that each is of.
     sides: Vec<u32>,
-    /// Where the planes of each screen end.
+    /// End of the planes of each thin solid.
     ends: Vec<u32>,
     /// Planes of solids that screens reach into, where those of each solid end, and where the solids of each screen end.
     cover_planes: Vec<Plane>,
@@ -77,7 +77,7 @@ pub(crate) struct Screens {
     entries: Vec<Near>,
     /// Cells that have an entry.
     marked: Vec<u32>,
-    /// How far particles see; m.
+    /// Support radius; m.
     reach: f64,
     /// Boxes round all that sees each screen; m.
     boxes: Vec<(Vec3, Vec3)>,
@@ -200,8 +200,8 @@ impl Screens {
         sides.filter_map(move |(face, &side)| (side == facet.side).then_some(face))
     }
 
-    /// How the segment from `x` to `y` passes a screen, and where it comes into it, if it does; none if it passes none
-    /// or comes in where this is inside another solid.
+    /// Passage of the segment from `x` to `y` through a thin solid, and its entry, if any; `None` without a passage
+    /// or if the entry is inside another solid.
     fn passage<'a>(
         &'a self,
         screen: u32,
@@ -228,7 +228,7 @@ impl Screens {
         })
     }
 
-    /// How much two particles see of each other, from 0 to 1; `cell` is that of one of them.
+    /// Mutual visibility of two particles, from 0 to 1; `cell` is that of one of them.
     pub(crate) fn share_seen(&self, cell: usize, x: &Vec3, y: &Vec3) -> f64 {
         // the same answer whoever asks
         let (x, y) = if x.as_slice() <= y.as_slice() {
@@ -246,7 +246,7 @@ impl Screens {
         if 1 < n_crossed { 0.0 } else { share }
     }
 
-    /// How much a particle at `x` sees of a wall particle at `wall`, behind a face or no face of a screen, from 0 to 1;
+    /// Visibility of a wall particle at `wall`, behind a face or no face of a thin solid, from a particle at `x`, from 0 to 1;
     /// `cell` is that of one of them.
     pub(crate) fn share_seen_of_wall(
         &self,
@@ -294,7 +294,7 @@ fn nearest(planes: &[Plane], x: &Vec3) -> (usize, f64) {
         })
 }
 
-/// Where a segment comes into a convex solid.
+/// Entry of a segment into a convex solid.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Entry {
     face: usize,
@@ -302,9 +302,9 @@ struct Entry {
     share: f64,
 }
 
-/// Where the segment from a particle at `x` to `y` enters a convex solid, if it does. One that starts inside enters
-/// there, through the face nearest to it. An edge belongs to nothing: what looks along the wall that the solid
-/// stands on sees that wall.
+/// Entry of the segment from a particle at `x` to `y` into a convex solid, if any. A segment that starts inside enters
+/// there, through the nearest face. Edges do not count: along the wall on which the solid
+/// stands, the wall is visible.
 fn entry(planes: &[Plane], x: &Vec3, y: &Vec3, slack: f64) -> Option<Entry> {
     let mut entry = Entry {
         face: 0,
@@ -342,7 +342,7 @@ pub fn are_opposed(normal: &Vec3, other: &Vec3) -> bool {
     normal.dot(other) < -0.7
 }
 
-/// How the segment from a particle at `x` to `y` passes a convex solid.
+/// Passage of the segment from a particle at `x` to `y` through a convex solid.
 #[derive(Clone, Copy, Debug)]
 struct Passage<'a> {
     planes: &'a [Plane],
@@ -387,7 +387,7 @@ impl<'a> Passage<'a> {
         share_of(self.planes, face, (self.y, self.x), self.exits)
     }
 
-    /// How much of what is at `y` the solid hides that a look through a face of it comes upon.
+    /// Fraction of the point at `y` hidden by the solid for a line of sight through one of its faces.
     fn hidden_through(&self, face: usize) -> f64 {
         if self.exits == 0.0 {
             self.share_in(face)
@@ -396,19 +396,19 @@ impl<'a> Passage<'a> {
         }
     }
 
-    /// How much of what is at `y` the solid hides.
+    /// Fraction of the point at `y` hidden by the solid.
     fn hidden(&self) -> f64 {
         let faces = 0..self.planes.len();
         faces.map(|face| self.hidden_through(face)).sum()
     }
 
-    /// How much it parts two particles. One that is inside counts as being at the face nearest to it.
+    /// Separation of two particles by the solid. A particle inside is considered at the nearest face.
     fn parted(&self) -> f64 {
         let faces = 0..self.planes.len();
         faces.map(|face| self.parted_by(face)).sum()
     }
 
-    /// How much a face and those opposed to it part the two ends.
+    /// Separation of the two ends by a face and those opposite to it.
     fn parted_by(&self, face: usize) -> f64 {
         let share = self.share_in(face);
         if share == 0.0 {
@@ -424,7 +424,7 @@ impl<'a> Passage<'a> {
         share * opposed.map(parted_by).sum::<f64>()
     }
 
-    /// How far it has passed into the solid by the edge of two faces, from 0 to 1.
+    /// Penetration into the solid past the edge of two faces, from 0 to 1.
     fn past_edge(&self, face: usize, other: usize) -> f64 {
         let at = |plane: &Plane, place: &Vec3| plane.0.dot(place) - plane.1;
         let (first, second) = (&self.planes[face], &self.planes[other]);
@@ -497,12 +497,12 @@ mod tests {
         Passage::new(planes, x, y, WIDTH)
     }
 
-    /// How much two particles are parted.
+    /// Separation of two particles.
     fn parted(planes: &[Plane], x: &Vec3, y: &Vec3) -> f64 {
         passage(planes, x, y).map_or(0.0, |passage| passage.parted())
     }
 
-    /// How much of what is at `y` is hidden, and that as the sum over what each face hides.
+    /// Hidden fraction of the point at `y`, and its sum over the faces.
     fn hidden(planes: &[Plane], x: &Vec3, y: &Vec3) -> f64 {
         passage(planes, x, y).map_or(0.0, |passage| passage.hidden())
     }

@@ -52,7 +52,7 @@ pub enum Slip {
     Friction(f64),
 }
 
-/// How the force of the fluid on a point answers to the point's acceleration `a`: it gains `(L·a) slope`.
+/// Response of the fluid force on a point to the point's acceleration `a`: an increment of `(L·a) slope`.
 ///
 /// ```text
 /// L_w = Σ_f ρ_f (x_w − x_f) W/Σ_f W,   slope = V_w Σ_f V_f ∇W

@@ -249,7 +249,7 @@ impl Fluid {
     }
 }
 
-/// Where a condition that holds at `lower` and not at `upper` changes.
+/// Bisection of a condition that holds at `lower` but not at `upper`.
 fn bisect(mut lower: f64, mut upper: f64, holds: impl Fn(f64) -> bool) -> f64 {
     // twelve halvings: a four-thousandth of the first interval
     for _ in 0..12 {

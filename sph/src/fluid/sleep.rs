@@ -47,7 +47,7 @@ const MARGIN: f64 = 2.0;
 /// that the first lattice does not fit push by less, and what they push soon stops.
 const IMBALANCE: f64 = 0.05;
 
-/// When water sleeps.
+/// Criteria of sleep of water.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Sleeping {
     /// Mean displacement of the water in a tile, level, at which its neighbours wake; × spacing.
@@ -70,7 +70,7 @@ pub(crate) enum Rest {
     Asleep,
 }
 
-/// Who sleeps.
+/// State of sleep.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct Sleep {
     settings: Sleeping,
@@ -79,7 +79,7 @@ pub(crate) struct Sleep {
     tiles: Vec<Tile>,
     /// Steps and time (s) since the last look.
     since: (u32, f64),
-    /// Where each particle was last at rest; m.
+    /// Last rest position of each particle; m.
     pub(crate) home: Vec<Vec3>,
     /// Of each particle, since the last sort or change.
     rests: Vec<Rest>,
@@ -129,7 +129,7 @@ pub(crate) struct Kept {
     pub forces: bool,
 }
 
-/// Which chunks of particles sleep as a whole: nothing in them changes.
+/// Chunks of particles that sleep entirely, without any change.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Still<'a>(&'a [bool]);
 
@@ -645,7 +645,7 @@ impl Fluid {
             && (particles.start / CHUNK..=(particles.end - 1) / CHUNK).all(|chunk| still.has(chunk))
     }
 
-    /// How often what sleeps has changed; none where nothing may sleep.
+    /// Number of changes of the sleeping set; `None` if sleep is off.
     pub(crate) fn changes_of_rest(&self) -> Option<u64> {
         self.sleep.as_ref().map(|sleep| sleep.n_changes)
     }

@@ -8,7 +8,7 @@
 use crate::Vec3;
 use crate::error::FluidError;
 
-/// Which directions repeat.
+/// Periodic directions.
 pub type Periodicity = [bool; 3];
 
 /// Cells per support radius along x: rows are cut into chords of this fineness.
@@ -136,7 +136,7 @@ impl CellGrid {
         self.min
     }
 
-    /// Which directions repeat.
+    /// Periodic directions.
     pub fn periodic(&self) -> Periodicity {
         self.periodic
     }

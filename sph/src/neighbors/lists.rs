@@ -28,7 +28,7 @@ use crate::simd::points::{Frame, Points};
 use crate::terms::splat3;
 use crate::{CHUNK, Vec3};
 
-/// Who is near whom, among one set of particles.
+/// Neighbor lists among one set of particles.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Lists {
     /// One for each [`CHUNK`] of receivers, and more where there were more receivers before.
@@ -69,7 +69,7 @@ impl Span {
     const BYTES: usize = size_of::<Self>();
 }
 
-/// Where lists are made from.
+/// Input of neighbor lists.
 #[derive(Clone, Copy)]
 pub(crate) struct Surroundings<'a> {
     pub grid: &'a CellGrid,

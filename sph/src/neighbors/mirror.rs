@@ -16,7 +16,7 @@ use rayon::prelude::*;
 use crate::fluid::sleep::Still;
 use crate::{CHUNK, Fluid, FluidError, Settings, Vec3};
 
-/// Which sides of the domain are planes of symmetry: the lower and the upper one along x, y, z.
+/// Sides of the domain that are planes of symmetry: the lower and the upper one along x, y, z.
 pub type Symmetry = [[bool; 2]; 3];
 
 /// Most images of a point, itself included: along each axis in the lower plane, in the upper or in none.
@@ -77,7 +77,7 @@ impl Image {
     }
 }
 
-/// The same of all images in given planes, see [`Image::planes`].
+/// Signs of all images in given planes, see [`Image::planes`].
 #[inline(always)]
 pub(crate) fn signs_in(planes: u8) -> [f64; 3] {
     PLANE_DIGITS.map(|digit| match planes / digit % 3 {
@@ -86,7 +86,7 @@ pub(crate) fn signs_in(planes: u8) -> [f64; 3] {
     })
 }
 
-/// Where the planes stand; infinitely far away where there is none.
+/// Positions of the planes; infinitely far away without a plane.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Mirrors {
     /// Whether there is a plane at all.
@@ -140,7 +140,7 @@ impl Mirrors {
         self.low[axis].is_finite() || self.high[axis].is_finite()
     }
 
-    /// Where the image of a point in given planes is, see [`Image::planes`]; m.
+    /// Image of a point in given planes, see [`Image::planes`]; m.
     #[inline(always)]
     pub(crate) fn mirrored(&self, planes: u8, position: &Vec3) -> Vec3 {
         let mut image = *position;

@@ -68,7 +68,7 @@ pub(crate) trait Term<L: Lanes>: Sync {
     fn finish(&self, a: usize, sums: Self::Sums, n_found: u32, out: &mut Self::Out);
 }
 
-/// Where sums take their neighbours from.
+/// Source of the neighbors of sums.
 pub(crate) struct Sources<'a, R> {
     pub grid: &'a CellGrid,
     pub frame: &'a Frame,
@@ -92,8 +92,8 @@ pub(crate) struct Veil<'a> {
     pub between: Between<'a>,
 }
 
-/// Who is on the two sides of a veil; wall particles with the faces that they are behind, those beyond the end
-/// of the list behind none.
+/// Kinds of points on the two sides of an occlusion; wall particles with the faces they are behind, none for those beyond
+/// the end of the list.
 #[derive(Clone, Copy)]
 pub(crate) enum Between<'a> {
     Particles,
@@ -157,7 +157,7 @@ impl Veil<'_> {
     }
 }
 
-/// Who receives: all particles, or some of them.
+/// Receivers: all particles, or some of them.
 #[derive(Clone, Copy)]
 pub(crate) struct Receivers<'a> {
     pub positions: &'a [Vec3],
@@ -198,7 +198,7 @@ where
     }
 }
 
-/// The same with the code for screens or without, which leaves screens out.
+/// Sweep with or without the code for thin solids.
 pub(crate) fn sweep_as<L, T, const SCREENED: bool>(
     machine: L::Machine,
     term: &T,
@@ -317,7 +317,7 @@ struct View<'a, L: Lanes, T: Term<L>, const SCREENED: bool> {
     radius2: f32,
     runs: [Run; MAX_RUNS],
     found: [u32; BUFFER],
-    /// How much of them is seen past screens.
+    /// Their visible fraction past thin solids.
     shares: [f64; BUFFER],
 }
 
@@ -529,7 +529,7 @@ impl AnyPoints {
         self.pack_moving(precision, frame, (positions, Still::NONE), values);
     }
 
-    /// The same of all but those in still chunks, which keep theirs.
+    /// Packs all but those in still chunks, which keep their records.
     pub(crate) fn pack_moving(
         &mut self,
         precision: Precision,

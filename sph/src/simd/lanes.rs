@@ -17,7 +17,7 @@ pub(crate) const FILTER_WIDTH: usize = 8;
 pub(crate) trait Record: Copy + Send + Sync {
     /// Coordinates in the frame of the sums, and five values.
     fn pack(place: &Place, values: [f64; 5]) -> Self;
-    /// The same without a place: more values of a particle, of which sums use what they need.
+    /// Record without position: additional values of a particle, of which sums use a subset.
     fn of_values(values: [f64; RECORD]) -> Self;
     /// A value as it is stored.
     fn value(&self, which: usize) -> f64;
@@ -103,7 +103,7 @@ pub(crate) trait Lanes:
     fn max(self, other: Self) -> Self;
     /// The smaller, lane by lane.
     fn min(self, other: Self) -> Self;
-    /// Which lanes are below those of a bound, a bit each.
+    /// Mask of lanes below those of a bound.
     fn below(self, bound: Self) -> u32;
     /// Sum over the lanes, in a fixed order.
     fn sum(self) -> f64;
@@ -143,7 +143,7 @@ pub(crate) trait Task {
     fn run(self);
 }
 
-/// Where a filter looks from, and how far.
+/// Origin and radius of a filter.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Sight {
     /// Quanta.
@@ -603,7 +603,7 @@ mod avx2 {
         avx._mm256_mul_ps(avx._mm256_cvtepi32_ps(quanta), avx._mm256_set1_ps(scale))
     }
 
-    /// Which of eight candidates are within the radius, a bit each.
+    /// Mask of eight candidates within the radius.
     #[inline(always)]
     fn near(machine: Avx2, [x, y, z]: [&[i32]; 3], from: &Sight, radius2: __m256) -> usize {
         let (avx, fma) = (machine.0.avx, machine.0.fma);

@@ -1,4 +1,4 @@
-//! How unevenly particles are spread, and how near the free surface they are.
+//! Gradient of the particle concentration, and proximity to the free surface.
 
 use crate::kernel::PairKernel;
 use crate::neighbors::sweep::{Pair, Term};

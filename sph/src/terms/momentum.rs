@@ -295,7 +295,7 @@ impl<L: Lanes> PairViscosity<L> for Shear<L> {
     }
 }
 
-/// The same with viscosities of particles, of which a pair takes the harmonic mean: the stress of two
+/// Shear with viscosities of particles; a pair takes the harmonic mean, the stress of two
 /// layers in series.
 ///
 /// ```text

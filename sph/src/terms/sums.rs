@@ -65,7 +65,7 @@ struct Setup<'a> {
     settings: &'a Settings,
     from: Neighborhood<'a>,
     receivers: Receivers<'a>,
-    /// Where the neighbours of all receivers are listed.
+    /// Neighbor lists of all receivers.
     lists: Option<&'a Lists>,
 }
 
@@ -91,7 +91,7 @@ impl Setup<'_> {
     }
 }
 
-/// How a sum comes by the neighbours: types, so that no code is made of terms that nobody sums that way.
+/// Source of the neighbors of a sum: a type, so that unused combinations are not compiled.
 trait Way {
     /// Sums a term into `out`; returns the number of neighbours.
     fn sum<L, T>(setup: &Setup, machine: L::Machine, term: &T, out: &mut [T::Out]) -> u64
@@ -269,7 +269,7 @@ impl Fluid {
         }
     }
 
-    /// Where flow is packed: in the place of what forces are summed from, or beside it where that is to be kept.
+    /// Storage of the packed flow: that of the force sums, or a separate one if the former must be kept.
     fn flow_points(&mut self) -> &mut AnyPoints {
         match self.sleep {
             None => &mut self.scratch.points,
@@ -549,7 +549,7 @@ pub(crate) fn strains(fluid: &mut Fluid) {
     fluid.scratch.strains = out;
 }
 
-/// The same of some particles as far as wall points, which hold velocity and volume, make them.
+/// Strain rates of some particles due to wall points, which hold velocity and volume.
 pub(crate) fn wall_strains(
     fluid: &Fluid,
     walls: Neighborhood,
@@ -606,7 +606,7 @@ pub(crate) fn spreads(fluid: &mut Fluid) {
     fluid.scratch.spreads = out;
 }
 
-/// Who receives from whom in a force sum.
+/// Receivers and sources of a force sum.
 #[derive(Clone, Copy)]
 enum Forcing {
     FluidAndFluid,
@@ -626,7 +626,7 @@ sum_over_kernels!(Forces);
 /// Viscosity model of a force sum.
 #[derive(Clone, Copy)]
 pub(crate) enum Shearing<'a> {
-    /// The same for all.
+    /// A common value.
     Uniform(Viscosity),
     /// Viscosities of the fluid's particles.
     OfParticles(&'a AnyPoints),

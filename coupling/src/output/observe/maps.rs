@@ -26,7 +26,7 @@ pub struct MapExtremes {
     pub at_start: Grid,
     /// Highest surface; m.
     pub highest: Grid,
-    /// When water came; s.
+    /// Arrival time of the water; s.
     pub arrival: Grid,
 }
 

@@ -32,7 +32,7 @@ pub enum Fault {
          or allow it with --allow-outside", .to.display()
     )]
     LeavesFolder {
-        /// Where it leads.
+        /// Target of the link.
         to: PathBuf,
     },
     /// The system refuses it.

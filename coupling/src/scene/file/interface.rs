@@ -1,4 +1,4 @@
-//! How fluid and blocks push each other.
+//! Coupling of fluid and blocks.
 
 use serde::{Deserialize, Serialize};
 

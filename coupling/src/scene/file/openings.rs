@@ -1,4 +1,4 @@
-//! Where waves are absorbed, and water comes in and goes out.
+//! Schema of absorbing layers, inflows and outflows.
 
 use serde::{Deserialize, Serialize};
 

@@ -1,5 +1,5 @@
-//! Which convex parts of blocks are near a lattice node: a grid of cells over the lattice, each
-//! with a short list of parts, so that a node asks only those.
+//! Convex parts of blocks near a lattice node: a grid of cells over the lattice, each
+//! with a short list of parts to search.
 
 use riprap_dda::{Polyhedron, Shape, Surface, Vec3};
 
@@ -63,7 +63,7 @@ impl Part<'_> {
         }
     }
 
-    /// How far a point lies under the surface, 0 outside; m.
+    /// Depth of a point below the surface, 0 outside; m.
     pub(super) fn depth(&self, x: &Vec3) -> f64 {
         match self {
             Self::Convex(polyhedron) => polyhedron

@@ -47,7 +47,7 @@ pub fn solid_on(
     }
 }
 
-/// Why a shape is not a solid.
+/// Reason why a shape is not a solid.
 #[derive(Debug, thiserror::Error)]
 enum ShapeError {
     #[error(transparent)]

@@ -19,13 +19,13 @@ pub enum Step {
     Index(usize),
 }
 
-/// Why a text is no path.
+/// Reason why a text is not a path.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{message}")]
 pub struct PathError {
     /// Fault; lowercase.
     pub message: String,
-    /// Where in the path; bytes.
+    /// Location in the path; bytes.
     pub span: Range<usize>,
 }
 
@@ -62,7 +62,7 @@ impl FieldPath {
         &self.steps
     }
 
-    /// Where step `i` stands in the text that was parsed; bytes.
+    /// Location of step `i` in the parsed text; bytes.
     pub fn span(&self, i: usize) -> Range<usize> {
         self.spans.get(i).cloned().unwrap_or(0..0)
     }

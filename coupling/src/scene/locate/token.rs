@@ -7,7 +7,7 @@ use std::ops::Range;
 pub struct Token {
     /// Kind of the token.
     pub kind: TokenKind,
-    /// Where it is; bytes.
+    /// Location; bytes.
     pub span: Range<usize>,
 }
 
@@ -33,7 +33,7 @@ pub enum TokenKind {
 pub struct Unclosed {
     /// `comment` or `string`.
     pub what: &'static str,
-    /// Where it begins; bytes.
+    /// Start; bytes.
     pub start: usize,
 }
 

@@ -56,12 +56,12 @@ pub struct Field {
     pub value: Node,
 }
 
-/// Where a text first stops being well-formed.
+/// First syntax error of a text.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Flaw {
     /// Fault; lowercase.
     pub message: String,
-    /// Where; bytes.
+    /// Location; bytes.
     pub span: Range<usize>,
 }
 

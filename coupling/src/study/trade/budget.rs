@@ -26,7 +26,7 @@ const LEAST_DEVIATION: f64 = 1e-4;
 /// Predicted error and work of settings.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Expected {
-    /// Which value of each knob.
+    /// Index of the value of each knob.
     pub choice: Vec<usize>,
     /// Relative.
     pub error: f64,

@@ -23,7 +23,7 @@ impl Point {
     }
 }
 
-/// Which points no other beats in both cost and error, by increasing cost. Of equal ones the first stays.
+/// Pareto front of points, by increasing cost. Of equal ones the first is kept.
 pub fn front(points: &[Point]) -> Vec<usize> {
     let mut found: Vec<usize> = (0..points.len())
         .filter(|&k| points[k].is_measured() || points[k].error == 0.0)

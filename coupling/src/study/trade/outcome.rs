@@ -11,7 +11,7 @@ const PAIRS_PER_CONTACT: f64 = 1e3;
 /// Outcome of a run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Outcome {
-    /// Which value of each knob.
+    /// Index of the value of each knob.
     pub choice: Vec<usize>,
     /// Of its folder.
     pub key: String,

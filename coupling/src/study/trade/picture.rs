@@ -5,7 +5,7 @@ use resvg::{tiny_skia, usvg};
 /// Pixels for a unit of the drawing.
 const SCALE: f32 = 2.0;
 
-/// Why there is no picture.
+/// Error of rendering a plot.
 #[derive(Debug, thiserror::Error)]
 pub enum PictureError {
     /// The drawing is not one.

@@ -1,4 +1,4 @@
-//! Which runs a study asks for, each with the scene that it is and a key by which it is found again.
+//! Runs of a study, each with its scene and an identifying key.
 
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
@@ -32,7 +32,7 @@ pub struct Study {
 /// A run of a study.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Planned {
-    /// Which value of each knob.
+    /// Index of the value of each knob.
     pub choice: Vec<usize>,
     /// Overrides, in order.
     pub overrides: Vec<Override>,
@@ -233,7 +233,7 @@ fn truth_problem(study: &StudyFile) -> Option<Problem> {
     Some(Problem::error(path, message?))
 }
 
-/// Why errors cannot be relative to a truth or its scale, if they cannot.
+/// Problem if errors cannot be relative to a reference value or its scale.
 fn no_scale(truth: f64, scale: Option<f64>) -> Option<String> {
     match scale {
         _ if !truth.is_finite() => Some(format!(

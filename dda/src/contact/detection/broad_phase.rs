@@ -1,4 +1,4 @@
-//! Which parts may touch: pairs of boxes that overlap, in a fixed order.
+//! Broad phase: pairs of overlapping bounding boxes, in a fixed order.
 //!
 //! The boxes are fat: grown by a margin, so that the list stays right until a part leaves its box.
 

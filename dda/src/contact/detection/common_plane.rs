@@ -201,8 +201,8 @@ impl SeparatingAxes {
         }
     }
 
-    /// The same, but of almost equal ones a face rather than two edges, and the face that
-    /// [`Self::preferred_face`] says.
+    /// Best axis, but among almost equal ones a face rather than two edges, and the face of
+    /// [`Self::preferred_face`].
     fn preferred(&self, a: &Polyhedron, b: &Polyhedron, down: &Vec3) -> Axis {
         let best = self.best();
         if best.gap > 0.0 {
@@ -389,7 +389,7 @@ impl Sides {
     }
 }
 
-/// How the common plane of a pair is found.
+/// Detection of the common plane of a pair.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ContactDetection {
     /// From the plane of the last step, verified by the separating-axis test.
@@ -552,7 +552,7 @@ fn is_supported(a: &Polyhedron, b: &Polyhedron, axis: &Axis) -> bool {
     gap - axis.gap <= SUPPORT_TOLERANCE * a.size().min(b.size())
 }
 
-/// The same faces or edges in their present place.
+/// The same faces or edges at their current position.
 fn renewed(a: &Polyhedron, b: &Polyhedron, axis: &Axis) -> Axis {
     let normal = match axis.kind {
         AxisKind::FaceA(face) => a.face_normal(face as usize),

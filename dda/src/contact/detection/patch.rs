@@ -1,4 +1,4 @@
-//! Where two overlapping polyhedra touch: the contact patch and its points.
+//! Contact patch of two overlapping polyhedra, and its points.
 //!
 //! If the common plane is a face, the faces of the other body that look at it are clipped by its
 //! sides (Sutherland & Hodgman 1974), and what lies above the plane is cut off, so that the patch

@@ -40,7 +40,7 @@ pub(crate) struct SpherePair {
     pub blocks: (u32, u32),
 }
 
-/// Where a pair stands.
+/// Index of a pair.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub(crate) struct SphereMark {
     pub is_touching: bool,

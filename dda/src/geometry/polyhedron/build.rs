@@ -11,7 +11,7 @@ pub(super) const PLANE_TOLERANCE: f64 = 1e-6;
 /// Vertices closer than this are repeated; × L.
 const REPEAT_TOLERANCE: f64 = 1e-9;
 
-/// Why a polyhedron was refused.
+/// Error of an invalid polyhedron.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum PolyhedronError {
     /// Fewer than four vertices or faces.

@@ -8,7 +8,7 @@ use crate::contact::detection::broad_phase::{Bounds, candidates, grown};
 use crate::{BlockQuality, Polyhedron, Vec3, face_area, volume};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Which blocks are slivers: those that pass either limit.
+/// Definition of slivers: blocks beyond either limit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SliverLimits {
     /// Blocks with less than this share of the median volume are slivers, 0 (none is) to 1.

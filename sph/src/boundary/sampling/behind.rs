@@ -11,7 +11,7 @@ use crate::boundary::integral::Face;
 pub struct Rows {
     /// 0, 1, 2 for x, y, z.
     pub axis: usize,
-    /// Where the first row begins; m.
+    /// Start of the first row; m.
     pub from: f64,
     /// Width of a row; m.
     pub width: f64,
@@ -121,7 +121,7 @@ fn nearest(side: &[Face], rows: Option<Rows>, x: &Vec3, slack: f64) -> Option<(u
         .min_by(|(_, a), (_, b)| a.total_cmp(b))
 }
 
-/// How far beside a face a place is, seen along its normal; m.
+/// Lateral distance of a point from a face, in projection along its normal; m.
 fn distance_beside(face: &Face, rows: Option<Rows>, x: &Vec3) -> f64 {
     let axes = rows.map_or_else(|| Axes::along_longest_edge(face), |rows| rows.axes(face));
     let corners: Vec<Vector2<f64>> = face.vertices.iter().map(|x| axes.plane(x)).collect();

@@ -81,7 +81,7 @@ pub struct UnionLattice {
     pub particle_spacing: f64,
     /// Reach `R` of the kernel; above zero; m.
     pub support_radius: f64,
-    /// Where fluid may be. Faces outside make no points, and points lie within it grown by `R`.
+    /// Region of the fluid. Faces outside get no points, and points are within this region extended by `R`.
     pub region: Region,
 }
 

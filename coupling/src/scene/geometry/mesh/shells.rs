@@ -16,7 +16,7 @@ pub(super) struct Shell {
     pub(super) triangles: Vec<[u32; 3]>,
 }
 
-/// How the edges of a mesh are sewn.
+/// Connectivity of the edges of a mesh.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Seam {
     /// Every edge has its two sides.

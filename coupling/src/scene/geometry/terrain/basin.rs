@@ -1,4 +1,4 @@
-//! How much water terrain holds below a level: an integral over its triangles, to hold the particles against.
+//! Volume of water in a terrain below a level: an integral over its triangles, for comparison with the particles.
 
 use riprap_dda::Vec3;
 
@@ -62,7 +62,7 @@ pub fn room_below(
     Some(room)
 }
 
-/// Which points of the grid water reaches from a seed; a shore belongs to it.
+/// Grid points reached by water from a seed, including the shore.
 fn flooded(
     terrain: &Terrain,
     level: f64,

@@ -88,7 +88,7 @@ pub fn excavated(
 /// The ground while it is cut.
 struct Cut {
     points: Vec<Vec3>,
-    /// Where a side, lower corner first, crosses the failure surface.
+    /// Intersection of a side, lower corner first, with the failure surface.
     on_edge: HashMap<(u32, u32), u32>,
     /// Of the rock at the corners within an outline, below zero where the failure surface is in the air; m.
     thickness: BTreeMap<(usize, u32), f64>,

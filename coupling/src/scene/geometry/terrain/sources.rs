@@ -17,7 +17,7 @@ use crate::world::ground::Ground;
 const MOST_POINTS: f64 = 4e6;
 /// Points of a source along each axis over which the height of a coarser point is averaged, at most.
 const MOST_SAMPLES: f64 = 16.0;
-/// Where a grid ends a point that round-off took out is in it; × spacing.
+/// Tolerance of round-off at the edge of a grid; × spacing.
 const ROUND_OFF: f64 = 1e-6;
 /// Sweeps that smooth what fills gaps, once it is as smooth as its rim: a membrane over some tens of points.
 const MEMBRANE_SWEEPS: usize = 200;

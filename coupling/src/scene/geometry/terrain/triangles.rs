@@ -26,7 +26,7 @@ pub struct Triangles {
     pub outline: Vec<Option<usize>>,
 }
 
-/// Why there are none.
+/// Error of triangulation.
 #[derive(Debug, thiserror::Error)]
 pub enum TrianglesError {
     /// A side of an outline crosses another side.

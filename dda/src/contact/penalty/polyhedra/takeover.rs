@@ -1,4 +1,4 @@
-//! Where other features take a contact over, its energy goes on.
+//! Energy continuity when the contact features change.
 //!
 //! A patch under each of the faces, a pair of edges, and a corner beside a face have potentials of their
 //! own (see `patch`). Where one ends and another begins, the stiffness of the new one is scaled so that it

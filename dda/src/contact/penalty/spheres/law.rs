@@ -75,11 +75,11 @@ impl SphereContact {
 pub(crate) struct SphereLoads {
     /// On j; N. Zero when apart.
     pub force: Vec3,
-    /// Where it acts; world; m.
+    /// Point of application; world; m.
     pub point: Vec3,
 }
 
-/// Where a ball and another part touch.
+/// Contact of a sphere and another part.
 pub(super) struct Touch {
     pub normal: Vec3,
     pub point: Vec3,
