@@ -1,4 +1,4 @@
-//! `riprap trade`: the table of a study, a study that is killed, wrong studies.
+//! `riprap study`: the table of a study, a study that is killed, wrong studies.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -283,7 +283,7 @@ fn a_budget_takes_the_least_work_of_the_study_and_says_whether_it_was_met() {
     let (output, _) = run("1%", "early");
     assert_eq!(output.status.code(), Some(2));
     assert!(
-        words(&output).contains("riprap trade"),
+        words(&output).contains("riprap study"),
         "{}",
         words(&output)
     );

@@ -45,8 +45,8 @@ pub fn next(n_values: &[usize], all: &[Outcome], left: usize) -> Vec<Vec<usize>>
                 let Some((old, new)) = alone(knob, now).zip(alone(knob, value)) else {
                     continue;
                 };
-                let foretold: Logs = std::array::from_fn(|k| at[k] + new[k] - old[k]);
-                let gain = gain(&fronts, &foretold);
+                let predicted: Logs = std::array::from_fn(|k| at[k] + new[k] - old[k]);
+                let gain = gain(&fronts, &predicted);
                 match candidates.iter_mut().find(|(_, other)| *other == choice) {
                     Some((most, _)) => *most = most.max(gain),
                     None if ran.contains(choice.as_slice()) => {}
