@@ -9,7 +9,7 @@
 //!     │   1 kick      fluid, blocks       ▼
 //!     │   2 drift     fluid; blocks take   runs/x/  case.ron, summary.json, *.csv,
 //!     │               sub-steps inside              *.pvd + *.vtp, overview.svg
-//!     │   3 walls, neighbours, densities,
+//!     │   3 walls, neighbors, densities,
 //!     │     forces
 //!     └── 4 kick, tick
 //! ```

@@ -27,7 +27,7 @@ pub struct Passage {
     /// Direction of the flow: 0 for x, 1 for y.
     pub axis: usize,
     /// Whether the flow is in the positive direction.
-    pub upwards: bool,
+    pub upward: bool,
 }
 
 impl Passage {
@@ -38,7 +38,7 @@ impl Passage {
 
     /// Distance from the upstream face; m.
     fn along(&self, x: &Vec3) -> f64 {
-        if self.upwards {
+        if self.upward {
             x[self.axis] - self.min[self.axis]
         } else {
             self.max[self.axis] - x[self.axis]
@@ -66,7 +66,7 @@ impl Passage {
 
     fn direction(&self) -> Vec3 {
         let mut direction = Vec3::zeros();
-        direction[self.axis] = if self.upwards { 1.0 } else { -1.0 };
+        direction[self.axis] = if self.upward { 1.0 } else { -1.0 };
         direction
     }
 }
@@ -192,10 +192,10 @@ impl Inflow {
             min,
             max,
             axis,
-            upwards,
+            upward,
         } = self.passage;
         let mut position = rows.first;
-        position[axis] = if upwards {
+        position[axis] = if upward {
             max[axis] - before
         } else {
             min[axis] + before

@@ -1,6 +1,6 @@
 //! Walls that hold the fluid by what its particles see of the blocks: particles or exact integrals.
 //!
-//! Both take the fluid's kernel to end inside the solid: the wall's part of every sum over neighbours
+//! Both take the fluid's kernel to end inside the solid: the wall's part of every sum over neighbors
 //! is added to the fluid's own where and when the stepping takes that, and what the fluid gets the blocks
 //! that move give.
 

@@ -162,7 +162,7 @@ pub struct Extremes {
     pub particles_pushed_back: u64,
     /// Blocks that left the domain.
     pub blocks_removed: u64,
-    /// Ordered neighbour pairs summed over all steps.
+    /// Ordered neighbor pairs summed over all steps.
     pub pair_interactions: u64,
     /// Particles that sums were made for, summed over all steps.
     pub particle_steps: u64,

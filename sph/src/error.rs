@@ -35,9 +35,9 @@ pub enum FluidError {
         /// Reason.
         reason: &'static str,
     },
-    /// More particles than neighbour ids can number.
+    /// More particles than neighbor ids can number.
     #[error(
-        "{count} fluid particles are more than the {limit} that neighbour lists can number; coarsen the spacing"
+        "{count} fluid particles are more than the {limit} that neighbor lists can number; coarsen the spacing"
     )]
     TooManyParticles {
         /// Particles asked for.

@@ -56,7 +56,7 @@ use crate::terms::sums;
 use crate::terms::sums::Places;
 use crate::{CHUNK, Particles, Rheology, Symmetry, Vec3};
 
-/// Most particles that neighbour ids can number.
+/// Most particles that neighbor ids can number.
 pub const MAX_PARTICLES: usize = 1 << 31;
 /// Share of the reference density above which a step is not believed.
 const LARGEST_COMPRESSION: f64 = 0.3;
@@ -64,7 +64,7 @@ const LARGEST_COMPRESSION: f64 = 0.3;
 const FEWEST_CELL_LIMIT: usize = 1 << 16;
 /// Cells per particle beyond which the grid is made coarser.
 const CELLS_PER_PARTICLE: usize = 8;
-/// Share of the support radius by which cells and lists of neighbours are wider than it, so that particles
+/// Share of the support radius by which cells and lists of neighbors are wider than it, so that particles
 /// may move before they are sorted anew.
 const SKIN: f64 = 0.1;
 /// Least share where a period leaves no room for more.
@@ -72,7 +72,7 @@ const LEAST_SKIN: f64 = 0.05;
 /// Largest step over `h/c₀` of the predictor-corrector with continuity and the usual density diffusion: the
 /// same share of the lattice's 0.907 as kick-drift-kick has of its 1.54.
 const PREDICTOR_CORRECTOR_SOUND: f64 = 0.59;
-/// Fewer neighbours than this make no pressure: a particle by itself keeps the reference density.
+/// Fewer neighbors than this make no pressure: a particle by itself keeps the reference density.
 const FEWEST_NEIGHBORS: u32 = 5;
 
 /// Settings of the fluid, constant during a run.
@@ -94,7 +94,7 @@ pub struct Settings {
     pub gravity: Vec3,
     /// Share of the stability limits that a step may use, above 0 and at most 1.
     pub time_step_factor: f64,
-    /// The modelled box; m.
+    /// The modeled box; m.
     pub domain: (Vec3, Vec3),
     /// Periodic directions.
     pub periodic: Periodicity,
@@ -398,7 +398,7 @@ impl Fluid {
         2.0 * self.moved <= self.skin
     }
 
-    /// Memory of the lists of neighbours; bytes.
+    /// Memory of the lists of neighbors; bytes.
     pub fn list_memory(&self) -> usize {
         self.lists.memory()
     }
@@ -481,7 +481,7 @@ impl Fluid {
         self.settings.scheme.density == DensityMethod::Continuity
     }
 
-    /// Ordered pairs of the last sum over neighbours, the particle itself not counted.
+    /// Ordered pairs of the last sum over neighbors, the particle itself not counted.
     pub fn n_pairs(&self) -> u64 {
         self.n_pairs
     }
@@ -720,7 +720,7 @@ impl Fluid {
         self.find_rests();
     }
 
-    /// Rates of density from neighbours in the fluid, at the present positions and velocities.
+    /// Rates of density from neighbors in the fluid, at the present positions and velocities.
     pub fn update_rates(&mut self) {
         if let DensityDiffusion::Antuono(_) = self.settings.scheme.diffusion {
             sums::density_gradients(self);
@@ -739,7 +739,7 @@ impl Fluid {
     }
 
     /// Takes the density on by `dt` at the rates found, and books what diffusion did to the energy of
-    /// compression. A particle with hardly any neighbours gets the reference density.
+    /// compression. A particle with hardly any neighbors gets the reference density.
     pub fn advance_density(&mut self, dt: f64) {
         let change = self.take_density_on(|_, _, _| dt);
         self.book_compression(change);
@@ -862,7 +862,7 @@ impl Fluid {
         }
     }
 
-    /// Finds how unevenly the particles are spread; walls are added afterwards, and [`Self::shift`]
+    /// Finds how unevenly the particles are spread; walls are added afterward, and [`Self::shift`]
     /// evens it out. Only where the scheme shifts.
     pub fn update_spread(&mut self) {
         sums::spreads(self);
@@ -918,7 +918,7 @@ impl Fluid {
         self.moved += 3.0_f64.sqrt() * most;
     }
 
-    /// Sums the gradient of velocity over the fluid; walls are added afterwards, then
+    /// Sums the gradient of velocity over the fluid; walls are added afterward, then
     /// [`Self::update_viscosity`]. After [`Self::update_pressure`], and only where viscosity varies.
     pub fn update_strain(&mut self) {
         sums::strains(self);
@@ -967,7 +967,7 @@ impl Fluid {
         });
     }
 
-    /// Accelerations from pressure, viscosity and gravity; walls are added afterwards.
+    /// Accelerations from pressure, viscosity and gravity; walls are added afterward.
     pub fn update_accelerations(&mut self) {
         self.scratch.pushes.clear();
         sums::forces(self);
@@ -1070,7 +1070,7 @@ impl Fluid {
     /// each times the time-step factor; viscosity after Morris has 0.25 h²/ν. The limits of sound and
     /// viscosity of summation are those of a lattice; those of continuity are a share of them: on a
     /// lattice sound allows 1.75 h/c₀ without and 1.54 with the usual density diffusion. Viscosity
-    /// allows 0.112 to 0.128 h²/ν along lines of centres, where one wave has all of the 2(d + 2), and
+    /// allows 0.112 to 0.128 h²/ν along lines of centers, where one wave has all of the 2(d + 2), and
     /// 0.29 to 0.32 after Morris; a wall that does not slip mirrors velocities and takes some of that.
     /// That of the force is the customary one at a factor of 0.5. Where viscosity varies ν is the largest of
     /// any particle over ρ₀.

@@ -38,15 +38,15 @@ impl Dimensions {
 pub enum KernelChoice {
     /// Poly6 for values, spiky for gradients: the published pair.
     Mueller,
-    /// Wendland's C2: no pairing at any number of neighbours.
+    /// Wendland's C2: no pairing at any number of neighbors.
     WendlandC2,
-    /// The cubic spline: pairs above some 60 neighbours; for comparison.
+    /// The cubic spline: pairs above some 60 neighbors; for comparison.
     CubicSpline,
 }
 
 /// Kernel functions for pair loops.
 pub(crate) trait PairKernel<L: Lanes>: Copy + Send + Sync {
-    /// The kernel of a support radius in metres.
+    /// The kernel of a support radius in meters.
     fn new(machine: L::Machine, support_radius: f64, dimensions: Dimensions) -> Self;
     /// `W(r)`; 1/m³.
     fn value(&self, r2: L) -> L;
@@ -215,7 +215,7 @@ pub trait Kernel {
     /// `W'(r)/r`; 1/m⁵.
     fn gradient_factor(&self, r: f64) -> f64;
 
-    /// `Σ V W` over a cubic lattice of the given spacing, the centre included; dimensionless.
+    /// `Σ V W` over a cubic lattice of the given spacing, the center included; dimensionless.
     ///
     /// The lattice value of unity: what a density sum must be divided by so that undisturbed water
     /// has its reference density.
@@ -328,7 +328,7 @@ pub struct Poly6 {
 }
 
 /// `W = 15/(π H⁶) (H − r)³`, `10/(π H⁵)` in a plane: the pressure kernel; its gradient does not vanish at the
-/// centre.
+/// center.
 #[derive(Clone, Copy, Debug)]
 pub struct Spiky {
     support_radius: f64,
@@ -404,7 +404,7 @@ impl Kernel for Spiky {
         self.factor * (self.support_radius - r).max(0.0).powi(3)
     }
 
-    /// Finite at the centre: two particles at one place push each other in no direction.
+    /// Finite at the center: two particles at one place push each other in no direction.
     ///
     /// Geraili Mikola & Sitar (2014), Eq. 15 lacks the leading minus:
     /// `−45/(π H⁶) [(H² + r²)/r − 2H] = −45/(π H⁶) (H − r)²/r`.
@@ -662,7 +662,7 @@ mod tests {
     }
 
     /// Largest differences of register kernels from point kernels, of values and gradient factors,
-    /// relative to the value at the centre and the gradient factor at a tenth of the support.
+    /// relative to the value at the center and the gradient factor at a tenth of the support.
     fn register_error<L: Lanes, K: PairKernel<L>>(
         machine: L::Machine,
         choice: KernelChoice,

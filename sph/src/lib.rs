@@ -3,7 +3,7 @@
 //! # Theory
 //!
 //! Water is a set of particles of mass `m` that carry position, velocity, density and pressure.
-//! Fields are sums over neighbours `b` of a particle `a` within the support radius `H = 2h` of a
+//! Fields are sums over neighbors `b` of a particle `a` within the support radius `H = 2h` of a
 //! kernel `W`; `V = m/ρ`. Density follows from continuity, or from a sum:
 //!
 //! ```text
@@ -36,7 +36,7 @@
 //! Particles are sorted by cell. The candidates of a particle are nine runs of the sorted order;
 //! eight at a time are tested on integer coordinates, whose differences are exact anywhere in the
 //! domain, and the survivors are packed without a branch. What is left is summed in registers of
-//! eight `f32` or four `f64`, each particle its own neighbours in the order of the cells: the same
+//! eight `f32` or four `f64`, each particle its own neighbors in the order of the cells: the same
 //! bits for any number of threads. State is `f64` throughout; [`Precision`] is that of the sums.
 //!
 //! Sums of the fluid over itself are many between two sorts: the first lists who is within the support
@@ -59,7 +59,7 @@
 //!
 //! # Signs and names
 //!
-//! `a` receives, `b` is the neighbour; vectors between them point from `b` to `a`. Pressure is
+//! `a` receives, `b` is the neighbor; vectors between them point from `b` to `a`. Pressure is
 //! positive in compression. `h` is always the smoothing length. Units are SI.
 //!
 //! # Reading order

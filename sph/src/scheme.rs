@@ -51,7 +51,7 @@ pub enum DensityDiffusion {
     /// Diffusion of the density minus its hydrostatic part. Fourtakas et al. (2019), with the linear
     /// equation of state.
     Fourtakas(f64),
-    /// The same less the mean of the renormalised density gradients: third order. Antuono et al.
+    /// The same less the mean of the renormalized density gradients: third order. Antuono et al.
     /// (2010).
     Antuono(f64),
 }

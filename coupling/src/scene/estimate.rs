@@ -13,11 +13,11 @@ use crate::walls::WallMethod;
 
 /// Bytes of the program by itself; with water.
 const PROGRAM: [f64; 2] = [13e6, 20e6];
-/// Bytes for each particle of water, without its list of neighbours: the start, the state, sorted copies, what is written.
+/// Bytes for each particle of water, without its list of neighbors: the start, the state, sorted copies, what is written.
 pub const PER_PARTICLE: f64 = 700.0;
 /// Bytes more for each where water may sleep: where it was at rest, what it is doing, what rates are summed from.
 const PER_SLEEPING_PARTICLE: f64 = 110.0;
-/// Bytes for each neighbour in a list, with what lists are longer by than they are full.
+/// Bytes for each neighbor in a list, with what lists are longer by than they are full.
 const PER_NEIGHBOR: f64 = 6.0;
 /// Lists reach farther than the support by this share of it.
 const LARGEST_SKIN: f64 = 0.1;
@@ -41,7 +41,7 @@ const PER_TRIANGLE: f64 = 900.0;
 pub struct Estimate {
     /// The program by itself.
     pub program: f64,
-    /// Particles of water, with their lists of neighbours.
+    /// Particles of water, with their lists of neighbors.
     pub water: f64,
     /// Particles of walls.
     pub walls: f64,

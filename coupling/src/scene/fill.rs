@@ -193,7 +193,7 @@ pub fn lattice_within(
 }
 
 /// Spacings along x, y, z over that of a cubic lattice of the same volume. The layers of a staggered lattice are
-/// squares that are face-centred cubic one over the other, in a plane rows that are hexagonal.
+/// squares that are face-centered cubic one over the other, in a plane rows that are hexagonal.
 pub(super) fn proportions(lattice: LatticeFile, dimensions: DimensionsFile) -> [f64; 3] {
     match (lattice, dimensions) {
         (LatticeFile::Cubic, _) => [1.0; 3],
@@ -357,7 +357,7 @@ fn check_regions(earlier: &Lattice, new: &[Vec3], regions: &[RegionFile]) -> Res
     sorted.sort_unstable();
     for x in new.iter().filter(|x| is_common(x)) {
         let home = cell(x);
-        // three neighbouring cells in x follow each other in the list
+        // three neighboring cells in x follow each other in the list
         for row in (-1..=1).flat_map(|k| (-1..=1).map(move |j| (k, j))) {
             let first = [home[0] + row.0, home[1] + row.1, home[2] - 1];
             let last = [first[0], first[1], home[2] + 1];

@@ -63,7 +63,7 @@ struct PresetNumbers {
 impl Preset {
     fn numbers(self, dimensions: DimensionsFile) -> PresetNumbers {
         let standard = PresetNumbers {
-            // in space a support of 2.6 spacings, 80 neighbours; in a plane one of 4, 50 neighbours: with the
+            // in space a support of 2.6 spacings, 80 neighbors; in a plane one of 4, 50 neighbors: with the
             // 21 of 2.6 still water stirs itself
             smoothing_length_ratio: match dimensions {
                 DimensionsFile::Three => 1.3,
@@ -417,7 +417,7 @@ fn absorbers(file: &mut SceneFile, depth: f64) -> Vec<Absorber> {
     file.absorbers
         .iter_mut()
         .map(|layer| {
-            let (axis, upwards) = layer.towards.axis();
+            let (axis, upward) = layer.towards.axis();
             let (min, max) = (vec3(layer.min), vec3(layer.max));
             let crossing = (max[axis] - min[axis]) / wave_speed;
             // without gravity no wave has a speed of its own, and any number will do
@@ -430,7 +430,7 @@ fn absorbers(file: &mut SceneFile, depth: f64) -> Vec<Absorber> {
                 min,
                 max,
                 axis,
-                upwards,
+                upward,
                 rate: *layer.rate.get_or_insert(rate),
             }
         })
@@ -445,7 +445,7 @@ fn openings(
 ) -> Openings {
     let support = 2.0 * ratio * lattice.particle_spacing(dimensions);
     let passage = |min, max, towards: SideFile| {
-        let (axis, upwards) = towards.axis();
+        let (axis, upward) = towards.axis();
         let (mut min, mut max) = (vec3(min), vec3(max));
         if let Dimensions::Two { .. } = dimensions {
             (min.y, max.y) = (file.domain.min.1, file.domain.max.1);
@@ -454,7 +454,7 @@ fn openings(
             min,
             max,
             axis,
-            upwards,
+            upward,
         }
     };
     let mut inflows = Vec::new();
@@ -515,7 +515,7 @@ fn openings(
         }
         let (min, max) = (vec3(file.domain.min), vec3(file.domain.max));
         let axis = passage.axis;
-        let room = if passage.upwards {
+        let room = if passage.upward {
             max[axis] - passage.max[axis]
         } else {
             passage.min[axis] - min[axis]

@@ -6,7 +6,7 @@ use riprap_sph::{Settings, Sleeping};
 use super::error::Problem;
 use super::file::{SceneFile, WallMethodFile};
 
-/// Mean displacement at which neighbours wake, over the spacing. At 0.01 the crest near a block that falls into six rows of
+/// Mean displacement at which neighbors wake, over the spacing. At 0.01 the crest near a block that falls into six rows of
 /// water is 2.5 % off, at less than 0.003 no nearer than there; on a solitary wave 0.01 would do.
 const DISPLACEMENT: f64 = 0.003;
 /// Speed up to which water is at rest, over that of long waves: still water that has settled has a third of it.
@@ -15,7 +15,7 @@ const SPEED: f64 = 1e-3;
 /// do not do so for as long.
 const TIME: f64 = 10.0;
 
-/// Way of a block at rest, over its size: a boulder of a metre may creep by a millimetre in half a second.
+/// Way of a block at rest, over its size: a boulder of a meter may creep by a millimeter in half a second.
 const RESTING_WAY: f64 = 1e-3;
 /// Time of rest over that in which a block falls half its size.
 const RESTING_TIME: f64 = 2.0;

@@ -77,7 +77,7 @@ pub(super) fn refuse_blocks(
 }
 
 fn farthest_across(motion: &PrescribedMotion, plane: &SymmetryPlane, duration: f64) -> f64 {
-    // what turns about another axis comes across too: an arm of a metre stands for any
+    // what turns about another axis comes across too: an arm of a meter stands for any
     let across = |t: f64| {
         let mut turning = motion.turn(t).scaled_axis();
         turning[plane.axis] = 0.0;

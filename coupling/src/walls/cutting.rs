@@ -209,7 +209,7 @@ mod tests {
     fn a_corner_is_cut_off_a_box() {
         let cube = cuboid([0.0; 3], [1.0; 3]);
         let diagonal = Vec3::repeat(1.0).normalize();
-        // the plane through three neighbours of the corner (1, 1, 1) leaves 5/6
+        // the plane through three neighbors of the corner (1, 1, 1) leaves 5/6
         let left = below(&cube, &diagonal, 2.0 / 3.0_f64.sqrt());
         let left = left.map_or(0.0, |part| volume(&part));
         assert!((left - 5.0 / 6.0).abs() < 1e-12, "{left}");

@@ -520,9 +520,9 @@ impl IntegralWalls {
         let jump = particles.velocity[a] - motion.velocity_at(x);
         let viscous = match integral.gradient.try_normalize(0.0) {
             None => Vec3::zeros(),
-            Some(inwards) => {
-                let approach = jump.dot(&inwards);
-                let mut force = inwards * -self.damping(approach, sight.distance, volume, fluid);
+            Some(inward) => {
+                let approach = jump.dot(&inward);
+                let mut force = inward * -self.damping(approach, sight.distance, volume, fluid);
                 if self.slip == Slip::None {
                     let (distance, radius) = (sight.distance, self.support_radius);
                     let share = integral.lambda / plane_share(distance, radius, self.dimensions);
@@ -530,7 +530,7 @@ impl IntegralWalls {
                         * settings.kinematic_viscosity()
                         * viscous_factor(distance, radius, self.dimensions)
                         * share;
-                    force += (jump - inwards * approach) * (particles.mass[a] * factor);
+                    force += (jump - inward * approach) * (particles.mass[a] * factor);
                 }
                 force
             }
@@ -542,7 +542,7 @@ impl IntegralWalls {
         }
     }
 
-    /// Artificial viscosity, with its mirror image as the only neighbour, of a particle that approaches a
+    /// Artificial viscosity, with its mirror image as the only neighbor, of a particle that approaches a
     /// wall at a speed (m/s) from a distance (m); N.
     fn damping(&self, approach: f64, distance: f64, volume: f64, fluid: &Fluid) -> f64 {
         if approach <= 0.0 {

@@ -3,7 +3,7 @@
 //! A solid's cells are listed with a skin and stay so while nothing of it can have come farther than that:
 //!
 //! ```text
-//! |c − c₀| + ‖F F₀⁻¹ − 1‖ R ≤ skin        c centre, F gradient of its placement, R radius round c₀; ₀ when listed
+//! |c − c₀| + ‖F F₀⁻¹ − 1‖ R ≤ skin        c center, F gradient of its placement, R radius round c₀; ₀ when listed
 //! ```
 
 use nalgebra::Matrix3;

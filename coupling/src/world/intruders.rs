@@ -3,7 +3,7 @@
 //!
 //! Walls of particles hold the water by a pressure that is as smooth as the kernel. Where that is much wider than the
 //! spacing, a single particle hardly feels how far from the wall it is. One that has come to the surface and is let go on,
-//! into the corner under a slope say, is for its neighbours water that flows off: their density falls, their pressure with
+//! into the corner under a slope say, is for its neighbors water that flows off: their density falls, their pressure with
 //! it, and more follow.
 //!
 //! ```text

@@ -40,7 +40,7 @@ impl Part {
         }
     }
 
-    /// Becomes `reference` under `x = shift + gradient X`; a ball only moves its centre. Allocates
+    /// Becomes `reference` under `x = shift + gradient X`; a ball only moves its center. Allocates
     /// nothing.
     pub fn set_deformed(&mut self, reference: &Self, gradient: &Matrix3<f64>, shift: &Vec3) {
         match (self, reference) {

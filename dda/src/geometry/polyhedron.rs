@@ -5,7 +5,7 @@
 //! [`Polyhedron::extrusion`] and [`Shape::Polyhedra`](crate::Shape::Polyhedra).
 //!
 //! The half-edges of one face lie next to each other, in the order of its loop. Half-edge `e` runs
-//! from `origin(e)` to `origin(next(e))`, and `twin(e)` runs back along it in the neighbouring face.
+//! from `origin(e)` to `origin(next(e))`, and `twin(e)` runs back along it in the neighboring face.
 
 mod build;
 mod extrusion;
@@ -47,7 +47,7 @@ pub struct Polyhedron {
     size: f64,
 }
 
-/// A neighbour that rises by less than this sine above a vertex continues its surface.
+/// A neighbor that rises by less than this sine above a vertex continues its surface.
 const SEAM_SINE: f64 = 1e-3;
 /// Cosine of two degrees, by which a ridge may bend where it crosses a seam.
 const BEND_COSINE: f64 = 0.999_390_8;
@@ -245,7 +245,7 @@ impl Polyhedron {
         }
     }
 
-    /// Takes over what is known of the neighbours of the same body in another turn.
+    /// Takes over what is known of the neighbors of the same body in another turn.
     pub(crate) fn copy_neighbors(&mut self, other: &Self, turn: &UnitQuaternion<f64>) {
         self.is_hidden.clone_from(&other.is_hidden);
         self.beyond_start.clone_from(&other.beyond_start);

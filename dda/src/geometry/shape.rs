@@ -13,7 +13,7 @@ pub enum Shape {
     Polyhedra(Vec<Polyhedron>),
     /// A ball.
     Sphere {
-        /// Centre; m.
+        /// Center; m.
         center: Vec3,
         /// Radius; m.
         radius: f64,
@@ -117,7 +117,7 @@ fn closer(this: &SurfacePoint, best: &SurfacePoint) -> bool {
     this.distance < best.distance
 }
 
-/// Closest point of a sphere; from its centre, any direction is right and up is taken.
+/// Closest point of a sphere; from its center, any direction is right and up is taken.
 pub(crate) fn sphere_surface_point(center: &Vec3, radius: f64, x: &Vec3) -> SurfacePoint {
     let offset = x - center;
     let from_center = offset.norm();

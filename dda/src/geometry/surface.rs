@@ -99,7 +99,7 @@ pub enum SurfaceError {
 
 /// No triangle.
 const NONE: u32 = u32::MAX;
-/// Neighbours that turn by less than this against the first of their plane are of one plane; rad.
+/// Neighbors that turn by less than this against the first of their plane are of one plane; rad.
 const FLAT: f64 = 1e-7;
 /// Cosine of the least angle between the sides of a sharp ridge.
 const RIDGE: f64 = 0.9;
@@ -381,7 +381,7 @@ impl Surface {
         loop {
             reach = reach.min(cutoff);
             let wanted = aabb(&(x.add_scalar(-reach), x.add_scalar(reach)));
-            // Ties between neighbours go to the lowest triangle, whatever the tree.
+            // Ties between neighbors go to the lowest triangle, whatever the tree.
             let nearest = self
                 .tree
                 .leaves(|node| node.aabb().intersects(&wanted))
@@ -462,7 +462,7 @@ impl Surface {
         best
     }
 
-    /// Foot on a triangle and distance of a point in front of the surface, where no neighbour comes nearer to
+    /// Foot on a triangle and distance of a point in front of the surface, where no neighbor comes nearer to
     /// it: a ball on a flat mesh touches it once, in a valley twice.
     pub(crate) fn local_foot(&self, triangle: u32, x: &Vec3) -> Option<(Vec3, f64)> {
         let (square, foot, feature) = self.closest(triangle, x);
@@ -475,7 +475,7 @@ impl Surface {
                 other => {
                     let (a, b) = (self.triangles[t][k], self.triangles[t][(k + 1) % 3]);
                     let along = self.vertices[b as usize] - self.vertices[a as usize];
-                    // Into the neighbour, in its plane; its side runs the other way.
+                    // Into the neighbor, in its plane; its side runs the other way.
                     let inward = self.normal[other as usize].cross(&-along);
                     let outward = self.normal[t] + self.normal[other as usize];
                     away.dot(&outward) > 0.0 && away.dot(&inward) <= 0.0
@@ -577,7 +577,7 @@ fn ridges_beside(
     (start, ridges)
 }
 
-/// Numbers of planes: neighbours that lie flat with the first of theirs.
+/// Numbers of planes: neighbors that lie flat with the first of theirs.
 fn planes(normal: &[Vec3], neighbor: &[[u32; 3]]) -> Vec<u32> {
     let mut plane = vec![NONE; normal.len()];
     let mut open = Vec::new();

@@ -280,7 +280,7 @@ fn table_at(times: &[f64], values: &[Vec3], time: f64) -> (Vec3, Vec3) {
 }
 
 /// Slope at a point: zero at the ends and at turning points, else the weighted harmonic mean of the
-/// neighbouring slopes. Source: Fritsch & Butland (1984), which keeps the pieces monotone.
+/// neighboring slopes. Source: Fritsch & Butland (1984), which keeps the pieces monotone.
 fn slope(times: &[f64], values: &[Vec3], k: usize) -> Vec3 {
     if k == 0 || k + 1 == times.len() {
         return Vec3::zeros();

@@ -160,7 +160,7 @@ impl PlaneSums {
     }
 }
 
-/// A point closer than this to a line where two faces meet is moved off it, outwards; of `R`.
+/// A point closer than this to a line where two faces meet is moved off it, outward; of `R`.
 ///
 /// The angle under which it sees a face would be that between two round-off errors. The integrals
 /// are continuous, and change by this much relative to their size.
@@ -241,7 +241,7 @@ pub fn plane_share(d: f64, support_radius: f64, dimensions: Dimensions) -> f64 {
 /// The point, off any line where two planes meet; `None` when a plane keeps it out of reach.
 fn off_edges(faces: &[Face], x: &Vec3, support_radius: f64) -> Option<Vec3> {
     let mut n_near = 0;
-    let mut outwards = Vec3::zeros();
+    let mut outward = Vec3::zeros();
     for face in faces {
         let d = face.distance(x);
         if support_radius <= d {
@@ -249,13 +249,13 @@ fn off_edges(faces: &[Face], x: &Vec3, support_radius: f64) -> Option<Vec3> {
         }
         if d.abs() < ON_EDGE * support_radius {
             n_near += 1;
-            outwards += face.normal;
+            outward += face.normal;
         }
     }
     if n_near < 2 {
         return Some(*x);
     }
-    let direction = outwards.try_normalize(ON_EDGE).unwrap_or_default();
+    let direction = outward.try_normalize(ON_EDGE).unwrap_or_default();
     Some(x + direction * (2.0 * ON_EDGE * support_radius))
 }
 

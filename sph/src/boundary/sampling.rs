@@ -53,7 +53,7 @@ pub struct FaceSample {
 }
 
 /// Points of a convex face, one for its part of each of a grid of cells about `spacing` (m) wide; slivers of cells
-/// belong to a neighbour. Areas add up to that of the face.
+/// belong to a neighbor. Areas add up to that of the face.
 pub fn sample_face(face: &Face, spacing: f64) -> Vec<FaceSample> {
     let axes = Axes::along_longest_edge(face);
     let Some(corner) = face.vertices.first() else {

@@ -1,6 +1,6 @@
 //! The state as bytes: saved in a run, read back into a fluid of the same settings.
 //!
-//! Lists of neighbours are long and are not kept: they are made again from the positions that they were made from, so that
+//! Lists of neighbors are long and are not kept: they are made again from the positions that they were made from, so that
 //! sums add the same numbers in the same order.
 
 use postcard::Error;
@@ -120,7 +120,7 @@ impl Fluid {
         positions.iter().all(|x| (x - min).norm() <= farthest)
     }
 
-    /// Makes the lists of neighbours from where the particles were.
+    /// Makes the lists of neighbors from where the particles were.
     fn list_from(&mut self, positions: Vec<Vec3>, radius: f64) {
         let present = std::mem::replace(&mut self.particles.position, positions);
         let mut points = AnyPoints::default();

@@ -69,7 +69,7 @@ pub struct Absorber {
     /// Direction of the ramp: 0, 1, 2 for x, y, z.
     pub axis: usize,
     /// Whether it ends at the upper side.
-    pub upwards: bool,
+    pub upward: bool,
     /// `f₀`; 1/s.
     pub rate: f64,
 }
@@ -82,7 +82,7 @@ impl Absorber {
         }
         let (low, high) = (self.min[self.axis], self.max[self.axis]);
         let share = (x[self.axis] - low) / (high - low);
-        let share = if self.upwards { share } else { 1.0 - share };
+        let share = if self.upward { share } else { 1.0 - share };
         self.rate * share * share
     }
 }

@@ -8,7 +8,7 @@ use crate::{CHUNK, Dimensions, Fluid, Vec3};
 const GAIN: f64 = 0.2;
 /// Most that a particle moves in a round; × spacing.
 const LONGEST_WAY: f64 = 0.1;
-/// Shares of a full neighbourhood between which particles come to take part: a plane surface, left as it is, has
+/// Shares of a full neighborhood between which particles come to take part: a plane surface, left as it is, has
 /// half of one.
 const TAKING_PART: [f64; 2] = [0.7, 0.9];
 

@@ -44,7 +44,7 @@ struct Near {
     weight: f64,
 }
 
-/// Sums over the neighbours of a point, offsets `d = (x_b − x)/h`.
+/// Sums over the neighbors of a point, offsets `d = (x_b − x)/h`.
 struct Moments {
     weight: f64,
     first: Vec3,

@@ -4,8 +4,8 @@
 //! tile that sleeps is held where it is. Every so many steps each tile that is awake is looked at:
 //!
 //! ```text
-//! disturbed   |mean of the level part of x − x₀| > ε dp        its eight neighbours wake
-//! at rest     root mean square of |v| ≤ v_r for a time t_r     x₀ = x; it sleeps once its neighbours sleep or are at rest
+//! disturbed   |mean of the level part of x − x₀| > ε dp        its eight neighbors wake
+//! at rest     root mean square of |v| ≤ v_r for a time t_r     x₀ = x; it sleeps once its neighbors sleep or are at rest
 //! ```
 //! `x₀` is where a particle was last at rest, level is what gravity is not along. Waves at the surface move the water below
 //! them to and fro, however long or short they are. Sound does not wake: its speeds are far above those of any wave that
@@ -19,7 +19,7 @@
 //!
 //! Sleeping particles within the support of others that are awake are held in place, and their density is advanced: the
 //! water next to them can press on them as on a wall. To hold what does not move takes no work, so that energy is kept just
-//! as without sleep, and density is right when they wake. Their lists of neighbours are made; those of all others that
+//! as without sleep, and density is right when they wake. Their lists of neighbors are made; those of all others that
 //! sleep are empty, and that is all that sums know of sleep. Chunks of particles in which all sleep are left out of all
 //! else.
 
@@ -50,7 +50,7 @@ const IMBALANCE: f64 = 0.05;
 /// Criteria of sleep of water.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Sleeping {
-    /// Mean displacement of the water in a tile, level, at which its neighbours wake; × spacing.
+    /// Mean displacement of the water in a tile, level, at which its neighbors wake; × spacing.
     pub displacement: f64,
     /// Root mean square of the speed in a tile up to which it is at rest; m/s.
     pub speed: f64,
@@ -352,7 +352,7 @@ impl Settings {
     pub fn check_sleep(&self) -> Result<(), FluidError> {
         let scheme = &self.scheme;
         let refused = if scheme.density != DensityMethod::Continuity {
-            "density by `Summation`, which is that of the places of all neighbours; use `Continuity`"
+            "density by `Summation`, which is that of the places of all neighbors; use `Continuity`"
         } else if scheme.stepping != Stepping::KickDriftKick {
             "a stepping other than `KickDriftKick`; use that"
         } else if let DensityDiffusion::Antuono(_) = scheme.diffusion {
@@ -650,7 +650,7 @@ impl Fluid {
         self.sleep.as_ref().map(|sleep| sleep.n_changes)
     }
 
-    /// Keeps what sleeps from being taken for drops, which have hardly a neighbour.
+    /// Keeps what sleeps from being taken for drops, which have hardly a neighbor.
     pub(crate) fn hold_rates(&mut self) {
         if let Some(sleep) = &self.sleep {
             sleep.hold(&mut self.scratch.rates, |rate| rate.n_found = u32::MAX);
@@ -758,7 +758,7 @@ mod tests {
             let (rate, expected) = (&fluid.scratch.rates[a], &awake.scratch.rates[a]);
             let acceleration = fluid.particles.acceleration[a];
             if fluid.is_awake(a) {
-                // the same neighbours in the same order
+                // the same neighbors in the same order
                 assert_eq!(
                     (rate.flow, rate.diffusion),
                     (expected.flow, expected.diffusion)

@@ -1,6 +1,6 @@
-//! A grid of cells over the domain: which particles may be neighbours.
+//! A grid of cells over the domain: which particles may be neighbors.
 //!
-//! Across x cells are no smaller than the support radius, so the neighbours of a particle lie in its
+//! Across x cells are no smaller than the support radius, so the neighbors of a particle lie in its
 //! own row of cells and the eight around it. Particles are kept sorted by cell, x fastest, so that
 //! the part of a row within reach is one contiguous run of particles: nine runs (a few more at a
 //! periodic edge) hold all candidates. The grid does not move: what is known of a cell (which walls are near) stays true.
@@ -40,7 +40,7 @@ pub struct CellGrid {
     counts: [usize; 3],
     cell_size: Vec3,
     inverse_cell_size: Vec3,
-    /// Cells along x within which all neighbours of a cell lie.
+    /// Cells along x within which all neighbors of a cell lie.
     reach_x: usize,
     /// First particle of each cell, and one more; valid since the last sort.
     starts: Vec<u32>,
@@ -177,7 +177,7 @@ impl CellGrid {
         (k * self.counts[1] + j) * self.counts[0] + i
     }
 
-    /// Centre of the cell at coordinates within the grid; m.
+    /// Center of the cell at coordinates within the grid; m.
     pub fn cell_center(&self, coordinates: [usize; 3]) -> Vec3 {
         self.min + Vec3::from_fn(|axis, _| (coordinates[axis] as f64 + 0.5) * self.cell_size[axis])
     }
@@ -269,7 +269,7 @@ impl CellGrid {
 
     /// Counting sort: the order that sorts particles by cell, equal cells in the old order.
     ///
-    /// `cell` and `order` are scratch of the caller, filled here; afterwards particle `order[s]`
+    /// `cell` and `order` are scratch of the caller, filled here; afterward particle `order[s]`
     /// belongs at place `s`.
     pub fn sort(&mut self, positions: &[Vec3], cell: &mut Vec<u32>, order: &mut Vec<u32>) {
         use rayon::prelude::*;

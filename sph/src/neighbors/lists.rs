@@ -1,14 +1,14 @@
-//! Lists of neighbours that outlive a sum.
+//! Lists of neighbors that outlive a sum.
 //!
-//! Particles that move little keep their neighbours: whoever is within the support and a skin of a
-//! particle when they are sorted holds all of its neighbours until they are sorted anew. Lists are made
+//! Particles that move little keep their neighbors: whoever is within the support and a skin of a
+//! particle when they are sorted holds all of its neighbors until they are sorted anew. Lists are made
 //! by the first sum after a sort and read by all others before the next; what each sum spares is the
 //! search, most of which is for candidates of the corners of cells.
 //!
 //! All entries are summed, those between the support and the end of the skin too: kernels are zero there,
 //! and to pick the others out would cost more than to add nothing. Only their number is counted by distance.
 //!
-//! Lists know nothing of screens. A receiver near one leaves out, sum by sum, those of its neighbours that are hidden by
+//! Lists know nothing of screens. A receiver near one leaves out, sum by sum, those of its neighbors that are hidden by
 //! what is between them at present.
 //!
 //! Entries stand in the order in which the sweep finds them, each particle's own, filled up to whole
@@ -48,18 +48,18 @@ struct ChunkLists {
     /// Receivers with anything listed.
     n_receivers: u64,
     spans: Vec<Span>,
-    /// Neighbours of all spans; what is beyond the last span means nothing.
+    /// Neighbors of all spans; what is beyond the last span means nothing.
     ids: Vec<u32>,
 }
 
 /// Neighbors of a receiver in one kind of list.
 #[derive(Clone, Copy, Debug)]
 struct Span {
-    /// One past its last register of neighbours.
+    /// One past its last register of neighbors.
     end: u32,
-    /// Neighbours in its last register.
+    /// Neighbors in its last register.
     n_in_last: u8,
-    /// Periodic image of the neighbours.
+    /// Periodic image of the neighbors.
     image: u8,
     /// Planes in which the receiver is mirrored, see [`Image::planes`].
     planes: u8,
@@ -149,7 +149,7 @@ impl Lists {
         self.is_made = true;
     }
 
-    /// Sums `term` over the neighbours of every particle into `out`; returns how many neighbours were found,
+    /// Sums `term` over the neighbors of every particle into `out`; returns how many neighbors were found,
     /// particles that meet themselves among them.
     pub(crate) fn sum<L, T>(
         &self,
@@ -328,7 +328,7 @@ where
     }
 }
 
-/// Whether a neighbour is a particle that is awake, and not what registers are filled up with.
+/// Whether a neighbor is a particle that is awake, and not what registers are filled up with.
 #[inline(always)]
 fn is_awake(rests: &[Rest], id: u32) -> bool {
     rests.get(id as usize) == Some(&Rest::Awake)
@@ -525,7 +525,7 @@ mod tests {
         fluid
     }
 
-    /// Results of all sums, a column each, and the numbers of neighbours.
+    /// Results of all sums, a column each, and the numbers of neighbors.
     fn all_sums(fluid: &mut Fluid) -> Result<(Vec<Vec<f64>>, Vec<u32>), FluidError> {
         fluid.update_rates();
         fluid.update_pressure()?;
@@ -553,7 +553,7 @@ mod tests {
     }
 
     /// Largest difference of the sums by lists from those by sweeps, each over the largest of its column, and
-    /// of the numbers of neighbours.
+    /// of the numbers of neighbors.
     fn difference(fluid: &mut Fluid) -> Result<(f64, u32), FluidError> {
         let (by_sweep, counted) = all_sums(&mut without_lists(fluid))?;
         let (by_lists, listed) = all_sums(fluid)?;

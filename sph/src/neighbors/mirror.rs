@@ -1,9 +1,9 @@
 //! Planes of symmetry: sides of the domain in which water and walls see their mirror image.
 //!
-//! The image of a neighbour has its place mirrored, the components of velocity and of gradients across the
+//! The image of a neighbor has its place mirrored, the components of velocity and of gradients across the
 //! plane reversed, and the same density, pressure, volume and viscosity. No image is ever made: mirroring
-//! `R` keeps every term and undoes itself, so that what a receiver gets from the images of its neighbours
-//! is the mirrored sum of what its own image gets from the neighbours themselves,
+//! `R` keeps every term and undoes itself, so that what a receiver gets from the images of its neighbors
+//! is the mirrored sum of what its own image gets from the neighbors themselves,
 //!
 //! ```text
 //! Σ_b f(a, R b) = R Σ_b f(R a, b)

@@ -1,9 +1,9 @@
-//! Sums over neighbours that are searched for anew: one loop for all of them. Sums within the fluid read
+//! Sums over neighbors that are searched for anew: one loop for all of them. Sums within the fluid read
 //! [`crate::neighbors::lists`] instead, unless there are screens.
 //!
 //! For each receiving particle the candidates of nine rows of cells are filtered by distance into a
 //! short buffer, eight at a time and without a branch; what is left is summed a register at a time.
-//! A [`Term`] says what is summed. Each particle adds its own neighbours in the order of the cells,
+//! A [`Term`] says what is summed. Each particle adds its own neighbors in the order of the cells,
 //! so that results do not depend on the number of threads.
 
 use rayon::prelude::*;
@@ -19,7 +19,7 @@ use crate::simd::points::{Frame, Points};
 use crate::terms::{Lanes3, splat3};
 use crate::{CHUNK, Vec3};
 
-/// Neighbours in a buffer before they are summed: 2 KiB, within the first cache.
+/// Neighbors in a buffer before they are summed: 2 KiB, within the first cache.
 pub(crate) const BUFFER: usize = 512;
 /// Widening of the filter's radius, for its rounding: kernels vanish beyond the support anyway.
 pub(crate) const FILTER_MARGIN: f64 = 1.0 + 1e-5;
@@ -34,7 +34,7 @@ pub enum Precision {
     Double,
 }
 
-/// A pair as registers hold it: receiver `a`, neighbours `b`.
+/// A pair as registers hold it: receiver `a`, neighbors `b`.
 #[derive(Clone, Copy)]
 pub(crate) struct Pair<L> {
     /// `x_a − x_b`; m.
@@ -58,13 +58,13 @@ pub(crate) trait Term<L: Lanes>: Sync {
     fn own(&self, machine: L::Machine, a: usize) -> Self::Own;
     /// Sums of nothing.
     fn zero(&self, machine: L::Machine) -> Self::Sums;
-    /// Adds a register of neighbours; `ids` are their indices.
+    /// Adds a register of neighbors; `ids` are their indices.
     fn add(&self, own: &Self::Own, pair: &Pair<L>, ids: &[u32], sums: &mut Self::Sums);
     /// Values of the receiver's mirror image: `signs` are −1 along axes that are reversed, 1 along others.
     fn mirrored(&self, own: &Self::Own, signs: &Lanes3<L>) -> Self::Own;
     /// Mirrors sums under way; twice is not at all.
     fn mirror(&self, sums: &mut Self::Sums, signs: &Lanes3<L>);
-    /// Writes the result of receiver `a`; `n_found` neighbours were within the support, itself included.
+    /// Writes the result of receiver `a`; `n_found` neighbors were within the support, itself included.
     fn finish(&self, a: usize, sums: Self::Sums, n_found: u32, out: &mut Self::Out);
 }
 
@@ -176,8 +176,8 @@ impl Receivers<'_> {
     }
 }
 
-/// Sums `term` over the neighbours of every receiver into `out`, one slot per receiver; returns how many
-/// neighbours were found, receivers that meet themselves among them.
+/// Sums `term` over the neighbors of every receiver into `out`, one slot per receiver; returns how many
+/// neighbors were found, receivers that meet themselves among them.
 pub(crate) fn sweep<L, T>(
     machine: L::Machine,
     term: &T,
@@ -309,7 +309,7 @@ struct View<'a, L: Lanes, T: Term<L>, const SCREENED: bool> {
     machine: L::Machine,
     term: &'a T,
     sources: &'a Sources<'a, L::Record>,
-    /// Metres per quantum.
+    /// Meters per quantum.
     scale: [f32; 3],
     quanta: Lanes3<L>,
     /// Farthest that a point within the support may have been sorted from a receiver; m.
@@ -352,7 +352,7 @@ where
         let n_runs = grid.runs_within(position, reach, runs);
         let mut n_found = 0;
         let mut from = 0;
-        // one pass per periodic image: all its neighbours are seen from the same shifted place
+        // one pass per periodic image: all its neighbors are seen from the same shifted place
         while from < n_runs {
             let image = runs[from].image;
             let place = if image == OWN_IMAGE {
@@ -362,8 +362,8 @@ where
             };
             let keep_seen = |found: &mut [u32], shares: &mut [f64; BUFFER]| match &sources.veil {
                 Some(veil) if SCREENED => {
-                    let metres = position - grid.image_shift(image);
-                    veil.keep_seen(grid, a, &metres, found, shares)
+                    let meters = position - grid.image_shift(image);
+                    veil.keep_seen(grid, a, &meters, found, shares)
                 }
                 _ => found.len(),
             };

@@ -1,14 +1,14 @@
 //! Several numbers at once: the arithmetic of pair loops in vector registers, chosen when the
 //! program runs.
 //!
-//! A sum over neighbours is written once, over any [`Lanes`]; [`Machine`] says which registers this
+//! A sum over neighbors is written once, over any [`Lanes`]; [`Machine`] says which registers this
 //! processor has. With AVX2 and fused multiply-add a register holds eight `f32` or four `f64`; the
 //! portable machine does the same work in arrays. Both add in the same order, but fused and
 //! separate roundings differ in the last bits: results are the same bits on machines of one kind.
 
 use std::ops::{Add, Div, Mul, Sub};
 
-/// Values of a record: place (three), and what a sum reads of a neighbour (five).
+/// Values of a record: place (three), and what a sum reads of a neighbor (five).
 pub(crate) const RECORD: usize = 8;
 /// Candidates that the filter tests together; columns are padded by as many.
 pub(crate) const FILTER_WIDTH: usize = 8;
@@ -23,11 +23,11 @@ pub(crate) trait Record: Copy + Send + Sync {
     fn value(&self, which: usize) -> f64;
 }
 
-/// A position twice: in metres, and in the integers of the frame.
+/// A position twice: in meters, and in the integers of the frame.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Place {
     /// m.
-    pub metres: [f64; 3],
+    pub meters: [f64; 3],
     /// Quanta of the frame; differences wrap.
     pub quanta: [i32; 3],
 }
@@ -60,7 +60,7 @@ impl Record for Single {
 
 impl Record for Double {
     fn pack(place: &Place, values: [f64; 5]) -> Self {
-        let [x, y, z] = place.metres;
+        let [x, y, z] = place.meters;
         let [a, b, c, d, e] = values;
         Self([x, y, z, a, b, c, d, e])
     }
@@ -111,7 +111,7 @@ pub(crate) trait Lanes:
     fn gather(machine: Self::Machine, records: &[Self::Record], ids: &[u32]) -> [Self; RECORD];
     /// One coordinate of a place, ready for [`Self::separation`].
     fn coordinate(machine: Self::Machine, place: &Place, axis: usize) -> Self;
-    /// `self − other` for coordinates; `scale` is the quantum in metres.
+    /// `self − other` for coordinates; `scale` is the quantum in meters.
     fn separation(self, other: Self, scale: Self) -> Self;
 }
 
@@ -148,7 +148,7 @@ pub(crate) trait Task {
 pub(crate) struct Sight {
     /// Quanta.
     pub place: [i32; 3],
-    /// Metres per quantum.
+    /// Meters per quantum.
     pub scale: [f32; 3],
     /// Squared radius; m².
     pub radius2: f32,
@@ -268,7 +268,7 @@ portable!(
     4,
     Double,
     |a: f64, b: f64, _scale: f64| a - b,
-    |place: &Place, axis: usize| place.metres[axis]
+    |place: &Place, axis: usize| place.meters[axis]
 );
 
 impl Machine for Portable {
@@ -293,7 +293,7 @@ impl Machine for Portable {
                 from.place[axis].wrapping_sub(column[b]) as f32 * from.scale[axis]
             };
             let (dx, dy, dz) = (offset(0, x), offset(1, y), offset(2, z));
-            // written first and counted afterwards: no branch on the distance
+            // written first and counted afterward: no branch on the distance
             found[n] = b as u32;
             n += usize::from(dx * dx + dy * dy + dz * dz < from.radius2);
         }
@@ -498,7 +498,7 @@ mod avx2 {
 
         #[inline(always)]
         fn coordinate(machine: Avx2, place: &Place, axis: usize) -> Self {
-            Self(machine.0, machine.0.avx._mm256_set1_pd(place.metres[axis]))
+            Self(machine.0, machine.0.avx._mm256_set1_pd(place.meters[axis]))
         }
 
         #[inline(always)]
@@ -589,7 +589,7 @@ mod avx2 {
         cast::<[f64; 4], __m256d>([r[first], r[first + 1], r[first + 2], r[first + 3]])
     }
 
-    /// Metres along one axis to eight candidates.
+    /// Meters along one axis to eight candidates.
     #[inline(always)]
     fn offsets(machine: Avx2, column: &[i32], place: i32, scale: f32) -> __m256 {
         let (avx, avx2) = (machine.0.avx, machine.0.avx2);

@@ -44,7 +44,7 @@ impl Frame {
         }
     }
 
-    /// Metres per quantum along each axis.
+    /// Meters per quantum along each axis.
     pub(crate) fn quantum(&self) -> [f64; 3] {
         self.quantum
     }
@@ -53,7 +53,7 @@ impl Frame {
     #[inline(always)]
     pub(crate) fn place(&self, x: &Vec3) -> Place {
         Place {
-            metres: [x.x, x.y, x.z],
+            meters: [x.x, x.y, x.z],
             quanta: std::array::from_fn(|axis| {
                 // the cast to 64 bits saturates, that to 32 wraps, as differences do
                 ((x[axis] - self.origin[axis]) * self.inverse[axis]) as i64 as i32

@@ -18,7 +18,7 @@ pub(crate) struct Rate {
     pub by_walls: f64,
     /// By diffusion; kg/(m³ s).
     pub diffusion: f64,
-    /// Neighbours found, the particle itself among them.
+    /// Neighbors found, the particle itself among them.
     pub n_found: u32,
 }
 
@@ -197,7 +197,7 @@ impl<L: Lanes> Diffusion<L> for JumpDiffusion<L> {
     }
 }
 
-/// `ψ = 2 (ρ_b − ρ_a)(x_b − x_a)/(r² + 0.01 h²) − (∇ρ_a + ∇ρ_b)`, renormalised gradients.
+/// `ψ = 2 (ρ_b − ρ_a)(x_b − x_a)/(r² + 0.01 h²) − (∇ρ_a + ∇ρ_b)`, renormalized gradients.
 ///
 /// Antuono et al. (2010), Eq. 5.
 pub(crate) struct GradientDiffusion<'a, L: Lanes> {

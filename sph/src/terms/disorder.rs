@@ -5,7 +5,7 @@ use crate::neighbors::sweep::{Pair, Term};
 use crate::simd::lanes::Lanes;
 use crate::terms::{Lanes3, add_scaled, signed, totals};
 
-/// Spread of the neighbours of a particle.
+/// Spread of the neighbors of a particle.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Spread {
     /// `∇C = Σ V_b ∇W`; 1/m.

@@ -120,7 +120,7 @@ impl<L: Lanes, K: PairKernel<L>> Term<L> for Gradient<'_, L, K> {
     }
 }
 
-/// The sums of a gradient of velocity, not yet renormalised: walls are added first.
+/// The sums of a gradient of velocity, not yet renormalized: walls are added first.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct StrainSums {
     moments: [f64; 6],
@@ -139,7 +139,7 @@ impl std::ops::AddAssign for StrainSums {
 }
 
 impl StrainSums {
-    /// `γ̇ = √(2 D:D)`, D the symmetric part of the renormalised gradient; 1/s.
+    /// `γ̇ = √(2 D:D)`, D the symmetric part of the renormalized gradient; 1/s.
     pub(crate) fn shear_rate(&self, dimensions: Dimensions) -> f64 {
         let inverse = renormalization(&self.moments, dimensions);
         let [x, y, z] = self.velocity.map(|row| inverse * Vector3::from(row));

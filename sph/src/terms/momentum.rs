@@ -193,7 +193,7 @@ pub(crate) struct Sheared<'a, L> {
     pub volume: L,
     /// `V_b W'/r`.
     pub weight: L,
-    /// Indices of the neighbours.
+    /// Indices of the neighbors.
     pub ids: &'a [u32],
 }
 
@@ -220,7 +220,7 @@ impl<L: Lanes> PairViscosity<L> for Inviscid {
     fn add(&self, (): &(), _: &Sheared<L>, _: &mut Lanes3<L>) {}
 }
 
-/// Along the line of centres: Monaghan's artificial and the laminar viscosity.
+/// Along the line of centers: Monaghan's artificial and the laminar viscosity.
 ///
 /// ```text
 /// f_a = c Σ V_b (v_ab·x_ab)/(r² + 0.01 h²) ∇W

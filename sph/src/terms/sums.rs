@@ -1,4 +1,4 @@
-//! The fluid's sums over neighbours: settings become types here, once per sum and not once per pair.
+//! The fluid's sums over neighbors: settings become types here, once per sum and not once per pair.
 
 use std::marker::PhantomData;
 
@@ -93,7 +93,7 @@ impl Setup<'_> {
 
 /// Source of the neighbors of a sum: a type, so that unused combinations are not compiled.
 trait Way {
-    /// Sums a term into `out`; returns the number of neighbours.
+    /// Sums a term into `out`; returns the number of neighbors.
     fn sum<L, T>(setup: &Setup, machine: L::Machine, term: &T, out: &mut [T::Out]) -> u64
     where
         L: Lanes,
@@ -188,7 +188,7 @@ impl Fluid {
         }
     }
 
-    /// The lists of neighbours, where they hold.
+    /// The lists of neighbors, where they hold.
     fn listed(&self) -> Option<&Lists> {
         (self.lists.are_made() && self.is_sorted()).then_some(&self.lists)
     }
@@ -199,7 +199,7 @@ impl Fluid {
         listed.map_or(self.particles.len() as u64, Lists::n_receivers)
     }
 
-    /// Lists the neighbours of all particles, packed in `points`, if they were not since the last sort.
+    /// Lists the neighbors of all particles, packed in `points`, if they were not since the last sort.
     fn list(&mut self, points: &AnyPoints) {
         if self.lists.are_made() || !self.is_sorted() {
             return;

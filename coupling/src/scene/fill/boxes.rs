@@ -8,7 +8,7 @@ use super::{FillError, Room, rows};
 /// Depth in a block that a box of water may have by round-off or rough drawing; × spacing.
 const SLACK: f64 = 0.05;
 
-/// Cell centres of a box; a remainder of less than a spacing stays empty at the upper ends.
+/// Cell centers of a box; a remainder of less than a spacing stays empty at the upper ends.
 pub(super) fn fill(
     (min, max): (Vec3, Vec3),
     spacing: [f64; 3],

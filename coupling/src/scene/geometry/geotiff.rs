@@ -61,21 +61,21 @@ pub fn grid_from(content: &[u8]) -> Result<Grid, Fault> {
     };
     if key(MODEL_TYPE) == Some(GEOGRAPHIC) {
         return Err(refuse(
-            "is in degrees; project it to metres, to UTM say".into(),
+            "is in degrees; project it to meters, to UTM say".into(),
         ));
     }
     if let Some(unit) = key(LINEAR_UNITS)
         && unit != METRE
     {
         return Err(refuse(format!(
-            "has a plan in units of EPSG {unit}, needed are metres (9001); project it"
+            "has a plan in units of EPSG {unit}, needed are meters (9001); project it"
         )));
     }
     let no_data = file
         .get_tag_ascii_string(Tag::GdalNodata)
         .ok()
         .and_then(|text| text.trim_matches(['\0', ' ']).parse::<f64>().ok());
-    // the place of the centre of the first pixel
+    // the place of the center of the first pixel
     let half = if key(RASTER_TYPE) == Some(PIXEL_IS_POINT) {
         0.0
     } else {

@@ -23,13 +23,13 @@ pub struct GrainsReport {
     pub diameters: [f64; 2],
 }
 
-/// More balls in one list are refused: what is meant as millimetres and written in metres would fill memory first.
+/// More balls in one list are refused: what is meant as millimeters and written in meters would fill memory first.
 const MOST: usize = 1_000_000;
 /// Share of a spacing that a row may lack: a box made for ten balls takes ten.
 const ROUNDING: f64 = 1e-9;
 
 impl GrainsFile {
-    /// Spacing at which balls cannot overlap: two neighbours both as large and as near as they come; m.
+    /// Spacing at which balls cannot overlap: two neighbors both as large and as near as they come; m.
     pub fn least_spacing(&self) -> f64 {
         self.diameter.1 * (1.0 + 2.0 * self.jitter)
     }
@@ -251,7 +251,7 @@ mod tests {
         }
     }
 
-    /// Centres and radii.
+    /// Centers and radii.
     fn balls(grains: &GrainsFile) -> Vec<(Vec3, f64)> {
         let blocks = balls_of(grains, MOST).unwrap();
         blocks

@@ -68,7 +68,7 @@ impl Soup {
     }
 }
 
-/// The solid of a mesh file, `scale` metres per unit: each closed convex shell becomes a part.
+/// The solid of a mesh file, `scale` meters per unit: each closed convex shell becomes a part.
 ///
 /// # Errors
 ///
@@ -93,7 +93,7 @@ pub fn solid_from(content: &[u8], extension: &str, scale: f64) -> Result<Shape, 
     }
 }
 
-/// The surface of a mesh file, `scale` metres per unit, turned as the file has it.
+/// The surface of a mesh file, `scale` meters per unit, turned as the file has it.
 ///
 /// # Errors
 ///

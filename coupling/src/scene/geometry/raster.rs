@@ -25,7 +25,7 @@ struct Header {
 }
 
 /// The terrain of a grid of heights (m), the map's `origin` (m) at x = y = 0. The points of the grid are the
-/// centres of its cells; each square of four is halved along its shorter diagonal. Where heights are missing
+/// centers of its cells; each square of four is halved along its shorter diagonal. Where heights are missing
 /// there is a hole.
 ///
 /// # Errors

@@ -23,7 +23,7 @@ pub struct RockMassReport {
     pub n_blocks: usize,
     /// Cuts that were not made, because a piece would have been too thin to be a block.
     pub n_uncut: usize,
-    /// Slivers joined with a neighbour.
+    /// Slivers joined with a neighbor.
     pub n_merged: usize,
     /// Slivers that were to be joined but share no face with another block.
     pub n_unmerged: usize,
@@ -333,7 +333,7 @@ impl std::fmt::Display for RockMassReport {
             )?;
         }
         if self.n_unmerged > 0 {
-            write!(f, "; {} slivers without a neighbour left", self.n_unmerged)?;
+            write!(f, "; {} slivers without a neighbor left", self.n_unmerged)?;
         }
         if self.n_uncut > 0 {
             write!(

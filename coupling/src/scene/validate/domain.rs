@@ -1,4 +1,4 @@
-//! Checks of the modelled box: its corners, the directions that repeat, the planes of symmetry.
+//! Checks of the modeled box: its corners, the directions that repeat, the planes of symmetry.
 
 use super::checks::Checks;
 use crate::scene::file::{Axis, DimensionsFile, SceneFile};
@@ -14,7 +14,7 @@ impl Checks {
         if longest > USUAL_EXTENT {
             self.question(
                 "domain",
-                format!("domain is {longest} m long; is it in millimetres?"),
+                format!("domain is {longest} m long; is it in millimeters?"),
             );
         }
         for (index, axis) in domain.periodic.iter().enumerate() {

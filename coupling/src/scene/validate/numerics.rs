@@ -93,7 +93,7 @@ impl Checks {
         {
             self.refuse(
                 "numerics.smoothing_length_ratio",
-                format!("smoothing length over spacing must be in [1, 3], found {ratio}: fewer neighbours than 30 or more than 900"),
+                format!("smoothing length over spacing must be in [1, 3], found {ratio}: fewer neighbors than 30 or more than 900"),
             );
         }
     }

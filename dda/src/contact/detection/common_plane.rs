@@ -452,7 +452,7 @@ impl AxisCache {
         }
         if let Some(axis) = self.axis {
             let shallow = TRUSTED_DEPTH * a.size().min(b.size());
-            // Neighbours that hardly touch flicker between apart and overlapping: no reason to search.
+            // Neighbors that hardly touch flicker between apart and overlapping: no reason to search.
             let was_apart = axis.gap > shallow;
             let axis = renewed(a, b, &axis);
             self.axis = Some(axis);

@@ -1,7 +1,7 @@
 //! Friction of a contact patch: one shear spring for the pair, forces point by point.
 //!
 //! ```text
-//! ξ(x) = ξ₀ + θ n × (x − c)                 displacement since first contact; c: centre of pressure    [m]
+//! ξ(x) = ξ₀ + θ n × (x − c)                 displacement since first contact; c: center of pressure    [m]
 //! F_k = −k s_k ξ(x_k) − c_t s_k u_t(x_k)     s_k = N_k/N,   k = K_t W                                   [N]
 //! slips if Σ |F_k| > C + μ N:                F_k := (C + μ N) s_k F_k/|F_k|,   ξ cut back to that
 //! ```
@@ -143,13 +143,13 @@ impl Shearing<'_> {
     }
 }
 
-/// Motion of j against i over a step, at the centre of pressure.
+/// Motion of j against i over a step, at the center of pressure.
 struct Sliding {
     /// Across the normal; m/s.
     velocity: Vec3,
     /// About the normal; rad/s.
     spin: f64,
-    /// Mean of both bodies, of the centre (m/s) and about the normal (rad/s).
+    /// Mean of both bodies, of the center (m/s) and about the normal (rad/s).
     frame_velocity: Vec3,
     frame_spin: f64,
     /// s.

@@ -268,7 +268,7 @@ impl Polyhedron {
 
     fn check_repeated(&self) -> Result<(), PolyhedronError> {
         let limit = REPEAT_TOLERANCE * self.size;
-        // Neighbours along x are enough to look at: sort, then compare while x is near.
+        // Neighbors along x are enough to look at: sort, then compare while x is near.
         let mut order: Vec<usize> = (0..self.vertices.len()).collect();
         order.sort_by(|&a, &b| self.vertices[a].x.total_cmp(&self.vertices[b].x));
         for (k, &a) in order.iter().enumerate() {

@@ -1,6 +1,6 @@
-//! Slivers of a cut rock mass, joined with a neighbour.
+//! Slivers of a cut rock mass, joined with a neighbor.
 //!
-//! Two blocks are neighbours if they share a piece of a face. The blocks and the areas that they share
+//! Two blocks are neighbors if they share a piece of a face. The blocks and the areas that they share
 //! are a graph, and joining two blocks contracts an edge of it: areas add up, none is measured again.
 
 use super::JointError;
@@ -22,18 +22,18 @@ pub struct SliverLimits {
 pub struct MergedMass {
     /// Convex parts of each block, in the order in which the joints made the blocks: most have one.
     pub blocks: Vec<Vec<Polyhedron>>,
-    /// Slivers that were joined with a neighbour.
+    /// Slivers that were joined with a neighbor.
     pub n_merged: usize,
     /// Slivers that are left, because they share no face with another block.
     pub n_left: usize,
 }
 
-/// Joins slivers with the neighbour with which they share the largest area, the smallest first, until no
-/// block with a neighbour is a sliver. Nothing is removed: the volume stays the same.
+/// Joins slivers with the neighbor with which they share the largest area, the smallest first, until no
+/// block with a neighbor is a sliver. Nothing is removed: the volume stays the same.
 ///
 /// A union that is convex becomes one polyhedron; any other is a block of several parts, as few as pairs
 /// of them are found to be convex. The median volume is that of the blocks before. Of equal areas the one
-/// with the smaller neighbour counts. Volumes and areas that agree within 1e-9 are equal, and of equals the
+/// with the smaller neighbor counts. Volumes and areas that agree within 1e-9 are equal, and of equals the
 /// block made first goes first, so that a turned mass is joined alike.
 ///
 /// # Errors
@@ -124,10 +124,10 @@ impl SliverLimits {
     }
 }
 
-/// Areas that each block shares with its neighbours; m².
+/// Areas that each block shares with its neighbors; m².
 type SharedAreas = Vec<BTreeMap<usize, f64>>;
 
-/// The neighbour with the largest area; of those alike the smallest, so that a pile of slivers becomes
+/// The neighbor with the largest area; of those alike the smallest, so that a pile of slivers becomes
 /// blocks and not one block, and of these the first.
 fn largest(areas: &BTreeMap<usize, f64>, ranks: &[u64]) -> Option<usize> {
     let most = areas.values().copied().fold(0.0, f64::max);
@@ -139,7 +139,7 @@ fn largest(areas: &BTreeMap<usize, f64>, ranks: &[u64]) -> Option<usize> {
         .min_by_key(|&block| ranks[block])
 }
 
-/// The neighbours of a block become those of another one.
+/// The neighbors of a block become those of another one.
 fn contract(shared: &mut SharedAreas, gone: usize, kept: usize) {
     for (other, area) in std::mem::take(&mut shared[gone]) {
         shared[other].remove(&gone);

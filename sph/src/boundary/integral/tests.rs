@@ -368,7 +368,7 @@ fn half_plane_limits_hold_and_abutting_prisms_are_one() {
 #[test]
 fn rows_of_wall_close_the_lattice_in_a_plane() {
     let dp = 0.02;
-    // residuals as in space, but for the shortest support, where a row has fewer neighbours
+    // residuals as in space, but for the shortest support, where a row has fewer neighbors
     for (ratio, bound) in [(1.2, 1.1e-2), (1.3, 4e-3), (1.5, 4e-3), (2.0, 4e-3)] {
         let (h, support) = (ratio * dp, 2.0 * ratio * dp);
         let kernel = PointKernel::new(KernelChoice::WendlandC2, support, PLANE);

@@ -7,7 +7,7 @@ use super::{Axes, WallSample, cells_along};
 use crate::Vec3;
 use crate::boundary::integral::Face;
 
-/// A piece of a cell below this share of `dp²` joins a neighbour.
+/// A piece of a cell below this share of `dp²` joins a neighbor.
 pub(super) const LEAST_SHARE: f64 = 0.3;
 /// Slices of a layer over which its volume is summed: 1/(24 · 64) of the curvature is left.
 const SLICES: usize = 8;

@@ -108,7 +108,7 @@ impl Polygon {
     }
 }
 
-/// Joins small pieces to their largest neighbour, smallest first.
+/// Joins small pieces to their largest neighbor, smallest first.
 fn join_slivers(pieces: &mut [Option<Piece>], n: [usize; 2], least_area: f64) {
     let area = |piece: &Option<Piece>| piece.map_or(0.0, |p| p.area);
     let mut slivers: Vec<usize> = (0..pieces.len())

@@ -273,12 +273,12 @@ impl<'a> Union<'a> {
     /// of two faces at right angles are one.
     fn mitred(&self, plate: &Plate, cell: [usize; 2], column: &Column, depth: f64) -> Column {
         let tolerance = TOLERANCE * self.lattice.particle_spacing;
-        let x = plate.at(&plate.centre(cell), depth);
+        let x = plate.at(&plate.center(cell), depth);
         let is_shared = plate.near_plates.iter().any(|&other| {
             let other = &self.plates[other];
             let other_depth = -other.face.distance(&x);
             (other_depth - depth).abs() < tolerance
-                && other.has_centre_at(&x)
+                && other.has_center_at(&x)
                 && self.is_exposed(other, &(x + other.face.normal * other_depth))
         });
         if is_shared && !self.is_nearer_to_another(plate, depth, &x) {
@@ -406,22 +406,22 @@ impl<'a> Plate<'a> {
         (0..n_v).flat_map(move |j| (0..n_u).map(move |i| [i, j]))
     }
 
-    fn centre(&self, [i, j]: [usize; 2]) -> Vector2<f64> {
+    fn center(&self, [i, j]: [usize; 2]) -> Vector2<f64> {
         let cells = Vector2::new(i as f64, j as f64).add_scalar(0.5);
         self.origin + cells.component_mul(&self.step)
     }
 
     /// Whether a column runs through a point along its own middle.
-    fn has_centre_at(&self, x: &Vec3) -> bool {
+    fn has_center_at(&self, x: &Vec3) -> bool {
         let place = (self.axes.plane(x) - self.origin).component_div(&self.step);
-        let from_centre = place.map(|p| (p - p.floor() - 0.5).abs());
-        from_centre.max() < HAIR
+        let from_center = place.map(|p| (p - p.floor() - 0.5).abs());
+        from_center.max() < HAIR
     }
 
     /// The part of a cell where a condition holds: all, nothing, or by a count of small cells.
     fn column(&self, cell: [usize; 2], holds: impl Fn(&Vector2<f64>) -> bool) -> Column {
-        let centre = self.centre(cell);
-        let place = |u: f64, v: f64| centre + Vector2::new(u, v).component_mul(&self.step);
+        let center = self.center(cell);
+        let place = |u: f64, v: f64| center + Vector2::new(u, v).component_mul(&self.step);
         // the outermost of the small cells
         let corner = 0.5 - 0.5 / DIVISIONS as f64;
         let corners = [(-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0), (1.0, 1.0)];
@@ -429,10 +429,10 @@ impl<'a> Plate<'a> {
             .iter()
             .filter(|(u, v)| holds(&place(u * corner, v * corner)))
             .count();
-        if n_corners == corners.len() || (n_corners == 0 && !holds(&centre)) {
+        if n_corners == corners.len() || (n_corners == 0 && !holds(&center)) {
             let share = if n_corners == 0 { 0.0 } else { 1.0 };
             return Column {
-                place: centre,
+                place: center,
                 share,
             };
         }
@@ -443,12 +443,12 @@ impl<'a> Plate<'a> {
                 let place = place(along(i), along(j));
                 if holds(&place) {
                     count += 1.0;
-                    sum += place - centre;
+                    sum += place - center;
                 }
             }
         }
         Column {
-            place: centre + sum / f64::max(count, 1.0),
+            place: center + sum / f64::max(count, 1.0),
             share: count / (DIVISIONS * DIVISIONS) as f64,
         }
     }
@@ -493,11 +493,11 @@ impl<'a> Plate<'a> {
         let is_exposed: Vec<bool> = exposed.iter().map(|column| 0.0 < column.share).collect();
         let is_near = spread(&spread(&is_exposed, n_u, 1), n_v, n_u);
         let rest = |((cell, column), is_near): (([usize; 2], &Column), bool)| {
-            let centre = self.centre(cell);
+            let center = self.center(cell);
             let share = if is_near { 1.0 - column.share } else { 0.0 };
             let lever = column.share / f64::max(share, TOLERANCE);
             Column {
-                place: centre - (column.place - centre) * lever,
+                place: center - (column.place - center) * lever,
                 share,
             }
         };

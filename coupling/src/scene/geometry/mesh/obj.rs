@@ -1,4 +1,4 @@
-//! Wavefront OBJ: faces of any number of corners; colours, normals and materials are left aside.
+//! Wavefront OBJ: faces of any number of corners; colors, normals and materials are left aside.
 //!
 //! Our own reader, because the usual one panics at a corner whose normal or texture is out of range.
 
@@ -64,14 +64,14 @@ fn without_comment(line: &str) -> &str {
     line.split('#').next().unwrap_or_default().trim_end()
 }
 
-/// Three numbers; a weight and colours may follow.
+/// Three numbers; a weight and colors may follow.
 fn place<'a>(words: &mut impl Iterator<Item = &'a str>) -> Option<Vec3> {
     let mut number = || words.next()?.parse().ok();
     Some(Vec3::new(number()?, number()?, number()?))
 }
 
 /// The point that a corner `v`, `v/vt`, `v//vn` or `v/vt/vn` names, from 0; those in a file count from 1, or
-/// backwards from -1.
+/// backward from -1.
 fn index(corner: &str, n_points: usize) -> Option<usize> {
     let number: i64 = corner.split('/').next()?.parse().ok()?;
     let from_zero = if number < 0 {

@@ -132,7 +132,7 @@ fn half_edges(soup: &Soup) -> Vec<HalfEdge> {
 /// Convex parts that adjoin, as a split body has them, share edges: four or more triangles meet
 /// there. Turning about the edge from a triangle through the rock behind it, the first triangle
 /// that runs the other way bounds the same body. One that lies on the triangle itself bounds the
-/// neighbour, so it comes last.
+/// neighbor, so it comes last.
 fn pairs(soup: &Soup, forward: &[HalfEdge], backward: &[HalfEdge]) -> Vec<(HalfEdge, HalfEdge)> {
     if let ([a], [b]) = (forward, backward) {
         return vec![(*a, *b)];

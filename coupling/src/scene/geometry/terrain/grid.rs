@@ -1,13 +1,13 @@
 //! Heights at the points of a square grid.
 
-/// Heights over a rectangle of the plan. Points are the centres of the cells of a raster.
+/// Heights over a rectangle of the plan. Points are the centers of the cells of a raster.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Grid {
     /// Points along x and y, at least two each.
     pub n: [usize; 2],
     /// The point of least x and y; m.
     pub corner: [f64; 2],
-    /// Distance of neighbours; m.
+    /// Distance of neighbors; m.
     pub spacing: f64,
     /// Row by row from the south, each from the west; NaN where none is known; m.
     pub heights: Vec<f64>,

@@ -1,17 +1,17 @@
-//! Terrain that a user should look at again: feet or degrees for metres, heights of no place on earth.
+//! Terrain that a user should look at again: feet or degrees for meters, heights of no place on earth.
 
 use super::grid::Grid;
 use crate::scene::error::Problem;
 use crate::scene::file::TerrainFile;
 
-/// Half of a terrain is rarely steeper; degrees. Feet taken for metres make 67 of 35.
+/// Half of a terrain is rarely steeper; degrees. Feet taken for meters make 67 of 35.
 const STEEP_MEDIAN_DEG: f64 = 50.0;
 /// The deepest trench and the highest mountain; m.
 const LOWEST: f64 = -11_000.0;
 const HIGHEST: f64 = 9_000.0;
 /// One foot; m.
 const FOOT: f64 = 0.3048;
-/// Cells that are a whole number of metres as feet have it, within this share.
+/// Cells that are a whole number of meters as feet have it, within this share.
 const SAME_LENGTH: f64 = 1e-5;
 /// Cells below this, beside places that may be longitudes and latitudes, look like degrees.
 const SMALL_CELL: f64 = 0.02;
@@ -29,7 +29,7 @@ pub(super) fn questions(grid: &Grid, file: &TerrainFile) -> Vec<Problem> {
         && (-90.0..=90.0).contains(&south)
     {
         ask(format!(
-            "points are {} apart about ({west}, {south}): are these degrees of longitude and latitude? Terrain is in metres: project it, \
+            "points are {} apart about ({west}, {south}): are these degrees of longitude and latitude? Terrain is in meters: project it, \
              to UTM say",
             grid.spacing
         ));
@@ -40,7 +40,7 @@ pub(super) fn questions(grid: &Grid, file: &TerrainFile) -> Vec<Problem> {
     };
     if is_whole(in_feet) && !is_whole(grid.spacing) {
         ask(format!(
-            "points are {} apart, {in_feet:.0} m in feet: is the plan in feet? Terrain is in metres",
+            "points are {} apart, {in_feet:.0} m in feet: is the plan in feet? Terrain is in meters",
             grid.spacing
         ));
     }
@@ -55,7 +55,7 @@ pub(super) fn questions(grid: &Grid, file: &TerrainFile) -> Vec<Problem> {
     let slope = median_slope_deg(grid);
     if STEEP_MEDIAN_DEG < slope {
         ask(format!(
-            "half of the terrain is steeper than {slope:.0} degrees: are heights in feet (`height_scale: 0.3048`) and the plan in metres?"
+            "half of the terrain is steeper than {slope:.0} degrees: are heights in feet (`height_scale: 0.3048`) and the plan in meters?"
         ));
     }
     found

@@ -287,7 +287,7 @@ fn fill_gaps(grid: &mut Grid, file: &TerrainFile) -> Result<usize, Problem> {
         );
         return Err(Problem::error("terrain.sources", what));
     };
-    // from the rim inwards, each the mean of those beside it that are known
+    // from the rim inward, each the mean of those beside it that are known
     let mut rounds = 0.0;
     let mut open = missing.clone();
     while let Some(&point) = open.first() {

@@ -87,7 +87,7 @@ pub(super) struct Touch {
 }
 
 impl Touch {
-    /// Of balls of centre and radius.
+    /// Of balls of center and radius.
     pub fn of_balls((a, r): (&Vec3, f64), (b, s): (&Vec3, f64)) -> Option<Self> {
         let offset = b - a;
         let square = offset.norm_squared();

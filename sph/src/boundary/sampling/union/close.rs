@@ -26,7 +26,7 @@ pub(super) struct ClosePoints {
 }
 
 impl ClosePoints {
-    /// No points yet; they will be within a region, and are looked for within `reach` metres.
+    /// No points yet; they will be within a region, and are looked for within `reach` meters.
     pub(super) fn new(region: &Region, reach: f64) -> Self {
         let extent = (region.max - region.min).map(|length| length.max(reach));
         let smallest = (extent.product() / MOST_CELLS).cbrt();
