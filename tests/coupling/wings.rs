@@ -21,6 +21,53 @@ const COUPLING: &[&[&str]] = &[
     &["files", "saved", "series", "build_info"],
 ];
 
+/// Wings of the water.
+const SPH: &[&[&str]] = &[
+    &["stepping"],
+    &["boundary"],
+    &["fluid"],
+    &["terms"],
+    &["neighbors"],
+    &["stability"],
+    &["particles", "settings", "scheme"],
+    &["kernel"],
+    &["simd"],
+    &["rheology", "state_equation", "chunks"],
+    &["error"],
+];
+
+/// Wings of the blocks, whose state includes the history of their contacts.
+const DDA: &[&[&str]] = &[
+    &["step"],
+    &["blocks"],
+    &["contact"],
+    &["motion", "rock_mass"],
+    &["geometry"],
+    &["material"],
+    &["error", "random", "chunks"],
+];
+
+/// Imports against the order that are being moved.
+const PENDING: &[(&str, &str, &str)] = &[
+    ("sph", "fluid", "boundary"),
+    ("sph", "fluid", "stepping"),
+    ("sph", "neighbors", "boundary"),
+    ("sph", "neighbors", "fluid"),
+    ("sph", "neighbors", "terms"),
+    ("sph", "scheme", "neighbors"),
+    ("sph", "simd", "fluid"),
+    ("sph", "simd", "neighbors"),
+    ("sph", "terms", "boundary"),
+    ("sph", "terms", "fluid"),
+    ("dda", "blocks", "step"),
+    ("dda", "contact", "blocks"),
+    ("dda", "contact", "step"),
+    ("dda", "geometry", "contact"),
+    ("dda", "material", "contact"),
+    ("dda", "motion", "blocks"),
+    ("dda", "rock_mass", "contact"),
+];
+
 /// Where circles of imports are being cut.
 const AT_WORK: &[&str] = &["sph:", "dda:"];
 
@@ -195,7 +242,8 @@ fn against(crate_name: &str, order: &[&[&str]]) -> Vec<String> {
         };
         for target in targets.iter().filter(|target| target[0] != *wing) {
             let is_below = floor(&target[0]).is_some_and(|to| from < to);
-            if !is_below {
+            let import = (crate_name, wing.as_str(), target[0].as_str());
+            if !is_below && !PENDING.contains(&import) {
                 faults.push(format!(
                     "{crate_name}: {} imports {}, which is not below it",
                     module.join("::"),
@@ -208,9 +256,11 @@ fn against(crate_name: &str, order: &[&[&str]]) -> Vec<String> {
 }
 
 #[test]
-fn imports_of_coupling_go_down() {
-    let faults = against("coupling", COUPLING);
-    assert!(faults.is_empty(), "{}", faults.join("\n"));
+fn imports_go_down() {
+    for (crate_name, order) in [("coupling", COUPLING), ("sph", SPH), ("dda", DDA)] {
+        let faults = against(crate_name, order);
+        assert!(faults.is_empty(), "{}", faults.join("\n"));
+    }
 }
 
 /// Files of a circle of imports, other than a module with its own children.
