@@ -4,7 +4,7 @@ use riprap_dda::{
     Blocks, Deformability, DeformableModel, Elastic, Load, Material, Settings, StressLaw,
 };
 use riprap_sph::scheme::{DensityDiffusion, Viscosity};
-use riprap_sph::{Dimensions, Fluid, Precision, Scheme, Start, Vec3};
+use riprap_sph::{Dimensions, Fluid, NoBoundary, Precision, Scheme, Start, Vec3};
 
 use crate::rock::{G, Random, cuboid, down, floor, free, placed, rock};
 use crate::row::{Failure, Length, Row, Trial, sweep};
@@ -229,27 +229,8 @@ fn periodic(scheme: Scheme, speed: impl Fn(&Vec3) -> Vec3, jitter: f64) -> Resul
         symmetry: [[false; 2]; 3],
     };
     let mut fluid = Fluid::new(start, settings)?;
-    evaluate(&mut fluid)?;
+    fluid.evaluate(&mut NoBoundary, 0.0)?;
     Ok(fluid)
-}
-
-fn evaluate(fluid: &mut Fluid) -> Result<(), Failure> {
-    fluid.refresh();
-    fluid.update_pressure()?;
-    fluid.update_accelerations();
-    Ok(())
-}
-
-fn step(fluid: &mut Fluid, dt: f64) -> Result<(), Failure> {
-    fluid.kick(0.5 * dt);
-    fluid.drift(0.5 * dt);
-    fluid.refresh();
-    fluid.update_rates();
-    fluid.advance_density(dt);
-    fluid.drift(0.5 * dt);
-    evaluate(fluid)?;
-    fluid.kick(0.5 * dt);
-    Ok(())
 }
 
 /// How far particles went in `n` steps, and how far from the start they are after as many back; spacings.
@@ -275,11 +256,11 @@ pub fn there_and_back(speed: f64, n: u32) -> Result<(f64, f64), Failure> {
     };
     let before = places(&fluid);
     for _ in 0..n {
-        step(&mut fluid, 1e-3)?;
+        fluid.step(&mut NoBoundary, 1e-3)?;
     }
     let there = places(&fluid);
     for _ in 0..n {
-        step(&mut fluid, -1e-3)?;
+        fluid.step(&mut NoBoundary, -1e-3)?;
     }
     let back = places(&fluid);
     let farthest = |a: &[(u32, Vec3)], b: &[(u32, Vec3)]| {
@@ -331,7 +312,7 @@ fn water(length: Length) -> Result<Vec<Row>, Failure> {
             let dt = fluid.settings().sound_stability().unwrap_or(f64::NAN) * share;
             let mut most = 0.0_f64;
             for _ in 0..steps {
-                if step(&mut fluid, dt).is_err() {
+                if fluid.step(&mut NoBoundary, dt).is_err() {
                     return f64::INFINITY;
                 }
                 most = most.max(energy(&fluid) / start);

@@ -5,7 +5,8 @@
 
 use std::time::Instant;
 
-use riprap_sph::FluidError;
+use riprap_sph::boundary::wall_particles::WallParticles;
+use riprap_sph::{Boundary, Fluid, FluidError, Stage};
 
 use crate::roofs::fastest;
 use crate::tank::Tank;
@@ -51,6 +52,33 @@ fn timed<T>(seconds: &mut f64, work: impl FnOnce() -> T) -> T {
     made
 }
 
+/// Walls that stand, and whether the fluid was sorted between them.
+struct Held<'a> {
+    walls: &'a mut WallParticles,
+    has_sorted: bool,
+}
+
+impl Boundary for Held<'_> {
+    type Error = FluidError;
+
+    fn place(&mut self, fluid: &mut Fluid, _stage: Stage, _dt: f64) {
+        self.has_sorted |= fluid.moved() == 0.0;
+        self.walls.find_wet(fluid);
+    }
+
+    fn density_rates(&mut self, fluid: &mut Fluid) {
+        self.walls.add_rates(fluid);
+    }
+
+    fn continue_pressure(&mut self, fluid: &mut Fluid) {
+        self.walls.extrapolate(fluid);
+    }
+
+    fn forces(&mut self, fluid: &mut Fluid) {
+        self.walls.add_forces(fluid);
+    }
+}
+
 impl Tank {
     pub fn rates(&mut self, seconds: &mut Seconds) {
         let Self { fluid, walls } = self;
@@ -69,22 +97,14 @@ impl Tank {
         Ok(())
     }
 
-    /// One kick-drift-kick; returns whether it sorted.
+    /// One step; returns whether it sorted.
     pub fn step(&mut self, dt: f64) -> Result<bool, FluidError> {
-        let seconds = &mut Seconds::default();
-        let mut has_sorted = false;
-        self.fluid.kick(0.5 * dt);
-        self.fluid.drift(0.5 * dt);
-        self.fluid.refresh();
-        has_sorted |= self.fluid.moved() == 0.0;
-        self.rates(seconds);
-        self.fluid.advance_density(dt);
-        self.fluid.drift(0.5 * dt);
-        self.fluid.refresh();
-        has_sorted |= self.fluid.moved() == 0.0;
-        self.forces(seconds)?;
-        self.fluid.kick(0.5 * dt);
-        Ok(has_sorted)
+        let mut held = Held {
+            walls: &mut self.walls,
+            has_sorted: false,
+        };
+        self.fluid.step(&mut held, dt)?;
+        Ok(held.has_sorted)
     }
 
     /// The fastest of a few evaluations at one state.

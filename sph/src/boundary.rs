@@ -1,4 +1,5 @@
-//! Walls: particles inside them, where these stand, and exact kernel integrals over polyhedra.
+//! Boundaries of the fluid: the trait by which a step asks whatever holds the fluid, and two kinds of walls, of particles
+//! inside solids and of exact kernel integrals over polyhedra.
 
 pub mod integral;
 pub mod sampling;
@@ -8,3 +9,123 @@ pub mod wall_particles;
 
 #[cfg(test)]
 mod solids;
+
+use crate::{Fluid, FluidError};
+
+/// Part of a step over which bodies move.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Part {
+    /// All of it.
+    Whole,
+    /// From the start to the middle.
+    FirstHalf,
+    /// From the middle to the end.
+    SecondHalf,
+}
+
+/// State of the fluid for which boundaries are placed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stage {
+    /// The middle of a step whose bodies are at its end already: rates of density only.
+    Midpoint,
+    /// The predicted middle, bodies half way: rates and forces.
+    Predicted,
+    /// The end of a step.
+    End,
+}
+
+/// Phase of a step that has ended, for the caller's clock.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Phase {
+    /// Sort and neighbor search.
+    Neighbors,
+    /// Densities, pressures, shifting.
+    Density,
+    /// Pair forces in the fluid, and the viscosities that they need.
+    Forces,
+    /// Kicks and drifts.
+    Integration,
+}
+
+/// Whatever holds the fluid: walls, bodies, openings. A step calls it at fixed places, see [`crate::stepping`]; each call
+/// may read the fluid, and changes of it go through the fluid's own functions, which keep its accounts.
+///
+/// Every call but the error has an empty default: a boundary says only what it does.
+pub trait Boundary {
+    /// Ends a step without a new state.
+    type Error: From<FluidError>;
+
+    /// Moves the bodies over a part of the step that takes `dt` (s).
+    ///
+    /// # Errors
+    ///
+    /// Whatever keeps bodies from moving on.
+    fn advance(&mut self, _part: Part, _dt: f64) -> Result<(), Self::Error> {
+        Ok(())
+    }
+
+    /// Lets particles enter and leave through openings, at the end of a step of `dt` (s).
+    ///
+    /// # Errors
+    ///
+    /// Whatever keeps particles from entering.
+    fn exchange(&mut self, _fluid: &mut Fluid, _dt: f64) -> Result<(), Self::Error> {
+        Ok(())
+    }
+
+    /// Accepts that particles left the domain.
+    ///
+    /// # Errors
+    ///
+    /// Where none may leave.
+    fn escaped(&mut self, _count: u64) -> Result<(), Self::Error> {
+        Ok(())
+    }
+
+    /// Places the walls for a stage after `dt` (s) and finds which particles are near; the fluid is sorted.
+    fn place(&mut self, _fluid: &mut Fluid, _stage: Stage, _dt: f64) {}
+
+    /// Finds again which particles are near: the fluid was shifted and is sorted.
+    fn find(&mut self, _fluid: &mut Fluid) {}
+
+    /// Imposes the flow in openings at a stage after `dt` (s).
+    fn hold(&mut self, _fluid: &mut Fluid, _stage: Stage, _dt: f64) {}
+
+    /// Adds the walls' part of the rates of density.
+    fn density_rates(&mut self, _fluid: &mut Fluid) {}
+
+    /// Adds the walls' part of the concentration of particles, from which shifting follows.
+    fn concentration(&mut self, _fluid: &mut Fluid) {}
+
+    /// Continues the fluid's pressure into the walls.
+    fn continue_pressure(&mut self, _fluid: &mut Fluid) {}
+
+    /// Adds the walls' part of the gradient of velocity, from which viscosities follow.
+    fn strain_rates(&mut self, _fluid: &mut Fluid) {}
+
+    /// Finds how bodies that the fluid moves accelerate, viscosities known.
+    fn solve_motion(&mut self, _fluid: &mut Fluid) {}
+
+    /// Adds the walls' forces to the accelerations, and keeps what acts on the bodies in return.
+    fn forces(&mut self, _fluid: &mut Fluid) {}
+
+    /// Books what a kick over `dt` (s) is about to do.
+    fn begin_kick(&mut self, _fluid: &mut Fluid, _dt: f64) {}
+
+    /// Gives the bodies the equal and opposite of a kick over `dt` (s).
+    fn end_kick(&mut self, _fluid: &mut Fluid, _dt: f64) {}
+
+    /// Remembers the forces at the start of a step whose fluid has just been predicted half way.
+    fn predicted(&mut self, _fluid: &mut Fluid) {}
+
+    /// Stops the time of a phase.
+    fn ended(&mut self, _phase: Phase) {}
+}
+
+/// No boundary: a fluid in a periodic or unbounded domain.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct NoBoundary;
+
+impl Boundary for NoBoundary {
+    type Error = FluidError;
+}

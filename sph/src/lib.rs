@@ -87,6 +87,7 @@ pub mod state_equation;
 mod stepping;
 mod terms;
 
+pub use boundary::{Boundary, NoBoundary, Part, Phase, Stage};
 pub use error::FluidError;
 pub use fluid::energy::Energies;
 pub use fluid::exchange::{Absorber, Exchange};

@@ -145,6 +145,13 @@ pub enum Stepping {
     SymplecticEuler,
 }
 
+impl Stepping {
+    /// Whether rates of density are taken from the same state as forces.
+    pub(crate) fn rates_with_forces(self) -> bool {
+        self == Self::PredictorCorrector
+    }
+}
+
 /// A scheme: one choice per part.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Scheme {

@@ -6,7 +6,8 @@ use riprap_sph::boundary::wall_particles::{Slip, WallParticles};
 use riprap_sph::scheme::{SMAGORINSKY, Viscosity};
 use riprap_sph::state_equation::State;
 use riprap_sph::{
-    Dimensions, Fluid, Precision, Regularization, Rheology, Scheme, Settings, Start, Vec3,
+    Boundary, Dimensions, Fluid, FluidError, Precision, Regularization, Rheology, Scheme, Settings,
+    Stage, Start, Vec3,
 };
 
 const DENSITY: f64 = 1500.0;
@@ -129,37 +130,45 @@ impl Layer {
     }
 }
 
-impl Flow {
-    fn evaluate(&mut self) {
-        let Self { fluid, walls, .. } = self;
-        fluid.refresh();
-        walls.iter_mut().for_each(|w| w.find_wet(fluid));
-        fluid.update_pressure().unwrap();
-        walls.iter_mut().for_each(|w| w.extrapolate(fluid));
-        if fluid.varies_viscosity() {
-            fluid.update_strain();
-            walls.iter_mut().for_each(|w| w.add_strains(fluid));
-            fluid.update_viscosity();
-        }
-        fluid.update_accelerations();
-        walls.iter_mut().for_each(|w| {
+/// Floor and lid, at rest or sliding in their planes.
+struct Plates<'a>(&'a mut [WallParticles]);
+
+impl Boundary for Plates<'_> {
+    type Error = FluidError;
+
+    fn place(&mut self, fluid: &mut Fluid, _stage: Stage, _dt: f64) {
+        self.0.iter_mut().for_each(|w| w.find_wet(fluid));
+    }
+
+    fn density_rates(&mut self, fluid: &mut Fluid) {
+        self.0.iter_mut().for_each(|w| w.add_rates(fluid));
+    }
+
+    fn continue_pressure(&mut self, fluid: &mut Fluid) {
+        self.0.iter_mut().for_each(|w| w.extrapolate(fluid));
+    }
+
+    fn strain_rates(&mut self, fluid: &mut Fluid) {
+        self.0.iter_mut().for_each(|w| w.add_strains(fluid));
+    }
+
+    fn forces(&mut self, fluid: &mut Fluid) {
+        self.0.iter_mut().for_each(|w| {
             w.add_forces(fluid);
         });
+    }
+}
+
+impl Flow {
+    fn evaluate(&mut self) {
+        let mut plates = Plates(&mut self.walls);
+        self.fluid.evaluate(&mut plates, 0.0).unwrap();
     }
 
     fn step(&mut self) {
         let dt = self.fluid.step_limits().smallest();
-        self.fluid.kick(0.5 * dt);
-        self.fluid.drift(0.5 * dt);
-        self.fluid.refresh();
-        let Self { fluid, walls, .. } = self;
-        walls.iter_mut().for_each(|w| w.find_wet(fluid));
-        fluid.update_rates();
-        walls.iter_mut().for_each(|w| w.add_rates(fluid));
-        fluid.advance_density(dt);
-        fluid.drift(0.5 * dt);
-        self.evaluate();
-        self.fluid.kick(0.5 * dt);
+        let mut plates = Plates(&mut self.walls);
+        self.fluid.step(&mut plates, dt).unwrap();
         self.time += dt;
     }
 

@@ -1,6 +1,6 @@
 //! Boxes of fluid and one way to step them.
 
-use riprap_sph::{Dimensions, Fluid, NegativePressure, Scheme, Settings, Start, Vec3};
+use riprap_sph::{Dimensions, Fluid, NegativePressure, NoBoundary, Scheme, Settings, Start, Vec3};
 
 /// A periodic box of lattice fluid, `n` spacings of 1 m/`n[0]` along each side.
 pub struct PeriodicBox {
@@ -76,25 +76,12 @@ impl PeriodicBox {
 
 /// Everything that follows from the present positions and densities.
 pub fn evaluate(fluid: &mut Fluid) {
-    fluid.refresh();
-    fluid.update_pressure().unwrap();
-    fluid.update_accelerations();
+    fluid.evaluate(&mut NoBoundary, 0.0).unwrap();
 }
 
-/// Kick-drift-kick, the density in the middle where it is advanced.
+/// A step of a fluid without walls, by the stepping of its scheme.
 pub fn step(fluid: &mut Fluid, dt: f64) {
-    fluid.kick(0.5 * dt);
-    if fluid.advances_density() {
-        fluid.drift(0.5 * dt);
-        fluid.refresh();
-        fluid.update_rates();
-        fluid.advance_density(dt);
-        fluid.drift(0.5 * dt);
-    } else {
-        fluid.drift(dt);
-    }
-    evaluate(fluid);
-    fluid.kick(0.5 * dt);
+    fluid.step(&mut NoBoundary, dt).unwrap();
 }
 
 /// A reproducible number in −1..1 for a lattice place.

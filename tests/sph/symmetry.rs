@@ -8,42 +8,10 @@ use riprap_sph::{
     StateEquation, Symmetry, Vec3,
 };
 
-use crate::support::{PeriodicBox, noise3, published};
+use crate::support::{PeriodicBox, evaluate, noise3, published, step};
 use crate::water::{DENSITY, Plane, Water, lattice, start};
 
 const G: f64 = 9.81;
-
-/// Everything after a step or before the first, with viscosities where they vary.
-fn evaluate(fluid: &mut Fluid) {
-    fluid.refresh();
-    fluid.update_pressure().unwrap();
-    if fluid.varies_viscosity() {
-        fluid.update_strain();
-        fluid.update_viscosity();
-    }
-    fluid.update_accelerations();
-}
-
-/// Kick-drift-kick, and shifting where the scheme shifts.
-fn step(fluid: &mut Fluid, dt: f64) {
-    fluid.kick(0.5 * dt);
-    if fluid.advances_density() {
-        fluid.drift(0.5 * dt);
-        fluid.refresh();
-        fluid.update_rates();
-        fluid.advance_density(dt);
-        fluid.drift(0.5 * dt);
-    } else {
-        fluid.drift(dt);
-    }
-    if fluid.shifts() {
-        fluid.refresh();
-        fluid.update_spread();
-        fluid.shift(dt);
-    }
-    evaluate(fluid);
-    fluid.kick(0.5 * dt);
-}
 
 /// Place, velocity and density of every particle, by id.
 fn by_id(fluid: &Fluid) -> Vec<(Vec3, Vec3, f64)> {

@@ -1,7 +1,7 @@
 //! Water with or without walls of particles, and one way to step it.
 
 use riprap_sph::boundary::wall_particles::{Slip, WallParticles};
-use riprap_sph::{Dimensions, Fluid, Scheme, Settings, Start, Stepping, Vec3};
+use riprap_sph::{Boundary, Dimensions, Fluid, FluidError, Scheme, Settings, Stage, Start, Vec3};
 
 pub const DENSITY: f64 = 1000.0;
 
@@ -81,6 +81,53 @@ pub struct Water {
     motion: Motion,
 }
 
+/// Walls of particles whose motion is known.
+struct MovingWalls<'a> {
+    walls: &'a mut WallParticles,
+    motion: &'a Motion,
+    /// Force on the fluid; N.
+    force: &'a mut Vec3,
+    /// Start of the step; s.
+    time: f64,
+}
+
+impl Boundary for MovingWalls<'_> {
+    type Error = FluidError;
+
+    fn place(&mut self, fluid: &mut Fluid, stage: Stage, dt: f64) {
+        let time = match stage {
+            Stage::Midpoint => self.time + 0.5 * dt,
+            Stage::Predicted | Stage::End => self.time + dt,
+        };
+        self.walls.place(|w| (self.motion)(w, time));
+        self.walls.find_wet(fluid);
+    }
+
+    fn find(&mut self, fluid: &mut Fluid) {
+        self.walls.find_wet(fluid);
+    }
+
+    fn density_rates(&mut self, fluid: &mut Fluid) {
+        self.walls.add_rates(fluid);
+    }
+
+    fn concentration(&mut self, fluid: &mut Fluid) {
+        self.walls.add_spreads(fluid);
+    }
+
+    fn continue_pressure(&mut self, fluid: &mut Fluid) {
+        self.walls.extrapolate(fluid);
+    }
+
+    fn strain_rates(&mut self, fluid: &mut Fluid) {
+        self.walls.add_strains(fluid);
+    }
+
+    fn forces(&mut self, fluid: &mut Fluid) {
+        *self.force = self.walls.add_forces(fluid);
+    }
+}
+
 impl Water {
     /// Without walls.
     pub fn free(start: Start, settings: Settings) -> Self {
@@ -133,76 +180,38 @@ impl Water {
         Self::walled(start, settings, (volumes, slip), still)
     }
 
-    fn place(&mut self, time: f64) {
-        self.fluid.refresh();
-        self.walls.place(|w| (self.motion)(w, time));
-        self.walls.find_wet(&self.fluid);
+    /// Walls at the present time and the fluid that they hold.
+    fn parts(&mut self) -> (&mut Fluid, MovingWalls<'_>) {
+        let walls = MovingWalls {
+            walls: &mut self.walls,
+            motion: &self.motion,
+            force: &mut self.wall_force,
+            time: self.time,
+        };
+        (&mut self.fluid, walls)
     }
 
     /// Pressures and accelerations at a time, and rates of density where the stepping wants them then.
     pub fn evaluate(&mut self, time: f64) {
-        self.place(time);
-        if self.predicts() {
-            self.fluid.update_rates();
-            self.walls.add_rates(&mut self.fluid);
-        }
-        self.fluid.update_pressure().unwrap();
-        self.walls.extrapolate(&self.fluid);
-        self.fluid.update_accelerations();
-        self.wall_force = self.walls.add_forces(&mut self.fluid);
         self.time = time;
+        let (fluid, mut walls) = self.parts();
+        fluid.evaluate(&mut walls, 0.0).unwrap();
     }
 
     /// Rates of density at a time.
     pub fn update_rates(&mut self, time: f64) {
-        self.place(time);
+        self.fluid.refresh();
+        self.walls.place(|w| (self.motion)(w, time));
+        self.walls.find_wet(&self.fluid);
         self.fluid.update_rates();
         self.walls.add_rates(&mut self.fluid);
     }
 
-    /// Whether rates go with forces.
-    fn predicts(&self) -> bool {
-        let stepping = self.fluid.settings().scheme.stepping;
-        stepping == Stepping::PredictorCorrector && self.fluid.advances_density()
-    }
-
     /// By the stepping of the scheme.
     pub fn step(&mut self, dt: f64) {
-        let time = self.time;
-        match self.fluid.settings().scheme.stepping {
-            Stepping::KickDriftKick => {
-                self.fluid.kick(0.5 * dt);
-                self.fluid.drift(0.5 * dt);
-                if self.fluid.advances_density() {
-                    self.update_rates(time + 0.5 * dt);
-                    self.fluid.advance_density(dt);
-                }
-                self.fluid.drift(0.5 * dt);
-                self.evaluate(time + dt);
-                self.fluid.kick(0.5 * dt);
-            }
-            Stepping::PredictorCorrector => {
-                self.fluid.predict(0.5 * dt);
-                self.evaluate(time + 0.5 * dt);
-                self.fluid.correct(dt);
-                self.fluid.drift(0.5 * dt);
-                self.evaluate(time + dt);
-            }
-            Stepping::SymplecticEuler => {
-                self.fluid.kick(dt);
-                self.fluid.drift(dt);
-                self.evaluate(time + dt);
-            }
-        }
-        if self.fluid.shifts() {
-            self.fluid.update_spread();
-            self.walls.add_spreads(&mut self.fluid);
-            self.fluid.shift(dt);
-            if self.predicts() {
-                // the predictor sets out from where the particles are now
-                self.evaluate(time + dt);
-            }
-        }
+        let (fluid, mut walls) = self.parts();
+        fluid.step(&mut walls, dt).unwrap();
+        self.time += dt;
     }
 
     /// Steps of the solver's own choice up to `time`, the last one cut.

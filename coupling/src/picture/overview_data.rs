@@ -239,7 +239,7 @@ fn snapshot(world: &World) -> Snapshot {
 /// terrain, which appears as a section only, all moving blocks.
 fn outlines(world: &World) -> Vec<Outline> {
     let blocks = &world.blocks;
-    let middle = 0.5 * (world.domain.0.y + world.domain.1.y);
+    let middle = 0.5 * (world.domain().0.y + world.domain().1.y);
     let is_present = |&b: &usize| !blocks.is_removed(b);
     // only surfaces have no volume
     let (surfaces, solids): (Vec<usize>, Vec<usize>) = (0..blocks.n_blocks())
@@ -248,7 +248,7 @@ fn outlines(world: &World) -> Vec<Outline> {
     let shows_all = !surfaces.is_empty();
     let sections = surfaces.iter().flat_map(|&b| {
         let (vertices, faces) = blocks.world_polygons(b);
-        section(&vertices, &faces, middle, world.domain.0.z)
+        section(&vertices, &faces, middle, world.domain().0.z)
     });
     let solids = solids
         .into_iter()

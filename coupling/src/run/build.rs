@@ -8,7 +8,7 @@ use super::packing::packed;
 use crate::joints::JointWater;
 use crate::scene::resolve::{FluidScene, Scene, vec3};
 use crate::walls::Walls;
-use crate::world::{WaterAtStart, World};
+use crate::world::{Water, WaterBoundaries, World, WorldSettings};
 
 /// Builds the world of a scene.
 ///
@@ -27,21 +27,19 @@ pub fn build(scene: &Scene) -> Result<World, RunError> {
     }
     blocks.attach(&scene.attachments)?;
     let water = (scene.fluid.as_ref())
-        .map(|fluid| water_at_start(fluid, scene, &blocks))
+        .map(|fluid| water(fluid, scene, &blocks))
         .transpose()?;
-    let domain = (vec3(scene.file.domain.min), vec3(scene.file.domain.max));
-    let mut world = World::new(blocks, water, vec3(scene.file.gravity), domain)?;
-    world.set_out_of_domain(scene.file.domain.leaving.into());
-    world.set_weakenings(scene.weakenings.clone());
-    Ok(world)
+    let settings = WorldSettings {
+        gravity: vec3(scene.file.gravity),
+        domain: (vec3(scene.file.domain.min), vec3(scene.file.domain.max)),
+        out_of_domain: scene.file.domain.leaving.into(),
+        weakenings: scene.weakenings.clone(),
+    };
+    Ok(World::new(blocks, water, settings)?)
 }
 
 /// Packed water with its walls, joints and openings.
-fn water_at_start(
-    water: &FluidScene,
-    scene: &Scene,
-    blocks: &Blocks,
-) -> Result<WaterAtStart, RunError> {
+fn water(water: &FluidScene, scene: &Scene, blocks: &Blocks) -> Result<Water, RunError> {
     let (start, kept) = packed(water, &scene.blocks, blocks)?;
     let mut fluid = Fluid::new(start, water.settings.clone())?;
     if !water.rheologies.is_empty() {
@@ -50,13 +48,13 @@ fn water_at_start(
     }
     let walls = Walls::new(water.wall_method, &scene.blocks, blocks, &fluid, water.slip);
     let is_sealed = |b: usize| scene.file.blocks[b].sealed;
-    Ok(WaterAtStart {
+    let boundaries = WaterBoundaries {
         joints: JointWater::new(&scene.blocks, blocks, &fluid, is_sealed),
-        fluid,
         penalty: water.walls,
         walls,
         openings: water.openings.clone(),
         absorbers: water.absorbers.clone(),
         sleeping: water.sleeping,
-    })
+    };
+    Ok(Water::new(fluid, boundaries, blocks)?)
 }

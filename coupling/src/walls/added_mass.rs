@@ -225,7 +225,7 @@ mod tests {
         let water = world.water.as_mut().unwrap();
         let movers = Movers {
             blocks: &world.blocks,
-            dry: &world.dry,
+            dry: &world.bodies.dry,
             slab_axis: water.interface.slab_axis(),
         };
         let found = {

@@ -14,27 +14,14 @@ impl World {
         let Self {
             blocks,
             water,
-            clock,
-            ledger,
-            held,
-            extremes,
-            phases,
-            dry,
-            accounts,
+            progress,
+            bodies,
             // constants
             gravity: _,
-            domain: _,
-            kept_clear: _,
-            deformable: _,
-            out_of_domain: _,
-            // scratch
-            loads_at_start: _,
-            stretches_at_start: _,
             // follows from the time
             weakenings: _,
         } = self;
-        let progress = (clock, ledger, held, extremes, phases);
-        let out = postcard::to_extend(&(progress, dry, accounts), out)?;
+        let out = postcard::to_extend(&(progress, &bodies.dry, &bodies.accounts), out)?;
         let out = blocks.save(out)?;
         let Some(water) = water else { return Ok(out) };
         let out = water.fluid.save(out)?;
@@ -54,19 +41,13 @@ impl World {
     ///
     /// The bytes end early, mean nothing, or are of another scene. The world is then in no state to go on.
     pub fn read<'a>(&mut self, bytes: &'a [u8]) -> Read<'a> {
-        let of_blocks = (self.dry.len(), self.accounts.len());
-        let (progress, rest);
-        ((progress, self.dry, self.accounts), rest) = postcard::take_from_bytes(bytes)?;
-        if (self.dry.len(), self.accounts.len()) != of_blocks {
+        let bodies = &mut self.bodies;
+        let of_blocks = (bodies.dry.len(), bodies.accounts.len());
+        let rest;
+        ((self.progress, bodies.dry, bodies.accounts), rest) = postcard::take_from_bytes(bytes)?;
+        if (bodies.dry.len(), bodies.accounts.len()) != of_blocks {
             return Err(postcard::Error::DeserializeBadEncoding);
         }
-        (
-            self.clock,
-            self.ledger,
-            self.held,
-            self.extremes,
-            self.phases,
-        ) = progress;
         self.weaken();
         let bytes = self.blocks.read(rest)?;
         let Some(water) = &mut self.water else {

@@ -12,37 +12,32 @@
 //! `w` is the compliance of the body there: particle and body meet without rebound, one after the other.
 
 use riprap_dda::Load;
-use riprap_sph::Vec3;
+use riprap_sph::{Fluid, Vec3};
 
-use super::{Held, Water, World};
 use crate::walls::penalty::Intruder;
+use crate::world::coupler::Coupler;
 
-impl World {
+impl Coupler<'_> {
     /// Stops the particles at surfaces and puts back those inside; the water must be sorted and its touches found,
     /// and is again after that.
-    pub(super) fn hold_off_intruders(&mut self) {
-        let Some(water) = &mut self.water else { return };
-        let intruders = water.interface.intruders(&water.fluid, &self.blocks);
+    pub(super) fn stop_penetrations(&mut self, fluid: &mut Fluid) {
+        let intruders = self.interface.intruders(fluid, self.rock.blocks);
         let mut n_moved = 0;
         for intruder in &intruders {
             n_moved += u64::from(intruder.is_deep);
-            self.hold_off(intruder);
+            self.stop(fluid, intruder);
         }
-        let Some(water) = &mut self.water else { return };
         if 0 < n_moved {
-            self.extremes.particles_pushed_back += n_moved;
-            water.fluid.refresh();
-            water.interface.find(&water.fluid, &self.blocks);
+            self.rock.progress.extremes.particles_pushed_back += n_moved;
+            fluid.refresh();
+            self.interface.find(fluid, self.rock.blocks);
         }
     }
 
-    fn hold_off(&mut self, intruder: &Intruder) {
-        let Some(Water {
-            fluid, interface, ..
-        }) = &mut self.water
-        else {
-            return;
-        };
+    fn stop(&mut self, fluid: &mut Fluid, intruder: &Intruder) {
+        let are_held = self.rock.are_held();
+        let (blocks, bodies) = (&mut *self.rock.blocks, &mut *self.rock.bodies);
+        let ledger = &mut self.rock.progress.ledger;
         let (a, block) = (intruder.particle as usize, intruder.block as usize);
         let (mass, from, before) = {
             let particles = fluid.particles();
@@ -53,15 +48,14 @@ impl World {
             )
         };
         let normal = intruder.normal;
-        let are_held = self.held == Held::AllBlocks;
-        let is_free = !are_held && self.blocks.is_free(block);
+        let is_free = !are_held && blocks.is_free(block);
         let wall = if are_held {
             Vec3::zeros()
         } else {
-            self.blocks.velocity_at(block, &intruder.point)
+            blocks.velocity_at(block, &intruder.point)
         };
         let compliance = if is_free {
-            self.blocks.compliance(block, &intruder.point, &normal)
+            blocks.compliance(block, &intruder.point, &normal)
         } else {
             0.0
         };
@@ -69,19 +63,19 @@ impl World {
         let impulse = normal * (-approach / (1.0 / mass + compliance));
         let after = before + impulse / mass;
         let to = intruder.clear;
-        self.ledger.pushed_back += if intruder.is_deep {
+        ledger.pushed_back += if intruder.is_deep {
             fluid.replace(a, to, after)
         } else {
             fluid.set_velocity(a, after)
         };
-        self.ledger.impulse += impulse;
+        ledger.impulse += impulse;
         if !is_free {
             let work = impulse.dot(&wall);
-            self.ledger.pushed_back += work;
-            self.ledger.push(work);
+            ledger.pushed_back += work;
+            ledger.push(work);
             return;
         }
-        let centroid = self.blocks.centroid(block);
+        let centroid = blocks.centroid(block);
         let moment = |x: &Vec3, v: &Vec3| (x - centroid).cross(&(v * mass));
         let torque = if intruder.is_deep {
             // what the new place takes of the moment of momentum the block gets too
@@ -89,15 +83,15 @@ impl World {
         } else {
             -(intruder.point - centroid).cross(&impulse)
         };
-        let felt = interface.in_plane(Load {
+        let felt = self.interface.in_plane(Load {
             force: -impulse,
             torque,
         });
-        self.ledger.impulse += felt.force;
-        let energy = self.blocks.kinetic_energy(block);
-        self.blocks.apply_impulse_to(block, &felt);
-        self.ledger.pushed_back += energy - self.blocks.kinetic_energy(block);
-        if let Some((_, kept)) = self.accounts.iter_mut().find(|(b, _)| *b == block) {
+        ledger.impulse += felt.force;
+        let energy = blocks.kinetic_energy(block);
+        blocks.apply_impulse_to(block, &felt);
+        ledger.pushed_back += energy - blocks.kinetic_energy(block);
+        if let Some((_, kept)) = bodies.accounts.iter_mut().find(|(b, _)| *b == block) {
             kept.pushed_back += felt;
         }
     }

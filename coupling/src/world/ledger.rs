@@ -4,9 +4,10 @@ use serde::{Deserialize, Serialize};
 
 use crate::joints::JointWater;
 use crate::walls::Walls;
+use crate::walls::penalty::Interface;
 use crate::world::World;
 use riprap_dda::{Blocks, Load};
-use riprap_sph::{Exchange, Vec3};
+use riprap_sph::{Exchange, Fluid, Vec3};
 
 /// Declares every term once: the field, its column of `energy.csv` and its place in the row.
 macro_rules! energy_terms {
@@ -146,8 +147,8 @@ impl Ledger {
         self.exchanged += absorbed.momentum.norm();
     }
 
-    /// Books what laying water to rest brought in, below zero.
-    pub(crate) fn lay_to_rest(&mut self, laid: &Exchange) {
+    /// Books what putting water to sleep brought in, below zero.
+    pub(crate) fn put_to_sleep(&mut self, laid: &Exchange) {
         self.laid_to_rest -= laid.energy;
         self.impulse += laid.momentum;
         self.exchanged += laid.momentum.norm();
@@ -182,15 +183,20 @@ impl Ledger {
     }
 
     /// Books the interface forces and gravity over `dt`: half of a step, with each half kick.
-    pub(crate) fn book(&mut self, world: &World, dt: f64) {
-        let Some(water) = &world.water else { return };
+    pub(crate) fn book(&mut self, fluid: &Fluid, holding: &Holding, dt: f64) {
+        let Holding {
+            interface,
+            walls,
+            joints,
+            blocks,
+        } = *holding;
         let mut power = 0.0;
         let mut work = 0.0;
         let mut impulse = Vec3::zeros();
-        for touch in water.interface.touches() {
+        for touch in interface.touches() {
             power += touch.dissipated_power;
             let block = touch.block as usize;
-            if !world.blocks.is_free(block) {
+            if !blocks.is_free(block) {
                 work += touch.force.dot(&touch.wall_velocity);
                 impulse += touch.force;
             } else {
@@ -199,27 +205,36 @@ impl Ledger {
                     force: touch.force,
                     ..Load::default()
                 };
-                impulse += touch.force - water.interface.in_plane(felt).force;
+                impulse += touch.force - interface.in_plane(felt).force;
             }
         }
-        if let Some(walls) = &water.walls {
+        if let Some(walls) = walls {
             work += walls.power();
             impulse += walls.force_on_fluid();
             for (block, load) in walls.loads().iter().enumerate() {
-                if world.blocks.is_free(block) {
-                    impulse += water.interface.in_plane(load.total()).force;
+                if blocks.is_free(block) {
+                    impulse += interface.in_plane(load.total()).force;
                 }
             }
         }
-        impulse += water.joints.force_on_free_blocks(&world.blocks);
+        impulse += joints.force_on_free_blocks(blocks);
         // what sleeps is held up by what is below it
-        let weight = world.gravity * water.fluid.awake_mass();
-        let mirrored = water.fluid.plane_force();
+        let weight = fluid.settings().gravity * fluid.awake_mass();
+        let mirrored = fluid.plane_force();
         self.wall_damping += power * dt;
         self.wall_work += work * dt;
         self.impulse += (impulse + weight + mirrored) * dt;
         self.exchanged += (impulse.norm() + weight.norm() + mirrored.norm()) * dt;
     }
+}
+
+/// Whatever holds the fluid and the blocks that it is made of, at the time of a kick.
+#[derive(Debug)]
+pub(crate) struct Holding<'a> {
+    pub interface: &'a Interface,
+    pub walls: Option<&'a Walls>,
+    pub joints: &'a JointWater,
+    pub blocks: &'a Blocks,
 }
 
 impl World {
@@ -228,9 +243,9 @@ impl World {
         if let Some(water) = &mut self.water {
             water.fluid.open_ledger();
         }
-        self.ledger = Ledger::default();
-        self.ledger.stored_at_start = self.energy().stored();
-        self.ledger.momentum_at_start = self.momentum() - self.blocks.support_impulse();
+        self.progress.ledger = Ledger::default();
+        self.progress.ledger.stored_at_start = self.energy().stored();
+        self.progress.ledger.momentum_at_start = self.momentum() - self.blocks.support_impulse();
     }
 
     /// Energy of blocks and fluid, with all that was lost and brought in since the start; J.
@@ -245,14 +260,14 @@ impl World {
             static_damping: blocks.static_damping,
             plastic: blocks.plastic,
             friction: blocks.friction,
-            damping: blocks.damping + self.ledger.wall_damping,
-            pushed_back: self.ledger.pushed_back,
-            removed: self.ledger.removed_energy,
-            absorbed: self.ledger.absorbed,
-            laid_to_rest: self.ledger.laid_to_rest + blocks.laid_to_rest,
-            joint_water: self.ledger.joint_water,
-            through_openings: self.ledger.through_openings,
-            external_work: blocks.external_work + self.ledger.wall_work,
+            damping: blocks.damping + self.progress.ledger.wall_damping,
+            pushed_back: self.progress.ledger.pushed_back,
+            removed: self.progress.ledger.removed_energy,
+            absorbed: self.progress.ledger.absorbed,
+            laid_to_rest: self.progress.ledger.laid_to_rest + blocks.laid_to_rest,
+            joint_water: self.progress.ledger.joint_water,
+            through_openings: self.progress.ledger.through_openings,
+            external_work: blocks.external_work + self.progress.ledger.wall_work,
             ..Energy::default()
         };
         if let Some(water) = &self.water {
@@ -260,9 +275,9 @@ impl World {
             energy.kinetic += fluid.kinetic;
             energy.potential += fluid.potential;
             energy.internal = fluid.internal;
-            energy.viscous = fluid.viscous + self.ledger.dragged;
+            energy.viscous = fluid.viscous + self.progress.ledger.dragged;
             if water.walls.is_some() && water.fluid.advances_density() {
-                energy.at_walls = water.fluid.energy_from_walls() - self.ledger.pressed;
+                energy.at_walls = water.fluid.energy_from_walls() - self.progress.ledger.pressed;
             }
             energy.diffusive = fluid.diffusive;
             energy.removed += fluid.removed;
@@ -273,13 +288,13 @@ impl World {
             - energy.joint_water
             - energy.through_openings
             - energy.at_walls
-            - self.ledger.stored_at_start;
+            - self.progress.ledger.stored_at_start;
         energy
     }
 
     /// Work of blocks that move on the water, through walls of particles or integrals; J.
     pub fn work_on_water(&self) -> f64 {
-        self.ledger.pressed + self.ledger.dragged
+        self.progress.ledger.pressed + self.progress.ledger.dragged
     }
 
     /// Momentum of fluid and free blocks; kg m/s.
@@ -297,19 +312,20 @@ impl World {
     /// |P(t) + P_removed − P(0) − J_walls − J_symmetry − J_gravity| / Σ |J|
     /// ```
     pub fn momentum_residual(&self) -> f64 {
-        let mut given = self.ledger.impulse + self.blocks.support_impulse();
+        let mut given = self.progress.ledger.impulse + self.blocks.support_impulse();
         if let Some(water) = &self.water {
             given += water.fluid.reflected();
         }
-        let removed = self.ledger.removed_momentum
+        let removed = self.progress.ledger.removed_momentum
             + self
                 .water
                 .as_ref()
                 .map_or(Vec3::zeros(), |water| water.fluid.removed().momentum);
-        let unexplained = self.momentum() + removed - self.ledger.momentum_at_start - given;
-        let exchanged = self.ledger.exchanged
+        let unexplained =
+            self.momentum() + removed - self.progress.ledger.momentum_at_start - given;
+        let exchanged = self.progress.ledger.exchanged
             + self.blocks.impulse_exchanged()
-            + self.ledger.momentum_at_start.norm();
+            + self.progress.ledger.momentum_at_start.norm();
         if exchanged == 0.0 {
             0.0
         } else {

@@ -1,7 +1,19 @@
-//! The two halves of a predictor-corrector step, see [`crate::scheme::Stepping`].
+//! Predictor-corrector: rates and forces at the start take everything half way, and those found there take it from the
+//! start to the end. Second order. Domínguez et al. (2022), see [`crate::scheme::Stepping`].
+//!
+//! ```text
+//! 1 prediction                          v½ = v + dt/2 a,    x½ = x + dt/2 v,    ρ½ = ρ + dt/2 ρ'
+//! 2 bodies move by dt/2
+//! 3 rates and forces half way
+//! 4 correction                          v₁ = v + dt a½,     ρ₁ = ρ (2 − ε)/(2 + ε),   ε = −(ρ'/ρ)½ dt
+//! 5 bodies move by dt/2
+//! 6 half a drift                        x₁ = x + dt/2 (v + v₁)
+//! 7 evaluation at the end, rates too
+//! ```
 
 use rayon::prelude::*;
 
+use crate::boundary::{Boundary, Part, Phase, Stage};
 use crate::particles::filter;
 use crate::{CHUNK, Fluid, Particles, Vec3};
 
@@ -25,6 +37,27 @@ impl AtStart {
         filter(&mut self.velocity, keep);
         filter(&mut self.density, keep);
     }
+}
+
+pub(super) fn step<B: Boundary>(
+    fluid: &mut Fluid,
+    boundary: &mut B,
+    dt: f64,
+) -> Result<(), B::Error> {
+    let half = 0.5 * dt;
+    fluid.predict(half);
+    boundary.predicted(fluid);
+    boundary.ended(Phase::Integration);
+    boundary.advance(Part::FirstHalf, half)?;
+    // nothing comes, goes, is put back or shifted half way: the corrector would undo that
+    fluid.sorted(boundary)?;
+    boundary.place(fluid, Stage::Predicted, half);
+    boundary.hold(fluid, Stage::Predicted, half);
+    fluid.evaluate_forces(boundary)?;
+    fluid.kicked(boundary, dt, Fluid::correct);
+    boundary.advance(Part::SecondHalf, half)?;
+    fluid.drift(half);
+    fluid.evaluate(boundary, dt)
 }
 
 impl Fluid {

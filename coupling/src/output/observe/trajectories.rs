@@ -115,7 +115,7 @@ impl Trajectories {
             .filter(is_asked)
             .map(|b| Track::new(b, world.blocks.centroid(b)))
             .collect();
-        let extent = (world.domain.1 - world.domain.0).xy();
+        let extent = (world.domain().1 - world.domain().0).xy();
         Ok(Self {
             schedule: Schedule::every(asked.interval.unwrap_or(f64::INFINITY)),
             ground: Ground::of(&world.blocks),

@@ -1,0 +1,155 @@
+//! Errors of a step, each with its time, its place and a remedy.
+
+use riprap_sph::FluidError;
+
+use crate::world::time_step::Cause;
+
+/// Failure of a step: there is no new state.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum StepError {
+    /// In the fluid.
+    #[error("at t = {time:.6} s, step {step}: {source}")]
+    Fluid {
+        /// s.
+        time: f64,
+        /// Number of the step.
+        step: u64,
+        /// Error of the solver.
+        source: FluidError,
+    },
+    /// Among the blocks.
+    #[error("at t = {time:.6} s, step {step}: {source}")]
+    Blocks {
+        /// s.
+        time: f64,
+        /// Number of the step.
+        step: u64,
+        /// Error of the solver.
+        source: riprap_dda::StepError,
+    },
+    /// Something left the domain of a scene in which nothing may.
+    #[error(
+        "at t = {time:.6} s, step {step}: {count} {what} left the domain; enlarge `domain`, close it with walls, or set `domain.leaving` to Removed"
+    )]
+    Left {
+        /// s.
+        time: f64,
+        /// Number of the step.
+        step: u64,
+        /// Number.
+        count: u64,
+        /// Particles or blocks.
+        what: &'static str,
+    },
+    /// A moving block came to a plane of symmetry, where it would meet its mirror image.
+    #[error(
+        "at t = {time:.6} s, step {step}: block {block} came to the plane of symmetry across axis {axis}, where it \
+         would meet its mirror image; move the plane away or model the whole"
+    )]
+    AtPlane {
+        /// s.
+        time: f64,
+        /// Number of the step.
+        step: u64,
+        /// Number of the block.
+        block: usize,
+        /// 0, 1, 2 for x, y, z.
+        axis: usize,
+    },
+    /// A particle has no place or no velocity any more.
+    #[error(
+        "at t = {time:.6} s, step {step}: particle {id} has a velocity that is no number; look where it was in the last frame, and shorten the step with `numerics.time_step_factor`"
+    )]
+    NoVelocity {
+        /// s.
+        time: f64,
+        /// Number of the step.
+        step: u64,
+        /// Id of the particle.
+        id: u32,
+    },
+    /// Faster than sound: the fluid is stiff no longer.
+    #[error(
+        "at t = {time:.6} s, step {step}: particle {id} near ({:.4}, {:.4}, {:.4}) moves at {speed:.4} m/s, and sound at {sound_speed:.4} m/s; raise `numerics.sound_speed`, shorten the step with `numerics.time_step_factor`, or look what hits the water there",
+        at[0], at[1], at[2]
+    )]
+    Supersonic {
+        /// s.
+        time: f64,
+        /// Number of the step.
+        step: u64,
+        /// Id of the particle.
+        id: u32,
+        /// m.
+        at: [f64; 3],
+        /// m/s.
+        speed: f64,
+        /// m/s.
+        sound_speed: f64,
+    },
+    /// Energy came from nowhere.
+    #[error(
+        "at t = {time:.6} s, step {step}: {gained:.4e} J came from nowhere within {steps} steps, where all that moved or was strained had {before:.4e} J; shorten the step with `numerics.time_step_factor`, lower `contact_stiffness` of the materials, or look for blocks and water that start inside each other"
+    )]
+    EnergyFromNowhere {
+        /// s.
+        time: f64,
+        /// Number of the step.
+        step: u64,
+        /// J.
+        gained: f64,
+        /// J.
+        before: f64,
+        /// Steps that it took.
+        steps: u64,
+    },
+    /// Water left the domain in masses.
+    #[error(
+        "at t = {time:.6} s, step {step}: {count} particles left the domain within {steps} steps, and {left} are left; close `domain` with walls or enlarge it"
+    )]
+    Drained {
+        /// s.
+        time: f64,
+        /// Number of the step.
+        step: u64,
+        /// Number.
+        count: u64,
+        /// Number remaining.
+        left: usize,
+        /// Steps that it took.
+        steps: u64,
+    },
+    /// A step too small to get anywhere.
+    #[error(
+        "at t = {time:.6} s, step {step}: the step fell to {dt:e} s, limited by {cause:?}; {remedy}"
+    )]
+    Stalled {
+        /// s.
+        time: f64,
+        /// Number of the step.
+        step: u64,
+        /// s.
+        dt: f64,
+        /// Governing limit.
+        cause: Cause,
+        /// Remedy.
+        remedy: &'static str,
+    },
+}
+
+impl StepError {
+    /// Whether a shorter step may help.
+    pub fn is_of_the_step(&self) -> bool {
+        match self {
+            Self::Fluid { .. }
+            | Self::Blocks { .. }
+            | Self::NoVelocity { .. }
+            | Self::Supersonic { .. }
+            | Self::EnergyFromNowhere { .. } => true,
+            Self::Drained { .. }
+            | Self::Left { .. }
+            | Self::AtPlane { .. }
+            | Self::Stalled { .. } => false,
+        }
+    }
+}

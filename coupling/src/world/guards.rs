@@ -1,0 +1,143 @@
+//! Guards of a step: its limits, and states that no step may leave behind.
+
+use riprap_sph::Vec3;
+
+use crate::world::time_step::{Cause, Limits, TimeStep};
+use crate::world::{StepError, World};
+
+/// Largest speed of a particle over that of sound.
+const LARGEST_MACH: f64 = 1.0;
+
+/// The part of the duration below which a step is refused.
+const SMALLEST_STEP_SHARE: f64 = 1e-9;
+
+impl World {
+    /// Limits of the step at the present state.
+    pub fn limits(&self) -> Limits {
+        let mut common = Vec::with_capacity(4);
+        if let Some(water) = &self.water {
+            let fluid = water.fluid.step_limits();
+            common.push((Cause::Sound, fluid.sound));
+            common.push((Cause::Viscosity, fluid.viscosity));
+            common.push((Cause::Force, fluid.force));
+            let wall = water
+                .interface
+                .critical_time_step(water.fluid.particle_mass());
+            common.push((Cause::Wall, wall));
+        }
+        Limits {
+            common,
+            blocks: self.blocks.critical_time_step().dt,
+        }
+    }
+
+    /// Steps that sound and blocks would bear at the present state before they grow, where the limits above are safe; s.
+    /// Many times the work of [`Self::limits`].
+    pub fn stability(&self) -> Vec<(Cause, f64)> {
+        let mut borne = Vec::new();
+        if let Some(water) = &self.water {
+            let settings = water.fluid.settings();
+            let flow = settings.sound_speed + water.fluid.max_speed();
+            let sound = settings.sound_stability();
+            borne.extend(sound.map(|dt| (Cause::Sound, dt * settings.sound_speed / flow)));
+        }
+        let blocks = self.blocks.stability_limit();
+        borne.extend((blocks < f64::INFINITY).then_some((Cause::Contact, blocks)));
+        borne
+    }
+
+    /// The step that the state asks for; without fluid at most a thousandth of `duration` (s).
+    ///
+    /// # Errors
+    ///
+    /// [`StepError::Stalled`] when it is too small to get anywhere.
+    pub fn next_step(&self, duration: f64) -> Result<TimeStep, StepError> {
+        self.next_step_within(duration, 1.0)
+    }
+
+    /// The same, within a share of the limits of blocks and water.
+    ///
+    /// # Errors
+    ///
+    /// As [`Self::next_step`].
+    pub fn next_step_within(&self, duration: f64, share: f64) -> Result<TimeStep, StepError> {
+        let limits = self.limits().within(share);
+        let ceiling = 1e-3 * duration * share;
+        let step = limits.choose(self.water.is_some(), self.progress.clock.last_dt, ceiling);
+        if step.dt < SMALLEST_STEP_SHARE * duration || step.dt.is_nan() {
+            return Err(StepError::Stalled {
+                time: self.progress.clock.time,
+                step: self.progress.clock.steps,
+                dt: step.dt,
+                cause: step.cause,
+                remedy: remedy(step.cause),
+            });
+        }
+        Ok(step)
+    }
+
+    pub(super) fn record_extremes(&mut self) {
+        let Some(water) = &self.water else { return };
+        let fluid = &water.fluid;
+        let extremes = &mut self.progress.extremes;
+        let spacing = water.interface.settings().particle_spacing;
+        let mach = fluid.max_speed() / fluid.settings().sound_speed;
+        extremes.max_mach = extremes.max_mach.max(mach);
+        for touch in water.interface.touches() {
+            extremes.max_wall_penetration_over_spacing = extremes
+                .max_wall_penetration_over_spacing
+                .max(-touch.distance / spacing);
+        }
+        extremes.pair_interactions += fluid.n_pairs();
+        extremes.particle_steps += fluid.n_receivers();
+        extremes.particle_steps_awake += fluid.n_awake() as u64;
+        extremes.particle_steps_of_all += fluid.particles().len() as u64;
+    }
+
+    /// Refuses velocities that no fluid has: NaN, or above the speed of sound.
+    pub(super) fn check_speeds(&self) -> Result<(), StepError> {
+        let Some(water) = &self.water else {
+            return Ok(());
+        };
+        let (fluid, particles) = (&water.fluid, water.fluid.particles());
+        let (time, step) = (self.progress.clock.time, self.progress.clock.steps);
+        // the work of viscosity is a sum over all velocities: one NaN makes it NaN
+        if !fluid.viscous_loss().is_finite() {
+            let is_bad = |v: &Vec3| !v.norm_squared().is_finite();
+            let bad = particles.velocity.iter().position(is_bad);
+            return Err(StepError::NoVelocity {
+                time,
+                step,
+                id: bad.map_or(0, |a| particles.id[a]),
+            });
+        }
+        let sound_speed = fluid.settings().sound_speed;
+        if fluid.max_speed() <= LARGEST_MACH * sound_speed {
+            return Ok(());
+        }
+        let speeds = particles.velocity.iter().map(|v| v.norm()).enumerate();
+        let fastest = speeds.max_by(|a, b| a.1.total_cmp(&b.1));
+        let (a, speed) = fastest.unwrap_or_default();
+        Err(StepError::Supersonic {
+            time,
+            step,
+            id: particles.id[a],
+            at: particles.position[a].into(),
+            speed,
+            sound_speed,
+        })
+    }
+}
+
+fn remedy(cause: Cause) -> &'static str {
+    match cause {
+        Cause::Sound => "lower `numerics.sound_speed` or coarsen `fluid.resolution`",
+        Cause::Viscosity => {
+            "lower `fluid.dynamic_viscosity`, `numerics.viscosity` or the regularization of `fluid.rheology`, or coarsen `fluid.resolution`"
+        }
+        Cause::Force => "something hits the water too hard: look at the last frame",
+        Cause::Wall => "lower `interface.penalty_stiffness`",
+        Cause::Contact => "lower `contact_stiffness` of the materials or remove slivers",
+        Cause::Duration | Cause::Growth => "look at the last frame",
+    }
+}
