@@ -108,8 +108,8 @@ impl<'a> Run<'a> {
         let mut world = build(scene)?;
         world.keep_accounts(&observers::accounts(scene, &world));
         let start = match plan.from {
-            None => Start::Anew,
-            Some(_) => Start::Again,
+            None => Start::New,
+            Some(_) => Start::Resume,
         };
         let settles = world.water.is_some() && 0.0 < scene.file.time.settle;
         let stage = match settles {

@@ -368,7 +368,7 @@ fn twenty_gauges_cost_next_to_nothing() {
     let (mut world, folder) = world(&tank("Three", &gauges.join(", ")));
     let (scene, _) = scene::load(&folder.path().join("scene.ron"), &[]).unwrap();
     let mut observer =
-        riprap::observe::gauges::Gauges::new(folder.path(), &scene, &world, Start::Anew).unwrap();
+        riprap::observe::gauges::Gauges::new(folder.path(), &scene, &world, Start::New).unwrap();
     let (mut steps, mut looks) = (0.0, 0.0);
     for _ in 0..60 {
         let start = Instant::now();

@@ -883,7 +883,7 @@ fn what_has_overtopped_is_beyond_the_line() {
     let case = tank(folder.path(), region, further);
     let (scene, _) = riprap::scene::load(&case, &[]).unwrap();
     let mut world = run::build(&scene).unwrap();
-    let mut gauges = Gauges::new(folder.path(), &scene, &world, Start::Anew).unwrap();
+    let mut gauges = Gauges::new(folder.path(), &scene, &world, Start::New).unwrap();
     while world.time() < 0.4 {
         if gauges.is_due(&world) {
             gauges.observe(&world).unwrap();

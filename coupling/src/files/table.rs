@@ -61,9 +61,9 @@ pub struct Table {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Start {
     /// Start: previous content is discarded.
-    Anew,
+    New,
     /// Continuation: the content stays until it is [cut](Table::cut) to the length at the checkpoint.
-    Again,
+    Resume,
 }
 
 impl Table {
@@ -72,7 +72,7 @@ impl Table {
     /// # Errors
     /// [`TableError::Name`] for a name or unit that would break the header, [`TableError::Io`] if writing fails.
     pub fn create(path: &Path, columns: &[Column]) -> Result<Self, TableError> {
-        Self::open(path, columns, Start::Anew)
+        Self::open(path, columns, Start::New)
     }
 
     /// Creates the file, or opens it to continue.
@@ -91,8 +91,8 @@ impl Table {
             });
         }
         let file = match start {
-            Start::Anew => File::create(path).map_err(TableError::io("create", path))?,
-            Start::Again => File::options()
+            Start::New => File::create(path).map_err(TableError::io("create", path))?,
+            Start::Resume => File::options()
                 .write(true)
                 .open(path)
                 .map_err(TableError::io("go on with", path))?,
@@ -103,7 +103,7 @@ impl Table {
             n_columns: columns.len(),
             length: 0,
         };
-        if start == Start::Anew {
+        if start == Start::New {
             table.line(&headers)?;
         }
         Ok(table)

@@ -89,7 +89,7 @@ impl OverviewData {
     }
 
     /// Plots bounce heights and run-out of the tracked blocks.
-    pub fn note_trajectories(&mut self, trajectories: &Trajectories) {
+    pub fn add_trajectories(&mut self, trajectories: &Trajectories) {
         let run_outs = trajectories.run_outs();
         if run_outs.is_empty() {
             return;
@@ -98,14 +98,14 @@ impl OverviewData {
     }
 
     /// Draws the maps.
-    pub fn note_maps(&mut self, maps: &Maps) {
+    pub fn add_maps(&mut self, maps: &Maps) {
         if let Some(plan) = &mut self.overview.plan {
-            plan::take_maps(plan, maps);
+            plan::add_maps(plan, maps);
         }
     }
 
     /// Takes the view at the start, also from above, and once at the middle.
-    pub fn note_view(&mut self, world: &World) {
+    pub fn add_view(&mut self, world: &World) {
         let due = match self.overview.snapshots.len() {
             0 => 0.0,
             1 => 0.5 * self.duration,
@@ -113,13 +113,13 @@ impl OverviewData {
         };
         if due <= world.time() {
             if self.overview.snapshots.is_empty() {
-                self.look_from_above(world);
+                self.add_plan_view(world);
             }
             self.overview.snapshots.push(snapshot(world));
         }
     }
 
-    fn look_from_above(&mut self, world: &World) {
+    fn add_plan_view(&mut self, world: &World) {
         if let Some(plan) = &mut self.overview.plan {
             plan.views.push(plan::from_above(plan, world));
         }
@@ -137,7 +137,7 @@ impl OverviewData {
         subtitle: String,
     ) -> Result<PathBuf, ObserveError> {
         self.overview.snapshots.push(snapshot(world));
-        self.look_from_above(world);
+        self.add_plan_view(world);
         self.overview.subtitle = subtitle;
         self.read_records(folder)?;
         // terms absent from the scene are omitted from the legend

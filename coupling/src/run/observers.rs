@@ -54,7 +54,7 @@ impl Observers {
                 None => None,
                 Some(asked) => {
                     let chosen = asked.chosen(scene, world);
-                    Some(Forces::new(folder, asked, (&chosen, world), start)?)
+                    Some(Forces::new(folder, asked, &chosen, world, start)?)
                 }
             },
             trajectories: match &scene.file.trajectories {
@@ -65,7 +65,7 @@ impl Observers {
             masses: if scene.file.masses.is_empty() {
                 None
             } else {
-                Some(Masses::new(folder, scene, world, (ledger_interval, start))?)
+                Some(Masses::new(folder, scene, world, ledger_interval, start)?)
             },
             overview: OverviewData::new(scene, world),
         })
@@ -120,7 +120,7 @@ impl Observers {
 
     /// Calls the observers that are due.
     pub fn observe(&mut self, world: &World) -> Result<(), ObserveError> {
-        self.overview.note_view(world);
+        self.overview.add_view(world);
         for observer in self.all_mut().filter(|observer| observer.is_due(world)) {
             observer.observe(world)?;
         }
@@ -138,12 +138,12 @@ impl Observers {
             None => Ok(()),
             Some(trajectories) => {
                 let finished = trajectories.finish(world);
-                self.overview.note_trajectories(trajectories);
+                self.overview.add_trajectories(trajectories);
                 finished
             }
         };
         if let Some(maps) = &self.maps {
-            self.overview.note_maps(maps);
+            self.overview.add_maps(maps);
         }
         self.overview.write(folder, world, subtitle)?;
         followed

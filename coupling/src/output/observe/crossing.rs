@@ -31,7 +31,7 @@ impl Crossing {
 
     /// Volume since the first sample (m³), and mean discharge since the last one (m³/s). The next sample follows within
     /// `interval` (s).
-    pub(super) fn look(&mut self, fluid: &Fluid, time: f64, interval: f64) -> [f64; 2] {
+    pub(super) fn update(&mut self, fluid: &Fluid, time: f64, interval: f64) -> [f64; 2] {
         let particles = fluid.particles();
         let way = fluid.settings().sound_speed * interval.max(time - self.time.unwrap_or(time));
         let places = particles.id.iter().zip(&particles.position);

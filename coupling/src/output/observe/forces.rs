@@ -128,7 +128,8 @@ impl Forces {
     pub fn new(
         folder: &Path,
         asked: &ForcesFile,
-        (chosen, world): (&[usize], &World),
+        chosen: &[usize],
+        world: &World,
         start: Start,
     ) -> Result<Self, ObserveError> {
         let names = SOURCES.iter().chain(&["gained", "residual"]);

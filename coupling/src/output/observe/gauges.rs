@@ -238,7 +238,7 @@ impl Gauge {
             })),
             Self::Overtopping(crossing) => {
                 let passed = fluid.map_or([f64::NAN; 2], |fluid| {
-                    crossing.look(fluid, world.time(), interval)
+                    crossing.update(fluid, world.time(), interval)
                 });
                 row.extend(passed);
             }

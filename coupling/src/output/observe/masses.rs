@@ -50,7 +50,8 @@ impl Masses {
         folder: &Path,
         scene: &Scene,
         world: &World,
-        (interval, start): (f64, Start),
+        interval: f64,
+        start: Start,
     ) -> Result<Self, ObserveError> {
         let mut columns = vec![Column::new("time", "s")];
         let mut members = Vec::new();

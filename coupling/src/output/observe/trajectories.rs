@@ -199,7 +199,7 @@ impl Observer for Trajectories {
             track.bounce_height = track.bounce_height.max(height);
             track.max_speed = track.max_speed.max(track.end_speed);
             track.max_kinetic_energy = track.max_kinetic_energy.max(kinetic_energy);
-            track.note_height(height, self.stretch);
+            track.record_height(height, self.stretch);
             self.row.clear();
             self.row
                 .extend([world.time(), track.block as f64, x.x, x.y, x.z]);
@@ -253,7 +253,7 @@ impl Track {
         (self.end - self.start).xy().norm()
     }
 
-    fn note_height(&mut self, height: f64, stretch: f64) {
+    fn record_height(&mut self, height: f64, stretch: f64) {
         let k = (self.run_out() / stretch) as usize;
         if self.highest.len() <= k {
             self.highest.resize(k + 1, f64::NAN);

@@ -88,7 +88,7 @@ fn mark(gauge: &GaugeFile) -> Option<Mark> {
 }
 
 /// Takes the final maps.
-pub(super) fn take_maps(plan: &mut Plan, maps: &Maps) {
+pub(super) fn add_maps(plan: &mut Plan, maps: &Maps) {
     plan.maps = Some(maps.extremes());
 }
 

@@ -18,7 +18,7 @@ use super::results::finest_run;
 /// Margin of the budget for measured settings: on another build or machine agitated water gives another realization.
 const MARGIN_OF_MEASURED: f64 = 1.1;
 /// Margin of the budget for predicted settings; measured on the shipped studies, see `tests/coupling/budget.rs`.
-const MARGIN_OF_FORETOLD: f64 = 1.4;
+const MARGIN_OF_PREDICTED: f64 = 1.4;
 /// Margin on the gain of the nearest run over the first settings.
 const DOUBT_OF_GAIN: f64 = 0.2;
 /// Floor of deviations in divisions; –.
@@ -28,11 +28,11 @@ const LEAST_DEVIATION: f64 = 1e-4;
 pub struct Expected {
     /// Index of the value of each knob.
     pub choice: Vec<usize>,
-    /// Relative.
+    /// Relative error.
     pub error: f64,
-    /// Pair interactions, a contact as a thousand.
+    /// Work in pair interactions; a contact counts as a thousand.
     pub work: f64,
-    /// Whether a run has shown it.
+    /// Whether it was measured by a run.
     pub is_measured: bool,
 }
 
@@ -42,17 +42,17 @@ impl Expected {
         self.error
             * match self.is_measured {
                 true => MARGIN_OF_MEASURED,
-                false => MARGIN_OF_FORETOLD,
+                false => MARGIN_OF_PREDICTED,
             }
     }
 }
 
 /// The candidate with the least work whose error is expected within the budget, margins kept; else, as an error, the one
-/// with the least error. None of either where nothing is known of any.
+/// with the least error, or `None` without any prediction.
 ///
 /// # Errors
 ///
-/// The best there is, where it does not meet the budget.
+/// The best candidate, if it does not meet the budget.
 pub fn choose(
     study: &StudyFile,
     known: &[Outcome],
@@ -130,7 +130,7 @@ pub fn expect(study: &StudyFile, known: &[Outcome], choice: &[usize]) -> Option<
     .filter(|expected| expected.error.is_finite() && expected.work.is_finite())
 }
 
-/// Of the runs that reached their end with an error those that differ in the fewest knobs, and of these the most accurate.
+/// The most accurate of the complete runs that differ in the fewest knobs.
 fn nearest<'a>(known: &'a [Outcome], choice: &[usize]) -> Option<&'a [usize]> {
     let distance = |found: &Outcome| {
         let pairs = found.choice.iter().zip(choice);
@@ -144,7 +144,7 @@ fn nearest<'a>(known: &'a [Outcome], choice: &[usize]) -> Option<&'a [usize]> {
         .map(|(_, _, choice)| choice)
 }
 
-/// Of a value of a knob, the others at their first values.
+/// Effect of a value of a knob, the others at their first values.
 fn turned(study: &StudyFile, known: &[Outcome], knob: usize, value: usize) -> Option<Alone> {
     let mut single = vec![0; study.knobs.len()];
     single[knob] = value;
@@ -164,7 +164,7 @@ struct Alone {
     work: f64,
 }
 
-/// Of a run that was made and reached its end.
+/// Effect measured by a complete run.
 fn alone(study: &StudyFile, known: &[Outcome], choice: &[usize]) -> Option<Alone> {
     let found = known.iter().find(|found| found.choice == choice)?;
     let error = found.error.filter(|_| found.is_stable)?;
@@ -184,7 +184,7 @@ fn alone(study: &StudyFile, known: &[Outcome], choice: &[usize]) -> Option<Alone
     })
 }
 
-/// Of a value of a knob that is a number, between its neighbors that were run; linear over its logarithm.
+/// Effect of a numerical value between its neighbors that were run; linear in its logarithm.
 fn between(study: &StudyFile, known: &[Outcome], knob: usize, value: usize) -> Option<Alone> {
     let values = &study.knobs[knob].values;
     let at = values[value].at?;

@@ -36,7 +36,7 @@ pub enum ExecuteError {
     Io {
         /// Operation that failed.
         what: &'static str,
-        /// Where.
+        /// The file or folder.
         path: PathBuf,
         /// Error of the operating system.
         source: io::Error,

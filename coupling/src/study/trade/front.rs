@@ -3,21 +3,21 @@
 /// Cost of a run, in any unit, and its error; both above zero.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Point {
-    /// Of wall time, or of work.
+    /// Wall time, or work.
     pub cost: f64,
-    /// Relative.
+    /// Relative error.
     pub error: f64,
 }
 
 impl Point {
-    /// Whether both are numbers above zero: others have no place on logarithmic axes and say nothing of a trade.
+    /// Whether both are finite and positive, as logarithmic axes require.
     fn is_measured(&self) -> bool {
         [self.cost, self.error]
             .iter()
             .all(|x| x.is_finite() && 0.0 < *x)
     }
 
-    /// Whether another is no better in either and worse in one.
+    /// Pareto dominance: as good in both, better in one.
     fn beats(&self, other: &Self) -> bool {
         self.cost <= other.cost && self.error <= other.error && self != other
     }
@@ -41,7 +41,7 @@ pub fn front(points: &[Point]) -> Vec<usize> {
     found
 }
 
-/// A straight line through logarithms: `y = factor · x^exponent`.
+/// Straight line in logarithms: `y = factor · x^exponent`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PowerLaw {
     /// –
@@ -51,7 +51,7 @@ pub struct PowerLaw {
 }
 
 impl PowerLaw {
-    /// By least squares through pairs of numbers above zero; none through fewer than two different `x`.
+    /// Least-squares fit through pairs of positive numbers; `None` for fewer than two different `x`.
     pub fn fit(pairs: impl Iterator<Item = (f64, f64)>) -> Option<Self> {
         let logarithms: Vec<(f64, f64)> = pairs
             .filter(|(x, y)| 0.0 < *x && 0.0 < *y && x.is_finite() && y.is_finite())
@@ -78,7 +78,7 @@ impl PowerLaw {
     }
 }
 
-/// By which factor the error changes for each doubling of the cost, along one knob; none where the cost hardly changes.
+/// Factor of the error per doubling of the cost along one knob; `None` if the cost hardly changes.
 pub fn error_per_doubling(points: &[Point]) -> Option<f64> {
     let measured = points.iter().filter(|p| p.is_measured());
     let costs = || measured.clone().map(|p| p.cost);
@@ -93,7 +93,7 @@ pub fn error_per_doubling(points: &[Point]) -> Option<f64> {
     Some(2_f64.powf(law.exponent))
 }
 
-/// Below it a slope through logarithms says more of the noise than of the knob: kernels, precision, diffusion.
+/// Smallest ratio of costs for a slope: below it noise dominates, as with kernels, precision, diffusion.
 const LEAST_CHANGE_OF_COST: f64 = 1.5;
 
 /// Roache's grid convergence index of the finest of three values.
@@ -103,12 +103,12 @@ pub struct Convergence {
     pub order: f64,
     /// Richardson's limit, in the unit of the values.
     pub limit: f64,
-    /// Relative to the finest value, with a safety factor of 1.25.
+    /// Grid convergence index relative to the finest value, with a safety factor of 1.25.
     pub index: f64,
 }
 
-/// Observed order, limit and grid convergence index of three values by spacing, coarse to fine (m); none where they do not
-/// come closer from one side.
+/// Observed order, limit and grid convergence index of three values by spacing, coarse to fine (m); `None` without
+/// monotonic convergence.
 ///
 /// ```text
 /// p = |ln(e₃₂/e₂₁) + ln((r₂₁^p − 1)/(r₃₂^p − 1))| / ln r₂₁      limit = f₁ + (f₁ − f₂)/(r₂₁^p − 1)

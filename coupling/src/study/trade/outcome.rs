@@ -4,7 +4,7 @@ use serde::Deserialize;
 
 use super::front::Point;
 
-/// Pair interactions that cost as much as the update of one contact between blocks, by the speeds in benches/RESULTS.md:
+/// Pair interactions at the cost of one contact update, by the speeds in benches/RESULTS.md:
 /// 3e8 pairs and 3e5 contacts a second and core.
 const PAIRS_PER_CONTACT: f64 = 1e3;
 
@@ -13,11 +13,11 @@ const PAIRS_PER_CONTACT: f64 = 1e3;
 pub struct Outcome {
     /// Index of the value of each knob.
     pub choice: Vec<usize>,
-    /// Of its folder.
+    /// Name of its folder.
     pub key: String,
-    /// The number that the study is about; none of a run that did not reach it, or where the truth is a record.
+    /// Evaluated quantity; `None` for an incomplete run, or if the reference is a record.
     pub value: Option<f64>,
-    /// Relative; none of what has no value, and of the truth itself.
+    /// Relative error; `None` without a value, and for the reference itself.
     pub error: Option<f64>,
     /// Whether the run reached its end.
     pub is_stable: bool,
@@ -31,7 +31,7 @@ pub struct Outcome {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
 #[serde(default)]
 pub struct Cost {
-    /// On one thread, settling and output included; s.
+    /// Wall time on one thread, settling and output included; s.
     pub wall_time: f64,
     /// Largest memory held; bytes.
     pub peak_memory: f64,
@@ -49,7 +49,7 @@ pub struct Cost {
 pub type CostOf = fn(&Cost) -> f64;
 
 impl Cost {
-    /// The same on any machine: pair interactions, and contacts as so many of them.
+    /// Work, independent of the machine: pair interactions, with contacts converted to them.
     pub fn work(&self) -> f64 {
         self.pair_interactions + PAIRS_PER_CONTACT * self.contact_updates
     }

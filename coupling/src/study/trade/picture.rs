@@ -1,17 +1,17 @@
-//! Pictures of plots for where drawings cannot be shown.
+//! PNG pictures of plots.
 
 use resvg::{tiny_skia, usvg};
 
-/// Pixels for a unit of the drawing.
+/// Pixels per unit of the drawing.
 const SCALE: f32 = 2.0;
 
 /// Error of rendering a plot.
 #[derive(Debug, thiserror::Error)]
 pub enum PictureError {
-    /// The drawing is not one.
+    /// Invalid SVG.
     #[error("the plot cannot be read: {0}")]
     Drawing(#[from] usvg::Error),
-    /// It is too large.
+    /// Excessive size.
     #[error("no memory for a picture of {width} by {height} pixels")]
     Size {
         /// Pixels.
@@ -19,12 +19,12 @@ pub enum PictureError {
         /// Pixels.
         height: u32,
     },
-    /// It cannot be packed.
+    /// Failed compression.
     #[error("the picture cannot be encoded: {0}")]
     Png(String),
 }
 
-/// The bytes of a PNG file of a drawing, with the sans-serif letters of the system; without letters where it has none.
+/// PNG file of an SVG drawing, with the sans-serif font of the system; without text if there is none.
 ///
 /// # Errors
 ///

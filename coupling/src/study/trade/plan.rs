@@ -13,17 +13,17 @@ use crate::scene::estimate::Estimate;
 use crate::scene::parse::{self, Override};
 use crate::scene::resolve::Scene;
 
-/// Most runs that a study may ask for: more is a slip of the pen.
+/// Largest number of runs of a study: more is a typing error.
 const MOST_RUNS: usize = 10_000;
 
-/// A study that was read and makes sense.
+/// A checked study.
 #[derive(Clone, Debug)]
 pub struct Study {
     /// As written.
     pub file: StudyFile,
-    /// Where it stands.
+    /// Its file.
     pub path: PathBuf,
-    /// For errors in their place.
+    /// Its text, for the location of errors.
     text: String,
     /// Runs in the order of the design: the first has the first value of every knob.
     pub runs: Vec<Planned>,
@@ -36,26 +36,26 @@ pub struct Planned {
     pub choice: Vec<usize>,
     /// Overrides, in order.
     pub overrides: Vec<Override>,
-    /// Number of the block that the output is of, where it is of one.
+    /// Index of the block of the output, if it concerns one.
     pub block: Option<usize>,
-    /// Equal for equal scenes and programs, and the name of the run's folder.
+    /// Name of the run's folder: equal for equal scenes and programs.
     pub key: String,
-    /// Expected to be held; bytes.
+    /// Estimated memory; bytes.
     pub memory: u64,
 }
 
 impl Study {
-    /// Reads a study and resolves the scenes that it asks for.
+    /// Reads a study and resolves its scenes.
     ///
     /// # Errors
     ///
-    /// [`SceneError`] with every problem in its place, in the study or in the scene that a value makes.
+    /// [`SceneError`] with every problem in its place, in the study or in one of its scenes.
     pub fn load(path: &Path) -> Result<Self, SceneError> {
         let (file, text) = read(path)?;
         Self::of(file, path, text)
     }
 
-    /// A study that stands at a path and says this; resolves the scenes that it asks for.
+    /// Study with a given schema and text; resolves its scenes.
     ///
     /// # Errors
     ///
@@ -93,7 +93,7 @@ impl Study {
         Err(SceneError::from_problems(&name, &self.text, problems))
     }
 
-    /// Values of the knobs of the runs to add to those of which this was found; none where the design has no more.
+    /// Values of the knobs of further runs, given the outcomes so far; empty if the design is complete.
     pub fn next(&self, all: &[Outcome]) -> Vec<Vec<usize>> {
         let DesignFile::Search { runs } = self.file.design else {
             return Vec::new();
