@@ -1,9 +1,9 @@
-"""Rock and water against what theory says, under the three kinds of walls.
+"""Rock and water against theory, with the three wall methods.
 
     python3 benches/coupling.py [ROW ...] --riprap target/release/riprap --runs runs/benches --walls Penalty,Particles,Integral
 
-Prints a table of errors and the seconds of processor each run took, and draws each row into `coupling_ROW.svg`. Scenes are
-`benches/coupling/*.ron` and four of `cases/`; their heads say what is right and whence. Wants numpy and matplotlib.
+Prints a table of errors and the CPU seconds of each run, and plots each row in `coupling_ROW.svg`. Scenes are
+`benches/coupling/*.ron` and four of `cases/`; their headers have the solution and its source. Needs numpy and matplotlib.
 """
 
 import json
@@ -26,7 +26,7 @@ RHO, G = 1000.0, 9.81
 
 
 def runs(args, case, name, settings=()):
-    """Runs of a case by kind of wall, those that could be made; each knows the seconds of processor it took."""
+    """Runs of a case by wall method, if possible, each with its CPU seconds."""
     made = {walls: run(args, case, walls, name, settings) for walls in WALLS}
     return {walls: one for walls, one in made.items() if one is not None}
 
@@ -44,7 +44,7 @@ def of_block(made, name, block):
 
 
 def load(rows):
-    """Force and moment of the water by forces.csv: by pressure, shear, and where particles stop."""
+    """Force and moment of the water by forces.csv: by pressure, shear, and stopped particles."""
     return {c: sum(rows[f"{source}_{c}"] for source in ("pressure", "shear", "pushed_back")) for c in
             ("fx", "fy", "fz", "mx", "my", "mz")}
 
@@ -54,7 +54,7 @@ def summary(made):
 
 
 def row(name, asked, found, say):
-    """A row of the table: what `say` has to say of each run, and its seconds."""
+    """A row of the table: the text of `say` for each run, and its seconds."""
     def cell(walls):
         if walls not in found:
             return "-"
@@ -76,7 +76,7 @@ def percent(ratio):
 
 
 def smooth_mean(values):
-    """Mean weighted by a Hann window: what swings adds nothing, whatever part of a swing is cut off."""
+    """Mean weighted by a Hann window, which suppresses oscillations at any phase."""
     weights = np.hanning(len(values) + 2)[1:-1]
     return float(np.sum(weights * values) / np.sum(weights))
 
@@ -89,7 +89,7 @@ def risings(t, x):
 
 
 def turned(first, second):
-    """Axis and angle (degrees) of a turn followed by another, each axis and angle."""
+    """Axis and angle (degrees) of a rotation followed by another, each axis and angle."""
     def quaternion(axis, angle):
         half = math.radians(angle) / 2
         return math.cos(half), math.sin(half) * np.array(axis, float)
@@ -98,7 +98,7 @@ def turned(first, second):
     return v / np.linalg.norm(v), math.degrees(2 * math.acos(s))
 
 
-# --- rows: each returns lines of the table and draws its plot
+# --- rows: each returns lines of the table and makes its plot
 
 
 def submerged_bodies():
@@ -123,7 +123,7 @@ def submerged_bodies():
     return {
         "cube": ("Box(min: (0.14, 0.14, 0.14), max: (0.38, 0.38, 0.38))", as_drawn, size**3),
         "icosahedron": (f"Hull(points: [{hull}])", as_drawn, 5 / 12 * (3 + math.sqrt(5)) * (2 * scale) ** 3),
-        # blunt: walls of particles have no screens here
+        # blunt: not a thin solid for walls of particles
         "prism of 60 degrees": (wedge(blunt), as_drawn, size**3 * math.sqrt(3) / 4),
         "wedge, edge up": (wedge(up), as_drawn, prism),
         "wedge, edge down": (wedge([(x, -z) for x, z in up]), as_drawn, prism),
@@ -163,7 +163,7 @@ def submerged(args):
 
 
 def submerged_plane(args):
-    """Polygons in a plane: squares turned by some angles, triangles of 60 degrees and of 30, 60 and 90."""
+    """Polygons in two dimensions: squares rotated by some angles, triangles of 60 degrees and of 30, 60 and 90."""
     size = 0.24
     square = [(-size / 2, -size / 2), (size / 2, -size / 2), (size / 2, size / 2), (-size / 2, size / 2)]
     blunt = [(-size / 2, -size / math.sqrt(12)), (size / 2, -size / math.sqrt(12)), (0, size / math.sqrt(3))]
@@ -241,7 +241,7 @@ def floating_boxes(args):
 
 
 def radiation(omega, half, gap, depth, n=60):
-    """Added mass and damping per width of a rectangle of width 2 `half`, `gap` over the bed, that heaves in a plane.
+    """Added mass and damping per width of a rectangle of width 2 `half`, `gap` over the bed, heaving in two dimensions.
 
     Matched eigenfunctions. Under the box, z from the bed:
         φ = (z² − x²)/(2 gap) + Σ A_n cosh(μ_n x)/cosh(μ_n half) cos(μ_n z),   μ_n = n π/gap
@@ -278,7 +278,7 @@ def radiation(omega, half, gap, depth, n=60):
 
 
 def decay(ratio, times, start):
-    """Heave (m) of a box 0.4 m wide, 0.2 m high of a density ratio in water 0.5 m deep, let go `start` above its draft.
+    """Heave (m) of a box 0.4 m wide, 0.2 m high of a density ratio in water 0.5 m deep, released `start` above its draft.
 
         z(t) = start + 2/π ∫ Re V(ω) sin(ωt)/ω dω,   V = −c start/(c − ω² (m + a) − i ω b)
     """
@@ -289,7 +289,7 @@ def decay(ratio, times, start):
     for w in omega:
         added, damping = radiation(w, 0.2, 0.5 - draft, 0.5, 40)
         speed.append((-spring * start / (spring - w**2 * (mass + added) - 1j * w * damping)).real)
-    # down to ω = 0 the integrand goes on as it begins
+    # toward ω = 0 the integrand is extrapolated
     weights = np.full(len(omega), omega[1] - omega[0])
     weights[0], weights[-1] = 0.5 * weights[0] + omega[0], 0.5 * weights[-1]
     return start + 2 / np.pi * np.sin(np.outer(times, omega)) @ (weights * np.array(speed) / omega)
@@ -297,7 +297,7 @@ def decay(ratio, times, start):
 
 def turns(t, x, about):
     """Times and values of the lowest point before three quarters of a time and of the highest point after it before 1.4 of it, by
-    parabolas; a Hann window of 60 ms takes sound off."""
+    parabolas; a Hann window of 60 ms removes sound."""
     width = int(round(0.06 / (t[1] - t[0])))
     window = np.hanning(width + 2)[1:-1]
     x = np.convolve(np.pad(x, width, mode="edge"), window / window.sum(), mode="same")[width:-width]
@@ -371,11 +371,11 @@ def paddle_work(args):
 
 
 def paddle(args, settle):
-    """The row without and with so many seconds in which the water comes to rest; the plot is that with."""
+    """The row without and with a number of seconds of settling; the plot is that with settling."""
     found = runs(args, SCENES / "paddle_work.ron", f"paddle_work_{settle}", [f"time.settle={settle}"])
 
     def by_gauge(made):
-        """Work of the force that the gauge recorded."""
+        """Work of the recorded force."""
         g = columns(made, "gauges.csv")
         t, f = g["time"], -g["paddle.fluid_fx"]
         x = of_block(made, "blocks.csv", 0)
@@ -416,7 +416,7 @@ def column(args):
         density = 1000 / (ratio * 0.4)
         settings = [f"materials.rock.density={density:g}", f"time.duration={6.2 * period:.6f}"]
         found = runs(args, SCENES / "column.ron", f"column_{ratio}", settings)
-        # at rest; before, the block is where it was put
+        # at rest; earlier, the block is at its initial position
         down = G * density * 0.4 / (RHO * 60**2) if density else 0
 
         def say(made):
@@ -448,7 +448,7 @@ def released(args):
 
 
 def let_go(args, settle):
-    """The row without and with so many seconds in which the water comes to rest; the plot is that with."""
+    """The row without and with a number of seconds of settling; the plot is that with settling."""
     lines = []
     made_figure, panels = figure(3, 1.8)
     start = 5 * 0.5 / 88.6
@@ -477,7 +477,7 @@ def let_go(args, settle):
 
 
 def through(made):
-    """How many particles are on the other side of the plate at the end, from left and from right."""
+    """Number of particles on the other side of the plate at the end, from left and from right."""
     frames = [vtk_arrays(path) for path in sorted(made.folder.glob("water_*.vtp"))]
     left = {i: x < 0.41 for i, x in zip(frames[0]["Id"], frames[0]["Points"][:, 0])}
     now = [(left[i], x < 0.41) for i, x in zip(frames[-1]["Id"], frames[-1]["Points"][:, 0])]
@@ -538,7 +538,7 @@ def momentum(args):
 
     def history(made):
         """Times; change of momentum and of its moment about the origin since the first frame over 128 kg m/s (an arm of
-        1 m); share of the block, and its turning."""
+        1 m); share of the block, and its rotation."""
         n = summary(made)["fluid_particles"]
         particle = summary(made)["fluid_mass"][0] / n
         times, sums, given = [], [], []
@@ -591,7 +591,7 @@ def crest_block(args):
 
 
 def crests(args, name, depth):
-    """First crests of a scene of the paper, which has no exact answer: the three kinds of walls beside each other."""
+    """First crests of a scene of the paper, without exact solution: comparison of the three wall methods."""
     found = runs(args, CASES / f"{name}.ron", f"crest_{name}", ["numerics.preset=Standard"])
     gauges = ("g1", "g2", "g3")
 
@@ -631,7 +631,7 @@ def convergence_block(args):
 
 
 def convergence(args, name, depth, all_rows, own_rows, settings):
-    """First crests of a scene of the paper by rows of water over its depth, of which the scene itself has `own_rows`."""
+    """First crests of a scene of the paper by rows of water over its depth, where the scene itself has `own_rows`."""
     def one(rows):
         if rows == own_rows:
             return runs(args, CASES / f"{name}.ron", f"crest_{name}", ["numerics.preset=Standard"])
@@ -681,7 +681,7 @@ def limit(spacings, values):
         order = abs(math.log(coarse / fine) + math.log((r21**order - 1) / (r32**order - 1))) / math.log(r21)
         if not 0 < order < 50:
             return f"{said}; no order"
-    # an order above the scheme's says that the spacings are not small enough yet: it may not narrow the limit
+    # an order above the scheme's shows that the spacings are too large: it must not narrow the limit
     gain = r21 ** min(order, 2) - 1
     end = f1 - fine / gain
     return f"{said}; order {order:.1f}, limit {1000 * end:.0f} mm, uncertainty {125 * abs(fine / f1) / gain:.0f} %"

@@ -34,7 +34,7 @@ def main():
     sources = [run.rsplit("=", 1) for run in runs]
     until = next((float(label) for source, label in sources if source == "until"), None)
     tables = [(label, table(source), source.endswith(".csv")) for source, label in sources if source != "until"]
-    # forces on blocks have a dot in their name; they are not of one point
+    # forces on blocks have a dot in their name; they do not belong to a point
     gauges = [name for name in tables[0][1] if "." not in name][1:]
     figure, panels = plt.subplots(len(gauges), 1, sharex=True, figsize=(7, 1.4 * len(gauges)), squeeze=False)
     for name, panel in zip(gauges, panels[:, 0]):

@@ -1,29 +1,29 @@
 #!/usr/bin/env python3
-"""Rock and water against the laboratory under every kind of wall: runs, a table and plots.
+"""Rock and water against laboratory experiments with every wall method: runs, a table and plots.
 
     python3 benches/laboratory.py [ROW ...] --riprap PATH --runs DIR --records DIR --walls Penalty,Particles,Integral
 
 Rows are ellipse, ellipse_free, falling_block, floating_block, cosine_block, cube, heave_sphere and submarine_body; their
-scenes stand in cases/ and benches/laboratory/, each with its source. Prints `row | asked | W1 | W2 | W3` with errors and CPU
-seconds, and draws `plots/laboratory_ROW.png`: pictures, as drawn records of others are not to be had back as data.
+scenes are in cases/ and benches/laboratory/, each with its source. Prints `row | required | W1 | W2 | W3` with errors and CPU
+seconds, and plots `plots/laboratory_ROW.png`: raster images, from which records of others cannot be recovered as data.
 
-Records are not part of this repository. `--records` is a folder of your own with any of these CSV files, in it or in folders
-within; a row without its record is compared with what its scene quotes, or given as measured.
+Records are not part of this repository. `--records` is a folder of your own with any of these CSV files, in it or in its
+subfolders; a row without record is compared with the values quoted in its scene, or given as measured.
 
-    SG3_IS5_motion.csv        t_s, com_x_m, com_y_m: way of the block; and for the other runs of the ellipse
+    SG3_IS5_motion.csv        t_s, com_x_m, com_y_m: displacement of the block; also for the other runs of the ellipse
     SG3_IS5_eta_t.csv         t_s, eta_x0.5_m to eta_x4.5_m: free surface at the gauges
     falling_block_exp.csv     t_s, y_m: height of the center
     floating_block_exp.csv    t_s, y_m: height of the center
     Case_A_gauges.csv         t_s, g1_mm, g2_mm: free surface
-    one_cube_exp_x.csv        t_s, x_m: place of the cube's center
+    one_cube_exp_x.csv        t_s, x_m: position of the cube's center
     heave_codes.csv           t_s, NREL_CFD and other codes: heave, m
     d61_gauges.csv            t_s, g1ave_mm to g4ave_mm: free surface
 
-Levels: the mean before the wave is taken off, of a run that of the first 0.1 s, of a record that of the first 0.1 s or, where
-it begins before the release, that before. Extremes, of runs and records alike: the parabola of least squares through what
-lies within 0.07 s of the highest or lowest value in a window of time. Arrival is the time of an extreme. Errors of heights are
-of the record's height, those of times of the record's time. Windows: the leading trough of the ellipse is the lowest value
-until PASSED, its crest the highest before that; those of other rows stand beside their gauges.
+Levels: the mean before the wave is subtracted, for a run that of the first 0.1 s, for a record that of the first 0.1 s or, if
+it starts before the release, that before. Extremes, of runs and records alike: least-squares parabola through the samples
+within 0.07 s of the highest or lowest value in a time window. Arrival is the time of an extreme. Errors of heights are
+relative to the record's height, those of times to the record's time. Windows: the leading trough of the ellipse is the lowest value
+until PASSED, its crest the highest before that; those of other rows are given with their gauges.
 """
 
 import importlib.util
@@ -56,7 +56,7 @@ class Run(shared.Run):
     """A run folder and the CPU seconds it took."""
 
     def series(self, name, start):
-        """Time and a column of a table, as arrays without what is empty; of blocks, that of the first."""
+        """Time and a column of a table, as arrays without empty cells; for blocks, that of the first."""
         time = np.array(self.column(name, "time"))
         values = np.array(self.column(name, start))
         there = np.isfinite(values)
@@ -66,13 +66,13 @@ class Run(shared.Run):
         return time[there], values[there]
 
     def note(self):
-        """What the run cost, and when it ended early."""
+        """Cost of the run, and time of an early end."""
         early = "" if self.code == 0 else f"; ended early at {self.column('energy.csv', 'time')[-1]:.2f} s"
         return f"{self.cpu:.0f} s{early}"
 
 
 def run(args, scene, walls, name, settings=()):
-    """The run of a scene under one kind of wall, if there is one."""
+    """The run of a scene with one wall method, if available."""
     made = shared.run(args, scene, walls, name, settings)
     return made and Run(made.folder)
 
@@ -86,15 +86,15 @@ def record(args, name):
 
 
 def settled(walls, time):
-    """Settings of runs in a plane: with penalty walls the water sinks by a spacing in the first 0.05 s, and so settles."""
+    """Settings of runs in two dimensions: with penalty walls the water sinks by a spacing in the first 0.05 s, so it settles first."""
     return [f"time.settle={time}"] if walls == "Penalty" else []
 
 
-# what is read off ---------------------------------------------------------------------------------------------------------
+# evaluation -------------------------------------------------------------------------------------------------------------
 
 
 def levelled(time, values, until=0.1):
-    """Values less their mean up to a time."""
+    """Values minus their mean up to a time."""
     before = time <= max(until, time[0])
     return values - values[before].mean()
 
@@ -127,17 +127,17 @@ def percent(found, asked):
 
 
 def apart(time, values, times, asked, shift=0.0):
-    """Root mean square of a series from points, once it is moved by a time."""
+    """Root mean square difference of a series from points, with a time shift."""
     return float(np.sqrt(np.mean((np.interp(times, time + shift, values) - asked) ** 2)))
 
 
 def best_shift(time, values, times, asked, most=0.1):
-    """The shift of time, up to a most, with the least root mean square."""
+    """The time shift, up to a limit, with the least root mean square difference."""
     return min(np.arange(-most, most + 1e-9, 0.005), key=lambda shift: apart(time, values, times, asked, shift))
 
 
 def grid(n_rows, n_columns, width=2.4, height=1.5):
-    """A figure of panels that share their axis of time."""
+    """A figure of panels with a common time axis."""
     made, panels = plt.subplots(n_rows, n_columns, sharex=True, squeeze=False,
                                 figsize=(max(6.5, width * n_columns), max(2.6, height * n_rows)))
     for panel in panels.flat:
@@ -149,7 +149,7 @@ def grid(n_rows, n_columns, width=2.4, height=1.5):
 
 
 def save(args, made, row):
-    """Writes a figure as a picture."""
+    """Writes a figure as an image."""
     args.plots.mkdir(parents=True, exist_ok=True)
     made.tight_layout()
     made.savefig(args.plots / f"laboratory_{row}.png", dpi=110, metadata={"Software": None})
@@ -157,7 +157,7 @@ def save(args, made, row):
 
 
 def legend(panel):
-    """Names of what is drawn, if anything is."""
+    """Legend of the curves, if any."""
     if not panel.get_legend_handles_labels()[1]:
         return
     panel.legend(fontsize=6, loc="best", frameon=False)
@@ -166,7 +166,7 @@ def legend(panel):
 # rows ---------------------------------------------------------------------------------------------------------------------
 
 GAUGES = (0.5, 1.5, 2.5, 3.5, 4.5)
-# until when the leading trough has passed each of them
+# time until which the leading trough has passed each of them
 PASSED = (1.6, 2.5, 3.3, 3.7, 4.2)
 # SG3_IS5 as its scene quotes it: time and height of crests and troughs; s, m
 QUOTED = {"SG3_IS5": [((0.42, 0.0041), (0.95, -0.0226)), ((1.23, 0.0130), (1.75, -0.0314)),
@@ -228,12 +228,12 @@ def heights(found, asked, which):
     return f"{', '.join(errors)} %, times within {100 * abs(late[worst]) / times[worst]:.0f} % ({max(map(abs, late)):.2f} s)"
 
 
-# run, friction, sealed: the first two fitted on the way of SG3_IS5, the last blind
+# run, friction, sealed: the first two fitted to the displacement of SG3_IS5, the last blind
 FREE = [("SG3_IS5", 0.02, False), ("SG3_IS5", 0.008, True), ("SG2_IS5", 0.02, False)]
 
 
 def ellipse_free(args):
-    """The half ellipse let go, with a friction fitted on the way of one run."""
+    """The released half ellipse, with a friction fitted to the displacement of one run."""
     scenes = module("ellipse")
     folder = args.runs / "scenes"
     folder.mkdir(parents=True, exist_ok=True)
@@ -295,7 +295,7 @@ def ellipse_free(args):
 
 
 def lift(flume, x, z):
-    """How far a free block's centroid is above where it is with both ends of its base on the bed; m."""
+    """Elevation of a free block's centroid above its position with both ends of its base on the bed; m."""
     middle = flume.centroid(flume.outline()[1:-1])
     lying = np.array([flume.place(middle, flume.chord(rear)) for rear in np.arange(-0.3, 5, 0.005)])
     slope = np.gradient(lying[:, 1], lying[:, 0])
@@ -303,12 +303,12 @@ def lift(flume, x, z):
 
 
 def falling_block(args):
-    """The falling block; the record's origin is moved so that it ends on the floor."""
+    """The falling block; the record's origin is shifted so that it ends on the floor."""
     return tank(args, "falling_block", 0.010, 0.4)
 
 
 def floating_block(args):
-    """The block let go on the floor."""
+    """The block released on the floor."""
     return tank(args, "floating_block", None, 1.5)
 
 
@@ -342,7 +342,7 @@ def tank(args, row, rest, until):
 
 
 def height_of_block(ran, panel, kind, measured, rest):
-    """Draws the height of a block and says how far it is off; `rest` is that of one which ends on the floor."""
+    """Plots the height of a block and returns its error; `rest` is that of a block that ends on the floor."""
     walls, style, spacing = kind
     time, height = ran.series("blocks.csv", "z [")
     panel.plot(time, 1e3 * height, color=shared.COLORS[walls], ls=style, lw=0.8,
@@ -438,7 +438,7 @@ def cube(args):
     return table
 
 
-# extrema of the computation that solves the most: time, heave; s, m
+# extrema of the most complete computation: time, heave; s, m
 HEAVE = [(2.23, -0.869), (4.45, 0.637), (6.63, -0.469), (8.81, 0.349)]
 
 
@@ -519,7 +519,7 @@ ROWS = {one.__name__: one for one in (ellipse, ellipse_free, falling_block, floa
 
 
 def main():
-    """Runs what is asked for and prints the table."""
+    """Runs the requested rows and prints the table."""
     args = shared.arguments(__doc__.splitlines()[0], ROWS, records=True)
     table = [["row", "asked", *shared.WALLS.values()]]
     for row in args.rows:

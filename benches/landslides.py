@@ -1,15 +1,15 @@
-"""Landslide tsunamis: against formulas, from spacing to spacing, with the water asleep, and how energy is handed on.
+"""Landslide tsunamis: comparison with formulas, convergence, sleeping water, and energy transfer.
 
     python3 benches/landslides.py [ROW ...] --riprap target/release/riprap --runs runs/landslides
 
-Prints a table for each row: asked, measured, processor seconds. Runs that are there already are taken as they are. Scenes are those of
-`cases/` with some fields set, and a channel that is written here. Wants nothing beside Python.
+Prints a table for each row: required, measured, CPU seconds. Existing runs are reused. Scenes are those of
+`cases/` with some fields set, and a channel defined here. Needs only Python.
 
     still       fjord and reservoir without their slides, 60 s after settling: speed of the water over sqrt(g H), volume
     masses      a rigid, a jointed and a granular slide of equal mass and speed into a channel, against Heller & Hager (2010)
     spacings    the fjord at three spacings: first crest and run-up, with the grid convergence index
-    sleeping    the fjord with water and blocks that sleep, and without
-    energy      where the potential energy of the slides went
+    sleeping    the fjord with and without sleep of water and blocks
+    energy      balance of the potential energy of the slides
 """
 
 import argparse
@@ -30,7 +30,7 @@ COARSE = "fluid.resolution=Spacing(15)"
 
 
 class Run:
-    """A run folder and the seconds of processor it took."""
+    """A run folder and its CPU seconds."""
 
     def __init__(self, folder):
         self.folder = folder
@@ -40,7 +40,7 @@ class Run:
             sys.exit(f"{folder}: {self.summary['stop_reason']}")
 
     def table(self, name):
-        """Columns of one of its tables, by name without unit; what is empty is NaN."""
+        """Columns of one of its tables, by name without unit; empty cells are NaN."""
         with open(self.folder / name, newline="") as file:
             head, *rows = list(csv.reader(file))
         columns = zip(*([float(x) if x else math.nan for x in row] for row in rows))
@@ -48,7 +48,7 @@ class Run:
 
 
 def run(args, name, case, *settings):
-    """The run of a case, made unless it is there."""
+    """The run of a case, executed unless it exists."""
     folder = args.runs / name
     if not (folder / "ended").exists():
         command = [args.riprap, "run", str(case), "-o", str(folder), "--force", "--quiet", "--allow-outside"]
@@ -74,12 +74,12 @@ def table(head, rows):
 
 
 def highest(times, values):
-    """The highest value and when it comes."""
+    """The highest value and its time."""
     return max((value, time) for time, value in zip(times, values) if not math.isnan(value))
 
 
 def first_crest(times, values, threshold):
-    """The first maximum above a threshold that the surface comes down from by a tenth, and when."""
+    """The first maximum above a threshold followed by a drop of a tenth, and its time."""
     best = (-math.inf, math.nan)
     for time, value in zip(times, values):
         if value > best[0]:
@@ -117,7 +117,7 @@ def still(args):
     table(["still", "rms speed over sqrt(gH): start, most, end", "center of mass", "escaped", "cpu s"], rows)
 
 
-# A channel of still water with a ramp, made so that the numbers of Heller & Hager are in the range of their tests.
+# A channel of still water with a ramp, with the parameters of Heller & Hager in the range of their tests.
 DEPTH, WIDTH, LENGTH, SPACING = 0.3, 0.16, 4.5, 0.02
 ANGLE = math.radians(45)
 SLIDE_LENGTH, THICKNESS, SPEED, ROCK = 0.4, 0.12, 2.5, 2500.0
@@ -127,7 +127,7 @@ SPLASH_ENDS = 2.2  # m; jets of jointed slides come down before, and gauges coun
 
 
 def on_ramp(along, off):
-    """A place by its way up the ramp from the shoreline and its distance from the ramp; x and z in m."""
+    """A point by its distance up the ramp from the shoreline and its distance from the ramp; x and z in m."""
     return (-along * math.cos(ANGLE) + off * math.sin(ANGLE), along * math.sin(ANGLE) + off * math.cos(ANGLE))
 
 
@@ -176,7 +176,7 @@ def rigid():
 
 
 def jointed():
-    """The same rock in 5 by 2 by 2 blocks, a block each in the list: all have the speed of the slide."""
+    """The same rock in 5 by 2 by 2 blocks, all with the speed of the slide."""
     blocks = []
     for i in range(5):
         for j in range(2):
@@ -192,7 +192,7 @@ def jointed():
 
 
 def spheres():
-    """Balls of the same mass in rows of three by three, a little apart."""
+    """Spheres of the same mass in rows of three by three, slightly apart."""
     volume = SLIDE_LENGTH * THICKNESS * WIDTH
     count = round(volume / (math.pi / 6 * BALL**3))
     pitch = 1.04 * BALL
@@ -234,7 +234,7 @@ def masses(args):
 
 
 def spacings(args):
-    """The fjord at three spacings that divide its depth, each 1.4 times finer or so."""
+    """The fjord at three spacings that divide its depth, each about 1.4 times finer."""
     rows, found = [], []
     for spacing in (15, 10.909, 8):
         made = run(args, f"fjord_{spacing:g}", CASES / "fjord_rockslide.ron", f"fluid.resolution=Spacing({spacing})")
@@ -247,7 +247,7 @@ def spacings(args):
     (coarse, of_coarse), (middle, of_middle), (fine, of_fine) = found
     uncertainty = []
     for a, b, c in zip(of_coarse, of_middle, of_fine):
-        # order observed, within what the scheme can have; grid convergence index of the finest, safety factor 1.25 (Roache 1994)
+        # observed order, limited to that of the scheme; grid convergence index of the finest, safety factor 1.25 (Roache 1994)
         ratio = math.log(middle / fine)
         order = abs(math.log(abs((a - b) / (b - c)))) / ratio if b != c and a != b else 1.0
         order = min(max(order, 0.5), 2.0)
@@ -257,7 +257,7 @@ def spacings(args):
 
 
 def slab(motion):
-    """The blocks of the fjord with a slab, half of it in the ground, that goes down the western slope into the water."""
+    """The blocks of the fjord with a slab, half of it in the ground, that moves down the western slope into the water."""
     down = math.radians(42)
     corners = []
     for along, off in ((0, -20), (0, 20), (-250, 20), (-250, -20)):
@@ -268,8 +268,8 @@ def slab(motion):
 
 
 def sleeping(args):
-    """The fjord, coarse, with the open water asleep until a wave comes, and all awake. What makes the wave moves as it is told: how
-    hundreds of blocks fall is a matter of the last digit, and moves crests by a twentieth."""
+    """The fjord, coarse, with the open water asleep until a wave arrives, and all awake. The motion of the slide is prescribed, since the
+    fall of hundreds of blocks depends on round-off, which changes crests by a twentieth."""
     stroke, takes, down = 170.0, 10.0, math.radians(42)
     args.runs.mkdir(parents=True, exist_ok=True)
     motion = (args.runs / "slab.csv").resolve()
@@ -296,7 +296,7 @@ def sleeping(args):
 
 
 def energy(args):
-    """Where the energy went, as shares of what the slide lost in height."""
+    """Energy balance, relative to the potential energy lost by the slide."""
     rows = []
     for name, case, setting in [("fjord_15", "fjord_rockslide", COARSE), ("reservoir_7", "reservoir_overtopping", "fluid.resolution=Spacing(7)")]:
         made = run(args, name, CASES / f"{case}.ron", setting)

@@ -1,6 +1,6 @@
-"""What the benches of coupling share: runs of one scene under several walls, their tables, and plots of them.
+"""Common parts of the coupling benches: runs of one scene with several wall methods, tables and plots.
 
-Runs that are there already are taken as they are: a bench that was broken off goes on where it was.
+Existing runs are reused, so that an interrupted bench continues.
 """
 
 import argparse
@@ -19,7 +19,7 @@ COLORS = {"Penalty": "tab:orange", "Particles": "tab:blue", "Integral": "tab:gre
 
 
 def arguments(description, rows, records=False):
-    """Command line of a bench; `rows` are the names of what it can run, `records` whether it takes measured ones."""
+    """Command line of a bench; `rows` are the available rows, `records` whether it uses measured records."""
     parser = argparse.ArgumentParser(description=description)
     parser.add_argument("rows", nargs="*", metavar="ROW", help=f"of {', '.join(rows)}; all when left out")
     parser.add_argument("--riprap", default="target/release/riprap", help="the program")
@@ -39,7 +39,7 @@ def arguments(description, rows, records=False):
 
 
 class Run:
-    """A run folder, what the program returned and the seconds of processor it took."""
+    """A run folder, the exit status and the CPU seconds."""
 
     def __init__(self, folder):
         self.folder = folder
@@ -47,11 +47,11 @@ class Run:
         self.code, self.cpu = int(code), float(cpu)
 
     def columns(self, name):
-        """Columns of one of its tables, by name with unit; what is empty is NaN."""
+        """Columns of one of its tables, by name with unit; empty cells are NaN."""
         return columns(self.folder / name)
 
     def column(self, name, start):
-        """The column of a table whose name starts so."""
+        """The column of a table with a name prefix."""
         found = [column for column in self.columns(name) if column.startswith(start)]
         if len(found) != 1:
             raise KeyError(f"{self.folder / name}: {len(found)} columns start with {start!r}")
@@ -59,7 +59,7 @@ class Run:
 
 
 def columns(path):
-    """Columns of a CSV file with one line of names; lines that start with # are left out."""
+    """Columns of a CSV file with one line of names; lines that start with # are skipped."""
     with open(path, newline="") as file:
         rows = [row for row in csv.reader(line for line in file if not line.startswith("#")) if row]
     return {
@@ -69,7 +69,7 @@ def columns(path):
 
 
 def run(args, case, walls, name, settings=()):
-    """The run of a case under one kind of wall: made unless it is there, or not wanted; None if there is none."""
+    """The run of a case with one wall method, executed unless it exists or is not requested; None if unavailable."""
     folder = args.runs / f"{name}_{WALLS[walls]}"
     done = folder / "ended"
     if not done.exists() and walls in args.walls and not args.draw_only:
@@ -89,7 +89,7 @@ def run(args, case, walls, name, settings=()):
 
 
 def figure(n_panels, height=1.6):
-    """A figure of panels one above the other that share their axis of time."""
+    """A figure of stacked panels with a common time axis."""
     made, panels = plt.subplots(n_panels, 1, sharex=True, figsize=(7, max(2.4, height * n_panels)), squeeze=False)
     for panel in panels[:, 0]:
         panel.tick_params(labelsize=7)
@@ -107,7 +107,7 @@ def save(args, made, name):
 
 
 def table(rows):
-    """Prints a table as in RESULTS.md: first row the heads."""
+    """Prints a table as in RESULTS.md, with the headings first."""
     head, *body = rows
     print("| " + " | ".join(head) + " |")
     print("|" + "---|" * len(head))

@@ -1,4 +1,4 @@
-"""What the shipped studies say together: presets, knobs, and the published scheme against ours.
+"""Summary of the shipped studies: presets, knobs, and the published scheme against ours.
 
     python3 benches/trade.py --results benches/trade/results --plots benches/plots
 
@@ -34,7 +34,7 @@ TITLES = {
 
 
 class Run:
-    """A row of a table: what is turned, value, error, cost."""
+    """A row of a table: knob, value, error, cost."""
 
     def __init__(self, row, knobs, base):
         self.turned = {knob: row[knob] for knob in knobs if row[knob] != base[knob]}
@@ -53,7 +53,7 @@ class Run:
 
 
 def read(path):
-    """Runs of a study, the one with the first value of every knob first."""
+    """Runs of a study, starting with the one at the first value of every knob."""
     with open(path, newline="") as file:
         rows = list(csv.DictReader(file))
     heads = list(rows[0])
@@ -62,7 +62,7 @@ def read(path):
 
 
 def front(runs):
-    """Those that no other beats in both work and error, by work."""
+    """Pareto front by work and error, in order of work."""
     best, found = float("inf"), []
     for run in sorted((r for r in runs if np.isfinite(r.error)), key=lambda r: r.work):
         if run.error < best:
@@ -102,7 +102,7 @@ def knobs(studies):
 
 
 def draw(studies, path):
-    """Error against work: ours with its front, the published scheme at three spacings."""
+    """Error against work: our scheme with its front, the published scheme at three spacings."""
     shown = [name for name in TITLES if name in studies]
     columns = 4
     rows = -(-len(shown) // columns)

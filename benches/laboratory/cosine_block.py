@@ -5,7 +5,7 @@
     python3 cosine_block.py outline
 
 The speed down the incline is linear between KNOTS, fitted to the displacement measured by Zhou & Teng (2010), case A, read
-from images at 29 Hz: 3 mm off. After 0.72 s the record has no more; the block stands still from then on.
+from images at 29 Hz: 3 mm off. The record ends at 0.72 s; the block is at rest from then on.
 """
 
 import math
@@ -14,14 +14,14 @@ import sys
 # time, speed down the incline; s, m/s
 KNOTS = [(0, 0), (0.08, 0.11), (0.51, 1.18), (0.72, 1.02), (0.735, 0), (2.5, 0)]
 DIP = math.radians(10)
-# a full cosine, with which the authors replace one of 0.457 m cut off at 0.394 m
+# a full cosine, by which the authors replace one of 0.457 m truncated at 0.394 m
 HEIGHT, LENGTH = 0.019, 0.455
-# the middle of the top, x from the shoreline; the block goes on below its base, into the incline; m
+# the middle of the top, x from the shoreline; the block extends below its base, into the incline; m
 MIDDLE, SKIRT = 0.618, 0.02
 
 
 def way(time):
-    """Down the incline; m."""
+    """Displacement down the incline; m."""
     total = 0.0
     for (t0, v0), (t1, v1) in zip(KNOTS, KNOTS[1:]):
         t = min(max(time, t0), t1)
@@ -30,7 +30,7 @@ def way(time):
 
 
 def outline(n=8):
-    """Corners of the block where it starts, straight outside of where the cosine is steepest, so that it is convex; m."""
+    """Corners of the block at its initial position, straight beyond the steepest points of the cosine, so that it is convex; m."""
     steepest = 0.25 * LENGTH
     tip = steepest + 0.5 * LENGTH / math.pi
     arc = [steepest * (k / n - 1) for k in range(2 * n + 1)]

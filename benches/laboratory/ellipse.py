@@ -4,22 +4,22 @@
     python3 ellipse.py FOLDER
 
 Sue, Nokes & Walters (2006), Sci. Tsunami Hazards 24, 267-287, and Sue's thesis (Canterbury, NZ). SG1 to SG5 are specific
-gravities of the block, IS5 to IS2 starts from shallow to deep. Everything is that of the case but where the block starts and
-how it goes: its speed along the bed is linear between knots fitted to each measured way, the largest error of the way up to
-4.4 s beside it. `free` writes the same block let go on the ramp, with its base on it and water below its front.
+gravities of the block, IS5 to IS2 starts from shallow to deep. All is as in the case except the start and the motion of
+the block: its speed along the bed is linear between knots fitted to each measured displacement, with the largest error of the
+displacement up to 4.4 s noted. `free` writes the same block released on the ramp, with its base on it and water below its front.
 
 The submergence published, d = 0.05 to 0.2 m, is said to be that of the center of mass; in the records it is that of the top
-within 2 mm, for all starts. Blocks start where their record starts.
+within 2 mm, for all starts. Blocks start at the start of their record.
 
 Measured, walls of particles: crests and troughs mostly 10 to 40 % too high, those of the slowest block (SG1_IS5) up to 63 %,
-arrival within 5 % but for that one (9 %) and the deepest start (15 %). SG1_IS5 with 7 mm for 10 mm: crests at 2.5 to 4.5 m
-+30, +40, +45 % for +38, +55, +67 %, the trough at 2.5 m no better. Still for 1 s before: within 6 % of the same. SG3_IS5 with
-a block 5 % flatter, so that its volume is that published, 2.419 l, and not that of half an ellipse: 5 to 8 % lower. Integrals
+arrival within 5 % except for that one (9 %) and the deepest start (15 %). SG1_IS5 with 7 mm for 10 mm: crests at 2.5 to 4.5 m
++30, +40, +45 % for +38, +55, +67 %, the trough at 2.5 m no better. After 1 s at rest: within 6 % of the same. SG3_IS5 with
+a block 5 % flatter, so that its volume is the published one, 2.419 l, instead of that of half an ellipse: 5 to 8 % lower. Integrals
 make waves 1 to 18 % higher than particles; penalty walls make troughs up to 168 % too deep.
 
-Let go, with water in the joint under it and a friction of 0.02 fitted on SG3_IS5, the block is within 4 % of its way until
-2.4 s; the same friction is 6 to 12 % short on SG2_IS5 from 0.8 s on. Its waves are too high by up to 53 %, and it comes off
-the bed by 6 to 17 mm on the bend and after. Sealed, with 0.008, it stays behind and stops at the end of the bend.
+Released, with water in the joint beneath it and a friction of 0.02 fitted to SG3_IS5, the block is within 4 % of its displacement
+until 2.4 s; the same friction is 6 to 12 % short for SG2_IS5 from 0.8 s on. Its waves are too high by up to 53 %, and it lifts off
+the bed by 6 to 17 mm on the bend and after. Sealed, with 0.008, it lags and stops at the end of the bend.
 """
 
 import importlib.util
@@ -37,7 +37,7 @@ MOTIONS = {
                          (4.76, 0.362), (6, 0)]),
     "SG2_IS5": (0.2965, [(0, 0), (0.68, 0.743), (1.45, 1.31), (1.73, 0.908), (2.23, 0.986), (2.88, 0.766), (3.11, 0.84),
                          (4.96, 0.326), (6, 0)]),
-    # that of the case
+    # as in the case
     "SG3_IS5": None,
     "SG4_IS5": (0.2975, [(0, 0), (0.58, 0.835), (1.25, 1.647), (1.42, 1.282), (1.71, 1.369), (3.02, 0.75), (3.84, 0.572),
                          (4.73, 0)]),
@@ -55,7 +55,7 @@ SECTION = 2.419e-3 / 0.25
 
 
 def flume(name):
-    """Numbers and functions of landslide_flume.py, for another run."""
+    """Parameters and functions of landslide_flume.py, for another run."""
     module = importlib.util.module_from_spec(NUMBERS)
     NUMBERS.loader.exec_module(module)
     if MOTIONS[name]:
@@ -76,7 +76,7 @@ def table(module):
 
 
 def polygon(corners):
-    """As a scene has it."""
+    """Polygon in the format of a scene."""
     return "[" + ", ".join(f"({x:.5f}, {z:.5f})" for x, z in corners) + "]"
 
 
@@ -89,7 +89,7 @@ def text(name, block):
 
 
 def prescribed(name, folder):
-    """Writes scene and motion of one run, as measured; gives the scene's path."""
+    """Writes scene and measured motion of one run; returns the scene's path."""
     module = flume(name)
     start = next(module.poses())[1]
     corners = polygon(module.place(corner, start) for corner in module.outline())
@@ -102,7 +102,7 @@ def prescribed(name, folder):
 
 
 def free(name, folder, friction, sealed):
-    """Writes the scene of one run with the block let go; gives its path."""
+    """Writes the scene of one run with the block released; returns its path."""
     module = flume(name)
     start = next(module.poses())[1]
     outline = module.outline()[1:-1]

@@ -14,17 +14,17 @@ import sys
 SPEED, ACCELERATION = 1.696, 1.194
 DIP = math.radians(15)
 LENGTH, WIDTH, HEIGHT, E = 0.395, 0.680, 0.082, 0.717
-# where the middle of the base is, x from the shoreline; the body goes on below it, into the slope; m
+# position of the middle of the base, x from the shoreline; the body extends below it, into the slope; m
 MIDDLE, SKIRT = 0.551, 0.06
 
 
 def way(time):
-    """Down the slope; m."""
+    """Displacement down the slope; m."""
     return SPEED**2 / ACCELERATION * math.log(math.cosh(time * ACCELERATION / SPEED))
 
 
 def contour(share, n=20):
-    """Points where the body has a share of its height: along, across, up; m."""
+    """Points at a fraction of the height of the body: along, across, up; m."""
     level, c = E + (1 - E) * share, math.acosh(1 / E)
     if share == 1:
         yield 0, 0, HEIGHT
@@ -40,7 +40,7 @@ def contour(share, n=20):
 
 
 def points():
-    """Of the body where it starts; m."""
+    """Position of the body at the start; m."""
     foot = [(q, y, -SKIRT) for q, y, _ in contour(0)]
     for q, y, h in [*foot, *(p for share in (0, 0.3, 0.6, 0.85) for p in contour(share)), (0, 0, HEIGHT)]:
         yield (MIDDLE + q * math.cos(DIP) + h * math.sin(DIP), y,
