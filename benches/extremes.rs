@@ -1,8 +1,9 @@
-//! How far the engine can be pushed: every extreme is swept until it fails.
+//! Limits of the engine: every extreme is swept until it fails.
 //!
-//! `cargo bench -p riprap --bench extremes` runs all of them, prints a row for each and writes `benches/EXTREMES.md`: what
-//! was pushed, how far it holds, what happens past it, what theory says. With words after `--` it runs the rows whose name or
-//! subject has one of them, and only prints, `-- X04 friction`; with `write` among them it puts these rows into the table. `-- long` runs the long ones at their full length.
+//! `cargo bench -p riprap --bench extremes` runs all of them, prints a row for each and writes `benches/EXTREMES.md`: the
+//! swept parameter, its limit, the behavior beyond, and theory. With words after `--` it runs the rows with one of them in their
+//! name or subject, and only prints, `-- X04 friction`; with `write` among them it updates these rows of the table. `-- long` runs
+//! the long ones at full length.
 #![expect(clippy::print_stdout, reason = "a benchmark reports")]
 
 #[path = "extremes/contact.rs"]

@@ -73,9 +73,9 @@ impl Display for Row {
         };
         writeln!(out, "{} {}", self.id, self.pushed)?;
         for (name, text) in [
-            ("swept", &self.swept),
+            ("range", &self.swept),
             ("holds to", &self.holds),
-            ("past it", &self.past),
+            ("beyond", &self.past),
             ("theory", &self.theory),
             ("measured", &self.measured),
             ("verdict", &verdict),
@@ -87,7 +87,7 @@ impl Display for Row {
 }
 
 impl Row {
-    /// Its first two cells, which name it, and all of them.
+    /// Its first two cells, which identify it, and all of them.
     fn line(&self) -> (String, String) {
         let verdict = match &self.missed {
             None => "holds".to_owned(),
@@ -108,7 +108,7 @@ impl Row {
     }
 }
 
-/// The table, with rows in place of those of the same name that it had: all, or those that were run again.
+/// The table, in which new rows replace those of the same name: all, or those that were rerun.
 pub fn table(before: &str, rows: &[Row]) -> String {
     let mut lines: Vec<String> = before
         .lines()
@@ -138,10 +138,10 @@ pub fn table(before: &str, rows: &[Row]) -> String {
         .count();
     format!(
         "# Extremes\n\n\
-         Every quantity is pushed until something fails: how far it holds, what happens past it, what theory says. Written by\n\
-         `cargo bench -p riprap --bench extremes`, rows again by `-- X04 write`, longer ones by `-- long X13 write`.\n\
+         Every quantity is swept until something fails: its limit, the behavior beyond, and theory. Written by\n\
+         `cargo bench -p riprap --bench extremes`, single rows by `-- X04 write`, longer ones by `-- long X13 write`.\n\
          {} rows, {missed} missed.\n\n\
-         | | pushed | swept | holds to | past it | theory | measured | verdict |\n\
+         | | parameter | range | holds to | beyond | theory | measured | verdict |\n\
          |---|---|---|---|---|---|---|---|\n{}",
         lines.len(),
         lines.concat()
