@@ -185,7 +185,8 @@ impl JointWater {
                         &samples,
                         &face.normal,
                         middle,
-                        (b, blocks.centroid(b)),
+                        b,
+                        blocks.centroid(b),
                     ));
                 }
             }
@@ -204,7 +205,8 @@ impl JointWater {
         samples: &[FaceSample],
         normal: &Vec3,
         middle: Option<f64>,
-        (block, centroid): (usize, Vec3),
+        block: usize,
+        centroid: Vec3,
     ) -> FacePoints {
         let first = self.points.len();
         for sample in samples {
@@ -411,7 +413,7 @@ impl JointWater {
         normals.clear();
         ahead.clear();
         let reach = REACH * self.spacing;
-        reached.find(&self.blocks, reach, (fluid, blocks));
+        reached.find(&self.blocks, reach, fluid, blocks);
         for (jointed, reached) in self.blocks.iter().zip(&reached.blocks) {
             let b = jointed.block;
             if !blocks.is_free(b) {
@@ -590,8 +592,7 @@ impl Surroundings<'_> {
             joint,
             water: [0.0; 2],
             beside: beside.filter(|place| self.is_open(place)),
-            is_pore: room
-                .is_some_and(|place| is_pore(&place, self.spacing, (self.blocks, self.near))),
+            is_pore: room.is_some_and(|place| self.is_pore(&place)),
         }
     }
 
@@ -604,6 +605,19 @@ impl Surroundings<'_> {
             is_opposed.then(|| (surface.distance, self.blocks.block_of_part(part) as u32))
         });
         widths.min_by(|a, b| a.0.total_cmp(&b.0))
+    }
+
+    /// Whether a place is too close to the solids for a particle.
+    fn is_pore(&self, place: &Vec3) -> bool {
+        let [alone, between] = PORE.map(|reach| reach * self.spacing);
+        let mut first = None;
+        self.near.iter().any(|&part| {
+            let Some(surface) = self.blocks.surface_point_within(part, place, between) else {
+                return false;
+            };
+            let block = self.blocks.block_of_part(part);
+            surface.distance < alone || *first.get_or_insert(block) != block
+        })
     }
 
     /// Whether a place is in the domain and in no solid.
@@ -637,7 +651,7 @@ struct ReachedBlock {
 
 impl Reached {
     /// Finds them; joints are at most `reach` (m) wide.
-    fn find(&mut self, jointed: &[Jointed], reach: f64, (fluid, blocks): (&Fluid, &Blocks)) {
+    fn find(&mut self, jointed: &[Jointed], reach: f64, fluid: &Fluid, blocks: &Blocks) {
         self.blocks.clear();
         self.queue.clear();
         for (n, jointed) in jointed.iter().enumerate() {
@@ -664,19 +678,6 @@ impl Reached {
             }
         }
     }
-}
-
-/// Whether a place is too close to solids (numbers of their parts) beside its block for a particle.
-fn is_pore(place: &Vec3, spacing: f64, (blocks, near): (&Blocks, &[usize])) -> bool {
-    let [alone, between] = PORE.map(|reach| reach * spacing);
-    let mut first = None;
-    near.iter().any(|&part| {
-        let Some(surface) = blocks.surface_point_within(part, place, between) else {
-            return false;
-        };
-        let block = blocks.block_of_part(part);
-        surface.distance < alone || *first.get_or_insert(block) != block
-    })
 }
 
 /// Whether there is any water in the cells around a box (m).

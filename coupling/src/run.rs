@@ -270,7 +270,7 @@ impl<'a> Run<'a> {
             .last_good
             .as_ref()
             .is_some_and(|good| (good.place.is_settling, good.place.steps) == (is_settling, steps));
-        let is_due = LastGoodState::is_due(steps, self.world.water.is_some());
+        let is_due = LastGoodState::is_due(steps, &self.world);
         is_due && !is_known && !self.counters.reduction.is_on(time)
     }
 
@@ -413,12 +413,7 @@ impl<'a> Run<'a> {
             let _ = self.observers.ledgers.observe_last(&self.world);
             kept
         };
-        let stop_reason = match &ending {
-            Ok(Ending::Completed) => "completed".to_owned(),
-            Ok(Ending::Interrupted) => "interrupted".to_owned(),
-            Err(error) => error.to_string(),
-        };
-        let summary = self.summary(completed, stop_reason);
+        let summary = self.summary(&ending);
         let subtitle = summary::subtitle(&summary);
         let drawn = self.observers.finish(&self.folder, &self.world, subtitle);
         // the summary is written even if the picture fails

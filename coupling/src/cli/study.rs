@@ -9,7 +9,7 @@ use std::time::Instant;
 
 use super::{Exit, report_scene_error, say, show, stop_on_signal};
 use crate::scene::estimate as memory;
-use crate::study::trade::execute::{Ended, Means, Progress, execute as run_all};
+use crate::study::trade::execute::{Ended, Executor, Means, Progress, execute as run_all};
 use crate::study::trade::outcome::Outcome;
 use crate::study::trade::plan::{Planned, Study};
 use crate::study::trade::results::{Fronts, bought, collect, front_table, table, write};
@@ -58,7 +58,13 @@ pub(crate) fn execute(arguments: &Arguments) -> Exit {
     };
     let (ended, all) = loop {
         let runner = |run: &Planned, folder: &Path| spawn(&case, run, folder);
-        let ended = run_all(&study, &folder, means, &stop, &runner, &tell);
+        let executor = Executor {
+            means,
+            stop: &stop,
+            runner: &runner,
+            tell: &tell,
+        };
+        let ended = run_all(&study, &folder, executor);
         let all = collect(&study, &folder);
         let more = match ended {
             Ok(true) => study.next(&all),

@@ -115,7 +115,11 @@ pub fn svg(overview: &Overview) -> String {
             None => VIEW_BUDGET,
             Some(_) => VIEW_BUDGET_BESIDE_PLANS,
         };
-        y = view::draw(&mut page, y, snapshots, *view, (*particle_spacing, budget));
+        let image = view::Image {
+            spacing: *particle_spacing,
+            budget,
+        };
+        y = view::draw(&mut page, y, snapshots, *view, image);
     }
     if let Some(plan) = plan {
         y = plan::draw(&mut page, y, plan, *particle_spacing);

@@ -145,7 +145,9 @@ pub fn render(
         names.push(name);
     }
     if has_povray {
-        summary.film = film(&run, &numbers, &names, &frames, options, report)?;
+        if let Some(interval) = frame_interval(&run, &numbers) {
+            summary.film = film(interval, &names, &frames, options, report)?;
+        }
     } else {
         report(&without_povray(&names, options));
     }
@@ -282,14 +284,8 @@ fn scene_text(
     ))
 }
 
-fn film(
-    run: &Recording,
-    numbers: &[usize],
-    names: &[String],
-    frames: &Path,
-    options: &RenderOptions,
-    report: &mut dyn FnMut(&str),
-) -> Result<Option<Film>, RenderError> {
+/// Mean time between frames; `None` for a single one.
+fn frame_interval(run: &Recording, numbers: &[usize]) -> Option<f64> {
     let time = |number: Option<&usize>| {
         number
             .and_then(|&n| run.frames().get(n))
@@ -297,9 +293,16 @@ fn film(
     };
     let interval =
         (time(numbers.last()) - time(numbers.first())) / (numbers.len().max(2) - 1) as f64;
-    if numbers.len() < 2 || interval.is_nan() || interval <= 0.0 {
-        return Ok(None);
-    }
+    (2 <= numbers.len() && 0.0 < interval).then_some(interval)
+}
+
+fn film(
+    interval: f64,
+    names: &[String],
+    frames: &Path,
+    options: &RenderOptions,
+    report: &mut dyn FnMut(&str),
+) -> Result<Option<Film>, RenderError> {
     if !programs::is_present(&options.ffmpeg, "-version") {
         report(
             "no film: ffmpeg was not found; the pictures are in frames/, see render/README.md for the command",

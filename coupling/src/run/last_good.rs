@@ -5,6 +5,7 @@ use std::path::Path;
 use super::Place;
 use crate::output::checkpoint_file::{self as checkpoint, Header};
 use crate::output::observe::ObserveError;
+use crate::world::World;
 
 /// Steps between two states that are kept, with water: keeping one takes less than a hundredth of the time.
 const INTERVAL_WITH_WATER: u64 = 100;
@@ -32,10 +33,10 @@ impl LastGoodState {
     }
 
     /// Whether a state is kept after so many steps: by their number, so that a resumed run keeps the same ones.
-    pub fn is_due(steps: u64, has_water: bool) -> bool {
-        steps.is_multiple_of(match has_water {
-            true => INTERVAL_WITH_WATER,
-            false => INTERVAL_OF_BLOCKS,
+    pub fn is_due(steps: u64, world: &World) -> bool {
+        steps.is_multiple_of(match world.water {
+            Some(_) => INTERVAL_WITH_WATER,
+            None => INTERVAL_OF_BLOCKS,
         })
     }
 

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use riprap_dda::Motion;
 use riprap_sph::{Fluid, Precision};
 
-use super::Run;
+use super::{Ending, Run, RunError};
 use crate::build_info::COMMIT;
 use crate::output::summary::{Summary, TimeByPhase, peak_memory};
 use crate::scene::resolve::Scene;
@@ -13,7 +13,7 @@ use crate::walls::Walls;
 use crate::world::time_step::{CAUSES, Cause};
 
 impl Run<'_> {
-    pub(super) fn summary(&self, completed: bool, stop_reason: String) -> Summary {
+    pub(super) fn summary(&self, ending: &Result<Ending, RunError>) -> Summary {
         let (world, counters, costs) = (&self.world, &self.counters, &self.costs);
         let (clock, extremes, blocks) = (world.clock(), world.extremes(), &world.blocks);
         let water = world.water.as_ref();
@@ -32,8 +32,8 @@ impl Run<'_> {
             threads: rayon::current_num_threads(),
             precision: precision(self.scene).to_owned(),
             stepping: format!("{:?}", world.stepping()),
-            completed,
-            stop_reason,
+            completed: matches!(ending, Ok(Ending::Completed)),
+            stop_reason: stop_reason(ending),
             simulated_time: world.time(),
             wall_time,
             settling_wall_time: costs.settling,
@@ -109,6 +109,14 @@ impl Run<'_> {
             guards: self.costs.guards,
             checkpoints: self.costs.checkpoints,
         }
+    }
+}
+
+fn stop_reason(ending: &Result<Ending, RunError>) -> String {
+    match ending {
+        Ok(Ending::Completed) => "completed".to_owned(),
+        Ok(Ending::Interrupted) => "interrupted".to_owned(),
+        Err(error) => error.to_string(),
     }
 }
 

@@ -10,7 +10,7 @@ use crate::cli::study::{means, spawn};
 use crate::cli::{Exit, refused, report_scene_error, say};
 use crate::scene::parse::Override;
 use crate::scene::resolve::Scene;
-use crate::study::trade::execute::{Progress, execute as run_all};
+use crate::study::trade::execute::{Executor, Progress, execute as run_all};
 use crate::study::trade::file::{DesignFile, KnobFile, StudyFile, TruthFile, ValueFile};
 use crate::study::trade::plan::{Planned, Study};
 use crate::study::trade::reading::{Reading, reading};
@@ -133,7 +133,13 @@ fn run_levels(
         say(&format!("error: {message}"));
         Exit::Failed
     };
-    let ended = run_all(&study, &folder, means(asked.jobs), stop, &runner, &tell);
+    let executor = Executor {
+        means: means(asked.jobs),
+        stop,
+        runner: &runner,
+        tell: &tell,
+    };
+    let ended = run_all(&study, &folder, executor);
     if !ended.map_err(|error| failed(error.to_string()))? {
         return Err(Exit::Interrupted);
     }

@@ -147,7 +147,7 @@ pub(super) fn draw(page: &mut Page, y: f64, plan: &Plan, spacing: f64) -> f64 {
         page.rectangle(frame, &format!("fill=\"none\" stroke=\"{INK}\""));
         layout.decorate(page, i, plan.origin);
         layout::title(page, frame, &panel.title);
-        panels::bar(page, frame, panel, (&relief, plan.origin[2]));
+        panels::bar(page, frame, panel, &relief, plan.origin[2]);
     }
     if layout.widening > 1.0 {
         let note = format!("y is drawn {} × as large as x", layout.widening);

@@ -32,18 +32,26 @@ struct Layout {
     max: [f64; 2],
 }
 
-/// Draws all snapshots from `y` down, with particles of a given spacing (m), within a budget of bytes for images and outlines;
-/// returns the next vertical position.
+/// Particles as images.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Image {
+    /// Particle spacing; m.
+    pub spacing: f64,
+    /// Size limit of images and outlines; bytes.
+    pub budget: usize,
+}
+
+/// Draws all snapshots from `y` down; returns the next vertical position.
 pub(super) fn draw(
     page: &mut Page,
     y: f64,
     snapshots: &[Snapshot],
     view: ([f64; 2], [f64; 2]),
-    (spacing, budget): (f64, usize),
+    image: Image,
 ) -> f64 {
     let layout = Layout::new(y, snapshots.len(), view);
     let top_speed = top_speed(snapshots);
-    let pictures = pictures(&layout, snapshots, (spacing, budget), top_speed);
+    let pictures = pictures(&layout, snapshots, image, top_speed);
     let last = snapshots.len() - 1;
     for (i, (snapshot, &frame)) in snapshots.iter().zip(&layout.panels).enumerate() {
         layout.scene(
@@ -79,12 +87,19 @@ pub(super) fn draw(
         .iter()
         .any(|snapshot| !snapshot.positions.is_empty())
     {
-        color_bar(page, &layout, top_speed, fastest(snapshots) > top_speed);
+        color_bar(page, &layout, top_speed, fastest(snapshots));
     }
     layout
         .panels
         .last()
         .map_or(y, |frame| frame.bottom() + BELOW)
+}
+
+/// Kind of the blocks that are drawn together.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Kind {
+    Fixed,
+    Movable,
 }
 
 impl Layout {
@@ -172,7 +187,7 @@ impl Layout {
     fn scene(&self, page: &mut Page, frame: Frame, snapshot: &Snapshot, picture: Option<&str>) {
         page.rectangle(frame, "fill=\"#fafafa\"");
         page.open_clipped_group(frame);
-        self.outlines(page, frame, &snapshot.outlines, true);
+        self.outlines(page, frame, &snapshot.outlines, Kind::Fixed);
         if let Some(address) = picture {
             let Frame {
                 left,
@@ -186,13 +201,13 @@ impl Layout {
                  preserveAspectRatio=\"none\" xlink:href=\"{address}\"/>"
             ));
         }
-        self.outlines(page, frame, &snapshot.outlines, false);
+        self.outlines(page, frame, &snapshot.outlines, Kind::Movable);
         page.close_group();
         page.rectangle(frame, &format!("fill=\"none\" stroke=\"{INK}\""));
     }
 
-    fn outlines(&self, page: &mut Page, frame: Frame, outlines: &[Outline], is_fixed: bool) {
-        let style = if is_fixed {
+    fn outlines(&self, page: &mut Page, frame: Frame, outlines: &[Outline], kind: Kind) {
+        let style = if kind == Kind::Fixed {
             "fill=\"#d4d4d4\" stroke=\"#9a9a9a\" stroke-width=\"0.7\""
         } else {
             "fill=\"#a98a6b\" stroke=\"#4d3a28\" stroke-width=\"0.8\" stroke-linejoin=\"round\""
@@ -201,7 +216,7 @@ impl Layout {
         let mut path = String::new();
         for outline in outlines
             .iter()
-            .filter(|outline| outline.is_fixed == is_fixed)
+            .filter(|outline| outline.is_fixed == (kind == Kind::Fixed))
         {
             // A block far away must not produce numbers beyond the range of renderers.
             let near = |pixel: f64| (10.0 * pixel.clamp(-1e4, 1e4)).round() as i32;
@@ -253,7 +268,7 @@ impl Layout {
 fn pictures(
     layout: &Layout,
     snapshots: &[Snapshot],
-    (spacing, budget): (f64, usize),
+    Image { spacing, budget }: Image,
     top_speed: f64,
 ) -> Vec<Option<String>> {
     let outlines = snapshots.iter().flat_map(|snapshot| &snapshot.outlines);
@@ -303,7 +318,7 @@ fn top_speed(snapshots: &[Snapshot]) -> f64 {
     bar::round_top(finite_speeds(snapshots).collect())
 }
 
-fn color_bar(page: &mut Page, layout: &Layout, top_speed: f64, is_exceeded: bool) {
+fn color_bar(page: &mut Page, layout: &Layout, top_speed: f64, fastest: f64) {
     let Some((first, last)) = layout.panels.first().zip(layout.panels.last()) else {
         return;
     };
@@ -317,7 +332,7 @@ fn color_bar(page: &mut Page, layout: &Layout, top_speed: f64, is_exceeded: bool
         label: "speed [m/s]",
         shades: &color::map(N_SHADES),
         range: (0.0, top_speed),
-        is_exceeded: (false, is_exceeded),
+        is_exceeded: (false, fastest > top_speed),
     };
     speed.draw(page, frame);
 }

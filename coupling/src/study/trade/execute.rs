@@ -72,19 +72,31 @@ pub fn ended(folder: &Path) -> Option<Ended> {
     serde_json::from_str(&text).ok()
 }
 
-/// Executes the incomplete runs of a study; returns whether all are complete.
+/// Executor of the runs of a study.
+#[derive(Clone, Copy)]
+pub struct Executor<'a> {
+    /// Cores and memory.
+    pub means: Means,
+    /// Ends the execution after the active runs.
+    pub stop: &'a AtomicBool,
+    /// Executes one run.
+    pub runner: &'a Runner<'a>,
+    /// Called after each run.
+    pub tell: &'a (dyn Fn(Progress) + Sync),
+}
+
+/// Executes the incomplete runs of a study in a folder; returns whether all are complete.
 ///
 /// # Errors
 ///
 /// [`ExecuteError`] names the first file that could not be written, after the active runs have ended.
-pub fn execute(
-    study: &Study,
-    runs: &Path,
-    means: Means,
-    stop: &AtomicBool,
-    runner: &Runner,
-    tell: &(dyn Fn(Progress) + Sync),
-) -> Result<bool, ExecuteError> {
+pub fn execute(study: &Study, runs: &Path, executor: Executor) -> Result<bool, ExecuteError> {
+    let Executor {
+        means,
+        stop,
+        runner,
+        tell,
+    } = executor;
     // two combinations may give the same scene, which is run once
     let mut seen = BTreeSet::new();
     let mut unique: Vec<&Planned> = study.runs.iter().collect();

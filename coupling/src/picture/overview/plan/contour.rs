@@ -103,7 +103,7 @@ pub(super) fn simplified(line: &[[f64; 2]], tolerance: f64) -> Vec<[f64; 2]> {
     let mut open = vec![(0, last)];
     while let Some((from, to)) = open.pop() {
         let farthest = (from + 1..to)
-            .map(|k| (distance(line[k], (line[from], line[to])), k))
+            .map(|k| (distance(line[k], line[from], line[to]), k))
             .max_by(|a, b| a.0.total_cmp(&b.0));
         if let Some((far, k)) = farthest
             && tolerance < far
@@ -117,7 +117,7 @@ pub(super) fn simplified(line: &[[f64; 2]], tolerance: f64) -> Vec<[f64; 2]> {
 }
 
 /// Distance of a point from the segment between two others.
-fn distance(p: [f64; 2], (a, b): ([f64; 2], [f64; 2])) -> f64 {
+fn distance(p: [f64; 2], a: [f64; 2], b: [f64; 2]) -> f64 {
     let along = [b[0] - a[0], b[1] - a[1]];
     let offset = [p[0] - a[0], p[1] - a[1]];
     let length2 = along[0] * along[0] + along[1] * along[1];
@@ -203,7 +203,7 @@ mod tests {
         assert!(few.len() < 30, "{}", few.len());
         assert_eq!((few.first(), few.last()), (line.first(), line.last()));
         for p in &line {
-            let near = few.windows(2).map(|pair| distance(*p, (pair[0], pair[1])));
+            let near = few.windows(2).map(|pair| distance(*p, pair[0], pair[1]));
             assert!(near.fold(f64::INFINITY, f64::min) <= 0.05);
         }
         assert_eq!(

@@ -50,7 +50,7 @@ pub(super) fn panels(plan: &Plan, spacing: f64) -> Vec<Panel<'_>> {
     let at_start = surfaces.iter().flatten().next().cloned();
     let risen = |surface: &Grid| {
         let at_start = at_start.as_ref().unwrap_or(surface);
-        with(surface, over_rest(surface, at_start, (level, spacing)))
+        with(surface, over_rest(surface, at_start, level, spacing))
     };
     let all: Vec<f64> = surfaces
         .iter()
@@ -83,19 +83,19 @@ pub(super) fn panels(plan: &Plan, spacing: f64) -> Vec<Panel<'_>> {
         });
     }
     if let Some(maps) = &plan.maps {
-        panels.extend(of_maps(maps, (level, spacing)));
+        panels.extend(of_maps(maps, level, spacing));
     }
     panels
 }
 
 /// Plans of the maps that are not empty.
-fn of_maps(maps: &MapExtremes, (level, spacing): (f64, f64)) -> Vec<Panel<'static>> {
+fn of_maps(maps: &MapExtremes, level: f64, spacing: f64) -> Vec<Panel<'static>> {
     let MapExtremes {
         at_start,
         highest,
         arrival,
     } = maps;
-    let risen = over_rest(highest, at_start, (level, spacing));
+    let risen = over_rest(highest, at_start, level, spacing);
     let map = |title: &str, unit, values: &[f64], scale: fn(&[f64]) -> Scale| {
         let shown = finite(values);
         (!shown.is_empty()).then(|| Panel {
@@ -126,7 +126,7 @@ fn of_maps(maps: &MapExtremes, (level, spacing): (f64, f64)) -> Vec<Panel<'stati
 /// Where the surface is within a particle spacing (m) of the level at the start, the accuracy of a particle surface, it is
 /// assumed at rest, and elevations are relative to it: near a shore the computed surface of still water is off by up to half
 /// a spacing, which would otherwise look like a wave.
-fn over_rest(surface: &Grid, at_start: &Grid, (level, spacing): (f64, f64)) -> Vec<f64> {
+fn over_rest(surface: &Grid, at_start: &Grid, level: f64, spacing: f64) -> Vec<f64> {
     let heights = surface.heights.iter().zip(&at_start.heights);
     heights
         .map(|(now, before)| match (before - level).abs() <= spacing {
@@ -181,7 +181,8 @@ pub(super) fn bar(
     page: &mut Page,
     frame: Frame,
     panel: &Panel<'_>,
-    (relief, raise): (&Relief<'_>, f64),
+    relief: &Relief<'_>,
+    raise: f64,
 ) {
     let place = Frame {
         left: frame.right() + 12.0,
@@ -236,7 +237,7 @@ mod tests {
         // computed 0.4 m too high, dry, a wave from the start on, and dry again
         let at_start = grid([10.4, f64::NAN, 13.0, 10.0]);
         let now = grid([12.4, 12.0, 12.0, f64::NAN]);
-        let found = over_rest(&now, &at_start, (10.0, 0.5));
+        let found = over_rest(&now, &at_start, 10.0, 0.5);
         assert_eq!(found[..3], [2.0, 2.0, 2.0]);
         assert!(found[3].is_nan());
     }
