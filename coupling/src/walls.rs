@@ -1,8 +1,8 @@
-//! Walls that hold the fluid by what its particles see of the blocks: particles or exact integrals.
+//! Walls based on the kernel support of the fluid particles: wall particles or exact integrals.
 //!
-//! Both take the fluid's kernel to end inside the solid: the wall's part of every sum over neighbors
-//! is added to the fluid's own where and when the stepping takes that, and what the fluid gets the blocks
-//! that move give.
+//! Both extend the fluid's kernel sums into the solid: the wall's part of every sum over neighbors
+//! is added to the fluid's own at the same stage of the step, and moving blocks receive the opposite
+//! force.
 
 pub mod added_mass;
 mod cutting;
@@ -58,7 +58,7 @@ macro_rules! of_walls {
 }
 
 impl Walls {
-    /// Walls at the blocks' present places; none where penalty springs hold the fluid.
+    /// Walls at the current position of the blocks; `None` with penalty walls.
     pub fn new(
         method: WallMethod,
         definitions: &[BlockDefinition],
@@ -96,8 +96,8 @@ impl Walls {
         of_walls!(self, walls => walls.loads())
     }
 
-    /// Force and moment of the fluid on a block that never moves; N, N m about the centroid. Integrals take all
-    /// fixed solids for one body: what one of them bears is not known, NaN.
+    /// Force and moment of the fluid on a fixed block; N, N m about the centroid. Integrals treat all
+    /// fixed solids as one body: the load on a single one is unknown, NaN.
     pub fn load_on_fixed(&self, fluid: &Fluid, blocks: &Blocks, block: usize) -> Load {
         match self {
             Self::Particles(walls) => walls.load_on_fixed(fluid, blocks, block),
@@ -118,7 +118,7 @@ impl Walls {
         of_walls!(self, walls => walls.power())
     }
 
-    /// Appends what changes in a run to some bytes.
+    /// Appends the state to a byte buffer.
     pub(crate) fn save(&self, out: Vec<u8>) -> Saved {
         of_walls!(self, walls => walls.save(out))
     }
@@ -141,19 +141,19 @@ impl Walls {
         of_walls!(self, walls => walls.note_start(blocks));
     }
 
-    /// Places the walls half way through the step of `dt` (s) that the blocks have just taken.
+    /// Places the walls at half of the step of `dt` (s) just taken by the blocks.
     pub fn place_half_way(&mut self, blocks: &Blocks, dt: f64) {
         of_walls!(self, walls => walls.place_half_way(blocks, dt));
     }
 
-    /// Places the walls where the blocks are, moving as these do after a step of `dt` (s), 0 before the first;
-    /// at rest where blocks are held, without one. The wall's own acceleration is that of the step; of free blocks
-    /// what their spin makes, the rest being still to be found.
+    /// Places the walls at the blocks, with their motion after a step of `dt` (s), 0 before the first;
+    /// at rest without a step, where blocks are held. The wall's own acceleration is that of the step; for free blocks
+    /// only the part due to their spin, as the rest is still unknown.
     pub fn place_at_end(&mut self, blocks: &Blocks, dt: Option<f64>) {
         of_walls!(self, walls => walls.place_at_end(blocks, dt));
     }
 
-    /// Finds which particles see which walls; after each sort of the fluid and placing.
+    /// Finds the walls near each particle, after each sort of the fluid and placement.
     pub fn find(&mut self, fluid: &mut Fluid) {
         of_walls!(self, walls => walls.find(fluid));
     }
@@ -168,7 +168,7 @@ impl Walls {
         of_walls!(self, walls => walls.add_spreads(fluid));
     }
 
-    /// Adds the walls' part to the gradient of velocity; integrals have none.
+    /// Adds the walls' part to the velocity gradient; zero for integrals.
     pub fn add_strains(&mut self, fluid: &mut Fluid) {
         if let Self::Particles(walls) = self {
             walls.add_strains(fluid);
@@ -182,7 +182,7 @@ impl Walls {
         }
     }
 
-    /// Finds how the blocks that forces move accelerate, and continues the fluid's pressure into their walls anew; once
+    /// Solves the acceleration of the free blocks and updates the fluid pressure extrapolated into their walls, once
     /// viscosities are known.
     pub fn let_move(&mut self, fluid: &Fluid, movers: Movers) {
         match self {
@@ -196,7 +196,7 @@ impl Walls {
         of_walls!(self, walls => walls.largest_added_mass_ratio(blocks))
     }
 
-    /// Adds the walls' forces to the accelerations, and sums what the blocks that move get back.
+    /// Adds the walls' forces to the accelerations, and sums the reactions on the moving blocks.
     pub fn add_forces(&mut self, fluid: &mut Fluid, blocks: &Blocks) {
         of_walls!(self, walls => walls.add_forces(fluid, blocks));
     }
@@ -242,7 +242,7 @@ fn is_fixed(blocks: &Blocks, block: usize) -> bool {
     matches!(blocks.motion(block), Motion::Fixed)
 }
 
-/// Distance of points on faces (m), and where a flow in a plane has its plane, along y (m).
+/// Spacing of points on faces (m), and the position of the plane of a 2-D flow, along y (m).
 pub(crate) fn face_lattice(fluid: &Fluid) -> (f64, Option<f64>) {
     let settings = fluid.settings();
     let [dx, dy, dz] = settings.particle_spacing;
@@ -323,7 +323,7 @@ pub(crate) fn parts(shape: &Shape) -> Vec<Part> {
                     .collect(),
             })
             .collect(),
-        // balls and surfaces of triangles have walls of particles of their own; where they have none the scene refuses them
+        // spheres and surfaces of triangles have their own wall particles; the scene rejects them for other wall methods
         Shape::Sphere { .. } | Shape::Surface(_) => Vec::new(),
     }
 }

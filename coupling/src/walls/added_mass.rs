@@ -8,16 +8,16 @@
 //! ```text
 //! M_k = −∂F/∂q̈,   (M + M_k) q̈ = F₀ + M q̈_dry,   q̈_dry of contacts, gravity and supports over the last step
 //! ```
-//! The forces that follow are found anew from `q̈` and given to both sides, so that an `M_k` known to first order
-//! only costs no momentum. Blocks that deform answer as if they were rigid. In a slab, which holds what is across
-//! its plane, nothing accelerates there.
+//! The resulting forces are recomputed from `q̈` and applied to both sides, so that a first-order `M_k`
+//! conserves momentum. Deformable blocks respond as rigid ones. In a slab, which takes transverse loads,
+//! there is no transverse acceleration.
 
 use nalgebra::{Matrix3, Matrix6, Vector6};
 use riprap_dda::{Blocks, Load};
 use riprap_sph::Vec3;
 use serde::{Deserialize, Serialize};
 
-/// Acceleration of a block's centroid and of its turning; m/s², rad/s².
+/// Acceleration of a block's centroid, and its angular acceleration; m/s², rad/s².
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Acceleration {
     /// m/s².
@@ -27,13 +27,13 @@ pub struct Acceleration {
 }
 
 impl Acceleration {
-    /// At a point, given from the centroid (m), without what the present spin makes.
+    /// Acceleration at a point relative to the centroid (m), without the part due to the current spin.
     pub fn at(&self, arm: &Vec3) -> Vec3 {
         self.linear + self.angular.cross(arm)
     }
 }
 
-/// Blocks that forces move, and what moves them beside the fluid.
+/// Free blocks, and their acceleration without the fluid.
 #[derive(Clone, Copy, Debug)]
 pub struct Movers<'a> {
     /// The blocks.
@@ -83,7 +83,7 @@ impl AddedMass {
 }
 
 impl Movers<'_> {
-    /// Acceleration of a block under the fluid's load at none, with the inertia that its walls add.
+    /// Acceleration of a block under the fluid load at zero acceleration, with the added mass of its walls.
     pub(super) fn solve(&self, block: usize, load: &Load, added: &AddedMass) -> Acceleration {
         let dry = self.dry[block];
         let mut inertia = Matrix6::zeros();
@@ -107,7 +107,7 @@ impl Movers<'_> {
         // the integrals leave it symmetric to first order only
         let added = (added.0 + added.0.transpose()) * 0.5;
         let free = self.freedom(block);
-        // what is held keeps its own inertia, and is not pushed
+        // held degrees of freedom keep their own inertia, without load
         let held = Matrix6::identity() - free;
         let whole = free * (inertia + added) * free + held * inertia * held;
         let solution = whole.lu().solve(&(free * pushed));
@@ -117,7 +117,7 @@ impl Movers<'_> {
         })
     }
 
-    /// Projection on what a block may do.
+    /// Projection on the free degrees of freedom of a block.
     fn freedom(&self, block: usize) -> Matrix6<f64> {
         let [mut linear, mut turning] = self.blocks.freedom(block);
         if let Some(axis) = self.slab_axis {

@@ -9,8 +9,8 @@ const ON_PLANE: f64 = 1e-9;
 
 /// Parts that fill the same space and do not overlap, in order.
 ///
-/// Of two that overlap the later one gives way: what it has in common with the earlier one is cut off
-/// along the planes of that one's faces. Parts that only adjoin stay whole.
+/// Of two overlapping parts the later one is cut: its overlap with the earlier one is removed
+/// along the planes of the latter's faces. Adjoining parts remain unchanged.
 pub(super) fn disjoint(parts: Vec<Part>) -> Vec<Part> {
     let mut result: Vec<Part> = Vec::with_capacity(parts.len());
     for part in parts {
@@ -52,7 +52,7 @@ pub(super) fn image(part: &Part, plane: &SymmetryPlane) -> Part {
     let faces = part.faces.iter().map(|(normal, corners)| {
         let mut normal = *normal;
         normal[plane.axis] = -normal[plane.axis];
-        // mirrored, a loop runs the other way round
+        // mirrored, a loop is reversed
         let corners = corners.iter().rev().map(|x| plane.image_of(x)).collect();
         (normal, corners)
     });

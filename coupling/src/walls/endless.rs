@@ -1,4 +1,4 @@
-//! Solids that only seem to end: at the sides of a slice of a flow in a plane, or of a domain that repeats.
+//! Solids continued beyond the sides of the slice of a 2-D flow, or of a periodic domain.
 
 use riprap_sph::boundary::sampling::Region;
 use riprap_sph::{Dimensions, Fluid, Periodicity, Vec3};
@@ -38,14 +38,14 @@ impl Endless {
         }
     }
 
-    /// Whether a flow in a plane shows anything of a part: not of what stands beside its slice.
+    /// Whether a 2-D flow includes a part, which is not beside its slice.
     pub(super) fn shows(&self, part: &Part) -> bool {
         let (low, high) = part.aabb();
         let Region { min, max } = &self.domain;
         !self.is_plane || (low.y < max.y - self.slack && min.y + self.slack < high.y)
     }
 
-    /// Whether a part goes through the whole of what a flow in a plane, or a domain that repeats, shows of it.
+    /// Whether a part spans the whole slice of a 2-D flow, or the whole period of the domain.
     pub(super) fn has_no_end(&self, part: &Part, axis: usize) -> bool {
         let Region { min, max } = &self.domain;
         let (low, high) = part.aabb();
@@ -53,7 +53,7 @@ impl Endless {
         (self.is_plane && axis == 1) || (self.periodic[axis] && spans)
     }
 
-    /// The part without the ends that it has across a flow in a plane, or at both sides of a domain that repeats.
+    /// The part without its ends across a 2-D flow, or at both sides of a periodic domain.
     pub(super) fn without_ends(&self, part: &Part) -> Part {
         let Region { min, max } = &self.domain;
         (0..3)
@@ -86,7 +86,7 @@ impl Endless {
             })
     }
 
-    /// The part without what is beyond the domain along axes in which it has no end: all that counts there.
+    /// The portion of the part inside the domain along axes without ends, which is all that counts there.
     pub(super) fn inside(&self, part: &Part) -> Part {
         let Region { min, max } = &self.domain;
         (0..3)

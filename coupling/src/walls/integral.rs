@@ -1,7 +1,7 @@
 //! Walls of exact kernel integrals over the blocks' polyhedra.
 //!
-//! A particle sees of a solid `λ = ∫ W dV`, `∇λ = ∫ ∇W dV` and `Q = ∫ (y − x) ⊗ ∇W dV`, corrected for
-//! rows of particles; the wall's pressure is that of the particle, continued along gravity less the
+//! The integrals over a solid are `λ = ∫ W dV`, `∇λ = ∫ ∇W dV` and `Q = ∫ (y − x) ⊗ ∇W dV`, corrected for
+//! rows of particles; the wall's pressure is that of the particle, extrapolated along gravity minus the
 //! wall's acceleration:
 //!
 //! ```text
@@ -16,9 +16,9 @@
 //! against a wall that has no particles to meet. Each force is felt by the block in reverse, at the
 //! particle: a sum of central forces has the same moment there as inside the wall.
 //!
-//! Integrals add up over solids that do not overlap. Fixed solids are cut so that they do not; a block
-//! that moves into another solid counts twice where they overlap. Along a wall that strains, `v_w` varies over what
-//! a particle sees: `dρ_a/dt −= ρ_a tr(L Q)`, `L` the gradient of the block's velocity.
+//! Integrals are additive over disjoint solids. Fixed solids are cut to be disjoint; the overlap of a
+//! moving block with another solid counts twice. Along a straining wall, `v_w` varies over the kernel
+//! support: `dρ_a/dt −= ρ_a tr(L Q)`, with `L` the velocity gradient of the block.
 
 use nalgebra::{Matrix3, Rotation3, UnitQuaternion};
 use rayon::prelude::*;
@@ -39,8 +39,8 @@ use super::{FluidLoad, Part, face_lattice, is_fixed, parts};
 use crate::saved::{Read, Saved};
 use crate::walls::part_table::{PartTable, Placed, Solids};
 
-/// Distance off a surface, in spacings, below which a particle sees the wall as from there: nearer the
-/// integrals hardly grow, so that a spring has to stop it.
+/// Smallest distance from a surface, in spacings, used in the integrals: closer they hardly
+/// increase, so that a spring has to stop the particle.
 pub const CLOSEST: f64 = 0.05;
 /// Particles per parallel task; a constant, so that results do not depend on threads.
 const CHUNK: usize = 256;
@@ -108,10 +108,10 @@ impl Place {
         }
     }
 
-    /// Half way to another: by half of the turn, or of the deformation.
+    /// Midpoint to another placement: by half of the rotation, or of the deformation.
     fn half_way(&self, end: &Self, is_rigid: bool) -> Self {
         let gradient = if is_rigid {
-            // by quaternions: of a matrix whose trace is above 3 by round-off the angle is no number
+            // by quaternions: for a matrix whose trace exceeds 3 by round-off the angle is NaN
             let turn = Rotation3::from_matrix_unchecked(end.gradient * self.gradient.transpose());
             let turn = UnitQuaternion::from_rotation_matrix(&turn);
             let half = UnitQuaternion::identity().nlerp(&turn, 0.5);
@@ -169,7 +169,7 @@ struct Sight {
 }
 
 impl IntegralWalls {
-    /// Walls for the fluid at the blocks' present places.
+    /// Walls for the fluid at the current position of the blocks.
     pub fn new(
         definitions: &[BlockDefinition],
         blocks: &Blocks,
@@ -190,7 +190,7 @@ impl IntegralWalls {
                 standing.extend(parts);
                 continue;
             }
-            // blocks are whole at the start
+            // blocks are undeformed at the start
             let turned_back = blocks.gradient(b).transpose();
             let at = Place::of(blocks, b);
             moving.extend(parts.into_iter().map(|placed| MovingPart {
@@ -231,7 +231,7 @@ impl IntegralWalls {
         }
     }
 
-    /// Appends what changes in a run to some bytes.
+    /// Appends the state to a byte buffer.
     pub(crate) fn save(&self, out: Vec<u8>) -> Saved {
         postcard::to_extend(&(&self.loads, self.force_on_fluid, self.power), out)
     }
@@ -269,8 +269,8 @@ impl IntegralWalls {
         }
     }
 
-    /// Places the solids half way through the step of `dt` (s) that the blocks have just taken; they move
-    /// so as to get from its start to its end.
+    /// Places the solids at half of the step of `dt` (s) just taken by the blocks, with the velocity that leads
+    /// from its start to its end.
     pub fn place_half_way(&mut self, blocks: &Blocks, dt: f64) {
         let mut middle = self.start.clone();
         for part in &self.moving {
@@ -289,9 +289,9 @@ impl IntegralWalls {
         self.place(blocks, |b| middle[b]);
     }
 
-    /// Places the solids where the blocks are, moving as these do after a step of `dt` (s), or at rest where
-    /// blocks are held, without one. Their acceleration is that of the step; none before the first, and of free
-    /// blocks what their spin makes only, as the rest follows from the very forces that are to be found.
+    /// Places the solids at the blocks, with their motion after a step of `dt` (s), or at rest without a step, where
+    /// blocks are held. Their acceleration is that of the step; zero before the first, and for free
+    /// blocks only the part due to their spin, as the rest depends on the forces to be computed.
     pub fn place_at_end(&mut self, blocks: &Blocks, dt: Option<f64>) {
         for part in &self.moving {
             let b = part.block as usize;
@@ -330,7 +330,7 @@ impl IntegralWalls {
         }
     }
 
-    /// Finds what the particles see of the solids; after each sort of the fluid and placing.
+    /// Computes the integrals of the particles over the solids, after each sort of the fluid and placement.
     pub fn find(&mut self, fluid: &mut Fluid) {
         let present = self.moving.iter().enumerate();
         let present = present.filter(|(_, part)| !part.placed.faces.is_empty());
@@ -419,7 +419,7 @@ impl IntegralWalls {
         fluid.add_wall_spreads(seen);
     }
 
-    /// Finds how the blocks that forces move accelerate under what the fluid does to them.
+    /// Solves the acceleration of the free blocks under the fluid loads.
     pub fn accelerate(&mut self, fluid: &Fluid, movers: Movers) {
         let blocks = movers.blocks;
         self.added.fill(AddedMass::default());
@@ -472,13 +472,13 @@ impl IntegralWalls {
         largest_ratio(&self.added, blocks)
     }
 
-    /// Adds the walls' forces to the accelerations, and sums what the blocks that move get back.
+    /// Adds the walls' forces to the accelerations, and sums the reactions on the moving blocks.
     pub fn add_forces(&mut self, fluid: &mut Fluid, blocks: &Blocks) {
         self.sum_loads(fluid, blocks);
         fluid.add_wall_forces(self.forces.iter().copied());
     }
 
-    /// Forces on all particles, and what the blocks that move get back.
+    /// Forces on all particles, and the reactions on the moving blocks.
     fn sum_loads(&mut self, fluid: &Fluid, blocks: &Blocks) {
         self.loads.fill(FluidLoad::default());
         self.power = 0.0;
@@ -577,7 +577,7 @@ impl Part {
     }
 }
 
-/// Adds what a particle sees of a part to what it sees of other parts of the same body.
+/// Adds the integral of a particle over a part to that over other parts of the same body.
 fn add(
     sights: &mut Vec<Sight>,
     first: usize,

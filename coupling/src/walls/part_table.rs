@@ -131,7 +131,7 @@ impl PartTable {
         }
     }
 
-    /// Turns cells of solids into solids of cells.
+    /// Inverts cells of solids to solids of cells.
     fn pack(&mut self, n_cells: usize) {
         self.starts.clear();
         self.starts.resize(n_cells + 1, 0);

@@ -1,15 +1,15 @@
 //! Walls of particles on blocks: sampled once in each block's frame, carried along with it.
 //!
-//! Points of fixed blocks are one set that never changes; those of blocks that move are another, placed twice
-//! a step: half way, where the density is advanced, and at its end. In between a point moves on a straight
-//! line at constant speed, so that what a wall sweeps is what its points sweep.
+//! Points of fixed blocks are a constant set; those of moving blocks are another, placed twice
+//! per step: half way, where the density is advanced, and at its end. In between a point moves on a straight
+//! line at constant speed, so that the points sweep the same volume as the wall.
 //!
-//! Solids end at planes of symmetry, and their points are mirrored there: loads are those on what is before the
+//! Solids end at planes of symmetry, and their points are mirrored there: loads are those on the part in front of the
 //! planes.
 //!
-//! Where a block that moves is inside one that is fixed, as one that is drawn on into its bed, the wall is that of the fixed
-//! one: points there have no volume, and a screen is none. Else the bed beside the block would seem to go along with it,
-//! and draw water after it.
+//! Where a moving block is inside a fixed one, such as a block drawn on into its bed, the wall is that of the fixed
+//! one: points there have no volume, and thin solids are inactive. Otherwise the bed beside the block would appear to move with
+//! it, and drag water along.
 
 use nalgebra::Matrix3;
 use riprap_dda::{BlockDefinition, Blocks, Load};
@@ -35,12 +35,12 @@ pub struct ParticleWalls {
     screens: Screens,
     /// Block of each moving point.
     block: Vec<u32>,
-    /// Place of each moving point from the centroid of its block, in the axes and the shape of the start; m.
+    /// Position of each moving point relative to the centroid of its block, in the axes and the shape of the start; m.
     local: Vec<Vec3>,
     buried: Buried,
     /// Present centroid and gradient of each block; m.
     frames: Vec<Frame>,
-    /// Place and velocity of each moving point at the start of the step; m, m/s.
+    /// Position and velocity of each moving point at the start of the step; m, m/s.
     start: Vec<[Vec3; 2]>,
     loads: Vec<FluidLoad>,
     added: Vec<AddedMass>,
@@ -132,7 +132,7 @@ impl Buried {
 }
 
 impl ParticleWalls {
-    /// Walls for the fluid at the blocks' present places.
+    /// Walls for the fluid at the current position of the blocks.
     pub fn new(
         definitions: &[BlockDefinition],
         blocks: &Blocks,
@@ -174,7 +174,7 @@ impl ParticleWalls {
         for (part, sample) in sampler.standing(&whole) {
             standing_points.add(owners[thick[part]], sample, Facet::NONE);
         }
-        // what two solids share belongs to the polyhedron
+        // points common to two solids belong to the polyhedron
         let is_taken = |x: &Vec3| standing.iter().any(|part| part.may_be_within(x, 0.0));
         for b in (0..definitions.len()).filter(|&b| is_fixed(blocks, b)) {
             for (b, sample) in sampler.ball(b, &definitions[b].shape) {
@@ -217,7 +217,7 @@ impl ParticleWalls {
         let frames: Vec<Frame> = (0..definitions.len())
             .map(|b| Frame::of(blocks, b))
             .collect();
-        // blocks are whole at the start
+        // blocks are undeformed at the start
         let turned_back = |b: u32, x: &Vec3| {
             let frame = &frames[b as usize];
             frame.gradient.transpose() * (x - frame.centroid)
@@ -260,7 +260,7 @@ impl ParticleWalls {
         self.fixed.len() + self.moving.len()
     }
 
-    /// Appends what changes in a run to some bytes.
+    /// Appends the state to a byte buffer.
     pub(crate) fn save(&self, out: Vec<u8>) -> Saved {
         let forces = (&self.loads, self.force_on_fluid, self.power);
         let buried = (&self.buried.is_buried, self.buried.is_any);
@@ -346,7 +346,7 @@ impl ParticleWalls {
         }
     }
 
-    /// Places the moving points half way through the step that the blocks have just taken.
+    /// Places the moving points at half of the step just taken by the blocks.
     pub fn place_half_way(&mut self, blocks: &Blocks, dt: f64) {
         if self.block.is_empty() {
             return;
@@ -362,8 +362,8 @@ impl ParticleWalls {
         self.screens.place_half_way(blocks);
     }
 
-    /// Places the moving points where the blocks are, at rest where blocks are held: without a step. The
-    /// wall's own acceleration is that of the step of `dt` (s) just taken; none before the first.
+    /// Places the moving points at the blocks, at rest without a step, where blocks are held. The
+    /// wall's own acceleration is that of the step of `dt` (s) just taken; zero before the first.
     pub fn place_at_end(&mut self, blocks: &Blocks, dt: Option<f64>) {
         if self.block.is_empty() {
             return;
@@ -468,7 +468,7 @@ impl ParticleWalls {
         self.sum_loads(fluid, blocks);
     }
 
-    /// Whether any block that is free to move is wet; what its wall adds to its inertia.
+    /// Finds the added mass of wet free blocks; returns whether there are any.
     fn find_added_mass(&mut self, blocks: &Blocks) -> bool {
         self.added.fill(AddedMass::default());
         let mut is_any = false;
@@ -491,7 +491,7 @@ impl ParticleWalls {
         largest_ratio(&self.added, blocks)
     }
 
-    /// Adds the walls' forces to the accelerations, and sums what the blocks that move get back.
+    /// Adds the walls' forces to the accelerations, and sums the reactions on the moving blocks.
     pub fn add_forces(&mut self, fluid: &mut Fluid, blocks: &Blocks) {
         self.force_on_fluid = self.fixed.add_forces(fluid) + self.moving.add_forces(fluid);
         self.sum_loads(fluid, blocks);
@@ -515,7 +515,7 @@ impl ParticleWalls {
     }
 }
 
-/// Points of walls before they have places of their own.
+/// Wall points before their placement.
 #[derive(Default)]
 struct Points {
     blocks: Vec<u32>,
@@ -530,7 +530,7 @@ impl Points {
         self.facets.push(facet);
     }
 
-    /// Adds one of the parts of a block to the screens, and the points behind each of its sides.
+    /// Adds a part of a block to the thin solids, and the points behind each of its sides.
     fn add_screen(
         &mut self,
         thin: Thin,

@@ -10,8 +10,8 @@
 //! starts half a spacing off the surface, where the first row of a lattice stands; the paper leaves
 //! this open.
 //!
-//! In a slab, periodic in one direction, and in a slice of a flow in a plane a block is a piece of an endless prism:
-//! the fluid moves it in the plane of the slab only. What it would get across is held by the slab and booked as such.
+//! In a periodic slab and in the slice of a 2-D flow a block is a piece of an endless prism:
+//! the fluid moves it in the plane of the slab only. Transverse loads are taken by the slab and booked as such.
 
 use nalgebra::{Matrix2, Matrix3, Vector2};
 use rayon::prelude::*;
@@ -30,15 +30,15 @@ const CHUNK: usize = 1024;
 pub const STANDOFF: f64 = 0.5;
 /// Damping ratio from which `K_D` follows when it is not given.
 pub const DAMPING_RATIO: f64 = 0.5;
-/// The axis across a flow in a plane.
+/// Axis across a 2-D flow.
 const ACROSS: usize = 1;
-/// Depth inside a solid, in spacings, from which on a particle is put back.
+/// Depth inside a solid, in spacings, beyond which a particle is pushed back.
 const PUSH_BACK_DEPTH: f64 = 0.1;
-/// Room, in spacings, that a place to put it back to has towards any other solid, if there is such a place.
+/// Clearance, in spacings, of the position to which it is pushed back from any other solid, if there is such a position.
 const LEAST_ROOM: f64 = 0.25;
-/// Cosine between the normals of two surfaces from which on they look at each other.
+/// Cosine between the normals of two surfaces below which they face each other.
 const FACING: f64 = -0.9;
-/// Distance off the surface, in spacings, at which it is put back.
+/// Distance from the surface, in spacings, to which it is pushed back.
 const PUSH_BACK_DISTANCE: f64 = 0.05;
 /// Depth, in spacings, to which particles behind a surface of triangles are looked for.
 const BEHIND: f64 = 2.0;
@@ -88,17 +88,17 @@ pub struct Intruder {
     pub normal: Vec3,
     /// Foot point on the surface; m.
     pub point: Vec3,
-    /// Place just off the surface there; m.
+    /// Position just off the surface there; m.
     pub clear: Vec3,
     /// Whether it is deeper inside than walls can be trusted to hold.
     pub is_deep: bool,
 }
 
-/// Penalty walls of all blocks, with what they need to find their particles.
+/// Penalty walls of all blocks, with the search for their particles.
 #[derive(Clone, Debug)]
 pub struct Interface {
     settings: WallSettings,
-    /// Whether the flow is one in a plane.
+    /// Whether the flow is two-dimensional.
     is_plane: bool,
     /// The one periodic direction of a slab, or that across the plane of a flow.
     slab_axis: Option<usize>,
@@ -120,7 +120,7 @@ pub struct Interface {
 }
 
 impl Interface {
-    /// Walls for the blocks at their present places.
+    /// Walls for the blocks at their current positions.
     pub fn new(settings: WallSettings, blocks: &Blocks, fluid: &Fluid) -> Self {
         let grid = fluid.grid();
         let mut fixed = PartTable::default();
@@ -150,7 +150,7 @@ impl Interface {
         }
     }
 
-    /// Appends what changes in a run to some bytes.
+    /// Appends the state to a byte buffer.
     pub(crate) fn save(&self, out: Vec<u8>) -> Saved {
         let forces = (&self.touches, &self.compliance, self.most_touched);
         let loads = (&self.loads, &self.shears, &self.stretches);
@@ -182,7 +182,7 @@ impl Interface {
         &self.settings
     }
 
-    /// The part of a load that moves a block: in a slab, what lies in its plane.
+    /// The part of a load that moves a block: in a slab, the in-plane part.
     pub fn in_plane(&self, mut load: Load) -> Load {
         if let Some(axis) = self.slab_axis {
             load.force[axis] = 0.0;
@@ -240,7 +240,7 @@ impl Interface {
             .enumerate()
             .for_each(|(chunk, (touches, positions))| {
                 touches.clear();
-                // what sleeps comes near nothing
+                // sleeping particles approach nothing
                 if fluid.is_still(chunk * CHUNK..chunk * CHUNK + positions.len()) {
                     return;
                 }
@@ -321,14 +321,14 @@ impl Interface {
             })
     }
 
-    /// Parts near a place.
+    /// Parts near a point.
     fn near<'a>(&'a self, x: &Vec3, grid: &CellGrid) -> impl Iterator<Item = usize> + use<'a> {
         let cell = grid.cell_of(x);
         let parts = self.fixed.near(cell).iter().chain(self.moving.near(cell));
         parts.map(|&part| part as usize)
     }
 
-    /// The shortest way out of all solids straight through a face, with its block; that of the touch where there
+    /// The shortest exit from all solids straight through a face, with its block; that of the touch if there
     /// is none.
     fn way_out(
         &self,
@@ -343,7 +343,7 @@ impl Interface {
             let to = grid.wrapped(way.point + way.normal * clearance);
             !near(&to).any(|part| {
                 let surface = blocks.surface_point_within(part, &to, by);
-                // what lies below the face that it leads out of leaves room, across a crack too
+                // solids below the exit face do not obstruct it, even across a crack
                 let lies_below = || {
                     let planes = blocks.planes_within(part, &to, by);
                     let is_level =
@@ -363,14 +363,14 @@ impl Interface {
             })
             .collect();
         ways.sort_by(|a, b| b.1.distance.total_cmp(&a.1.distance));
-        // a crack that no particle fits into is no way out while there is another
+        // a crack too narrow for a particle is not an exit while there is another
         let room = LEAST_ROOM * self.settings.particle_spacing;
-        // and what goes on through a plate is sent back the way it came
+        // and a particle passing through a plate is returned to its side
         let came_in = |(block, way): &&(u32, SurfacePoint)| {
             let wall = blocks.velocity_at(*block as usize, &way.point);
             (velocity - wall).dot(&way.normal) <= 0.0
         };
-        // but not far: what two solids press between them would be put out behind one of them
+        // but not far: a particle squeezed between two solids would be moved behind one of them
         let near_by = self.settings.particle_spacing;
         let roomy =
             |(_, way): &&(u32, SurfacePoint)| -way.distance < near_by && stands_clear(way, room);
@@ -392,8 +392,8 @@ impl Interface {
         ))
     }
 
-    /// The shortest way out of all solids along the edge or to the corner in which they meet: where the way straight
-    /// through a face of one of them ends in another. None within a spacing.
+    /// The shortest exit from all solids along the edge or to the corner in which they meet, for the case that the straight exit
+    /// through a face of one ends in another. `None` if not within a spacing.
     fn way_out_of_a_corner(
         &self,
         x: &Vec3,
@@ -477,7 +477,7 @@ impl Interface {
             let spring = stiffness * (standoff - touch.distance);
             let force = (spring - damping * approach).max(0.0);
             touch.force = touch.normal * force;
-            // the spring stores −K d v_n; what the whole force takes beyond that is lost
+            // the spring stores −K d v_n; the rest of the power of the force is dissipated
             touch.dissipated_power = (spring - force) * approach;
             let arm = touch.point - blocks.centroid(block);
             self.loads[block].add(&-touch.force, &arm);
@@ -491,7 +491,7 @@ impl Interface {
         }
     }
 
-    /// Adds what the fluid does to blocks by walls of another kind.
+    /// Adds the fluid loads on blocks by another wall method.
     pub fn add_loads(&mut self, loads: &[FluidLoad]) {
         for (block, load) in loads.iter().enumerate() {
             let (pressure, shear) = (self.in_plane(load.pressure), self.in_plane(load.shear));
@@ -543,10 +543,10 @@ impl Interface {
     /// ```text
     /// ω² = K_S (k/m + Σ w),   dt ≤ 0.8 (2/ω) (√(1 + ξ²) − ξ),   ξ = k K_D/(2 √(k K_S m))
     /// ```
-    /// `Σ w` sums the compliances of a body over its touching particles, `k` is the most bodies that a particle touches: no
-    /// less than what equal springs along one direction have, for the body that is hit by most particles for its mass, and
-    /// just that where `k = 1`. A predictor-corrector
-    /// allows no less: `ξ ω dt ≤ 1` and `ω² dt² ≤ 4 (1 − ξ ω dt + ξ² ω² dt²)`.
+    /// `Σ w` sums the compliances of a body over its touching particles, `k` is the largest number of bodies touched by a particle:
+    /// a bound for equal springs along one direction, for the body with the most touching particles per mass, and
+    /// exact for `k = 1`. A predictor-corrector
+    /// allows the same: `ξ ω dt ≤ 1` and `ω² dt² ≤ 4 (1 − ξ ω dt + ξ² ω² dt²)`.
     pub fn critical_time_step(&self, particle_mass: f64) -> f64 {
         let WallSettings {
             stiffness, damping, ..
@@ -572,7 +572,7 @@ impl WallSettings {
     }
 }
 
-/// Parts of blocks, with what is looked for beyond their standoff.
+/// Parts of blocks, with the search distance beyond their standoff.
 struct Reaching<'a> {
     blocks: &'a Blocks,
     settings: &'a WallSettings,

@@ -24,7 +24,7 @@ impl Part {
     }
 }
 
-/// A part that is a screen.
+/// A part that is a thin solid.
 pub(super) struct Thin {
     pub(super) part: usize,
     /// Faces at which it only seems to end.
@@ -59,7 +59,7 @@ struct Faces {
 pub(super) struct Sampler {
     pub(super) lattice: UnionLattice,
     pub(super) endless: Endless,
-    /// In a flow in a plane: the plane, and the width of the slice; m.
+    /// In a 2-D flow: position of the plane, and width of the slice; m.
     plane: Option<(f64, f64)>,
     pub(super) symmetry: Vec<SymmetryPlane>,
 }
@@ -98,7 +98,7 @@ impl Sampler {
         }
     }
 
-    /// Points of a block that is a ball, before planes of symmetry; none of any other.
+    /// Points of a spherical block, in front of planes of symmetry; empty for others.
     pub(super) fn ball(&self, block: usize, shape: &Shape) -> Vec<(usize, WallSample)> {
         let Shape::Sphere { center, radius } = shape else {
             return Vec::new();
@@ -115,7 +115,7 @@ impl Sampler {
             .collect()
     }
 
-    /// Points behind a surface of triangles, before planes of symmetry; none of any other shape.
+    /// Points behind a surface of triangles, in front of planes of symmetry; empty for other shapes.
     pub(super) fn surface(
         &self,
         shape: &Shape,
@@ -153,9 +153,9 @@ impl Sampler {
         (screens, others)
     }
 
-    /// Each side of a plate has layers of its own through it. Other sides have the points of the shell, each its own
-    /// pressures there: where two sides show the same places nothing changes as a particle passes their edge. Outside, which
-    /// a side hides beyond those opposed to it and where the screen goes on, all have layers of their own.
+    /// Each side of a plate has its own layers of points through it. Other sides share the points of the shell, each with its own
+    /// pressures: where two sides have the same points nothing changes as a particle passes their edge. Outside, which
+    /// a side hides beyond the opposite ones and where the thin solid continues, all have their own layers.
     fn screen(&self, number: usize, whole: &Part, all: &[Part]) -> Option<Thin> {
         let part = &all[number];
         let support = self.lattice.support_radius;
@@ -260,8 +260,8 @@ impl Sampler {
         })
     }
 
-    /// Parts that are thin here and stand on others there, cut along the faces of these: what stands on something is
-    /// no screen. A slope that reaches beyond the end of its floor is sharp only out there.
+    /// Parts that are thin in one place and rest on others elsewhere, cut along the faces of these: a part that rests on
+    /// something is not a thin solid. A slope that extends beyond its floor is sharp only out there.
     pub(super) fn cut_where_they_stand(
         &self,
         owners: Vec<usize>,
@@ -299,7 +299,7 @@ impl Sampler {
         self.symmetry.iter().all(|plane| 0.0 <= plane.distance(x))
     }
 
-    /// At which faces a fixed part only seems to end: at sides of the domain beyond which it goes on, or at a plane of symmetry.
+    /// Faces that do not end a fixed part: at sides of the domain beyond which it continues, or at a plane of symmetry.
     pub(super) fn seeming_ends(&self, part: &Part) -> Vec<bool> {
         let slack = 1e-6 * self.lattice.particle_spacing;
         let is_seeming = |(normal, corners): &(Vec3, Vec<Vec3>)| {
@@ -312,9 +312,9 @@ impl Sampler {
         part.faces.iter().map(is_seeming).collect()
     }
 
-    /// At which faces a part only seems to end: it goes on beyond a side that repeats, across a flow in a plane, or
-    /// at a plane of symmetry. None of a part that cannot be a screen: of one without ends in two directions, or of
-    /// one near a plane of symmetry to which it is not upright, as screens are not mirrored.
+    /// Faces that do not end a part: it continues beyond a periodic side, across a 2-D flow, or
+    /// at a plane of symmetry. `None` for a part that cannot be a thin solid: without ends in two directions, or
+    /// near a plane of symmetry and oblique to it, as thin solids are not mirrored.
     fn ends(&self, part: &Part) -> Option<Vec<bool>> {
         let mut endless = (0..3).filter(|&axis| self.endless.has_no_end(part, axis));
         let (first, second) = (endless.next(), endless.next());
@@ -352,8 +352,8 @@ impl Sampler {
         })
     }
 
-    /// Points of fixed bodies, which are one solid with their images in planes of symmetry, as far as they are
-    /// before these, each with the part that it is in.
+    /// Points of fixed bodies, which are one solid together with their images in planes of symmetry, in front
+    /// of these planes, each with its part.
     pub(super) fn standing(&self, parts: &[Part]) -> Vec<(usize, WallSample)> {
         let mut with_images = parts.to_vec();
         for plane in &self.symmetry {
@@ -384,7 +384,7 @@ impl Sampler {
         self.in_slice(samples.filter(|(_, sample)| self.is_no_image(&sample.position)))
     }
 
-    /// Points of a body by itself.
+    /// Points of a single body.
     pub(super) fn body(&self, parts: &[Part]) -> Vec<WallSample> {
         let [part] = parts else {
             return self.whole(parts);
@@ -411,7 +411,7 @@ impl Sampler {
         }
     }
 
-    /// Of a prism across a flow in a plane, or from side to side of a domain that repeats; none of anything else.
+    /// Points of a prism across a 2-D flow, or across a periodic domain; `None` for other bodies.
     fn prism(&self, part: &Part) -> Option<Vec<WallSample>> {
         let (spacing, support) = (self.lattice.particle_spacing, self.lattice.support_radius);
         let Some((middle, _)) = self.plane else {
@@ -423,7 +423,7 @@ impl Sampler {
         Some(self.row_in_slice(samples))
     }
 
-    /// A prism across a flow in a plane, as thin as one row of its own lattice.
+    /// A prism across a 2-D flow, with the thickness of one row of its lattice.
     fn as_one_row(&self, part: &Part, middle: f64) -> Part {
         let corners = part.corners().map(|x| x.y);
         let center = corners.sum::<f64>() / part.corners().count() as f64;
@@ -462,7 +462,7 @@ impl Sampler {
         row.into_iter().map(|(_, sample)| sample).collect()
     }
 
-    /// Of a flow in a plane the row in that plane, as wide as the slice; everything otherwise.
+    /// In a 2-D flow the row in the plane, with the width of the slice; otherwise all points.
     fn in_slice(
         &self,
         samples: impl Iterator<Item = (usize, WallSample)>,

@@ -1,4 +1,4 @@
-//! Bodies so thin or sharp that water on their two sides would see each other: screens between walls of particles.
+//! Thin solids: bodies so thin or sharp that water on their two sides would interact through them, with walls of particles.
 
 use riprap_dda::Blocks;
 use riprap_sph::boundary::screens::{Plane, are_opposed};
@@ -10,13 +10,13 @@ use crate::saved::{Read, Saved};
 /// Distance off a face at which others may cover it; spacings.
 const OFF_FACE: f64 = 0.1;
 
-/// A body is looked at again for what covers it once it has moved as far; spacings.
+/// Displacement of a body after which its cover is searched again; spacings.
 const MOVED: f64 = 0.1;
 
-/// Screens on blocks, carried along with them.
+/// Thin solids on blocks, moving with them.
 ///
-/// Where fixed solids cover the foot of a plate, the screen goes on through it: walls near there, which see the water
-/// on both sides from below, take their pressure from their own side only. What lies on its side does not.
+/// Where fixed solids cover the foot of a plate, the thin solid continues through it: walls near there, with water
+/// on both sides in their support, extrapolate the pressure from their own side only. Not where a body lies on its side.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Screens {
     screens: Vec<Screen>,
@@ -27,7 +27,7 @@ pub(super) struct Screens {
     spacing: f64,
     /// Continuation of thin solids through covered faces; m.
     support_radius: f64,
-    /// Whether the fluid has not seen them where they are now.
+    /// Whether the fluid does not know their current position.
     are_new: bool,
 }
 
@@ -44,7 +44,7 @@ struct Screen {
     ends: Vec<bool>,
     /// Side of each face.
     side_of: Vec<u32>,
-    /// Faces through which it goes on.
+    /// Faces through which it continues.
     goes_on: Vec<bool>,
     /// Fixed parts that it may be partly inside of, as when it is drawn on into its bed.
     reaches_into: Vec<usize>,
@@ -58,7 +58,7 @@ struct Screen {
 }
 
 impl Screens {
-    /// None, before these fixed parts, of which some faces only seem to end them; lengths in m.
+    /// Empty set, in front of these fixed parts, of which some faces are not ends; lengths in m.
     pub(super) fn new(
         fixed: &[Part],
         seeming_ends: impl Fn(&Part) -> Vec<bool>,
@@ -97,7 +97,7 @@ impl Screens {
             block,
             is_fixed,
             part: local(&parts[number]),
-            // fixed ones are among what stands
+            // fixed ones are among the fixed parts
             siblings: match is_fixed {
                 true => Vec::new(),
                 false => siblings.map(|(_, part)| local(part)).collect(),
@@ -119,7 +119,7 @@ impl Screens {
         self.screens.len() as u32 - 1
     }
 
-    /// Appends what changes in a run to some bytes: what was found when they were looked at last, which is not in every step.
+    /// Appends the state to a byte buffer: the result of the last search, which is not done in every step.
     pub(super) fn save(&self, out: Vec<u8>) -> Saved {
         let found = |s: &Screen| (s.looked_at, s.goes_on.clone(), s.reaches_into.clone());
         let found: Vec<_> = self.screens.iter().map(found).collect();
@@ -149,12 +149,12 @@ impl Screens {
         }
     }
 
-    /// Places them half way through the step that the blocks have just taken.
+    /// Places them at half of the step just taken by the blocks.
     pub(super) fn place_half_way(&mut self, blocks: &Blocks) {
         self.place(blocks, 0.5);
     }
 
-    /// Places them where the blocks are.
+    /// Places them at the blocks.
     pub(super) fn place_at_end(&mut self, blocks: &Blocks) {
         self.place(blocks, 1.0);
     }
@@ -175,7 +175,7 @@ impl Screens {
         }
     }
 
-    /// Sets them up before the fluid, where it has not seen them there.
+    /// Passes them to the fluid, if it does not know their current position.
     pub(super) fn set_up(&mut self, fluid: &mut Fluid) {
         if !self.are_new && fluid.n_screens() == self.screens.len() {
             return;
@@ -228,7 +228,7 @@ impl Screen {
         self.start = start;
     }
 
-    /// Finds out through which faces it goes on, if the block has moved since the last time.
+    /// Finds the faces through which it continues, if the block has moved since the last search.
     fn look_for_cover(
         &mut self,
         blocks: &Blocks,
@@ -251,7 +251,7 @@ impl Screen {
         };
         self.reaches_into.clear();
         if !self.is_fixed {
-            // what only stands on a solid does not: it hides what is beyond its foot
+            // a body that only rests on a solid does not continue: it hides the region beyond its foot
             let depth = OFF_FACE * spacing;
             let overlaps =
                 |other: &Part| part.reaches_past(other, depth) && other.reaches_past(&part, depth);
@@ -272,7 +272,7 @@ impl Screen {
                 !covered && are_near_and_opposed(face, other, support_radius)
             })
         };
-        // what is covered all round has no foot
+        // a body covered all around has no foot
         let mut sides = covered.iter().zip(&self.ends);
         let is_buried = sides.all(|(&is_covered, &is_end)| is_covered || is_end);
         self.goes_on.clear();
@@ -281,7 +281,7 @@ impl Screen {
             .extend(faces.map(|(face, &is_covered)| is_covered && !is_buried && is_foot(face)));
     }
 
-    /// Places it at a share of the way from the start of the step; those through which it goes on are moved out by `beyond` (m).
+    /// Places it at a fraction of the path from the start of the step; faces through which it continues are moved outward by `beyond` (m).
     fn place(&mut self, blocks: &Blocks, (share, beyond): (f64, f64)) {
         let between = |from: &Vec3, to: &Vec3| from * (1.0 - share) + to * share;
         let mut planes = std::mem::take(&mut self.planes);
@@ -325,7 +325,7 @@ const PARALLEL: f64 = -0.999;
 /// Cosine of the angle between the outward normals of two faces that meet, above which these are parts of one curved side.
 const CURVED: f64 = 0.7;
 
-/// Whether a face is a side of a plate: another one less than the support (m) behind it looks the other way.
+/// Whether a face is a side of a plate: another one less than the support (m) behind it faces the other way.
 pub(super) fn is_side_of_plate(part: &Part, face: usize, support_radius: f64) -> bool {
     let (normal, corners) = &part.faces[face];
     part.faces.iter().any(|(other, others_corners)| {
@@ -335,7 +335,7 @@ pub(super) fn is_side_of_plate(part: &Part, face: usize, support_radius: f64) ->
     })
 }
 
-/// Sides of a part, each by its faces: one, or those that curve away from a large one as long as they look the same way.
+/// Sides of a part, each by its faces: one, or those that curve away from a large one up to a similar orientation.
 ///
 /// Wall particles behind a side have a single pressure at each position. With faces that meet at blunt edges a fluid particle
 /// has many faces in its support, also distant ones.
@@ -417,7 +417,7 @@ pub(super) fn thinness(
                 }
                 match cover(others, opposed, &foot, spacing) {
                     None => thinness.is_thin = true,
-                    // a plate is as thin over what carries it
+                    // a plate is equally thin above its support
                     Some(_) if normal.dot(opposed) < PARALLEL => {}
                     Some(cover) if thinness.stands_on.contains(&cover) => {}
                     Some(cover) => thinness.stands_on.push(cover),
@@ -428,7 +428,7 @@ pub(super) fn thinness(
     thinness
 }
 
-/// Whether two faces of a part look away from each other and are somewhere nearer than the support (m).
+/// Whether two faces of a part face away from each other and are closer than the support (m) somewhere.
 fn are_near_and_opposed(
     (normal, corners): &(Vec3, Vec<Vec3>),
     (other, other_corners): &(Vec3, Vec<Vec3>),
@@ -442,7 +442,7 @@ fn are_near_and_opposed(
     are_opposed(normal, other) && thickness < support_radius
 }
 
-/// Whether other parts cover the whole of a face, as seen at places a spacing (m) apart.
+/// Whether other parts cover a face completely, sampled a spacing (m) apart.
 pub(super) fn is_covered(normal: &Vec3, corners: &[Vec3], others: &[&Part], spacing: f64) -> bool {
     2 < corners.len()
         && places(corners, spacing).all(|x| cover(others, normal, &x, spacing).is_some())
@@ -457,7 +457,7 @@ fn cover(others: &[&Part], normal: &Vec3, x: &Vec3, spacing: f64) -> Option<usiz
     })
 }
 
-/// Whether a place in the plane of a face is on it.
+/// Whether a point in the plane of a face is on it.
 fn is_on((normal, corners): &(Vec3, Vec<Vec3>), x: &Vec3, spacing: f64) -> bool {
     let next = corners.iter().cycle().skip(1);
     corners.iter().zip(next).all(|(p, q)| {
@@ -466,7 +466,7 @@ fn is_on((normal, corners): &(Vec3, Vec<Vec3>), x: &Vec3, spacing: f64) -> bool 
     })
 }
 
-/// Places on a face about a spacing (m) apart: a fan of triangles, each seen at places inside it.
+/// Points on a face about a spacing (m) apart: a fan of triangles, each sampled inside.
 fn places(corners: &[Vec3], spacing: f64) -> impl Iterator<Item = Vec3> {
     let first = corners.first().copied().unwrap_or_default();
     corners
@@ -482,7 +482,7 @@ fn places(corners: &[Vec3], spacing: f64) -> impl Iterator<Item = Vec3> {
         })
 }
 
-/// Places along a side of a face at which its cover is looked for, at most.
+/// Largest number of samples along a side of a face in the search for its cover.
 const MOST_PLACES: f64 = 200.0;
 
 #[cfg(test)]
