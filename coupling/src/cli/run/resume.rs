@@ -24,7 +24,7 @@ pub(super) fn find(scene: &ArchivedScene, case: &Path, folder: &Path) -> Result<
     };
     if let Some((line, (before, now))) = first_difference(&before, &scene.text) {
         return Err(format!(
-            "{}, line {line}: the run had `{before}`, and now it would be `{now}`; go on with the scene as it was, name \
+            "{}, line {line}: the run had `{before}`, and now it would be `{now}`; continue with the scene as it was, name \
              another folder with -o, or start over with --force",
             folder.join(run_folder::CASE).display()
         ));

@@ -1,0 +1,144 @@
+//! Reading of tables.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use super::{Column, LineFault, TableError};
+
+/// A table read from a file.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TableData {
+    /// Its file, for messages.
+    pub path: PathBuf,
+    /// The columns, in the order of the file.
+    pub columns: Vec<Column>,
+    /// Values of each column; all of the same length.
+    pub values: Vec<Vec<f64>>,
+}
+
+impl TableData {
+    /// Values of the column `name`; with its unit, `g1 [m]`, or without, `g1`.
+    ///
+    /// # Errors
+    /// [`TableError::NoColumn`] if there is none or, without unit, more than one.
+    pub fn column(&self, name: &str) -> Result<&[f64], TableError> {
+        let index = self.index(name)?;
+        Ok(&self.values[index])
+    }
+
+    /// Unit of the column `name`; empty if not stated.
+    ///
+    /// # Errors
+    /// As for [`Self::column`].
+    pub fn unit(&self, name: &str) -> Result<&str, TableError> {
+        let index = self.index(name)?;
+        Ok(&self.columns[index].unit)
+    }
+
+    fn index(&self, name: &str) -> Result<usize, TableError> {
+        let wanted = Column::parse(name.trim());
+        let fits = |column: &Column| {
+            present_name(&column.name) == present_name(&wanted.name)
+                && (wanted.unit.is_empty() || column.unit == wanted.unit)
+        };
+        let mut found = self
+            .columns
+            .iter()
+            .enumerate()
+            .filter(|(_, column)| fits(column));
+        match (found.next(), found.next()) {
+            (Some((index, _)), None) => Ok(index),
+            _ => Err(TableError::NoColumn {
+                path: self.path.clone(),
+                name: name.to_owned(),
+                present: self
+                    .columns
+                    .iter()
+                    .map(Column::header)
+                    .collect::<Vec<_>>()
+                    .join(", "),
+            }),
+        }
+    }
+}
+
+/// Renamed columns, old and new name; each is found under both for one release.
+const RENAMED: [(&str, &str); 1] = [("laid_to_rest", "sleep_loss")];
+
+fn present_name(name: &str) -> &str {
+    let renamed = RENAMED.iter().find(|(old, _)| *old == name);
+    renamed.map_or(name, |(_, new)| new)
+}
+
+/// Reads a whole table.
+///
+/// # Errors
+/// [`TableError::Io`] if the file cannot be read, [`TableError::Line`] for the first invalid line.
+pub fn read_table(path: &Path) -> Result<TableData, TableError> {
+    let text = fs::read_to_string(path).map_err(TableError::io("read", path))?;
+    table_from(path, &text)
+}
+
+/// The table of the text of a file; `path` is for messages.
+///
+/// # Errors
+/// [`TableError::Line`] for the first invalid line.
+pub fn table_from(path: &Path, text: &str) -> Result<TableData, TableError> {
+    parse(path, text).map_err(|(line, fault)| TableError::Line {
+        path: path.to_owned(),
+        line,
+        fault,
+    })
+}
+
+fn parse(path: &Path, text: &str) -> Result<TableData, (usize, LineFault)> {
+    // Spreadsheets put a byte-order mark before the first name.
+    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+    let mut lines = (1..)
+        .zip(text.lines().map(str::trim))
+        .filter(|(_, line)| !line.is_empty() && !line.starts_with('#'));
+
+    let (number, header) = lines.next().ok_or((1, LineFault::NoHeader))?;
+    let columns: Vec<Column> = cells(header).map(Column::parse).collect();
+    for (i, column) in columns.iter().enumerate() {
+        let is_number = column.header().parse::<f64>().is_ok();
+        if column.name.is_empty() || is_number || columns[..i].contains(column) {
+            let name = column.header();
+            return Err((number, LineFault::Header { name }));
+        }
+    }
+
+    let mut values = vec![Vec::new(); columns.len()];
+    for (number, line) in lines {
+        let found = cells(line).count();
+        if found != columns.len() {
+            let expected = columns.len();
+            return Err((number, LineFault::Count { found, expected }));
+        }
+        for ((cell, column), values) in cells(line).zip(&columns).zip(&mut values) {
+            let value = if cell.is_empty() {
+                Ok(f64::NAN)
+            } else {
+                cell.parse()
+            };
+            values.push(value.map_err(|_| {
+                let fault = LineFault::Number {
+                    column: column.header(),
+                    text: cell.to_owned(),
+                };
+                (number, fault)
+            })?);
+        }
+    }
+    Ok(TableData {
+        path: path.to_owned(),
+        columns,
+        values,
+    })
+}
+
+/// Cells of a line, without enclosing quotes; commas inside quotes are not supported.
+fn cells(line: &str) -> impl Iterator<Item = &str> {
+    line.split(',')
+        .map(|cell| cell.trim().trim_matches('"').trim())
+}
