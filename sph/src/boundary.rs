@@ -47,10 +47,10 @@ pub enum Phase {
     Integration,
 }
 
-/// Whatever holds the fluid: walls, bodies, openings. A step calls it at fixed places, see [`crate::stepping`]; each call
-/// may read the fluid, and changes of it go through the fluid's own functions, which keep its accounts.
+/// Boundary of the fluid: walls, bodies, openings. A step calls it at fixed stages, see [`crate::stepping`]; each call
+/// may read the fluid, and changes it only by the fluid's own functions, which keep its accounts.
 ///
-/// Every call but the error has an empty default: a boundary says only what it does.
+/// All methods have an empty default, so that a boundary implements only those it needs.
 pub trait Boundary {
     /// Ends a step without a new state.
     type Error: From<FluidError>;
@@ -59,7 +59,7 @@ pub trait Boundary {
     ///
     /// # Errors
     ///
-    /// Whatever keeps bodies from moving on.
+    /// Failure of the motion of the bodies.
     fn advance(&mut self, _part: Part, _dt: f64) -> Result<(), Self::Error> {
         Ok(())
     }
@@ -68,7 +68,7 @@ pub trait Boundary {
     ///
     /// # Errors
     ///
-    /// Whatever keeps particles from entering.
+    /// Failure of the inflow.
     fn exchange(&mut self, _fluid: &mut Fluid, _dt: f64) -> Result<(), Self::Error> {
         Ok(())
     }
@@ -77,7 +77,7 @@ pub trait Boundary {
     ///
     /// # Errors
     ///
-    /// Where none may leave.
+    /// If particles may not leave.
     fn escaped(&mut self, _count: u64) -> Result<(), Self::Error> {
         Ok(())
     }
@@ -106,16 +106,16 @@ pub trait Boundary {
     /// Finds how bodies that the fluid moves accelerate, viscosities known.
     fn solve_motion(&mut self, _fluid: &mut Fluid) {}
 
-    /// Adds the walls' forces to the accelerations, and keeps what acts on the bodies in return.
+    /// Adds the walls' forces to the accelerations, and keeps the reactions on the bodies.
     fn forces(&mut self, _fluid: &mut Fluid) {}
 
-    /// Books what a kick over `dt` (s) is about to do.
+    /// Books the effect of the next kick over `dt` (s).
     fn begin_kick(&mut self, _fluid: &mut Fluid, _dt: f64) {}
 
     /// Gives the bodies the equal and opposite of a kick over `dt` (s).
     fn end_kick(&mut self, _fluid: &mut Fluid, _dt: f64) {}
 
-    /// Remembers the forces at the start of a step whose fluid has just been predicted half way.
+    /// Stores the forces at the start of a step after the prediction of the fluid to the middle.
     fn predicted(&mut self, _fluid: &mut Fluid) {}
 
     /// Stops the time of a phase.

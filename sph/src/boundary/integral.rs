@@ -1,7 +1,7 @@
 //! Exact integrals of Wendland's C2 kernel over a polyhedron.
 //!
-//! A point `x` of the fluid sees a wall as the part of its kernel that the solid fills. The
-//! divergence theorem turns that volume integral into integrals over faces, and again into
+//! The effect of a wall on a point `x` of the fluid is the part of its kernel inside the solid. The
+//! divergence theorem converts that volume integral to integrals over faces, and further to
 //! integrals along edges. With `R` the support radius and `u = r/R`:
 //!
 //! ```text
@@ -11,11 +11,11 @@
 //! C(r) = ∫_r^R G t dt   = (1−u)⁶ (3u²+3u+1) / (4π u R)
 //! ```
 //!
-//! Both `A` and `C` are polynomials in `u` but for the `1/u` of `C`, so that the integrals along an
-//! edge have closed forms too: round-off, also for a point on a face or on the line of an edge,
+//! Both `A` and `C` are polynomials in `u` except for the `1/u` of `C`, so that the integrals along an
+//! edge have closed forms: accurate to round-off, also for a point on a face or on the line of an edge,
 //! where Gauss points along the edge lose digits.
 //!
-//! In a plane in which nothing depends on y the same is done over polygons.
+//! In two dimensions, where nothing depends on y, the same holds for polygons.
 //!
 //! Lengths inside this file are in units of `R`.
 
@@ -71,7 +71,7 @@ impl WallIntegral {
 /// Entries of [`LayerTable`] over `0 ≤ d ≤ R`.
 const LAYER_ENTRIES: usize = 400;
 
-/// Corrections that turn a continuous solid into rows of particles.
+/// Corrections from a continuous solid to rows of particles.
 ///
 /// Fluid next to a wall sits in rows; the continuous integral leaves a residual of 2 to 3 % of
 /// `1/h` there, which multiplies twice the pressure. Rows of wall at depths `(k + ½) dp` do not:
@@ -83,8 +83,8 @@ const LAYER_ENTRIES: usize = 400;
 /// w(d) = ∫ W dt,    Q_nn(d) = d w + λ                                        in a plane
 /// ```
 ///
-/// Both multiply what a face adds, by the distance of the point from its plane. On the inner side
-/// of a plane the same factors hold: there the rows outside complete a full lattice.
+/// Both multiply the contribution of a face, by the distance of the point from its plane. The same factors hold on the
+/// inner side of a plane, where the rows outside complete a full lattice.
 #[derive(Clone, Debug)]
 pub struct LayerTable {
     /// `[c_g, c_q]` at `d = k R/(LAYER_ENTRIES − 1)`; 1.
@@ -162,7 +162,7 @@ impl PlaneSums {
 
 /// A point closer than this to a line where two faces meet is moved off it, outward; of `R`.
 ///
-/// The angle under which it sees a face would be that between two round-off errors. The integrals
+/// The angle subtended by a face would be dominated by round-off. The integrals
 /// are continuous, and change by this much relative to their size.
 const ON_EDGE: f64 = 1e-8;
 
@@ -174,9 +174,9 @@ const ON_EDGE: f64 = 1e-8;
 /// Q  = λ 1 − Σ_f ( ∫_f (y − x) W dA ) ⊗ n_f
 /// ```
 ///
-/// `d_f` is the distance from the plane of a face. With `layers`, what each face adds to `∇λ` and
-/// `Q` is corrected for rows; `λ` stays that of the continuous solid. `support_radius` in m, above
-/// zero. The point may be anywhere; it is meant to be outside. In a plane the solid is a prism along y.
+/// `d_f` is the distance from the plane of a face. With `layers`, the contribution of each face to `∇λ` and
+/// `Q` is corrected for rows; `λ` remains that of the continuous solid. `support_radius` in m, above
+/// zero. The point may be anywhere, but is normally outside. In two dimensions the solid is a prism along y.
 pub fn integrate(
     faces: &[Face],
     x: &Vec3,
@@ -232,13 +232,13 @@ pub fn viscous_factor(d: f64, support_radius: f64, dimensions: Dimensions) -> f6
     PlaneSums::at(u, dimensions).viscous / (support_radius * support_radius)
 }
 
-/// Share of the kernel that is behind a plane wall at distance `d`, both lengths in m: `λ = (1−u)⁶ (3u²+3u+1)/2` in space.
+/// Fraction of the kernel behind a plane wall at distance `d`, both lengths in m: `λ = (1−u)⁶ (3u²+3u+1)/2` in three dimensions.
 pub fn plane_share(d: f64, support_radius: f64, dimensions: Dimensions) -> f64 {
     let u = (d / support_radius).clamp(0.0, 1.0);
     PlaneSums::at(u, dimensions).share
 }
 
-/// The point, off any line where two planes meet; `None` when a plane keeps it out of reach.
+/// The point, moved off any line where two planes meet; `None` if it is beyond the support.
 fn off_edges(faces: &[Face], x: &Vec3, support_radius: f64) -> Option<Vec3> {
     let mut n_near = 0;
     let mut outward = Vec3::zeros();
@@ -259,7 +259,7 @@ fn off_edges(faces: &[Face], x: &Vec3, support_radius: f64) -> Option<Vec3> {
     Some(x + direction * (2.0 * ON_EDGE * support_radius))
 }
 
-/// Integrals over one face, or an edge of a polygon in a plane; lengths in units of `R`.
+/// Integrals over one face, or an edge of a polygon in two dimensions; lengths in units of `R`.
 struct FaceSums {
     /// `I[W]`.
     w: f64,
@@ -279,7 +279,7 @@ struct Edge {
     t: [f64; 2],
 }
 
-/// Sums of a face whose plane is at distance `a < 1`; `None` when it is out of reach.
+/// Sums of a face whose plane is at distance `a < 1`; `None` if it is beyond the support.
 fn face_sums(face: &Face, x: &Vec3, a: f64, inverse_radius: f64) -> Option<FaceSums> {
     let disc = (1.0 - a * a).sqrt();
     let mut is_whole = true;

@@ -1,17 +1,17 @@
-//! Wall particles: points with volumes that fill solids to the depth that fluid can see.
+//! Wall particles: points with volumes that fill solids to the depth of the kernel support.
 //!
-//! Fluid at the surface of a solid sees it to the depth of the support radius `R`. That shell is
-//! filled with `⌈R/dp⌉` layers of points, the first half a spacing `dp` deep; deeper than that a
+//! The support of fluid at the surface of a solid extends to the depth `R`. That shell is
+//! filled with `⌈R/dp⌉` layers of points, the first half a spacing `dp` deep; the interior of a
 //! solid stays empty.
 //!
-//! - a box is a lattice of its own ([`sample_convex`]);
+//! - a box has its own lattice ([`sample_convex`]);
 //! - any other convex body has layers parallel to each face, bounded by the planes that bisect the
-//!   angles to the other faces ([`sample_convex`]), a prism that seems to have no ends along its sides only
+//!   angles to the other faces ([`sample_convex`]), an endless prism along its sides only
 //!   ([`sample_prism`]);
-//! - a ball has layers of points spread evenly ([`sample_ball`]);
+//! - a sphere has layers of evenly distributed points ([`sample_ball`]);
 //! - fixed bodies that touch or overlap are one solid ([`sample_union`]);
-//! - each face of a [screen](super::screens) has layers of its own ([`sample_behind`]), or those near it ([`is_behind`])
-//!   of the points of the shell, or of the side that it is part of ([`sample_behind_side`]).
+//! - each face of a [thin solid](super::screens) has its own layers ([`sample_behind`]), or the nearby ones ([`is_behind`])
+//!   of the points of the shell, or of its side ([`sample_behind_side`]).
 
 use nalgebra::Vector2;
 
@@ -90,7 +90,7 @@ pub fn tiles(face: &Face, spacing: f64) -> Vec<(Vec<Vec3>, Vec3)> {
 
 /// Points of the shell of a convex body, in the frame of its faces.
 ///
-/// A body whose faces are rectangles at right angles, turned in any way, gets the lattice of a box;
+/// A body with rectangular faces at right angles, in any orientation, gets the lattice of a box;
 /// any other gets layers along its faces. Both lengths in m, above zero. Volumes add up to that of
 /// the shell.
 pub fn sample_convex(
@@ -104,7 +104,7 @@ pub fn sample_convex(
         .unwrap_or_else(|| layers::whole(faces))
 }
 
-/// As [`sample_convex`], of a prism along an axis that goes on beyond its ends: layers are along its sides only. None of a
+/// As [`sample_convex`], for a prism along an axis that continues beyond its ends: layers are along its sides only. `None` for a
 /// body whose other faces are not along the axis.
 pub fn sample_prism(
     faces: &[Face],
@@ -134,7 +134,7 @@ fn layers_of(faces: &[Face], particle_spacing: f64, n_layers: usize) -> Option<V
 /// Cosine below which a face is along an axis.
 const UPRIGHT: f64 = 1e-9;
 
-/// `⌈R/dp⌉`, where a ratio that is whole but for round-off is whole.
+/// `⌈R/dp⌉`, tolerant to round-off of a whole ratio.
 fn n_layers(particle_spacing: f64, support_radius: f64) -> usize {
     (support_radius / particle_spacing - 1e-9).ceil().max(1.0) as usize
 }

@@ -1,46 +1,46 @@
-//! Screens: solids so thin, or so sharp, that water on one side is within the support of water on the other.
+//! Thin solids: solids so thin, or so sharp, that water on one side is within the support of water on the other.
 //!
-//! Distance alone would let the two see each other through the solid, and let both push on the same wall
-//! particles. Here what lies behind a screen is hidden: places inside it, and those beyond it where a segment
-//! leaves through a face opposed to the one it came in by, or crosses a second screen. Past a blunt corner, whose faces
-//! are not opposed, sight is free.
+//! By distance alone the two would interact through the solid, and both would act on the same wall
+//! particles. Here points behind a thin solid are hidden: points inside it, and points beyond it where a segment
+//! leaves through a face opposite to the one of its entry, or crosses a second thin solid. Past a blunt corner, whose faces
+//! are not opposite, the line of sight is free.
 //!
-//! - Two particles do not see each other through a screen.
-//! - Every side of a screen, a face or some that curve away from each other, has wall particles of its own behind it, as
-//!   deep as the support, even where the solid ends before that ([`sample_behind`](super::sampling::sample_behind)). A
-//!   particle sees those that a look through a face of their side has behind it, if it crosses no other screen before.
-//! - Other wall particles are not seen through a screen.
+//! - Two particles do not interact through a thin solid.
+//! - Every side of a thin solid, a face or some that curve away from each other, has its own wall particles behind it, as
+//!   deep as the support, even where the solid ends before that ([`sample_behind`](super::sampling::sample_behind)). They are
+//!   visible to a particle through a face of their side, if the line of sight crosses no other thin solid before.
+//! - Other wall particles are not visible through a thin solid.
 //!
-//! Of any place each particle so sees one thing: what is there, or the wall that hides it. All is decided by places
-//! alone and alike from both ends, so that pairs stay equal and opposite. A particle inside a screen counts to the
-//! face nearest to it.
+//! At any point each particle thus has a single neighbor: the particle there, or the wall that hides it. Visibility depends on
+//! positions alone and is symmetric, so that pairs stay equal and opposite. A particle inside a thin solid belongs to the
+//! nearest face.
 //!
-//! Sight changes smoothly: were wall particles to appear and disappear as a particle moves past an edge, the sum of
-//! their gradients would jump, and in deep water that throws particles about. Of a place `y` a particle at `x` sees
-//! through each face that may be the one it looks in by a share, and likewise for those that it may look out by:
+//! Visibility changes smoothly: if wall particles appeared and disappeared abruptly as a particle moves past an edge, the sum of
+//! their gradients would jump, which agitates particles in deep water. A point `y` is visible from a particle at `x`
+//! with a fraction through each possible entry face, and likewise for the exit faces:
 //!
 //! ```text
 //! s_f = o_f²/Σ o²,   o_f = d_f(x)/|d_f(y)|   faces of d_f(x) > 0 > d_f(y), out: x and y exchanged
 //! hidden through f: s_f where y is inside, else s_f Σ_e t_e g(D_fe) over e opposed to f
 //! ```
-//! `d_f` is the distance from the plane of a face, `o_f/(1 + o_f)` the share of the segment before that plane, of which
-//! the largest is the one it comes in by; `D_fe` the distance at which the segment passes the edge of two faces, over
-//! which `g` goes from 0 at the edge to 1 at 0.8 of the support. Shares of one place add up to one.
+//! `d_f` is the distance from the plane of a face, `o_f/(1 + o_f)` the fraction of the segment in front of that plane, whose
+//! largest value marks the entry; `D_fe` the distance at which the segment passes the edge of two faces, over
+//! which `g` goes from 0 at the edge to 1 at 0.8 of the support. The fractions of a point add up to one.
 
 use crate::Vec3;
 use crate::neighbors::cells::CellGrid;
 
-/// The side of a screen through which a wall particle is seen.
+/// The side of a thin solid through which a wall particle is visible.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Facet {
-    /// Number of the screen, in the order of [`Fluid::add_screen`](crate::Fluid::add_screen).
+    /// Number of the thin solid, in the order of [`Fluid::add_screen`](crate::Fluid::add_screen).
     pub screen: u32,
     /// Number of the side.
     pub side: u32,
 }
 
 impl Facet {
-    /// None: a wall particle that is seen from everywhere.
+    /// No facet: a wall particle that is visible from everywhere.
     pub const NONE: Self = Self {
         screen: u32::MAX,
         side: u32::MAX,
@@ -53,37 +53,37 @@ pub type Plane = (Vec3, f64);
 /// Distance from the edges of a face within which a segment misses it, over the support radius: lattice lines run along edges.
 const SLACK: f64 = 1e-6;
 
-/// Width over which a sharp edge comes to hide what is behind it, over the support radius: half of that leaves water by an
-/// edge of 30 degrees moving at twice the speed.
+/// Transition width of the occlusion at a sharp edge, over the support radius: with half of it water at an
+/// edge of 30 degrees keeps moving at twice the speed.
 const EDGE: f64 = 0.8;
 
-/// Least ratio of distances from a plane, for one that a place lies on.
+/// Smallest ratio of distances from a plane, for a point on it.
 const LEAST: f64 = 1e-6;
 
-/// The screens of a fluid at their present places.
+/// Thin solids of a fluid at their current position.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Screens {
     planes: Vec<Plane>,
-    /// Side of its screen that each is of.
+    /// Side of its thin solid to which each belongs.
     sides: Vec<u32>,
     /// End of the planes of each thin solid.
     ends: Vec<u32>,
-    /// Planes of solids that screens reach into, where those of each solid end, and where the solids of each screen end.
+    /// Planes of solids that thin solids extend into, the end of those of each solid, and the end of the solids of each thin solid.
     cover_planes: Vec<Plane>,
     covers: Vec<u32>,
     cover_ends: Vec<u32>,
-    /// First entry of each cell, counted from one; zero where no screen is near.
+    /// First entry of each cell, counted from one; zero without a thin solid nearby.
     first: Vec<u32>,
     entries: Vec<Near>,
     /// Cells that have an entry.
     marked: Vec<u32>,
     /// Support radius; m.
     reach: f64,
-    /// Boxes round all that sees each screen; m.
+    /// Bounding boxes of the influence of each thin solid; m.
     boxes: Vec<(Vec3, Vec3)>,
 }
 
-/// A screen near a cell, and the next one there.
+/// A thin solid near a cell, and the next one there.
 #[derive(Clone, Copy, Debug)]
 struct Near {
     screen: u32,
@@ -91,7 +91,7 @@ struct Near {
 }
 
 impl Screens {
-    /// Number of screens.
+    /// Number of thin solids.
     pub(crate) fn len(&self) -> usize {
         self.ends.len()
     }
@@ -112,7 +112,7 @@ impl Screens {
         self.boxes.clear();
     }
 
-    /// Adds a convex solid that the last screen reaches into.
+    /// Adds a convex solid that the last thin solid extends into.
     pub(crate) fn cover(&mut self, planes: impl Iterator<Item = Plane>) {
         self.cover_planes.extend(planes);
         self.covers.push(self.cover_planes.len() as u32);
@@ -163,14 +163,14 @@ impl Screens {
         }
     }
 
-    /// Whether a screen may be within reach of what is in a box (m), as far as some of the axes tell.
+    /// Whether a thin solid may be within the support of a box (m), judged by some of the axes.
     pub(crate) fn may_be_near(&self, (min, max): &(Vec3, Vec3), axes: [bool; 3]) -> bool {
         self.boxes.iter().any(|(low, high)| {
             (0..3).all(|axis| !axes[axis] || (low[axis] <= max[axis] && min[axis] <= high[axis]))
         })
     }
 
-    /// Whether a screen may be within reach of what is in a cell.
+    /// Whether a thin solid may be within the support of a cell.
     pub(crate) fn are_near(&self, cell: usize) -> bool {
         self.first.get(cell).is_some_and(|&first| 0 < first)
     }
@@ -194,7 +194,7 @@ impl Screens {
         start as usize..self.ends[screen] as usize
     }
 
-    /// Numbers of the faces of a side, among those of its screen.
+    /// Numbers of the faces of a side, among those of its thin solid.
     fn faces_of(&self, facet: Facet) -> impl Iterator<Item = usize> + Clone {
         let sides = self.sides[self.range_of(facet.screen)].iter().enumerate();
         sides.filter_map(move |(face, &side)| (side == facet.side).then_some(face))
@@ -216,7 +216,7 @@ impl Screens {
         (!is_covered).then_some((passage, entry))
     }
 
-    /// Whether a place is in a solid that a screen reaches into.
+    /// Whether a point is in a solid that a thin solid extends into.
     fn covers(&self, screen: u32, place: &Vec3) -> bool {
         let start_of = |ends: &[u32], k: usize| k.checked_sub(1).map_or(0, |k| ends[k] as usize);
         let first = start_of(&self.cover_ends, screen as usize);
@@ -275,7 +275,7 @@ impl Screens {
         }
         match own {
             _ if facet == Facet::NONE && n_crossed < 2 => past_others,
-            // what is behind the first of two screens is hidden, wherever it goes out
+            // points behind the first of two thin solids are hidden, wherever the line of sight exits
             Some((share_in, _, at)) if 1 < n_crossed && at < first_of_others => share_in,
             Some((_, hidden, _)) if n_crossed < 2 => hidden * past_others,
             _ => 0.0,
@@ -336,8 +336,8 @@ fn entry(planes: &[Plane], x: &Vec3, y: &Vec3, slack: f64) -> Option<Entry> {
     planes.iter().enumerate().all(is_within).then_some(entry)
 }
 
-/// Whether two outward normals are those of opposed faces: a plate's two sides, or those of an edge sharper than 45
-/// degrees. At blunter ones what is seen through the edge is a small part of what each particle sees.
+/// Whether two outward normals are those of opposite faces: a plate's two sides, or those of an edge sharper than 45
+/// degrees. At blunter edges the region seen through the edge is a small part of the support.
 pub fn are_opposed(normal: &Vec3, other: &Vec3) -> bool {
     normal.dot(other) < -0.7
 }
@@ -350,13 +350,13 @@ struct Passage<'a> {
     y: &'a Vec3,
     /// Width over which sharp edges come to hide; m.
     edge: f64,
-    /// Sums of the weights of faces that it may come in by, and go out by; none where that end is inside.
+    /// Sums of the weights of possible entry and exit faces; zero where that end is inside.
     entries: f64,
     exits: f64,
 }
 
 impl<'a> Passage<'a> {
-    /// None if one of the faces has both ends before it.
+    /// `None` if one of the faces has both ends in front of it.
     fn new(planes: &'a [Plane], x: &'a Vec3, y: &'a Vec3, edge: f64) -> Option<Self> {
         let (mut entries, mut exits) = (0.0, 0.0);
         for (n, offset) in planes {
@@ -377,12 +377,12 @@ impl<'a> Passage<'a> {
         })
     }
 
-    /// Share of a face in what the particle looks in by.
+    /// Fraction of a face in the entry.
     fn share_in(&self, face: usize) -> f64 {
         share_of(self.planes, face, (self.x, self.y), self.entries)
     }
 
-    /// Share of a face in what it looks out by.
+    /// Fraction of a face in the exit.
     fn share_out(&self, face: usize) -> f64 {
         share_of(self.planes, face, (self.y, self.x), self.exits)
     }
@@ -443,7 +443,7 @@ impl<'a> Passage<'a> {
     }
 }
 
-/// Weight of a face that a look from one place to another may come in by, given their distances from it.
+/// Weight of a possible entry face of a line of sight, from the distances of its ends from the face.
 fn weight(from: f64, to: f64) -> f64 {
     if 0.0 < from && to <= 0.0 {
         (from / (-to).max(LEAST * from)).powi(2)
@@ -452,7 +452,7 @@ fn weight(from: f64, to: f64) -> f64 {
     }
 }
 
-/// Share of a face in what a look from one place to another comes in by; that from inside comes in by the nearest face.
+/// Fraction of a face in the entry of a line of sight; a line from inside enters by the nearest face.
 fn share_of(planes: &[Plane], face: usize, (from, to): (&Vec3, &Vec3), sum: f64) -> f64 {
     let (n, offset) = &planes[face];
     let (at_from, at_to) = (n.dot(from) - offset, n.dot(to) - offset);
@@ -532,7 +532,7 @@ mod tests {
         )
     }
 
-    /// Places about the origin, as far as 2 m off, the same ones each time.
+    /// Points about the origin, up to 2 m away, reproducible.
     fn scattered(n: usize) -> impl Iterator<Item = [Vec3; 2]> {
         let mut state = 88_172_645_463_325_252_u64;
         let mut random = move || {

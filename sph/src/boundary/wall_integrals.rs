@@ -1,7 +1,7 @@
 //! Contributions of walls of exact kernel integrals to a fluid.
 //!
-//! The integrals are those of [`super::integral`]; which solids a particle sees, and the forces that
-//! follow, are the caller's. Rates of density go through [`Fluid::add_density_rates`].
+//! The integrals are those of [`super::integral`]; the caller finds the solids near a particle and applies the resulting
+//! forces. Rates of density go through [`Fluid::add_density_rates`].
 
 use crate::boundary::integral::WallIntegral;
 use crate::{Fluid, Vec3};

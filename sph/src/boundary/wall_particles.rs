@@ -1,8 +1,8 @@
 //! Walls of particles: the generalised wall of Adami, Hu & Adams (2012), in volumes.
 //!
-//! Bodies carry points inside their surface, each with a volume. A point takes its pressure from the
-//! fluid near it, continued to it through the acceleration of gravity less that of the wall, so that
-//! water at rest feels no force along the wall and just its weight on it:
+//! Bodies carry points inside their surface, each with a volume. The pressure of a point is extrapolated from the
+//! nearby fluid along the acceleration of gravity minus that of the wall, so that
+//! water at rest has no force along the wall and exactly its weight on it:
 //!
 //! ```text
 //! p_w  = ( Σ_f p_f W + (g − a_w)·Σ_f ρ_f (x_w − x_f) W ) / Σ_f W,   not below p_min
@@ -13,8 +13,8 @@
 //! viscous forces a wall that does not slip moves as `2 v_w − Σ v_f W/Σ W`, and has the viscosity of the
 //! particle that it acts on.
 //!
-//! Along a wall with friction the fluid sticks until that takes more than Coulomb's share of the normal
-//! force; the whole of a particle's viscous force is then scaled, and so is every pair's share of it on the
+//! Along a wall with friction the fluid sticks up to the Coulomb limit of the tangential
+//! force; beyond it, the viscous force of a particle is scaled as a whole, and so is the part of every pair on the
 //! wall:
 //!
 //! ```text
@@ -22,7 +22,7 @@
 //! ```
 //! The normal is the direction of the wall's pressure on the particle; a particle under tension slides.
 //!
-//! In planes of symmetry points are mirrored as the fluid is: none may stand beyond one.
+//! At planes of symmetry points are mirrored like the fluid: no point may be beyond one.
 
 use rayon::prelude::*;
 
@@ -47,8 +47,8 @@ pub enum Slip {
     Free,
     /// It sticks.
     None,
-    /// It sticks until the tangential force is this share of the normal one, the coefficient of friction
-    /// `μ_w`; >= 0. Shear is that of Morris with the viscosity of the particle, or of the whole fluid.
+    /// No slip up to this ratio of tangential to normal force, the coefficient of friction
+    /// `μ_w`; >= 0. Shear is that of Morris with the viscosity of the particle, or of the fluid.
     Friction(f64),
 }
 
@@ -70,14 +70,14 @@ pub struct Answer {
 #[derive(Clone, Debug)]
 pub struct WallParticles {
     volume: Vec<f64>,
-    /// Faces of screens that points are behind; of all points, or of none.
+    /// Faces of thin solids that points are behind; for all points, or empty.
     facets: Vec<Facet>,
     position: Vec<Vec3>,
     velocity: Vec<Vec3>,
     acceleration: Vec<Vec3>,
     /// Pressure continued from the fluid; Pa.
     pressure: Vec<f64>,
-    /// Velocity that viscous forces see; m/s.
+    /// Velocity used in viscous forces; m/s.
     seen_velocity: Vec<Vec3>,
     slip: Slip,
     /// Viscosities of the fluid towards walls with friction.
@@ -96,7 +96,7 @@ pub struct WallParticles {
     /// Fluid particles near points, but those that sleep, and points near fluid.
     wetting: Vec<u32>,
     wet: Wet,
-    /// Changes of what sleeps when all wet points were last given their pressure.
+    /// Number of changes of the sleeping set at the last update of the pressure of all wet points.
     known_at: Option<u64>,
     scratch: Scratch,
 }
@@ -107,12 +107,12 @@ struct Wet {
     all: Vec<u32>,
     /// Those near fluid that is awake, where fluid may sleep.
     stirred: Vec<u32>,
-    /// Whether only these are given what they feel: the others keep it, as what sleeps is as it was.
+    /// Whether only these are updated: the others keep their values, as the sleeping set is unchanged.
     is_partial: bool,
 }
 
 impl Wet {
-    /// Points that are given what they feel of the fluid.
+    /// Points that are updated from the fluid.
     fn felt(&self) -> &[u32] {
         if self.is_partial {
             &self.stirred
@@ -135,7 +135,7 @@ struct Scratch {
 }
 
 impl WallParticles {
-    /// Points with the given volumes, in m³, for a fluid; they have no place before [`Self::place`].
+    /// Points with the given volumes, in m³, for a fluid; without position before [`Self::place`].
     pub fn new(fluid: &Fluid, volume: Vec<f64>, slip: Slip) -> Self {
         let n = volume.len();
         let grid = fluid.grid().clone();
@@ -164,7 +164,7 @@ impl WallParticles {
         }
     }
 
-    /// The same points, seen through faces of [screens](super::screens) only: one facet per point, or none at all.
+    /// The same points, visible only through faces of [thin solids](super::screens): one facet per point, or none at all.
     #[must_use]
     pub fn behind(mut self, facets: Vec<Facet>) -> Self {
         self.facets = facets;
@@ -176,12 +176,12 @@ impl WallParticles {
         self.volume.len()
     }
 
-    /// Whether there is none.
+    /// Whether it is empty.
     pub fn is_empty(&self) -> bool {
         self.volume.is_empty()
     }
 
-    /// Places; m.
+    /// Positions; m.
     pub fn positions(&self) -> &[Vec3] {
         &self.position
     }
@@ -198,7 +198,7 @@ impl WallParticles {
         }
     }
 
-    /// Pressures continued from the fluid, zero where there is none; Pa.
+    /// Pressures extrapolated from the fluid, zero without fluid; Pa.
     pub fn pressures(&self) -> &[f64] {
         &self.pressure
     }
@@ -208,7 +208,7 @@ impl WallParticles {
         &self.wet.all
     }
 
-    /// Sets place, velocity and acceleration of every point; m, m/s, m/s².
+    /// Sets position, velocity and acceleration of every point; m, m/s, m/s².
     pub fn place(&mut self, of_point: impl Fn(usize) -> [Vec3; 3] + Sync) {
         self.position
             .par_iter_mut()
@@ -252,7 +252,7 @@ impl WallParticles {
         self.marked.sort_unstable();
     }
 
-    /// Finds out which particles and points may be within the support of each other; after every
+    /// Finds the particles and points that may be within the support of each other; after every
     /// [`Self::place`] and every sort of the fluid.
     pub fn find_wet(&mut self, fluid: &Fluid) {
         let cells = fluid.grid();
@@ -266,7 +266,7 @@ impl WallParticles {
             self.wetting.extend(awake.map(|a| a as u32));
         }
         let wet = &mut self.wet;
-        // what was stirred may be dry now
+        // points near awake water may be dry now
         for &w in &wet.stirred {
             self.pressure[w as usize] = 0.0;
         }
@@ -291,7 +291,7 @@ impl WallParticles {
         }
     }
 
-    /// Makes the next look at the fluid one from all wet points.
+    /// Makes the next update include all wet points.
     pub fn forget(&mut self) {
         self.known_at = None;
     }
@@ -332,7 +332,7 @@ impl WallParticles {
         );
     }
 
-    /// Adds what the walls do to the rates of density.
+    /// Adds the walls' part of the rates of density.
     pub fn add_rates(&mut self, fluid: &mut Fluid) {
         if self.wetting.is_empty() {
             return;
@@ -350,7 +350,7 @@ impl WallParticles {
         self.scratch.rates = rates;
     }
 
-    /// Adds what the walls do to the spread of the particles.
+    /// Adds the walls' part of the particle concentration.
     pub fn add_spreads(&mut self, fluid: &mut Fluid) {
         if self.wetting.is_empty() {
             return;
@@ -371,7 +371,7 @@ impl WallParticles {
         self.continue_fluid(fluid, false);
     }
 
-    /// The same with what [`Self::visit_answers`] visits.
+    /// Extrapolates, with the responses for [`Self::visit_answers`].
     pub fn extrapolate_with_answers(&mut self, fluid: &Fluid) {
         self.continue_fluid(fluid, true);
     }
@@ -435,7 +435,7 @@ impl WallParticles {
             |k| {
                 let w = order[k] as usize;
                 let v = seen_velocity[w];
-                // a point that no fluid sees has no pressure, and takes no part
+                // a point without fluid in its support has no pressure and is inactive
                 [v.x, v.y, v.z, pressure[w], volume[w]]
             },
         );
@@ -458,8 +458,8 @@ impl WallParticles {
         }
     }
 
-    /// Adds the walls to the sums of the gradient of velocity; after [`Self::extrapolate`]. A wall along
-    /// which the fluid slides says nothing of its shear.
+    /// Adds the walls to the sums of the velocity gradient, after [`Self::extrapolate`]. A free-slip wall
+    /// does not contribute to shear.
     pub fn add_strains(&mut self, fluid: &mut Fluid) {
         if self.wetting.is_empty() || self.slip == Slip::Free {
             return;
@@ -482,7 +482,7 @@ impl WallParticles {
         }
     }
 
-    /// Lets friction hold all viscous forces, for a look at the forces on the walls before [`Self::add_forces`] limits
+    /// Assumes full sticking, to evaluate the forces on the walls before [`Self::add_forces`] limits
     /// them.
     pub fn stick(&mut self, fluid: &Fluid) {
         if let Slip::Friction(_) = self.slip {
@@ -502,7 +502,7 @@ impl WallParticles {
             });
     }
 
-    /// Scales viscous forces down to what friction can hold.
+    /// Scales viscous forces down to the friction limit.
     fn limit(&mut self, fluid: &Fluid, coefficient: f64, forces: &mut [ForceDensity]) {
         for (&a, force) in self.wetting.iter().zip(forces) {
             let (normal, viscous) = (Vec3::from(force.pressure), Vec3::from(force.viscous));
@@ -563,8 +563,8 @@ impl WallParticles {
         total
     }
 
-    /// Forces of the fluid on some of the points, in their order, as [`Self::visit_reactions`] finds them;
-    /// for gauges, which look seldom; N.
+    /// Forces of the fluid on some of the points, in their order, as in [`Self::visit_reactions`];
+    /// for gauges, which sample rarely; N.
     pub fn reactions(&self, fluid: &Fluid, points: &[u32]) -> Vec<[Vec3; 2]> {
         let mut forces = vec![ForceDensity::default(); points.len()];
         sums::reactions(

@@ -3,7 +3,7 @@
 //! Across x cells are no smaller than the support radius, so the neighbors of a particle lie in its
 //! own row of cells and the eight around it. Particles are kept sorted by cell, x fastest, so that
 //! the part of a row within reach is one contiguous run of particles: nine runs (a few more at a
-//! periodic edge) hold all candidates. The grid does not move: what is known of a cell (which walls are near) stays true.
+//! periodic edge) hold all candidates. The grid is fixed: data of a cell (the walls nearby) remain valid.
 
 use crate::Vec3;
 use crate::error::FluidError;
@@ -17,7 +17,7 @@ pub(crate) const ROW_SPLIT: f64 = 4.0;
 /// Most runs of candidates: nine rows, cut in three at a periodic edge in x.
 pub const MAX_RUNS: usize = 27;
 
-/// A contiguous run of sorted particles, seen through a periodic image.
+/// A contiguous run of sorted particles in a periodic image.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Run {
     /// First particle.
@@ -197,8 +197,8 @@ impl CellGrid {
         self.starts[row.start] < self.starts[row.end]
     }
 
-    /// Calls `visit` with the cells, row by row, that hold what may be within the support, and the skin,
-    /// of anything in `cell`.
+    /// Calls `visit` with the cells, row by row, that may contain points within the support, and the skin,
+    /// of a point in `cell`.
     pub(crate) fn rows_round(&self, cell: usize, mut visit: impl FnMut(std::ops::Range<usize>)) {
         let [nx, ny, _] = self.counts;
         let (i, j, k) = (cell % nx, cell / nx % ny, cell / (nx * ny));
@@ -270,7 +270,7 @@ impl CellGrid {
     /// Counting sort: the order that sorts particles by cell, equal cells in the old order.
     ///
     /// `cell` and `order` are scratch of the caller, filled here; afterward particle `order[s]`
-    /// belongs at place `s`.
+    /// belongs at index `s`.
     pub fn sort(&mut self, positions: &[Vec3], cell: &mut Vec<u32>, order: &mut Vec<u32>) {
         use rayon::prelude::*;
         cell.resize(positions.len(), 0);
@@ -297,9 +297,9 @@ impl CellGrid {
         self.starts[0] = 0;
     }
 
-    /// The runs of particles that may be within `radius` of a position, in a fixed order, those seen
-    /// through one image together where rows allow; returns how many were filled. The radius must not
-    /// exceed the one that the grid was made for.
+    /// The runs of particles that may be within `radius` of a position, in a fixed order, those of one
+    /// image together where rows allow; returns their number. The radius must not
+    /// exceed that of the grid.
     ///
     /// Each of the nine rows round the position is cut to the chord that a sphere of the radius
     /// leaves in it, so that most candidates of the corners are never looked at.
@@ -361,8 +361,8 @@ impl CellGrid {
         n: &mut usize,
     ) {
         let count = self.counts[0] as i64;
-        // a hair more than the reach, for round-off; truncation is the floor from -BEFORE on, and what
-        // is farther before the grid is cut to its first cell anyway
+        // slightly more than the radius, for round-off; truncation is the floor from -BEFORE on, and points
+        // farther before the grid are clamped to its first cell anyway
         const BEFORE: f64 = 16.0;
         let cell =
             |x: f64| ((x - self.min.x) * self.inverse_cell_size.x + BEFORE) as i64 - BEFORE as i64;

@@ -1,19 +1,19 @@
 //! Lists of neighbors that outlive a sum.
 //!
-//! Particles that move little keep their neighbors: whoever is within the support and a skin of a
-//! particle when they are sorted holds all of its neighbors until they are sorted anew. Lists are made
-//! by the first sum after a sort and read by all others before the next; what each sum spares is the
-//! search, most of which is for candidates of the corners of cells.
+//! Particles that move little keep their neighbors: the points within the support and a skin of a
+//! particle at a sort include all of its neighbors until the next sort. Lists are made
+//! by the first sum after a sort and read by all others before the next; each sum saves the
+//! search, most of which is for candidates in the corners of cells.
 //!
 //! All entries are summed, those between the support and the end of the skin too: kernels are zero there,
 //! and to pick the others out would cost more than to add nothing. Only their number is counted by distance.
 //!
-//! Lists know nothing of screens. A receiver near one leaves out, sum by sum, those of its neighbors that are hidden by
-//! what is between them at present.
+//! Lists ignore thin solids. A receiver near one skips, in each sum, the neighbors that are currently
+//! hidden.
 //!
-//! Entries stand in the order in which the sweep finds them, each particle's own, filled up to whole
-//! registers: results are the same bits for any number of threads. What a particle sees through a periodic
-//! side, or its image in a plane of symmetry sees, is a span of its own, summed from the shifted place.
+//! Entries are in the order of the sweep, separate for each particle, padded to whole
+//! registers: results are the same bits for any number of threads. Neighbors across a periodic
+//! side, or of the image in a plane of symmetry, are a separate span, summed from the shifted position.
 //!
 //! Sleeping particles far from all awake ones have empty lists and are skipped in sums.
 
@@ -48,7 +48,7 @@ struct ChunkLists {
     /// Receivers with anything listed.
     n_receivers: u64,
     spans: Vec<Span>,
-    /// Neighbors of all spans; what is beyond the last span means nothing.
+    /// Neighbors of all spans; entries beyond the last span are unused.
     ids: Vec<u32>,
 }
 
@@ -90,7 +90,7 @@ impl Lists {
         self.is_made
     }
 
-    /// Forgets who is near whom.
+    /// Invalidates the lists.
     pub(crate) fn forget(&mut self) {
         self.is_made = false;
     }
@@ -100,7 +100,7 @@ impl Lists {
         self.is_made.then_some(&self.from)
     }
 
-    /// Particles that have anything listed: all, where none may sleep.
+    /// Number of particles with a nonempty list: all, if sleep is off.
     pub(crate) fn n_receivers(&self) -> u64 {
         self.n_receivers
     }
@@ -114,7 +114,7 @@ impl Lists {
         self.chunks.iter().map(of).sum::<usize>() + size_of::<Vec3>() * self.from.0.capacity()
     }
 
-    /// Lists who is near whom, for sums in registers `L`.
+    /// Builds the lists, for sums in registers `L`.
     pub(crate) fn make<L: Lanes>(
         &mut self,
         machine: L::Machine,
@@ -194,7 +194,7 @@ impl Lists {
 }
 
 impl ChunkLists {
-    /// Whether a screen may be between any of the receivers (m), or its images, and what they see.
+    /// Whether a thin solid may be between any of the receivers (m), or its images, and their neighbors.
     fn is_screened<R>(&self, sources: &Sources<R>, positions: &[Vec3]) -> bool {
         let Some(veil) = &sources.veil else {
             return false;
@@ -210,7 +210,7 @@ impl ChunkLists {
 }
 
 impl Span {
-    /// The place from which a receiver sees what is listed; m.
+    /// Position of a receiver relative to a span; m.
     #[inline(always)]
     fn seen_from<R>(&self, sources: &Sources<R>, position: &Vec3) -> Vec3 {
         let mut place = *position;
@@ -295,7 +295,7 @@ where
                     let start = n;
                     for run in runs {
                         let run = run.start as usize..run.end as usize;
-                        // the filter writes whole registers, and the last one is filled up
+                        // the filter writes whole registers, and the last one is padded
                         let room = n + run.len() + FILTER_WIDTH;
                         if ids.len() < room {
                             // water gathers a little more as it moves: an eighth to spare
@@ -328,7 +328,7 @@ where
     }
 }
 
-/// Whether a neighbor is a particle that is awake, and not what registers are filled up with.
+/// Whether a neighbor is an awake particle, not padding.
 #[inline(always)]
 fn is_awake(rests: &[Rest], id: u32) -> bool {
     rests.get(id as usize) == Some(&Rest::Awake)
@@ -347,7 +347,7 @@ struct Work<'a, L: Lanes, T: Term<L>> {
     n_found: &'a mut u64,
 }
 
-/// Summing over the lists of a chunk, past screens or where there are none: code of its own, see
+/// Sums over the lists of a chunk, with or without thin solids: separate code, see
 /// [`sweep_as`](crate::neighbors::sweep::sweep_as).
 struct Summing<'a, L: Lanes, T: Term<L>, const SCREENED: bool>(Work<'a, L, T>);
 
@@ -385,7 +385,7 @@ where
             for span in &spans[span..end as usize] {
                 let mut own = own;
                 if 0 < span.planes {
-                    // the image of the receiver sees the points themselves, see `mirror`
+                    // the image of the receiver uses the points themselves, see `mirror`
                     let signs = splat3(machine, signs_in(span.planes));
                     own = term.mirrored(&own, &signs);
                     term.mirror(&mut sums, &signs);
@@ -413,7 +413,7 @@ where
                             n_found += near.count_ones();
                             term.add(&own, &pair, ids, &mut sums);
                         }
-                        // what fills up the last register is nowhere
+                        // padding of the last register is infinitely far
                         n_found -= (near >> span.n_in_last).count_ones();
                     }
                 }
@@ -429,8 +429,8 @@ where
     }
 }
 
-/// Keeps of the points listed those within the support, by its square (m²), that receiver `a` sees anything of from a
-/// place, each with the share that it sees; returns how many they are.
+/// Keeps the listed points within the support, by its square (m²), that are visible to receiver `a` from a
+/// position, each with its visible fraction; returns their number.
 #[inline(never)]
 fn keep(
     veil: &Veil,

@@ -1,9 +1,9 @@
-//! Planes of symmetry: sides of the domain in which water and walls see their mirror image.
+//! Planes of symmetry: sides of the domain that mirror water and walls.
 //!
-//! The image of a neighbor has its place mirrored, the components of velocity and of gradients across the
-//! plane reversed, and the same density, pressure, volume and viscosity. No image is ever made: mirroring
-//! `R` keeps every term and undoes itself, so that what a receiver gets from the images of its neighbors
-//! is the mirrored sum of what its own image gets from the neighbors themselves,
+//! The image of a neighbor has a mirrored position, reversed components of velocity and of gradients across the
+//! plane, and the same density, pressure, volume and viscosity. Images are never created: the reflection
+//! `R` preserves every term and is an involution, so that the sum of a receiver over the images of its neighbors
+//! is the mirrored sum of its own image over the neighbors themselves,
 //!
 //! ```text
 //! Σ_b f(a, R b) = R Σ_b f(R a, b)
@@ -19,7 +19,7 @@ use crate::{CHUNK, Fluid, FluidError, Settings, Vec3};
 /// Sides of the domain that are planes of symmetry: the lower and the upper one along x, y, z.
 pub type Symmetry = [[bool; 2]; 3];
 
-/// Most images of a point, itself included: along each axis in the lower plane, in the upper or in none.
+/// Largest number of images of a point, including itself: along each axis in the lower plane, the upper one, or neither.
 pub(crate) const MOST_IMAGES: usize = 27;
 
 /// Worth of the digits of [`Image::planes`].
@@ -96,8 +96,8 @@ pub(crate) struct Mirrors {
 }
 
 impl Mirrors {
-    /// Writes a point and all its images that may see something within `reach` of the point's own side; returns
-    /// how many they are. A point beyond a plane has its image before it.
+    /// Writes a point and all its images within `reach` of the modeled side; returns
+    /// their number. A point beyond a plane has its image in front of it.
     #[inline(always)]
     pub(crate) fn images_within(
         &self,
@@ -215,8 +215,8 @@ impl Settings {
 }
 
 impl Fluid {
-    /// Sends back what passed a plane of symmetry: mirrored place and velocity, as its image comes the other
-    /// way. Books the momentum.
+    /// Reflects particles that passed a plane of symmetry: mirrored position and velocity, as their image crosses in the
+    /// opposite direction. Books the momentum.
     pub(crate) fn reflect(&mut self) {
         for plane in self.settings.symmetry_planes() {
             let axis = plane.axis;
@@ -243,7 +243,7 @@ impl Fluid {
         }
     }
 
-    /// Finds the force of the planes of symmetry, and of what sleeps, on the fluid that is awake from the sums of all its
+    /// Computes the force of the planes of symmetry, and of sleeping water, on the awake fluid from the sums of all its
     /// pair forces, of which those between particles cancel.
     pub(crate) fn sum_plane_force(&mut self) {
         self.plane_force = Vec3::zeros();
@@ -275,9 +275,9 @@ impl Fluid {
         }
     }
 
-    /// Force of the planes of symmetry on the fluid since the last [`Self::update_accelerations`], across
-    /// them: what keeps half a flow from running into where the other half would be. With it that of water that sleeps on
-    /// water that is awake; N.
+    /// Force of the planes of symmetry on the fluid since the last [`Self::update_accelerations`], normal to
+    /// them: the reaction of the other half of the flow. Includes the force of sleeping water on
+    /// awake water; N.
     pub fn plane_force(&self) -> Vec3 {
         self.plane_force
     }

@@ -1,9 +1,9 @@
-//! Sums over neighbors that are searched for anew: one loop for all of them. Sums within the fluid read
-//! [`crate::neighbors::lists`] instead, unless there are screens.
+//! Sums over neighbors with their own search, in a single loop. Sums within the fluid use
+//! [`crate::neighbors::lists`] instead, unless there are thin solids.
 //!
 //! For each receiving particle the candidates of nine rows of cells are filtered by distance into a
-//! short buffer, eight at a time and without a branch; what is left is summed a register at a time.
-//! A [`Term`] says what is summed. Each particle adds its own neighbors in the order of the cells,
+//! short buffer, eight at a time and without a branch; the neighbors found are summed a register at a time
+//! by a [`Term`]. Each particle adds its own neighbors in the order of the cells,
 //! so that results do not depend on the number of threads.
 
 use rayon::prelude::*;
@@ -49,7 +49,7 @@ pub(crate) struct Pair<L> {
 pub(crate) trait Term<L: Lanes>: Sync {
     /// Values of the receiver, the same in all lanes.
     type Own: Copy;
-    /// Sums under way.
+    /// Partial sums.
     type Sums;
     /// Result of the sum.
     type Out: Send;
@@ -62,7 +62,7 @@ pub(crate) trait Term<L: Lanes>: Sync {
     fn add(&self, own: &Self::Own, pair: &Pair<L>, ids: &[u32], sums: &mut Self::Sums);
     /// Values of the receiver's mirror image: `signs` are −1 along axes that are reversed, 1 along others.
     fn mirrored(&self, own: &Self::Own, signs: &Lanes3<L>) -> Self::Own;
-    /// Mirrors sums under way; twice is not at all.
+    /// Mirrors partial sums; an involution.
     fn mirror(&self, sums: &mut Self::Sums, signs: &Lanes3<L>);
     /// Writes the result of receiver `a`; `n_found` neighbors were within the support, itself included.
     fn finish(&self, a: usize, sums: Self::Sums, n_found: u32, out: &mut Self::Out);
@@ -75,7 +75,7 @@ pub(crate) struct Sources<'a, R> {
     pub points: &'a Points<R>,
     /// Occlusion of points from receivers; `None` without thin solids.
     pub veil: Option<Veil<'a>>,
-    /// Planes in which the receivers see the points mirrored.
+    /// Planes in which the points are mirrored.
     pub mirrors: Mirrors,
     /// Support radius; m.
     pub support_radius: f64,
@@ -83,11 +83,11 @@ pub(crate) struct Sources<'a, R> {
     pub moved: f64,
 }
 
-/// Screens between receivers and points.
+/// Thin solids between receivers and points.
 #[derive(Clone, Copy)]
 pub(crate) struct Veil<'a> {
     pub screens: &'a Screens,
-    /// Places of the points; m.
+    /// Positions of the points; m.
     pub positions: &'a [Vec3],
     pub between: Between<'a>,
 }
@@ -102,14 +102,14 @@ pub(crate) enum Between<'a> {
 }
 
 impl Veil<'_> {
-    /// Whether a screen may be within reach of a place (m).
+    /// Whether a thin solid may be within the support of a point (m).
     #[inline(always)]
     pub(crate) fn is_near(&self, grid: &CellGrid, place: &Vec3) -> bool {
         self.screens.are_near(grid.cell_of(place))
     }
 
-    /// Keeps of the points found those that receiver `a` sees anything of from a place, each with the share that it sees;
-    /// returns how many they are.
+    /// Keeps the points found that are visible to receiver `a` from a position, each with its visible fraction;
+    /// returns their number.
     #[inline(never)]
     pub(crate) fn keep_seen(
         &self,
@@ -126,7 +126,7 @@ impl Veil<'_> {
                 !facets.is_empty()
             }
         };
-        // wall particles behind a screen are where others look too, beyond its reach
+        // wall particles behind a thin solid may lie beyond its influence, near other receivers
         if !has_facets && !self.screens.are_near(cell) {
             shares[..found.len()].fill(1.0);
             return found.len();
@@ -161,7 +161,7 @@ impl Veil<'_> {
 #[derive(Clone, Copy)]
 pub(crate) struct Receivers<'a> {
     pub positions: &'a [Vec3],
-    /// Indices of those who receive; everyone when absent.
+    /// Indices of the receivers; all particles when absent.
     pub chosen: Option<&'a [u32]>,
 }
 
@@ -231,8 +231,8 @@ where
         .sum()
 }
 
-/// The work of one thread at a time. That with screens is code of its own: a call within the loop, even one that is
-/// never made, costs it its registers, 8 % of the time.
+/// The work of one thread at a time. The version with thin solids is separate code: a call within the loop, even if
+/// never executed, costs registers and 8 % of the time.
 struct Chunk<'a, L: Lanes, T: Term<L>, const SCREENED: bool> {
     machine: L::Machine,
     term: &'a T,
@@ -287,7 +287,7 @@ where
             for (k, image) in images[..n_images].iter().enumerate() {
                 let (mut place, mut own) = (position, own);
                 if 0 < k {
-                    // the image of the receiver sees the points themselves, see `mirror`
+                    // the image of the receiver uses the points themselves, see `mirror`
                     let signs = splat3(machine, image.signs());
                     place = &image.position;
                     own = term.mirrored(&own, &signs);
@@ -328,7 +328,7 @@ where
     L::Record: Default,
     T: Term<L>,
 {
-    /// Adds all points within the support of a place, that of receiver `a` or its image; returns how many they are.
+    /// Adds all points within the support of a position, that of receiver `a` or its image; returns their number.
     #[inline(always)]
     fn add_near(&mut self, a: usize, position: &Vec3, own: &T::Own, sums: &mut T::Sums) -> u32 {
         let Self {
@@ -352,7 +352,7 @@ where
         let n_runs = grid.runs_within(position, reach, runs);
         let mut n_found = 0;
         let mut from = 0;
-        // one pass per periodic image: all its neighbors are seen from the same shifted place
+        // one pass per periodic image: all its neighbors are relative to the same shifted position
         while from < n_runs {
             let image = runs[from].image;
             let place = if image == OWN_IMAGE {
@@ -401,7 +401,7 @@ where
     }
 }
 
-/// The receiver's place, as seen through an image.
+/// The receiver's position in an image.
 pub(crate) struct Seen<L: Lanes> {
     machine: L::Machine,
     place: [L; 3],
@@ -518,7 +518,7 @@ impl PackedIn for crate::simd::lanes::Double {
 }
 
 impl AnyPoints {
-    /// Writes places and values of all points in the given precision.
+    /// Writes positions and values of all points in the given precision.
     pub(crate) fn pack(
         &mut self,
         precision: Precision,
@@ -543,7 +543,7 @@ impl AnyPoints {
         }
     }
 
-    /// Writes values without places, for sums that read more of a particle than one record holds.
+    /// Writes values without positions, for sums that need more of a particle than one record.
     pub(crate) fn pack_values(
         &mut self,
         precision: Precision,

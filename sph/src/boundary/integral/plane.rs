@@ -1,4 +1,4 @@
-//! The same in a plane: Wendland's C2 kernel over prisms across a vertical plane in which nothing depends on y.
+//! Two-dimensional integrals: Wendland's C2 kernel over prisms across a vertical plane in which nothing depends on y.
 //!
 //! Faces become edges of a polygon, seen from a foot on the edge's line at distance `a`, `ρ² = a² + t²`:
 //!
@@ -20,8 +20,8 @@ use crate::Vec3;
 /// Most that the normal of a face has across the plane; the ends of a prism have all of it there.
 const ACROSS: f64 = 0.5;
 
-/// Sums of the edge in which a face across the plane meets it, the point at distance `a < 1` from its line; `None` when
-/// it is out of reach, or an end of the prism.
+/// Sums of the edge in which a face across the plane meets it, the point at distance `a < 1` from its line; `None` if
+/// it is beyond the support, or an end of the prism.
 pub(super) fn edge_sums(face: &Face, x: &Vec3, a: f64, inverse_radius: f64) -> Option<FaceSums> {
     if ACROSS < face.normal.y.abs() {
         return None;
@@ -107,7 +107,7 @@ impl Powers {
         (self.angle + self.a * rest) / (2.0 * PI)
     }
 
-    /// `∫ (1 − ρ)³ dt`: `−W'/ρ` but for its factor.
+    /// `∫ (1 − ρ)³ dt`: `−W'/ρ` up to its factor.
     fn cubed(&self) -> f64 {
         let [p0, p1, p2, p3, ..] = self.p;
         p0 - 3.0 * p1 + 3.0 * p2 - p3

@@ -1,12 +1,12 @@
-//! Layers of a ball.
+//! Layers of a sphere.
 
 use std::f64::consts::PI;
 
 use super::{WallSample, n_layers};
 use crate::Vec3;
 
-/// Points of the shell of a ball that fluid can see, to the depth of the support radius: layers `(k + ½) dp` deep, of
-/// points spread evenly by the golden angle, about `dp` apart; the heart of a ball that is all layers is one point.
+/// Points of the shell of a sphere, to the depth of the support radius: layers `(k + ½) dp` deep, of
+/// points distributed by the golden angle, about `dp` apart; the core of a small sphere is one point.
 /// Lengths in m, above zero. Volumes add up to that of the shell.
 pub fn sample_ball(
     center: Vec3,

@@ -1,4 +1,4 @@
-//! Points behind one face of a screen, or behind some that curve.
+//! Points behind one face of a thin solid, or behind several curved ones.
 
 use nalgebra::Vector2;
 
@@ -31,8 +31,8 @@ impl Rows {
     }
 }
 
-/// Points behind a face to the depth that fluid sees, as if the solid were as deep everywhere, and as far beyond
-/// the edges as slanted looks through the face get; with `rows` along the axis in which the face has no end.
+/// Points behind a face to the depth of the support, as if the solid were equally deep everywhere, and beyond
+/// the edges as far as oblique lines of sight through the face reach; with `rows` along the axis in which the face has no end.
 ///
 /// Layers `dp` thick, the first half a spacing deep, of cells that divide the face evenly. Lengths in m, above
 /// zero.
@@ -107,7 +107,7 @@ pub fn sample_behind_side(
 /// Depths whose difference is round-off: of parts of one plane; spacings.
 const COPLANAR: f64 = 1e-6;
 
-/// The face that a place is least deep behind and how far beside it is (m): of those in one plane that it is least far beside.
+/// The face with the smallest depth of a point behind it, and the lateral distance (m): among coplanar faces the closest one.
 fn nearest(side: &[Face], rows: Option<Rows>, x: &Vec3, slack: f64) -> Option<(usize, f64)> {
     let depth = |face: &Face| {
         let origin = face.vertices.first();
@@ -132,7 +132,7 @@ fn distance_beside(face: &Face, rows: Option<Rows>, x: &Vec3) -> f64 {
     }
 }
 
-/// Whether a place within a solid may be within the support (m) of fluid on a face of it.
+/// Whether a point in a solid may be within the support (m) of fluid on one of its faces.
 pub fn is_behind(face: &Face, x: &Vec3, support_radius: f64) -> bool {
     let axes = Axes::along_longest_edge(face);
     let corners: Vec<Vector2<f64>> = face.vertices.iter().map(|x| axes.plane(x)).collect();
@@ -141,7 +141,7 @@ pub fn is_behind(face: &Face, x: &Vec3, support_radius: f64) -> bool {
     squared_distance(&corners, axes.plane(x)) + depth * depth < support_radius * support_radius
 }
 
-/// Distance of a place from what corners span along `u`; m.
+/// Distance of a point from the interval spanned by the corners along `u`; m.
 fn interval_distance(corners: &[Vector2<f64>], u: f64) -> f64 {
     let (below, above) = corners.iter().fold((true, true), |(below, above), p| {
         (below && u < p.x, above && p.x < u)
@@ -153,7 +153,7 @@ fn interval_distance(corners: &[Vector2<f64>], u: f64) -> f64 {
     nearest.fold(f64::INFINITY, f64::min)
 }
 
-/// Square of the distance of a point from a convex polygon whose corners run either way round; m².
+/// Square of the distance of a point from a convex polygon of either orientation; m².
 fn squared_distance(corners: &[Vector2<f64>], point: Vector2<f64>) -> f64 {
     let next = corners.iter().cycle().skip(1);
     let (mut left, mut right, mut least) = (false, false, f64::INFINITY);

@@ -12,10 +12,10 @@ const DIVISIONS: usize = 4;
 /// Of a cell's volume: less is left out.
 const LEAST_SHARE: f64 = 1e-3;
 
-/// Points to the depth of the support radius behind a surface, where fluid may see them, cell by cell.
+/// Points to the depth of the support radius behind a surface, within the support of fluid, cell by cell.
 ///
-/// `height_within` gives the signed distance of a place from the surface, negative behind it, none if it is farther than
-/// asked for; `is_taken` tells places that belong to other solids. Lengths in m.
+/// `height_within` returns the signed distance of a point from the surface, negative behind it, `None` beyond the given
+/// distance; `is_taken` identifies points in other solids. Lengths in m.
 pub fn sample_behind_surface(
     lattice: &UnionLattice,
     height_within: impl Fn(&Vec3, f64) -> Option<f64> + Sync,

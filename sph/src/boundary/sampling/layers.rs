@@ -16,9 +16,9 @@ const COPLANAR: f64 = 1.0 - 5e-13;
 
 /// Points of the layers at depths `(k + ½) dp` below every face.
 ///
-/// A point takes the area of its piece of a cell times the volume of the layer over its area, `dp`
-/// but where a layer ends within itself. What layers too small for a point hold is shared by all. None of a body too small
-/// for a layer.
+/// The volume of a point is the area of its piece of a cell times the volume of the layer over its area, `dp`
+/// except where a layer ends within itself. The volume of layers too small for a point is shared by all. `None` for a body too
+/// small for a layer.
 pub(super) fn samples(faces: &[Face], spacing: f64, n_layers: usize) -> Vec<WallSample> {
     let mut samples: Vec<WallSample> = Vec::new();
     let mut shell = 0.0;

@@ -1,4 +1,4 @@
-//! Convex polygons in a plane: clipping, moments, cells.
+//! Convex planar polygons: clipping, moments, cells.
 
 use nalgebra::Vector2;
 

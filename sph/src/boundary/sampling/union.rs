@@ -1,9 +1,9 @@
 //! Points of fixed bodies that touch or overlap: tank floors, walls, beaches.
 //!
-//! Such bodies are one solid. A face counts where it is exposed, that is where a hair above it
-//! there is no other part. Below the exposed part of each cell of a face runs a column of points.
+//! Such bodies are one solid. A face counts where it is exposed, that is without another part
+//! directly above it. Below the exposed part of each cell of a face there is a column of points.
 //! Where columns of faces on either side of a convex edge cross, the nearer face has the point;
-//! behind a concave edge, where no column runs, the lattice of the first face is continued.
+//! behind a concave edge, without columns, the lattice of the first face is continued.
 
 use nalgebra::Vector2;
 
@@ -96,10 +96,10 @@ pub struct UnionSample {
 
 /// Points of the union of convex parts, each given by its faces.
 ///
-/// In a face the lattice follows an axis of coordinates where one lies in the face, and is then
-/// anchored; across a slope its spacing is the nearest to `dp` that divides the face. A point has
-/// the volume of the part of its cell that is exposed and nearer to its own face than to others,
-/// times `dp`. Slabs that are no whole number of spacings thick are not filled to their volume. The
+/// In a face the lattice follows a coordinate axis if one lies in the face, and is then
+/// anchored; across a slope its spacing is the closest to `dp` that divides the face. A point has
+/// the volume of the part of its cell that is exposed and closer to its own face than to others,
+/// times `dp`. Slabs whose thickness is not a whole number of spacings are not filled to their volume. The
 /// order is that of parts, faces and cells.
 pub fn sample_union(parts: &[&[Face]], lattice: &UnionLattice) -> Vec<UnionSample> {
     let union = Union::new(parts, lattice);
@@ -114,7 +114,7 @@ pub fn sample_union(parts: &[&[Face]], lattice: &UnionLattice) -> Vec<UnionSampl
             union.mitred(plate, cell, column, depth)
         });
     }
-    // what is left behind edges are pieces of cells beside others
+    // the remaining points behind edges are pieces of cells beside others
     kept.copy = TOLERANCE * lattice.particle_spacing;
     let mut continued: Vec<Vec<bool>> = exposed
         .iter()
@@ -269,8 +269,8 @@ impl<'a> Union<'a> {
 
     /// The part of an exposed column that is nearer to its own face than to others.
     ///
-    /// A point that is also one of another face, as near to it, is taken whole: there the lattices
-    /// of two faces at right angles are one.
+    /// A point that also belongs to another face, equally close to it, has its full volume: there the lattices
+    /// of two faces at right angles coincide.
     fn mitred(&self, plate: &Plate, cell: [usize; 2], column: &Column, depth: f64) -> Column {
         let tolerance = TOLERANCE * self.lattice.particle_spacing;
         let x = plate.at(&plate.center(cell), depth);
@@ -296,7 +296,7 @@ impl<'a> Union<'a> {
         })
     }
 
-    /// Whether a point at `depth` below one plate is less deep below an exposed place of another.
+    /// Whether a point at `depth` below one plate is less deep below an exposed point of another.
     fn is_nearer_to_another(&self, plate: &Plate, depth: f64, x: &Vec3) -> bool {
         let tolerance = TOLERANCE * self.lattice.particle_spacing;
         plate.near_plates.iter().any(|&other| {
@@ -355,7 +355,7 @@ impl<'a> Union<'a> {
 }
 
 impl<'a> Plate<'a> {
-    /// The lattice of a face; `None` when it is out of reach of the region.
+    /// The lattice of a face; `None` if it is beyond the region.
     fn new(part: usize, face: &'a Face<'a>, lattice: &UnionLattice, margin: f64) -> Option<Self> {
         let axes = Axes::along_coordinates(&face.normal);
         let region = lattice.region.grown(margin);
@@ -453,12 +453,12 @@ impl<'a> Plate<'a> {
         }
     }
 
-    /// The point below a place of the plane.
+    /// The point below a position in the plane.
     fn at(&self, place: &Vector2<f64>, depth: f64) -> Vec3 {
         self.axes.u * place.x + self.axes.v * place.y + self.face.normal * (self.height - depth)
     }
 
-    /// The cell whose column a point is in, as a place among [`Self::cells`].
+    /// The cell whose column contains a point, as an index into [`Self::cells`].
     fn cell_of(&self, x: &Vec3) -> Option<usize> {
         let place = (self.axes.plane(x) - self.origin).component_div(&self.step);
         let [i, j] = [place.x, place.y].map(f64::floor);

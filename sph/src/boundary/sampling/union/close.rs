@@ -1,4 +1,4 @@
-//! The point nearest to a place.
+//! The sample closest to a point.
 
 use super::Region;
 use crate::Vec3;
