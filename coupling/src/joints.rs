@@ -30,8 +30,12 @@ use crate::saved::{Read, Saved};
 use crate::walls::{Part, before, face_lattice, parts};
 
 mod links;
+mod reached;
+mod surroundings;
 
 use links::Links;
+use reached::Reached;
+use surroundings::{Ahead, Surroundings};
 
 /// Largest width of a joint, in spacings; full pressure up to one.
 const REACH: f64 = 2.0;
@@ -48,9 +52,6 @@ const SWEEPS: (usize, usize) = (2000, 8);
 const LACKING: f64 = 0.5;
 /// Largest scalar product of the normals of the two sides of a joint.
 const OPPOSED: f64 = -0.5;
-/// Half widths, in spacings, of spaces that particles cannot enter: between one solid and the block, and between two other
-/// solids and the block.
-const PORE: [f64; 2] = [0.4, 0.75];
 
 /// Sampling point of a face.
 #[derive(Clone, Copy, Debug)]
@@ -80,19 +81,6 @@ struct FacePoints {
 struct Jointed {
     block: usize,
     faces: Vec<FacePoints>,
-}
-
-/// Space ahead of a point.
-#[derive(Clone, Copy, Debug)]
-struct Ahead {
-    /// Width of the joint, with the solid at its other side; m.
-    joint: Option<(f64, u32)>,
-    /// Fraction `Σ V W` and pressure of the water; –, Pa.
-    water: [f64; 2],
-    /// Open place beside the block, across the edge that the point is at; m.
-    beside: Option<Vec3>,
-    /// Whether that place, or the space ahead of an open point, is a pore that particles cannot enter.
-    is_pore: bool,
 }
 
 /// Joints of all free blocks.
@@ -567,129 +555,4 @@ impl JointWater {
             self.loads[partner].add(&-force, &(x - blocks.centroid(partner)));
         }
     }
-}
-
-/// Solids near a block.
-struct Surroundings<'a> {
-    blocks: &'a Blocks,
-    block: usize,
-    /// Parts of other blocks.
-    near: &'a [usize],
-    domain: (Vec3, Vec3),
-    spacing: f64,
-}
-
-impl Surroundings<'_> {
-    /// Space ahead of a point of the block with an outward normal, and the direction across the edge that it is at.
-    fn ahead(&self, x: &Vec3, normal: &Vec3, across: Option<Vec3>) -> Ahead {
-        let joint = self.joint(x, normal);
-        let at_edge = across.filter(|_| joint.is_some());
-        let beside =
-            at_edge.map(|across| x + across * self.spacing - normal * (0.5 * self.spacing));
-        let ahead = || x + normal * (0.5 * self.spacing);
-        let room = beside.or_else(|| joint.is_none().then(ahead));
-        Ahead {
-            joint,
-            water: [0.0; 2],
-            beside: beside.filter(|place| self.is_open(place)),
-            is_pore: room.is_some_and(|place| self.is_pore(&place)),
-        }
-    }
-
-    /// Width of the joint ahead (m), with the solid at its other side.
-    fn joint(&self, x: &Vec3, normal: &Vec3) -> Option<(f64, u32)> {
-        let reach = REACH * self.spacing;
-        let widths = self.near.iter().filter_map(|&part| {
-            let surface = self.blocks.surface_point_within(part, x, reach)?;
-            let is_opposed = surface.normal.dot(normal) < OPPOSED;
-            is_opposed.then(|| (surface.distance, self.blocks.block_of_part(part) as u32))
-        });
-        widths.min_by(|a, b| a.0.total_cmp(&b.0))
-    }
-
-    /// Whether a place is too close to the solids for a particle.
-    fn is_pore(&self, place: &Vec3) -> bool {
-        let [alone, between] = PORE.map(|reach| reach * self.spacing);
-        let mut first = None;
-        self.near.iter().any(|&part| {
-            let Some(surface) = self.blocks.surface_point_within(part, place, between) else {
-                return false;
-            };
-            let block = self.blocks.block_of_part(part);
-            surface.distance < alone || *first.get_or_insert(block) != block
-        })
-    }
-
-    /// Whether a place is in the domain and in no solid.
-    fn is_open(&self, place: &Vec3) -> bool {
-        let (low, high) = self.domain;
-        let is_inside = (0..3).all(|k| low[k] <= place[k] && place[k] <= high[k]);
-        let own = self.blocks.parts_of(self.block);
-        let mut parts = self.near.iter().copied().chain(own);
-        is_inside
-            && !parts.any(|part| {
-                let surface = self.blocks.surface_point_within(part, place, 0.0);
-                surface.is_some_and(|surface| surface.distance < 0.0)
-            })
-    }
-}
-
-/// Blocks in reach of water: those near its particles, and from joint to joint those near them.
-#[derive(Clone, Debug, Default)]
-struct Reached {
-    blocks: Vec<ReachedBlock>,
-    queue: Vec<usize>,
-}
-
-/// Bounds of a block, and whether water reaches it.
-#[derive(Clone, Copy, Debug)]
-struct ReachedBlock {
-    /// Bounding box; m.
-    bounds: (Vec3, Vec3),
-    is_reached: bool,
-}
-
-impl Reached {
-    /// Finds them; joints are at most `reach` (m) wide.
-    fn find(&mut self, jointed: &[Jointed], reach: f64, fluid: &Fluid, blocks: &Blocks) {
-        self.blocks.clear();
-        self.queue.clear();
-        for (n, jointed) in jointed.iter().enumerate() {
-            let mut bounds = (Vec3::repeat(f64::INFINITY), Vec3::repeat(f64::NEG_INFINITY));
-            for part in blocks.parts_of(jointed.block) {
-                let (min, max) = blocks.part_aabb(part);
-                bounds = (bounds.0.inf(&min), bounds.1.sup(&max));
-            }
-            let is_reached = blocks.is_free(jointed.block) && has_water(fluid, &bounds);
-            self.blocks.push(ReachedBlock { bounds, is_reached });
-            if is_reached {
-                self.queue.push(n);
-            }
-        }
-        while let Some(n) = self.queue.pop() {
-            let (min, max) = self.blocks[n].bounds;
-            for (m, other) in self.blocks.iter_mut().enumerate() {
-                let (low, high) = other.bounds;
-                let is_near = (0..3).all(|k| low[k] - reach < max[k] && min[k] < high[k] + reach);
-                if !other.is_reached && is_near && blocks.is_free(jointed[m].block) {
-                    other.is_reached = true;
-                    self.queue.push(m);
-                }
-            }
-        }
-    }
-}
-
-/// Whether there is any water in the cells around a box (m).
-fn has_water(fluid: &Fluid, (min, max): &(Vec3, Vec3)) -> bool {
-    let grid = fluid.grid();
-    let reach = fluid.settings().support_radius();
-    let from = grid.coordinates_of(&min.add_scalar(-reach));
-    let to = grid.coordinates_of(&max.add_scalar(reach));
-    let cells = (from[2]..=to[2]).flat_map(|k| {
-        (from[1]..=to[1]).flat_map(move |j| (from[0]..=to[0]).map(move |i| [i, j, k]))
-    });
-    cells
-        .into_iter()
-        .any(|cell| !grid.particles_in(grid.cell_at(cell)).is_empty())
 }

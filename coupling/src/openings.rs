@@ -10,92 +10,17 @@
 //!
 //! Energy and momentum of imposed velocities and pressures are booked with those of the particles that enter and leave.
 
-use riprap_sph::exchange::{Exchange, Imposed, NewParticle};
+mod inflow;
+mod passage;
+
+use riprap_sph::exchange::{Exchange, Imposed};
 use riprap_sph::{Fluid, FluidError, Vec3};
 use serde::{Deserialize, Serialize};
 
 use crate::saved::{Read, Saved};
 use crate::series::Series;
-
-/// Box, crossed by the flow along an axis.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Passage {
-    /// Lower corner; m.
-    pub min: Vec3,
-    /// Upper corner; m.
-    pub max: Vec3,
-    /// Direction of the flow: 0 for x, 1 for y.
-    pub axis: usize,
-    /// Whether the flow is in the positive direction.
-    pub upward: bool,
-}
-
-impl Passage {
-    /// Length along the flow; m.
-    pub fn length(&self) -> f64 {
-        self.max[self.axis] - self.min[self.axis]
-    }
-
-    /// Distance from the upstream face; m.
-    fn along(&self, x: &Vec3) -> f64 {
-        if self.upward {
-            x[self.axis] - self.min[self.axis]
-        } else {
-            self.max[self.axis] - x[self.axis]
-        }
-    }
-
-    /// Whether a point is in the cross-section of the box, enlarged by `slack`.
-    fn is_abreast(&self, x: &Vec3, slack: f64) -> bool {
-        (0..3)
-            .filter(|&axis| axis != self.axis)
-            .all(|axis| self.min[axis] - slack <= x[axis] && x[axis] <= self.max[axis] + slack)
-    }
-
-    /// Whether a point is in the box or less than a distance (m) from it.
-    fn is_near(&self, x: &Vec3, distance: f64) -> bool {
-        let s = self.along(x);
-        -distance < s && s < self.length() + distance && self.is_abreast(x, distance)
-    }
-
-    /// Whether a point is in the box, with its cross-section enlarged by `slack`.
-    pub fn contains(&self, x: &Vec3, slack: f64) -> bool {
-        let s = self.along(x);
-        0.0 <= s && s < self.length() && self.is_abreast(x, slack)
-    }
-
-    fn direction(&self) -> Vec3 {
-        let mut direction = Vec3::zeros();
-        direction[self.axis] = if self.upward { 1.0 } else { -1.0 };
-        direction
-    }
-}
-
-/// Driving condition of an inflow.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Drive {
-    /// Velocity, uniform over the depth; m/s.
-    Velocity(Series),
-    /// Through the whole face; m³/s.
-    Discharge(Series),
-}
-
-/// Inflow boundary.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Inflow {
-    /// Its name.
-    pub name: String,
-    /// Its box.
-    pub passage: Passage,
-    /// Velocity or discharge.
-    pub drive: Drive,
-    /// Depth above the bottom of the box, rounded to whole rows; m.
-    pub depth: Series,
-    /// Distance that the rows have moved since the last one was added; m.
-    advanced: f64,
-    /// Velocity at the last hold; m/s.
-    speed: f64,
-}
+pub use inflow::{Drive, Inflow};
+pub use passage::Passage;
 
 /// Outflow boundary.
 #[derive(Clone, Debug, PartialEq)]
@@ -132,105 +57,6 @@ pub struct Openings {
     passed: Vec<Passed>,
     /// Particles in the boxes, as of the last [`Self::hold`].
     held: Vec<Imposed>,
-}
-
-/// Rows across the flow and upward, and their first position.
-struct Rows {
-    counts: [usize; 2],
-    axes: [usize; 2],
-    first: Vec3,
-    spacing: Vec3,
-}
-
-impl Inflow {
-    /// Inflow at rest until it is first held.
-    pub fn new(name: String, passage: Passage, drive: Drive, depth: Series) -> Self {
-        Self {
-            name,
-            passage,
-            drive,
-            depth,
-            advanced: 0.0,
-            speed: 0.0,
-        }
-    }
-
-    fn rows(&self, fluid: &Fluid, time: f64) -> Rows {
-        let spacing = Vec3::from(fluid.settings().particle_spacing);
-        let Passage { min, max, axis, .. } = self.passage;
-        let across = 1 - axis;
-        let count = |length: f64, spacing: f64| (length / spacing).round().max(1.0) as usize;
-        Rows {
-            counts: [
-                count(max[across] - min[across], spacing[across]),
-                count(self.depth.at(time), spacing.z),
-            ],
-            axes: [across, 2],
-            first: min + spacing * 0.5,
-            spacing,
-        }
-    }
-
-    /// Velocity along the flow; m/s.
-    fn speed_at(&self, fluid: &Fluid, time: f64) -> f64 {
-        match &self.drive {
-            Drive::Velocity(velocity) => velocity.at(time),
-            Drive::Discharge(discharge) => {
-                let rows = self.rows(fluid, time);
-                let area = (0..2)
-                    .map(|k| rows.counts[k] as f64 * rows.spacing[rows.axes[k]])
-                    .product::<f64>();
-                discharge.at(time) / area
-            }
-        }
-    }
-
-    /// Row across the flow at a distance `before` upstream of the face.
-    fn row(&self, fluid: &Fluid, time: f64, before: f64) -> Vec<NewParticle> {
-        let rows = self.rows(fluid, time);
-        let Passage {
-            min,
-            max,
-            axis,
-            upward,
-        } = self.passage;
-        let mut position = rows.first;
-        position[axis] = if upward {
-            max[axis] - before
-        } else {
-            min[axis] + before
-        };
-        let velocity = self.passage.direction() * self.speed_at(fluid, time);
-        let mut made = Vec::with_capacity(rows.counts[0] * rows.counts[1]);
-        for k in 0..rows.counts[1] {
-            for j in 0..rows.counts[0] {
-                let mut x = position;
-                x[rows.axes[0]] += j as f64 * rows.spacing[rows.axes[0]];
-                x.z += k as f64 * rows.spacing.z;
-                made.push(NewParticle {
-                    position: x,
-                    velocity,
-                    density: hydrostatic(fluid, min.z + self.depth.at(time) - x.z),
-                });
-            }
-        }
-        made
-    }
-
-    /// Number and spacing of the rows along the flow.
-    fn n_rows(&self, fluid: &Fluid) -> (usize, f64) {
-        let spacing = fluid.settings().particle_spacing[self.passage.axis];
-        // round-off of the lengths in a scene
-        let n = (self.passage.length() / spacing + 1e-6).floor() as usize;
-        (n, spacing)
-    }
-}
-
-/// Hydrostatic density at a depth; kg/m³.
-fn hydrostatic(fluid: &Fluid, depth: f64) -> f64 {
-    let state = fluid.state_equation();
-    let pull = (-fluid.settings().gravity.z).max(0.0);
-    state.density(state.hydrostatic_pressure(pull, depth.max(0.0)))
 }
 
 impl Openings {
@@ -406,4 +232,11 @@ impl Openings {
 /// Tolerance of half a spacing: particles are not exactly in their rows.
 fn slack(fluid: &Fluid) -> f64 {
     0.5 * fluid.settings().particle_spacing[2]
+}
+
+/// Hydrostatic density at a depth; kg/m³.
+fn hydrostatic(fluid: &Fluid, depth: f64) -> f64 {
+    let state = fluid.state_equation();
+    let pull = (-fluid.settings().gravity.z).max(0.0);
+    state.density(state.hydrostatic_pressure(pull, depth.max(0.0)))
 }
