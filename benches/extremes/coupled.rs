@@ -376,7 +376,7 @@ fn odd_places(_: Length) -> Result<Vec<Row>, Failure> {
                         .unwrap_or(0);
                     let mut to = at;
                     to.y = p[nearest].y;
-                    water.fluid.replace(nearest, to, Vec3::zeros());
+                    water.fluid.relocate(nearest, to, Vec3::zeros());
                 }
                 let put_back = world.extremes().particles_pushed_back;
                 let mut fastest = 0.0_f64;

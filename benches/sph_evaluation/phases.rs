@@ -146,7 +146,7 @@ impl Tank {
     fn forget_order(&mut self) {
         let particles = self.fluid.particles();
         if let (Some(&x), Some(&v)) = (particles.position.first(), particles.velocity.first()) {
-            self.fluid.replace(0, x, v);
+            self.fluid.relocate(0, x, v);
         }
     }
 }

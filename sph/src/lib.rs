@@ -81,6 +81,7 @@ pub mod neighbors;
 pub mod particles;
 pub mod rheology;
 pub mod scheme;
+pub mod settings;
 mod simd;
 mod stability;
 pub mod state_equation;
@@ -92,7 +93,7 @@ pub use error::FluidError;
 pub use fluid::energy::Energies;
 pub use fluid::exchange::{Absorber, Exchange};
 pub use fluid::sleep::Sleeping;
-pub use fluid::{Fluid, ParticleForce, Settings, Start, StepLimits};
+pub use fluid::{Fluid, ParticleForce, Start};
 pub use fluid::{energy, exchange, sample};
 pub use kernel::{Dimensions, KernelChoice};
 pub use neighbors::cells::{CellGrid, Periodicity};
@@ -102,6 +103,7 @@ pub use neighbors::{cells, mirror};
 pub use particles::Particles;
 pub use rheology::{Regularization, Rheology};
 pub use scheme::{Scheme, Stepping};
+pub use settings::{Settings, StepLimits};
 pub use state_equation::{NegativePressure, StateEquation};
 
 /// A vector or point, m, m/s, ...

@@ -1,15 +1,24 @@
 //! Time integration of the fluid: each stepping is a file, and each file begins with its list of phases.
 //!
 //! A stepping moves the fluid by the pieces of [`Fluid`] and asks its [`Boundary`] at fixed places. A new one is a
-//! file here, a variant of [`Stepping`] and a line below.
+//! file here, a variant of [`Stepping`] and two lines below.
 
 mod kick_drift_kick;
-pub(crate) mod predictor_corrector;
+mod limits;
+mod predictor_corrector;
 mod symplectic_euler;
 
 use crate::Fluid;
 use crate::boundary::{Boundary, Phase, Stage};
-use crate::scheme::Stepping;
+use crate::scheme::{Scheme, Stepping};
+
+/// Largest step with density from continuity, over `h/c₀`.
+fn sound_limit(scheme: &Scheme) -> f64 {
+    match scheme.stepping {
+        Stepping::KickDriftKick | Stepping::SymplecticEuler => 1.0,
+        Stepping::PredictorCorrector => predictor_corrector::sound_limit(scheme.diffusion),
+    }
+}
 
 impl Fluid {
     /// Advances the fluid by `dt` (s) with the stepping of its scheme, within what holds it.

@@ -247,7 +247,7 @@ fn particles_in_odd_places() {
             .min_by(|&a, &b| (places[a] - at).norm().total_cmp(&(places[b] - at).norm()))
             .unwrap();
         let at = Vec3::new(x, places[nearest].y, z);
-        fluid.replace(nearest, at, Vec3::zeros());
+        fluid.relocate(nearest, at, Vec3::zeros());
         let mut fastest = 0.0_f64;
         advance(&mut world, end, |world| {
             fastest = fastest.max(world.water.as_ref().unwrap().fluid.max_speed());

@@ -69,7 +69,7 @@ pub fn packed(
         interface.find(&fluid, blocks);
         // in a sharp corner only the surface itself stops them
         for intruder in interface.intruders(&fluid, blocks) {
-            fluid.replace(intruder.particle as usize, intruder.clear, Vec3::zeros());
+            fluid.relocate(intruder.particle as usize, intruder.clear, Vec3::zeros());
         }
         fluid.refresh();
         walls.find(&mut fluid);

@@ -64,7 +64,7 @@ impl Coupler<'_> {
         let after = before + impulse / mass;
         let to = intruder.clear;
         ledger.pushed_back += if intruder.is_deep {
-            fluid.replace(a, to, after)
+            fluid.relocate(a, to, after)
         } else {
             fluid.set_velocity(a, after)
         };

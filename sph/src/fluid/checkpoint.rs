@@ -8,7 +8,7 @@ use postcard::Error;
 use crate::fluid::sleep::Sleep;
 use crate::neighbors::sweep::AnyPoints;
 use crate::particles::Particles;
-use crate::{Fluid, Stepping, Vec3};
+use crate::{Fluid, Vec3};
 
 /// No particle is farther from the domain; × its diagonal.
 const FARTHEST: f64 = 1e6;
@@ -57,9 +57,9 @@ impl Fluid {
         let rest = (moved, max_speed, n_pairs, energies, momenta);
         let out = postcard::to_extend(&rest, out)?;
         // the next step starts with these
-        let rates = match self.settings.scheme.stepping {
-            Stepping::PredictorCorrector => scratch.rates.as_slice(),
-            Stepping::KickDriftKick | Stepping::SymplecticEuler => &[],
+        let rates = match self.settings.scheme.stepping.rates_with_forces() {
+            true => scratch.rates.as_slice(),
+            false => &[],
         };
         postcard::to_extend(&(&scratch.pushes, rates, sleep), out)
     }

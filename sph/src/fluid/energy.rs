@@ -1,6 +1,7 @@
-//! Energy and momentum of the fluid.
+//! Mass, energy and momentum of the fluid, and the accounts of what took or brought them.
 
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 
 use crate::{CHUNK, Fluid, Vec3};
 
@@ -19,6 +20,19 @@ pub struct Energies {
     pub diffusive: f64,
     /// Carried off by removed particles since the ledger was opened.
     pub removed: f64,
+}
+
+/// Water that left the domain.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Removed {
+    /// Particles.
+    pub count: u64,
+    /// Their mass; kg.
+    pub mass: f64,
+    /// Their momentum; kg m/s.
+    pub momentum: Vec3,
+    /// Their kinetic, potential and internal energy; J.
+    pub energy: f64,
 }
 
 /// A sum over indices that does not depend on the number of threads.
@@ -54,12 +68,61 @@ impl Fluid {
         }
     }
 
+    /// Mass of all particles; kg.
+    pub fn mass(&self) -> f64 {
+        let mass = &self.particles.mass;
+        fixed_order_sum(mass.len(), |a| mass[a])
+    }
+
     /// Momentum `Σ m v`; kg m/s.
     pub fn momentum(&self) -> Vec3 {
         let (velocity, mass) = (&self.particles().velocity, &self.particles().mass);
         // nalgebra's vectors have no Default: sum their components as one array
         let sum = fixed_order_sum(velocity.len(), |a| Sum3((velocity[a] * mass[a]).into()));
         Vec3::from(sum.0)
+    }
+
+    /// Water that left the domain since the ledger was opened.
+    pub fn removed(&self) -> Removed {
+        self.removed
+    }
+
+    /// Energy taken by viscosity since the ledger was opened; J.
+    pub fn viscous_loss(&self) -> f64 {
+        self.viscous_loss
+    }
+
+    /// Energy of compression taken by density diffusion since the ledger was opened; J.
+    pub fn diffusive_loss(&self) -> f64 {
+        self.diffusive_loss
+    }
+
+    /// Energy that the fluid has from the pressure of walls since the ledger was opened, where density is advanced: of
+    /// motion by their forces and of compression by their part of the rates; J.
+    pub fn energy_from_walls(&self) -> f64 {
+        self.from_walls
+    }
+
+    /// Forgets what the ledger holds: a run starts here.
+    pub fn open_ledger(&mut self) {
+        self.viscous_loss = 0.0;
+        self.from_walls = 0.0;
+        self.diffusive_loss = 0.0;
+        self.removed = Removed::default();
+        self.reflected = Vec3::zeros();
+    }
+
+    /// Root mean square of `ρ/ρ₀ − 1` over the compressed particles, those not at a free surface.
+    pub fn density_error_rms(&self) -> f64 {
+        let (density, reference) = (&self.particles.density, self.settings.reference_density);
+        let excess = |a: usize| (density[a] / reference - 1.0).max(0.0);
+        let sum = fixed_order_sum(density.len(), |a| excess(a).powi(2));
+        let count = fixed_order_sum(density.len(), |a| u64::from(reference < density[a]));
+        if count == 0 {
+            0.0
+        } else {
+            (sum / count as f64).sqrt()
+        }
     }
 }
 

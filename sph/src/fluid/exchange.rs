@@ -134,7 +134,7 @@ impl Fluid {
                 sum.energy += mass
                     * (self.state.specific_energy(density) - self.state.specific_energy(before));
             }
-            self.note_speed(one.velocity.norm());
+            self.record_speed(one.velocity.norm());
         }
         sum
     }
@@ -162,7 +162,7 @@ impl Fluid {
                 sleep.home.push(one.position);
             }
             sum += self.content(self.particles.len() - 1);
-            self.note_speed(one.velocity.norm());
+            self.record_speed(one.velocity.norm());
         }
         if !new.is_empty() {
             self.forget_order();

@@ -1,0 +1,214 @@
+//! Advance in time: kicks, drifts, densities, and their accounts.
+
+use rayon::prelude::*;
+
+use crate::fluid::energy::fixed_order_sum;
+use crate::fluid::sleep::Still;
+use crate::{CHUNK, Dimensions, Fluid, Particles, Vec3};
+
+/// Fewer neighbors than this make no pressure: a particle by itself keeps the reference density.
+const FEWEST_NEIGHBORS: u32 = 5;
+
+/// Change of the compression energy by a density step; J.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Compression {
+    /// Taken by diffusion.
+    pub diffusive_loss: f64,
+    /// Brought in by walls.
+    pub by_walls: f64,
+}
+
+impl Fluid {
+    /// Adds `dt` times the acceleration to the velocities, and books the work of viscosity.
+    pub fn kick(&mut self, dt: f64) {
+        let is_plane = self.is_plane();
+        let Particles {
+            velocity,
+            acceleration,
+            viscous_acceleration,
+            mass,
+            ..
+        } = &mut self.particles;
+        let partial = &mut self.scratch.partial;
+        partial.resize(velocity.len().div_ceil(CHUNK), 0.0);
+        let still = Still::of(self.sleep.as_deref());
+        let max_square = velocity
+            .par_chunks_mut(CHUNK)
+            .zip(acceleration.par_chunks(CHUNK))
+            .zip(viscous_acceleration.par_chunks(CHUNK))
+            .zip(mass.par_chunks(CHUNK))
+            .zip(partial.par_iter_mut())
+            .enumerate()
+            .map(
+                |(chunk, ((((velocity, acceleration), viscous), mass), work))| {
+                    *work = 0.0;
+                    if still.has(chunk) {
+                        return 0.0;
+                    }
+                    let mut largest = 0.0_f64;
+                    for (((v, a), viscous), m) in
+                        velocity.iter_mut().zip(acceleration).zip(viscous).zip(mass)
+                    {
+                        let before = *v;
+                        *v += a * dt;
+                        if is_plane {
+                            // pressure drives apart particles off the plane by no more than round-off
+                            v.y = 0.0;
+                        }
+                        // with the mean of the velocities before and after, the works of all forces
+                        // add up to the change of kinetic energy exactly
+                        let viscous = Vec3::from(viscous.map(f64::from));
+                        *work += m * viscous.dot(&(before + *v)) * (0.5 * dt);
+                        largest = largest.max(v.norm_squared());
+                    }
+                    largest
+                },
+            )
+            .reduce(|| 0.0, f64::max);
+        self.max_speed = max_square.sqrt();
+        self.viscous_loss -= partial.iter().sum::<f64>();
+        self.book_pushes(dt);
+    }
+
+    /// Books the work of the pressure of walls in the kick of `dt` just made.
+    fn book_pushes(&mut self, dt: f64) {
+        if !self.advances_density() {
+            return;
+        }
+        let Particles {
+            velocity,
+            acceleration,
+            mass,
+            ..
+        } = &self.particles;
+        let pushes = &self.scratch.pushes;
+        let power = fixed_order_sum(pushes.len(), |k| {
+            let (a, push) = (pushes[k].0 as usize, &pushes[k].1);
+            let mean = velocity[a] - acceleration[a] * (0.5 * dt);
+            mass[a] * push.dot(&mean)
+        });
+        self.from_walls += power * dt;
+    }
+
+    /// Moves the particles by `dt` times their velocities.
+    pub fn drift(&mut self, dt: f64) {
+        let still = Still::of(self.sleep.as_deref());
+        self.particles
+            .position
+            .par_chunks_mut(CHUNK)
+            .zip(self.particles.velocity.par_chunks(CHUNK))
+            .enumerate()
+            .filter(|(chunk, _)| !still.has(*chunk))
+            .for_each(|(_, (position, velocity))| {
+                for (x, v) in position.iter_mut().zip(velocity) {
+                    *x += v * dt;
+                }
+            });
+        self.moved += self.max_speed * dt.abs();
+    }
+
+    /// Multiplies all velocities by a factor: settling only.
+    pub fn damp(&mut self, factor: f64) {
+        for v in &mut self.particles.velocity {
+            *v *= factor;
+        }
+    }
+
+    /// Advances the density by `dt` at the rates found, and books what diffusion did to the energy of
+    /// compression. A particle with hardly any neighbors gets the reference density.
+    pub fn advance_density(&mut self, dt: f64) {
+        let change = self.integrate_density(|_, _, _| dt);
+        self.book_compression(change);
+    }
+
+    pub(crate) fn book_compression(&mut self, change: Compression) {
+        self.diffusive_loss += change.diffusive_loss;
+        self.from_walls += change.by_walls;
+    }
+
+    /// Advances the density, each particle by the time that `time` makes of its index, density and rate; returns the
+    /// changes of energy to be booked.
+    pub(crate) fn integrate_density(
+        &mut self,
+        time: impl Fn(usize, f64, f64) -> f64 + Sync,
+    ) -> Compression {
+        let Particles { density, mass, .. } = &mut self.particles;
+        let state = &self.state;
+        let still = Still::of(self.sleep.as_deref());
+        let changes = &mut self.scratch.changes;
+        changes.resize(density.len().div_ceil(CHUNK), Compression::default());
+        density
+            .par_chunks_mut(CHUNK)
+            .zip(mass.par_chunks(CHUNK))
+            .zip(self.scratch.rates.par_chunks(CHUNK))
+            .zip(changes.par_iter_mut())
+            .enumerate()
+            .for_each(|(chunk, (((density, mass), rates), booked))| {
+                *booked = Compression::default();
+                if still.has(chunk) {
+                    return;
+                }
+                let each = density.iter_mut().zip(mass).zip(rates);
+                for (a, ((density, mass), rate)) in (chunk * CHUNK..).zip(each) {
+                    if rate.n_found <= FEWEST_NEIGHBORS {
+                        booked.diffusive_loss += mass * state.specific_energy(*density);
+                        *density = state.reference_density;
+                        continue;
+                    }
+                    let dt = time(a, *density, rate.flow + rate.diffusion);
+                    let change = (rate.flow + rate.diffusion) * dt;
+                    // de = p/ρ² dρ, at the middle of the change
+                    let middle = *density + 0.5 * change;
+                    let slope = mass * state.pressure(middle) / (middle * middle);
+                    booked.diffusive_loss -= slope * rate.diffusion * dt;
+                    booked.by_walls += slope * rate.by_walls * dt;
+                    *density += change;
+                }
+            });
+        let none = Compression::default();
+        changes.iter().fold(none, |sum, change| Compression {
+            diffusive_loss: sum.diffusive_loss + change.diffusive_loss,
+            by_walls: sum.by_walls + change.by_walls,
+        })
+    }
+
+    /// Moves a particle and resets its velocity; returns the energy it lost, J.
+    ///
+    /// For a particle found inside a solid; the caller counts it.
+    pub fn relocate(&mut self, particle: usize, mut position: Vec3, mut velocity: Vec3) -> f64 {
+        if self.is_plane() {
+            (position.y, velocity.y) = (self.particles.position[particle].y, 0.0);
+        }
+        let x = &mut self.particles.position[particle];
+        let v = &mut self.particles.velocity[particle];
+        let lost = 0.5 * (v.norm_squared() - velocity.norm_squared())
+            - self.settings.gravity.dot(&(*x - position));
+        *x = position;
+        *v = velocity;
+        // it jumped: no bound on its way holds any more
+        self.moved = f64::INFINITY;
+        lost * self.particles.mass[particle]
+    }
+
+    /// Gives a particle another velocity (m/s) at once; returns the energy it lost, J.
+    pub fn set_velocity(&mut self, particle: usize, mut velocity: Vec3) -> f64 {
+        if self.is_plane() {
+            velocity.y = 0.0;
+        }
+        self.record_speed(velocity.norm());
+        let v = &mut self.particles.velocity[particle];
+        let lost = 0.5 * (v.norm_squared() - velocity.norm_squared());
+        *v = velocity;
+        lost * self.particles.mass[particle]
+    }
+
+    /// Whether all particles are in one plane across y.
+    fn is_plane(&self) -> bool {
+        matches!(self.settings.dimensions, Dimensions::Two { .. })
+    }
+
+    /// Records a speed set outside of [`Self::kick`]; keeps the bound on drifts valid.
+    pub(crate) fn record_speed(&mut self, speed: f64) {
+        self.max_speed = self.max_speed.max(speed);
+    }
+}

@@ -1,0 +1,38 @@
+//! Pressure of the fluid continued along gravity to places that are not of its particles.
+
+use crate::terms::extrapolation::Extrapolated;
+use crate::terms::sums::{self, Places};
+use crate::{Fluid, Vec3};
+
+/// The fluid's pressure continued along gravity to places that are not of its particles.
+#[derive(Clone, Debug, Default)]
+pub struct ContinuedPressure {
+    chosen: Vec<u32>,
+    sums: Vec<Extrapolated>,
+    gravity: Vec3,
+}
+
+impl ContinuedPressure {
+    /// Looks at the fluid from some places (m); after [`Fluid::update_pressure`].
+    pub fn find(&mut self, fluid: &Fluid, places: &[Vec3]) {
+        self.chosen.clear();
+        self.chosen.extend(0..places.len() as u32);
+        self.sums.clear();
+        self.sums.resize(places.len(), Extrapolated::default());
+        self.gravity = fluid.settings.gravity;
+        let places = Places {
+            positions: places,
+            facets: &[],
+        };
+        sums::extrapolation(fluid, places, &self.chosen, false, &mut self.sums);
+    }
+
+    /// For each place the share of its support that is fluid, `Σ V W`, and the pressure, 0 without fluid; –, Pa.
+    pub fn found(&self) -> impl Iterator<Item = [f64; 2]> + '_ {
+        self.sums.iter().map(|sum| {
+            let pull = self.gravity.dot(&Vec3::from(sum.moment));
+            let pressure = (sum.pressure + pull) / sum.weight;
+            [sum.weight, if 0.0 < sum.weight { pressure } else { 0.0 }]
+        })
+    }
+}

@@ -1,0 +1,159 @@
+//! Evaluation: rates of density, pressures and accelerations of the present state.
+
+use rayon::prelude::*;
+
+use crate::fluid::sleep::Still;
+use crate::scheme::{DensityDiffusion, DensityMethod};
+use crate::terms::sums;
+use crate::{CHUNK, Fluid, FluidError, Particles, Vec3};
+
+/// Share of the reference density above which a step is not believed.
+const LARGEST_COMPRESSION: f64 = 0.3;
+
+/// A force on a particle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ParticleForce {
+    /// Index in the present order.
+    pub particle: u32,
+    /// N.
+    pub force: Vec3,
+}
+
+impl Fluid {
+    /// Whether the density is advanced in time, by [`Self::update_rates`] and [`Self::advance_density`].
+    pub fn advances_density(&self) -> bool {
+        self.settings.scheme.density == DensityMethod::Continuity
+    }
+
+    /// Rates of density from neighbors in the fluid, at the present positions and velocities.
+    pub fn update_rates(&mut self) {
+        if let DensityDiffusion::Antuono(_) = self.settings.scheme.diffusion {
+            sums::density_gradients(self);
+        }
+        self.n_pairs = sums::rates(self);
+        self.hold_rates();
+    }
+
+    /// Adds rates of density; kg/(m³ s), one per particle named.
+    pub fn add_density_rates(&mut self, rates: impl Iterator<Item = (u32, f64)>) {
+        for (particle, rate) in rates {
+            let sum = &mut self.scratch.rates[particle as usize];
+            sum.flow += rate;
+            sum.by_walls += rate;
+        }
+    }
+
+    /// Pressures, and with summation the densities, at the current positions.
+    ///
+    /// # Errors
+    ///
+    /// [`FluidError::NonFinite`] and [`FluidError::Compressed`] name the first bad particle.
+    pub fn update_pressure(&mut self) -> Result<(), FluidError> {
+        if !self.advances_density() {
+            self.n_pairs = sums::summation(self, 1.0 / self.lattice_sum);
+        }
+        let Particles {
+            density, pressure, ..
+        } = &mut self.particles;
+        let state = &self.state;
+        let still = Still::kept(self.sleep.as_deref(), |kept| kept.pressure);
+        pressure
+            .par_chunks_mut(CHUNK)
+            .zip(density.par_chunks(CHUNK))
+            .enumerate()
+            .with_min_len(16)
+            .filter(|(chunk, _)| !still.has(*chunk))
+            .for_each(|(_, (pressure, density))| {
+                for (p, rho) in pressure.iter_mut().zip(density) {
+                    *p = state.pressure(*rho);
+                }
+            });
+        if let Some(sleep) = &mut self.sleep {
+            sleep.kept.pressure = true;
+        }
+        let limit = (1.0 + LARGEST_COMPRESSION) * self.settings.reference_density;
+        // a NaN density is not below the limit either
+        let first_bad = density
+            .par_iter()
+            .with_min_len(4096)
+            .position_first(|&rho| !(0.0 < rho && rho < limit));
+        match first_bad {
+            None => {
+                self.pack_forces();
+                Ok(())
+            }
+            Some(a) => Err(self.bad_density(a)),
+        }
+    }
+
+    fn bad_density(&self, a: usize) -> FluidError {
+        let (id, at) = (self.particles.id[a], self.particles.position[a]);
+        let density = self.particles.density[a];
+        if density.is_finite() && 0.0 < density {
+            FluidError::Compressed {
+                id,
+                density,
+                limit_percent: 100.0 * LARGEST_COMPRESSION,
+                x: at.x,
+                y: at.y,
+                z: at.z,
+            }
+        } else {
+            FluidError::NonFinite {
+                id,
+                quantity: "density",
+                x: at.x,
+                y: at.y,
+                z: at.z,
+            }
+        }
+    }
+
+    /// Accelerations from pressure, viscosity and gravity; walls are added afterward.
+    pub fn update_accelerations(&mut self) {
+        self.scratch.pushes.clear();
+        sums::forces(self);
+        self.hold_forces();
+        if self.settings.has_symmetry() || self.may_sleep() {
+            self.sum_plane_force();
+        }
+        let Particles {
+            density,
+            acceleration,
+            viscous_acceleration,
+            ..
+        } = &mut self.particles;
+        let gravity = self.settings.gravity;
+        let still = Still::of(self.sleep.as_deref());
+        acceleration
+            .par_chunks_mut(CHUNK)
+            .zip(viscous_acceleration.par_chunks_mut(CHUNK))
+            .zip(self.scratch.forces.par_chunks(CHUNK))
+            .zip(density.par_chunks(CHUNK))
+            .enumerate()
+            .filter(|(chunk, _)| !still.has(*chunk))
+            .for_each(|(_, (((acceleration, viscous), forces), density))| {
+                for (((acceleration, viscous), force), density) in acceleration
+                    .iter_mut()
+                    .zip(viscous)
+                    .zip(forces)
+                    .zip(density)
+                {
+                    let specific_volume = 1.0 / density;
+                    let by_viscosity = Vec3::from(force.viscous) * specific_volume;
+                    *viscous = by_viscosity.map(|v| v as f32).into();
+                    *acceleration =
+                        gravity + Vec3::from(force.pressure) * specific_volume + by_viscosity;
+                }
+            });
+        self.hold_accelerations();
+    }
+
+    /// Adds forces, of walls and blocks, to the accelerations.
+    pub fn add_forces(&mut self, forces: impl Iterator<Item = ParticleForce>) {
+        for f in forces {
+            let a = f.particle as usize;
+            self.particles.acceleration[a] += f.force / self.particles.mass[a];
+        }
+    }
+}

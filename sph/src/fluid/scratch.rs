@@ -1,0 +1,38 @@
+//! Scratch memory of the fluid.
+
+use crate::Vec3;
+use crate::fluid::advance::Compression;
+use crate::neighbors::sweep::AnyPoints;
+use crate::terms::continuity::Rate;
+use crate::terms::disorder::Spread;
+use crate::terms::gradient::StrainSums;
+use crate::terms::momentum::ForceDensity;
+
+/// Memory that is written before it is read in every step.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Scratch {
+    pub(super) cell: Vec<u32>,
+    pub(super) order: Vec<u32>,
+    pub(super) ids: Vec<u32>,
+    pub(super) vectors: Vec<Vec3>,
+    pub(super) numbers: Vec<f64>,
+    pub(super) kinds: Vec<u8>,
+    pub(crate) points: AnyPoints,
+    /// Packed points for the sums of rates, if water may sleep: kept from step to step, apart from those for forces.
+    pub(crate) flow: AnyPoints,
+    pub(crate) rates: Vec<Rate>,
+    pub(crate) forces: Vec<ForceDensity>,
+    pub(crate) gradients: Vec<[f64; 3]>,
+    pub(crate) strains: Vec<StrainSums>,
+    pub(crate) spreads: Vec<Spread>,
+    pub(crate) extra: AnyPoints,
+    /// Apparent viscosities, where they vary.
+    pub(crate) viscosities: AnyPoints,
+    pub(crate) partial: Vec<f64>,
+    pub(super) changes: Vec<Compression>,
+    /// Accelerations by the pressure of walls, of the particles that have any; m/s².
+    pub(crate) pushes: Vec<(u32, Vec3)>,
+    pub(super) keep: Vec<bool>,
+    /// Tiles that wake or fall asleep.
+    pub(crate) changing: Vec<bool>,
+}

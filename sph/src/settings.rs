@@ -1,0 +1,178 @@
+//! Settings of the fluid, their checks, and lengths that follow from them.
+
+use crate::error::FluidError;
+use crate::kernel::Dimensions;
+use crate::neighbors::cells::Periodicity;
+use crate::scheme::{DensityMethod, Scheme, Stepping, Viscosity};
+use crate::{Symmetry, Vec3};
+
+/// Share of the support radius by which cells and lists of neighbors are wider than it, so that particles
+/// may move before they are sorted anew.
+const SKIN: f64 = 0.1;
+/// Least share where a period leaves no room for more.
+const LEAST_SKIN: f64 = 0.05;
+
+/// Settings of the fluid, constant during a run.
+#[derive(Clone, Debug)]
+pub struct Settings {
+    /// Particle spacing along x, y, z at the start; m. In two dimensions that along y is the width.
+    pub particle_spacing: [f64; 3],
+    /// Smoothing length `h`; the support radius is `2h`; m.
+    pub smoothing_length: f64,
+    /// Reference density; kg/m³.
+    pub reference_density: f64,
+    /// Numerical sound speed; m/s.
+    pub sound_speed: f64,
+    /// The choices that make the scheme.
+    pub scheme: Scheme,
+    /// Dimensions of the flow.
+    pub dimensions: Dimensions,
+    /// Acceleration of gravity; m/s².
+    pub gravity: Vec3,
+    /// Share of the stability limits that a step may use, above 0 and at most 1.
+    pub time_step_factor: f64,
+    /// The modeled box; m.
+    pub domain: (Vec3, Vec3),
+    /// Periodic directions.
+    pub periodic: Periodicity,
+    /// Sides of the domain that are planes of symmetry; neither along gravity nor in periodic directions.
+    pub symmetry: Symmetry,
+}
+
+impl Settings {
+    /// Support radius `H = 2h` of every kernel; m.
+    pub fn support_radius(&self) -> f64 {
+        2.0 * self.smoothing_length
+    }
+
+    /// Length over which eddies smaller than the spacing mix: Smagorinsky's `C` times the spacing; m.
+    pub(crate) fn mixing_length(&self) -> f64 {
+        let Viscosity::SubParticleScale { smagorinsky, .. } = self.scheme.viscosity else {
+            return 0.0;
+        };
+        let [dx, dy, dz] = self.particle_spacing;
+        smagorinsky
+            * match self.dimensions {
+                Dimensions::Two { .. } => (dx * dz).sqrt(),
+                Dimensions::Three => (dx * dy * dz).cbrt(),
+            }
+    }
+
+    /// Kinematic viscosity that the viscous force amounts to; m²/s.
+    ///
+    /// The artificial one is `α c₀ h/(2(d+2))` where all pairs take part. Where viscosity varies it is that
+    /// at rest.
+    pub fn kinematic_viscosity(&self) -> f64 {
+        let neighbors_factor = match self.dimensions {
+            Dimensions::Two { .. } => 8.0,
+            Dimensions::Three => 10.0,
+        };
+        match self.scheme.viscosity {
+            Viscosity::None => 0.0,
+            Viscosity::Published { dynamic_viscosity } => {
+                dynamic_viscosity / self.reference_density
+            }
+            Viscosity::Artificial { alpha } => {
+                alpha * self.sound_speed * self.smoothing_length / neighbors_factor
+            }
+            Viscosity::Laminar {
+                kinematic_viscosity,
+            }
+            | Viscosity::Morris {
+                kinematic_viscosity,
+            }
+            | Viscosity::SubParticleScale {
+                kinematic_viscosity,
+                ..
+            } => kinematic_viscosity,
+            Viscosity::Rheological { rheology } => {
+                rheology.viscosity_at_rest() / self.reference_density
+            }
+        }
+    }
+
+    pub(crate) fn check(&self) -> Result<(), FluidError> {
+        let positive = [
+            ("particle_spacing x", self.particle_spacing[0]),
+            ("particle_spacing y", self.particle_spacing[1]),
+            ("particle_spacing z", self.particle_spacing[2]),
+            ("smoothing_length", self.smoothing_length),
+            ("reference_density", self.reference_density),
+            ("sound_speed", self.sound_speed),
+            ("time_step_factor", self.time_step_factor),
+        ];
+        for (name, value) in positive {
+            if !(value.is_finite() && 0.0 < value) {
+                return Err(FluidError::Setting {
+                    name,
+                    value,
+                    range: "finite and > 0",
+                });
+            }
+        }
+        if let Viscosity::Rheological { rheology } = self.scheme.viscosity {
+            rheology.check()?;
+        }
+        let mixing_length = self.mixing_length();
+        if !(mixing_length.is_finite() && 0.0 <= mixing_length) {
+            return Err(FluidError::Setting {
+                name: "mixing length",
+                value: mixing_length,
+                range: "finite and >= 0",
+            });
+        }
+        let viscosity = self.kinematic_viscosity();
+        if !(viscosity.is_finite() && 0.0 <= viscosity) {
+            return Err(FluidError::Setting {
+                name: "viscosity",
+                value: viscosity,
+                range: "finite and >= 0",
+            });
+        }
+        let Scheme {
+            density, stepping, ..
+        } = self.scheme;
+        if (density, stepping) == (DensityMethod::Continuity, Stepping::SymplecticEuler) {
+            return Err(FluidError::GrowingSound);
+        }
+        if 1.0 < self.time_step_factor {
+            return Err(FluidError::Setting {
+                name: "time_step_factor",
+                value: self.time_step_factor,
+                range: "at most 1",
+            });
+        }
+        self.check_symmetry(self.support_radius() + self.skin())
+    }
+
+    /// By how much two particles may approach each other before they are sorted anew; m.
+    ///
+    /// Two that leave a domain by both of its periodic sides see each other through two periods, and no sum
+    /// looks that far: a period should be no shorter than support and skin.
+    pub(crate) fn skin(&self) -> f64 {
+        let support = self.support_radius();
+        let extent = self.domain.1 - self.domain.0;
+        let room = (0..3)
+            .filter(|&axis| self.periodic[axis])
+            .fold(f64::INFINITY, |room, axis| room.min(extent[axis] - support));
+        room.clamp(LEAST_SKIN * support, SKIN * support)
+    }
+}
+
+/// Largest steps by cause, the factor of the settings included; s.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StepLimits {
+    /// From pressure waves.
+    pub sound: f64,
+    /// From viscosity.
+    pub viscosity: f64,
+    /// From acceleration.
+    pub force: f64,
+}
+
+impl StepLimits {
+    /// The smallest of them; s.
+    pub fn smallest(&self) -> f64 {
+        self.sound.min(self.viscosity).min(self.force)
+    }
+}
