@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 use riprap_dda::Vec3;
 
-use super::convex_outline;
+use super::side_view::convex_outline;
 use crate::output::observe::maps::Maps;
 use crate::picture::overview::plan::{Footprint, FromAbove, Mark, Plan};
 use crate::scene::file::GaugeFile;
