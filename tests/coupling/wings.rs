@@ -27,9 +27,10 @@ const SPH: &[&[&str]] = &[
     &["boundary"],
     &["fluid"],
     &["terms"],
+    &["settings"],
     &["neighbors"],
     &["stability"],
-    &["particles", "settings", "scheme"],
+    &["particles", "scheme"],
     &["kernel"],
     &["simd"],
     &["rheology", "state_equation", "chunks"],
@@ -50,7 +51,6 @@ const DDA: &[&[&str]] = &[
 /// Imports against the order that are being moved.
 const PENDING: &[(&str, &str, &str)] = &[
     ("sph", "fluid", "boundary"),
-    ("sph", "fluid", "stepping"),
     ("sph", "neighbors", "boundary"),
     ("sph", "neighbors", "fluid"),
     ("sph", "neighbors", "terms"),
