@@ -56,7 +56,7 @@ pub enum FluidError {
         /// Option incompatible with sleep, and a remedy.
         refused: &'static str,
     },
-    /// A particle's state is no longer a number.
+    /// Non-finite state of a particle.
     #[error(
         "particle {id} near ({x:.4}, {y:.4}, {z:.4}) m has a non-finite {quantity}; lower `numerics.time_step_factor` or raise `fluid.dynamic_viscosity`"
     )]

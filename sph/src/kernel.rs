@@ -18,7 +18,7 @@ pub enum Dimensions {
         /// Of the slice along y, to which masses and forces belong; m.
         width: f64,
     },
-    /// In space.
+    /// Three-dimensional.
     #[default]
     Three,
 }
@@ -217,7 +217,7 @@ pub trait Kernel {
 
     /// `Σ V W` over a cubic lattice of the given spacing, the center included; dimensionless.
     ///
-    /// The lattice value of unity: what a density sum must be divided by so that undisturbed water
+    /// The lattice value of unity: divisor of a density sum for which undisturbed water
     /// has its reference density.
     fn lattice_sum(&self, spacing: [f64; 3]) -> f64
     where
@@ -320,14 +320,14 @@ fn lattice_sum(kernel: &impl Kernel, spacing: [f64; 3], axes: [i32; 3]) -> f64 {
     sum * volume
 }
 
-/// `W = 315/(64 π H⁹) (H² − r²)³`, `4/(π H⁸)` in a plane: the density kernel; it needs no square root.
+/// `W = 315/(64 π H⁹) (H² − r²)³`, `4/(π H⁸)` in two dimensions: the density kernel; it needs no square root.
 #[derive(Clone, Copy, Debug)]
 pub struct Poly6 {
     support_radius: f64,
     factor: f64,
 }
 
-/// `W = 15/(π H⁶) (H − r)³`, `10/(π H⁵)` in a plane: the pressure kernel; its gradient does not vanish at the
+/// `W = 15/(π H⁶) (H − r)³`, `10/(π H⁵)` in two dimensions: the pressure kernel; its gradient does not vanish at the
 /// center.
 #[derive(Clone, Copy, Debug)]
 pub struct Spiky {
@@ -335,7 +335,7 @@ pub struct Spiky {
     factor: f64,
 }
 
-/// `∇²W = 45/(π H⁶) (H − r)`, `40/(π H⁵)` in a plane: the viscous kernel; its Laplacian is positive everywhere.
+/// `∇²W = 45/(π H⁶) (H − r)`, `40/(π H⁵)` in two dimensions: the viscous kernel; its Laplacian is positive everywhere.
 #[derive(Clone, Copy, Debug)]
 pub struct Viscous {
     support_radius: f64,
@@ -354,7 +354,7 @@ impl Poly6 {
         }
     }
 
-    /// `315/(64 π H⁹)` or what stands for it in a plane, to be multiplied by the sum of [`Self::shape`]; 1/m⁹.
+    /// `315/(64 π H⁹)` or its two-dimensional counterpart, to be multiplied by the sum of [`Self::shape`]; 1/m⁹.
     pub fn factor(&self) -> f64 {
         self.factor
     }
@@ -404,7 +404,7 @@ impl Kernel for Spiky {
         self.factor * (self.support_radius - r).max(0.0).powi(3)
     }
 
-    /// Finite at the center: two particles at one place push each other in no direction.
+    /// Finite at the center: two particles at the same position exert no force.
     ///
     /// Geraili Mikola & Sitar (2014), Eq. 15 lacks the leading minus:
     /// `−45/(π H⁶) [(H² + r²)/r − 2H] = −45/(π H⁶) (H − r)²/r`.
@@ -416,8 +416,8 @@ impl Kernel for Spiky {
 }
 
 impl Viscous {
-    /// The kernel of the given support radius; m, above zero. In a plane it has the second moment of a Laplacian,
-    /// `∫ r² ∇²W dA = 4`, as the published one has in space.
+    /// The kernel of the given support radius; m, above zero. In two dimensions it has the second moment of a Laplacian,
+    /// `∫ r² ∇²W dA = 4`, as the published one in three.
     pub fn new(support_radius: f64, dimensions: Dimensions) -> Self {
         Self {
             support_radius,
@@ -428,7 +428,7 @@ impl Viscous {
         }
     }
 
-    /// `45/(π H⁶)` or what stands for it in a plane; 1/m⁶.
+    /// `45/(π H⁶)` or its two-dimensional counterpart; 1/m⁶.
     pub fn factor(&self) -> f64 {
         self.factor
     }

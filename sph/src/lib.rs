@@ -14,9 +14,9 @@
 //! ```
 //!
 //! `S` is the kernel's sum over the undisturbed lattice. Each pair force is written once, with
-//! volumes, and is equal and opposite: momentum is kept to round-off, angular momentum too wherever
+//! volumes, and is equal and opposite: momentum is conserved to round-off, also angular momentum if
 //! the force is central. With continuity and without diffusion and viscosity the scheme has an exact
-//! discrete energy; what diffusion, viscosity and walls take is booked.
+//! discrete energy; the losses by diffusion, viscosity and walls are booked.
 //!
 //! [`scheme`] lists the choices (kernel, density, equation of state, diffusion, viscosity, shifting,
 //! width of numbers) and the presets. The published scheme of Mueller, Charypar & Gross (2003), as
@@ -28,20 +28,20 @@
 //! Kick-drift-kick, with the density advanced in the middle of the drift: second order, and
 //! reversible without losses. Density advanced with the old velocities would be forward Euler for
 //! sound: every wave would grow, however small the step. On a lattice sound allows `dt ≤ 1.75 h/c₀`
-//! (1.30 with the usual diffusion), the published scheme `0.95 H/c₀`. [`scheme::Stepping`] has two
+//! (1.54 with the usual diffusion), the published scheme `0.95 H/c₀`. [`scheme::Stepping`] has two
 //! more: the predictor-corrector of DualSPHysics, and the published symplectic Euler.
 //!
 //! # How sums are made
 //!
 //! Particles are sorted by cell. The candidates of a particle are nine runs of the sorted order;
 //! eight at a time are tested on integer coordinates, whose differences are exact anywhere in the
-//! domain, and the survivors are packed without a branch. What is left is summed in registers of
+//! domain, and the neighbors found are packed without a branch. They are summed in registers of
 //! eight `f32` or four `f64`, each particle its own neighbors in the order of the cells: the same
 //! bits for any number of threads. State is `f64` throughout; [`Precision`] is that of the sums.
 //!
-//! Sums of the fluid over itself are many between two sorts: the first lists who is within the support
-//! and a skin, and all read the lists, across periodic sides and planes of symmetry too (`lists`). Between
-//! fluid and walls, and where screens stand in the fluid, each sum searches for itself (`sweep`).
+//! There are many sums of the fluid over itself between two sorts: the first lists the neighbors within the support
+//! and a skin, and all use the lists, also across periodic sides and planes of symmetry (`lists`). Between
+//! fluid and walls, and near thin solids in the fluid, each sum has its own search (`sweep`).
 //!
 //! # Walls
 //!
@@ -50,7 +50,7 @@
 //!
 //! # Symmetry
 //!
-//! A side of the domain can be a plane of symmetry, in which water and walls see their mirror image:
+//! A side of the domain can be a plane of symmetry, which mirrors water and walls:
 //! [`mirror`].
 //!
 //! # Sleep

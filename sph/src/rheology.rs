@@ -6,8 +6,8 @@
 //! Bingham            η = μ + τ_y/γ̇                 nothing moves where |τ| < τ_y
 //! Herschel-Bulkley   η = K γ̇^(n−1) + τ_y/γ̇
 //! ```
-//! A fluid that does not move at all cannot be stepped explicitly: [`Regularization`] lets it creep. What
-//! a stopped layer of thickness `H` on a slope still does is `ρ g sin θ H²/(2 η_max)`, and the step falls
+//! A perfectly rigid state cannot be integrated explicitly: with [`Regularization`] the fluid creeps. The
+//! residual speed of a stopped layer of thickness `H` on a slope is `ρ g sin θ H²/(2 η_max)`, and the step scales
 //! with `h² ρ/η_max`.
 //!
 //! Sources: Bingham (1922); Herschel & Bulkley (1926); Papanastasiou (1987).
@@ -18,8 +18,8 @@ use crate::error::FluidError;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Regularization {
     /// `τ_y (1 − exp(−m γ̇))/γ̇` in place of `τ_y/γ̇`, with the time `m`, 100 to 1000 s for mud; > 0; s.
-    /// The viscosity at rest is `μ + τ_y m`. In Herschel and Bulkley's `K γ̇^(n−1)` of a fluid that thins,
-    /// which grows without bound too, `γ̇` is not taken below `1/m`.
+    /// The viscosity at rest is `μ + τ_y m`. In Herschel and Bulkley's `K γ̇^(n−1)` of a shear-thinning fluid,
+    /// which is also unbounded, `γ̇` is limited to at least `1/m`.
     Papanastasiou(f64),
     /// `η` not above this viscosity, 100 to 1000 times that of the flowing fluid; > 0; Pa s.
     Bilinear(f64),

@@ -14,7 +14,7 @@
 //! | sound speed | 10 times the fastest | 10 times | 14 times |
 //! | pair sums | double | single | single |
 //!
-//! `Preview` is `Standard` with the whole step and 7 times the fastest speed. What each of them costs and leaves in error is
+//! `Preview` is `Standard` with the full step and 7 times the fastest speed. Cost and error of each preset are
 //! measured in `benches/trade`.
 //!
 //! Sources: Mueller, Charypar & Gross (2003) with Geraili Mikola & Sitar (2014); Molteni & Colagrossi
@@ -51,7 +51,7 @@ pub enum DensityDiffusion {
     /// Diffusion of the density minus its hydrostatic part. Fourtakas et al. (2019), with the linear
     /// equation of state.
     Fourtakas(f64),
-    /// The same less the mean of the renormalized density gradients: third order. Antuono et al.
+    /// Diffusion of the density minus the mean of the renormalized density gradients: third order. Antuono et al.
     /// (2010).
     Antuono(f64),
 }
@@ -84,7 +84,7 @@ pub enum Viscosity {
     /// Morris's form with a viscosity of each particle from its rate of shear, pairs sharing the
     /// harmonic mean.
     Rheological {
-        /// Flow law of all particles that have none of their own, see
+        /// Flow law of all particles without their own, see
         /// [`crate::Fluid::set_rheologies`].
         rheology: Rheology,
     },
@@ -100,7 +100,7 @@ pub enum Viscosity {
 }
 
 impl Viscosity {
-    /// Whether each particle has a viscosity of its own.
+    /// Whether each particle has its own viscosity.
     pub fn varies(&self) -> bool {
         matches!(
             self,
@@ -128,7 +128,7 @@ pub enum Stepping {
     /// Half kick, half drift, density, half drift, forces, half kick: second order, and reversible where
     /// nothing is lost. One sum of rates and one of forces.
     KickDriftKick,
-    /// Rates and forces at the start take everything half way; those found there take it from the start to
+    /// Rates and forces at the start advance the state to the middle; those at the middle advance it from the start to
     /// the end. Second order. Two sums of rates and two of forces.
     ///
     /// ```text
@@ -163,7 +163,7 @@ pub struct Scheme {
     pub state_equation: StateEquation,
     /// Treatment of negative pressures.
     pub negative_pressure: NegativePressure,
-    /// Density diffusion; none with summation.
+    /// Density diffusion; off with summation.
     pub diffusion: DensityDiffusion,
     /// Viscosity.
     pub viscosity: Viscosity,

@@ -7,9 +7,9 @@
 //! D(k) = 2 δ h c₀ Σ V |W'|/r (1 − cos k·r − ½ g·r sin k·r)               diffusion of the density     [1/s]
 //! (dt/2)² ω² + dt/2 D ≤ 1                                                kick-drift-kick bears it
 //! ```
-//! `g = Σ V ∇W sin k·r` is the mean density gradient that Antuono's diffusion takes out; the other diffusions leave
-//! it in, g = 0. The limit is the least over all k that the lattice tells apart. Walls and free surfaces take 1 to 4 %
-//! of it, see the margin table of the benchmarks.
+//! `g = Σ V ∇W sin k·r` is the mean density gradient removed by Antuono's diffusion; for the other diffusions
+//! g = 0. The limit is the minimum over all k resolved by the lattice. Walls and free surfaces reduce it by 1 to 4 %,
+//! see the margin table of the benchmarks.
 
 use crate::Vec3;
 use crate::kernel::{Dimensions, Kernel, PointKernel};
@@ -20,8 +20,8 @@ use crate::{Settings, Stepping};
 const N_WAVES: u32 = 12;
 
 impl Settings {
-    /// Largest step at which sound in water at rest does not grow, of a lattice of this spacing; s. None where the
-    /// limit that governs steps is all that is known: of density from summation, and of predictor-corrector stepping.
+    /// Largest step at which sound in water at rest does not grow, for a lattice of this spacing; s. `None` if only the
+    /// governing step limit is known: for density from summation, and for predictor-corrector stepping.
     pub fn sound_stability(&self) -> Option<f64> {
         if self.scheme.density != DensityMethod::Continuity
             || self.scheme.stepping != Stepping::KickDriftKick
@@ -87,7 +87,7 @@ impl Lattice {
         Self { axes, neighbors }
     }
 
-    /// Largest step that a wave of a number (1/m) bears; s.
+    /// Largest stable step for a wave number (1/m); s.
     fn limit(&self, number: &Vec3, settings: &Settings) -> f64 {
         let (mut gradient, mut spread) = (Vec3::zeros(), 0.0);
         for (offset, factor) in &self.neighbors {

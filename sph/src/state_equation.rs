@@ -56,7 +56,7 @@ impl State {
         }
     }
 
-    /// Density at a pressure; kg/m³. Below `−B` Tait's law has none, and zero is returned.
+    /// Density at a pressure; kg/m³. Below `−B` Tait's law is undefined, and zero is returned.
     pub fn density(&self, pressure: f64) -> f64 {
         let c2 = self.sound_speed * self.sound_speed;
         match self.equation {
@@ -99,7 +99,7 @@ impl State {
         let s = (density - self.reference_density) / self.reference_density;
         let c2 = self.sound_speed * self.sound_speed;
         match self.equation {
-            // ln(1+s) − s/(1+s) by way of ln_1p keeps its digits for the small s of nearly
+            // ln(1+s) − s/(1+s) with ln_1p is accurate for the small s of nearly
             // incompressible flow, where the two terms cancel
             StateEquation::Linear => c2 * (s.ln_1p() - s / (1.0 + s)),
             // the same bracket as s² times a polynomial over 1 + s

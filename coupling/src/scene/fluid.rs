@@ -69,7 +69,7 @@ impl Preset {
                 DimensionsFile::Three => 1.3,
                 DimensionsFile::Two => 2.0,
             },
-            // customary; a lattice allows 1.3
+            // customary; a lattice allows 1.54
             time_step_factor: 0.5,
             sound_speed_ratio: SOUND_SPEED_RATIO,
             kernel: KernelFile::WendlandC2,

@@ -18,9 +18,9 @@ impl Fluid {
     ///
     /// # Errors
     ///
-    /// None that is known: the format takes whatever a fluid is made of.
+    /// None is expected: the format accepts any fluid.
     pub fn save(&self, out: Vec<u8>) -> Result<Vec<u8>, Error> {
-        // no `..`: what is new cannot be forgotten
+        // no `..`: a new column cannot be forgotten
         let Self {
             particles,
             at_start: _,
@@ -37,7 +37,7 @@ impl Fluid {
             plane_force,
             reflected,
             scratch,
-            // walls set them up anew
+            // walls set them up again
             screens: _,
             // constants
             settings: _,
@@ -64,12 +64,12 @@ impl Fluid {
         postcard::to_extend(&(&scratch.pushes, rates, sleep), out)
     }
 
-    /// Takes the state over from the front of bytes that [`Self::save`] wrote; returns the rest. What follows is the same
-    /// to the bit as without.
+    /// Restores the state from the front of bytes written by [`Self::save`]; returns the rest. The continuation is bitwise
+    /// identical.
     ///
     /// # Errors
     ///
-    /// The bytes end early, mean nothing, or are of another fluid. This one is then in no state to go on.
+    /// The bytes end early, are invalid, or belong to another fluid. This one can then not be continued.
     pub fn read<'a>(&mut self, bytes: &'a [u8]) -> Result<&'a [u8], Error> {
         let bad = Err(Error::DeserializeBadEncoding);
         let (particles, bytes) = postcard::take_from_bytes::<Particles>(bytes)?;
@@ -113,7 +113,7 @@ impl Fluid {
         Ok(bytes)
     }
 
-    /// Whether all places are finite and no farther off than cells can be counted; no run goes on with others.
+    /// Whether all positions are finite and within the range of cell numbers; a run cannot continue with others.
     fn are_near(&self, positions: &[Vec3]) -> bool {
         let (min, max) = self.settings.domain;
         let farthest = FARTHEST * (max - min).norm();
@@ -124,7 +124,7 @@ impl Fluid {
     fn list_from(&mut self, positions: Vec<Vec3>, radius: f64) {
         let present = std::mem::replace(&mut self.particles.position, positions);
         let mut points = AnyPoints::default();
-        // lists look at places only
+        // lists depend on positions only
         let precision = self.settings.scheme.precision;
         points.pack(precision, &self.frame, &self.particles.position, |_| {
             [0.0; 5]

@@ -50,7 +50,7 @@ pub struct Imposed {
     pub particle: u32,
     /// m/s.
     pub velocity: Vec3,
-    /// Left as it is where there is none; kg/m³.
+    /// Unchanged if absent; kg/m³.
     pub density: Option<f64>,
 }
 
@@ -88,8 +88,8 @@ impl Absorber {
 }
 
 impl Fluid {
-    /// Damps the velocities in the layers over `dt`: `v e^{−f dt}`, which no step makes unstable.
-    /// Returns what that brought in: below zero.
+    /// Damps the velocities in the layers over `dt`: `v e^{−f dt}`, unconditionally stable.
+    /// Returns the (negative) contribution.
     pub fn absorb(&mut self, layers: &[Absorber], dt: f64) -> Exchange {
         if layers.is_empty() {
             return Exchange::default();
@@ -120,7 +120,7 @@ impl Fluid {
         })
     }
 
-    /// Holds particles at given velocities, and densities where given; returns what that brought in.
+    /// Imposes given velocities on particles, and densities where given; returns the contribution.
     pub fn impose(&mut self, imposed: &[Imposed]) -> Exchange {
         let mut sum = Exchange::default();
         for one in imposed {
@@ -139,8 +139,8 @@ impl Fluid {
         sum
     }
 
-    /// Makes particles, with numbers that none had before; returns what that brought in. They take part
-    /// from the next [`Self::refresh`] on, which sorts whatever was moved.
+    /// Adds particles with new numbers; returns the contribution. They take part
+    /// from the next [`Self::refresh`] on, which sorts them.
     ///
     /// # Errors
     ///
@@ -170,8 +170,8 @@ impl Fluid {
         Ok(sum)
     }
 
-    /// Takes out particles for which `leaves` holds, and books each under the number it returns, below
-    /// `accounts.len()`; what `accounts` gains is below zero.
+    /// Removes particles for which `leaves` holds, and books each under the number it returns, below
+    /// `accounts.len()`; the contributions to `accounts` are negative.
     pub fn take_out(&mut self, leaves: impl Fn(&Vec3) -> Option<usize>, accounts: &mut [Exchange]) {
         let mut keep = Vec::new();
         for a in 0..self.particles.len() {
@@ -202,7 +202,7 @@ impl Fluid {
     /// Mass, momentum and energy of a particle.
     pub(crate) fn content(&self, a: usize) -> Exchange {
         let x = self.particles.position[a];
-        // what a predictor gave was not booked
+        // the velocity of a predictor was not booked
         let at_start = self.at_start.of(a);
         let (v, density) = (
             at_start.0.unwrap_or(self.particles.velocity[a]),

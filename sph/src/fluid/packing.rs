@@ -4,12 +4,12 @@ use rayon::prelude::*;
 
 use crate::{CHUNK, Dimensions, Fluid, Vec3};
 
-/// Way of a particle in a round over `h² ∇C`: a lattice that is disturbed from row to row still comes to rest.
+/// Displacement of a particle per iteration over `h² ∇C`: a lattice with alternating disturbances still comes to rest.
 const GAIN: f64 = 0.2;
 /// Most that a particle moves in a round; × spacing.
 const LONGEST_WAY: f64 = 0.1;
-/// Shares of a full neighborhood between which particles come to take part: a plane surface, left as it is, has
-/// half of one.
+/// Fractions of a full neighborhood between which particles start to take part: a plane surface, left unchanged, has
+/// one half.
 const TAKING_PART: [f64; 2] = [0.7, 0.9];
 
 impl Fluid {
@@ -19,7 +19,7 @@ impl Fluid {
     /// ```text
     /// δx = −0.2 h² ∇C,   ∇C = Σ V ∇W over fluid and walls,   at most 0.1 dp
     /// ```
-    /// after Colagrossi, Bouscasse, Antuono & Marrone (2012). `is_held` says of an id whether it stays.
+    /// after Colagrossi, Bouscasse, Antuono & Marrone (2012). `is_held` tells by id whether a particle is fixed.
     pub fn even_out(&mut self, is_held: impl Fn(u32) -> bool + Sync) -> f64 {
         let settings = &self.settings;
         let h = settings.smoothing_length;

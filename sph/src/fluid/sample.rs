@@ -1,4 +1,4 @@
-//! Fields of the fluid at any point, as gauges see them.
+//! Fields of the fluid at any point, for gauges.
 
 use nalgebra::Matrix3;
 
@@ -18,15 +18,15 @@ pub struct Sample {
 
 /// Share of the full kernel sum above which a point is under water: a half at a plane surface.
 const WET_SHARE: f64 = 0.5;
-/// Most of the kernel that a particle by itself fills: less is no water.
+/// Largest kernel sum of an isolated particle: less is not water.
 const DROP_SHARE: f64 = 0.2;
 /// A column is water where the kernel is filled to this share somewhere: at a wall it is half full.
 const COLUMN_SHARE: f64 = 0.4;
-/// Share below which too few particles are near to speak of a value. A point in the corner of three walls
-/// sees an eighth.
+/// Kernel sum below which there are too few particles for a value. It is one eighth for a point in the corner of three
+/// walls.
 const LEAST_SHARE: f64 = 0.1;
-/// Share from which a point is under water without doubt; between the two it is where its pressure is that
-/// of a point below the surface. A point on a plane wall in deep water sees a half.
+/// Kernel sum above which a point is certainly under water; between the two it is if its pressure is that
+/// of a point below the surface. It is one half for a point on a plane wall in deep water.
 const SURE_SHARE: f64 = 0.25;
 /// Least spread of the particles about their mean, over the squared smoothing length, for which a linear
 /// field is fitted. A full kernel has some 0.3, a half one along its normal 0.1, a single row nothing.
@@ -56,8 +56,8 @@ struct Moments {
 }
 
 impl Moments {
-    /// Mean place, mean of each field, and gradient of each about the mean; those of the linear fit by
-    /// least squares, weighted with the kernel. No gradient where the particles do not spread enough.
+    /// Mean position, mean of each field, and gradient of each about the mean, from the linear fit by
+    /// least squares, weighted with the kernel. No gradient if the particles are not sufficiently spread.
     fn fit(&self, plane: bool) -> (Vec3, [f64; 4], Option<[Vec3; 4]>) {
         let mean = self.first / self.weight;
         let values = self.fields.map(|f| f / self.weight);
@@ -99,8 +99,8 @@ impl Fluid {
     /// ```text
     /// f(x) = f̄ − ∇f·d̄ h,   d = (x_b − x)/h,   C ∇f h = cov(d, f),   C = cov(d, d)
     /// ```
-    /// means and covariances weighted with `W`. Where the particles do not span space the mean is taken,
-    /// and pressure goes from the mean place to the point as in water at rest:
+    /// means and covariances weighted with `W`. If the particles are degenerate the mean is used,
+    /// and pressure varies hydrostatically from the mean position to the point:
     ///
     /// ```text
     /// p(x) = p̄ − ρ₀ g·d̄ h
@@ -149,10 +149,10 @@ impl Fluid {
         })
     }
 
-    /// Height of the free surface above the point (x, y) of the plan; `None` when it is dry; m.
+    /// Elevation of the free surface at a point (x, y) in plan view; `None` when dry; m.
     ///
     /// The highest crossing of half the kernel sum, so that a drop in the air is not a surface; near a
-    /// wall, which takes its part of the kernel, half of what water fills at most within two supports
+    /// wall, which occupies a part of the kernel, half of the largest kernel sum within two supports
     /// below.
     pub fn surface_elevation(&self, x: f64, y: f64) -> Option<f64> {
         let step = 0.25 * self.settings().smoothing_length;
@@ -181,8 +181,8 @@ impl Fluid {
         }
     }
 
-    /// Height of the highest particle within the support of a vertical line; images in planes of symmetry are
-    /// farther off than what they are of; m.
+    /// Elevation of the highest particle within the support of a vertical line; images in planes of symmetry are
+    /// farther than their originals; m.
     fn highest_near(&self, x: f64, y: f64) -> Option<f64> {
         let grid = self.grid();
         let support = self.settings().support_radius();
@@ -217,7 +217,7 @@ impl Fluid {
         let mut images = [Image::default(); MOST_IMAGES];
         let point = self.in_plane(*point);
         let n_images = settings.mirrors().images_within(&point, reach, &mut images);
-        // the image of the point sees the particles as the point sees their images, see `mirror`
+        // the image of the point relates to the particles as the point to their images, see `mirror`
         for image in &images[..n_images] {
             let signs = Vec3::from(image.signs());
             let n = grid.runs_within(&image.position, reach, &mut runs);

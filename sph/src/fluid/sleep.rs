@@ -1,27 +1,27 @@
 //! Water at rest that sleeps: nothing of it is computed until it is disturbed.
 //!
-//! The plan is divided into tiles, columns of whole cells as high as the domain. A tile is awake or asleep; what is in a
-//! tile that sleeps is held where it is. Every so many steps each tile that is awake is looked at:
+//! In plan view the domain is divided into tiles, columns of whole cells over the full height. A tile is awake or asleep; the
+//! water in a sleeping tile is held in position. At a fixed interval of steps each awake tile is examined:
 //!
 //! ```text
 //! disturbed   |mean of the level part of x − x₀| > ε dp        its eight neighbors wake
 //! at rest     root mean square of |v| ≤ v_r for a time t_r     x₀ = x; it sleeps once its neighbors sleep or are at rest
 //! ```
-//! `x₀` is where a particle was last at rest, level is what gravity is not along. Waves at the surface move the water below
-//! them to and fro, however long or short they are. Sound does not wake: its speeds are far above those of any wave that
-//! matters, but it moves the water by `v/ω`, up and down mostly, as no other sound goes far under a free surface; nor does
-//! water that settles a little once it wakes. The mean leaves out what single particles do.
+//! `x₀` is the last rest position of a particle, level means perpendicular to gravity. Surface waves of any length move the
+//! water below them horizontally. Sound does not wake: its particle speeds are far above those of relevant
+//! waves, but it displaces the water by `v/ω` only, mostly vertically, as other sound does not travel far under a free surface;
+//! neither does slight settlement on waking. The mean ignores single particles.
 //!
-//! Bodies that may move keep the tiles near them awake. A particle that moves stays awake in a tile that sleeps, and wakes
-//! it once it is half a spacing from where it was at rest. What is put to rest had a little motion left, which is told.
+//! Movable bodies keep the tiles near them awake. A moving particle stays awake in a sleeping tile, and wakes
+//! it once it is half a spacing from its rest position. The residual motion removed by sleep is reported.
 //!
-//! # What is next to water that is awake
+//! # Sleeping water next to awake water
 //!
-//! Sleeping particles within the support of others that are awake are held in place, and their density is advanced: the
-//! water next to them can press on them as on a wall. To hold what does not move takes no work, so that energy is kept just
-//! as without sleep, and density is right when they wake. Their lists of neighbors are made; those of all others that
-//! sleep are empty, and that is all that sums know of sleep. Chunks of particles in which all sleep are left out of all
-//! else.
+//! Sleeping particles within the support of awake ones are held in position, and their density is advanced, so that the
+//! water next to them can act on them as on a wall. Holding particles at rest does no work, so that energy is conserved
+//! as without sleep, and the density is right when they wake. Their neighbor lists are made; those of all other sleeping
+//! particles are empty, which is all that sums know of sleep. Chunks of particles that all sleep are skipped
+//! otherwise.
 
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -33,18 +33,18 @@ use crate::scheme::{DensityDiffusion, DensityMethod, Stepping};
 use crate::terms::momentum::ForceDensity;
 use crate::{CHUNK, Dimensions, Fluid, FluidError, Particles, Settings, Vec3};
 
-/// Cells of a tile along x and y: three supports, so that what happens in one is not felt beyond the next.
+/// Cells of a tile along x and y: three supports, so that a tile does not affect any beyond the next.
 const TILE: [usize; 2] = [3 * ROW_SPLIT as usize, 3];
-/// Steps from one look to the next: sound crosses three quarters of a tile in them, waves a tenth of that.
+/// Steps between two examinations: sound crosses three quarters of a tile in them, waves a tenth of that.
 const LOOK_INTERVAL: u32 = 10;
-/// Way of a particle in a tile that sleeps, over the spacing, at which it wakes the tile: no jitter at the edge of water
-/// that is awake takes it so far.
+/// Displacement of a particle in a sleeping tile, over the spacing, at which it wakes the tile: larger than any jitter at the
+/// edge of awake water.
 const STRAYED: f64 = 0.5;
 /// Distance over the support radius within which bodies that may move keep water awake: it then has a support of room
 /// to move in.
 const MARGIN: f64 = 2.0;
-/// Mean level acceleration of a tile, over gravity, from which on it is not at rest at the start: it has to fall. Walls
-/// that the first lattice does not fit push by less, and what they push soon stops.
+/// Mean level acceleration of a tile, over gravity, beyond which it is not at rest at the start but has to fall. Walls
+/// that do not fit the initial lattice cause less, and such motion soon stops.
 const IMBALANCE: f64 = 0.05;
 
 /// Criteria of sleep of water.
@@ -64,7 +64,7 @@ pub(crate) enum Rest {
     /// Everything.
     #[default]
     Awake,
-    /// It sleeps in a tile beside others that may be awake: its density is advanced where it sees any.
+    /// It sleeps in a tile beside others that may be awake: its density is advanced if awake particles are in its support.
     Beside,
     /// Nothing.
     Asleep,
@@ -77,7 +77,7 @@ pub(crate) struct Sleep {
     /// Tiles along x and y.
     counts: [usize; 2],
     tiles: Vec<Tile>,
-    /// Steps and time (s) since the last look.
+    /// Steps and time (s) since the last examination.
     since: (u32, f64),
     /// Last rest position of each particle; m.
     pub(crate) home: Vec<Vec3>,
@@ -85,7 +85,7 @@ pub(crate) struct Sleep {
     rests: Vec<Rest>,
     /// Particles awake, and their mass; kg.
     awake: (usize, f64),
-    /// Changes of what sleeps.
+    /// Number of changes of the sleeping set.
     n_changes: u64,
     #[serde(skip)]
     still: Vec<bool>,
@@ -142,7 +142,7 @@ impl<'a> Still<'a> {
         sleep.map_or(Self::NONE, |sleep| Self(&sleep.still))
     }
 
-    /// Those of a fluid, where what is known of them was kept.
+    /// Those of a fluid, if their results were kept.
     pub(crate) fn kept(sleep: Option<&'a Sleep>, is_kept: impl Fn(&Kept) -> bool) -> Self {
         Self::of(sleep.filter(|sleep| is_kept(&sleep.kept)))
     }
@@ -209,7 +209,7 @@ impl Sleep {
             && self.rests.len() == n
     }
 
-    /// Finds chunks that sleep as a whole; nothing of them is known yet.
+    /// Finds chunks that sleep entirely; without results yet.
     pub(crate) fn find_still(&mut self) {
         self.still.clear();
         let chunks = self.rests.chunks(CHUNK);
@@ -218,7 +218,7 @@ impl Sleep {
         self.kept = Kept::default();
     }
 
-    /// Does something to the entries of a column that are of sleeping particles, but for chunks that sleep as a whole.
+    /// Modifies the entries of sleeping particles in a column, except for chunks that sleep entirely.
     fn hold<T: Send>(&self, column: &mut [T], hold: impl Fn(&mut T) + Sync) {
         let still = Still::of(Some(self));
         column
@@ -235,12 +235,12 @@ impl Sleep {
             });
     }
 
-    /// The tile that a cell, by its place along x or y, is in.
+    /// The tile of a cell, by its index along x or y.
     fn tile_along(&self, axis: usize, cell: usize) -> usize {
         (cell / TILE[axis]).min(self.counts[axis] - 1)
     }
 
-    /// Cells of a tile along x and y: the last one has what is left over.
+    /// Cells of a tile along x and y: the last one has the remainder.
     fn cells_of(&self, tile: usize, grid: &CellGrid) -> [std::ops::Range<usize>; 2] {
         let at = [tile % self.counts[0], tile / self.counts[0]];
         std::array::from_fn(|axis| {
@@ -344,7 +344,7 @@ impl Tile {
 }
 
 impl Settings {
-    /// Refuses schemes in which water cannot be left as it is.
+    /// Rejects schemes that are incompatible with sleep.
     ///
     /// # Errors
     ///
@@ -367,8 +367,8 @@ impl Settings {
 }
 
 impl Fluid {
-    /// Lets water sleep where it is at rest, from now on; `bodies` are boxes (m) round what may move. All forces have to be
-    /// known: what is out of balance stays awake. Returns what that brought in, which is below zero.
+    /// Enables sleep of water at rest; `bodies` are bounding boxes (m) of movable bodies. All forces must be
+    /// known: water out of balance stays awake. Returns the (negative) contribution.
     ///
     /// # Errors
     ///
@@ -409,8 +409,8 @@ impl Fluid {
         self.sleep.is_some()
     }
 
-    /// Wakes what was disturbed and puts to rest what has become calm, after a step of `dt` (s) and before its forces;
-    /// `bodies` are boxes (m) round what may move. Returns what that brought in, which is below zero.
+    /// Wakes disturbed water and puts calm water to sleep, after a step of `dt` (s) and before its forces;
+    /// `bodies` are bounding boxes (m) of movable bodies. Returns the (negative) contribution.
     pub fn watch_rest(&mut self, dt: f64, bodies: impl Iterator<Item = (Vec3, Vec3)>) -> Exchange {
         let Some(mut sleep) = self.sleep.take() else {
             return Exchange::default();
@@ -456,7 +456,7 @@ impl Fluid {
         }
     }
 
-    /// Looks at all tiles in which anything is awake, `elapsed` (s) after the last time.
+    /// Examines all tiles with awake particles, `elapsed` (s) after the last time.
     fn look(&self, sleep: &mut Sleep, elapsed: f64) {
         let mut tiles = std::mem::take(&mut sleep.tiles);
         let all = &*sleep;
@@ -495,7 +495,7 @@ impl Fluid {
         sleep.tiles = tiles;
     }
 
-    /// Wakes and puts to rest by what was seen; returns whether anything changed, and what that brought in.
+    /// Wakes tiles and puts them to sleep by the results; returns whether anything changed, and the contribution.
     fn change(&mut self, sleep: &mut Sleep) -> (bool, Exchange) {
         let periodic = self.settings.periodic;
         let strayed = STRAYED * self.least_spacing();
@@ -542,7 +542,7 @@ impl Fluid {
         (has_changed | stopped, laid)
     }
 
-    /// Stops what still jitters in tiles that sleep among others that do.
+    /// Stops particles that jitter in sleeping tiles among sleeping tiles.
     fn stop_strays(&mut self, sleep: &mut Sleep) -> (bool, Exchange) {
         let periodic = self.settings.periodic;
         let mut laid = Exchange::default();
@@ -567,7 +567,7 @@ impl Fluid {
         (has_stopped, laid)
     }
 
-    /// Finds what sleeps, by the tiles that particles were sorted into and what moves in them; after every sort and change.
+    /// Finds the sleeping particles, from their tiles and their motion; after every sort and change.
     pub(crate) fn find_rests(&mut self) {
         let Some(mut sleep) = self.sleep.take() else {
             return;
@@ -619,7 +619,7 @@ impl Fluid {
         self.sleep.as_ref().map_or(&[], |sleep| &sleep.rests)
     }
 
-    /// Whether a particle is awake, by its place in the present order.
+    /// Whether a particle is awake, by its index in the current order.
     pub fn is_awake(&self, particle: usize) -> bool {
         let rest = self.rests().get(particle);
         rest.is_none_or(|&rest| rest == Rest::Awake)
@@ -637,8 +637,8 @@ impl Fluid {
         sleep.map_or_else(|| self.mass(), |sleep| sleep.awake.1)
     }
 
-    /// Whether all particles in a range of the present order sleep, and none of them is beside one that is awake. Looks at
-    /// whole chunks: what it says of others is no.
+    /// Whether all particles in a range of the current order sleep, and none of them is beside an awake one. For
+    /// whole chunks only; false for other ranges.
     pub fn is_still(&self, particles: std::ops::Range<usize>) -> bool {
         let still = Still::of(self.sleep.as_deref());
         !particles.is_empty()
@@ -650,14 +650,14 @@ impl Fluid {
         self.sleep.as_ref().map(|sleep| sleep.n_changes)
     }
 
-    /// Keeps what sleeps from being taken for drops, which have hardly a neighbor.
+    /// Prevents sleeping particles from being treated as drops, which have hardly a neighbor.
     pub(crate) fn hold_rates(&mut self) {
         if let Some(sleep) = &self.sleep {
             sleep.hold(&mut self.scratch.rates, |rate| rate.n_found = u32::MAX);
         }
     }
 
-    /// Takes the forces of the fluid off what sleeps.
+    /// Removes the fluid forces on sleeping particles.
     pub(crate) fn hold_forces(&mut self) {
         if let Some(sleep) = &self.sleep {
             sleep.hold(&mut self.scratch.forces, |force| {
@@ -666,7 +666,7 @@ impl Fluid {
         }
     }
 
-    /// Holds what sleeps where it is.
+    /// Holds sleeping particles in position.
     pub(crate) fn hold_accelerations(&mut self) {
         if let Some(sleep) = &self.sleep {
             sleep.hold(&mut self.particles.acceleration, |a| *a = Vec3::zeros());
@@ -674,7 +674,7 @@ impl Fluid {
     }
 }
 
-/// Takes all motion out of some particles; returns what that brought in.
+/// Stops some particles; returns the contribution.
 fn stop(of: &mut Particles, particles: impl Iterator<Item = usize>) -> Exchange {
     let mut sum = Exchange::default();
     for a in particles {

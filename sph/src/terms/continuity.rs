@@ -1,6 +1,6 @@
 //! Rate of density, with its diffusion.
 //!
-//! Records hold velocity, density less the reference density, and volume.
+//! Records hold velocity, density minus the reference density, and volume.
 
 use crate::Vec3;
 use crate::kernel::PairKernel;

@@ -46,7 +46,7 @@ impl<L: Lanes, K: PairKernel<L>, const SLOPED: bool> Extrapolation<L, K, SLOPED>
     }
 }
 
-/// Sums under way.
+/// Partial sums.
 pub(crate) struct ExtrapolationSums<L> {
     weight: L,
     pressure: L,

@@ -17,7 +17,7 @@ use crate::terms::{Lanes3, add_scaled, minus, signed, splat3, totals};
 /// matrix inside.
 const SMALLEST_DETERMINANT: f64 = 1e-2;
 
-/// The inverse of `B` from the sums of [`add_moments`]; zero where there is none.
+/// The inverse of `B` from the sums of [`add_moments`]; zero if singular.
 fn renormalization(m: &[f64; 6], dimensions: Dimensions) -> Matrix3<f64> {
     let middle = match dimensions {
         Dimensions::Three => m[1],
@@ -50,7 +50,7 @@ fn mirror_moments<L: Lanes>(m: &mut [L; 6], [sx, sy, sz]: &Lanes3<L>) {
     m[5] = m[5] * (*sx * *sy);
 }
 
-/// The sums of the gradient of density; kg/m⁴. Records hold density less the reference density, and volume.
+/// Sums of the density gradient; kg/m⁴. Records hold density minus the reference density, and volume.
 pub(crate) struct Gradient<'a, L, K> {
     kernel: K,
     density: &'a [f64],
@@ -120,7 +120,7 @@ impl<L: Lanes, K: PairKernel<L>> Term<L> for Gradient<'_, L, K> {
     }
 }
 
-/// The sums of a gradient of velocity, not yet renormalized: walls are added first.
+/// Sums of a velocity gradient before renormalization: walls are added first.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct StrainSums {
     moments: [f64; 6],
@@ -227,7 +227,7 @@ impl<L: Lanes, K: PairKernel<L>> Term<L> for Strain<'_, L, K> {
 
     #[inline(always)]
     fn finish(&self, _: usize, (m, v): Self::Sums, _: u32, out: &mut StrainSums) {
-        // adding up lanes is a good part of the cost: in a plane eight of the fifteen sums are zero
+        // horizontal sums of lanes are a large part of the cost: in two dimensions eight of the fifteen sums are zero
         *out = match self.dimensions {
             Dimensions::Three => StrainSums {
                 moments: m.map(|lanes| -lanes.sum()),

@@ -114,7 +114,7 @@ where
 
     #[inline(always)]
     fn mirrored(&self, (velocity, pressure, own): &Self::Own, signs: &Lanes3<L>) -> Self::Own {
-        // what a viscous force knows of a receiver is a scalar
+        // the receiver's quantity in a viscous force is a scalar
         (signed(velocity, signs), *pressure, *own)
     }
 

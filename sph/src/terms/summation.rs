@@ -5,7 +5,7 @@ use crate::neighbors::sweep::{Pair, Term};
 use crate::simd::lanes::Lanes;
 use crate::terms::Lanes3;
 
-/// `Σ_b m_b W_ab`, b = a included; kg/m³. Records hold the mass in the place of the volume.
+/// `Σ_b m_b W_ab`, b = a included; kg/m³. Records hold the mass instead of the volume.
 ///
 /// Geraili Mikola & Sitar (2014), Eq. 12 sums over the wrong index in print.
 pub(crate) struct Summation<L, K> {

@@ -56,7 +56,7 @@ pub(crate) fn veil<'a>(
 pub(crate) struct Places<'a> {
     /// m.
     pub positions: &'a [Vec3],
-    /// Faces of screens that they are behind.
+    /// Faces of thin solids that they are behind.
     pub facets: &'a [Facet],
 }
 
@@ -116,7 +116,7 @@ impl Way for Within {
         let (sources, receivers) = (setup.sources(), setup.receivers);
         match setup.lists {
             Some(lists) => lists.sum::<L, T>(machine, term, &sources, receivers.positions, out),
-            // only what moves farther than the skin without being sorted has none
+            // only particles that moved farther than the skin without a sort have none
             None => sweep_as::<L, T, true>(machine, term, &sources, receivers, out),
         }
     }
@@ -209,7 +209,7 @@ impl Fluid {
         self.list_within(self.settings.support_radius() + skin, points);
     }
 
-    /// Lists for all particles who is within a radius (m), no larger than support and skin.
+    /// Lists for all particles the points within a radius (m), up to support and skin.
     pub(crate) fn list_within(&mut self, radius: f64, points: &AnyPoints) {
         let mut lists = std::mem::take(&mut self.lists);
         let listing = Listing {
@@ -250,7 +250,7 @@ impl Fluid {
         }
     }
 
-    /// Packs velocity, density less the reference, and volume.
+    /// Packs velocity, density minus the reference density, and volume.
     fn pack_flow(&mut self, points: &mut AnyPoints) {
         let p = &self.particles;
         let reference = self.settings.reference_density;
@@ -277,7 +277,7 @@ impl Fluid {
         }
     }
 
-    /// Packs velocity, pressure and volume: what [`forces`] and walls read.
+    /// Packs velocity, pressure and volume, for [`forces`] and walls.
     pub(crate) fn pack_forces(&mut self) {
         let p = &self.particles;
         let still = Still::kept(self.sleep.as_deref(), |kept| kept.forces);
@@ -905,7 +905,7 @@ impl Extrapolations<'_> {
     }
 }
 
-/// Pressure and velocity of the fluid continued to some points, with the slopes of what they see or without; after
+/// Pressure and velocity of the fluid extrapolated to some points, with or without the response slopes; after
 /// [`Fluid::pack_forces`].
 pub(crate) fn extrapolation(
     fluid: &Fluid,
