@@ -80,7 +80,7 @@ pub struct Fluid {
     particle_volume: f64,
     /// Kernel sum over the undisturbed lattice, by which summation density is divided.
     lattice_sum: f64,
-    /// By how much two particles may approach each other before they are sorted anew; m.
+    /// Approach of two particles that requires a new sort; m.
     skin: f64,
     /// Farthest that particles may have moved since the last sort; m.
     pub(crate) moved: f64,
@@ -97,7 +97,7 @@ pub struct Fluid {
     removed: Removed,
     /// Force of the planes of symmetry at the last evaluation; N.
     pub(crate) plane_force: Vec3,
-    /// Momentum of what the planes of symmetry sent back since the ledger was opened; kg m/s.
+    /// Momentum of particles reflected by the planes of symmetry since the ledger was opened; kg m/s.
     pub(crate) reflected: Vec3,
     pub(crate) scratch: Scratch,
 }
@@ -198,22 +198,22 @@ impl Fluid {
         self.screens.len()
     }
 
-    /// Takes all screens away.
+    /// Removes all thin solids.
     pub fn clear_screens(&mut self) {
         self.screens.clear();
     }
 
-    /// Adds a screen where it is at present: a convex solid by the planes of its faces, each with the number of the side it
-    /// is of, with a box round it (m).
-    /// Particles do not see each other through it. Planes of symmetry do not mirror it: one that touches them has to go on
-    /// beyond them as it is before them, with planes of infinite offset for its ends there.
+    /// Adds a thin solid at its current position: a convex solid by the planes of its faces, each with the number of its
+    /// side, with a bounding box (m).
+    /// Particles do not interact through it. Planes of symmetry do not mirror it: one that touches them has to continue
+    /// beyond them unchanged, with planes of infinite offset for its ends there.
     pub fn add_screen(&mut self, planes: impl Iterator<Item = (Plane, u32)>, bounds: (Vec3, Vec3)) {
         // particles may have left the cells that they were sorted into
         let reach = self.settings.support_radius() + self.skin();
         self.screens.add(planes, bounds, &self.grid, reach);
     }
 
-    /// Adds a convex solid with walls of its own that the last screen reaches into: there the screen is none.
+    /// Adds a convex solid with its own walls that the last thin solid extends into, where the latter is inactive.
     pub fn cover_screen(&mut self, planes: impl Iterator<Item = Plane>) {
         self.screens.cover(planes);
     }

@@ -6,8 +6,8 @@ use crate::neighbors::cells::Periodicity;
 use crate::scheme::{DensityMethod, Scheme, Stepping, Viscosity};
 use crate::{Symmetry, Vec3};
 
-/// Share of the support radius by which cells and lists of neighbors are wider than it, so that particles
-/// may move before they are sorted anew.
+/// Margin of cells and neighbor lists beyond the support radius, over this radius, so that particles
+/// may move before the next sort.
 const SKIN: f64 = 0.1;
 /// Least share where a period leaves no room for more.
 const LEAST_SKIN: f64 = 0.05;
@@ -145,10 +145,10 @@ impl Settings {
         self.check_symmetry(self.support_radius() + self.skin())
     }
 
-    /// By how much two particles may approach each other before they are sorted anew; m.
+    /// Approach of two particles that requires a new sort; m.
     ///
-    /// Two that leave a domain by both of its periodic sides see each other through two periods, and no sum
-    /// looks that far: a period should be no shorter than support and skin.
+    /// Two particles that leave a domain by opposite periodic sides interact across two periods, which no sum
+    /// covers: a period must be at least support and skin.
     pub(crate) fn skin(&self) -> f64 {
         let support = self.support_radius();
         let extent = self.domain.1 - self.domain.0;

@@ -21,11 +21,11 @@ fn sound_limit(scheme: &Scheme) -> f64 {
 }
 
 impl Fluid {
-    /// Advances the fluid by `dt` (s) with the stepping of its scheme, within what holds it.
+    /// Advances the fluid by `dt` (s) with the stepping of its scheme, within its boundary.
     ///
     /// # Errors
     ///
-    /// What the boundary refuses, and [`FluidError`] of the fluid; the state is then that of the failed step.
+    /// Errors of the boundary, and [`FluidError`] of the fluid; the state is then that of the failed step.
     pub fn step<B: Boundary>(&mut self, boundary: &mut B, dt: f64) -> Result<(), B::Error> {
         match self.settings.scheme.stepping {
             Stepping::KickDriftKick => kick_drift_kick::step(self, boundary, dt),
@@ -86,7 +86,7 @@ impl Fluid {
         Ok(())
     }
 
-    /// Sorts where that is due, and reports what left the domain.
+    /// Sorts if due, and reports particles that left the domain.
     fn sorted<B: Boundary>(&mut self, boundary: &mut B) -> Result<(), B::Error> {
         let n_escaped = self.refresh();
         boundary.ended(Phase::Neighbors);
@@ -104,8 +104,8 @@ impl Fluid {
         boundary.ended(Phase::Integration);
     }
 
-    /// Drifts by `dt` (s), the density advanced half way with the boundaries where they are then; with summation there is
-    /// nothing to advance.
+    /// Drifts by `dt` (s), with the density advanced half way at the boundaries' position there; with summation there is
+    /// no density to advance.
     fn drift_with_density<B: Boundary>(
         &mut self,
         boundary: &mut B,

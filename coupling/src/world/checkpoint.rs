@@ -10,7 +10,7 @@ impl World {
     ///
     /// None that is known: the format takes whatever a world is made of.
     pub fn save(&self, out: Vec<u8>) -> Saved {
-        // no `..`: what is new cannot be forgotten
+        // no `..`: a new column cannot be forgotten
         let Self {
             blocks,
             water,

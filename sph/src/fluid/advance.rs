@@ -6,7 +6,7 @@ use crate::fluid::energy::fixed_order_sum;
 use crate::fluid::sleep::Still;
 use crate::{CHUNK, Dimensions, Fluid, Particles, Vec3};
 
-/// Fewer neighbors than this make no pressure: a particle by itself keeps the reference density.
+/// Smallest number of neighbors for a pressure: an isolated particle keeps the reference density.
 const FEWEST_NEIGHBORS: u32 = 5;
 
 /// Change of the compression energy by a density step; J.
@@ -185,7 +185,7 @@ impl Fluid {
             - self.settings.gravity.dot(&(*x - position));
         *x = position;
         *v = velocity;
-        // it jumped: no bound on its way holds any more
+        // it jumped: bounds on its displacement are invalid
         self.moved = f64::INFINITY;
         lost * self.particles.mass[particle]
     }

@@ -4,7 +4,7 @@ use crate::terms::extrapolation::Extrapolated;
 use crate::terms::sums::{self, Places};
 use crate::{Fluid, Vec3};
 
-/// The fluid's pressure continued along gravity to places that are not of its particles.
+/// Fluid pressure extrapolated along gravity to points other than its particles.
 #[derive(Clone, Debug, Default)]
 pub struct ContinuedPressure {
     chosen: Vec<u32>,
@@ -13,7 +13,7 @@ pub struct ContinuedPressure {
 }
 
 impl ContinuedPressure {
-    /// Looks at the fluid from some places (m); after [`Fluid::update_pressure`].
+    /// Samples the fluid at some points (m); after [`Fluid::update_pressure`].
     pub fn find(&mut self, fluid: &Fluid, places: &[Vec3]) {
         self.chosen.clear();
         self.chosen.extend(0..places.len() as u32);
@@ -27,7 +27,7 @@ impl ContinuedPressure {
         sums::extrapolation(fluid, places, &self.chosen, false, &mut self.sums);
     }
 
-    /// For each place the share of its support that is fluid, `Σ V W`, and the pressure, 0 without fluid; –, Pa.
+    /// For each point the fluid fraction of its support, `Σ V W`, and the pressure, 0 without fluid; –, Pa.
     pub fn found(&self) -> impl Iterator<Item = [f64; 2]> + '_ {
         self.sums.iter().map(|sum| {
             let pull = self.gravity.dot(&Vec3::from(sum.moment));

@@ -103,7 +103,7 @@ impl Fluid {
         self.from_walls
     }
 
-    /// Forgets what the ledger holds: a run starts here.
+    /// Resets the ledger at the start of a run.
     pub fn open_ledger(&mut self) {
         self.viscous_loss = 0.0;
         self.from_walls = 0.0;

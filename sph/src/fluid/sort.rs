@@ -13,7 +13,7 @@ impl Fluid {
         self.moved
     }
 
-    /// By how much two particles may approach each other before [`Self::refresh`] sorts them anew; m.
+    /// Approach of two particles after which [`Self::refresh`] sorts them again; m.
     pub fn skin(&self) -> f64 {
         self.skin
     }
@@ -80,7 +80,7 @@ impl Fluid {
         if self.settings.periodic.contains(&true) {
             let grid = &self.grid;
             if let Some(sleep) = &mut self.sleep {
-                // the way from home is the same when a particle goes on at the other side
+                // the displacement is unchanged when a particle continues at the other side
                 for (home, x) in sleep.home.iter_mut().zip(&self.particles.position) {
                     *home += grid.wrapped(*x) - x;
                 }

@@ -35,19 +35,19 @@ impl Fluid {
         Ok(())
     }
 
-    /// Whether each particle has a viscosity of its own.
+    /// Whether each particle has its own viscosity.
     pub fn varies_viscosity(&self) -> bool {
         self.settings.scheme.viscosity.varies()
     }
 
-    /// Apparent viscosity of a particle, by its place in the present order; Pa s.
+    /// Apparent viscosity of a particle, by its index in the current order; Pa s.
     pub fn apparent_viscosity(&self, particle: usize) -> f64 {
         let constant = || self.settings.kinematic_viscosity() * self.settings.reference_density;
         let viscosity = self.particles.viscosity.get(particle);
         viscosity.copied().unwrap_or_else(constant)
     }
 
-    /// Whether a particle flows, by its place in the present order: what has no yield stress always does.
+    /// Whether a particle flows, by its index in the current order; always true without a yield stress.
     pub fn is_yielded(&self, particle: usize) -> bool {
         let p = &self.particles;
         match (p.shear_rate.get(particle), p.kind.get(particle)) {

@@ -1,5 +1,5 @@
-//! Predictor-corrector: rates and forces at the start take everything half way, and those found there take it from the
-//! start to the end. Second order. Domínguez et al. (2022), see [`crate::scheme::Stepping`].
+//! Predictor-corrector: rates and forces at the start advance the state to the middle, and those at the middle advance it
+//! from the start to the end. Second order. Domínguez et al. (2022), see [`crate::scheme::Stepping`].
 //!
 //! ```text
 //! 1 prediction                          v½ = v + dt/2 a,    x½ = x + dt/2 v,    ρ½ = ρ + dt/2 ρ'
@@ -31,7 +31,7 @@ pub(super) fn step<B: Boundary>(
     boundary.predicted(fluid);
     boundary.ended(Phase::Integration);
     boundary.advance(Part::FirstHalf, half)?;
-    // nothing comes, goes, is put back or shifted half way: the corrector would undo that
+    // no inflow, outflow, push-back or shifting half way, which the corrector would undo
     fluid.sorted(boundary)?;
     boundary.place(fluid, Stage::Predicted, half);
     boundary.hold(fluid, Stage::Predicted, half);
@@ -44,8 +44,8 @@ pub(super) fn step<B: Boundary>(
 
 /// Largest step of the predictor-corrector with continuity over `h/c₀`.
 ///
-/// A wave grows by `(ω dt)⁴/8` a step and diffusion takes `D dt/2`, `D ∝ δ`: the limit goes with the cube root of
-/// δ. Without diffusion there is none, and viscosity has to take what grows; more than the usual does not help.
+/// A wave grows by `(ω dt)⁴/8` per step and diffusion damps it by `D dt/2`, `D ∝ δ`: the limit scales with the cube root of
+/// δ. Without diffusion there is no limit, and viscosity has to damp the growth; more than the usual diffusion does not help.
 pub(super) fn sound_limit(diffusion: DensityDiffusion) -> f64 {
     let delta = match diffusion {
         DensityDiffusion::None => DIFFUSION,
@@ -57,7 +57,7 @@ pub(super) fn sound_limit(diffusion: DensityDiffusion) -> f64 {
 }
 
 impl Fluid {
-    /// Takes everything half way through a step, `half` after its start, with the rates and accelerations of
+    /// Advances the state to the middle of a step, `half` after its start, with the rates and accelerations of
     /// the start. Books nothing: [`Self::correct`] starts again from the start.
     pub fn predict(&mut self, half: f64) {
         // no kick need have come before, and damping may have
@@ -85,8 +85,8 @@ impl Fluid {
         }
     }
 
-    /// Takes velocities and densities from the start of a step of `dt` to its end, with the rates and
-    /// accelerations half way, and books them; the positions want half a drift more.
+    /// Advances velocities and densities from the start of a step of `dt` to its end, with the rates and
+    /// accelerations half way, and books them; the positions need another half drift.
     pub fn correct(&mut self, dt: f64) {
         if self.advances_density() {
             std::mem::swap(&mut self.particles.density, &mut self.at_start.density);
