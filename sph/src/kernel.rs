@@ -46,8 +46,13 @@ pub enum KernelChoice {
 
 /// Kernel functions for pair loops.
 pub(crate) trait PairKernel<L: Lanes>: Copy + Send + Sync {
-    /// The kernel of a support radius in meters.
-    fn new(machine: L::Machine, support_radius: f64, dimensions: Dimensions) -> Self;
+    /// Whether sums with this kernel are compiled for the usual pair terms one by one. The others take their terms when
+    /// they run, with the same arithmetic: they are for comparison, and code of their own for each would take most of
+    /// the time to build the program.
+    const IS_SPECIALIZED: bool = false;
+
+    /// A kernel of points in registers.
+    fn new(machine: L::Machine, kernel: &PointKernel) -> Self;
     /// `W(r)`; 1/m³.
     fn value(&self, r2: L) -> L;
     /// `W'(r)/r`; 1/m⁵.
@@ -66,7 +71,10 @@ pub(crate) struct WendlandC2<L> {
 }
 
 impl<L: Lanes> PairKernel<L> for WendlandC2<L> {
-    fn new(machine: L::Machine, support_radius: f64, dimensions: Dimensions) -> Self {
+    const IS_SPECIALIZED: bool = L::IS_SPECIALIZED;
+
+    fn new(machine: L::Machine, kernel: &PointKernel) -> Self {
+        let (support_radius, dimensions) = (kernel.support_radius, kernel.dimensions);
         let (value, gradient) = wendland_factors(0.5 * support_radius, dimensions);
         let splat = |x| L::splat(machine, x);
         Self {
@@ -123,7 +131,8 @@ pub(crate) struct CubicSpline<L> {
 }
 
 impl<L: Lanes> PairKernel<L> for CubicSpline<L> {
-    fn new(machine: L::Machine, support_radius: f64, dimensions: Dimensions) -> Self {
+    fn new(machine: L::Machine, kernel: &PointKernel) -> Self {
+        let (support_radius, dimensions) = (kernel.support_radius, kernel.dimensions);
         let h = 0.5 * support_radius;
         let sigma = cubic_factor(h, dimensions);
         let splat = |x| L::splat(machine, x);
@@ -178,7 +187,8 @@ pub(crate) struct Mueller<L> {
 }
 
 impl<L: Lanes> PairKernel<L> for Mueller<L> {
-    fn new(machine: L::Machine, support_radius: f64, dimensions: Dimensions) -> Self {
+    fn new(machine: L::Machine, kernel: &PointKernel) -> Self {
+        let (support_radius, dimensions) = (kernel.support_radius, kernel.dimensions);
         let splat = |x| L::splat(machine, x);
         Self {
             zero: splat(0.0),
@@ -201,6 +211,42 @@ impl<L: Lanes> PairKernel<L> for Mueller<L> {
         let r = r2.sqrt();
         let d = (self.support - r).max(self.zero);
         self.gradient * (d * d) / r.max(self.smallest)
+    }
+}
+
+/// Any kernel, by the choice at run time.
+#[derive(Clone, Copy)]
+pub(crate) enum AnyKernel<L> {
+    WendlandC2(WendlandC2<L>),
+    CubicSpline(CubicSpline<L>),
+    Mueller(Mueller<L>),
+}
+
+impl<L: Lanes> PairKernel<L> for AnyKernel<L> {
+    fn new(machine: L::Machine, kernel: &PointKernel) -> Self {
+        match kernel.choice {
+            KernelChoice::WendlandC2 => Self::WendlandC2(PairKernel::new(machine, kernel)),
+            KernelChoice::CubicSpline => Self::CubicSpline(PairKernel::new(machine, kernel)),
+            KernelChoice::Mueller => Self::Mueller(PairKernel::new(machine, kernel)),
+        }
+    }
+
+    #[inline(always)]
+    fn value(&self, r2: L) -> L {
+        match self {
+            Self::WendlandC2(kernel) => kernel.value(r2),
+            Self::CubicSpline(kernel) => kernel.value(r2),
+            Self::Mueller(kernel) => kernel.value(r2),
+        }
+    }
+
+    #[inline(always)]
+    fn gradient_factor(&self, r2: L) -> L {
+        match self {
+            Self::WendlandC2(kernel) => kernel.gradient_factor(r2),
+            Self::CubicSpline(kernel) => kernel.gradient_factor(r2),
+            Self::Mueller(kernel) => kernel.gradient_factor(r2),
+        }
     }
 }
 
@@ -671,7 +717,7 @@ mod tests {
         let support = 0.037;
         let (point, register) = (
             PointKernel::new(choice, support, dimensions),
-            K::new(machine, support, dimensions),
+            K::new(machine, &PointKernel::new(choice, support, dimensions)),
         );
         let scale = [point.value(0.0), point.gradient_factor(0.1 * support).abs()];
         let mut largest = [0.0_f64; 2];
@@ -703,6 +749,15 @@ mod tests {
             errors.extend(register_error::<L, CubicSpline<L>>(
                 machine, choice, dimensions,
             ));
+            for choice in [
+                KernelChoice::WendlandC2,
+                KernelChoice::CubicSpline,
+                KernelChoice::Mueller,
+            ] {
+                errors.extend(register_error::<L, AnyKernel<L>>(
+                    machine, choice, dimensions,
+                ));
+            }
         }
         let choice = KernelChoice::Mueller;
         errors.extend(register_error::<L, Mueller<L>>(machine, choice, SPACE));

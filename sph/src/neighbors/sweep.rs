@@ -373,29 +373,31 @@ where
                 radius2,
             };
             let seen = Seen::<L>::new(machine, &place, quanta);
-            let mut n = 0;
-            while from < n_runs && runs[from].image == image {
-                let mut start = runs[from].start as usize;
-                let end = runs[from].end as usize;
-                while start < end {
-                    // as many candidates as the buffer surely holds
+            let mut start = runs[from].start as usize;
+            loop {
+                // as many candidates as the buffer surely holds
+                let mut n = 0;
+                while from < n_runs && runs[from].image == image {
+                    let end = runs[from].end as usize;
                     let room = (BUFFER - FILTER_WIDTH - n) / FILTER_WIDTH * FILTER_WIDTH;
                     if room == 0 {
-                        n = keep_seen(&mut found[..n], shares);
-                        seen.add_all::<_, SCREENED>(term, own, points, (found, shares, n), sums);
-                        n_found += n as u32;
-                        n = 0;
-                        continue;
+                        break;
                     }
                     let stop = end.min(start + room);
                     n = machine.filter(points.columns(), start..stop, &sight, found, n);
                     start = stop;
+                    if start == end {
+                        from += 1;
+                        start = runs.get(from).map_or(0, |run| run.start as usize);
+                    }
                 }
-                from += 1;
+                n = keep_seen(&mut found[..n], shares);
+                seen.add_all::<_, SCREENED>(term, own, points, (found, shares, n), sums);
+                n_found += n as u32;
+                if n_runs <= from || runs[from].image != image {
+                    break;
+                }
             }
-            n = keep_seen(&mut found[..n], shares);
-            seen.add_all::<_, SCREENED>(term, own, points, (found, shares, n), sums);
-            n_found += n as u32;
         }
         n_found
     }

@@ -86,6 +86,8 @@ pub(crate) trait Lanes:
 {
     /// Numbers in a register.
     const WIDTH: usize;
+    /// Whether sums are compiled for the usual terms one by one; without, they take their terms when they run.
+    const IS_SPECIALIZED: bool;
     /// Proof that the processor has such registers.
     type Machine: Copy + Send + Sync;
     /// Records that fill it.
@@ -178,6 +180,7 @@ macro_rules! portable {
 
         impl Lanes for Array<$scalar, $width> {
             const WIDTH: usize = $width;
+            const IS_SPECIALIZED: bool = false;
             type Machine = Portable;
             type Record = $record;
 
@@ -350,6 +353,7 @@ mod avx2 {
 
     impl Lanes for F32x8 {
         const WIDTH: usize = 8;
+        const IS_SPECIALIZED: bool = true;
         type Machine = Avx2;
         type Record = Single;
 
@@ -432,6 +436,7 @@ mod avx2 {
 
     impl Lanes for F64x4 {
         const WIDTH: usize = 4;
+        const IS_SPECIALIZED: bool = true;
         type Machine = Avx2;
         type Record = Double;
 

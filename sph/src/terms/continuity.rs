@@ -249,3 +249,46 @@ impl<L: Lanes> Diffusion<L> for GradientDiffusion<'_, L> {
         self.jump.strength
     }
 }
+
+/// Any diffusion, chosen at run time.
+pub(crate) enum AnyDiffusion<'a, L: Lanes> {
+    None(NoDiffusion<L>),
+    Jump(JumpDiffusion<L>),
+    Gradient(GradientDiffusion<'a, L>),
+}
+
+impl<L: Lanes> Diffusion<L> for AnyDiffusion<'_, L> {
+    /// Gradient of density, where it is used.
+    type Own = Lanes3<L>;
+
+    #[inline(always)]
+    fn own(&self, machine: L::Machine, a: usize) -> Lanes3<L> {
+        match self {
+            Self::None(_) | Self::Jump(_) => splat3(machine, [0.0; 3]),
+            Self::Gradient(diffusion) => diffusion.own(machine, a),
+        }
+    }
+
+    #[inline(always)]
+    fn mirrored(&self, own: &Lanes3<L>, signs: &Lanes3<L>) -> Lanes3<L> {
+        signed(own, signs)
+    }
+
+    #[inline(always)]
+    fn psi(&self, own: &Lanes3<L>, pair: &Pair<L>, jump: L, ids: &[u32]) -> L {
+        match self {
+            Self::None(diffusion) => diffusion.psi(&(), pair, jump, ids),
+            Self::Jump(diffusion) => diffusion.psi(&(), pair, jump, ids),
+            Self::Gradient(diffusion) => diffusion.psi(own, pair, jump, ids),
+        }
+    }
+
+    #[inline(always)]
+    fn strength(&self) -> f64 {
+        match self {
+            Self::None(diffusion) => Diffusion::<L>::strength(diffusion),
+            Self::Jump(diffusion) => diffusion.strength,
+            Self::Gradient(diffusion) => diffusion.jump.strength,
+        }
+    }
+}

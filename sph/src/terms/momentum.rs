@@ -207,19 +207,6 @@ pub(crate) trait PairViscosity<L: Lanes>: Sync {
     fn add(&self, own: &Self::Own, sheared: &Sheared<L>, sum: &mut Lanes3<L>);
 }
 
-/// None, at no cost.
-pub(crate) struct Inviscid;
-
-impl<L: Lanes> PairViscosity<L> for Inviscid {
-    type Own = ();
-
-    #[inline(always)]
-    fn own(&self, _: L::Machine, _: usize) {}
-
-    #[inline(always)]
-    fn add(&self, (): &(), _: &Sheared<L>, _: &mut Lanes3<L>) {}
-}
-
 /// Along the line of centers: Monaghan's artificial and the laminar viscosity.
 ///
 /// ```text
@@ -397,5 +384,32 @@ impl<L: Lanes> PairViscosity<L> for Published<L> {
     fn add(&self, (): &(), sheared: &Sheared<L>, sum: &mut Lanes3<L>) {
         let left = (self.support - sheared.pair.r2.sqrt()).max(self.zero);
         add_scaled(sum, self.coefficient * sheared.volume * left, &sheared.jump);
+    }
+}
+
+/// Any viscosity that is the same for all particles, chosen at run time.
+pub(crate) enum AnyViscosity<L> {
+    Inviscid,
+    Artificial(Central<L, true>),
+    Laminar(Central<L, false>),
+    Shear(Shear<L>),
+    Published(Published<L>),
+}
+
+impl<L: Lanes> PairViscosity<L> for AnyViscosity<L> {
+    type Own = ();
+
+    #[inline(always)]
+    fn own(&self, _: L::Machine, _: usize) {}
+
+    #[inline(always)]
+    fn add(&self, (): &(), sheared: &Sheared<L>, sum: &mut Lanes3<L>) {
+        match self {
+            Self::Inviscid => {}
+            Self::Artificial(viscosity) => viscosity.add(&(), sheared, sum),
+            Self::Laminar(viscosity) => viscosity.add(&(), sheared, sum),
+            Self::Shear(viscosity) => viscosity.add(&(), sheared, sum),
+            Self::Published(viscosity) => viscosity.add(&(), sheared, sum),
+        }
     }
 }

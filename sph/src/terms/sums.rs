@@ -5,7 +5,7 @@ use std::marker::PhantomData;
 use crate::boundary::screens::{Facet, Screens};
 use crate::fluid::Settings;
 use crate::fluid::sleep::Still;
-use crate::kernel::{CubicSpline, KernelChoice, Mueller, PairKernel, Viscous, WendlandC2};
+use crate::kernel::{AnyKernel, KernelChoice, PairKernel, PointKernel, Viscous, WendlandC2};
 use crate::neighbors::cells::CellGrid;
 use crate::neighbors::lists::{Lists, Surroundings};
 use crate::neighbors::sweep::{
@@ -15,14 +15,15 @@ use crate::scheme::{DensityDiffusion, Viscosity};
 use crate::simd::lanes::{Lanes, Machine};
 use crate::simd::points::Frame;
 use crate::terms::continuity::{
-    Continuity, Diffusion, GradientDiffusion, JumpDiffusion, NoDiffusion, Rate, RateOwn,
+    AnyDiffusion, Continuity, Diffusion, GradientDiffusion, JumpDiffusion, NoDiffusion, Rate,
+    RateOwn,
 };
 use crate::terms::disorder::{Disorder, Spread};
 use crate::terms::extrapolation::{Extrapolated, Extrapolation};
 use crate::terms::gradient::{Gradient, Strain, StrainSums};
 use crate::terms::momentum::{
-    Central, ForceDensity, ForceOwn, Inviscid, Momentum, PairPressure, PairViscosity, Published,
-    Shear, SumOfPressures, VariableShear, WeightedByDensity,
+    AnyViscosity, Central, ForceDensity, ForceOwn, Momentum, PairPressure, PairViscosity,
+    Published, Shear, SumOfPressures, VariableShear, WeightedByDensity,
 };
 use crate::terms::summation::Summation;
 use crate::{Fluid, Vec3};
@@ -83,11 +84,9 @@ impl Setup<'_> {
     }
 
     fn kernel<L: Lanes, K: PairKernel<L>>(&self, machine: L::Machine) -> K {
-        K::new(
-            machine,
-            self.settings.support_radius(),
-            self.settings.dimensions,
-        )
+        let s = self.settings;
+        let kernel = PointKernel::new(s.scheme.kernel, s.support_radius(), s.dimensions);
+        K::new(machine, &kernel)
     }
 }
 
@@ -137,13 +136,15 @@ impl Way for Across {
     }
 }
 
-/// Runs `$self.with::<L, K>($machine)` for the kernel of the settings.
+/// Runs `$self.with::<L, K>($machine)` for the kernel of the settings: Wendland's by itself where registers are fast,
+/// any of them by its choice at run time elsewhere.
 macro_rules! for_kernel {
     ($self:ident, $machine:ident, $lanes:ident) => {
         match $self.setup.settings.scheme.kernel {
-            KernelChoice::WendlandC2 => $self.with::<$lanes, WendlandC2<$lanes>>($machine),
-            KernelChoice::CubicSpline => $self.with::<$lanes, CubicSpline<$lanes>>($machine),
-            KernelChoice::Mueller => $self.with::<$lanes, Mueller<$lanes>>($machine),
+            KernelChoice::WendlandC2 if $lanes::IS_SPECIALIZED => {
+                $self.with::<$lanes, WendlandC2<$lanes>>($machine)
+            }
+            _ => $self.with::<$lanes, AnyKernel<$lanes>>($machine),
         }
     };
 }
@@ -380,33 +381,27 @@ impl Rates<'_> {
     {
         let s = self.setup.settings;
         let h = s.smoothing_length;
-        let strength = |delta: f64| delta * h * s.sound_speed;
-        match s.scheme.diffusion {
-            DensityDiffusion::None => {
-                self.diffused::<L, K, _>(machine, NoDiffusion(L::splat(machine, 0.0)));
-            }
+        let jump = |gravity: Vec3, delta: f64| {
+            let hydrostatic = gravity * (-s.reference_density / (s.sound_speed * s.sound_speed));
+            JumpDiffusion::new(machine, hydrostatic, h, delta * h * s.sound_speed)
+        };
+        let diffusion = match s.scheme.diffusion {
+            DensityDiffusion::None => AnyDiffusion::None(NoDiffusion(L::splat(machine, 0.0))),
             DensityDiffusion::MolteniColagrossi(delta) => {
-                let none = Vec3::zeros();
-                self.diffused::<L, K, _>(
-                    machine,
-                    JumpDiffusion::new(machine, none, h, strength(delta)),
-                );
+                AnyDiffusion::Jump(jump(Vec3::zeros(), delta))
             }
-            DensityDiffusion::Fourtakas(delta) => {
-                let hydrostatic =
-                    s.gravity * (-s.reference_density / (s.sound_speed * s.sound_speed));
-                self.diffused::<L, K, _>(
-                    machine,
-                    JumpDiffusion::new(machine, hydrostatic, h, strength(delta)),
-                );
-            }
+            DensityDiffusion::Fourtakas(delta) => AnyDiffusion::Jump(jump(s.gravity, delta)),
             DensityDiffusion::Antuono(delta) => {
                 let gradients = L::Record::of(self.gradients).records();
-                self.diffused::<L, K, _>(
-                    machine,
-                    GradientDiffusion::new(machine, h, strength(delta), gradients),
-                );
+                let strength = delta * h * s.sound_speed;
+                AnyDiffusion::Gradient(GradientDiffusion::new(machine, h, strength, gradients))
             }
+        };
+        match diffusion {
+            AnyDiffusion::Jump(jump) if K::IS_SPECIALIZED => {
+                self.diffused::<L, K, _>(machine, jump);
+            }
+            any => self.diffused::<L, K, _>(machine, any),
         }
     }
 
@@ -696,38 +691,37 @@ impl Forces<'_> {
         let h = s.smoothing_length;
         let rho = s.reference_density;
         let laminar_factor = 2.0 * (s.dimensions.count() + 2.0);
-        match viscosity {
+        let any = match viscosity {
             Viscosity::None
             // these are of particles, see `Shearing`
             | Viscosity::Rheological { .. }
-            | Viscosity::SubParticleScale { .. } => {
-                self.sheared::<L, K, _, _, W>(machine, pressure, Inviscid);
-            }
+            | Viscosity::SubParticleScale { .. } => AnyViscosity::Inviscid,
             Viscosity::Published { dynamic_viscosity } => {
-                let term = Published::new(
-                    machine,
-                    dynamic_viscosity,
-                    &Viscous::new(s.support_radius(), s.dimensions),
-                );
-                self.sheared::<L, K, _, _, W>(machine, pressure, term);
+                let kernel = Viscous::new(s.support_radius(), s.dimensions);
+                AnyViscosity::Published(Published::new(machine, dynamic_viscosity, &kernel))
             }
             Viscosity::Artificial { alpha } => {
-                let term = Central::<L, true>::new(machine, rho * alpha * s.sound_speed * h, h);
-                self.sheared::<L, K, _, _, W>(machine, pressure, term);
+                let factor = rho * alpha * s.sound_speed * h;
+                AnyViscosity::Artificial(Central::new(machine, factor, h))
             }
             Viscosity::Laminar {
                 kinematic_viscosity,
             } => {
                 let factor = laminar_factor * rho * kinematic_viscosity;
-                let term = Central::<L, false>::new(machine, factor, h);
-                self.sheared::<L, K, _, _, W>(machine, pressure, term);
+                AnyViscosity::Laminar(Central::new(machine, factor, h))
             }
             Viscosity::Morris {
                 kinematic_viscosity,
-            } => {
-                let term = Shear::new(machine, 2.0 * rho * kinematic_viscosity, h);
+            } => AnyViscosity::Shear(Shear::new(machine, 2.0 * rho * kinematic_viscosity, h)),
+        };
+        match any {
+            AnyViscosity::Artificial(term) if K::IS_SPECIALIZED => {
                 self.sheared::<L, K, _, _, W>(machine, pressure, term);
             }
+            AnyViscosity::Laminar(term) if K::IS_SPECIALIZED => {
+                self.sheared::<L, K, _, _, W>(machine, pressure, term);
+            }
+            any => self.sheared::<L, K, _, _, W>(machine, pressure, any),
         }
     }
 
