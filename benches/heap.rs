@@ -99,7 +99,7 @@ fn heap(variant: &Variant) -> Result<Scene, Failure> {
     }
     for material in &mut file.materials {
         material.contact_stiffness = material.contact_stiffness.map(|k| k * scale * scale);
-        // the effective radius of two equal balls is half their radius
+        // the effective radius of two equal spheres is half their radius
         if material.rolling_friction > 0.0 {
             material.rolling_friction = ROLLING.0 / (0.25 * diameter);
         }

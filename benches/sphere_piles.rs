@@ -1,6 +1,6 @@
-//! Speed of balls: a box of them that has come to rest.
+//! Speed of spheres: a box of them that has come to rest.
 //!
-//! `cargo bench -p riprap-dda --bench sphere_piles` settles 10,000 balls of 1 m, then times steps on one
+//! `cargo bench -p riprap-dda --bench sphere_piles` settles 10,000 spheres of 1 m, then times steps on one
 //! and on all threads; `-- N` does it for about N.
 #![expect(clippy::print_stdout, reason = "a benchmark reports")]
 

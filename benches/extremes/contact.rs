@@ -568,7 +568,7 @@ fn restitution(_: Length) -> Result<Vec<Row>, Failure> {
             }
         }
     }
-    // a ball that bounces without loss for a thousand times
+    // a sphere that bounces without loss for a thousand times
     let material = Material {
         restitution: 1.0,
         ..rock()

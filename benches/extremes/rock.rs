@@ -31,7 +31,7 @@ pub fn cuboid(from: [f64; 3], to: [f64; 3]) -> Result<Polyhedron, Failure> {
     Ok(Polyhedron::cuboid(from.into(), to.into())?)
 }
 
-/// A box about the origin, turned and shifted.
+/// A box about the origin, rotated and translated.
 pub fn placed(sides: [f64; 3], shift: Vec3, turn: Vec3) -> Result<Polyhedron, Failure> {
     let half = sides.map(|x| 0.5 * x);
     let body = cuboid(half.map(|x| -x), half)?;

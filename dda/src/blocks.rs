@@ -31,7 +31,7 @@ pub(crate) use update::Update;
 
 /// A system of blocks.
 ///
-/// Columns are one per block unless said otherwise.
+/// Columns are one per block unless noted.
 #[derive(Clone, Debug)]
 pub struct Blocks {
     pub(crate) state: State,
@@ -41,7 +41,7 @@ pub struct Blocks {
     pub(crate) constants: Constants,
 }
 
-/// Blocks, or pairs of balls, that one thread takes at a time.
+/// Blocks, or pairs of spheres, that one thread takes at a time.
 pub(crate) const CHUNK: usize = 512;
 
 impl Blocks {

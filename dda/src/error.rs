@@ -47,7 +47,7 @@ pub enum BlockError {
         /// Its range.
         rule: &'static str,
     },
-    /// A block has no parts, or a ball has no size.
+    /// A block has no parts, or a sphere has no size.
     #[error("block {block} has no volume; give it at least one part or a positive radius")]
     Empty {
         /// The block.

@@ -1,6 +1,6 @@
 //! Explicit three-dimensional discontinuous deformation analysis of rock blocks.
 //!
-//! Blocks are unions of convex polyhedra, rigid or with one strain each, or rigid balls. They meet
+//! Blocks are unions of convex polyhedra, rigid or with one strain each, or rigid spheres. They meet
 //! through penalty springs and dashpots at the points of a contact patch, with Coulomb friction that
 //! remembers its shear, and move by a central-difference step in kick-drift-kick form.
 //!
@@ -10,7 +10,7 @@
 //!
 //! **Reading order.** [`Polyhedron`] (geometry), [`mass_properties`], [`Shape`], [`Material`] and the
 //! joint of two materials, [`Blocks`] (the state), then the step: [`Blocks::advance`] in `integrate`,
-//! `broad_phase`, `common_plane`, `patch`, `contact`, `friction`; `sphere_contact` for balls and
+//! `broad_phase`, `common_plane`, `patch`, `contact`, `friction`; `sphere_contact` for spheres and
 //! `surface_contact` for terrain; `forces`, which sums them. Beside it: `deformation`,
 //! `attachments`, `holds`, `damping`; and before it [`cut_by_joints`] and [`merge_slivers`], which
 //! make blocks of a rock mass.
@@ -81,7 +81,7 @@ mod step;
 
 /// Vector of three `f64`.
 pub type Vec3 = nalgebra::Vector3<f64>;
-/// Turn and shift.
+/// Rotation and translation.
 pub type Isometry = nalgebra::Isometry3<f64>;
 
 pub use blocks::{BlockDefinition, Blocks, Settings};

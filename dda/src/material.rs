@@ -47,7 +47,7 @@ pub struct Material {
     pub joint_stiffness: Option<f64>,
     /// Shear over normal penalty stiffness, ≥ 0; –.
     pub shear_stiffness_ratio: f64,
-    /// Resistance of balls to rolling, ≥ 0: torque over normal force and effective radius; –.
+    /// Resistance of spheres to rolling, ≥ 0: torque over normal force and effective radius; –.
     pub rolling_friction: f64,
     /// Elastic moduli.
     pub elastic: Option<Elastic>,
@@ -179,7 +179,7 @@ pub struct JointOverride {
     pub tensile_strength: Option<f64>,
     /// Normal restitution, 0 to 1; –.
     pub restitution: Option<f64>,
-    /// Resistance of balls to rolling, ≥ 0: torque over normal force and effective radius; –.
+    /// Resistance of spheres to rolling, ≥ 0: torque over normal force and effective radius; –.
     pub rolling_friction: Option<f64>,
 }
 
@@ -321,7 +321,7 @@ pub enum NormalLaw {
 /// Angular velocity that rolling resistance of spheres acts on, at each contact up to `μ_r R̃ F_n`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum RollingLaw {
-    /// That of one body against the other, without the part about the normal: equal and opposite torques. Balls
+    /// That of one body against the other, without the part about the normal: equal and opposite torques. Spheres
     /// that turn alike do not hold each other back.
     ///
     /// ```text
@@ -330,7 +330,7 @@ pub enum RollingLaw {
     /// Source: Ai, Chen, Rotter & Ooi (2011), models A and C.
     #[default]
     Relative,
-    /// That of each ball against the world, twist included; nothing acts on other bodies. It depends on who
+    /// That of each sphere against the world, twist included; nothing acts on other bodies. It depends on who
     /// watches, and makes angular momentum vanish: [`Blocks::rolling_impulse`](crate::Blocks::rolling_impulse).
     ///
     /// ```text
@@ -338,11 +338,11 @@ pub enum RollingLaw {
     /// ```
     /// Source: Zhou, Wright, Yang, Xu & Yu (1999), Physica A 269, 536-553, whose rolling coefficient is the length
     /// `μ_r R̃`. Theirs has the direction of even the slowest turning; here a spring leads up to the limit, as with
-    /// the other law, so that a ball can rest.
+    /// the other law, so that a sphere can rest.
     OwnSpin,
 }
 
-/// Constants of the contact of a ball.
+/// Constants of the contact of a sphere.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct SphereJoint {
     pub normal: SphereSpring,
@@ -363,7 +363,7 @@ pub(crate) enum SphereSpring {
     Hertz { modulus: f64, damping: f64 },
 }
 
-/// A ball's normal spring at one overlap.
+/// A sphere's normal spring at one overlap.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SpringState {
     /// Elastic; N.

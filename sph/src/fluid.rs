@@ -193,7 +193,7 @@ impl Fluid {
         &self.grid
     }
 
-    /// Number of screens.
+    /// Number of thin solids.
     pub fn n_screens(&self) -> usize {
         self.screens.len()
     }

@@ -200,7 +200,7 @@ fn rock_mass_cut_by_joints() {
     );
 }
 
-/// A ball slides on a floor: what its material makes of the floor's holds, or the joint of the two.
+/// A sphere slides on a floor: what its material makes of the floor's holds, or the joint of the two.
 #[test]
 fn a_joint_of_two_materials() {
     let folder = tempfile::tempdir().unwrap();
@@ -234,7 +234,7 @@ fn a_joint_of_two_materials() {
         let slowed = (3.0 - last_row(&out, 1.0)[5]) / 0.1;
         let expected = 9.81 * angle.to_radians().tan();
         println!("{angle} degrees: {slowed:.5} m/s2, expected {expected:.5}");
-        // The ball starts unloaded: its weight swings in.
+        // The sphere starts unloaded: its weight swings in.
         assert!((slowed / expected - 1.0).abs() < 1e-2);
     }
     for (joints, expected) in [
@@ -323,7 +323,7 @@ fn displaced_blocks_are_counted() {
     }
 }
 
-/// Balls of a lattice are blocks like others.
+/// Spheres of a lattice are blocks like others.
 #[test]
 fn grains_become_balls() {
     let folder = tempfile::tempdir().unwrap();
@@ -333,13 +333,13 @@ fn grains_become_balls() {
     let path = scene(folder.path(), FLOOR, further);
     let output = riprap(&["check", path.to_str().unwrap()]);
     let said = String::from_utf8_lossy(&output.stdout).into_owned();
-    // cells of 0.22 m: 9 x 9 a layer; 81 balls of 2600 π/6 0.2³ = 10.891 kg
+    // cells of 0.22 m: 9 x 9 a layer; 81 spheres of 2600 π/6 0.2³ = 10.891 kg
     let expected = "grains         `bead`: 81 balls of 2.000e-1 to 2.000e-1 m, 8.822e2 kg together";
     assert!(said.contains(expected), "{said}");
     let out = folder.path().join("out");
     let summary = run(&path, &out, &[]);
     assert_eq!(summary["free_blocks"], 81);
-    // case.ron holds the balls and runs alike
+    // case.ron holds the spheres and runs alike
     let again = run(&out.join("case.ron"), &folder.path().join("again"), &[]);
     assert_eq!(summary["state_hash"], again["state_hash"]);
     for (change, expected) in [

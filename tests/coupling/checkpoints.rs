@@ -46,7 +46,7 @@ type Case = (
 
 /// Every kind of state: wall particles with a block that moves; the predictor-corrector with its rates; the published
 /// scheme with its springs; a prescribed body and layers that absorb; floating bodies on integrals and on particles;
-/// screens and water in joints; an arch, deformable blocks, terrain, balls that roll.
+/// thin solids and water in joints; an arch, deformable blocks, terrain, spheres that roll.
 const CASES: &[Case] = &[
     (
         "sliding_wedge.ron",

@@ -197,7 +197,7 @@ fn c08_a_cylinder_released_in_deep_water() {
     }
 }
 
-/// C08: a ball let go in water takes half of what it displaces along, `a = g (1 − s)/(s + 1/2)`. Returns the measured
+/// C08: a sphere let go in water takes half of what it displaces along, `a = g (1 − s)/(s + 1/2)`. Returns the measured
 /// acceleration over that, in a basin of `half` its width.
 fn ball_let_go(density: f64, spacing: f64, half: f64) -> f64 {
     let (radius, t) = (0.5, 4.0 * spacing);
@@ -637,7 +637,7 @@ fn forces_by_source_explain_the_motion() {
     );
 }
 
-/// A ball of ten spacings, held under still water, feels the weight of what it displaces.
+/// A sphere of ten spacings, held under still water, feels the weight of what it displaces.
 #[test]
 fn a_ball_under_water_is_lifted_by_what_it_displaces() {
     let (spacing, radius, size, level): (f64, f64, f64, f64) = (0.1, 0.5, 1.8, 2.0);

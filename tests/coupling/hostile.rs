@@ -293,7 +293,7 @@ fn announced(case: &Path, sets: &[&str]) -> f64 {
     Estimate::of(&scene).total()
 }
 
-/// Water in a plane and in space, both kinds of walls, wedges, balls and jointed rock.
+/// Water in a plane and in space, both kinds of walls, wedges, spheres and jointed rock.
 #[test]
 fn a_run_takes_no_more_memory_than_announced() {
     let short = ["time.duration=0.002", "time.settle=0"];

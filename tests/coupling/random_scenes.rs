@@ -64,7 +64,7 @@ fn motion() -> impl Strategy<Value = String> {
     ]
 }
 
-/// The rest of the entry of a block that moves freely; balls do not deform.
+/// The rest of the entry of a block that moves freely; spheres do not deform.
 fn extras() -> impl Strategy<Value = String> {
     prop_oneof![
         4 => Just(String::new()),

@@ -1,4 +1,4 @@
-//! Falling blocks that are followed: closed forms of a thrown ball, the tables of the rockfall case, its script.
+//! Falling blocks that are followed: closed forms of a thrown sphere, the tables of the rockfall case, its script.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -55,7 +55,7 @@ fn scene(folder: &Path, material: &str, blocks: &str, further: &str) -> PathBuf 
     path
 }
 
-/// A ball thrown over a plane of 30 degrees, without friction. Over the plane it rises and falls as over a floor, with
+/// A sphere thrown over a plane of 30 degrees, without friction. Over the plane it rises and falls as over a floor, with
 /// the upward speed `w = v_z + v_x tan α`, and a bounce leaves `e w` of it:
 ///
 /// ```text
@@ -187,7 +187,7 @@ fn check_tables(out: &Path) -> (Columns, Columns) {
     (blocks, samples)
 }
 
-/// A hull and a ball with rolling friction tumble down a plane of 20 degrees, which holds both in the end (friction of
+/// A hull and a sphere with rolling friction tumble down a plane of 20 degrees, which holds both in the end (friction of
 /// 30 degrees, rolling friction of 0.6 over a slope of 0.36): from their last leap on they only lose energy.
 #[test]
 fn blocks_that_come_to_rest_lose_energy_after_their_last_leap() {

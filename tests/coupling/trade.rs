@@ -261,7 +261,7 @@ fn a_budget_takes_the_least_work_of_the_study_and_says_whether_it_was_met() {
             &format!("{:?}", case("still_tank.ron").canonicalize().unwrap()),
             "\"tank.ron\"",
         )
-        // what sets the resolution and is no number is no ladder of spacings
+        // what sets the resolution and is NaN is no ladder of spacings
         .replace(
             "knobs: [",
             "knobs: [(name: \"preset\", values: [(name: \"Standard\", set: [\"fluid.resolution=Spacing(0.05)\"])]),",

@@ -602,9 +602,9 @@ fn c04_a_triangle_in_a_plane() {
     assert!(error.abs() < 0.015, "{error}");
 }
 
-/// A wedge of 30, 60 and 90 degrees, a screen for the sake of its edge, under still water: while wall particles came in
+/// A wedge of 30, 60 and 90 degrees, a thin solid for the sake of its edge, under still water: while wall particles came in
 /// sight and went out of it as water passed an edge, that water never came to rest, at up to 0.6 m/s; and the walls beside
-/// the slice were taken for solids that the screen is inside of, where it hides nothing.
+/// the slice were taken for solids that the thin solid is inside of, where it hides nothing.
 #[test]
 fn still_water_round_sharp_edges_stays_still() {
     let plane = ["dimensions: Two".to_owned(), String::new(), String::new()];
@@ -622,7 +622,7 @@ fn still_water_round_sharp_edges_stays_still() {
     assert!(noise < 2e-3 && fastest < 0.1, "{noise} {fastest}");
 }
 
-/// Half an ellipse, a screen with one side of many faces, held under still water: while each face had wall particles of its
+/// Half an ellipse, a thin solid with one side of many faces, held under still water: while each face had wall particles of its
 /// own, water that looked through many faces at once found those of the nearest ones only, and ran down along the body.
 #[test]
 fn still_water_over_a_thin_curved_body_stays_still() {
@@ -649,7 +649,7 @@ fn still_water_over_a_thin_curved_body_stays_still() {
     assert!(noise < 0.02 && fastest < 0.4, "{noise} {fastest}");
 }
 
-/// A block that moves within its bed moves no water: a thick one, and a plate that is a screen.
+/// A block that moves within its bed moves no water: a thick one, and a plate that is a thin solid.
 #[test]
 fn what_moves_inside_the_bed_moves_no_water() {
     let plane = || ["dimensions: Two".to_owned(), String::new(), String::new()];
@@ -943,7 +943,7 @@ fn stirred(walls: &'static str, precision: &str, thickness: f64) -> Case {
 
 #[test]
 fn momentum_is_accounted_for_with_prescribed_and_free_blocks() {
-    // the plate of a spacing is a screen between walls of particles
+    // the plate of a spacing is a thin solid between walls of particles
     let walls = [
         ("Penalty", 3.0),
         ("Particles", 3.0),

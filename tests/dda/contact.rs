@@ -332,7 +332,7 @@ fn bond_in_shear() {
     }
 }
 
-/// A ball that slides at 2 m/s rolls at 10/7 m/s after 2 v/(7 μ g).
+/// A sphere that slides at 2 m/s rolls at 10/7 m/s after 2 v/(7 μ g).
 #[test]
 fn ball_starts_to_roll() {
     let material = Material {

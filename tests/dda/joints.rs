@@ -29,7 +29,7 @@ fn geologists_angles() {
     close(set(0.0, 123.0, 1.0).normal(), [0.0, 0.0, 1.0]);
     // Dips east at 90: its normal points east.
     close(set(90.0, 90.0, 1.0).normal(), [1.0, 0.0, 0.0]);
-    // Dips north at 45: a ball rolls to +y.
+    // Dips north at 45: a sphere rolls to +y.
     let half = 0.5_f64.sqrt();
     close(set(45.0, 0.0, 1.0).normal(), [0.0, half, half]);
 }

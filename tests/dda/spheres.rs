@@ -1,4 +1,4 @@
-//! Balls: contact laws, friction, rolling, conservation (G01 to G07, G09, G10).
+//! Spheres: contact laws, friction, rolling, conservation (G01 to G07, G09, G10).
 
 use crate::setup::{
     G, Random, assert_below, assert_close, ball, block, blocks, cuboid, down, floor, ledger,
@@ -10,7 +10,7 @@ use riprap_dda::{
     NormalLaw, RollingLaw, Settings, Vec3,
 };
 
-/// Balls slip and roll: stiff, with springs of equal half-periods.
+/// Spheres slip and roll: stiff, with springs of equal half-periods.
 fn glass() -> Material {
     Material {
         contact_stiffness: 1e6,
@@ -71,7 +71,7 @@ fn linear_impact() {
     }
 }
 
-/// At the usual step there are some five steps in a contact. Wherever in a step a ball or a box meets the floor, the
+/// At the usual step there are some five steps in a contact. Wherever in a step a sphere or a box meets the floor, the
 /// rebound is near what was asked.
 #[test]
 fn restitution_at_the_usual_step() {
@@ -151,7 +151,7 @@ fn hertz_impact_at_any_speed() {
     assert_close("duration", duration, 5.221_66e-3, 1e-3);
 }
 
-/// Ball of 0.5 m at rest on the floor, sunk in by its weight.
+/// Sphere of 0.5 m at rest on the floor, sunk in by its weight.
 fn resting(material: Material, gravity: Vec3, velocity: [f64; 3], spin: [f64; 3]) -> Blocks {
     let mass = material.density * 4.0 / 3.0 * std::f64::consts::PI * 0.125;
     let sunk = mass * -gravity.z / material.contact_stiffness;
@@ -191,7 +191,7 @@ fn joint(change: impl Fn(&mut JointOverride)) -> JointOverride {
     joint
 }
 
-/// A ball of material 1 on a floor of material 0, both as given, and what they make of each other.
+/// A sphere of material 1 on a floor of material 0, both as given, and what they make of each other.
 fn on_floor(
     material: Material,
     law: NormalLaw,
@@ -221,7 +221,7 @@ fn a_joint_of_two_materials_overrides_theirs() {
         contact_stiffness: 1e8,
         ..glass()
     };
-    // Sliding: dv/dt = −μ g, while the ball turns faster and faster.
+    // Sliding: dv/dt = −μ g, while the sphere turns faster and faster.
     for (joints, friction) in [
         (vec![], 0.3),
         (
@@ -290,8 +290,8 @@ fn restitution_of_a_joint_holds_for_balls_and_boxes() {
     }
 }
 
-/// One ball on three. A ball of the base turns about its foot unless the push from above goes through it, at half the
-/// angle θ = asin(1/√3) of the upper contact to the vertical: μ ≥ tan(θ/2) = 0.3178 between the balls. The floor is
+/// One sphere on three. A sphere of the base turns about its foot unless the push from above goes through it, at half the
+/// angle θ = asin(1/√3) of the upper contact to the vertical: μ ≥ tan(θ/2) = 0.3178 between the spheres. The floor is
 /// rougher, as it needs less.
 #[test]
 fn four_balls_stand_by_friction_alone() {
@@ -420,8 +420,8 @@ fn rolling_ball_stops() {
     assert_below("speed", system.velocity(1).norm(), 1e-4);
 }
 
-/// Two balls pressed together between two plates without friction, each with its own spin about y; the torques of
-/// rolling alone act, of the balls' contact only.
+/// Two spheres pressed together between two plates without friction, each with its own spin about y; the torques of
+/// rolling alone act, of the spheres' contact only.
 fn two_pressed(law: RollingLaw, spins: [f64; 2]) -> Blocks {
     let material = Material {
         friction_angle: 0.0,
@@ -546,7 +546,7 @@ fn full_stick_turns_the_tangential_speed_round() {
     let material = Material {
         friction_angle: 1.55,
         restitution: 1.0,
-        // Soft springs turn the ball about the middle of the overlap, not about its surface.
+        // Soft springs turn the sphere about the middle of the overlap, not about its surface.
         contact_stiffness: 1e10,
         ..glass()
     };
@@ -564,7 +564,7 @@ fn full_stick_turns_the_tangential_speed_round() {
     assert_close("normal", system.velocity(1).z, 1.0, 1e-3);
 }
 
-/// Three balls that collide, slide and roll on each other.
+/// Three spheres that collide, slide and roll on each other.
 fn collision(turn: &UnitQuaternion<f64>, rolling_law: RollingLaw) -> Blocks {
     let material = Material {
         restitution: 0.5,
@@ -689,7 +689,7 @@ fn stack_of_ten() {
 
 #[test]
 fn ball_rolls_over_a_seam_without_a_kick() {
-    // Two fixed boxes side by side, and a ball that rolls from one to the other.
+    // Two fixed boxes side by side, and a sphere that rolls from one to the other.
     let half =
         |from: f64, to: f64| block(cuboid([from, -2.0, -1.0], [to, 2.0, 0.0]), Motion::Fixed);
     let material = Material {
@@ -743,7 +743,7 @@ fn balls_of_many_sizes_come_to_rest() {
     let mut system = blocks(bodies, material, down());
     let start = ledger(&system.energies());
     let fall = -system.energies().potential;
-    // Long enough for the last ball on top: in one fall it rolled between two others until 6.2 s.
+    // Long enough for the last sphere on top: in one fall it rolled between two others until 6.2 s.
     run(&mut system, 7.0, 1.0, 1.0);
     let energies = system.energies();
     let lost = energies.friction + energies.damping;

@@ -137,7 +137,7 @@ fn resting(mut bodies: Vec<BlockDefinition>, restitution: f64) -> Blocks {
     Blocks::new(bodies, vec![material], settings).unwrap()
 }
 
-/// A ball that rolls to and fro on its shear spring: `ω² = 0.8 K (1/m + r²/J) = 2.8 K/m`.
+/// A sphere that rolls to and fro on its shear spring: `ω² = 0.8 K (1/m + r²/J) = 2.8 K/m`.
 #[test]
 fn limit_of_a_ball_is_that_of_its_rolling() {
     let blocks = resting(vec![ball(Vec3::z() * (0.5 - 1e-6), 0.5)], 1.0);

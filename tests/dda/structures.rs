@@ -134,7 +134,7 @@ fn thinnest_arch() {
     assert!(stands < 0.05 && falls > 0.5, "{stands} {falls}");
 }
 
-/// Energy after a thousand frictionless bounces with restitution 1, a flat cube and a ball, over that at the start.
+/// Energy after a thousand frictionless bounces with restitution 1, a flat cube and a sphere, over that at the start.
 #[test]
 fn thousand_bounces() {
     for is_ball in [false, true] {

@@ -219,7 +219,7 @@ fn density_with_the_old_velocity_lets_sound_grow() {
 ///
 /// A lattice is drawn out into threads along the lines of strain and breaks up between t = 0.2 and
 /// 0.4, which costs 10 % of the energy whatever the viscosity. So the particles are first carried
-/// about by the vortices, until the lattice is forgotten, and then start anew from where they are.
+/// about by the vortices, until the lattice is forgotten, and then start again from where they are.
 fn taylor_green(n: i32, viscosity: fn(f64) -> Viscosity, shifting: Shifting) -> [f64; 2] {
     let (nu, k, dp) = (0.01, 2.0 * PI, 1.0 / f64::from(n));
     let plane = Plane {

@@ -109,7 +109,7 @@ pub fn available() -> Option<Available> {
                 .find(|line| line.starts_with("MemAvailable:"))?;
             line.split_whitespace().nth(1)?.parse::<u64>().ok()
         });
-    // second, then first version of control groups; "max" is no number and no limit
+    // second, then first version of control groups; "max" is NaN and no limit
     let limits = [
         "/sys/fs/cgroup/memory.max",
         "/sys/fs/cgroup/memory/memory.limit_in_bytes",

@@ -130,7 +130,7 @@ fn numbers(file: &SceneFile, joint: &JointFile) -> (usize, usize) {
     (number(&joint.between.0), number(&joint.between.1))
 }
 
-/// Part and face whose normal is nearest to a direction; (0, 0) for a ball, which has none.
+/// Part and face whose normal is nearest to a direction; (0, 0) for a sphere, which has none.
 fn facing(shape: &Shape, direction: &Vec3) -> (usize, usize) {
     let mut best = (f64::NEG_INFINITY, (0, 0));
     if let Shape::Polyhedra(parts) = shape {

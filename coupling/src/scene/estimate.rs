@@ -29,9 +29,9 @@ pub const PER_BLOCK: f64 = 3000.0;
 const PER_MOVING_BLOCK: f64 = 10e3;
 /// Bytes for each corner of a polyhedron: of the scene, of the solver, of what is written.
 const PER_CORNER: f64 = 5600.0;
-/// Bytes for each ball, which is written as a fine mesh.
+/// Bytes for each sphere, which is written as a fine mesh.
 const PER_BALL: f64 = 17e3;
-/// Bytes more for each of the first so many balls.
+/// Bytes more for each of the first so many spheres.
 const FIRST_BALLS: (f64, f64) = (500.0, 36e3);
 /// Bytes for each triangle of a surface.
 const PER_TRIANGLE: f64 = 900.0;

@@ -146,7 +146,7 @@ impl SceneFile {
         files
     }
 
-    /// Names files anew: each gets what `rename` makes of its name.
+    /// Names files again: each gets what `rename` makes of its name.
     pub fn rename_files(&mut self, rename: impl Fn(&str) -> String) {
         self.visit_files(|file| *file = rename(file));
     }

@@ -122,7 +122,7 @@ pub(crate) struct Ledger {
     pub(crate) removed_energy: f64,
     /// Taken by absorbing layers; J.
     absorbed: f64,
-    /// Taken from water that was laid to rest; J.
+    /// Taken from water that was put to sleep; J.
     laid_to_rest: f64,
     /// Brought in through openings; J.
     through_openings: f64,

@@ -5,7 +5,7 @@ use crate::material::Joint;
 use crate::{Hold, Motion, Settings, Vec3};
 use nalgebra::UnitQuaternion;
 
-/// Constants of a system of blocks. Columns are one per block unless said otherwise.
+/// Constants of a system of blocks. Columns are one per block unless noted.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Constants {
     /// Free, fixed or on a prescribed path.

@@ -26,7 +26,7 @@ impl Blocks {
         let mut candidates = std::mem::take(&mut self.scratch.candidates);
         let (block_of, motion) = (&self.constants.block_of_part, &self.constants.motion);
         let (parts, margin) = (&self.derived.parts, &self.constants.margin);
-        // The boxes of balls meet at their corners long before the balls do.
+        // The boxes of spheres meet at their corners long before the spheres do.
         let may_meet = |i: usize, j: usize| match (&parts[i], &parts[j]) {
             (
                 Part::Sphere {
@@ -38,7 +38,7 @@ impl Blocks {
                     radius: s,
                 },
             ) => {
-                // Inside its fat box a ball moves by the margin along each axis.
+                // Inside its fat box a sphere moves by the margin along each axis.
                 let reach = r + s + 3.0_f64.sqrt() * (margin[i] + margin[j]);
                 (b - a).norm_squared() < reach * reach
             }
@@ -273,7 +273,7 @@ impl Blocks {
     }
 }
 
-/// A row of all columns of the pairs with a ball, while their list is made anew.
+/// A row of all columns of the pairs with a sphere, while their list is made again.
 #[derive(Clone, Debug)]
 pub(crate) struct SpherePairBefore {
     pair: SpherePair,

@@ -90,7 +90,7 @@ impl Blocks {
                     continue;
                 }
                 if is_isotropic(&inertia[b]) && kinematics.inverse_mass > 0.0 {
-                    // The inertia of a ball does not turn.
+                    // The inertia of a sphere does not turn.
                     kinematics.centroid = centroid[b];
                     kinematics.velocity = velocity[b];
                     kinematics.spin = attitude[b] * angular_momentum[b] * (1.0 / inertia[b].x);
@@ -174,7 +174,7 @@ impl Blocks {
     }
 }
 
-/// Are all moments equal, as a ball's are?
+/// Are all moments equal, as a sphere's are?
 pub(crate) fn is_isotropic(inertia: &Vec3) -> bool {
     inertia.x == inertia.y && inertia.y == inertia.z
 }

@@ -222,8 +222,8 @@ impl Blocks {
         self.state.contact_load[b]
     }
 
-    /// Corners and faces in the present place, for output; faces counter-clockwise from outside. A
-    /// ball becomes a grid of 16 × 8 facets.
+    /// Corners and faces at the current position, for output; faces counter-clockwise from outside. A
+    /// sphere becomes a grid of 16 × 8 facets.
     pub fn world_polygons(&self, b: usize) -> (Vec<Vec3>, Vec<Vec<u32>>) {
         let (mut vertices, mut faces) = (Vec::new(), Vec::new());
         for part in self.parts_of(b) {
@@ -260,7 +260,7 @@ impl Blocks {
         matches!(self.derived.parts[part], Part::Surface(_))
     }
 
-    /// Corners of a part in its present place, for output; of a ball, points all over it.
+    /// Corners of a part at its current position, for output; of a sphere, points all over it.
     pub fn part_points(&self, part: usize) -> Vec<Vec3> {
         match &self.derived.parts[part] {
             Part::Polyhedron(body) => body.vertices().to_vec(),
@@ -278,7 +278,7 @@ impl Blocks {
         self.state.boxes[part]
     }
 
-    /// Closest point of a part's surface in its present place, or `None` if it is farther outside
+    /// Closest point of a part's surface at its current position, or `None` if it is farther outside
     /// than `cutoff` (m) or its block was removed. See [`Polyhedron::surface_point_within`].
     ///
     /// [`Polyhedron::surface_point_within`]: crate::Polyhedron::surface_point_within
@@ -290,7 +290,7 @@ impl Blocks {
     }
 
     /// Ways out of a part for a point inside: the foot on the plane of each face, nearest first. The first is
-    /// [`Self::surface_point_within`]; a ball or a surface has no other, and outside there is none.
+    /// [`Self::surface_point_within`]; a sphere or a surface has no other, and outside there is none.
     pub fn ways_out(&self, part: usize, x: &Vec3) -> Vec<SurfacePoint> {
         // behind triangles what is looked for is at a distance, in a polyhedron anywhere
         let farthest = if self.is_surface(part) {
@@ -322,7 +322,7 @@ impl Blocks {
     }
 
     /// Outward normals of the faces of a part that a point is within a distance (m) of the planes of, with its height over
-    /// each (m), negative inside. Of a ball or a surface of triangles the one at the nearest point.
+    /// each (m), negative inside. Of a sphere or a surface of triangles the one at the nearest point.
     pub fn planes_within(&self, part: usize, x: &Vec3, distance: f64) -> Vec<(Vec3, f64)> {
         match &self.derived.parts[part] {
             Part::Polyhedron(body) => (0..body.n_faces())
@@ -341,7 +341,7 @@ impl Blocks {
 
     // Sums and records.
 
-    /// Contact points of the last step, sorted by parts; those of balls after the others,
+    /// Contact points of the last step, sorted by parts; those of spheres after the others,
     /// those on surfaces last, the surface second.
     pub fn contacts(&self) -> Vec<Contact> {
         let blocks = |pair: (u32, u32)| (pair.0 as usize, pair.1 as usize);
@@ -465,7 +465,7 @@ impl Blocks {
             .sum()
     }
 
-    /// Places in the list of pairs with a ball.
+    /// Places in the list of pairs with a sphere.
     pub(crate) fn touching_spheres(&self) -> impl Iterator<Item = usize> + '_ {
         let marks = self.contacts.sphere_marks.iter().enumerate();
         marks.filter(|(_, mark)| mark.is_touching).map(|(k, _)| k)
@@ -511,7 +511,7 @@ impl Blocks {
         self.state.totals.impulse_exchanged
     }
 
-    /// Angular impulse that [`RollingLaw::OwnSpin`](crate::RollingLaw::OwnSpin) gave to balls so far, which no other
+    /// Angular impulse that [`RollingLaw::OwnSpin`](crate::RollingLaw::OwnSpin) gave to spheres so far, which no other
     /// body took up: what the balance of angular momentum lacks; zero with the other law; N m s.
     pub fn rolling_impulse(&self) -> Vec3 {
         self.state.totals.rolling_impulse
@@ -596,7 +596,7 @@ impl Blocks {
     }
 }
 
-/// Corners and facets of a ball, `place` takes unit vectors to the surface.
+/// Corners and facets of a sphere, `place` takes unit vectors to the surface.
 fn push_ball(vertices: &mut Vec<Vec3>, faces: &mut Vec<Vec<u32>>, place: impl Fn(Vec3) -> Vec3) {
     const AROUND: u32 = 16;
     const ALONG: u32 = 8;

@@ -13,7 +13,7 @@ use crate::{Load, Vec3};
 use nalgebra::{Matrix3, UnitQuaternion};
 use serde::{Deserialize, Serialize};
 
-/// State of a system of blocks. Columns are one per block unless said otherwise; velocities are those of full steps.
+/// State of a system of blocks. Columns are one per block unless noted; velocities are those of full steps.
 ///
 /// Everything in it is saved in a checkpoint, in the order of the fields.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]

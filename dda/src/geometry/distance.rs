@@ -112,8 +112,8 @@ impl Polyhedron {
         is_seam.then(|| sum.normalize())
     }
 
-    /// As [`Self::surface_point_within`], for a ball around `x` (m) that touches: none where another surface
-    /// goes on from the edge or corner that is closest, so that a ball rolls over seams.
+    /// As [`Self::surface_point_within`], for a sphere around `x` (m) that touches: none where another surface
+    /// goes on from the edge or corner that is closest, so that a sphere rolls over seams.
     pub(crate) fn touch_point_within(&self, x: &Vec3, cutoff: f64) -> Option<SurfacePoint> {
         let surface = self.surface_point_within(x, cutoff)?;
         if !self.has_seams() || surface.distance <= 0.0 {

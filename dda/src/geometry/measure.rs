@@ -15,7 +15,7 @@ pub struct MassProperties {
 }
 
 impl MassProperties {
-    /// Of a ball.
+    /// Of a sphere.
     ///
     /// ```text
     /// V = 4/3 π r³        S = V r²/5 I

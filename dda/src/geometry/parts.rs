@@ -11,7 +11,7 @@ use crate::{Isometry, Polyhedron, Surface, SurfacePoint, Vec3};
 /// One convex part.
 #[derive(Clone, Debug)]
 pub(crate) enum Part {
-    /// Boxed: a ball in thousands should not take the room of a polyhedron.
+    /// Boxed: a sphere in thousands should not take the room of a polyhedron.
     Polyhedron(Box<Polyhedron>),
     Sphere {
         center: Vec3,
@@ -22,7 +22,7 @@ pub(crate) enum Part {
 }
 
 impl Part {
-    /// Becomes `reference` turned and shifted; both are of one kind. Allocates nothing.
+    /// Becomes `reference` rotated and translated; both are of one kind. Allocates nothing.
     pub fn set_transformed(&mut self, reference: &Self, placement: &Isometry) {
         match (self, reference) {
             (Self::Polyhedron(this), Self::Polyhedron(reference)) => {
@@ -40,7 +40,7 @@ impl Part {
         }
     }
 
-    /// Becomes `reference` under `x = shift + gradient X`; a ball only moves its center. Allocates
+    /// Becomes `reference` under `x = shift + gradient X`; a sphere only moves its center. Allocates
     /// nothing.
     pub fn set_deformed(&mut self, reference: &Self, gradient: &Matrix3<f64>, shift: &Vec3) {
         match (self, reference) {

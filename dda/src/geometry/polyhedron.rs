@@ -60,7 +60,7 @@ impl Polyhedron {
         moved
     }
 
-    /// Becomes `reference` turned and shifted; both have the same topology. Allocates nothing.
+    /// Becomes `reference` rotated and translated; both have the same topology. Allocates nothing.
     pub(crate) fn set_transformed(&mut self, reference: &Self, placement: &Isometry) {
         let rotation = placement.rotation.to_rotation_matrix();
         let shift = placement.translation.vector;

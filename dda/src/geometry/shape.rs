@@ -11,7 +11,7 @@ pub enum Shape {
     /// A rigid union of convex parts that adjoin but do not overlap: volume and moments are sums
     /// over the parts.
     Polyhedra(Vec<Polyhedron>),
-    /// A ball.
+    /// A sphere.
     Sphere {
         /// Center; m.
         center: Vec3,

@@ -463,7 +463,7 @@ impl Surface {
     }
 
     /// Foot on a triangle and distance of a point in front of the surface, where no neighbor comes nearer to
-    /// it: a ball on a flat mesh touches it once, in a valley twice.
+    /// it: a sphere on a flat mesh touches it once, in a valley twice.
     pub(crate) fn local_foot(&self, triangle: u32, x: &Vec3) -> Option<(Vec3, f64)> {
         let (square, foot, feature) = self.closest(triangle, x);
         let t = triangle as usize;

@@ -4,7 +4,7 @@
 //! x = x_c + F X,    F' = L F,    L = [ω]× + D                             X: place from the centroid at the start
 //! m v_c' = Σ f,     F'' S₀ = Σ f ⊗ X − V₀ P                               S₀ = ∫ ρ X Xᵀ dV          [N m]
 //! ```
-//! Twelve unknowns, exact for any rotation: nothing is linearised, so that a turning block does not
+//! Twelve unknowns, exact for any rotation: nothing is linearized, so that a turning block does not
 //! grow, and centrifugal and gyroscopic effects are those of the body. Source: Cohen & Muncaster
 //! (1988); the equations of first-order DDA (Shi 1993) follow for small increments.
 //!
@@ -125,7 +125,7 @@ impl AffineBody {
         self.rate * self.inverse_gradient()
     }
 
-    /// `S = F S₀ Fᵀ` in the present place; kg m².
+    /// `S = F S₀ Fᵀ` at the current position; kg m².
     fn present_second_moment(&self) -> Matrix3<f64> {
         self.gradient * self.second_moment * self.gradient.transpose()
     }

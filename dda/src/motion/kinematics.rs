@@ -90,7 +90,7 @@ pub(crate) fn stretch(force: &Vec3, offset_rel: &Vec3) -> Matrix3<f64> {
 /// A block at one instant, in the world frame; inverse mass and inertia are zero if forces do not
 /// move it.
 ///
-/// In the order in which it is read: balls need the first half only.
+/// In the order in which it is read: spheres need the first half only.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[repr(C)]
 pub(crate) struct Kinematics {

@@ -269,7 +269,7 @@ impl Attachments {
         Ok(())
     }
 
-    /// Forces in the present place; books work and yield since the last evaluation, unless it is the
+    /// Forces at the current position; books work and yield since the last evaluation, unless it is the
     /// first.
     pub fn evaluate(&mut self, around: &Surroundings, is_first: bool) {
         self.loads.clear();

@@ -67,7 +67,7 @@ impl Tally {
 }
 
 impl Blocks {
-    /// Contact forces in the present place, and what they lost in the last `dt` (s).
+    /// Contact forces at the current position, and what they lost in the last `dt` (s).
     pub(crate) fn evaluate_contacts(&mut self, dt: f64, ended: &mut impl FnMut(Phase)) {
         let pairs = self.evaluate_pairs(dt);
         let spheres = self.evaluate_spheres(dt);
@@ -431,7 +431,7 @@ mod tests {
     use super::*;
     use crate::{BlockDefinition, Material, Motion, Polyhedron, Settings, Shape, Vec3};
 
-    /// Balls, a cube among them, that fall on a floor.
+    /// Spheres, a cube among them, that fall on a floor.
     fn shower() -> Blocks {
         let rock = Material {
             density: 2500.0,

@@ -314,7 +314,7 @@ fn crossing_bars_overlap() {
     assert_eq!(overlaps(&solids, &[Motion::Fixed, Motion::Fixed]), []);
 }
 
-/// A million nodes among a hundred blocks, a fifth of them balls.
+/// A million nodes among a hundred blocks, a fifth of them spheres.
 #[test]
 fn a_million_nodes_among_a_hundred_blocks() {
     let mut solids = tank();

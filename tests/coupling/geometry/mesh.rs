@@ -436,7 +436,7 @@ fn cut_files_make_no_panic() {
     }
 }
 
-/// A fine ball of 19 800 triangles, written in single precision, is convex enough.
+/// A fine sphere of 19 800 triangles, written in single precision, is convex enough.
 #[test]
 fn a_fine_ball_is_convex() {
     let (n, m) = (100, 100);

@@ -1,4 +1,4 @@
-//! Blocks made in number: rock masses cut by joints, and balls in bulk.
+//! Blocks made in number: rock masses cut by joints, and spheres in bulk.
 
 use serde::{Deserialize, Serialize};
 

@@ -1,4 +1,4 @@
-//! Grains: balls in bulk, each an entry of its own among the blocks.
+//! Grains: spheres in bulk, each an entry of its own among the blocks.
 
 use std::collections::HashSet;
 
@@ -15,7 +15,7 @@ use crate::scene::file::{
 pub struct GrainsReport {
     /// Its name.
     pub name: String,
-    /// Balls made.
+    /// Spheres made.
     pub n_grains: usize,
     /// Mass of all of them; kg.
     pub mass: f64,
@@ -23,13 +23,13 @@ pub struct GrainsReport {
     pub diameters: [f64; 2],
 }
 
-/// More balls in one list are refused: what is meant as millimeters and written in meters would fill memory first.
+/// More spheres in one list are refused: what is meant as millimeters and written in meters would fill memory first.
 const MOST: usize = 1_000_000;
-/// Share of a spacing that a row may lack: a box made for ten balls takes ten.
+/// Share of a spacing that a row may lack: a box made for ten spheres takes ten.
 const ROUNDING: f64 = 1e-9;
 
 impl GrainsFile {
-    /// Spacing at which balls cannot overlap: two neighbors both as large and as near as they come; m.
+    /// Spacing at which spheres cannot overlap: two neighbors both as large and as near as they come; m.
     pub fn least_spacing(&self) -> f64 {
         self.diameter.1 * (1.0 + 2.0 * self.jitter)
     }
@@ -93,7 +93,7 @@ fn report(grains: &GrainsFile, density: f64, blocks: &[BlockFile]) -> GrainsRepo
     }
 }
 
-/// The balls, or the field that keeps them from being made and why.
+/// The spheres, or the field that keeps them from being made and why.
 fn balls_of(grains: &GrainsFile, most: usize) -> Result<Vec<BlockFile>, (&'static str, String)> {
     let wanted = grains.count.map(|count| count as usize);
     if wanted.is_some_and(|count| count > most) {
@@ -176,7 +176,7 @@ fn bounds(region: &GrainRegionFile) -> (Vec3, Vec3) {
     }
 }
 
-/// Places of the lattice from which no ball reaches out of the region, layer by layer from below; in the middle of
+/// Places of the lattice from which no sphere reaches out of the region, layer by layer from below; in the middle of
 /// the region across, and as low as may be.
 fn places(grains: &GrainsFile) -> impl Iterator<Item = Vec3> {
     let cell = grains.least_spacing();
@@ -196,7 +196,7 @@ fn places(grains: &GrainsFile) -> impl Iterator<Item = Vec3> {
         let row = cell + spacing * counts[axis].saturating_sub(1) as f64;
         first[axis] += 0.5 * (max[axis] - min[axis] - row);
     }
-    // how far across a ball that lies off its place reaches
+    // how far across a sphere that lies off its place reaches
     let reach = 0.5 * grains.diameter.1 + grains.jitter * grains.diameter.1 * 2.0_f64.sqrt();
     let region = grains.region;
     let is_inside = move |x: &Vec3| match region {

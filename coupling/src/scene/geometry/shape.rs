@@ -12,7 +12,7 @@ use crate::scene::error::Problem;
 use crate::scene::file::vec3;
 use crate::scene::file::{Axis, BlockFile, PartFile, PlacementFile, ShapeFile};
 
-/// The solid of block `index` of the file, turned and shifted into place, where the scene has no terrain.
+/// The solid of block `index` of the file, rotated and translated into place, where the scene has no terrain.
 ///
 /// # Errors
 ///

@@ -157,7 +157,7 @@ struct Sliding {
 }
 
 impl ShearSpring {
-    /// The spring in the present place of a patch of weight `weight` around `center`, after sliding.
+    /// The spring at the current position of a patch of weight `weight` around `center`, after sliding.
     ///
     /// A patch that has grown keeps its force, one that has shrunk its displacement: neither makes
     /// energy.

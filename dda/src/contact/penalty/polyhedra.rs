@@ -162,7 +162,7 @@ pub(crate) struct Medium<'a> {
     pub contact_detection: ContactDetection,
     /// m/s².
     pub gravity: Vec3,
-    /// Is Hertz's law used for balls?
+    /// Is Hertz's law used for spheres?
     pub is_hertz: bool,
     /// Of each part; m.
     pub size: &'a [f64],
@@ -257,7 +257,7 @@ impl Pair {
         }
     }
 
-    /// Finds the patch in the present place and the forces at the present velocities; books what
+    /// Finds the patch at the current position and the forces at the present velocities; books what
     /// friction and dashpots took during the last `dt` (s).
     ///
     /// Parts whose boxes are apart (`is_near` false) are not looked at, unless they are bonded.
@@ -536,7 +536,7 @@ impl Pair {
             let across = sum - along;
             let weight = match joint.scaling {
                 Scaling::Point => 1.0,
-                // No face is larger than the great circle of the smaller bounding ball.
+                // No face is larger than the great circle of the smaller bounding sphere.
                 Scaling::Area => std::f64::consts::PI * radii.0.min(radii.1).powi(2),
             };
             let (a, b) = self.bodies(medium);
@@ -616,7 +616,7 @@ impl Rates {
     }
 }
 
-/// The bonded faces in their present place.
+/// The bonded faces at their current position.
 fn glued(a: &crate::Polyhedron, b: &crate::Polyhedron, axis: &Axis) -> Axis {
     let normal = match axis.kind {
         AxisKind::FaceA(face) => a.face_normal(face as usize),

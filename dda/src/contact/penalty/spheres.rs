@@ -1,4 +1,4 @@
-//! Contact of balls, with each other and with polyhedra: one point, linear or Hertz's spring, shear
+//! Contact of spheres, with each other and with polyhedra: one point, linear or Hertz's spring, shear
 //! spring with history, rolling resistance.
 //!
 //! ```text
@@ -10,7 +10,7 @@
 //! `1/m̃` is the sum of both sides' compliances along the normal, `R̃ = r_i r_j/(r_i + r_j)`, or `r` against
 //! a polyhedron; ξ and β are those that give the restitution with a force that never pulls (Schwager &
 //! Pöschel 2007). Sources: Cundall & Strack (1979), Tsuji, Tanaka & Ishida (1992), Luding (2008); rolling:
-//! Ai, Chen, Rotter & Ooi (2011), whose spring lets a ball come to rest. What `ω_r` and `θ`, its integral, turn
+//! Ai, Chen, Rotter & Ooi (2011), whose spring lets a sphere come to rest. What `ω_r` and `θ`, its integral, turn
 //! against: see [`RollingLaw`](crate::RollingLaw).
 //!
 //! The force acts in the middle of the overlap, so that angular momentum is kept, but for
@@ -32,7 +32,7 @@ pub(crate) use rolling::Rolling;
 use serde::{Deserialize, Serialize};
 use sides::{Ball, Body, Side};
 
-/// Two parts that may touch, a ball at least one of them: what is read of a pair that stays apart, as half of
+/// Two parts that may touch, a sphere at least one of them: what is read of a pair that stays apart, as half of
 /// them do. The rest lies in columns of its own, which only those that touch bring into the caches.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub(crate) struct SpherePair {
@@ -75,7 +75,7 @@ pub(crate) struct Scales {
 }
 
 impl Scales {
-    /// Of two parts, a ball at least one of them; the lesser of what is allowed and of their sizes.
+    /// Of two parts, a sphere at least one of them; the lesser of what is allowed and of their sizes.
     pub fn of(parts: (&Part, &Part), allowed_overlap: f64, size: f64) -> Self {
         let radius = |part: &Part| match part {
             Part::Sphere { radius, .. } => *radius,
@@ -92,7 +92,7 @@ impl Scales {
 }
 
 impl SphereRow<'_> {
-    /// Finds the contact in the present place and its force at the present velocities; books what was
+    /// Finds the contact at the current position and its force at the present velocities; books what was
     /// lost during the last `dt` (s).
     pub fn evaluate(self, medium: &Medium, dt: f64, tally: &mut Tally) {
         let parts = self.pair.parts;

@@ -18,7 +18,7 @@
 //! than the allowed overlap: what is farther behind belongs to the other side of something thin. At the rim
 //! of an open surface there is nothing to fall against: bodies should not get there.
 //!
-//! A ball touches at the feet where the surface is locally nearest; feet whose normals differ by less than
+//! A sphere touches at the feet where the surface is locally nearest; feet whose normals differ by less than
 //! 5 degrees are one.
 
 use crate::contact::detection::patch::{CORNER_AREA, CORNER_SHARE, PatchPoint, Scaling};
@@ -64,7 +64,7 @@ pub(crate) struct SurfacePair {
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) enum SurfaceTouch {
     Polyhedron(Box<PolyhedronTouch>),
-    /// The places where a ball touches.
+    /// The places where a sphere touches.
     Ball(Vec<BallOnSurface>),
 }
 
@@ -151,7 +151,7 @@ impl SurfacePair {
         }
     }
 
-    /// Energy of the springs; J. A ball's law and radius (m).
+    /// Energy of the springs; J. A sphere's law and radius (m).
     pub fn energy(&self, law: &SphereJoint, radius: f64) -> f64 {
         match &self.touch {
             SurfaceTouch::Polyhedron(touch) => touch.energy(),
@@ -159,7 +159,7 @@ impl SurfacePair {
         }
     }
 
-    /// Finds what touches in the present place, and the forces at the present velocities; books what was
+    /// Finds what touches at the current position, and the forces at the present velocities; books what was
     /// lost during the last `dt` (s).
     pub fn evaluate(&mut self, medium: &Medium, dt: f64) {
         let Part::Surface(surface) = &medium.parts[self.parts.1 as usize] else {
@@ -464,7 +464,7 @@ impl SurfacePair {
             if distance >= radius {
                 continue;
             }
-            // From the ball into the surface.
+            // From the sphere into the surface.
             let normal = (point - center) / distance;
             BallOnSurface::note(feet, normal, radius - distance);
         }
@@ -534,7 +534,7 @@ impl PolyhedronTouch {
         (friction, damping)
     }
 
-    /// Contact points in the present place, sorted by the planes and vertices that they are behind.
+    /// Contact points at the current position, sorted by the planes and vertices that they are behind.
     fn find(
         &mut self,
         surface: &Surface,

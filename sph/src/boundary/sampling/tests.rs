@@ -508,8 +508,8 @@ fn turned_block_on_a_floor_is_seen_as_a_solid() {
     assert!(error < 6e-2);
 }
 
-/// Points of a ball fill its shell, and a point of its surface sees of them what it would of the solid: less than the
-/// half of a plane, as the ball curves away.
+/// Points of a sphere fill its shell, and a point of its surface sees of them what it would of the solid: less than the
+/// half of a plane, as the sphere curves away.
 #[test]
 fn a_ball_is_filled_to_the_depth_of_the_support() {
     let (radius, spacing, support): (f64, f64, f64) = (1.0, 0.1, 0.26);
@@ -520,7 +520,7 @@ fn a_ball_is_filled_to_the_depth_of_the_support() {
     let shell = ball(radius) - ball(radius - 0.3);
     assert!((volume / shell - 1.0).abs() < 1e-12);
     let kernel = PointKernel::new(KernelChoice::WendlandC2, support, Dimensions::Three);
-    // share of the support of a surface point inside the ball, by slices of spheres round the point
+    // share of the support of a surface point inside the sphere, by slices of spheres round the point
     let n = 2000;
     let exact: f64 = (0..n)
         .map(|k| {

@@ -11,7 +11,7 @@
 //! nothing: a pile of fifty hulls missed 2.4 % of the energy that it lost, most of it where two edges took
 //! over from a face. Of a larger energy than the new springs take (s = 1) the rest is lost and is booked
 //! with the dashpots, 1 % of what that pile loses. A contact that has become softer stiffens with what its
-//! own dashpots and friction take from then on, and starts anew when the bodies part. A contact that begins
+//! own dashpots and friction take from then on, and starts again when the bodies part. A contact that begins
 //! deep, without one before, still comes from nothing.
 
 use super::{Medium, Pair, PointState};

@@ -1,4 +1,4 @@
-//! Balls on a surface of triangles: a contact for each foot.
+//! Spheres on a surface of triangles: a contact for each foot.
 
 use super::{
     PairRates,
@@ -12,7 +12,7 @@ use crate::motion::kinematics::{Kinematics, Load};
 use crate::step::sums::Tally;
 use serde::{Deserialize, Serialize};
 
-/// A place where a ball touches a surface: i is the ball, j the surface.
+/// A place where a sphere touches a surface: i is the sphere, j the surface.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct BallOnSurface {
     pub contact: SphereContact,
@@ -20,7 +20,7 @@ pub(crate) struct BallOnSurface {
     pub rates: PairRates,
     pub rolling: Rolling,
     is_touching: bool,
-    /// From the ball into the surface, and the overlap (m), as just found.
+    /// From the sphere into the surface, and the overlap (m), as just found.
     found: Option<(Vec3, f64)>,
 }
 
@@ -73,14 +73,14 @@ impl BallOnSurface {
         self.found.is_some()
     }
 
-    /// Energy of the springs of a ball of a radius (m); J.
+    /// Energy of the springs of a sphere of a radius (m); J.
     pub fn energy(&self, law: &SphereJoint, radius: f64) -> f64 {
         law.energy(self.contact.overlap, radius)
             + self.contact.shear_energy()
             + self.rolling.energy()
     }
 
-    /// Forces in the present place; books what the last `dt` (s) took.
+    /// Forces at the current position; books what the last `dt` (s) took.
     pub fn evaluate(
         &mut self,
         (ball, surface): (&Kinematics, &Kinematics),
@@ -123,7 +123,7 @@ impl BallOnSurface {
         self.is_touching = true;
     }
 
-    /// Force and torque on the ball and on the surface, about their centroids.
+    /// Force and torque on the sphere and on the surface, about their centroids.
     pub fn forces(&self, ball: &Kinematics, surface: &Kinematics) -> (Load, Load) {
         let SphereLoads { force, point } = self.loads;
         let torque = |body: &Kinematics, force: &Vec3| (point - body.centroid).cross(force);

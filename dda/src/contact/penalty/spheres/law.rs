@@ -22,7 +22,7 @@ pub(crate) struct SphereContact {
     pub normal_viscous: f64,
     /// `k_t`; N/m.
     pub shear_stiffness: f64,
-    /// `1/m̃` (1/kg), normal and shear dashpot (N s/m) of the last evaluation: the same again for two balls.
+    /// `1/m̃` (1/kg), normal and shear dashpot (N s/m) of the last evaluation: the same again for two spheres.
     mobility: f64,
     viscosity: f64,
     dashpot: f64,
@@ -87,7 +87,7 @@ pub(super) struct Touch {
 }
 
 impl Touch {
-    /// Of balls of center and radius.
+    /// Of spheres of center and radius.
     pub fn of_balls((a, r): (&Vec3, f64), (b, s): (&Vec3, f64)) -> Option<Self> {
         let offset = b - a;
         let square = offset.norm_squared();

@@ -81,7 +81,7 @@ impl Rolling {
                 (angle, torque)
             }
         };
-        // Mean over the axes: exact for balls.
+        // Mean over the axes: exact for spheres.
         let mobilities = (sides.0.turning_trace() / 3.0, sides.1.turning_trace() / 3.0);
         match law.rolling_law {
             RollingLaw::Relative => {

@@ -1,16 +1,16 @@
-//! The two sides of a contact: a ball, or any other body.
+//! The two sides of a contact: a sphere, or any other body.
 
 use crate::Vec3;
 use crate::motion::kinematics::Kinematics;
 
-/// One side of a contact. A ball answers without its inertia tensor.
+/// One side of a contact. A sphere answers without its inertia tensor.
 pub(super) trait Side {
     fn kinematics(&self) -> &Kinematics;
     /// m/s.
     fn velocity_at(&self, x: &Vec3) -> Vec3;
     /// See [`Kinematics::compliance`]; 1/kg.
     fn compliance(&self, x: &Vec3, n: &Vec3) -> f64;
-    /// See [`Kinematics::compliance_trace`], of a ball what no overlap exceeds; 1/kg.
+    /// See [`Kinematics::compliance_trace`], of a sphere what no overlap exceeds; 1/kg.
     fn compliance_trace(&self, x: &Vec3) -> f64;
     /// `tr J⁻¹`; 1/(kg m²).
     fn turning_trace(&self) -> f64;
@@ -37,7 +37,7 @@ pub(super) trait Side {
     }
 }
 
-/// A ball and its radius (m).
+/// A sphere and its radius (m).
 pub(super) struct Ball<'a>(pub &'a Kinematics, pub f64);
 
 impl Side for Ball<'_> {
@@ -54,7 +54,7 @@ impl Side for Ball<'_> {
     }
 
     /// The arm is the radius less half the overlap. With the radius itself the bound stays the same for as long
-    /// as two balls touch, and need not be summed again in every step.
+    /// as two spheres touch, and need not be summed again in every step.
     fn compliance_trace(&self, _: &Vec3) -> f64 {
         3.0 * self.0.inverse_mass + 2.0 * self.0.inverse_inertia.m11 * (self.1 * self.1)
     }
