@@ -1,4 +1,4 @@
-//! The state of all blocks, struct of arrays; `build` is how it is made, `query` what can be asked of it.
+//! The state of all blocks, struct of arrays; `build` constructs it, `query` reads it.
 
 mod build;
 mod checkpoint;
@@ -72,7 +72,7 @@ impl Blocks {
         self.constants.holds.get(block).and_then(Option::as_ref)
     }
 
-    /// Holds a free, rigid block in some directions, or its turning, from now on.
+    /// Holds a free, rigid block in some directions, or its rotation, from now on.
     ///
     /// # Errors
     ///

@@ -76,8 +76,8 @@ columns!(A, B, C; A);
 columns!(A, B, C, D; A);
 columns!(A, B, C, D, E; A);
 
-/// Runs `f` where the loops of this module find their threads, if there is enough to do: to enter the pool
-/// again for every loop would cost more than most loops.
+/// Runs `f` inside the thread pool used by the loops of this module, if there is enough work: entering the pool
+/// for every loop would cost more than most loops.
 pub(crate) fn in_pool<S: Send>(is_worthwhile: bool, f: impl FnOnce() -> S + Send) -> S {
     if is_worthwhile && rayon::current_thread_index().is_none() {
         rayon::scope(|_| f())

@@ -142,7 +142,7 @@ pub enum StepError {
         /// Time of the sub-step; s.
         time: f64,
     },
-    /// A deformable block is strained beyond what its stress law can follow.
+    /// A deformable block is strained beyond the range of its stress law.
     #[error(
         "block {block} is compressed to a strain of {strain:.3} at t = {time:.6} s (limit {limit}); raise its Young's modulus \
          or lower the loads"

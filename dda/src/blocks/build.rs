@@ -18,7 +18,7 @@ use nalgebra::{Matrix3, Rotation3, SymmetricEigen, UnitQuaternion};
 /// Overlap allowed, × thickness: two plates of equal thickness have passed each other's middle, and
 /// would be pushed out on the wrong side, at 1.
 const THICKNESS_SHARE: f64 = 0.5;
-/// Margin of the fat boxes, × thickness at most: half of it is the way that a block may go in a step.
+/// Largest margin of the fat boxes, × thickness: half of it is the largest displacement of a block in a step.
 const SKIN_OF_THICKNESS: f64 = 0.25;
 /// A block is a needle from this `m R² |J⁻¹|` on, which is 8 of a cube and `3/2 a²` of a box a : 1 : 1; –.
 const NEEDLE: f64 = 1e3;
@@ -134,7 +134,7 @@ impl Blocks {
             )?),
         };
         let (moments, principal) = if is_surface {
-            // it has no mass and never moves: any moments but zero say that its spin is zero, not 0/0
+            // it has no mass and never moves: nonzero moments give zero spin instead of 0/0
             (Vec3::repeat(1.0), UnitQuaternion::identity())
         } else {
             principal_axes(&properties, rock.density)
@@ -262,8 +262,8 @@ impl Blocks {
             .push(self.constants.reference.len() as u32);
     }
 
-    /// The radius `R`; of a needle the lever with the turning compliance of its worst corner. A force across a needle's axis
-    /// turns it about the axis by half a thickness at most, never by half its length.
+    /// The radius `R`; for a needle the lever with the rotational compliance of its worst corner. A force across a needle's axis
+    /// acts about the axis with a lever of at most half a thickness, never half its length.
     ///
     /// ```text
     /// R² |J⁻¹| = max_r Σ_k (r² − r_k²)/J_k                                                   [1/kg]
@@ -384,8 +384,8 @@ fn make_deformable(
     })
 }
 
-/// Least size and thickness of the parts of a body that are no slivers of it; m. A sliver that a body has for its shape moves with the
-/// others and is held back by them: alone it would ask for steps and overlaps as small as itself.
+/// Smallest size and thickness of the parts of a body except its slivers; m. A sliver that is part of a body moves with the
+/// others and is restrained by them: alone it would require steps and overlaps as small as itself.
 fn least_of_the_large(parts: &[Part]) -> (f64, f64) {
     let volume = |part: &Part| part.size().powi(3);
     let whole: f64 = parts.iter().map(volume).sum();
@@ -397,7 +397,7 @@ fn least_of_the_large(parts: &[Part]) -> (f64, f64) {
     (least(Part::size), least(Part::thickness))
 }
 
-/// Moments of inertia and the turn that takes principal axes to the given placement.
+/// Moments of inertia and the rotation from principal axes to the given placement.
 fn principal_axes(properties: &MassProperties, density: f64) -> (Vec3, UnitQuaternion<f64>) {
     let inertia = properties.inertia() * density;
     let largest = inertia.abs().max();

@@ -10,7 +10,7 @@ impl Blocks {
     ///
     /// # Errors
     ///
-    /// None that is known: the format takes whatever blocks are made of.
+    /// None is expected: the format accepts any blocks.
     pub fn save(&self, out: Vec<u8>) -> Result<Vec<u8>, Error> {
         // no `..`: a new group cannot be forgotten
         let Self {
@@ -28,7 +28,7 @@ impl Blocks {
     ///
     /// # Errors
     ///
-    /// The bytes end early, mean nothing, or are of other blocks. The blocks are then in no state to go on.
+    /// The bytes end early, are invalid, or belong to other blocks. The blocks can then not be continued.
     pub fn read<'a>(&mut self, bytes: &'a [u8]) -> Result<&'a [u8], Error> {
         let columns = self.lengths();
         let rest;
@@ -41,9 +41,9 @@ impl Blocks {
         Ok(rest)
     }
 
-    /// Makes again what follows from the state.
+    /// Rebuilds the data derived from the state.
     fn derive_from_state(&mut self) {
-        // places follow from the state, as they did in the step; boxes and velocities may be older than they
+        // positions follow from the state, as in the step; boxes and velocities may be older
         let (kinematics, boxes) = (self.state.kinematics.clone(), self.state.boxes.clone());
         self.sort_by_update();
         self.mark_movable_parts();

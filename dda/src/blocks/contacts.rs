@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 pub(crate) struct Contacts {
     /// Pairs of polyhedra.
     pub pairs: Vec<Pair>,
-    /// Pairs with at least one sphere, of which the other is no surface.
+    /// Pairs with at least one sphere, without surfaces.
     pub sphere_pairs: Vec<SpherePair>,
     /// Whether they touch; one per sphere pair, as the columns that follow.
     pub sphere_marks: Vec<SphereMark>,

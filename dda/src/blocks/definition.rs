@@ -5,7 +5,7 @@ use crate::{
     StaticDamping, Vec3,
 };
 
-/// A block as it is given.
+/// Definition of a block.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BlockDefinition {
     /// Geometry in its world placement at t = 0.
@@ -42,7 +42,7 @@ pub struct Settings {
     pub rolling_law: RollingLaw,
     /// Detection of common planes. Default: verified.
     pub contact_detection: ContactDetection,
-    /// Damping for a search for a state of rest. Default none: not for blocks that move.
+    /// Damping in the search for a static equilibrium. Default: off, for dynamic runs.
     pub static_damping: Option<StaticDamping>,
     /// Criteria of sleep of blocks at rest. Default: off.
     pub resting: Option<Resting>,

@@ -5,7 +5,7 @@
 pub(crate) struct Links {
     /// n_blocks + 1.
     start: Vec<u32>,
-    /// Twice the pair's place in the list, one more where the block is the second.
+    /// Twice the pair's index in the list, plus one if the block is the second.
     entries: Vec<u32>,
 }
 
@@ -36,7 +36,7 @@ impl Links {
         self.start[0] = 0;
     }
 
-    /// Place in the list, and whether the block is the second of the pair.
+    /// Index in the list, and whether the block is the second of the pair.
     pub fn of(&self, block: usize) -> impl Iterator<Item = (usize, bool)> + '_ {
         let row = self.start[block] as usize..self.start[block + 1] as usize;
         self.entries[row]

@@ -1,4 +1,4 @@
-//! The lists of pairs of parts that may touch, with what they remember.
+//! The lists of pairs of parts that may touch, with their history.
 
 use super::NOWHERE;
 use crate::contact::detection::broad_phase;
@@ -26,7 +26,7 @@ impl Blocks {
         let mut candidates = std::mem::take(&mut self.scratch.candidates);
         let (block_of, motion) = (&self.constants.block_of_part, &self.constants.motion);
         let (parts, margin) = (&self.derived.parts, &self.constants.margin);
-        // The boxes of spheres meet at their corners long before the spheres do.
+        // The boxes of spheres overlap at their corners long before the spheres touch.
         let may_meet = |i: usize, j: usize| match (&parts[i], &parts[j]) {
             (
                 Part::Sphere {
@@ -273,7 +273,7 @@ impl Blocks {
     }
 }
 
-/// A row of all columns of the pairs with a sphere, while their list is made again.
+/// A row of all columns of the pairs with a sphere, while their list is rebuilt.
 #[derive(Clone, Debug)]
 pub(crate) struct SpherePairBefore {
     pair: SpherePair,

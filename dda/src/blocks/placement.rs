@@ -90,7 +90,7 @@ impl Blocks {
                     continue;
                 }
                 if is_isotropic(&inertia[b]) && kinematics.inverse_mass > 0.0 {
-                    // The inertia of a sphere does not turn.
+                    // The inertia of a sphere does not rotate.
                     kinematics.centroid = centroid[b];
                     kinematics.velocity = velocity[b];
                     kinematics.spin = attitude[b] * angular_momentum[b] * (1.0 / inertia[b].x);
@@ -146,7 +146,7 @@ impl Blocks {
         };
     }
 
-    /// Kinematics of a deformable block; its attitude and angular momentum follow for those who ask.
+    /// Kinematics of a deformable block; its orientation and angular momentum are derived for queries.
     fn set_deformable_kinematics(&mut self, block: usize, k: usize) {
         let is_free = self.is_free(block);
         let deformable = &self.state.deformables[k];
@@ -174,7 +174,7 @@ impl Blocks {
     }
 }
 
-/// Are all moments equal, as a sphere's are?
+/// Whether all moments are equal, as for a sphere.
 pub(crate) fn is_isotropic(inertia: &Vec3) -> bool {
     inertia.x == inertia.y && inertia.y == inertia.z
 }

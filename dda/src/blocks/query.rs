@@ -84,7 +84,7 @@ impl Blocks {
         self.state.centroid[b]
     }
 
-    /// Turn since the initial placement.
+    /// Rotation since the initial placement.
     pub fn orientation(&self, b: usize) -> UnitQuaternion<f64> {
         self.state.attitude[b] * self.constants.principal[b].inverse()
     }
@@ -94,8 +94,8 @@ impl Blocks {
         self.placement_gradient(b)
     }
 
-    /// Projections of the velocity of the centroid and of the turning of a free block on what its hold lets it
-    /// do; identities without one.
+    /// Projections of the velocity of the centroid and of the rotation of a free block on the free directions of its
+    /// hold; identities without one.
     pub fn freedom(&self, b: usize) -> [Matrix3<f64>; 2] {
         let free = Matrix3::identity();
         self.hold_of(b).map_or([free; 2], Hold::freedom)
@@ -133,12 +133,12 @@ impl Blocks {
         self.constants.deformable_of[b].is_some()
     }
 
-    /// Mean Cauchy stress in a deformable block, tension positive; none for a rigid one; Pa.
+    /// Mean Cauchy stress in a deformable block, tension positive; `None` for a rigid one; Pa.
     pub fn stress(&self, b: usize) -> Option<Voigt> {
         self.constants.deformable_of[b].map(|k| voigt(&self.state.deformables[k as usize].stress()))
     }
 
-    /// Green's strain of a deformable block, in the axes of the start; none for a rigid one; –.
+    /// Green's strain of a deformable block, in the initial axes; `None` for a rigid one; –.
     pub fn strain(&self, b: usize) -> Option<Voigt> {
         self.constants.deformable_of[b].map(|k| voigt(&self.state.deformables[k as usize].strain()))
     }
@@ -158,7 +158,7 @@ impl Blocks {
         self.state.attachments.bolts()
     }
 
-    /// Kinetic energy of a free block, without what mass scaling adds; J.
+    /// Kinetic energy of a free block, without mass scaling; J.
     pub fn kinetic_energy(&self, b: usize) -> f64 {
         let p = self.state.angular_momentum[b];
         0.5 * self.constants.mass[b] * self.state.velocity[b].norm_squared()
@@ -255,7 +255,7 @@ impl Blocks {
 
     // One part.
 
-    /// Whether a part is a surface of triangles, which knows what is behind it only as deep as it is asked.
+    /// Whether a part is a surface of triangles, whose interior is defined to a given depth only.
     pub fn is_surface(&self, part: usize) -> bool {
         matches!(self.derived.parts[part], Part::Surface(_))
     }
@@ -289,10 +289,10 @@ impl Blocks {
         self.derived.parts[part].surface_point_within(x, cutoff)
     }
 
-    /// Ways out of a part for a point inside: the foot on the plane of each face, nearest first. The first is
-    /// [`Self::surface_point_within`]; a sphere or a surface has no other, and outside there is none.
+    /// Exits from a part for a point inside: the foot on the plane of each face, nearest first. The first is
+    /// [`Self::surface_point_within`]; a sphere or a surface has no other, and a point outside has none.
     pub fn ways_out(&self, part: usize, x: &Vec3) -> Vec<SurfacePoint> {
-        // behind triangles what is looked for is at a distance, in a polyhedron anywhere
+        // behind triangles the search is limited in distance, in a polyhedron it is not
         let farthest = if self.is_surface(part) {
             f64::INFINITY
         } else {
@@ -321,8 +321,8 @@ impl Blocks {
         ways
     }
 
-    /// Outward normals of the faces of a part that a point is within a distance (m) of the planes of, with its height over
-    /// each (m), negative inside. Of a sphere or a surface of triangles the one at the nearest point.
+    /// Outward normals of the faces of a part whose planes are within a distance (m) of a point, with its height above
+    /// each (m), negative inside. For a sphere or a surface of triangles the one at the nearest point.
     pub fn planes_within(&self, part: usize, x: &Vec3, distance: f64) -> Vec<(Vec3, f64)> {
         match &self.derived.parts[part] {
             Part::Polyhedron(body) => (0..body.n_faces())
@@ -465,7 +465,7 @@ impl Blocks {
             .sum()
     }
 
-    /// Places in the list of pairs with a sphere.
+    /// Indices in the list of pairs with a sphere.
     pub(crate) fn touching_spheres(&self) -> impl Iterator<Item = usize> + '_ {
         let marks = self.contacts.sphere_marks.iter().enumerate();
         marks.filter(|(_, mark)| mark.is_touching).map(|(k, _)| k)
@@ -505,14 +505,14 @@ impl Blocks {
         self.state.totals.support_impulse
     }
 
-    /// Sum of the sizes of the impulses of gravity and of the supports, what a residual of momentum
-    /// is measured by; N s.
+    /// Sum of the magnitudes of the impulses of gravity and of the supports, the scale of a momentum
+    /// residual; N s.
     pub fn impulse_exchanged(&self) -> f64 {
         self.state.totals.impulse_exchanged
     }
 
-    /// Angular impulse that [`RollingLaw::OwnSpin`](crate::RollingLaw::OwnSpin) gave to spheres so far, which no other
-    /// body took up: what the balance of angular momentum lacks; zero with the other law; N m s.
+    /// Angular impulse by [`RollingLaw::OwnSpin`](crate::RollingLaw::OwnSpin) on spheres so far, without reaction on another
+    /// body: the defect of the angular momentum balance; zero with the other law; N m s.
     pub fn rolling_impulse(&self) -> Vec3 {
         self.state.totals.rolling_impulse
     }
@@ -522,8 +522,8 @@ impl Blocks {
         &self.constants.settings
     }
 
-    /// Visits every number of the state in a fixed order: what a restart needs, and what a hash of
-    /// the state covers.
+    /// Visits every number of the state in a fixed order: the content of a restart and of the state
+    /// hash.
     pub fn for_each_state_f64(&self, f: &mut dyn FnMut(f64)) {
         for b in 0..self.n_blocks() {
             self.state.centroid[b].iter().for_each(|&c| f(c));

@@ -4,8 +4,8 @@ use super::Blocks;
 use crate::material::Joint;
 
 impl Blocks {
-    /// Takes shares of the friction (its tangent) and of the cohesion that two materials had when the blocks were made, residual values
-    /// with them. Bonds break at what is left; slips go on against what is left. Materials are numbers in their list, in either order.
+    /// Reduces the friction (its tangent) and the cohesion of two materials to fractions of their initial values, including residual
+    /// values. Bonds break and joints slip at the remaining strength. Materials are numbers in their list, in either order.
     ///
     /// ```text
     /// |τ| ≤ s_c c + s_φ tan φ σ                                          [Pa]

@@ -10,7 +10,7 @@ pub(crate) enum Update {
     Fixed,
     /// Rigid motion under forces, without holds.
     Rigid,
-    /// Rigid, and asleep: it keeps its place.
+    /// Rigid, and asleep: it keeps its position.
     Asleep,
     /// Deformable, held in some directions, or damped in proportion to its load.
     Constrained,

@@ -26,7 +26,7 @@ impl BlockQuality {
         Self::of_union(std::slice::from_ref(body))
     }
 
-    /// Of a block of convex parts, at least one. Lengths and thicknesses are those of the whole: corners
+    /// Quality of a block of convex parts, at least one. Lengths and thicknesses are those of the union: corners
     /// of all parts, along the normals of their faces. Edges and angles are those of the parts.
     pub fn of_union(parts: &[Polyhedron]) -> Self {
         let corners: Vec<&Vec3> = parts.iter().flat_map(Polyhedron::vertices).collect();

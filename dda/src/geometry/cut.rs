@@ -36,8 +36,8 @@ const ON_PLANE: f64 = 1e-9;
 const ROUNDING: f64 = 8.0 * f64::EPSILON;
 
 impl Polyhedron {
-    /// The parts below and above a plane, or `None` if the plane misses the body or only touches it: has
-    /// all corners on one side, but for 1e-9 L, L the cube root of the volume, and for the rounding of
+    /// The parts below and above a plane, or `None` if the plane misses the body or only touches it: all
+    /// corners on one side, within 1e-9 L, L the cube root of the volume, and the rounding of
     /// coordinates.
     ///
     /// Both parts have the corners of the cut in common, bit for bit, and cut its face into the same
@@ -122,7 +122,7 @@ impl Polyhedron {
                     corners.push(crossing[e as usize]);
                 }
             }
-            // A face that only touches the plane is none of this part's.
+            // A face that only touches the plane does not belong to this part.
             if is_inside {
                 faces.push(corners);
             }

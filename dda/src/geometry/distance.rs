@@ -1,7 +1,7 @@
 //! Exact distance from a point to the surface of a convex polyhedron.
 //!
-//! This is the hot query of whoever couples a fluid to the blocks: no allocation, and a point
-//! beyond the cutoff is turned away by the first face plane that sees it far outside.
+//! This is the critical query of the coupling with a fluid: no allocation, and a point
+//! beyond the cutoff is rejected by the first face plane with a larger distance.
 
 use crate::{Polyhedron, Vec3};
 
@@ -25,11 +25,11 @@ const ROUND_OFF: f64 = 1e-9;
 
 impl Polyhedron {
     /// Closest point of the surface, exact also over edges and corners, or `None` if the point is
-    /// farther outside than `cutoff` (m). A point inside is never turned away.
+    /// farther outside than `cutoff` (m). A point inside is never rejected.
     ///
     /// Inside, the closest point of a convex body lies on the face whose plane is nearest. Outside,
-    /// the plane distances bound the distance from below; a foot that lies within its face is the
-    /// answer, otherwise it is the closest of the edge points of the faces that see the point.
+    /// the plane distances bound the distance from below; a foot within its face is the
+    /// result, otherwise the closest of the edge points of the faces visible from the point.
     pub fn surface_point_within(&self, x: &Vec3, cutoff: f64) -> Option<SurfacePoint> {
         let mut nearest = 0;
         let mut highest = f64::NEG_INFINITY;
@@ -96,8 +96,8 @@ impl Polyhedron {
         })
     }
 
-    /// Mean normal of the faces that meet in an edge or a corner at `x`, all of whose planes it is nearer to than `slack`
-    /// (m) or behind; none on one face alone.
+    /// Mean normal of the faces that meet in an edge or a corner at `x`, which is closer than `slack` (m) to all of their planes
+    /// or behind them; `None` on a single face.
     fn normal_at_seam(&self, x: &Vec3, slack: f64) -> Option<Vec3> {
         let mut sum = Vec3::zeros();
         let mut first = None;
@@ -129,7 +129,7 @@ impl Polyhedron {
             is_on.then_some(share)
         };
         for face in 0..self.n_faces() {
-            // Flat on a face there is no edge to ask.
+            // Within a face there is no edge.
             if self.face_normal(face) == surface.normal {
                 return Some(surface);
             }

@@ -1,4 +1,4 @@
-//! Convex parts of blocks, as the contact search sees them.
+//! Convex parts of blocks, for the contact search.
 
 use std::sync::Arc;
 
@@ -11,7 +11,7 @@ use crate::{Isometry, Polyhedron, Surface, SurfacePoint, Vec3};
 /// One convex part.
 #[derive(Clone, Debug)]
 pub(crate) enum Part {
-    /// Boxed: a sphere in thousands should not take the room of a polyhedron.
+    /// Boxed: one sphere of thousands should not take the memory of a polyhedron.
     Polyhedron(Box<Polyhedron>),
     Sphere {
         center: Vec3,

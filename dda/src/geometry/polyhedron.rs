@@ -245,14 +245,14 @@ impl Polyhedron {
         }
     }
 
-    /// Takes over what is known of the neighbors of the same body in another turn.
+    /// Copies the neighbor data of the same body in another orientation.
     pub(crate) fn copy_neighbors(&mut self, other: &Self, turn: &UnitQuaternion<f64>) {
         self.is_hidden.clone_from(&other.is_hidden);
         self.beyond_start.clone_from(&other.beyond_start);
         self.beyond = other.beyond.iter().map(|offset| turn * offset).collect();
     }
 
-    /// Do other surfaces go on from any of its corners?
+    /// Whether other surfaces continue from any of its corners.
     pub(crate) fn has_seams(&self) -> bool {
         !self.beyond.is_empty()
     }

@@ -16,10 +16,10 @@ type Divide = (Vec3, f64);
 
 /// Triangles that meet edge to edge, open or closed. Bodies are kept on the side of the normals.
 ///
-/// The space behind the surface is shared out among the triangles by the planes that halve the angles at
+/// The space behind the surface is divided among the triangles by the planes that bisect the angles at
 /// their edges: a point belongs to the triangle whose plane is nearest there, and its depth is continuous
-/// from one to the next. The plane at a sharp ridge bounds what belongs to the triangles next to it, and to those beyond these that
-/// go on almost in their plane: behind a sliver along a ridge the other side soon is nearer than what comes after the sliver.
+/// from one to the next. The plane at a sharp ridge bounds the region of the triangles next to it, and of those beyond that
+/// continue almost in their plane: behind a sliver along a ridge the other side is soon nearer than the region after the sliver.
 #[derive(Clone, Debug)]
 pub struct Surface {
     vertices: Vec<Vec3>,
@@ -99,11 +99,11 @@ pub enum SurfaceError {
 
 /// No triangle.
 const NONE: u32 = u32::MAX;
-/// Neighbors that turn by less than this against the first of their plane are of one plane; rad.
+/// Largest angle between coplanar neighbors and the first triangle of their plane; rad.
 const FLAT: f64 = 1e-7;
 /// Cosine of the least angle between the sides of a sharp ridge.
 const RIDGE: f64 = 0.9;
-/// Cosine of the largest angle between triangles that go on almost in one plane.
+/// Cosine of the largest angle between triangles considered almost coplanar.
 const GOES_ON: f64 = 0.99;
 /// A triangle lower than this over its longest side has no area; –.
 const SLIVER: f64 = 1e-9;
@@ -185,7 +185,7 @@ impl Surface {
                 [0, 1, 2].map(|k| {
                     let other = neighbor[t][k];
                     let (from, to) = (triangles[t][k], triangles[t][(k + 1) % 3]);
-                    // The lower triangle's plane, turned round for the higher: they share it to the bit.
+                    // The lower triangle's plane, reversed for the higher: both share it to the bit.
                     let (from, to, sign) = if (other as usize) < t {
                         (to, from, -1.0)
                     } else {
@@ -344,7 +344,7 @@ impl Surface {
         (depth > 0.0).then_some(Behind { depth, leans_on })
     }
 
-    /// The planes that bound what belongs to a triangle.
+    /// The planes that bound the region of a triangle.
     pub(crate) fn divides(&self, triangle: u32) -> impl Iterator<Item = &Divide> {
         let t = triangle as usize;
         let (from, to) = (self.ridges_start[t], self.ridges_start[t + 1]);
@@ -431,7 +431,7 @@ impl Surface {
         }
     }
 
-    /// Squared distance, foot, and what it lies on. Source: Ericson, Real-Time Collision Detection (2004), 5.1.5.
+    /// Squared distance, foot, and its feature. Source: Ericson, Real-Time Collision Detection (2004), 5.1.5.
     fn closest(&self, triangle: u32, x: &Vec3) -> (f64, Vec3, Feature) {
         let corners = self.triangles[triangle as usize].map(|v| self.vertices[v as usize]);
         let n = &self.normal[triangle as usize];
@@ -475,7 +475,7 @@ impl Surface {
                 other => {
                     let (a, b) = (self.triangles[t][k], self.triangles[t][(k + 1) % 3]);
                     let along = self.vertices[b as usize] - self.vertices[a as usize];
-                    // Into the neighbor, in its plane; its side runs the other way.
+                    // Into the neighbor, in its plane; its side has the opposite direction.
                     let inward = self.normal[other as usize].cross(&-along);
                     let outward = self.normal[t] + self.normal[other as usize];
                     away.dot(&outward) > 0.0 && away.dot(&inward) <= 0.0
@@ -498,7 +498,7 @@ impl Surface {
 pub(crate) struct Behind {
     /// Distance; m.
     pub depth: f64,
-    /// Number of the plane or vertex, unit normal out of the surface, and the share of the way out along it
+    /// Number of the plane or vertex, unit normal out of the surface, and the part of the exit path along it
     /// (m): one plane, or the two of a valley.
     pub leans_on: [(u32, Vec3, f64); 2],
 }
@@ -519,8 +519,8 @@ fn aabb(bounds: &Bounds) -> Aabb {
     Aabb::new(vector(&bounds.0), vector(&bounds.1))
 }
 
-/// Planes at sharp ridges of the triangles beside a triangle, or beside these, that go on almost in its plane, where it lies wholly on
-/// the inner side: where each triangle's begin, and all. What shares a vertex is beside.
+/// Planes at sharp ridges of the triangles beside a triangle, or beside these, that are almost coplanar with it, if it lies entirely
+/// on the inner side: start of those of each triangle, and all. Triangles that share a vertex are beside each other.
 fn ridges_beside(
     (vertices, triangles, normal): (&[Vec3], &[[u32; 3]], &[Vec3]),
     (neighbor, divide): (&[[u32; 3]], &[[Divide; 3]]),

@@ -1,11 +1,11 @@
-//! Blocks that deform: the velocity of their points is linear in place.
+//! Deformable blocks: the velocity of their points is linear in position.
 //!
 //! ```text
 //! x = x_c + F X,    F' = L F,    L = [ω]× + D                             X: place from the centroid at the start
 //! m v_c' = Σ f,     F'' S₀ = Σ f ⊗ X − V₀ P                               S₀ = ∫ ρ X Xᵀ dV          [N m]
 //! ```
-//! Twelve unknowns, exact for any rotation: nothing is linearized, so that a turning block does not
-//! grow, and centrifugal and gyroscopic effects are those of the body. Source: Cohen & Muncaster
+//! Twelve unknowns, exact for any rotation: nothing is linearized, so that a rotating block does not
+//! grow, and centrifugal and gyroscopic effects are exact. Source: Cohen & Muncaster
 //! (1988); the equations of first-order DDA (Shi 1993) follow for small increments.
 //!
 //! Two models share this motion and differ in how strain and stress are followed:
@@ -14,9 +14,9 @@
 //! - [`Dda12`](DeformableModel::Dda12): increments `D` of the classical unknowns, stress summed up
 //!   from step to step, with the three corrections that the classical scheme needs (below).
 //!
-//! Contacts and coupling ask three things of any block, rigid or not: the velocity of a point, the
-//! compliance at a point, and to take a force at a point (see `kinematics`). What happens inside
-//! is a `InternalMotion`, one implementation per model, the rigid one included.
+//! Contacts and coupling need three functions of any block, rigid or not: the velocity of a point, the
+//! compliance at a point, and the application of a force at a point (see `kinematics`). The internal dynamics
+//! is an `InternalMotion`, one implementation per model, including the rigid one.
 
 mod affine;
 mod classical;
@@ -62,8 +62,8 @@ pub struct Deformability {
     pub model: DeformableModel,
     /// Cauchy stress at t = 0, tension positive; Pa.
     pub initial_stress: Voigt,
-    /// Factor on the inertia of the strain modes, ≥ 1; 1 changes nothing. Translation and
-    /// rotation keep theirs. The kinetic energy that it adds is told apart in the ledger.
+    /// Factor on the inertia of the strain modes, ≥ 1; 1 has no effect. Translation and
+    /// rotation are unaffected. The added kinetic energy is a separate term of the ledger.
     pub strain_mass_factor: f64,
 }
 
@@ -185,8 +185,8 @@ impl AffineBody {
 /// Notch of the strain that the step bound knows; –.
 const NOTCH: f64 = 5e-3;
 
-/// A strain rounded up to whole notches. A step that followed every swing of the strain would be shorter where the block
-/// is strained than where it is not, in time with the swing, and pump it: a cube that span without losses burst after
+/// A strain rounded up to a discrete level. A step that follows every oscillation of the strain would be shorter at larger
+/// strain, in phase with the oscillation, and amplify it: a cube spinning without losses burst after
 /// 74,000 steps.
 fn in_notches(strain: f64) -> f64 {
     (strain / NOTCH).ceil() * NOTCH

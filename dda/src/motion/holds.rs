@@ -1,4 +1,4 @@
-//! Free blocks that may move only in part: held in some directions, or turning about one axis only.
+//! Constraints of free blocks: held in some directions, or rotating about one axis only.
 
 use crate::{BlockError, Vec3};
 use nalgebra::{Matrix3, UnitQuaternion};
@@ -50,7 +50,7 @@ impl Hold {
         }
     }
 
-    /// Projections on what is not held: of velocities, of turning.
+    /// Projections on the free directions: of velocity, of rotation.
     pub(crate) fn freedom(&self) -> [Matrix3<f64>; 2] {
         let held: Matrix3<f64> = self.directions.iter().map(|d| d * d.transpose()).sum();
         let turning = match &self.turning {
@@ -66,7 +66,7 @@ impl Hold {
         self.directions.iter().map(|d| d * d.dot(v)).sum()
     }
 
-    /// Keeps of the angular momentum (principal axes) what belongs to the turning allowed.
+    /// Projects the angular momentum (principal axes) on the allowed rotation.
     pub(crate) fn hold_turning(
         &self,
         attitude: &UnitQuaternion<f64>,
@@ -84,7 +84,7 @@ impl Hold {
         }
     }
 
-    /// Turns about the axis over `dt` (s); false if the block turns freely.
+    /// Rotates about the axis over `dt` (s); false if the block rotates freely.
     pub(crate) fn turn(
         &self,
         attitude: &mut UnitQuaternion<f64>,
@@ -107,7 +107,7 @@ impl Hold {
         true
     }
 
-    /// Inverse inertia, world, of the turning that is allowed; 1/(kg m²).
+    /// Inverse inertia, world, of the allowed rotation; 1/(kg m²).
     pub(crate) fn inverse_inertia(
         &self,
         free: Matrix3<f64>,

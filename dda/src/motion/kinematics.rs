@@ -5,7 +5,7 @@ use crate::Vec3;
 use nalgebra::Matrix3;
 use serde::{Deserialize, Serialize};
 
-/// A velocity below this is none: its products leave the range of normal numbers, on which processors are up to
+/// Smallest nonzero velocity: products of smaller ones are denormal, for which processors are up to
 /// twenty-five times slower; SI units.
 const NO_VELOCITY: f64 = 1e-150;
 
@@ -53,8 +53,8 @@ impl std::ops::AddAssign for Load {
     }
 }
 
-/// First moment of the forces on a block about its centroid, `Σ f ⊗ r`, apart into the torque, which
-/// turns, and the symmetric part, which strains.
+/// First moment of the forces on a block about its centroid, `Σ f ⊗ r`, split into the torque, which
+/// rotates, and the symmetric part, which strains.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Moment {
     /// `Σ r × f`; N m.
@@ -75,7 +75,7 @@ impl Moment {
 pub(crate) trait InternalMotion {
     /// Changes the velocities by the impulse of a moment over `dt` (s), and of the stress inside.
     fn kick(&mut self, moment: &Moment, dt: f64);
-    /// Moves the place over `dt` (s), with the velocities as they are.
+    /// Advances the position over `dt` (s), with the current velocities.
     fn drift(&mut self, dt: f64);
     /// Takes all velocities times a factor.
     fn scale_velocities(&mut self, factor: f64);
@@ -90,7 +90,7 @@ pub(crate) fn stretch(force: &Vec3, offset_rel: &Vec3) -> Matrix3<f64> {
 /// A block at one instant, in the world frame; inverse mass and inertia are zero if forces do not
 /// move it.
 ///
-/// In the order in which it is read: spheres need the first half only.
+/// In the order of use: spheres need the first half only.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[repr(C)]
 pub(crate) struct Kinematics {
@@ -115,8 +115,8 @@ impl Kinematics {
         }
     }
 
-    /// Velocity of the material that was at `x` before the drift of the last `dt` (s): what the forces
-    /// of that place work with; m/s.
+    /// Velocity of the material at `x` before the drift of the last `dt` (s), for the work of forces
+    /// at that position; m/s.
     pub fn velocity_from(&self, x: &Vec3, dt: f64) -> Vec3 {
         self.velocity_at(&(x + self.velocity * dt))
     }

@@ -38,7 +38,7 @@ pub enum PrescribedMotion {
         time: Vec<f64>,
         /// One per time; m.
         displacement: Vec<Vec3>,
-        /// Rotation vectors from the initial placement, about the centroid; one per time, or none at all; rad.
+        /// Rotation vectors from the initial placement, about the centroid; one per time, or empty; rad.
         turning: Vec<Vec3>,
     },
     /// Base shaking.
@@ -47,7 +47,7 @@ pub enum PrescribedMotion {
 
 /// A record of acceleration along a line, integrated twice from rest. The acceleration is linear
 /// between samples, so that velocity and displacement are exact quadratics and cubics; after the
-/// record the velocity that is left stays (a record corrected for its baseline leaves none).
+/// record the final velocity persists (zero for a record with baseline correction).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Accelerogram {
     direction: Vec3,
@@ -59,8 +59,8 @@ pub struct Accelerogram {
 }
 
 impl Accelerogram {
-    /// Samples (m/s²) at 0, `interval`, 2 `interval`, ... (s) along a unit vector. What is wrong with
-    /// them is found when a block takes the path.
+    /// Samples (m/s²) at 0, `interval`, 2 `interval`, ... (s) along a unit vector. They are checked
+    /// when a block gets the motion.
     pub fn new(direction: Vec3, interval: f64, acceleration: Vec<f64>) -> Self {
         let mut velocity = vec![0.0];
         let mut displacement = vec![0.0];
@@ -116,7 +116,7 @@ impl PrescribedMotion {
         self.at(time).1
     }
 
-    /// Turn from the initial placement about the centroid, at a time (s).
+    /// Rotation from the initial placement about the centroid, at a time (s).
     pub fn turn(&self, time: f64) -> UnitQuaternion<f64> {
         UnitQuaternion::from_scaled_axis(self.turning_at(time).0)
     }

@@ -8,8 +8,8 @@
 //! s = (cos dd, −sin dd, 0)                          strike
 //! d = (cos dip sin dd, cos dip cos dd, −sin dip)    down the dip
 //! ```
-//! Orientations scatter about s and d, so that a mass turned about the vertical with its joints comes out as
-//! the same blocks, turned. About another axis it does not: s and d stay horizontal and downhill.
+//! Orientations scatter about s and d, so that a mass rotated about the vertical with its joints gives
+//! the same blocks, rotated. About another axis it does not: s and d stay horizontal and downhill.
 
 mod slivers;
 mod unions;
@@ -36,7 +36,7 @@ pub struct JointSet {
     /// Scatter σ of the orientation, ≥ 0: the normal leans by `σ ξ` along its strike and its dip, ξ standard normal. Leans beyond 3σ, 1.1 % of all, are drawn again: joints lean by 1.23 σ in the
     /// mean and by `atan 3σ` at most; rad.
     pub scatter: f64,
-    /// A joint lies off its regular place by at most this share of the spacing, 0 to 0.5.
+    /// Largest offset of a joint from its regular position, over the spacing, 0 to 0.5.
     pub spacing_scatter: f64,
 }
 
@@ -65,7 +65,7 @@ pub enum JointError {
         /// Its range.
         rule: &'static str,
     },
-    /// More blocks than allowed. The number is the mean over all places of the joints.
+    /// More blocks than allowed. The number is the mean over all positions of the joints.
     #[error(
         "the joints would make about {expected:.0} blocks, more than {limit}; joint set {set} has the closest joints \
          ({spacing} m): widen its spacing, or allow more blocks"
@@ -185,15 +185,15 @@ const MOST_JOINTS: i64 = 1_000_000;
 /// Cuts convex bodies by all joints of all sets, in their order. The same seed gives the same blocks.
 ///
 /// Volumes of the blocks add up to those of the bodies. A joint that would only shave off a piece too
-/// thin to be a body leaves the block whole, and is counted. Chance decides only about joints that would
-/// cut a block, so that a mass far from the origin, where rounding is coarser, comes out with the same
+/// thin to be a body does not cut, and is counted. Random numbers are drawn only for joints that would
+/// cut a block, so that a mass far from the origin, where rounding is coarser, gives the same
 /// blocks.
 ///
 /// # Errors
 ///
 /// [`JointError::Set`] for numbers out of range, [`JointError::TooMany`] before the first cut if the
-/// spacings say that there would be more than `max_blocks`, or as soon as there are. No more than these
-/// are ever held in memory.
+/// spacings imply more than `max_blocks`, or as soon as there are more. Memory never holds more
+/// than these.
 pub fn cut_by_joints(
     bodies: Vec<Polyhedron>,
     sets: &[JointSet],
@@ -231,7 +231,7 @@ trait Body: Sized {
     /// The convex body about which chance decides.
     fn whole(&self) -> &Polyhedron;
 
-    /// Its corners, which say where joints are needed.
+    /// Its corners, which bound the joints needed.
     fn corners(&self) -> impl Iterator<Item = &Vec3>;
 
     /// Its pieces in the halves of the whole; counts omitted cuts.
@@ -261,7 +261,7 @@ fn cut_bodies<B: Body>(
 ) -> Result<(Vec<B>, usize), JointError> {
     check(sets)?;
     let mut random = Random::new(seed);
-    // Apart from the joints' numbers: what a joint meets does not move the next one.
+    // Separate from the joints' numbers: the blocks cut by a joint do not affect the position of the next one.
     let mut chance = Random::new(!seed);
     let mut blocks = bodies;
     let mut n_uncut = 0;
@@ -311,9 +311,9 @@ fn cut_bodies<B: Body>(
 
 /// Expected number of blocks from joints.
 struct Expected {
-    /// At least so many, but for what chance and the places of single joints do.
+    /// Lower bound, except for randomness and the positions of single joints.
     at_least: f64,
-    /// In the mean over all places of the joints.
+    /// Mean over all positions of the joints.
     about: f64,
 }
 
@@ -325,7 +325,7 @@ struct Expected {
 ///       + V Σ_{i<j<k} p_i p_j p_k |n_i · (n_j × n_k)|/(s_i s_j s_k)
 /// w: width along the normal   A: section across the line   p: persistence   s: spacing
 /// ```
-/// Each term is a mean over all places of the joints. Where they lie in the faces of the body N may be as
+/// Each term is a mean over all positions of the joints. Where they lie in the faces of the body N may be as
 /// small as the largest of its terms: a cube cut by faces of cubes has as many blocks as points.
 fn expected_blocks(bodies: &[Polyhedron], sets: &[JointSet]) -> Expected {
     let share = |set: &JointSet| set.persistence / set.spacing;
@@ -354,7 +354,7 @@ fn expected_blocks(bodies: &[Polyhedron], sets: &[JointSet]) -> Expected {
     expected
 }
 
-/// Area of a body seen along a direction, times the length of that direction.
+/// Projected area of a body along a direction, times the length of that direction.
 ///
 /// ```text
 /// A |d| = ½ Σ_f A_f |n_f · d|
@@ -374,7 +374,7 @@ fn span<'a>(points: impl Iterator<Item = &'a Vec3>, along: &Vec3) -> (f64, f64) 
         })
 }
 
-/// Joints lean by at most this; × scatter. Beyond lie exp(−3²/2) = 1.1 % of a normal distribution in two
+/// Largest tilt of joints; × scatter. It excludes exp(−3²/2) = 1.1 % of a normal distribution in two
 /// directions. With a bound, the joints that can reach a mass are a finite number, and none is missed.
 const LARGEST_LEAN: f64 = 3.0;
 

@@ -10,7 +10,7 @@ pub struct Impulses {
     pub contact: Load,
     /// Of loads, supports and bolts.
     pub attached: Load,
-    /// Of what holds it in part, and of static damping.
+    /// By constraints and static damping.
     pub restrained: Load,
     /// Of gravity.
     pub gravity: Vec3,

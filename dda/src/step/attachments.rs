@@ -8,7 +8,7 @@ use crate::{BlockError, Load, Vec3};
 use nalgebra::Matrix3;
 use serde::{Deserialize, Serialize};
 
-/// A load or support. Points are world places at t = 0.
+/// A load or support. Points are world positions at t = 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Attachment {
     /// Constant force at a material point.
@@ -27,7 +27,7 @@ pub enum Attachment {
         /// World; m/s².
         acceleration: Vec3,
     },
-    /// Pressure on a face, which it follows as the block turns and strains.
+    /// Pressure on a face, which it follows as the block rotates and strains.
     FaceLoad {
         /// The block.
         block: usize,
@@ -62,7 +62,7 @@ pub enum Attachment {
     },
 }
 
-/// An end: the block and the place from its centroid, in the axes of the start.
+/// An end: the block and the position relative to its centroid, in the initial axes.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 struct End {
     block: u32,
@@ -101,11 +101,11 @@ struct Item {
     at: Vec3,
 }
 
-/// All attachments of a system and what they did.
+/// All attachments of a system, with their work.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(crate) struct Attachments {
     items: Vec<Item>,
-    /// One per block, none where nothing is attached anywhere.
+    /// One per block, empty without attachments.
     pub loads: Vec<Load>,
     /// One per deformable block.
     pub stretch: Vec<Matrix3<f64>>,
@@ -121,7 +121,7 @@ pub(crate) struct Attachments {
 /// State of the blocks used by attachments.
 pub(crate) struct Surroundings<'a> {
     pub kinematics: &'a [Kinematics],
-    /// World from the axes of the start, turned and strained; one per block.
+    /// World from the initial axes, rotated and strained; one per block.
     pub gradient: &'a dyn Fn(usize) -> Matrix3<f64>,
     pub is_free: &'a dyn Fn(usize) -> bool,
     pub deformable_of: &'a [Option<u32>],

@@ -17,10 +17,10 @@ use nalgebra::{Matrix3, UnitQuaternion};
 /// Principal value of Green's strain below which Saint Venant-Kirchhoff's law softens; –.
 const CRUSHED: f64 = -0.2;
 
-/// A part of a step: who takes its time.
+/// A phase of a step, for timing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Phase {
-    /// Kicks, drifts, places of the parts, attachments, checks.
+    /// Kicks, drifts, placement of the parts, attachments, checks.
     Motion,
     /// Broad phase.
     BroadPhase,
@@ -51,13 +51,13 @@ impl Kicked {
 
 impl Blocks {
     /// Gives every free block the impulse `loads · dt`, `v += dt M⁻¹ load`: the half kicks of a
-    /// fluid. Fixed, prescribed and removed blocks ignore theirs; a deformable one takes force and
-    /// torque here, and what strains it by [`Self::apply_stretch`].
+    /// fluid. Fixed, prescribed and removed blocks ignore theirs; a deformable one receives force and
+    /// torque here, and generalized strain forces by [`Self::apply_stretch`].
     pub fn apply_impulse(&mut self, loads: &[Load], dt: f64) {
         for (b, load) in loads.iter().enumerate().take(self.n_blocks()) {
             self.state.rest.note_outside(b, load);
             if self.state.rest.has(b) {
-                // held by what it lies on
+                // held by its support
                 self.state.totals.support_impulse -= load.force * dt;
             } else if self.is_free(b) {
                 self.push_block(b, load, dt);
@@ -115,7 +115,7 @@ impl Blocks {
         }
     }
 
-    /// Takes away what a hold does not allow; the impulse is the supports'.
+    /// Removes the constrained velocity; the impulse is that of the supports.
     fn hold_velocities(&mut self, b: usize) {
         let Some(hold) = self.constants.holds.get(b).and_then(Option::as_ref) else {
             return;
@@ -412,7 +412,7 @@ impl Blocks {
         self.state.angular_momentum[b] = spin_rel.component_mul(&self.constants.inertia[b]);
     }
 
-    /// Velocities of plain blocks after their last kick; their place stays.
+    /// Velocities of rigid blocks after their last kick; their position is unchanged.
     fn set_plain_velocities(&mut self) {
         let Self {
             state:
@@ -438,7 +438,7 @@ impl Blocks {
         chunks::for_each(kinematics.as_mut_slice(), CHUNK, &set);
     }
 
-    /// Turns and strains a free block.
+    /// Rotates and strains a free block.
     fn turn(&mut self, b: usize, dt: f64) {
         if let Some(k) = self.constants.deformable_of[b] {
             let deformable = &mut self.state.deformables[k as usize];

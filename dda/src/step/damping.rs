@@ -1,9 +1,9 @@
-//! Damping in a search for a state of rest. None of it is physical: each kind acts against motion in a
-//! frame of its own, and a run that uses one tells only where things come to rest.
+//! Damping in the search for a static equilibrium. It is not physical: each kind acts against motion in the
+//! fixed frame, and only the final equilibrium of such a run is meaningful.
 
 use crate::Vec3;
 
-/// Damping for statics; what it takes is told apart in the ledger.
+/// Damping for statics; its dissipation is a separate term of the ledger.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum StaticDamping {
     /// `f −= α m v`, α ≥ 0; 1/s.

@@ -1,13 +1,13 @@
-//! Blocks that lie still sleep: they keep their place, and so do their contacts with what lies still, until their load changes.
+//! Blocks at rest sleep: they keep their position, and their contacts with other blocks at rest, until their load changes.
 //!
-//! A block falls asleep when for a while it has gone nowhere, though what pushes it in kicks, water above all, lets it tremble. What
-//! was left of its motion is booked. Its load is watched as a mean over a short time, as single kicks say little:
+//! A block is put to sleep when it has not moved for a while, even if it trembles under fluctuating loads, mainly of water. Its
+//! residual kinetic energy is booked. Its load is monitored as a mean over a short time, since single kicks fluctuate:
 //!
 //! ```text
 //! L += (F − L) dt/τ,      asleep until |L_f − L_f0| > s m g  or  |L_t − L_t0| > s m g R           [N, N m]
 //! ```
-//! A load is of contacts, attachments and what is outside (`apply_impulse`). Sleepers bear each other and what lies on them as fixed
-//! blocks do, so that one that is pushed out from under others wakes these by what they lose.
+//! A load includes contacts, attachments and external impulses (`apply_impulse`). Sleeping blocks support each other and blocks on
+//! them as fixed blocks do, so that a block pushed out from under others wakes them by the loss of support.
 
 use nalgebra::UnitQuaternion;
 use serde::{Deserialize, Serialize};
@@ -18,7 +18,7 @@ use crate::{Blocks, Load, Vec3};
 /// Criteria for putting blocks to sleep and waking them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Resting {
-    /// Farthest way within `time` of a block that is at rest, of its centroid and of its corners by turning, above 0; × size.
+    /// Largest displacement within `time` of a block at rest, of its centroid and of its corners by rotation, above 0; × size.
     pub displacement: f64,
     /// Time at rest before sleep, above 0; s.
     pub time: f64,
@@ -41,7 +41,7 @@ pub(crate) struct Rest {
     mean: Vec<Load>,
     /// That with which it fell asleep.
     at_rest: Vec<Load>,
-    /// Of what is outside, as it was last given.
+    /// Last external load.
     outside: Vec<Load>,
 }
 
@@ -66,7 +66,7 @@ impl Rest {
 }
 
 impl Blocks {
-    /// All are awake, and may sleep if the settings say so; those that are deformable, held or damped for a search for rest never do.
+    /// Initializes sleep: all blocks are awake, and may sleep if enabled, except deformable, held and statically damped ones.
     pub(crate) fn begin_rest(&mut self) {
         if self.constants.settings.resting.is_none() {
             return;

@@ -6,7 +6,7 @@ use nalgebra::Matrix3;
 
 /// Rounds of the power iteration; the largest eigenvalue is then good to 1 %, mostly to much less.
 const N_ROUNDS: usize = 300;
-/// Rounds in which the step is found that the stiffest motion bears.
+/// Iterations for the stable step of the stiffest motion.
 const N_TRIALS: usize = 4;
 
 /// Interaction of two blocks at a point.
@@ -33,8 +33,8 @@ struct Motion {
 }
 
 impl Blocks {
-    /// Largest stable sub-step of the contacts that touch now and of what strains in the blocks; s. Infinite where
-    /// nothing is stiff.
+    /// Largest stable sub-step of the current contacts and of the strains of the blocks; s. Infinite without
+    /// stiffness.
     ///
     /// ```text
     /// (dt/2)² v·Kv + dt/2 v·Cv ≤ v·Mv    for the motion v that asks for the least                    [s]
@@ -144,7 +144,7 @@ impl Blocks {
     }
 
     /// Rayleigh's quotients of stiffness (1/s²) and damping (1/s) of the motion for which `s² K + s C` is largest;
-    /// `motion` goes on from where it was.
+    /// `motion` continues from its last value.
     fn stiffest(&self, springs: &[Spring], s: f64, motion: &mut Vec<Motion>) -> (f64, f64) {
         let mut answer = vec![Motion::default(); motion.len()];
         let mut found = (0.0, 0.0);
@@ -198,7 +198,7 @@ impl Motion {
         self.velocity + self.spin.cross(&r) + self.strain_rate * r
     }
 
-    /// Adds what an impulse at a point does.
+    /// Adds the effect of an impulse at a point.
     fn push(&mut self, impulse: &Vec3, x: &Vec3, body: &Kinematics) {
         if body.inverse_mass == 0.0 {
             return;

@@ -1,4 +1,4 @@
-//! Contact forces of all pairs, and what they add up to for each block.
+//! Contact forces of all pairs, and their sums for each block.
 
 use crate::blocks::{CHUNK, Contacts, Derived, State};
 use crate::chunks::PerChunk;
@@ -33,7 +33,7 @@ pub(crate) struct Tally {
     pub n_searches: u64,
     /// Deepest overlap, × size of the smaller part.
     pub deepest_over_size: f64,
-    /// Deepest overlap, × what is allowed, with its parts.
+    /// Largest overlap, × the allowed one, with its parts.
     pub worst: (f64, (u32, u32)),
 }
 
@@ -56,7 +56,7 @@ impl Tally {
         }
     }
 
-    /// Notes how deep two parts overlap; × what is allowed and × size.
+    /// Records the overlap of two parts; × the allowed one and × size.
     pub fn note_overlap(&mut self, parts: (u32, u32), over_allowed: f64, over_size: f64) {
         self.n_touching += 1;
         self.deepest_over_size = self.deepest_over_size.max(over_size);
@@ -67,7 +67,7 @@ impl Tally {
 }
 
 impl Blocks {
-    /// Contact forces at the current position, and what they lost in the last `dt` (s).
+    /// Contact forces at the current position, and their dissipation in the last `dt` (s).
     pub(crate) fn evaluate_contacts(&mut self, dt: f64, ended: &mut impl FnMut(Phase)) {
         let pairs = self.evaluate_pairs(dt);
         let spheres = self.evaluate_spheres(dt);
@@ -94,8 +94,8 @@ impl Blocks {
         self.derived.has_excess = tally.n_cut > 0;
     }
 
-    /// The half kick at the end of the step is over: what bodies that met or parted in it were spared is none of
-    /// the next one's.
+    /// Clears the half-kick corrections after the step: those of bodies that met or parted in it do not apply to
+    /// the next one.
     pub(crate) fn drop_excess(&mut self) {
         if !std::mem::take(&mut self.derived.has_excess) {
             return;
@@ -395,7 +395,7 @@ impl Blocks {
 }
 
 impl Load {
-    /// Adds forces on the second body of a pair, or what they do to the first; its centroid, m.
+    /// Adds forces on the second body of a pair, or the reactions on the first; its centroid, m.
     fn add_all(&mut self, forces: &[PointForce], is_second: bool, centroid: &Vec3) {
         let sign = if is_second { 1.0 } else { -1.0 };
         for at in forces {

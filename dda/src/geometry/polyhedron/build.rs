@@ -84,7 +84,7 @@ pub enum PolyhedronError {
         /// The face that has it.
         face: usize,
     },
-    /// Two faces run the same way along one edge.
+    /// Two faces run in the same direction along an edge.
     #[error(
         "faces {first} and {second} both run along edge {from}-{to} in the same sense; reverse one of \
          them, or split the body where more than two faces meet"

@@ -142,7 +142,7 @@ fn convex_parts(outline: &[Point]) -> Option<Vec<Vec<usize>>> {
     }
 }
 
-/// Ear clipping, the fattest ear first so that no needles arise where none are needed.
+/// Ear clipping, the fattest ear first, to avoid unnecessary needles.
 fn triangles(outline: &[Point]) -> Option<Vec<Vec<usize>>> {
     let mut left: Vec<usize> = (0..outline.len()).collect();
     let mut found = Vec::new();

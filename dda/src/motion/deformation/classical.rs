@@ -3,11 +3,11 @@
 //! ```text
 //! D = [u₀ v₀ w₀ | r₁ r₂ r₃ | ε_x ε_y ε_z γ_yz γ_zx γ_xy],     displacement = T(x) D
 //! ```
-//! 1. A turn applied as `x + r × x` makes a block grow by `1 + r²` a step; here the place is turned
+//! 1. A rotation applied as `x + r × x` makes a block grow by `1 + r²` per step; here the position is rotated
 //!    exactly after it is strained, `x := R(r)(I + ε) x`.
-//! 2. Stress is carried along with the rotation, `σ := R σ Rᵀ + C Δε`.
-//! 3. The acceleration `L² x` of a point that moves with `L x` is kept: the momentum `F' S₀`, not
-//!    `L`, stays as it is while no force acts.
+//! 2. Stress is rotated with the block, `σ := R σ Rᵀ + C Δε`.
+//! 3. The acceleration `L² x` of a point that moves with `L x` is included: the momentum `F' S₀`, not
+//!    `L`, is conserved without forces.
 
 use super::{AffineBody, axial, elastic::Constants, symmetric};
 use crate::Vec3;
@@ -59,7 +59,7 @@ impl InternalMotion for Dda12 {
     }
 
     fn drift(&mut self, dt: f64) {
-        // The velocity gradient belongs to the middle of the step; two rounds find its place.
+        // The velocity gradient belongs to the middle of the step; two iterations find the configuration there.
         let start = self.body.gradient;
         let mut middle = start;
         let mut gradient = Matrix3::zeros();

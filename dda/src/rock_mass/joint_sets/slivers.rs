@@ -1,7 +1,7 @@
 //! Slivers of a cut rock mass, joined with a neighbor.
 //!
-//! Two blocks are neighbors if they share a piece of a face. The blocks and the areas that they share
-//! are a graph, and joining two blocks contracts an edge of it: areas add up, none is measured again.
+//! Two blocks are neighbors if they share a piece of a face. The blocks and their shared areas
+//! are a graph, and merging two blocks contracts an edge of it: areas add up without new measurement.
 
 use super::JointError;
 use crate::contact::detection::broad_phase::{Bounds, candidates, grown};
@@ -31,10 +31,10 @@ pub struct MergedMass {
 /// Joins slivers with the neighbor with which they share the largest area, the smallest first, until no
 /// block with a neighbor is a sliver. Nothing is removed: the volume stays the same.
 ///
-/// A union that is convex becomes one polyhedron; any other is a block of several parts, as few as pairs
-/// of them are found to be convex. The median volume is that of the blocks before. Of equal areas the one
+/// A convex union becomes one polyhedron; any other is a block of several parts, reduced by merging convex
+/// pairs. The median volume is that of the blocks before. Of equal areas the one
 /// with the smaller neighbor counts. Volumes and areas that agree within 1e-9 are equal, and of equals the
-/// block made first goes first, so that a turned mass is joined alike.
+/// block created first goes first, so that a rotated mass is merged identically.
 ///
 /// # Errors
 ///
@@ -175,8 +175,8 @@ fn shared_areas(blocks: &[Vec<Polyhedron>]) -> SharedAreas {
     shared
 }
 
-/// Faces nearer than this touch; m. Ten times what a cut takes for the same place: it refers to the block
-/// that was cut, and its parts may be smaller.
+/// Largest distance of touching faces; m. Ten times the tolerance of a cut, which refers to the block
+/// that was cut, whose parts may be smaller.
 fn gap(block: &Polyhedron) -> f64 {
     10.0 * block.same_place()
 }
@@ -191,7 +191,7 @@ pub(super) fn shared_area(a: &Polyhedron, b: &Polyhedron) -> f64 {
     let mut area = 0.0;
     for i in 0..a.n_faces() {
         for j in 0..b.n_faces() {
-            // The plane of a large face says more about a small one than the other way round.
+            // The plane of a large face is more accurate than that of a small one.
             if a.face_normal(i).dot(&b.face_normal(j)) < -0.9
                 && (lies_in(a, i, b, j) || lies_in(b, j, a, i))
             {

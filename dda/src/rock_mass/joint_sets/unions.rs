@@ -13,8 +13,8 @@ pub struct JointedUnion {
     pub n_uncut: usize,
 }
 
-/// Cuts one body, of convex parts that adjoin, by all joints of all sets, in their order: as [`super::cut_by_joints`] does, but parts
-/// are not blocks by themselves. What is between the same joints is one block, or several where it does not hang together.
+/// Cuts one body, of adjoining convex parts, by all joints of all sets, in their order: like [`super::cut_by_joints`], but parts
+/// are not separate blocks. Rock between the same joints is one block, or several if it is not connected.
 ///
 /// Chance decides about a joint for everything between the joints before it, whatever the body's shape there.
 ///
