@@ -28,8 +28,8 @@ use crate::error::FluidError;
 use crate::kernel::{Kernel, PointKernel};
 use crate::neighbors::cells::CellGrid;
 use crate::neighbors::lists::Lists;
+use crate::neighbors::points::Frame;
 use crate::scheme::{DensityMethod, Viscosity};
-use crate::simd::points::Frame;
 use crate::state_equation::State;
 use crate::{Particles, Rheology, Vec3};
 

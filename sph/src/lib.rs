@@ -98,11 +98,10 @@ pub use fluid::{energy, exchange, sample};
 pub use kernel::{Dimensions, KernelChoice};
 pub use neighbors::cells::{CellGrid, Periodicity};
 pub use neighbors::mirror::{Symmetry, SymmetryPlane};
-pub use neighbors::sweep::Precision;
 pub use neighbors::{cells, mirror};
 pub use particles::Particles;
 pub use rheology::{Regularization, Rheology};
-pub use scheme::{Scheme, Stepping};
+pub use scheme::{Precision, Scheme, Stepping};
 pub use settings::{Settings, StepLimits};
 pub use state_equation::{NegativePressure, StateEquation};
 

@@ -23,9 +23,18 @@
 //! (2013) for the wide support of waves that travel far.
 
 use crate::kernel::KernelChoice;
-use crate::neighbors::sweep::Precision;
 use crate::rheology::Rheology;
 use crate::state_equation::{NegativePressure, StateEquation};
+
+/// Width of the numbers in pair sums. Positions, velocities and densities are `f64` always.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Precision {
+    /// Single: differences of positions and the sums themselves to 7 digits; twice as fast.
+    #[default]
+    Single,
+    /// Double.
+    Double,
+}
 
 /// Computation of density.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

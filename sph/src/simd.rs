@@ -1,4 +1,4 @@
-//! Vector registers and what they hold: the choice of machine, records of particles, packed points.
+//! Vector registers: the choice of machine, records of particles, vectors of three registers.
 
 pub(crate) mod lanes;
-pub(crate) mod points;
+pub(crate) mod lanes3;

@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use crate::fluid::energy::fixed_order_sum;
-use crate::fluid::sleep::Still;
+use crate::neighbors::rest::Still;
 use crate::{CHUNK, Dimensions, Fluid, Particles, Vec3};
 
 /// Smallest number of neighbors for a pressure: an isolated particle keeps the reference density.

@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use crate::fluid::sleep::Still;
+use crate::neighbors::rest::Still;
 use crate::scheme::{DensityDiffusion, DensityMethod};
 use crate::terms::sums;
 use crate::{CHUNK, Fluid, FluidError, Particles, Vec3};

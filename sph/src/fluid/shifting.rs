@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use crate::fluid::sleep::Still;
+use crate::neighbors::rest::Still;
 use crate::scheme::Shifting;
 use crate::terms::sums;
 use crate::{CHUNK, Dimensions, Fluid, Particles, Vec3};

@@ -29,6 +29,7 @@ use serde::{Deserialize, Serialize};
 use crate::fluid::energy::fixed_order_sum;
 use crate::fluid::exchange::Exchange;
 use crate::neighbors::cells::{CellGrid, ROW_SPLIT};
+use crate::neighbors::rest::{Rest, Still};
 use crate::scheme::{DensityDiffusion, DensityMethod, Stepping};
 use crate::terms::momentum::ForceDensity;
 use crate::{CHUNK, Dimensions, Fluid, FluidError, Particles, Settings, Vec3};
@@ -56,18 +57,6 @@ pub struct Sleeping {
     pub speed: f64,
     /// Time for which it has to be no faster before it sleeps; s.
     pub time: f64,
-}
-
-/// Treatment of a particle.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub(crate) enum Rest {
-    /// Everything.
-    #[default]
-    Awake,
-    /// It sleeps in a tile beside others that may be awake: its density is advanced if awake particles are in its support.
-    Beside,
-    /// Nothing.
-    Asleep,
 }
 
 /// State of sleep.
@@ -129,27 +118,15 @@ pub(crate) struct Kept {
     pub forces: bool,
 }
 
-/// Chunks of particles that sleep entirely, without any change.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Still<'a>(&'a [bool]);
-
 impl<'a> Still<'a> {
-    /// None.
-    pub(crate) const NONE: Still<'static> = Still(&[]);
-
-    /// Those of a fluid that may sleep.
+    /// Chunks of a fluid that may sleep.
     pub(crate) fn of(sleep: Option<&'a Sleep>) -> Self {
-        sleep.map_or(Self::NONE, |sleep| Self(&sleep.still))
+        sleep.map_or(Self::NONE, |sleep| Self::new(&sleep.still))
     }
 
-    /// Those of a fluid, if their results were kept.
+    /// Chunks of a fluid whose results were kept.
     pub(crate) fn kept(sleep: Option<&'a Sleep>, is_kept: impl Fn(&Kept) -> bool) -> Self {
         Self::of(sleep.filter(|sleep| is_kept(&sleep.kept)))
-    }
-
-    #[inline(always)]
-    pub(crate) fn has(self, chunk: usize) -> bool {
-        self.0.get(chunk).copied().unwrap_or(false)
     }
 }
 

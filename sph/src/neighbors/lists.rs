@@ -19,13 +19,13 @@
 
 use rayon::prelude::*;
 
-use crate::fluid::sleep::Rest;
 use crate::neighbors::cells::{CellGrid, MAX_RUNS, OWN_IMAGE, Run};
 use crate::neighbors::mirror::{Image, MOST_IMAGES, Mirrors, signs_in};
+use crate::neighbors::points::{Frame, Points};
+use crate::neighbors::rest::Rest;
 use crate::neighbors::sweep::{BUFFER, FILTER_MARGIN, Seen, Sources, Term, Veil};
 use crate::simd::lanes::{FILTER_WIDTH, Lanes, Machine, Sight, Task};
-use crate::simd::points::{Frame, Points};
-use crate::terms::splat3;
+use crate::simd::lanes3::splat3;
 use crate::{CHUNK, Vec3};
 
 /// Neighbor lists among one set of particles.

@@ -13,7 +13,7 @@
 
 use rayon::prelude::*;
 
-use crate::fluid::sleep::Still;
+use crate::neighbors::rest::Still;
 use crate::{CHUNK, Fluid, FluidError, Settings, Vec3};
 
 /// Sides of the domain that are planes of symmetry: the lower and the upper one along x, y, z.

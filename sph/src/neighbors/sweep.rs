@@ -9,30 +9,21 @@
 use rayon::prelude::*;
 
 use crate::boundary::screens::{Facet, Screens};
-use crate::fluid::sleep::Still;
 use crate::neighbors::cells::{CellGrid, MAX_RUNS, OWN_IMAGE, Run};
 use crate::neighbors::mirror::{Image, MOST_IMAGES, Mirrors};
+use crate::neighbors::points::{Frame, Points};
+use crate::neighbors::rest::Still;
+use crate::scheme::Precision;
 use crate::simd::lanes::{
     FILTER_WIDTH, Lanes, Machine, Place, Portable, RECORD, Record, Sight, Task,
 };
-use crate::simd::points::{Frame, Points};
-use crate::terms::{Lanes3, splat3};
+use crate::simd::lanes3::{Lanes3, splat3};
 use crate::{CHUNK, Vec3};
 
 /// Neighbors in a buffer before they are summed: 2 KiB, within the first cache.
 pub(crate) const BUFFER: usize = 512;
 /// Widening of the filter's radius, for its rounding: kernels vanish beyond the support anyway.
 pub(crate) const FILTER_MARGIN: f64 = 1.0 + 1e-5;
-
-/// Width of the numbers in pair sums. Positions, velocities and densities are `f64` always.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Precision {
-    /// Single: differences of positions and the sums themselves to 7 digits; twice as fast.
-    #[default]
-    Single,
-    /// Double.
-    Double,
-}
 
 /// A pair as registers hold it: receiver `a`, neighbors `b`.
 #[derive(Clone, Copy)]

@@ -4,16 +4,16 @@ use std::marker::PhantomData;
 
 use crate::boundary::screens::{Facet, Screens};
 use crate::fluid::Settings;
-use crate::fluid::sleep::Still;
 use crate::kernel::{AnyKernel, KernelChoice, PairKernel, PointKernel, Viscous, WendlandC2};
 use crate::neighbors::cells::CellGrid;
 use crate::neighbors::lists::{Lists, Surroundings};
+use crate::neighbors::points::Frame;
+use crate::neighbors::rest::Still;
 use crate::neighbors::sweep::{
     AnyPoints, Between, PackedIn, Receivers, Sources, Sum, Term, Veil, dispatch, sweep, sweep_as,
 };
 use crate::scheme::{DensityDiffusion, Viscosity};
 use crate::simd::lanes::{Lanes, Machine};
-use crate::simd::points::Frame;
 use crate::terms::continuity::{
     AnyDiffusion, Continuity, Diffusion, GradientDiffusion, JumpDiffusion, NoDiffusion, Rate,
     RateOwn,

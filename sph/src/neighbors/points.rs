@@ -7,8 +7,8 @@
 
 use rayon::prelude::*;
 
-use crate::fluid::sleep::Still;
 use crate::neighbors::cells::CellGrid;
+use crate::neighbors::rest::Still;
 use crate::simd::lanes::{FILTER_WIDTH, Place, RECORD, Record};
 use crate::{CHUNK, Vec3};
 
