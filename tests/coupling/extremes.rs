@@ -1,5 +1,5 @@
 //! Extremes of realistic scenes: thin and soft blocks, overlaps, light bodies, scale, particles in unusual positions. The
-//! full sweep is `benches/extremes.rs`.
+//! full sweep is `benches/rust/extremes.rs`.
 
 use std::path::Path;
 

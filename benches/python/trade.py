@@ -1,6 +1,6 @@
 """Summary of the shipped studies: presets, knobs, and the published scheme against ours.
 
-    python3 benches/trade.py --results benches/trade/results --plots benches/plots
+    python3 benches/python/trade.py --results benches/trade/results --plots benches/plots
 
 Reads the tables that `riprap study` left in `benches/trade/results/NAME/trade.csv`, prints tables in Markdown, and draws
 `trade_schemes.png`: error against cost in water, ours and published. Wants numpy and matplotlib.

@@ -1,7 +1,7 @@
 //! Limits of the engine: every extreme is swept until it fails.
 //!
-//! `cargo bench -p riprap --bench extremes` runs all of them, prints a row for each and writes `benches/EXTREMES.md`: the
-//! swept parameter, its limit, the behavior beyond, and theory. With words after `--` it runs the rows with one of them in their
+//! `cargo bench -p riprap --bench extremes` runs all of them, prints a row for each and writes `benches/extremes.csv` and its
+//! page: the swept parameter, its limit, the behavior beyond, and theory. With words after `--` it runs the rows with one of them in their
 //! name or subject, and only prints, `-- X04 friction`; with `write` among them it updates these rows of the table. `-- long` runs
 //! the long ones at full length.
 #![expect(clippy::print_stdout, reason = "a benchmark reports")]
@@ -12,7 +12,7 @@ mod contact;
 mod coupled;
 #[path = "extremes/input.rs"]
 mod input;
-#[path = "../tests/support/killed.rs"]
+#[path = "../../tests/support/killed.rs"]
 #[expect(clippy::unwrap_used, reason = "shared with a test")]
 mod killed;
 #[path = "extremes/masses.rs"]
@@ -34,9 +34,10 @@ mod tank;
 #[path = "extremes/water.rs"]
 mod water;
 
+use std::path::Path;
 use std::time::Instant;
 
-use row::{Failure, Length, Row, Trial, table};
+use row::{Failure, Length, Row, Trial, merged, page, table};
 
 /// Every trial, in the order of the table.
 fn trials() -> Vec<Trial> {
@@ -87,14 +88,17 @@ fn main() -> Result<(), Failure> {
     let missed = rows.iter().filter(|row| row.missed.is_some()).count();
     println!("{} rows, {missed} missed, {seconds:.0} s", rows.len());
     if writes || words.is_empty() {
-        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../benches/EXTREMES.md");
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../benches");
+        let path = folder.join("extremes.csv");
         let before = if words.is_empty() {
             String::new()
         } else {
-            std::fs::read_to_string(path).unwrap_or_default()
+            std::fs::read_to_string(&path).unwrap_or_default()
         };
-        std::fs::write(path, table(&before, &rows))?;
-        println!("wrote {path}");
+        let rows = merged(&before, &rows)?;
+        std::fs::write(&path, table(&rows)?)?;
+        std::fs::write(folder.join("EXTREMES.md"), page(&rows))?;
+        println!("wrote {}", path.display());
     }
     Ok(())
 }

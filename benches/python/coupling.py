@@ -1,9 +1,9 @@
 """Rock and water against theory, with the three wall methods.
 
-    python3 benches/coupling.py [ROW ...] --riprap target/release/riprap --runs runs/benches --walls Penalty,Particles,Integral
+    python3 benches/python/coupling.py [ROW ...] --riprap target/release/riprap --runs runs/benches --walls Penalty,Particles,Integral
 
 Prints a table of errors and the CPU seconds of each run, and plots each row in `coupling_ROW.svg`. Scenes are
-`benches/coupling/*.ron` and four of `cases/`; their headers have the solution and its source. Needs numpy and matplotlib.
+`benches/scenes/coupling/*.ron` and four of `cases/`; their headers have the solution and its source. Needs numpy and matplotlib.
 """
 
 import json
@@ -16,9 +16,9 @@ import numpy as np
 
 from rows import COLORS, WALLS, arguments, figure, run, save, table
 
-HERE = Path(__file__).parent
-SCENES = HERE / "coupling"
-CASES = HERE.parent / "cases"
+BENCHES = Path(__file__).resolve().parents[1]
+SCENES = BENCHES / "scenes/coupling"
+CASES = BENCHES.parent / "cases"
 RHO, G = 1000.0, 9.81
 
 

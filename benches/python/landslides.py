@@ -1,6 +1,6 @@
 """Landslide tsunamis: comparison with formulas, convergence, sleeping water, and energy transfer.
 
-    python3 benches/landslides.py [ROW ...] --riprap target/release/riprap --runs runs/landslides
+    python3 benches/python/landslides.py [ROW ...] --riprap target/release/riprap --runs runs/landslides
 
 Prints a table for each row: required, measured, CPU seconds. Existing runs are reused. Scenes are those of
 `cases/` with some fields set, and a channel defined here. Needs only Python.
@@ -22,8 +22,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-HERE = Path(__file__).parent
-CASES = HERE.parent / "cases"
+CASES = Path(__file__).resolve().parents[2] / "cases"
 G = 9.81
 ROWS = ["still", "masses", "spacings", "sleeping", "energy"]
 COARSE = "fluid.resolution=Spacing(15)"

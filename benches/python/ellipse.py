@@ -85,7 +85,7 @@ def text(name, block):
     scene = (CASES / "landslide_flume.ron").read_text()
     start = scene.index('        (name: "block"')
     end = scene.index("    ],\n    fluid:")
-    return f"// {name}, by benches/laboratory/ellipse.py\n" + scene[:start] + block + scene[end:]
+    return f"// {name}, by benches/python/ellipse.py\n" + scene[:start] + block + scene[end:]
 
 
 def prescribed(name, folder):

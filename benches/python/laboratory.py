@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
 """Rock and water against laboratory experiments with every wall method: runs, a table and plots.
 
-    python3 benches/laboratory.py [ROW ...] --riprap PATH --runs DIR --records DIR --walls Penalty,Particles,Integral
+    python3 benches/python/laboratory.py [ROW ...] --riprap PATH --runs DIR --records DIR --walls Penalty,Particles,Integral
 
 Rows are ellipse, ellipse_free, falling_block, floating_block, cosine_block, cube, heave_sphere and submarine_body; their
-scenes are in cases/ and benches/laboratory/, each with its source. Prints `row | required | W1 | W2 | W3` with errors and CPU
+scenes are in cases/ and benches/scenes/laboratory/, each with its source. Prints `row | required | W1 | W2 | W3` with errors and CPU
 seconds, and plots `plots/laboratory_ROW.png`: raster images, from which records of others cannot be recovered as data.
 
 Records are not part of this repository. `--records` is a folder of your own with any of these CSV files, in it or in its
@@ -37,13 +37,13 @@ import rows as shared  # noqa: E402
 from matplotlib import pyplot as plt  # noqa: E402
 
 HERE = Path(__file__).resolve().parent
-CASES = HERE.parent / "cases"
-SCENES = HERE / "laboratory"
+CASES = HERE.parents[1] / "cases"
+SCENES = HERE.parent / "scenes/laboratory"
 
 
 def module(name):
     """A generator of scenes."""
-    spec = importlib.util.spec_from_file_location(name, SCENES / f"{name}.py")
+    spec = importlib.util.spec_from_file_location(name, HERE / f"{name}.py")
     made = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(made)
     return made

@@ -1,4 +1,4 @@
-//! A row of the margin table, and how the table is written.
+//! A row of the margin table, the table and its page.
 
 use std::fmt::{self, Display};
 
@@ -86,66 +86,82 @@ impl Display for Row {
     }
 }
 
+/// Columns of the table.
+const COLUMNS: [&str; 8] = [
+    "row",
+    "parameter",
+    "range",
+    "holds to",
+    "beyond",
+    "theory",
+    "measured",
+    "missed because",
+];
+
 impl Row {
-    /// Its first two cells, which identify it, and all of them.
-    fn line(&self) -> (String, String) {
-        let verdict = match &self.missed {
-            None => "holds".to_owned(),
-            Some(why) => format!("**MISSED**: {why}"),
-        };
-        let cell = |text: &str| format!("| {} ", text.replace('|', "\\|").replace('\n', " "));
-        let name = cell(self.id) + &cell(&self.pushed);
-        let others = [
+    fn cells(&self) -> [String; 8] {
+        [
+            self.id,
+            &self.pushed,
             &self.swept,
             &self.holds,
             &self.past,
             &self.theory,
             &self.measured,
-            &verdict,
-        ];
-        let cells: String = others.iter().map(|text| cell(text)).collect();
-        (name.clone(), format!("{name}{cells}|\n"))
+            self.missed.as_deref().unwrap_or_default(),
+        ]
+        .map(|cell| cell.replace('\n', " "))
     }
 }
 
-/// The table, in which new rows replace those of the same name: all, or those that were rerun.
-pub fn table(before: &str, rows: &[Row]) -> String {
-    let mut lines: Vec<String> = before
-        .lines()
-        .skip_while(|line| !line.starts_with("|---"))
-        .skip(1)
-        .map(|line| format!("{line}\n"))
-        .collect();
+/// Rows of an earlier table and new ones, which replace those of the same name.
+pub fn merged(before: &str, rows: &[Row]) -> Result<Vec<[String; 8]>, Failure> {
+    let mut all: Vec<[String; 8]> = csv::Reader::from_reader(before.as_bytes())
+        .deserialize()
+        .collect::<Result<_, _>>()?;
     for row in rows {
-        let (name, line) = row.line();
-        match lines.iter_mut().find(|line| line.starts_with(&name)) {
-            Some(old) => *old = line,
-            None => lines.push(line),
+        let cells = row.cells();
+        match all.iter_mut().find(|old| old[..2] == cells[..2]) {
+            Some(old) => *old = cells,
+            None => all.push(cells),
         }
     }
     // X01 to X23, then the others, each in the order they came
-    lines.sort_by_key(|line| {
-        let id = line
-            .trim_start_matches("| ")
-            .split(' ')
-            .next()
-            .unwrap_or("");
-        (!id.starts_with('X'), id.to_owned())
-    });
-    let missed = lines
-        .iter()
-        .filter(|line| line.contains("**MISSED**"))
-        .count();
-    format!(
+    all.sort_by_key(|cells| (!cells[0].starts_with('X'), cells[0].clone()));
+    Ok(all)
+}
+
+/// The table as CSV.
+pub fn table(rows: &[[String; 8]]) -> Result<Vec<u8>, Failure> {
+    let mut out = csv::Writer::from_writer(Vec::new());
+    out.write_record(COLUMNS)?;
+    for row in rows {
+        out.write_record(row)?;
+    }
+    Ok(out.into_inner().map_err(|error| error.to_string())?)
+}
+
+/// The page of the table: limits and misses.
+pub fn page(rows: &[[String; 8]]) -> String {
+    let missed: Vec<_> = rows.iter().filter(|row| !row[7].is_empty()).collect();
+    let mut text = format!(
         "# Extremes\n\n\
-         Every quantity is swept until something fails: its limit, the behavior beyond, and theory. Written by\n\
-         `cargo bench -p riprap --bench extremes`, single rows by `-- X04 write`, longer ones by `-- long X13 write`.\n\
-         {} rows, {missed} missed.\n\n\
-         | | parameter | range | holds to | beyond | theory | measured | verdict |\n\
-         |---|---|---|---|---|---|---|---|\n{}",
-        lines.len(),
-        lines.concat()
-    )
+         Every quantity is swept until something fails. Written by `cargo bench -p riprap --bench extremes`, single rows by\n\
+         `-- X04 write`, longer ones by `-- long X13 write`. `extremes.csv` holds the whole table: range, limit, behavior beyond,\n\
+         theory, measured values.\n\n\
+         {} rows, {} missed:\n\n",
+        rows.len(),
+        missed.len()
+    );
+    for row in missed {
+        text += &format!("- {}, {}: {}\n", row[0], row[1], row[7]);
+    }
+    text += "\n| | parameter | holds to |\n|---|---|---|\n";
+    for [id, pushed, _, holds, ..] in rows {
+        let cell = |text: &str| text.replace('|', "\\|");
+        text += &format!("| {id} | {} | {} |\n", cell(pushed), cell(holds));
+    }
+    text
 }
 
 /// How far a sweep held.

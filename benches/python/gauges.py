@@ -1,6 +1,6 @@
 """Plots the gauges of runs of one scene together, each gauge in a panel of its own.
 
-    python3 benches/gauges.py benches/plots/sliding_wedge.svg runs/standard=Standard runs/published=Mueller2003
+    python3 benches/python/gauges.py benches/plots/sliding_wedge.svg runs/standard=Standard runs/published=Mueller2003
 
 Every run folder is followed by the name it gets in the legend. Surface elevations, pressures and run-up are drawn, with
 the vertical axis in the gauge's own unit. A CSV file in place of a folder is a record of the laboratory, drawn as dots: its
