@@ -6,18 +6,17 @@
 //!                                                          ▼
 //!     ┌────────────────────────────► World { blocks, water, clock }
 //!     │  step: the only &mut World        │ observe(&World), each when due
-//!     │   1 kick      fluid, blocks       ▼
-//!     │   2 drift     fluid; blocks take   runs/x/  case.ron, summary.json, *.csv,
-//!     │               sub-steps inside              *.pvd + *.vtp, overview.svg
-//!     │   3 walls, neighbors, densities,
-//!     │     forces
-//!     └── 4 kick, tick
+//!     │   1 joints weaken, water sleeps   ▼
+//!     │   2 step of the fluid; the         runs/x/  case.ron, summary.json, *.csv,
+//!     │     coupler is its boundary:                *.pvd + *.vtp, overview.svg
+//!     │     blocks, walls, joints, openings
+//!     └── 3 absorbing layers, clock, guards
 //! ```
 //!
-//! Invariants: what is read ([`scene::file::SceneFile`]) is never what is computed with
-//! ([`scene::resolve::Scene`], [`world::World`]); the solver crates touch no file and no clock;
-//! observers look and never change the world; steps never bend to output times; every pair force
-//! acts twice with opposite sign; results are the same bits for any number of threads.
+//! Invariants: input ([`scene::file::SceneFile`]) is separate from the data of the computation
+//! ([`scene::resolve::Scene`], [`world::World`]); the solver crates access no files and no clock;
+//! observers never change the world; steps are never adjusted to output times; every pair force
+//! acts twice with opposite sign; results are bitwise identical for any number of threads.
 
 mod build_info;
 pub mod cli;

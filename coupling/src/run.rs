@@ -36,7 +36,7 @@ use step_reduction::StepReduction;
 
 /// Damping rate of settling times its duration: initial motion decays to `e⁻²⁰` at the end.
 const SETTLING_DECAY: f64 = 20.0;
-/// Share of settling, at its end, that runs without damping, so that what damping hid shows.
+/// Fraction of settling, at its end, without damping, to reveal motion suppressed by damping.
 const UNDAMPED_SHARE: f64 = 0.1;
 
 /// Folder, start and checkpoints of a run.
@@ -46,7 +46,7 @@ pub struct Plan<'a> {
     pub folder: &'a Path,
     /// Checkpoint to resume from; the folder then holds the files of the run.
     pub from: Option<Checkpoint>,
-    /// Hash of the scene as it is written in the folder, see [`checkpoint::scene_hash`].
+    /// Hash of the scene text in the folder, see [`checkpoint::scene_hash`].
     pub scene_hash: [u8; 32],
     /// Wall time from one checkpoint to the next.
     pub checkpoint_interval: Duration,
@@ -71,7 +71,7 @@ pub fn run(
     run.finish(ending)
 }
 
-/// Place of a state in a run.
+/// Position of a state in a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Place {
     is_settling: bool,
@@ -86,7 +86,7 @@ struct Place {
 pub struct Run<'a> {
     scene: &'a Scene,
     folder: PathBuf,
-    /// Hash of the scene as it is written.
+    /// Hash of the scene text.
     scene_hash: [u8; 32],
     world: World,
     observers: Observers,

@@ -50,9 +50,9 @@ pub struct WorldSettings {
     pub gravity: Vec3,
     /// Box that blocks may not leave; m.
     pub domain: (Vec3, Vec3),
-    /// Fate of what leaves it.
+    /// Treatment of particles and blocks that leave it.
     pub out_of_domain: OutOfDomain,
-    /// Joints that weaken as time goes on.
+    /// Joints whose strength degrades with time.
     pub weakenings: Vec<Weakening>,
 }
 
@@ -166,7 +166,7 @@ impl World {
         if let Some(water) = &mut self.water
             && water.sleeping.is_some()
         {
-            // what sleeps is at rest, and what remains of settling is no part of the run
+            // sleeping water is at rest, and residual motion of settling is not part of the run
             water.fluid.damp(0.0);
         }
         self.evaluate()?;
@@ -211,11 +211,11 @@ impl World {
             source,
         })?;
         self.progress.ledger.put_to_sleep(&lost);
-        // what is awake feels what sleeps
+        // sleeping water acts on awake water
         self.evaluate()
     }
 
-    /// Weakens the joints as their series say at the present time.
+    /// Weakens the joints by their series at the current time.
     pub(crate) fn weaken(&mut self) {
         let time = self.progress.clock.time;
         for weakening in &self.weakenings {
@@ -224,7 +224,7 @@ impl World {
         }
     }
 
-    /// Stepping of the fluid; kick-drift-kick for blocks by themselves.
+    /// Stepping of the fluid; kick-drift-kick for blocks alone.
     pub fn stepping(&self) -> Stepping {
         self.water
             .as_ref()
@@ -233,7 +233,7 @@ impl World {
             })
     }
 
-    /// Keeps accounts of what moves some blocks, source by source, from now on.
+    /// Records the impulses on some blocks by source from now on.
     pub fn keep_accounts(&mut self, blocks: &[usize]) {
         self.blocks.keep_accounts(blocks);
         self.bodies.accounts = blocks
@@ -242,7 +242,7 @@ impl World {
             .collect();
     }
 
-    /// Impulses of the fluid on a block since accounts of it are kept; zero where none are.
+    /// Impulses of the fluid on a block since its accounts were opened; zero without accounts.
     pub fn fluid_impulses(&self, block: usize) -> FluidImpulses {
         let found = self.bodies.accounts.iter().find(|(b, _)| *b == block);
         found.map_or_else(FluidImpulses::default, |(_, impulses)| *impulses)

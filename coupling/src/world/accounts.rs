@@ -15,7 +15,7 @@ pub struct FluidImpulses {
     pub shear: Load,
     /// Of water in joints too narrow for particles.
     pub joint_water: Load,
-    /// Of particles that were put back.
+    /// By particles that were pushed back.
     pub pushed_back: Load,
 }
 

@@ -1,4 +1,4 @@
-//! Blocks in a coupled step: their part of it, and what leaves the domain or comes to a plane of symmetry.
+//! Blocks in a coupled step: their part of it, and bodies that leave the domain or reach a plane of symmetry.
 
 use nalgebra::Matrix3;
 use riprap_dda::{Blocks, Load, Motion, Phase};
@@ -95,7 +95,7 @@ pub(super) fn movable(blocks: &Blocks) -> impl Iterator<Item = (Vec3, Vec3)> {
         .map(|part| blocks.part_aabb(part))
 }
 
-/// Blocks with what a step of them reads and books.
+/// Blocks with the data read and booked in their step.
 #[derive(Debug)]
 pub(super) struct BlockPhase<'a> {
     pub blocks: &'a mut Blocks,

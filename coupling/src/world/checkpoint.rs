@@ -8,7 +8,7 @@ impl World {
     ///
     /// # Errors
     ///
-    /// None that is known: the format takes whatever a world is made of.
+    /// None is expected: the format accepts any world.
     pub fn save(&self, out: Vec<u8>) -> Saved {
         // no `..`: a new column cannot be forgotten
         let Self {
@@ -34,12 +34,12 @@ impl World {
         }
     }
 
-    /// Takes the state over from the front of bytes that [`Self::save`] wrote in a run of the same scene; returns the rest.
-    /// What follows is the same to the bit as without.
+    /// Restores the state from the front of bytes written by [`Self::save`] in a run of the same scene; returns the rest.
+    /// The continuation is bitwise identical.
     ///
     /// # Errors
     ///
-    /// The bytes end early, mean nothing, or are of another scene. The world is then in no state to go on.
+    /// The bytes end early, are invalid, or belong to another scene. The world can then not be continued.
     pub fn read<'a>(&mut self, bytes: &'a [u8]) -> Read<'a> {
         let bodies = &mut self.bodies;
         let of_blocks = (bodies.dry.len(), bodies.accounts.len());

@@ -28,7 +28,7 @@ pub(super) struct Coupler<'a> {
     pub(super) walls: &'a mut Option<Walls>,
     joints: &'a mut JointWater,
     openings: &'a mut Openings,
-    /// Sub-steps that blocks are to take in a whole step, and those that they have taken.
+    /// Sub-steps of the blocks in a whole step, and those already taken.
     block_substeps: u32,
     substeps_taken: u32,
     /// Time over which blocks have the loads at the start in advance, in a predicted middle; s.
@@ -160,8 +160,8 @@ impl Boundary for Coupler<'_> {
         advanced.map_err(Stopped::Step)?;
         self.substeps_taken += n_substeps;
         if part == Part::FirstHalf {
-            // the fluid half way feels the impulse of half a step: so do the blocks that it meets there, or a
-            // light block in water would be a wall of forward Euler
+            // the fluid half way has received the impulse of half a step, and so must the blocks there, or a
+            // light block in water would be integrated by forward Euler
             self.apply_loads_at_start(dt);
             self.in_advance = Some(dt);
         }
@@ -336,7 +336,7 @@ impl Boundary for Coupler<'_> {
     }
 }
 
-/// Blocks that the fluid may move; none while they are held.
+/// Blocks that the fluid may move; empty while they are held.
 fn movers<'a>(rock: &'a BlockPhase, interface: &Interface) -> Option<Movers<'a>> {
     (!rock.are_held()).then_some(Movers {
         blocks: &*rock.blocks,

@@ -56,7 +56,7 @@ pub enum StepError {
         /// 0, 1, 2 for x, y, z.
         axis: usize,
     },
-    /// A particle has no place or no velocity any more.
+    /// The position or velocity of a particle is not finite.
     #[error(
         "at t = {time:.6} s, step {step}: particle {id} has a velocity that is no number; look where it was in the last frame, and shorten the step with `numerics.time_step_factor`"
     )]

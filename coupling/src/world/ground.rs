@@ -1,13 +1,13 @@
-//! The ground: faces that look up, of fixed blocks or of a survey, and how high they lie under a point.
+//! Ground: upward faces of fixed blocks or of a survey, and their elevation below a point.
 
 use riprap_dda::{Blocks, Motion, Vec3};
 
-/// Faces that look up less than this (cosine) are walls; –.
+/// Faces with a smaller vertical component of the normal are walls; –.
 const LEAST_UPWARD: f64 = 1e-6;
-/// A point this far outside a triangle still counts as over it, so that none falls between two; × its double area.
+/// Tolerance of a point outside a triangle that counts as above it, so that none falls between two; × its double area.
 const ROUND_OFF: f64 = 1e-9;
 
-/// Triangles that look up, in a grid of squares over the plan. Those of fixed blocks do not move: it is made once.
+/// Upward triangles, in a grid of squares in plan view. Those of fixed blocks do not move, so it is built once.
 #[derive(Clone, Debug)]
 pub struct Ground {
     triangles: Vec<[Vec3; 3]>,
@@ -40,23 +40,23 @@ impl Ground {
         Self::over(triangles)
     }
 
-    /// Of those of some triangles (m) that look up.
+    /// Ground from the upward ones of some triangles (m).
     pub fn over(mut triangles: Vec<[Vec3; 3]>) -> Self {
         triangles.retain(looks_up);
         Self::sorted(triangles)
     }
 
-    /// Whether there is none at all.
+    /// Whether it is empty.
     pub fn is_empty(&self) -> bool {
         self.triangles.is_empty()
     }
 
-    /// Height of the highest ground over a place of the plan (m), `None` where there is none; m.
+    /// Elevation of the highest ground at a point in plan view (m), `None` without ground; m.
     pub fn height_under_the_sky(&self, [x, y]: [f64; 2]) -> Option<f64> {
         self.height_below(&Vec3::new(x, y, f64::INFINITY))
     }
 
-    /// Height of the highest ground at or below a point (m), `None` where there is none; m.
+    /// Elevation of the highest ground at or below a point (m), `None` without ground; m.
     pub fn height_below(&self, x: &Vec3) -> Option<f64> {
         let [i, j] = [0, 1].map(|axis| ((x[axis] - self.corner[axis]) / self.side).floor());
         if !(0.0 <= i && i < self.n[0] as f64 && 0.0 <= j && j < self.n[1] as f64) {
@@ -135,7 +135,7 @@ fn looks_up([a, b, c]: &[Vec3; 3]) -> bool {
     LEAST_UPWARD * area.norm() < area.z
 }
 
-/// Height of a triangle over the place of a point in the plan; m.
+/// Elevation of a triangle at a point in plan view; m.
 fn height_at([a, b, c]: &[Vec3; 3], x: &Vec3) -> Option<f64> {
     let double_area = |p: &Vec3, q: &Vec3, r: &Vec3| (q - p).xy().perp(&(r - p).xy());
     let whole = double_area(a, b, c);

@@ -31,7 +31,7 @@ impl World {
         }
     }
 
-    /// Steps that sound and blocks would bear at the present state before they grow, where the limits above are safe; s.
+    /// Largest stable steps of sound and blocks at the current state, where the limits above are safe; s.
     /// Many times the work of [`Self::limits`].
     pub fn stability(&self) -> Vec<(Cause, f64)> {
         let mut borne = Vec::new();

@@ -1,10 +1,10 @@
-//! Particles that the walls did not hold: those that move on into a solid stop at its surface, those that are inside are
-//! put back.
+//! Particles that penetrate walls: those moving into a solid stop at its surface, those inside are
+//! pushed back.
 //!
-//! Walls of particles hold the water by a pressure that is as smooth as the kernel. Where that is much wider than the
-//! spacing, a single particle hardly feels how far from the wall it is. One that has come to the surface and is let go on,
-//! into the corner under a slope say, is for its neighbors water that flows off: their density falls, their pressure with
-//! it, and more follow.
+//! Walls of particles hold the water by a pressure as smooth as the kernel. If that is much wider than the
+//! spacing, the force on a single particle hardly depends on its distance from the wall. A particle that passes the surface,
+//! for instance into the corner under a slope, acts on its neighbors like outflow: their density and pressure drop,
+//! and more particles follow.
 //!
 //! ```text
 //! J = −min(0, (v_a − v_wall)·n)/(1/m_a + w)     along n on the particle, against it on the body at the foot point
@@ -78,7 +78,7 @@ impl Coupler<'_> {
         let centroid = blocks.centroid(block);
         let moment = |x: &Vec3, v: &Vec3| (x - centroid).cross(&(v * mass));
         let torque = if intruder.is_deep {
-            // what the new place takes of the moment of momentum the block gets too
+            // the change of angular momentum by the shift goes to the block, too
             moment(&from, &before) - moment(&to, &after)
         } else {
             -(intruder.point - centroid).cross(&impulse)

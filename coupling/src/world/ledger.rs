@@ -9,7 +9,7 @@ use crate::world::World;
 use riprap_dda::{Blocks, Load};
 use riprap_sph::{Exchange, Fluid, Vec3};
 
-/// Declares every term once: the field, its column of `energy.csv` and its place in the row.
+/// Declares every term once: the field, its column of `energy.csv` and its position in the row.
 macro_rules! energy_terms {
     ($($(#[$doc:meta])* $term:ident,)*) => {
         /// Energy terms; J. Losses and works count from the start of the ledger.
@@ -55,9 +55,9 @@ energy_terms! {
     static_damping,
     /// Taken by bolts that yield.
     plastic,
-    /// Taken where particles stopped at a solid, or were put back from its inside.
+    /// Dissipated where particles stopped at a solid, or were pushed back out of it.
     pushed_back,
-    /// Carried off by what left the domain.
+    /// Energy of water and blocks that left the domain.
     removed,
     /// Taken by absorbing layers.
     absorbed,
@@ -67,11 +67,11 @@ energy_terms! {
     external_work,
     /// Brought in by water in joints too narrow for particles, which pushes blocks apart.
     joint_water,
-    /// Brought in through inflows and outflows, with what holding the flow there takes or gives.
+    /// Energy through inflows and outflows, including the work of imposing the flow there.
     through_openings,
-    /// Brought in where water meets walls of particles or integrals: what the water has from their pressure less what their
-    /// blocks gave, `Σ p_w V_w V_a (v_w − v_a)·∇W`. That pressure is continued from the water, nothing stores its work: an
-    /// error of the walls, which goes with the spacing. Cercos-Pita, Antuono, Colagrossi & Souto-Iglesias (2017).
+    /// Energy introduced at walls of particles or integrals: the work of their pressure on the water minus that of the
+    /// blocks, `Σ p_w V_w V_a (v_w − v_a)·∇W`. That pressure is extrapolated from the water and its work is not stored: an
+    /// error of the walls, which decreases with the spacing. Cercos-Pita, Antuono, Colagrossi & Souto-Iglesias (2017).
     at_walls,
     /// Energy unexplained by the terms above since the start: the error of the scheme.
     residual,
@@ -140,35 +140,35 @@ impl Ledger {
         self.wall_work += work;
     }
 
-    /// Books what absorbing layers brought in, below zero.
+    /// Books the (negative) contribution of absorbing layers.
     pub(crate) fn absorb(&mut self, absorbed: &Exchange) {
         self.absorbed -= absorbed.energy;
         self.impulse += absorbed.momentum;
         self.exchanged += absorbed.momentum.norm();
     }
 
-    /// Books what putting water to sleep brought in, below zero.
+    /// Books the (negative) contribution of putting water to sleep.
     pub(crate) fn put_to_sleep(&mut self, laid: &Exchange) {
         self.laid_to_rest -= laid.energy;
         self.impulse += laid.momentum;
         self.exchanged += laid.momentum.norm();
     }
 
-    /// Books what water in joints does to blocks that move over `dt`, as [`Self::book_walls`]: blocks at rest on each other are pushed
-    /// apart in one kick and come back by the next, and with the velocities before each that would look like work.
+    /// Books the work of water in joints on moving blocks over `dt`, as [`Self::book_walls`]: blocks at rest on each other are pushed
+    /// apart in one kick and return by the next, which the velocities before each kick alone would book as work.
     pub(crate) fn book_joints(&mut self, joints: &JointWater, blocks: &Blocks, dt: f64) {
         self.joint_water += joints.power_on_free_blocks(blocks) * dt;
     }
 
-    /// Books what openings brought in.
+    /// Books the contribution of openings.
     pub(crate) fn exchange(&mut self, brought: &Exchange) {
         self.through_openings += brought.energy;
         self.impulse += brought.momentum;
         self.exchanged += brought.momentum.norm();
     }
 
-    /// Books what blocks that move do to the fluid through its walls over `dt`, at their present velocities: half of a
-    /// kick before it, half after it, so that the works are those that the blocks lose.
+    /// Books the work of moving blocks on the fluid through its walls over `dt`, at their current velocities: half of a
+    /// kick before it, half after it, so that the work equals that lost by the blocks.
     pub(crate) fn book_walls(&mut self, walls: &Walls, blocks: &Blocks, dt: f64) {
         for (b, load) in walls.loads().iter().enumerate() {
             let (linear, angular) = (blocks.velocity(b), blocks.angular_velocity(b));
@@ -200,7 +200,7 @@ impl Ledger {
                 work += touch.force.dot(&touch.wall_velocity);
                 impulse += touch.force;
             } else {
-                // what a slab holds across its plane
+                // the transverse load taken by a slab
                 let felt = Load {
                     force: touch.force,
                     ..Load::default()
@@ -218,7 +218,7 @@ impl Ledger {
             }
         }
         impulse += joints.force_on_free_blocks(blocks);
-        // what sleeps is held up by what is below it
+        // sleeping water is supported from below
         let weight = fluid.settings().gravity * fluid.awake_mass();
         let mirrored = fluid.plane_force();
         self.wall_damping += power * dt;

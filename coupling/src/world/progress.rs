@@ -42,7 +42,7 @@ impl Clock {
 /// Blocks that are held in place.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) enum Held {
-    /// None: a run.
+    /// No block, during a run.
     #[default]
     NoBlock,
     /// All: settling.

@@ -1,4 +1,4 @@
-//! The common step of both media and what governs it.
+//! The common step of both media and its governing limit.
 
 use serde::{Deserialize, Serialize};
 

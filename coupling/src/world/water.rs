@@ -13,7 +13,7 @@ use crate::walls::penalty::{Interface, WallSettings};
 pub struct Water {
     /// Particles.
     pub fluid: Fluid,
-    /// Penalty walls; where others hold the fluid, only what keeps particles out of solids.
+    /// Penalty walls; with other wall methods, only the push-back of particles out of solids.
     pub interface: Interface,
     /// Walls of particles or integrals.
     pub walls: Option<Walls>,
@@ -30,7 +30,7 @@ pub struct Water {
 /// Boundaries that hold a fluid.
 #[derive(Debug)]
 pub struct WaterBoundaries {
-    /// Numbers of penalty walls, or of what only keeps particles out of solids.
+    /// Parameters of penalty walls, or of the push-back of particles out of solids.
     pub penalty: WallSettings,
     /// Walls of particles or integrals.
     pub walls: Option<Walls>,
@@ -76,7 +76,7 @@ impl Water {
         })
     }
 
-    /// Damps waves in absorbing layers over `dt` (s); returns what that brought in, below zero.
+    /// Damps waves in absorbing layers over `dt` (s); returns the (negative) contribution.
     pub(super) fn absorb(&mut self, dt: f64) -> Exchange {
         self.fluid.absorb(&self.absorbers, dt)
     }
