@@ -1,26 +1,8 @@
-//! The choices that make a scheme, and the presets.
-//!
-//! | | `Mueller2003` | `Standard` | `Reference` |
-//! |---|---|---|---|
-//! | kernel | Mueller's | Wendland C2 | Wendland C2 |
-//! | `h`/spacing | 1.5 | 1.3 | 2.0 |
-//! | density | summation | continuity | continuity |
-//! | density diffusion | none | Fourtakas 0.1 | Fourtakas 0.1 |
-//! | viscosity | published, dynamic viscosity of the fluid | artificial 0.02 | laminar, viscosity of the fluid |
-//! | shifting | none | none | none |
-//! | negative pressure | clamped | kept | kept |
-//! | stepping | symplectic Euler | kick-drift-kick | kick-drift-kick |
-//! | step factor | 0.5 of the limit | 0.5 `h/(c₀ + v)` | 0.5 `h/(c₀ + v)` |
-//! | sound speed | 10 times the fastest | 10 times | 14 times |
-//! | pair sums | double | single | single |
-//!
-//! `Preview` is `Standard` with the full step and 7 times the fastest speed. Cost and error of each preset are
-//! measured in `benches/trade`.
+//! Choices that make a scheme; [`crate::preset`] names combinations.
 //!
 //! Sources: Mueller, Charypar & Gross (2003) with Geraili Mikola & Sitar (2014); Molteni & Colagrossi
 //! (2009), Fourtakas et al. (2019) and Antuono et al. (2010, 2012) for the diffusions and their 0.1;
-//! Monaghan (1994) for the artificial viscosity; Domínguez et al. (2022) for the predictor-corrector; Lind et al. (2012) for shifting; Colagrossi et al.
-//! (2013) for the wide support of waves that travel far.
+//! Monaghan (1994) for the artificial viscosity; Domínguez et al. (2022) for the predictor-corrector; Lind et al. (2012) for shifting.
 
 use crate::kernel::KernelChoice;
 use crate::rheology::Rheology;
