@@ -116,7 +116,7 @@ fn heap(variant: &Variant) -> Result<Scene, Failure> {
 
 /// Runs until no bead has left for a while and all are at rest, or to the end.
 fn settle(world: &mut World, scene: &Scene, diameter: f64) -> Result<(), Failure> {
-    let duration = scene.file.time.duration;
+    let duration = scene.duration;
     // a bead falls its own diameter, some ten times
     let quiet = 10.0 * (diameter / GRAVITY).sqrt();
     let slow = 1e-2 * (GRAVITY * diameter).sqrt();

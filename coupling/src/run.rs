@@ -106,12 +106,12 @@ impl<'a> Run<'a> {
     /// [`RunError`] when the world cannot be built, a file cannot be created or the checkpoint belongs to another scene.
     pub fn start(scene: &'a Scene, plan: Plan) -> Result<Self, RunError> {
         let mut world = build(scene)?;
-        world.keep_accounts(&observers::accounts(scene, &world));
+        world.keep_accounts(&observers::accounts(scene));
         let start = match plan.from {
             None => Start::New,
             Some(_) => Start::Resume,
         };
-        let settles = world.water.is_some() && 0.0 < scene.file.time.settle;
+        let settles = world.water.is_some() && 0.0 < scene.settle;
         let stage = match settles {
             true => Stage::Settling {
                 time: 0.0,
@@ -150,7 +150,7 @@ impl<'a> Run<'a> {
 
     /// Whether the run has reached its end.
     pub fn is_over(&self) -> bool {
-        !(self.is_settling() || self.world.time() < self.scene.file.time.duration)
+        !(self.is_settling() || self.world.time() < self.scene.duration)
     }
 
     /// Takes a step, or falls back to the last good state.
@@ -186,8 +186,7 @@ impl<'a> Run<'a> {
 
     /// Step of the present stage; returns its size, s.
     fn take_step(&mut self) -> Result<f64, RunError> {
-        let time = &self.scene.file.time;
-        let (duration, settle) = (time.duration, time.settle);
+        let (duration, settle) = (self.scene.duration, self.scene.settle);
         let share = self.counters.reduction.share(self.place().time);
         let step = self.world.next_step_within(duration, share)?;
         match &mut self.counters.stage {
@@ -373,15 +372,14 @@ impl<'a> Run<'a> {
             time,
             steps,
         } = self.place();
-        let times = &self.scene.file.time;
         Progress {
             is_settling,
             steps,
             time,
             end: if is_settling {
-                times.settle
+                self.scene.settle
             } else {
-                times.duration
+                self.scene.duration
             },
             dt,
             contacts: blocks.n_contacts(),

@@ -12,12 +12,14 @@ pub mod geometry;
 pub mod impulse_wave;
 pub mod locate;
 pub mod motion;
+mod names;
 pub mod parse;
 pub mod resolve;
 pub mod resolved;
 mod sleep;
 pub(crate) mod symmetry;
 pub mod validate;
+mod written;
 
 #[cfg(feature = "geotiff")]
 pub use geometry::geotiff;

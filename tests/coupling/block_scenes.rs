@@ -345,7 +345,7 @@ fn grains_become_balls() {
     for (change, expected) in [
         (
             ("count: 81", "count: 325"),
-            "grains `bead`: 325 balls do not fit, only 324 do",
+            "grains `bead`: 325 spheres do not fit, only 324 do",
         ),
         (
             ("\"rock\", region", "\"rok\", region"),

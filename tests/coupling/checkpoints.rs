@@ -97,7 +97,7 @@ const CASES: &[Case] = &[
 fn a_world_goes_on_from_its_bytes_as_if_it_had_not_stopped() {
     for (name, set, before, after) in CASES {
         let scene = load(name, set);
-        let duration = scene.file.time.duration;
+        let duration = scene.duration;
         let mut whole = build(&scene).unwrap();
         advance(&mut whole, *before, duration);
         let bytes = whole.save(Vec::new()).unwrap();

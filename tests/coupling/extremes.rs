@@ -73,7 +73,7 @@ fn soft_contacts_are_said_to_be() {
     assert!(said(1e-3).is_empty());
     let words = said(0.1);
     assert_eq!(words.len(), 1);
-    assert!(words[0].contains("sinks into another of its kind by 10.0 % of its size"));
+    assert!(words[0].contains("overlaps another of its kind by 10.0 % of its size"));
 }
 
 /// Blocks that overlap by 10 % at the start are refused, by 1e-9 pushed apart without a jump.

@@ -6,9 +6,9 @@ use std::path::Path;
 use riprap::observe::Observer;
 use riprap::observe::frames::Frames;
 use riprap::run::build;
-use riprap::scene::file::OutputFile;
 use riprap::scene::parse;
 use riprap::scene::resolve::Scene;
+use riprap::scene::resolved::recording::Output;
 use riprap::time_step::TimeStep;
 use riprap::vtk::{self, Values};
 use riprap::world::World;
@@ -767,9 +767,14 @@ fn pressures_on_faces_are_those_of_still_water() {
     let output = "output: (face_pressures: true),";
     let world = world(&basin(1.0, 0.9, level, spacing, &body, output));
     let folder = tempfile::tempdir().unwrap();
-    let output = OutputFile {
+    let output = Output {
+        frame_interval: f64::INFINITY,
+        gauge_interval: f64::INFINITY,
+        ledger_interval: f64::INFINITY,
+        water_fields: Vec::new(),
+        block_fields: Vec::new(),
+        contacts: false,
         face_pressures: true,
-        ..OutputFile::default()
     };
     let mut frames = Frames::new(folder.path(), &output, &world).unwrap();
     frames.observe(&world).unwrap();

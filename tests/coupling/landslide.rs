@@ -96,9 +96,9 @@ fn ground(terrain: &Terrain) -> Ground {
 }
 
 fn volume(scene: &Scene, name: &str) -> f64 {
-    let blocks = scene.file.blocks.iter().zip(&scene.blocks);
+    let blocks = scene.block_names.iter().zip(&scene.blocks);
     blocks
-        .filter(|(file, _)| file.name.starts_with(name))
+        .filter(|(block, _)| block.starts_with(name))
         .map(|(_, block)| block.shape.volume())
         .sum()
 }
@@ -349,7 +349,7 @@ fn rock_between_two_rough_surfaces_keeps_its_volume() {
         left = unions(&convex);
     }
     // written out and read again it is the same scene, to the bit
-    let text = parse::write(&merged.file).unwrap();
+    let text = merged.to_text().unwrap();
     let again = Scene::resolve(parse::read(&text).unwrap(), folder.path()).unwrap();
     let shapes =
         |scene: &Scene| -> Vec<Shape> { scene.blocks.iter().map(|b| b.shape.clone()).collect() };
@@ -389,7 +389,7 @@ fn a_slab_slides_down_its_scar() {
             };
         }
         let free: Vec<usize> = (0..scene.blocks.len())
-            .filter(|&b| scene.file.blocks[b].name.starts_with("slab"))
+            .filter(|&b| scene.block_names[b].starts_with("slab"))
             .collect();
         let mut world = run::build(&scene).unwrap();
         let center = |world: &riprap::world::World| {
@@ -772,11 +772,7 @@ fn implausible_terrain_is_questioned() {
         raster.write(&folder.path().join("odd.asc"), height);
         let terrain = format!("(sources: [(file: \"odd.asc\")], origin: {origin})");
         let terrain = terrain_of(folder.path(), &terrain).unwrap();
-        terrain
-            .questions
-            .iter()
-            .map(|q| q.message.clone())
-            .collect()
+        terrain.warnings.iter().map(|q| q.message.clone()).collect()
     };
     let none = asked(valley(), &hummocky, "(0, 0, 0)");
     assert!(none.is_empty(), "{none:?}");

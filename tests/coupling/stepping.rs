@@ -147,7 +147,7 @@ fn threads_do_not_change_a_bit_with_any_stepping() {
 fn presets_choose_a_stepping_that_goes_with_their_density() {
     let chosen = |numerics: &str| {
         let scene = scene(&falling("Penalty", numerics)).unwrap();
-        scene.file.numerics.stepping
+        scene.to_file().numerics.stepping
     };
     for (numerics, expected) in [
         ("", SteppingFile::KickDriftKick),
@@ -177,7 +177,7 @@ fn steppings_that_let_sound_grow_are_refused_or_questioned() {
     ] {
         assert!(error.message.contains(said), "{said}: {}", error.message);
     }
-    let undamped = "stepping: PredictorCorrector, density_diffusion: Some(None)";
+    let undamped = "stepping: PredictorCorrector, density_diffusion: Off";
     let scene = scene(&falling("Particles", undamped)).unwrap();
     assert!(
         scene

@@ -238,7 +238,7 @@ fn scenes_with_planes_where_none_can_be_are_refused() {
         (
             with("symmetry: [YMin], periodic: [Y]"),
             "domain.symmetry[0]",
-            "repeats itself along Y",
+            "periodic along Y",
         ),
         (
             with("symmetry: [ZMin]"),

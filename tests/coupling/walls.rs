@@ -1037,7 +1037,7 @@ fn scenes_that_walls_cannot_hold_are_refused() {
     let errors = still("Particles", [16; 3], None, more).0.errors();
     assert_eq!(
         errors,
-        ["interface.walls: Particles wants `numerics.density` Continuity; use Penalty"]
+        ["interface.walls: Particles requires `numerics.density` Continuity; use Penalty"]
     );
 }
 

@@ -321,7 +321,7 @@ fn creep(length: Length) -> Result<Vec<Row>, Failure> {
     let depth = 0.5 * columns * spacing;
     let mut tank = Tank::new(columns * spacing, depth, spacing);
     let mut world = tank.world()?;
-    tank.numerics = "density_diffusion: Some(None)".to_owned();
+    tank.numerics = "density_diffusion: Off".to_owned();
     let mut undiffused = tank.world()?;
     let center = |world: &riprap::world::World| {
         let Some(water) = &world.water else {

@@ -40,10 +40,10 @@ impl OverviewData {
             time: Vec::new(),
             value: Vec::new(),
         };
-        let (min, max) = (scene.file.domain.min, scene.file.domain.max);
+        let (min, max) = (scene.domain.min, scene.domain.max);
         Self {
             overview: Overview {
-                title: scene.file.title.clone(),
+                title: scene.title.clone(),
                 subtitle: String::new(),
                 particle_spacing: scene
                     .fluid
@@ -56,11 +56,11 @@ impl OverviewData {
                     .map(|(_, name, unit)| record(name, unit))
                     .collect(),
                 energy: Energy::TERMS.iter().map(|name| record(name, "J")).collect(),
-                view: ([min.0, min.2], [max.0, max.2]),
+                view: ([min.x, min.z], [max.x, max.z]),
                 plan: plan::begun(scene, world),
             },
             places: columns.iter().map(|(place, _, _)| *place).collect(),
-            duration: scene.file.time.duration,
+            duration: scene.duration,
         }
     }
 

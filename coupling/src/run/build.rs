@@ -6,7 +6,7 @@ use riprap_sph::Fluid;
 use super::RunError;
 use super::packing::packed;
 use crate::joints::JointWater;
-use crate::scene::resolve::{FluidScene, Scene, vec3};
+use crate::scene::resolve::{FluidScene, Scene};
 use crate::walls::Walls;
 use crate::world::{Water, WaterBoundaries, World, WorldSettings};
 
@@ -30,9 +30,9 @@ pub fn build(scene: &Scene) -> Result<World, RunError> {
         .map(|fluid| water(fluid, scene, &blocks))
         .transpose()?;
     let settings = WorldSettings {
-        gravity: vec3(scene.file.gravity),
-        domain: (vec3(scene.file.domain.min), vec3(scene.file.domain.max)),
-        out_of_domain: scene.file.domain.leaving.into(),
+        gravity: scene.gravity,
+        domain: (scene.domain.min, scene.domain.max),
+        out_of_domain: scene.domain.out_of_domain,
         weakenings: scene.weakenings.clone(),
     };
     Ok(World::new(blocks, water, settings)?)
@@ -47,7 +47,7 @@ fn water(water: &FluidScene, scene: &Scene, blocks: &Blocks) -> Result<Water, Ru
         fluid.set_rheologies(water.rheologies.clone(), &kinds)?;
     }
     let walls = Walls::new(water.wall_method, &scene.blocks, blocks, &fluid, water.slip);
-    let is_sealed = |b: usize| scene.file.blocks[b].sealed;
+    let is_sealed = |b: usize| scene.is_sealed[b];
     let boundaries = WaterBoundaries {
         joints: JointWater::new(&scene.blocks, blocks, &fluid, is_sealed),
         penalty: water.walls,

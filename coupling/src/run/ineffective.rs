@@ -3,10 +3,9 @@
 
 use riprap_dda::{Motion, Shape};
 use riprap_sph::scheme::{Shifting, Viscosity};
-use riprap_sph::{Precision, Scheme};
+use riprap_sph::{Dimensions, Precision, Preset, Scheme};
 
-use crate::scene::file::{DimensionsFile, Preset};
-use crate::scene::resolve::{FluidScene, Scene, vec3};
+use crate::scene::resolve::{FluidScene, Scene};
 
 /// Strain below which a block is practically rigid; –.
 const LEAST_STRAIN: f64 = 1e-3;
@@ -20,7 +19,7 @@ pub fn ineffective_options(scene: &Scene) -> Vec<String> {
     let mut found: Vec<String> = strain(scene).into_iter().chain(width(scene)).collect();
     // the studies do not cover this scheme
     if let Some(fluid) = &scene.fluid
-        && scene.file.numerics.preset != Preset::Mueller2003
+        && fluid.preset != Preset::Mueller2003
     {
         found.extend(of_scheme(fluid, scene));
     }
@@ -30,8 +29,8 @@ pub fn ineffective_options(scene: &Scene) -> Vec<String> {
 /// Deformable blocks with negligible strain: under the weight of all free rock on the smallest of them, or a stop from the
 /// largest speed within the travel time of an elastic wave.
 fn strain(scene: &Scene) -> Option<String> {
-    let gravity = vec3(scene.file.gravity).norm();
-    let speed = scene.file.numerics.expected_speed.unwrap_or(0.0);
+    let gravity = scene.gravity.norm();
+    let speed = scene.expected_speed;
     let free = || {
         scene
             .blocks
@@ -61,9 +60,9 @@ fn strain(scene: &Scene) -> Option<String> {
 
 /// A three-dimensional scene in which every block spans the width.
 fn width(scene: &Scene) -> Option<String> {
-    let domain = &scene.file.domain;
-    let is_slab = scene.fluid.is_some() && domain.dimensions == DimensionsFile::Three;
-    let (low, high) = (domain.min.1, domain.max.1);
+    let domain = &scene.domain;
+    let is_slab = scene.fluid.is_some() && domain.dimensions == Dimensions::Three;
+    let (low, high) = (domain.min.y, domain.max.y);
     let slack = SIDE_TOLERANCE * (high - low);
     let is_side = |y: f64| y <= low + slack || high - slack <= y;
     let goes_through = scene.blocks.iter().all(|block| match &block.shape {
@@ -72,7 +71,7 @@ fn width(scene: &Scene) -> Option<String> {
             .all(|part| part.vertices().iter().all(|x| is_side(x.y))),
         Shape::Sphere { .. } | Shape::Surface(_) => false,
     });
-    let is_level = domain.min.1.is_finite() && vec3(scene.file.gravity).y == 0.0;
+    let is_level = domain.min.y.is_finite() && scene.gravity.y == 0.0;
     (is_slab && goes_through && is_level).then(|| {
         "its width: every block goes through from side to side; `domain.dimensions: Two` is a plane of it \
          (sliding wedge: a ninth of the work of a slab of four spacings, its crest 3 % higher)"
@@ -106,7 +105,7 @@ fn of_scheme(fluid: &FluidScene, scene: &Scene) -> Vec<String> {
         ..
     } = viscosity
     {
-        let layer = (kinematic_viscosity * scene.file.time.duration).sqrt();
+        let layer = (kinematic_viscosity * scene.duration).sqrt();
         let spacing = fluid.walls.particle_spacing;
         if layer < spacing {
             found.push(format!(
@@ -115,11 +114,7 @@ fn of_scheme(fluid: &FluidScene, scene: &Scene) -> Vec<String> {
             ));
         }
     }
-    let factor = scene
-        .file
-        .numerics
-        .time_step_factor
-        .unwrap_or(CUSTOMARY_FACTOR);
+    let factor = fluid.settings.time_step_factor;
     if factor < CUSTOMARY_FACTOR {
         found.push(format!(
             "a time-step factor of {factor}: no study changed between 0.25 and 1 except for noise; 0.5 takes {:.2} of the time",

@@ -31,9 +31,9 @@ pub(super) struct Observers {
 }
 
 /// Blocks whose impulses the observers need.
-pub(super) fn accounts(scene: &Scene, world: &World) -> Vec<usize> {
-    let forces = scene.file.forces.as_ref();
-    forces.map_or(Vec::new(), |asked| asked.chosen(scene, world))
+pub(super) fn accounts(scene: &Scene) -> Vec<usize> {
+    let forces = scene.forces.as_ref();
+    forces.map_or(Vec::new(), |asked| asked.blocks.clone())
 }
 
 impl Observers {
@@ -44,25 +44,21 @@ impl Observers {
         world: &World,
         start: Start,
     ) -> Result<Self, ObserveError> {
-        let output = &scene.file.output;
-        let ledger_interval = output.ledger_interval.unwrap_or(f64::INFINITY);
+        let ledger_interval = scene.output.ledger_interval;
         Ok(Self {
-            frames: Frames::new(folder, output, world)?,
+            frames: Frames::new(folder, &scene.output, world)?,
             gauges: Gauges::new(folder, scene, world, start)?,
             ledgers: Ledgers::new(folder, ledger_interval, world, start)?,
-            forces: match &scene.file.forces {
+            forces: match &scene.forces {
                 None => None,
-                Some(asked) => {
-                    let chosen = asked.chosen(scene, world);
-                    Some(Forces::new(folder, asked, &chosen, world, start)?)
-                }
+                Some(asked) => Some(Forces::new(folder, asked, world, start)?),
             },
-            trajectories: match &scene.file.trajectories {
+            trajectories: match &scene.trajectories {
                 None => None,
-                Some(asked) => Some(Trajectories::new(folder, asked, scene, world, start)?),
+                Some(asked) => Some(Trajectories::new(folder, asked, world, start)?),
             },
-            maps: (scene.file.maps.as_ref()).map(|asked| Maps::new(folder, asked, scene, world)),
-            masses: if scene.file.masses.is_empty() {
+            maps: (scene.maps.as_ref()).map(|asked| Maps::new(folder, asked, scene, world)),
+            masses: if scene.masses.is_empty() {
                 None
             } else {
                 Some(Masses::new(folder, scene, world, ledger_interval, start)?)

@@ -26,7 +26,7 @@ impl Run<'_> {
         let ratio = |part: u64, whole: u64| part as f64 / whole.max(1) as f64;
         let per_second = |n: u64| n as f64 / running;
         Summary {
-            case: self.scene.file.title.clone(),
+            case: self.scene.title.clone(),
             version: env!("CARGO_PKG_VERSION").to_owned(),
             commit: COMMIT.to_owned(),
             threads: rayon::current_num_threads(),

@@ -40,6 +40,12 @@ impl<'a> Access<'a> {
         }
     }
 
+    /// Memory available to a run, infinite where the system does not tell; bytes.
+    pub fn bytes(&self) -> f64 {
+        self.memory
+            .map_or(f64::INFINITY, |memory| memory.bytes as f64)
+    }
+
     /// Path of a file that the scene names.
     ///
     /// # Errors

@@ -1,5 +1,4 @@
-//! Conversion of loads, supports, bolts, holds, joints, deformability, damping and detection to the input of
-//! the block solver.
+//! Loads, supports, bolts, holds, joints, deformability, damping and detection for the block solver.
 
 use riprap_dda::{
     Attachment, BlockDefinition, ContactDetection, Deformability, DeformableModel, Hold,
@@ -11,17 +10,17 @@ use super::file::{
     AttachmentFile, Axis, ContactDetectionFile, DeformableFile, DeformableModelFile, HoldFile,
     JointFile, NormalLawFile, RollingLawFile, SceneFile, StaticDampingFile, TurningFile,
 };
+use super::names::Names;
 use crate::series::Series;
 use crate::world::Weakening;
 
-/// The attachments of the file; validation has seen that its blocks exist.
-pub fn attachments(file: &SceneFile, blocks: &[BlockDefinition]) -> Vec<Attachment> {
-    let number = |name: &String| {
-        file.blocks
-            .iter()
-            .position(|b| b.name == *name)
-            .unwrap_or(0)
-    };
+/// Loads, supports and bolts of the file.
+pub(super) fn attachments(
+    file: &SceneFile,
+    names: &Names,
+    blocks: &[BlockDefinition],
+) -> Vec<Attachment> {
+    let number = |name: &String| names.block(name);
     file.attachments
         .iter()
         .map(|attachment| match attachment {
@@ -83,12 +82,12 @@ pub fn attachments(file: &SceneFile, blocks: &[BlockDefinition]) -> Vec<Attachme
         .collect()
 }
 
-/// The joints of the file; validation has seen that its materials exist.
-pub fn joints(file: &SceneFile) -> Vec<JointOverride> {
+/// Joint properties between two materials.
+pub(super) fn joints(file: &SceneFile, names: &Names) -> Vec<JointOverride> {
     file.joints
         .iter()
         .map(|joint| JointOverride {
-            materials: numbers(file, joint),
+            materials: numbers(names, joint),
             friction_angle: joint.friction_angle_deg.map(f64::to_radians),
             residual_friction_angle: joint.residual_friction_angle_deg.map(f64::to_radians),
             cohesion: joint.cohesion,
@@ -101,7 +100,7 @@ pub fn joints(file: &SceneFile) -> Vec<JointOverride> {
 }
 
 /// Joints that weaken with time.
-pub fn weakenings(file: &SceneFile) -> Vec<Weakening> {
+pub(super) fn weakenings(file: &SceneFile, names: &Names) -> Vec<Weakening> {
     let series = |ramp: &[(f64, f64)]| {
         let whole = vec![(0.0, 1.0)];
         Series::new(if ramp.is_empty() {
@@ -113,7 +112,7 @@ pub fn weakenings(file: &SceneFile) -> Vec<Weakening> {
     let weakening = |joint: &JointFile| {
         let (friction, cohesion) = (&joint.friction_ramp, &joint.cohesion_ramp);
         (!(friction.is_empty() && cohesion.is_empty())).then(|| Weakening {
-            materials: numbers(file, joint),
+            materials: numbers(names, joint),
             friction: series(friction),
             cohesion: series(cohesion),
         })
@@ -121,16 +120,13 @@ pub fn weakenings(file: &SceneFile) -> Vec<Weakening> {
     file.joints.iter().filter_map(weakening).collect()
 }
 
-/// Of the two materials of a joint, whose names validation has seen.
-fn numbers(file: &SceneFile, joint: &JointFile) -> (usize, usize) {
-    let number = |name: &String| {
-        let mut materials = file.materials.iter();
-        materials.position(|m| m.name == *name).unwrap_or(0)
-    };
-    (number(&joint.between.0), number(&joint.between.1))
+/// Numbers of the two materials of a joint.
+fn numbers(names: &Names, joint: &JointFile) -> (usize, usize) {
+    let (first, second) = &joint.between;
+    (names.material(first), names.material(second))
 }
 
-/// Part and face whose normal is nearest to a direction; (0, 0) for a sphere, which has none.
+/// Part and face whose normal is closest to a direction; (0, 0) for a sphere, which has none.
 fn facing(shape: &Shape, direction: &Vec3) -> (usize, usize) {
     let mut best = (f64::NEG_INFINITY, (0, 0));
     if let Shape::Polyhedra(parts) = shape {

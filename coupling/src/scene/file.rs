@@ -8,6 +8,7 @@
 mod attachments;
 mod blocks;
 mod bulk;
+mod conversions;
 mod fluid;
 mod gauges;
 mod interface;
@@ -19,6 +20,7 @@ mod shapes;
 mod terrain;
 
 use riprap_dda::Vec3;
+use riprap_sph::Symmetry;
 use serde::{Deserialize, Serialize};
 
 pub use attachments::AttachmentFile;
@@ -36,8 +38,8 @@ pub use interface::{InterfaceFile, SlipFile, WallMethodFile};
 pub use materials::{ElasticFile, JointFile, MaterialFile};
 pub use numerics::{
     ContactDetectionFile, DensityDiffusionFile, DensityFile, KernelFile, NegativePressure,
-    NormalLawFile, NumericsFile, PrecisionFile, Preset, RollingLawFile, ShiftingFile, SleepingFile,
-    StateEquationFile, StaticDampingFile, SteppingFile, ViscosityFile,
+    NormalLawFile, NumericsFile, PrecisionFile, Preset, RestingFile, RollingLawFile, ShiftingFile,
+    SleepingFile, StateEquationFile, StaticDampingFile, SteppingFile, ViscosityFile,
 };
 pub use openings::{AbsorberFile, InflowFile, OutflowFile};
 pub use output::{BlockField, CameraFile, OutputFile, WaterField};
@@ -265,6 +267,16 @@ impl SideFile {
             Self::ZMax => (2, true),
         }
     }
+}
+
+/// Planes of symmetry among the sides: lower and upper one of each axis.
+pub fn planes_of_symmetry(sides: &[SideFile]) -> Symmetry {
+    let mut symmetry = Symmetry::default();
+    for side in sides {
+        let (axis, is_upper) = side.axis();
+        symmetry[axis][usize::from(is_upper)] = true;
+    }
+    symmetry
 }
 
 /// Treatment of a particle or block that leaves the domain.

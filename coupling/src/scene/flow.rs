@@ -1,4 +1,4 @@
-//! Flows that water starts with.
+//! Initial flow of the water.
 
 use riprap_dda::Vec3;
 
@@ -6,8 +6,8 @@ use super::file::vec3;
 use super::file::{FlowFile, RegionShapeFile, SceneFile};
 use super::fill::Lattice;
 
-/// Gives the water of each region the flow that its file asks for, on top of the velocity it has.
-pub(super) fn start(lattice: &mut Lattice, file: &SceneFile) {
+/// The lattice with the flow of each region added to its velocity.
+pub(super) fn with_flow(mut lattice: Lattice, file: &SceneFile) -> Lattice {
     let regions = file.fluid.iter().flat_map(|fluid| &fluid.regions);
     let gravity = vec3(file.gravity).norm();
     for (index, region) in regions.enumerate() {
@@ -24,6 +24,7 @@ pub(super) fn start(lattice: &mut Lattice, file: &SceneFile) {
             *velocity += velocity_of(flow, gravity, level, x);
         }
     }
+    lattice
 }
 
 /// ```text

@@ -1,8 +1,7 @@
-//! The wave that a slide is expected to make, by formulas fitted to experiments: what the water has to resolve.
+//! Impulse wave expected of a slide, by formulas fitted to experiments: the scales that the water has to resolve.
 
 use riprap_dda::Vec3;
 
-use super::file::ShapeFile;
 use super::geometry::terrain::Rock;
 use super::resolved::Scene;
 
@@ -36,7 +35,6 @@ impl SlideImpact {
     /// ```
     pub fn of(rock: &Rock, scene: &Scene) -> Option<Self> {
         let fluid = scene.fluid.as_ref()?;
-        let water = scene.file.fluid.as_ref()?;
         let gravity = scene.block_settings.gravity.norm();
         let bed: Vec3 = rock.bodies.iter().map(bed_area).sum();
         let up = -bed.try_normalize(0.0)?;
@@ -55,18 +53,14 @@ impl SlideImpact {
         let drop = moment / rock.volume - level;
         let share = 1.0 - friction_below(rock, scene)? / slope.tan();
         let speed = (2.0 * gravity * drop * share).max(0.0).sqrt();
-        let material = scene
-            .file
-            .materials
-            .iter()
-            .find(|m| m.name == rock.material)?;
+        let density = scene.materials.get(rock.material?)?.density;
         (0.0 < speed).then_some(Self {
             speed,
             thickness: rock.volume / bed.norm(),
             width: most - least,
             volume: rock.volume,
             slope,
-            relative_density: material.density / water.density,
+            relative_density: density / fluid.settings.reference_density,
             depth: fluid.lattice.depth,
             gravity,
         })
@@ -119,13 +113,8 @@ fn bed_area(body: &riprap_dda::Polyhedron) -> Vec3 {
 
 /// Tangent of the friction angle between a slide and the terrain, when all weakening is over.
 fn friction_below(rock: &Rock, scene: &Scene) -> Option<f64> {
-    let number = |name: &str| scene.file.materials.iter().position(|m| m.name == name);
-    let of_slide = number(&rock.material)?;
-    let blocks = &scene.file.blocks;
-    let terrain = blocks
-        .iter()
-        .find(|block| matches!(block.shape, ShapeFile::Terrain))?;
-    let of_terrain = number(&terrain.material)?;
+    let of_slide = rock.material?;
+    let of_terrain = scene.terrain.as_ref()?.material?;
     let pair = |(a, b): (usize, usize)| {
         (a, b) == (of_slide, of_terrain) || (b, a) == (of_slide, of_terrain)
     };

@@ -1,11 +1,14 @@
-//! A scene that can run.
+//! A scene that can run: geometry, initial water, and every number chosen.
 
-use riprap_dda::{Attachment, BlockDefinition, Hold, JointOverride, Material};
+pub mod recording;
+
+use riprap_dda::{Attachment, BlockDefinition, Hold, JointOverride, Material, Vec3};
 use riprap_sph::boundary::wall_particles::Slip;
-use riprap_sph::{Absorber, Rheology, Sleeping};
+use riprap_sph::{Absorber, Dimensions, Preset, Rheology, Sleeping, Symmetry};
 
 use super::error::Problem;
-use super::file::SceneFile;
+pub use super::file::{Axis, SideFile as Side};
+use super::file::{SceneFile, planes_of_symmetry};
 use super::fill::Lattice;
 use super::geometry::grains::GrainsReport;
 use super::geometry::rock_mass::RockMassReport;
@@ -13,64 +16,150 @@ use super::geometry::terrain::Terrain;
 use crate::openings::Openings;
 use crate::walls::WallMethod;
 use crate::walls::penalty::WallSettings;
-use crate::world::Weakening;
+use crate::world::{OutOfDomain, Weakening};
+use recording::{Gauge, Maps, Output, TrackedMass, Tracking};
 
-/// A scene that can run: geometry, initial water and all numbers. Nothing in it changes.
+/// A scene that can run; constant during the run.
 #[derive(Clone, Debug)]
 pub struct Scene {
-    /// The scene with every choice written out.
-    pub file: SceneFile,
-    /// Blocks in the order of the file.
+    /// One line that names the experiment.
+    pub title: String,
+    /// Acceleration of gravity; m/s².
+    pub gravity: Vec3,
+    /// Modeled box.
+    pub domain: Domain,
+    /// Simulated time, after settling; s.
+    pub duration: f64,
+    /// Duration before t = 0 in which the water comes to rest; s.
+    pub settle: f64,
+    /// Fastest motion expected, from which sound speed and stiffnesses follow; m/s.
+    pub expected_speed: f64,
+    /// Blocks in the order of the file; those of rock masses, slides and grains follow.
     pub blocks: Vec<BlockDefinition>,
-    /// The lie of the land.
+    /// Name of each block.
+    pub block_names: Vec<String>,
+    /// Whether water is kept out of the narrow joints of each block.
+    pub is_sealed: Vec<bool>,
+    /// Mesh files among the shapes of blocks.
+    pub meshes: Vec<MeshSource>,
+    /// Digital terrain model.
     pub terrain: Option<Terrain>,
-    /// Reports on rock masses and slides, now blocks.
+    /// Reports of rock masses and slides, whose blocks are in `blocks`.
     pub rock_masses: Vec<RockMassReport>,
-    /// Reports on grains, now blocks.
+    /// Reports of grains, whose spheres are in `blocks`.
     pub grains: Vec<GrainsReport>,
     /// Loads, supports and bolts.
     pub attachments: Vec<Attachment>,
-    /// Blocks that are held, by position, and how.
+    /// Constraints of blocks, by number.
     pub holds: Vec<(usize, Hold)>,
     /// Materials in the order of the file.
     pub materials: Vec<Material>,
-    /// Joints between two of them that override the derived properties.
+    /// Joint properties between two materials that replace those derived from the two.
     pub joints: Vec<JointOverride>,
     /// Joints that weaken with time.
     pub weakenings: Vec<Weakening>,
     /// Settings of the block solver.
     pub block_settings: riprap_dda::Settings,
-    /// Water, where the scene has some.
+    /// Water, if the scene has any.
     pub fluid: Option<FluidScene>,
-    /// Warnings to the user.
+    /// Files and intervals.
+    pub output: Output,
+    /// Recording instruments.
+    pub gauges: Vec<Gauge>,
+    /// Blocks for which forces are recorded by source; `None`: not recorded.
+    pub forces: Option<Tracking>,
+    /// Blocks whose paths are recorded; `None`: not recorded.
+    pub trajectories: Option<Tracking>,
+    /// Maps of wave impact; `None`: not drawn.
+    pub maps: Option<Maps>,
+    /// Groups of blocks tracked as one body.
+    pub masses: Vec<TrackedMass>,
+    /// Doubtful points that do not stop the scene.
     pub warnings: Vec<Problem>,
+    /// The scene as written, with blocks in place of rock masses, slides and grains.
+    pub(super) source: SceneFile,
 }
 
-/// Water at the start and its numbers.
+/// Modeled box.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Domain {
+    /// Lower corner; m.
+    pub min: Vec3,
+    /// Upper corner; m.
+    pub max: Vec3,
+    /// Periodic directions of the fluid.
+    pub periodic: Vec<Axis>,
+    /// Sides that are planes of symmetry.
+    pub symmetry: Vec<Side>,
+    /// Treatment of a particle or block that leaves.
+    pub out_of_domain: OutOfDomain,
+    /// Dimensions of the flow.
+    pub dimensions: Dimensions,
+}
+
+impl Domain {
+    /// Whether each axis is periodic.
+    pub fn periodic_axes(&self) -> [bool; 3] {
+        [Axis::X, Axis::Y, Axis::Z].map(|axis| self.periodic.contains(&axis))
+    }
+
+    /// For each axis, whether its lower and its upper side are planes of symmetry.
+    pub fn symmetry_planes(&self) -> Symmetry {
+        planes_of_symmetry(&self.symmetry)
+    }
+}
+
+/// Mesh file of a block.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MeshSource {
+    /// Number of the block.
+    pub block: usize,
+    /// Path, relative to the scene file.
+    pub file: String,
+    /// Meters per unit of the file.
+    pub scale: f64,
+}
+
+/// Initial water, its walls and openings, and the settings of the fluid solver.
 #[derive(Clone, Debug)]
 pub struct FluidScene {
-    /// Particles at the start.
+    /// Preset whose parameters apply where the scene has none.
+    pub preset: Preset,
+    /// Initial bodies of water, in the order of the file.
+    pub regions: Vec<Region>,
+    /// Initial particles.
     pub lattice: Lattice,
     /// Settings of the fluid solver.
     pub settings: riprap_sph::Settings,
-    /// Penalty walls; without stiffness where particles hold the fluid.
+    /// Ratio of smoothing length to particle spacing; –.
+    pub smoothing_length_ratio: f64,
+    /// Penalty springs of walls; without stiffness for walls of particles.
     pub walls: WallSettings,
     /// Wall method.
     pub wall_method: WallMethod,
-    /// Whether it slides along them.
+    /// Slip along walls.
     pub slip: Slip,
-    /// Pressure of each particle of the lattice at the start; Pa.
+    /// Initial pressure of each particle of the lattice; Pa.
     pub pressures: Vec<f64>,
-    /// Flow laws, where there are any.
+    /// Flow laws; none for water.
     pub rheologies: Vec<Rheology>,
     /// Number of the flow law of each particle of the lattice.
     pub kinds: Vec<u8>,
-    /// Layers that damp waves.
+    /// Layers that absorb waves.
     pub absorbers: Vec<Absorber>,
     /// Inflows and outflows.
     pub openings: Openings,
-    /// Criteria of its sleep, if enabled.
+    /// Sleep of water at rest; `None`: all water is computed.
     pub sleeping: Option<Sleeping>,
-    /// Fastest flow expected, from which sound speed and stiffnesses follow; m/s.
-    pub expected_speed: f64,
+}
+
+/// An initial body of water.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Region {
+    /// Name.
+    pub name: String,
+    /// Still-water level, of a box its top; m.
+    pub level: f64,
+    /// Wet point of a basin filled below a level; a box has none; m.
+    pub seed: Option<Vec3>,
 }

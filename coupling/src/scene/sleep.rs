@@ -1,35 +1,36 @@
-//! Sleep of water and blocks: default parameters, and incompatible options.
+//! Sleep of water and blocks: parameters where the file has none, and refusals.
 
 use riprap_dda::{BlockDefinition, Motion, Resting};
 use riprap_sph::{Settings, Sleeping};
 
 use super::error::Problem;
-use super::file::{SceneFile, WallMethodFile};
+use super::file::{SceneFile, vec3};
+use crate::walls::WallMethod;
 
-/// Mean displacement at which neighbors wake, over the spacing. At 0.01 the crest near a block that falls into six rows of
-/// water is 2.5 % off, at less than 0.003 no nearer than there; on a solitary wave 0.01 would do.
+/// Mean displacement that wakes the tiles around, over the spacing. At 0.01 the crest near a block that falls into six rows of
+/// water is 2.5 % off, below 0.003 no closer than there; on a solitary wave 0.01 would do.
 const DISPLACEMENT: f64 = 0.003;
-/// Speed up to which water is at rest, over that of long waves: still water that has settled has a third of it.
+/// Speed of water at rest, over that of long waves: still water that has settled has a third of it.
 const SPEED: f64 = 1e-3;
-/// Time of rest over that in which long waves go a depth: standing waves up to ten depths long, which pause as they turn,
-/// do not do so for as long.
+/// Time at rest over that in which long waves travel a depth: standing waves up to ten depths long, which pause at their
+/// turning points, do not do so for as long.
 const TIME: f64 = 10.0;
 
-/// Way of a block at rest, over its size: a boulder of a meter may creep by a millimeter in half a second.
-const RESTING_WAY: f64 = 1e-3;
-/// Time of rest over that in which a block falls half its size.
+/// Displacement of a block at rest, over its size: a boulder of a meter may creep by a millimeter in half a second.
+const RESTING_DISPLACEMENT: f64 = 1e-3;
+/// Time at rest over that in which a block falls half its size.
 const RESTING_TIME: f64 = 2.0;
-/// Change of load that wakes, over the weight: of a block under water what pushes it in kicks is a tenth.
+/// Change of load that wakes a block, over its weight: the fluctuating load on a block under water is a tenth.
 const RESTING_LOAD: f64 = 0.2;
 
-/// Fills in when blocks sleep, if the file wants them to.
+/// Sleep of blocks, if the file asks for it.
 pub(super) fn resting(
-    file: &mut SceneFile,
+    file: &SceneFile,
     blocks: &[BlockDefinition],
     problems: &mut Vec<Problem>,
 ) -> Option<Resting> {
-    let gravity = super::file::vec3(file.gravity).norm();
-    let resting = file.numerics.resting.as_mut()?;
+    let gravity = vec3(file.gravity).norm();
+    let resting = file.numerics.resting?;
     if gravity == 0.0 {
         let what = "blocks cannot rest without gravity; leave `numerics.resting` out";
         problems.push(Problem::error("numerics.resting", what));
@@ -38,20 +39,18 @@ pub(super) fn resting(
     let largest = free.map(|b| b.shape.volume().cbrt()).fold(0.0, f64::max);
     let time = RESTING_TIME * (largest / gravity).sqrt();
     Some(Resting {
-        displacement: *resting.displacement.get_or_insert(RESTING_WAY),
-        // without any free block it is of no use, but is still a number
-        time: *resting
-            .time
-            .get_or_insert(if time > 0.0 { time } else { 1.0 }),
-        load: *resting.load.get_or_insert(RESTING_LOAD),
+        displacement: resting.displacement.unwrap_or(RESTING_DISPLACEMENT),
+        // without any free block it has no effect, but is still a number
+        time: resting.time.unwrap_or(if time > 0.0 { time } else { 1.0 }),
+        load: resting.load.unwrap_or(RESTING_LOAD),
     })
 }
 
-/// Fills in when the water sleeps, if the file wants it to.
+/// Sleep of the water, if the file asks for it.
 pub(super) fn sleeping(
-    file: &mut SceneFile,
+    file: &SceneFile,
     settings: &Settings,
-    depth: f64,
+    (wall_method, depth): (WallMethod, f64),
     problems: &mut Vec<Problem>,
 ) -> Option<Sleeping> {
     let mut refuse = |found: &str| {
@@ -60,8 +59,8 @@ pub(super) fn sleeping(
             format!("water cannot sleep with {found}"),
         ));
     };
-    let sleeping = file.numerics.sleeping.as_mut()?;
-    if file.interface.walls != Some(WallMethodFile::Particles) {
+    let sleeping = file.numerics.sleeping?;
+    if wall_method != WallMethod::Particles {
         refuse("penalty or integral walls, which press on it; set `interface.walls` to Particles");
     }
     if !(file.inflows.is_empty() && file.outflows.is_empty()) {
@@ -73,9 +72,9 @@ pub(super) fn sleeping(
         refuse("no gravity, from which its speed and time of rest would follow; give both");
     }
     let chosen = Sleeping {
-        displacement: *sleeping.displacement.get_or_insert(DISPLACEMENT),
-        speed: *sleeping.speed.get_or_insert(SPEED * wave_speed),
-        time: *sleeping.time.get_or_insert(TIME * depth / wave_speed),
+        displacement: sleeping.displacement.unwrap_or(DISPLACEMENT),
+        speed: sleeping.speed.unwrap_or(SPEED * wave_speed),
+        time: sleeping.time.unwrap_or(TIME * depth / wave_speed),
     };
     if let Err(error) = settings.check_sleep() {
         problems.push(Problem::error("numerics.sleeping", error.to_string()));

@@ -1,7 +1,7 @@
-//! Conditions of planes of symmetry on blocks and on the initial water.
+//! Requirements of planes of symmetry on blocks and on the initial water.
 
 use riprap_dda::{Motion, PrescribedMotion, Shape, Vec3};
-use riprap_sph::{Symmetry, SymmetryPlane};
+use riprap_sph::SymmetryPlane;
 
 use super::error::Problem;
 use super::file::vec3;
@@ -9,22 +9,12 @@ use super::file::{DomainFile, LatticeFile, SceneFile, SideFile};
 use super::fill::Lattice;
 use crate::world::TOUCH;
 
-/// Way across a plane from which on a prescribed motion is not along it, of the size of the domain.
+/// Displacement across a plane, over the size of the domain, above which a prescribed motion is not along it.
 const ALONG: f64 = 1e-9;
-/// Looks at a prescribed motion.
-const LOOKS: u32 = 1000;
-/// By how much the first row of water may be off half a spacing from a plane; × spacing.
+/// Samples of a prescribed motion.
+const SAMPLES: u32 = 1000;
+/// Tolerance of the distance of the first row of water from a plane; × spacing.
 const ROW_SLACK: f64 = 0.1;
-
-/// Sides of the domain that are planes of symmetry.
-pub(super) fn symmetry(domain: &DomainFile) -> Symmetry {
-    let mut symmetry = Symmetry::default();
-    for side in &domain.symmetry {
-        let (axis, is_upper) = side.axis();
-        symmetry[axis][usize::from(is_upper)] = true;
-    }
-    symmetry
-}
 
 fn planes(domain: &DomainFile) -> impl Iterator<Item = (SideFile, SymmetryPlane)> {
     let (min, max) = (vec3(domain.min), vec3(domain.max));
@@ -84,15 +74,15 @@ fn farthest_across(motion: &PrescribedMotion, plane: &SymmetryPlane, duration: f
         motion.displacement(t)[plane.axis] + turning.norm()
     };
     let start = across(0.0);
-    (1..=LOOKS)
-        .map(|k| (across(duration * f64::from(k) / f64::from(LOOKS)) - start).abs())
+    (1..=SAMPLES)
+        .map(|k| (across(duration * f64::from(k) / f64::from(SAMPLES)) - start).abs())
         .fold(0.0, f64::max)
 }
 
-/// Says so where the first row of water does not stand half a spacing from a plane: the row and its image would
-/// push each other apart, or leave a gap. Rows of staggered layers stand a quarter to and fro of that, and packing
-/// spreads them.
-pub(super) fn question_rows(
+/// Warnings where the first row of water is not half a spacing from a plane: the row and its image would push each
+/// other apart, or leave a gap. Rows of staggered layers are a quarter to either side of that, and packing spreads
+/// them.
+pub(super) fn warn_about_rows(
     (domain, arrangement): (&DomainFile, LatticeFile),
     lattice: &Lattice,
     problems: &mut Vec<Problem>,
@@ -114,7 +104,7 @@ pub(super) fn question_rows(
             problems.push(Problem::warning(
                 "domain.symmetry",
                 format!(
-                    "{side:?}: the first row of water stands {nearest:.2} spacings from the plane of symmetry, not \
+                    "{side:?}: the first row of water is {nearest:.2} spacings from the plane of symmetry, not \
                      {first}; let regions end at the plane, and their length be a whole number of spacings"
                 ),
             ));

@@ -42,7 +42,7 @@ impl Chosen {
             } => {
                 let named = file.output.block.as_ref();
                 let is_meant =
-                    |name: &String| scene.file.blocks.iter().position(|b| b.name == *name);
+                    |name: &String| scene.block_names.iter().position(|other| other == name);
                 let study_folder = path.parent().unwrap_or(Path::new("."));
                 let (value, error) = judge(file, study_folder, named.and_then(is_meant), folder)?;
                 let finest = finest_run(file, known).and_then(|found| found.value);

@@ -16,9 +16,9 @@ const PROBE_STEPS: u32 = 50;
 /// Step limits, steps, disk and wall time from a timed probe.
 pub(super) fn cost(scene: &Scene) -> Result<String, RunError> {
     let mut world = build(scene)?;
-    let duration = scene.file.time.duration;
+    let duration = scene.duration;
     let settle = if scene.fluid.is_some() {
-        scene.file.time.settle
+        scene.settle
     } else {
         0.0
     };
@@ -78,13 +78,13 @@ fn step_limits(world: &World, step: TimeStep) -> String {
 
 /// Disk space of the frames and gauge records.
 fn disk(scene: &Scene) -> String {
-    let duration = scene.file.time.duration;
+    let duration = scene.duration;
     let fluid = scene.fluid.as_ref();
     let n = fluid.map_or(0, |f| f.lattice.positions.len()) as f64;
-    let output = &scene.file.output;
-    let frames = duration / output.frame_interval.unwrap_or(duration);
+    let output = &scene.output;
+    let frames = duration / output.frame_interval;
     // measured: about 30 bytes a particle and frame, compressed
-    let bytes = frames * n * 30.0 + duration / output.gauge_interval.unwrap_or(duration) * 500.0;
+    let bytes = frames * n * 30.0 + duration / output.gauge_interval * 500.0;
     format!(
         "  disk           about {:.0} MB in {frames:.0} frames\n",
         bytes / 1e6

@@ -7,9 +7,8 @@ use riprap_dda::{Motion, Shape};
 use super::landslide;
 use crate::scene::access::Access;
 use crate::scene::estimate::Estimate;
-use crate::scene::file::ShapeFile;
 use crate::scene::mesh;
-use crate::scene::resolve::{FluidScene, Scene};
+use crate::scene::resolved::{FluidScene, MeshSource, Scene};
 use crate::walls::WallMethod;
 
 /// Heading and text of a line.
@@ -34,7 +33,7 @@ pub(crate) fn describe(scene: &Scene, access: &Access) -> String {
         .chain(meshes(scene, access))
         .chain(borders(scene))
         .chain([time(scene), ("memory", Estimate::of(scene).to_string())]);
-    let mut text = scene.file.title.clone();
+    let mut text = scene.title.clone();
     for (heading, value) in lines {
         let _ = write!(text, "\n  {heading:<14} {value}");
     }
@@ -73,11 +72,7 @@ fn terrain(scene: &Scene) -> Vec<Line> {
         return Vec::new();
     };
     let (low, high) = (terrain.grid.corner, terrain.grid.far_corner());
-    let origin = scene
-        .file
-        .terrain
-        .as_ref()
-        .map_or((0.0, 0.0, 0.0), |t| t.origin);
+    let origin = terrain.origin;
     let filled = match terrain.n_filled {
         0 => String::new(),
         n => format!("; {n} points lay in gaps"),
@@ -184,7 +179,7 @@ fn fluid(scene: &Scene) -> Vec<Line> {
             "scheme",
             format!(
                 "{:?}: {:?} kernel, support {:.4} m, {:?} density, {:?}, {:?}, {:?} stepping, {:?} precision",
-                scene.file.numerics.preset,
+                fluid.preset,
                 s.scheme.kernel,
                 s.support_radius(),
                 s.scheme.density,
@@ -199,8 +194,8 @@ fn fluid(scene: &Scene) -> Vec<Line> {
             format!(
                 "{:.2} m/s, {:.1} times the fastest expected {:.2} m/s",
                 s.sound_speed,
-                s.sound_speed / fluid.expected_speed.max(1e-300),
-                fluid.expected_speed
+                s.sound_speed / scene.expected_speed.max(1e-300),
+                scene.expected_speed
             ),
         ),
     ];
@@ -237,10 +232,7 @@ fn walls(fluid: &FluidScene) -> String {
 /// Meshes of blocks, as they are found in their files.
 fn meshes(scene: &Scene, access: &Access) -> Vec<Line> {
     let mut lines = Vec::new();
-    for block in &scene.file.blocks {
-        let ShapeFile::Mesh { file, scale } = &block.shape else {
-            continue;
-        };
+    for MeshSource { block, file, scale } in &scene.meshes {
         // the scene was resolved, so its meshes can be read
         let Ok(found) = mesh::survey(access, file, *scale) else {
             continue;
@@ -250,7 +242,7 @@ fn meshes(scene: &Scene, access: &Access) -> Vec<Line> {
             "mesh",
             format!(
                 "`{}` from {file}: watertight {}, {} shells, {} triangles, {:.6} m3, box {:.3} x {:.3} x {:.3} m",
-                block.name,
+                scene.block_names[*block],
                 if found.is_watertight { "yes" } else { "no" },
                 found.n_shells,
                 found.n_triangles,
@@ -266,7 +258,7 @@ fn meshes(scene: &Scene, access: &Access) -> Vec<Line> {
 
 /// Sides of the domain that are periodic or planes of symmetry.
 fn borders(scene: &Scene) -> Vec<Line> {
-    let domain = &scene.file.domain;
+    let domain = &scene.domain;
     let axes: Vec<String> = domain.periodic.iter().map(|a| format!("{a:?}")).collect();
     let sides: Vec<String> = domain.symmetry.iter().map(|s| format!("{s:?}")).collect();
     let mut lines = Vec::new();
@@ -286,10 +278,9 @@ fn borders(scene: &Scene) -> Vec<Line> {
 }
 
 fn time(scene: &Scene) -> Line {
-    let time = &scene.file.time;
-    let settling = match (&scene.fluid, time.settle > 0.0) {
-        (Some(_), true) => format!(", after {} s of settling with blocks held", time.settle),
+    let settling = match (&scene.fluid, scene.settle > 0.0) {
+        (Some(_), true) => format!(", after {} s of settling with blocks held", scene.settle),
         _ => String::new(),
     };
-    ("time", format!("{} s{settling}", time.duration))
+    ("time", format!("{} s{settling}", scene.duration))
 }

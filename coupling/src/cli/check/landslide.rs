@@ -1,6 +1,5 @@
 //! Resolution required for a slide into water, and a check that the water fills its basin.
 
-use crate::scene::file::RegionShapeFile;
 use crate::scene::impulse_wave::SlideImpact;
 use crate::scene::resolve::{FluidScene, Scene};
 use crate::scene::terrain::Terrain;
@@ -59,14 +58,12 @@ pub(super) fn lines(scene: &Scene) -> Vec<(&'static str, String)> {
 
 /// Volume of the water in basins of the terrain, compared with the volume below its level.
 fn basins(scene: &Scene, terrain: &Terrain, fluid: &FluidScene) -> Vec<(&'static str, String)> {
-    let (min, max) = (scene.file.domain.min, scene.file.domain.max);
-    let plan = [[min.0, min.1], [max.0, max.1]];
-    let regions = scene.file.fluid.iter().flat_map(|water| &water.regions);
+    let (min, max) = (scene.domain.min, scene.domain.max);
+    let plan = [[min.x, min.y], [max.x, max.y]];
+    let regions = fluid.regions.iter();
     let basins = regions.enumerate().filter_map(|(k, region)| {
-        let RegionShapeFile::Below { level, seed } = region.shape else {
-            return None;
-        };
-        let room = room_below(terrain, level, [seed.0, seed.1], plan)?;
+        let seed = region.seed?;
+        let room = room_below(terrain, region.level, [seed.x, seed.y], plan)?;
         let of_region = fluid.lattice.region.iter().filter(|&&r| r as usize == k);
         let volume = of_region.count() as f64 * fluid.lattice.particle_volume();
         let off = volume / room.volume - 1.0;

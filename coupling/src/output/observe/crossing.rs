@@ -3,6 +3,8 @@
 use riprap_sph::{Fluid, Vec3};
 use serde::{Deserialize, Serialize};
 
+use crate::scene::resolved::recording::PlanLine;
+
 /// Volume that has crossed a line, from samples of the water: only flow faster than sound could cross between two samples.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct Crossing {
@@ -19,10 +21,10 @@ pub(super) struct Crossing {
 }
 
 impl Crossing {
-    pub(super) fn of(from: (f64, f64), to: (f64, f64)) -> Self {
+    pub(super) fn of(PlanLine { from, to }: PlanLine) -> Self {
         Self {
-            from: [from.0, from.1],
-            along: [to.0 - from.0, to.1 - from.1],
+            from,
+            along: [to[0] - from[0], to[1] - from[1]],
             near: Vec::new(),
             volume: 0.0,
             time: None,
@@ -98,7 +100,10 @@ mod tests {
     /// Facing north, east is to the right; flow around the ends does not count.
     #[test]
     fn a_passage_has_a_side_and_ends() {
-        let line = Crossing::of((0.0, 0.0), (0.0, 10.0));
+        let line = Crossing::of(PlanLine {
+            from: [0.0, 0.0],
+            to: [0.0, 10.0],
+        });
         assert_eq!(line.passage([-1.0, 5.0], [1.0, 6.0]), 1.0);
         assert_eq!(line.passage([1.0, 6.0], [-1.0, 5.0]), -1.0);
         assert_eq!(line.passage([-1.0, 11.0], [1.0, 12.0]), 0.0);

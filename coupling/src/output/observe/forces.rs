@@ -14,8 +14,7 @@ use super::{ObserveError, Observer, Schedule};
 use crate::files::table::{Column, Start, Table};
 use crate::output::run_folder;
 use crate::saved::Saved;
-use crate::scene::file::ForcesFile;
-use crate::scene::resolve::Scene;
+use crate::scene::resolved::recording::Tracking;
 use crate::world::{FluidImpulses, World};
 
 /// Sources of force in `forces.csv`.
@@ -95,17 +94,6 @@ fn less(a: Load, b: Load) -> Load {
     }
 }
 
-impl ForcesFile {
-    /// The requested free blocks.
-    pub fn chosen(&self, scene: &Scene, world: &World) -> Vec<usize> {
-        let is_asked = |&b: &usize| {
-            let name = &scene.file.blocks[b].name;
-            world.blocks.is_free(b) && (self.blocks.is_empty() || self.blocks.contains(name))
-        };
-        (0..world.blocks.n_blocks()).filter(is_asked).collect()
-    }
-}
-
 fn columns(names: impl Iterator<Item = String>) -> Vec<Column> {
     let mut columns = vec![Column::new("time", "s"), Column::new("block", "-")];
     for name in names {
@@ -127,8 +115,7 @@ impl Forces {
     /// [`ObserveError`] when a table cannot be created.
     pub fn new(
         folder: &Path,
-        asked: &ForcesFile,
-        chosen: &[usize],
+        asked: &Tracking,
         world: &World,
         start: Start,
     ) -> Result<Self, ObserveError> {
@@ -136,14 +123,14 @@ impl Forces {
         let mut of_contacts = columns(["contact".to_owned()].into_iter());
         of_contacts.insert(2, Column::new("partner", "-"));
         Ok(Self {
-            schedule: Schedule::every(asked.interval.unwrap_or(f64::INFINITY)),
+            schedule: Schedule::every(asked.interval),
             forces: Table::open(
                 &folder.join(run_folder::FORCES),
                 &columns(names.map(|name| (*name).to_owned())),
                 start,
             )?,
             contacts: Table::open(&folder.join(run_folder::CONTACTS), &of_contacts, start)?,
-            tracks: chosen.iter().map(|&b| Track::of(b, world)).collect(),
+            tracks: asked.blocks.iter().map(|&b| Track::of(b, world)).collect(),
             row: Vec::new(),
         })
     }

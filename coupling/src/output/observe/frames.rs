@@ -10,7 +10,7 @@ use super::{ObserveError, Observer, Schedule};
 use crate::files::vtk::{self, Array, Collection, PolyData, Polygons, Values};
 use crate::output::run_folder;
 use crate::saved::Saved;
-use crate::scene::file::{BlockField, OutputFile, WaterField};
+use crate::scene::resolved::recording::{BlockField, Output, WaterField};
 use crate::world::{Water, World};
 
 /// Writes `water_00000.vtp`, `blocks_00000.vtp`, ... and their collections.
@@ -33,7 +33,7 @@ impl Frames {
     /// # Errors
     ///
     /// [`ObserveError`] when the folder cannot be written.
-    pub fn new(folder: &Path, output: &OutputFile, world: &World) -> Result<Self, ObserveError> {
+    pub fn new(folder: &Path, output: &Output, world: &World) -> Result<Self, ObserveError> {
         let blocks = &world.blocks;
         let fixed: Vec<usize> = (0..blocks.n_blocks())
             .filter(|&b| world.is_fixed(b))
@@ -46,8 +46,8 @@ impl Frames {
         let collection = |stem: &str| Collection::new(folder, stem);
         Ok(Self {
             folder: folder.to_path_buf(),
-            schedule: Schedule::every(output.frame_interval.unwrap_or(f64::INFINITY)),
-            water_fields: output.water_fields.clone().unwrap_or_default(),
+            schedule: Schedule::every(output.frame_interval),
+            water_fields: output.water_fields.clone(),
             block_fields: output.block_fields.clone(),
             water: world
                 .water

@@ -10,8 +10,8 @@ use super::{ObserveError, Observer, Schedule};
 use crate::files::table::{Column, Start, Table};
 use crate::output::run_folder;
 use crate::saved::Saved;
-use crate::scene::file::GaugeFile;
-use crate::scene::resolve::{Scene, vec3};
+use crate::scene::resolve::Scene;
+use crate::scene::resolved::recording::{Gauge, PlanLine, Quantity};
 use crate::world::World;
 
 /// Distance from the ground, in spacings, within which water touches it.
@@ -24,15 +24,15 @@ const GROUND_SLOPE: f64 = 0.05;
 pub struct Gauges {
     schedule: Schedule,
     table: Table,
-    gauges: Vec<Gauge>,
+    instruments: Vec<Instrument>,
     /// Between rows; s.
     interval: f64,
     row: Vec<f64>,
 }
 
-/// A gauge with its names resolved.
+/// A gauge with the state it needs.
 #[derive(Clone, Debug)]
-enum Gauge {
+enum Instrument {
     SurfaceElevation {
         x: f64,
         y: f64,
@@ -62,19 +62,16 @@ impl Gauges {
         start: Start,
     ) -> Result<Self, ObserveError> {
         let mut columns = vec![Column::new("time", "s")];
-        for gauge in &scene.file.gauges {
+        for gauge in &scene.gauges {
             columns.extend(columns_of(gauge));
         }
-        let interval = scene.file.output.gauge_interval.unwrap_or(f64::INFINITY);
+        let interval = scene.output.gauge_interval;
         Ok(Self {
             schedule: Schedule::every(interval),
             interval,
             table: Table::open(&folder.join(run_folder::GAUGES), &columns, start)?,
-            gauges: scene
-                .file
-                .gauges
-                .iter()
-                .map(|g| resolve(g, scene, &world.blocks))
+            instruments: (scene.gauges.iter())
+                .map(|gauge| instrument(gauge, &world.blocks))
                 .collect(),
             row: Vec::with_capacity(columns.len()),
         })
@@ -84,7 +81,7 @@ impl Gauges {
     pub fn scalar_columns(scene: &Scene) -> Vec<(usize, String, String)> {
         let mut place = 1;
         let mut scalars = Vec::new();
-        for gauge in &scene.file.gauges {
+        for gauge in &scene.gauges {
             let columns = columns_of(gauge);
             if let [column] = columns.as_slice() {
                 scalars.push((place, column.name.clone(), column.unit.clone()));
@@ -103,8 +100,8 @@ impl Observer for Gauges {
     fn observe(&mut self, world: &World) -> Result<(), ObserveError> {
         self.row.clear();
         self.row.push(world.time());
-        for gauge in &mut self.gauges {
-            gauge.read(world, self.interval, &mut self.row);
+        for instrument in &mut self.instruments {
+            instrument.read(world, self.interval, &mut self.row);
         }
         self.table.row(&self.row)?;
         self.schedule.done(world.time());
@@ -112,7 +109,8 @@ impl Observer for Gauges {
     }
 
     fn save(&self, out: Vec<u8>) -> Saved {
-        let crossings: Vec<&Crossing> = self.gauges.iter().filter_map(Gauge::crossing).collect();
+        let instruments = self.instruments.iter();
+        let crossings: Vec<&Crossing> = instruments.filter_map(Instrument::crossing).collect();
         postcard::to_extend(&(self.schedule, self.table.length(), crossings), out)
     }
 
@@ -126,8 +124,8 @@ impl Observer for Gauges {
         ((self.schedule, length, crossings), rest) = postcard::take_from_bytes(bytes)?;
         self.table.cut(length)?;
         let mut crossings = crossings.into_iter();
-        for gauge in &mut self.gauges {
-            if let Gauge::Overtopping(crossing) = gauge
+        for instrument in &mut self.instruments {
+            if let Instrument::Overtopping(crossing) = instrument
                 && let Some(saved) = crossings.next()
             {
                 *crossing = saved;
@@ -137,21 +135,21 @@ impl Observer for Gauges {
     }
 }
 
-fn columns_of(gauge: &GaugeFile) -> Vec<Column> {
-    match gauge {
-        GaugeFile::SurfaceElevation { name, .. }
-        | GaugeFile::RunUp { name, .. }
-        | GaugeFile::Front { name, .. } => vec![Column::new(name, "m")],
-        GaugeFile::Pressure { name, .. } => vec![Column::new(name, "Pa")],
-        GaugeFile::Displaced { name, .. } => vec![Column::new(name, "-")],
-        GaugeFile::Overtopping { name, .. } => vec![
+fn columns_of(Gauge { name, quantity }: &Gauge) -> Vec<Column> {
+    match quantity {
+        Quantity::SurfaceElevation { .. } | Quantity::RunUp(_) | Quantity::Front(_) => {
+            vec![Column::new(name, "m")]
+        }
+        Quantity::Pressure { .. } => vec![Column::new(name, "Pa")],
+        Quantity::Displaced { .. } => vec![Column::new(name, "-")],
+        Quantity::Overtopping(_) => vec![
             Column::new(format!("{name}.volume"), "m3"),
             Column::new(format!("{name}.discharge"), "m3/s"),
         ],
-        GaugeFile::Velocity { name, .. } => ["vx", "vy", "vz"]
+        Quantity::Velocity { .. } => ["vx", "vy", "vz"]
             .map(|c| Column::new(format!("{name}.{c}"), "m/s"))
             .to_vec(),
-        GaugeFile::BlockForce { name, .. } => ["fluid", "contact"]
+        Quantity::BlockForce { .. } => ["fluid", "contact"]
             .iter()
             .flat_map(|source| {
                 [
@@ -168,38 +166,27 @@ fn columns_of(gauge: &GaugeFile) -> Vec<Column> {
     }
 }
 
-fn resolve(gauge: &GaugeFile, scene: &Scene, blocks: &Blocks) -> Gauge {
-    match gauge {
-        GaugeFile::SurfaceElevation { x, y, .. } => Gauge::SurfaceElevation { x: *x, y: *y },
-        GaugeFile::Pressure { position, .. } => Gauge::Pressure(vec3(*position)),
-        GaugeFile::Velocity { position, .. } => Gauge::Velocity(vec3(*position)),
-        GaugeFile::BlockForce { block, .. } => Gauge::BlockForce(
-            // validation has verified that the name exists
-            scene
-                .file
-                .blocks
-                .iter()
-                .position(|b| &b.name == block)
-                .unwrap_or(0),
-        ),
-        GaugeFile::RunUp { from, to, .. } => Gauge::RunUp(Line::between(*from, *to)),
-        GaugeFile::Front { from, to, .. } => Gauge::Front(Line::between(*from, *to)),
-        GaugeFile::Overtopping { from, to, .. } => Gauge::Overtopping(Crossing::of(*from, *to)),
-        GaugeFile::Displaced {
-            blocks: prefix,
+/// The instrument of a gauge on blocks at their initial positions.
+fn instrument(gauge: &Gauge, blocks: &Blocks) -> Instrument {
+    match &gauge.quantity {
+        Quantity::SurfaceElevation { x, y } => Instrument::SurfaceElevation { x: *x, y: *y },
+        Quantity::Pressure { position } => Instrument::Pressure(*position),
+        Quantity::Velocity { position } => Instrument::Velocity(*position),
+        Quantity::BlockForce { block } => Instrument::BlockForce(*block),
+        Quantity::RunUp(line) => Instrument::RunUp(Line::along(*line)),
+        Quantity::Front(line) => Instrument::Front(Line::along(*line)),
+        Quantity::Overtopping(line) => Instrument::Overtopping(Crossing::of(*line)),
+        Quantity::Displaced {
+            blocks: watched,
             farther_than,
-            ..
-        } => Gauge::Displaced {
-            starts: (0..blocks.n_blocks())
-                .filter(|&b| blocks.is_free(b) && scene.file.blocks[b].name.starts_with(prefix))
-                .map(|b| (b, blocks.centroid(b)))
-                .collect(),
+        } => Instrument::Displaced {
+            starts: watched.iter().map(|&b| (b, blocks.centroid(b))).collect(),
             farther_than: *farther_than,
         },
     }
 }
 
-impl Gauge {
+impl Instrument {
     fn crossing(&self) -> Option<&Crossing> {
         match self {
             Self::Overtopping(crossing) => Some(crossing),
@@ -264,10 +251,10 @@ struct Line {
 }
 
 impl Line {
-    fn between(from: (f64, f64), to: (f64, f64)) -> Self {
+    fn along(PlanLine { from, to }: PlanLine) -> Self {
         Self {
-            from: [from.0, from.1],
-            along: [to.0 - from.0, to.1 - from.1],
+            from,
+            along: [to[0] - from[0], to[1] - from[1]],
         }
     }
 

@@ -10,8 +10,8 @@ use super::{ObserveError, Observer, Schedule};
 use crate::files::vtk::{self, Array, PolyData, Polygons, Values, replace_file};
 use crate::output::run_folder;
 use crate::saved::Saved;
-use crate::scene::file::MapsFile;
 use crate::scene::resolve::Scene;
+use crate::scene::resolved::recording;
 use crate::scene::terrain::grid::Grid;
 use crate::world::World;
 use crate::world::ground::Ground;
@@ -51,11 +51,10 @@ pub struct Maps {
 
 impl Maps {
     /// Maps in `folder`.
-    pub fn new(folder: &Path, asked: &MapsFile, scene: &Scene, world: &World) -> Self {
-        let domain = &scene.file.domain;
-        let (min, max) = ([domain.min.0, domain.min.1], [domain.max.0, domain.max.1]);
-        // resolved with the scene
-        let spacing = asked.spacing.unwrap_or(max[0] - min[0]);
+    pub fn new(folder: &Path, asked: &recording::Maps, scene: &Scene, world: &World) -> Self {
+        let domain = &scene.domain;
+        let (min, max) = ([domain.min.x, domain.min.y], [domain.max.x, domain.max.y]);
+        let spacing = asked.spacing;
         let n = [0, 1].map(|axis| (((max[axis] - min[axis]) / spacing) as usize).max(2));
         let mut ground = Grid {
             n,
@@ -75,14 +74,10 @@ impl Maps {
             .collect();
         let none = vec![f64::NAN; ground.heights.len()];
         Self {
-            schedule: Schedule::every(asked.interval.unwrap_or(f64::INFINITY)),
+            schedule: Schedule::every(asked.interval),
             folder: folder.to_owned(),
-            origin: scene
-                .file
-                .terrain
-                .as_ref()
-                .map_or((0.0, 0.0, 0.0), |t| t.origin),
-            arrival_threshold: asked.arrival_threshold.unwrap_or(f64::INFINITY),
+            origin: (scene.terrain.as_ref()).map_or((0.0, 0.0, 0.0), |terrain| terrain.origin),
+            arrival_threshold: asked.arrival_threshold,
             at_start: none.clone(),
             highest: none.clone(),
             arrival: none,

@@ -55,14 +55,11 @@ impl Masses {
     ) -> Result<Self, ObserveError> {
         let mut columns = vec![Column::new("time", "s")];
         let mut members = Vec::new();
-        for mass in &scene.file.masses {
+        for mass in &scene.masses {
             let named = COLUMNS.iter();
             columns.extend(named.map(|(c, unit)| Column::new(format!("{}.{c}", mass.name), *unit)));
-            let is_member = |&b: &usize| {
-                world.blocks.is_free(b) && scene.file.blocks[b].name.starts_with(&mass.blocks)
-            };
-            let blocks = (0..world.blocks.n_blocks()).filter(is_member);
-            members.push(blocks.map(|b| (b, world.blocks.centroid(b))).collect());
+            let blocks = mass.blocks.iter();
+            members.push(blocks.map(|&b| (b, world.blocks.centroid(b))).collect());
         }
         if world.water.is_some() {
             columns.extend(WATER_COLUMNS.map(|c| Column::new(c, "J")));

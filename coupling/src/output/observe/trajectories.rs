@@ -12,8 +12,7 @@ use super::{ObserveError, Observer, Schedule};
 use crate::files::table::{Column, Start, Table};
 use crate::output::run_folder;
 use crate::saved::Saved;
-use crate::scene::file::TrajectoriesFile;
-use crate::scene::resolve::Scene;
+use crate::scene::resolved::recording::Tracking;
 use crate::world::World;
 use crate::world::ground::Ground;
 
@@ -98,8 +97,7 @@ impl Trajectories {
     /// [`ObserveError`] when a table cannot be created.
     pub fn new(
         folder: &Path,
-        asked: &TrajectoriesFile,
-        scene: &Scene,
+        asked: &Tracking,
         world: &World,
         start: Start,
     ) -> Result<Self, ObserveError> {
@@ -107,17 +105,12 @@ impl Trajectories {
             let columns = list.iter().map(|(name, unit)| Column::new(*name, *unit));
             Table::open(&folder.join(name), &columns.collect::<Vec<_>>(), start)
         };
-        let is_asked = |&b: &usize| {
-            let name = &scene.file.blocks[b].name;
-            world.blocks.is_free(b) && (asked.blocks.is_empty() || asked.blocks.contains(name))
-        };
-        let tracks = (0..world.blocks.n_blocks())
-            .filter(is_asked)
-            .map(|b| Track::new(b, world.blocks.centroid(b)))
+        let tracks = (asked.blocks.iter())
+            .map(|&b| Track::new(b, world.blocks.centroid(b)))
             .collect();
         let extent = (world.domain().1 - world.domain().0).xy();
         Ok(Self {
-            schedule: Schedule::every(asked.interval.unwrap_or(f64::INFINITY)),
+            schedule: Schedule::every(asked.interval),
             ground: Ground::of(&world.blocks),
             samples: table(run_folder::TRAJECTORIES, &SAMPLE_COLUMNS)?,
             blocks: table(run_folder::ROCKFALL, &BLOCK_COLUMNS)?,

@@ -24,8 +24,8 @@ impl ArchivedScene {
     ///
     /// [`RunFolderError::Scene`] when it cannot be written as text.
     pub fn of(scene: &Scene) -> Result<Self, RunFolderError> {
-        let names = archived_names(&scene.file.referenced_files());
-        let mut file = scene.file.clone();
+        let mut file = scene.to_file();
+        let names = archived_names(&file.referenced_files());
         file.rename_files(|file| names.get(file).cloned().unwrap_or_else(|| file.to_owned()));
         let text = parse::write(&file)?;
         Ok(Self { names, text })

@@ -4,7 +4,8 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use super::{CASE, SUMMARY};
-use crate::scene::file::{CameraFile, ResolutionFile, SceneFile, ShapeFile};
+use crate::scene::file::{ResolutionFile, SceneFile, ShapeFile};
+use crate::scene::resolved::recording::Viewpoint;
 
 /// Failure to read a file of a run folder.
 #[derive(Debug, thiserror::Error)]
@@ -33,7 +34,7 @@ pub struct RunScene {
     /// Title.
     pub title: String,
     /// Camera, if the scene sets one.
-    pub camera: Option<CameraFile>,
+    pub camera: Option<Viewpoint>,
     /// Whether each block is terrain.
     pub is_terrain: Vec<bool>,
     /// Particle spacing as written, if it is; m.
@@ -60,7 +61,7 @@ pub fn read_scene(folder: &Path) -> Result<RunScene, ReadError> {
         |shape: &ShapeFile| matches!(shape, ShapeFile::Raster { .. } | ShapeFile::Terrain);
     Ok(RunScene {
         title: file.title,
-        camera: file.camera,
+        camera: file.camera.as_ref().map(Viewpoint::from),
         is_terrain: file.blocks.iter().map(|b| is_terrain(&b.shape)).collect(),
         particle_spacing: file.fluid.and_then(|fluid| match fluid.resolution {
             ResolutionFile::Spacing(spacing) => Some(spacing),

@@ -6,8 +6,8 @@ use riprap_dda::Vec3;
 use super::side_view::convex_outline;
 use crate::output::observe::maps::Maps;
 use crate::picture::overview::plan::{Footprint, FromAbove, Mark, Plan};
-use crate::scene::file::GaugeFile;
 use crate::scene::resolve::Scene;
+use crate::scene::resolved::recording::{Gauge, Quantity};
 use crate::scene::terrain::grid::Grid;
 use crate::world::World;
 use crate::world::ground::Ground;
@@ -20,10 +20,10 @@ const MOST_POINTS_OF_WATER: f64 = 240.0;
 /// Empty record, if there is terrain.
 pub(super) fn begun(scene: &Scene, world: &World) -> Option<Plan> {
     let terrain = scene.terrain.as_ref()?;
-    let origin = scene.file.terrain.as_ref()?.origin;
-    let (low, high) = (scene.file.domain.min, scene.file.domain.max);
-    let view = ([low.0, low.1], [high.0, high.1]);
-    let longest = (high.0 - low.0).max(high.1 - low.1);
+    let origin = terrain.origin;
+    let (low, high) = (scene.domain.min, scene.domain.max);
+    let view = ([low.x, low.y], [high.x, high.y]);
+    let longest = (high.x - low.x).max(high.y - low.y);
     let land = Ground::of(&world.blocks);
     let mut ground = points(
         view,
@@ -50,7 +50,7 @@ pub(super) fn begun(scene: &Scene, world: &World) -> Option<Plan> {
         water: points(view, spacing.max(longest / MOST_POINTS_OF_WATER)),
         views: Vec::new(),
         maps: None,
-        marks: scene.file.gauges.iter().filter_map(mark).collect(),
+        marks: scene.gauges.iter().filter_map(mark).collect(),
     })
 }
 
@@ -67,23 +67,21 @@ fn points((min, max): ([f64; 2], [f64; 2]), spacing: f64) -> Grid {
     }
 }
 
-fn mark(gauge: &GaugeFile) -> Option<Mark> {
-    match gauge {
-        GaugeFile::SurfaceElevation { name, x, y } => Some(Mark::Point {
-            name: name.clone(),
-            at: [*x, *y],
-        }),
-        GaugeFile::RunUp { name, from, to }
-        | GaugeFile::Front { name, from, to }
-        | GaugeFile::Overtopping { name, from, to } => Some(Mark::Line {
-            name: name.clone(),
-            from: [from.0, from.1],
-            to: [to.0, to.1],
-        }),
-        GaugeFile::Pressure { .. }
-        | GaugeFile::Velocity { .. }
-        | GaugeFile::BlockForce { .. }
-        | GaugeFile::Displaced { .. } => None,
+fn mark(gauge: &Gauge) -> Option<Mark> {
+    let name = gauge.name.clone();
+    match &gauge.quantity {
+        Quantity::SurfaceElevation { x, y } => Some(Mark::Point { name, at: [*x, *y] }),
+        Quantity::RunUp(line) | Quantity::Front(line) | Quantity::Overtopping(line) => {
+            Some(Mark::Line {
+                name,
+                from: line.from,
+                to: line.to,
+            })
+        }
+        Quantity::Pressure { .. }
+        | Quantity::Velocity { .. }
+        | Quantity::BlockForce { .. }
+        | Quantity::Displaced { .. } => None,
     }
 }
 
@@ -138,6 +136,7 @@ fn footprint(corners: &[Vec3]) -> Vec<[f32; 2]> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::resolved::recording::PlanLine;
 
     #[test]
     fn a_footprint_is_where_the_block_is() {
@@ -174,10 +173,12 @@ mod tests {
 
     #[test]
     fn instruments_of_the_plan_are_points_and_lines() {
-        let front = GaugeFile::Front {
+        let front = Gauge {
             name: "front".to_owned(),
-            from: (1.0, 2.0),
-            to: (3.0, 4.0),
+            quantity: Quantity::Front(PlanLine {
+                from: [1.0, 2.0],
+                to: [3.0, 4.0],
+            }),
         };
         let expected = Mark::Line {
             name: "front".to_owned(),
@@ -185,9 +186,11 @@ mod tests {
             to: [3.0, 4.0],
         };
         assert_eq!(mark(&front), Some(expected));
-        let pressure = GaugeFile::Pressure {
+        let pressure = Gauge {
             name: "p".to_owned(),
-            position: (0.0, 0.0, 0.0),
+            quantity: Quantity::Pressure {
+                position: Vec3::zeros(),
+            },
         };
         assert_eq!(mark(&pressure), None);
     }

@@ -4,7 +4,7 @@
 //! deep would be a line of 28 pixels; it is cut into consecutive strips of equal length
 //! instead, stacked from top to bottom like lines of text, at a common scale and undistorted.
 
-use crate::scene::file::CameraFile;
+use crate::scene::resolved::recording::Viewpoint;
 use nalgebra::Vector3;
 
 /// Elevation of a fitted camera; degrees.
@@ -119,11 +119,10 @@ impl Axes {
 
 impl Camera {
     /// The camera given by a scene.
-    pub fn from_scene(camera: &CameraFile, aspect: f64) -> Self {
-        let vector = |(x, y, z)| Vector3::new(x, y, z);
+    pub fn from_scene(camera: &Viewpoint, aspect: f64) -> Self {
         Self {
-            eye: vector(camera.position),
-            look_at: vector(camera.look_at),
+            eye: camera.position,
+            look_at: camera.look_at,
             lens: Lens::Perspective {
                 field_of_view_deg: camera.field_of_view_deg,
             },
@@ -357,9 +356,9 @@ mod tests {
 
     #[test]
     fn plus_x_is_right_and_plus_z_is_up() {
-        let camera = CameraFile {
-            position: (0.0, -5.0, 0.0),
-            look_at: (0.0, 0.0, 0.0),
+        let camera = Viewpoint {
+            position: Vector3::new(0.0, -5.0, 0.0),
+            look_at: Vector3::zeros(),
             field_of_view_deg: 90.0,
         };
         let camera = Camera::from_scene(&camera, 2.0);

@@ -2,8 +2,6 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::walls::WallMethod;
-
 /// Coupling of fluid and blocks.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -35,16 +33,6 @@ pub enum WallMethodFile {
     /// kernel, density from continuity and no plane of symmetry; in a periodic domain, blocks that extend through the
     /// whole period.
     Integral,
-}
-
-impl From<WallMethodFile> for WallMethod {
-    fn from(method: WallMethodFile) -> Self {
-        match method {
-            WallMethodFile::Penalty => Self::Penalty,
-            WallMethodFile::Particles => Self::Particles,
-            WallMethodFile::Integral => Self::Integral,
-        }
-    }
 }
 
 /// Slip of the fluid along a wall.

@@ -19,14 +19,13 @@ pub struct NumericsFile {
     /// Pressure from density.
     #[serde(default)]
     pub state_equation: Option<StateEquationFile>,
-    /// Density diffusion for `Continuity`; the number is its coefficient, customarily 0.1. `Some(None)` switches it
-    /// off; `None` leaves it to the preset.
+    /// Density diffusion for `Continuity`; the number is its coefficient, customarily 0.1.
     #[serde(default)]
     pub density_diffusion: Option<DensityDiffusionFile>,
-    /// Viscosity model. `Some(None)` switches it off; `None` leaves it to the preset.
+    /// Viscosity model.
     #[serde(default)]
     pub viscosity: Option<ViscosityFile>,
-    /// Particle shifting. `Some(None)` switches it off; `None` leaves it to the preset.
+    /// Particle shifting.
     #[serde(default)]
     pub shifting: Option<ShiftingFile>,
     /// Time integration.
@@ -124,7 +123,8 @@ pub enum StateEquationFile {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum DensityDiffusionFile {
     /// None.
-    None,
+    #[serde(alias = "None")]
+    Off,
     /// Acts on the hydrostatic gradient, too: wrong near free surfaces.
     MolteniColagrossi(f64),
     /// Preserves the hydrostatic gradient.
@@ -137,7 +137,8 @@ pub enum DensityDiffusionFile {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum ViscosityFile {
     /// None.
-    None,
+    #[serde(alias = "None")]
+    Off,
     /// The published form.
     Published,
     /// Monaghan's artificial viscosity, with its coefficient, 0.01 to 0.1.
@@ -158,7 +159,8 @@ pub enum ViscosityFile {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum ShiftingFile {
     /// None.
-    None,
+    #[serde(alias = "None")]
+    Off,
     /// Toward lower particle concentration, with its coefficient, customarily 2.
     Fickian(f64),
 }

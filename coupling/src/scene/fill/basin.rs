@@ -11,9 +11,7 @@ use riprap_sph::Symmetry;
 
 use super::obstacles::Obstacles;
 use super::{FillError, Room, rows};
-use crate::scene::file::vec3;
-use crate::scene::file::{Axis, DimensionsFile, DomainFile, LatticeFile};
-use crate::scene::symmetry::symmetry;
+use crate::scene::file::{Axis, DimensionsFile, DomainFile, LatticeFile, planes_of_symmetry, vec3};
 
 /// Lattice nodes of the domain below a level.
 struct Basin {
@@ -126,7 +124,7 @@ impl Basin {
                 domain.periodic.contains(&axis)
                     || (axis == Axis::Y && domain.dimensions == DimensionsFile::Two)
             }),
-            symmetry: symmetry(domain),
+            symmetry: planes_of_symmetry(&domain.symmetry),
         })
     }
 

@@ -1,4 +1,4 @@
-//! Grains: spheres in bulk, each an entry of its own among the blocks.
+//! Grains: spheres in bulk.
 
 use std::collections::HashSet;
 
@@ -7,15 +7,15 @@ use riprap_dda::{Random, Vec3};
 use crate::scene::error::Problem;
 use crate::scene::file::vec3;
 use crate::scene::file::{
-    BlockFile, GrainRegionFile, GrainsFile, MotionFile, PlacementFile, SceneFile, ShapeFile,
+    BlockFile, GrainRegionFile, GrainsFile, MaterialFile, MotionFile, PlacementFile, ShapeFile,
 };
 
-/// Report on a list of grains.
+/// Spheres made of a list of grains.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GrainsReport {
     /// Its name.
     pub name: String,
-    /// Spheres made.
+    /// Number of spheres.
     pub n_grains: usize,
     /// Mass of all of them; kg.
     pub mass: f64,
@@ -23,54 +23,60 @@ pub struct GrainsReport {
     pub diameters: [f64; 2],
 }
 
-/// More spheres in one list are refused: what is meant as millimeters and written in meters would fill memory first.
+/// Largest number of spheres in a list: millimeters read as meters would otherwise fill the memory.
 const MOST: usize = 1_000_000;
-/// Share of a spacing that a row may lack: a box made for ten spheres takes ten.
+/// Share of a spacing that a row may lack, so that a box made for ten spheres takes ten.
 const ROUNDING: f64 = 1e-9;
 
 impl GrainsFile {
-    /// Spacing at which spheres cannot overlap: two neighbors both as large and as near as they come; m.
+    /// Smallest spacing without overlap, that of two of the largest spheres offset toward each other; m.
     pub fn least_spacing(&self) -> f64 {
         self.diameter.1 * (1.0 + 2.0 * self.jitter)
     }
 }
 
-/// Puts the grains of the file in its list of blocks, named `grains_0001` and on; the lists are taken out, so that
-/// the file then says what is run. All blocks together may be at most so many.
+/// Spheres of lists of grains, named `grains_0001` and so on, and a report of each list. `blocks` are the other blocks;
+/// all together are at most `most`.
 ///
 /// # Errors
 ///
-/// Problems of counts that do not fit, and of names that are taken, all together.
-pub fn expand(file: &mut SceneFile, most: usize) -> Result<Vec<GrainsReport>, Vec<Problem>> {
+/// Problems of counts that do not fit and of duplicate names, all together.
+pub fn blocks_of_grains(
+    lists: &[GrainsFile],
+    blocks: &[BlockFile],
+    materials: &[MaterialFile],
+    most: usize,
+) -> Result<(Vec<BlockFile>, Vec<GrainsReport>), Vec<Problem>> {
     let mut problems = Vec::new();
-    let mut reports = Vec::new();
-    for (index, grains) in std::mem::take(&mut file.grains).iter().enumerate() {
+    let (mut made, mut reports) = (Vec::<BlockFile>::new(), Vec::new());
+    for (index, grains) in lists.iter().enumerate() {
         let refused = |field: &str, what: String| {
             let message = format!("grains `{}`: {what}", grains.name);
             Problem::error(format!("grains[{index}].{field}"), message)
         };
-        let most = most.saturating_sub(file.blocks.len()).min(MOST);
-        let blocks = match balls_of(grains, most) {
-            Ok(blocks) => blocks,
+        let most = most.saturating_sub(blocks.len() + made.len()).min(MOST);
+        let spheres = match spheres_of(grains, most) {
+            Ok(spheres) => spheres,
             Err((field, what)) => {
                 problems.push(refused(field, what));
                 continue;
             }
         };
-        let names: HashSet<&str> = blocks.iter().map(|ball| ball.name.as_str()).collect();
-        let taken = |block: &&BlockFile| names.contains(block.name.as_str());
-        if let Some(block) = file.blocks.iter().find(taken) {
-            let what = format!("its ball `{}` has the name of a block", block.name);
+        let names: HashSet<&str> = spheres.iter().map(|one| one.name.as_str()).collect();
+        let is_taken = |block: &&BlockFile| names.contains(block.name.as_str());
+        if let Some(block) = blocks.iter().chain(&made).find(is_taken) {
+            let what = format!("its sphere `{}` has the name of a block", block.name);
             problems.push(refused("name", what));
             continue;
         }
         // validation has verified that the name exists
-        let material = file.materials.iter().find(|m| m.name == grains.material);
-        reports.push(report(grains, material.map_or(0.0, |m| m.density), &blocks));
-        file.blocks.extend(blocks);
+        let material = materials.iter().find(|m| m.name == grains.material);
+        let density = material.map_or(0.0, |m| m.density);
+        reports.push(report(grains, density, &spheres));
+        made.extend(spheres);
     }
     if problems.is_empty() {
-        Ok(reports)
+        Ok((made, reports))
     } else {
         Err(problems)
     }
@@ -93,12 +99,12 @@ fn report(grains: &GrainsFile, density: f64, blocks: &[BlockFile]) -> GrainsRepo
     }
 }
 
-/// The spheres, or the field that keeps them from being made and why.
-fn balls_of(grains: &GrainsFile, most: usize) -> Result<Vec<BlockFile>, (&'static str, String)> {
+/// The spheres, or the faulty field and the reason.
+fn spheres_of(grains: &GrainsFile, most: usize) -> Result<Vec<BlockFile>, (&'static str, String)> {
     let wanted = grains.count.map(|count| count as usize);
     if wanted.is_some_and(|count| count > most) {
         let what = format!(
-            "{} balls are more than {most}, which is what fits in the memory or in a list",
+            "{} spheres are more than {most}, which is what fits in the memory or in a list",
             wanted.unwrap_or(0)
         );
         return Err(("count", what));
@@ -107,31 +113,31 @@ fn balls_of(grains: &GrainsFile, most: usize) -> Result<Vec<BlockFile>, (&'stati
     let spacing = grains.spacing.unwrap_or(grains.least_spacing());
     let layer = (max - min).xy().product() / (spacing * spacing);
     if !(layer <= most as f64) {
-        let what = format!("a layer of the region takes more than {most} balls; make it smaller");
+        let what = format!("a layer of the region takes more than {most} spheres; make it smaller");
         return Err(("region", what));
     }
     let places: Vec<Vec3> = places(grains).take(wanted.unwrap_or(most + 1)).collect();
     match wanted {
         Some(count) if places.len() < count => {
             let what = format!(
-                "{count} balls do not fit, only {} do, {spacing} m apart; enlarge the region or lower count",
+                "{count} spheres do not fit, only {} do, {spacing} m apart; enlarge the region or lower count",
                 places.len()
             );
             return Err(("count", what));
         }
         None if places.is_empty() => {
-            let what = "the region is too small for a single ball; enlarge it".to_owned();
+            let what = "the region is too small for a single sphere; enlarge it".to_owned();
             return Err(("region", what));
         }
         None if places.len() > most => {
-            let what = format!("the region takes more than {most} balls; give their count");
+            let what = format!("the region takes more than {most} spheres; give their count");
             return Err(("region", what));
         }
         _ => {}
     }
     let mut random = Random::new(grains.seed);
     let (smallest, largest) = grains.diameter;
-    let mut ball = |number: usize, place: Vec3| {
+    let mut sphere = |number: usize, place: Vec3| {
         let diameter = smallest + (largest - smallest) * random.uniform();
         let mut off = || grains.jitter * largest * (2.0 * random.uniform() - 1.0);
         let center = place + Vec3::new(off(), off(), off());
@@ -154,7 +160,7 @@ fn balls_of(grains: &GrainsFile, most: usize) -> Result<Vec<BlockFile>, (&'stati
     Ok(places
         .into_iter()
         .enumerate()
-        .map(|(number, place)| ball(number, place))
+        .map(|(number, place)| sphere(number, place))
         .collect())
 }
 
@@ -176,8 +182,8 @@ fn bounds(region: &GrainRegionFile) -> (Vec3, Vec3) {
     }
 }
 
-/// Places of the lattice from which no sphere reaches out of the region, layer by layer from below; in the middle of
-/// the region across, and as low as may be.
+/// Sites of the lattice whose spheres stay in the region, layer by layer from below; centered across, and as low as
+/// possible.
 fn places(grains: &GrainsFile) -> impl Iterator<Item = Vec3> {
     let cell = grains.least_spacing();
     let spacing = grains.spacing.unwrap_or(cell);
@@ -196,7 +202,7 @@ fn places(grains: &GrainsFile) -> impl Iterator<Item = Vec3> {
         let row = cell + spacing * counts[axis].saturating_sub(1) as f64;
         first[axis] += 0.5 * (max[axis] - min[axis] - row);
     }
-    // how far across a sphere that lies off its place reaches
+    // horizontal distance that a sphere off its site extends to
     let reach = 0.5 * grains.diameter.1 + grains.jitter * grains.diameter.1 * 2.0_f64.sqrt();
     let region = grains.region;
     let is_inside = move |x: &Vec3| match region {
@@ -223,7 +229,7 @@ impl std::fmt::Display for GrainsReport {
         let [smallest, largest] = self.diameters;
         write!(
             f,
-            "`{}`: {} balls of {smallest:.3e} to {largest:.3e} m, {:.3e} kg together",
+            "`{}`: {} spheres of {smallest:.3e} to {largest:.3e} m, {:.3e} kg together",
             self.name, self.n_grains, self.mass
         )
     }
@@ -252,8 +258,8 @@ mod tests {
     }
 
     /// Centers and radii.
-    fn balls(grains: &GrainsFile) -> Vec<(Vec3, f64)> {
-        let blocks = balls_of(grains, MOST).unwrap();
+    fn spheres(grains: &GrainsFile) -> Vec<(Vec3, f64)> {
+        let blocks = spheres_of(grains, MOST).unwrap();
         blocks
             .iter()
             .map(|block| match block.shape {
@@ -276,21 +282,21 @@ mod tests {
     #[test]
     fn a_box_takes_whole_cells() {
         // cells of 0.1 (1 + 0.2) = 0.12 m: 10 x 5 x 6
-        assert_eq!(balls(&grains(BOX, None)).len(), 300);
+        assert_eq!(spheres(&grains(BOX, None)).len(), 300);
         // twice as far apart: 1 + floor((1.2 − 0.12)/0.24) = 5, 3, 3
         let wide = GrainsFile {
             spacing: Some(0.24),
             ..grains(BOX, None)
         };
-        assert_eq!(balls(&wide).len(), 45);
+        assert_eq!(spheres(&wide).len(), 45);
     }
 
     #[test]
-    fn balls_do_not_overlap_nor_leave_their_region() {
+    fn spheres_do_not_overlap_nor_leave_their_region() {
         for region in [BOX, CYLINDER] {
-            let balls = balls(&grains(region, None));
-            assert!(balls.len() > 100, "{}", balls.len());
-            for (k, (x, r)) in balls.iter().enumerate() {
+            let spheres = spheres(&grains(region, None));
+            assert!(spheres.len() > 100, "{}", spheres.len());
+            for (k, (x, r)) in spheres.iter().enumerate() {
                 match region {
                     GrainRegionFile::Box { min, max } => {
                         let (low, high) = (x.add_scalar(-r) - vec3(min), vec3(max) - x);
@@ -301,7 +307,7 @@ mod tests {
                         assert!(x.z - r >= 3.0 - 1e-12 && x.z + r <= 3.5 + 1e-12);
                     }
                 }
-                for (y, s) in &balls[..k] {
+                for (y, s) in &spheres[..k] {
                     assert!((x - y).norm() >= r + s - 1e-12);
                 }
             }
@@ -314,13 +320,13 @@ mod tests {
             min: (0.0, 0.0, 0.0),
             max: (3.0, 3.0, 3.0),
         };
-        let many = balls(&grains(region, Some(10_000)));
-        assert_eq!(many, balls(&grains(region, Some(10_000))));
+        let many = spheres(&grains(region, Some(10_000)));
+        assert_eq!(many, spheres(&grains(region, Some(10_000))));
         let other = GrainsFile {
             seed: 8,
             ..grains(region, Some(10_000))
         };
-        assert_ne!(many, balls(&other));
+        assert_ne!(many, spheres(&other));
         // mean 0.0375 m, standard deviation 0.025/√12 m: that of the mean is 7e-5 m
         let mean = many.iter().map(|(_, r)| r).sum::<f64>() / 1e4;
         assert!((mean - 0.0375).abs() < 3.0 * 7.2e-5, "{mean}");
@@ -330,23 +336,26 @@ mod tests {
 
     #[test]
     fn a_count_that_does_not_fit_says_how_many_do() {
-        let (field, what) = balls_of(&grains(BOX, Some(301)), MOST).unwrap_err();
+        let (field, what) = spheres_of(&grains(BOX, Some(301)), MOST).unwrap_err();
         assert_eq!(field, "count");
-        assert!(what.contains("301 balls do not fit, only 300 do"), "{what}");
+        assert!(
+            what.contains("301 spheres do not fit, only 300 do"),
+            "{what}"
+        );
         let tiny = GrainRegionFile::Box {
             min: (0.0, 0.0, 0.0),
             max: (0.1, 0.1, 0.1),
         };
-        let (_, what) = balls_of(&grains(tiny, None), MOST).unwrap_err();
-        assert!(what.contains("too small for a single ball"), "{what}");
+        let (_, what) = spheres_of(&grains(tiny, None), MOST).unwrap_err();
+        assert!(what.contains("too small for a single sphere"), "{what}");
         let huge = GrainRegionFile::Cylinder {
             base: (0.0, 0.0, 0.0),
             radius: 1e9,
             height: 1e9,
         };
-        let (_, what) = balls_of(&grains(BOX, Some(2_000_000)), MOST).unwrap_err();
+        let (_, what) = spheres_of(&grains(BOX, Some(2_000_000)), MOST).unwrap_err();
         assert!(what.contains("more than 1000000"), "{what}");
-        let (_, what) = balls_of(&grains(huge, Some(10)), MOST).unwrap_err();
+        let (_, what) = spheres_of(&grains(huge, Some(10)), MOST).unwrap_err();
         assert!(what.contains("a layer of the region takes more"), "{what}");
     }
 }

@@ -1,4 +1,4 @@
-//! Rock masses: bodies cut into blocks by joint sets, each block an entry of its own.
+//! Rock masses: bodies cut into blocks by joint sets.
 
 use riprap_dda::{
     BlockQuality, JointError, JointSet, JointedMass, JointedUnion, MergedMass, Polyhedron, Shape,
@@ -11,27 +11,27 @@ use crate::scene::error::Problem;
 use crate::scene::file::vec3;
 use crate::scene::file::{
     BlockFile, DeformableFile, JointSetFile, MotionFile, PartFile, PlacementFile, RockMassFile,
-    SceneFile, ShapeFile, SliversFile,
+    ShapeFile, SliversFile,
 };
 
-/// Report on a rock mass.
+/// Blocks made of a rock mass, and their quality.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RockMassReport {
     /// Its name.
     pub name: String,
     /// Blocks made.
     pub n_blocks: usize,
-    /// Cuts that were not made, because a piece would have been too thin to be a block.
+    /// Cuts omitted because a piece would have been too thin for a block.
     pub n_uncut: usize,
-    /// Slivers joined with a neighbor.
+    /// Slivers merged with a neighbor.
     pub n_merged: usize,
-    /// Slivers that were to be joined but share no face with another block.
+    /// Slivers left because they share no face with another block.
     pub n_unmerged: usize,
     /// Blocks of several parts that became convex.
     pub n_filled: usize,
     /// Blocks of several convex parts.
     pub n_unions: usize,
-    /// Blocks smaller than the least volume, left out.
+    /// Blocks removed because they are smaller than the minimum volume.
     pub n_removed: usize,
     /// Their volume over that of the mass.
     pub removed_share: f64,
@@ -48,40 +48,42 @@ pub struct RockMassReport {
 /// Length over thickness above which a block is a sliver.
 const SLIVER: f64 = 20.0;
 
-/// Cuts the rock masses of the file and puts their blocks in its list, named `mass.0001` and on; the
-/// masses are taken out, so that the file then says what is run.
+/// Blocks of rock masses, named `mass.0001` and so on, and a report of each mass.
 ///
 /// # Errors
 ///
 /// Problems of shapes and joint sets, all together.
-pub fn expand(file: &mut SceneFile, access: &Access) -> Result<Vec<RockMassReport>, Vec<Problem>> {
+pub fn blocks_of_masses(
+    masses: &[RockMassFile],
+    access: &Access,
+) -> Result<(Vec<BlockFile>, Vec<RockMassReport>), Vec<Problem>> {
     let mut problems = Vec::new();
-    let mut reports = Vec::new();
-    for (index, mass) in std::mem::take(&mut file.rock_masses).iter().enumerate() {
-        match blocks_of(mass, index, access) {
+    let (mut blocks, mut reports) = (Vec::new(), Vec::new());
+    for (index, mass) in masses.iter().enumerate() {
+        match cut_mass(mass, index, access) {
             Ok((cut, report)) => {
                 reports.push(report);
-                file.blocks.extend(maker(mass).blocks(&cut));
+                blocks.extend(template(mass).blocks(&cut));
             }
             Err(found) => problems.extend(found),
         }
     }
     if problems.is_empty() {
-        Ok(reports)
+        Ok((blocks, reports))
     } else {
         Err(problems)
     }
 }
 
 /// A block of a mass, apart from its shape.
-pub(super) struct Maker<'a> {
+pub(super) struct BlockTemplate<'a> {
     pub(super) name: &'a str,
     pub(super) material: &'a str,
     pub(super) deformable: Option<&'a DeformableFile>,
     pub(super) sealed: bool,
 }
 
-impl Maker<'_> {
+impl BlockTemplate<'_> {
     fn block(&self, number: usize, shape: ShapeFile) -> BlockFile {
         BlockFile {
             name: format!("{}.{:04}", self.name, number + 1),
@@ -107,8 +109,8 @@ impl Maker<'_> {
     }
 }
 
-fn maker(mass: &RockMassFile) -> Maker<'_> {
-    Maker {
+fn template(mass: &RockMassFile) -> BlockTemplate<'_> {
+    BlockTemplate {
         name: &mass.name,
         material: &mass.material,
         deformable: mass.deformable.as_ref(),
@@ -135,13 +137,13 @@ fn shape_of(block: &[Polyhedron]) -> ShapeFile {
     }
 }
 
-fn blocks_of(mass: &RockMassFile, index: usize, access: &Access) -> Result<Cut, Vec<Problem>> {
+fn cut_mass(mass: &RockMassFile, index: usize, access: &Access) -> Result<Cut, Vec<Problem>> {
     let path = format!("rock_masses[{index}]");
     let refused = |field: &str, what: String| {
         let message = format!("rock mass `{}`: {what}", mass.name);
         vec![Problem::error(format!("{path}.{field}"), message)]
     };
-    let whole = maker(mass).block(0, mass.boundary.clone());
+    let whole = template(mass).block(0, mass.boundary.clone());
     let shape = solid(&whole, 0, access).map_err(|found| {
         let texts: Vec<String> = found.into_iter().map(|problem| problem.message).collect();
         refused("boundary", texts.join("; "))
@@ -149,7 +151,7 @@ fn blocks_of(mass: &RockMassFile, index: usize, access: &Access) -> Result<Cut, 
     let Shape::Polyhedra(bodies) = shape else {
         return Err(refused(
             "boundary",
-            "a ball or a surface cannot be cut by joints".into(),
+            "a sphere or a surface cannot be cut by joints".into(),
         ));
     };
     let volume: f64 = bodies.iter().map(riprap_dda::volume).sum();
@@ -173,17 +175,17 @@ fn blocks_of(mass: &RockMassFile, index: usize, access: &Access) -> Result<Cut, 
         .map_err(|(field, what)| refused(&field, what))
 }
 
-/// Blocks of convex parts, and what became of the mass.
+/// Blocks of convex parts, and the report of the mass.
 pub(super) type Cut = (Vec<Vec<Polyhedron>>, RockMassReport);
 
-/// The field of a mass to blame, and why.
+/// The faulty field of a mass, and the reason.
 pub(super) type Refusal = (String, String);
 
-/// Treatment of slivers and small blocks of a rock mass.
+/// Treatment of slivers and small blocks of a mass.
 pub(super) struct Cleaning<'a> {
     pub(super) name: &'a str,
     pub(super) merge_slivers: Option<&'a SliversFile>,
-    /// Volume that blocks of several parts may gain by becoming convex; of theirs.
+    /// Largest gain of volume by which a block of several parts is made convex, over its volume; –.
     pub(super) convex_within: f64,
     pub(super) minimum_volume: f64,
     /// Of the mass before it was cut; m³.
@@ -191,7 +193,7 @@ pub(super) struct Cleaning<'a> {
 }
 
 impl Cleaning<'_> {
-    /// Blocks without slivers and small ones, and a report of them; or the field to blame and why.
+    /// Blocks without slivers and small ones, and a report of them; or the faulty field and the reason.
     pub(super) fn clean(
         &self,
         JointedUnion { blocks, n_uncut }: JointedUnion,
@@ -248,7 +250,7 @@ impl Cleaning<'_> {
     }
 }
 
-/// The field of a rock mass that an error speaks of.
+/// The field of a rock mass that an error refers to.
 pub(super) fn blamed(error: &JointError) -> String {
     match error {
         JointError::Set { set, field, .. } => match *field {
@@ -260,7 +262,7 @@ pub(super) fn blamed(error: &JointError) -> String {
     }
 }
 
-/// Report on the blocks; `volume` is that of the rock mass; m³.
+/// Report of blocks without the cuts and merges before; `volume`: of the mass; m³.
 fn report(name: &str, volume: f64, blocks: &[Vec<Polyhedron>]) -> RockMassReport {
     let qualities: Vec<BlockQuality> = blocks
         .iter()
@@ -361,7 +363,7 @@ impl std::fmt::Display for RockMassReport {
 mod tests {
     use std::path::Path;
 
-    use super::*;
+    use crate::scene::file::SceneFile;
     use crate::scene::parse;
     use crate::scene::resolve::Scene;
 
@@ -401,7 +403,7 @@ mod tests {
             after.n_merged, after.n_unions
         );
         assert!(said.contains(&expected), "{said}");
-        let text = parse::write(&merged.file).unwrap();
+        let text = merged.to_text().unwrap();
         let again = Scene::resolve(parse::read(&text).unwrap(), folder).unwrap();
         assert_eq!(again.blocks.len(), merged.blocks.len());
         assert!(

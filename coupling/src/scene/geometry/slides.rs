@@ -1,49 +1,34 @@
-//! Slides: rock taken out of the ground and cut into blocks by joint sets, each block an entry of its own.
+//! Slides: rock excavated from the ground and cut into blocks by joint sets.
 
 use riprap_dda::{JointSet, cut_union_by_joints};
 
-use super::rock_mass::{Cleaning, Cut, Maker, Refusal, RockMassReport, blamed, joint_set};
-use super::terrain::{Rock, Terrain};
+use super::rock_mass::{BlockTemplate, Cleaning, Cut, Refusal, RockMassReport, blamed, joint_set};
+use super::terrain::Rock;
 use crate::scene::error::Problem;
-use crate::scene::file::{ExcavationFile, MassFile, SceneFile, SlideFile};
+use crate::scene::file::{BlockFile, SlideFile};
 
-/// Cuts the slides of the file and puts their blocks in its list, named `slide.0001` and on. The slides are taken out and their holes
-/// become excavations of the terrain, so that the file then says what is run.
+/// Blocks of slides, named `slide.0001` and so on, and a report of each slide; `rock` is their rock in the same order.
 ///
 /// # Errors
 ///
 /// Problems of joint sets, all together.
-pub fn expand(
-    file: &mut SceneFile,
-    terrain: Option<&Terrain>,
-) -> Result<Vec<RockMassReport>, Vec<Problem>> {
-    let slides = std::mem::take(&mut file.slides);
-    let (Some(terrain), Some(terrain_file)) = (terrain, &mut file.terrain) else {
-        return Ok(Vec::new());
-    };
+pub fn blocks_of_slides(
+    slides: &[SlideFile],
+    rock: &[Rock],
+) -> Result<(Vec<BlockFile>, Vec<RockMassReport>), Vec<Problem>> {
     let mut problems = Vec::new();
-    let mut reports = Vec::new();
-    for (index, (slide, rock)) in slides.iter().zip(&terrain.rock).enumerate() {
+    let (mut blocks, mut reports) = (Vec::new(), Vec::new());
+    for (index, (slide, rock)) in slides.iter().zip(rock).enumerate() {
         match cut(slide, rock) {
-            Ok((blocks, report)) => {
+            Ok((parts, report)) => {
                 reports.push(report);
-                let maker = Maker {
+                let template = BlockTemplate {
                     name: &slide.name,
                     material: &slide.material,
                     deformable: slide.deformable.as_ref(),
                     sealed: slide.sealed,
                 };
-                file.blocks.extend(maker.blocks(&blocks));
-                if file.masses.iter().all(|mass| mass.name != slide.name) {
-                    file.masses.push(MassFile {
-                        name: slide.name.clone(),
-                        blocks: format!("{}.", slide.name),
-                    });
-                }
-                terrain_file.excavations.push(ExcavationFile {
-                    outline: slide.outline.clone(),
-                    failure_surface: slide.failure_surface.clone(),
-                });
+                blocks.extend(template.blocks(&parts));
             }
             Err((field, what)) => problems.push(Problem::error(
                 format!("slides[{index}].{field}"),
@@ -52,7 +37,7 @@ pub fn expand(
         }
     }
     if problems.is_empty() {
-        Ok(reports)
+        Ok((blocks, reports))
     } else {
         Err(problems)
     }

@@ -1,4 +1,4 @@
-//! The lie of the land: from rasters, surveys and what was taken out to one surface.
+//! Digital terrain model: rasters, surveys and excavations as one surface.
 
 pub mod basin;
 pub mod excavation;
@@ -14,9 +14,9 @@ use riprap_dda::{Polyhedron, Surface};
 
 use crate::scene::access::Access;
 use crate::scene::error::Problem;
-use crate::scene::file::vec3;
 use crate::scene::file::{
-    FailureSurfaceFile, HeightsFile, OutlineFile, ResolutionFile, SceneFile, TerrainFile,
+    BlockFile, FailureSurfaceFile, FluidFile, HeightsFile, OutlineFile, ResolutionFile, SceneFile,
+    ShapeFile, SlideFile, TerrainFile, Triple, vec3,
 };
 use excavation::{Excavated, excavated};
 use grid::Grid;
@@ -27,45 +27,51 @@ use triangles::{Triangles, TrianglesError, triangulated};
 /// The terrain of a scene.
 #[derive(Clone, Debug)]
 pub struct Terrain {
-    /// Heights before anything was taken out; m.
+    /// Elevations before any excavation; m.
     pub grid: Grid,
-    /// The ground as blocks and water meet it.
+    /// The ground.
     pub surface: Arc<Surface>,
+    /// Largest distance of the triangles from the points of the grid; m.
+    pub tolerance: f64,
+    /// Map coordinates of x = y = 0 in the scene, and the elevation of z = 0; m.
+    pub origin: Triple,
+    /// Number of the material of the ground; `None` if no block has the shape `Terrain`.
+    pub material: Option<usize>,
     /// Rock of the slides, in the order of the scene.
     pub rock: Vec<Rock>,
-    /// Warnings.
-    pub questions: Vec<Problem>,
-    /// Points that lay in gaps of the sources.
+    /// Doubtful points.
+    pub warnings: Vec<Problem>,
+    /// Points filled in gaps of the sources.
     pub n_filled: usize,
 }
 
-/// Rock taken out of the ground.
+/// Rock of a slide.
 #[derive(Clone, Debug)]
 pub struct Rock {
-    /// Of the slide.
+    /// Name of the slide.
     pub name: String,
-    /// Of the slide.
-    pub material: String,
-    /// Convex bodies that adjoin.
+    /// Number of its material.
+    pub material: Option<usize>,
+    /// Adjoining convex bodies.
     pub bodies: Vec<Polyhedron>,
     /// Area times mean thickness, triangle by triangle; m³.
     pub volume: f64,
 }
 
-/// Triangles are off the points of the grid by no more than this where the scene does not say; × spacing.
+/// Default tolerance of the triangles; × spacing.
 const TOLERANCE: f64 = 0.01;
-/// Terrain finer than this is lost on the water; × particle spacing.
+/// Finest useful spacing of the terrain; × particle spacing.
 const FINEST_FOR_WATER: f64 = 0.2;
 
-/// A failure surface.
-enum Beneath {
+/// Base of an excavation.
+enum Base {
     /// Height at x = y = 0 (m) and slopes along x and y.
     Plane { height: f64, slope: [f64; 2] },
     /// Heights of a raster.
     Raster(Source),
 }
 
-impl Beneath {
+impl Base {
     /// m.
     fn height(&self, [x, y]: [f64; 2]) -> Option<f64> {
         match self {
@@ -75,20 +81,58 @@ impl Beneath {
     }
 }
 
-/// The terrain that a scene asks for, with the rock of its slides; what is chosen is written into the file.
+/// Terrain of a scene, with the rock of its slides.
 ///
 /// # Errors
 ///
 /// Problems of the sources, the outlines and the failure surfaces.
-pub fn resolve(file: &mut SceneFile, access: &Access) -> Result<Option<Terrain>, Vec<Problem>> {
-    let water_spacing = match file.fluid.as_ref().map(|fluid| &fluid.resolution) {
-        Some(ResolutionFile::Spacing(spacing)) => Some(*spacing),
-        _ => None,
-    };
-    let slides = file.slides.clone();
-    let Some(terrain) = &mut file.terrain else {
+pub fn resolve(file: &SceneFile, access: &Access) -> Result<Option<Terrain>, Vec<Problem>> {
+    let Some(terrain) = &file.terrain else {
         return Ok(None);
     };
+    let sources = sources_of(terrain, access);
+    let holes = holes_of(terrain, &file.slides, access);
+    let (sources, holes) = match (sources, holes) {
+        (Ok(sources), Ok(holes)) => (sources, holes),
+        (sources, holes) => {
+            let found = sources.err().into_iter().chain(holes.err());
+            return Err(found.flatten().collect());
+        }
+    };
+    let spacing =
+        (terrain.spacing).unwrap_or_else(|| chosen_spacing(&sources, file.fluid.as_ref()));
+    if !(spacing.is_finite() && spacing > 0.0) {
+        let what = "a survey has no points at a regular distance; give the spacing of the terrain";
+        return Err(vec![Problem::error("terrain.spacing", what)]);
+    }
+    let tolerance = terrain.tolerance.unwrap_or(TOLERANCE * spacing);
+    let Merged { grid, n_filled } = merge(terrain, &sources, spacing).map_err(|p| vec![p])?;
+    let warnings = plausible::warnings(&grid, terrain);
+    let (surface, pieces) = excavate(&grid, &holes, tolerance)?;
+    let material = |name: &str| file.materials.iter().position(|m| m.name == name);
+    let is_ground = |block: &&BlockFile| matches!(block.shape, ShapeFile::Terrain);
+    let of_slides = pieces.into_iter().skip(terrain.excavations.len());
+    let rock = of_slides.zip(&file.slides);
+    Ok(Some(Terrain {
+        grid,
+        tolerance,
+        origin: terrain.origin,
+        material: (file.blocks.iter().find(is_ground)).and_then(|block| material(&block.material)),
+        surface: Arc::new(surface),
+        rock: rock
+            .map(|((bodies, volume), slide)| Rock {
+                name: slide.name.clone(),
+                material: material(&slide.material),
+                bodies,
+                volume,
+            })
+            .collect(),
+        warnings,
+        n_filled,
+    }))
+}
+
+fn sources_of(terrain: &TerrainFile, access: &Access) -> Result<Vec<Source>, Vec<Problem>> {
     let mut problems = Vec::new();
     let mut sources = Vec::new();
     for (k, source) in terrain.sources.iter().enumerate() {
@@ -100,74 +144,63 @@ pub fn resolve(file: &mut SceneFile, access: &Access) -> Result<Option<Terrain>,
             )),
         }
     }
-    let asked = terrain
-        .excavations
-        .iter()
-        .map(|e| (&e.outline, &e.failure_surface));
-    let asked = asked
-        .enumerate()
-        .map(|(k, of)| (format!("terrain.excavations[{k}]"), of));
-    let of_slides = slides.iter().map(|s| (&s.outline, &s.failure_surface));
-    let of_slides = of_slides
-        .enumerate()
-        .map(|(k, of)| (format!("slides[{k}]"), of));
+    if problems.is_empty() {
+        Ok(sources)
+    } else {
+        Err(problems)
+    }
+}
+
+/// An excavation: its path in the file, its outline and its base.
+type Hole = (String, Outline, Base);
+
+/// Excavations of the terrain, then those of the slides.
+fn holes_of(
+    terrain: &TerrainFile,
+    slides: &[SlideFile],
+    access: &Access,
+) -> Result<Vec<Hole>, Vec<Problem>> {
+    let excavations = (terrain.excavations.iter().enumerate()).map(|(k, e)| {
+        let path = format!("terrain.excavations[{k}]");
+        (path, (&e.outline, &e.failure_surface))
+    });
+    let of_slides = (slides.iter().enumerate())
+        .map(|(k, s)| (format!("slides[{k}]"), (&s.outline, &s.failure_surface)));
+    let mut problems = Vec::new();
     let mut holes = Vec::new();
-    for (path, (outline, beneath)) in asked.chain(of_slides) {
-        match hole(&path, (outline, beneath), terrain, access) {
-            Ok((outline, beneath)) => holes.push((path, outline, beneath)),
+    for (path, (outline, base)) in excavations.chain(of_slides) {
+        match hole(&path, (outline, base), terrain, access) {
+            Ok((outline, base)) => holes.push((path, outline, base)),
             Err(problem) => problems.push(problem),
         }
     }
-    if !problems.is_empty() {
-        return Err(problems);
+    if problems.is_empty() {
+        Ok(holes)
+    } else {
+        Err(problems)
     }
-    let spacing = *terrain
-        .spacing
-        .get_or_insert_with(|| chosen_spacing(&sources, water_spacing));
-    let tolerance = *terrain.tolerance.get_or_insert(TOLERANCE * spacing);
-    if !(spacing.is_finite() && spacing > 0.0) {
-        let what =
-            "a survey has no points at a distance of its own; give the spacing of the terrain";
-        return Err(vec![Problem::error("terrain.spacing", what)]);
-    }
-    let Merged { grid, n_filled } = merge(terrain, &sources, spacing).map_err(|p| vec![p])?;
-    let questions = plausible::questions(&grid, terrain);
-    let n_excavations = terrain.excavations.len();
-    let (surface, rock) = dug(&grid, &holes, tolerance)?;
-    let of_slides = rock.into_iter().skip(n_excavations).zip(slides);
-    Ok(Some(Terrain {
-        grid,
-        surface: Arc::new(surface),
-        rock: of_slides
-            .map(|((bodies, volume), slide)| Rock {
-                name: slide.name,
-                material: slide.material,
-                bodies,
-                volume,
-            })
-            .collect(),
-        questions,
-        n_filled,
-    }))
 }
 
-/// That of the first raster; not much finer than the water.
-fn chosen_spacing(sources: &[Source], water_spacing: Option<f64>) -> f64 {
+/// Spacing of the first raster, but not much finer than the water; m.
+fn chosen_spacing(sources: &[Source], fluid: Option<&FluidFile>) -> f64 {
     let own = sources.iter().find_map(Source::spacing);
-    let finest = water_spacing.map_or(0.0, |spacing| FINEST_FOR_WATER * spacing);
+    let finest = match fluid.map(|fluid| fluid.resolution) {
+        Some(ResolutionFile::Spacing(spacing)) => FINEST_FOR_WATER * spacing,
+        Some(ResolutionFile::Count(_)) | None => 0.0,
+    };
     own.map_or(f64::NAN, |own| own.max(finest))
 }
 
 fn hole(
     path: &str,
-    (outline, beneath): (&OutlineFile, &FailureSurfaceFile),
+    (outline, base): (&OutlineFile, &FailureSurfaceFile),
     terrain: &TerrainFile,
     access: &Access,
-) -> Result<(Outline, Beneath), Problem> {
+) -> Result<(Outline, Base), Problem> {
     let origin = terrain.origin;
     let outline = Outline::read(outline, (origin.0, origin.1), access)
         .map_err(|what| Problem::error(format!("{path}.outline"), what))?;
-    let beneath = match beneath {
+    let base = match base {
         FailureSurfaceFile::Plane {
             point,
             dip_deg,
@@ -177,7 +210,7 @@ fn hole(
             let direction = dip_direction_deg.to_radians();
             let slope = [-steepness * direction.sin(), -steepness * direction.cos()];
             let point = vec3(*point);
-            Beneath::Plane {
+            Base::Plane {
                 height: point.z - slope[0] * point.x - slope[1] * point.y,
                 slope,
             }
@@ -196,19 +229,19 @@ fn hole(
             let source = Source::read(&heights, origin, access).map_err(|error| {
                 Problem::error(format!("{path}.failure_surface.file"), error.to_string())
             })?;
-            Beneath::Raster(source)
+            Base::Raster(source)
         }
     };
-    Ok((outline, beneath))
+    Ok((outline, base))
 }
 
-/// Rock in convex bodies, and its volume; m³.
+/// Rock as convex bodies, and its volume; m³.
 type Piece = (Vec<Polyhedron>, f64);
 
-/// The ground without what is above the failure surfaces, and what that is.
-fn dug(
+/// The ground without the rock above the failure surfaces, and that rock.
+fn excavate(
     grid: &Grid,
-    holes: &[(String, Outline, Beneath)],
+    holes: &[Hole],
     tolerance: f64,
 ) -> Result<(Surface, Vec<Piece>), Vec<Problem>> {
     let outlines: Vec<Outline> = holes

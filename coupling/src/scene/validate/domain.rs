@@ -34,7 +34,7 @@ impl Checks {
             let axis = [Axis::X, Axis::Y, Axis::Z][side.axis().0];
             self.listed_once(&path, format!("{side:?}"), (&domain.symmetry, index));
             if domain.periodic.contains(&axis) {
-                self.refuse(&path, format!("{side:?} cannot be a plane of symmetry, for the domain repeats itself along {axis:?}; take {axis:?} out of periodic, or leave {side:?} out"));
+                self.refuse(&path, format!("{side:?} cannot be a plane of symmetry, for the domain is periodic along {axis:?}; take {axis:?} out of periodic, or leave {side:?} out"));
             }
             if gravity_along(scene, axis) != 0.0 {
                 self.refuse(&path, format!("{side:?} cannot be a plane of symmetry, for gravity acts across it; choose a side along gravity"));

@@ -303,7 +303,7 @@ fn planned(study: &StudyFile, case: &Path, choice: &[usize]) -> Result<Planned, 
     let block = match &study.output.block {
         None => None,
         Some(name) => {
-            let names: Vec<&str> = scene.file.blocks.iter().map(|b| b.name.as_str()).collect();
+            let names: Vec<&str> = scene.block_names.iter().map(String::as_str).collect();
             let found = names.iter().position(|other| other == name);
             let unknown = || {
                 let hint = parse::suggestion(name, &names);
@@ -327,12 +327,12 @@ fn planned(study: &StudyFile, case: &Path, choice: &[usize]) -> Result<Planned, 
 
 /// Of the scene with every default written out, the files that it names, and the program.
 fn key(scene: &Scene, case: &Path) -> Result<String, String> {
-    let text = parse::write(&scene.file).map_err(|error| error.to_string())?;
+    let text = scene.to_text().map_err(|error| error.to_string())?;
     let mut hasher = blake3::Hasher::new();
     hasher.update(text.as_bytes());
     hasher.update(COMMIT.as_bytes());
     let folder = case.parent().unwrap_or(Path::new("."));
-    for file in scene.file.referenced_files() {
+    for file in scene.referenced_files() {
         let path = folder.join(file);
         let bytes = std::fs::read(&path)
             .map_err(|error| format!("cannot read {}: {error}", path.display()))?;

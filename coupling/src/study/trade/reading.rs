@@ -3,9 +3,9 @@
 use super::file::OutputFile;
 use super::quantity::Take;
 use crate::output::run_folder;
-use crate::scene::file::GaugeFile;
 use crate::scene::parse::suggestion;
 use crate::scene::resolve::Scene;
+use crate::scene::resolved::recording::Quantity;
 
 /// Evaluation denoted by a name.
 #[derive(Clone, Debug, PartialEq)]
@@ -21,14 +21,13 @@ const WAYS: [&str; 5] = ["crest_at_", "trough_at_", "max_of_", "min_of_", "mean_
 
 /// Gauges with one column, and whether they record the surface elevation.
 fn gauges(scene: &Scene) -> impl Iterator<Item = (&str, bool)> {
-    scene.file.gauges.iter().filter_map(|gauge| match gauge {
-        GaugeFile::SurfaceElevation { name, .. } | GaugeFile::RunUp { name, .. } => {
-            Some((name.as_str(), true))
-        }
-        GaugeFile::Pressure { name, .. } | GaugeFile::Front { name, .. } => {
-            Some((name.as_str(), false))
-        }
-        _ => None,
+    scene.gauges.iter().filter_map(|gauge| {
+        let is_surface = match gauge.quantity {
+            Quantity::SurfaceElevation { .. } | Quantity::RunUp(_) => true,
+            Quantity::Pressure { .. } | Quantity::Front(_) => false,
+            _ => return None,
+        };
+        Some((gauge.name.as_str(), is_surface))
     })
 }
 
@@ -65,7 +64,7 @@ pub fn reading(name: Option<&str>, scene: &Scene) -> Result<Reading, String> {
             Some((*way, gauge.to_owned(), is_surface))
         })
         .ok_or_else(unknown)?;
-    let (from, to) = (0.0, scene.file.time.duration);
+    let (from, to) = (0.0, scene.duration);
     let take = match way {
         "crest_at_" | "max_of_" => Take::Maximum { from, to },
         "mean_of_" => Take::Mean { from, to },

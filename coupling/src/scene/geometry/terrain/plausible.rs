@@ -1,23 +1,23 @@
-//! Terrain that a user should look at again: feet or degrees for meters, heights of no place on earth.
+//! Plausibility of terrain: feet or degrees instead of meters, elevations beyond any on earth.
 
 use super::grid::Grid;
 use crate::scene::error::Problem;
 use crate::scene::file::TerrainFile;
 
-/// Half of a terrain is rarely steeper; degrees. Feet taken for meters make 67 of 35.
+/// Median slope that is rarely exceeded; degrees. Elevations in feet read as meters make 67 of 35.
 const STEEP_MEDIAN_DEG: f64 = 50.0;
-/// The deepest trench and the highest mountain; m.
+/// Elevation of the deepest trench and of the highest mountain; m.
 const LOWEST: f64 = -11_000.0;
 const HIGHEST: f64 = 9_000.0;
 /// One foot; m.
 const FOOT: f64 = 0.3048;
-/// Cells that are a whole number of meters as feet have it, within this share.
+/// Tolerance of a whole number of meters; –.
 const SAME_LENGTH: f64 = 1e-5;
-/// Cells below this, beside places that may be longitudes and latitudes, look like degrees.
+/// Spacing below which coordinates within the range of longitude and latitude look like degrees.
 const SMALL_CELL: f64 = 0.02;
 
-/// Doubtful elevations of a scene.
-pub(super) fn questions(grid: &Grid, file: &TerrainFile) -> Vec<Problem> {
+/// Warnings about the elevations of a scene.
+pub(super) fn warnings(grid: &Grid, file: &TerrainFile) -> Vec<Problem> {
     let mut found = Vec::new();
     let mut ask = |what: String| found.push(Problem::warning("terrain.sources", what));
     let [west, south] = [

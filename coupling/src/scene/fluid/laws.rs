@@ -1,0 +1,131 @@
+//! Flow laws of the fluid and its regions.
+
+use riprap_sph::{Regularization, Rheology, Settings};
+
+use crate::scene::error::Problem;
+use crate::scene::file::{RegularizationFile, RheologyFile, SceneFile, ViscosityFile};
+use crate::scene::fill::Lattice;
+
+/// Ratio of the acoustic to the viscous step limit above which a warning is due.
+const SLOW_VISCOSITY: f64 = 10.0;
+/// Largest number of flow laws, which the type of a particle's number can tell apart.
+const MOST_LAWS: usize = 256;
+
+/// A flow law of the file.
+pub(in crate::scene) fn flow_law(file: &RheologyFile) -> Rheology {
+    let regularized = |file: RegularizationFile| match file {
+        RegularizationFile::Papanastasiou(time) => Regularization::Papanastasiou(time),
+        RegularizationFile::Bilinear(largest) => Regularization::Bilinear(largest),
+    };
+    match *file {
+        RheologyFile::Newtonian { dynamic_viscosity } => Rheology::Newtonian { dynamic_viscosity },
+        RheologyFile::Bingham {
+            dynamic_viscosity,
+            yield_stress,
+            regularization,
+        } => Rheology::Bingham {
+            dynamic_viscosity,
+            yield_stress,
+            regularization: regularized(regularization),
+        },
+        RheologyFile::HerschelBulkley {
+            consistency,
+            exponent,
+            yield_stress,
+            regularization,
+        } => Rheology::HerschelBulkley {
+            consistency,
+            exponent,
+            yield_stress,
+            regularization: regularized(regularization),
+        },
+    }
+}
+
+/// Flow laws of the regions, each once; empty if the file has none.
+#[derive(Default)]
+pub(super) struct Laws {
+    pub(super) rheologies: Vec<Rheology>,
+    /// Number of the law of each particle.
+    pub(super) kinds: Vec<u8>,
+}
+
+/// Flow laws in use.
+pub(super) fn laws(file: &SceneFile, lattice: &Lattice, problems: &mut Vec<Problem>) -> Laws {
+    let Some(fluid) = &file.fluid else {
+        return Laws::default();
+    };
+    let has_laws = fluid.rheology.is_some() || fluid.regions.iter().any(|r| r.rheology.is_some());
+    let asked = file.numerics.viscosity;
+    if !has_laws && asked != Some(ViscosityFile::Rheological) {
+        return Laws::default();
+    }
+    if asked.is_some_and(|viscosity| viscosity != ViscosityFile::Rheological) {
+        problems.push(Problem::warning(
+            "numerics.viscosity",
+            "the flow laws of the fluid have no effect with this viscosity; leave it out, or set it to Rheological",
+        ));
+        return Laws::default();
+    }
+    let of_fluid = RheologyFile::Newtonian {
+        dynamic_viscosity: fluid.dynamic_viscosity,
+    };
+    let of_fluid = flow_law(fluid.rheology.as_ref().unwrap_or(&of_fluid));
+    let mut rheologies = Vec::new();
+    let mut of_region = Vec::with_capacity(fluid.regions.len());
+    for region in &fluid.regions {
+        let law = region.rheology.as_ref().map_or(of_fluid, flow_law);
+        let known = rheologies.iter().position(|known| *known == law);
+        of_region.push(known.unwrap_or(rheologies.len()));
+        if known.is_none() {
+            rheologies.push(law);
+        }
+    }
+    if MOST_LAWS < rheologies.len() {
+        problems.push(Problem::error(
+            "fluid.regions",
+            format!("{} flow laws are more than {MOST_LAWS}", rheologies.len()),
+        ));
+    }
+    let kind = |&region: &u32| of_region.get(region as usize).map_or(0, |&k| k as u8);
+    Laws {
+        kinds: lattice.region.iter().map(kind).collect(),
+        rheologies,
+    }
+}
+
+/// Warning where viscosity limits the step far more than sound does, in a run of some duration (s) and number of
+/// particles.
+pub(super) fn slow_viscosity(
+    settings: &Settings,
+    laws: &Laws,
+    (duration, n): (f64, usize),
+) -> Option<Problem> {
+    let h = settings.smoothing_length;
+    let constant = settings.kinematic_viscosity() * settings.reference_density;
+    let at_rest = laws.rheologies.iter().map(Rheology::viscosity_at_rest);
+    let viscosity = at_rest.fold(constant, f64::max);
+    let factor = settings.time_step_factor;
+    // the limits of continuity; those of summation are nearly the same
+    let sound = factor * h / settings.sound_speed;
+    let viscous = factor * 0.25 * h * h * settings.reference_density / viscosity;
+    let ratio = sound / viscous;
+    (SLOW_VISCOSITY < ratio).then(|| {
+        let steps = duration / viscous;
+        let path = if laws.rheologies.is_empty() {
+            "fluid.dynamic_viscosity"
+        } else {
+            "fluid.rheology"
+        };
+        Problem::warning(
+            path,
+            format!(
+                "a viscosity of {viscosity:.3e} Pa s limits the step to {viscous:.2e} s, {ratio:.0} times shorter than \
+                 sound does: {steps:.1e} steps and {:.1e} particle steps; up to {:.3e} Pa s it would cost nothing. \
+                 Choose the regularization from the acceptable creep, or coarsen `fluid.resolution`",
+                steps * n as f64,
+                viscosity / ratio,
+            ),
+        )
+    })
+}

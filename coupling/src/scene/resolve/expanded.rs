@@ -1,0 +1,68 @@
+//! Blocks in place of rock masses, slides and grains.
+
+use crate::scene::access::Access;
+use crate::scene::error::Problem;
+use crate::scene::estimate;
+use crate::scene::file::{ExcavationFile, MassFile, SceneFile, SlideFile};
+use crate::scene::geometry::grains::{GrainsReport, blocks_of_grains};
+use crate::scene::geometry::rock_mass::{RockMassReport, blocks_of_masses};
+use crate::scene::geometry::slides::blocks_of_slides;
+use crate::scene::geometry::terrain::{self, Terrain};
+
+/// A scene of single blocks.
+pub(super) struct Expanded {
+    /// The file with blocks in place of rock masses, slides and grains, and with the scars of slides as excavations:
+    /// it describes the same scene.
+    pub(super) file: SceneFile,
+    pub(super) terrain: Option<Terrain>,
+    /// Reports of rock masses, then of slides.
+    pub(super) rock_masses: Vec<RockMassReport>,
+    pub(super) grains: Vec<GrainsReport>,
+}
+
+/// Makes the blocks of rock masses, slides and grains.
+pub(super) fn expand(mut file: SceneFile, access: &Access) -> Result<Expanded, Vec<Problem>> {
+    let terrain = terrain::resolve(&file, access)?;
+    let masses = std::mem::take(&mut file.rock_masses);
+    let (blocks, mut rock_masses) = blocks_of_masses(&masses, access)?;
+    file.blocks.extend(blocks);
+
+    let slides = std::mem::take(&mut file.slides);
+    let rock = terrain.as_ref().map_or(&[][..], |terrain| &terrain.rock);
+    let (blocks, reports) = blocks_of_slides(&slides, rock)?;
+    file.blocks.extend(blocks);
+    rock_masses.extend(reports);
+    let file = with_scars(file, slides);
+
+    let most = (access.bytes() / estimate::PER_BLOCK) as usize;
+    let (blocks, grains) = blocks_of_grains(&file.grains, &file.blocks, &file.materials, most)?;
+    let mut file = file;
+    file.grains.clear();
+    file.blocks.extend(blocks);
+    Ok(Expanded {
+        file,
+        terrain,
+        rock_masses,
+        grains,
+    })
+}
+
+/// The file with an excavation and a tracked mass for each slide.
+fn with_scars(mut file: SceneFile, slides: Vec<SlideFile>) -> SceneFile {
+    let Some(terrain) = &mut file.terrain else {
+        return file;
+    };
+    for slide in slides {
+        if file.masses.iter().all(|mass| mass.name != slide.name) {
+            file.masses.push(MassFile {
+                blocks: format!("{}.", slide.name),
+                name: slide.name,
+            });
+        }
+        terrain.excavations.push(ExcavationFile {
+            outline: slide.outline,
+            failure_surface: slide.failure_surface,
+        });
+    }
+    file
+}

@@ -1,0 +1,160 @@
+//! Records: blocks by number, intervals chosen where the file has none.
+
+use riprap_sph::Dimensions;
+
+use crate::scene::file::{
+    BlockFile, GaugeFile, MapsFile, MotionFile, OutputFile, SceneFile, WaterField, vec3,
+};
+use crate::scene::names::Names;
+use crate::scene::resolved::FluidScene;
+use crate::scene::resolved::recording::{
+    Gauge, Maps, Output, PlanLine, Quantity, TrackedMass, Tracking,
+};
+
+/// Number of frames in a run.
+const FRAMES: f64 = 50.0;
+/// Number of rows of the gauges in a run.
+const GAUGE_ROWS: f64 = 500.0;
+/// Samples of a falling block in a run: at 20 s one per 0.02 s, which misses 0.5 mm of the top of a bounce.
+const TRAJECTORY_SAMPLES: f64 = 1000.0;
+/// Spacing of the points of maps, which resolves every wave that the water resolves; × particle spacing.
+const MAP_SPACING: f64 = 2.0;
+/// Samples of the water for maps in a run.
+const MAP_SAMPLES: f64 = 200.0;
+/// Rise of the water that counts as arrival; × particle spacing.
+const NOTICED_RISE: f64 = 0.25;
+
+/// Files and intervals.
+pub(super) fn output(file: &OutputFile, duration: f64, fluid: Option<&FluidScene>) -> Output {
+    let gauge_interval = file.gauge_interval.unwrap_or(duration / GAUGE_ROWS);
+    let chosen_fields = || {
+        let mut fields = vec![
+            WaterField::Velocity,
+            WaterField::Density,
+            WaterField::Pressure,
+            WaterField::Id,
+        ];
+        if fluid.is_some_and(|fluid| !fluid.rheologies.is_empty()) {
+            fields.extend([WaterField::Viscosity, WaterField::Yielded]);
+        }
+        fields
+    };
+    Output {
+        frame_interval: file.frame_interval.unwrap_or(duration / FRAMES),
+        gauge_interval,
+        ledger_interval: file.ledger_interval.unwrap_or(gauge_interval),
+        water_fields: file.water_fields.clone().unwrap_or_else(chosen_fields),
+        block_fields: file.block_fields.clone(),
+        contacts: file.contacts,
+        face_pressures: file.face_pressures,
+    }
+}
+
+/// Instruments, with their blocks by number.
+pub(super) fn gauges(file: &SceneFile, names: &Names) -> Vec<Gauge> {
+    let line = |from: (f64, f64), to: (f64, f64)| PlanLine {
+        from: [from.0, from.1],
+        to: [to.0, to.1],
+    };
+    let gauge = |gauge: &GaugeFile| {
+        let (name, quantity) = match gauge {
+            GaugeFile::SurfaceElevation { name, x, y } => {
+                (name, Quantity::SurfaceElevation { x: *x, y: *y })
+            }
+            GaugeFile::Pressure { name, position } => {
+                let position = vec3(*position);
+                (name, Quantity::Pressure { position })
+            }
+            GaugeFile::Velocity { name, position } => {
+                let position = vec3(*position);
+                (name, Quantity::Velocity { position })
+            }
+            GaugeFile::BlockForce { name, block } => {
+                let block = names.block(block);
+                (name, Quantity::BlockForce { block })
+            }
+            GaugeFile::RunUp { name, from, to } => (name, Quantity::RunUp(line(*from, *to))),
+            GaugeFile::Front { name, from, to } => (name, Quantity::Front(line(*from, *to))),
+            GaugeFile::Overtopping { name, from, to } => {
+                (name, Quantity::Overtopping(line(*from, *to)))
+            }
+            GaugeFile::Displaced {
+                name,
+                blocks,
+                farther_than,
+            } => {
+                let quantity = Quantity::Displaced {
+                    blocks: free_blocks(file, |block| block.starts_with(blocks)),
+                    farther_than: *farther_than,
+                };
+                (name, quantity)
+            }
+        };
+        Gauge {
+            name: name.clone(),
+            quantity,
+        }
+    };
+    file.gauges.iter().map(gauge).collect()
+}
+
+/// Numbers of the free blocks whose name fits.
+fn free_blocks(file: &SceneFile, fits: impl Fn(&str) -> bool) -> Vec<usize> {
+    let is_free = |block: &BlockFile| matches!(block.motion, MotionFile::Free);
+    let blocks = file.blocks.iter().enumerate();
+    blocks
+        .filter(|(_, block)| is_free(block) && fits(&block.name))
+        .map(|(number, _)| number)
+        .collect()
+}
+
+/// Named blocks, every free block where there are no names.
+fn tracking(file: &SceneFile, names: &[String], interval: f64) -> Tracking {
+    let is_asked = |name: &str| names.is_empty() || names.iter().any(|other| other == name);
+    Tracking {
+        blocks: free_blocks(file, is_asked),
+        interval,
+    }
+}
+
+/// Blocks for which forces are recorded.
+pub(super) fn forces(file: &SceneFile, output: &Output) -> Option<Tracking> {
+    let asked = file.forces.as_ref()?;
+    let interval = asked.interval.unwrap_or(output.gauge_interval);
+    Some(tracking(file, &asked.blocks, interval))
+}
+
+/// Blocks whose paths are recorded.
+pub(super) fn trajectories(file: &SceneFile) -> Option<Tracking> {
+    let asked = file.trajectories.as_ref()?;
+    let chosen = file.time.duration / TRAJECTORY_SAMPLES;
+    Some(tracking(
+        file,
+        &asked.blocks,
+        asked.interval.unwrap_or(chosen),
+    ))
+}
+
+/// Maps of the water; none without water, which validation refuses.
+pub(super) fn maps(file: &SceneFile, fluid: Option<&FluidScene>) -> Option<Maps> {
+    let MapsFile {
+        spacing,
+        interval,
+        arrival_threshold,
+    } = file.maps.as_ref()?;
+    let water = fluid?.lattice.particle_spacing(Dimensions::Three);
+    Some(Maps {
+        spacing: spacing.unwrap_or(MAP_SPACING * water),
+        interval: interval.unwrap_or(file.time.duration / MAP_SAMPLES),
+        arrival_threshold: arrival_threshold.unwrap_or(NOTICED_RISE * water),
+    })
+}
+
+/// Groups of free blocks tracked as one body.
+pub(super) fn masses(file: &SceneFile) -> Vec<TrackedMass> {
+    let mass = |mass: &crate::scene::file::MassFile| TrackedMass {
+        name: mass.name.clone(),
+        blocks: free_blocks(file, |block| block.starts_with(&mass.blocks)),
+    };
+    file.masses.iter().map(mass).collect()
+}

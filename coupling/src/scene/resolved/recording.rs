@@ -1,0 +1,133 @@
+//! Records of a run: instruments, tracked blocks, maps, files and their intervals.
+
+use riprap_dda::Vec3;
+
+pub use crate::scene::file::{BlockField, WaterField};
+use crate::scene::file::{CameraFile, vec3};
+
+/// Output files and intervals.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Output {
+    /// Interval of VTK frames; s.
+    pub frame_interval: f64,
+    /// Interval of rows in `gauges.csv`; s.
+    pub gauge_interval: f64,
+    /// Interval of rows in `blocks.csv`, `energy.csv` and `masses.csv`; s.
+    pub ledger_interval: f64,
+    /// Arrays in the water files.
+    pub water_fields: Vec<WaterField>,
+    /// Arrays in the block files in addition to `BlockId`.
+    pub block_fields: Vec<BlockField>,
+    /// Output of contact points.
+    pub contacts: bool,
+    /// Output of the water pressure on the faces of blocks.
+    pub face_pressures: bool,
+}
+
+/// A recording instrument.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Gauge {
+    /// Column name in `gauges.csv`, or the prefix of several.
+    pub name: String,
+    /// Recorded quantity.
+    pub quantity: Quantity,
+}
+
+/// Quantity of a gauge, and its location.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Quantity {
+    /// Elevation of the free surface at a point in plan view; m.
+    SurfaceElevation {
+        /// m.
+        x: f64,
+        /// m.
+        y: f64,
+    },
+    /// Pressure at a point; Pa.
+    Pressure {
+        /// m.
+        position: Vec3,
+    },
+    /// Fluid velocity at a point; m/s.
+    Velocity {
+        /// m.
+        position: Vec3,
+    },
+    /// Force and moment on a block; N, N m.
+    BlockForce {
+        /// Number of the block.
+        block: usize,
+    },
+    /// Highest wetted point along a line; m.
+    RunUp(PlanLine),
+    /// Position of the front of the water along a line; m from its start.
+    Front(PlanLine),
+    /// Volume across a line and mean discharge; m³, m³/s.
+    Overtopping(PlanLine),
+    /// Number of blocks farther than a distance from their initial position.
+    Displaced {
+        /// Numbers of the blocks.
+        blocks: Vec<usize>,
+        /// m.
+        farther_than: f64,
+    },
+}
+
+/// A line in plan view, (x, y); m.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PlanLine {
+    /// Start; m.
+    pub from: [f64; 2],
+    /// End; m.
+    pub to: [f64; 2],
+}
+
+/// Free blocks that are sampled at an interval.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Tracking {
+    /// Numbers of the blocks.
+    pub blocks: Vec<usize>,
+    /// Averaging or sampling interval; s.
+    pub interval: f64,
+}
+
+/// Maps of wave impact in plan view.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Maps {
+    /// Spacing of their points; m.
+    pub spacing: f64,
+    /// Sampling interval; s.
+    pub interval: f64,
+    /// Change of the surface since t = 0 that counts as arrival; m.
+    pub arrival_threshold: f64,
+}
+
+/// Free blocks tracked as one body.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TrackedMass {
+    /// Prefix of its column names.
+    pub name: String,
+    /// Numbers of the blocks.
+    pub blocks: Vec<usize>,
+}
+
+/// Camera of `riprap render`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Viewpoint {
+    /// Position; m.
+    pub position: Vec3,
+    /// Target point; m.
+    pub look_at: Vec3,
+    /// Horizontal angle of view; degrees.
+    pub field_of_view_deg: f64,
+}
+
+impl From<&CameraFile> for Viewpoint {
+    fn from(file: &CameraFile) -> Self {
+        Self {
+            position: vec3(file.position),
+            look_at: vec3(file.look_at),
+            field_of_view_deg: file.field_of_view_deg,
+        }
+    }
+}
