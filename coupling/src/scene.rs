@@ -1,4 +1,4 @@
-//! From scene text to a checked scene.
+//! Scenes: schema, validation, and the frozen scene that runs.
 
 pub mod access;
 mod attachments;
@@ -37,23 +37,23 @@ use estimate::Estimate;
 use parse::Override;
 use resolved::Scene;
 
-/// Largest scene that is read; bytes.
+/// Largest size of a scene; bytes.
 const LARGEST_SCENE: u64 = 200_000_000;
 
 /// Reads, checks and resolves the scene at `path` with the given overrides. Files that it names are in its folder.
 ///
 /// # Errors
 ///
-/// [`SceneError`] with every problem in its place in the text.
+/// [`SceneError`] with every problem, located in the text.
 pub fn load(path: &Path, overrides: &[Override]) -> Result<(Scene, SceneError), SceneError> {
     load_from(path, overrides, FilesFrom::SceneFolder)
 }
 
-/// As [`load`], with files from where they may be.
+/// Reads a scene as [`load`] does, with the files that it may name.
 ///
 /// # Errors
 ///
-/// As [`load`].
+/// [`SceneError`], as for [`load`].
 pub fn load_from(
     path: &Path,
     overrides: &[Override],

@@ -50,7 +50,7 @@ impl<'a> Access<'a> {
     ///
     /// # Errors
     ///
-    /// [`Fault::LeavesFolder`], and what the system says of a file that is not there.
+    /// [`Fault::LeavesFolder`], and [`Fault::Unreadable`] for a missing file.
     pub fn find(&self, file: &str) -> Result<PathBuf, Fault> {
         let path = self.folder.join(file);
         if self.files == FilesFrom::Anywhere {
@@ -74,7 +74,7 @@ impl<'a> Access<'a> {
     ///
     /// # Errors
     ///
-    /// As [`find`](Self::find), [`Fault::NoFile`] and [`Fault::TooLarge`].
+    /// Those of [`find`](Self::find), [`Fault::NoFile`] and [`Fault::TooLarge`].
     pub fn read(&self, file: &str) -> Result<Vec<u8>, Fault> {
         let path = self.find(file)?;
         let found = std::fs::metadata(&path)?;
@@ -89,7 +89,7 @@ impl<'a> Access<'a> {
     }
 }
 
-/// Whether a name has no way out of the folder that it starts from, links aside.
+/// True for a path that does not leave its folder, links aside.
 pub fn is_below(file: &str) -> bool {
     Path::new(file)
         .components()

@@ -1,27 +1,27 @@
 //! Errors of a scene, with their location.
 
-/// One thing wrong with (or doubtful in) a scene, found after the text was read.
+/// A fault or doubtful point of a scene, found after the text was read.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Problem {
     /// Path of the field, e.g. `blocks[1].shape.min`, as `--set` takes it.
     pub path: String,
     /// Value found and values allowed; lowercase, no full stop.
     pub message: String,
-    /// Whether the scene can run all the same.
+    /// Severity.
     pub severity: Severity,
 }
 
-/// Whether a problem stops a scene.
+/// Severity of a problem.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Severity {
     /// The scene cannot run.
     Error,
-    /// The scene runs; the user should know.
+    /// The scene runs, with a warning.
     Warning,
 }
 
 impl Problem {
-    /// A problem that stops the scene.
+    /// Error, which stops the scene.
     pub fn error(path: impl Into<String>, message: impl Into<String>) -> Self {
         Self {
             path: path.into(),
@@ -30,7 +30,7 @@ impl Problem {
         }
     }
 
-    /// A problem that the user should know of.
+    /// Warning.
     pub fn warning(path: impl Into<String>, message: impl Into<String>) -> Self {
         Self {
             path: path.into(),
@@ -46,7 +46,7 @@ use miette::{Diagnostic, LabeledSpan, NamedSource, SourceCode};
 
 use super::locate::{Place, line_column, locate};
 
-/// Problems of a scene in their places.
+/// Problems of a scene, located in its text.
 #[derive(Debug)]
 pub struct SceneError {
     file: String,
@@ -54,18 +54,18 @@ pub struct SceneError {
     located: Vec<Located>,
 }
 
-/// A problem with its place.
+/// A located problem.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Located {
     /// Fault.
     pub message: String,
-    /// Bytes of the text.
+    /// Location in the text; bytes.
     pub span: Range<usize>,
-    /// From 1.
+    /// Line, from 1.
     pub line: usize,
-    /// From 1.
+    /// Column, from 1.
     pub column: usize,
-    /// Whether it stops the scene.
+    /// Severity.
     pub severity: Severity,
 }
 
@@ -88,7 +88,7 @@ impl SceneError {
         Self::new(file, text, located)
     }
 
-    /// The one thing that keeps a text from being read.
+    /// Error of reading a text.
     pub fn at_span(file: &str, text: &str, span: Range<usize>, message: String) -> Self {
         let (line, column) = line_column(text, span.start);
         let located = Located {

@@ -1,4 +1,4 @@
-//! Memory: what a run will need, and what the machine has.
+//! Memory required by a run.
 //!
 //! The estimate uses the checked scene alone, before its world is built. The numbers are measured peaks of short runs
 //! (see `tests/coupling/hostile.rs`), each rounded up, so that the sum is an upper bound.
@@ -13,33 +13,33 @@ use crate::walls::WallMethod;
 
 /// Bytes of the program by itself; with water.
 const PROGRAM: [f64; 2] = [13e6, 20e6];
-/// Bytes for each particle of water, without its list of neighbors: the start, the state, sorted copies, what is written.
+/// Bytes per particle of water, without its list of neighbors: initial state, state, sorted copies, output.
 pub const PER_PARTICLE: f64 = 700.0;
-/// Bytes more for each where water may sleep: where it was at rest, what it is doing, what rates are summed from.
+/// Additional bytes per particle where water may sleep: reference positions, state of sleep, partial sums of rates.
 const PER_SLEEPING_PARTICLE: f64 = 110.0;
-/// Bytes for each neighbor in a list, with what lists are longer by than they are full.
+/// Bytes per neighbor in a list, with unused capacity.
 const PER_NEIGHBOR: f64 = 6.0;
-/// Lists reach farther than the support by this share of it.
+/// Skin of the lists beyond the support; × support.
 const LARGEST_SKIN: f64 = 0.1;
-/// Bytes for each particle of a wall.
+/// Bytes per particle of a wall.
 const PER_WALL_PARTICLE: f64 = 280.0;
-/// Bytes for each block, at least.
+/// Smallest number of bytes per block.
 pub const PER_BLOCK: f64 = 3000.0;
-/// Bytes more for each that moves: its contacts, and its row in what is written.
+/// Additional bytes per moving block: contacts, and rows of output.
 const PER_MOVING_BLOCK: f64 = 10e3;
-/// Bytes for each corner of a polyhedron: of the scene, of the solver, of what is written.
+/// Bytes per corner of a polyhedron: scene, solver, output.
 const PER_CORNER: f64 = 5600.0;
-/// Bytes for each sphere, which is written as a fine mesh.
-const PER_BALL: f64 = 17e3;
-/// Bytes more for each of the first so many spheres.
-const FIRST_BALLS: (f64, f64) = (500.0, 36e3);
-/// Bytes for each triangle of a surface.
+/// Bytes per sphere, which is written as a fine mesh.
+const PER_SPHERE: f64 = 17e3;
+/// Number of spheres with additional bytes, and those bytes.
+const FIRST_SPHERES: (f64, f64) = (500.0, 36e3);
+/// Bytes per triangle of a surface.
 const PER_TRIANGLE: f64 = 900.0;
 
 /// Memory required by a run; bytes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Estimate {
-    /// The program by itself.
+    /// Program by itself.
     pub program: f64,
     /// Particles of water, with their lists of neighbors.
     pub water: f64,
@@ -50,7 +50,7 @@ pub struct Estimate {
 }
 
 impl Estimate {
-    /// Of a checked scene.
+    /// Estimate for a resolved scene.
     pub fn of(scene: &Scene) -> Self {
         let program = PROGRAM[usize::from(scene.fluid.is_some())];
         let blocks = blocks(scene);
@@ -70,7 +70,7 @@ impl Estimate {
         }
     }
 
-    /// All together; bytes.
+    /// Total; bytes.
     pub fn total(&self) -> f64 {
         self.program + self.water + self.walls + self.blocks
     }
@@ -129,8 +129,8 @@ fn water(fluid: &FluidScene) -> f64 {
     particles * (PER_PARTICLE + sleeping + PER_NEIGHBOR * neighbors)
 }
 
-/// No more than there will be: the points of a solid are those of its part in reach of the domain, and not deeper in it
-/// than the support.
+/// Upper bound of the number of wall particles: those of a solid are within the support of the domain, and not deeper
+/// in it than the support.
 ///
 /// ```text
 /// n = min(V, A R)/s³
@@ -194,7 +194,7 @@ fn wall_particles(scene: &Scene, fluid: &FluidScene) -> f64 {
     volume / spacing.powi(3)
 }
 
-/// m².
+/// Surface area of a body; m².
 fn surface_area(body: &Polyhedron) -> f64 {
     (0..body.n_faces())
         .map(|face| riprap_dda::face_area(body, face))
@@ -207,12 +207,12 @@ fn blocks(scene: &Scene) -> f64 {
             let corners: usize = parts.iter().map(|part| part.vertices().len()).sum();
             PER_CORNER * corners as f64
         }
-        Shape::Sphere { .. } => PER_BALL,
+        Shape::Sphere { .. } => PER_SPHERE,
         Shape::Surface(surface) => PER_TRIANGLE * surface.triangles().len() as f64,
     };
-    let is_ball = |shape: &Shape| matches!(shape, Shape::Sphere { .. });
-    let balls = scene.blocks.iter().filter(|block| is_ball(&block.shape));
-    let (first, each) = FIRST_BALLS;
+    let is_sphere = |shape: &Shape| matches!(shape, Shape::Sphere { .. });
+    let spheres = (scene.blocks.iter()).filter(|block| is_sphere(&block.shape));
+    let (first, each) = FIRST_SPHERES;
     let all: f64 = scene
         .blocks
         .iter()
@@ -224,5 +224,5 @@ fn blocks(scene: &Scene) -> f64 {
             PER_BLOCK + moving + of_shape(&block.shape)
         })
         .sum();
-    all + (balls.count() as f64).min(first) * each
+    all + (spheres.count() as f64).min(first) * each
 }

@@ -1,4 +1,4 @@
-//! Water at the start: particles on a lattice, in boxes and in basins.
+//! Initial water: particles on a lattice, in boxes and in basins.
 
 mod basin;
 mod boxes;
@@ -21,32 +21,32 @@ pub use gaps::narrow_gaps;
 use obstacles::WALL_SLACK;
 pub use overlap::overlaps;
 
-/// Most lattice nodes that are looked at.
+/// Largest number of lattice nodes that are visited.
 const MOST_NODES: f64 = 5e7;
-/// Bytes for each node that is looked at: what is known of it, and of those still to be visited.
+/// Bytes per visited node: its state and the queue of nodes.
 const NODE_BYTES: f64 = 8.0;
-/// Particles of two regions nearer than this are an overlap: they would blow apart; × spacing.
+/// Smallest distance of particles of two regions; closer ones would blow apart; × spacing.
 const NEAREST_OF_REGIONS: f64 = 0.9;
 
-/// Particles at the start.
+/// Initial particles.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Lattice {
-    /// Along x, y, z; a periodic direction holds a whole number of spacings, and so does one that ends at a plane
+    /// Spacings along x, y, z; a periodic direction holds a whole number of spacings, and so does one that ends at a plane
     /// of symmetry; m.
     pub spacing: [f64; 3],
-    /// m.
+    /// Position of each particle; m.
     pub positions: Vec<Vec3>,
-    /// m/s.
+    /// Velocity of each particle; m/s.
     pub velocities: Vec<Vec3>,
-    /// Number of the region in the file; one per particle.
+    /// Number of the region of each particle.
     pub region: Vec<u32>,
-    /// Whether each region is to be packed against its walls.
+    /// Packing against walls, for each region.
     pub is_packed: Vec<bool>,
-    /// More water above the levels, which holds the surfaces of what is packed in place; m.
+    /// Particles above the levels, which hold the surfaces of packed regions in place; m.
     pub mould: Vec<Vec3>,
     /// Highest surface of any region; m.
     pub still_water_level: f64,
-    /// From there to the bottom of the lowest particle; m.
+    /// Depth from there to the bottom of the lowest particle; m.
     pub depth: f64,
 }
 
@@ -68,9 +68,9 @@ impl Lattice {
 /// Amount of water that fits the memory.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Room {
-    /// Most bytes that may be taken; infinite where the system does not tell.
+    /// Available memory, infinite where the system does not tell; bytes.
     pub bytes: f64,
-    /// Bytes that a run needs for each particle, at least.
+    /// Smallest memory per particle of a run; bytes.
     pub bytes_per_particle: f64,
 }
 
@@ -81,7 +81,7 @@ impl Room {
         bytes_per_particle: 0.0,
     };
 
-    /// Whether so many particles fit, before there are any.
+    /// Checks that a number of particles fits, before there are any.
     fn holds(&self, particles: f64) -> Result<(), FillError> {
         let needed = particles * self.bytes_per_particle;
         if needed <= self.bytes {
@@ -94,12 +94,12 @@ impl Room {
         })
     }
 
-    /// Most nodes that may be looked at.
+    /// Largest number of nodes that may be visited.
     fn nodes(&self) -> f64 {
         MOST_NODES.min(self.bytes / NODE_BYTES)
     }
 
-    /// Whether so many nodes may be looked at; NaN may not.
+    /// Checks a number of nodes to be visited; NaN is refused.
     fn look_at(&self, nodes: f64) -> Result<(), FillError> {
         let most = self.nodes();
         if nodes <= most {
@@ -158,8 +158,8 @@ enum FillError {
     InRegion { other: String, at: Vec3 },
 }
 
-/// The water of the file among the given solids. Where walls take it to fill its basins, its lattice is to be
-/// packed against them, in a mould of so many rows above each level: none leaves it as it is.
+/// Initial water among the given solids. Regions in basins are to be packed against the walls, with a mould of
+/// `n_mould_rows` rows above each level; without rows they are left as they are.
 ///
 /// # Errors
 ///
@@ -173,7 +173,7 @@ pub fn lattice(
     lattice_within(fluid, domain, solids, n_mould_rows, Room::ENDLESS)
 }
 
-/// As [`lattice`], with no more particles than there is room for; more are refused before they are made.
+/// Initial water as [`lattice`], limited by the memory: more particles are refused before they are made.
 ///
 /// # Errors
 ///
@@ -192,8 +192,8 @@ pub fn lattice_within(
     }
 }
 
-/// Spacings along x, y, z over that of a cubic lattice of the same volume. The layers of a staggered lattice are
-/// squares that are face-centered cubic one over the other, in a plane rows that are hexagonal.
+/// Spacings along x, y, z over that of a cubic lattice of the same volume. A staggered lattice is face-centered cubic,
+/// with square layers; in a plane it is hexagonal.
 pub(super) fn proportions(lattice: LatticeFile, dimensions: DimensionsFile) -> [f64; 3] {
     match (lattice, dimensions) {
         (LatticeFile::Cubic, _) => [1.0; 3],
@@ -208,8 +208,8 @@ pub(super) fn proportions(lattice: LatticeFile, dimensions: DimensionsFile) -> [
     }
 }
 
-/// Spacings along x, y, z: a periodic direction takes the nearest one that closes on itself, one that ends at a
-/// plane of symmetry the nearest one that does so half a spacing off; a flow in a plane has one row across.
+/// Spacings along x, y, z: in a periodic direction the nearest that divides the period, in one that ends at a plane
+/// of symmetry the nearest that ends half a spacing from it; a flow in a plane has one row across.
 fn spacings(fluid: &FluidFile, domain: &DomainFile, wanted: f64) -> [f64; 3] {
     let extent = vec3(domain.max) - vec3(domain.min);
     let mut spacing = proportions(fluid.lattice, domain.dimensions).map(|share| share * wanted);
@@ -226,7 +226,7 @@ fn spacings(fluid: &FluidFile, domain: &DomainFile, wanted: f64) -> [f64; 3] {
     spacing
 }
 
-/// Rows that fit an extent; the slack lets in those that fit by the digits a user types.
+/// Rows that fit an extent, with a tolerance for the rounding of typed digits.
 fn rows(extent: f64, spacing: f64) -> f64 {
     (extent / spacing + WALL_SLACK).floor().max(0.0)
 }
@@ -250,24 +250,11 @@ fn at_spacing(
     };
     let mut problems = Vec::new();
     for (index, region) in fluid.regions.iter().enumerate() {
-        let (level, is_packed, filled) = match &region.shape {
-            RegionShapeFile::Box { min, max } => {
-                let water = boxes::fill((vec3(*min), vec3(*max)), spacing, solids, room);
-                let mould = Vec::new();
-                (max.2, false, water.map(|water| Poured { water, mould }))
-            }
-            RegionShapeFile::Below { level, seed } => {
-                let seed = vec3(*seed);
-                let poured = basin::fill(
-                    domain,
-                    (spacing, fluid.lattice),
-                    (*level, &seed),
-                    solids,
-                    (n_mould_rows, room),
-                );
-                (*level, 0 < n_mould_rows, poured)
-            }
+        let level = match region.shape {
+            RegionShapeFile::Box { max, .. } => max.2,
+            RegionShapeFile::Below { level, .. } => level,
         };
+        let filled = filled(region, (fluid, domain, spacing), solids, (n_mould_rows, room));
         let filled = filled.and_then(|poured| {
             room.holds((lattice.positions.len() + poured.water.len()) as f64)?;
             check_regions(&lattice, &poured.water, &fluid.regions).map(|()| poured)
@@ -278,8 +265,9 @@ fn at_spacing(
                 mould,
             }) => {
                 let n = positions.len();
+                let is_basin = matches!(region.shape, RegionShapeFile::Below { .. });
                 lattice.mould.extend(mould);
-                lattice.is_packed.push(is_packed);
+                lattice.is_packed.push(is_basin && 0 < n_mould_rows);
                 lattice.still_water_level = lattice.still_water_level.max(level);
                 lattice.positions.extend(positions);
                 lattice
@@ -287,16 +275,7 @@ fn at_spacing(
                     .extend(std::iter::repeat_n(vec3(region.velocity), n));
                 lattice.region.extend(std::iter::repeat_n(index as u32, n));
             }
-            Err(error) => {
-                let path = match &error {
-                    FillError::TooManyNodes { .. } | FillError::NoMemory { .. } => {
-                        "fluid.resolution".to_owned()
-                    }
-                    _ => format!("fluid.regions[{index}].shape{}", blamed(&error)),
-                };
-                let message = format!("fluid region `{}` {error}", region.name);
-                problems.push(Problem::error(path, message));
-            }
+            Err(error) => problems.push(region_problem(index, region, &error)),
         }
     }
     if lattice.positions.is_empty() && problems.is_empty() {
@@ -317,7 +296,43 @@ fn at_spacing(
     }
 }
 
-/// The field of a region that an error speaks of, with its dot.
+/// Particles of a region on its own.
+fn filled(
+    region: &RegionFile,
+    (fluid, domain, spacing): (&FluidFile, &DomainFile, [f64; 3]),
+    solids: &[(String, Shape)],
+    (n_mould_rows, room): (usize, Room),
+) -> Result<Poured, FillError> {
+    match &region.shape {
+        RegionShapeFile::Box { min, max } => {
+            let water = boxes::fill((vec3(*min), vec3(*max)), spacing, solids, room);
+            let mould = Vec::new();
+            water.map(|water| Poured { water, mould })
+        }
+        RegionShapeFile::Below { level, seed } => {
+            let seed = vec3(*seed);
+            basin::fill(
+                domain,
+                (spacing, fluid.lattice),
+                (*level, &seed),
+                solids,
+                (n_mould_rows, room),
+            )
+        }
+    }
+}
+
+fn region_problem(index: usize, region: &RegionFile, error: &FillError) -> Problem {
+    let path = match error {
+        FillError::TooManyNodes { .. } | FillError::NoMemory { .. } => {
+            "fluid.resolution".to_owned()
+        }
+        _ => format!("fluid.regions[{index}].shape{}", blamed(error)),
+    };
+    Problem::error(path, format!("fluid region `{}` {error}", region.name))
+}
+
+/// The field of a region that an error refers to, with its dot.
 fn blamed(error: &FillError) -> &'static str {
     match error {
         FillError::LevelAboveDomain { .. } | FillError::NoRow { .. } => ".level",
@@ -328,8 +343,8 @@ fn blamed(error: &FillError) -> &'static str {
     }
 }
 
-/// New particles must keep clear of those of earlier regions. Only the part of the lattice where
-/// both can be is sorted into cells.
+/// Checks the distance of new particles from those of earlier regions. Only particles in the common part of both are
+/// sorted into cells.
 fn check_regions(earlier: &Lattice, new: &[Vec3], regions: &[RegionFile]) -> Result<(), FillError> {
     let least = earlier
         .spacing

@@ -27,11 +27,12 @@ pub(super) fn with_flow(mut lattice: Lattice, file: &SceneFile) -> Lattice {
     lattice
 }
 
+/// Velocity of a standing wave at the instant of a level surface: Airy's wave and its mirror image; m/s.
+///
 /// ```text
 /// u = −a ω cosh(k (z + d)) sin(k (x − x₀))/sinh(k d)      w = a ω sinh(k (z + d)) cos(k (x − x₀))/sinh(k d)
 /// ω² = g k tanh(k d)                                       a = H/2, z from the level
 /// ```
-/// Airy's wave and its mirror image, at the moment at which the surface is flat; m/s.
 fn velocity_of(flow: &FlowFile, gravity: f64, level: f64, x: &Vec3) -> Vec3 {
     let FlowFile::StandingWave {
         height,

@@ -5,24 +5,24 @@ use riprap_dda::Vec3;
 use super::geometry::terrain::Rock;
 use super::resolved::Scene;
 
-/// A slide as the formulas see it, where it meets the water.
+/// Parameters of a slide at impact.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SlideImpact {
-    /// m/s.
+    /// Speed; m/s.
     pub speed: f64,
-    /// Mean, across the failure surface; m.
+    /// Mean thickness above the failure surface; m.
     pub thickness: f64,
-    /// Across its way; m.
+    /// Width across the direction of motion; m.
     pub width: f64,
-    /// m³.
+    /// Volume; m³.
     pub volume: f64,
-    /// Of the failure surface to the horizontal; rad.
+    /// Slope of the failure surface; rad.
     pub slope: f64,
     /// Density of the rock over that of water; –.
     pub relative_density: f64,
-    /// Of the still water; m.
+    /// Still-water depth; m.
     pub depth: f64,
-    /// m/s².
+    /// Acceleration of gravity; m/s².
     pub gravity: f64,
 }
 
@@ -93,7 +93,7 @@ impl SlideImpact {
     }
 }
 
-/// Area of the faces that look down, as a vector; m².
+/// Area vector of the downward faces; m².
 fn bed_area(body: &riprap_dda::Polyhedron) -> Vec3 {
     /// Faces steeper than this are walls, not bed: sine of 6 degrees.
     const WALL: f64 = 0.1;
@@ -111,7 +111,7 @@ fn bed_area(body: &riprap_dda::Polyhedron) -> Vec3 {
     areas.filter(|area| area.z < -WALL * area.norm()).sum()
 }
 
-/// Tangent of the friction angle between a slide and the terrain, when all weakening is over.
+/// Tangent of the friction angle between a slide and the terrain, after all weakening.
 fn friction_below(rock: &Rock, scene: &Scene) -> Option<f64> {
     let of_slide = rock.material?;
     let of_terrain = scene.terrain.as_ref()?.material?;

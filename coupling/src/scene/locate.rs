@@ -1,8 +1,7 @@
-//! Path of a field → its place in the text.
+//! Location of a field in the text, from its path.
 //!
-//! RON keeps no places once a scene is read, and its own errors end at the first. So the text is
-//! walked a second time by a small reader of our own, which minds only brackets, names and commas
-//! and therefore finds its way through broken text too.
+//! RON keeps no locations once a scene is read, and its own errors end at the first. So the text is read a second time by
+//! a small reader that minds only brackets, names and commas, and therefore works on broken text, too.
 
 pub mod path;
 mod token;
@@ -13,7 +12,7 @@ use std::ops::Range;
 use path::FieldPath;
 use tree::Tree;
 
-/// A place in a text.
+/// A location in a text.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Place {
     /// Bytes of the text.
@@ -32,7 +31,7 @@ pub fn locate(text: &str, path: &str) -> Place {
     Place { span, line, column }
 }
 
-/// As [`locate`], in a text that was walked before; bytes.
+/// Location as [`locate`] finds it, in a text whose tree is known; bytes.
 pub fn span_of(tree: &Tree<'_>, path: &str) -> Range<usize> {
     // A broken path is no reason to lose the message it came with: it is placed at the start.
     let path = FieldPath::parse(path).unwrap_or_default();

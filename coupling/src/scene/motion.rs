@@ -7,7 +7,7 @@ use super::error::Problem;
 use super::file::MotionFile;
 use super::file::vec3;
 
-/// The motion that a block of the file asks for; `path` is where the file says so.
+/// Motion of a block; `path` is its location in the file.
 ///
 /// # Errors
 ///
@@ -42,7 +42,7 @@ pub fn motion(file: &MotionFile, path: &str, access: &Access) -> Result<Motion, 
     }
 }
 
-/// The motion of a block whose `file` names a record, from the record's text; `path` is where the scene says so.
+/// Motion of a block from the text of the record that `file` names; `path` is its location in the scene.
 ///
 /// # Errors
 ///
@@ -101,7 +101,7 @@ fn text_of(access: &Access, file: &str) -> Result<String, String> {
         .read(file)
         .map_err(|fault| format!("`{file}`: {fault}"))
         .and_then(|bytes| {
-            String::from_utf8(bytes).map_err(|error| format!("`{file}` is no text: {error}"))
+            String::from_utf8(bytes).map_err(|error| format!("`{file}` is not text: {error}"))
         })
 }
 
@@ -116,8 +116,7 @@ fn rows(
         .map_err(|found| Problem::error(format!("{path}.file"), format!("`{file}` {found}")))
 }
 
-/// Rows of a record: one of the allowed counts of numbers a line, the same on all, the first a time that
-/// increases; `#` comments, one optional heading. `columns` names them for errors.
+/// Rows of a record: one of the allowed counts of numbers on every line, the first an increasing time; `#` comments, one optional heading. `columns` names them for errors.
 fn record(text: &str, (columns, allowed): (&str, &[usize])) -> Result<Vec<Vec<f64>>, String> {
     let needed = || {
         let counts: Vec<String> = allowed.iter().map(usize::to_string).collect();

@@ -56,7 +56,7 @@ fn dialect() -> ron::Options {
 ///
 /// # Errors
 ///
-/// The first thing that does not fit the schema, with a suggestion where one is near.
+/// The first deviation from the schema, with a suggestion if a name is close.
 pub fn read(text: &str) -> Result<SceneFile, TextError> {
     read_as(text)
 }
@@ -65,7 +65,7 @@ pub fn read(text: &str) -> Result<SceneFile, TextError> {
 ///
 /// # Errors
 ///
-/// As [`read`].
+/// [`TextError`], as for [`read`].
 pub fn read_as<T: DeserializeOwned>(text: &str) -> Result<T, TextError> {
     let scene: T = dialect().from_str(text).map_err(|error| {
         let start = offset(text, error.span.start.line, error.span.start.col);
@@ -98,11 +98,11 @@ pub fn read_as<T: DeserializeOwned>(text: &str) -> Result<T, TextError> {
     Ok(scene)
 }
 
-/// The text with every override written into it.
+/// The text with all overrides.
 ///
 /// # Errors
 ///
-/// A [`Problem`] when a path leads nowhere a field could stand.
+/// A [`Problem`] for a path that leads to no possible field.
 pub fn overridden(text: &str, overrides: &[Override]) -> Result<String, Problem> {
     let mut text = text.to_owned();
     for change in overrides {
@@ -153,7 +153,7 @@ fn with_field(text: &str, change: &Override) -> Result<String, Problem> {
     }
 }
 
-/// RON's complaint in our words, with the nearest name.
+/// Error of RON in the words of the other messages, with the closest name.
 fn explain(error: &ron::Error) -> String {
     match error {
         ron::Error::NoSuchStructField {
@@ -197,7 +197,7 @@ fn explain(error: &ron::Error) -> String {
     }
 }
 
-/// ", did you mean ...?" or the names that would be right.
+/// ", did you mean ...?", or the valid names.
 pub fn suggestion(found: &str, expected: &[&str]) -> String {
     let nearest = expected
         .iter()

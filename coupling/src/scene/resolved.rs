@@ -38,7 +38,7 @@ pub struct Scene {
     pub blocks: Vec<BlockDefinition>,
     /// Name of each block.
     pub block_names: Vec<String>,
-    /// Whether water is kept out of the narrow joints of each block.
+    /// Sealing of the narrow joints of each block against water.
     pub is_sealed: Vec<bool>,
     /// Mesh files among the shapes of blocks.
     pub meshes: Vec<MeshSource>,
@@ -98,7 +98,7 @@ pub struct Domain {
 }
 
 impl Domain {
-    /// Whether each axis is periodic.
+    /// Periodicity of each axis.
     pub fn periodic_axes(&self) -> [bool; 3] {
         [Axis::X, Axis::Y, Axis::Z].map(|axis| self.periodic.contains(&axis))
     }

@@ -16,7 +16,7 @@ impl Scene {
     ///
     /// # Errors
     ///
-    /// As [`parse::write`].
+    /// Those of [`parse::write`].
     pub fn to_text(&self) -> Result<String, ron::Error> {
         parse::write(&self.to_file())
     }

@@ -35,7 +35,7 @@ pub enum Fault {
         /// Target of the link.
         to: PathBuf,
     },
-    /// The system refuses it.
+    /// A file that the system cannot read.
     #[error("cannot be read: {0}")]
     Unreadable(#[from] std::io::Error),
     /// A folder, a device, a pipe.
@@ -50,10 +50,10 @@ pub enum Fault {
     /// Too many triangles.
     #[error("has more than {MOST_TRIANGLES} triangles; simplify the mesh")]
     TooManyTriangles,
-    /// The name ends in something else.
+    /// Unknown extension.
     #[error("unknown kind of mesh; use .stl, .obj, .vtk, .vtp or .vtu")]
     UnknownKind,
-    /// The text or the bytes are not what the format asks for.
+    /// Violation of the format.
     #[error("{0}")]
     Format(String),
     /// NaN or infinity.
@@ -98,7 +98,7 @@ pub enum Fault {
         /// Shells in the file.
         n_shells: usize,
     },
-    /// A shell with dents.
+    /// A shell that is not convex.
     #[error(
         "shell {shell} of {n_shells} is not convex: its volume is {volume:.6e} m³, that of its hull {hull:.6e} m³; \
          split it into convex parts, one closed shell each, in one file"
@@ -108,12 +108,12 @@ pub enum Fault {
         shell: usize,
         /// Shells in the file.
         n_shells: usize,
-        /// Of the shell; m³.
+        /// Volume of the shell; m³.
         volume: f64,
-        /// Of its hull; m³.
+        /// Volume of its hull; m³.
         hull: f64,
     },
-    /// Triangles that make no surface, numbered from 0 without those of no area.
+    /// Triangles that do not form a surface, numbered from 0 without those of no area.
     #[error("is not a valid surface: {0}")]
     NoSurface(#[from] SurfaceError),
     /// A shell too fine to be a block.

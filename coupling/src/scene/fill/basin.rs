@@ -1,8 +1,7 @@
-//! Water poured into a basin: it fills what it reaches below a level.
+//! Water in a basin: the connected space below a level.
 //!
-//! A lattice that is to be packed against its walls also has the nodes nearer to a wall than half a spacing,
-//! so that it has the volume of the basin, and a mould of more water above the level, so that no surface
-//! gives way.
+//! A lattice that is to be packed against its walls also has the nodes closer to a wall than half a spacing, so that it
+//! has the volume of the basin, and a mould of water above the level, which keeps the surface in place.
 
 use std::collections::VecDeque;
 
@@ -17,13 +16,13 @@ use crate::scene::file::{Axis, DimensionsFile, DomainFile, LatticeFile, planes_o
 struct Basin {
     spacing: [f64; 3],
     counts: [usize; 3],
-    /// Rows below the level; those above are of the mould.
+    /// Rows below the level; those above belong to the mould.
     n_wet_rows: usize,
     first: Vec3,
-    /// To where layers stand to and fro from their places, every other one; m.
+    /// Offset of alternate layers, to either side; m.
     stagger: Vec3,
     periodic: [bool; 3],
-    /// Sides beyond which there is the mirror image of the water.
+    /// Planes of symmetry.
     symmetry: Symmetry,
 }
 
@@ -31,7 +30,7 @@ struct Basin {
 #[derive(Debug, Default)]
 pub(super) struct Poured {
     pub(super) water: Vec<Vec3>,
-    /// More of the lattice above the level.
+    /// Particles above the level.
     pub(super) mould: Vec<Vec3>,
 }
 
@@ -44,8 +43,7 @@ enum Node {
     Mould,
 }
 
-/// All nodes that water from `seed` reaches, in the order of the lattice; with a mould of `n_mould_rows` it is
-/// to be packed.
+/// Nodes connected to `seed` below the level, in the order of the lattice, and a mould of `n_mould_rows` above it.
 pub(super) fn fill(
     domain: &DomainFile,
     (spacing, arrangement): ([f64; 3], LatticeFile),
@@ -82,8 +80,8 @@ pub(super) fn fill(
 }
 
 impl Basin {
-    /// The top row stands half a spacing under the level, the others below it; in the plan the
-    /// first row stands half a spacing inside the domain.
+    /// Basin whose top row is half a spacing below the level; in plan view the first row is half a spacing inside the
+    /// domain.
     fn new(
         domain: &DomainFile,
         (spacing, arrangement): ([f64; 3], LatticeFile),
@@ -140,7 +138,7 @@ impl Basin {
         (node[2] * self.counts[1] + node[1]) * self.counts[0] + node[0]
     }
 
-    /// Nodes along an axis that water may reach.
+    /// Number of nodes along an axis that may be wet.
     fn reach(&self, axis: usize) -> usize {
         if axis == 2 {
             self.n_wet_rows
@@ -149,13 +147,13 @@ impl Basin {
         }
     }
 
-    /// The node that water may reach one step along an axis; `None` past an edge and above the level.
+    /// The next node along an axis that may be wet; `None` beyond an edge and above the level.
     fn step(&self, node: [usize; 3], axis: usize, forward: bool) -> Option<[usize; 3]> {
         self.beside(node, axis, forward)
             .filter(|next| next[2] < self.n_wet_rows)
     }
 
-    /// The node one step along an axis, round the periodic directions; `None` past an edge.
+    /// The next node along an axis, across periodic sides; `None` beyond an edge.
     fn beside(&self, node: [usize; 3], axis: usize, forward: bool) -> Option<[usize; 3]> {
         let n = self.counts[axis];
         let mut next = node;
@@ -169,8 +167,8 @@ impl Basin {
         Some(next)
     }
 
-    /// The node nearest to the seed that has room for a particle and open water between, among the
-    /// 27 about it: the seed of a coarse lattice may stand near a wall.
+    /// The closest node to the seed with room for a particle and open water between, among the 27 around it: the seed
+    /// of a coarse lattice may be close to a wall.
     fn start(
         &self,
         seed: &Vec3,
@@ -271,7 +269,7 @@ impl Basin {
         Ok(nodes)
     }
 
-    /// Takes the free nodes beside those that are wet or of the mould: water below the level, mould above it.
+    /// Adds the free neighbors of wet nodes and of the mould: water below the level, mould above it.
     fn spread(&self, nodes: &mut [Node], to: Node, obstacles: &Obstacles) {
         let rows = match to {
             Node::Wet => 0..self.n_wet_rows,

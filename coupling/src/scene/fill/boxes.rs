@@ -5,7 +5,7 @@ use riprap_dda::{Shape, Vec3};
 use super::obstacles::{Part, parts};
 use super::{FillError, Room, rows};
 
-/// Depth in a block that a box of water may have by round-off or rough drawing; × spacing.
+/// Tolerated overlap of a box of water with a block, for round-off and rough drawing; × spacing.
 const SLACK: f64 = 0.05;
 
 /// Cell centers of a box; a remainder of less than a spacing stays empty at the upper ends.
@@ -54,7 +54,7 @@ pub(super) fn fill(
     Ok(positions)
 }
 
-/// Names the block that stands deepest in the water.
+/// Error with the block of deepest overlap.
 fn check_blocks(
     solids: &[(String, Shape)],
     spacing: [f64; 3],

@@ -1,4 +1,4 @@
-//! The spacing that gives a wanted number of particles.
+//! Spacing for a wanted number of particles.
 
 use std::cell::Cell;
 
@@ -7,17 +7,17 @@ use crate::scene::error::Problem;
 use crate::scene::file::vec3;
 use crate::scene::file::{DomainFile, FluidFile, RegionShapeFile};
 
-/// Whole rows may not allow a wanted count; a miss by more than this share is refused.
+/// Largest accepted deviation from the wanted count, which whole rows may not allow; –.
 const TOLERANCE: f64 = 0.1;
-/// Near enough to stop looking.
+/// Deviation at which the search ends; –.
 const GOOD: f64 = 0.005;
-/// Fills spent on the search by halving.
+/// Trial fills of the search by bisection.
 const ATTEMPTS: usize = 20;
-/// Spacings tried on either side of the best one, and their distance: rows come and go one by
-/// one, in different directions at different spacings, so that what halving jumps over a comb finds.
+/// Spacings tried on either side of the best one, and their distance: rows come and go one by one, in different
+/// directions at different spacings, so that bisection misses spacings that a comb finds.
 const NEIGHBORS: i32 = 30;
 const COMB: f64 = 0.0017;
-/// Coarse lattices may find no room where finer ones do; × first guess, three times.
+/// Refinement where the first guess finds no room; × first guess, three times.
 const REFINEMENT: f64 = 0.7;
 
 pub(super) fn lattice(
@@ -93,7 +93,7 @@ pub(super) fn lattice(
     Err(vec![Problem::error("fluid.resolution", message)])
 }
 
-/// The first fill that works, from the guess on down; m.
+/// First successful fill, from the guess downward; m.
 fn first_fill(
     guess: f64,
     fill: impl Fn(f64) -> Result<Lattice, Vec<Problem>>,
@@ -108,7 +108,7 @@ fn first_fill(
         .ok_or(first)
 }
 
-/// Volume that the regions cannot exceed; m³.
+/// Upper bound of the volume of the regions; m³.
 fn largest_volume(fluid: &FluidFile, domain: &DomainFile) -> f64 {
     let (low, high) = (vec3(domain.min), vec3(domain.max));
     let of_region = |shape: &RegionShapeFile| match shape {

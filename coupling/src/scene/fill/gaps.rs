@@ -7,14 +7,14 @@ use super::obstacles::{Part, parts};
 use crate::scene::error::Problem;
 use crate::scene::file::DimensionsFile;
 
-/// Spacings that a gap must be wide for water to pass it.
+/// Smallest width of a gap that water passes; × spacing.
 const PASSABLE: f64 = 2.0;
-/// Blocks nearer than this touch: nothing is meant to pass; × spacing.
+/// Distance of touching blocks, between which no water is meant to pass; × spacing.
 const CLOSED: f64 = 0.05;
 
-/// A warning where water stands between blocks that are less than two spacings apart, with the narrowest gap.
+/// Warning about water between blocks less than two spacings apart, with the narrowest gap.
 ///
-/// The width is that along the best separating axis of two convex bodies: exact between faces and edges, less
+/// The width is that along the best separating axis of two convex bodies: exact between faces and edges, too small
 /// between corners.
 pub fn narrow_gaps(
     solids: &[(String, Shape)],

@@ -3,8 +3,7 @@
 
 use riprap_dda::{Polyhedron, Shape, Surface, Vec3};
 
-/// Share of a spacing by which a node may be nearer to a wall than half a spacing: lattices that
-/// are meant to fit are off by the digits a user types.
+/// Tolerance of the distance of half a spacing from a wall, for the rounding of typed digits; × spacing.
 pub(super) const WALL_SLACK: f64 = 1e-3;
 /// Nodes along the edge of a cell: a few hundred nodes share a list, and a cell is still small
 /// beside a basin.
@@ -52,7 +51,7 @@ impl Part<'_> {
         }
     }
 
-    /// Whether the point is nearer to the surface than a distance, or inside.
+    /// True for a point inside, or closer to the surface than a distance.
     pub(super) fn is_within(&self, x: &Vec3, distance: f64) -> bool {
         match self {
             Self::Convex(polyhedron) => polyhedron
@@ -74,9 +73,9 @@ impl Part<'_> {
         }
     }
 
-    /// Whether a segment passes through the inside.
+    /// True for a segment that passes through the inside.
     ///
-    /// A convex body is cut out of the segment plane by plane (Cyrus & Beck 1978).
+    /// The segment is clipped by the planes of the body (Cyrus & Beck 1978).
     fn is_crossed(&self, from: &Vec3, to: &Vec3) -> bool {
         match self {
             Self::Convex(polyhedron) => {
@@ -121,12 +120,12 @@ pub(super) struct Obstacles<'a> {
     /// First entry of each cell in `near`, and at the end their number.
     start: Vec<u32>,
     near: Vec<u32>,
-    /// A particle stands no nearer to a block; m.
+    /// Smallest distance of a particle from a block; m.
     clearance: f64,
 }
 
 impl<'a> Obstacles<'a> {
-    /// For a lattice of `counts` nodes from `first` on.
+    /// Obstacles of a lattice of `counts` nodes from `first` on.
     pub(super) fn new(
         solids: &'a [(String, Shape)],
         first: &Vec3,
@@ -194,7 +193,7 @@ impl<'a> Obstacles<'a> {
             .map(|(block, _)| *block)
     }
 
-    /// Whether a point, at most a step from the node, is in a block or all but on its surface.
+    /// True for a point, at most a step from the node, in a block or on its surface.
     pub(super) fn touches(&self, node: [usize; 3], x: &Vec3) -> bool {
         // half a spacing less a clearance is the slack of a lattice
         let slack = self.clearance * WALL_SLACK / (0.5 - WALL_SLACK);
@@ -208,16 +207,15 @@ impl<'a> Obstacles<'a> {
             .map(|(block, _)| *block)
     }
 
-    /// Whether the segment between two points, at most a step from the node, passes through a block.
+    /// True if the segment between two points, at most a step from the node, passes through a block.
     pub(super) fn is_crossed(&self, node: [usize; 3], from: &Vec3, to: &Vec3) -> bool {
         self.near(node).any(|(_, part)| part.is_crossed(from, to))
     }
 
-    /// Whether a block bars the way from a node to a point at most a step away, both with room for
-    /// a particle.
+    /// True if a block separates a node from a point at most a step away, both with room for a particle.
     ///
-    /// A body between two such points lies within the step's length less two clearances about its
-    /// middle, so that nearly all are turned away by one distance.
+    /// A body between two such points is within half the step less a clearance of its middle, so that nearly all are
+    /// ruled out by one distance.
     pub(super) fn is_barred(&self, node: [usize; 3], from: &Vec3, to: &Vec3) -> bool {
         let middle = 0.5 * (from + to);
         let room = (0.5 * (to - from).norm() - self.clearance).max(0.0);

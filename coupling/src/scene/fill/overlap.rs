@@ -1,17 +1,17 @@
-//! Blocks that overlap at the start.
+//! Initial overlaps of blocks.
 
 use riprap_dda::{Motion, Polyhedron, Shape, Vec3, separating_axes};
 
 use super::obstacles::{Part, height, parts};
 use crate::scene::error::Problem;
 
-/// Deeper than this, contact would throw the blocks apart; × size of the smaller one.
+/// Overlap above which contact would throw the blocks apart; × size of the smaller one.
 const REFUSED: f64 = 1e-2;
-/// Shallower than this is round-off; × size of the smaller one.
+/// Overlap by round-off; × size of the smaller one.
 const UNNOTICED: f64 = 1e-6;
 
-/// Free blocks that overlap others at the start. The depth is the shortest way out of the overlap
-/// of any two parts. Blocks that touch do not overlap.
+/// Initial overlaps of free blocks with others. The depth is the shortest translation that separates any two parts;
+/// touching blocks do not overlap.
 ///
 /// `motions` goes with `solids`. Problems: an error above 1 % of the smaller size (cube root of the
 /// volume), one warning of the deepest above 1e-6 of it: a pile at rest has many.

@@ -1,4 +1,4 @@
-//! Grids of heights from GeoTIFF files (OGC 19-008r4), as far as heights on a square grid need it.
+//! Grids of elevations from GeoTIFF files (OGC 19-008r4), limited to square grids.
 
 use std::io::Cursor;
 
@@ -15,14 +15,14 @@ const RASTER_TYPE: u16 = 1025;
 const PIXEL_IS_POINT: u16 = 2;
 const LINEAR_UNITS: u16 = 3076;
 const METRE: u16 = 9001;
-/// Pixels are square within this share.
+/// Tolerance of square pixels; –.
 const SQUARE: f64 = 1e-6;
 
-/// The grid of heights in the content of a file, in coordinates of the map.
+/// Grid of elevations in the content of a file, in map coordinates.
 ///
 /// # Errors
 ///
-/// [`Fault`] with what would be right.
+/// [`Fault`], with the remedy.
 pub fn grid_from(content: &[u8]) -> Result<Grid, Fault> {
     let refuse = |what: String| Fault::Format(what);
     let unread =

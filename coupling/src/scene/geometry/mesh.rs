@@ -1,8 +1,8 @@
 //! Blocks from mesh files: STL, OBJ and VTK.
 //!
-//! A file is read into a soup of triangles (`read`), corners at one place are welded and the
-//! triangles sorted into closed shells (`shells`), and each shell, which must be convex, becomes
-//! the hull of its corners: triangles in one plane are joined there.
+//! A file is read into a soup of triangles (`read`), coincident corners are welded and the triangles sorted into closed
+//! shells (`shells`), and each shell, which must be convex, becomes the hull of its corners, with coplanar triangles
+//! joined.
 
 mod obj;
 mod shells;
@@ -19,7 +19,7 @@ use crate::scene::access::Access;
 pub use crate::scene::access::fault::{Fault, MeshError};
 use crate::scene::access::fault::{MOST_TRIANGLES, MOST_TRIANGLES_OF_A_SHELL};
 
-/// A shell is convex when its hull has its volume within this share. STL and most VTK files carry
+/// Tolerance of convexity: gain of volume of the hull, over the volume. STL and most VTK files carry
 /// 24-bit coordinates, so that a flat side of many triangles is rough by 1e-7 of its size; the
 /// volume that a block gains by its hull stays far below any density's uncertainty.
 const CONVEX_TOLERANCE: f64 = 1e-6;
@@ -27,11 +27,11 @@ const CONVEX_TOLERANCE: f64 = 1e-6;
 /// Summary of a mesh file, for inspection.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Survey {
-    /// Whether every edge has its two sides, turned alike.
+    /// True if every edge has two sides of consistent orientation.
     pub is_watertight: bool,
-    /// Closed pieces, or connected ones if it is open.
+    /// Number of closed shells, of connected pieces if open.
     pub n_shells: usize,
-    /// Triangles with an area, polygons cut into fans.
+    /// Number of triangles with an area, polygons cut into fans.
     pub n_triangles: usize,
     /// Enclosed volume, meaningless unless watertight; m³.
     pub volume: f64,
@@ -72,7 +72,7 @@ impl Soup {
 ///
 /// # Errors
 ///
-/// [`MeshError`], which names the file, the place and what would be right.
+/// [`MeshError`], which names the file, the location and the remedy.
 pub fn solid(access: &Access, file: &str, scale: f64) -> Result<Shape, MeshError> {
     with_content(access, file, |content, extension| {
         solid_from(content, extension, scale)
@@ -93,11 +93,11 @@ pub fn solid_from(content: &[u8], extension: &str, scale: f64) -> Result<Shape, 
     }
 }
 
-/// The surface of a mesh file, `scale` meters per unit, turned as the file has it.
+/// The surface of a mesh file, `scale` meters per unit, oriented as in the file.
 ///
 /// # Errors
 ///
-/// As [`solid`]; the surface need not be closed.
+/// [`MeshError`], as for [`solid`]; the surface need not be closed.
 pub fn surface(access: &Access, file: &str, scale: f64) -> Result<Shape, MeshError> {
     with_content(access, file, |content, extension| {
         surface_from(content, extension, scale)
@@ -114,7 +114,7 @@ pub fn surface_from(content: &[u8], extension: &str, scale: f64) -> Result<Shape
     Ok(Shape::Surface(Arc::new(Surface::new(points, triangles)?)))
 }
 
-/// Looks at a mesh file without asking that it be closed or convex.
+/// Summary of a mesh file, closed and convex or not.
 ///
 /// # Errors
 ///

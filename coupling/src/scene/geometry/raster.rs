@@ -1,4 +1,4 @@
-//! Grids of heights from ESRI ASCII files, and terrain right from one.
+//! Grids of elevations from ESRI ASCII files, and terrain directly from one.
 
 use std::sync::Arc;
 
@@ -8,29 +8,28 @@ use super::terrain::grid::Grid;
 use crate::scene::access::Access;
 use crate::scene::access::fault::{Fault, MeshError};
 
-/// Most points of a grid; each takes 8 bytes.
+/// Largest number of points of a grid; each takes 8 bytes.
 const MOST_POINTS: usize = 50_000_000;
-/// Most points of a grid that becomes terrain as it is; each makes two triangles.
+/// Largest number of points of a grid used directly as terrain; each makes two triangles.
 const MOST_POINTS_OF_A_SHAPE: usize = 2_500_000;
 
 /// Header of a raster.
 struct Header {
     n_columns: usize,
     n_rows: usize,
-    /// Of the first column and the last row; m on the map.
+    /// Map coordinates of the first column and the last row; m.
     corner: [f64; 2],
     cell_size: f64,
-    /// Marks points without a height.
+    /// Value of missing elevations.
     no_data: f64,
 }
 
-/// The terrain of a grid of heights (m), the map's `origin` (m) at x = y = 0. The points of the grid are the
-/// centers of its cells; each square of four is halved along its shorter diagonal. Where heights are missing
-/// there is a hole.
+/// Terrain of a grid of elevations (m), with the map's `origin` (m) at x = y = 0. The points of the grid are the centers
+/// of its cells; each square of four is halved along its shorter diagonal. Missing elevations make a hole.
 ///
 /// # Errors
 ///
-/// [`MeshError`], which names the file, the line and what would be right.
+/// [`MeshError`], which names the file, the line and the remedy.
 pub fn terrain(access: &Access, file: &str, origin: (f64, f64)) -> Result<Shape, MeshError> {
     access
         .read(file)
@@ -53,11 +52,11 @@ pub fn terrain_from(content: &[u8], origin: (f64, f64)) -> Result<Shape, Fault> 
     Ok(Shape::Surface(Arc::new(surface)))
 }
 
-/// The grid of heights in the content of a file, in coordinates of the map.
+/// Grid of elevations in the content of a file, in map coordinates.
 ///
 /// # Errors
 ///
-/// [`Fault`], with the line and what would be right.
+/// [`Fault`], with the line and the remedy.
 pub fn grid_from(content: &[u8]) -> Result<Grid, Fault> {
     let content = String::from_utf8_lossy(content);
     let (header, first_row) = header(&content)?;
@@ -207,7 +206,7 @@ fn header(content: &str) -> Result<(Header, usize), Fault> {
     Ok((header, first_row))
 }
 
-/// Row by row from the north, wherever the lines break.
+/// Elevations row by row from the north, independent of line breaks.
 fn heights(content: &str, first_row: usize, header: &Header) -> Result<Vec<f64>, Fault> {
     let n = header.n_columns * header.n_rows;
     // a header may promise more than the file has

@@ -19,7 +19,7 @@ use crate::scene::file::{
 pub struct RockMassReport {
     /// Its name.
     pub name: String,
-    /// Blocks made.
+    /// Number of blocks.
     pub n_blocks: usize,
     /// Cuts omitted because a piece would have been too thin for a block.
     pub n_uncut: usize,
@@ -118,7 +118,7 @@ fn template(mass: &RockMassFile) -> BlockTemplate<'_> {
     }
 }
 
-/// The shape of a block as it is written.
+/// Shape of a block as written.
 fn shape_of(block: &[Polyhedron]) -> ShapeFile {
     let written = |body: &Polyhedron| PartFile {
         vertices: body.vertices().iter().map(|x| (x.x, x.y, x.z)).collect(),
@@ -188,7 +188,7 @@ pub(super) struct Cleaning<'a> {
     /// Largest gain of volume by which a block of several parts is made convex, over its volume; –.
     pub(super) convex_within: f64,
     pub(super) minimum_volume: f64,
-    /// Of the mass before it was cut; m³.
+    /// Volume of the mass before it is cut; m³.
     pub(super) volume: f64,
 }
 

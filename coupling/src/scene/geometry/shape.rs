@@ -1,4 +1,4 @@
-//! From the shapes of the file to solids in their places.
+//! Solids of blocks, from the shapes of the file.
 
 use nalgebra::{Translation3, Unit, UnitQuaternion};
 use riprap_dda::{Isometry, Polyhedron, PolyhedronError, Shape, Vec3};
@@ -12,20 +12,20 @@ use crate::scene::error::Problem;
 use crate::scene::file::vec3;
 use crate::scene::file::{Axis, BlockFile, PartFile, PlacementFile, ShapeFile};
 
-/// The solid of block `index` of the file, rotated and translated into place, where the scene has no terrain.
+/// The solid of block `index` of the file in its place, in a scene without terrain.
 ///
 /// # Errors
 ///
-/// [`Problem`]s with the path of the field that is to blame.
+/// [`Problem`]s with the path of the faulty field.
 pub fn solid(block: &BlockFile, index: usize, access: &Access) -> Result<Shape, Vec<Problem>> {
     solid_on(block, index, access, None)
 }
 
-/// The same where it has one.
+/// The solid of block `index` of the file in its place, in a scene with or without terrain.
 ///
 /// # Errors
 ///
-/// As [`solid`].
+/// [`Problem`]s with the path of the faulty field.
 pub fn solid_on(
     block: &BlockFile,
     index: usize,
@@ -117,7 +117,7 @@ fn build(
     })
 }
 
-/// The field of a shape that an error speaks of, with its dot.
+/// The field of a shape that an error refers to, with its dot.
 fn blamed(shape: &ShapeFile, error: &ShapeError) -> &'static str {
     match (shape, error) {
         (_, ShapeError::Radius(_)) => ".radius",
@@ -156,7 +156,7 @@ fn extrusion(
     Polyhedron::extrusion(&polygon, axis.index(), from, to).map(Shape::Polyhedra)
 }
 
-/// The turn about a point and the shift after it; `None` if the axis has no direction.
+/// Rotation about a point and translation after it; `None` if the axis has no direction.
 fn placement(file: &PlacementFile) -> Option<Isometry> {
     let shift = vec3(file.translate);
     let Some(turn) = &file.rotate else {

@@ -65,14 +65,14 @@ const FINEST_FOR_WATER: f64 = 0.2;
 
 /// Base of an excavation.
 enum Base {
-    /// Height at x = y = 0 (m) and slopes along x and y.
+    /// Plane: elevation at x = y = 0 (m) and slopes along x and y.
     Plane { height: f64, slope: [f64; 2] },
     /// Heights of a raster.
     Raster(Source),
 }
 
 impl Base {
-    /// m.
+    /// Elevation at a point in plan view; m.
     fn height(&self, [x, y]: [f64; 2]) -> Option<f64> {
         match self {
             Self::Plane { height, slope } => Some(height + slope[0] * x + slope[1] * y),

@@ -3,7 +3,7 @@
 use std::fmt;
 use std::ops::Range;
 
-/// A path as written, and where each step stands in it.
+/// A path as written, with the location of each step.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct FieldPath {
     steps: Vec<Step>,

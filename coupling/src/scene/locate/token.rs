@@ -1,4 +1,4 @@
-//! Scene text cut into tokens, whatever state it is in.
+//! Tokens of a scene text, broken or not.
 
 use std::ops::Range;
 
@@ -11,7 +11,7 @@ pub struct Token {
     pub span: Range<usize>,
 }
 
-/// The kinds that matter for the shape of a text.
+/// Kinds of tokens that matter for the structure of a text.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TokenKind {
     /// One of `( [ {`.
@@ -28,7 +28,7 @@ pub enum TokenKind {
     Text,
 }
 
-/// Something that has a beginning and no end.
+/// An unclosed comment or string.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Unclosed {
     /// `comment` or `string`.
@@ -37,7 +37,7 @@ pub struct Unclosed {
     pub start: usize,
 }
 
-/// The tokens of `text`, and the first thing in it that is never closed.
+/// The tokens of `text`, and the first unclosed comment or string.
 pub fn tokens(text: &str) -> (Vec<Token>, Option<Unclosed>) {
     let mut lexer = Lexer {
         text,
@@ -68,7 +68,7 @@ impl Lexer<'_> {
         self.at += rest.find(stop).unwrap_or(rest.len());
     }
 
-    /// Moves behind `end`; what began at `start` stays open when there is no `end`.
+    /// Moves behind `end`; without one, the token that began at `start` remains open.
     fn advance_behind(&mut self, end: &str, what: &'static str, start: usize) {
         match self.rest().find(end) {
             Some(found) => self.at += found + end.len(),

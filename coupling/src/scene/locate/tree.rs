@@ -1,14 +1,14 @@
-//! The shape of a scene text: which value stands where. Tolerant: every text has a tree.
+//! Structure of a scene text: its values and their locations. Tolerant: every text has a tree.
 
 use std::ops::Range;
 
 use super::path::{FieldPath, Step};
 use super::token::{Token, TokenKind, tokens};
 
-/// Deeper nesting is left flat. A scene needs 8; this keeps hostile text off the call stack.
+/// Depth below which nesting is left flat. A scene needs 8; the limit keeps hostile text off the call stack.
 const DEEPEST: usize = 64;
 
-/// A value and where it stands.
+/// A value and its location.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Node {
     /// From its first to behind its last byte, the name before a parenthesis included.
@@ -105,7 +105,7 @@ impl<'a> Tree<'a> {
         self.text.get(span.clone()).unwrap_or_default()
     }
 
-    /// Walks along `path`. `Err` holds the last value reached and how many steps led there.
+    /// Follows `path`. `Err` holds the last value reached and the number of steps to it.
     pub fn walk(&self, path: &FieldPath) -> Result<&Node, (Option<&Node>, usize)> {
         let mut node = match &self.root {
             Some(root) => self.without_some(root),

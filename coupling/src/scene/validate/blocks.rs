@@ -1,4 +1,4 @@
-//! Checks of single blocks: material, motion, what deforms and what is held.
+//! Checks of single blocks: material, motion, deformability and constraints.
 
 use super::checks::{Checks, is_zero};
 use crate::scene::file::{
@@ -53,7 +53,7 @@ impl Checks {
         }
         let starts_at_rest = is_zero(block.velocity) && is_zero(block.angular_velocity);
         if !starts_at_rest && !at.is_free() {
-            self.question(
+            self.warn(
                 at.path("velocity"),
                 at.of("an initial velocity has no effect on a block that is not free"),
             );
@@ -111,7 +111,7 @@ impl Checks {
     }
 }
 
-/// The block that is looked at.
+/// Block being checked.
 struct At<'a> {
     index: usize,
     block: &'a BlockFile,

@@ -1,4 +1,4 @@
-//! Checks of blocks made in number: rock masses and grains.
+//! Checks of rock masses and grains.
 
 use super::checks::Checks;
 use crate::scene::file::{GrainRegionFile, GrainsFile, RockMassFile, SceneFile};

@@ -1,13 +1,12 @@
-//! Problems as they are found, and the checks that many parts of a scene share.
+//! Collected problems, and checks shared by many parts of a scene.
 //!
-//! Each takes the path of what it looks at, and what the message is to call it. Numbers that were left out
-//! pass.
+//! Each takes the path of the checked value and its name in messages. Numbers left out pass.
 
 use crate::scene::error::Problem;
 use crate::scene::file::{SceneFile, Triple};
 use crate::scene::parse::suggestion;
 
-/// Problems as they are found.
+/// Collected problems.
 #[derive(Default)]
 pub(super) struct Checks {
     pub problems: Vec<Problem>,
@@ -18,7 +17,7 @@ impl Checks {
         self.problems.push(Problem::error(path, message));
     }
 
-    pub fn question(&mut self, path: impl Into<String>, message: String) {
+    pub fn warn(&mut self, path: impl Into<String>, message: String) {
         self.problems.push(Problem::warning(path, message));
     }
 
@@ -43,7 +42,7 @@ impl Checks {
         }
     }
 
-    /// Above 0 and at most 1.
+    /// Check of a value above 0 and at most 1.
     pub fn share(&mut self, path: &str, what: &str, value: impl Into<Option<f64>>) {
         if let Some(value) = value.into()
             && !(0.0 < value && value <= 1.0)
@@ -55,7 +54,7 @@ impl Checks {
         }
     }
 
-    /// From 0 to 1.
+    /// Check of a value from 0 to 1.
     pub fn restitution(&mut self, path: String, what: &str, value: impl Into<Option<f64>>) {
         if let Some(value) = value.into()
             && !(0.0..=1.0).contains(&value)
@@ -64,7 +63,7 @@ impl Checks {
         }
     }
 
-    /// From 0 to below 90 degrees.
+    /// Check of an angle from 0 to below 90 degrees.
     pub fn friction_angle(&mut self, path: String, what: &str, value: impl Into<Option<f64>>) {
         if let Some(value) = value.into()
             && !(0.0..90.0).contains(&value)
@@ -76,7 +75,7 @@ impl Checks {
         }
     }
 
-    /// Residual strength: from 0 to the named peak strength.
+    /// Check of a residual strength from 0 to the named peak strength.
     pub fn residual(
         &mut self,
         path: String,
@@ -94,14 +93,14 @@ impl Checks {
         }
     }
 
-    /// A direction may have any length but zero.
+    /// Check of a direction: any length but zero.
     pub fn direction(&mut self, path: impl Into<String>, what: &str, value: Triple) {
         if is_zero(value) {
             self.refuse(path, format!("{what} has no direction"));
         }
     }
 
-    /// Corners of a box at `path`; a refused one is shown at its upper corner.
+    /// Check of the corners of a box at `path`, refused at its upper corner.
     pub fn extent(&mut self, path: &str, what: &str, (min, max): (Triple, Triple)) {
         if !is_ordered(min, max) {
             self.refuse(
@@ -111,7 +110,7 @@ impl Checks {
         }
     }
 
-    /// An item of a list that may not come twice.
+    /// Check that an item of a list is listed once.
     pub fn listed_once<T: PartialEq>(
         &mut self,
         path: &str,
@@ -123,7 +122,7 @@ impl Checks {
         }
     }
 
-    /// A name must be in `materials`.
+    /// Check that a name is in `materials`.
     pub fn material_exists(&mut self, path: String, what: &str, name: &str, scene: &SceneFile) {
         let names: Vec<&str> = scene.materials.iter().map(|m| m.name.as_str()).collect();
         if !names.contains(&name) {
@@ -137,7 +136,7 @@ impl Checks {
         }
     }
 
-    /// A name must be in `blocks`.
+    /// Check that a name is in `blocks`.
     pub fn block_exists(&mut self, path: String, what: &str, name: &str, scene: &SceneFile) {
         let names: Vec<&str> = scene.blocks.iter().map(|b| b.name.as_str()).collect();
         if !names.contains(&name) {
@@ -151,7 +150,7 @@ impl Checks {
         }
     }
 
-    /// Names of a list must differ, and fit into a table of commas.
+    /// Check that names of a list are unique and fit a table separated by commas.
     pub fn unique<'a>(&mut self, list: &str, names: impl Iterator<Item = &'a str>) {
         let mut seen: Vec<&str> = Vec::new();
         for (index, name) in names.enumerate() {
@@ -184,7 +183,7 @@ pub(super) fn is_ordered(min: Triple, max: Triple) -> bool {
     min.0 < max.0 && min.1 < max.1 && min.2 < max.2
 }
 
-/// Whether a point is in the domain.
+/// True for a point in the domain.
 pub(super) fn is_inside(x: Triple, scene: &SceneFile) -> bool {
     let (min, max) = (scene.domain.min, scene.domain.max);
     min.0 <= x.0 && x.0 <= max.0 && min.1 <= x.1 && x.1 <= max.1 && min.2 <= x.2 && x.2 <= max.2

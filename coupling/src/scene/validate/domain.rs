@@ -1,9 +1,9 @@
-//! Checks of the modeled box: its corners, the directions that repeat, the planes of symmetry.
+//! Checks of the modeled box: corners, periodic directions, planes of symmetry.
 
 use super::checks::Checks;
 use crate::scene::file::{Axis, DimensionsFile, SceneFile};
 
-/// A domain longer than this is questioned; m.
+/// Length of a domain above which a warning is due; m.
 const USUAL_EXTENT: f64 = 1e5;
 
 impl Checks {
@@ -12,7 +12,7 @@ impl Checks {
         self.extent("domain", "domain", (domain.min, domain.max));
         let longest = (domain.max.0 - domain.min.0).max(domain.max.1 - domain.min.1);
         if longest > USUAL_EXTENT {
-            self.question(
+            self.warn(
                 "domain",
                 format!("domain is {longest} m long; is it in millimeters?"),
             );

@@ -1,4 +1,4 @@
-//! Checks of the water: how fine it is, where it stands, how it flows.
+//! Checks of the fluid: resolution, regions, initial flow.
 
 use super::checks::{Checks, is_inside, is_ordered};
 use crate::scene::file::{
@@ -59,7 +59,7 @@ impl Checks {
         );
     }
 
-    /// A standing wave has a length and a depth, and nothing is left of it once the water has settled.
+    /// Check of a standing wave: length and depth, and no settling, which would remove it.
     fn flow(&mut self, path: &str, region: &RegionFile, scene: &SceneFile) {
         let Some(FlowFile::StandingWave {
             height,
@@ -95,7 +95,7 @@ impl Checks {
         }
     }
 
-    /// Staggered layers fit no plane wall: what has them is to be packed.
+    /// Check of a staggered lattice, which fits no plane wall and must be packed.
     fn staggered(&mut self, fluid: &FluidFile, scene: &SceneFile) {
         if fluid.lattice != LatticeFile::Staggered {
             return;

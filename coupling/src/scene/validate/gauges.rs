@@ -1,4 +1,4 @@
-//! Checks of what is recorded and looked at: gauges, followed blocks, the camera.
+//! Checks of gauges, tracked blocks, maps and the camera.
 
 use super::checks::{Checks, is_inside};
 use crate::scene::file::{
@@ -20,7 +20,7 @@ pub(super) fn gauge_name(gauge: &GaugeFile) -> &str {
     }
 }
 
-/// Does a line of the plan pass through the domain? Its ends may lie beyond the sides.
+/// True for a line in plan view that passes through the domain; its ends may be outside.
 fn meets_the_plan(from: (f64, f64), to: (f64, f64), scene: &SceneFile) -> bool {
     let (min, max) = (scene.domain.min, scene.domain.max);
     let axes = [(from.0, to.0, min.0, max.0), (from.1, to.1, min.1, max.1)];
@@ -89,14 +89,14 @@ impl Checks {
             GaugeFile::BlockForce { .. } | GaugeFile::Displaced { .. }
         );
         if scene.fluid.is_none() && !is_dry {
-            self.question(
+            self.warn(
                 format!("gauges[{index}]"),
                 format!("{who} measures water, but the scene has none"),
             );
         }
     }
 
-    /// Some free block has a name that begins with `prefix`; those of rock masses and grains are not made yet.
+    /// Check that a free block has a name with a prefix; those of rock masses and grains do not exist yet.
     fn free_blocks_begin_with(&mut self, path: &str, who: &str, prefix: &str, scene: &SceneFile) {
         let free = scene.blocks.iter().filter(|block| is_free(block));
         let mut stems: Vec<&str> = free.map(|block| block.name.as_str()).collect();
@@ -129,7 +129,7 @@ impl Checks {
         self.followed("forces", (&forces.blocks, forces.interval), scene);
     }
 
-    /// Free blocks by name, looked at every `interval` seconds.
+    /// Check of free blocks by name, sampled every `interval` seconds.
     fn followed(
         &mut self,
         what: &str,
@@ -149,7 +149,7 @@ impl Checks {
                 self.refuse(
                     &path,
                     format!(
-                        "{what}: `{name}` is no free block of `blocks`{}",
+                        "{what}: `{name}` is not a free block of `blocks`{}",
                         suggestion(name, &names)
                     ),
                 );
@@ -196,7 +196,7 @@ impl Checks {
             scene,
         );
         if scene.blocks.iter().all(is_free) {
-            self.question(
+            self.warn(
                 "trajectories",
                 "trajectories: no block is fixed, so there is no ground to measure heights from"
                     .to_owned(),

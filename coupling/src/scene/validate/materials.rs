@@ -1,9 +1,9 @@
-//! Checks of materials, and of what holds between two of them.
+//! Checks of materials and of joints between two of them.
 
 use super::checks::Checks;
 use crate::scene::file::{ElasticFile, JointFile, MaterialFile, SceneFile};
 
-/// Densities outside of this range are questioned; kg/m³.
+/// Range of densities without a warning; kg/m³.
 const USUAL_DENSITY: std::ops::RangeInclusive<f64> = 100.0..=10_000.0;
 
 impl Checks {
@@ -13,7 +13,7 @@ impl Checks {
         let density = material.density;
         self.positive(path("density"), &of("density"), density);
         if density > 0.0 && !USUAL_DENSITY.contains(&density) {
-            self.question(
+            self.warn(
                 path("density"),
                 format!("{} is {density} kg/m3; is it meant?", of("density")),
             );

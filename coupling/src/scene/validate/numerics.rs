@@ -1,13 +1,11 @@
-//! Checks of the numbers of the schemes, of times and of intervals.
+//! Checks of numerical parameters, times and intervals.
 
 use super::checks::Checks;
-use crate::scene::file::{SceneFile, StaticDampingFile};
+use crate::scene::file::{NumericsFile, SceneFile, StaticDampingFile};
 
 impl Checks {
     pub(super) fn numbers(&mut self, scene: &SceneFile) {
         let (numerics, time, output) = (&scene.numerics, &scene.time, &scene.output);
-        let sleeping = numerics.sleeping.unwrap_or_default();
-        let resting = numerics.resting.unwrap_or_default();
         for (path, what, value) in [
             (
                 "interface.penalty_stiffness",
@@ -36,6 +34,44 @@ impl Checks {
                 output.ledger_interval,
             ),
             ("time.duration", "duration", Some(time.duration)),
+        ] {
+            self.positive(path, what, value);
+        }
+        self.sleep(numerics);
+        self.not_negative(
+            "interface.penalty_damping",
+            "penalty damping",
+            scene.interface.penalty_damping,
+        );
+        self.not_negative("time.settle", "settling time", time.settle);
+        self.share(
+            "numerics.time_step_factor",
+            "time-step factor",
+            numerics.time_step_factor,
+        );
+        self.share(
+            "numerics.block_time_step_factor",
+            "block time-step factor",
+            numerics.block_time_step_factor,
+        );
+        if let Some(damping) = numerics.static_damping {
+            self.static_damping(damping);
+        }
+        if let Some(ratio) = numerics.smoothing_length_ratio
+            && !(1.0..=3.0).contains(&ratio)
+        {
+            self.refuse(
+                "numerics.smoothing_length_ratio",
+                format!("smoothing length over spacing must be in [1, 3], found {ratio}: fewer neighbors than 30 or more than 900"),
+            );
+        }
+    }
+
+    /// Parameters of sleeping water and blocks.
+    fn sleep(&mut self, numerics: &NumericsFile) {
+        let sleeping = numerics.sleeping.unwrap_or_default();
+        let resting = numerics.resting.unwrap_or_default();
+        for (path, what, value) in [
             (
                 "numerics.sleeping.displacement",
                 "displacement of sleeping water",
@@ -69,33 +105,6 @@ impl Checks {
         ] {
             self.positive(path, what, value);
         }
-        self.not_negative(
-            "interface.penalty_damping",
-            "penalty damping",
-            scene.interface.penalty_damping,
-        );
-        self.not_negative("time.settle", "settling time", time.settle);
-        self.share(
-            "numerics.time_step_factor",
-            "time-step factor",
-            numerics.time_step_factor,
-        );
-        self.share(
-            "numerics.block_time_step_factor",
-            "block time-step factor",
-            numerics.block_time_step_factor,
-        );
-        if let Some(damping) = numerics.static_damping {
-            self.static_damping(damping);
-        }
-        if let Some(ratio) = numerics.smoothing_length_ratio
-            && !(1.0..=3.0).contains(&ratio)
-        {
-            self.refuse(
-                "numerics.smoothing_length_ratio",
-                format!("smoothing length over spacing must be in [1, 3], found {ratio}: fewer neighbors than 30 or more than 900"),
-            );
-        }
     }
 
     fn static_damping(&mut self, damping: StaticDampingFile) {
@@ -114,7 +123,7 @@ impl Checks {
             }
             StaticDampingFile::Kinetic(value) => self.share(path, "kinetic damping", value),
         }
-        self.question(
+        self.warn(
             path,
             "blocks are damped for a search for rest: their motion means nothing".to_owned(),
         );

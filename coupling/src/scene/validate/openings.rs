@@ -9,7 +9,7 @@ struct Opening {
     what: String,
     extent: (Triple, Triple),
     towards: SideFile,
-    /// An absorber may work towards the top or the bed; water is never let in or out there.
+    /// Directions: an absorber may face the top or the bed, an inflow or outflow may not.
     is_absorber: bool,
 }
 
@@ -83,7 +83,7 @@ impl Checks {
         }
     }
 
-    /// Rows of time and value: times increase, values are from 0 to `most`.
+    /// Check of rows of time and value: times increase, values are from 0 to `most`.
     fn series(&mut self, path: &str, what: &str, rows: &[(f64, f64)], most: f64) {
         for (k, &(time, value)) in rows.iter().enumerate() {
             if k > 0 && !(rows[k - 1].0 < time) {

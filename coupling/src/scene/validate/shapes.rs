@@ -1,10 +1,10 @@
-//! Checks of the geometry of blocks, as far as the file alone tells.
+//! Checks of the geometry of blocks that need the file alone.
 
 use super::checks::Checks;
 use crate::scene::file::ShapeFile;
 
 impl Checks {
-    /// A shape at `path`, of the block `name`.
+    /// Check of the shape at `path` of the block `name`.
     pub(super) fn shape(&mut self, path: &str, shape: &ShapeFile, name: &str) {
         let who = format!("block `{name}`");
         let of = |what: &str| format!("{who}: {what}");

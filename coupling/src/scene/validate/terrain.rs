@@ -1,4 +1,4 @@
-//! Checks of the terrain and of what slides off it.
+//! Checks of the terrain and of slides.
 
 use super::checks::Checks;
 use crate::scene::file::{

@@ -1,13 +1,13 @@
-//! Wavefront OBJ: faces of any number of corners; colors, normals and materials are left aside.
+//! Wavefront OBJ: faces of any number of corners; colors, normals and materials are ignored.
 //!
-//! Our own reader, because the usual one panics at a corner whose normal or texture is out of range.
+//! A reader of its own, because the usual one panics at a corner whose normal or texture is out of range.
 
 use riprap_dda::Vec3;
 
 use super::Soup;
 use crate::scene::access::fault::Fault;
 
-/// No point of the soup yet.
+/// Marks a point without a number in the soup.
 const UNUSED: u32 = u32::MAX;
 
 pub(super) fn read(content: &[u8]) -> Result<Soup, Fault> {

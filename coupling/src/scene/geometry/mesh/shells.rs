@@ -1,12 +1,12 @@
-//! From loose triangles to closed shells.
+//! Closed shells of loose triangles.
 
 use riprap_dda::Vec3;
 
 use super::Soup;
 
-/// Coordinates nearer than this share of the mesh's diagonal are one.
+/// Weld distance of coordinates; × diagonal of the mesh.
 const WELD_DISTANCE: f64 = 1e-9;
-/// Triangles that meet at less than this angle lie on each other; rad.
+/// Angle below which two triangles coincide; rad.
 const FOLD_ANGLE: f64 = 1e-9;
 
 /// The triangles of one connected piece, with its own points.
@@ -31,15 +31,14 @@ pub(super) enum Seam {
     Unoriented { at: Vec3 },
 }
 
-/// Shells in the order of their first triangles, and how they are sewn.
+/// Shells in the order of their first triangles, and the connectivity of their edges.
 pub(super) struct Sorted {
     pub(super) shells: Vec<Shell>,
     pub(super) seam: Seam,
 }
 
 impl Shell {
-    /// By the divergence theorem, about the first point so that no digits are lost far from the
-    /// origin; m³.
+    /// Volume by the divergence theorem, about the first point so that no digits are lost far from the origin; m³.
     pub(super) fn volume(&self) -> f64 {
         let Some(&origin) = self.points.first() else {
             return 0.0;
@@ -52,7 +51,7 @@ impl Shell {
     }
 }
 
-/// Welds the corners, pairs the edges and collects what hangs together.
+/// Welds the corners, pairs the edges and collects connected triangles.
 pub(super) fn sort(soup: &Soup) -> Sorted {
     let welded = outward(weld(soup));
     let edges = half_edges(&welded);
@@ -99,7 +98,7 @@ pub(super) fn sort(soup: &Soup) -> Sorted {
 struct HalfEdge {
     low: u32,
     high: u32,
-    /// Runs from `high` to `low`.
+    /// True for a side that runs from `high` to `low`.
     is_backward: bool,
     triangle: u32,
 }
@@ -149,7 +148,7 @@ fn pairs(soup: &Soup, forward: &[HalfEdge], backward: &[HalfEdge]) -> Vec<(HalfE
     found
 }
 
-/// Angle from a forward triangle to another, turning against its outward normal; rad.
+/// Angle from a forward triangle to another, rotating against its outward normal; rad.
 fn angle_through_body(soup: &Soup, side: HalfEdge, other: HalfEdge) -> f64 {
     let start = soup.points[side.low as usize];
     let along = (soup.points[side.high as usize] - start).normalize();
@@ -173,7 +172,7 @@ fn angle_through_body(soup: &Soup, side: HalfEdge, other: HalfEdge) -> f64 {
     }
 }
 
-/// Corners at one place become one, triangles of fewer than three corners go.
+/// Welds coincident corners and removes triangles of fewer than three corners.
 ///
 /// Each coordinate is snapped by itself: sorted values that follow within the weld distance get
 /// one number. Three sorts, whatever the mesh looks like.
@@ -219,7 +218,7 @@ pub(super) fn weld(soup: &Soup) -> Soup {
     Soup { points, triangles }
 }
 
-/// Some programs write every triangle clockwise; then all are turned.
+/// Reverses all triangles of a closed mesh that is written clockwise.
 fn outward(mut soup: Soup) -> Soup {
     let whole = Shell {
         points: soup.points,

@@ -1,6 +1,6 @@
 //! STL, text or binary, all solids of a file.
 //!
-//! Our own reader, because the usual one stops silently after the first solid of a text file and
+//! A reader of its own, because the usual one stops silently after the first solid of a text file and
 //! refuses keywords in capitals.
 
 use riprap_dda::Vec3;
@@ -10,7 +10,7 @@ use crate::scene::access::fault::{Fault, MOST_TRIANGLES};
 
 /// Bytes before the first facet: a free header and the number of facets.
 const HEADER: usize = 84;
-/// Bytes of a facet: normal and three corners in single precision, and two of no meaning.
+/// Bytes of a facet: normal and three corners in single precision, and two unused ones.
 const FACET: usize = 50;
 
 pub(super) fn read(content: &[u8]) -> Result<Soup, Fault> {
@@ -55,8 +55,8 @@ fn binary(facets: &[u8]) -> Result<Soup, Fault> {
     Ok(soup)
 }
 
-/// Only `vertex` lines carry geometry; the other keywords are held against them, so that a facet
-/// of two or four corners and a cut file are noticed.
+/// Text STL. Only `vertex` lines carry geometry; the other keywords are checked against them, so that a facet of two or
+/// four corners and a truncated file are noticed.
 fn text(text: &str) -> Result<Soup, Fault> {
     let mut soup = Soup::default();
     let mut corners = Vec::new();

@@ -1,6 +1,6 @@
 //! Surfaces from VTK files: legacy `.vtk`, and XML `.vtp` and `.vtu`.
 //!
-//! The two formats are read apart (`legacy`, `xml`); their cells become triangles in the same way, here.
+//! The two formats are read in `legacy` and `xml`; their cells become triangles here.
 
 mod legacy;
 mod xml;
@@ -60,7 +60,7 @@ fn push_polygon(soup: &mut Soup, first: u64, corners: &[u64]) -> Result<(), Faul
     soup.push_polygon(&corners.map_err(far)?)
 }
 
-/// Every second triangle of a strip is turned.
+/// Adds a strip, of which every second triangle is reversed.
 fn push_strip(soup: &mut Soup, first: u64, corners: &[u64]) -> Result<(), Fault> {
     for (k, triangle) in corners.windows(3).enumerate() {
         let (a, b, c) = (triangle[0], triangle[1], triangle[2]);
@@ -74,12 +74,12 @@ fn unreadable(error: impl std::fmt::Display) -> Fault {
     Fault::Format(format!("is not readable as VTK: {error}"))
 }
 
-/// Corner lists that do not match their lengths.
+/// Error of corner lists that do not match their lengths.
 fn broken_lists() -> Fault {
     Fault::Format("has cells whose corner lists do not add up".into())
 }
 
-/// A file of another kind than a surface.
+/// Error of a file without a surface.
 fn no_surface() -> Fault {
     Fault::Format("holds a grid, not a surface; extract the surface and save it as .vtp".into())
 }

@@ -7,18 +7,18 @@ use super::Terrain;
 /// Space between the ground and a level.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Room {
-    /// m³.
+    /// Volume; m³.
     pub volume: f64,
-    /// Of its deepest place; m.
+    /// Largest depth; m.
     pub depth: f64,
 }
 
-/// Room between the ground and a level, where water from a seed gets to over the grid.
+/// Space between the ground and a level that is connected to a seed over the grid.
 ///
 /// ```text
-/// V = Σ_triangles ∫ max(level − z, 0) dA      over what of each is in the box of the plan       [m³]
+/// V = Σ_triangles ∫ max(level − z, 0) dA      over the part of each in the box in plan view     [m³]
 /// ```
-/// Blocks in the water are not taken off it. None where the seed is dry.
+/// Blocks in the water are not subtracted. `None` where the seed is dry.
 pub fn room_below(
     terrain: &Terrain,
     level: f64,

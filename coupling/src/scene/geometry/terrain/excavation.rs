@@ -1,8 +1,8 @@
-//! Rock taken out of the ground between the terrain and failure surfaces.
+//! Excavation of the rock between the terrain and failure surfaces.
 //!
-//! Within an outline each triangle of the terrain stands over one of the failure surface with the same corners in the plan. Where
-//! the two cross, triangles are cut along the line in which they do. What is above the failure surface is taken out, a prism for
-//! each triangle, and the surface that is left has the failure surface there, with upright walls along the outline.
+//! Within an outline each triangle of the terrain is above one of the failure surface with the same corners in plan view. Where
+//! the two intersect, triangles are cut along the line of intersection. The rock above the failure surface is removed, a prism
+//! for each triangle, and the remaining surface has the failure surface there, with vertical walls along the outline.
 
 use std::collections::{BTreeMap, HashMap};
 
@@ -10,10 +10,10 @@ use riprap_dda::{Polyhedron, Vec3};
 
 use super::triangles::Triangles;
 
-/// The rock is nowhere thinner than this over a corner, or it is not there; × longest side of the triangle.
+/// Smallest thickness of the rock above a corner; thinner rock is none; × longest side of the triangle.
 const THINNEST: f64 = 1e-6;
 
-/// Floors under one corner that differ by less are one; × thickness.
+/// Tolerance of coincident floors below a corner; × thickness.
 const SAME_FLOOR: f64 = 1e-5;
 
 /// A triangle with the thickness of the rock at each corner; m.
@@ -26,19 +26,19 @@ struct Slab {
 /// Ground without the rock.
 #[derive(Clone, Debug, Default)]
 pub struct Excavated {
-    /// Of the ground that is left; m.
+    /// Points of the remaining ground; m.
     pub points: Vec<Vec3>,
-    /// Counter-clockwise from outside.
+    /// Triangles, counter-clockwise seen from outside.
     pub triangles: Vec<[u32; 3]>,
     /// Excavated rock within each outline: adjoining convex bodies.
     pub rock: Vec<Vec<Polyhedron>>,
     /// Volume of the rock within each outline: area times mean thickness, triangle by triangle; m³.
     pub volumes: Vec<f64>,
-    /// Of that, in pieces too thin to be bodies; m³.
+    /// Volume of pieces too thin for bodies; m³.
     pub lost: Vec<f64>,
 }
 
-/// Takes out what is above the surface `beneath` (m) each outline.
+/// Removes the rock above the surface `beneath` (m) within each outline.
 pub fn excavated(
     ground: &Triangles,
     n_outlines: usize,
@@ -85,12 +85,12 @@ pub fn excavated(
     found
 }
 
-/// The ground while it is cut.
+/// Ground being cut.
 struct Cut {
     points: Vec<Vec3>,
     /// Intersection of a side, lower corner first, with the failure surface.
     on_edge: HashMap<(u32, u32), u32>,
-    /// Of the rock at the corners within an outline, below zero where the failure surface is in the air; m.
+    /// Thickness of the rock at the corners within an outline, negative where the failure surface is in the air; m.
     thickness: BTreeMap<(usize, u32), f64>,
 }
 
@@ -207,7 +207,7 @@ struct Floor {
 }
 
 impl Floor {
-    /// The corner under another one, which is that itself where there is no rock.
+    /// The corner below another one, the same corner where there is no rock.
     fn under(&mut self, corner: u32, thickness: f64) -> u32 {
         if thickness <= 0.0 {
             return corner;
@@ -232,7 +232,7 @@ impl Slab {
         self.thickness.iter().all(|&t| 0.0 <= t) && self.thickness.iter().any(|&t| 0.0 < t)
     }
 
-    /// Area in the plan times mean thickness; m³.
+    /// Area in plan view times mean thickness; m³.
     fn volume(&self, points: &[Vec3]) -> f64 {
         let [a, b, c] = self.corners.map(|v| points[v as usize]);
         let twice_area = (b - a).xy().perp(&(c - a).xy());
@@ -268,7 +268,7 @@ fn longest_side(points: &[Vec3], corners: &[u32; 3]) -> f64 {
     (b - a).norm().max((c - b).norm()).max((a - c).norm())
 }
 
-/// Without the points that no triangle has.
+/// The surface without unused points.
 fn without_unused(points: Vec<Vec3>, mut triangles: Vec<[u32; 3]>) -> (Vec<Vec3>, Vec<[u32; 3]>) {
     let mut number = vec![u32::MAX; points.len()];
     let mut used = Vec::with_capacity(points.len());

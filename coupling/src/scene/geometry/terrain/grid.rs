@@ -1,37 +1,37 @@
-//! Heights at the points of a square grid.
+//! Elevations at the points of a square grid.
 
-/// Heights over a rectangle of the plan. Points are the centers of the cells of a raster.
+/// Elevations over a rectangle in plan view. Points are the centers of the cells of a raster.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Grid {
-    /// Points along x and y, at least two each.
+    /// Number of points along x and y, at least two each.
     pub n: [usize; 2],
-    /// The point of least x and y; m.
+    /// Point of smallest x and y; m.
     pub corner: [f64; 2],
-    /// Distance of neighbors; m.
+    /// Spacing of the points; m.
     pub spacing: f64,
-    /// Row by row from the south, each from the west; NaN where none is known; m.
+    /// Elevations row by row from the south, each from the west; NaN where missing; m.
     pub heights: Vec<f64>,
 }
 
 impl Grid {
-    /// Moves it in the plan; m.
+    /// Translation in plan view; m.
     pub fn shift(&mut self, by: [f64; 2]) {
         for (corner, by) in self.corner.iter_mut().zip(by) {
             *corner += by;
         }
     }
 
-    /// Place of a point in the list of heights.
+    /// Index of a point in the list of elevations.
     pub fn index(&self, [i, j]: [usize; 2]) -> usize {
         j * self.n[0] + i
     }
 
-    /// Place of a point in the plan; m.
+    /// Position of a point in plan view; m.
     pub fn place(&self, point: [usize; 2]) -> [f64; 2] {
         [0, 1].map(|axis| self.corner[axis] + point[axis] as f64 * self.spacing)
     }
 
-    /// The point of most x and y; m.
+    /// Point of largest x and y; m.
     pub fn far_corner(&self) -> [f64; 2] {
         self.place([self.n[0] - 1, self.n[1] - 1])
     }
@@ -42,8 +42,8 @@ impl Grid {
         (0..rows).flat_map(move |j| (0..columns).map(move |i| [i, j]))
     }
 
-    /// Height over a place of the plan, bilinear between the four points about it; `None` beyond the grid and where one
-    /// that has a share in it is not known; m.
+    /// Elevation at a position in plan view, bilinear between the four points around it; `None` outside of the grid and
+    /// where a contributing point is missing; m.
     ///
     /// ```text
     /// z = (1 − s) (1 − t) z₀₀ + s (1 − t) z₁₀ + (1 − s) t z₀₁ + s t z₁₁                        [m]
@@ -74,7 +74,7 @@ impl Grid {
         height.is_finite().then_some(height)
     }
 
-    /// Lowest and highest of what is known; m.
+    /// Lowest and highest elevation; m.
     pub fn range(&self) -> (f64, f64) {
         let known = self.heights.iter().filter(|z| z.is_finite());
         known.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), z| {
@@ -83,7 +83,7 @@ impl Grid {
     }
 }
 
-/// Share of a spacing within which a place beyond the rim is taken for one on it.
+/// Tolerance of a position beyond the rim; × spacing.
 const ON_RIM: f64 = 1e-9;
 
 #[cfg(test)]

@@ -1,18 +1,18 @@
-//! Polygons in the plan.
+//! Polygons in plan view.
 
 use crate::files::table::table_from;
 use crate::scene::access::Access;
 use crate::scene::file::OutlineFile;
 
-/// A polygon in the plan.
+/// A polygon in plan view.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Outline {
-    /// Counter-clockwise; m.
+    /// Corners, counter-clockwise; m.
     pub corners: Vec<[f64; 2]>,
 }
 
 impl Outline {
-    /// The polygon that a scene asks for; files are in coordinates of the map, of which `origin` is the scene's.
+    /// Polygon of a scene; files are in map coordinates, `origin` is that of the scene in them.
     ///
     /// # Errors
     ///
@@ -64,7 +64,7 @@ impl Outline {
         self.signed_area()
     }
 
-    /// By the shoelace formula from the first corner, above zero where corners go counter-clockwise; m².
+    /// Signed area by the shoelace formula from the first corner, positive if counter-clockwise; m².
     fn signed_area(&self) -> f64 {
         let [x0, y0] = self.corners[0];
         let twice = self.corners.windows(2).map(|pair| {
@@ -79,7 +79,7 @@ impl Outline {
         self.corners.iter().copied().zip(next.copied())
     }
 
-    /// Whether a place is inside, by how often a ray along x crosses it.
+    /// True for a point inside, by the crossings of a ray along x.
     pub fn holds(&self, [x, y]: [f64; 2]) -> bool {
         let is_crossed = |&([ax, ay], [bx, by]): &([f64; 2], [f64; 2])| {
             (ay <= y) != (by <= y) && x < ax + (y - ay) / (by - ay) * (bx - ax)
@@ -87,7 +87,7 @@ impl Outline {
         self.sides().filter(is_crossed).count() % 2 == 1
     }
 
-    /// Distance of a place from the nearest side; m.
+    /// Distance of a point from the closest side; m.
     pub fn distance(&self, [x, y]: [f64; 2]) -> f64 {
         let to = |([ax, ay], [bx, by]): ([f64; 2], [f64; 2])| {
             let (dx, dy) = (bx - ax, by - ay);

@@ -1,4 +1,4 @@
-//! One grid of heights from rasters and surveys.
+//! One grid of elevations from rasters and surveys.
 
 use std::path::Path;
 
@@ -13,20 +13,20 @@ use crate::scene::geometry::mesh;
 use crate::scene::geometry::raster::grid_from;
 use crate::world::ground::Ground;
 
-/// Most points that are used.
+/// Largest number of points.
 const MOST_POINTS: f64 = 4e6;
-/// Points of a source along each axis over which the height of a coarser point is averaged, at most.
+/// Largest number of points of a source along each axis in the average of a coarser point.
 const MOST_SAMPLES: f64 = 16.0;
 /// Tolerance of round-off at the edge of a grid; × spacing.
 const ROUND_OFF: f64 = 1e-6;
-/// Sweeps that smooth what fills gaps, once it is as smooth as its rim: a membrane over some tens of points.
+/// Smoothing sweeps of filled gaps: a membrane over some tens of points.
 const MEMBRANE_SWEEPS: usize = 200;
 
-/// Heights of a file, in the scene's coordinates.
+/// Elevations of a file, in the coordinates of the scene.
 #[derive(Clone, Debug)]
 pub struct Source {
     heights: Heights,
-    /// Heights outside of it count as missing; m.
+    /// Range outside of which elevations are missing; m.
     range: (f64, f64),
 }
 
@@ -35,17 +35,17 @@ enum Heights {
     Raster(Grid),
     Survey {
         ground: Ground,
-        /// Least and most x and y; m.
+        /// Smallest and largest x and y; m.
         extent: [[f64; 2]; 2],
     },
 }
 
 impl Source {
-    /// Reads a file that the scene names; `origin` is the point of the map that is the scene's.
+    /// Reads a file that the scene names; `origin` is the origin of the scene on the map.
     ///
     /// # Errors
     ///
-    /// [`MeshError`], which names the file, the place and what would be right.
+    /// [`MeshError`], which names the file, the location and the remedy.
     pub fn read(
         file: &HeightsFile,
         origin: (f64, f64, f64),
@@ -91,7 +91,7 @@ impl Source {
         })
     }
 
-    /// Height over a place of the plan, `None` where there is none; m.
+    /// Elevation at a position in plan view, `None` where missing; m.
     pub fn height(&self, place: [f64; 2]) -> Option<f64> {
         let height = match &self.heights {
             Heights::Raster(grid) => grid.height(place),
@@ -100,7 +100,7 @@ impl Source {
         height.filter(|z| self.range.0 <= *z && *z <= self.range.1)
     }
 
-    /// Least and most x and y; m.
+    /// Smallest and largest x and y; m.
     fn extent(&self) -> [[f64; 2]; 2] {
         match &self.heights {
             Heights::Raster(grid) => [grid.corner, grid.far_corner()],
@@ -108,7 +108,7 @@ impl Source {
         }
     }
 
-    /// Distance of its points; surveys have none; m.
+    /// Spacing of the points; `None` for surveys; m.
     pub fn spacing(&self) -> Option<f64> {
         match &self.heights {
             Heights::Raster(grid) => Some(grid.spacing),
@@ -136,7 +136,7 @@ fn is_raster(file: &str) -> bool {
     )
 }
 
-/// The grid in a file, in coordinates of the map.
+/// Grid of a file, in map coordinates.
 fn raster(file: &str, access: &Access) -> Result<Grid, MeshError> {
     let read = |content: Vec<u8>| match extension(file).as_str() {
         "tif" | "tiff" => geotiff(&content),
@@ -160,22 +160,22 @@ fn geotiff(_: &[u8]) -> Result<Grid, Fault> {
     ))
 }
 
-/// The heights that a scene uses.
+/// Elevations of a scene.
 #[derive(Clone, Debug)]
 pub struct Merged {
-    /// Without a gap.
+    /// Grid without gaps.
     pub grid: Grid,
-    /// Points that lay in gaps.
+    /// Number of points filled in gaps.
     pub n_filled: usize,
 }
 
-/// Samples sources at the points that the scene uses, `spacing` (m) apart.
+/// Samples sources at the points of the scene, `spacing` (m) apart.
 ///
-/// Points of a raster stay where they are if the distance does; a coarser point has the mean over its square.
+/// Points of a raster keep their positions if the spacing is the same; a coarser point has the mean over its square.
 ///
 /// # Errors
 ///
-/// A [`Problem`] for an extent without points and for places without a height.
+/// A [`Problem`] for an extent without points and for points without an elevation.
 pub fn merge(file: &TerrainFile, sources: &[Source], spacing: f64) -> Result<Merged, Problem> {
     let Some(first) = sources.first() else {
         return Err(Problem::error(
@@ -193,7 +193,7 @@ pub fn merge(file: &TerrainFile, sources: &[Source], spacing: f64) -> Result<Mer
     Ok(Merged { grid, n_filled })
 }
 
-/// Points in the phase of the first source, within the clip.
+/// Points aligned with the first source, within the clip.
 fn lattice(file: &TerrainFile, first: &Source, spacing: f64) -> Result<Grid, Problem> {
     let own = first.extent();
     let [low, high] = file
@@ -237,7 +237,8 @@ fn lattice(file: &TerrainFile, first: &Source, spacing: f64) -> Result<Grid, Pro
     })
 }
 
-/// Height of a point that stands for a square; m. Of the first source that has the point, averaged where it is finer.
+/// Elevation of a point that represents a square, from the first source with a value there, averaged where the source is
+/// finer; m.
 fn sample(sources: &[Source], place: [f64; 2], spacing: f64) -> Option<f64> {
     let (source, middle) = sources
         .iter()
@@ -260,7 +261,7 @@ fn sample(sources: &[Source], place: [f64; 2], spacing: f64) -> Option<f64> {
     Some(if count > 0.0 { sum / count } else { middle })
 }
 
-/// Gives points without a height one between those around them, or refuses; returns how many there were.
+/// Fills missing elevations from those around them, or refuses; returns their number.
 fn fill_gaps(grid: &mut Grid, file: &TerrainFile) -> Result<usize, Problem> {
     let missing: Vec<[usize; 2]> = grid
         .points()
@@ -316,7 +317,7 @@ fn fill_gaps(grid: &mut Grid, file: &TerrainFile) -> Result<usize, Problem> {
     Ok(missing.len())
 }
 
-/// Mean of the known heights of the four points beside one; m.
+/// Mean of the known elevations of the four neighbors of a point; m.
 fn mean_beside(grid: &Grid, [i, j]: [usize; 2]) -> Option<f64> {
     let beside = [
         (0 < i).then(|| [i.wrapping_sub(1), j]),

@@ -1,7 +1,7 @@
-//! Triangles of terrain: few where it is flat, and with the outlines of excavations among their sides.
+//! Triangulation of terrain: coarse where it is flat, with the outlines of excavations among its edges.
 //!
-//! A constrained Delaunay triangulation that starts with the corners of the grid and the outlines, and takes in points of the grid
-//! where it is farthest off them until it is nowhere off by more than the tolerance (Garland & Heckbert 1995).
+//! A constrained Delaunay triangulation that starts with the corners of the grid and the outlines and inserts the point of the
+//! grid with the largest error until no error exceeds the tolerance (Garland & Heckbert 1995).
 
 use riprap_dda::Vec3;
 use spade::{
@@ -12,17 +12,17 @@ use spade::{
 use super::grid::Grid;
 use super::outline::Outline;
 
-/// A point of the grid nearer to an outline would make a sliver; × spacing.
+/// Distance of points of the grid from an outline below which they would make slivers; × spacing.
 const CLEAR_OF_OUTLINES: f64 = 0.2;
 
 /// Terrain as triangles, counter-clockwise from above.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Triangles {
-    /// m.
+    /// Points; m.
     pub points: Vec<Vec3>,
-    /// Corners.
+    /// Corners of each triangle.
     pub corners: Vec<[u32; 3]>,
-    /// Number of the outline that each lies in.
+    /// Number of the outline around each triangle.
     pub outline: Vec<Option<usize>>,
 }
 
@@ -57,7 +57,7 @@ pub enum TrianglesError {
         /// m.
         high: [f64; 2],
     },
-    /// Two outlines have a place in common.
+    /// Two outlines overlap.
     #[error(
         "it overlaps another outline at ({:.2}, {:.2}) m; draw them side by side", at[0], at[1]
     )]
@@ -67,12 +67,12 @@ pub enum TrianglesError {
         /// m.
         at: [f64; 2],
     },
-    /// A place that cannot be computed with.
+    /// A coordinate that is not finite or too large.
     #[error("cannot be triangulated: {0}")]
     Place(#[from] InsertionError),
 }
 
-/// A point of the plan with its height; m.
+/// A point in plan view with its elevation; m.
 #[derive(Clone, Copy)]
 struct Node {
     place: Point2<f64>,
@@ -89,8 +89,8 @@ impl HasPosition for Node {
 
 type Net = ConstrainedDelaunayTriangulation<Node>;
 
-/// Triangles that are nowhere farther from the points of a grid than a tolerance (m), but beside outlines. `beneath` are heights of
-/// the surfaces under the outlines, which the triangles within follow too.
+/// Triangles within a tolerance (m) of the points of a grid, except beside outlines. `beneath` are elevations of the
+/// surfaces below the outlines, which the triangles within follow, too.
 ///
 /// # Errors
 ///
@@ -166,7 +166,7 @@ fn node(grid: &Grid, point: [usize; 2]) -> Node {
     }
 }
 
-/// Makes the sides of an outline sides of triangles.
+/// Makes the sides of an outline edges of triangles.
 fn constrain(
     net: &mut Net,
     grid: &Grid,
@@ -204,7 +204,7 @@ fn constrain(
     Ok(())
 }
 
-/// For each triangle the pending point of the grid in it that is farthest above or below it, with that distance (m).
+/// For each triangle, the pending point of the grid with the largest vertical distance, and that distance (m).
 fn farthest_points(
     net: &Net,
     grid: &Grid,

@@ -1,6 +1,6 @@
 //! XML files with their data inline, as text or as base64 without compression.
 //!
-//! A reader of our own: the offsets, lengths and numbers of a file are not relied on before they are checked.
+//! A reader of its own: offsets, lengths and numbers of a file are not used before they are checked.
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
@@ -9,7 +9,7 @@ use roxmltree::{Document, Node, ParsingOptions};
 use super::{Soup, broken_lists, no_surface, push_cell, push_points, unreadable};
 use crate::scene::access::fault::Fault;
 
-/// Most tags and texts of a file; each takes some hundred bytes of memory.
+/// Largest number of tags and texts of a file; each takes some hundred bytes of memory.
 const MOST_NODES: u32 = 1_000_000;
 /// VTK's number of a polygon.
 const POLYGON: u8 = 7;
@@ -73,7 +73,7 @@ pub(in crate::scene::geometry::mesh) fn read(content: &[u8]) -> Result<Soup, Fau
 #[derive(Clone, Copy)]
 struct Encoding {
     is_big_endian: bool,
-    /// Bytes of the number in front that counts the bytes of the data.
+    /// Bytes of the leading number, the length of the data.
     length_bytes: usize,
 }
 
@@ -112,7 +112,7 @@ impl Encoding {
         bytes.as_chunks().0.iter().map(ordered).collect()
     }
 
-    /// The bytes of an array: their length and they themselves, in one piece of base64 or in two.
+    /// Bytes of an array: length and data, in one piece of base64 or in two.
     fn bytes(self, text: &str) -> Result<Vec<u8>, Fault> {
         let cut = || Fault::Format("has a binary array that is cut or damaged".into());
         let text: String = text.split_ascii_whitespace().collect();
@@ -220,7 +220,7 @@ fn lists(section: Node<'_, '_>, encoding: Encoding) -> Result<Vec<Vec<u64>>, Fau
     Ok(cells)
 }
 
-/// Whole numbers that count something.
+/// Nonnegative integers.
 fn whole(array: Node<'_, '_>, encoding: Encoding) -> Result<Vec<u64>, Fault> {
     match Numbers::of(array, encoding)? {
         Numbers::Whole(numbers) => numbers
