@@ -254,7 +254,12 @@ fn at_spacing(
             RegionShapeFile::Box { max, .. } => max.2,
             RegionShapeFile::Below { level, .. } => level,
         };
-        let filled = filled(region, (fluid, domain, spacing), solids, (n_mould_rows, room));
+        let filled = filled(
+            region,
+            (fluid, domain, spacing),
+            solids,
+            (n_mould_rows, room),
+        );
         let filled = filled.and_then(|poured| {
             room.holds((lattice.positions.len() + poured.water.len()) as f64)?;
             check_regions(&lattice, &poured.water, &fluid.regions).map(|()| poured)
