@@ -1,31 +1,31 @@
 //! Explicit three-dimensional discontinuous deformation analysis of rock blocks.
 //!
-//! Blocks are unions of convex polyhedra, rigid or with one strain each, or rigid spheres. They meet
-//! through penalty springs and dashpots at the points of a contact patch, with Coulomb friction that
-//! remembers its shear, and move by a central-difference step in kick-drift-kick form.
+//! Blocks are unions of convex polyhedra, rigid or with one uniform strain each, or rigid spheres. They
+//! interact through penalty springs and dashpots at the points of a contact patch, with Coulomb friction
+//! and its shear history, and move by central differences in kick-drift-kick form.
 //!
 //! ```text
 //! m v' = Σ f + m g        Q (J ω)' = Σ r × f          [N], [N m]
 //! ```
 //!
-//! **Reading order.** [`Polyhedron`] (geometry), [`mass_properties`], [`Shape`], [`Material`] and the
-//! joint of two materials, [`Blocks`] (the state), then the step: [`Blocks::advance`] in `integrate`,
-//! `broad_phase`, `common_plane`, `patch`, `contact`, `friction`; `sphere_contact` for spheres and
-//! `surface_contact` for terrain; `forces`, which sums them. Beside it: `deformation`,
-//! `attachments`, `holds`, `damping`; and before it [`cut_by_joints`] and [`merge_slivers`], which
-//! make blocks of a rock mass.
+//! **Reading order.** `geometry` ([`Polyhedron`], [`mass_properties`], [`Shape`]), `material`
+//! ([`Material`] and the joint of two materials), `blocks` ([`Blocks`], the state), then the step:
+//! [`Blocks::advance`] in `step::central_difference`, `contact::detection` (broad phase, common plane,
+//! patch), `contact::penalty` (the law, for polyhedra, spheres and terrain), `step::sums`. In addition
+//! `motion` (deformation, holds, prescribed motion), `step::attachments` and `step::damping`, and
+//! `rock_mass` ([`cut_by_joints`], [`merge_slivers`]), which makes blocks of a rock mass.
 //!
 //! **Signs.** SI units. Faces counter-clockwise seen from outside, z up. A contact normal points from
 //! block i to block j; a gap below zero is overlap. World frame unless a name says otherwise
 //! (`offset_rel`: from the block's centroid).
 //!
-//! **Results are the same bits for any number of threads**: each pair of parts writes its own forces,
-//! and they are summed in the order of the list.
+//! **Results are bitwise identical for any number of threads**: each pair of parts writes its own
+//! forces, and they are summed in the order of the list.
 //!
-//! **Limits.** Parts of a union, and fixed blocks that adjoin, collide one by one, each at the faces
-//! and corners that the others leave visible; adjoining blocks that move against each other keep their
-//! edges. Where another face or an edge takes a contact over, it goes on with the energy that was held. Contacts
-//! too soft for an impact end the run with an error before a body could come out on the other side.
+//! **Limits.** Parts of a union, and adjoining fixed blocks, collide individually, each at its exposed
+//! faces and corners; adjoining blocks that move relative to each other keep their edges. When the contact
+//! changes to another face or edge, it keeps its stored energy. Contacts too soft for an impact end
+//! the run with an error before a body could pass through the other.
 //!
 //! ```
 //! use riprap_dda::{BlockDefinition, Blocks, Material, Motion, Polyhedron, Settings, Shape, Vec3};

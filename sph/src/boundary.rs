@@ -47,7 +47,7 @@ pub enum Phase {
     Integration,
 }
 
-/// Boundary of the fluid: walls, bodies, openings. A step calls it at fixed stages, see [`crate::stepping`]; each call
+/// Boundary of the fluid: walls, bodies, openings. A step calls it at fixed stages, see `stepping`; each call
 /// may read the fluid, and changes it only by the fluid's own functions, which keep its accounts.
 ///
 /// All methods have an empty default, so that a boundary implements only those it needs.

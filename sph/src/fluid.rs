@@ -1,4 +1,4 @@
-//! The fluid: particles with their settings, and the pieces of which [`crate::stepping`] makes a step.
+//! The fluid: particles with their settings, and the pieces of which `stepping` makes a step.
 //!
 //! ```text
 //! sort        sort by cell, particles that leave            energy      energies, momentum, accounts

@@ -64,8 +64,8 @@
 //!
 //! # Reading order
 //!
-//! [`kernel`], [`particles`], [`cells`], [`scheme`], [`state_equation`], `lanes`, `points`, `sweep`,
-//! `lists`, `terms`, [`mirror`], `sums`, [`fluid`], `stepping`, `sleep`, [`boundary`], [`sample`], [`energy`].
+//! [`kernel`], [`particles`], [`scheme`], [`state_equation`], `neighbors` ([`cells`], `lists`, `sweep`,
+//! [`mirror`]), `simd`, `terms`, [`fluid`] ([`sample`], [`energy`], `sleep`), [`boundary`], `stepping`.
 //!
 //! # References
 //!

@@ -25,7 +25,7 @@ impl Fluid {
     ///
     /// # Errors
     ///
-    /// Errors of the boundary, and [`FluidError`] of the fluid; the state is then that of the failed step.
+    /// Errors of the boundary, and [`crate::FluidError`] of the fluid; the state is then that of the failed step.
     pub fn step<B: Boundary>(&mut self, boundary: &mut B, dt: f64) -> Result<(), B::Error> {
         match self.settings.scheme.stepping {
             Stepping::KickDriftKick => kick_drift_kick::step(self, boundary, dt),

@@ -80,7 +80,7 @@ impl Polygons {
         self.offsets.is_empty()
     }
 
-    /// Corner numbers of each polygon; valid polygons only, as [`read`] returns them.
+    /// Corner numbers of each polygon; valid polygons only, as [`read()`] returns them.
     pub fn iter(&self) -> impl Iterator<Item = &[i32]> + '_ {
         let mut start = 0;
         self.offsets.iter().map_while(move |&end| {
