@@ -245,14 +245,12 @@ fn is_fixed(blocks: &Blocks, block: usize) -> bool {
 /// Spacing of points on faces (m), and the position of the plane of a 2-D flow, along y (m).
 pub(crate) fn face_lattice(fluid: &Fluid) -> (f64, Option<f64>) {
     let settings = fluid.settings();
-    let [dx, dy, dz] = settings.particle_spacing;
-    match settings.dimensions {
-        Dimensions::Two { .. } => {
-            let (min, max) = settings.domain;
-            ((dx * dz).sqrt(), Some(0.5 * (min.y + max.y)))
-        }
-        Dimensions::Three => ((dx * dy * dz).cbrt(), None),
-    }
+    let (min, max) = settings.domain;
+    let middle = match settings.dimensions {
+        Dimensions::Two { .. } => Some(0.5 * (min.y + max.y)),
+        Dimensions::Three => None,
+    };
+    (settings.mean_spacing(), middle)
 }
 
 /// A convex part: outward normal and corners of each face, counter-clockwise seen from outside; m.

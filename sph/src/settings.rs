@@ -45,17 +45,30 @@ impl Settings {
         2.0 * self.smoothing_length
     }
 
+    /// Mean spacing of the lattice, `∛(dx dy dz)`, or `√(dx dz)` in a plane, whose width is no spacing; m.
+    pub fn mean_spacing(&self) -> f64 {
+        let [dx, dy, dz] = self.particle_spacing;
+        match self.dimensions {
+            Dimensions::Two { .. } => (dx * dz).sqrt(),
+            Dimensions::Three => (dx * dy * dz).cbrt(),
+        }
+    }
+
+    /// Least spacing of the lattice in the directions of the flow; m.
+    pub fn least_spacing(&self) -> f64 {
+        let [dx, dy, dz] = self.particle_spacing;
+        match self.dimensions {
+            Dimensions::Two { .. } => dx.min(dz),
+            Dimensions::Three => dx.min(dy).min(dz),
+        }
+    }
+
     /// Length over which eddies smaller than the spacing mix: Smagorinsky's `C` times the spacing; m.
     pub(crate) fn mixing_length(&self) -> f64 {
         let Viscosity::SubParticleScale { smagorinsky, .. } = self.scheme.viscosity else {
             return 0.0;
         };
-        let [dx, dy, dz] = self.particle_spacing;
-        smagorinsky
-            * match self.dimensions {
-                Dimensions::Two { .. } => (dx * dz).sqrt(),
-                Dimensions::Three => (dx * dy * dz).cbrt(),
-            }
+        smagorinsky * self.mean_spacing()
     }
 
     /// Kinematic viscosity that the viscous force amounts to; m²/s.

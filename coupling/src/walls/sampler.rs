@@ -69,26 +69,28 @@ impl Sampler {
         let settings = fluid.settings();
         let support_radius = settings.support_radius();
         let (min, max) = settings.domain;
-        let [dx, dy, dz] = settings.particle_spacing;
         let mut lattice = UnionLattice {
             anchor: min,
-            particle_spacing: (dx * dy * dz).cbrt(),
+            particle_spacing: settings.mean_spacing(),
             support_radius,
             region: Region { min, max },
         };
-        let mut repeating = (0..3).filter(|&axis| settings.periodic[axis]);
-        if let (Some(axis), None) = (repeating.next(), repeating.next()) {
-            // a whole number of rows in the period
-            lattice.particle_spacing = settings.particle_spacing[axis];
-        }
         let mut plane = None;
-        if let Dimensions::Two { width } = settings.dimensions {
-            let middle = 0.5 * (min.y + max.y);
-            lattice.particle_spacing = (dx * dz).sqrt();
-            lattice.anchor.y = middle - 0.5 * lattice.particle_spacing;
-            let half = 0.5 * lattice.particle_spacing;
-            (lattice.region.min.y, lattice.region.max.y) = (middle - half, middle + half);
-            plane = Some((middle, width));
+        match settings.dimensions {
+            Dimensions::Two { width } => {
+                let middle = 0.5 * (min.y + max.y);
+                let half = 0.5 * lattice.particle_spacing;
+                lattice.anchor.y = middle - half;
+                (lattice.region.min.y, lattice.region.max.y) = (middle - half, middle + half);
+                plane = Some((middle, width));
+            }
+            Dimensions::Three => {
+                let mut repeating = (0..3).filter(|&axis| settings.periodic[axis]);
+                if let (Some(axis), None) = (repeating.next(), repeating.next()) {
+                    // a whole number of rows in the period
+                    lattice.particle_spacing = settings.particle_spacing[axis];
+                }
+            }
         }
         Self {
             lattice,

@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use crate::{CHUNK, Dimensions, Fluid, Vec3};
+use crate::{CHUNK, Fluid, Vec3};
 
 /// Displacement of a particle per iteration over `h² ∇C`: a lattice with alternating disturbances still comes to rest.
 const GAIN: f64 = 0.2;
@@ -23,11 +23,7 @@ impl Fluid {
     pub fn even_out(&mut self, is_held: impl Fn(u32) -> bool + Sync) -> f64 {
         let settings = &self.settings;
         let h = settings.smoothing_length;
-        let spacing = settings.particle_spacing;
-        let least = match settings.dimensions {
-            Dimensions::Two { .. } => spacing[0].min(spacing[2]),
-            Dimensions::Three => spacing.iter().copied().fold(f64::INFINITY, f64::min),
-        };
+        let least = settings.least_spacing();
         let full = settings.dimensions.count();
         let [none, all] = TAKING_PART;
         let share = |divergence: f64| ((divergence / full - none) / (all - none)).clamp(0.0, 1.0);

@@ -32,7 +32,7 @@ use crate::neighbors::cells::{CellGrid, ROW_SPLIT};
 use crate::neighbors::rest::{Rest, Still};
 use crate::scheme::{DensityDiffusion, DensityMethod, Stepping};
 use crate::terms::momentum::ForceDensity;
-use crate::{CHUNK, Dimensions, Fluid, FluidError, Particles, Settings, Vec3};
+use crate::{CHUNK, Fluid, FluidError, Particles, Settings, Vec3};
 
 /// Cells of a tile along x and y: three supports, so that a tile does not affect any beyond the next.
 const TILE: [usize; 2] = [3 * ROW_SPLIT as usize, 3];
@@ -425,14 +425,6 @@ impl Fluid {
         MARGIN * self.settings.support_radius()
     }
 
-    fn least_spacing(&self) -> f64 {
-        let [dx, dy, dz] = self.settings.particle_spacing;
-        match self.settings.dimensions {
-            Dimensions::Two { .. } => dx.min(dz),
-            Dimensions::Three => dx.min(dy).min(dz),
-        }
-    }
-
     /// Examines all tiles with awake particles, `elapsed` (s) after the last time.
     fn look(&self, sleep: &mut Sleep, elapsed: f64) {
         let mut tiles = std::mem::take(&mut sleep.tiles);
@@ -442,7 +434,7 @@ impl Fluid {
             speed,
             time,
         } = sleep.settings;
-        let farthest = displacement * self.least_spacing();
+        let farthest = displacement * self.settings.least_spacing();
         let (position, velocity) = (&self.particles.position, &self.particles.velocity);
         tiles.par_iter_mut().enumerate().for_each(|(number, tile)| {
             tile.seen = Seen::default();
@@ -475,7 +467,7 @@ impl Fluid {
     /// Wakes tiles and puts them to sleep by the results; returns whether anything changed, and the contribution.
     fn change(&mut self, sleep: &mut Sleep) -> (bool, Exchange) {
         let periodic = self.settings.periodic;
-        let strayed = STRAYED * self.least_spacing();
+        let strayed = STRAYED * self.settings.least_spacing();
         let mut changes = std::mem::take(&mut self.scratch.changing);
         changes.clear();
         changes.extend(sleep.tiles.iter().enumerate().map(|(number, tile)| {
@@ -665,7 +657,7 @@ fn stop(of: &mut Particles, particles: impl Iterator<Item = usize>) -> Exchange 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{NegativePressure, Precision, Scheme, Start};
+    use crate::{Dimensions, NegativePressure, Precision, Scheme, Start};
 
     /// A long box with random particles as dense as water, of which those at its near end move.
     fn stirred() -> Result<Fluid, FluidError> {
