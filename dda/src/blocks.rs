@@ -1,5 +1,6 @@
 //! The state of all blocks, struct of arrays; `build` constructs it, `query` reads it.
 
+mod balance;
 mod build;
 mod checkpoint;
 mod constants;
@@ -7,11 +8,13 @@ mod contacts;
 mod definition;
 mod derived;
 pub(crate) mod links;
+mod outline;
 mod pairing;
 pub(crate) mod placement;
 mod query;
 mod scratch;
 mod state;
+mod state_numbers;
 mod strength;
 mod totals;
 mod update;

@@ -1,0 +1,182 @@
+//! Balances of the whole system: contacts, energies, momentum, counts.
+
+use crate::material::{Joint, SphereJoint};
+use crate::{Blocks, Contact, Energies, Vec3};
+
+impl Blocks {
+    /// Contact points of the last step, sorted by parts; those of spheres after the others,
+    /// those on surfaces last, the surface second.
+    pub fn contacts(&self) -> Vec<Contact> {
+        let blocks = |pair: (u32, u32)| (pair.0 as usize, pair.1 as usize);
+        let of_pairs = self.contacts.pairs.iter().flat_map(|pair| {
+            pair.points.iter().map(move |point| Contact {
+                blocks: blocks(pair.blocks),
+                parts: blocks(pair.parts),
+                key: point.patch.key,
+                point: point.patch.position,
+                normal: pair.normal,
+                normal_force: point.normal_force,
+                shear_force: point.shear_force,
+                overlap: point.patch.overlap,
+                state: point.state,
+            })
+        });
+        let of_spheres = self.touching_spheres().map(|k| {
+            let (pair, loads) = (
+                &self.contacts.sphere_pairs[k],
+                &self.contacts.sphere_loads[k],
+            );
+            let contact = &self.contacts.sphere_contacts[k];
+            Contact {
+                blocks: blocks(pair.blocks),
+                parts: blocks(pair.parts),
+                key: 0,
+                point: loads.point,
+                normal: contact.normal,
+                normal_force: contact.normal_force,
+                shear_force: loads.force - contact.normal * contact.normal_force,
+                overlap: contact.overlap,
+                state: contact.state(),
+            }
+        });
+        let mut contacts: Vec<Contact> = of_pairs.chain(of_spheres).collect();
+        for pair in &self.contacts.surface_pairs {
+            pair.for_each_contact(&mut |contact| contacts.push(contact));
+        }
+        contacts
+    }
+
+    /// Number of contact points of the last step, without making their list.
+    pub fn n_contacts(&self) -> usize {
+        let of_pairs: usize = self
+            .contacts
+            .pairs
+            .iter()
+            .map(|pair| pair.points.len())
+            .sum();
+        let of_surfaces = self
+            .contacts
+            .surface_pairs
+            .iter()
+            .map(|pair| pair.n_contacts());
+        of_pairs + self.touching_spheres().count() + of_surfaces.sum::<usize>()
+    }
+
+    /// Force evaluations of pairs of parts so far.
+    pub fn contact_updates(&self) -> u64 {
+        self.state.totals.n_contact_updates
+    }
+
+    /// Full separating-axis tests so far: the rest of the contact updates went on with the common plane of
+    /// the step before.
+    pub fn axis_searches(&self) -> u64 {
+        self.state.totals.n_axis_searches
+    }
+
+    /// Bonds broken so far.
+    pub fn broken_bonds(&self) -> u64 {
+        self.state.totals.n_broken_bonds
+    }
+
+    /// Deepest overlap so far, × size of the smaller part (cube root of its volume).
+    pub fn max_overlap_over_size(&self) -> f64 {
+        self.state.totals.max_overlap_over_size
+    }
+
+    /// Energies and works; J.
+    pub fn energies(&self) -> Energies {
+        let mut energies = Energies {
+            elastic: self
+                .contacts
+                .pairs
+                .iter()
+                .map(|pair| pair.elastic.0 + pair.elastic.1)
+                .sum::<f64>()
+                + self.sphere_energy()
+                + self.surface_energy()
+                + self.state.attachments.elastic,
+            strain_damping: self.state.totals.strain_damping.total(),
+            static_damping: self.state.totals.static_damping.total(),
+            laid_to_rest: self.state.totals.laid_to_rest.total(),
+            plastic: self.state.attachments.plastic.total(),
+            friction: self.state.totals.friction.total(),
+            damping: self.state.totals.damping.total(),
+            external_work: self.state.totals.external_work.total()
+                + self.state.attachments.work.total(),
+            ..Energies::default()
+        };
+        for b in (0..self.n_blocks()).filter(|&b| self.is_free(b)) {
+            energies.kinetic += self.kinetic_energy(b);
+            energies.potential -= self.constants.mass[b]
+                * self.constants.settings.gravity.dot(&self.state.centroid[b]);
+        }
+        for deformable in &self.state.deformables {
+            let added = deformable.body().added_kinetic_energy();
+            energies.kinetic += added;
+            energies.added_kinetic += added;
+            energies.strain += deformable.strain_energy();
+        }
+        energies
+    }
+
+    fn sphere_energy(&self) -> f64 {
+        self.touching_spheres()
+            .map(|k| {
+                let joint = self.sphere_joint(self.contacts.sphere_pairs[k].parts);
+                self.contacts.sphere_contacts[k].energy(joint, self.contacts.sphere_rolling.get(k))
+            })
+            .sum()
+    }
+
+    /// Indices in the list of pairs with a sphere.
+    pub(crate) fn touching_spheres(&self) -> impl Iterator<Item = usize> + '_ {
+        let marks = self.contacts.sphere_marks.iter().enumerate();
+        marks.filter(|(_, mark)| mark.is_touching).map(|(k, _)| k)
+    }
+
+    fn surface_energy(&self) -> f64 {
+        self.contacts
+            .surface_pairs
+            .iter()
+            .map(|pair| {
+                let radius = self.constants.radius[pair.blocks.0 as usize];
+                pair.energy(self.sphere_joint(pair.parts), radius)
+            })
+            .sum()
+    }
+
+    pub(crate) fn joint_between(&self, parts: (u32, u32)) -> &Joint {
+        let material = |part: u32| self.constants.material_of_part[part as usize] as usize;
+        &self.state.joints[material(parts.0) * self.constants.n_materials + material(parts.1)]
+    }
+
+    fn sphere_joint(&self, parts: (u32, u32)) -> &SphereJoint {
+        &self.joint_between(parts).spheres
+    }
+
+    /// Momentum of the free blocks; N s.
+    pub fn momentum(&self) -> Vec3 {
+        (0..self.n_blocks())
+            .filter(|&b| self.is_free(b))
+            .map(|b| self.state.velocity[b] * self.constants.mass[b])
+            .sum()
+    }
+
+    /// Impulse that gravity, fixed and prescribed blocks, loads, holds and damping for statics gave to
+    /// free blocks so far; N s.
+    pub fn support_impulse(&self) -> Vec3 {
+        self.state.totals.support_impulse
+    }
+
+    /// Sum of the magnitudes of the impulses of gravity and of the supports, the scale of a momentum
+    /// residual; N s.
+    pub fn impulse_exchanged(&self) -> f64 {
+        self.state.totals.impulse_exchanged
+    }
+
+    /// Angular impulse by [`RollingLaw::OwnSpin`](crate::RollingLaw::OwnSpin) on spheres so far, without reaction on another
+    /// body: the defect of the angular momentum balance; zero with the other law; N m s.
+    pub fn rolling_impulse(&self) -> Vec3 {
+        self.state.totals.rolling_impulse
+    }
+}
