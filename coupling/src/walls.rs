@@ -15,7 +15,7 @@ mod sampler;
 mod screens;
 
 use nalgebra::Matrix3;
-use riprap_dda::{BlockDefinition, Blocks, Load, Motion, Shape};
+use riprap_dda::{BlockDefinition, Blocks, Load, Shape};
 use riprap_sph::boundary::integral::Face;
 use riprap_sph::boundary::wall_particles::Slip;
 use riprap_sph::{Dimensions, Fluid, Vec3};
@@ -235,11 +235,6 @@ impl FluidLoad {
         total += self.shear;
         total
     }
-}
-
-/// Whether a block stands for good.
-fn is_fixed(blocks: &Blocks, block: usize) -> bool {
-    matches!(blocks.motion(block), Motion::Fixed)
 }
 
 /// Spacing of points on faces (m), and the position of the plane of a 2-D flow, along y (m).

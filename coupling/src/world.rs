@@ -13,7 +13,7 @@ mod progress;
 pub mod time_step;
 mod water;
 
-use riprap_dda::{Blocks, Load, Motion};
+use riprap_dda::{Blocks, Load};
 use riprap_sph::{Stepping, Vec3};
 
 use crate::series::Series;
@@ -293,7 +293,7 @@ impl World {
 
     /// Whether a block never moves.
     pub fn is_fixed(&self, block: usize) -> bool {
-        matches!(self.blocks.motion(block), Motion::Fixed)
+        self.blocks.is_fixed(block)
     }
 
     /// A hash of every number of the state: equal hashes, equal runs.

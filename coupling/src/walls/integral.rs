@@ -35,7 +35,7 @@ use riprap_sph::{Dimensions, Fluid, Vec3};
 use super::added_mass::{Acceleration, AddedMass, Movers, largest_ratio};
 use super::cutting::disjoint;
 use super::endless::Endless;
-use super::{FluidLoad, Part, face_lattice, is_fixed, parts};
+use super::{FluidLoad, Part, face_lattice, parts};
 use crate::saved::{Read, Saved};
 use crate::walls::part_table::{PartTable, Placed, Solids};
 
@@ -186,7 +186,7 @@ impl IntegralWalls {
                 .iter()
                 .map(|part| endless.ending_beyond(part, 2.0 * support_radius))
                 .collect();
-            if is_fixed(blocks, b) {
+            if blocks.is_fixed(b) {
                 standing.extend(parts);
                 continue;
             }

@@ -22,7 +22,7 @@ use super::added_mass::{Acceleration, AddedMass, Movers, largest_ratio};
 use super::cutting::before;
 use super::sampler::{Sampler, Thin};
 use super::screens::Screens;
-use super::{FluidLoad, Part, is_fixed, parts};
+use super::{FluidLoad, Part, parts};
 use crate::saved::{Read, Saved};
 
 /// The walls of all blocks.
@@ -141,7 +141,7 @@ impl ParticleWalls {
     ) -> Self {
         let sampler = Sampler::new(fluid);
         let (owners, standing): (Vec<usize>, Vec<Part>) = (0..definitions.len())
-            .filter(|&b| is_fixed(blocks, b))
+            .filter(|&b| blocks.is_fixed(b))
             .flat_map(|b| {
                 parts(&definitions[b].shape)
                     .into_iter()
@@ -176,7 +176,7 @@ impl ParticleWalls {
         }
         // points common to two solids belong to the polyhedron
         let is_taken = |x: &Vec3| standing.iter().any(|part| part.may_be_within(x, 0.0));
-        for b in (0..definitions.len()).filter(|&b| is_fixed(blocks, b)) {
+        for b in (0..definitions.len()).filter(|&b| blocks.is_fixed(b)) {
             for (b, sample) in sampler.ball(b, &definitions[b].shape) {
                 if !is_taken(&sample.position) {
                     standing_points.add(b, sample, Facet::NONE);
@@ -187,7 +187,7 @@ impl ParticleWalls {
             }
         }
         let mut points = Points::default();
-        for b in (0..definitions.len()).filter(|&b| !is_fixed(blocks, b)) {
+        for b in (0..definitions.len()).filter(|&b| !blocks.is_fixed(b)) {
             let parts: Vec<Part> = parts(&definitions[b].shape)
                 .iter()
                 .filter_map(|part| before(part, &sampler.symmetry))
@@ -224,7 +224,7 @@ impl ParticleWalls {
         };
         let placed = points.blocks.iter().zip(&points.samples);
         let is_solid = |part: &usize| {
-            is_fixed(blocks, blocks.block_of_part(*part)) && !blocks.is_surface(*part)
+            blocks.is_fixed(blocks.block_of_part(*part)) && !blocks.is_surface(*part)
         };
         let buried = Buried {
             volumes: points.samples.iter().map(|s| s.volume).collect(),
@@ -332,7 +332,7 @@ impl ParticleWalls {
 
     fn find_frames(&mut self, blocks: &Blocks) {
         for (b, frame) in self.frames.iter_mut().enumerate() {
-            if !is_fixed(blocks, b) {
+            if !blocks.is_fixed(b) {
                 *frame = Frame::of(blocks, b);
             }
         }

@@ -15,7 +15,7 @@
 
 use nalgebra::{Matrix2, Matrix3, Vector2};
 use rayon::prelude::*;
-use riprap_dda::{Blocks, Load, Motion, SurfacePoint};
+use riprap_dda::{Blocks, Load, SurfacePoint};
 use riprap_sph::fluid::ParticleForce;
 use riprap_sph::{CellGrid, Dimensions, Fluid, Vec3};
 use serde::{Deserialize, Serialize};
@@ -124,9 +124,7 @@ impl Interface {
     pub fn new(settings: WallSettings, blocks: &Blocks, fluid: &Fluid) -> Self {
         let grid = fluid.grid();
         let mut fixed = PartTable::default();
-        let standing = (0..blocks.n_parts())
-            .filter(|&part| matches!(blocks.motion(blocks.block_of_part(part)), Motion::Fixed));
-        update(&mut fixed, standing, (blocks, grid), &settings);
+        update(&mut fixed, blocks.fixed_parts(), (blocks, grid), &settings);
         let periodic = grid.periodic();
         let n_periodic = periodic.iter().filter(|&&p| p).count();
         let is_plane = matches!(fluid.settings().dimensions, Dimensions::Two { .. });
@@ -220,13 +218,9 @@ impl Interface {
 
     /// Finds the particles near bodies; the fluid must be sorted.
     pub fn find(&mut self, fluid: &Fluid, blocks: &Blocks) {
-        let moving = (0..blocks.n_parts()).filter(|&part| {
-            let block = blocks.block_of_part(part);
-            !matches!(blocks.motion(block), Motion::Fixed) && !blocks.is_removed(block)
-        });
         update(
             &mut self.moving,
-            moving,
+            blocks.movable_parts(),
             (blocks, fluid.grid()),
             &self.settings,
         );

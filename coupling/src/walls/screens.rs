@@ -4,7 +4,7 @@ use riprap_dda::Blocks;
 use riprap_sph::boundary::screens::{Plane, are_opposed};
 use riprap_sph::{Fluid, Vec3};
 
-use super::{Part, is_fixed};
+use super::Part;
 use crate::saved::{Read, Saved};
 
 /// Distance off a face at which others may cover it; spacings.
@@ -91,7 +91,7 @@ impl Screens {
                 |x| turned_back * (x - centroid),
             )
         };
-        let is_fixed = is_fixed(blocks, block);
+        let is_fixed = blocks.is_fixed(block);
         let siblings = parts.iter().enumerate().filter(|&(k, _)| k != number);
         let mut screen = Screen {
             block,

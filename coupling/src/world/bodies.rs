@@ -1,7 +1,7 @@
 //! Blocks in a coupled step: their part of it, and bodies that leave the domain or reach a plane of symmetry.
 
 use nalgebra::Matrix3;
-use riprap_dda::{Blocks, Load, Motion, Phase};
+use riprap_dda::{Blocks, Load, Phase};
 use riprap_sph::{SymmetryPlane, Vec3};
 
 use crate::walls::added_mass::Acceleration;
@@ -41,10 +41,8 @@ impl Bodies {
         let n_blocks = blocks.n_blocks();
         // a block that touches a plane from the start was found to move along it
         let touch = TOUCH * (domain.1 - domain.0).norm();
-        let is_clear = |&b: &usize| {
-            !matches!(blocks.motion(b), Motion::Fixed)
-                && plane_within(blocks, &planes, b, touch).is_none()
-        };
+        let is_clear =
+            |&b: &usize| !blocks.is_fixed(b) && plane_within(blocks, &planes, b, touch).is_none();
         let kept_clear = match planes.is_empty() {
             true => Vec::new(),
             false => (0..n_blocks).filter(is_clear).collect(),
@@ -86,13 +84,7 @@ fn plane_within(
 
 /// Boxes round the parts of blocks that may move; m.
 pub(super) fn movable(blocks: &Blocks) -> impl Iterator<Item = (Vec3, Vec3)> {
-    let may_move = |&part: &usize| {
-        let block = blocks.block_of_part(part);
-        !matches!(blocks.motion(block), Motion::Fixed) && !blocks.is_removed(block)
-    };
-    (0..blocks.n_parts())
-        .filter(may_move)
-        .map(|part| blocks.part_aabb(part))
+    blocks.movable_parts().map(|part| blocks.part_aabb(part))
 }
 
 /// Blocks with the data read and booked in their step.

@@ -1,6 +1,6 @@
 //! Ground: upward faces of fixed blocks or of a survey, and their elevation below a point.
 
-use riprap_dda::{Blocks, Motion, Vec3};
+use riprap_dda::{Blocks, Vec3};
 
 /// Faces with a smaller vertical component of the normal are walls; –.
 const LEAST_UPWARD: f64 = 1e-6;
@@ -26,9 +26,8 @@ pub struct Ground {
 impl Ground {
     /// The ground of a system of blocks.
     pub fn of(blocks: &Blocks) -> Self {
-        let is_fixed = |&b: &usize| matches!(blocks.motion(b), Motion::Fixed);
         let mut triangles = Vec::new();
-        for block in (0..blocks.n_blocks()).filter(is_fixed) {
+        for block in (0..blocks.n_blocks()).filter(|&b| blocks.is_fixed(b)) {
             let (vertices, faces) = blocks.world_polygons(block);
             for face in faces {
                 let corner = |k: usize| vertices[face[k] as usize];

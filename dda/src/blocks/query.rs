@@ -58,6 +58,17 @@ impl Blocks {
         self.constants.part_start[b] as usize..self.constants.part_start[b + 1] as usize
     }
 
+    /// Parts of fixed blocks, in ascending order.
+    pub fn fixed_parts(&self) -> impl Iterator<Item = usize> + '_ {
+        (0..self.n_parts()).filter(|&part| self.is_fixed(self.block_of_part(part)))
+    }
+
+    /// Parts of free and prescribed blocks that were not removed, in ascending order.
+    pub fn movable_parts(&self) -> impl Iterator<Item = usize> + '_ {
+        let can_move = self.derived.can_move.iter().enumerate();
+        can_move.filter(|&(_, &can)| can).map(|(part, _)| part)
+    }
+
     // One block.
 
     /// Motion.
@@ -68,6 +79,11 @@ impl Blocks {
     /// Do forces move it?
     pub fn is_free(&self, b: usize) -> bool {
         matches!(self.constants.motion[b], Motion::Free) && !self.state.is_removed[b]
+    }
+
+    /// Is it fixed? Such a block never moves.
+    pub fn is_fixed(&self, b: usize) -> bool {
+        matches!(self.constants.motion[b], Motion::Fixed)
     }
 
     /// Has it been taken out?

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use riprap_dda::{Blocks, Motion};
+use riprap_dda::Blocks;
 use riprap_sph::{Dimensions, Fluid, Vec3};
 
 use super::crossing::Crossing;
@@ -300,9 +300,7 @@ fn farthest(
         Dimensions::Two { .. } => (dx * dz).sqrt(),
     };
     let reach = TOUCHING_DISTANCE * spacing;
-    let ground: Vec<usize> = (0..blocks.n_parts())
-        .filter(|&part| matches!(blocks.motion(blocks.block_of_part(part)), Motion::Fixed))
-        .collect();
+    let ground: Vec<usize> = blocks.fixed_parts().collect();
     // a maximum of NaN and a number is the number
     let mut most = f64::NAN;
     for x in &fluid.particles().position {
