@@ -27,10 +27,7 @@ fn world(text: &str) -> (World, tempfile::TempDir) {
 }
 
 fn advance(world: &mut World, until: f64) {
-    while world.time() < until {
-        let step = world.next_step(until).unwrap();
-        world.step(step).unwrap();
-    }
+    crate::support::scene::advance(world, until, until, |_| {});
 }
 
 /// A plane flume 0.2 m deep: a piston at its left end makes waves 1 m long, a layer of that length takes them.

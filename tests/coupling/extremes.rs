@@ -1,14 +1,9 @@
 //! Extremes of realistic scenes: thin and soft blocks, overlaps, light bodies, scale, particles in unusual positions. The
 //! full sweep is `benches/rust/extremes.rs`.
 
-use std::path::Path;
 
-use riprap::run::build;
-use riprap::scene::error::Problem;
-use riprap::scene::parse;
-use riprap::scene::resolve::Scene;
+use crate::support::scene::{advance, resolved, world};
 use riprap::walls::Walls;
-use riprap::world::World;
 use riprap_sph::Vec3;
 
 const G: f64 = 9.81;
@@ -16,22 +11,6 @@ const G: f64 = 9.81;
 const SEAM: &str = "in the seam of floor and wall";
 /// No step is limited by it; s.
 const DURATION: f64 = 100.0;
-
-fn scene(text: &str) -> Result<Scene, Vec<Problem>> {
-    Scene::resolve(parse::read(text).unwrap(), Path::new("."))
-}
-
-fn world(text: &str) -> World {
-    build(&scene(text).unwrap()).unwrap()
-}
-
-fn advance(world: &mut World, until: f64, mut look: impl FnMut(&World)) {
-    while world.time() < until {
-        let step = world.next_step(DURATION).unwrap();
-        world.step(step).unwrap();
-        look(world);
-    }
-}
 
 /// A block above a floor, and more of its material.
 fn on_floor(block: &str, material: &str) -> String {
@@ -52,7 +31,7 @@ fn a_thin_plate_lands_with_the_stiffness_that_is_chosen() {
          placement: (rotate: (axis: (1, 0.3, 0), angle_deg: 10))";
     let mut world = world(&on_floor(plate, ""));
     let end = 0.6;
-    advance(&mut world, end, |world| {
+    advance(&mut world, end, DURATION, |world| {
         assert!(world.blocks.centroid(1).z > 0.0);
     });
     let height = world.blocks.centroid(1).z;
@@ -67,7 +46,7 @@ fn soft_contacts_are_said_to_be() {
     let said = |share: f64| -> Vec<String> {
         let stiffness = 2500.0 * G / share;
         let text = on_floor(cube, &format!("contact_stiffness: {stiffness:?}"));
-        let warnings = scene(&text).unwrap().warnings;
+        let warnings = resolved(&text).unwrap().warnings;
         warnings.into_iter().map(|w| w.message).collect()
     };
     assert!(said(1e-3).is_empty());
@@ -89,7 +68,7 @@ fn overlap_at_the_start() {
             "",
         )
     };
-    let problems = scene(&cube(0.1)).unwrap_err();
+    let problems = resolved(&cube(0.1)).unwrap_err();
     assert!(
         problems
             .iter()
@@ -97,7 +76,7 @@ fn overlap_at_the_start() {
     );
     let mut world = world(&cube(1e-9));
     let mut fastest = 0.0_f64;
-    advance(&mut world, 0.2, |world| {
+    advance(&mut world, 0.2, DURATION, |world| {
         fastest = fastest.max(world.blocks.velocity(1).norm());
     });
     // it sinks in by m g/K, a thousandth of its size, at √(g · 1e-3 m)
@@ -110,7 +89,7 @@ fn a_stone_at_ten_thousand_radians_a_second() {
     let stone = "angular_velocity: (2000, 3000, 10000), shape: Box(min: (-0.5, -0.3, 0.6), max: (0.5, 0.3, 0.9))";
     let mut world = world(&on_floor(stone, "contact_stiffness: 1e12"));
     let start = world.blocks.energies();
-    advance(&mut world, 0.03, |_| {});
+    advance(&mut world, 0.03, DURATION, |_| {});
     let spin = world.blocks.energies().kinetic / start.kinetic - 1.0;
     let ledger = (world.blocks.energies().balance() - start.balance()) / start.kinetic;
     println!("X14: energy {spin:+.1e}, ledger {ledger:+.1e}");
@@ -156,7 +135,7 @@ fn a_body_a_twentieth_as_dense_as_water_floats() {
     let mut world = world(&tank(dp, &below(dp), body, ""));
     let body = world.blocks.n_blocks() - 1;
     let mut fastest = 0.0_f64;
-    advance(&mut world, 1.0, |world| {
+    advance(&mut world, 1.0, DURATION, |world| {
         fastest = fastest.max(world.blocks.velocity(body).norm());
     });
     let bottom = world.blocks.centroid(body).z - 0.1;
@@ -174,7 +153,7 @@ fn water_follows_froude() {
         let side = 15.0 * spacing;
         let water = format!("Box(min: (0, 0, 0), max: ({side:?}, 0.1, {side:?}))");
         let mut world = world(&tank(spacing, &water, "", ""));
-        advance(&mut world, 1.5 * (side / G).sqrt(), |_| {});
+        advance(&mut world, 1.5 * (side / G).sqrt(), DURATION, |_| {});
         let p = world.water.as_ref().unwrap().fluid.particles();
         let mut places: Vec<_> = p.id.iter().zip(&p.position).collect();
         places.sort_by_key(|(id, _)| **id);
@@ -249,7 +228,7 @@ fn particles_in_odd_places() {
         let at = Vec3::new(x, places[nearest].y, z);
         fluid.relocate(nearest, at, Vec3::zeros());
         let mut fastest = 0.0_f64;
-        advance(&mut world, end, |world| {
+        advance(&mut world, end, DURATION, |world| {
             fastest = fastest.max(world.water.as_ref().unwrap().fluid.max_speed());
         });
         let places = &world.water.as_ref().unwrap().fluid.particles().position;

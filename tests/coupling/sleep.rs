@@ -1,13 +1,11 @@
 //! Water at rest that sleeps: what it leaves out is not missed.
 
 use std::fs;
-use std::path::Path;
 
+use crate::support::scene::{resolved_in, world};
 use riprap::run::build;
 use riprap::scene;
-use riprap::scene::error::Problem;
-use riprap::scene::parse::{self, Override};
-use riprap::scene::resolve::Scene;
+use riprap::scene::parse::Override;
 use riprap::world::World;
 use riprap_sph::Fluid;
 
@@ -26,14 +24,6 @@ fn case(name: &str, set: &[(&str, &str)]) -> World {
     build(&scene::load(&crate::support::case(name), &set).unwrap().0).unwrap()
 }
 
-fn resolved(text: &str, folder: &Path) -> Result<Scene, Vec<Problem>> {
-    Scene::resolve(parse::read(text).unwrap(), folder)
-}
-
-fn world(text: &str) -> World {
-    build(&resolved(text, Path::new(".")).unwrap()).unwrap()
-}
-
 fn fluid(world: &World) -> &Fluid {
     &world.water.as_ref().unwrap().fluid
 }
@@ -44,9 +34,7 @@ fn step(world: &mut World) {
 }
 
 fn advance(world: &mut World, until: f64) {
-    while world.time() < until {
-        step(world);
-    }
+    crate::support::scene::advance(world, until, DURATION, |_| {});
 }
 
 /// Settled for a time (s), as a run does it, and stopped: a run stops water that may sleep.
@@ -303,7 +291,7 @@ fn water_that_has_calmed_down_sleeps_again_and_wakes_again() {
         numerics: (sleeping: (time: 0.5)),
         time: (duration: 9),
     )"#;
-    let mut world = build(&resolved(text, folder.path()).unwrap()).unwrap();
+    let mut world = build(&resolved_in(folder.path(), text).unwrap()).unwrap();
     let n = fluid(&world).particles().len();
     let mut awake = |until: f64| {
         let (mut least, mut most) = (n, 0);

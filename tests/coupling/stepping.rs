@@ -1,13 +1,9 @@
 //! Every stepping with blocks, walls of every kind, layers that absorb, and settling.
 
-use std::path::Path;
 
-use riprap::run::build;
-use riprap::scene::error::{Problem, Severity};
+use crate::support::scene::{advance, resolved, world};
+use riprap::scene::error::Severity;
 use riprap::scene::file::SteppingFile;
-use riprap::scene::parse;
-use riprap::scene::resolve::Scene;
-use riprap::world::World;
 
 /// A basin with a piston, a beach, water and a block that falls into it.
 fn falling(walls: &str, numerics: &str) -> String {
@@ -44,23 +40,8 @@ fn falling(walls: &str, numerics: &str) -> String {
     )
 }
 
-fn scene(text: &str) -> Result<Scene, Vec<Problem>> {
-    Scene::resolve(parse::read(text).unwrap(), Path::new("."))
-}
-
-fn world(text: &str) -> World {
-    build(&scene(text).unwrap()).unwrap()
-}
-
 /// No step is limited by it; s.
 const DURATION: f64 = 10.0;
-
-fn advance(world: &mut World, until: f64) {
-    while world.time() < until {
-        let step = world.next_step(DURATION).unwrap();
-        world.step(step).unwrap();
-    }
-}
 
 /// Walls and numerics of every stepping that goes with them.
 const SCENES: [(&str, &str); 9] = [
@@ -99,7 +80,7 @@ fn momentum_and_energy_are_accounted_for_with_every_stepping() {
             world.settle_step(dt, 10.0).unwrap();
         }
         world.release().unwrap();
-        advance(&mut world, 0.15);
+        advance(&mut world, 0.15, DURATION, |_| {});
         let (momentum, energy) = (world.momentum_residual(), world.energy());
         let cube = world.blocks.n_blocks() - 1;
         println!(
@@ -135,7 +116,7 @@ fn threads_do_not_change_a_bit_with_any_stepping() {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
             pool.build().unwrap().install(|| {
                 let mut world = world(&text);
-                advance(&mut world, 0.02);
+                advance(&mut world, 0.02, DURATION, |_| {});
                 world.state_hash()
             })
         });
@@ -146,7 +127,7 @@ fn threads_do_not_change_a_bit_with_any_stepping() {
 #[test]
 fn presets_choose_a_stepping_that_goes_with_their_density() {
     let chosen = |numerics: &str| {
-        let scene = scene(&falling("Penalty", numerics)).unwrap();
+        let scene = resolved(&falling("Penalty", numerics)).unwrap();
         scene.to_file().numerics.stepping
     };
     for (numerics, expected) in [
@@ -164,7 +145,7 @@ fn presets_choose_a_stepping_that_goes_with_their_density() {
 
 #[test]
 fn steppings_that_let_sound_grow_are_refused_or_questioned() {
-    let refused = scene(&falling("Particles", "stepping: SymplecticEuler"));
+    let refused = resolved(&falling("Particles", "stepping: SymplecticEuler"));
     let problems = refused.err().unwrap();
     let error = problems.iter().find(|p| p.severity == Severity::Error);
     let error = error.unwrap();
@@ -178,7 +159,7 @@ fn steppings_that_let_sound_grow_are_refused_or_questioned() {
         assert!(error.message.contains(said), "{said}: {}", error.message);
     }
     let undamped = "stepping: PredictorCorrector, density_diffusion: Off";
-    let scene = scene(&falling("Particles", undamped)).unwrap();
+    let scene = resolved(&falling("Particles", undamped)).unwrap();
     assert!(
         scene
             .warnings
@@ -196,7 +177,7 @@ fn a_light_block_is_carried_alike_by_both_steppings_of_continuity() {
         let light = text.replace("density: 2000", "density: 200");
         assert_ne!(light, text);
         let mut world = world(&light);
-        advance(&mut world, 0.15);
+        advance(&mut world, 0.15, DURATION, |_| {});
         let cube = world.blocks.n_blocks() - 1;
         let speed = world.blocks.velocity(cube);
         println!(

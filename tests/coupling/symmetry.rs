@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use riprap::run::build;
-use riprap::scene::error::{Problem, Severity};
+use crate::support::scene::{resolved, world};
+use riprap::scene::error::Severity;
 use riprap::scene::resolve::Scene;
 use riprap::scene::{parse, validate};
 use riprap::world::{StepError, World};
@@ -73,14 +73,6 @@ impl Tank {
     fn world(&self) -> World {
         world(&self.text(""))
     }
-}
-
-fn resolved(text: &str) -> Result<Scene, Vec<Problem>> {
-    Scene::resolve(parse::read(text).unwrap(), Path::new("."))
-}
-
-fn world(text: &str) -> World {
-    build(&resolved(text).unwrap()).unwrap()
 }
 
 /// Place and velocity of every particle before the plane, by id.

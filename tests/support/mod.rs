@@ -1,6 +1,7 @@
 //! Running the program and reading its output.
 
 pub mod killed;
+pub mod scene;
 pub mod synthetic_run;
 
 use std::path::{Path, PathBuf};

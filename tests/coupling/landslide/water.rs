@@ -1,0 +1,188 @@
+//! Water on terrain: basins, maps of its reach, what overtops.
+
+use super::*;
+
+/// Water poured into a bowl has the volume between the ground and the level, 0.5 % at 20 rows: the lattice follows slopes in steps.
+#[test]
+fn water_has_the_volume_of_the_basin() {
+    let folder = tempfile::tempdir().unwrap();
+    // a paraboloid, 100 m deep at a radius of 120 m
+    let bowl = |x: f64, y: f64| 100.0 * ((x - 200.0).powi(2) + y * y) / 120.0_f64.powi(2) - 100.0;
+    let raster = Raster {
+        cell: 5.0,
+        n: [81, 61],
+        ..valley()
+    };
+    raster.write(&folder.path().join("bowl.asc"), bowl);
+    let water = "fluid: (resolution: Spacing(5), regions: [(name: \"lake\", shape: Below(level: 0, seed: (200, 0, -50)))])";
+    let scene = scene(
+        folder.path(),
+        "(sources: [(file: \"bowl.asc\")], tolerance: 1e-6)",
+        "",
+        water,
+    )
+    .unwrap();
+    let plan = [[0.0, -150.0], [400.0, 150.0]];
+    let terrain = scene.terrain.as_ref().unwrap();
+    let room = room_below(terrain, 0.0, [200.0, 0.0], plan).unwrap();
+    let integral = room.volume;
+    // of a paraboloid half of its cylinder; triangles of 5 m lie above it by 5²/12 (z_xx + z_yy) in the mean
+    let above = 25.0 / 12.0 * 4.0 * 100.0 / 120.0_f64.powi(2);
+    let exact = std::f64::consts::PI * 120.0_f64.powi(2) * (0.5 * 100.0 - above);
+    let lattice = &scene.fluid.as_ref().unwrap().lattice;
+    let poured = lattice.positions.len() as f64 * lattice.spacing.iter().product::<f64>();
+    println!(
+        "integral {integral:.0} m3 of {exact:.0}; {} particles have {poured:.0} m3, {:+.3} %",
+        lattice.positions.len(),
+        100.0 * (poured / integral - 1.0)
+    );
+    // measured 3e-5: the shore cuts triangles anywhere
+    assert!((integral / exact - 1.0).abs() < 1e-4);
+    assert!((poured / integral - 1.0).abs() < 0.005);
+    // the apex is a point of the raster
+    assert!((room.depth - 100.0).abs() < 1e-9);
+    assert_eq!(room_below(terrain, 0.0, [10.0, 0.0], plan), None);
+}
+
+/// Water that gets out of the raster or over all land is refused, with the place on the map.
+#[test]
+fn basins_that_do_not_hold_are_refused_in_words() {
+    let folder = tempfile::tempdir().unwrap();
+    let floor = Raster {
+        corner: [500_000.0, 6_000_000.0],
+        cell: 10.0,
+        n: [41, 31],
+    };
+    // a valley that goes on to the south
+    floor.write(&folder.path().join("valley.asc"), |x, y| {
+        0.5 * (x - 500_200.0).abs() + 0.5 * (y - 6_000_150.0).max(0.0)
+    });
+    for (level, words) in [
+        (40.0, "leaks out of the domain at ("),
+        (40.0, "on the map (0, 0, 0) is (500000, 6000000, 0) m"),
+        (500.0, "above the domain"),
+        (250.0, "leaks out of the domain at ("),
+    ] {
+        let text = format!(
+            r#"(title: "no basin", domain: (min: (0, 0, -20), max: (400, 300, 300)),
+                materials: [(name: "rock", density: 2600, friction_angle_deg: 30)],
+                terrain: (sources: [(file: "valley.asc")], origin: (500000, 6000000, 0)),
+                blocks: [(name: "ground", material: "rock", motion: Fixed, shape: Terrain)],
+                fluid: (resolution: Spacing(5), regions: [(name: "lake", shape: Below(level: {level}, seed: (200, 100, 30)))]),
+                time: (duration: 1))"#
+        );
+        let problems = resolved_in(folder.path(), &text).unwrap_err();
+        println!("{}: {}", problems[0].path, problems[0].message);
+        assert!(
+            problems[0].message.contains(words),
+            "{}",
+            problems[0].message
+        );
+    }
+}
+
+/// A tank of 1 m by 0.1 m on a flat raster of a map, 50 m above its zero.
+fn tank(folder: &Path, region: &str, further: &str) -> PathBuf {
+    let floor = Raster {
+        corner: [499_999.5, 5_999_999.5],
+        cell: 0.1,
+        n: [21, 12],
+    };
+    floor.write(&folder.join("floor.asc"), |_, _| 50.0);
+    let text = format!(
+        r#"(title: "a tank on a map", domain: (min: (0, 0, -0.2), max: (1, 0.1, 0.7), periodic: [Y]),
+            materials: [(name: "wall", density: 2500, friction_angle_deg: 30)],
+            terrain: (sources: [(file: "floor.asc")], origin: (500000, 6000000, 50)),
+            blocks: [(name: "floor", material: "wall", motion: Fixed, shape: Terrain),
+                     (name: "west", material: "wall", motion: Fixed, shape: Box(min: (-0.2, -0.1, -0.2), max: (0, 0.2, 0.7))),
+                     (name: "east", material: "wall", motion: Fixed, shape: Box(min: (1, -0.1, -0.2), max: (1.2, 0.2, 0.7)))],
+            fluid: (resolution: Spacing(0.02), regions: [{region}]),
+            {further})"#
+    );
+    let path = folder.join("tank.ron");
+    std::fs::write(&path, text).unwrap();
+    path
+}
+
+/// Highest water and first arrival of a standing wave `η = a cos kx sin ωt` over its first three quarters: `a |cos kx|`, and
+/// `asin(threshold/(a cos kx))/ω`; grids in coordinates of the map.
+#[test]
+fn maps_show_how_high_and_when() {
+    let folder = tempfile::tempdir().unwrap();
+    let region = "(name: \"water\", shape: Box(min: (0, 0, 0), max: (1, 0.1, 0.4)),
+                   flow: StandingWave(height: 0.04, length: 2, depth: 0.4, crest: 0))";
+    let further =
+        "time: (duration: 0.95), maps: (interval: 0.02, spacing: 0.05, arrival_threshold: 0.005)";
+    let case = tank(folder.path(), region, further);
+    let run_folder = folder.path().join("run");
+    support::run(&case, &run_folder, &[]);
+    let read = |name: &str| {
+        let text = std::fs::read(run_folder.join(format!("{name}.asc"))).unwrap();
+        riprap::scene::raster::grid_from(&text).unwrap()
+    };
+    let (highest, arrival) = (read("maximum_elevation"), read("first_arrival"));
+    assert_eq!(highest.n, [20, 2]);
+    let corner = [500_000.025, 6_000_000.025];
+    assert!((0..2).all(|axis| (highest.corner[axis] - corner[axis]).abs() < 1e-6));
+    let (a, k) = (0.02, std::f64::consts::PI);
+    let omega = (G * k * (k * 0.4).tanh()).sqrt();
+    let mut worst: f64 = 0.0;
+    for i in 0..20 {
+        let x = 0.025 + 0.05 * f64::from(i);
+        let rise = highest.heights[i as usize] - 50.4;
+        worst = worst.max((rise - a * (k * x).cos().abs()).abs());
+    }
+    println!("highest water off by {:.2} a at most", worst / a);
+    // a is one spacing: the surface is known to some tenths of it
+    assert!(worst < 0.3 * a);
+    let expected = (0.005 / (a * (k * 0.025).cos())).asin() / omega;
+    println!(
+        "arrives at {} s, by theory {expected:.3} s",
+        arrival.heights[0]
+    );
+    assert!((0.0..0.041).contains(&(arrival.heights[0] - expected)));
+    let maps = riprap::vtk::read(&run_folder.join("maps.vtp")).unwrap();
+    assert_eq!((maps.points.len(), maps.polygons.offsets.len()), (40, 19));
+    assert_eq!(maps.point_data.len(), 3);
+}
+
+/// The volume that crosses a line is the final volume beyond it, to the particle. The line extends past the ends of the period:
+/// until the next neighbor search particles may be past them.
+#[test]
+fn what_has_overtopped_is_beyond_the_line() {
+    let folder = tempfile::tempdir().unwrap();
+    let region = "(name: \"column\", shape: Box(min: (0, 0, 0), max: (0.3, 0.1, 0.4)))";
+    let further = "time: (duration: 0.4), output: (gauge_interval: 0.01),
+                   gauges: [Overtopping(name: \"line\", from: (0.5, -0.05), to: (0.5, 0.15)),
+                            Overtopping(name: \"back\", from: (0.5, 0.15), to: (0.5, -0.05))]";
+    let case = tank(folder.path(), region, further);
+    let (scene, _) = riprap::scene::load(&case, &[]).unwrap();
+    let mut world = run::build(&scene).unwrap();
+    let mut gauges = Gauges::new(folder.path(), &scene, &world, Start::New).unwrap();
+    while world.time() < 0.4 {
+        if gauges.is_due(&world) {
+            gauges.observe(&world).unwrap();
+        }
+        let step = world.next_step(0.4).unwrap();
+        world.step(step).unwrap();
+    }
+    gauges.observe(&world).unwrap();
+    let rows = support::table(&folder.path().join("gauges.csv"));
+    let last = rows.last().unwrap();
+    let fluid = &world.water.as_ref().unwrap().fluid;
+    let beyond = fluid
+        .particles()
+        .position
+        .iter()
+        .filter(|x| 0.5 < x.x)
+        .count() as f64;
+    println!(
+        "{:.6} m3 have passed, {beyond} particles are beyond",
+        last[1]
+    );
+    assert!(beyond > 100.0 && (last[1] / (beyond * fluid.particle_volume()) - 1.0).abs() < 1e-9);
+    assert_eq!(last[1], -last[3]);
+    // the discharge is what the volume grew by
+    let summed: f64 = rows.windows(2).map(|r| r[1][2] * (r[1][0] - r[0][0])).sum();
+    assert!((summed / last[1] - 1.0).abs() < 1e-9);
+}
