@@ -274,7 +274,7 @@ fn the_slope_of_the_readme_is_read() {
     let readme = std::fs::read_to_string(root.join("README.md")).unwrap();
     let (_, from) = readme.split_once("```ron\n").unwrap();
     let (text, _) = from.split_once("```").unwrap();
-    let scene = resolved_in(&root.join("cases"), &text).unwrap();
+    let scene = resolved_in(&root.join("cases"), text).unwrap();
     assert!(scene.warnings.is_empty(), "{:?}", scene.warnings);
     assert!(scene.rock_masses[0].n_blocks > 50);
     let slide = SlideImpact::of(&scene.terrain.as_ref().unwrap().rock[0], &scene).unwrap();
