@@ -15,7 +15,6 @@ use riprap::observe::gauges::Gauges;
 use riprap::run;
 use riprap::scene::error::Problem;
 use riprap::scene::impulse_wave::SlideImpact;
-use riprap::scene::parse;
 use riprap::scene::resolve::Scene;
 use riprap::scene::terrain::Terrain;
 use riprap::scene::terrain::basin::room_below;
