@@ -1,7 +1,6 @@
 //! Extremes of realistic scenes: thin and soft blocks, overlaps, light bodies, scale, particles in unusual positions. The
 //! full sweep is `benches/rust/extremes.rs`.
 
-
 use crate::support::scene::{advance, resolved, world};
 use riprap::walls::Walls;
 use riprap_sph::Vec3;

@@ -1,6 +1,5 @@
 //! Every stepping with blocks, walls of every kind, layers that absorb, and settling.
 
-
 use crate::support::scene::{advance, resolved, world};
 use riprap::scene::error::Severity;
 use riprap::scene::file::SteppingFile;
