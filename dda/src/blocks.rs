@@ -21,6 +21,7 @@ mod update;
 
 use crate::contact::detection::broad_phase::Bounds;
 use crate::material::Joint;
+pub(crate) use crate::motion::update::Update;
 use crate::step::attachments::Surroundings;
 use crate::{Attachment, BlockError, Hold, Load, Turning, Vec3};
 pub(crate) use constants::Constants;
@@ -30,7 +31,6 @@ pub(crate) use derived::Derived;
 use nalgebra::Matrix3;
 use scratch::Scratch;
 pub(crate) use state::State;
-pub(crate) use update::Update;
 
 /// A system of blocks.
 ///

@@ -1,4 +1,8 @@
 //! Contact: geometry by detection, forces by a law.
 
+pub(crate) mod context;
 pub(crate) mod detection;
 pub(crate) mod penalty;
+pub(crate) mod rates;
+pub(crate) mod report;
+pub(crate) mod tally;

@@ -88,8 +88,7 @@ pub use blocks::{BlockDefinition, Blocks, Settings};
 pub use contact::detection::common_plane::{
     Axis, AxisKind, ContactDetection, SeparatingAxes, fast_common_plane, gap_along, separating_axes,
 };
-pub use contact::penalty::polyhedra::{Contact, ContactState};
-pub use contact::penalty::step_bound::CriticalStep;
+pub use contact::report::{Contact, ContactState};
 pub use error::{BlockError, StepError};
 pub use geometry::block_quality::BlockQuality;
 pub use geometry::cut::Plane;
@@ -114,7 +113,8 @@ pub use rock_mass::joint_sets::{
 };
 pub use step::accounts::Impulses;
 pub use step::attachments::Attachment;
-pub use step::central_difference::Phase;
 pub use step::damping::StaticDamping;
 pub use step::energy::Energies;
+pub use step::phase::Phase;
 pub use step::sleep::Resting;
+pub use step::step_bound::CriticalStep;

@@ -1,7 +1,6 @@
 //! Rock materials, and the joint that two of them make where they touch.
 
 use crate::BlockError;
-use crate::contact::detection::patch::Scaling;
 use serde::{Deserialize, Serialize};
 
 /// Isotropic linear elasticity of deformable blocks; rigid blocks ignore it.
@@ -281,6 +280,15 @@ impl Strength {
             ),
         ]
     }
+}
+
+/// Scaling of the pair's stiffness.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub(crate) enum Scaling {
+    /// N/m of the whole contact: weights of flat faces sum to 1.
+    Point,
+    /// Pa/m: weights are areas.
+    Area,
 }
 
 /// Constants of the contact between two materials.

@@ -5,3 +5,4 @@ pub(crate) mod holds;
 pub(crate) mod kinematics;
 pub(crate) mod prescribed;
 pub(crate) mod rigid;
+pub(crate) mod update;

@@ -5,6 +5,8 @@ pub(crate) mod attachments;
 pub(crate) mod central_difference;
 pub(crate) mod damping;
 pub(crate) mod energy;
+pub(crate) mod phase;
 pub(crate) mod sleep;
 pub(crate) mod stability;
+pub(crate) mod step_bound;
 pub(crate) mod sums;

@@ -55,10 +55,7 @@ const PENDING: &[(&str, &str, &str)] = &[
     ("sph", "terms", "boundary"),
     ("sph", "terms", "fluid"),
     ("dda", "blocks", "step"),
-    ("dda", "contact", "blocks"),
-    ("dda", "contact", "step"),
     ("dda", "geometry", "contact"),
-    ("dda", "material", "contact"),
     ("dda", "motion", "blocks"),
     ("dda", "rock_mass", "contact"),
 ];

@@ -2,7 +2,7 @@
 
 use super::definition::check_settings;
 use crate::contact::detection::broad_phase;
-use crate::contact::penalty::step_bound::BlockRates;
+use crate::contact::rates::BlockRates;
 use crate::geometry::parts::Part;
 use crate::material::Joint;
 use crate::motion::deformation::{

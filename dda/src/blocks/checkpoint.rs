@@ -2,7 +2,7 @@
 
 use super::Blocks;
 use crate::contact::penalty::polyhedra::Workspace;
-use crate::step::sums::PAIR_CHUNK;
+use crate::contact::tally::PAIR_CHUNK;
 use postcard::Error;
 
 impl Blocks {

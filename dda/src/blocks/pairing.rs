@@ -1,15 +1,16 @@
 //! The lists of pairs of parts that may touch, with their history.
 
 use super::NOWHERE;
+use crate::contact::context::ContactContext;
 use crate::contact::detection::broad_phase;
 use crate::contact::detection::broad_phase::Bounds;
-use crate::contact::penalty::polyhedra::{Medium, Pair, Workspace};
+use crate::contact::penalty::polyhedra::{Pair, Workspace};
 use crate::contact::penalty::spheres::{
     PairRates, Rolling, Scales, SphereContact, SphereLoads, SphereMark, SpherePair,
 };
 use crate::contact::penalty::terrain::SurfacePair;
+use crate::contact::tally::PAIR_CHUNK;
 use crate::geometry::parts::Part;
-use crate::step::sums::PAIR_CHUNK;
 use crate::{Blocks, Motion, NormalLaw};
 
 impl Blocks {
@@ -234,8 +235,8 @@ impl Blocks {
             .set(n, self.contacts.sphere_pairs.iter().map(|pair| pair.blocks));
     }
 
-    pub(crate) fn split_pairs(&mut self) -> (Lists<'_>, Medium<'_>, &[Bounds]) {
-        let medium = Medium {
+    pub(crate) fn split_pairs(&mut self) -> (Lists<'_>, ContactContext<'_>, &[Bounds]) {
+        let context = ContactContext {
             parts: &self.derived.parts,
             kinematics: &self.state.kinematics,
             update: &self.derived.update,
@@ -264,12 +265,12 @@ impl Blocks {
             sphere_rates: &mut self.contacts.sphere_rates,
             sphere_rolling: &mut self.contacts.sphere_rolling,
         };
-        (lists, medium, &self.state.boxes)
+        (lists, context, &self.state.boxes)
     }
 
     pub(super) fn bond_pairs(&mut self) {
-        let (lists, medium, _) = self.split_pairs();
-        lists.pairs.iter_mut().for_each(|pair| pair.bond(&medium));
+        let (lists, context, _) = self.split_pairs();
+        lists.pairs.iter_mut().for_each(|pair| pair.bond(&context));
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::totals::Totals;
 use crate::contact::detection::broad_phase::Bounds;
-use crate::contact::penalty::step_bound::BlockRates;
+use crate::contact::rates::BlockRates;
 use crate::material::Joint;
 use crate::motion::deformation::Deformable;
 use crate::motion::kinematics::Kinematics;

@@ -3,5 +3,4 @@
 pub(crate) mod friction;
 pub(crate) mod polyhedra;
 pub(crate) mod spheres;
-pub(crate) mod step_bound;
 pub(crate) mod terrain;

@@ -4,32 +4,20 @@
 //! v += dt/2 M⁻¹f;   x += dt v,  Q := Q R;   contacts, f;   v += dt/2 M⁻¹f
 //! ```
 
-use crate::blocks::{CHUNK, Constants, Derived, State, Update};
+use crate::blocks::{CHUNK, Constants, Derived, State};
 use crate::contact::detection::broad_phase;
 use crate::contact::detection::broad_phase::Bounds;
+use crate::contact::tally::PAIR_CHUNK;
 use crate::motion::kinematics::{InternalMotion, Kinematics, Moment, flushed};
 use crate::motion::rigid::Rigid6;
+use crate::motion::update::Update;
 use crate::step::damping::local_damping;
-use crate::step::sums::PAIR_CHUNK;
+use crate::step::phase::Phase;
 use crate::{Blocks, Load, Motion, StaticDamping, StepError, Vec3, chunks};
 use nalgebra::{Matrix3, UnitQuaternion};
 
 /// Principal value of Green's strain below which Saint Venant-Kirchhoff's law softens; –.
 const CRUSHED: f64 = -0.2;
-
-/// A phase of a step, for timing.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Phase {
-    /// Kicks, drifts, placement of the parts, attachments, checks.
-    Motion,
-    /// Broad phase.
-    BroadPhase,
-    /// Narrow phase and contact law: pair by pair, in one loop, so that a pair's patch never leaves the cache
-    /// between the two.
-    Contacts,
-    /// Sums over the pairs of each block.
-    Sums,
-}
 
 /// Impulses of half a kick; N s.
 #[derive(Clone, Copy, Debug, Default)]

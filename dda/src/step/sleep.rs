@@ -12,7 +12,7 @@
 use nalgebra::UnitQuaternion;
 use serde::{Deserialize, Serialize};
 
-use crate::blocks::Update;
+use crate::motion::update::Update;
 use crate::{Blocks, Load, Vec3};
 
 /// Criteria for putting blocks to sleep and waking them.

@@ -3,68 +3,17 @@
 use crate::blocks::{CHUNK, Contacts, Derived, State};
 use crate::chunks::PerChunk;
 use crate::contact::detection::broad_phase;
-use crate::contact::penalty::polyhedra::{Pair, PointForce, Rates, Workspace};
+use crate::contact::penalty::polyhedra::{Pair, PointForce, Workspace};
 use crate::contact::penalty::spheres::{
     PairRates, Rolling, SphereContact, SphereLoads, SphereMark, SpherePair, SphereRow,
 };
-use crate::contact::penalty::step_bound::{BlockRates, Listed};
 use crate::contact::penalty::terrain::SurfacePair;
+use crate::contact::rates::{BlockRates, Listed};
+use crate::contact::tally::{PAIR_CHUNK, Tally};
 use crate::motion::kinematics::stretch;
-use crate::step::central_difference::Phase;
+use crate::step::phase::Phase;
 use crate::{Blocks, Load, Vec3, chunks};
 use nalgebra::Matrix3;
-
-/// Pairs of polyhedra that one thread takes at a time.
-pub(crate) const PAIR_CHUNK: usize = 16;
-
-/// Sums over the pairs of a chunk in a step.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Tally {
-    /// Lost; J.
-    pub friction: f64,
-    pub damping: f64,
-    /// Angular impulse that rolling resistance took out of both sides together; N m s.
-    pub rolling_impulse: Vec3,
-    pub n_touching: u64,
-    pub n_broken: u64,
-    /// Pairs that have met or parted.
-    pub n_cut: u64,
-    /// Full separating-axis tests.
-    pub n_searches: u64,
-    /// Deepest overlap, × size of the smaller part.
-    pub deepest_over_size: f64,
-    /// Largest overlap, × the allowed one, with its parts.
-    pub worst: (f64, (u32, u32)),
-}
-
-impl Tally {
-    fn with(self, other: Self) -> Self {
-        Self {
-            friction: self.friction + other.friction,
-            damping: self.damping + other.damping,
-            rolling_impulse: self.rolling_impulse + other.rolling_impulse,
-            n_touching: self.n_touching + other.n_touching,
-            n_broken: self.n_broken + other.n_broken,
-            n_cut: self.n_cut + other.n_cut,
-            n_searches: self.n_searches + other.n_searches,
-            deepest_over_size: self.deepest_over_size.max(other.deepest_over_size),
-            worst: if other.worst.0 > self.worst.0 {
-                other.worst
-            } else {
-                self.worst
-            },
-        }
-    }
-
-    /// Records the overlap of two parts; × the allowed one and × size.
-    pub fn note_overlap(&mut self, parts: (u32, u32), over_allowed: f64, over_size: f64) {
-        self.n_touching += 1;
-        self.deepest_over_size = self.deepest_over_size.max(over_size);
-        if over_allowed > self.worst.0 {
-            self.worst = (over_allowed, parts);
-        }
-    }
-}
 
 impl Blocks {
     /// Contact forces at the current position, and their dissipation in the last `dt` (s).
@@ -110,7 +59,7 @@ impl Blocks {
     }
 
     fn evaluate_pairs(&mut self, dt: f64) -> Tally {
-        let (lists, medium, boxes) = self.split_pairs();
+        let (lists, context, boxes) = self.split_pairs();
         type Rows<'a> = (&'a mut [Pair], PerChunk<'a, Workspace>);
         let update = |_, (pairs, workspaces): Rows| {
             let mut tally = Tally::default();
@@ -118,7 +67,7 @@ impl Blocks {
                 return tally;
             };
             for pair in pairs {
-                if medium.are_still(pair.blocks) {
+                if context.are_still(pair.blocks) {
                     continue;
                 }
                 let is_near = broad_phase::overlap(
@@ -128,7 +77,7 @@ impl Blocks {
                 if pair.is_idle && !is_near {
                     continue;
                 }
-                pair.evaluate(&medium, dt, is_near, work);
+                pair.evaluate(&context, dt, is_near, work);
                 tally.friction += pair.friction;
                 tally.damping += pair.damping;
                 tally.n_broken += u64::from(pair.has_broken);
@@ -137,8 +86,8 @@ impl Blocks {
                 if pair.is_touching {
                     tally.note_overlap(
                         pair.parts,
-                        pair.deepest / medium.least_of(pair.parts, medium.deepest_allowed),
-                        pair.deepest / medium.least_of(pair.parts, medium.size),
+                        pair.deepest / context.least_of(pair.parts, context.deepest_allowed),
+                        pair.deepest / context.least_of(pair.parts, context.size),
                     );
                 }
             }
@@ -154,7 +103,7 @@ impl Blocks {
     }
 
     fn evaluate_spheres(&mut self, dt: f64) -> Tally {
-        let (lists, medium, _) = self.split_pairs();
+        let (lists, context, _) = self.split_pairs();
         type Rows<'a> = (
             &'a [SpherePair],
             &'a mut [SphereMark],
@@ -181,7 +130,7 @@ impl Blocks {
                 .zip(rows.4);
             for ((((pair, mark), contact), loads), rates) in rows {
                 let rolling = rolling.next();
-                if medium.are_still(pair.blocks) {
+                if context.are_still(pair.blocks) {
                     continue;
                 }
                 let row = SphereRow {
@@ -192,7 +141,7 @@ impl Blocks {
                     rates,
                     rolling,
                 };
-                row.evaluate(&medium, dt, &mut tally);
+                row.evaluate(&context, dt, &mut tally);
             }
             tally
         };
@@ -206,14 +155,14 @@ impl Blocks {
     }
 
     fn evaluate_surfaces(&mut self, dt: f64) -> Tally {
-        let (lists, medium, _) = self.split_pairs();
+        let (lists, context, _) = self.split_pairs();
         let update = |_, pairs: &mut [SurfacePair]| {
             let mut tally = Tally::default();
             for pair in pairs {
-                if medium.are_still(pair.blocks) {
+                if context.are_still(pair.blocks) {
                     continue;
                 }
-                pair.evaluate(&medium, dt);
+                pair.evaluate(&context, dt);
                 tally.friction += pair.friction;
                 tally.damping += pair.damping;
                 tally.rolling_impulse += pair.rolling_impulse;
@@ -221,8 +170,8 @@ impl Blocks {
                 if pair.is_touching {
                     tally.note_overlap(
                         pair.parts,
-                        pair.deepest / medium.least_of(pair.parts, medium.deepest_allowed),
-                        pair.deepest / medium.least_of(pair.parts, medium.size),
+                        pair.deepest / context.least_of(pair.parts, context.deepest_allowed),
+                        pair.deepest / context.least_of(pair.parts, context.size),
                     );
                 }
             }
@@ -400,23 +349,6 @@ impl Load {
         let sign = if is_second { 1.0 } else { -1.0 };
         for at in forces {
             self.add(&(at.force * sign), &(at.point - centroid));
-        }
-    }
-}
-
-impl BlockRates {
-    /// Adds a pair, and notes the stiffest so far.
-    fn add(&mut self, rates: &Rates, is_touching: bool, contact: (Listed, u32)) {
-        if is_touching {
-            self.stiffness += rates.stiffness;
-            self.damping += rates.damping;
-        } else {
-            self.next_stiffness = self.next_stiffness.max(rates.stiffness);
-            self.next_damping = self.next_damping.max(rates.damping);
-        }
-        if rates.stiffness > self.stiffest {
-            self.stiffest = rates.stiffness;
-            self.contact = Some(contact);
         }
     }
 }

@@ -32,6 +32,7 @@
 //! exact for quadratics, so that energy, force and moment of a linear overlap are exact.
 
 use crate::contact::detection::common_plane::{Axis, AxisKind};
+use crate::material::Scaling;
 use crate::{Polyhedron, Vec3};
 use serde::{Deserialize, Serialize};
 
@@ -67,15 +68,6 @@ pub(crate) struct Patch {
     pub incident: Option<u32>,
     corners: Vec<Corner>,
     spare: Vec<Corner>,
-}
-
-/// Scaling of the pair's stiffness.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub(crate) enum Scaling {
-    /// N/m of the whole contact: weights of flat faces sum to 1.
-    Point,
-    /// Pa/m: weights are areas.
-    Area,
 }
 
 /// Side that no edge makes: the line where the overlap ends.

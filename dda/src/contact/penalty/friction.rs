@@ -15,7 +15,7 @@
 //! slides and spins feels Coulomb's friction of both. Carried in the moving frame after Luding (2008).
 
 use crate::Vec3;
-use crate::contact::penalty::polyhedra::{ContactState, PointState};
+use crate::contact::report::{ContactState, PointState};
 use crate::motion::kinematics::Kinematics;
 use serde::{Deserialize, Serialize};
 

@@ -29,61 +29,17 @@ pub(crate) use meeting::PointForce;
 use serde::{Deserialize, Serialize};
 use takeover::{Features, Former};
 
-use crate::blocks::Update;
-use crate::contact::detection::common_plane::{Axis, AxisCache, AxisKind, ContactDetection};
-use crate::contact::detection::patch::{Patch, PatchPoint, Scaling};
+use crate::Vec3;
+use crate::contact::context::ContactContext;
+use crate::contact::detection::common_plane::{Axis, AxisCache, AxisKind};
+use crate::contact::detection::patch::Patch;
 use crate::contact::penalty::friction::{ShearSpring, Shearing};
+use crate::contact::rates::Rates;
+use crate::contact::report::{ContactState, PointState};
 use crate::geometry::parts::Part;
-use crate::material::{Joint, RollingLaw};
+use crate::material::Scaling;
 use crate::motion::kinematics::{Kinematics, Load};
-use crate::{Motion, Vec3};
-
-/// Is the contact open, held by friction, or slipping?
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum ContactState {
-    /// No force.
-    Open,
-    /// The shear spring holds.
-    Stick,
-    /// The shear force is at Coulomb's limit.
-    Slide,
-}
-
-/// One contact point, as reported.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Contact {
-    /// The two blocks, i and j.
-    pub blocks: (usize, usize),
-    /// The two parts, i and j.
-    pub parts: (usize, usize),
-    /// Names the point among those of its pair of parts.
-    pub key: u32,
-    /// World; m.
-    pub point: Vec3,
-    /// Unit, from i to j.
-    pub normal: Vec3,
-    /// Force on j along the normal, ≥ 0 unless bonded; N.
-    pub normal_force: f64,
-    /// Force on j across the normal; N.
-    pub shear_force: Vec3,
-    /// Overlap at the point; m.
-    pub overlap: f64,
-    /// State of the contact.
-    pub state: ContactState,
-}
-
-/// History of a contact point.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub(crate) struct PointState {
-    pub patch: PatchPoint,
-    /// Normal force on B, with its viscous part; N.
-    pub normal_force: f64,
-    pub normal_viscous: f64,
-    /// Shear force on B, with its viscous part; N.
-    pub shear_force: Vec3,
-    pub shear_viscous: Vec3,
-    pub state: ContactState,
-}
+use crate::motion::update::Update;
 
 /// Two parts that may touch.
 ///
@@ -143,61 +99,6 @@ pub(crate) struct Workspace {
     patch: Patch,
 }
 
-/// Context of the contact law beyond the pair itself.
-pub(crate) struct Medium<'a> {
-    pub parts: &'a [Part],
-    pub kinematics: &'a [Kinematics],
-    pub update: &'a [Update],
-    pub motion: &'a [Motion],
-    pub joints: &'a [Joint],
-    pub material_of_part: &'a [u32],
-    pub n_materials: usize,
-    /// `ξ` of the shear dashpot; –.
-    pub shear_damping_ratio: f64,
-    pub rolling_law: RollingLaw,
-    /// Farthest point of each block from its centroid; m.
-    pub radius: &'a [f64],
-    /// Lever of the worst contact of each block; m.
-    pub lever: &'a [f64],
-    pub contact_detection: ContactDetection,
-    /// m/s².
-    pub gravity: Vec3,
-    /// Is Hertz's law used for spheres?
-    pub is_hertz: bool,
-    /// Of each part; m.
-    pub size: &'a [f64],
-    pub deepest_allowed: &'a [f64],
-}
-
-impl Medium<'_> {
-    /// Do both lie still, one of them asleep? Their contact is then as it was.
-    pub fn are_still(&self, blocks: (u32, u32)) -> bool {
-        let updates = [blocks.0, blocks.1].map(|block| self.update[block as usize]);
-        let is_still = |block: u32, update: Update| match update {
-            Update::Asleep => true,
-            Update::Fixed => matches!(self.motion[block as usize], Motion::Fixed),
-            Update::Rigid | Update::Constrained => false,
-        };
-        updates.contains(&Update::Asleep)
-            && is_still(blocks.0, updates[0])
-            && is_still(blocks.1, updates[1])
-    }
-
-    pub fn joint(&self, pair: &Pair) -> &Joint {
-        self.joint_of(pair.parts)
-    }
-
-    pub fn joint_of(&self, parts: (u32, u32)) -> &Joint {
-        let material = |part: u32| self.material_of_part[part as usize] as usize;
-        &self.joints[material(parts.0) * self.n_materials + material(parts.1)]
-    }
-
-    /// The lesser of both parts' values.
-    pub fn least_of(&self, parts: (u32, u32), of: &[f64]) -> f64 {
-        of[parts.0 as usize].min(of[parts.1 as usize])
-    }
-}
-
 /// Parts nearer than this at the start are bonded; × size of the smaller part.
 const BOND_REACH: f64 = 1e-4;
 
@@ -231,11 +132,11 @@ impl Pair {
     }
 
     /// Glues the pair if its parts lie face to face and the joint has strength.
-    pub fn bond(&mut self, medium: &Medium) {
-        let joint = medium.joint(self);
+    pub fn bond(&mut self, context: &ContactContext) {
+        let joint = context.joint_of(self.parts);
         let (Part::Polyhedron(a), Part::Polyhedron(b)) = (
-            &medium.parts[self.parts.0 as usize],
-            &medium.parts[self.parts.1 as usize],
+            &context.parts[self.parts.0 as usize],
+            &context.parts[self.parts.1 as usize],
         ) else {
             return;
         };
@@ -243,7 +144,7 @@ impl Pair {
             return;
         }
         let axes = crate::separating_axes(a, b);
-        let axis = axes.preferred_face(a, b, &medium.gravity);
+        let axis = axes.preferred_face(a, b, &context.gravity);
         let reach = BOND_REACH * a.size().min(b.size());
         if axes.best().gap > reach || axis.gap.abs() > reach {
             return;
@@ -261,11 +162,17 @@ impl Pair {
     /// friction and dashpots took during the last `dt` (s).
     ///
     /// Parts whose boxes are apart (`is_near` false) are not looked at, unless they are bonded.
-    pub fn evaluate(&mut self, medium: &Medium, dt: f64, is_near: bool, work: &mut Workspace) {
+    pub fn evaluate(
+        &mut self,
+        context: &ContactContext,
+        dt: f64,
+        is_near: bool,
+        work: &mut Workspace,
+    ) {
         self.friction = 0.0;
         self.damping = 0.0;
         self.excess.clear();
-        self.book_work(medium, dt, dt);
+        self.book_work(context, dt, dt);
         let Workspace { before, patch } = work;
         before.clear();
         before.append(&mut self.points);
@@ -281,47 +188,47 @@ impl Pair {
         // The shear spring moves once in a step, whether the bond breaks in it or not.
         let shear = self.shear;
         if is_near || self.bond.is_some() {
-            self.press(medium, dt, &former, patch);
+            self.press(context, dt, &former, patch);
         }
         if self
             .bond
-            .is_some_and(|bond| self.is_overloaded(&bond, medium, patch))
+            .is_some_and(|bond| self.is_overloaded(&bond, context, patch))
         {
             self.shear = shear;
-            self.break_bond(medium, dt, &former, patch);
+            self.break_bond(context, dt, &former, patch);
         }
-        self.book_work(medium, dt, 0.0);
+        self.book_work(context, dt, 0.0);
         if former.points.is_empty() && self.bond.is_none() {
-            self.meet(medium, dt);
+            self.meet(context, dt);
         }
-        self.settle_energy(medium, dt, &former);
+        self.settle_energy(context, dt, &former);
         self.stiffen();
-        self.rates = self.rate_bounds(medium, patch.flat_weight);
+        self.rates = self.rate_bounds(context, patch.flat_weight);
         self.is_touching = !self.points.is_empty();
         // The compliances of blocks that deform or are held change as they turn.
-        let is_steady = |block: u32| medium.update[block as usize] != Update::Constrained;
+        let is_steady = |block: u32| context.update[block as usize] != Update::Constrained;
         self.is_idle = !(is_near || self.is_touching || self.bond.is_some() || self.has_broken)
             && is_steady(self.blocks.0)
             && is_steady(self.blocks.1);
     }
 
     /// Finds the patch and its forces, if there is one.
-    fn press(&mut self, medium: &Medium, dt: f64, former: &Former, patch: &mut Patch) {
-        if let Some((normal, deepest)) = self.find_patch(medium, patch) {
+    fn press(&mut self, context: &ContactContext, dt: f64, former: &Former, patch: &mut Patch) {
+        if let Some((normal, deepest)) = self.find_patch(context, patch) {
             self.normal = normal;
             self.deepest = deepest;
-            self.keep_energy(medium, dt, former, patch);
-            self.apply_law(medium, dt, former, patch);
+            self.keep_energy(context, dt, former, patch);
+            self.apply_law(context, dt, former, patch);
         }
     }
 
     /// Half a step's work of dashpots and shear springs: the forces act at both ends of the step, the
     /// rates are those of its middle. What the shear springs were given and do not hold has slipped. The
     /// points were found `ago` (s).
-    fn book_work(&mut self, medium: &Medium, dt: f64, ago: f64) {
+    fn book_work(&mut self, context: &ContactContext, dt: f64, ago: f64) {
         let (a, b) = (
-            &medium.kinematics[self.blocks.0 as usize],
-            &medium.kinematics[self.blocks.1 as usize],
+            &context.kinematics[self.blocks.0 as usize],
+            &context.kinematics[self.blocks.1 as usize],
         );
         for point in &self.points {
             let x = &point.patch.position;
@@ -333,10 +240,10 @@ impl Pair {
     }
 
     /// Normal from i to j and deepest overlap, with the patch in place; `None` when apart.
-    fn find_patch(&mut self, medium: &Medium, patch: &mut Patch) -> Option<(Vec3, f64)> {
+    fn find_patch(&mut self, context: &ContactContext, patch: &mut Patch) -> Option<(Vec3, f64)> {
         let (first, second) = (
-            &medium.parts[self.parts.0 as usize],
-            &medium.parts[self.parts.1 as usize],
+            &context.parts[self.parts.0 as usize],
+            &context.parts[self.parts.1 as usize],
         );
         match (first, second) {
             (Part::Polyhedron(a), Part::Polyhedron(b)) => {
@@ -344,9 +251,9 @@ impl Pair {
                     self.axis.axis.map(|axis| glued(a, b, &axis))?
                 } else {
                     self.axis
-                        .overlapping(a, b, medium.contact_detection, &medium.gravity)?
+                        .overlapping(a, b, context.contact_detection, &context.gravity)?
                 };
-                let scaling = medium.joint(self).scaling;
+                let scaling = context.joint_of(self.parts).scaling;
                 patch.find(a, b, &axis, scaling, self.bond.is_some());
                 if patch.points.is_empty() {
                     return None;
@@ -358,10 +265,10 @@ impl Pair {
         }
     }
 
-    fn apply_law(&mut self, medium: &Medium, dt: f64, former: &Former, patch: &Patch) {
-        self.apply_normal(medium, dt, former, patch);
-        self.apply_friction(medium, dt, patch);
-        let (a, b) = self.bodies(medium);
+    fn apply_law(&mut self, context: &ContactContext, dt: f64, former: &Former, patch: &Patch) {
+        self.apply_normal(context, dt, former, patch);
+        self.apply_friction(context, dt, patch);
+        let (a, b) = self.bodies(context);
         for point in &self.points {
             let force = self.normal * point.normal_force + point.shear_force;
             let x = &point.patch.position;
@@ -375,16 +282,16 @@ impl Pair {
         self.dashpots
     }
 
-    fn bodies<'a>(&self, medium: &Medium<'a>) -> (&'a Kinematics, &'a Kinematics) {
+    fn bodies<'a>(&self, context: &ContactContext<'a>) -> (&'a Kinematics, &'a Kinematics) {
         (
-            &medium.kinematics[self.blocks.0 as usize],
-            &medium.kinematics[self.blocks.1 as usize],
+            &context.kinematics[self.blocks.0 as usize],
+            &context.kinematics[self.blocks.1 as usize],
         )
     }
 
-    fn apply_normal(&mut self, medium: &Medium, dt: f64, former: &Former, patch: &Patch) {
-        let joint = medium.joint(self);
-        let (a, b) = self.bodies(medium);
+    fn apply_normal(&mut self, context: &ContactContext, dt: f64, former: &Former, patch: &Patch) {
+        let joint = context.joint_of(self.parts);
+        let (a, b) = self.bodies(context);
         let points = &patch.points;
         let total: f64 = points.iter().map(|p| p.weight).sum();
         let middle: Vec3 = points.iter().map(|p| p.position * (p.weight / total)).sum();
@@ -421,8 +328,8 @@ impl Pair {
         }
     }
 
-    fn apply_friction(&mut self, medium: &Medium, dt: f64, patch: &Patch) {
-        let joint = medium.joint(self);
+    fn apply_friction(&mut self, context: &ContactContext, dt: f64, patch: &Patch) {
+        let joint = context.joint_of(self.parts);
         let friction = if self.has_slipped {
             joint.residual_friction
         } else {
@@ -434,11 +341,11 @@ impl Pair {
             0.0
         };
         let held = Shearing {
-            bodies: self.bodies(medium),
+            bodies: self.bodies(context),
             normal: self.normal,
             weight: patch.flat_weight,
             stiffness: joint.shear_stiffness,
-            damping_ratio: medium.shear_damping_ratio,
+            damping_ratio: context.shear_damping_ratio,
             friction,
             cohesion,
             is_bonded: self.bond.is_some(),
@@ -452,14 +359,25 @@ impl Pair {
     }
 
     /// Does the bond hold no longer, or has it slid off its patch?
-    fn is_overloaded(&self, bond: &Bond, medium: &Medium, patch: &Patch) -> bool {
+    fn is_overloaded(&self, bond: &Bond, context: &ContactContext, patch: &Patch) -> bool {
         let outline = patch.bonded_outline();
         self.points.is_empty()
-            || bond.is_overloaded(medium.joint(self), &self.points, &self.normal, outline)
+            || bond.is_overloaded(
+                context.joint_of(self.parts),
+                &self.points,
+                &self.normal,
+                outline,
+            )
     }
 
     /// The bond is gone: the forces are found again without it.
-    fn break_bond(&mut self, medium: &Medium, dt: f64, former: &Former, patch: &mut Patch) {
+    fn break_bond(
+        &mut self,
+        context: &ContactContext,
+        dt: f64,
+        former: &Former,
+        patch: &mut Patch,
+    ) {
         self.bond = None;
         self.has_broken = true;
         self.is_broken = true;
@@ -468,12 +386,12 @@ impl Pair {
         self.points.clear();
         self.deepest = 0.0;
         self.features = None;
-        self.press(medium, dt, former, patch);
+        self.press(context, dt, former, patch);
     }
 
     /// Energy of the springs now, and what was lost with a bond or with points that are gone.
-    fn settle_energy(&mut self, medium: &Medium, dt: f64, former: &Former) {
-        let joint = medium.joint(self);
+    fn settle_energy(&mut self, context: &ContactContext, dt: f64, former: &Former) {
+        let joint = context.joint_of(self.parts);
         let before = self.elastic;
         let squares: f64 = self
             .points
@@ -488,41 +406,41 @@ impl Pair {
         self.friction += before.1 - self.shear_energy;
         if self.has_broken {
             // All that the springs of the bond held and did not give to the blocks is lost with it.
-            let given = self.work_of_normal_springs(&self.points, &self.normal, medium, (dt, 0.0));
-            self.damping += self.energy_left(medium, dt, former) - held - given;
+            let given = self.work_of_normal_springs(&self.points, &self.normal, context, (dt, 0.0));
+            self.damping += self.energy_left(context, dt, former) - held - given;
             self.damping += std::mem::take(&mut self.friction);
         } else if self.points.is_empty() && !former.points.is_empty() {
             // The bodies have parted: what the springs still held is lost.
-            self.damping += self.energy_left(medium, dt, former);
-            self.part(medium, dt, former);
+            self.damping += self.energy_left(context, dt, former);
+            self.part(context, dt, former);
         }
         self.elastic = (held, self.shear_energy);
     }
 
     /// Rate bounds of the pair for its two blocks, twice as much against a partner that is free. Before the parts
     /// touch, for the worst point of their bounding spheres. `weight` is the flat weight of the patch.
-    fn rate_bounds(&self, medium: &Medium, weight: f64) -> (Rates, Rates) {
-        let (a, b) = self.bodies(medium);
+    fn rate_bounds(&self, context: &ContactContext, weight: f64) -> (Rates, Rates) {
+        let (a, b) = self.bodies(context);
         let radii = (
-            medium.radius[self.blocks.0 as usize],
-            medium.radius[self.blocks.1 as usize],
+            context.radius[self.blocks.0 as usize],
+            context.radius[self.blocks.1 as usize],
         );
         let levers = (
-            medium.lever[self.blocks.0 as usize],
-            medium.lever[self.blocks.1 as usize],
+            context.lever[self.blocks.0 as usize],
+            context.lever[self.blocks.1 as usize],
         );
         let twice = |partner: &Kinematics| if partner.inverse_mass > 0.0 { 2.0 } else { 1.0 };
         (
-            self.rates_of(medium, a, levers.0, (radii, weight))
+            self.rates_of(context, a, levers.0, (radii, weight))
                 .times(twice(b)),
-            self.rates_of(medium, b, levers.1, (radii, weight))
+            self.rates_of(context, b, levers.1, (radii, weight))
                 .times(twice(a)),
         )
     }
 
     fn rates_of(
         &self,
-        medium: &Medium,
+        context: &ContactContext,
         body: &Kinematics,
         lever: f64,
         (radii, weight): ((f64, f64), f64),
@@ -530,7 +448,7 @@ impl Pair {
         if body.inverse_mass == 0.0 {
             return Rates::default();
         }
-        let joint = medium.joint(self);
+        let joint = context.joint_of(self.parts);
         if self.points.is_empty() {
             let (along, sum) = body.worst_compliance(lever);
             let across = sum - along;
@@ -539,7 +457,7 @@ impl Pair {
                 // No face is larger than the great circle of the smaller bounding sphere.
                 Scaling::Area => std::f64::consts::PI * radii.0.min(radii.1).powi(2),
             };
-            let (a, b) = self.bodies(medium);
+            let (a, b) = self.bodies(context);
             let mobility = a.inverse_mass + b.inverse_mass;
             let dashpot = |stiffness: f64, ratio: f64| 2.0 * ratio * (stiffness / mobility).sqrt();
             let (k_n, k_t) = (
@@ -549,7 +467,7 @@ impl Pair {
             return Rates {
                 stiffness: k_n * along + k_t * across,
                 damping: dashpot(k_n, joint.damping_ratio) * along
-                    + dashpot(k_t, medium.shear_damping_ratio) * across,
+                    + dashpot(k_t, context.shear_damping_ratio) * across,
             };
         }
         let total: f64 = self.points.iter().map(|p| p.patch.weight).sum();
@@ -594,25 +512,6 @@ pub(crate) fn dashpot_share(rate: f64, dt: f64, meeting: Option<(f64, f64)>) -> 
             first.min(f64::max(1.0 / (rate * dt), later))
         }
         _ => later,
-    }
-}
-
-/// Bounds of the eigenvalues of `M⁻¹K` and `M⁻¹C` that a pair adds at a block,
-/// `Σ_k k_n w_n + k_t (w_t1 + w_t2)` and the same with the dashpots.
-#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
-pub(crate) struct Rates {
-    /// 1/s².
-    pub stiffness: f64,
-    /// 1/s.
-    pub damping: f64,
-}
-
-impl Rates {
-    fn times(self, factor: f64) -> Self {
-        Self {
-            stiffness: factor * self.stiffness,
-            damping: factor * self.damping,
-        }
     }
 }
 

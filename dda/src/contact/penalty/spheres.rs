@@ -21,10 +21,11 @@ mod law;
 mod rolling;
 mod sides;
 
-use crate::contact::penalty::polyhedra::{Medium, Rates};
+use crate::contact::context::ContactContext;
+use crate::contact::rates::Rates;
+use crate::contact::tally::Tally;
 use crate::geometry::parts::Part;
 use crate::motion::kinematics::Kinematics;
-use crate::step::sums::Tally;
 pub(crate) use feet::BallOnSurface;
 use law::{Law, Touch, book_first_half};
 pub(crate) use law::{SphereContact, SphereLoads};
@@ -94,15 +95,15 @@ impl Scales {
 impl SphereRow<'_> {
     /// Finds the contact at the current position and its force at the present velocities; books what was
     /// lost during the last `dt` (s).
-    pub fn evaluate(self, medium: &Medium, dt: f64, tally: &mut Tally) {
+    pub fn evaluate(self, context: &ContactContext, dt: f64, tally: &mut Tally) {
         let parts = self.pair.parts;
         let (first, second) = (
-            &medium.parts[parts.0 as usize],
-            &medium.parts[parts.1 as usize],
+            &context.parts[parts.0 as usize],
+            &context.parts[parts.1 as usize],
         );
         let (a, b) = (
-            &medium.kinematics[self.pair.blocks.0 as usize],
-            &medium.kinematics[self.pair.blocks.1 as usize],
+            &context.kinematics[self.pair.blocks.0 as usize],
+            &context.kinematics[self.pair.blocks.1 as usize],
         );
         match (first, second) {
             (
@@ -116,17 +117,17 @@ impl SphereRow<'_> {
                 },
             ) => {
                 let found = Touch::of_balls((x, *r), (y, *s));
-                self.update(found, &(Ball(a, *r), Ball(b, *s)), medium, dt, tally);
+                self.update(found, &(Ball(a, *r), Ball(b, *s)), context, dt, tally);
             }
             (Part::Sphere { center, radius }, Part::Polyhedron(body)) => {
                 let surface = body.touch_point_within(center, *radius);
                 let found = surface.map(|at| Touch::on_surface(&at, -at.normal, *radius));
-                self.update(found, &(Ball(a, *radius), Body(b)), medium, dt, tally);
+                self.update(found, &(Ball(a, *radius), Body(b)), context, dt, tally);
             }
             (Part::Polyhedron(body), Part::Sphere { center, radius }) => {
                 let surface = body.touch_point_within(center, *radius);
                 let found = surface.map(|at| Touch::on_surface(&at, at.normal, *radius));
-                self.update(found, &(Body(a), Ball(b, *radius)), medium, dt, tally);
+                self.update(found, &(Body(a), Ball(b, *radius)), context, dt, tally);
             }
             _ => {}
         }
@@ -136,22 +137,22 @@ impl SphereRow<'_> {
         mut self,
         found: Option<Touch>,
         sides: &(A, B),
-        medium: &Medium,
+        context: &ContactContext,
         dt: f64,
         tally: &mut Tally,
     ) {
         let was_touching = self.mark.is_touching;
         self.mark.has_new_rates = false;
-        if found.is_none() && !was_touching && self.mark.is_known && !medium.is_hertz {
+        if found.is_none() && !was_touching && self.mark.is_known && !context.is_hertz {
             return;
         }
-        let joint = &medium.joint_of(self.pair.parts).spheres;
+        let joint = &context.joint_of(self.pair.parts).spheres;
         let scales = self.contact.scales;
         let law = Law {
             joint,
             effective_radius: scales.effective_radius,
-            rolling_law: medium.rolling_law,
-            shear_damping_ratio: medium.shear_damping_ratio,
+            rolling_law: context.rolling_law,
+            shear_damping_ratio: context.shear_damping_ratio,
             dt,
             is_meeting: !was_touching,
         };
@@ -169,7 +170,7 @@ impl SphereRow<'_> {
             // What shear and rolling springs held was booked with the first half.
             *self.contact = SphereContact::apart(scales);
             *self.loads = SphereLoads::default();
-            *self.rates = self.pair.rates_before_touch(&law, sides, medium);
+            *self.rates = self.pair.rates_before_touch(&law, sides, context);
             self.mark.has_new_rates = true;
             if let Some(rolling) = self.rolling {
                 *rolling = Rolling::default();
@@ -205,7 +206,7 @@ impl SpherePair {
         &self,
         law: &Law,
         sides: &(A, B),
-        medium: &Medium,
+        context: &ContactContext,
     ) -> (Rates, Rates) {
         let (a, b) = (sides.0.kinematics(), sides.1.kinematics());
         let joint = law.joint;
@@ -216,7 +217,7 @@ impl SpherePair {
         let viscosity = joint.damping_ratio_bound();
         let shear = joint.shear_ratio * stiffness;
         let of = |body: &Kinematics, twice: f64, block: u32| {
-            let (along, sum) = body.worst_compliance(medium.lever[block as usize]);
+            let (along, sum) = body.worst_compliance(context.lever[block as usize]);
             let across = sum - along;
             Rates {
                 stiffness: twice * (stiffness * along + shear * across),

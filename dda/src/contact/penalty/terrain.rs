@@ -21,16 +21,18 @@
 //! A sphere touches at the feet where the surface is locally nearest; feet whose normals differ by less than
 //! 5 degrees are one.
 
-use crate::contact::detection::patch::{CORNER_AREA, CORNER_SHARE, PatchPoint, Scaling};
+use crate::contact::context::ContactContext;
+use crate::contact::detection::patch::{CORNER_AREA, CORNER_SHARE, PatchPoint};
 use crate::contact::penalty::friction::{ShearSpring, Shearing};
-use crate::contact::penalty::polyhedra::{
-    Contact, ContactState, Medium, PointForce, PointState, Rates,
-};
+use crate::contact::penalty::polyhedra::PointForce;
 use crate::contact::penalty::spheres::BallOnSurface;
+use crate::contact::rates::Rates;
+use crate::contact::report::{Contact, ContactState, PointState};
+use crate::contact::tally::Tally;
 use crate::geometry::parts::Part;
+use crate::material::Scaling;
 use crate::material::SphereJoint;
 use crate::motion::kinematics::{Kinematics, Load};
-use crate::step::sums::Tally;
 use crate::{Polyhedron, Surface, Vec3};
 use serde::{Deserialize, Serialize};
 
@@ -161,8 +163,8 @@ impl SurfacePair {
 
     /// Finds what touches at the current position, and the forces at the present velocities; books what was
     /// lost during the last `dt` (s).
-    pub fn evaluate(&mut self, medium: &Medium, dt: f64) {
-        let Part::Surface(surface) = &medium.parts[self.parts.1 as usize] else {
+    pub fn evaluate(&mut self, context: &ContactContext, dt: f64) {
+        let Part::Surface(surface) = &context.parts[self.parts.1 as usize] else {
             return;
         };
         self.friction = 0.0;
@@ -170,18 +172,18 @@ impl SurfacePair {
         self.rolling_impulse = Vec3::zeros();
         self.deepest = 0.0;
         self.loads = (Load::default(), Load::default());
-        match (&mut self.touch, &medium.parts[self.parts.0 as usize]) {
+        match (&mut self.touch, &context.parts[self.parts.0 as usize]) {
             (SurfaceTouch::Polyhedron(_), Part::Polyhedron(body)) => {
-                let allowed = medium.deepest_allowed[self.parts.0 as usize];
-                self.evaluate_polyhedron(surface, body, medium, allowed, dt);
+                let allowed = context.deepest_allowed[self.parts.0 as usize];
+                self.evaluate_polyhedron(surface, body, context, allowed, dt);
             }
             (SurfaceTouch::Ball(_), Part::Sphere { center, radius }) => {
-                self.evaluate_ball(surface, (center, *radius), medium, dt);
+                self.evaluate_ball(surface, (center, *radius), context, dt);
             }
             _ => {}
         }
         if !self.is_touching {
-            self.rates = self.rates_before_touch(medium);
+            self.rates = self.rates_before_touch(context);
         }
     }
 
@@ -263,15 +265,15 @@ impl SurfacePair {
         }
     }
 
-    fn rates_before_touch(&self, medium: &Medium) -> Rates {
-        let joint = medium.joint_of(self.parts);
-        let body = &medium.kinematics[self.blocks.0 as usize];
-        let radius = medium.radius[self.blocks.0 as usize];
+    fn rates_before_touch(&self, context: &ContactContext) -> Rates {
+        let joint = context.joint_of(self.parts);
+        let body = &context.kinematics[self.blocks.0 as usize];
+        let radius = context.radius[self.blocks.0 as usize];
         let weight = match (&self.touch, joint.scaling) {
             (SurfaceTouch::Polyhedron(_), Scaling::Area) => std::f64::consts::PI * radius * radius,
             _ => 1.0,
         };
-        let (along, sum) = body.worst_compliance(medium.lever[self.blocks.0 as usize]);
+        let (along, sum) = body.worst_compliance(context.lever[self.blocks.0 as usize]);
         let dashpot = |k: f64, ratio: f64| 2.0 * ratio * (k / body.inverse_mass).sqrt();
         let (k_n, k_t) = (
             joint.normal_stiffness * weight,
@@ -280,7 +282,7 @@ impl SurfacePair {
         Rates {
             stiffness: k_n * along + k_t * (sum - along),
             damping: dashpot(k_n, joint.damping_ratio) * along
-                + dashpot(k_t, medium.shear_damping_ratio) * (sum - along),
+                + dashpot(k_t, context.shear_damping_ratio) * (sum - along),
         }
     }
 
@@ -288,16 +290,16 @@ impl SurfacePair {
         &mut self,
         surface: &Surface,
         body: &Polyhedron,
-        medium: &Medium,
+        context: &ContactContext,
         allowed: f64,
         dt: f64,
     ) {
         let SurfaceTouch::Polyhedron(touch) = &mut self.touch else {
             return;
         };
-        let joint = medium.joint_of(self.parts);
-        let kinematics = &medium.kinematics[self.blocks.0 as usize];
-        let ground = &medium.kinematics[self.blocks.1 as usize];
+        let joint = context.joint_of(self.parts);
+        let kinematics = &context.kinematics[self.blocks.0 as usize];
+        let ground = &context.kinematics[self.blocks.1 as usize];
         let held_before: f64 = touch.planes.iter().map(|plane| plane.energy).sum();
         let elastic_before = touch.elastic;
         let was_touching = self.is_touching;
@@ -327,7 +329,7 @@ impl SurfacePair {
                 // What the springs still held is lost.
                 let given = work_of_normal_springs(points, normals, kinematics, (dt, dt));
                 self.damping += elastic_before - given;
-                self.spare(elastic_before / given, medium, (dt, dt));
+                self.spare(elastic_before / given, context, (dt, dt));
             }
             return;
         }
@@ -356,7 +358,7 @@ impl SurfacePair {
                 normal: plane.normal,
                 weight,
                 stiffness: joint.shear_stiffness,
-                damping_ratio: medium.shear_damping_ratio,
+                damping_ratio: context.shear_damping_ratio,
                 friction,
                 cohesion: 0.0,
                 is_bonded: false,
@@ -396,13 +398,13 @@ impl SurfacePair {
             let (points, normals) = (&touch.points, &touch.normals);
             let taken = -work_of_normal_springs(points, normals, kinematics, (dt, 0.0));
             let share = touch.elastic / taken;
-            self.spare(share, medium, (dt, 0.0));
+            self.spare(share, context, (dt, 0.0));
         }
     }
 
     /// Cuts the half kick of the step in which a body has met the ground or left it to the share in which it touched,
     /// see `contact::meeting`: of the points found `ago` (s).
-    fn spare(&mut self, share: f64, medium: &Medium, (dt, ago): (f64, f64)) {
+    fn spare(&mut self, share: f64, context: &ContactContext, (dt, ago): (f64, f64)) {
         let SurfaceTouch::Polyhedron(touch) = &self.touch else {
             return;
         };
@@ -417,7 +419,7 @@ impl SurfacePair {
         } else {
             (&touch.points, &touch.normals)
         };
-        let body = &medium.kinematics[self.blocks.0 as usize];
+        let body = &context.kinematics[self.blocks.0 as usize];
         for (point, n) in points.iter().zip(normals) {
             let x = &point.patch.position;
             let rate = body.velocity_from(x, ago);
@@ -446,15 +448,15 @@ impl SurfacePair {
         &mut self,
         surface: &Surface,
         (center, radius): (&Vec3, f64),
-        medium: &Medium,
+        context: &ContactContext,
         dt: f64,
     ) {
         let SurfaceTouch::Ball(feet) = &mut self.touch else {
             return;
         };
         let blocks = (
-            &medium.kinematics[self.blocks.0 as usize],
-            &medium.kinematics[self.blocks.1 as usize],
+            &context.kinematics[self.blocks.0 as usize],
+            &context.kinematics[self.blocks.1 as usize],
         );
         BallOnSurface::forget(feet);
         for &triangle in &self.triangles {
@@ -469,9 +471,9 @@ impl SurfacePair {
             BallOnSurface::note(feet, normal, radius - distance);
         }
         let law = (
-            &medium.joint_of(self.parts).spheres,
-            medium.rolling_law,
-            medium.shear_damping_ratio,
+            &context.joint_of(self.parts).spheres,
+            context.rolling_law,
+            context.shear_damping_ratio,
         );
         self.is_touching = false;
         self.rates = Rates::default();

@@ -10,7 +10,7 @@
 //! does not take from the cohesion.
 
 use crate::Vec3;
-use crate::contact::penalty::polyhedra::PointState;
+use crate::contact::report::PointState;
 use crate::material::Joint;
 use nalgebra::Matrix3;
 use serde::{Deserialize, Serialize};

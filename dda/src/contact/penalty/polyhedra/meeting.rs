@@ -12,8 +12,9 @@
 //! which is `δ/(|ġ| dt)` of a single point: the bodies give and get what the springs hold. Source: none; the
 //! dashpot's share in a meeting, `dashpot_share`, has the same reason.
 
-use super::{Former, Medium, Pair};
+use super::{Former, Pair};
 use crate::Vec3;
+use crate::contact::context::ContactContext;
 
 /// A force on the block j at a point, and its opposite on i; world; N, m.
 #[derive(Clone, Copy, Debug)]
@@ -24,20 +25,20 @@ pub(crate) struct PointForce {
 
 impl Pair {
     /// The bodies were apart a step ago.
-    pub(super) fn meet(&mut self, medium: &Medium, dt: f64) {
-        let taken = -self.work_of_normal_springs(&self.points, &self.normal, medium, (dt, 0.0));
+    pub(super) fn meet(&mut self, context: &ContactContext, dt: f64) {
+        let taken = -self.work_of_normal_springs(&self.points, &self.normal, context, (dt, 0.0));
         let squares: f64 = self
             .points
             .iter()
             .map(|p| p.patch.weight * p.patch.overlap * p.patch.overlap)
             .sum();
-        let held = 0.5 * medium.joint(self).normal_stiffness * squares;
+        let held = 0.5 * context.joint_of(self.parts).normal_stiffness * squares;
         // Bodies that overlap at the start were never apart.
         if !(held < taken) {
             return;
         }
         let apart = 1.0 - held / taken;
-        let (a, b) = self.bodies(medium);
+        let (a, b) = self.bodies(context);
         for point in &self.points {
             let x = point.patch.position;
             let rate = b.velocity_at(&x) - a.velocity_at(&x);
@@ -53,15 +54,15 @@ impl Pair {
     }
 
     /// The bodies touched a step ago.
-    pub(super) fn part(&mut self, medium: &Medium, dt: f64, former: &Former) {
+    pub(super) fn part(&mut self, context: &ContactContext, dt: f64, former: &Former) {
         let held = self.elastic.0;
-        let given = self.work_of_normal_springs(former.points, &former.normal, medium, (dt, dt));
+        let given = self.work_of_normal_springs(former.points, &former.normal, context, (dt, dt));
         // Where a body slides off an edge, springs are left over.
         if !(held < given) {
             return;
         }
         let apart = 1.0 - held / given;
-        let (a, b) = self.bodies(medium);
+        let (a, b) = self.bodies(context);
         for point in former.points {
             let x = point.patch.position;
             let rate = b.velocity_from(&x, dt) - a.velocity_from(&x, dt);

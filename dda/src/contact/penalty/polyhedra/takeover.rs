@@ -14,10 +14,12 @@
 //! own dashpots and friction take from then on, and starts again when the bodies part. A contact that begins
 //! deep, without one before, still comes from nothing.
 
-use super::{Medium, Pair, PointState};
+use super::Pair;
 use crate::Vec3;
+use crate::contact::context::ContactContext;
 use crate::contact::detection::common_plane::AxisKind;
 use crate::contact::detection::patch::{Patch, PatchPoint};
+use crate::contact::report::PointState;
 
 /// No contact becomes softer than this share; –.
 const SOFTEST: f64 = 1e-3;
@@ -37,7 +39,7 @@ impl Pair {
     /// Scales the weights of the patch just found.
     pub(super) fn keep_energy(
         &mut self,
-        medium: &Medium,
+        context: &ContactContext,
         dt: f64,
         former: &Former,
         patch: &mut Patch,
@@ -47,8 +49,8 @@ impl Pair {
             return;
         }
         if self.features != former.features {
-            let left = self.energy_left(medium, dt, former);
-            let asked = self.energy_asked(medium, dt, patch);
+            let left = self.energy_left(context, dt, former);
+            let asked = self.energy_asked(context, dt, patch);
             self.stiffness_share = if asked > 0.0 {
                 (left / asked).clamp(SOFTEST, 1.0)
             } else {
@@ -64,15 +66,15 @@ impl Pair {
     }
 
     /// Energy of the normal springs of the previous step after its first half, in which they did work; J.
-    pub(super) fn energy_left(&self, medium: &Medium, dt: f64, former: &Former) -> f64 {
+    pub(super) fn energy_left(&self, context: &ContactContext, dt: f64, former: &Former) -> f64 {
         self.elastic.0
-            - self.work_of_normal_springs(former.points, &former.normal, medium, (dt, dt))
+            - self.work_of_normal_springs(former.points, &former.normal, context, (dt, dt))
     }
 
     /// Energy that the springs of the current patch store and release in the second half of the step; J.
-    fn energy_asked(&self, medium: &Medium, dt: f64, patch: &Patch) -> f64 {
-        let stiffness = medium.joint(self).normal_stiffness;
-        let (a, b) = self.bodies(medium);
+    fn energy_asked(&self, context: &ContactContext, dt: f64, patch: &Patch) -> f64 {
+        let stiffness = context.joint_of(self.parts).normal_stiffness;
+        let (a, b) = self.bodies(context);
         let of = |point: &PatchPoint| {
             let x = &point.position;
             let opening = (b.velocity_at(x) - a.velocity_at(x)).dot(&self.normal);
@@ -101,10 +103,10 @@ impl Pair {
         &self,
         points: &[PointState],
         normal: &Vec3,
-        medium: &Medium,
+        context: &ContactContext,
         (dt, ago): (f64, f64),
     ) -> f64 {
-        let (a, b) = self.bodies(medium);
+        let (a, b) = self.bodies(context);
         let work = |point: &PointState| {
             let x = &point.patch.position;
             let opening = (b.velocity_from(x, ago) - a.velocity_from(x, ago)).dot(normal);

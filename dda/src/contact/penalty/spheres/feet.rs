@@ -7,9 +7,9 @@ use super::{
     sides::{Ball, Body},
 };
 use crate::Vec3;
+use crate::contact::tally::Tally;
 use crate::material::{RollingLaw, SphereJoint};
 use crate::motion::kinematics::{Kinematics, Load};
-use crate::step::sums::Tally;
 use serde::{Deserialize, Serialize};
 
 /// A place where a sphere touches a surface: i is the sphere, j the surface.

@@ -2,9 +2,11 @@
 
 use super::{PairRates, Scales, rolling::Rolling, sides::Side};
 use crate::contact::penalty::friction::carry;
-use crate::contact::penalty::polyhedra::{ContactState, Rates, dashpot_share};
+use crate::contact::penalty::polyhedra::dashpot_share;
+use crate::contact::rates::Rates;
+use crate::contact::report::ContactState;
+use crate::contact::tally::Tally;
 use crate::material::{RollingLaw, SphereJoint};
-use crate::step::sums::Tally;
 use crate::{SurfacePoint, Vec3};
 use serde::{Deserialize, Serialize};
 

@@ -6,8 +6,8 @@ use super::{
 };
 use crate::Vec3;
 use crate::contact::penalty::friction::carry;
+use crate::contact::tally::Tally;
 use crate::material::RollingLaw;
-use crate::step::sums::Tally;
 use serde::{Deserialize, Serialize};
 
 /// Memory of the rolling spring of a touching pair; only where a material resists rolling.

@@ -2,8 +2,8 @@
 
 use crate::blocks::CHUNK;
 use crate::blocks::placement::is_isotropic;
+use crate::contact::rates::{BlockRates, Listed};
 use crate::{Blocks, Motion, chunks};
-use serde::{Deserialize, Serialize};
 
 /// Turn of a step of a block whose moments of inertia differ: the energy of a free box of sides 1 : 0.6 : 0.3 then swings
 /// by 4e-4, and by 1e-2 at 1 rad; at 2 rad it is lost track of; rad.
@@ -18,28 +18,6 @@ pub struct CriticalStep {
     pub block: Option<usize>,
     /// Its stiffest pair of blocks; none when the block's speed sets the step.
     pub contact: Option<(usize, usize)>,
-}
-
-/// Sum of the contacts of a block in the step bound.
-#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
-pub(crate) struct BlockRates {
-    /// `Λ_K` (1/s²) and `Λ_C` (1/s) of the contacts that touch.
-    pub stiffness: f64,
-    pub damping: f64,
-    /// The worst of those that do not yet.
-    pub next_stiffness: f64,
-    pub next_damping: f64,
-    /// Share of the stiffest pair, its list and its place there.
-    pub stiffest: f64,
-    pub contact: Option<(Listed, u32)>,
-}
-
-/// The lists of pairs.
-#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
-pub(crate) enum Listed {
-    Pair,
-    Sphere,
-    Surface,
 }
 
 impl Blocks {

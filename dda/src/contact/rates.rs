@@ -1,0 +1,61 @@
+//! Contributions of contacts to the stability bound of the step.
+
+use serde::{Deserialize, Serialize};
+
+/// Bounds of the eigenvalues of `M⁻¹K` and `M⁻¹C` that a pair adds at a block,
+/// `Σ_k k_n w_n + k_t (w_t1 + w_t2)` and the same with the dashpots.
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
+pub(crate) struct Rates {
+    /// 1/s².
+    pub stiffness: f64,
+    /// 1/s.
+    pub damping: f64,
+}
+
+impl Rates {
+    pub fn times(self, factor: f64) -> Self {
+        Self {
+            stiffness: factor * self.stiffness,
+            damping: factor * self.damping,
+        }
+    }
+}
+
+/// Sum of the contacts of a block in the step bound.
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
+pub(crate) struct BlockRates {
+    /// `Λ_K` (1/s²) and `Λ_C` (1/s) of the contacts that touch.
+    pub stiffness: f64,
+    pub damping: f64,
+    /// The worst of those that do not yet.
+    pub next_stiffness: f64,
+    pub next_damping: f64,
+    /// Share of the stiffest pair, its list and its place there.
+    pub stiffest: f64,
+    pub contact: Option<(Listed, u32)>,
+}
+
+impl BlockRates {
+    /// Adds a pair, and notes the stiffest so far.
+    pub fn add(&mut self, rates: &Rates, is_touching: bool, contact: (Listed, u32)) {
+        if is_touching {
+            self.stiffness += rates.stiffness;
+            self.damping += rates.damping;
+        } else {
+            self.next_stiffness = self.next_stiffness.max(rates.stiffness);
+            self.next_damping = self.next_damping.max(rates.damping);
+        }
+        if rates.stiffness > self.stiffest {
+            self.stiffest = rates.stiffness;
+            self.contact = Some(contact);
+        }
+    }
+}
+
+/// The lists of pairs.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+pub(crate) enum Listed {
+    Pair,
+    Sphere,
+    Surface,
+}
