@@ -366,7 +366,7 @@ fn what_needs_more_memory_than_there_is_is_refused_by_check_and_run() {
         &["particles", "GB", "the machine has", "fluid.resolution"],
     );
     let balls = ["--set", "grains[0].count=1000000000"];
-    refused("heap.ron", &balls, &["1000000000 balls are more than"]);
+    refused("heap.ron", &balls, &["1000000000 spheres are more than"]);
     let joints = ["--set", "rock_masses[0].joint_sets[0].spacing=1e-7"];
     refused(
         "rock_slope.ron",

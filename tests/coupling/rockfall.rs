@@ -298,12 +298,12 @@ fn wrong_trajectories_are_explained_in_their_place() {
         (
             ball,
             r#"(blocks: ["bal"])"#,
-            "`bal` is no free block of `blocks`, did you mean `ball`?",
+            "`bal` is not a free block of `blocks`, did you mean `ball`?",
         ),
         (
             ball,
             r#"(blocks: ["plane"])"#,
-            "`plane` is no free block of `blocks`",
+            "`plane` is not a free block of `blocks`",
         ),
         (
             ball,

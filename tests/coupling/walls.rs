@@ -141,7 +141,7 @@ fn scenes_that_walls_cannot_hold_are_refused() {
         let errors = case.errors();
         assert_eq!(errors.len(), 1, "{errors:?}");
         assert!(
-            errors[0].starts_with("blocks[5].shape: block `body`: a ball"),
+            errors[0].starts_with("blocks[5].shape: block `body`: a sphere"),
             "{errors:?}"
         );
         assert!(
