@@ -17,7 +17,7 @@ mod evaluate;
 pub mod exchange;
 mod packing;
 pub mod sample;
-mod scratch;
+pub(crate) mod scratch;
 mod shifting;
 pub(crate) mod sleep;
 mod sort;

@@ -340,7 +340,7 @@ impl WallParticles {
         self.pack_flow(fluid);
         let mut rates = std::mem::take(&mut self.scratch.rates);
         rates.resize(self.wetting.len(), Rate::default());
-        sums::wall_rates(fluid, self.neighborhood(fluid), &self.wetting, &mut rates);
+        sums::walls::wall_rates(fluid, self.neighborhood(fluid), &self.wetting, &mut rates);
         for (&a, rate) in self.wetting.iter().zip(&rates) {
             let sum = &mut fluid.scratch.rates[a as usize];
             sum.flow += rate.flow;
@@ -358,7 +358,7 @@ impl WallParticles {
         self.pack_flow(fluid);
         let mut spreads = std::mem::take(&mut self.scratch.spreads);
         spreads.resize(self.wetting.len(), Spread::default());
-        sums::wall_spreads(fluid, self.neighborhood(fluid), &self.wetting, &mut spreads);
+        sums::walls::wall_spreads(fluid, self.neighborhood(fluid), &self.wetting, &mut spreads);
         for (&a, spread) in self.wetting.iter().zip(&spreads) {
             fluid.scratch.spreads[a as usize] += *spread;
         }
@@ -368,25 +368,23 @@ impl WallParticles {
     /// Continues pressure and velocity of the fluid to the points, which move with the accelerations they were
     /// placed with.
     pub fn extrapolate(&mut self, fluid: &Fluid) {
-        self.continue_fluid(fluid, false);
+        self.continue_fluid(fluid, sums::walls::extrapolation);
     }
 
     /// Extrapolates, with the responses for [`Self::visit_answers`].
     pub fn extrapolate_with_answers(&mut self, fluid: &Fluid) {
-        self.continue_fluid(fluid, true);
+        self.continue_fluid(fluid, sums::walls::extrapolation_with_slopes);
     }
 
-    fn continue_fluid(&mut self, fluid: &Fluid, with_answers: bool) {
+    fn continue_fluid(
+        &mut self,
+        fluid: &Fluid,
+        extrapolation: fn(&Fluid, Places, &[u32], &mut [Extrapolated]),
+    ) {
         let mut sums_of_points = std::mem::take(&mut self.scratch.extrapolated);
         sums_of_points.resize(self.wet.felt().len(), Extrapolated::default());
         let places = self.places();
-        sums::extrapolation(
-            fluid,
-            places,
-            self.wet.felt(),
-            with_answers,
-            &mut sums_of_points,
-        );
+        extrapolation(fluid, places, self.wet.felt(), &mut sums_of_points);
         self.scratch.extrapolated = sums_of_points;
         self.known_at = fluid.changes_of_rest();
         self.seen_velocity.copy_from_slice(&self.velocity);
@@ -466,7 +464,7 @@ impl WallParticles {
         }
         let mut strains = std::mem::take(&mut self.scratch.strains);
         strains.resize(self.wetting.len(), StrainSums::default());
-        sums::wall_strains(fluid, self.neighborhood(fluid), &self.wetting, &mut strains);
+        sums::walls::wall_strains(fluid, self.neighborhood(fluid), &self.wetting, &mut strains);
         for (&a, strain) in self.wetting.iter().zip(&strains) {
             fluid.scratch.strains[a as usize] += *strain;
         }
@@ -529,7 +527,7 @@ impl WallParticles {
         self.stick(fluid);
         let mut forces = std::mem::take(&mut self.scratch.forces);
         forces.resize(self.wetting.len(), ForceDensity::default());
-        sums::wall_forces(
+        sums::walls::wall_forces(
             fluid,
             self.neighborhood(fluid),
             &self.wetting,
@@ -567,7 +565,7 @@ impl WallParticles {
     /// for gauges, which sample rarely; N.
     pub fn reactions(&self, fluid: &Fluid, points: &[u32]) -> Vec<[Vec3; 2]> {
         let mut forces = vec![ForceDensity::default(); points.len()];
-        sums::reactions(
+        sums::walls::reactions(
             fluid,
             self.places(),
             (&self.seen_velocity, &self.pressure),
@@ -586,7 +584,7 @@ impl WallParticles {
     pub fn visit_reactions(&mut self, fluid: &Fluid, mut visit: impl FnMut(usize, [Vec3; 2])) {
         let mut forces = std::mem::take(&mut self.scratch.forces);
         forces.resize(self.wet.felt().len(), ForceDensity::default());
-        sums::reactions(
+        sums::walls::reactions(
             fluid,
             self.places(),
             (&self.seen_velocity, &self.pressure),

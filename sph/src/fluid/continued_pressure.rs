@@ -24,7 +24,7 @@ impl ContinuedPressure {
             positions: places,
             facets: &[],
         };
-        sums::extrapolation(fluid, places, &self.chosen, false, &mut self.sums);
+        sums::walls::extrapolation(fluid, places, &self.chosen, &mut self.sums);
     }
 
     /// For each point the fluid fraction of its support, `Σ V W`, and the pressure, 0 without fluid; –, Pa.

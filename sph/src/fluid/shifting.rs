@@ -14,7 +14,7 @@ impl Fluid {
     /// Finds how unevenly the particles are spread; walls are added afterward, and [`Self::shift`]
     /// evens it out. Only where the scheme shifts.
     pub fn update_spread(&mut self) {
-        sums::spreads(self);
+        sums::fluid::spreads(self);
     }
 
     /// Whether the scheme shifts particles.

@@ -62,7 +62,7 @@ impl Fluid {
     /// Sums the gradient of velocity over the fluid; walls are added afterward, then
     /// [`Self::update_viscosity`]. After [`Self::update_pressure`], and only where viscosity varies.
     pub fn update_strain(&mut self) {
-        sums::strains(self);
+        sums::fluid::strains(self);
     }
 
     /// Rates of shear and apparent viscosities, which the forces of this step share.

@@ -529,13 +529,13 @@ mod tests {
     fn all_sums(fluid: &mut Fluid) -> Result<(Vec<Vec<f64>>, Vec<u32>), FluidError> {
         fluid.update_rates();
         fluid.update_pressure()?;
-        sums::forces(fluid);
-        sums::strains(fluid);
-        sums::spreads(fluid);
+        sums::fluid::forces(fluid);
+        sums::fluid::strains(fluid);
+        sums::fluid::spreads(fluid);
         let scratch = &fluid.scratch;
         let dimensions = fluid.settings.dimensions;
         let mut summed = fluid.clone();
-        sums::summation(&mut summed, 1.0);
+        sums::fluid::summation(&mut summed, 1.0);
         let columns = vec![
             scratch.rates.iter().map(|r| r.flow).collect(),
             scratch.rates.iter().map(|r| r.diffusion).collect(),

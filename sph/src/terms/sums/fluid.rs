@@ -1,0 +1,290 @@
+//! Sums of the fluid over itself, and the packing and listing that they need.
+
+use super::forces::FluidForces;
+use super::formulas::{Densities, Gradients, Rates, Spreads, Strains};
+use super::{Formula, Neighborhood, Setup, Shearing, Within, run_term, veil};
+use crate::Fluid;
+use crate::fluid::scratch::Scratch;
+use crate::neighbors::lists::{Lists, Surroundings};
+use crate::neighbors::rest::Still;
+use crate::neighbors::sweep::{AnyPoints, Between, PackedIn, Receivers, Sum, dispatch};
+use crate::simd::lanes::{Lanes, Machine};
+use crate::terms::continuity::RateOwn;
+use crate::terms::momentum::ForceOwn;
+
+impl Fluid {
+    pub(super) fn neighborhood<'a>(
+        &'a self,
+        points: &'a AnyPoints,
+        between: Between<'a>,
+    ) -> Neighborhood<'a> {
+        Neighborhood {
+            veil: veil(&self.screens, &self.particles.position, between),
+            grid: &self.grid,
+            frame: &self.frame,
+            points,
+            moved: self.moved(),
+        }
+    }
+
+    /// Sums over the fluid for all its particles.
+    fn to_everyone<'a>(&'a self, points: &'a AnyPoints) -> Setup<'a> {
+        Setup {
+            settings: &self.settings,
+            from: self.neighborhood(points, Between::Particles),
+            receivers: Receivers {
+                positions: &self.particles.position,
+                chosen: None,
+            },
+            lists: self.listed(),
+        }
+    }
+
+    /// The lists of neighbors, where they hold.
+    fn listed(&self) -> Option<&Lists> {
+        (self.lists.are_made() && self.is_sorted()).then_some(&self.lists)
+    }
+
+    /// Particles that sums are made for: those that are awake, and those that sleep right beside them.
+    pub fn n_receivers(&self) -> u64 {
+        let listed = self.listed().filter(|_| self.may_sleep());
+        listed.map_or(self.particles.len() as u64, Lists::n_receivers)
+    }
+
+    /// Lists the neighbors of all particles, packed in `points`, if they were not since the last sort.
+    fn list(&mut self, points: &AnyPoints) {
+        if self.lists.are_made() || !self.is_sorted() {
+            return;
+        }
+        // both of a pair may have moved since the sort, and will not move as far again
+        let skin = self.skin() - 2.0 * self.moved();
+        self.list_within(self.settings.support_radius() + skin, points);
+    }
+
+    /// Lists for all particles the points within a radius (m), up to support and skin.
+    pub(crate) fn list_within(&mut self, radius: f64, points: &AnyPoints) {
+        let mut lists = std::mem::take(&mut self.lists);
+        let listing = Listing {
+            from: Surroundings {
+                grid: &self.grid,
+                frame: &self.frame,
+                mirrors: self.settings.mirrors(),
+                positions: &self.particles.position,
+                rests: self.rests(),
+                radius,
+                reach: self.settings.support_radius() + self.skin(),
+            },
+            points,
+            lists: &mut lists,
+        };
+        dispatch(self.settings.scheme.precision, listing);
+        self.lists = lists;
+    }
+
+    /// Packs velocity, density minus the reference density, and volume.
+    fn pack_flow(&mut self, points: &mut AnyPoints) {
+        let p = &self.particles;
+        let reference = self.settings.reference_density;
+        let still = Still::kept(self.sleep.as_deref(), |kept| kept.flow);
+        points.pack_moving(
+            self.settings.scheme.precision,
+            &self.frame,
+            (&p.position, still),
+            |a| {
+                let (v, rho) = (p.velocity[a], p.density[a]);
+                [v.x, v.y, v.z, rho - reference, p.mass[a] / rho]
+            },
+        );
+        if let Some(sleep) = &mut self.sleep {
+            sleep.kept.flow = true;
+        }
+    }
+
+    /// Storage of the packed flow: that of the force sums, or a separate one if the former must be kept.
+    fn flow_points(&mut self) -> &mut AnyPoints {
+        match self.sleep {
+            None => &mut self.scratch.points,
+            Some(_) => &mut self.scratch.flow,
+        }
+    }
+
+    /// Packs velocity, pressure and volume, for [`forces`] and walls.
+    pub(crate) fn pack_forces(&mut self) {
+        let p = &self.particles;
+        let still = Still::kept(self.sleep.as_deref(), |kept| kept.forces);
+        self.scratch.points.pack_moving(
+            self.settings.scheme.precision,
+            &self.frame,
+            (&p.position, still),
+            |a| {
+                let v = p.velocity[a];
+                [v.x, v.y, v.z, p.pressure[a], p.mass[a] / p.density[a]]
+            },
+        );
+        if let Some(sleep) = &mut self.sleep {
+            sleep.kept.forces = true;
+        }
+    }
+}
+
+/// Listing of the neighbors of all particles.
+struct Listing<'a> {
+    from: Surroundings<'a>,
+    points: &'a AnyPoints,
+    lists: &'a mut Lists,
+}
+
+impl Sum for Listing<'_> {
+    fn run<L>(self, machine: L::Machine)
+    where
+        L: Lanes,
+        L::Machine: Machine,
+        L::Record: Default + PackedIn,
+    {
+        let points = L::Record::of(self.points);
+        self.lists.make::<L>(machine, self.from, points);
+    }
+}
+
+/// Records that a sum within the fluid reads.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Packed {
+    /// Velocity, density and volume: packed for this sum.
+    Flow,
+    /// Velocity, pressure and volume: packed before, see [`Fluid::pack_forces`].
+    Forces,
+}
+
+/// Sums within the fluid into a column of its scratch; returns how many neighbors were found, particles that meet themselves
+/// among them.
+fn sum_into<O: Clone + Default>(
+    fluid: &mut Fluid,
+    packed: Packed,
+    column: fn(&mut Scratch) -> &mut Vec<O>,
+    sum: impl FnOnce(&Fluid, &Setup, &mut [O]) -> u64,
+) -> u64 {
+    let mut out = std::mem::take(column(&mut fluid.scratch));
+    let points_of = |fluid: &mut Fluid| match packed {
+        Packed::Flow => std::mem::take(fluid.flow_points()),
+        Packed::Forces => std::mem::take(&mut fluid.scratch.points),
+    };
+    let mut points = points_of(fluid);
+    if packed == Packed::Flow {
+        fluid.pack_flow(&mut points);
+    }
+    out.resize(fluid.particles.len(), O::default());
+    fluid.list(&points);
+    let n_found = sum(fluid, &fluid.to_everyone(&points), &mut out);
+    match packed {
+        Packed::Flow => *fluid.flow_points() = points,
+        Packed::Forces => fluid.scratch.points = points,
+    }
+    *column(&mut fluid.scratch) = out;
+    n_found
+}
+
+fn within<F: Formula>(setup: &Setup, formula: &F, out: &mut [F::Out]) -> u64 {
+    run_term::<Within, F>(setup, formula, out)
+}
+
+/// Density by summation, times a factor; returns the number of ordered pairs.
+pub(crate) fn summation(fluid: &mut Fluid, factor: f64) -> u64 {
+    let mut points = std::mem::take(&mut fluid.scratch.points);
+    let mut density = std::mem::take(&mut fluid.particles.density);
+    let mass = &fluid.particles.mass;
+    points.pack(
+        fluid.settings.scheme.precision,
+        &fluid.frame,
+        &fluid.particles.position,
+        |a| [0.0, 0.0, 0.0, 0.0, mass[a] * factor],
+    );
+    fluid.list(&points);
+    let n_found = within(&fluid.to_everyone(&points), &Densities, &mut density);
+    fluid.particles.density = density;
+    fluid.scratch.points = points;
+    n_found - fluid.particles.len() as u64
+}
+
+/// Rates of density in the fluid; returns the number of ordered pairs.
+pub(crate) fn rates(fluid: &mut Fluid) -> u64 {
+    let n_found = sum_into(
+        fluid,
+        Packed::Flow,
+        |scratch| &mut scratch.rates,
+        |fluid, setup, out| {
+            let rates = Rates {
+                own: RateOwn {
+                    velocity: &fluid.particles.velocity,
+                    density: &fluid.particles.density,
+                },
+                gradients: &fluid.scratch.extra,
+            };
+            within(setup, &rates, out)
+        },
+    );
+    n_found - fluid.n_receivers()
+}
+
+/// Renormalized gradients of density, packed for the sums, into the scratch.
+pub(crate) fn density_gradients(fluid: &mut Fluid) {
+    sum_into(
+        fluid,
+        Packed::Flow,
+        |scratch| &mut scratch.gradients,
+        |fluid, setup, out| {
+            let density = &fluid.particles.density;
+            within(setup, &Gradients { density }, out)
+        },
+    );
+    let precision = fluid.settings.scheme.precision;
+    let Scratch {
+        gradients, extra, ..
+    } = &mut fluid.scratch;
+    extra.pack_values(precision, gradients.len(), |a| {
+        let [x, y, z] = gradients[a];
+        [x, y, z, 0.0, 0.0, 0.0, 0.0, 0.0]
+    });
+}
+
+/// Sums of the gradient of velocity in the fluid into the scratch; after [`Fluid::pack_forces`].
+pub(crate) fn strains(fluid: &mut Fluid) {
+    sum_into(
+        fluid,
+        Packed::Forces,
+        |scratch| &mut scratch.strains,
+        |fluid, setup, out| {
+            let velocity = &fluid.particles.velocity;
+            within(setup, &Strains { velocity }, out)
+        },
+    );
+}
+
+/// Spread of the fluid's particles into the scratch.
+pub(crate) fn spreads(fluid: &mut Fluid) {
+    sum_into(
+        fluid,
+        Packed::Flow,
+        |scratch| &mut scratch.spreads,
+        |_, setup, out| within(setup, &Spreads, out),
+    );
+}
+
+/// Forces of pressure and viscosity in the fluid, per volume, into the scratch; after
+/// [`Fluid::pack_forces`].
+pub(crate) fn forces(fluid: &mut Fluid) {
+    sum_into(
+        fluid,
+        Packed::Forces,
+        |scratch| &mut scratch.forces,
+        |fluid, setup, out| {
+            let forces = FluidForces {
+                own: ForceOwn {
+                    velocity: &fluid.particles.velocity,
+                    pressure: &fluid.particles.pressure,
+                },
+                shear: Shearing::within(fluid),
+            };
+            within(setup, &forces, out)
+        },
+    );
+}

@@ -1,0 +1,155 @@
+//! Formulas of the forces: pressure of the pair and viscosity, within the fluid and between it and walls.
+
+use super::{Formula, Registers, Summing, Way};
+use crate::Fluid;
+use crate::kernel::{PairKernel, Viscous};
+use crate::neighbors::sweep::{AnyPoints, PackedIn};
+use crate::scheme::Viscosity;
+use crate::terms::momentum::{
+    AnyViscosity, Central, ForceDensity, ForceOwn, Momentum, PairPressure, PairViscosity,
+    Published, Shear, SumOfPressures, VariableShear, WeightedByDensity,
+};
+
+/// Resistance to shear in a force sum.
+#[derive(Clone, Copy)]
+pub(crate) enum Shearing<'a> {
+    /// The same for all.
+    Uniform(Viscosity),
+    /// Viscosities of the fluid's particles.
+    OfParticles(&'a AnyPoints),
+}
+
+impl<'a> Shearing<'a> {
+    /// That within a fluid.
+    pub(crate) fn within(fluid: &'a Fluid) -> Self {
+        if fluid.varies_viscosity() {
+            Self::OfParticles(&fluid.scratch.viscosities)
+        } else {
+            Self::Uniform(fluid.settings.scheme.viscosity)
+        }
+    }
+}
+
+/// Forces of the fluid on itself.
+pub(super) struct FluidForces<'a> {
+    pub own: ForceOwn<'a>,
+    pub shear: Shearing<'a>,
+}
+
+/// Forces of walls on the fluid.
+pub(super) struct WallForces<'a> {
+    pub own: ForceOwn<'a>,
+    pub shear: Shearing<'a>,
+}
+
+/// Forces of the fluid on walls.
+pub(super) struct Reactions<'a> {
+    pub own: ForceOwn<'a>,
+    pub shear: Shearing<'a>,
+}
+
+macro_rules! force_formula {
+    ($name:ident, $pressure:expr, $of_receiver:literal, $of_neighbor:literal) => {
+        impl Formula for $name<'_> {
+            type Out = ForceDensity;
+
+            fn apply<L, K, W>(&self, summing: Summing<L, K, W, ForceDensity>) -> u64
+            where
+                L: Registers,
+                K: PairKernel<L>,
+                W: Way,
+            {
+                let pressure = $pressure(&summing);
+                match self.shear {
+                    Shearing::Uniform(viscosity) => {
+                        summing.with_uniform(pressure, viscosity, self.own)
+                    }
+                    Shearing::OfParticles(viscosities) => {
+                        let shear = VariableShear::<L, $of_receiver, $of_neighbor>::new(
+                            summing.machine,
+                            L::Record::of(viscosities).records(),
+                            summing.settings.smoothing_length,
+                        );
+                        summing.with_viscosity(pressure, shear, self.own)
+                    }
+                }
+            }
+        }
+    };
+}
+
+force_formula!(
+    FluidForces,
+    |_: &Summing<L, K, W, ForceDensity>| SumOfPressures,
+    true,
+    true
+);
+force_formula!(WallForces, Summing::face_pressure, true, false);
+force_formula!(Reactions, Summing::face_pressure, false, true);
+
+impl<L, K, W> Summing<'_, L, K, W, ForceDensity>
+where
+    L: Registers,
+    K: PairKernel<L>,
+    W: Way,
+{
+    /// Pressure of a face between fluid and wall.
+    fn face_pressure(&self) -> WeightedByDensity<L> {
+        let s = self.settings;
+        WeightedByDensity::new(self.machine, s.reference_density, s.sound_speed)
+    }
+
+    /// Sums with a viscosity that is the same for all: those of the presets have code of their own.
+    fn with_uniform<P>(self, pressure: P, viscosity: Viscosity, own: ForceOwn) -> u64
+    where
+        P: PairPressure<L>,
+    {
+        match self.uniform(viscosity) {
+            AnyViscosity::Artificial(term) if K::IS_SPECIALIZED => {
+                self.with_viscosity(pressure, term, own)
+            }
+            AnyViscosity::Laminar(term) if K::IS_SPECIALIZED => {
+                self.with_viscosity(pressure, term, own)
+            }
+            any => self.with_viscosity(pressure, any, own),
+        }
+    }
+
+    fn uniform(&self, viscosity: Viscosity) -> AnyViscosity<L> {
+        let (s, machine) = (self.settings, self.machine);
+        let (h, rho) = (s.smoothing_length, s.reference_density);
+        let laminar_factor = 2.0 * (s.dimensions.count() + 2.0);
+        match viscosity {
+            Viscosity::None
+            // these are of particles, see `Shearing`
+            | Viscosity::Rheological { .. }
+            | Viscosity::SubParticleScale { .. } => AnyViscosity::Inviscid,
+            Viscosity::Published { dynamic_viscosity } => {
+                let kernel = Viscous::new(s.support_radius(), s.dimensions);
+                AnyViscosity::Published(Published::new(machine, dynamic_viscosity, &kernel))
+            }
+            Viscosity::Artificial { alpha } => {
+                let factor = rho * alpha * s.sound_speed * h;
+                AnyViscosity::Artificial(Central::new(machine, factor, h))
+            }
+            Viscosity::Laminar {
+                kinematic_viscosity,
+            } => {
+                let factor = laminar_factor * rho * kinematic_viscosity;
+                AnyViscosity::Laminar(Central::new(machine, factor, h))
+            }
+            Viscosity::Morris {
+                kinematic_viscosity,
+            } => AnyViscosity::Shear(Shear::new(machine, 2.0 * rho * kinematic_viscosity, h)),
+        }
+    }
+
+    fn with_viscosity<P, V>(self, pressure: P, viscosity: V, own: ForceOwn) -> u64
+    where
+        P: PairPressure<L>,
+        V: PairViscosity<L>,
+    {
+        let term = Momentum::new(self.machine, self.kernel, pressure, viscosity, own);
+        self.of(&term)
+    }
+}
