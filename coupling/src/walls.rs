@@ -12,7 +12,7 @@ pub(crate) mod part_table;
 pub mod particles;
 pub mod penalty;
 mod sampler;
-mod screens;
+mod thin_solids;
 
 use nalgebra::Matrix3;
 use riprap_dda::{BlockDefinition, Blocks, Load, Shape};
@@ -164,8 +164,8 @@ impl Walls {
     }
 
     /// Adds the walls' part to the spread of the particles.
-    pub fn add_spreads(&mut self, fluid: &mut Fluid) {
-        of_walls!(self, walls => walls.add_spreads(fluid));
+    pub fn add_concentrations(&mut self, fluid: &mut Fluid) {
+        of_walls!(self, walls => walls.add_concentrations(fluid));
     }
 
     /// Adds the walls' part to the velocity gradient; zero for integrals.

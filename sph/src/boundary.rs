@@ -3,12 +3,14 @@
 
 pub mod integral;
 pub mod sampling;
-pub mod screens;
 pub mod wall_integrals;
 pub mod wall_particles;
 
 #[cfg(test)]
 mod solids;
+
+pub use crate::neighbors::thin_solids;
+pub use thin_solids as screens;
 
 use crate::{Fluid, FluidError};
 

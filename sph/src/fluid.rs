@@ -21,14 +21,16 @@ pub(crate) mod scratch;
 mod shifting;
 pub(crate) mod sleep;
 mod sort;
+pub(crate) mod sums;
 mod viscosity;
+pub(crate) mod wall_sums;
 
-use crate::boundary::screens::{Plane, Screens};
 use crate::error::FluidError;
 use crate::kernel::{Kernel, PointKernel};
 use crate::neighbors::cells::CellGrid;
 use crate::neighbors::lists::Lists;
 use crate::neighbors::points::Frame;
+use crate::neighbors::thin_solids::{Plane, ThinSolids};
 use crate::scheme::{DensityMethod, Viscosity};
 use crate::state_equation::State;
 use crate::{Particles, Rheology, Vec3};
@@ -70,7 +72,7 @@ pub struct Fluid {
     pub(crate) grid: CellGrid,
     pub(crate) frame: Frame,
     pub(crate) lists: Lists,
-    pub(crate) screens: Screens,
+    pub(crate) thin_solids: ThinSolids,
     pub(crate) at_start: AtStart,
     /// Sleeping water, if enabled.
     pub(crate) sleep: Option<Box<Sleep>>,
@@ -157,7 +159,7 @@ impl Fluid {
             grid,
             state,
             particles,
-            screens: Screens::default(),
+            thin_solids: ThinSolids::default(),
             at_start: AtStart::default(),
             sleep: None,
             particle_volume,
@@ -194,28 +196,32 @@ impl Fluid {
     }
 
     /// Number of thin solids.
-    pub fn n_screens(&self) -> usize {
-        self.screens.len()
+    pub fn n_thin_solids(&self) -> usize {
+        self.thin_solids.len()
     }
 
     /// Removes all thin solids.
-    pub fn clear_screens(&mut self) {
-        self.screens.clear();
+    pub fn clear_thin_solids(&mut self) {
+        self.thin_solids.clear();
     }
 
     /// Adds a thin solid at its current position: a convex solid by the planes of its faces, each with the number of its
     /// side, with a bounding box (m).
     /// Particles do not interact through it. Planes of symmetry do not mirror it: one that touches them has to continue
     /// beyond them unchanged, with planes of infinite offset for its ends there.
-    pub fn add_screen(&mut self, planes: impl Iterator<Item = (Plane, u32)>, bounds: (Vec3, Vec3)) {
+    pub fn add_thin_solid(
+        &mut self,
+        planes: impl Iterator<Item = (Plane, u32)>,
+        bounds: (Vec3, Vec3),
+    ) {
         // particles may have left the cells that they were sorted into
         let reach = self.settings.support_radius() + self.skin();
-        self.screens.add(planes, bounds, &self.grid, reach);
+        self.thin_solids.add(planes, bounds, &self.grid, reach);
     }
 
     /// Adds a convex solid with its own walls that the last thin solid extends into, where the latter is inactive.
-    pub fn cover_screen(&mut self, planes: impl Iterator<Item = Plane>) {
-        self.screens.cover(planes);
+    pub fn cover_thin_solid(&mut self, planes: impl Iterator<Item = Plane>) {
+        self.thin_solids.cover(planes);
     }
 
     /// Memory of the lists of neighbors; bytes.

@@ -6,3 +6,4 @@ pub mod mirror;
 pub(crate) mod points;
 pub(crate) mod rest;
 pub(crate) mod sweep;
+pub mod thin_solids;

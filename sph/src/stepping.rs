@@ -51,7 +51,7 @@ impl Fluid {
         self.sorted(boundary)?;
         boundary.place(self, Stage::End, dt);
         if self.shifts() && 0.0 < dt {
-            self.update_spread();
+            self.update_concentration();
             boundary.concentration(self);
             self.shift(dt);
             self.refresh();

@@ -3,8 +3,8 @@
 //! All pair forces are written with volumes, `F_ab = −V_a V_b f_ab ∇W_ab` with `f_ab = f_ba`: momentum
 //! is conserved whatever the masses. `V = m/ρ`.
 
+pub(crate) mod concentration;
 pub(crate) mod continuity;
-pub(crate) mod disorder;
 pub(crate) mod extrapolation;
 pub(crate) mod gradient;
 pub(crate) mod momentum;

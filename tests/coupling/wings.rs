@@ -50,10 +50,6 @@ const DDA: &[&[&str]] = &[
 
 /// Imports against the order that are being moved.
 const PENDING: &[(&str, &str, &str)] = &[
-    ("sph", "fluid", "boundary"),
-    ("sph", "neighbors", "boundary"),
-    ("sph", "terms", "boundary"),
-    ("sph", "terms", "fluid"),
     ("dda", "blocks", "step"),
     ("dda", "geometry", "contact"),
     ("dda", "motion", "blocks"),

@@ -187,8 +187,8 @@ impl Crowd {
 
         let dt = 1e-6;
         let mut shifted = fluid.clone();
-        shifted.update_spread();
-        walls.add_spreads(&mut shifted);
+        shifted.update_concentration();
+        walls.add_concentrations(&mut shifted);
         shifted.shift(dt);
         let p = fluid.particles();
         let shifts: Vec<Vec3> = (0..n)

@@ -112,7 +112,7 @@ impl Boundary for MovingWalls<'_> {
     }
 
     fn concentration(&mut self, fluid: &mut Fluid) {
-        self.walls.add_spreads(fluid);
+        self.walls.add_concentrations(fluid);
     }
 
     fn continue_pressure(&mut self, fluid: &mut Fluid) {

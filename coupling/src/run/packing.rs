@@ -73,8 +73,8 @@ pub fn packed(
         }
         fluid.refresh();
         walls.find(&mut fluid);
-        fluid.update_spread();
-        walls.add_spreads(&mut fluid);
+        fluid.update_concentration();
+        walls.add_concentrations(&mut fluid);
         if fluid.even_out(|id| is_free.get(id as usize) != Some(&true)) < EVEN {
             break;
         }

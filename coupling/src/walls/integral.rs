@@ -414,7 +414,7 @@ impl IntegralWalls {
     }
 
     /// Adds the walls' part to the spread of the particles.
-    pub fn add_spreads(&mut self, fluid: &mut Fluid) {
+    pub fn add_concentrations(&mut self, fluid: &mut Fluid) {
         let seen = self.sights.iter().map(|s| (s.particle, &s.integral));
         fluid.add_wall_spreads(seen);
     }

@@ -14,14 +14,14 @@
 use nalgebra::Matrix3;
 use riprap_dda::{BlockDefinition, Blocks, Load};
 use riprap_sph::boundary::sampling::WallSample;
-use riprap_sph::boundary::screens::Facet;
+use riprap_sph::boundary::thin_solids::Facet;
 use riprap_sph::boundary::wall_particles::{Slip, WallParticles};
 use riprap_sph::{Fluid, Vec3};
 
 use super::added_mass::{Acceleration, AddedMass, Movers, largest_ratio};
 use super::cutting::before;
 use super::sampler::{Sampler, Thin};
-use super::screens::Screens;
+use super::thin_solids::ThinSolids;
 use super::{FluidLoad, Part, parts};
 use crate::saved::{Read, Saved};
 
@@ -32,7 +32,7 @@ pub struct ParticleWalls {
     /// Block of each fixed point.
     fixed_block: Vec<u32>,
     moving: WallParticles,
-    screens: Screens,
+    thin_solids: ThinSolids,
     /// Block of each moving point.
     block: Vec<u32>,
     /// Position of each moving point relative to the centroid of its block, in the axes and the shape of the start; m.
@@ -80,7 +80,7 @@ impl Frame {
 struct Buried {
     /// m³.
     volumes: Vec<f64>,
-    is_of_screen: Vec<bool>,
+    is_of_thin_solid: Vec<bool>,
     /// From this depth on; m.
     depth: f64,
     is_buried: Vec<bool>,
@@ -114,7 +114,7 @@ impl Buried {
                     let surface = blocks.surface_point_within(*part, &place, 0.0);
                     surface.is_some_and(|surface| surface.distance < -self.depth)
                 };
-                self.is_buried[w] = !self.is_of_screen[w] && self.near.iter().any(is_inside);
+                self.is_buried[w] = !self.is_of_thin_solid[w] && self.near.iter().any(is_inside);
                 self.is_any |= self.is_buried[w];
             }
         }
@@ -159,16 +159,16 @@ impl ParticleWalls {
             .iter()
             .map(|part| sampler.endless.inside(part))
             .collect();
-        let mut screens = Screens::new(
+        let mut thin_solids = ThinSolids::new(
             &inside,
             |part| sampler.seeming_ends(part),
             (spacing, support),
         );
-        let (thin, thick) = sampler.screens(&inside, &standing);
+        let (thin, thick) = sampler.thin_solids(&inside, &standing);
         let mut standing_points = Points::default();
         for thin in thin {
             let block = owners[thin.part];
-            standing_points.add_screen(thin, &inside, block, (&mut screens, blocks));
+            standing_points.add_thin_solid(thin, &inside, block, (&mut thin_solids, blocks));
         }
         let whole: Vec<Part> = thick.iter().map(|&part| standing[part].clone()).collect();
         for (part, sample) in sampler.standing(&whole) {
@@ -177,7 +177,7 @@ impl ParticleWalls {
         // points common to two solids belong to the polyhedron
         let is_taken = |x: &Vec3| standing.iter().any(|part| part.may_be_within(x, 0.0));
         for b in (0..definitions.len()).filter(|&b| blocks.is_fixed(b)) {
-            for (b, sample) in sampler.ball(b, &definitions[b].shape) {
+            for (b, sample) in sampler.sphere(b, &definitions[b].shape) {
                 if !is_taken(&sample.position) {
                     standing_points.add(b, sample, Facet::NONE);
                 }
@@ -197,15 +197,15 @@ impl ParticleWalls {
                 .iter()
                 .map(|part| sampler.endless.inside(part))
                 .collect();
-            let (thin, thick) = sampler.screens(&inside, &parts);
+            let (thin, thick) = sampler.thin_solids(&inside, &parts);
             for thin in thin {
-                points.add_screen(thin, &inside, b, (&mut screens, blocks));
+                points.add_thin_solid(thin, &inside, b, (&mut thin_solids, blocks));
             }
             let thick: Vec<Part> = thick.iter().map(|&part| parts[part].clone()).collect();
             for sample in sampler.body(&thick) {
                 points.add(b, sample, Facet::NONE);
             }
-            for (b, sample) in sampler.ball(b, &definitions[b].shape) {
+            for (b, sample) in sampler.sphere(b, &definitions[b].shape) {
                 points.add(b, sample, Facet::NONE);
             }
         }
@@ -228,7 +228,7 @@ impl ParticleWalls {
         };
         let buried = Buried {
             volumes: points.samples.iter().map(|s| s.volume).collect(),
-            is_of_screen: points.facets.iter().map(|&f| f != Facet::NONE).collect(),
+            is_of_thin_solid: points.facets.iter().map(|&f| f != Facet::NONE).collect(),
             depth: BURIED_DEPTH * spacing,
             is_buried: vec![false; points.blocks.len()],
             is_any: false,
@@ -240,7 +240,7 @@ impl ParticleWalls {
             fixed,
             fixed_block: standing_points.blocks,
             moving: points.walls(fluid, slip),
-            screens,
+            thin_solids,
             start: vec![[Vec3::zeros(); 2]; points.blocks.len()],
             local: placed.map(|(&b, s)| turned_back(b, &s.position)).collect(),
             block: points.blocks,
@@ -265,7 +265,7 @@ impl ParticleWalls {
         let forces = (&self.loads, self.force_on_fluid, self.power);
         let buried = (&self.buried.is_buried, self.buried.is_any);
         let out = postcard::to_extend(&(forces, &self.accelerations, buried), out)?;
-        self.screens.save(out)
+        self.thin_solids.save(out)
     }
 
     /// Takes it over again.
@@ -282,7 +282,7 @@ impl ParticleWalls {
         {
             return Err(postcard::Error::DeserializeBadEncoding);
         }
-        self.screens.read(rest)
+        self.thin_solids.read(rest)
     }
 
     /// Force and moment of the fluid on every block that moves; N, N m about the centroid.
@@ -322,7 +322,7 @@ impl ParticleWalls {
 
     /// Remembers where the moving points are: before the blocks move.
     pub fn note_start(&mut self, blocks: &Blocks) {
-        self.screens.note_start(blocks);
+        self.thin_solids.note_start(blocks);
         self.find_frames(blocks);
         for ((start, &block), local) in self.start.iter_mut().zip(&self.block).zip(&self.local) {
             let x = self.frames[block as usize].place(local);
@@ -359,7 +359,7 @@ impl ParticleWalls {
             let from = start[w][0];
             [(from + end) * 0.5, (end - from) / dt, Vec3::zeros()]
         });
-        self.screens.place_half_way(blocks);
+        self.thin_solids.place_half_way(blocks);
     }
 
     /// Places the moving points at the blocks, at rest without a step, where blocks are held. The
@@ -389,12 +389,12 @@ impl ParticleWalls {
             };
             [x, v, a]
         });
-        self.screens.place_at_end(blocks);
+        self.thin_solids.place_at_end(blocks);
     }
 
     /// Finds which particles and points are near each other; after each sort of the fluid and placing.
     pub fn find(&mut self, fluid: &mut Fluid) {
-        self.screens.set_up(fluid);
+        self.thin_solids.set_up(fluid);
         self.fixed.find_wet(fluid);
         self.moving.find_wet(fluid);
     }
@@ -406,9 +406,9 @@ impl ParticleWalls {
     }
 
     /// Adds the walls' part to the spread of the particles.
-    pub fn add_spreads(&mut self, fluid: &mut Fluid) {
-        self.fixed.add_spreads(fluid);
-        self.moving.add_spreads(fluid);
+    pub fn add_concentrations(&mut self, fluid: &mut Fluid) {
+        self.fixed.add_concentrations(fluid);
+        self.moving.add_concentrations(fluid);
     }
 
     /// Adds the walls' part to the gradient of velocity.
@@ -421,7 +421,7 @@ impl ParticleWalls {
     pub fn extrapolate(&mut self, fluid: &Fluid, movers: Option<Movers>) {
         self.fixed.extrapolate(fluid);
         match movers {
-            Some(_) => self.moving.extrapolate_with_answers(fluid),
+            Some(_) => self.moving.extrapolate_with_added_mass(fluid),
             None => self.moving.extrapolate(fluid),
         }
     }
@@ -474,7 +474,7 @@ impl ParticleWalls {
         let mut is_any = false;
         let (block, local, frames) = (&self.block, &self.local, &self.frames);
         let added = &mut self.added;
-        self.moving.visit_answers(
+        self.moving.visit_added_mass(
             |w| blocks.is_free(block[w] as usize),
             |w, answer| {
                 is_any = true;
@@ -531,18 +531,18 @@ impl Points {
     }
 
     /// Adds a part of a block to the thin solids, and the points behind each of its sides.
-    fn add_screen(
+    fn add_thin_solid(
         &mut self,
         thin: Thin,
         parts: &[Part],
         block: usize,
-        (screens, blocks): (&mut Screens, &Blocks),
+        (thin_solids, blocks): (&mut ThinSolids, &Blocks),
     ) {
         let sides = (thin.ends, thin.side_of);
-        let screen = screens.add((thin.part, parts), sides, block, blocks);
+        let solid = thin_solids.add((thin.part, parts), sides, block, blocks);
         for (side, samples) in thin.behind.iter().enumerate() {
             let facet = Facet {
-                screen,
+                solid,
                 side: side as u32,
             };
             for &sample in samples {

@@ -3,15 +3,15 @@
 use riprap_dda::Shape;
 use riprap_sph::boundary::integral::Face;
 use riprap_sph::boundary::sampling::{
-    Region, Rows, UnionLattice, WallSample, is_behind, sample_ball, sample_behind,
-    sample_behind_side, sample_behind_surface, sample_convex, sample_prism, sample_union,
+    Region, Rows, UnionLattice, WallSample, is_behind, sample_behind, sample_behind_side,
+    sample_behind_surface, sample_convex, sample_prism, sample_sphere, sample_union,
 };
 use riprap_sph::{Dimensions, Fluid, SymmetryPlane, Vec3};
 
 use super::Part;
 use super::cutting::{image, pieces};
 use super::endless::Endless;
-use super::screens::{Thinness, is_covered, is_side_of_plate, sides, thinness};
+use super::thin_solids::{Thinness, is_covered, is_side_of_plate, sides, thinness};
 
 impl Part {
     /// Whether every face is across an axis of the scene.
@@ -101,7 +101,7 @@ impl Sampler {
     }
 
     /// Points of a spherical block, in front of planes of symmetry; empty for others.
-    pub(super) fn ball(&self, block: usize, shape: &Shape) -> Vec<(usize, WallSample)> {
+    pub(super) fn sphere(&self, block: usize, shape: &Shape) -> Vec<(usize, WallSample)> {
         let Shape::Sphere { center, radius } = shape else {
             return Vec::new();
         };
@@ -110,7 +110,7 @@ impl Sampler {
             let mut planes = self.symmetry.iter();
             planes.all(|plane| 0.0 <= plane.distance(&sample.position))
         };
-        sample_ball(*center, *radius, spacing, support)
+        sample_sphere(*center, *radius, spacing, support)
             .into_iter()
             .filter(is_before)
             .map(|sample| (block, sample))
@@ -141,24 +141,24 @@ impl Sampler {
     /// Thin and thick parts among some parts (`inside` is their portion in the domain); thin ones get points behind each of their
     /// sides, except sides covered by other parts. A stone among stones, no larger than the kernel support, is not a thin solid: it
     /// separates no bodies of water, and thousands of touching thin solids would dominate the cost.
-    pub(super) fn screens(&self, inside: &[Part], parts: &[Part]) -> (Vec<Thin>, Vec<usize>) {
+    pub(super) fn thin_solids(&self, inside: &[Part], parts: &[Part]) -> (Vec<Thin>, Vec<usize>) {
         if reach_of(inside) < STONE * self.lattice.support_radius {
             return (Vec::new(), (0..parts.len()).collect());
         }
-        let (mut screens, mut others) = (Vec::new(), Vec::new());
+        let (mut thin_solids, mut others) = (Vec::new(), Vec::new());
         for (k, part) in parts.iter().enumerate() {
-            match self.screen(k, part, inside) {
-                Some(thin) => screens.push(thin),
+            match self.solid(k, part, inside) {
+                Some(thin) => thin_solids.push(thin),
                 None => others.push(k),
             }
         }
-        (screens, others)
+        (thin_solids, others)
     }
 
     /// Each side of a plate has its own layers of points through it. Other sides share the points of the shell, each with its own
     /// pressures: where two sides have the same points nothing changes as a particle passes their edge. Outside, which
     /// a side hides beyond the opposite ones and where the thin solid continues, all have their own layers.
-    fn screen(&self, number: usize, whole: &Part, all: &[Part]) -> Option<Thin> {
+    fn solid(&self, number: usize, whole: &Part, all: &[Part]) -> Option<Thin> {
         let part = &all[number];
         let support = self.lattice.support_radius;
         let Faces {

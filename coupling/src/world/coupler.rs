@@ -237,7 +237,7 @@ impl Boundary for Coupler<'_> {
 
     fn concentration(&mut self, fluid: &mut Fluid) {
         if let Some(walls) = &mut *self.walls {
-            walls.add_spreads(fluid);
+            walls.add_concentrations(fluid);
         }
     }
 

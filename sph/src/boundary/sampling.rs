@@ -8,9 +8,9 @@
 //! - any other convex body has layers parallel to each face, bounded by the planes that bisect the
 //!   angles to the other faces ([`sample_convex`]), an endless prism along its sides only
 //!   ([`sample_prism`]);
-//! - a sphere has layers of evenly distributed points ([`sample_ball`]);
+//! - a sphere has layers of evenly distributed points ([`sample_sphere`]);
 //! - fixed bodies that touch or overlap are one solid ([`sample_union`]);
-//! - each face of a [thin solid](super::screens) has its own layers ([`sample_behind`]), or the nearby ones ([`is_behind`])
+//! - each face of a [thin solid](crate::neighbors::thin_solids) has its own layers ([`sample_behind`]), or the nearby ones ([`is_behind`])
 //!   of the points of the shell, or of its side ([`sample_behind_side`]).
 
 use nalgebra::Vector2;
@@ -19,17 +19,17 @@ use crate::Vec3;
 use crate::boundary::integral::Face;
 use polygon::{Piece, Polygon};
 
-mod ball;
 mod behind;
 mod behind_surface;
 mod cuboid;
 mod layers;
 mod polygon;
+mod sphere;
 mod union;
 
-pub use ball::sample_ball;
 pub use behind::{Rows, is_behind, sample_behind, sample_behind_side};
 pub use behind_surface::sample_behind_surface;
+pub use sphere::sample_sphere;
 pub use union::{Region, UnionLattice, UnionSample, sample_union};
 
 /// A point of a wall.

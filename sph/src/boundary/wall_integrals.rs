@@ -34,7 +34,7 @@ impl Fluid {
         }
     }
 
-    /// Adds solids to the spread of particles, after [`Fluid::update_spread`].
+    /// Adds solids to the concentration of particles, after [`Fluid::update_concentration`].
     ///
     /// ```text
     /// ∇C += ∇λ,   ∇·x += tr Q
@@ -44,15 +44,11 @@ impl Fluid {
         integrals: impl Iterator<Item = (u32, &'a WallIntegral)>,
     ) {
         for (particle, integral) in integrals {
-            let spread = &mut self.scratch.spreads[particle as usize];
-            for (sum, part) in spread
-                .concentration_gradient
-                .iter_mut()
-                .zip(&integral.gradient)
-            {
+            let concentration = &mut self.scratch.concentrations[particle as usize];
+            for (sum, part) in concentration.gradient.iter_mut().zip(&integral.gradient) {
                 *sum += part;
             }
-            spread.divergence += integral.moment.trace();
+            concentration.divergence += integral.moment.trace();
         }
     }
 }

@@ -26,17 +26,17 @@
 
 use rayon::prelude::*;
 
-use crate::boundary::screens::Facet;
+use crate::fluid::wall_sums;
 use crate::neighbors::cells::CellGrid;
-use crate::neighbors::sweep::{AnyPoints, Between};
+use crate::neighbors::sweep::{AnyPoints, PairKind};
+use crate::neighbors::thin_solids::Facet;
 use crate::scheme::Viscosity;
+use crate::terms::concentration::Concentration;
 use crate::terms::continuity::Rate;
-use crate::terms::disorder::Spread;
 use crate::terms::extrapolation::Extrapolated;
 use crate::terms::gradient::StrainSums;
 use crate::terms::momentum::ForceDensity;
-use crate::terms::sums;
-use crate::terms::sums::{Places, Shearing};
+use crate::terms::sums::{self, Places, Shearing};
 use crate::{CHUNK, Fluid, Vec3};
 
 /// Slip of the fluid along a wall.
@@ -59,7 +59,7 @@ pub enum Slip {
 /// ```
 /// To first order in the Mach number squared: densities of the pair count as equal.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Answer {
+pub struct AddedMassResponse {
     /// `L_w`: the pressure falls by `L_w·a`; kg/m².
     pub lever: Vec3,
     /// Towards the fluid: the force falls by it for each Pa; m².
@@ -94,8 +94,8 @@ pub struct WallParticles {
     near: Vec<bool>,
     marked: Vec<u32>,
     /// Fluid particles near points, but those that sleep, and points near fluid.
-    wetting: Vec<u32>,
-    wet: Wet,
+    nearby_particles: Vec<u32>,
+    wet: WetPoints,
     /// Number of changes of the sleeping set at the last update of the pressure of all wet points.
     known_at: Option<u64>,
     scratch: Scratch,
@@ -103,19 +103,19 @@ pub struct WallParticles {
 
 /// Points near fluid.
 #[derive(Clone, Debug, Default)]
-struct Wet {
+struct WetPoints {
     all: Vec<u32>,
     /// Those near fluid that is awake, where fluid may sleep.
-    stirred: Vec<u32>,
+    wet_and_awake: Vec<u32>,
     /// Whether only these are updated: the others keep their values, as the sleeping set is unchanged.
     is_partial: bool,
 }
 
-impl Wet {
+impl WetPoints {
     /// Points that are updated from the fluid.
-    fn felt(&self) -> &[u32] {
+    fn updated(&self) -> &[u32] {
         if self.is_partial {
-            &self.stirred
+            &self.wet_and_awake
         } else {
             &self.all
         }
@@ -128,7 +128,7 @@ struct Scratch {
     rates: Vec<Rate>,
     forces: Vec<ForceDensity>,
     extrapolated: Vec<Extrapolated>,
-    spreads: Vec<Spread>,
+    concentrations: Vec<Concentration>,
     strains: Vec<StrainSums>,
     /// Share of its viscous force that each particle keeps.
     kept: Vec<f64>,
@@ -157,14 +157,14 @@ impl WallParticles {
             points: AnyPoints::default(),
             occupied: Vec::new(),
             marked: Vec::new(),
-            wetting: Vec::new(),
-            wet: Wet::default(),
+            nearby_particles: Vec::new(),
+            wet: WetPoints::default(),
             known_at: None,
             scratch: Scratch::default(),
         }
     }
 
-    /// The same points, visible only through faces of [thin solids](super::screens): one facet per point, or none at all.
+    /// The same points, visible only through faces of [thin solids](crate::neighbors::thin_solids): one facet per point, or none at all.
     #[must_use]
     pub fn behind(mut self, facets: Vec<Facet>) -> Self {
         self.facets = facets;
@@ -256,36 +256,36 @@ impl WallParticles {
     /// [`Self::place`] and every sort of the fluid.
     pub fn find_wet(&mut self, fluid: &Fluid) {
         let cells = fluid.grid();
-        self.wetting.clear();
+        self.nearby_particles.clear();
         for &cell in &self.marked {
             let particles = cells.particles_in(cell as usize);
             if fluid.is_still(particles.clone()) {
                 continue;
             }
             let awake = particles.filter(|&a| fluid.is_awake(a));
-            self.wetting.extend(awake.map(|a| a as u32));
+            self.nearby_particles.extend(awake.map(|a| a as u32));
         }
         let wet = &mut self.wet;
         // points near awake water may be dry now
-        for &w in &wet.stirred {
+        for &w in &wet.wet_and_awake {
             self.pressure[w as usize] = 0.0;
         }
         wet.all.clear();
-        wet.stirred.clear();
+        wet.wet_and_awake.clear();
         wet.is_partial = fluid.may_sleep() && self.known_at == fluid.changes_of_rest();
         for &cell in &self.occupied {
-            let (mut is_wet, mut is_stirred) = (false, false);
+            let (mut is_wet, mut is_awake) = (false, false);
             cells.rows_round(cell as usize, |row| {
                 let particles = cells.particles_in_row(row);
                 is_wet |= !particles.is_empty();
-                is_stirred |= !particles.is_empty() && !fluid.is_still(particles);
+                is_awake |= !particles.is_empty() && !fluid.is_still(particles);
             });
             if is_wet {
                 let points = self.grid.particles_in(cell as usize);
                 let first = wet.all.len();
                 wet.all.extend(points.map(|k| self.order[k]));
-                if is_stirred && fluid.may_sleep() {
-                    wet.stirred.extend_from_slice(&wet.all[first..]);
+                if is_awake && fluid.may_sleep() {
+                    wet.wet_and_awake.extend_from_slice(&wet.all[first..]);
                 }
             }
         }
@@ -302,10 +302,10 @@ impl WallParticles {
             frame: &fluid.frame,
             points: &self.points,
             moved: 0.0,
-            veil: sums::veil(
-                &fluid.screens,
+            occlusion: sums::occlusion(
+                &fluid.thin_solids,
                 &self.sorted,
-                Between::ParticlesAndWalls(&self.sorted_facets),
+                PairKind::ParticlesAndWalls(&self.sorted_facets),
             ),
         }
     }
@@ -334,14 +334,19 @@ impl WallParticles {
 
     /// Adds the walls' part of the rates of density.
     pub fn add_rates(&mut self, fluid: &mut Fluid) {
-        if self.wetting.is_empty() {
+        if self.nearby_particles.is_empty() {
             return;
         }
         self.pack_flow(fluid);
         let mut rates = std::mem::take(&mut self.scratch.rates);
-        rates.resize(self.wetting.len(), Rate::default());
-        sums::walls::wall_rates(fluid, self.neighborhood(fluid), &self.wetting, &mut rates);
-        for (&a, rate) in self.wetting.iter().zip(&rates) {
+        rates.resize(self.nearby_particles.len(), Rate::default());
+        wall_sums::rates(
+            fluid,
+            self.neighborhood(fluid),
+            &self.nearby_particles,
+            &mut rates,
+        );
+        for (&a, rate) in self.nearby_particles.iter().zip(&rates) {
             let sum = &mut fluid.scratch.rates[a as usize];
             sum.flow += rate.flow;
             sum.by_walls += rate.flow;
@@ -351,29 +356,34 @@ impl WallParticles {
     }
 
     /// Adds the walls' part of the particle concentration.
-    pub fn add_spreads(&mut self, fluid: &mut Fluid) {
-        if self.wetting.is_empty() {
+    pub fn add_concentrations(&mut self, fluid: &mut Fluid) {
+        if self.nearby_particles.is_empty() {
             return;
         }
         self.pack_flow(fluid);
-        let mut spreads = std::mem::take(&mut self.scratch.spreads);
-        spreads.resize(self.wetting.len(), Spread::default());
-        sums::walls::wall_spreads(fluid, self.neighborhood(fluid), &self.wetting, &mut spreads);
-        for (&a, spread) in self.wetting.iter().zip(&spreads) {
-            fluid.scratch.spreads[a as usize] += *spread;
+        let mut concentrations = std::mem::take(&mut self.scratch.concentrations);
+        concentrations.resize(self.nearby_particles.len(), Concentration::default());
+        wall_sums::concentrations(
+            fluid,
+            self.neighborhood(fluid),
+            &self.nearby_particles,
+            &mut concentrations,
+        );
+        for (&a, concentration) in self.nearby_particles.iter().zip(&concentrations) {
+            fluid.scratch.concentrations[a as usize] += *concentration;
         }
-        self.scratch.spreads = spreads;
+        self.scratch.concentrations = concentrations;
     }
 
     /// Continues pressure and velocity of the fluid to the points, which move with the accelerations they were
     /// placed with.
     pub fn extrapolate(&mut self, fluid: &Fluid) {
-        self.continue_fluid(fluid, sums::walls::extrapolation);
+        self.continue_fluid(fluid, wall_sums::extrapolation);
     }
 
-    /// Extrapolates, with the responses for [`Self::visit_answers`].
-    pub fn extrapolate_with_answers(&mut self, fluid: &Fluid) {
-        self.continue_fluid(fluid, sums::walls::extrapolation_with_slopes);
+    /// Extrapolates, with the responses for [`Self::visit_added_mass`].
+    pub fn extrapolate_with_added_mass(&mut self, fluid: &Fluid) {
+        self.continue_fluid(fluid, wall_sums::extrapolation_with_slopes);
     }
 
     fn continue_fluid(
@@ -382,14 +392,14 @@ impl WallParticles {
         extrapolation: fn(&Fluid, Places, &[u32], &mut [Extrapolated]),
     ) {
         let mut sums_of_points = std::mem::take(&mut self.scratch.extrapolated);
-        sums_of_points.resize(self.wet.felt().len(), Extrapolated::default());
+        sums_of_points.resize(self.wet.updated().len(), Extrapolated::default());
         let places = self.places();
-        extrapolation(fluid, places, self.wet.felt(), &mut sums_of_points);
+        extrapolation(fluid, places, self.wet.updated(), &mut sums_of_points);
         self.scratch.extrapolated = sums_of_points;
         self.known_at = fluid.changes_of_rest();
         self.seen_velocity.copy_from_slice(&self.velocity);
         if self.slip != Slip::Free {
-            for (&w, sum) in self.wet.felt().iter().zip(&self.scratch.extrapolated) {
+            for (&w, sum) in self.wet.updated().iter().zip(&self.scratch.extrapolated) {
                 if 0.0 < sum.weight {
                     let w = w as usize;
                     self.seen_velocity[w] =
@@ -403,7 +413,7 @@ impl WallParticles {
     /// Adds to the acceleration (m/s²) of wet points and continues the pressure again; after
     /// [`Self::extrapolate`].
     pub fn accelerate(&mut self, fluid: &Fluid, more: impl Fn(usize) -> Vec3) {
-        for &w in self.wet.felt() {
+        for &w in self.wet.updated() {
             self.acceleration[w as usize] += more(w as usize);
         }
         self.press(fluid);
@@ -414,7 +424,7 @@ impl WallParticles {
         if !self.wet.is_partial {
             self.pressure.fill(0.0);
         }
-        for (&w, sum) in self.wet.felt().iter().zip(&self.scratch.extrapolated) {
+        for (&w, sum) in self.wet.updated().iter().zip(&self.scratch.extrapolated) {
             if sum.weight <= 0.0 {
                 continue;
             }
@@ -440,18 +450,18 @@ impl WallParticles {
     }
 
     /// Calls `visit` with those of the points under pressure that are chosen, and how the force on each answers
-    /// to its acceleration; after [`Self::extrapolate_with_answers`].
-    pub fn visit_answers(
+    /// to its acceleration; after [`Self::extrapolate_with_added_mass`].
+    pub fn visit_added_mass(
         &self,
         is_chosen: impl Fn(usize) -> bool,
-        mut visit: impl FnMut(usize, Answer),
+        mut visit: impl FnMut(usize, AddedMassResponse),
     ) {
-        for (&w, sum) in self.wet.felt().iter().zip(&self.scratch.extrapolated) {
+        for (&w, sum) in self.wet.updated().iter().zip(&self.scratch.extrapolated) {
             let w = w as usize;
             if 0.0 < self.pressure[w] && is_chosen(w) {
                 let lever = Vec3::from(sum.moment) / sum.weight;
                 let slope = Vec3::from(sum.slope) * self.volume[w];
-                visit(w, Answer { lever, slope });
+                visit(w, AddedMassResponse { lever, slope });
             }
         }
     }
@@ -459,13 +469,18 @@ impl WallParticles {
     /// Adds the walls to the sums of the velocity gradient, after [`Self::extrapolate`]. A free-slip wall
     /// does not contribute to shear.
     pub fn add_strains(&mut self, fluid: &mut Fluid) {
-        if self.wetting.is_empty() || self.slip == Slip::Free {
+        if self.nearby_particles.is_empty() || self.slip == Slip::Free {
             return;
         }
         let mut strains = std::mem::take(&mut self.scratch.strains);
-        strains.resize(self.wetting.len(), StrainSums::default());
-        sums::walls::wall_strains(fluid, self.neighborhood(fluid), &self.wetting, &mut strains);
-        for (&a, strain) in self.wetting.iter().zip(&strains) {
+        strains.resize(self.nearby_particles.len(), StrainSums::default());
+        wall_sums::strains(
+            fluid,
+            self.neighborhood(fluid),
+            &self.nearby_particles,
+            &mut strains,
+        );
+        for (&a, strain) in self.nearby_particles.iter().zip(&strains) {
             fluid.scratch.strains[a as usize] += *strain;
         }
         self.scratch.strains = strains;
@@ -475,7 +490,7 @@ impl WallParticles {
     fn shearing<'a>(&'a self, fluid: &'a Fluid) -> Shearing<'a> {
         match self.slip {
             Slip::Free => Shearing::Uniform(Viscosity::None),
-            Slip::None => Shearing::within(fluid),
+            Slip::None => fluid.shearing(),
             Slip::Friction(_) => Shearing::OfParticles(&self.viscosities),
         }
     }
@@ -502,7 +517,7 @@ impl WallParticles {
 
     /// Scales viscous forces down to the friction limit.
     fn limit(&mut self, fluid: &Fluid, coefficient: f64, forces: &mut [ForceDensity]) {
-        for (&a, force) in self.wetting.iter().zip(forces) {
+        for (&a, force) in self.nearby_particles.iter().zip(forces) {
             let (normal, viscous) = (Vec3::from(force.pressure), Vec3::from(force.viscous));
             let size = normal.norm();
             let direction = normal / size.max(f64::MIN_POSITIVE);
@@ -521,16 +536,16 @@ impl WallParticles {
     /// Adds the forces of the walls to the accelerations; after [`Self::extrapolate`]. Returns their sum; the
     /// power of viscosity is booked with the kick as that of the fluid; N.
     pub fn add_forces(&mut self, fluid: &mut Fluid) -> Vec3 {
-        if self.wetting.is_empty() {
+        if self.nearby_particles.is_empty() {
             return Vec3::zeros();
         }
         self.stick(fluid);
         let mut forces = std::mem::take(&mut self.scratch.forces);
-        forces.resize(self.wetting.len(), ForceDensity::default());
-        sums::walls::wall_forces(
+        forces.resize(self.nearby_particles.len(), ForceDensity::default());
+        wall_sums::forces(
             fluid,
             self.neighborhood(fluid),
-            &self.wetting,
+            &self.nearby_particles,
             self.shearing(fluid),
             &mut forces,
         );
@@ -539,7 +554,7 @@ impl WallParticles {
         }
         let mut total = Vec3::zeros();
         let particles = &mut fluid.particles;
-        for (&a, force) in self.wetting.iter().zip(&forces) {
+        for (&a, force) in self.nearby_particles.iter().zip(&forces) {
             let a = a as usize;
             let (by_pressure, by_viscosity) =
                 (Vec3::from(force.pressure), Vec3::from(force.viscous));
@@ -565,7 +580,7 @@ impl WallParticles {
     /// for gauges, which sample rarely; N.
     pub fn reactions(&self, fluid: &Fluid, points: &[u32]) -> Vec<[Vec3; 2]> {
         let mut forces = vec![ForceDensity::default(); points.len()];
-        sums::walls::reactions(
+        wall_sums::reactions(
             fluid,
             self.places(),
             (&self.seen_velocity, &self.pressure),
@@ -583,16 +598,16 @@ impl WallParticles {
     /// Calls `visit` with every wet point and the forces of the fluid's pressure and viscosity on it, in order; N.
     pub fn visit_reactions(&mut self, fluid: &Fluid, mut visit: impl FnMut(usize, [Vec3; 2])) {
         let mut forces = std::mem::take(&mut self.scratch.forces);
-        forces.resize(self.wet.felt().len(), ForceDensity::default());
-        sums::walls::reactions(
+        forces.resize(self.wet.updated().len(), ForceDensity::default());
+        wall_sums::reactions(
             fluid,
             self.places(),
             (&self.seen_velocity, &self.pressure),
-            self.wet.felt(),
+            self.wet.updated(),
             self.shearing(fluid),
             &mut forces,
         );
-        for (&w, force) in self.wet.felt().iter().zip(&forces) {
+        for (&w, force) in self.wet.updated().iter().zip(&forces) {
             let w = w as usize;
             visit(w, force.times(self.volume[w]));
         }

@@ -38,7 +38,7 @@ impl Fluid {
             reflected,
             scratch,
             // walls set them up again
-            screens: _,
+            thin_solids: _,
             // constants
             settings: _,
             state: _,

@@ -1,7 +1,8 @@
 //! Pressure of the fluid continued along gravity to places that are not of its particles.
 
+use crate::fluid::wall_sums;
 use crate::terms::extrapolation::Extrapolated;
-use crate::terms::sums::{self, Places};
+use crate::terms::sums::Places;
 use crate::{Fluid, Vec3};
 
 /// Fluid pressure extrapolated along gravity to points other than its particles.
@@ -24,7 +25,7 @@ impl ContinuedPressure {
             positions: places,
             facets: &[],
         };
-        sums::walls::extrapolation(fluid, places, &self.chosen, &mut self.sums);
+        wall_sums::extrapolation(fluid, places, &self.chosen, &mut self.sums);
     }
 
     /// For each point the fluid fraction of its support, `Σ V W`, and the pressure, 0 without fluid; –, Pa.

@@ -2,9 +2,9 @@
 
 use rayon::prelude::*;
 
+use crate::fluid::sums;
 use crate::neighbors::rest::Still;
 use crate::scheme::{DensityDiffusion, DensityMethod};
-use crate::terms::sums;
 use crate::{CHUNK, Fluid, FluidError, Particles, Vec3};
 
 /// Share of the reference density above which a step is not believed.
@@ -28,9 +28,9 @@ impl Fluid {
     /// Rates of density from neighbors in the fluid, at the present positions and velocities.
     pub fn update_rates(&mut self) {
         if let DensityDiffusion::Antuono(_) = self.settings.scheme.diffusion {
-            sums::fluid::density_gradients(self);
+            sums::density_gradients(self);
         }
-        self.n_pairs = sums::fluid::rates(self);
+        self.n_pairs = sums::rates(self);
         self.hold_rates();
     }
 
@@ -50,7 +50,7 @@ impl Fluid {
     /// [`FluidError::NonFinite`] and [`FluidError::Compressed`] name the first bad particle.
     pub fn update_pressure(&mut self) -> Result<(), FluidError> {
         if !self.advances_density() {
-            self.n_pairs = sums::fluid::summation(self, 1.0 / self.lattice_sum);
+            self.n_pairs = sums::summation(self, 1.0 / self.lattice_sum);
         }
         let Particles {
             density, pressure, ..
@@ -112,7 +112,7 @@ impl Fluid {
     /// Accelerations from pressure, viscosity and gravity; walls are added afterward.
     pub fn update_accelerations(&mut self) {
         self.scratch.pushes.clear();
-        sums::fluid::forces(self);
+        sums::forces(self);
         self.hold_forces();
         if self.settings.has_symmetry() || self.may_sleep() {
             self.sum_plane_force();

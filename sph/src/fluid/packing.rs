@@ -13,7 +13,7 @@ const LONGEST_WAY: f64 = 0.1;
 const TAKING_PART: [f64; 2] = [0.7, 0.9];
 
 impl Fluid {
-    /// Moves particles a little towards where they are sparse, after [`Self::update_spread`] and the walls' part;
+    /// Moves particles a little towards where they are sparse, after [`Self::update_concentration`] and the walls' part;
     /// returns the largest `h |∇C|` of those that move. Velocities stay.
     ///
     /// ```text
@@ -32,15 +32,15 @@ impl Fluid {
             .position
             .par_chunks_mut(CHUNK)
             .zip(particles.id.par_chunks(CHUNK))
-            .zip(self.scratch.spreads.par_chunks(CHUNK))
-            .map(|((positions, ids), spreads)| {
+            .zip(self.scratch.concentrations.par_chunks(CHUNK))
+            .map(|((positions, ids), concentrations)| {
                 let mut largest = 0.0_f64;
-                for ((x, &id), spread) in positions.iter_mut().zip(ids).zip(spreads) {
+                for ((x, &id), concentration) in positions.iter_mut().zip(ids).zip(concentrations) {
                     if is_held(id) {
                         continue;
                     }
                     let uneven =
-                        Vec3::from(spread.concentration_gradient) * (h * share(spread.divergence));
+                        Vec3::from(concentration.gradient) * (h * share(concentration.divergence));
                     let way = GAIN * h * uneven;
                     *x -= way * (LONGEST_WAY * least / way.norm()).min(1.0);
                     largest = largest.max(uneven.norm());

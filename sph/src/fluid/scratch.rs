@@ -3,8 +3,8 @@
 use crate::Vec3;
 use crate::fluid::advance::Compression;
 use crate::neighbors::sweep::AnyPoints;
+use crate::terms::concentration::Concentration;
 use crate::terms::continuity::Rate;
-use crate::terms::disorder::Spread;
 use crate::terms::gradient::StrainSums;
 use crate::terms::momentum::ForceDensity;
 
@@ -24,7 +24,7 @@ pub(crate) struct Scratch {
     pub(crate) forces: Vec<ForceDensity>,
     pub(crate) gradients: Vec<[f64; 3]>,
     pub(crate) strains: Vec<StrainSums>,
-    pub(crate) spreads: Vec<Spread>,
+    pub(crate) concentrations: Vec<Concentration>,
     pub(crate) extra: AnyPoints,
     /// Apparent viscosities, where they vary.
     pub(crate) viscosities: AnyPoints,

@@ -2,19 +2,19 @@
 
 use rayon::prelude::*;
 
+use crate::fluid::sums;
 use crate::neighbors::rest::Still;
 use crate::scheme::Shifting;
-use crate::terms::sums;
 use crate::{CHUNK, Dimensions, Fluid, Particles, Vec3};
 
 /// Most that a particle is shifted along an axis in a step; × spacing.
 const LONGEST_SHIFT: f64 = 0.1;
 
 impl Fluid {
-    /// Finds how unevenly the particles are spread; walls are added afterward, and [`Self::shift`]
+    /// Gradient of the particle concentration; walls are added afterward, and [`Self::shift`]
     /// evens it out. Only where the scheme shifts.
-    pub fn update_spread(&mut self) {
-        sums::fluid::spreads(self);
+    pub fn update_concentration(&mut self) {
+        sums::concentrations(self);
     }
 
     /// Whether the scheme shifts particles.
@@ -48,14 +48,14 @@ impl Fluid {
         position
             .par_chunks_mut(CHUNK)
             .zip(velocity.par_chunks(CHUNK))
-            .zip(self.scratch.spreads.par_chunks(CHUNK))
+            .zip(self.scratch.concentrations.par_chunks(CHUNK))
             .enumerate()
             .filter(|(chunk, _)| !still.has(*chunk))
-            .for_each(|(_, ((position, velocity), spreads))| {
-                for ((x, v), spread) in position.iter_mut().zip(velocity).zip(spreads) {
-                    let by = factor * v.norm() * fade(spread.divergence);
-                    *x += Vec3::from(spread.concentration_gradient)
-                        .map(|g| (by * g).clamp(-most, most));
+            .for_each(|(_, ((position, velocity), concentrations))| {
+                for ((x, v), concentration) in position.iter_mut().zip(velocity).zip(concentrations)
+                {
+                    let by = factor * v.norm() * fade(concentration.divergence);
+                    *x += Vec3::from(concentration.gradient).map(|g| (by * g).clamp(-most, most));
                 }
             });
         self.moved += 3.0_f64.sqrt() * most;
@@ -105,7 +105,7 @@ mod tests {
         let mut fluid = Fluid::new(start, settings)?;
         fluid.refresh();
         let before = fluid.particles.position.clone();
-        fluid.update_spread();
+        fluid.update_concentration();
         fluid.shift(0.05);
         let after = fluid.particles.position.iter();
         Ok(after.zip(&before).map(|(x, x0)| x - x0).collect())

@@ -86,12 +86,12 @@ pub(crate) struct Sleep {
 struct Tile {
     is_awake: bool,
     /// Whether any particle in it is awake.
-    stirs: bool,
+    has_awake: bool,
     /// Whether a body that may move is near its water.
-    is_watched: bool,
+    near_moving_body: bool,
     is_dry: bool,
     /// Time for which it has been no faster than water at rest; s.
-    calm: f64,
+    time_at_rest: f64,
     #[serde(skip)]
     seen: Seen,
 }
@@ -273,7 +273,7 @@ impl Sleep {
         (grid, margin): (&CellGrid, f64),
     ) -> bool {
         for tile in &mut self.tiles {
-            tile.is_watched = false;
+            tile.near_moving_body = false;
         }
         let mut has_woken = false;
         for (min, max) in bodies {
@@ -288,7 +288,7 @@ impl Sleep {
             for j in self.tile_along(1, low[1])..=self.tile_along(1, high[1]) {
                 for i in self.tile_along(0, low[0])..=self.tile_along(0, high[0]) {
                     let tile = j * self.counts[0] + i;
-                    if self.tiles[tile].is_watched {
+                    if self.tiles[tile].near_moving_body {
                         continue;
                     }
                     let [across, rows] = self.cells_of(tile, grid);
@@ -300,7 +300,7 @@ impl Sleep {
                     });
                     if is_near {
                         let tile = &mut self.tiles[tile];
-                        tile.is_watched = true;
+                        tile.near_moving_body = true;
                         has_woken |= !tile.is_awake;
                         tile.wake();
                     }
@@ -315,7 +315,7 @@ impl Tile {
     fn wake(&mut self) {
         if !self.is_awake {
             self.is_awake = true;
-            self.calm = 0.0;
+            self.time_at_rest = 0.0;
         }
     }
 }
@@ -371,7 +371,7 @@ impl Fluid {
             let n = f64::from(n);
             let is_at_rest =
                 speed2 <= n * settings.speed * settings.speed && pull.norm() <= n * most;
-            if is_at_rest && !sleep.tiles[tile].is_watched {
+            if is_at_rest && !sleep.tiles[tile].near_moving_body {
                 sleep.tiles[tile].is_awake = false;
                 laid += stop(&mut self.particles, sleep.runs(tile, &self.grid).flatten());
             }
@@ -438,7 +438,7 @@ impl Fluid {
         let (position, velocity) = (&self.particles.position, &self.particles.velocity);
         tiles.par_iter_mut().enumerate().for_each(|(number, tile)| {
             tile.seen = Seen::default();
-            if !tile.stirs {
+            if !tile.has_awake {
                 return;
             }
             let seen = &mut tile.seen;
@@ -454,11 +454,11 @@ impl Fluid {
                 return;
             }
             let n = seen.n as f64;
-            tile.calm = match seen.speed2 <= n * speed * speed {
-                true => tile.calm + elapsed,
+            tile.time_at_rest = match seen.speed2 <= n * speed * speed {
+                true => tile.time_at_rest + elapsed,
                 false => 0.0,
             };
-            seen.is_at_rest = time <= tile.calm;
+            seen.is_at_rest = time <= tile.time_at_rest;
             seen.is_disturbed = !seen.is_at_rest && n * farthest < seen.way.norm();
         });
         sleep.tiles = tiles;
@@ -475,7 +475,7 @@ impl Fluid {
             if tile.is_awake {
                 let is_awake = |other: &Tile| other.is_awake && !other.seen.is_at_rest;
                 seen.is_at_rest
-                    && !tile.is_watched
+                    && !tile.near_moving_body
                     && !sleep.any_beside(number, periodic, |other| !other.is_dry && is_awake(other))
             } else {
                 let is_disturbed = |other: &Tile| other.seen.is_disturbed;
@@ -518,7 +518,7 @@ impl Fluid {
         let mut has_stopped = false;
         for number in 0..sleep.tiles.len() {
             let tile = &sleep.tiles[number];
-            let is_left = tile.stirs
+            let is_left = tile.has_awake
                 && !tile.is_awake
                 && !sleep.any_beside(number, periodic, |other| other.is_awake);
             if !is_left {
@@ -547,26 +547,27 @@ impl Fluid {
         let (velocity, still) = (&self.particles.velocity, Vec3::zeros());
         for number in 0..sleep.tiles.len() {
             let is_dry = sleep.runs(number, &self.grid).all(|run| run.is_empty());
-            let stirs = sleep.tiles[number].is_awake || {
+            let has_awake = sleep.tiles[number].is_awake || {
                 let mut particles = sleep.runs(number, &self.grid).flatten();
                 particles.any(|a| velocity[a] != still)
             };
             let tile = &mut sleep.tiles[number];
-            (tile.is_dry, tile.stirs) = (is_dry, stirs);
+            (tile.is_dry, tile.has_awake) = (is_dry, has_awake);
         }
         for number in 0..sleep.tiles.len() {
             let tile = sleep.tiles[number];
             if tile.is_awake {
                 continue;
             }
-            let is_beside = tile.stirs || sleep.any_beside(number, periodic, |other| other.stirs);
+            let is_beside =
+                tile.has_awake || sleep.any_beside(number, periodic, |other| other.has_awake);
             let rest = if is_beside {
                 Rest::Beside
             } else {
                 Rest::Asleep
             };
             for run in sleep.runs(number, &self.grid) {
-                for a in run.filter(|&a| !tile.stirs || velocity[a] == still) {
+                for a in run.filter(|&a| !tile.has_awake || velocity[a] == still) {
                     sleep.rests[a] = rest;
                     self.particles.acceleration[a] = still;
                     self.particles.viscous_acceleration[a] = [0.0; 3];

@@ -2,8 +2,8 @@
 
 use rayon::prelude::*;
 
+use crate::fluid::sums;
 use crate::scheme::Viscosity;
-use crate::terms::sums;
 use crate::{CHUNK, Fluid, FluidError, Particles, Rheology};
 
 impl Fluid {
@@ -62,7 +62,7 @@ impl Fluid {
     /// Sums the gradient of velocity over the fluid; walls are added afterward, then
     /// [`Self::update_viscosity`]. After [`Self::update_pressure`], and only where viscosity varies.
     pub fn update_strain(&mut self) {
-        sums::fluid::strains(self);
+        sums::strains(self);
     }
 
     /// Rates of shear and apparent viscosities, which the forces of this step share.

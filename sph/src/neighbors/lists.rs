@@ -23,7 +23,7 @@ use crate::neighbors::cells::{CellGrid, MAX_RUNS, OWN_IMAGE, Run};
 use crate::neighbors::mirror::{Image, MOST_IMAGES, Mirrors, signs_in};
 use crate::neighbors::points::{Frame, Points};
 use crate::neighbors::rest::Rest;
-use crate::neighbors::sweep::{BUFFER, FILTER_MARGIN, Seen, Sources, Term, Veil};
+use crate::neighbors::sweep::{BUFFER, FILTER_MARGIN, Occlusion, Seen, Sources, Term};
 use crate::simd::lanes::{FILTER_WIDTH, Lanes, Machine, Sight, Task};
 use crate::simd::lanes3::splat3;
 use crate::{CHUNK, Vec3};
@@ -182,7 +182,7 @@ impl Lists {
                     out,
                     n_found: &mut n_found,
                 };
-                if lists.is_screened(sources, &positions[first..]) {
+                if lists.may_be_occluded(sources, &positions[first..]) {
                     machine.run(Summing::<L, T, true>(work));
                 } else {
                     machine.run(Summing::<L, T, false>(work));
@@ -195,8 +195,8 @@ impl Lists {
 
 impl ChunkLists {
     /// Whether a thin solid may be between any of the receivers (m), or its images, and their neighbors.
-    fn is_screened<R>(&self, sources: &Sources<R>, positions: &[Vec3]) -> bool {
-        let Some(veil) = &sources.veil else {
+    fn may_be_occluded<R>(&self, sources: &Sources<R>, positions: &[Vec3]) -> bool {
+        let Some(occlusion) = &sources.occlusion else {
             return false;
         };
         let nowhere = (Vec3::repeat(f64::INFINITY), Vec3::repeat(f64::NEG_INFINITY));
@@ -205,7 +205,7 @@ impl ChunkLists {
         // images are elsewhere along these axes only
         let periodic = sources.grid.periodic();
         let axes = std::array::from_fn(|axis| !periodic[axis] && !sources.mirrors.are_across(axis));
-        veil.screens.may_be_near(&bounds, axes)
+        occlusion.thin_solids.may_be_near(&bounds, axes)
     }
 }
 
@@ -349,9 +349,9 @@ struct Work<'a, L: Lanes, T: Term<L>> {
 
 /// Sums over the lists of a chunk, with or without thin solids: separate code, see
 /// [`sweep_as`](crate::neighbors::sweep::sweep_as).
-struct Summing<'a, L: Lanes, T: Term<L>, const SCREENED: bool>(Work<'a, L, T>);
+struct Summing<'a, L: Lanes, T: Term<L>, const OCCLUDED: bool>(Work<'a, L, T>);
 
-impl<L, T, const SCREENED: bool> Task for Summing<'_, L, T, SCREENED>
+impl<L, T, const OCCLUDED: bool> Task for Summing<'_, L, T, OCCLUDED>
 where
     L: Lanes,
     L::Machine: Machine,
@@ -393,13 +393,13 @@ where
                 let place = span.seen_from(sources, &positions[a]);
                 let seen = Seen::<L>::new(machine, &sources.frame.place(&place), quanta);
                 let ids = &ids[start..span.end as usize];
-                match &sources.veil {
-                    Some(veil) if SCREENED && veil.is_near(sources.grid, &place) => {
+                match &sources.occlusion {
+                    Some(occlusion) if OCCLUDED && occlusion.is_near(sources.grid, &place) => {
                         let listed = &ids[..ids.len() - L::WIDTH + usize::from(span.n_in_last)];
                         for listed in listed.chunks(BUFFER) {
                             let receiver = (a, &place, radius2);
                             let into = (&mut kept, &mut shares);
-                            let n = keep(veil, sources.grid, receiver, listed, into);
+                            let n = keep(occlusion, sources.grid, receiver, listed, into);
                             let found = (&mut kept, &shares, n);
                             seen.add_all::<_, true>(term, &own, sources.points, found, &mut sums);
                             n_found += n as u32;
@@ -433,7 +433,7 @@ where
 /// position, each with its visible fraction; returns their number.
 #[inline(never)]
 fn keep(
-    veil: &Veil,
+    occlusion: &Occlusion,
     grid: &CellGrid,
     (a, place, radius2): (usize, &Vec3, f64),
     listed: &[u32],
@@ -441,19 +441,19 @@ fn keep(
 ) -> usize {
     let mut n = 0;
     for &id in listed {
-        if (veil.positions[id as usize] - place).norm_squared() < radius2 {
+        if (occlusion.positions[id as usize] - place).norm_squared() < radius2 {
             kept[n] = id;
             n += 1;
         }
     }
-    veil.keep_seen(grid, a, place, &mut kept[..n], shares)
+    occlusion.keep_visible(grid, a, place, &mut kept[..n], shares)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::fluid::sums;
     use crate::scheme::{DensityDiffusion, Viscosity};
-    use crate::terms::sums;
     use crate::{Dimensions, Fluid, FluidError, KernelChoice, Precision, Scheme, Settings, Start};
 
     const RADIUS: f64 = 0.2;
@@ -529,13 +529,13 @@ mod tests {
     fn all_sums(fluid: &mut Fluid) -> Result<(Vec<Vec<f64>>, Vec<u32>), FluidError> {
         fluid.update_rates();
         fluid.update_pressure()?;
-        sums::fluid::forces(fluid);
-        sums::fluid::strains(fluid);
-        sums::fluid::spreads(fluid);
+        sums::forces(fluid);
+        sums::strains(fluid);
+        sums::concentrations(fluid);
         let scratch = &fluid.scratch;
         let dimensions = fluid.settings.dimensions;
         let mut summed = fluid.clone();
-        sums::fluid::summation(&mut summed, 1.0);
+        sums::summation(&mut summed, 1.0);
         let columns = vec![
             scratch.rates.iter().map(|r| r.flow).collect(),
             scratch.rates.iter().map(|r| r.diffusion).collect(),
@@ -545,7 +545,11 @@ mod tests {
             (scratch.strains.iter())
                 .map(|s| s.shear_rate(dimensions))
                 .collect(),
-            scratch.spreads.iter().map(|s| s.divergence).collect(),
+            scratch
+                .concentrations
+                .iter()
+                .map(|s| s.divergence)
+                .collect(),
             summed.particles.density,
         ];
         let counts = scratch.rates.iter().map(|r| r.n_found).collect();
@@ -628,7 +632,7 @@ mod tests {
 
     /// A plate across the box, and images of it through sides and planes.
     #[test]
-    fn sums_by_lists_past_screens_are_those_of_the_sweep() -> Result<(), FluidError> {
+    fn sums_by_lists_past_thin_solids_are_those_of_the_sweep() -> Result<(), FluidError> {
         let cases = [
             CLOSED,
             Case {
@@ -652,7 +656,7 @@ mod tests {
                     (-Vec3::z(), 0.01),
                 ];
                 let bounds = (Vec3::new(low, -1.0, -0.01), Vec3::new(low + 0.03, 2.0, 0.5));
-                fluid.add_screen(planes.into_iter().zip(0..), bounds);
+                fluid.add_thin_solid(planes.into_iter().zip(0..), bounds);
             }
             let when_made = difference(&mut fluid)?;
             approach(&mut fluid);
@@ -661,8 +665,8 @@ mod tests {
             for (sums, counts) in [when_made, after_moving] {
                 assert!(sums < 1e-12 && counts <= 1, "{sums} {counts}");
             }
-            let (screened, unscreened) = (all_sums(&mut fluid)?.1, all_sums(&mut open.clone())?.1);
-            assert_ne!(screened, unscreened, "the plates hide something");
+            let (hidden, unhidden) = (all_sums(&mut fluid)?.1, all_sums(&mut open.clone())?.1);
+            assert_ne!(hidden, unhidden, "the plates hide something");
         }
         Ok(())
     }

@@ -8,11 +8,11 @@
 
 use rayon::prelude::*;
 
-use crate::boundary::screens::{Facet, Screens};
 use crate::neighbors::cells::{CellGrid, MAX_RUNS, OWN_IMAGE, Run};
 use crate::neighbors::mirror::{Image, MOST_IMAGES, Mirrors};
 use crate::neighbors::points::{Frame, Points};
 use crate::neighbors::rest::Still;
+use crate::neighbors::thin_solids::{Facet, ThinSolids};
 use crate::scheme::Precision;
 use crate::simd::lanes::{
     FILTER_WIDTH, Lanes, Machine, Place, Portable, RECORD, Record, Sight, Task,
@@ -65,7 +65,7 @@ pub(crate) struct Sources<'a, R> {
     pub frame: &'a Frame,
     pub points: &'a Points<R>,
     /// Occlusion of points from receivers; `None` without thin solids.
-    pub veil: Option<Veil<'a>>,
+    pub occlusion: Option<Occlusion<'a>>,
     /// Planes in which the points are mirrored.
     pub mirrors: Mirrors,
     /// Support radius; m.
@@ -76,33 +76,33 @@ pub(crate) struct Sources<'a, R> {
 
 /// Thin solids between receivers and points.
 #[derive(Clone, Copy)]
-pub(crate) struct Veil<'a> {
-    pub screens: &'a Screens,
+pub(crate) struct Occlusion<'a> {
+    pub thin_solids: &'a ThinSolids,
     /// Positions of the points; m.
     pub positions: &'a [Vec3],
-    pub between: Between<'a>,
+    pub between: PairKind<'a>,
 }
 
 /// Kinds of points on the two sides of an occlusion; wall particles with the faces they are behind, none for those beyond
 /// the end of the list.
 #[derive(Clone, Copy)]
-pub(crate) enum Between<'a> {
+pub(crate) enum PairKind<'a> {
     Particles,
     ParticlesAndWalls(&'a [Facet]),
     WallsAndParticles(&'a [Facet]),
 }
 
-impl Veil<'_> {
+impl Occlusion<'_> {
     /// Whether a thin solid may be within the support of a point (m).
     #[inline(always)]
     pub(crate) fn is_near(&self, grid: &CellGrid, place: &Vec3) -> bool {
-        self.screens.are_near(grid.cell_of(place))
+        self.thin_solids.are_near(grid.cell_of(place))
     }
 
     /// Keeps the points found that are visible to receiver `a` from a position, each with its visible fraction;
     /// returns their number.
     #[inline(never)]
-    pub(crate) fn keep_seen(
+    pub(crate) fn keep_visible(
         &self,
         grid: &CellGrid,
         a: usize,
@@ -112,13 +112,13 @@ impl Veil<'_> {
     ) -> usize {
         let cell = grid.cell_of(place);
         let has_facets = match self.between {
-            Between::Particles => false,
-            Between::ParticlesAndWalls(facets) | Between::WallsAndParticles(facets) => {
+            PairKind::Particles => false,
+            PairKind::ParticlesAndWalls(facets) | PairKind::WallsAndParticles(facets) => {
                 !facets.is_empty()
             }
         };
         // wall particles behind a thin solid may lie beyond its influence, near other receivers
-        if !has_facets && !self.screens.are_near(cell) {
+        if !has_facets && !self.thin_solids.are_near(cell) {
             shares[..found.len()].fill(1.0);
             return found.len();
         }
@@ -128,14 +128,14 @@ impl Veil<'_> {
             let id = found[k] as usize;
             let x = &self.positions[id];
             let share = match self.between {
-                Between::Particles => self.screens.share_seen(cell, place, x),
-                Between::ParticlesAndWalls(facets) => {
+                PairKind::Particles => self.thin_solids.visibility(cell, place, x),
+                PairKind::ParticlesAndWalls(facets) => {
                     let facet = facet(facets, id);
-                    self.screens.share_seen_of_wall(cell, place, x, facet)
+                    self.thin_solids.wall_visibility(cell, place, x, facet)
                 }
-                Between::WallsAndParticles(facets) => {
+                PairKind::WallsAndParticles(facets) => {
                     let facet = facet(facets, a);
-                    self.screens.share_seen_of_wall(cell, x, place, facet)
+                    self.thin_solids.wall_visibility(cell, x, place, facet)
                 }
             };
             if 0.0 < share {
@@ -182,7 +182,7 @@ where
     L::Record: Default,
     T: Term<L>,
 {
-    if sources.veil.is_none() {
+    if sources.occlusion.is_none() {
         sweep_as::<L, T, false>(machine, term, sources, receivers, out)
     } else {
         sweep_as::<L, T, true>(machine, term, sources, receivers, out)
@@ -190,7 +190,7 @@ where
 }
 
 /// Sweep with or without the code for thin solids.
-pub(crate) fn sweep_as<L, T, const SCREENED: bool>(
+pub(crate) fn sweep_as<L, T, const OCCLUDED: bool>(
     machine: L::Machine,
     term: &T,
     sources: &Sources<L::Record>,
@@ -208,7 +208,7 @@ where
         .enumerate()
         .map(|(chunk, out)| {
             let mut n_found = 0;
-            machine.run(Chunk::<L, T, SCREENED> {
+            machine.run(Chunk::<L, T, OCCLUDED> {
                 machine,
                 term,
                 sources,
@@ -224,7 +224,7 @@ where
 
 /// The work of one thread at a time. The version with thin solids is separate code: a call within the loop, even if
 /// never executed, costs registers and 8 % of the time.
-struct Chunk<'a, L: Lanes, T: Term<L>, const SCREENED: bool> {
+struct Chunk<'a, L: Lanes, T: Term<L>, const OCCLUDED: bool> {
     machine: L::Machine,
     term: &'a T,
     sources: &'a Sources<'a, L::Record>,
@@ -234,7 +234,7 @@ struct Chunk<'a, L: Lanes, T: Term<L>, const SCREENED: bool> {
     n_found: &'a mut u64,
 }
 
-impl<L, T, const SCREENED: bool> Task for Chunk<'_, L, T, SCREENED>
+impl<L, T, const OCCLUDED: bool> Task for Chunk<'_, L, T, OCCLUDED>
 where
     L: Lanes,
     L::Machine: Machine,
@@ -254,7 +254,7 @@ where
         } = self;
         let reach = sources.support_radius + 2.0 * sources.moved;
         let radius2 = (sources.support_radius * sources.support_radius * FILTER_MARGIN) as f32;
-        let mut view = View::<L, T, SCREENED> {
+        let mut view = View::<L, T, OCCLUDED> {
             machine,
             term,
             sources,
@@ -296,7 +296,7 @@ where
 }
 
 /// Visible points of the receivers, one after the other.
-struct View<'a, L: Lanes, T: Term<L>, const SCREENED: bool> {
+struct View<'a, L: Lanes, T: Term<L>, const OCCLUDED: bool> {
     machine: L::Machine,
     term: &'a T,
     sources: &'a Sources<'a, L::Record>,
@@ -312,7 +312,7 @@ struct View<'a, L: Lanes, T: Term<L>, const SCREENED: bool> {
     shares: [f64; BUFFER],
 }
 
-impl<L, T, const SCREENED: bool> View<'_, L, T, SCREENED>
+impl<L, T, const OCCLUDED: bool> View<'_, L, T, OCCLUDED>
 where
     L: Lanes,
     L::Machine: Machine,
@@ -351,13 +351,14 @@ where
             } else {
                 frame.place(&(position - grid.image_shift(image)))
             };
-            let keep_seen = |found: &mut [u32], shares: &mut [f64; BUFFER]| match &sources.veil {
-                Some(veil) if SCREENED => {
-                    let meters = position - grid.image_shift(image);
-                    veil.keep_seen(grid, a, &meters, found, shares)
-                }
-                _ => found.len(),
-            };
+            let keep_visible =
+                |found: &mut [u32], shares: &mut [f64; BUFFER]| match &sources.occlusion {
+                    Some(occlusion) if OCCLUDED => {
+                        let meters = position - grid.image_shift(image);
+                        occlusion.keep_visible(grid, a, &meters, found, shares)
+                    }
+                    _ => found.len(),
+                };
             let sight = Sight {
                 place: place.quanta,
                 scale,
@@ -382,8 +383,8 @@ where
                         start = runs.get(from).map_or(0, |run| run.start as usize);
                     }
                 }
-                n = keep_seen(&mut found[..n], shares);
-                seen.add_all::<_, SCREENED>(term, own, points, (found, shares, n), sums);
+                n = keep_visible(&mut found[..n], shares);
+                seen.add_all::<_, OCCLUDED>(term, own, points, (found, shares, n), sums);
                 n_found += n as u32;
                 if n_runs <= from || runs[from].image != image {
                     break;
@@ -439,7 +440,7 @@ where
     }
 
     #[inline(always)]
-    pub(crate) fn add_all<T: Term<L>, const SCREENED: bool>(
+    pub(crate) fn add_all<T: Term<L>, const OCCLUDED: bool>(
         &self,
         term: &T,
         own: &T::Own,
@@ -452,7 +453,7 @@ where
         let registers = found[..whole].chunks_exact(L::WIDTH);
         for (ids, shares) in registers.zip(shares.chunks_exact(L::WIDTH)) {
             let mut pair = self.pair(points.records(), ids);
-            if SCREENED {
+            if OCCLUDED {
                 pair.b[4] = pair.b[4] * L::load(self.machine, shares);
             }
             term.add(own, &pair, ids, sums);

@@ -1,28 +1,27 @@
 //! Sums over neighbors: settings become types here, once per sum and not once per pair.
 //!
 //! A [`Formula`] makes a [`Term`] for the registers and the kernel at hand, and [`run_term`] sums it. A new term is a file
-//! of its own with a formula at its end and one function here: among the [`fluid`] sums or the [`walls`] sums.
+//! of its own, a formula in [`formulas`], and one function in [`crate::fluid::sums`] or [`crate::fluid::wall_sums`].
 
-pub(crate) mod fluid;
 mod forces;
-mod formulas;
-pub(crate) mod walls;
+pub(crate) mod formulas;
 
 use std::marker::PhantomData;
 
 use crate::Vec3;
-use crate::boundary::screens::{Facet, Screens};
 use crate::kernel::{AnyKernel, KernelChoice, PairKernel, PointKernel, WendlandC2};
 use crate::neighbors::cells::CellGrid;
 use crate::neighbors::lists::Lists;
 use crate::neighbors::points::Frame;
 use crate::neighbors::sweep::{
-    AnyPoints, Between, PackedIn, Receivers, Sources, Sum, Term, Veil, dispatch, sweep, sweep_as,
+    AnyPoints, Occlusion, PackedIn, PairKind, Receivers, Sources, Sum, Term, dispatch, sweep,
+    sweep_as,
 };
+use crate::neighbors::thin_solids::{Facet, ThinSolids};
 use crate::settings::Settings;
 use crate::simd::lanes::{Lanes, Machine};
 
-pub(crate) use forces::Shearing;
+pub(crate) use forces::{FluidForces, Reactions, Shearing, WallForces};
 
 /// Registers with the records that fill them.
 pub(crate) trait Registers: Lanes<Machine: Machine, Record: Default + PackedIn> {}
@@ -37,17 +36,17 @@ pub(crate) struct Neighborhood<'a> {
     pub points: &'a AnyPoints,
     /// Farthest that they, or the receivers, may be from where they were sorted; m.
     pub moved: f64,
-    pub veil: Option<Veil<'a>>,
+    pub occlusion: Option<Occlusion<'a>>,
 }
 
 /// Occlusion between receivers and points at given positions; `None` without thin solids.
-pub(crate) fn veil<'a>(
-    screens: &'a Screens,
+pub(crate) fn occlusion<'a>(
+    thin_solids: &'a ThinSolids,
     positions: &'a [Vec3],
-    between: Between<'a>,
-) -> Option<Veil<'a>> {
-    (0 < screens.len()).then_some(Veil {
-        screens,
+    between: PairKind<'a>,
+) -> Option<Occlusion<'a>> {
+    (0 < thin_solids.len()).then_some(Occlusion {
+        thin_solids,
         positions,
         between,
     })
@@ -63,12 +62,12 @@ pub(crate) struct Places<'a> {
 }
 
 /// Setup common to all sums.
-struct Setup<'a> {
-    settings: &'a Settings,
-    from: Neighborhood<'a>,
-    receivers: Receivers<'a>,
+pub(crate) struct Setup<'a> {
+    pub settings: &'a Settings,
+    pub from: Neighborhood<'a>,
+    pub receivers: Receivers<'a>,
     /// Neighbor lists of all receivers.
-    lists: Option<&'a Lists>,
+    pub lists: Option<&'a Lists>,
 }
 
 impl Setup<'_> {
@@ -77,7 +76,7 @@ impl Setup<'_> {
             grid: self.from.grid,
             frame: self.from.frame,
             points: R::of(self.from.points),
-            veil: self.from.veil,
+            occlusion: self.from.occlusion,
             mirrors: self.settings.mirrors(),
             support_radius: self.settings.support_radius(),
             moved: self.from.moved,
@@ -92,7 +91,7 @@ impl Setup<'_> {
 }
 
 /// Source of the neighbors of a sum: a type, so that unused combinations are not compiled.
-trait Way {
+pub(crate) trait PairSource {
     /// Sums a term into `out`; returns the number of neighbors.
     fn sum<L, T>(setup: &Setup, machine: L::Machine, term: &T, out: &mut [T::Out]) -> u64
     where
@@ -100,10 +99,10 @@ trait Way {
         T: Term<L>;
 }
 
-/// Within the fluid: by the lists, if there are any.
-struct Within;
+/// Pairs within the fluid: by the lists, if there are any.
+pub(crate) struct FluidPairs;
 
-impl Way for Within {
+impl PairSource for FluidPairs {
     fn sum<L, T>(setup: &Setup, machine: L::Machine, term: &T, out: &mut [T::Out]) -> u64
     where
         L: Registers,
@@ -118,10 +117,10 @@ impl Way for Within {
     }
 }
 
-/// Between the fluid and its walls.
-struct Across;
+/// Pairs of the fluid and its walls.
+pub(crate) struct WallPairs;
 
-impl Way for Across {
+impl PairSource for WallPairs {
     fn sum<L, T>(setup: &Setup, machine: L::Machine, term: &T, out: &mut [T::Out]) -> u64
     where
         L: Registers,
@@ -132,7 +131,7 @@ impl Way for Across {
 }
 
 /// A sum before registers, kernel and constants of its term are chosen.
-trait Formula {
+pub(crate) trait Formula {
     /// Result of a receiver.
     type Out: Send;
 
@@ -141,11 +140,11 @@ trait Formula {
     where
         L: Registers,
         K: PairKernel<L>,
-        W: Way;
+        W: PairSource;
 }
 
 /// Registers and kernel at hand, and where the sums of a term go.
-struct Summing<'a, L: Lanes, K, W, O> {
+pub(crate) struct Summing<'a, L: Lanes, K, W, O> {
     settings: &'a Settings,
     machine: L::Machine,
     kernel: K,
@@ -154,7 +153,7 @@ struct Summing<'a, L: Lanes, K, W, O> {
     way: PhantomData<W>,
 }
 
-impl<L: Registers, K, W: Way, O: Send> Summing<'_, L, K, W, O> {
+impl<L: Registers, K, W: PairSource, O: Send> Summing<'_, L, K, W, O> {
     /// Sums a term over the neighbors of every receiver; returns the number of neighbors.
     fn of<T: Term<L, Out = O>>(self, term: &T) -> u64 {
         W::sum::<L, T>(self.setup, self.machine, term, self.out)
@@ -163,7 +162,11 @@ impl<L: Registers, K, W: Way, O: Send> Summing<'_, L, K, W, O> {
 
 /// Sums a formula into `out`, one slot per receiver; returns how many neighbors were found, receivers that meet themselves
 /// among them.
-fn run_term<W: Way, F: Formula>(setup: &Setup, formula: &F, out: &mut [F::Out]) -> u64 {
+pub(crate) fn run_term<W: PairSource, F: Formula>(
+    setup: &Setup,
+    formula: &F,
+    out: &mut [F::Out],
+) -> u64 {
     let mut n_found = 0;
     let sum = FormulaSum::<W, F> {
         setup,
@@ -184,7 +187,7 @@ struct FormulaSum<'a, W, F: Formula> {
     way: PhantomData<W>,
 }
 
-impl<W: Way, F: Formula> FormulaSum<'_, W, F> {
+impl<W: PairSource, F: Formula> FormulaSum<'_, W, F> {
     fn with<L: Registers, K: PairKernel<L>>(self, machine: L::Machine) {
         *self.n_found = self.formula.apply::<L, K, W>(Summing {
             settings: self.setup.settings,
@@ -197,7 +200,7 @@ impl<W: Way, F: Formula> FormulaSum<'_, W, F> {
     }
 }
 
-impl<W: Way, F: Formula> Sum for FormulaSum<'_, W, F> {
+impl<W: PairSource, F: Formula> Sum for FormulaSum<'_, W, F> {
     /// Wendland's kernel by itself where registers are fast, any kernel by its choice at run time elsewhere.
     fn run<L>(self, machine: L::Machine)
     where

@@ -514,7 +514,7 @@ fn turned_block_on_a_floor_is_seen_as_a_solid() {
 fn a_ball_is_filled_to_the_depth_of_the_support() {
     let (radius, spacing, support): (f64, f64, f64) = (1.0, 0.1, 0.26);
     let center = Vec3::new(0.3, -0.2, 0.5);
-    let samples = sample_ball(center, radius, spacing, support);
+    let samples = sample_sphere(center, radius, spacing, support);
     let volume: f64 = samples.iter().map(|sample| sample.volume).sum();
     let ball = |r: f64| 4.0 / 3.0 * std::f64::consts::PI * r.powi(3);
     let shell = ball(radius) - ball(radius - 0.3);

@@ -1,7 +1,6 @@
 //! Formulas of the forces: pressure of the pair and viscosity, within the fluid and between it and walls.
 
-use super::{Formula, Registers, Summing, Way};
-use crate::Fluid;
+use super::{Formula, PairSource, Registers, Summing};
 use crate::kernel::{PairKernel, Viscous};
 use crate::neighbors::sweep::{AnyPoints, PackedIn};
 use crate::scheme::Viscosity;
@@ -19,31 +18,20 @@ pub(crate) enum Shearing<'a> {
     OfParticles(&'a AnyPoints),
 }
 
-impl<'a> Shearing<'a> {
-    /// That within a fluid.
-    pub(crate) fn within(fluid: &'a Fluid) -> Self {
-        if fluid.varies_viscosity() {
-            Self::OfParticles(&fluid.scratch.viscosities)
-        } else {
-            Self::Uniform(fluid.settings.scheme.viscosity)
-        }
-    }
-}
-
 /// Forces of the fluid on itself.
-pub(super) struct FluidForces<'a> {
+pub(crate) struct FluidForces<'a> {
     pub own: ForceOwn<'a>,
     pub shear: Shearing<'a>,
 }
 
 /// Forces of walls on the fluid.
-pub(super) struct WallForces<'a> {
+pub(crate) struct WallForces<'a> {
     pub own: ForceOwn<'a>,
     pub shear: Shearing<'a>,
 }
 
 /// Forces of the fluid on walls.
-pub(super) struct Reactions<'a> {
+pub(crate) struct Reactions<'a> {
     pub own: ForceOwn<'a>,
     pub shear: Shearing<'a>,
 }
@@ -57,7 +45,7 @@ macro_rules! force_formula {
             where
                 L: Registers,
                 K: PairKernel<L>,
-                W: Way,
+                W: PairSource,
             {
                 let pressure = $pressure(&summing);
                 match self.shear {
@@ -91,7 +79,7 @@ impl<L, K, W> Summing<'_, L, K, W, ForceDensity>
 where
     L: Registers,
     K: PairKernel<L>,
-    W: Way,
+    W: PairSource,
 {
     /// Pressure of a face between fluid and wall.
     fn face_pressure(&self) -> WeightedByDensity<L> {

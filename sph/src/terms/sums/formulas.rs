@@ -1,20 +1,20 @@
 //! Formulas of the terms whose constants follow from the settings, but for forces.
 
-use super::{Formula, Registers, Summing, Way};
+use super::{Formula, PairSource, Registers, Summing};
 use crate::Vec3;
 use crate::kernel::PairKernel;
 use crate::neighbors::sweep::{AnyPoints, PackedIn};
 use crate::scheme::DensityDiffusion;
+use crate::terms::concentration::{Concentration, ConcentrationTerm};
 use crate::terms::continuity::{
     AnyDiffusion, Continuity, GradientDiffusion, JumpDiffusion, NoDiffusion, Rate, RateOwn,
 };
-use crate::terms::disorder::{Disorder, Spread};
 use crate::terms::extrapolation::{Extrapolated, Extrapolation};
 use crate::terms::gradient::{Gradient, Strain, StrainSums};
 use crate::terms::summation::Summation;
 
 /// Density by summation.
-pub(super) struct Densities;
+pub(crate) struct Densities;
 
 impl Formula for Densities {
     type Out = f64;
@@ -23,7 +23,7 @@ impl Formula for Densities {
     where
         L: Registers,
         K: PairKernel<L>,
-        W: Way,
+        W: PairSource,
     {
         let term = Summation::new(summing.machine, summing.kernel);
         summing.of(&term)
@@ -31,7 +31,7 @@ impl Formula for Densities {
 }
 
 /// Rates of density with their diffusion.
-pub(super) struct Rates<'a> {
+pub(crate) struct Rates<'a> {
     pub own: RateOwn<'a>,
     /// Gradients of density, packed, for Antuono's diffusion.
     pub gradients: &'a AnyPoints,
@@ -44,7 +44,7 @@ impl Formula for Rates<'_> {
     where
         L: Registers,
         K: PairKernel<L>,
-        W: Way,
+        W: PairSource,
     {
         let (s, machine) = (summing.settings, summing.machine);
         let h = s.smoothing_length;
@@ -75,7 +75,7 @@ impl Formula for Rates<'_> {
 }
 
 /// Rates of density by walls, which nothing diffuses into.
-pub(super) struct WallRates<'a> {
+pub(crate) struct WallRates<'a> {
     pub own: RateOwn<'a>,
 }
 
@@ -86,7 +86,7 @@ impl Formula for WallRates<'_> {
     where
         L: Registers,
         K: PairKernel<L>,
-        W: Way,
+        W: PairSource,
     {
         let machine = summing.machine;
         let term = Continuity::new(
@@ -101,7 +101,7 @@ impl Formula for WallRates<'_> {
 }
 
 /// Renormalized gradients of density.
-pub(super) struct Gradients<'a> {
+pub(crate) struct Gradients<'a> {
     pub density: &'a [f64],
 }
 
@@ -112,7 +112,7 @@ impl Formula for Gradients<'_> {
     where
         L: Registers,
         K: PairKernel<L>,
-        W: Way,
+        W: PairSource,
     {
         let s = summing.settings;
         let term = Gradient::new(
@@ -127,7 +127,7 @@ impl Formula for Gradients<'_> {
 }
 
 /// Gradients of velocity.
-pub(super) struct Strains<'a> {
+pub(crate) struct Strains<'a> {
     pub velocity: &'a [Vec3],
 }
 
@@ -138,7 +138,7 @@ impl Formula for Strains<'_> {
     where
         L: Registers,
         K: PairKernel<L>,
-        W: Way,
+        W: PairSource,
     {
         let dimensions = summing.settings.dimensions;
         let term = Strain::new(summing.machine, summing.kernel, self.velocity, dimensions);
@@ -147,24 +147,24 @@ impl Formula for Strains<'_> {
 }
 
 /// Concentration of particles and its gradient.
-pub(super) struct Spreads;
+pub(crate) struct Concentrations;
 
-impl Formula for Spreads {
-    type Out = Spread;
+impl Formula for Concentrations {
+    type Out = Concentration;
 
-    fn apply<L, K, W>(&self, summing: Summing<L, K, W, Spread>) -> u64
+    fn apply<L, K, W>(&self, summing: Summing<L, K, W, Concentration>) -> u64
     where
         L: Registers,
         K: PairKernel<L>,
-        W: Way,
+        W: PairSource,
     {
-        let term = Disorder::new(summing.machine, summing.kernel);
+        let term = ConcentrationTerm::new(summing.machine, summing.kernel);
         summing.of(&term)
     }
 }
 
 /// Pressure and velocity continued to wall points, and the slopes of the points that each sees.
-pub(super) struct ExtrapolationsWithSlopes;
+pub(crate) struct ExtrapolationsWithSlopes;
 
 impl Formula for ExtrapolationsWithSlopes {
     type Out = Extrapolated;
@@ -173,7 +173,7 @@ impl Formula for ExtrapolationsWithSlopes {
     where
         L: Registers,
         K: PairKernel<L>,
-        W: Way,
+        W: PairSource,
     {
         let (machine, s) = (summing.machine, summing.settings);
         let (rho, c) = (s.reference_density, s.sound_speed);
@@ -183,7 +183,7 @@ impl Formula for ExtrapolationsWithSlopes {
 }
 
 /// Pressure and velocity continued to wall points.
-pub(super) struct Extrapolations;
+pub(crate) struct Extrapolations;
 
 impl Formula for Extrapolations {
     type Out = Extrapolated;
@@ -192,7 +192,7 @@ impl Formula for Extrapolations {
     where
         L: Registers,
         K: PairKernel<L>,
-        W: Way,
+        W: PairSource,
     {
         let (machine, s) = (summing.machine, summing.settings);
         let (rho, c) = (s.reference_density, s.sound_speed);

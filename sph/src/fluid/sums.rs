@@ -1,25 +1,35 @@
 //! Sums of the fluid over itself, and the packing and listing that they need.
 
-use super::forces::FluidForces;
-use super::formulas::{Densities, Gradients, Rates, Spreads, Strains};
-use super::{Formula, Neighborhood, Setup, Shearing, Within, run_term, veil};
 use crate::Fluid;
 use crate::fluid::scratch::Scratch;
 use crate::neighbors::lists::{Lists, Surroundings};
 use crate::neighbors::rest::Still;
-use crate::neighbors::sweep::{AnyPoints, Between, PackedIn, Receivers, Sum, dispatch};
+use crate::neighbors::sweep::{AnyPoints, PackedIn, PairKind, Receivers, Sum, dispatch};
 use crate::simd::lanes::{Lanes, Machine};
 use crate::terms::continuity::RateOwn;
 use crate::terms::momentum::ForceOwn;
+use crate::terms::sums::formulas::{Concentrations, Densities, Gradients, Rates, Strains};
+use crate::terms::sums::{
+    FluidForces, FluidPairs, Formula, Neighborhood, Setup, Shearing, occlusion, run_term,
+};
 
 impl Fluid {
+    /// Resistance to shear within the fluid.
+    pub(crate) fn shearing(&self) -> Shearing<'_> {
+        if self.varies_viscosity() {
+            Shearing::OfParticles(&self.scratch.viscosities)
+        } else {
+            Shearing::Uniform(self.settings.scheme.viscosity)
+        }
+    }
+
     pub(super) fn neighborhood<'a>(
         &'a self,
         points: &'a AnyPoints,
-        between: Between<'a>,
+        between: PairKind<'a>,
     ) -> Neighborhood<'a> {
         Neighborhood {
-            veil: veil(&self.screens, &self.particles.position, between),
+            occlusion: occlusion(&self.thin_solids, &self.particles.position, between),
             grid: &self.grid,
             frame: &self.frame,
             points,
@@ -31,7 +41,7 @@ impl Fluid {
     fn to_everyone<'a>(&'a self, points: &'a AnyPoints) -> Setup<'a> {
         Setup {
             settings: &self.settings,
-            from: self.neighborhood(points, Between::Particles),
+            from: self.neighborhood(points, PairKind::Particles),
             receivers: Receivers {
                 positions: &self.particles.position,
                 chosen: None,
@@ -184,7 +194,7 @@ fn sum_into<O: Clone + Default>(
 }
 
 fn within<F: Formula>(setup: &Setup, formula: &F, out: &mut [F::Out]) -> u64 {
-    run_term::<Within, F>(setup, formula, out)
+    run_term::<FluidPairs, F>(setup, formula, out)
 }
 
 /// Density by summation, times a factor; returns the number of ordered pairs.
@@ -259,13 +269,13 @@ pub(crate) fn strains(fluid: &mut Fluid) {
     );
 }
 
-/// Spread of the fluid's particles into the scratch.
-pub(crate) fn spreads(fluid: &mut Fluid) {
+/// Concentration of the fluid's particles into the scratch.
+pub(crate) fn concentrations(fluid: &mut Fluid) {
     sum_into(
         fluid,
         Packed::Flow,
-        |scratch| &mut scratch.spreads,
-        |_, setup, out| within(setup, &Spreads, out),
+        |scratch| &mut scratch.concentrations,
+        |_, setup, out| within(setup, &Concentrations, out),
     );
 }
 
@@ -282,7 +292,7 @@ pub(crate) fn forces(fluid: &mut Fluid) {
                     velocity: &fluid.particles.velocity,
                     pressure: &fluid.particles.pressure,
                 },
-                shear: Shearing::within(fluid),
+                shear: fluid.shearing(),
             };
             within(setup, &forces, out)
         },

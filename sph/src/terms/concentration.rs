@@ -5,31 +5,31 @@ use crate::neighbors::sweep::{Pair, Term};
 use crate::simd::lanes::Lanes;
 use crate::terms::{Lanes3, add_scaled, signed, totals};
 
-/// Spread of the neighbors of a particle.
+/// Concentration of the neighbors of a particle.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct Spread {
+pub(crate) struct Concentration {
     /// `∇C = Σ V_b ∇W`; 1/m.
-    pub concentration_gradient: [f64; 3],
+    pub gradient: [f64; 3],
     /// `∇·x = −Σ V_b x·∇W`: the number of dimensions inside, half of it at a plane surface.
     pub divergence: f64,
 }
 
-impl std::ops::AddAssign for Spread {
+impl std::ops::AddAssign for Concentration {
     fn add_assign(&mut self, other: Self) {
         for axis in 0..3 {
-            self.concentration_gradient[axis] += other.concentration_gradient[axis];
+            self.gradient[axis] += other.gradient[axis];
         }
         self.divergence += other.divergence;
     }
 }
 
-/// The sums of [`Spread`]. Records hold the volume last.
-pub(crate) struct Disorder<L, K> {
+/// The sums of [`Concentration`]. Records hold the volume last.
+pub(crate) struct ConcentrationTerm<L, K> {
     kernel: K,
     zero: L,
 }
 
-impl<L: Lanes, K: PairKernel<L>> Disorder<L, K> {
+impl<L: Lanes, K: PairKernel<L>> ConcentrationTerm<L, K> {
     pub(crate) fn new(machine: L::Machine, kernel: K) -> Self {
         Self {
             kernel,
@@ -38,10 +38,10 @@ impl<L: Lanes, K: PairKernel<L>> Disorder<L, K> {
     }
 }
 
-impl<L: Lanes, K: PairKernel<L>> Term<L> for Disorder<L, K> {
+impl<L: Lanes, K: PairKernel<L>> Term<L> for ConcentrationTerm<L, K> {
     type Own = ();
     type Sums = (Lanes3<L>, L);
-    type Out = Spread;
+    type Out = Concentration;
 
     #[inline(always)]
     fn own(&self, _: L::Machine, _: usize) {}
@@ -67,9 +67,15 @@ impl<L: Lanes, K: PairKernel<L>> Term<L> for Disorder<L, K> {
     }
 
     #[inline(always)]
-    fn finish(&self, _: usize, (gradient, divergence): Self::Sums, _: u32, out: &mut Spread) {
-        *out = Spread {
-            concentration_gradient: totals(gradient),
+    fn finish(
+        &self,
+        _: usize,
+        (gradient, divergence): Self::Sums,
+        _: u32,
+        out: &mut Concentration,
+    ) {
+        *out = Concentration {
+            gradient: totals(gradient),
             divergence: -divergence.sum(),
         };
     }

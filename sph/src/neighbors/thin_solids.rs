@@ -33,8 +33,8 @@ use crate::neighbors::cells::CellGrid;
 /// The side of a thin solid through which a wall particle is visible.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Facet {
-    /// Number of the thin solid, in the order of [`Fluid::add_screen`](crate::Fluid::add_screen).
-    pub screen: u32,
+    /// Number of the thin solid, in the order of [`Fluid::add_thin_solid`](crate::Fluid::add_thin_solid).
+    pub solid: u32,
     /// Number of the side.
     pub side: u32,
 }
@@ -42,7 +42,7 @@ pub struct Facet {
 impl Facet {
     /// No facet: a wall particle that is visible from everywhere.
     pub const NONE: Self = Self {
-        screen: u32::MAX,
+        solid: u32::MAX,
         side: u32::MAX,
     };
 }
@@ -62,7 +62,7 @@ const LEAST: f64 = 1e-6;
 
 /// Thin solids of a fluid at their current position.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Screens {
+pub(crate) struct ThinSolids {
     planes: Vec<Plane>,
     /// Side of its thin solid to which each belongs.
     sides: Vec<u32>,
@@ -86,11 +86,11 @@ pub(crate) struct Screens {
 /// A thin solid near a cell, and the next one there.
 #[derive(Clone, Copy, Debug)]
 struct Near {
-    screen: u32,
+    solid: u32,
     next: u32,
 }
 
-impl Screens {
+impl ThinSolids {
     /// Number of thin solids.
     pub(crate) fn len(&self) -> usize {
         self.ends.len()
@@ -129,7 +129,7 @@ impl Screens {
         grid: &CellGrid,
         reach: f64,
     ) {
-        let (screen, start) = (self.ends.len() as u32, self.planes.len());
+        let (solid, start) = (self.ends.len() as u32, self.planes.len());
         for (plane, side) in planes {
             self.planes.push(plane);
             self.sides.push(side);
@@ -156,7 +156,7 @@ impl Screens {
                     if next == 0 {
                         self.marked.push(cell as u32);
                     }
-                    self.entries.push(Near { screen, next });
+                    self.entries.push(Near { solid, next });
                     self.first[cell] = self.entries.len() as u32;
                 }
             }
@@ -180,23 +180,23 @@ impl Screens {
         std::iter::from_fn(move || {
             let entry = self.entries.get((at as usize).checked_sub(1)?)?;
             at = entry.next;
-            Some(entry.screen)
+            Some(entry.solid)
         })
     }
 
-    fn planes_of(&self, screen: u32) -> &[Plane] {
-        &self.planes[self.range_of(screen)]
+    fn planes_of(&self, solid: u32) -> &[Plane] {
+        &self.planes[self.range_of(solid)]
     }
 
-    fn range_of(&self, screen: u32) -> std::ops::Range<usize> {
-        let screen = screen as usize;
-        let start = screen.checked_sub(1).map_or(0, |before| self.ends[before]);
-        start as usize..self.ends[screen] as usize
+    fn range_of(&self, solid: u32) -> std::ops::Range<usize> {
+        let solid = solid as usize;
+        let start = solid.checked_sub(1).map_or(0, |before| self.ends[before]);
+        start as usize..self.ends[solid] as usize
     }
 
     /// Numbers of the faces of a side, among those of its thin solid.
     fn faces_of(&self, facet: Facet) -> impl Iterator<Item = usize> + Clone {
-        let sides = self.sides[self.range_of(facet.screen)].iter().enumerate();
+        let sides = self.sides[self.range_of(facet.solid)].iter().enumerate();
         sides.filter_map(move |(face, &side)| (side == facet.side).then_some(face))
     }
 
@@ -204,23 +204,23 @@ impl Screens {
     /// or if the entry is inside another solid.
     fn passage<'a>(
         &'a self,
-        screen: u32,
+        solid: u32,
         x: &'a Vec3,
         y: &'a Vec3,
     ) -> Option<(Passage<'a>, Option<Entry>)> {
-        let planes = self.planes_of(screen);
+        let planes = self.planes_of(solid);
         let passage = Passage::new(planes, x, y, EDGE * self.reach)?;
         let entry = entry(planes, x, y, SLACK * self.reach);
         let is_covered =
-            entry.is_some_and(|entry| self.covers(screen, &(x + (y - x) * entry.share)));
+            entry.is_some_and(|entry| self.covers(solid, &(x + (y - x) * entry.share)));
         (!is_covered).then_some((passage, entry))
     }
 
     /// Whether a point is in a solid that a thin solid extends into.
-    fn covers(&self, screen: u32, place: &Vec3) -> bool {
+    fn covers(&self, solid: u32, place: &Vec3) -> bool {
         let start_of = |ends: &[u32], k: usize| k.checked_sub(1).map_or(0, |k| ends[k] as usize);
-        let first = start_of(&self.cover_ends, screen as usize);
-        let mut covers = first..self.cover_ends[screen as usize] as usize;
+        let first = start_of(&self.cover_ends, solid as usize);
+        let mut covers = first..self.cover_ends[solid as usize] as usize;
         covers.any(|cover| {
             let planes = start_of(&self.covers, cover)..self.covers[cover] as usize;
             let mut planes = self.cover_planes[planes].iter();
@@ -229,7 +229,7 @@ impl Screens {
     }
 
     /// Mutual visibility of two particles, from 0 to 1; `cell` is that of one of them.
-    pub(crate) fn share_seen(&self, cell: usize, x: &Vec3, y: &Vec3) -> f64 {
+    pub(crate) fn visibility(&self, cell: usize, x: &Vec3, y: &Vec3) -> f64 {
         // the same answer whoever asks
         let (x, y) = if x.as_slice() <= y.as_slice() {
             (x, y)
@@ -237,10 +237,10 @@ impl Screens {
             (y, x)
         };
         let (mut n_crossed, mut share) = (0, 1.0);
-        for screen in self.near(cell) {
-            if let Some((passage, entry)) = self.passage(screen, x, y) {
+        for solid in self.near(cell) {
+            if let Some((passage, entry)) = self.passage(solid, x, y) {
                 n_crossed += usize::from(entry.is_some());
-                share *= 1.0 - passage.parted();
+                share *= 1.0 - passage.occlusion();
             }
         }
         if 1 < n_crossed { 0.0 } else { share }
@@ -248,26 +248,20 @@ impl Screens {
 
     /// Visibility of a wall particle at `wall`, behind a face or no face of a thin solid, from a particle at `x`, from 0 to 1;
     /// `cell` is that of one of them.
-    pub(crate) fn share_seen_of_wall(
-        &self,
-        cell: usize,
-        x: &Vec3,
-        wall: &Vec3,
-        facet: Facet,
-    ) -> f64 {
+    pub(crate) fn wall_visibility(&self, cell: usize, x: &Vec3, wall: &Vec3, facet: Facet) -> f64 {
         let (mut n_crossed, mut past_others, mut first_of_others) = (0, 1.0, f64::INFINITY);
         let mut own = None;
-        for screen in self.near(cell) {
-            let Some((passage, entry)) = self.passage(screen, x, wall) else {
+        for solid in self.near(cell) {
+            let Some((passage, entry)) = self.passage(solid, x, wall) else {
                 continue;
             };
             n_crossed += usize::from(entry.is_some());
             let at = entry.map_or(f64::INFINITY, |entry| entry.share);
-            if screen == facet.screen {
+            if solid == facet.solid {
                 let faces = self.faces_of(facet);
-                let share_in: f64 = faces.clone().map(|face| passage.share_in(face)).sum();
+                let entry_weight: f64 = faces.clone().map(|face| passage.entry_weight(face)).sum();
                 let hidden: f64 = faces.map(|face| passage.hidden_through(face)).sum();
-                own = Some((share_in, hidden, at));
+                own = Some((entry_weight, hidden, at));
             } else {
                 first_of_others = at.min(first_of_others);
                 past_others *= 1.0 - passage.hidden();
@@ -276,7 +270,7 @@ impl Screens {
         match own {
             _ if facet == Facet::NONE && n_crossed < 2 => past_others,
             // points behind the first of two thin solids are hidden, wherever the line of sight exits
-            Some((share_in, _, at)) if 1 < n_crossed && at < first_of_others => share_in,
+            Some((entry_weight, _, at)) if 1 < n_crossed && at < first_of_others => entry_weight,
             Some((_, hidden, _)) if n_crossed < 2 => hidden * past_others,
             _ => 0.0,
         }
@@ -378,21 +372,21 @@ impl<'a> Passage<'a> {
     }
 
     /// Fraction of a face in the entry.
-    fn share_in(&self, face: usize) -> f64 {
+    fn entry_weight(&self, face: usize) -> f64 {
         share_of(self.planes, face, (self.x, self.y), self.entries)
     }
 
     /// Fraction of a face in the exit.
-    fn share_out(&self, face: usize) -> f64 {
+    fn exit_weight(&self, face: usize) -> f64 {
         share_of(self.planes, face, (self.y, self.x), self.exits)
     }
 
     /// Fraction of the point at `y` hidden by the solid for a line of sight through one of its faces.
     fn hidden_through(&self, face: usize) -> f64 {
         if self.exits == 0.0 {
-            self.share_in(face)
+            self.entry_weight(face)
         } else {
-            self.parted_by(face)
+            self.occlusion_by(face)
         }
     }
 
@@ -403,25 +397,25 @@ impl<'a> Passage<'a> {
     }
 
     /// Separation of two particles by the solid. A particle inside is considered at the nearest face.
-    fn parted(&self) -> f64 {
+    fn occlusion(&self) -> f64 {
         let faces = 0..self.planes.len();
-        faces.map(|face| self.parted_by(face)).sum()
+        faces.map(|face| self.occlusion_by(face)).sum()
     }
 
     /// Separation of the two ends by a face and those opposite to it.
-    fn parted_by(&self, face: usize) -> f64 {
-        let share = self.share_in(face);
+    fn occlusion_by(&self, face: usize) -> f64 {
+        let share = self.entry_weight(face);
         if share == 0.0 {
             return 0.0;
         }
         let normal = &self.planes[face].0;
         let others = self.planes.iter().enumerate();
         let opposed = others.filter(|(_, (other, _))| are_opposed(normal, other));
-        let parted_by = |(other, _): (usize, &Plane)| match self.share_out(other) {
+        let occlusion_by = |(other, _): (usize, &Plane)| match self.exit_weight(other) {
             0.0 => 0.0,
-            share_out => share_out * self.past_edge(face, other),
+            exit_weight => exit_weight * self.past_edge(face, other),
         };
-        share * opposed.map(parted_by).sum::<f64>()
+        share * opposed.map(occlusion_by).sum::<f64>()
     }
 
     /// Penetration into the solid past the edge of two faces, from 0 to 1.
@@ -498,8 +492,8 @@ mod tests {
     }
 
     /// Separation of two particles.
-    fn parted(planes: &[Plane], x: &Vec3, y: &Vec3) -> f64 {
-        passage(planes, x, y).map_or(0.0, |passage| passage.parted())
+    fn occlusion(planes: &[Plane], x: &Vec3, y: &Vec3) -> f64 {
+        passage(planes, x, y).map_or(0.0, |passage| passage.occlusion())
     }
 
     /// Hidden fraction of the point at `y`, and its sum over the faces.
@@ -508,7 +502,7 @@ mod tests {
     }
 
     fn are_parted(x: Vec3, y: Vec3) -> bool {
-        0.9 < parted(&plate(), &x, &y)
+        0.9 < occlusion(&plate(), &x, &y)
     }
 
     fn is_hidden(x: Vec3, y: Vec3) -> bool {
@@ -568,10 +562,13 @@ mod tests {
                     );
                 } else {
                     // what is hidden of the wall is what water there does not see
-                    let parted = parted(&planes, &x, &y);
-                    assert!((0.0..1.0 + 1e-9).contains(&parted), "{x} {y} {parted}");
-                    assert_eq!(of_faces(&y), parted);
-                    n_shared += usize::from(0.01 < parted && parted < 0.99);
+                    let occlusion = occlusion(&planes, &x, &y);
+                    assert!(
+                        (0.0..1.0 + 1e-9).contains(&occlusion),
+                        "{x} {y} {occlusion}"
+                    );
+                    assert_eq!(of_faces(&y), occlusion);
+                    n_shared += usize::from(0.01 < occlusion && occlusion < 0.99);
                 }
             }
         }
@@ -589,8 +586,8 @@ mod tests {
         });
         let planes: Vec<(Plane, u32)> = faces.chain([((-Vec3::z(), 0.0), 1)]).collect();
         let bounds = (Vec3::new(-4.0, -4.0, 0.0), Vec3::new(4.0, 4.0, 1.0));
-        let mut screens = Screens::default();
-        screens.add(planes.iter().copied(), bounds, &grid, 2.0);
+        let mut thin_solids = ThinSolids::default();
+        thin_solids.add(planes.iter().copied(), bounds, &grid, 2.0);
         let only: Vec<Plane> = planes.iter().map(|(plane, _)| *plane).collect();
         let mut n_inside = 0;
         for [x, y] in scattered(20_000) {
@@ -600,7 +597,7 @@ mod tests {
             n_inside += 1;
             let cell = grid.cell_of(&x);
             let share =
-                |side: u32| screens.share_seen_of_wall(cell, &x, &y, Facet { screen: 0, side });
+                |side: u32| thin_solids.wall_visibility(cell, &x, &y, Facet { solid: 0, side });
             let (upper, lower) = (share(0), share(1));
             assert!(
                 (upper + lower - 1.0).abs() < 1e-9,
@@ -634,7 +631,7 @@ mod tests {
                     };
                     (of(&moved, 0) - of(&x, 0)).abs()
                 } else {
-                    (parted(&planes, &moved, &y) - parted(&planes, &x, &y)).abs()
+                    (occlusion(&planes, &moved, &y) - occlusion(&planes, &x, &y)).abs()
                 };
                 most = most.max(change / step);
             }
@@ -700,30 +697,30 @@ mod tests {
     }
 
     #[test]
-    fn the_nearer_of_two_screens_is_seen() -> Result<(), crate::FluidError> {
+    fn the_nearer_of_two_thin_solids_is_seen() -> Result<(), crate::FluidError> {
         let grid = grid()?;
         let bounds = (Vec3::new(-10.0, -10.0, -0.5), Vec3::new(10.0, 10.0, 0.5));
-        let mut screens = Screens::default();
+        let mut thin_solids = ThinSolids::default();
         let each_a_side = |planes: Vec<Plane>| planes.into_iter().zip(0..);
-        screens.add(each_a_side(plate()), bounds, &grid, 2.0);
+        thin_solids.add(each_a_side(plate()), bounds, &grid, 2.0);
         // the same plate, its middle 1.1 m higher
         let higher = plate().iter().map(|(n, o)| (*n, o + 1.1 * n.z)).collect();
         let raised = bounds.1 + Vec3::new(0.0, 0.0, 1.1);
-        screens.add(each_a_side(higher), (bounds.0, raised), &grid, 2.0);
+        thin_solids.add(each_a_side(higher), (bounds.0, raised), &grid, 2.0);
         let x = Vec3::new(0.0, 0.0, 1.7);
         let cell = grid.cell_of(&x);
-        let seen = |screens: &Screens, z: f64, screen: u32| {
-            let facet = Facet { screen, side: 4 };
-            0.5 < screens.share_seen_of_wall(cell, &x, &Vec3::new(0.0, 0.0, z), facet)
+        let seen = |thin_solids: &ThinSolids, z: f64, solid: u32| {
+            let facet = Facet { solid, side: 4 };
+            0.5 < thin_solids.wall_visibility(cell, &x, &Vec3::new(0.0, 0.0, z), facet)
         };
-        let sees_wall = |screens: &Screens, x: &Vec3, wall: &Vec3| {
-            0.5 < screens.share_seen_of_wall(cell, x, wall, Facet::NONE)
+        let sees_wall = |thin_solids: &ThinSolids, x: &Vec3, wall: &Vec3| {
+            0.5 < thin_solids.wall_visibility(cell, x, wall, Facet::NONE)
         };
-        let sees = |screens: &Screens, y: &Vec3| 0.5 < screens.share_seen(cell, &x, y);
-        assert!(seen(&screens, 0.4, 1) && !seen(&screens, 0.4, 0));
+        let sees = |thin_solids: &ThinSolids, y: &Vec3| 0.5 < thin_solids.visibility(cell, &x, y);
+        assert!(seen(&thin_solids, 0.4, 1) && !seen(&thin_solids, 0.4, 0));
         let deep = Vec3::new(0.0, 0.0, -1.0);
-        assert!(!sees_wall(&screens, &x, &deep));
-        assert!(!sees(&screens, &Vec3::new(0.0, 0.0, 0.55)));
+        assert!(!sees_wall(&thin_solids, &x, &deep));
+        assert!(!sees(&thin_solids, &Vec3::new(0.0, 0.0, 0.55)));
         // inside a solid that reaches over its upper side, and not beyond it, it hides nothing
         let mound = |half: f64| {
             let sides = [Vec3::x(), -Vec3::x()].map(|n| (n, half));
@@ -732,13 +729,13 @@ mod tests {
                 .chain([(Vec3::z(), 1.65), (-Vec3::z(), 0.0)])
         };
         let low = Vec3::new(0.0, 0.0, 1.0);
-        assert!(!sees_wall(&screens, &x, &low));
-        screens.cover(mound(0.3));
-        assert!(sees_wall(&screens, &x, &low) && !seen(&screens, 1.0, 1));
+        assert!(!sees_wall(&thin_solids, &x, &low));
+        thin_solids.cover(mound(0.3));
+        assert!(sees_wall(&thin_solids, &x, &low) && !seen(&thin_solids, 1.0, 1));
         let aside = Vec3::new(1.0, 0.0, 0.0);
-        assert!(!sees_wall(&screens, &(x + aside), &(low + aside)));
-        screens.clear();
-        assert!(!screens.are_near(cell) && sees(&screens, &deep));
+        assert!(!sees_wall(&thin_solids, &(x + aside), &(low + aside)));
+        thin_solids.clear();
+        assert!(!thin_solids.are_near(cell) && sees(&thin_solids, &deep));
         Ok(())
     }
 }

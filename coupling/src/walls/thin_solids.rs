@@ -1,7 +1,7 @@
 //! Thin solids: bodies so thin or sharp that water on their two sides would interact through them, with walls of particles.
 
 use riprap_dda::Blocks;
-use riprap_sph::boundary::screens::{Plane, are_opposed};
+use riprap_sph::boundary::thin_solids::{Plane, are_opposed};
 use riprap_sph::{Fluid, Vec3};
 
 use super::Part;
@@ -18,8 +18,8 @@ const MOVED: f64 = 0.1;
 /// Where fixed solids cover the foot of a plate, the thin solid continues through it: walls near there, with water
 /// on both sides in their support, extrapolate the pressure from their own side only. Not where a body lies on its side.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Screens {
-    screens: Vec<Screen>,
+pub(super) struct ThinSolids {
+    thin_solids: Vec<ThinSolid>,
     /// Fixed parts that may cover them, and their planes.
     fixed: Vec<Part>,
     fixed_planes: Vec<Vec<Plane>>,
@@ -33,7 +33,7 @@ pub(super) struct Screens {
 
 /// A convex part of a block.
 #[derive(Clone, Debug)]
-struct Screen {
+struct ThinSolid {
     block: usize,
     is_fixed: bool,
     /// In the frame of the block.
@@ -57,7 +57,7 @@ struct Screen {
     bounds: (Vec3, Vec3),
 }
 
-impl Screens {
+impl ThinSolids {
     /// Empty set, in front of these fixed parts, of which some faces are not ends; lengths in m.
     pub(super) fn new(
         fixed: &[Part],
@@ -65,7 +65,7 @@ impl Screens {
         (spacing, support_radius): (f64, f64),
     ) -> Self {
         Self {
-            screens: Vec::new(),
+            thin_solids: Vec::new(),
             fixed: fixed.to_vec(),
             fixed_planes: (fixed.iter().map(|part| part.planes(&seeming_ends(part)))).collect(),
             spacing,
@@ -93,7 +93,7 @@ impl Screens {
         };
         let is_fixed = blocks.is_fixed(block);
         let siblings = parts.iter().enumerate().filter(|&(k, _)| k != number);
-        let mut screen = Screen {
+        let mut solid = ThinSolid {
             block,
             is_fixed,
             part: local(&parts[number]),
@@ -111,18 +111,18 @@ impl Screens {
             planes: Vec::new(),
             bounds: (Vec3::zeros(), Vec3::zeros()),
         };
-        screen.look_for_cover(blocks, &self.fixed, (self.spacing, self.support_radius));
-        screen.note_start(blocks);
-        screen.place(blocks, (1.0, self.support_radius));
+        solid.look_for_cover(blocks, &self.fixed, (self.spacing, self.support_radius));
+        solid.note_start(blocks);
+        solid.place(blocks, (1.0, self.support_radius));
         self.are_new = true;
-        self.screens.push(screen);
-        self.screens.len() as u32 - 1
+        self.thin_solids.push(solid);
+        self.thin_solids.len() as u32 - 1
     }
 
     /// Appends the state to a byte buffer: the result of the last search, which is not done in every step.
     pub(super) fn save(&self, out: Vec<u8>) -> Saved {
-        let found = |s: &Screen| (s.looked_at, s.goes_on.clone(), s.reaches_into.clone());
-        let found: Vec<_> = self.screens.iter().map(found).collect();
+        let found = |s: &ThinSolid| (s.looked_at, s.goes_on.clone(), s.reaches_into.clone());
+        let found: Vec<_> = self.thin_solids.iter().map(found).collect();
         postcard::to_extend(&found, out)
     }
 
@@ -130,22 +130,22 @@ impl Screens {
     pub(super) fn read<'a>(&mut self, bytes: &'a [u8]) -> Read<'a> {
         type Found = (Vec3, Vec<bool>, Vec<usize>);
         let (found, rest) = postcard::take_from_bytes::<Vec<Found>>(bytes)?;
-        let fits = |(screen, found): (&Screen, &Found)| {
-            found.1.len() == screen.goes_on.len() && found.2.iter().all(|&k| k < self.fixed.len())
+        let fits = |(solid, found): (&ThinSolid, &Found)| {
+            found.1.len() == solid.goes_on.len() && found.2.iter().all(|&k| k < self.fixed.len())
         };
-        if found.len() != self.screens.len() || !self.screens.iter().zip(&found).all(fits) {
+        if found.len() != self.thin_solids.len() || !self.thin_solids.iter().zip(&found).all(fits) {
             return Err(postcard::Error::DeserializeBadEncoding);
         }
-        for (screen, found) in self.screens.iter_mut().zip(found) {
-            (screen.looked_at, screen.goes_on, screen.reaches_into) = found;
+        for (solid, found) in self.thin_solids.iter_mut().zip(found) {
+            (solid.looked_at, solid.goes_on, solid.reaches_into) = found;
         }
         Ok(rest)
     }
 
     /// Remembers where they are: before the blocks move.
     pub(super) fn note_start(&mut self, blocks: &Blocks) {
-        for screen in self.screens.iter_mut().filter(|screen| !screen.is_fixed) {
-            screen.note_start(blocks);
+        for solid in self.thin_solids.iter_mut().filter(|solid| !solid.is_fixed) {
+            solid.note_start(blocks);
         }
     }
 
@@ -161,31 +161,31 @@ impl Screens {
 
     fn place(&mut self, blocks: &Blocks, share: f64) {
         let Self {
-            screens,
+            thin_solids,
             fixed,
             spacing,
             support_radius,
             are_new,
             ..
         } = self;
-        for screen in screens.iter_mut().filter(|screen| !screen.is_fixed) {
-            screen.look_for_cover(blocks, fixed, (*spacing, *support_radius));
-            screen.place(blocks, (share, *support_radius));
+        for solid in thin_solids.iter_mut().filter(|solid| !solid.is_fixed) {
+            solid.look_for_cover(blocks, fixed, (*spacing, *support_radius));
+            solid.place(blocks, (share, *support_radius));
             *are_new = true;
         }
     }
 
     /// Passes them to the fluid, if it does not know their current position.
     pub(super) fn set_up(&mut self, fluid: &mut Fluid) {
-        if !self.are_new && fluid.n_screens() == self.screens.len() {
+        if !self.are_new && fluid.n_thin_solids() == self.thin_solids.len() {
             return;
         }
-        fluid.clear_screens();
-        for screen in &self.screens {
-            let planes = screen.planes.iter().zip(&screen.side_of);
-            fluid.add_screen(planes.map(|(&plane, &side)| (plane, side)), screen.bounds);
-            for &fixed in &screen.reaches_into {
-                fluid.cover_screen(self.fixed_planes[fixed].iter().copied());
+        fluid.clear_thin_solids();
+        for solid in &self.thin_solids {
+            let planes = solid.planes.iter().zip(&solid.side_of);
+            fluid.add_thin_solid(planes.map(|(&plane, &side)| (plane, side)), solid.bounds);
+            for &fixed in &solid.reaches_into {
+                fluid.cover_thin_solid(self.fixed_planes[fixed].iter().copied());
             }
         }
         self.are_new = false;
@@ -212,7 +212,7 @@ impl Part {
     }
 }
 
-impl Screen {
+impl ThinSolid {
     /// A face by its normal and one corner, where it is now.
     fn face_now(&self, (normal, corners): &(Vec3, Vec<Vec3>), blocks: &Blocks) -> (Vec3, Vec3) {
         let turn = blocks.orientation(self.block);
@@ -526,7 +526,7 @@ mod tests {
     #[test]
     fn plates_and_sharp_wedges_are_thin() {
         let support = 0.26;
-        for (part, is_screen) in [
+        for (part, is_thin) in [
             (cuboid([0.0; 3], [1.0, 1.0, 0.25]), true),
             (cuboid([0.0; 3], [1.0, 1.0, 0.27]), false),
             (wedge(25.0), true),
@@ -534,7 +534,7 @@ mod tests {
         ] {
             let open = vec![true; part.faces.len()];
             let is = thinness(&part, &open, &[], (0.1, support));
-            assert_eq!(is.is_thin, is_screen, "{part:?}");
+            assert_eq!(is.is_thin, is_thin, "{part:?}");
         }
         // 60 degrees leave 30 at the top; with that face covered the wedge is blunt
         let part = wedge(60.0);

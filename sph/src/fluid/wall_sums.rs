@@ -1,14 +1,17 @@
 //! Sums between the fluid and its walls: over wall points for some of the particles, over the fluid for some wall points.
 
-use super::forces::{Reactions, WallForces};
-use super::formulas::{Extrapolations, ExtrapolationsWithSlopes, Spreads, Strains, WallRates};
-use super::{Across, Formula, Neighborhood, Places, Setup, Shearing, run_term};
-use crate::neighbors::sweep::{Between, Receivers};
+use crate::neighbors::sweep::{PairKind, Receivers};
+use crate::terms::concentration::Concentration;
 use crate::terms::continuity::{Rate, RateOwn};
-use crate::terms::disorder::Spread;
 use crate::terms::extrapolation::Extrapolated;
 use crate::terms::gradient::StrainSums;
 use crate::terms::momentum::{ForceDensity, ForceOwn};
+use crate::terms::sums::formulas::{
+    Concentrations, Extrapolations, ExtrapolationsWithSlopes, Strains, WallRates,
+};
+use crate::terms::sums::{
+    Formula, Neighborhood, Places, Reactions, Setup, Shearing, WallForces, WallPairs, run_term,
+};
 use crate::{Fluid, Vec3};
 
 impl Fluid {
@@ -24,7 +27,7 @@ impl Fluid {
 
     /// Sums over the fluid for some of many wall points.
     fn to_places<'a>(&'a self, places: Places<'a>, chosen: &'a [u32]) -> Setup<'a> {
-        let between = Between::WallsAndParticles(places.facets);
+        let between = PairKind::WallsAndParticles(places.facets);
         Setup {
             settings: &self.settings,
             from: self.neighborhood(&self.scratch.points, between),
@@ -43,11 +46,11 @@ fn some<'a>(positions: &'a [Vec3], chosen: &'a [u32]) -> Receivers<'a> {
 }
 
 fn across<F: Formula>(setup: &Setup, formula: &F, out: &mut [F::Out]) {
-    run_term::<Across, F>(setup, formula, out);
+    run_term::<WallPairs, F>(setup, formula, out);
 }
 
 /// Rates of density of some particles from wall points, which hold velocity and volume.
-pub(crate) fn wall_rates(fluid: &Fluid, walls: Neighborhood, chosen: &[u32], out: &mut [Rate]) {
+pub(crate) fn rates(fluid: &Fluid, walls: Neighborhood, chosen: &[u32], out: &mut [Rate]) {
     let own = RateOwn {
         velocity: &fluid.particles.velocity,
         density: &fluid.particles.density,
@@ -56,23 +59,23 @@ pub(crate) fn wall_rates(fluid: &Fluid, walls: Neighborhood, chosen: &[u32], out
 }
 
 /// Gradient of velocity of some particles as far as wall points, which hold velocity and volume, make it.
-pub(crate) fn wall_strains(
-    fluid: &Fluid,
-    walls: Neighborhood,
-    chosen: &[u32],
-    out: &mut [StrainSums],
-) {
+pub(crate) fn strains(fluid: &Fluid, walls: Neighborhood, chosen: &[u32], out: &mut [StrainSums]) {
     let velocity = &fluid.particles.velocity;
     across(&fluid.to_some(walls, chosen), &Strains { velocity }, out);
 }
 
-/// Spread of some particles as far as wall points make it.
-pub(crate) fn wall_spreads(fluid: &Fluid, walls: Neighborhood, chosen: &[u32], out: &mut [Spread]) {
-    across(&fluid.to_some(walls, chosen), &Spreads, out);
+/// Concentration of some particles as far as wall points make it.
+pub(crate) fn concentrations(
+    fluid: &Fluid,
+    walls: Neighborhood,
+    chosen: &[u32],
+    out: &mut [Concentration],
+) {
+    across(&fluid.to_some(walls, chosen), &Concentrations, out);
 }
 
 /// Forces per volume of wall points, which hold velocity, pressure and volume, on some particles.
-pub(crate) fn wall_forces(
+pub(crate) fn forces(
     fluid: &Fluid,
     walls: Neighborhood,
     chosen: &[u32],
