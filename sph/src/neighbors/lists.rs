@@ -23,8 +23,8 @@ use crate::neighbors::cells::{CellGrid, MAX_RUNS, OWN_IMAGE, Run};
 use crate::neighbors::mirror::{Image, MOST_IMAGES, Mirrors, signs_in};
 use crate::neighbors::points::{Frame, Points};
 use crate::neighbors::rest::Rest;
-use crate::neighbors::sweep::{BUFFER, FILTER_MARGIN, Occlusion, Seen, Sources, Term};
-use crate::simd::lanes::{FILTER_WIDTH, Lanes, Machine, Sight, Task};
+use crate::neighbors::sweep::{BUFFER, FILTER_MARGIN, Occlusion, Receiver, Sources, Term};
+use crate::simd::lanes::{FILTER_WIDTH, FilterSphere, Lanes, Machine, Task};
 use crate::simd::lanes3::splat3;
 use crate::{CHUNK, Vec3};
 
@@ -259,20 +259,24 @@ where
         } = self;
         let scale = from.frame.quantum().map(|q| q as f32);
         let radius2 = (from.radius * from.radius * FILTER_MARGIN) as f32;
-        let nothing = points.nothing();
         let mut images = [Image::default(); MOST_IMAGES];
         let mut runs = [Run::default(); MAX_RUNS];
         ends.clear();
         spans.clear();
         *n_receivers = 0;
-        let mut n = 0;
+        let mut listed = Listed::<L> {
+            machine,
+            points,
+            ids,
+            n: 0,
+        };
         for (a, position) in (first..).zip(positions) {
             let rest = from.rests.get(a).copied().unwrap_or_default();
             if rest == Rest::Asleep {
                 ends.push(spans.len() as u32);
                 continue;
             }
-            let before = (spans.len(), n);
+            let before = (spans.len(), listed.n);
             let n_images = from
                 .mirrors
                 .images_within(position, from.reach, &mut images);
@@ -287,44 +291,73 @@ where
                 }
                 for runs in runs.chunk_by(|a, b| a.image == b.image) {
                     let shift = from.grid.image_shift(runs[0].image);
-                    let sight = Sight {
+                    let sphere = FilterSphere {
                         place: from.frame.place(&(image.position - shift)).quanta,
                         scale,
                         radius2,
                     };
-                    let start = n;
-                    for run in runs {
-                        let run = run.start as usize..run.end as usize;
-                        // the filter writes whole registers, and the last one is padded
-                        let room = n + run.len() + FILTER_WIDTH;
-                        if ids.len() < room {
-                            // water gathers a little more as it moves: an eighth to spare
-                            let room = room + room / 8;
-                            ids.reserve_exact(room - ids.len());
-                            ids.resize(room, nothing);
-                        }
-                        n = machine.filter(points.columns(), run, &sight, ids, n);
-                    }
-                    if start < n {
-                        let end = start + (n - start).next_multiple_of(L::WIDTH);
-                        ids[n..end].fill(nothing);
+                    if let Some((end, n_in_last)) = listed.add_within(&sphere, runs) {
                         spans.push(Span {
-                            end: end as u32,
-                            n_in_last: (L::WIDTH - (end - n)) as u8,
+                            end,
+                            n_in_last,
                             image: runs[0].image,
                             planes: image.planes,
                         });
-                        n = end;
                     }
                 }
             }
-            if rest == Rest::Beside && !ids[before.1..n].iter().any(|&b| is_awake(from.rests, b)) {
+            let mut found = listed.ids[before.1..listed.n].iter();
+            if rest == Rest::Beside && !found.any(|&b| is_awake(from.rests, b)) {
                 spans.truncate(before.0);
-                n = before.1;
+                listed.n = before.1;
             }
             *n_receivers += u64::from(before.0 < spans.len());
             ends.push(spans.len() as u32);
         }
+    }
+}
+
+/// Ids of a chunk while it is listed.
+struct Listed<'a, L: Lanes> {
+    machine: L::Machine,
+    points: &'a Points<L::Record>,
+    ids: &'a mut Vec<u32>,
+    /// Ids in use.
+    n: usize,
+}
+
+impl<L: Lanes> Listed<'_, L>
+where
+    L::Machine: Machine,
+    L::Record: Default,
+{
+    /// Appends the points of some runs in a sphere, padded to whole registers; returns the end of the last register and the
+    /// number of neighbors in it, `None` without any.
+    #[inline(always)]
+    fn add_within(&mut self, sphere: &FilterSphere, runs: &[Run]) -> Option<(u32, u8)> {
+        let nothing = self.points.nothing();
+        let start = self.n;
+        for run in runs {
+            let run = run.start as usize..run.end as usize;
+            // the filter writes whole registers, and the last one is padded
+            let room = self.n + run.len() + FILTER_WIDTH;
+            if self.ids.len() < room {
+                // water gathers a little more as it moves: an eighth to spare
+                let room = room + room / 8;
+                self.ids.reserve_exact(room - self.ids.len());
+                self.ids.resize(room, nothing);
+            }
+            let columns = self.points.columns();
+            self.n = self.machine.filter(columns, run, sphere, self.ids, self.n);
+        }
+        if self.n == start {
+            return None;
+        }
+        let end = start + (self.n - start).next_multiple_of(L::WIDTH);
+        self.ids[self.n..end].fill(nothing);
+        let n_in_last = (L::WIDTH - (end - self.n)) as u8;
+        self.n = end;
+        Some((end as u32, n_in_last))
     }
 }
 
@@ -391,24 +424,30 @@ where
                     term.mirror(&mut sums, &signs);
                 }
                 let place = span.seen_from(sources, &positions[a]);
-                let seen = Seen::<L>::new(machine, &sources.frame.place(&place), quanta);
+                let receiver = Receiver::<L>::new(machine, &sources.frame.place(&place), quanta);
                 let ids = &ids[start..span.end as usize];
                 match &sources.occlusion {
                     Some(occlusion) if OCCLUDED && occlusion.is_near(sources.grid, &place) => {
                         let listed = &ids[..ids.len() - L::WIDTH + usize::from(span.n_in_last)];
                         for listed in listed.chunks(BUFFER) {
-                            let receiver = (a, &place, radius2);
+                            let near = (a, &place, radius2);
                             let into = (&mut kept, &mut shares);
-                            let n = keep(occlusion, sources.grid, receiver, listed, into);
+                            let n = keep(occlusion, sources.grid, near, listed, into);
                             let found = (&mut kept, &shares, n);
-                            seen.add_all::<_, true>(term, &own, sources.points, found, &mut sums);
+                            receiver.add_all::<_, true>(
+                                term,
+                                &own,
+                                sources.points,
+                                found,
+                                &mut sums,
+                            );
                             n_found += n as u32;
                         }
                     }
                     _ => {
                         let mut near = 0;
                         for ids in ids.chunks_exact(L::WIDTH) {
-                            let pair = seen.pair(sources.points.records(), ids);
+                            let pair = receiver.pair(sources.points.records(), ids);
                             near = pair.r2.below(support2);
                             n_found += near.count_ones();
                             term.add(&own, &pair, ids, &mut sums);

@@ -15,7 +15,7 @@ use crate::neighbors::rest::Still;
 use crate::neighbors::thin_solids::{Facet, ThinSolids};
 use crate::scheme::Precision;
 use crate::simd::lanes::{
-    FILTER_WIDTH, Lanes, Machine, Place, Portable, RECORD, Record, Sight, Task,
+    FILTER_WIDTH, FilterSphere, Lanes, Machine, Place, Portable, RECORD, Record, Task,
 };
 use crate::simd::lanes3::{Lanes3, splat3};
 use crate::{CHUNK, Vec3};
@@ -254,7 +254,7 @@ where
         } = self;
         let reach = sources.support_radius + 2.0 * sources.moved;
         let radius2 = (sources.support_radius * sources.support_radius * FILTER_MARGIN) as f32;
-        let mut view = View::<L, T, OCCLUDED> {
+        let mut search = Search::<L, T, OCCLUDED> {
             machine,
             term,
             sources,
@@ -284,7 +284,7 @@ where
                     own = term.mirrored(&own, &signs);
                     term.mirror(&mut sums, &signs);
                 }
-                n_found += view.add_near(a, place, &own, &mut sums);
+                n_found += search.add_near(a, place, &own, &mut sums);
                 if 0 < k {
                     term.mirror(&mut sums, &splat3(machine, image.signs()));
                 }
@@ -296,7 +296,7 @@ where
 }
 
 /// Visible points of the receivers, one after the other.
-struct View<'a, L: Lanes, T: Term<L>, const OCCLUDED: bool> {
+struct Search<'a, L: Lanes, T: Term<L>, const OCCLUDED: bool> {
     machine: L::Machine,
     term: &'a T,
     sources: &'a Sources<'a, L::Record>,
@@ -312,7 +312,7 @@ struct View<'a, L: Lanes, T: Term<L>, const OCCLUDED: bool> {
     shares: [f64; BUFFER],
 }
 
-impl<L, T, const OCCLUDED: bool> View<'_, L, T, OCCLUDED>
+impl<L, T, const OCCLUDED: bool> Search<'_, L, T, OCCLUDED>
 where
     L: Lanes,
     L::Machine: Machine,
@@ -359,12 +359,12 @@ where
                     }
                     _ => found.len(),
                 };
-            let sight = Sight {
+            let sphere = FilterSphere {
                 place: place.quanta,
                 scale,
                 radius2,
             };
-            let seen = Seen::<L>::new(machine, &place, quanta);
+            let receiver = Receiver::<L>::new(machine, &place, quanta);
             let mut start = runs[from].start as usize;
             loop {
                 // as many candidates as the buffer surely holds
@@ -376,7 +376,7 @@ where
                         break;
                     }
                     let stop = end.min(start + room);
-                    n = machine.filter(points.columns(), start..stop, &sight, found, n);
+                    n = machine.filter(points.columns(), start..stop, &sphere, found, n);
                     start = stop;
                     if start == end {
                         from += 1;
@@ -384,7 +384,7 @@ where
                     }
                 }
                 n = keep_visible(&mut found[..n], shares);
-                seen.add_all::<_, OCCLUDED>(term, own, points, (found, shares, n), sums);
+                receiver.add_all::<_, OCCLUDED>(term, own, points, (found, shares, n), sums);
                 n_found += n as u32;
                 if n_runs <= from || runs[from].image != image {
                     break;
@@ -396,13 +396,13 @@ where
 }
 
 /// The receiver's position in an image.
-pub(crate) struct Seen<L: Lanes> {
+pub(crate) struct Receiver<L: Lanes> {
     machine: L::Machine,
     place: [L; 3],
     quanta: [L; 3],
 }
 
-impl<L: Lanes> Seen<L>
+impl<L: Lanes> Receiver<L>
 where
     L::Record: Default,
 {

@@ -133,7 +133,7 @@ pub(crate) trait Machine: Copy + Send + Sync {
         self,
         columns: &[Vec<i32>; 3],
         range: std::ops::Range<usize>,
-        from: &Sight,
+        from: &FilterSphere,
         found: &mut [u32],
         n: usize,
     ) -> usize;
@@ -141,13 +141,13 @@ pub(crate) trait Machine: Copy + Send + Sync {
 
 /// Work that a machine runs.
 pub(crate) trait Task {
-    /// Does it.
+    /// Runs the task with this instruction set.
     fn run(self);
 }
 
-/// Origin and radius of a filter.
+/// Sphere within which a filter keeps points.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Sight {
+pub(crate) struct FilterSphere {
     /// Quanta.
     pub place: [i32; 3],
     /// Meters per quantum.
@@ -287,7 +287,7 @@ impl Machine for Portable {
         self,
         [x, y, z]: &[Vec<i32>; 3],
         range: std::ops::Range<usize>,
-        from: &Sight,
+        from: &FilterSphere,
         found: &mut [u32],
         mut n: usize,
     ) -> usize {
@@ -610,7 +610,7 @@ mod avx2 {
 
     /// Mask of eight candidates within the radius.
     #[inline(always)]
-    fn near(machine: Avx2, [x, y, z]: [&[i32]; 3], from: &Sight, radius2: __m256) -> usize {
+    fn near(machine: Avx2, [x, y, z]: [&[i32]; 3], from: &FilterSphere, radius2: __m256) -> usize {
         let (avx, fma) = (machine.0.avx, machine.0.fma);
         let dx = offsets(machine, x, from.place[0], from.scale[0]);
         let dy = offsets(machine, y, from.place[1], from.scale[1]);
@@ -683,7 +683,7 @@ mod avx2 {
             self,
             columns: &[Vec<i32>; 3],
             range: std::ops::Range<usize>,
-            from: &Sight,
+            from: &FilterSphere,
             found: &mut [u32],
             mut n: usize,
         ) -> usize {
