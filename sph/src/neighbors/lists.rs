@@ -69,6 +69,16 @@ impl Span {
     const BYTES: usize = size_of::<Self>();
 }
 
+/// Chunks of receivers that a sum is for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Chosen {
+    All,
+    /// Those without a thin solid nearby.
+    Clear,
+    /// The others.
+    Occluded,
+}
+
 /// Input of neighbor lists.
 #[derive(Clone, Copy)]
 pub(crate) struct Surroundings<'a> {
@@ -149,14 +159,14 @@ impl Lists {
         self.is_made = true;
     }
 
-    /// Sums `term` over the neighbors of every particle into `out`; returns how many neighbors were found,
-    /// particles that meet themselves among them.
-    pub(crate) fn sum<L, T>(
+    /// Sums `term` over the neighbors of every particle of the chosen chunks into `out`; returns how many neighbors were
+    /// found, particles that meet themselves among them. `OCCLUDED` is needed for all chunks but clear ones.
+    pub(crate) fn sum<L, T, const OCCLUDED: bool>(
         &self,
         machine: L::Machine,
         term: &T,
         sources: &Sources<L::Record>,
-        positions: &[Vec3],
+        (positions, chosen): (&[Vec3], Chosen),
         out: &mut [T::Out],
     ) -> u64
     where
@@ -166,9 +176,15 @@ impl Lists {
         T: Term<L>,
     {
         debug_assert!(self.is_made && out.len() == positions.len());
+        let is_chosen = |lists: &ChunkLists, positions: &[Vec3]| match chosen {
+            Chosen::All => true,
+            Chosen::Clear => !lists.may_be_occluded(sources, positions),
+            Chosen::Occluded => lists.may_be_occluded(sources, positions),
+        };
         out.par_chunks_mut(CHUNK)
             .zip(&self.chunks)
             .enumerate()
+            .filter(|(chunk, (_, lists))| is_chosen(lists, &positions[chunk * CHUNK..]))
             .map(|(chunk, (out, lists))| {
                 let first = chunk * CHUNK;
                 let mut n_found = 0;
@@ -182,11 +198,7 @@ impl Lists {
                     out,
                     n_found: &mut n_found,
                 };
-                if lists.may_be_occluded(sources, &positions[first..]) {
-                    machine.run(Summing::<L, T, true>(work));
-                } else {
-                    machine.run(Summing::<L, T, false>(work));
-                }
+                machine.run(Summing::<L, T, OCCLUDED>(work));
                 n_found
             })
             .sum()
@@ -195,6 +207,7 @@ impl Lists {
 
 impl ChunkLists {
     /// Whether a thin solid may be between any of the receivers (m), or its images, and their neighbors.
+    #[inline(never)]
     fn may_be_occluded<R>(&self, sources: &Sources<R>, positions: &[Vec3]) -> bool {
         let Some(occlusion) = &sources.occlusion else {
             return false;
@@ -381,7 +394,7 @@ struct Work<'a, L: Lanes, T: Term<L>> {
 }
 
 /// Sums over the lists of a chunk, with or without thin solids: separate code, see
-/// [`sweep_as`](crate::neighbors::sweep::sweep_as).
+/// [`sweep`](crate::neighbors::sweep::sweep).
 struct Summing<'a, L: Lanes, T: Term<L>, const OCCLUDED: bool>(Work<'a, L, T>);
 
 impl<L, T, const OCCLUDED: bool> Task for Summing<'_, L, T, OCCLUDED>
@@ -398,13 +411,16 @@ where
             term,
             sources,
             positions,
-            lists: ChunkLists {
-                ends, spans, ids, ..
-            },
+            lists,
             first,
             out,
             n_found: total,
         } = self.0;
+        let occlusion = (sources.occlusion.as_ref())
+            .filter(|_| OCCLUDED && lists.may_be_occluded(sources, &positions[first..]));
+        let ChunkLists {
+            ends, spans, ids, ..
+        } = lists;
         let radius2 = sources.support_radius * sources.support_radius * FILTER_MARGIN;
         let support2 = L::splat(machine, radius2);
         let quanta = splat3(machine, sources.frame.quantum());
@@ -426,7 +442,7 @@ where
                 let place = span.seen_from(sources, &positions[a]);
                 let receiver = Receiver::<L>::new(machine, &sources.frame.place(&place), quanta);
                 let ids = &ids[start..span.end as usize];
-                match &sources.occlusion {
+                match occlusion {
                     Some(occlusion) if OCCLUDED && occlusion.is_near(sources.grid, &place) => {
                         let listed = &ids[..ids.len() - L::WIDTH + usize::from(span.n_in_last)];
                         for listed in listed.chunks(BUFFER) {

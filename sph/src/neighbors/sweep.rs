@@ -167,30 +167,9 @@ impl Receivers<'_> {
     }
 }
 
-/// Sums `term` over the neighbors of every receiver into `out`, one slot per receiver; returns how many
-/// neighbors were found, receivers that meet themselves among them.
-pub(crate) fn sweep<L, T>(
-    machine: L::Machine,
-    term: &T,
-    sources: &Sources<L::Record>,
-    receivers: Receivers,
-    out: &mut [T::Out],
-) -> u64
-where
-    L: Lanes,
-    L::Machine: Machine,
-    L::Record: Default,
-    T: Term<L>,
-{
-    if sources.occlusion.is_none() {
-        sweep_as::<L, T, false>(machine, term, sources, receivers, out)
-    } else {
-        sweep_as::<L, T, true>(machine, term, sources, receivers, out)
-    }
-}
-
-/// Sweep with or without the code for thin solids.
-pub(crate) fn sweep_as<L, T, const OCCLUDED: bool>(
+/// Sums `term` over the neighbors of every receiver into `out`, one slot per receiver, with or without the code for thin
+/// solids; returns how many neighbors were found, receivers that meet themselves among them.
+pub(crate) fn sweep<L, T, const OCCLUDED: bool>(
     machine: L::Machine,
     term: &T,
     sources: &Sources<L::Record>,

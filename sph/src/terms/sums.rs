@@ -11,11 +11,10 @@ use std::marker::PhantomData;
 use crate::Vec3;
 use crate::kernel::{AnyKernel, KernelChoice, PairKernel, PointKernel, WendlandC2};
 use crate::neighbors::cells::CellGrid;
-use crate::neighbors::lists::Lists;
+use crate::neighbors::lists::{Chosen, Lists};
 use crate::neighbors::points::Frame;
 use crate::neighbors::sweep::{
     AnyPoints, Occlusion, PackedIn, PairKind, Receivers, Sources, Sum, Term, dispatch, sweep,
-    sweep_as,
 };
 use crate::neighbors::thin_solids::{Facet, ThinSolids};
 use crate::settings::Settings;
@@ -92,8 +91,23 @@ impl Setup<'_> {
 
 /// Source of the neighbors of a sum: a type, so that unused combinations are not compiled.
 pub(crate) trait PairSource {
-    /// Sums a term into `out`; returns the number of neighbors.
-    fn sum<L, T>(setup: &Setup, machine: L::Machine, term: &T, out: &mut [T::Out]) -> u64
+    /// Whether [`Self::sum_clear`] applies.
+    fn has_clear(setup: &Setup) -> bool;
+
+    /// Sums a term into `out` for receivers without a thin solid nearby; returns the number of neighbors.
+    fn sum_clear<L, T>(setup: &Setup, machine: L::Machine, term: &T, out: &mut [T::Out]) -> u64
+    where
+        L: Registers,
+        T: Term<L>;
+
+    /// Sums a term into `out`, past thin solids; returns the number of neighbors.
+    fn sum<L, T>(
+        setup: &Setup,
+        machine: L::Machine,
+        term: &T,
+        chosen: Chosen,
+        out: &mut [T::Out],
+    ) -> u64
     where
         L: Registers,
         T: Term<L>;
@@ -103,16 +117,41 @@ pub(crate) trait PairSource {
 pub(crate) struct FluidPairs;
 
 impl PairSource for FluidPairs {
-    fn sum<L, T>(setup: &Setup, machine: L::Machine, term: &T, out: &mut [T::Out]) -> u64
+    fn has_clear(setup: &Setup) -> bool {
+        setup.lists.is_some()
+    }
+
+    fn sum_clear<L, T>(setup: &Setup, machine: L::Machine, term: &T, out: &mut [T::Out]) -> u64
+    where
+        L: Registers,
+        T: Term<L>,
+    {
+        let (sources, receivers) = (setup.sources(), setup.receivers);
+        setup.lists.map_or(0, |lists| {
+            let chosen = Chosen::Clear;
+            lists.sum::<L, T, false>(machine, term, &sources, (receivers.positions, chosen), out)
+        })
+    }
+
+    fn sum<L, T>(
+        setup: &Setup,
+        machine: L::Machine,
+        term: &T,
+        chosen: Chosen,
+        out: &mut [T::Out],
+    ) -> u64
     where
         L: Registers,
         T: Term<L>,
     {
         let (sources, receivers) = (setup.sources(), setup.receivers);
         match setup.lists {
-            Some(lists) => lists.sum::<L, T>(machine, term, &sources, receivers.positions, out),
+            Some(lists) => {
+                let receivers = (receivers.positions, chosen);
+                lists.sum::<L, T, true>(machine, term, &sources, receivers, out)
+            }
             // only particles that moved farther than the skin without a sort have none
-            None => sweep_as::<L, T, true>(machine, term, &sources, receivers, out),
+            None => sweep::<L, T, true>(machine, term, &sources, receivers, out),
         }
     }
 }
@@ -121,12 +160,24 @@ impl PairSource for FluidPairs {
 pub(crate) struct WallPairs;
 
 impl PairSource for WallPairs {
-    fn sum<L, T>(setup: &Setup, machine: L::Machine, term: &T, out: &mut [T::Out]) -> u64
+    fn has_clear(setup: &Setup) -> bool {
+        setup.from.occlusion.is_none()
+    }
+
+    fn sum_clear<L, T>(setup: &Setup, machine: L::Machine, term: &T, out: &mut [T::Out]) -> u64
     where
         L: Registers,
         T: Term<L>,
     {
-        sweep::<L, T>(machine, term, &setup.sources(), setup.receivers, out)
+        sweep::<L, T, false>(machine, term, &setup.sources(), setup.receivers, out)
+    }
+
+    fn sum<L, T>(setup: &Setup, machine: L::Machine, term: &T, _: Chosen, out: &mut [T::Out]) -> u64
+    where
+        L: Registers,
+        T: Term<L>,
+    {
+        sweep::<L, T, true>(machine, term, &setup.sources(), setup.receivers, out)
     }
 }
 
@@ -149,14 +200,19 @@ pub(crate) struct Summing<'a, L: Lanes, K, W, O> {
     machine: L::Machine,
     kernel: K,
     setup: &'a Setup<'a>,
+    chosen: Chosen,
     out: &'a mut [O],
-    way: PhantomData<W>,
+    source: PhantomData<W>,
 }
 
-impl<L: Registers, K, W: PairSource, O: Send> Summing<'_, L, K, W, O> {
-    /// Sums a term over the neighbors of every receiver; returns the number of neighbors.
+impl<L: Registers, K: PairKernel<L>, W: PairSource, O: Send> Summing<'_, L, K, W, O> {
+    /// Sums a term over the neighbors of the chosen receivers; returns the number of neighbors.
     fn of<T: Term<L, Out = O>>(self, term: &T) -> u64 {
-        W::sum::<L, T>(self.setup, self.machine, term, self.out)
+        if K::IS_SPECIALIZED {
+            W::sum_clear::<L, T>(self.setup, self.machine, term, self.out)
+        } else {
+            W::sum::<L, T>(self.setup, self.machine, term, self.chosen, self.out)
+        }
     }
 }
 
@@ -173,7 +229,7 @@ pub(crate) fn run_term<W: PairSource, F: Formula>(
         formula,
         out,
         n_found: &mut n_found,
-        way: PhantomData,
+        source: PhantomData,
     };
     dispatch(setup.settings.scheme.precision, sum);
     n_found
@@ -184,35 +240,40 @@ struct FormulaSum<'a, W, F: Formula> {
     formula: &'a F,
     out: &'a mut [F::Out],
     n_found: &'a mut u64,
-    way: PhantomData<W>,
+    source: PhantomData<W>,
 }
 
 impl<W: PairSource, F: Formula> FormulaSum<'_, W, F> {
-    fn with<L: Registers, K: PairKernel<L>>(self, machine: L::Machine) {
-        *self.n_found = self.formula.apply::<L, K, W>(Summing {
+    fn with<L: Registers, K: PairKernel<L>>(&mut self, machine: L::Machine, chosen: Chosen) {
+        *self.n_found += self.formula.apply::<L, K, W>(Summing {
             settings: self.setup.settings,
             machine,
             kernel: self.setup.kernel::<L, K>(machine),
             setup: self.setup,
+            chosen,
             out: self.out,
-            way: PhantomData,
+            source: PhantomData,
         });
     }
 }
 
 impl<W: PairSource, F: Formula> Sum for FormulaSum<'_, W, F> {
-    /// Wendland's kernel by itself where registers are fast, any kernel by its choice at run time elsewhere.
-    fn run<L>(self, machine: L::Machine)
+    /// Sums with Wendland's kernel in fast registers and away from thin solids have code of their own. All others choose
+    /// kernel and terms at run time, and look for thin solids even if there are none: one copy for all of them.
+    fn run<L>(mut self, machine: L::Machine)
     where
         L: Lanes,
         L::Machine: Machine,
         L::Record: Default + PackedIn,
     {
-        match self.setup.settings.scheme.kernel {
-            KernelChoice::WendlandC2 if L::IS_SPECIALIZED => {
-                self.with::<L, WendlandC2<L>>(machine);
+        let is_usual = self.setup.settings.scheme.kernel == KernelChoice::WendlandC2;
+        if L::IS_SPECIALIZED && is_usual && W::has_clear(self.setup) {
+            self.with::<L, WendlandC2<L>>(machine, Chosen::Clear);
+            if self.setup.from.occlusion.is_some() {
+                self.with::<L, AnyKernel<L>>(machine, Chosen::Occluded);
             }
-            _ => self.with::<L, AnyKernel<L>>(machine),
+        } else {
+            self.with::<L, AnyKernel<L>>(machine, Chosen::All);
         }
     }
 }
