@@ -1,10 +1,12 @@
 //! Polyhedra and surfaces: topology, measures, cuts and distances.
 
 pub(crate) mod block_quality;
+pub(crate) mod clip;
 pub(crate) mod cut;
 pub(crate) mod distance;
 pub(crate) mod measure;
 pub(crate) mod parts;
 pub(crate) mod polyhedron;
+pub(crate) mod quadrature;
 pub(crate) mod shape;
 pub(crate) mod surface;

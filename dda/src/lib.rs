@@ -91,6 +91,7 @@ pub use contact::detection::common_plane::{
 pub use contact::report::{Contact, ContactState};
 pub use error::{BlockError, StepError};
 pub use geometry::block_quality::BlockQuality;
+pub use geometry::clip::clipped_polygon;
 pub use geometry::cut::Plane;
 pub use geometry::distance::SurfacePoint;
 pub use geometry::measure::{MassProperties, face_area, mass_properties, volume};

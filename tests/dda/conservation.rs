@@ -119,7 +119,7 @@ fn rocking() {
 #[test]
 fn tumbling_hull() {
     for (scaling, material) in scalings(3e7) {
-        let mut random = Random(17);
+        let mut random = Random::new(17);
         let mut worst = 0.0_f64;
         for _ in 0..6 {
             let hull = random.hull();
@@ -196,7 +196,7 @@ fn piston_pushes_a_block() {
 }
 
 pub fn pile(n: usize) -> Vec<BlockDefinition> {
-    let mut random = Random(7);
+    let mut random = Random::new(7);
     let mut definitions = vec![floor()];
     for wall in [
         ([-3.0, -3.0, -0.1], [-1.6, 3.0, 6.0]),

@@ -65,7 +65,7 @@ fn restitution() {
 /// D18: collisions of free bodies keep P and L.
 #[test]
 fn collisions_keep_momentum() {
-    let mut random = Random(5);
+    let mut random = Random::new(5);
     for _ in 0..10 {
         let mut first = block(random.hull(), Motion::Free);
         let mut second = block(
@@ -553,7 +553,7 @@ fn halves_see_no_deeper_than_the_whole() {
     let across = Vec3::new(-0.65, -0.33, 0.69).normalize();
     let seam = riprap_dda::Plane::through(&Vec3::zeros(), &across);
     let (below, above) = whole.cut(&seam).unwrap().unwrap();
-    let mut random = Random(8);
+    let mut random = Random::new(8);
     for bend in [0.0, 0.002] {
         let mut n_touching = 0;
         for trial in 0..2000 {

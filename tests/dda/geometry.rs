@@ -22,7 +22,7 @@ fn to_parry(body: &Polyhedron) -> ConvexPolyhedron {
 
 #[test]
 fn distance_is_parrys() {
-    let mut random = Random(1);
+    let mut random = Random::new(1);
     let mut worst = 0.0_f64;
     let (mut n_face, mut n_edge) = (0, 0);
     for _ in 0..100 {
@@ -111,7 +111,7 @@ fn brute_force_gap(a: &Polyhedron, b: &Polyhedron) -> f64 {
 /// D17.
 #[test]
 fn common_plane_is_exact() {
-    let mut random = Random(2);
+    let mut random = Random::new(2);
     let (mut n, mut fast_misses, mut misses, mut n_disagree) = (0, 0, 0, 0);
     let (mut fast_worst, mut worst) = (0.0_f64, 0.0_f64);
     while n < 20_000 {
@@ -144,7 +144,7 @@ fn common_plane_is_exact() {
 /// Mass properties of random hulls turn as tensors do.
 #[test]
 fn moments_turn_with_the_body() {
-    let mut random = Random(3);
+    let mut random = Random::new(3);
     for _ in 0..50 {
         let hull = random.hull();
         let placement: Isometry = random.placement(3.0);

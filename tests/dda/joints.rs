@@ -268,7 +268,7 @@ fn refusals_state_the_number_of_blocks() {
         Err(JointError::TooMany { expected, .. }) => expected,
         other => panic!("{other:?}"),
     };
-    let mut random = Random(3);
+    let mut random = Random::new(3);
     let counts: Vec<f64> = (0..40)
         .map(|_| {
             let mass = cut_by_joints(body(), &sets(random.vector() * 10.0), 1, 10_000).unwrap();

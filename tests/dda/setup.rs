@@ -108,16 +108,15 @@ pub fn ledger(energies: &Energies) -> f64 {
 }
 
 /// Reproducible numbers in [0, 1).
-pub struct Random(pub u64);
+pub struct Random(riprap_dda::Random);
 
 impl Random {
+    pub fn new(seed: u64) -> Self {
+        Self(riprap_dda::Random::new(seed))
+    }
+
     pub fn next(&mut self) -> f64 {
-        // splitmix64
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
+        self.0.uniform()
     }
 
     pub fn vector(&mut self) -> Vec3 {

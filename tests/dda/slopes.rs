@@ -108,7 +108,7 @@ fn fast_common_plane_alone() {
 /// The same slide on a plane that really dips, turned by a random amount about the vertical.
 #[test]
 fn truly_inclined_plane() {
-    let mut random = Random(11);
+    let mut random = Random::new(11);
     for _ in 0..5 {
         let slope = 0.3 + 0.6 * random.next();
         let friction = 0.7 * slope.tan() * random.next();
@@ -205,7 +205,7 @@ fn observed(alpha: f64, delta: f64, phi: f64) -> Mode {
 /// Two hundred random blocks: all in the mode of the kinetic chart outside of a band of 1 % around its boundaries.
 #[test]
 fn modes_of_a_block_on_a_slope() {
-    let mut random = Random(3);
+    let mut random = Random::new(3);
     let (mut n, mut wrong) = (0, Vec::new());
     while n < 200 {
         let alpha = (10.0 + 50.0 * random.next()).to_radians();
@@ -360,7 +360,7 @@ fn wedges_on_two_planes() {
 /// Twenty random wedges that rest on both planes.
 #[test]
 fn random_wedges() {
-    let mut random = Random(21);
+    let mut random = Random::new(21);
     let mut n = 0;
     while n < 20 {
         let n1 = plane_normal(35.0 + 35.0 * random.next(), 20.0 + 60.0 * random.next());

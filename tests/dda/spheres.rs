@@ -718,7 +718,7 @@ fn ball_rolls_over_a_seam_without_a_kick() {
 
 #[test]
 fn balls_of_many_sizes_come_to_rest() {
-    let mut random = Random(7);
+    let mut random = Random::new(7);
     let material = Material {
         restitution: 0.3,
         rolling_friction: 0.1,

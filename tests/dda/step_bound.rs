@@ -100,7 +100,7 @@ fn bound_against_eigenvalues() {
         shear_damping_ratio: 0.0,
         ..Settings::default()
     };
-    let mut random = Random(9);
+    let mut random = Random::new(9);
     let (mut n, mut sum, mut largest, mut error) = (0, 0.0, 0.0_f64, 0.0_f64);
     while n < 1000 {
         let Some(blocks) = pile(&mut random, settings) else {

@@ -13,7 +13,7 @@ use riprap_dda::{
 
 /// A surface over a grid of points, each moved in its cell, at the heights of a function.
 fn raster(n: usize, width: f64, shake: f64, height: impl Fn(f64, f64) -> f64) -> Surface {
-    let mut random = Random(3);
+    let mut random = Random::new(3);
     let at = |i: usize, j: usize| (j * (n + 1) + i) as u32;
     let mut vertices = Vec::new();
     for j in 0..=n {
@@ -138,7 +138,7 @@ fn block_follows_the_plane_whatever_its_triangles() {
     // The shear spring gives way by m g sin 30/(0.8 K) and swings about that, 3e-4 at most; the block leans.
     assert_below("crept", (stays - start - Vec3::z() * 0.5).norm(), 4e-4);
     // A hull meets the edges and corners of the mesh at all angles.
-    let hull = Random(5).hull();
+    let hull = Random::new(5).hull();
     let start = Vec3::new(-8.0, 0.2, 0.9);
     let (one, ..) = slide(1, hull.clone(), 25.0, start);
     let (many, ..) = slide(40, hull, 25.0, start);
@@ -151,7 +151,7 @@ fn block_follows_the_plane_whatever_its_triangles() {
 fn hulls_and_balls_bounce_on_rough_ground_and_keep_their_energy() {
     let rough =
         |x: f64, y: f64| 0.35 * (2.1 * x).sin() * (1.7 * y + 0.4).cos() + 0.05 * (x * x + y * y);
-    let mut random = Random(11);
+    let mut random = Random::new(11);
     for k in 0..4 {
         let body = if k < 2 {
             let place = Isometry::new(Vec3::new(0.3, -0.2, 2.0), random.vector());
@@ -282,7 +282,7 @@ fn other_side_of_a_thin_wall_does_not_push() {
 #[test]
 fn distance_to_a_surface() {
     let rough = raster(9, 6.0, 0.3, |x, y| 0.5 * (1.3 * x).sin() * y.cos());
-    let mut random = Random(2);
+    let mut random = Random::new(2);
     let brute = |x: &Vec3| {
         rough
             .triangles()

@@ -340,7 +340,7 @@ fn hits(length: Length) -> Result<Vec<Row>, Failure> {
         ("e = 0.5", 0.5),
         ("e = 0", 0.0),
     ] {
-        let mut random = Random(2026);
+        let mut random = Random::new(2026);
         let mut found = Hits::default();
         for k in 0..n {
             hit(k % 4, share, &mut random, &mut found)?;

@@ -111,7 +111,7 @@ fn slender(length: Length) -> Result<Vec<Row>, Failure> {
         let aspects = decades(10.0, length.choose(1e4, 1e6), 10.0_f64.sqrt());
         let margin = sweep(&aspects, 2, |a| {
             // drawn again for each, so that every aspect sees the same drops
-            let mut random = Random(3);
+            let mut random = Random::new(3);
             let mut off = 0.0;
             let n = 3;
             for _ in 0..n {

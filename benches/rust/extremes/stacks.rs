@@ -44,7 +44,7 @@ fn standing(n: u32, stiffness: f64, offset: f64) -> Result<Blocks, Failure> {
         restitution: 0.2,
         ..rock()
     };
-    let mut random = crate::rock::Random(5);
+    let mut random = crate::rock::Random::new(5);
     let mut definitions = vec![floor()?];
     let mut sunk = 0.0;
     for k in 0..n {
@@ -141,7 +141,7 @@ fn at_chosen_stiffness(length: Length) -> Result<Row, Failure> {
     let mut chosen = Vec::new();
     let margin = sweep(&[10.0, 20.0, 50.0, 70.0, 100.0], length.choose(0, 2), |n| {
         let n = n.round() as u32;
-        let mut random = crate::rock::Random(5);
+        let mut random = crate::rock::Random::new(5);
         let mut cubes = String::new();
         for k in 0..n {
             let (x, y) = (1e-3 * random.vector().x, 1e-3 * random.vector().y);

@@ -115,7 +115,7 @@ fn systems() -> Result<Vec<(&'static str, Blocks)>, Failure> {
 fn grows(system: &Blocks, share: f64) -> f64 {
     let mut blocks = system.clone();
     let mut twin = system.clone();
-    let mut random = Random(1);
+    let mut random = Random::new(1);
     let push: Vec<Load> = (0..blocks.n_blocks())
         .map(|b| Load {
             force: random.vector() * (1e-9 * blocks.mass(b)),
@@ -205,7 +205,7 @@ fn blocks(_: Length) -> Result<Vec<Row>, Failure> {
 fn periodic(scheme: Scheme, speed: impl Fn(&Vec3) -> Vec3, jitter: f64) -> Result<Fluid, Failure> {
     let n = 12;
     let dp = 1.0 / f64::from(n);
-    let mut random = Random(3);
+    let mut random = Random::new(3);
     let mut start = Start::default();
     for k in 0..n * n * n {
         let place = Vec3::new(f64::from(k % n), f64::from(k / n % n), f64::from(k / n / n));
@@ -301,7 +301,7 @@ fn water(length: Length) -> Result<Vec<Row>, Failure> {
         ("Standard", Scheme::standard(), 1.54),
     ] {
         let grows = |share: f64| -> f64 {
-            let mut random = Random(9);
+            let mut random = Random::new(9);
             let noise = std::cell::RefCell::new(&mut random);
             let flow = |_: &Vec3| noise.borrow_mut().vector() * 1e-6;
             let Ok(mut fluid) = periodic(scheme, flow, 0.0) else {

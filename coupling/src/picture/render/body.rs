@@ -3,6 +3,7 @@
 use super::camera::{Camera, Panel};
 use crate::files::vtk::{PolyData, Values};
 use nalgebra::{Matrix3, Vector3};
+use riprap_dda::clipped_polygon;
 use std::collections::BTreeMap;
 
 /// Fraction of sampled lines of sight that a wall face may block before it is removed.
@@ -212,25 +213,9 @@ fn crosses(polygon: &[Vector3<f64>], from: Vector3<f64>, to: Vector3<f64>) -> bo
 
 /// The part of a convex polygon that lies in a panel, where the panel is shown.
 pub(crate) fn in_panel(polygon: &[Vector3<f64>], panel: &Panel) -> Vec<Vector3<f64>> {
-    let from = clip(polygon, |p| p[panel.axis] - panel.from);
-    let both = clip(&from, |p| panel.to - p[panel.axis]);
+    let from = clipped_polygon(polygon, |p| panel.from - p[panel.axis]);
+    let both = clipped_polygon(&from, |p| p[panel.axis] - panel.to);
     both.iter().map(|p| p + panel.shift).collect()
-}
-
-/// The part of a convex polygon where `inside` is positive (Sutherland & Hodgman 1974).
-fn clip(polygon: &[Vector3<f64>], inside: impl Fn(&Vector3<f64>) -> f64) -> Vec<Vector3<f64>> {
-    let mut kept = Vec::with_capacity(polygon.len() + 1);
-    for (i, p) in polygon.iter().enumerate() {
-        let q = &polygon[(i + 1) % polygon.len()];
-        let (a, b) = (inside(p), inside(q));
-        if a >= 0.0 {
-            kept.push(*p);
-        }
-        if (a < 0.0) != (b < 0.0) {
-            kept.push(p + (q - p) * (a / (a - b)));
-        }
-    }
-    kept
 }
 
 #[cfg(test)]

@@ -32,6 +32,8 @@
 //! exact for quadratics, so that energy, force and moment of a linear overlap are exact.
 
 use crate::contact::detection::common_plane::{Axis, AxisKind};
+use crate::geometry::clip::{Crossing, OnPlane, clip};
+use crate::geometry::quadrature::{self, Fan, FanPoint};
 use crate::material::Scaling;
 use crate::{Polyhedron, Vec3};
 use serde::{Deserialize, Serialize};
@@ -47,6 +49,18 @@ pub(crate) struct PatchPoint {
     pub weight: f64,
     /// Overlap; m.
     pub overlap: f64,
+}
+
+impl PatchPoint {
+    /// Point halfway between `x` on a face of normal `n` and the other body.
+    fn on_face(key: u32, (x, n): (Vec3, &Vec3), weight: f64, overlap: f64) -> Self {
+        Self {
+            key,
+            position: x + n * (0.5 * overlap),
+            weight,
+            overlap,
+        }
+    }
 }
 
 /// Corner of a clipped polygon and the name of the side that leaves it.
@@ -221,13 +235,17 @@ impl Patch {
             }
             let plane = (reference.body.face_normal(f), reference.body.face_offset(f));
             let area = self.fan_area(&plane.0);
-            let salt = salt(f, face, 0x85eb_ca6b).wrapping_add(salt(i, incident, 0x9e37_79b1));
+            let key_offset = facet_key_offset(f, face, 0x85eb_ca6b).wrapping_add(facet_key_offset(
+                i,
+                incident,
+                0x9e37_79b1,
+            ));
             let own = self.points.len();
-            self.push_corners(plane, per_angle * (area / flat_area), salt, is_bonded);
+            self.push_corners(plane, per_angle * (area / flat_area), key_offset, is_bonded);
             if !is_bonded {
                 self.clip(&plane.0, plane.1, WATERLINE);
             }
-            self.push_fan(plane, per_area, salt, own);
+            self.push_fan(&plane, per_area, key_offset, own);
         }
         if is_bonded {
             return;
@@ -246,9 +264,9 @@ impl Patch {
                 }
                 self.clip_by_sides(reference, (f, &n), other, side);
                 self.clip(&plane.0, plane.1, WATERLINE);
-                let salt =
-                    salt(f, face, 0x85eb_ca6b).wrapping_add(salt(side, incident, 0x9e37_79b1));
-                self.push_fan(plane, per_area, salt, self.points.len());
+                let key_offset = facet_key_offset(f, face, 0x85eb_ca6b)
+                    .wrapping_add(facet_key_offset(side, incident, 0x9e37_79b1));
+                self.push_fan(&plane, per_area, key_offset, self.points.len());
             }
         }
     }
@@ -258,7 +276,7 @@ impl Patch {
         &mut self,
         (n, offset): (Vec3, f64),
         per_angle: f64,
-        salt: u32,
+        key_offset: u32,
         is_bonded: bool,
     ) {
         let count = self.corners.len();
@@ -271,8 +289,10 @@ impl Patch {
             if overlap > 0.0 || is_bonded {
                 let (back, forth) = (here.x - before.x, next.x - here.x);
                 let turn = back.cross(&forth).norm().atan2(back.dot(&forth));
-                let key = corner_key(before, here).wrapping_add(salt);
-                self.push_point(key, here.x, &n, per_angle * turn, overlap);
+                let key = corner_key(before, here).wrapping_add(key_offset);
+                let weight = per_angle * turn;
+                self.points
+                    .push(PatchPoint::on_face(key, (here.x, &n), weight, overlap));
             }
         }
     }
@@ -308,30 +328,22 @@ impl Patch {
         }
     }
 
-    /// Keeps what lies on the side `normal · x ≤ offset`.
+    /// Keeps the side `normal · x ≤ offset`, `side` the name of the side that the plane makes.
     fn clip(&mut self, normal: &Vec3, offset: f64, side: u16) {
-        self.spare.clear();
-        let n = self.corners.len();
-        for k in 0..n {
-            let (from, to) = (self.corners[k], self.corners[(k + 1) % n]);
-            let (before, after) = (normal.dot(&from.x) - offset, normal.dot(&to.x) - offset);
-            let crossing = || from.x + (to.x - from.x) * (before / (before - after));
-            if before <= 0.0 {
-                self.spare.push(from);
-                if after > 0.0 {
-                    self.spare.push(Corner {
-                        x: crossing(),
-                        side,
-                    });
-                }
-            } else if after <= 0.0 {
-                self.spare.push(Corner {
-                    x: crossing(),
-                    side: from.side,
-                });
-            }
-        }
-        std::mem::swap(&mut self.corners, &mut self.spare);
+        clip(
+            (&mut self.corners, &mut self.spare),
+            OnPlane::Twice,
+            |corner| normal.dot(&corner.x) - offset,
+            |Crossing {
+                 from,
+                 to,
+                 share,
+                 is_leaving,
+             }| Corner {
+                x: from.x + (to.x - from.x) * share,
+                side: if is_leaving { side } else { from.side },
+            },
+        );
     }
 
     /// The corner that costs least area if it is dropped, and twice that area.
@@ -346,74 +358,64 @@ impl Patch {
             .min_by(|a, b| a.1.total_cmp(&b.1))
     }
 
-    fn middle(&self) -> Vec3 {
-        self.corners.iter().map(|corner| corner.x).sum::<Vec3>() / self.corners.len() as f64
-    }
-
-    /// Twice the projected area of the triangle of the middle and side k of the loop. Seen along −n
-    /// the loop of the other body's face runs clockwise.
-    fn triangle(&self, k: usize, middle: &Vec3, n: &Vec3) -> f64 {
-        let next = self.corners[(k + 1) % self.corners.len()].x;
-        (self.corners[k].x - middle)
-            .cross(&(next - middle))
-            .dot(n)
-            .abs()
-    }
-
+    /// Area of the polygon in the buffer, projected along `n`; m².
     fn fan_area(&self, n: &Vec3) -> f64 {
-        if self.corners.len() < 3 {
-            return 0.0;
-        }
-        let middle = self.middle();
-        (0..self.corners.len())
-            .map(|k| 0.5 * self.triangle(k, &middle, n))
-            .sum()
+        fan(&self.corners, n).map_or(0.0, |fan| fan.area())
     }
 
-    fn push_point(&mut self, key: u32, x: Vec3, n: &Vec3, weight: f64, overlap: f64) {
-        self.points.push(PatchPoint {
-            key,
-            position: x + n * (0.5 * overlap),
-            weight,
-            overlap,
-        });
-    }
-
-    /// Points of the polygon in the buffer, `per_area` the weight of a unit of area. The points of
-    /// different faces have different names by their `salt`; corners of the polygon that are among the
-    /// points already, from `own` on, are shared.
-    fn push_fan(&mut self, (n, offset): (Vec3, f64), per_area: f64, salt: u32, own: usize) {
-        let n = &n;
-        let count = self.corners.len();
-        let total = self.fan_area(n);
-        if count < 3 || total.is_nan() || total <= 0.0 {
+    /// Points of the polygon in the buffer, `per_area` the weight of a unit of area. The keys of different
+    /// facets differ by `key_offset`; corners of the polygon that are among the points already, from `own`
+    /// on, are shared.
+    fn push_fan(&mut self, plane: &(Vec3, f64), per_area: f64, key_offset: u32, own: usize) {
+        let (n, offset) = plane;
+        let Self {
+            points, corners, ..
+        } = self;
+        let Some(fan) = fan(corners, n) else { return };
+        let total = fan.area();
+        if total.is_nan() || total <= 0.0 {
             return;
         }
         self.area += total;
-        let middle = self.middle();
-        let overlap = |x: &Vec3| offset - n.dot(x);
-        let mut before = 0.5 * self.triangle(count - 1, &middle, n);
-        for k in 0..count {
-            let (previous, here) = (self.corners[(k + count - 1) % count], self.corners[k]);
-            let next = self.corners[(k + 1) % count];
-            let area = 0.5 * self.triangle(k, &middle, n);
-            // On the waterline there is no overlap and no force.
-            if here.side != WATERLINE && previous.side != WATERLINE {
-                let weight = (before + area) / 12.0 * per_area;
-                let key = corner_key(previous, here).wrapping_add(salt);
-                match self.points[own..].iter_mut().find(|point| point.key == key) {
-                    Some(corner) => corner.weight += weight,
-                    None => self.push_point(key, here.x, n, weight, overlap(&here.x)),
+        let count = corners.len();
+        fan.for_each_point(|at, x, area| {
+            let weight = area * per_area;
+            let name = match at {
+                FanPoint::Corner(k) => {
+                    let (previous, here) = (corners[(k + count - 1) % count], corners[k]);
+                    // On the waterline there is no overlap and no force.
+                    if here.side == WATERLINE || previous.side == WATERLINE {
+                        return;
+                    }
+                    corner_key(previous, here)
                 }
+                FanPoint::Triangle(k) => corner_key(corners[k], corners[k]),
+                FanPoint::Middle => u32::from(MIDDLE),
+            };
+            let key = name.wrapping_add(key_offset);
+            let is_shared = |point: &&mut PatchPoint| point.key == key;
+            if matches!(at, FanPoint::Corner(_))
+                && let Some(corner) = points[own..].iter_mut().find(is_shared)
+            {
+                corner.weight += weight;
+                return;
             }
-            let centroid = (middle + here.x + next.x) / 3.0;
-            let key = corner_key(here, here).wrapping_add(salt);
-            self.push_point(key, centroid, n, 0.75 * area * per_area, overlap(&centroid));
-            before = area;
-        }
-        let key = u32::from(MIDDLE).wrapping_add(salt);
-        self.push_point(key, middle, n, total / 12.0 * per_area, overlap(&middle));
+            let overlap = offset - n.dot(&x);
+            points.push(PatchPoint::on_face(key, (x, n), weight, overlap));
+        });
     }
+}
+
+impl quadrature::Corner for Corner {
+    fn position(&self) -> Vec3 {
+        self.x
+    }
+}
+
+/// Fan of a polygon with the areas projected along `n`; seen along −n the loop of the other body's face runs
+/// clockwise.
+fn fan<'a>(corners: &'a [Corner], n: &Vec3) -> Option<Fan<'a, Corner, impl Fn(&Vec3) -> f64>> {
+    Fan::new(corners, |cross: &Vec3| cross.dot(n).abs())
 }
 
 /// A face and those that are nearly coplanar with it, the face first.
@@ -427,8 +429,8 @@ fn is_facet(body: &Polyhedron, face: usize, other: usize) -> bool {
     face == other || body.face_normal(face).dot(&body.face_normal(other)) >= ALMOST_COPLANAR
 }
 
-/// Tells the points of a face from those of the main one.
-fn salt(face: usize, main: usize, factor: u32) -> u32 {
+/// Offset of the point keys of a facet from those of the main face.
+fn facet_key_offset(face: usize, main: usize, factor: u32) -> u32 {
     if face == main {
         0
     } else {

@@ -29,7 +29,9 @@ use crate::contact::penalty::spheres::BallOnSurface;
 use crate::contact::rates::Rates;
 use crate::contact::report::{Contact, ContactState, PointState};
 use crate::contact::tally::Tally;
+use crate::geometry::clip::{OnPlane, clip};
 use crate::geometry::parts::Part;
+use crate::geometry::quadrature::Fan;
 use crate::material::Scaling;
 use crate::material::SphereJoint;
 use crate::motion::kinematics::{Kinematics, Load};
@@ -621,7 +623,7 @@ impl PolyhedronTouch {
                 body.face_vertices(face)
                     .map(|v| body.vertices()[v as usize]),
             );
-            clip(wet, spare, &n, surface.offset(first));
+            cut(wet, spare, &n, surface.offset(first));
             let mut add = |polygon: &[Vec3], found: &mut Vec<Found>| {
                 let mut covered = 0.0;
                 integrate(polygon, |x, area| {
@@ -648,7 +650,7 @@ impl PolyhedronTouch {
             for &triangle in triangles.iter().filter(|&&t| surface.plane(t) == place) {
                 polygon.clone_from(wet);
                 for (outward, offset) in surface.divides(triangle) {
-                    clip(polygon, spare, outward, *offset);
+                    cut(polygon, spare, outward, *offset);
                 }
                 covered += add(polygon, found);
             }
@@ -757,45 +759,15 @@ fn work_of_normal_springs(
     points.iter().zip(normals).map(work).sum()
 }
 
-/// Points and areas (m²) that integrate quadratics over a convex polygon exactly, as in `patch`.
+/// Visits points and areas (m²) that integrate quadratics over a convex polygon exactly.
 fn integrate(polygon: &[Vec3], mut visit: impl FnMut(Vec3, f64)) {
-    let n = polygon.len();
-    if n < 3 {
-        return;
+    if let Some(fan) = Fan::new(polygon, Vec3::norm) {
+        fan.for_each_point(|_, x, area| visit(x, area));
     }
-    let middle = polygon.iter().sum::<Vec3>() / n as f64;
-    let area = |k: usize| {
-        let (a, b) = (polygon[k % n] - middle, polygon[(k + 1) % n] - middle);
-        0.5 * a.cross(&b).norm()
-    };
-    let mut total = 0.0;
-    let mut before = area(n - 1);
-    for k in 0..n {
-        let here = area(k);
-        visit(polygon[k], (before + here) / 12.0);
-        visit(
-            (middle + polygon[k] + polygon[(k + 1) % n]) / 3.0,
-            0.75 * here,
-        );
-        total += here;
-        before = here;
-    }
-    visit(middle, total / 12.0);
 }
 
-/// Keeps what lies on the side `normal · x ≤ offset` (Sutherland & Hodgman 1974).
-fn clip(polygon: &mut Vec<Vec3>, spare: &mut Vec<Vec3>, normal: &Vec3, offset: f64) {
-    spare.clear();
-    let n = polygon.len();
-    for k in 0..n {
-        let (from, to) = (polygon[k], polygon[(k + 1) % n]);
-        let (before, after) = (normal.dot(&from) - offset, normal.dot(&to) - offset);
-        if before <= 0.0 {
-            spare.push(from);
-        }
-        if (before < 0.0 && after > 0.0) || (before > 0.0 && after < 0.0) {
-            spare.push(from + (to - from) * (before / (before - after)));
-        }
-    }
-    std::mem::swap(polygon, spare);
+/// Keeps the side `normal · x ≤ offset`; corners on the plane once, as a point of no area would still be a contact.
+fn cut(polygon: &mut Vec<Vec3>, spare: &mut Vec<Vec3>, normal: &Vec3, offset: f64) {
+    let height = |x: &Vec3| normal.dot(x) - offset;
+    clip((polygon, spare), OnPlane::Once, height, |at| at.point());
 }

@@ -5,6 +5,7 @@
 
 use super::JointError;
 use crate::contact::detection::broad_phase::{Bounds, candidates, grown};
+use crate::geometry::clip::{OnPlane, clip};
 use crate::{BlockQuality, Polyhedron, Vec3, face_area, volume};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -211,26 +212,19 @@ fn corners(body: &Polyhedron, face: usize) -> impl Iterator<Item = Vec3> + '_ {
         .map(|v| body.vertices()[v as usize])
 }
 
-/// Area of a convex polygon inside a face, by cutting it along the sides of the face one by one
-/// (Sutherland & Hodgman 1974); m².
+/// Area of a convex polygon inside a face, clipped along the sides of the face one by one; m².
 fn common_area(mut polygon: Vec<Vec3>, body: &Polyhedron, face: usize) -> f64 {
     let normal = body.face_normal(face);
     let rim: Vec<Vec3> = corners(body, face).collect();
+    let mut spare = Vec::with_capacity(polygon.len() + 1);
     for (k, from) in rim.iter().enumerate() {
         let inward = normal.cross(&(rim[(k + 1) % rim.len()] - from));
-        let depth = |x: &Vec3| inward.dot(&(x - from));
-        let mut inside = Vec::with_capacity(polygon.len() + 1);
-        for (k, x) in polygon.iter().enumerate() {
-            let y = &polygon[(k + 1) % polygon.len()];
-            let (at_x, at_y) = (depth(x), depth(y));
-            if at_x >= 0.0 {
-                inside.push(*x);
-            }
-            if at_x * at_y < 0.0 {
-                inside.push(x + (y - x) * (at_x / (at_x - at_y)));
-            }
-        }
-        polygon = inside;
+        clip(
+            (&mut polygon, &mut spare),
+            OnPlane::Once,
+            |x| -inward.dot(&(x - from)),
+            |at| at.point(),
+        );
     }
     let Some(first) = polygon.first() else {
         return 0.0;
