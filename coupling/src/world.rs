@@ -12,11 +12,11 @@ pub mod ledger;
 mod progress;
 pub mod time_step;
 mod water;
+mod weakening;
 
 use riprap_dda::{Blocks, Load};
 use riprap_sph::{Stepping, Vec3};
 
-use crate::series::Series;
 use crate::world::bodies::{BlockPhase, Bodies, InWalls, movable};
 use crate::world::progress::{Held, Progress, Stopwatch};
 use crate::world::time_step::TimeStep;
@@ -25,6 +25,7 @@ pub use accounts::FluidImpulses;
 pub use error::StepError;
 pub use progress::{Clock, Extremes, PhaseTimes};
 pub use water::{Water, WaterBoundaries};
+pub use weakening::Weakening;
 
 /// Distance below which a block touches a plane of symmetry, over the size of the domain: digits that a user types.
 pub(crate) const TOUCH: f64 = 1e-9;
@@ -63,17 +64,6 @@ pub enum OutOfDomain {
     Remove,
     /// The step fails with an error that names it.
     Fail,
-}
-
-/// A joint that weakens.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Weakening {
-    /// Numbers of its two materials.
-    pub materials: (usize, usize),
-    /// Share of the tangent of its friction angles over time.
-    pub friction: Series,
-    /// Share of its cohesions over time.
-    pub cohesion: Series,
 }
 
 impl World {
@@ -213,15 +203,6 @@ impl World {
         self.progress.ledger.put_to_sleep(&lost);
         // sleeping water acts on awake water
         self.evaluate()
-    }
-
-    /// Weakens the joints by their series at the current time.
-    pub(crate) fn weaken(&mut self) {
-        let time = self.progress.clock.time;
-        for weakening in &self.weakenings {
-            let shares = (weakening.friction.at(time), weakening.cohesion.at(time));
-            self.blocks.weaken(weakening.materials, shares.0, shares.1);
-        }
     }
 
     /// Stepping of the fluid; kick-drift-kick for blocks alone.

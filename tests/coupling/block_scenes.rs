@@ -334,7 +334,8 @@ fn grains_become_balls() {
     let output = riprap(&["check", path.to_str().unwrap()]);
     let said = String::from_utf8_lossy(&output.stdout).into_owned();
     // cells of 0.22 m: 9 x 9 a layer; 81 spheres of 2600 π/6 0.2³ = 10.891 kg
-    let expected = "grains         `bead`: 81 spheres of 2.000e-1 to 2.000e-1 m, 8.822e2 kg together";
+    let expected =
+        "grains         `bead`: 81 spheres of 2.000e-1 to 2.000e-1 m, 8.822e2 kg together";
     assert!(said.contains(expected), "{said}");
     let out = folder.path().join("out");
     let summary = run(&path, &out, &[]);
