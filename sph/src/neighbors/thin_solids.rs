@@ -7,7 +7,7 @@
 //!
 //! - Two particles do not interact through a thin solid.
 //! - Every side of a thin solid, a face or some that curve away from each other, has its own wall particles behind it, as
-//!   deep as the support, even where the solid ends before that ([`sample_behind`](super::sampling::sample_behind)). They are
+//!   deep as the support, even where the solid ends before that ([`sample_behind`](crate::boundary::sampling::sample_behind)). They are
 //!   visible to a particle through a face of their side, if the line of sight crosses no other thin solid before.
 //! - Other wall particles are not visible through a thin solid.
 //!
