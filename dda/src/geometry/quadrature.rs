@@ -87,6 +87,7 @@ impl<'a, C: Corner, A: Fn(&Vec3) -> f64> Fan<'a, C, A> {
 }
 
 #[cfg(test)]
+#[expect(clippy::unwrap_used, reason = "a test may fail")]
 mod tests {
     use super::*;
 
