@@ -1,6 +1,8 @@
 //! Boxes of fluid and one way to step them.
 
-use riprap_sph::{Dimensions, Fluid, NegativePressure, NoBoundary, Scheme, Settings, Start, Vec3};
+use riprap_sph::{
+    Dimensions, Fluid, NegativePressure, NoBoundary, Scheme, Settings, Start, Stepping, Vec3,
+};
 
 /// A periodic box of lattice fluid, `n` spacings of 1 m/`n[0]` along each side.
 pub struct PeriodicBox {
@@ -12,10 +14,12 @@ pub struct PeriodicBox {
     pub time_step_factor: f64,
 }
 
-/// The published scheme with pressures below zero kept, for closed boxes without a free surface.
+/// The published scheme with pressures below zero kept, for closed boxes without a free surface, and by kick-drift-kick:
+/// it is its sums that are looked at, and with these steps it runs backwards.
 pub fn published(dynamic_viscosity: f64) -> Scheme {
     Scheme {
         negative_pressure: NegativePressure::Kept,
+        stepping: Stepping::KickDriftKick,
         ..Scheme::mueller2003(dynamic_viscosity)
     }
 }
