@@ -1,5 +1,7 @@
 //! The state of all blocks, struct of arrays; `build` constructs it, `query` reads it.
 
+pub(crate) mod accounts;
+pub(crate) mod attachments;
 mod balance;
 mod build;
 mod checkpoint;
@@ -7,11 +9,13 @@ mod constants;
 mod contacts;
 mod definition;
 mod derived;
+pub(crate) mod energy;
 pub(crate) mod links;
 mod outline;
 mod pairing;
-pub(crate) mod placement;
+mod placement;
 mod query;
+mod rest;
 mod scratch;
 mod state;
 mod state_numbers;
@@ -19,16 +23,15 @@ mod strength;
 mod totals;
 mod update;
 
-use crate::contact::detection::broad_phase::Bounds;
+use crate::geometry::bounds::Bounds;
 use crate::material::Joint;
 pub(crate) use crate::motion::update::Update;
-use crate::step::attachments::Surroundings;
 use crate::{Attachment, BlockError, Hold, Load, Turning, Vec3};
 pub(crate) use constants::Constants;
 pub(crate) use contacts::Contacts;
-pub use definition::{BlockDefinition, Settings};
+pub use definition::{BlockDefinition, Resting, Settings, StaticDamping};
 pub(crate) use derived::Derived;
-use nalgebra::Matrix3;
+pub(crate) use rest::Rest;
 use scratch::Scratch;
 pub(crate) use state::State;
 
@@ -124,32 +127,6 @@ impl Blocks {
         }
         self.evaluate_attachments(true);
         Ok(())
-    }
-
-    pub(crate) fn evaluate_attachments(&mut self, is_first: bool) {
-        if self.state.attachments.is_empty() {
-            return;
-        }
-        let mut attachments = std::mem::take(&mut self.state.attachments);
-        attachments.evaluate(
-            &Surroundings {
-                kinematics: &self.state.kinematics,
-                gradient: &|b| self.placement_gradient(b),
-                is_free: &|b| self.is_free(b),
-                deformable_of: &self.constants.deformable_of,
-                parts: &self.derived.parts,
-            },
-            is_first,
-        );
-        self.state.attachments = attachments;
-    }
-
-    /// World from the axes of the start: rotation, with strain where there is any.
-    fn placement_gradient(&self, block: usize) -> Matrix3<f64> {
-        match self.constants.deformable_of[block] {
-            None => *self.orientation(block).to_rotation_matrix().matrix(),
-            Some(k) => self.state.deformables[k as usize].body().gradient,
-        }
     }
 
     /// Takes a block out: it no longer moves, collides or counts in sums.

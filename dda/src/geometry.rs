@@ -1,6 +1,7 @@
 //! Polyhedra and surfaces: topology, measures, cuts and distances.
 
 pub(crate) mod block_quality;
+pub(crate) mod bounds;
 pub(crate) mod clip;
 pub(crate) mod cut;
 pub(crate) mod distance;

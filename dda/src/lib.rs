@@ -84,7 +84,10 @@ pub type Vec3 = nalgebra::Vector3<f64>;
 /// Rotation and translation.
 pub type Isometry = nalgebra::Isometry3<f64>;
 
-pub use blocks::{BlockDefinition, Blocks, Settings};
+pub use blocks::accounts::Impulses;
+pub use blocks::attachments::Attachment;
+pub use blocks::energy::Energies;
+pub use blocks::{BlockDefinition, Blocks, Resting, Settings, StaticDamping};
 pub use contact::detection::common_plane::{
     Axis, AxisKind, ContactDetection, SeparatingAxes, fast_common_plane, gap_along, separating_axes,
 };
@@ -112,10 +115,5 @@ pub use rock_mass::joint_sets::{
     JointError, JointSet, JointedMass, JointedUnion, MergedMass, SliverLimits, cut_by_joints,
     cut_union_by_joints, hull_within, merge_slivers, merge_union_slivers,
 };
-pub use step::accounts::Impulses;
-pub use step::attachments::Attachment;
-pub use step::damping::StaticDamping;
-pub use step::energy::Energies;
 pub use step::phase::Phase;
-pub use step::sleep::Resting;
 pub use step::step_bound::CriticalStep;

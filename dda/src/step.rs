@@ -4,7 +4,6 @@ pub(crate) mod accounts;
 pub(crate) mod attachments;
 pub(crate) mod central_difference;
 pub(crate) mod damping;
-pub(crate) mod energy;
 pub(crate) mod phase;
 pub(crate) mod sleep;
 pub(crate) mod stability;

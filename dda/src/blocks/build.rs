@@ -1,8 +1,8 @@
 //! Construction of a system of blocks: bodies about their centroids, in principal axes, with margins and limits.
 
 use super::definition::check_settings;
-use crate::contact::detection::broad_phase;
 use crate::contact::rates::BlockRates;
+use crate::geometry::bounds::{grown, overlap};
 use crate::geometry::parts::Part;
 use crate::material::Joint;
 use crate::motion::deformation::{
@@ -319,8 +319,8 @@ impl Blocks {
                 .iter()
                 .filter_map(|&other| match &placed[other] {
                     Part::Polyhedron(body) => {
-                        let is_near = broad_phase::overlap(
-                            &broad_phase::grown(&placed[part].aabb(), 1e-2 * body.size()),
+                        let is_near = overlap(
+                            &grown(&placed[part].aabb(), 1e-2 * body.size()),
                             &body.aabb(),
                         );
                         (other != part && is_near).then_some(&**body)

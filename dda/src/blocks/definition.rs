@@ -1,8 +1,7 @@
 //! Input of a system of blocks: block definitions and solver settings.
 
 use crate::{
-    BlockError, ContactDetection, Deformability, Motion, NormalLaw, Resting, RollingLaw, Shape,
-    StaticDamping, Vec3,
+    BlockError, ContactDetection, Deformability, Motion, NormalLaw, RollingLaw, Shape, Vec3,
 };
 
 /// Definition of a block.
@@ -62,6 +61,29 @@ impl Default for Settings {
             resting: None,
         }
     }
+}
+
+/// Criteria for putting blocks to sleep and waking them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Resting {
+    /// Largest displacement within `time` of a block at rest, of its centroid and of its corners by rotation, above 0; × size.
+    pub displacement: f64,
+    /// Time at rest before sleep, above 0; s.
+    pub time: f64,
+    /// Change of its load that wakes it, above 0; × weight.
+    pub load: f64,
+}
+
+/// Damping for statics; its dissipation is a separate term of the ledger.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum StaticDamping {
+    /// `f −= α m v`, α ≥ 0; 1/s.
+    MassProportional(f64),
+    /// `f −= α |f| sign(v)` for each component of force and torque, 0 ≤ α < 1. Source: Cundall (1987).
+    Local(f64),
+    /// `v := κ v` after each sub-step, 0 < κ ≤ 1: the dynamic coefficient of DDA, whose effect depends
+    /// on the step.
+    Kinetic(f64),
 }
 
 pub(super) fn check_settings(settings: &Settings) -> Result<(), BlockError> {

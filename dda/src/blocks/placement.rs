@@ -1,12 +1,13 @@
 //! From the state of the blocks to their kinematics and world geometry.
 
 use super::{CHUNK, Constants, Derived, State, Update};
-use crate::contact::detection::broad_phase::Bounds;
+use crate::geometry::bounds::Bounds;
 use crate::geometry::parts::Part;
 use crate::motion::deformation::{axial, symmetric};
 use crate::motion::kinematics::Kinematics;
+use crate::motion::rigid::{is_isotropic, rigid_kinematics};
 use crate::{Blocks, Isometry, Motion, Vec3, chunks};
-use nalgebra::{Matrix3, UnitQuaternion};
+use nalgebra::Matrix3;
 
 impl Blocks {
     /// Brings kinematics, world geometry and boxes up to date with the state; fixed blocks only if
@@ -172,32 +173,12 @@ impl Blocks {
             strain_rate: Some(symmetric(&gradient)),
         };
     }
-}
 
-/// Whether all moments are equal, as for a sphere.
-pub(crate) fn is_isotropic(inertia: &Vec3) -> bool {
-    inertia.x == inertia.y && inertia.y == inertia.z
-}
-
-fn rigid_kinematics(
-    (centroid, velocity, mass): (Vec3, Vec3, f64),
-    attitude: &UnitQuaternion<f64>,
-    angular_momentum: &Vec3,
-    inertia: &Vec3,
-) -> Kinematics {
-    let inverse = inertia.map(|moment| 1.0 / moment);
-    let inverse_inertia = if is_isotropic(inertia) {
-        Matrix3::from_diagonal(&inverse)
-    } else {
-        let turn = attitude.to_rotation_matrix();
-        turn.matrix() * Matrix3::from_diagonal(&inverse) * turn.matrix().transpose()
-    };
-    Kinematics {
-        centroid,
-        velocity,
-        spin: attitude * angular_momentum.component_mul(&inverse),
-        inverse_mass: 1.0 / mass,
-        inverse_inertia,
-        strain_rate: None,
+    /// Deformation gradient of a block, world from the initial axes: its rotation, with the strain of a deformable block.
+    pub(crate) fn placement_gradient(&self, block: usize) -> Matrix3<f64> {
+        match self.constants.deformable_of[block] {
+            None => *self.orientation(block).to_rotation_matrix().matrix(),
+            Some(k) => self.state.deformables[k as usize].body().gradient,
+        }
     }
 }

@@ -1,14 +1,14 @@
 //! State of the blocks: all that a run changes and a restart needs, contacts apart.
 
+use super::accounts::Accounts;
+use super::attachments::Attachments;
+use super::rest::Rest;
 use super::totals::Totals;
-use crate::contact::detection::broad_phase::Bounds;
 use crate::contact::rates::BlockRates;
+use crate::geometry::bounds::Bounds;
 use crate::material::Joint;
 use crate::motion::deformation::Deformable;
 use crate::motion::kinematics::Kinematics;
-use crate::step::accounts::Accounts;
-use crate::step::attachments::Attachments;
-use crate::step::sleep::Rest;
 use crate::{Load, Vec3};
 use nalgebra::{Matrix3, UnitQuaternion};
 use serde::{Deserialize, Serialize};

@@ -1,7 +1,7 @@
 //! Sums since t = 0: energies lost, work, impulses, counts.
 
+use super::energy::Account;
 use crate::Vec3;
-use crate::step::energy::Account;
 use serde::{Deserialize, Serialize};
 
 /// Sums over the steps since t = 0.

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use nalgebra::Matrix3;
 
-use crate::contact::detection::broad_phase::Bounds;
+use crate::geometry::bounds::Bounds;
 use crate::geometry::shape::sphere_surface_point;
 use crate::{Isometry, Polyhedron, Surface, SurfacePoint, Vec3};
 

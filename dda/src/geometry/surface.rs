@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use crate::contact::detection::broad_phase::Bounds;
+use crate::geometry::bounds::Bounds;
 use crate::{Isometry, SurfacePoint, Vec3};
 use parry3d_f64::{
     bounding_volume::{Aabb, BoundingVolume},

@@ -1,9 +1,8 @@
 //! The motion of a rigid block about its centroid.
 
 use crate::Vec3;
-use crate::blocks::placement::is_isotropic;
-use crate::motion::kinematics::{InternalMotion, Moment, flushed};
-use nalgebra::{Quaternion, UnitQuaternion};
+use crate::motion::kinematics::{InternalMotion, Kinematics, Moment, flushed};
+use nalgebra::{Matrix3, Quaternion, UnitQuaternion};
 
 /// One rigid block's columns, borrowed for a step.
 pub(crate) struct Rigid6<'a> {
@@ -26,6 +25,39 @@ impl InternalMotion for Rigid6<'_> {
 
     fn scale_velocities(&mut self, factor: f64) {
         self.angular_momentum.apply(|c| *c = flushed(*c * factor));
+    }
+}
+
+/// True if all principal moments of inertia are equal, as of a sphere.
+pub(crate) fn is_isotropic(inertia: &Vec3) -> bool {
+    inertia.x == inertia.y && inertia.y == inertia.z
+}
+
+/// Velocity, spin and compliance of a free rigid block.
+///
+/// ```text
+/// ω = Q J⁻¹ p,    I⁻¹ = Q J⁻¹ Qᵀ                                    [rad/s], [1/(kg m²)]
+/// ```
+pub(crate) fn rigid_kinematics(
+    (centroid, velocity, mass): (Vec3, Vec3, f64),
+    attitude: &UnitQuaternion<f64>,
+    angular_momentum: &Vec3,
+    inertia: &Vec3,
+) -> Kinematics {
+    let inverse = inertia.map(|moment| 1.0 / moment);
+    let inverse_inertia = if is_isotropic(inertia) {
+        Matrix3::from_diagonal(&inverse)
+    } else {
+        let turn = attitude.to_rotation_matrix();
+        turn.matrix() * Matrix3::from_diagonal(&inverse) * turn.matrix().transpose()
+    };
+    Kinematics {
+        centroid,
+        velocity,
+        spin: attitude * angular_momentum.component_mul(&inverse),
+        inverse_mass: 1.0 / mass,
+        inverse_inertia,
+        strain_rate: None,
     }
 }
 

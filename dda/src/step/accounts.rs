@@ -1,27 +1,6 @@
-//! Impulses on chosen blocks by source, summed over the steps.
+//! Impulses on chosen blocks by source: booked half a kick at a time.
 
-use crate::{Blocks, Load, Vec3};
-use serde::{Deserialize, Serialize};
-
-/// Impulses on a block since it was chosen, moments about its centroid, gravity aside; N s, N m s.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Impulses {
-    /// Of contacts.
-    pub contact: Load,
-    /// Of loads, supports and bolts.
-    pub attached: Load,
-    /// By constraints and static damping.
-    pub restrained: Load,
-    /// Of gravity.
-    pub gravity: Vec3,
-}
-
-/// The chosen blocks, in ascending order, and their accounts.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub(crate) struct Accounts {
-    blocks: Vec<u32>,
-    rows: Vec<Impulses>,
-}
+use crate::{Blocks, Impulses, Load};
 
 impl Blocks {
     /// Keeps accounts of some blocks from now on, of no others.

@@ -1,19 +1,7 @@
 //! Damping in the search for a static equilibrium. It is not physical: each kind acts against motion in the
 //! fixed frame, and only the final equilibrium of such a run is meaningful.
 
-use crate::Vec3;
-
-/// Damping for statics; its dissipation is a separate term of the ledger.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum StaticDamping {
-    /// `f −= α m v`, α ≥ 0; 1/s.
-    MassProportional(f64),
-    /// `f −= α |f| sign(v)` for each component of force and torque, 0 ≤ α < 1. Source: Cundall (1987).
-    Local(f64),
-    /// `v := κ v` after each sub-step, 0 < κ ≤ 1: the dynamic coefficient of DDA, whose effect depends
-    /// on the step.
-    Kinetic(f64),
-}
+use crate::{StaticDamping, Vec3};
 
 impl StaticDamping {
     /// Factor on all velocities after a sub-step of `dt` (s).

@@ -9,61 +9,12 @@
 //! A load includes contacts, attachments and external impulses (`apply_impulse`). Sleeping blocks support each other and blocks on
 //! them as fixed blocks do, so that a block pushed out from under others wakes them by the loss of support.
 
-use nalgebra::UnitQuaternion;
-use serde::{Deserialize, Serialize};
-
+use crate::blocks::Rest;
 use crate::motion::update::Update;
 use crate::{Blocks, Load, Vec3};
 
-/// Criteria for putting blocks to sleep and waking them.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Resting {
-    /// Largest displacement within `time` of a block at rest, of its centroid and of its corners by rotation, above 0; × size.
-    pub displacement: f64,
-    /// Time at rest before sleep, above 0; s.
-    pub time: f64,
-    /// Change of its load that wakes it, above 0; × weight.
-    pub load: f64,
-}
-
 /// The load that is watched is a mean over this share of the time that a block has to be at rest.
 const MEAN_OVER: f64 = 0.05;
-
-/// State of sleep of the blocks.
-#[derive(Clone, Debug, Default, Serialize, Deserialize)]
-pub(crate) struct Rest {
-    is_asleep: Vec<bool>,
-    /// Position of a block at the start of its rest.
-    since: Vec<(Vec3, UnitQuaternion<f64>)>,
-    /// For how long it has been; s.
-    calm: Vec<f64>,
-    /// Mean load.
-    mean: Vec<Load>,
-    /// That with which it fell asleep.
-    at_rest: Vec<Load>,
-    /// Last external load.
-    outside: Vec<Load>,
-}
-
-impl Rest {
-    pub(crate) fn has(&self, block: usize) -> bool {
-        self.is_asleep.get(block).copied().unwrap_or(false)
-    }
-
-    /// Forgets a block that is taken out.
-    pub(crate) fn leave(&mut self, block: usize) {
-        if let Some(is_asleep) = self.is_asleep.get_mut(block) {
-            *is_asleep = false;
-        }
-    }
-
-    /// Notes a load from outside, if anyone may sleep.
-    pub(crate) fn note_outside(&mut self, block: usize, load: &Load) {
-        if let Some(outside) = self.outside.get_mut(block) {
-            *outside = *load;
-        }
-    }
-}
 
 impl Blocks {
     /// Initializes sleep: all blocks are awake, and may sleep if enabled, except deformable, held and statically damped ones.

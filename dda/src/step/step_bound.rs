@@ -1,8 +1,8 @@
 //! The largest stable sub-step, and who sets it.
 
 use crate::blocks::CHUNK;
-use crate::blocks::placement::is_isotropic;
 use crate::contact::rates::{BlockRates, Listed};
+use crate::motion::rigid::is_isotropic;
 use crate::{Blocks, Motion, chunks};
 
 /// Turn of a step of a block whose moments of inertia differ: the energy of a free box of sides 1 : 0.6 : 0.3 then swings

@@ -4,7 +4,7 @@
 //! are a graph, and merging two blocks contracts an edge of it: areas add up without new measurement.
 
 use super::JointError;
-use crate::contact::detection::broad_phase::{Bounds, candidates, grown};
+use crate::geometry::bounds::{Bounds, candidates, grown};
 use crate::geometry::clip::{OnPlane, clip};
 use crate::{BlockQuality, Polyhedron, Vec3, face_area, volume};
 use std::collections::{BTreeMap, BTreeSet};

@@ -1,6 +1,7 @@
-//! Broad phase: pairs of overlapping bounding boxes, in a fixed order.
+//! Axis-aligned bounding boxes, and the pairs of them that overlap, in a fixed order.
 //!
-//! The boxes are fat: grown by a margin, so that the list stays right until a part leaves its box.
+//! The broad phase of contact asks with boxes grown by a margin: its list of pairs then remains complete until a part leaves
+//! its grown box.
 
 use crate::Vec3;
 use parry3d_f64::{
@@ -12,22 +13,24 @@ use parry3d_f64::{
 /// Lower and upper corner; m.
 pub(crate) type Bounds = (Vec3, Vec3);
 
-/// Do two boxes share a point?
+/// True if two boxes share a point.
 pub(crate) fn overlap(a: &Bounds, b: &Bounds) -> bool {
     (0..3).all(|k| a.0[k] <= b.1[k] && b.0[k] <= a.1[k])
 }
 
-/// Does the first box hold the second?
+/// True if the second box lies within the first.
 pub(crate) fn holds(outer: &Bounds, inner: &Bounds) -> bool {
     (0..3).all(|k| outer.0[k] <= inner.0[k] && inner.1[k] <= outer.1[k])
 }
 
+/// A box enlarged by a margin (m) on every side.
 pub(crate) fn grown(bounds: &Bounds, margin: f64) -> Bounds {
     (bounds.0.add_scalar(-margin), bounds.1.add_scalar(margin))
 }
 
-/// Pairs (lower, higher) of boxes that overlap and are wanted, sorted. Near-linear in the number
-/// of boxes: a tree of bounding volumes, asked once per box that `can_move`.
+/// Pairs (lower, higher) of boxes that overlap and are wanted, at least one of which can move; sorted.
+///
+/// Almost linear in the number of boxes: a tree of bounding volumes, queried once for each box that `can_move`.
 pub(crate) fn candidates(
     boxes: &[Bounds],
     can_move: &[bool],
@@ -48,7 +51,7 @@ pub(crate) fn candidates(
     for (i, leaf) in leaves.iter().enumerate().filter(|(i, _)| can_move[*i]) {
         for j in tree.leaves(|node| node.aabb().intersects(leaf)) {
             let (low, high) = (j.min(i as u32), j.max(i as u32));
-            // A pair of two that move is found from both: the lower one lists it.
+            // a pair of which both can move is found twice: from the lower one it is listed
             let is_first = !can_move[j as usize] || (i as u32) < j;
             if low != high
                 && is_first
