@@ -5,7 +5,7 @@
 //! ```text
 //! G(k) = Σ V ∇W sin k·r               ω = c₀ |G|                         sound                        [rad/s]
 //! D(k) = 2 δ h c₀ Σ V |W'|/r (1 − cos k·r − ½ g·r sin k·r)               diffusion of the density     [1/s]
-//! (dt/2)² ω² + dt/2 D ≤ 1                                                kick-drift-kick bears it
+//! (dt/2)² ω² + dt/2 D ≤ 1                                                stability of kick-drift-kick
 //! ```
 //! `g = Σ V ∇W sin k·r` is the mean density gradient removed by Antuono's diffusion; for the other diffusions
 //! g = 0. The limit is the minimum over all k resolved by the lattice. Walls and free surfaces reduce it by 1 to 4 %,

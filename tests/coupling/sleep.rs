@@ -195,11 +195,11 @@ fn a_solitary_wave_is_the_same_in_water_that_sleeps_before_it() {
     let [with, without] = compared(worlds, 7.0, 2.0, &points);
     let (energy, expected) = (with.energy(), without.energy());
     println!(
-        "energy residual {:.3e} for {:.3e} of {:.3e} J, laid to rest {:.3e} J; momentum {:.1e} for {:.1e}",
+        "energy residual {:.3e} for {:.3e} of {:.3e} J, lost to sleep {:.3e} J; momentum {:.1e} for {:.1e}",
         energy.residual,
         expected.residual,
         energy.external_work,
-        energy.laid_to_rest,
+        energy.sleep_loss,
         with.momentum_residual(),
         without.momentum_residual()
     );
@@ -308,7 +308,7 @@ fn water_that_has_calmed_down_sleeps_again_and_wakes_again() {
     );
     // beside the paddle it never sleeps
     assert!(start.1 < n / 4 && n / 2 < stroke.1 && calm.0 < n / 4 && n / 2 < again.1);
-    assert!(0.0 < world.energy().laid_to_rest);
+    assert!(0.0 < world.energy().sleep_loss);
 }
 
 #[test]

@@ -64,12 +64,12 @@ fn a_stack_at_rest_sleeps() {
     let energies = asleep.energies();
     let scale = energies.damping + energies.friction;
     println!(
-        "{:.1e} and {:.1e} J unexplained of {scale:.1e} J, {:.1e} J laid to rest",
-        lost[0], lost[1], energies.laid_to_rest
+        "{:.1e} and {:.1e} J unexplained of {scale:.1e} J, {:.1e} J lost to sleep",
+        lost[0], lost[1], energies.sleep_loss
     );
     // the landing leaves something unexplained, sleep nothing more
     assert!((lost[0] - lost[1]).abs() < 1e-6 * scale);
-    assert!(0.0 < energies.laid_to_rest && energies.laid_to_rest < 1e-6 * scale);
+    assert!(0.0 < energies.sleep_loss && energies.sleep_loss < 1e-6 * scale);
     let momentum: Vec3 = (0..3).map(|b| asleep.velocity(b) * asleep.mass(b)).sum();
     let unexplained = (momentum - asleep.support_impulse()).norm();
     assert!(unexplained < 1e-9 * asleep.impulse_exchanged());

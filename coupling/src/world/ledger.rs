@@ -62,7 +62,7 @@ energy_terms! {
     /// Taken by absorbing layers.
     absorbed,
     /// Kinetic energy removed when water was put to sleep.
-    laid_to_rest,
+    sleep_loss,
     /// Brought in by prescribed blocks and given loads.
     external_work,
     /// Brought in by water in joints too narrow for particles, which pushes blocks apart.
@@ -95,7 +95,7 @@ impl Energy {
             + self.pushed_back
             + self.removed
             + self.absorbed
-            + self.laid_to_rest
+            + self.sleep_loss
     }
 }
 
@@ -123,7 +123,7 @@ pub(crate) struct Ledger {
     /// Taken by absorbing layers; J.
     absorbed: f64,
     /// Taken from water that was put to sleep; J.
-    laid_to_rest: f64,
+    sleep_loss: f64,
     /// Brought in through openings; J.
     through_openings: f64,
     /// Brought in by water in joints; J.
@@ -148,10 +148,10 @@ impl Ledger {
     }
 
     /// Books the (negative) contribution of putting water to sleep.
-    pub(crate) fn put_to_sleep(&mut self, laid: &Exchange) {
-        self.laid_to_rest -= laid.energy;
-        self.impulse += laid.momentum;
-        self.exchanged += laid.momentum.norm();
+    pub(crate) fn put_to_sleep(&mut self, lost: &Exchange) {
+        self.sleep_loss -= lost.energy;
+        self.impulse += lost.momentum;
+        self.exchanged += lost.momentum.norm();
     }
 
     /// Books the work of water in joints on moving blocks over `dt`, as [`Self::book_walls`]: blocks at rest on each other are pushed
@@ -264,7 +264,7 @@ impl World {
             pushed_back: self.progress.ledger.pushed_back,
             removed: self.progress.ledger.removed_energy,
             absorbed: self.progress.ledger.absorbed,
-            laid_to_rest: self.progress.ledger.laid_to_rest + blocks.laid_to_rest,
+            sleep_loss: self.progress.ledger.sleep_loss + blocks.sleep_loss,
             joint_water: self.progress.ledger.joint_water,
             through_openings: self.progress.ledger.through_openings,
             external_work: blocks.external_work + self.progress.ledger.wall_work,

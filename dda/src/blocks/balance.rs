@@ -97,7 +97,7 @@ impl Blocks {
                 + self.state.attachments.elastic,
             strain_damping: self.state.totals.strain_damping.total(),
             static_damping: self.state.totals.static_damping.total(),
-            laid_to_rest: self.state.totals.laid_to_rest.total(),
+            sleep_loss: self.state.totals.sleep_loss.total(),
             plastic: self.state.attachments.plastic.total(),
             friction: self.state.totals.friction.total(),
             damping: self.state.totals.damping.total(),

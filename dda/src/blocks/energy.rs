@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 ///
 /// ```text
 /// kinetic + potential + elastic + strain
-///     + friction + damping + strain_damping + static_damping + plastic − external_work = constant
+///     + friction + damping + strain_damping + static_damping + sleep_loss + plastic − external_work = constant
 /// ```
 /// up to the error of the time step and of contact patches that change shape.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -30,7 +30,7 @@ pub struct Energies {
     /// Taken by the damping that a search for a state of rest may ask for; cumulative.
     pub static_damping: f64,
     /// Kinetic energy removed when blocks were put to sleep; cumulative.
-    pub laid_to_rest: f64,
+    pub sleep_loss: f64,
     /// Lost in bolts that yield; cumulative.
     pub plastic: f64,
     /// Work of prescribed blocks and of given loads on free blocks; cumulative. The work of impulses given with
@@ -51,7 +51,7 @@ impl Energies {
             damping,
             strain_damping,
             static_damping,
-            laid_to_rest,
+            sleep_loss,
             plastic,
             external_work,
         } = *self;
@@ -63,7 +63,7 @@ impl Energies {
             + damping
             + strain_damping
             + static_damping
-            + laid_to_rest
+            + sleep_loss
             + plastic
             - external_work
     }

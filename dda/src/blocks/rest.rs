@@ -10,11 +10,11 @@ pub(crate) struct Rest {
     pub is_asleep: Vec<bool>,
     /// Position of a block at the start of its rest.
     pub since: Vec<(Vec3, UnitQuaternion<f64>)>,
-    /// For how long it has been; s.
-    pub calm: Vec<f64>,
+    /// Time for which a block has been at rest; s.
+    pub time_at_rest: Vec<f64>,
     /// Mean load.
     pub mean: Vec<Load>,
-    /// That with which it fell asleep.
+    /// Mean load when it was put to sleep.
     pub at_rest: Vec<Load>,
     /// Last external load.
     pub outside: Vec<Load>,

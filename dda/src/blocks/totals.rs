@@ -16,7 +16,7 @@ pub(crate) struct Totals {
     /// Lost to the damping of a search for equilibrium; J.
     pub static_damping: Account,
     /// Kinetic energy of blocks when they were put to sleep; J.
-    pub laid_to_rest: Account,
+    pub sleep_loss: Account,
     /// Work of prescribed blocks; J.
     pub external_work: Account,
     /// Impulse of gravity and of fixed and prescribed blocks on free ones; N s.

@@ -32,7 +32,7 @@ impl Blocks {
                 .copied()
                 .zip(self.state.attitude.iter().copied())
                 .collect(),
-            calm: vec![0.0; n],
+            time_at_rest: vec![0.0; n],
             mean: vec![Load::default(); n],
             at_rest: vec![Load::default(); n],
             outside: vec![Load::default(); n],
@@ -61,11 +61,11 @@ impl Blocks {
 
     fn wake(&mut self, b: usize) {
         self.state.rest.is_asleep[b] = false;
-        self.state.rest.calm[b] = 0.0;
+        self.state.rest.time_at_rest[b] = 0.0;
         self.state.rest.since[b] = (self.state.centroid[b], self.state.attitude[b]);
     }
 
-    /// Lets those sleep that have been at rest for long enough, and wakes those whose load has changed, at the end of a step.
+    /// Puts blocks to sleep that have been at rest for long enough, and wakes those whose load has changed, at the end of a step.
     pub(crate) fn rest_or_wake(&mut self, dt: f64) {
         let Some(resting) = self.constants.settings.resting else {
             return;
@@ -105,9 +105,9 @@ impl Blocks {
                 self.wake(b);
                 continue;
             }
-            self.state.rest.calm[b] += dt;
-            if self.state.rest.calm[b] >= resting.time {
-                self.lay_to_rest(b);
+            self.state.rest.time_at_rest[b] += dt;
+            if self.state.rest.time_at_rest[b] >= resting.time {
+                self.put_to_sleep(b);
                 has_changed = true;
             }
         }
@@ -116,8 +116,8 @@ impl Blocks {
         }
     }
 
-    fn lay_to_rest(&mut self, b: usize) {
-        self.state.totals.laid_to_rest.book(self.kinetic_energy(b));
+    fn put_to_sleep(&mut self, b: usize) {
+        self.state.totals.sleep_loss.book(self.kinetic_energy(b));
         self.state.totals.support_impulse -= self.state.velocity[b] * self.constants.mass[b];
         self.state.velocity[b] = Vec3::zeros();
         self.state.angular_momentum[b] = Vec3::zeros();

@@ -360,7 +360,7 @@ impl Fluid {
         let mut sleep = Sleep::new(settings, self);
         sleep.wake_near(bodies, (&self.grid, self.margin()));
         let most = IMBALANCE * self.settings.gravity.norm();
-        let mut laid = Exchange::default();
+        let mut lost = Exchange::default();
         for tile in 0..sleep.tiles.len() {
             let (mut n, mut speed2, mut pull) = (0, 0.0, Vec3::zeros());
             for a in sleep.runs(tile, &self.grid).flatten() {
@@ -373,12 +373,12 @@ impl Fluid {
                 speed2 <= n * settings.speed * settings.speed && pull.norm() <= n * most;
             if is_at_rest && !sleep.tiles[tile].near_moving_body {
                 sleep.tiles[tile].is_awake = false;
-                laid += stop(&mut self.particles, sleep.runs(tile, &self.grid).flatten());
+                lost += stop(&mut self.particles, sleep.runs(tile, &self.grid).flatten());
             }
         }
         self.sleep = Some(Box::new(sleep));
         self.find_rests();
-        Ok(laid)
+        Ok(lost)
     }
 
     /// Whether water may sleep.
@@ -395,12 +395,12 @@ impl Fluid {
         let mut has_changed = sleep.wake_near(bodies, (&self.grid, self.margin()));
         let (steps, elapsed) = (sleep.since.0 + 1, sleep.since.1 + dt);
         sleep.since = (steps, elapsed);
-        let mut laid = Exchange::default();
+        let mut lost = Exchange::default();
         if LOOK_INTERVAL <= steps {
             sleep.since = (0, 0.0);
             self.look(&mut sleep, elapsed);
             let changed;
-            (changed, laid) = self.change(&mut sleep);
+            (changed, lost) = self.change(&mut sleep);
             has_changed |= changed;
         }
         sleep.n_changes += u64::from(has_changed);
@@ -408,7 +408,7 @@ impl Fluid {
         if has_changed {
             self.find_rests();
         }
-        laid
+        lost
     }
 
     /// Horizontal part of a vector: without the component across a 2-D flow; all of it without gravity.
@@ -483,7 +483,7 @@ impl Fluid {
                     || (!tile.is_dry && sleep.any_beside(number, periodic, is_disturbed))
             }
         }));
-        let mut laid = Exchange::default();
+        let mut lost = Exchange::default();
         let mut has_changed = false;
         for (number, &changes) in changes.iter().enumerate() {
             if sleep.tiles[number].seen.is_at_rest {
@@ -497,7 +497,7 @@ impl Fluid {
             has_changed = true;
             if sleep.tiles[number].is_awake {
                 sleep.tiles[number].is_awake = false;
-                laid += stop(
+                lost += stop(
                     &mut self.particles,
                     sleep.runs(number, &self.grid).flatten(),
                 );
@@ -507,14 +507,14 @@ impl Fluid {
         }
         self.scratch.changing = changes;
         let (stopped, brought) = self.stop_strays(sleep);
-        laid += brought;
-        (has_changed | stopped, laid)
+        lost += brought;
+        (has_changed | stopped, lost)
     }
 
     /// Stops particles that jitter in sleeping tiles among sleeping tiles.
     fn stop_strays(&mut self, sleep: &mut Sleep) -> (bool, Exchange) {
         let periodic = self.settings.periodic;
-        let mut laid = Exchange::default();
+        let mut lost = Exchange::default();
         let mut has_stopped = false;
         for number in 0..sleep.tiles.len() {
             let tile = &sleep.tiles[number];
@@ -527,13 +527,13 @@ impl Fluid {
             for a in sleep.runs(number, &self.grid).flatten() {
                 let speed = self.particles.velocity[a].norm();
                 if 0.0 < speed && speed <= sleep.settings.speed {
-                    laid += stop(&mut self.particles, std::iter::once(a));
+                    lost += stop(&mut self.particles, std::iter::once(a));
                     sleep.home[a] = self.particles.position[a];
                     has_stopped = true;
                 }
             }
         }
-        (has_stopped, laid)
+        (has_stopped, lost)
     }
 
     /// Finds the sleeping particles, from their tiles and their motion; after every sort and change.
@@ -773,7 +773,7 @@ mod tests {
     }
 
     #[test]
-    fn motion_that_is_laid_to_rest_is_told() -> Result<(), FluidError> {
+    fn motion_that_is_put_to_sleep_is_reported() -> Result<(), FluidError> {
         let mut fluid = stirred()?;
         let (energy, momentum) = (fluid.energies().kinetic, fluid.momentum());
         // fast water too, as it is said to be at rest; exact but for round-off
@@ -781,10 +781,10 @@ mod tests {
             speed: 10.0,
             ..SLEEPING
         };
-        let laid = fluid.let_sleep(all, std::iter::empty())?;
+        let lost = fluid.let_sleep(all, std::iter::empty())?;
         assert_eq!((fluid.n_awake(), fluid.energies().kinetic), (0, 0.0));
-        assert!((laid.energy + energy).abs() < 1e-12 * energy);
-        assert!((laid.momentum + momentum).norm() < 1e-12 * momentum.norm());
+        assert!((lost.energy + energy).abs() < 1e-12 * energy);
+        assert!((lost.momentum + momentum).norm() < 1e-12 * momentum.norm());
         Ok(())
     }
 }
