@@ -27,7 +27,7 @@ use riprap_sph::fluid::ContinuedPressure;
 use riprap_sph::{Fluid, Vec3};
 
 use crate::saved::{Read, Saved};
-use crate::walls::{Part, before, face_lattice, parts};
+use crate::walls::{Part, clipped_by_symmetry, face_lattice, parts};
 
 mod links;
 mod reached;
@@ -152,7 +152,7 @@ impl JointWater {
         for b in (0..definitions.len()).filter(|&b| blocks.is_free(b) && !is_sealed(b)) {
             let parts: Vec<Part> = parts(&definitions[b].shape)
                 .iter()
-                .filter_map(|part| before(part, &planes))
+                .filter_map(|part| clipped_by_symmetry(part, &planes))
                 .collect();
             let mut faces = Vec::new();
             for (k, part) in parts.iter().enumerate() {

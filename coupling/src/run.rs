@@ -549,7 +549,7 @@ mod tests {
             }
         });
         assert!(
-            told.len() == 1 && told[0].contains("came from nowhere within 10 steps"),
+            told.len() == 1 && told[0].contains("J in 10 steps without a source"),
             "{told:?}"
         );
         assert_eq!(summary.fell_back, 1);

@@ -23,7 +23,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::saved::{Read, Saved};
 use added_mass::Movers;
-pub(crate) use cutting::before;
+pub(crate) use cutting::clipped_by_symmetry;
 use integral::IntegralWalls;
 use particles::ParticleWalls;
 
@@ -137,8 +137,8 @@ impl Walls {
     }
 
     /// Remembers where the blocks are: before they move.
-    pub fn note_start(&mut self, blocks: &Blocks) {
-        of_walls!(self, walls => walls.note_start(blocks));
+    pub fn record_start(&mut self, blocks: &Blocks) {
+        of_walls!(self, walls => walls.record_start(blocks));
     }
 
     /// Places the walls at half of the step of `dt` (s) just taken by the blocks.
@@ -175,7 +175,7 @@ impl Walls {
         }
     }
 
-    /// Continues the fluid's pressure into walls that carry one; where forces move blocks [`Self::let_move`] comes next.
+    /// Continues the fluid's pressure into walls that carry one; where forces move blocks [`Self::solve_added_mass`] comes next.
     pub fn extrapolate(&mut self, fluid: &Fluid, movers: Option<Movers>) {
         if let Self::Particles(walls) = self {
             walls.extrapolate(fluid, movers);
@@ -184,9 +184,9 @@ impl Walls {
 
     /// Solves the acceleration of the free blocks and updates the fluid pressure extrapolated into their walls, once
     /// viscosities are known.
-    pub fn let_move(&mut self, fluid: &Fluid, movers: Movers) {
+    pub fn solve_added_mass(&mut self, fluid: &Fluid, movers: Movers) {
         match self {
-            Self::Particles(walls) => walls.let_move(fluid, movers),
+            Self::Particles(walls) => walls.solve_added_mass(fluid, movers),
             Self::Integral(walls) => walls.accelerate(fluid, movers),
         }
     }

@@ -239,7 +239,7 @@ fn scene_text() -> impl Strategy<Value = String> {
         "",
         "periodic: [Y], ",
         "dimensions: Two, ",
-        "leaving: Error, ",
+        "leaving: Fail, ",
         "symmetry: [YMin], ",
     ]);
     let gravity = choice(&[

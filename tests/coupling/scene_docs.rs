@@ -107,3 +107,16 @@ fn a_scene_written_out_reads_back_the_same() {
         assert_eq!(riprap::scene::parse::read(&text).unwrap(), scene);
     }
 }
+
+#[test]
+fn a_renamed_variant_is_read_under_both_names() {
+    use riprap::scene::file::OutOfDomainFile::{self, Fail, Remove};
+    for (name, variant) in [
+        ("Removed", Remove),
+        ("Remove", Remove),
+        ("Error", Fail),
+        ("Fail", Fail),
+    ] {
+        assert_eq!(ron::from_str::<OutOfDomainFile>(name), Ok(variant));
+    }
+}

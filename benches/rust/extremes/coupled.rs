@@ -105,7 +105,7 @@ fn outside(_: Length) -> Result<Vec<Row>, Failure> {
         );
         tank
     };
-    let mut world = scene("Removed").world()?;
+    let mut world = scene("Remove").world()?;
     let n = n_particles(&world);
     advance(&mut world, 0.5, |_| {})?;
     let gone = n - n_particles(&world);
@@ -115,7 +115,7 @@ fn outside(_: Length) -> Result<Vec<Row>, Failure> {
         .as_ref()
         .map_or(0, |w| w.fluid.removed().count as usize);
     let residual = world.momentum_residual();
-    let mut strict = scene("Error").world()?;
+    let mut strict = scene("Fail").world()?;
     let said = advance(&mut strict, 0.5, |_| {})
         .err()
         .map_or("nothing".to_owned(), |e| e.to_string());
@@ -124,9 +124,9 @@ fn outside(_: Length) -> Result<Vec<Row>, Failure> {
     Ok(vec![Row {
         pushed: "a block half outside of the domain on its way out, water thrown over its edge"
             .to_owned(),
-        swept: "0.5 s; `Removed` and `Error`".to_owned(),
+        swept: "0.5 s; `Remove` and `Fail`".to_owned(),
         holds: "all of the range".to_owned(),
-        past: format!("with Error: \"{said}\""),
+        past: format!("with Fail: \"{said}\""),
         theory: "what leaves is removed, counted and booked".to_owned(),
         measured: format!(
             "{gone} of {n} particles gone, {booked} booked, {removed} block, P off by {residual:.0e}"

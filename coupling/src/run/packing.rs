@@ -68,8 +68,12 @@ pub fn packed(
         fluid.refresh();
         interface.find(&fluid, blocks);
         // in a sharp corner only the surface itself stops them
-        for intruder in interface.intruders(&fluid, blocks) {
-            fluid.relocate(intruder.particle as usize, intruder.clear, Vec3::zeros());
+        for penetration in interface.penetrations(&fluid, blocks) {
+            fluid.relocate(
+                penetration.particle as usize,
+                penetration.clear,
+                Vec3::zeros(),
+            );
         }
         fluid.refresh();
         walls.find(&mut fluid);

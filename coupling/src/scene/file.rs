@@ -209,7 +209,7 @@ pub struct DomainFile {
     pub symmetry: Vec<SideFile>,
     /// Treatment of a particle or block that leaves.
     #[serde(default)]
-    pub leaving: Leaving,
+    pub leaving: OutOfDomainFile,
     /// Flow in three dimensions or in a vertical plane along x; in the latter nothing depends on y, and masses and
     /// forces are those of a slice as wide as the domain.
     #[serde(default)]
@@ -281,19 +281,21 @@ pub fn planes_of_symmetry(sides: &[SideFile]) -> Symmetry {
 
 /// Treatment of a particle or block that leaves the domain.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Leaving {
+pub enum OutOfDomainFile {
     /// It is removed and counted; its mass, momentum and energy are booked as removed.
     #[default]
-    Removed,
+    #[serde(alias = "Removed")]
+    Remove,
     /// The run stops with an error that names it.
-    Error,
+    #[serde(alias = "Error")]
+    Fail,
 }
 
-impl From<Leaving> for OutOfDomain {
-    fn from(leaving: Leaving) -> Self {
+impl From<OutOfDomainFile> for OutOfDomain {
+    fn from(leaving: OutOfDomainFile) -> Self {
         match leaving {
-            Leaving::Removed => Self::Remove,
-            Leaving::Error => Self::Fail,
+            OutOfDomainFile::Remove => Self::Remove,
+            OutOfDomainFile::Fail => Self::Fail,
         }
     }
 }

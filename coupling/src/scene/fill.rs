@@ -404,7 +404,7 @@ fn check_regions(earlier: &Lattice, new: &[Vec3], regions: &[RegionFile]) -> Res
 )]
 mod tests {
     use super::*;
-    use crate::scene::file::{Leaving, RegionFile};
+    use crate::scene::file::{OutOfDomainFile, RegionFile};
     use riprap_dda::Polyhedron;
 
     fn domain(periodic: Vec<Axis>) -> DomainFile {
@@ -413,7 +413,7 @@ mod tests {
             max: (4.0, 0.4, 2.0),
             periodic,
             symmetry: Vec::new(),
-            leaving: Leaving::Removed,
+            leaving: OutOfDomainFile::Remove,
             dimensions: DimensionsFile::Three,
         }
     }

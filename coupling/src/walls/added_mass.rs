@@ -233,7 +233,7 @@ mod tests {
             walls.place_at_end(&world.blocks, Some(0.0));
             walls.find(&mut water.fluid);
             walls.extrapolate(&water.fluid, Some(movers));
-            walls.let_move(&water.fluid, movers);
+            walls.solve_added_mass(&water.fluid, movers);
             walls.acceleration(body)
         };
         let ratio = water

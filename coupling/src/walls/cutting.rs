@@ -40,7 +40,7 @@ pub(super) fn pieces(part: Part, planes: impl Iterator<Item = (Vec3, f64)>) -> V
 }
 
 /// The part in front of planes of symmetry; `None` if it is beyond one.
-pub(crate) fn before(part: &Part, planes: &[SymmetryPlane]) -> Option<Part> {
+pub(crate) fn clipped_by_symmetry(part: &Part, planes: &[SymmetryPlane]) -> Option<Part> {
     planes.iter().try_fold(part.clone(), |part, plane| {
         let normal = plane.normal();
         below(&part, &normal, normal[plane.axis] * plane.place)
@@ -174,7 +174,7 @@ mod tests {
             is_upper,
             place: 1.0,
         });
-        let quarter = before(&cuboid([0.0; 3], [2.0; 3]), &planes).unwrap_or_default();
+        let quarter = clipped_by_symmetry(&cuboid([0.0; 3], [2.0; 3]), &planes).unwrap_or_default();
         let (min, max) = quarter.aabb();
         assert_eq!(
             (min, max),
@@ -185,7 +185,7 @@ mod tests {
         assert_eq!(image.aabb().1, Vec3::new(2.0, 2.0, 2.0));
         // outward faces are counter-clockwise: the volume is above zero
         assert!((volume(&image) - 2.0).abs() < 1e-12);
-        assert!(before(&cuboid([1.0; 3], [2.0; 3]), &planes).is_none());
+        assert!(clipped_by_symmetry(&cuboid([1.0; 3], [2.0; 3]), &planes).is_none());
     }
 
     #[test]

@@ -39,7 +39,7 @@ impl Endless {
     }
 
     /// Whether a 2-D flow includes a part, which is not beside its slice.
-    pub(super) fn shows(&self, part: &Part) -> bool {
+    pub(super) fn reaches_domain(&self, part: &Part) -> bool {
         let (low, high) = part.aabb();
         let Region { min, max } = &self.domain;
         !self.is_plane || (low.y < max.y - self.slack && min.y + self.slack < high.y)

@@ -263,7 +263,7 @@ impl IntegralWalls {
     }
 
     /// Remembers where the blocks are: before they move.
-    pub fn note_start(&mut self, blocks: &Blocks) {
+    pub fn record_start(&mut self, blocks: &Blocks) {
         for (block, start) in self.start.iter_mut().enumerate() {
             *start = Place::of(blocks, block);
         }

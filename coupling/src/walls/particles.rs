@@ -19,7 +19,7 @@ use riprap_sph::boundary::wall_particles::{Slip, WallParticles};
 use riprap_sph::{Fluid, Vec3};
 
 use super::added_mass::{Acceleration, AddedMass, Movers, largest_ratio};
-use super::cutting::before;
+use super::cutting::clipped_by_symmetry;
 use super::sampler::{Sampler, Thin};
 use super::thin_solids::ThinSolids;
 use super::{FluidLoad, Part, parts};
@@ -147,8 +147,8 @@ impl ParticleWalls {
                     .into_iter()
                     .map(move |part| (b, part))
             })
-            .filter_map(|(b, part)| Some((b, before(&part, &sampler.symmetry)?)))
-            .filter(|(_, part)| sampler.endless.shows(part))
+            .filter_map(|(b, part)| Some((b, clipped_by_symmetry(&part, &sampler.symmetry)?)))
+            .filter(|(_, part)| sampler.endless.reaches_domain(part))
             .unzip();
         let (owners, standing) = sampler.cut_where_they_stand(owners, standing);
         let (spacing, support) = (
@@ -190,8 +190,8 @@ impl ParticleWalls {
         for b in (0..definitions.len()).filter(|&b| !blocks.is_fixed(b)) {
             let parts: Vec<Part> = parts(&definitions[b].shape)
                 .iter()
-                .filter_map(|part| before(part, &sampler.symmetry))
-                .filter(|part| sampler.endless.shows(part))
+                .filter_map(|part| clipped_by_symmetry(part, &sampler.symmetry))
+                .filter(|part| sampler.endless.reaches_domain(part))
                 .collect();
             let inside: Vec<Part> = parts
                 .iter()
@@ -321,8 +321,8 @@ impl ParticleWalls {
     }
 
     /// Remembers where the moving points are: before the blocks move.
-    pub fn note_start(&mut self, blocks: &Blocks) {
-        self.thin_solids.note_start(blocks);
+    pub fn record_start(&mut self, blocks: &Blocks) {
+        self.thin_solids.record_start(blocks);
         self.find_frames(blocks);
         for ((start, &block), local) in self.start.iter_mut().zip(&self.block).zip(&self.local) {
             let x = self.frames[block as usize].place(local);
@@ -417,7 +417,7 @@ impl ParticleWalls {
         self.moving.add_strains(fluid);
     }
 
-    /// Continues the fluid's pressure into the walls; where there are movers [`Self::let_move`] comes next.
+    /// Continues the fluid's pressure into the walls; where there are movers [`Self::solve_added_mass`] comes next.
     pub fn extrapolate(&mut self, fluid: &Fluid, movers: Option<Movers>) {
         self.fixed.extrapolate(fluid);
         match movers {
@@ -428,7 +428,7 @@ impl ParticleWalls {
 
     /// Continues the pressure into the walls of blocks that are free to move with the acceleration that the fluid gives
     /// them; once viscosities are known.
-    pub fn let_move(&mut self, fluid: &Fluid, movers: Movers) {
+    pub fn solve_added_mass(&mut self, fluid: &Fluid, movers: Movers) {
         if !self.find_added_mass(movers.blocks) {
             return;
         }

@@ -58,7 +58,7 @@ pub struct WallSettings {
 
 /// A particle within the standoff of a body.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Touch {
+pub struct WallContact {
     /// Index of the particle in the present order.
     pub particle: u32,
     /// Block that is touched.
@@ -79,7 +79,7 @@ pub struct Touch {
 
 /// A particle that was found at the surface of a solid, or behind it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Intruder {
+pub struct Penetration {
     /// Index of the particle.
     pub particle: u32,
     /// Block it is in.
@@ -106,8 +106,8 @@ pub struct Interface {
     fixed: PartTable,
     /// Parts of blocks that may move, near each cell at present.
     moving: PartTable,
-    chunks: Vec<Vec<Touch>>,
-    touches: Vec<Touch>,
+    chunks: Vec<Vec<WallContact>>,
+    touches: Vec<WallContact>,
     loads: Vec<Load>,
     /// Shear part of the loads.
     shears: Vec<Load>,
@@ -168,7 +168,7 @@ impl Interface {
             self.shears.len(),
             self.stretches.len(),
         ];
-        let is_known = |touch: &Touch| (touch.block as usize) < n;
+        let is_known = |touch: &WallContact| (touch.block as usize) < n;
         match lengths.iter().all(|&length| length == n) && self.touches.iter().all(is_known) {
             true => Ok(rest),
             false => Err(postcard::Error::DeserializeBadEncoding),
@@ -192,7 +192,7 @@ impl Interface {
     }
 
     /// Particles within the standoff of a body, with their forces since [`Self::update_forces`].
-    pub fn touches(&self) -> &[Touch] {
+    pub fn touches(&self) -> &[WallContact] {
         &self.touches
     }
 
@@ -261,10 +261,10 @@ impl Interface {
     /// Particles at or behind a surface where no spring holds them, those deeper inside than walls can be trusted to
     /// hold, springs or not, and those that springs hold between two solids with no room between them: in the seam of a
     /// floor and a wall they would not come back. One that is inside several solids is there once if it is deep.
-    pub fn intruders(&self, fluid: &Fluid, blocks: &Blocks) -> Vec<Intruder> {
+    pub fn penetrations(&self, fluid: &Fluid, blocks: &Blocks) -> Vec<Penetration> {
         let dp = self.settings.particle_spacing;
         let has_springs = 0.0 < self.settings.stiffness;
-        let mut found: Vec<Intruder> = Vec::new();
+        let mut found: Vec<Penetration> = Vec::new();
         for (k, touch) in self.touches.iter().enumerate() {
             let is_deep = touch.distance < -PUSH_BACK_DEPTH * dp;
             let is_known = found
@@ -289,7 +289,7 @@ impl Interface {
             let Some((block, way)) = way else {
                 continue;
             };
-            found.push(Intruder {
+            found.push(Penetration {
                 particle: touch.particle,
                 block,
                 normal: way.normal,
@@ -302,7 +302,7 @@ impl Interface {
     }
 
     /// Does the particle of the first touch lie between it and another, with no room between the two?
-    fn is_in_seam(&self, touches: &[Touch]) -> bool {
+    fn is_in_seam(&self, touches: &[WallContact]) -> bool {
         let room = PUSH_BACK_DISTANCE * self.settings.particle_spacing;
         let Some((first, others)) = touches.split_first() else {
             return false;
@@ -328,7 +328,7 @@ impl Interface {
         &self,
         (x, velocity): (&Vec3, &Vec3),
         (grid, blocks): (&CellGrid, &Blocks),
-        touch: &Touch,
+        touch: &WallContact,
     ) -> (u32, SurfacePoint) {
         let near = |x: &Vec3| self.near(x, grid);
         let clearance = PUSH_BACK_DISTANCE * self.settings.particle_spacing;
@@ -393,7 +393,7 @@ impl Interface {
         x: &Vec3,
         near: impl Iterator<Item = usize>,
         blocks: &Blocks,
-        touch: &Touch,
+        touch: &WallContact,
     ) -> Option<(u32, SurfacePoint)> {
         let dp = self.settings.particle_spacing;
         let clearance = PUSH_BACK_DISTANCE * dp;
@@ -458,7 +458,7 @@ impl Interface {
         self.stretches.fill(Matrix3::zeros());
         self.compliance.fill(0.0);
         let of_one = self.touches.chunk_by(|a, b| a.particle == b.particle);
-        self.most_touched = of_one.map(<[Touch]>::len).max().unwrap_or(1) as f64;
+        self.most_touched = of_one.map(<[WallContact]>::len).max().unwrap_or(1) as f64;
         for touch in &mut self.touches {
             let block = touch.block as usize;
             touch.wall_velocity = if held {
@@ -609,7 +609,7 @@ fn update(
 /// Adds the touch of a particle and a part, or replaces that of another part of the same block if
 /// this one is nearer: one force per body.
 fn add_nearest(
-    touches: &mut Vec<Touch>,
+    touches: &mut Vec<WallContact>,
     first: usize,
     (particle, position): (u32, &Vec3),
     (part, blocks): (usize, &Blocks),
@@ -621,7 +621,7 @@ fn add_nearest(
         return;
     };
     let block = blocks.block_of_part(part) as u32;
-    let touch = Touch {
+    let touch = WallContact {
         particle,
         block,
         distance: surface.distance,
@@ -675,7 +675,7 @@ mod tests {
         let clearance = PUSH_BACK_DISTANCE * 0.05;
         for y in [0.5, 0.001] {
             let x = Vec3::new(0.806, y, -0.002);
-            let touch = Touch {
+            let touch = WallContact {
                 particle: 0,
                 block: 0,
                 distance: -0.002,

@@ -112,7 +112,7 @@ impl ThinSolids {
             bounds: (Vec3::zeros(), Vec3::zeros()),
         };
         solid.look_for_cover(blocks, &self.fixed, (self.spacing, self.support_radius));
-        solid.note_start(blocks);
+        solid.record_start(blocks);
         solid.place(blocks, (1.0, self.support_radius));
         self.are_new = true;
         self.thin_solids.push(solid);
@@ -143,9 +143,9 @@ impl ThinSolids {
     }
 
     /// Remembers where they are: before the blocks move.
-    pub(super) fn note_start(&mut self, blocks: &Blocks) {
+    pub(super) fn record_start(&mut self, blocks: &Blocks) {
         for solid in self.thin_solids.iter_mut().filter(|solid| !solid.is_fixed) {
-            solid.note_start(blocks);
+            solid.record_start(blocks);
         }
     }
 
@@ -220,7 +220,7 @@ impl ThinSolid {
         (turn * normal, blocks.centroid(self.block) + turn * corner)
     }
 
-    fn note_start(&mut self, blocks: &Blocks) {
+    fn record_start(&mut self, blocks: &Blocks) {
         let mut start = std::mem::take(&mut self.start);
         start.clear();
         let faces = self.part.faces.iter();

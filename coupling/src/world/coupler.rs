@@ -149,7 +149,7 @@ impl Boundary for Coupler<'_> {
         if part != Part::SecondHalf
             && let Some(walls) = &mut *self.walls
         {
-            walls.note_start(self.rock.blocks);
+            walls.record_start(self.rock.blocks);
         }
         self.searched();
         let in_walls = match &self.walls {
@@ -257,7 +257,7 @@ impl Boundary for Coupler<'_> {
     fn solve_motion(&mut self, fluid: &mut Fluid) {
         if let (Some(walls), Some(movers)) = (&mut *self.walls, movers(&self.rock, self.interface))
         {
-            walls.let_move(fluid, movers);
+            walls.solve_added_mass(fluid, movers);
         }
         self.summed();
     }

@@ -29,7 +29,7 @@ pub enum StepError {
     },
     /// Something left the domain of a scene in which nothing may.
     #[error(
-        "at t = {time:.6} s, step {step}: {count} {what} left the domain; enlarge `domain`, close it with walls, or set `domain.leaving` to Removed"
+        "at t = {time:.6} s, step {step}: {count} {what} left the domain; enlarge `domain`, close it with walls, or set `domain.leaving` to Remove"
     )]
     Left {
         /// s.
@@ -58,7 +58,7 @@ pub enum StepError {
     },
     /// The position or velocity of a particle is not finite.
     #[error(
-        "at t = {time:.6} s, step {step}: particle {id} has a velocity that is no number; look where it was in the last frame, and shorten the step with `numerics.time_step_factor`"
+        "at t = {time:.6} s, step {step}: velocity of particle {id} is NaN; check it in the last frame, or reduce `numerics.time_step_factor`"
     )]
     NoVelocity {
         /// s.
@@ -87,9 +87,9 @@ pub enum StepError {
         /// m/s.
         sound_speed: f64,
     },
-    /// Energy came from nowhere.
+    /// Energy rose without a source.
     #[error(
-        "at t = {time:.6} s, step {step}: {gained:.4e} J came from nowhere within {steps} steps, where all that moved or was strained had {before:.4e} J; shorten the step with `numerics.time_step_factor`, lower `contact_stiffness` of the materials, or look for blocks and water that start inside each other"
+        "at t = {time:.6} s, step {step}: energy rose by {gained:.4e} J in {steps} steps without a source (kinetic + elastic before: {before:.4e} J); reduce `numerics.time_step_factor` or `contact_stiffness` of the materials, or check for blocks and water that start inside each other"
     )]
     EnergyFromNowhere {
         /// s.
@@ -105,7 +105,7 @@ pub enum StepError {
     },
     /// Water left the domain in masses.
     #[error(
-        "at t = {time:.6} s, step {step}: {count} particles left the domain within {steps} steps, and {left} are left; close `domain` with walls or enlarge it"
+        "at t = {time:.6} s, step {step}: {count} particles left the domain within {steps} steps; {left} remain; close `domain` with walls or enlarge it"
     )]
     Drained {
         /// s.

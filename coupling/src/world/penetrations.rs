@@ -14,18 +14,18 @@
 use riprap_dda::Load;
 use riprap_sph::{Fluid, Vec3};
 
-use crate::walls::penalty::Intruder;
+use crate::walls::penalty::Penetration;
 use crate::world::coupler::Coupler;
 
 impl Coupler<'_> {
     /// Stops the particles at surfaces and puts back those inside; the water must be sorted and its touches found,
     /// and is again after that.
     pub(super) fn stop_penetrations(&mut self, fluid: &mut Fluid) {
-        let intruders = self.interface.intruders(fluid, self.rock.blocks);
+        let penetrations = self.interface.penetrations(fluid, self.rock.blocks);
         let mut n_moved = 0;
-        for intruder in &intruders {
-            n_moved += u64::from(intruder.is_deep);
-            self.stop(fluid, intruder);
+        for penetration in &penetrations {
+            n_moved += u64::from(penetration.is_deep);
+            self.stop(fluid, penetration);
         }
         if 0 < n_moved {
             self.rock.progress.extremes.particles_pushed_back += n_moved;
@@ -34,11 +34,11 @@ impl Coupler<'_> {
         }
     }
 
-    fn stop(&mut self, fluid: &mut Fluid, intruder: &Intruder) {
+    fn stop(&mut self, fluid: &mut Fluid, penetration: &Penetration) {
         let are_held = self.rock.are_held();
         let (blocks, bodies) = (&mut *self.rock.blocks, &mut *self.rock.bodies);
         let ledger = &mut self.rock.progress.ledger;
-        let (a, block) = (intruder.particle as usize, intruder.block as usize);
+        let (a, block) = (penetration.particle as usize, penetration.block as usize);
         let (mass, from, before) = {
             let particles = fluid.particles();
             (
@@ -47,23 +47,23 @@ impl Coupler<'_> {
                 particles.velocity[a],
             )
         };
-        let normal = intruder.normal;
+        let normal = penetration.normal;
         let is_free = !are_held && blocks.is_free(block);
         let wall = if are_held {
             Vec3::zeros()
         } else {
-            blocks.velocity_at(block, &intruder.point)
+            blocks.velocity_at(block, &penetration.point)
         };
         let compliance = if is_free {
-            blocks.compliance(block, &intruder.point, &normal)
+            blocks.compliance(block, &penetration.point, &normal)
         } else {
             0.0
         };
         let approach = (before - wall).dot(&normal).min(0.0);
         let impulse = normal * (-approach / (1.0 / mass + compliance));
         let after = before + impulse / mass;
-        let to = intruder.clear;
-        ledger.pushed_back += if intruder.is_deep {
+        let to = penetration.clear;
+        ledger.pushed_back += if penetration.is_deep {
             fluid.relocate(a, to, after)
         } else {
             fluid.set_velocity(a, after)
@@ -77,11 +77,11 @@ impl Coupler<'_> {
         }
         let centroid = blocks.centroid(block);
         let moment = |x: &Vec3, v: &Vec3| (x - centroid).cross(&(v * mass));
-        let torque = if intruder.is_deep {
+        let torque = if penetration.is_deep {
             // the change of angular momentum by the shift goes to the block, too
             moment(&from, &before) - moment(&to, &after)
         } else {
-            -(intruder.point - centroid).cross(&impulse)
+            -(penetration.point - centroid).cross(&impulse)
         };
         let felt = self.interface.in_plane(Load {
             force: -impulse,

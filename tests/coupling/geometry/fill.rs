@@ -5,8 +5,8 @@ use std::time::Instant;
 use proptest::prelude::*;
 use riprap::scene::error::{Problem, Severity};
 use riprap::scene::file::{
-    Axis, DimensionsFile, DomainFile, FluidFile, LatticeFile, Leaving, RegionFile, RegionShapeFile,
-    ResolutionFile, Triple,
+    Axis, DimensionsFile, DomainFile, FluidFile, LatticeFile, OutOfDomainFile, RegionFile,
+    RegionShapeFile, ResolutionFile, Triple,
 };
 use riprap::scene::fill::{Lattice, lattice, narrow_gaps, overlaps};
 use riprap_dda::{Isometry, Motion, Polyhedron, Shape, Vec3};
@@ -20,7 +20,7 @@ fn domain(min: Triple, max: Triple, periodic: &[Axis]) -> DomainFile {
         max,
         periodic: periodic.to_vec(),
         symmetry: Vec::new(),
-        leaving: Leaving::Removed,
+        leaving: OutOfDomainFile::Remove,
         dimensions: DimensionsFile::Three,
     }
 }

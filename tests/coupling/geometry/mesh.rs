@@ -374,7 +374,7 @@ fn bad_meshes_say_what_and_where() {
         (
             "far.obj",
             b"v 0 0 0\nf 1 2 3\n".to_vec(),
-            "`far.obj`: line 2: `2` is no corner: there are 1 points before it",
+            "`far.obj`: line 2: `2` is not a corner: there are 1 points before it",
         ),
         (
             // found by fuzzing: a reader before this one panicked at the normal that is not there

@@ -1,4 +1,4 @@
-//! The lie of the land, and the rock that slides off it.
+//! Digital terrain model, and the rock that slides off it.
 
 use serde::{Deserialize, Serialize};
 

@@ -25,8 +25,7 @@ const SQUARE: f64 = 1e-6;
 /// [`Fault`], with the remedy.
 pub fn grid_from(content: &[u8]) -> Result<Grid, Fault> {
     let refuse = |what: String| Fault::Format(what);
-    let unread =
-        |error: tiff::TiffError| refuse(format!("is no GeoTIFF that can be read: {error}"));
+    let unread = |error: tiff::TiffError| refuse(format!("is not a readable GeoTIFF: {error}"));
     let mut file = Decoder::new(Cursor::new(content)).map_err(unread)?;
     let (columns, rows) = file.dimensions().map_err(unread)?;
     if columns < 2 || rows < 2 {

@@ -217,7 +217,7 @@ fn heights(content: &str, first_row: usize, header: &Header) -> Result<Vec<f64>,
                 .parse()
                 .ok()
                 .filter(|height: &f64| height.is_finite())
-                .ok_or_else(|| refuse(k + 1, format!("`{word}` is no height")))?;
+                .ok_or_else(|| refuse(k + 1, format!("`{word}` is not a height")))?;
             heights.push(height);
         }
     }
@@ -272,7 +272,10 @@ mod tests {
     fn faults_name_the_line() {
         let fault = |content: &str| grid_from(content.as_bytes()).unwrap_err().to_string();
         for (content, expected) in [
-            (GRID.replace("1 2 3", "1 2 x"), "line 8: `x` is no height"),
+            (
+                GRID.replace("1 2 3", "1 2 x"),
+                "line 8: `x` is not a height",
+            ),
             (
                 GRID.replace("1 2 3", "1 2"),
                 "has 5 heights; 3 columns and 2 rows need 6",

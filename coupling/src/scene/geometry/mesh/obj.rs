@@ -43,7 +43,7 @@ pub(super) fn read(content: &[u8]) -> Result<Soup, Fault> {
                     let point = index(word, points.len()).ok_or_else(|| {
                         let n = points.len();
                         wrong(format!(
-                            "`{word}` is no corner: there are {n} points before it"
+                            "`{word}` is not a corner: there are {n} points before it"
                         ))
                     })?;
                     if number[point] == UNUSED {

@@ -86,7 +86,7 @@ fn text(text: &str) -> Result<Soup, Fault> {
             "" | "facet" | "outer" | "endloop" => {}
             _ => {
                 return Err(wrong(format!(
-                    "`{keyword}` is no word of STL; write one statement a line"
+                    "`{keyword}` is not a keyword of STL; write one statement a line"
                 )));
             }
         }

@@ -108,7 +108,8 @@ fn corners_of(name: &str, origin: (f64, f64), access: &Access) -> Result<Vec<[f6
     let bytes = access
         .read(name)
         .map_err(|fault| format!("`{name}`: {fault}"))?;
-    let text = String::from_utf8(bytes).map_err(|error| format!("`{name}` is no text: {error}"))?;
+    let text =
+        String::from_utf8(bytes).map_err(|error| format!("`{name}` is not text: {error}"))?;
     let table = table_from(std::path::Path::new(name), &text).map_err(|error| error.to_string())?;
     let column = |axis: &str| table.column(axis).map_err(|error| error.to_string());
     let (x, y) = (column("x")?, column("y")?);
