@@ -1,0 +1,220 @@
+//! Construction of a surface: checks, topology, and what follows from them.
+
+use super::regions::{planes, ridges_beside};
+use super::{Divide, FLAT, NONE, Surface, aabb};
+use crate::Vec3;
+use parry3d_f64::{
+    bounding_volume::Aabb,
+    partitioning::{Bvh, BvhBuildStrategy},
+};
+use std::collections::HashMap;
+use thiserror::Error;
+
+/// Error of an invalid surface.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum SurfaceError {
+    /// Nothing to stand on.
+    #[error("a surface needs at least one triangle")]
+    Empty,
+    /// A vertex is NaN or infinite.
+    #[error("vertex {vertex} is not finite")]
+    NotFinite {
+        /// The vertex.
+        vertex: usize,
+    },
+    /// A triangle refers to a vertex that is not there.
+    #[error("triangle {triangle} has vertex {vertex}, but there are only {n_vertices}")]
+    NoSuchVertex {
+        /// The triangle.
+        triangle: usize,
+        /// Its vertex.
+        vertex: u32,
+        /// Vertices given.
+        n_vertices: usize,
+    },
+    /// A triangle has no area.
+    #[error("triangle {triangle} has no area; its corners lie on a line")]
+    Degenerate {
+        /// The triangle.
+        triangle: usize,
+    },
+    /// Two triangles run along an edge in the same direction.
+    #[error(
+        "triangles {first} and {second} run along the edge {from}-{to} in the same direction; turn one round, or part them where \
+         three meet"
+    )]
+    Orientation {
+        /// The lower triangle.
+        first: usize,
+        /// The higher triangle.
+        second: usize,
+        /// Ends of the edge.
+        from: u32,
+        /// Ends of the edge.
+        to: u32,
+    },
+}
+
+/// A triangle lower than this over its longest side has no area; –.
+const SLIVER: f64 = 1e-9;
+
+impl Surface {
+    /// A surface of triangles, counter-clockwise seen from outside (m).
+    ///
+    /// # Errors
+    ///
+    /// [`SurfaceError`] names the first vertex or triangle that is unusable.
+    pub fn new(vertices: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Result<Self, SurfaceError> {
+        if triangles.is_empty() {
+            return Err(SurfaceError::Empty);
+        }
+        if let Some(vertex) =
+            (0..vertices.len()).find(|&v| !vertices[v].iter().all(|c| c.is_finite()))
+        {
+            return Err(SurfaceError::NotFinite { vertex });
+        }
+        for (triangle, corners) in triangles.iter().enumerate() {
+            if let Some(&vertex) = corners.iter().find(|&&v| v as usize >= vertices.len()) {
+                return Err(SurfaceError::NoSuchVertex {
+                    triangle,
+                    vertex,
+                    n_vertices: vertices.len(),
+                });
+            }
+            let [a, b, c] = corners.map(|v| vertices[v as usize]);
+            let longest = [b - a, c - b, a - c].map(|s| s.norm_squared());
+            let longest = longest.into_iter().fold(0.0, f64::max);
+            // NaN counts as no area.
+            if !((b - a).cross(&(c - a)).norm() > SLIVER * longest) {
+                return Err(SurfaceError::Degenerate { triangle });
+            }
+        }
+        let mut sides: HashMap<(u32, u32), usize> = HashMap::with_capacity(3 * triangles.len());
+        for (second, corners) in triangles.iter().enumerate() {
+            for k in 0..3 {
+                let (from, to) = (corners[k], corners[(k + 1) % 3]);
+                if let Some(first) = sides.insert((from, to), second) {
+                    return Err(SurfaceError::Orientation {
+                        first,
+                        second,
+                        from,
+                        to,
+                    });
+                }
+            }
+        }
+        let neighbor = triangles
+            .iter()
+            .map(|corners| {
+                [0, 1, 2].map(|k| {
+                    let side = (corners[(k + 1) % 3], corners[k]);
+                    sides.get(&side).map_or(NONE, |&triangle| triangle as u32)
+                })
+            })
+            .collect();
+        Ok(Self::measured(vertices, triangles, neighbor))
+    }
+
+    /// Everything that follows from vertices and topology.
+    pub(super) fn measured(
+        vertices: Vec<Vec3>,
+        triangles: Vec<[u32; 3]>,
+        neighbor: Vec<[u32; 3]>,
+    ) -> Self {
+        let corners = |triangle: &[u32; 3]| triangle.map(|v| vertices[v as usize]);
+        let normal: Vec<Vec3> = triangles
+            .iter()
+            .map(|triangle| {
+                let [a, b, c] = corners(triangle);
+                (b - a).cross(&(c - a)).normalize()
+            })
+            .collect();
+        let offset = triangles
+            .iter()
+            .zip(&normal)
+            .map(|(triangle, n)| n.dot(&vertices[triangle[0] as usize]))
+            .collect();
+        let divide: Vec<[Divide; 3]> = (0..triangles.len())
+            .map(|t| {
+                [0, 1, 2].map(|k| {
+                    let other = neighbor[t][k];
+                    let (from, to) = (triangles[t][k], triangles[t][(k + 1) % 3]);
+                    // The lower triangle's plane, reversed for the higher: both share it to the bit.
+                    let (from, to, sign) = if (other as usize) < t {
+                        (to, from, -1.0)
+                    } else {
+                        (from, to, 1.0)
+                    };
+                    let a = vertices[from as usize];
+                    let along = vertices[to as usize] - a;
+                    let (lower, higher) = match other {
+                        NONE => (t, t),
+                        other => (t.min(other as usize), t.max(other as usize)),
+                    };
+                    let middle = normal[lower] + normal[higher];
+                    let outward = along.cross(&middle);
+                    let size = outward.norm();
+                    // Folded flat on itself: no plane halves the angle, the triangle's own edge does.
+                    let outward = if size > FLAT * along.norm() {
+                        outward * (sign / size)
+                    } else {
+                        along.cross(&normal[t]).normalize() * sign
+                    };
+                    (outward, outward.dot(&a))
+                })
+            })
+            .collect();
+        let (ridges_start, ridges) =
+            ridges_beside((&vertices, &triangles, &normal), (&neighbor, &divide));
+        let mut vertex_normal = vec![Vec3::zeros(); vertices.len()];
+        let mut spokes = vec![Vec::new(); vertices.len()];
+        for (t, triangle) in triangles.iter().enumerate() {
+            for k in 0..3 {
+                let [v, next, last] = [k, k + 1, k + 2].map(|i| triangle[i % 3]);
+                let x = vertices[v as usize];
+                let (forth, back) = (vertices[next as usize] - x, vertices[last as usize] - x);
+                vertex_normal[v as usize] += normal[t] * forth.angle(&back);
+                spokes[v as usize].extend([next, last]);
+            }
+        }
+        let mut spokes_start = vec![0];
+        let mut all_spokes = Vec::new();
+        for ends in &mut spokes {
+            ends.sort_unstable();
+            ends.dedup();
+            all_spokes.extend_from_slice(ends);
+            spokes_start.push(all_spokes.len() as u32);
+        }
+        let leaves: Vec<Aabb> = triangles
+            .iter()
+            .map(|triangle| {
+                let [a, b, c] = corners(triangle);
+                aabb(&(a.inf(&b).inf(&c), a.sup(&b).sup(&c)))
+            })
+            .collect();
+        let bounds = triangles
+            .iter()
+            .flatten()
+            .map(|&v| vertices[v as usize])
+            .fold(
+                (Vec3::repeat(f64::INFINITY), Vec3::repeat(f64::NEG_INFINITY)),
+                |all, x| (all.0.inf(&x), all.1.sup(&x)),
+            );
+        Self {
+            plane: planes(&normal, &neighbor),
+            tree: Bvh::from_leaves(BvhBuildStrategy::Binned, &leaves),
+            vertices,
+            triangles,
+            normal,
+            offset,
+            neighbor,
+            divide,
+            ridges_start,
+            ridges,
+            vertex_normal,
+            spokes_start,
+            spokes: all_spokes,
+            bounds,
+        }
+    }
+}

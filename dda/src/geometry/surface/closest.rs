@@ -1,0 +1,196 @@
+//! Closest points of a surface, in front of it and behind.
+
+use super::{FLAT, NONE, Surface, aabb};
+use crate::{SurfacePoint, Vec3};
+use parry3d_f64::bounding_volume::BoundingVolume;
+
+impl Surface {
+    /// Closest point of some triangles to a point behind the surface, `None` for one in front.
+    pub(crate) fn behind(&self, triangles: &[u32], x: &Vec3) -> Option<Behind> {
+        let mut best: Option<(u32, f64, Vec3, Feature)> = None;
+        for &triangle in triangles {
+            let height = self.height(triangle, x);
+            if best.is_some_and(|(_, square, ..)| height * height >= square) {
+                continue;
+            }
+            let (square, foot, feature) = self.closest(triangle, x);
+            if best.is_none_or(|(_, least, ..)| square < least) {
+                best = Some((triangle, square, foot, feature));
+            }
+        }
+        let (triangle, square, foot, feature) = best?;
+        let found = self.signed(triangle, x, square.sqrt(), foot, feature);
+        let t = triangle as usize;
+        let (normal, depth) = (found.normal, -found.distance);
+        let whole = |place| [(place, normal, depth), (place, normal, 0.0)];
+        let leans_on = match feature {
+            Feature::Face => whole(self.plane[t]),
+            Feature::Side(k) => match self.neighbor[t][k] {
+                NONE => whole(self.plane[t]),
+                other => {
+                    // At the bottom of a valley: d m = a n_A + b n_B.
+                    let (n, m) = (self.normal[t], self.normal[other as usize]);
+                    let cos = n.dot(&m);
+                    let (along_n, along_m) = (depth * normal.dot(&n), depth * normal.dot(&m));
+                    let square = 1.0 - cos * cos;
+                    if square > FLAT * FLAT {
+                        let a = (along_n - cos * along_m) / square;
+                        let b = (along_m - cos * along_n) / square;
+                        [(self.plane[t], n, a), (self.plane[other as usize], m, b)]
+                    } else {
+                        whole(self.plane[t])
+                    }
+                }
+            },
+            Feature::Vertex(k) => whole(OF_VERTEX | self.triangles[t][k]),
+        };
+        (depth > 0.0).then_some(Behind { depth, leans_on })
+    }
+
+    /// Closest point, with the distance negative behind the surface, or `None` if it is farther than `cutoff`
+    /// (m). At the rim of an open surface the side is that of the plane that ends there.
+    pub fn surface_point_within(&self, x: &Vec3, cutoff: f64) -> Option<SurfacePoint> {
+        let extent = (self.bounds.1 - self.bounds.0).norm();
+        let outside = (self.bounds.0 - x)
+            .sup(&(x - self.bounds.1))
+            .sup(&Vec3::zeros());
+        let farthest = outside.norm() + extent;
+        let mut reach = f64::max(
+            outside.norm(),
+            extent / (self.triangles.len() as f64).sqrt(),
+        );
+        loop {
+            reach = reach.min(cutoff);
+            let wanted = aabb(&(x.add_scalar(-reach), x.add_scalar(reach)));
+            // Ties between neighbors go to the lowest triangle, whatever the tree.
+            let nearest = self
+                .tree
+                .leaves(|node| node.aabb().intersects(&wanted))
+                .map(|triangle| (triangle, self.closest(triangle, x)))
+                .min_by(|a, b| a.1.0.total_cmp(&b.1.0).then(a.0.cmp(&b.0)));
+            match nearest {
+                Some((triangle, (square, foot, feature))) if square <= reach * reach => {
+                    return Some(self.signed(triangle, x, square.sqrt(), foot, feature));
+                }
+                _ if reach >= cutoff || reach > farthest => return None,
+                _ => reach *= 2.0,
+            }
+        }
+    }
+
+    fn signed(
+        &self,
+        triangle: u32,
+        x: &Vec3,
+        distance: f64,
+        foot: Vec3,
+        feature: Feature,
+    ) -> SurfacePoint {
+        let t = triangle as usize;
+        let outward = match feature {
+            Feature::Face => self.normal[t],
+            Feature::Side(k) => match self.neighbor[t][k] {
+                NONE => self.normal[t],
+                other => self.normal[t] + self.normal[other as usize],
+            },
+            Feature::Vertex(k) => self.vertex_normal[self.triangles[t][k] as usize],
+        };
+        let sign = if outward.dot(&(x - foot)) < 0.0 {
+            -1.0
+        } else {
+            1.0
+        };
+        let normal = if matches!(feature, Feature::Face) || distance == 0.0 {
+            outward.normalize()
+        } else {
+            (x - foot) * (sign / distance)
+        };
+        SurfacePoint {
+            distance: sign * distance,
+            normal,
+            point: foot,
+        }
+    }
+
+    /// Squared distance, foot, and its feature. Source: Ericson, Real-Time Collision Detection (2004), 5.1.5.
+    fn closest(&self, triangle: u32, x: &Vec3) -> (f64, Vec3, Feature) {
+        let corners = self.triangles[triangle as usize].map(|v| self.vertices[v as usize]);
+        let n = &self.normal[triangle as usize];
+        let is_inside = (0..3).all(|k| {
+            let along = corners[(k + 1) % 3] - corners[k];
+            along.cross(&(x - corners[k])).dot(n) >= 0.0
+        });
+        if is_inside {
+            let height = self.height(triangle, x);
+            return (height * height, x - n * height, Feature::Face);
+        }
+        let mut best = (f64::INFINITY, *x, Feature::Face);
+        for k in 0..3 {
+            let (a, along) = (corners[k], corners[(k + 1) % 3] - corners[k]);
+            let share = (x - a).dot(&along) / along.norm_squared();
+            let (foot, feature) = if share <= 0.0 {
+                (a, Feature::Vertex(k))
+            } else if share >= 1.0 {
+                (corners[(k + 1) % 3], Feature::Vertex((k + 1) % 3))
+            } else {
+                (a + along * share, Feature::Side(k))
+            };
+            let square = (x - foot).norm_squared();
+            if square < best.0 {
+                best = (square, foot, feature);
+            }
+        }
+        best
+    }
+
+    /// Foot on a triangle and distance of a point in front of the surface, where no neighbor comes nearer to
+    /// it: a sphere on a flat mesh touches it once, in a valley twice.
+    pub(crate) fn local_foot(&self, triangle: u32, x: &Vec3) -> Option<(Vec3, f64)> {
+        let (square, foot, feature) = self.closest(triangle, x);
+        let t = triangle as usize;
+        let away = x - foot;
+        let is_nearest = match feature {
+            Feature::Face => away.dot(&self.normal[t]) > 0.0,
+            Feature::Side(k) => match self.neighbor[t][k] {
+                NONE => away.dot(&self.normal[t]) > 0.0,
+                other => {
+                    let (a, b) = (self.triangles[t][k], self.triangles[t][(k + 1) % 3]);
+                    let along = self.vertices[b as usize] - self.vertices[a as usize];
+                    // Into the neighbor, in its plane; its side has the opposite direction.
+                    let inward = self.normal[other as usize].cross(&-along);
+                    let outward = self.normal[t] + self.normal[other as usize];
+                    away.dot(&outward) > 0.0 && away.dot(&inward) <= 0.0
+                }
+            },
+            Feature::Vertex(k) => {
+                let v = self.triangles[t][k] as usize;
+                let row = self.spokes_start[v] as usize..self.spokes_start[v + 1] as usize;
+                away.dot(&self.vertex_normal[v]) > 0.0
+                    && self.spokes[row].iter().all(|&end| {
+                        away.dot(&(self.vertices[end as usize] - self.vertices[v])) <= 0.0
+                    })
+            }
+        };
+        is_nearest.then(|| (foot, square.sqrt()))
+    }
+}
+
+/// A point behind the surface.
+pub(crate) struct Behind {
+    /// Distance; m.
+    pub depth: f64,
+    /// Number of the plane or vertex, unit normal out of the surface, and the part of the exit path along it
+    /// (m): one plane, or the two of a valley.
+    pub leans_on: [(u32, Vec3, f64); 2],
+}
+
+/// Mark of the numbers of vertices among those of planes.
+const OF_VERTEX: u32 = 1 << 31;
+
+/// Feature of a triangle on which a point lies.
+#[derive(Clone, Copy, Debug)]
+enum Feature {
+    Face,
+    Side(usize),
+    Vertex(usize),
+}
