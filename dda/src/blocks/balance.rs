@@ -9,15 +9,15 @@ impl Blocks {
     pub fn contacts(&self) -> Vec<Contact> {
         let blocks = |pair: (u32, u32)| (pair.0 as usize, pair.1 as usize);
         let of_pairs = self.contacts.pairs.iter().flat_map(|pair| {
-            pair.points.iter().map(move |point| Contact {
+            pair.history.points.iter().map(move |point| Contact {
                 blocks: blocks(pair.blocks),
                 parts: blocks(pair.parts),
-                key: point.patch.key,
-                point: point.patch.position,
-                normal: pair.normal,
+                key: point.at.key,
+                point: point.at.position,
+                normal: pair.history.normal,
                 normal_force: point.normal_force,
                 shear_force: point.shear_force,
-                overlap: point.patch.overlap,
+                overlap: point.at.overlap,
                 state: point.state,
             })
         });
@@ -52,7 +52,7 @@ impl Blocks {
             .contacts
             .pairs
             .iter()
-            .map(|pair| pair.points.len())
+            .map(|pair| pair.history.points.len())
             .sum();
         let of_surfaces = self
             .contacts
@@ -90,7 +90,7 @@ impl Blocks {
                 .contacts
                 .pairs
                 .iter()
-                .map(|pair| pair.elastic.0 + pair.elastic.1)
+                .map(|pair| pair.history.elastic.0 + pair.history.elastic.1)
                 .sum::<f64>()
                 + self.sphere_energy()
                 + self.surface_energy()

@@ -14,18 +14,19 @@ impl Blocks {
             f(f64::from(u8::from(self.state.is_removed[b])));
         }
         for pair in &self.contacts.pairs {
+            let history = &pair.history;
             f(f64::from(pair.parts.0));
             f(f64::from(pair.parts.1));
-            f(pair.elastic.0);
-            f(pair.elastic.1);
-            pair.shear.shift.iter().for_each(|&c| f(c));
-            pair.shear.center.iter().for_each(|&c| f(c));
-            f(pair.shear.twist);
-            f(pair.shear.weight);
-            f(f64::from(u8::from(pair.has_slipped)));
-            f(pair.bond.map_or(-1.0, |bond| bond.area));
-            f(f64::from(u8::from(pair.is_broken)));
-            f(pair.stiffness_share);
+            f(history.elastic.0);
+            f(history.elastic.1);
+            history.shear.shift.iter().for_each(|&c| f(c));
+            history.shear.center.iter().for_each(|&c| f(c));
+            f(history.shear.twist);
+            f(history.shear.weight);
+            f(f64::from(u8::from(history.has_slipped)));
+            f(history.bond.map_or(-1.0, |bond| bond.area));
+            f(f64::from(u8::from(history.is_broken)));
+            f(history.stiffness_share);
             if let Some(axis) = pair.axis.axis {
                 axis.normal.iter().for_each(|&c| f(c));
                 f(axis.gap);
@@ -33,8 +34,8 @@ impl Blocks {
             f(pair.axis.verified_gap);
             f(f64::from(pair.axis.trust));
             f(f64::from(pair.axis.trusted));
-            for point in &pair.points {
-                f(f64::from(point.patch.key));
+            for point in &history.points {
+                f(f64::from(point.at.key));
                 f(point.normal_force);
                 f(point.normal_viscous);
                 point.shear_force.iter().for_each(|&c| f(c));

@@ -33,7 +33,7 @@ pub(crate) struct ContactContext<'a> {
     pub deepest_allowed: &'a [f64],
 }
 
-impl ContactContext<'_> {
+impl<'a> ContactContext<'a> {
     /// Do both lie still, one of them asleep? Their contact is then as it was.
     pub fn are_still(&self, blocks: (u32, u32)) -> bool {
         let updates = [blocks.0, blocks.1].map(|block| self.update[block as usize]);
@@ -47,7 +47,7 @@ impl ContactContext<'_> {
             && is_still(blocks.1, updates[1])
     }
 
-    pub fn joint_of(&self, parts: (u32, u32)) -> &Joint {
+    pub fn joint_of(&self, parts: (u32, u32)) -> &'a Joint {
         let material = |part: u32| self.material_of_part[part as usize] as usize;
         &self.joints[material(parts.0) * self.n_materials + material(parts.1)]
     }

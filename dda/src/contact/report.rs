@@ -1,7 +1,7 @@
 //! Contact points: as reported, and as remembered from step to step.
 
 use crate::Vec3;
-use crate::contact::detection::patch::PatchPoint;
+use crate::contact::detection::manifold::ManifoldPoint;
 use serde::{Deserialize, Serialize};
 
 /// Is the contact open, held by friction, or slipping?
@@ -41,7 +41,7 @@ pub struct Contact {
 /// History of a contact point.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct PointState {
-    pub patch: PatchPoint,
+    pub at: ManifoldPoint,
     /// Normal force on B, with its viscous part; N.
     pub normal_force: f64,
     pub normal_viscous: f64,

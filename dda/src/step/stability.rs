@@ -89,25 +89,30 @@ impl Blocks {
         let mut springs = Vec::new();
         for pair in self.contacts.pairs.iter().filter(|pair| pair.is_touching) {
             let joint = self.joint_between(pair.parts);
-            let total: f64 = pair.points.iter().map(|p| p.patch.weight).sum();
-            let pressed: f64 = pair.points.iter().map(|p| p.normal_force.max(0.0)).sum();
-            for point in &pair.points {
+            let total: f64 = pair.history.points.iter().map(|p| p.at.weight).sum();
+            let pressed: f64 = pair
+                .history
+                .points
+                .iter()
+                .map(|p| p.normal_force.max(0.0))
+                .sum();
+            for point in &pair.history.points {
                 // as the rates of the pair have it
-                let share = if pair.bond.is_some() || pressed <= 0.0 {
-                    point.patch.weight / total
+                let share = if pair.history.bond.is_some() || pressed <= 0.0 {
+                    point.at.weight / total
                 } else {
                     point.normal_force.max(0.0) / pressed
                 };
-                let (along, across) = pair.dashpots();
+                let (along, across) = pair.loads.dashpots;
                 springs.push(Spring {
                     blocks: blocks(pair.blocks),
-                    point: point.patch.position,
-                    normal: pair.normal,
+                    point: point.at.position,
+                    normal: pair.history.normal,
                     stiffness: [
-                        joint.normal_stiffness * point.patch.weight,
-                        joint.shear_stiffness * pair.shear.weight * share,
+                        joint.normal_stiffness * point.at.weight,
+                        joint.shear_stiffness * pair.history.shear.weight * share,
                     ],
-                    dashpot: [along * point.patch.weight, across * share],
+                    dashpot: [along * point.at.weight, across * share],
                 });
             }
         }

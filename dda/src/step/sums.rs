@@ -3,7 +3,8 @@
 use crate::blocks::{CHUNK, Contacts, Derived, State};
 use crate::chunks::PerChunk;
 use crate::contact::detection::broad_phase;
-use crate::contact::penalty::polyhedra::{Pair, PointForce, Workspace};
+use crate::contact::penalty::PointForce;
+use crate::contact::penalty::polyhedra::{Pair, Workspace};
 use crate::contact::penalty::spheres::{
     PairRates, Rolling, SphereContact, SphereLoads, SphereMark, SpherePair, SphereRow,
 };
@@ -50,10 +51,10 @@ impl Blocks {
             return;
         }
         for pair in &mut self.contacts.pairs {
-            pair.excess.clear();
+            pair.loads.excess.clear();
         }
         for pair in &mut self.contacts.surface_pairs {
-            pair.excess.clear();
+            pair.loads.excess.clear();
         }
         self.sum_loads();
     }
@@ -78,16 +79,16 @@ impl Blocks {
                     continue;
                 }
                 pair.evaluate(&context, dt, is_near, work);
-                tally.friction += pair.friction;
-                tally.damping += pair.damping;
-                tally.n_broken += u64::from(pair.has_broken);
-                tally.n_cut += u64::from(!pair.excess.is_empty());
+                tally.friction += pair.loads.losses.friction;
+                tally.damping += pair.loads.losses.damping;
+                tally.n_broken += u64::from(pair.loads.has_broken);
+                tally.n_cut += u64::from(!pair.loads.excess.is_empty());
                 tally.n_searches += u64::from(is_near && pair.axis.has_searched);
                 if pair.is_touching {
                     tally.note_overlap(
                         pair.parts,
-                        pair.deepest / context.least_of(pair.parts, context.deepest_allowed),
-                        pair.deepest / context.least_of(pair.parts, context.size),
+                        pair.loads.deepest / context.least_of(pair.parts, context.deepest_allowed),
+                        pair.loads.deepest / context.least_of(pair.parts, context.size),
                     );
                 }
             }
@@ -163,15 +164,15 @@ impl Blocks {
                     continue;
                 }
                 pair.evaluate(&context, dt);
-                tally.friction += pair.friction;
-                tally.damping += pair.damping;
-                tally.rolling_impulse += pair.rolling_impulse;
-                tally.n_cut += u64::from(!pair.excess.is_empty());
+                tally.friction += pair.loads.losses.friction;
+                tally.damping += pair.loads.losses.damping;
+                tally.rolling_impulse += pair.loads.rolling_impulse;
+                tally.n_cut += u64::from(!pair.loads.excess.is_empty());
                 if pair.is_touching {
                     tally.note_overlap(
                         pair.parts,
-                        pair.deepest / context.least_of(pair.parts, context.deepest_allowed),
-                        pair.deepest / context.least_of(pair.parts, context.size),
+                        pair.loads.deepest / context.least_of(pair.parts, context.deepest_allowed),
+                        pair.loads.deepest / context.least_of(pair.parts, context.size),
                     );
                 }
             }
@@ -222,12 +223,12 @@ impl Blocks {
                     let pair = &pairs[k];
                     if pair.is_touching {
                         *load += if is_second {
-                            pair.loads.1
+                            pair.loads.on_blocks.1
                         } else {
-                            pair.loads.0
+                            pair.loads.on_blocks.0
                         };
                     }
-                    load.add_all(&pair.excess, is_second, &centroid);
+                    load.add_all(&pair.loads.excess, is_second, &centroid);
                 }
                 for (k, is_second) in sphere_links.of(b) {
                     has_new_rates |= sphere_marks[k].has_new_rates;
@@ -245,11 +246,11 @@ impl Blocks {
                     has_new_rates = true;
                     let pair = &surface_pairs[k];
                     *load += if is_second {
-                        pair.loads.1
+                        pair.loads.on_blocks.1
                     } else {
-                        pair.loads.0
+                        pair.loads.on_blocks.0
                     };
-                    load.add_all(&pair.excess, is_second, &centroid);
+                    load.add_all(&pair.loads.excess, is_second, &centroid);
                 }
                 if !has_new_rates {
                     continue;
@@ -296,21 +297,22 @@ impl Blocks {
         self.state
             .contact_stretch
             .resize(self.state.deformables.len(), Matrix3::zeros());
-        let acts = |pair: &&Pair| pair.is_touching || !pair.excess.is_empty();
+        let acts = |pair: &&Pair| pair.is_touching || !pair.loads.excess.is_empty();
         for pair in self.contacts.pairs.iter().filter(acts) {
             for (block, sign) in [(pair.blocks.0, -1.0), (pair.blocks.1, 1.0)] {
                 let b = block as usize;
                 let Some(k) = self.constants.deformable_of[b] else {
                     continue;
                 };
-                for excess in &pair.excess {
+                for excess in &pair.loads.excess {
                     let offset = excess.point - self.state.kinematics[b].centroid;
                     self.state.contact_stretch[k as usize] +=
                         stretch(&(excess.force * sign), &offset);
                 }
-                for point in &pair.points {
-                    let force = (pair.normal * point.normal_force + point.shear_force) * sign;
-                    let offset = point.patch.position - self.state.kinematics[b].centroid;
+                for point in &pair.history.points {
+                    let force =
+                        (pair.history.normal * point.normal_force + point.shear_force) * sign;
+                    let offset = point.at.position - self.state.kinematics[b].centroid;
                     self.state.contact_stretch[k as usize] += stretch(&force, &offset);
                 }
             }
@@ -323,7 +325,7 @@ impl Blocks {
                     let offset = contact.point - self.state.kinematics[b].centroid;
                     self.state.contact_stretch[k as usize] += stretch(&force, &offset);
                 });
-                for excess in &pair.excess {
+                for excess in &pair.loads.excess {
                     let offset = excess.point - self.state.kinematics[b].centroid;
                     self.state.contact_stretch[k as usize] += stretch(&-excess.force, &offset);
                 }

@@ -32,26 +32,13 @@
 //! exact for quadratics, so that energy, force and moment of a linear overlap are exact.
 
 use crate::contact::detection::common_plane::{Axis, AxisKind};
+use crate::contact::detection::manifold::{Features, Manifold, ManifoldPoint};
 use crate::geometry::clip::{Crossing, OnPlane, clip};
 use crate::geometry::quadrature::{self, Fan, FanPoint};
 use crate::material::Scaling;
 use crate::{Polyhedron, Vec3};
-use serde::{Deserialize, Serialize};
 
-/// One point of a contact patch.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub(crate) struct PatchPoint {
-    /// Names the point by the edges it comes from; the same while the same features touch.
-    pub key: u32,
-    /// World; m.
-    pub position: Vec3,
-    /// Factor on the pair's stiffness: its share, or m² for a stiffness per area.
-    pub weight: f64,
-    /// Overlap; m.
-    pub overlap: f64,
-}
-
-impl PatchPoint {
+impl ManifoldPoint {
     /// Point halfway between `x` on a face of normal `n` and the other body.
     fn on_face(key: u32, (x, n): (Vec3, &Vec3), weight: f64, overlap: f64) -> Self {
         Self {
@@ -70,16 +57,10 @@ struct Corner {
     side: u16,
 }
 
-/// Contact patch with its buffers, reused from step to step.
+/// Finder of patches: the manifold last found, and the polygon it was clipped from.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Patch {
-    pub points: Vec<PatchPoint>,
-    /// Area below the plane, projected on it; m². Zero for a point contact.
-    pub area: f64,
-    /// Weight of the patch if its faces lay flat on each other; what shear stiffness refers to.
-    pub flat_weight: f64,
-    /// The face that looks at the plane; none where the contact is a point.
-    pub incident: Option<u32>,
+    pub manifold: Manifold<Vec<ManifoldPoint>>,
     corners: Vec<Corner>,
     spare: Vec<Corner>,
 }
@@ -117,6 +98,75 @@ struct Side<'a> {
     mark: u16,
 }
 
+/// Face that makes the plane, and the face of the other body that looks at it.
+#[derive(Clone, Copy)]
+struct Facing<'a> {
+    reference: Side<'a>,
+    face: usize,
+    /// Of the reference face.
+    normal: Vec3,
+    other: Side<'a>,
+    incident: usize,
+}
+
+impl<'a> Facing<'a> {
+    fn of(reference: Side<'a>, face: u32, other: Side<'a>) -> Self {
+        let face = face as usize;
+        let normal = reference.body.face_normal(face);
+        Self {
+            reference,
+            face,
+            normal,
+            other,
+            incident: facing(other.body, &normal),
+        }
+    }
+
+    /// Length of the smaller body; m.
+    fn size(&self) -> f64 {
+        self.reference.body.size().min(self.other.body.size())
+    }
+
+    /// Facets of the reference face, each with every facet of the incident one that looks at the plane.
+    fn pieces(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
+        let looks = |i: usize| self.other.body.face_normal(i).dot(&self.normal) <= -LOOKS_AWAY;
+        facets(self.reference.body, self.face).flat_map(move |f| {
+            let incidents = facets(self.other.body, self.incident);
+            incidents
+                .filter(move |&i| i == self.incident || looks(i))
+                .map(move |i| (f, i))
+        })
+    }
+
+    /// Faces of the other body beside the incident one that reach below a facet of the reference face and look at it.
+    fn beside(&self, facet: usize) -> impl Iterator<Item = usize> + '_ {
+        let (normal, offset) = self.plane(facet);
+        let body = self.other.body;
+        (0..body.n_faces()).filter(move |&side| {
+            !is_facet(body, self.incident, side)
+                && body.face_normal(side).dot(&normal) <= -LOOKS_AWAY
+                && body
+                    .face_vertices(side)
+                    .any(|v| normal.dot(&body.vertices()[v as usize]) < offset)
+        })
+    }
+
+    /// Plane of a facet of the reference face.
+    fn plane(&self, facet: usize) -> (Vec3, f64) {
+        let body = self.reference.body;
+        (body.face_normal(facet), body.face_offset(facet))
+    }
+
+    /// Offset of the point keys of a pair of facets from those of the main faces.
+    fn key_offset(&self, facet: usize, incident: usize) -> u32 {
+        facet_key_offset(facet, self.face, 0x85eb_ca6b).wrapping_add(facet_key_offset(
+            incident,
+            self.incident,
+            0x9e37_79b1,
+        ))
+    }
+}
+
 impl Patch {
     /// Patch of two bodies with the common plane `axis`. A bonded patch keeps the parts that have
     /// opened; their overlap is negative.
@@ -128,10 +178,12 @@ impl Patch {
         scaling: Scaling,
         is_bonded: bool,
     ) {
-        self.points.clear();
-        self.area = 0.0;
-        self.flat_weight = 0.0;
-        self.incident = None;
+        let found = &mut self.manifold;
+        found.points.clear();
+        found.area = 0.0;
+        found.flat_weight = 0.0;
+        found.normal = axis.normal;
+        found.depth = (-axis.gap).max(0.0);
         let size = a.size().min(b.size());
         let (side_a, side_b) = (
             Side { body: a, mark: 0 },
@@ -144,27 +196,32 @@ impl Patch {
             Scaling::Point => POINT_WEIGHT,
             Scaling::Area => CORNER_AREA * size * size,
         };
+        let facing = match axis.kind {
+            AxisKind::FaceA(face) => Some(Facing::of(side_a, face, side_b)),
+            AxisKind::FaceB(face) => Some(Facing::of(side_b, face, side_a)),
+            _ => None,
+        };
+        let incident = facing.map(|facing| facing.incident as u32);
+        found.features = Some(Features::CommonPlane(axis.kind, incident));
         match axis.kind {
-            AxisKind::FaceA(face) => {
-                self.clip_faces(side_a, face as usize, side_b, scaling, is_bonded);
-            }
-            AxisKind::FaceB(face) => {
-                self.clip_faces(side_b, face as usize, side_a, scaling, is_bonded);
-            }
             AxisKind::Edges(edge_a, edge_b) => {
                 let key = (edge_a & 0x3fff) << 16 | (edge_b & 0x3fff) | u32::from(OF_B);
                 let position = edge_contact(a, edge_a, b, edge_b);
-                self.flat_weight = point_weight;
+                self.manifold.flat_weight = point_weight;
                 self.push_single(key, position, point_weight, -axis.gap);
             }
-            AxisKind::Other => {}
+            _ => {
+                if let Some(facing) = &facing {
+                    self.clip_faces(facing, scaling, is_bonded);
+                }
+            }
         }
         // A patch of no width has corners that turn by nothing.
-        self.points.retain(|point| point.weight > 0.0);
+        self.manifold.points.retain(|point| point.weight > 0.0);
         // A bond whose faces have slid past each other holds nothing.
-        if self.points.is_empty() && !is_bonded {
-            self.flat_weight = point_weight;
-            self.incident = None;
+        if self.manifold.points.is_empty() && !is_bonded {
+            self.manifold.flat_weight = point_weight;
+            self.manifold.features = Some(Features::CommonPlane(axis.kind, None));
             // The face that looks at the plane misses it: a corner beside it is deepest.
             let key = u32::from(WATERLINE);
             self.push_single(key, deepest_corners(a, b, axis), point_weight, -axis.gap);
@@ -177,7 +234,7 @@ impl Patch {
     }
 
     fn push_single(&mut self, key: u32, position: Vec3, weight: f64, overlap: f64) {
-        self.points.push(PatchPoint {
+        self.manifold.points.push(ManifoldPoint {
             key,
             position,
             weight,
@@ -185,39 +242,19 @@ impl Patch {
         });
     }
 
-    fn clip_faces(
-        &mut self,
-        reference: Side,
-        face: usize,
-        other: Side,
-        scaling: Scaling,
-        is_bonded: bool,
-    ) {
-        let n = reference.body.face_normal(face);
-        let incident = facing(other.body, &n);
-        self.incident = Some(incident as u32);
-        let looks = |i: usize| other.body.face_normal(i).dot(&n) <= -LOOKS_AWAY;
-        let pieces = || {
-            let faces = facets(reference.body, face);
-            faces
-                .flat_map(|f| {
-                    let incidents = facets(other.body, incident);
-                    incidents
-                        .filter(move |&i| i == incident || looks(i))
-                        .map(move |i| (f, i))
-                })
-                .take(if is_bonded { 1 } else { usize::MAX })
-        };
+    /// Points of the incident face below the facets of the reference face, and of the faces beside it.
+    fn clip_faces(&mut self, faces: &Facing, scaling: Scaling, is_bonded: bool) {
+        let n_kept = if is_bonded { 1 } else { usize::MAX };
         let (mut flat_area, mut n_pieces) = (0.0, 0);
-        for (f, i) in pieces() {
-            self.clip_by_sides(reference, (f, &n), other, i);
-            flat_area += self.fan_area(&reference.body.face_normal(f));
+        for (facet, incident) in faces.pieces().take(n_kept) {
+            self.clip_by_sides(faces, facet, incident);
+            flat_area += self.fan_area(&faces.plane(facet).0);
             n_pieces += 1;
         }
         if flat_area.is_nan() || flat_area <= 0.0 {
             return;
         }
-        let size = reference.body.size().min(other.body.size());
+        let size = faces.size();
         let (per_area, per_angle) = match scaling {
             Scaling::Point => (
                 (1.0 - CORNER_SHARE) / flat_area.max(LEAST_AREA * size * size),
@@ -225,48 +262,38 @@ impl Patch {
             ),
             Scaling::Area => (1.0, 4.0 * CORNER_AREA * size * size / std::f64::consts::TAU),
         };
-        self.flat_weight = match scaling {
+        self.manifold.flat_weight = match scaling {
             Scaling::Point => 1.0,
             Scaling::Area => flat_area + 4.0 * CORNER_AREA * size * size,
         };
-        for (f, i) in pieces() {
+        for (facet, incident) in faces.pieces().take(n_kept) {
             if n_pieces > 1 {
-                self.clip_by_sides(reference, (f, &n), other, i);
+                self.clip_by_sides(faces, facet, incident);
             }
-            let plane = (reference.body.face_normal(f), reference.body.face_offset(f));
+            let plane = faces.plane(facet);
             let area = self.fan_area(&plane.0);
-            let key_offset = facet_key_offset(f, face, 0x85eb_ca6b).wrapping_add(facet_key_offset(
-                i,
-                incident,
-                0x9e37_79b1,
-            ));
-            let own = self.points.len();
+            let key_offset = faces.key_offset(facet, incident);
+            let own = self.manifold.points.len();
             self.push_corners(plane, per_angle * (area / flat_area), key_offset, is_bonded);
             if !is_bonded {
                 self.clip(&plane.0, plane.1, WATERLINE);
             }
             self.push_fan(&plane, per_area, key_offset, own);
         }
-        if is_bonded {
-            return;
+        if !is_bonded {
+            self.push_sides(faces, per_area);
         }
-        for f in facets(reference.body, face) {
-            let plane = (reference.body.face_normal(f), reference.body.face_offset(f));
-            for side in 0..other.body.n_faces() {
-                if is_facet(other.body, incident, side)
-                    || other.body.face_normal(side).dot(&plane.0) > -LOOKS_AWAY
-                    || !other
-                        .body
-                        .face_vertices(side)
-                        .any(|v| plane.0.dot(&other.body.vertices()[v as usize]) < plane.1)
-                {
-                    continue;
-                }
-                self.clip_by_sides(reference, (f, &n), other, side);
+    }
+
+    /// Points of the faces beside the incident one that reach below the plane.
+    fn push_sides(&mut self, faces: &Facing, per_area: f64) {
+        for facet in facets(faces.reference.body, faces.face) {
+            let plane = faces.plane(facet);
+            for side in faces.beside(facet) {
+                self.clip_by_sides(faces, facet, side);
                 self.clip(&plane.0, plane.1, WATERLINE);
-                let key_offset = facet_key_offset(f, face, 0x85eb_ca6b)
-                    .wrapping_add(facet_key_offset(side, incident, 0x9e37_79b1));
-                self.push_fan(&plane, per_area, key_offset, self.points.len());
+                let own = self.manifold.points.len();
+                self.push_fan(&plane, per_area, faces.key_offset(facet, side), own);
             }
         }
     }
@@ -291,21 +318,22 @@ impl Patch {
                 let turn = back.cross(&forth).norm().atan2(back.dot(&forth));
                 let key = corner_key(before, here).wrapping_add(key_offset);
                 let weight = per_angle * turn;
-                self.points
-                    .push(PatchPoint::on_face(key, (here.x, &n), weight, overlap));
+                self.manifold.points.push(ManifoldPoint::on_face(
+                    key,
+                    (here.x, &n),
+                    weight,
+                    overlap,
+                ));
             }
         }
     }
 
-    /// The face of the other body inside of the prism over the reference face along a direction.
-    fn clip_by_sides(
-        &mut self,
-        reference: Side,
-        (face, n): (usize, &Vec3),
-        other: Side,
-        incident: usize,
-    ) {
-        let body = reference.body;
+    /// A face of the other body inside of the prism over a facet along the normal of the reference face.
+    fn clip_by_sides(&mut self, faces: &Facing, facet: usize, incident: usize) {
+        let Facing {
+            reference, other, ..
+        } = faces;
+        let (body, n) = (reference.body, &faces.normal);
         self.corners.clear();
         for e in other.body.face_loop(incident) {
             self.corners.push(Corner {
@@ -313,12 +341,12 @@ impl Patch {
                 side: side_name(e, other.mark),
             });
         }
-        for e in body.face_loop(face) {
+        for e in body.face_loop(facet) {
             let a = body.vertices()[body.origin(e) as usize];
             let outward = (body.vertices()[body.origin(body.next(e)) as usize] - a).cross(n);
             self.clip(&outward, outward.dot(&a), side_name(e, reference.mark));
         }
-        let size = body.size().min(other.body.size());
+        let size = faces.size();
         let negligible = NEGLIGIBLE_AREA * size * size;
         while let Some((k, area)) = self.least_corner(n)
             && self.corners.len() > 3
@@ -369,14 +397,15 @@ impl Patch {
     fn push_fan(&mut self, plane: &(Vec3, f64), per_area: f64, key_offset: u32, own: usize) {
         let (n, offset) = plane;
         let Self {
-            points, corners, ..
+            manifold, corners, ..
         } = self;
         let Some(fan) = fan(corners, n) else { return };
         let total = fan.area();
         if total.is_nan() || total <= 0.0 {
             return;
         }
-        self.area += total;
+        manifold.area += total;
+        let points = &mut manifold.points;
         let count = corners.len();
         fan.for_each_point(|at, x, area| {
             let weight = area * per_area;
@@ -393,7 +422,7 @@ impl Patch {
                 FanPoint::Middle => u32::from(MIDDLE),
             };
             let key = name.wrapping_add(key_offset);
-            let is_shared = |point: &&mut PatchPoint| point.key == key;
+            let is_shared = |point: &&mut ManifoldPoint| point.key == key;
             if matches!(at, FanPoint::Corner(_))
                 && let Some(corner) = points[own..].iter_mut().find(is_shared)
             {
@@ -401,7 +430,7 @@ impl Patch {
                 return;
             }
             let overlap = offset - n.dot(&x);
-            points.push(PatchPoint::on_face(key, (x, n), weight, overlap));
+            points.push(ManifoldPoint::on_face(key, (x, n), weight, overlap));
         });
     }
 }
@@ -535,12 +564,16 @@ mod tests {
     fn area_of_two_unit_squares() {
         // D16
         let shifted = touching(Vec3::new(0.3, 0.2, 1.0 - 1e-4), 0.0);
-        assert!((shifted.area - 0.56).abs() < 1e-12, "{}", shifted.area);
+        assert!(
+            (shifted.manifold.area - 0.56).abs() < 1e-12,
+            "{}",
+            shifted.manifold.area
+        );
         let turned = touching(Vec3::new(0.0, 0.0, 1.0 - 1e-4), std::f64::consts::FRAC_PI_4);
         assert!(
-            (turned.area - 2.0 * (2.0_f64.sqrt() - 1.0)).abs() < 1e-12,
+            (turned.manifold.area - 2.0 * (2.0_f64.sqrt() - 1.0)).abs() < 1e-12,
             "{}",
-            turned.area
+            turned.manifold.area
         );
     }
 
@@ -548,7 +581,8 @@ mod tests {
     fn weights_integrate_quadratics() {
         let patch = touching(Vec3::new(0.3, 0.2, 1.0 - 1e-4), 0.0);
         let middle = Vec3::new(0.15, 0.1, 0.5);
-        let sum = |f: &dyn Fn(&PatchPoint) -> f64| patch.points.iter().map(f).sum::<f64>();
+        let sum =
+            |f: &dyn Fn(&ManifoldPoint) -> f64| patch.manifold.points.iter().map(f).sum::<f64>();
         assert!((sum(&|p| p.weight) - 1.0).abs() < 1e-15);
         assert!(sum(&|p| p.weight * (p.position - middle).x).abs() < 1e-15);
         // Mean square distance from the middle of a side of 0.7 m.
@@ -557,6 +591,7 @@ mod tests {
         assert!((sum(&|p| p.weight * (p.position - middle).x.powi(2)) - corners).abs() < 1e-15);
         assert!(
             patch
+                .manifold
                 .points
                 .iter()
                 .all(|p| (p.overlap - 1e-4).abs() < 1e-15)
@@ -592,8 +627,14 @@ mod tests {
             };
             let mut patch = Patch::default();
             patch.find(&broken, &upper, &axis, Scaling::Point, false);
-            let force: f64 = patch.points.iter().map(|p| p.weight * p.overlap).sum();
+            let force: f64 = patch
+                .manifold
+                .points
+                .iter()
+                .map(|p| p.weight * p.overlap)
+                .sum();
             let moment: Vec3 = patch
+                .manifold
                 .points
                 .iter()
                 .map(|p| p.position * (p.weight * p.overlap))
@@ -619,7 +660,7 @@ mod tests {
     #[test]
     fn keys_are_unique() {
         let patch = touching(Vec3::new(0.0, 0.0, 1.0 - 1e-4), 0.7);
-        let mut keys: Vec<u32> = patch.points.iter().map(|p| p.key).collect();
+        let mut keys: Vec<u32> = patch.manifold.points.iter().map(|p| p.key).collect();
         keys.sort_unstable();
         keys.dedup();
         // Eight corners, eight triangles, the middle.

@@ -68,17 +68,17 @@ impl Shearing<'_> {
     pub fn apply(&self, points: &mut [PointState], spring: &ShearSpring) -> Sheared {
         let (a, b) = self.bodies;
         let n = self.normal;
-        let total: f64 = points.iter().map(|p| p.patch.weight).sum();
+        let total: f64 = points.iter().map(|p| p.at.weight).sum();
         let normal: f64 = points.iter().map(|p| p.normal_force.max(0.0)).sum();
         // A bond may pull: its springs lie as the patch does.
         let share = |p: &PointState| {
             if self.is_bonded || normal <= 0.0 {
-                p.patch.weight / total
+                p.at.weight / total
             } else {
                 p.normal_force / normal
             }
         };
-        let center: Vec3 = points.iter().map(|p| p.patch.position * share(p)).sum();
+        let center: Vec3 = points.iter().map(|p| p.at.position * share(p)).sum();
         let (at_a, at_b) = (a.velocity_at(&center), b.velocity_at(&center));
         let rate = at_b - at_a;
         let sliding = Sliding {
@@ -98,7 +98,7 @@ impl Shearing<'_> {
         };
         let mut asked = 0.0;
         for point in &mut *points {
-            let (x, share) = (point.patch.position, share(point));
+            let (x, share) = (point.at.position, share(point));
             let slip = sliding.velocity + n.cross(&(x - center)) * sliding.spin;
             point.shear_viscous = -slip * (share * damping);
             point.shear_force = point.shear_viscous - spring.at(&x, &n) * (share * stiffness);
@@ -111,7 +111,7 @@ impl Shearing<'_> {
             let mut mean = 0.0;
             for point in &mut *points {
                 let size = point.shear_force.norm();
-                mean += share(point) * spring.at(&point.patch.position, &n).norm();
+                mean += share(point) * spring.at(&point.at.position, &n).norm();
                 if size > 0.0 {
                     point.shear_force *= limit * share(point) / size;
                 }
@@ -132,7 +132,7 @@ impl Shearing<'_> {
         }
         let held: f64 = points
             .iter()
-            .map(|p| share(p) * spring.at(&p.patch.position, &n).norm_squared())
+            .map(|p| share(p) * spring.at(&p.at.position, &n).norm_squared())
             .sum();
         Sheared {
             spring,

@@ -22,12 +22,15 @@ mod rolling;
 mod sides;
 
 use crate::contact::context::ContactContext;
+use crate::contact::detection::manifold::PointManifold;
+use crate::contact::detection::spheres::{of_two, with_body};
+use crate::contact::penalty::step_bound::Springs;
 use crate::contact::rates::Rates;
 use crate::contact::tally::Tally;
 use crate::geometry::parts::Part;
 use crate::motion::kinematics::Kinematics;
-pub(crate) use feet::BallOnSurface;
-use law::{Law, Touch, book_first_half};
+pub(crate) use feet::{SphereOnSurface, SurfaceLaw};
+use law::{Law, book_first_half};
 pub(crate) use law::{SphereContact, SphereLoads};
 pub(crate) use rolling::Rolling;
 use serde::{Deserialize, Serialize};
@@ -116,17 +119,17 @@ impl SphereRow<'_> {
                     radius: s,
                 },
             ) => {
-                let found = Touch::of_balls((x, *r), (y, *s));
+                let found = of_two((x, *r), (y, *s));
                 self.update(found, &(Ball(a, *r), Ball(b, *s)), context, dt, tally);
             }
             (Part::Sphere { center, radius }, Part::Polyhedron(body)) => {
                 let surface = body.touch_point_within(center, *radius);
-                let found = surface.map(|at| Touch::on_surface(&at, -at.normal, *radius));
+                let found = surface.map(|at| with_body(&at, -at.normal, *radius));
                 self.update(found, &(Ball(a, *radius), Body(b)), context, dt, tally);
             }
             (Part::Polyhedron(body), Part::Sphere { center, radius }) => {
                 let surface = body.touch_point_within(center, *radius);
-                let found = surface.map(|at| Touch::on_surface(&at, at.normal, *radius));
+                let found = surface.map(|at| with_body(&at, at.normal, *radius));
                 self.update(found, &(Body(a), Ball(b, *radius)), context, dt, tally);
             }
             _ => {}
@@ -135,7 +138,7 @@ impl SphereRow<'_> {
 
     fn update<A: Side, B: Side>(
         mut self,
-        found: Option<Touch>,
+        found: Option<PointManifold>,
         sides: &(A, B),
         context: &ContactContext,
         dt: f64,
@@ -179,8 +182,8 @@ impl SphereRow<'_> {
         };
         tally.note_overlap(
             self.pair.parts,
-            found.overlap * scales.per_allowed,
-            found.overlap * scales.per_size,
+            found.depth * scales.per_allowed,
+            found.depth * scales.per_size,
         );
         let rolling = self.rolling.as_deref_mut();
         let pressed = self
@@ -213,18 +216,14 @@ impl SpherePair {
         let mobility = a.inverse_mass + b.inverse_mass;
         let approach = (b.velocity - a.velocity).norm();
         let stiffness = joint.tangent_bound(0.0, law.effective_radius, approach, mobility);
-        let dashpot = |ratio: f64, k: f64| 2.0 * ratio * (k / mobility).sqrt();
-        let viscosity = joint.damping_ratio_bound();
-        let shear = joint.shear_ratio * stiffness;
+        let springs = Springs {
+            stiffness: (stiffness, joint.shear_ratio * stiffness),
+            damping_ratio: (joint.damping_ratio_bound(), law.shear_damping_ratio),
+            mobility,
+        };
         let of = |body: &Kinematics, twice: f64, block: u32| {
-            let (along, sum) = body.worst_compliance(context.lever[block as usize]);
-            let across = sum - along;
-            Rates {
-                stiffness: twice * (stiffness * along + shear * across),
-                damping: twice
-                    * (dashpot(viscosity, stiffness) * along
-                        + dashpot(law.shear_damping_ratio, shear) * across),
-            }
+            let lever = context.lever[block as usize];
+            springs.before_touch(body, lever).times(twice)
         };
         (
             of(a, sides.1.twice(), self.blocks.0),

@@ -2,11 +2,12 @@
 
 use super::{
     PairRates,
-    law::{Law, SphereContact, SphereLoads, Touch, book_first_half},
+    law::{Law, SphereContact, SphereLoads, book_first_half},
     rolling::Rolling,
     sides::{Ball, Body},
 };
 use crate::Vec3;
+use crate::contact::detection::manifold::PointManifold;
 use crate::contact::tally::Tally;
 use crate::material::{RollingLaw, SphereJoint};
 use crate::motion::kinematics::{Kinematics, Load};
@@ -14,7 +15,7 @@ use serde::{Deserialize, Serialize};
 
 /// A place where a sphere touches a surface: i is the sphere, j the surface.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub(crate) struct BallOnSurface {
+pub(crate) struct SphereOnSurface {
     pub contact: SphereContact,
     pub loads: SphereLoads,
     pub rates: PairRates,
@@ -24,12 +25,22 @@ pub(crate) struct BallOnSurface {
     found: Option<(Vec3, f64)>,
 }
 
+/// Law of a sphere on a surface, and the step.
+#[derive(Clone, Copy)]
+pub(crate) struct SurfaceLaw<'a> {
+    pub joint: &'a SphereJoint,
+    pub rolling_law: RollingLaw,
+    pub shear_damping_ratio: f64,
+    /// s.
+    pub dt: f64,
+}
+
 /// Feet whose normals turn by less are one; cos 5°.
 const ONE_FOOT: f64 = 0.996_195;
 /// A foot goes on from one of the last step if its normal turned by less; cos 45°.
 const SAME_FOOT: f64 = 0.707;
 
-impl BallOnSurface {
+impl SphereOnSurface {
     /// Forgets where the feet are, not what they remember.
     pub fn forget(feet: &mut [Self]) {
         for foot in feet {
@@ -84,12 +95,17 @@ impl BallOnSurface {
     pub fn evaluate(
         &mut self,
         (ball, surface): (&Kinematics, &Kinematics),
-        (joint, rolling_law, shear_damping_ratio): (&SphereJoint, RollingLaw, f64),
+        law: &SurfaceLaw,
         radius: f64,
-        dt: f64,
         tally: &mut Tally,
     ) {
         let sides = (Ball(ball, radius), Body(surface));
+        let SurfaceLaw {
+            joint,
+            rolling_law,
+            shear_damping_ratio,
+            dt,
+        } = *law;
         if self.is_touching {
             let rolling = Some(&self.rolling);
             book_first_half(&self.contact, &self.loads, rolling, dt, &sides, tally);
@@ -109,11 +125,8 @@ impl BallOnSurface {
             dt,
             is_meeting: !self.is_touching,
         };
-        let found = Touch {
-            normal,
-            point: ball.centroid + normal * (radius - 0.5 * overlap),
-            overlap,
-        };
+        let middle = ball.centroid + normal * (radius - 0.5 * overlap);
+        let found = PointManifold::single(normal, middle, overlap);
         let (loads, rolling) = (&mut self.loads, Some(&mut self.rolling));
         let pressed = self
             .contact

@@ -1,13 +1,14 @@
 //! The law of a touching pair: normal and shear spring with their dashpots, what they hold and what they take.
 
 use super::{PairRates, Scales, rolling::Rolling, sides::Side};
+use crate::Vec3;
+use crate::contact::detection::manifold::PointManifold;
 use crate::contact::penalty::friction::carry;
-use crate::contact::penalty::polyhedra::dashpot_share;
+use crate::contact::penalty::normal::dashpot_share;
 use crate::contact::rates::Rates;
 use crate::contact::report::ContactState;
 use crate::contact::tally::Tally;
 use crate::material::{RollingLaw, SphereJoint};
-use crate::{SurfacePoint, Vec3};
 use serde::{Deserialize, Serialize};
 
 /// Memory of a touching pair.
@@ -81,45 +82,6 @@ pub(crate) struct SphereLoads {
     pub point: Vec3,
 }
 
-/// Contact of a sphere and another part.
-pub(super) struct Touch {
-    pub normal: Vec3,
-    pub point: Vec3,
-    pub overlap: f64,
-}
-
-impl Touch {
-    /// Of spheres of center and radius.
-    pub fn of_balls((a, r): (&Vec3, f64), (b, s): (&Vec3, f64)) -> Option<Self> {
-        let offset = b - a;
-        let square = offset.norm_squared();
-        if square >= (r + s) * (r + s) {
-            return None;
-        }
-        let distance = square.sqrt();
-        let normal = if distance > 0.0 {
-            offset * (1.0 / distance)
-        } else {
-            Vec3::z()
-        };
-        let overlap = r + s - distance;
-        Some(Self {
-            normal,
-            point: a + normal * (r - 0.5 * overlap),
-            overlap,
-        })
-    }
-
-    pub fn on_surface(surface: &SurfacePoint, normal: Vec3, radius: f64) -> Self {
-        let overlap = radius - surface.distance;
-        Self {
-            normal,
-            point: surface.point - surface.normal * (0.5 * overlap),
-            overlap,
-        }
-    }
-}
-
 /// The law of a pair, and the step.
 pub(super) struct Law<'a> {
     pub joint: &'a SphereJoint,
@@ -167,7 +129,7 @@ impl SphereContact {
     /// The law, in the place just found.
     pub(super) fn apply<A: Side, B: Side>(
         &mut self,
-        found: &Touch,
+        found: &PointManifold,
         law: &Law,
         sides: &(A, B),
         loads: &mut SphereLoads,
@@ -183,20 +145,20 @@ impl SphereContact {
             is_meeting,
         } = *law;
         let (a, b) = (sides.0.kinematics(), sides.1.kinematics());
-        let (n, x) = (found.normal, &found.point);
+        let (n, x) = (found.normal, found.position());
         let rate = sides.1.velocity_at(x) - sides.0.velocity_at(x);
         let opening = n.dot(&rate);
         let slip = rate - n * opening;
         let mobility = sides.0.compliance(x, &n) + sides.1.compliance(x, &n);
-        let spring = joint.normal(found.overlap, effective_radius);
+        let spring = joint.normal(found.depth, effective_radius);
         let shear_stiffness = joint.shear_ratio * spring.tangent;
         if !(mobility == self.mobility && joint.is_linear()) {
             self.mobility = mobility;
-            self.viscosity = joint.viscosity(found.overlap, effective_radius, 1.0 / mobility);
+            self.viscosity = joint.viscosity(found.depth, effective_radius, 1.0 / mobility);
             self.dashpot = 2.0 * shear_damping_ratio * (shear_stiffness / mobility).sqrt();
         }
         let share = if joint.is_linear() {
-            let meeting = is_meeting.then_some((found.overlap, -opening));
+            let meeting = is_meeting.then_some((found.depth, -opening));
             dashpot_share(self.viscosity * mobility, dt, meeting)
         } else {
             // Hertz's dashpot starts from nothing, as its spring does.
@@ -229,7 +191,7 @@ impl SphereContact {
         }
         self.normal = n;
         self.shear = stretch;
-        self.overlap = found.overlap;
+        self.overlap = found.depth;
         self.normal_force = normal_force;
         self.normal_viscous = normal_force - spring.force;
         self.shear_stiffness = shear_stiffness;
@@ -258,7 +220,7 @@ impl SphereContact {
     /// Contribution of the just evaluated contact to the step bound.
     pub(super) fn rates<A: Side, B: Side>(
         &self,
-        found: &Touch,
+        found: &PointManifold,
         law: &Law,
         sides: &(A, B),
         pressed: &Pressed,
@@ -266,7 +228,7 @@ impl SphereContact {
     ) -> PairRates {
         // Hertz's spring stiffens: what it may become counts.
         let bound = law.joint.tangent_bound(
-            found.overlap,
+            found.depth,
             law.effective_radius,
             pressed.opening,
             self.mobility,
@@ -291,7 +253,7 @@ impl SphereContact {
             }
         };
         let (first, second) = sides;
-        let (n, x) = (&found.normal, &found.point);
+        let (n, x) = (&found.normal, found.position());
         let dashpots = pressed.rolling_dashpots;
         (
             of(

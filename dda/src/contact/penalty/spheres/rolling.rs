@@ -1,10 +1,8 @@
 //! Rolling resistance: a spring and a dashpot of turning.
 
-use super::{
-    law::{Law, Touch},
-    sides::Side,
-};
+use super::{law::Law, sides::Side};
 use crate::Vec3;
+use crate::contact::detection::manifold::PointManifold;
 use crate::contact::penalty::friction::carry;
 use crate::contact::tally::Tally;
 use crate::material::RollingLaw;
@@ -55,7 +53,7 @@ impl Rolling {
     pub(super) fn apply<A: Side, B: Side>(
         &mut self,
         law: &Law,
-        found: &Touch,
+        found: &PointManifold,
         normal_stiffness: f64,
         sides: &(A, B),
         limit: f64,

@@ -51,7 +51,7 @@ fn edge_tension(
     let (mut force, mut moment) = (0.0, Vec3::zeros());
     for point in points {
         force += point.normal_force;
-        moment += (point.patch.position - section.center) * point.normal_force;
+        moment += (point.at.position - section.center) * point.normal_force;
     }
     let slope = section.inverse_second_moment * moment;
     outline

@@ -1,0 +1,29 @@
+//! Narrow phase of spheres: a point, in the middle of the overlap.
+
+use super::manifold::PointManifold;
+use crate::{SurfacePoint, Vec3};
+
+/// Contact of two spheres of center and radius (m); `None` if they are apart.
+pub(crate) fn of_two((a, r): (&Vec3, f64), (b, s): (&Vec3, f64)) -> Option<PointManifold> {
+    let offset = b - a;
+    let square = offset.norm_squared();
+    if square >= (r + s) * (r + s) {
+        return None;
+    }
+    let distance = square.sqrt();
+    let normal = if distance > 0.0 {
+        offset * (1.0 / distance)
+    } else {
+        Vec3::z()
+    };
+    let overlap = r + s - distance;
+    let position = a + normal * (r - 0.5 * overlap);
+    Some(PointManifold::single(normal, position, overlap))
+}
+
+/// Contact of a sphere of a radius (m) with the nearest point of a body; `normal` from i to j.
+pub(crate) fn with_body(nearest: &SurfacePoint, normal: Vec3, radius: f64) -> PointManifold {
+    let overlap = radius - nearest.distance;
+    let position = nearest.point - nearest.normal * (0.5 * overlap);
+    PointManifold::single(normal, position, overlap)
+}

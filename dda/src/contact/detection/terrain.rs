@@ -1,0 +1,314 @@
+//! Narrow phase of a body and a surface of triangles.
+//!
+//! A polyhedron is behind the surface with its corners and with its faces:
+//!
+//! ```text
+//! points of   (1 − s)/A₀ ∫_S d² dA + s Σ_v w_v d_v²,   d > 0: depth behind the nearest triangle        [m²]
+//! ```
+//! `A₀ = V^2/3`; `w_v` is the share of the faces that meet in corner v, so that a cube which lies flat has the
+//! weight 1; for a stiffness per area it is `∫ d² dA + 4 A_min Σ w_v d_v²`. The depth of a corner is its
+//! distance from the surface, exact at valleys and ridges. For the faces, each triangle takes what lies
+//! behind it between the planes that halve the angles at its sides, where the depth is continuous: no edge
+//! of the mesh kicks, ridges are felt by the faces they press into, and triangles of one plane add up to
+//! that plane to round-off. Only where many triangles meet in a point do their shares leave or overlap a
+//! little, of the order of the overlap squared. Points of one plane are a manifold, and so are those whose nearest vertex is
+//! the same; at the bottom of a valley a corner leans on both sides.
+//!
+//! The faces of a body heed a triangle while its centroid is in front of it or what is behind is no deeper
+//! than the allowed overlap: what is farther behind belongs to the other side of something thin. At the rim
+//! of an open surface there is nothing to fall against: bodies should not get there.
+//!
+//! A sphere touches at the feet where the surface is locally nearest.
+
+use super::manifold::{Features, Manifold, ManifoldPoint};
+use super::patch::{CORNER_AREA, CORNER_SHARE};
+use crate::geometry::clip::{OnPlane, clip};
+use crate::geometry::quadrature::Fan;
+use crate::material::Scaling;
+use crate::{Polyhedron, Surface, Vec3};
+use serde::{Deserialize, Serialize};
+use std::ops::Range;
+
+/// Normals into the surface and overlaps (m) of the feet of a sphere (center, radius; m) on some triangles.
+pub(crate) fn feet<'a>(
+    surface: &'a Surface,
+    triangles: &'a [u32],
+    (center, radius): (&'a Vec3, f64),
+) -> impl Iterator<Item = (Vec3, f64)> + 'a {
+    triangles.iter().filter_map(move |&triangle| {
+        let (point, distance) = surface.local_foot(triangle, center)?;
+        (distance < radius).then(|| ((point - center) / distance, radius - distance))
+    })
+}
+
+/// Manifolds of a polyhedron and a surface, with columns for the points of all of them; i is the body, j the surface.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct SurfaceManifolds {
+    /// One for each plane, and one for each vertex that a corner is nearest to. The normal is that of the first of its
+    /// points.
+    pub planes: Vec<Manifold<Range<usize>>>,
+    pub points: Vec<ManifoldPoint>,
+    /// Unit, into the surface; one per point.
+    pub normals: Vec<Vec3>,
+    /// Squared depths, each counted once where a corner leans on two sides; one per point; m².
+    pub squares: Vec<f64>,
+}
+
+/// Finder of the manifolds of a polyhedron on a surface, with its buffers.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub(crate) struct SurfacePatch {
+    /// One per corner of the body, sums to about 1 over the corners of a face.
+    corner_weight: Vec<f64>,
+    /// `A₀`; m².
+    face_area: f64,
+    #[serde(skip)]
+    pub manifolds: SurfaceManifolds,
+    #[serde(skip)]
+    found: Vec<Found>,
+    /// Part of a face behind a plane, and its pieces.
+    #[serde(skip)]
+    wet: Vec<Vec3>,
+    #[serde(skip)]
+    polygon: Vec<Vec3>,
+    #[serde(skip)]
+    spare: Vec<Vec3>,
+}
+
+/// A point behind the surface.
+#[derive(Clone, Copy, Debug)]
+struct Found {
+    place: u32,
+    /// Out of the surface.
+    normal: Vec3,
+    x: Vec3,
+    weight: f64,
+    /// Area that it stands for, none of a corner; m².
+    area: f64,
+    depth: f64,
+    /// Weight in the energy, counted once for a corner that touches two sides; m².
+    square: f64,
+}
+
+/// Faces that look at a plane by less than this cosine do not touch it.
+const LOOKS_AWAY: f64 = 1e-3;
+/// Areas that differ by less are equal; –.
+const ROUND_OFF: f64 = 1e-9;
+
+impl SurfacePatch {
+    pub fn of(body: &Polyhedron) -> Self {
+        let face_area = body.size() * body.size();
+        let mut corner_weight = vec![0.0; body.vertices().len()];
+        for face in 0..body.n_faces() {
+            let corners: Vec<u32> = body.face_vertices(face).collect();
+            let n = corners.len();
+            let at = |k: usize| body.vertices()[corners[k % n] as usize];
+            let area = crate::face_area(body, face);
+            for k in 0..n {
+                let (back, forth) = (at(k) - at(k + n - 1), at(k + 1) - at(k));
+                let share = back.angle(&forth) / std::f64::consts::TAU;
+                corner_weight[corners[k] as usize] += area / face_area * share / 3.0;
+            }
+        }
+        Self {
+            corner_weight,
+            face_area,
+            ..Self::default()
+        }
+    }
+
+    /// Finds the manifolds of the body, whose centroid is given, on some triangles. `allowed`: the deepest overlap (m).
+    pub fn find(
+        &mut self,
+        (body, centroid): (&Polyhedron, &Vec3),
+        (surface, triangles): (&Surface, &[u32]),
+        scaling: Scaling,
+        allowed: f64,
+    ) {
+        let (per_area, per_corner) = match scaling {
+            Scaling::Point => ((1.0 - CORNER_SHARE) / self.face_area, CORNER_SHARE),
+            Scaling::Area => (1.0, 4.0 * CORNER_AREA * self.face_area),
+        };
+        self.found.clear();
+        self.press_corners(body, (surface, triangles), per_corner);
+        for k in 0..triangles.len() {
+            let plane = surface.plane(triangles[k]);
+            if triangles[..k].iter().all(|&t| surface.plane(t) != plane) {
+                let rest = (surface, &triangles[k..]);
+                self.press_faces((body, centroid), rest, (per_area, allowed));
+            }
+        }
+        let flat_weight = match scaling {
+            Scaling::Point => 1.0,
+            Scaling::Area => self.face_area,
+        };
+        self.sort_points(flat_weight);
+    }
+
+    /// Adds the corners of the body that lie behind the surface.
+    fn press_corners(
+        &mut self,
+        body: &Polyhedron,
+        (surface, triangles): (&Surface, &[u32]),
+        per_corner: f64,
+    ) {
+        for (x, &weight) in body.vertices().iter().zip(&self.corner_weight) {
+            // No corner is behind the surface that is in front of all its planes here.
+            if triangles.iter().all(|&t| surface.height(t, x) >= 0.0) {
+                continue;
+            }
+            if let Some(behind) = surface.behind(triangles, x) {
+                let mut square = behind.depth * behind.depth;
+                for (place, normal, depth) in behind.leans_on {
+                    if depth > 0.0 {
+                        self.found.push(Found {
+                            place,
+                            normal,
+                            x: *x,
+                            weight: per_corner * weight,
+                            area: 0.0,
+                            depth,
+                            square,
+                        });
+                        square = 0.0;
+                    }
+                }
+            }
+        }
+    }
+
+    /// Adds what of the body's faces lies behind the plane of the first of some triangles.
+    fn press_faces(
+        &mut self,
+        (body, centroid): (&Polyhedron, &Vec3),
+        (surface, triangles): (&Surface, &[u32]),
+        (per_area, allowed): (f64, f64),
+    ) {
+        let Some(&first) = triangles.first() else {
+            return;
+        };
+        let height = |x: &Vec3| surface.height(first, x);
+        if body.vertices().iter().all(|x| height(x) >= 0.0) {
+            return;
+        }
+        let (n, place) = (*surface.normal(first), surface.plane(first));
+        let (from, mut deepest) = (self.found.len(), 0.0_f64);
+        let Self {
+            found,
+            wet,
+            polygon,
+            spare,
+            ..
+        } = self;
+        for face in 0..body.n_faces() {
+            if body.face_normal(face).dot(&n) > -LOOKS_AWAY {
+                continue;
+            }
+            wet.clear();
+            wet.extend(
+                body.face_vertices(face)
+                    .map(|v| body.vertices()[v as usize]),
+            );
+            cut(wet, spare, &n, surface.offset(first));
+            let mut add = |polygon: &[Vec3], found: &mut Vec<Found>| {
+                let mut covered = 0.0;
+                integrate(polygon, |x, area| {
+                    covered += area;
+                    // Points on the waterline count, for the dashpots' sake: whether round-off puts them
+                    // above or below must not matter.
+                    let depth = f64::max(-height(&x), 0.0);
+                    deepest = deepest.max(depth);
+                    if area > 0.0 {
+                        found.push(Found {
+                            place,
+                            normal: n,
+                            x,
+                            weight: per_area * area,
+                            area,
+                            depth,
+                            square: depth * depth,
+                        });
+                    }
+                });
+                covered
+            };
+            let pieces = found.len();
+            let mut covered = 0.0;
+            for &triangle in triangles.iter().filter(|&&t| surface.plane(t) == place) {
+                polygon.clone_from(wet);
+                for (outward, offset) in surface.divides(triangle) {
+                    cut(polygon, spare, outward, *offset);
+                }
+                covered += add(polygon, found);
+            }
+            let mut whole = 0.0;
+            integrate(wet, |_, area| whole += area);
+            if covered >= (1.0 - ROUND_OFF) * whole {
+                // Wholly over the plane: friction, which is no polynomial, should not feel the triangles.
+                found.truncate(pieces);
+                add(wet, found);
+            }
+        }
+        if height(centroid) < 0.0 && deepest > allowed {
+            // The other side of something thin.
+            self.found.truncate(from);
+        }
+    }
+
+    /// Makes manifolds of what was found, place by place.
+    fn sort_points(&mut self, flat_weight: f64) {
+        let Self {
+            manifolds, found, ..
+        } = self;
+        let SurfaceManifolds {
+            planes,
+            points,
+            normals,
+            squares,
+        } = manifolds;
+        planes.clear();
+        points.clear();
+        normals.clear();
+        squares.clear();
+        for first in 0..found.len() {
+            let place = found[first].place;
+            let features = Some(Features::SurfacePlane(place));
+            if planes.iter().any(|known| known.features == features) {
+                continue;
+            }
+            let (from, mut area, mut depth) = (points.len(), 0.0, 0.0_f64);
+            for found in found[first..].iter().filter(|found| found.place == place) {
+                area += found.area;
+                depth = depth.max(found.depth);
+                points.push(ManifoldPoint {
+                    key: points.len() as u32,
+                    position: found.x,
+                    weight: found.weight,
+                    overlap: found.depth,
+                });
+                normals.push(-found.normal);
+                squares.push(found.square);
+            }
+            planes.push(Manifold {
+                normal: -found[first].normal,
+                features,
+                area,
+                flat_weight,
+                depth,
+                points: from..points.len(),
+            });
+        }
+    }
+}
+
+/// Visits points and areas (m²) that integrate quadratics over a convex polygon exactly.
+fn integrate(polygon: &[Vec3], mut visit: impl FnMut(Vec3, f64)) {
+    if let Some(fan) = Fan::new(polygon, Vec3::norm) {
+        fan.for_each_point(|_, x, area| visit(x, area));
+    }
+}
+
+/// Keeps the side `normal · x ≤ offset`; corners on the plane once, as a point of no area would still be a contact.
+fn cut(polygon: &mut Vec<Vec3>, spare: &mut Vec<Vec3>, normal: &Vec3, offset: f64) {
+    let height = |x: &Vec3| normal.dot(x) - offset;
+    clip((polygon, spare), OnPlane::Once, height, |at| at.point());
+}
