@@ -3,6 +3,7 @@
 pub(crate) mod accounts;
 pub(crate) mod attachments;
 mod balance;
+mod body;
 mod build;
 mod checkpoint;
 mod constants;
@@ -27,6 +28,7 @@ use crate::geometry::bounds::Bounds;
 use crate::material::Joint;
 pub(crate) use crate::motion::update::Update;
 use crate::{Attachment, BlockError, Hold, Load, Turning, Vec3};
+use attachments::Bodies;
 pub(crate) use constants::Constants;
 pub(crate) use contacts::Contacts;
 pub use definition::{BlockDefinition, Resting, Settings, StaticDamping};
@@ -115,15 +117,14 @@ impl Blocks {
     ///
     /// [`BlockError::Attachment`] names the first that is unusable.
     pub fn attach(&mut self, attachments: &[Attachment]) -> Result<(), BlockError> {
+        let bodies = Bodies {
+            centroid: &self.state.centroid,
+            mass: &self.constants.mass,
+            part_start: &self.constants.part_start,
+            parts: &self.derived.parts,
+        };
         for (number, attachment) in attachments.iter().enumerate() {
-            self.state.attachments.push(
-                attachment,
-                number,
-                &self.state.centroid,
-                &self.constants.mass,
-                &self.constants.part_start,
-                &self.derived.parts,
-            )?;
+            self.state.attachments.push(attachment, number, &bodies)?;
         }
         self.evaluate_attachments(true);
         Ok(())

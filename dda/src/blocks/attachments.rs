@@ -33,10 +33,10 @@ pub enum Attachment {
         part: usize,
         /// Face of the part.
         face: usize,
-        /// Pushes inward if > 0; Pa.
+        /// Inward if > 0; Pa.
         pressure: f64,
     },
-    /// Spring from a material point to where it was at t = 0.
+    /// Spring from a material point to its position at t = 0.
     FixedPoint {
         /// The block.
         block: usize,
@@ -45,7 +45,7 @@ pub enum Attachment {
         /// In every direction, > 0; N/m.
         stiffness: f64,
     },
-    /// Elastic bar that yields, from a point of one block to a point of another.
+    /// Elastic, perfectly plastic bar from a point of one block to a point of another.
     RockBolt {
         /// The two blocks.
         blocks: (usize, usize),
@@ -55,39 +55,38 @@ pub enum Attachment {
         stiffness: f64,
         /// Tension at t = 0, at most the yield force; N.
         pretension: f64,
-        /// It takes no more than this, in tension or compression, > 0; N.
+        /// Largest force, in tension or compression, > 0; N.
         yield_force: f64,
     },
 }
 
-/// An end: the block and the position relative to its centroid, in the initial axes.
+/// End of an attachment: its block and the position relative to the centroid, in the initial axes.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct End {
     pub block: u32,
     pub offset_rel: Vec3,
 }
 
+/// Law of an attachment.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) enum Kind {
+    /// Constant force; N.
     Force(Vec3),
-    /// Index of the part among all parts, and its face.
-    Pressure {
-        part: u32,
-        face: u32,
-        pressure: f64,
-    },
-    Spring {
-        anchor: Vec3,
-        stiffness: f64,
-    },
+    /// Pressure on a face of a part, which is counted among all parts; Pa.
+    Pressure { part: u32, face: u32, pressure: f64 },
+    /// Spring to a fixed point.
+    Spring { anchor: Vec3, stiffness: f64 },
+    /// Bolt to a second end.
     Bolt {
         other: End,
+        /// Without tension; m.
         length: f64,
         stiffness: f64,
         yield_force: f64,
     },
 }
 
+/// An attachment and its state.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Item {
     pub end: End,
@@ -104,150 +103,53 @@ pub(crate) struct Item {
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(crate) struct Attachments {
     pub items: Vec<Item>,
-    /// One per block, empty without attachments.
+    /// Sum of their forces on each block, empty without attachments; N, N m.
     pub loads: Vec<Load>,
-    /// One per deformable block.
+    /// Straining moment of their forces; one per deformable block; N m.
     pub stretch: Vec<Matrix3<f64>>,
-    /// Force from outside on free blocks; N.
+    /// Sum of the external forces on free blocks; N.
     pub outer_force: Vec3,
     /// Energy of springs and bolts; J.
     pub elastic: f64,
+    /// Dissipated by bolts that yield; J.
     pub plastic: Account,
-    /// Work of forces and pressures.
+    /// Work of forces and pressures; J.
     pub work: Account,
 }
+
+/// Blocks at t = 0, as far as attachments need them.
+pub(crate) struct Bodies<'a> {
+    /// Centroids; m.
+    pub centroid: &'a [Vec3],
+    /// Masses; kg.
+    pub mass: &'a [f64],
+    /// First part of each block, and the number of parts.
+    pub part_start: &'a [u32],
+    /// Parts of all blocks.
+    pub parts: &'a [Part],
+}
+
+/// Reason to refuse an attachment.
+type Refusal = &'static str;
 
 impl Attachments {
     pub fn is_empty(&self) -> bool {
         self.items.is_empty()
     }
 
-    /// Adds one; `part_start` of each block, masses and initial centroids as in `Blocks`.
+    /// Adds one; the error names it by its `number`.
     pub fn push(
         &mut self,
         attachment: &Attachment,
         number: usize,
-        centroid: &[Vec3],
-        mass: &[f64],
-        part_start: &[u32],
-        parts: &[Part],
+        bodies: &Bodies,
     ) -> Result<(), BlockError> {
-        let refuse = |reason| {
-            Err(BlockError::Attachment {
+        let (end, kind) = bodies
+            .resolve(attachment)
+            .map_err(|reason| BlockError::Attachment {
                 attachment: number,
                 reason,
-            })
-        };
-        let n = centroid.len();
-        let end = |block: usize, point: Vec3| End {
-            block: block as u32,
-            offset_rel: point - centroid[block],
-        };
-        let finite = |v: &Vec3| v.iter().all(|c| c.is_finite());
-        let (end, kind) = match *attachment {
-            Attachment::PointLoad {
-                block,
-                point,
-                force,
-            } => {
-                if block >= n {
-                    return refuse("there is no such block");
-                }
-                if !finite(&point) || !finite(&force) {
-                    return refuse("point and force must be finite");
-                }
-                (end(block, point), Kind::Force(force))
-            }
-            Attachment::BodyLoad {
-                block,
-                acceleration,
-            } => {
-                if block >= n {
-                    return refuse("there is no such block");
-                }
-                if !finite(&acceleration) {
-                    return refuse("the acceleration must be finite");
-                }
-                (
-                    end(block, centroid[block]),
-                    Kind::Force(acceleration * mass[block]),
-                )
-            }
-            Attachment::FaceLoad {
-                block,
-                part,
-                face,
-                pressure,
-            } => {
-                if block >= n {
-                    return refuse("there is no such block");
-                }
-                if !pressure.is_finite() {
-                    return refuse("the pressure must be finite");
-                }
-                let index = part_start[block] as usize + part;
-                match parts
-                    .get(index)
-                    .filter(|_| index < part_start[block + 1] as usize)
-                {
-                    Some(Part::Polyhedron(body)) if face < body.n_faces() => {}
-                    _ => return refuse("the block has no such part with such a face"),
-                }
-                let kind = Kind::Pressure {
-                    part: index as u32,
-                    face: face as u32,
-                    pressure,
-                };
-                (end(block, centroid[block]), kind)
-            }
-            Attachment::FixedPoint {
-                block,
-                point,
-                stiffness,
-            } => {
-                if block >= n {
-                    return refuse("there is no such block");
-                }
-                if !(finite(&point) && stiffness > 0.0 && stiffness.is_finite()) {
-                    return refuse("the point must be finite and the stiffness > 0 N/m");
-                }
-                (
-                    end(block, point),
-                    Kind::Spring {
-                        anchor: point,
-                        stiffness,
-                    },
-                )
-            }
-            Attachment::RockBolt {
-                blocks: (i, j),
-                points,
-                stiffness,
-                pretension,
-                yield_force,
-            } => {
-                if i >= n || j >= n || i == j {
-                    return refuse("a bolt needs two different blocks");
-                }
-                let length = (points.1 - points.0).norm();
-                if !(length > 0.0 && length.is_finite()) {
-                    return refuse("the ends of a bolt must be apart");
-                }
-                if !(stiffness > 0.0 && stiffness.is_finite() && yield_force > 0.0) {
-                    return refuse("stiffness and yield force of a bolt must be > 0");
-                }
-                if !(pretension.abs() <= yield_force) {
-                    return refuse("the pretension of a bolt must not exceed its yield force");
-                }
-                let kind = Kind::Bolt {
-                    other: end(j, points.1),
-                    length: length - pretension / stiffness,
-                    stiffness,
-                    yield_force,
-                };
-                (end(i, points.0), kind)
-            }
-        };
+            })?;
         self.items.push(Item {
             end,
             kind,
@@ -274,4 +176,157 @@ impl Attachments {
         f(self.plastic.total());
         f(self.work.total());
     }
+}
+
+impl Bodies<'_> {
+    /// The end of an attachment and its kind, checked.
+    fn resolve(&self, attachment: &Attachment) -> Result<(End, Kind), Refusal> {
+        match *attachment {
+            Attachment::PointLoad {
+                block,
+                point,
+                force,
+            } => self.point_load(block, point, force),
+            Attachment::BodyLoad {
+                block,
+                acceleration,
+            } => self.body_load(block, acceleration),
+            Attachment::FaceLoad {
+                block,
+                part,
+                face,
+                pressure,
+            } => self.face_load(block, part, face, pressure),
+            Attachment::FixedPoint {
+                block,
+                point,
+                stiffness,
+            } => self.fixed_point(block, point, stiffness),
+            Attachment::RockBolt {
+                blocks,
+                points,
+                stiffness,
+                pretension,
+                yield_force,
+            } => {
+                let (end, other) = self.bolt_ends(blocks, points)?;
+                let kind = Kind::Bolt {
+                    other,
+                    length: unstressed_length(points, stiffness, pretension, yield_force)?,
+                    stiffness,
+                    yield_force,
+                };
+                Ok((end, kind))
+            }
+        }
+    }
+
+    fn point_load(&self, block: usize, point: Vec3, force: Vec3) -> Result<(End, Kind), Refusal> {
+        self.check_block(block)?;
+        if !is_finite(&point) || !is_finite(&force) {
+            return Err("point and force must be finite");
+        }
+        Ok((self.end(block, point), Kind::Force(force)))
+    }
+
+    fn body_load(&self, block: usize, acceleration: Vec3) -> Result<(End, Kind), Refusal> {
+        self.check_block(block)?;
+        if !is_finite(&acceleration) {
+            return Err("the acceleration must be finite");
+        }
+        let force = acceleration * self.mass[block];
+        Ok((self.end(block, self.centroid[block]), Kind::Force(force)))
+    }
+
+    fn face_load(
+        &self,
+        block: usize,
+        part: usize,
+        face: usize,
+        pressure: f64,
+    ) -> Result<(End, Kind), Refusal> {
+        self.check_block(block)?;
+        if !pressure.is_finite() {
+            return Err("the pressure must be finite");
+        }
+        let index = self.part_start[block] as usize + part;
+        let is_of_block = index < self.part_start[block + 1] as usize;
+        match self.parts.get(index).filter(|_| is_of_block) {
+            Some(Part::Polyhedron(body)) if face < body.n_faces() => {}
+            _ => return Err("the block has no such part with such a face"),
+        }
+        let kind = Kind::Pressure {
+            part: index as u32,
+            face: face as u32,
+            pressure,
+        };
+        Ok((self.end(block, self.centroid[block]), kind))
+    }
+
+    fn fixed_point(
+        &self,
+        block: usize,
+        point: Vec3,
+        stiffness: f64,
+    ) -> Result<(End, Kind), Refusal> {
+        self.check_block(block)?;
+        if !(is_finite(&point) && stiffness > 0.0 && stiffness.is_finite()) {
+            return Err("the point must be finite and the stiffness > 0 N/m");
+        }
+        let kind = Kind::Spring {
+            anchor: point,
+            stiffness,
+        };
+        Ok((self.end(block, point), kind))
+    }
+
+    fn bolt_ends(
+        &self,
+        (i, j): (usize, usize),
+        points: (Vec3, Vec3),
+    ) -> Result<(End, End), Refusal> {
+        let n = self.centroid.len();
+        if i >= n || j >= n || i == j {
+            return Err("a bolt needs two different blocks");
+        }
+        Ok((self.end(i, points.0), self.end(j, points.1)))
+    }
+
+    fn check_block(&self, block: usize) -> Result<(), Refusal> {
+        if block >= self.centroid.len() {
+            return Err("there is no such block");
+        }
+        Ok(())
+    }
+
+    fn end(&self, block: usize, point: Vec3) -> End {
+        End {
+            block: block as u32,
+            offset_rel: point - self.centroid[block],
+        }
+    }
+}
+
+/// Length of a bolt without tension: the distance of its ends less the elongation by its pretension `P`, `L − P/k`; m.
+fn unstressed_length(
+    points: (Vec3, Vec3),
+    stiffness: f64,
+    pretension: f64,
+    yield_force: f64,
+) -> Result<f64, Refusal> {
+    let length = (points.1 - points.0).norm();
+    if !(length > 0.0 && length.is_finite()) {
+        return Err("the ends of a bolt must be apart");
+    }
+    if !(stiffness > 0.0 && stiffness.is_finite() && yield_force > 0.0) {
+        return Err("stiffness and yield force of a bolt must be > 0");
+    }
+    if !(pretension.abs() <= yield_force) {
+        return Err("the pretension of a bolt must not exceed its yield force");
+    }
+    Ok(length - pretension / stiffness)
+}
+
+fn is_finite(v: &Vec3) -> bool {
+    v.iter().all(|c| c.is_finite())
 }

@@ -1,19 +1,18 @@
 //! Construction of a system of blocks: bodies about their centroids, in principal axes, with margins and limits.
 
+use super::body::{Body, InitialMotion};
 use super::definition::check_settings;
 use crate::contact::rates::BlockRates;
 use crate::geometry::bounds::{grown, overlap};
 use crate::geometry::parts::Part;
 use crate::material::Joint;
-use crate::motion::deformation::{
-    Affine12, AffineBody, Dda12, Deformable, elastic_constants, tensor,
-};
+use crate::motion::deformation::Deformable;
 use crate::motion::kinematics::Kinematics;
 use crate::{
-    BlockDefinition, BlockError, Blocks, Deformability, DeformableModel, Isometry, JointOverride,
-    Load, MassProperties, Material, Motion, NormalLaw, Settings, Shape, Vec3,
+    BlockDefinition, BlockError, Blocks, Isometry, JointOverride, Load, Material, Motion,
+    NormalLaw, Settings, Shape, Vec3,
 };
-use nalgebra::{Matrix3, Rotation3, SymmetricEigen, UnitQuaternion};
+use nalgebra::Matrix3;
 
 /// Overlap allowed, × thickness: two plates of equal thickness have passed each other's middle, and
 /// would be pushed out on the wrong side, at 1.
@@ -41,7 +40,7 @@ impl Blocks {
         Self::with_joints(definitions, materials, &[], settings)
     }
 
-    /// Creates blocks with joints between certain materials.
+    /// A system of blocks with special joints between certain pairs of materials.
     ///
     /// # Errors
     ///
@@ -75,21 +74,17 @@ impl Blocks {
         definition: BlockDefinition,
         materials: &[Material],
     ) -> Result<(), BlockError> {
-        let BlockDefinition {
-            shape,
-            material,
-            motion,
-            velocity,
-            angular_velocity,
-            deformability,
-        } = definition;
-        let Some(rock) = materials.get(material) else {
-            return Err(BlockError::NoSuchMaterial {
-                block,
-                material,
-                n_materials: materials.len(),
-            });
-        };
+        let rock = rock_of(block, &definition, materials)?;
+        self.check_normal_law(&definition.shape, materials)?;
+        let body = Body::of(block, &definition, rock)?;
+        self.push_parts(block, &definition, &body.centroid);
+        self.push_state(&InitialMotion::of(&definition), &body);
+        self.push_constants(block, definition.motion, &body);
+        self.push_deformable(body.deformable);
+        Ok(())
+    }
+
+    fn check_normal_law(&self, shape: &Shape, materials: &[Material]) -> Result<(), BlockError> {
         if self.constants.settings.normal_law == NormalLaw::Hertz
             && matches!(shape, Shape::Sphere { .. })
             && materials.iter().any(|m| m.elastic.is_none())
@@ -100,114 +95,64 @@ impl Blocks {
                 rule: "Hertz needs elastic moduli of every material",
             });
         }
-        let properties = shape.mass_properties();
-        let is_surface = matches!(shape, Shape::Surface(_));
-        if is_surface && !matches!(motion, Motion::Fixed) {
-            return Err(BlockError::Surface { block });
-        }
-        let has_volume = properties.volume > 0.0 && properties.volume.is_finite();
-        if !has_volume && !is_surface {
-            return Err(BlockError::Empty { block });
-        }
-        if !velocity
-            .iter()
-            .chain(angular_velocity.iter())
-            .all(|c| c.is_finite())
-        {
-            return Err(BlockError::NotFinite { block });
-        }
-        let mut displacement = Vec3::zeros();
-        let mut turn = UnitQuaternion::identity();
-        if let Motion::Prescribed(path) = &motion {
-            path.check(block)?;
-            displacement = path.displacement(0.0);
-            turn = path.turn(0.0);
-        }
-        let deformable = match &deformability {
-            None => None,
-            Some(wanted) => Some(make_deformable(
-                block,
-                wanted,
-                (&shape, &motion),
-                rock,
-                (&properties, &angular_velocity),
-            )?),
-        };
-        let (moments, principal) = if is_surface {
-            // it has no mass and never moves: nonzero moments give zero spin instead of 0/0
-            (Vec3::repeat(1.0), UnitQuaternion::identity())
-        } else {
-            principal_axes(&properties, rock.density)
-        };
-        let start = properties.centroid;
-        self.push_parts(
-            block,
-            material,
-            &shape,
-            &start,
-            !matches!(motion, Motion::Fixed),
-        );
-        self.state.centroid.push(start + displacement);
-        self.state.velocity.push(match &motion {
-            Motion::Free => velocity,
-            Motion::Fixed => Vec3::zeros(),
-            Motion::Prescribed(path) => path.velocity(0.0),
-        });
-        let spin = match &motion {
-            Motion::Free => angular_velocity,
-            Motion::Fixed => Vec3::zeros(),
-            Motion::Prescribed(path) => path.spin(0.0),
-        };
-        let attitude = turn * principal;
+        Ok(())
+    }
+
+    fn push_state(&mut self, initial: &InitialMotion, body: &Body) {
+        let InitialMotion {
+            displacement,
+            turn,
+            velocity,
+            spin,
+        } = *initial;
+        let attitude = turn * body.principal;
         let momentum = attitude
             .inverse_transform_vector(&spin)
-            .component_mul(&moments);
+            .component_mul(&body.moments);
+        self.state.centroid.push(body.centroid + displacement);
+        self.state.velocity.push(velocity);
         self.state.angular_momentum.push(momentum);
         self.state.attitude.push(attitude);
         self.state.is_removed.push(false);
         self.state.kinematics.push(Kinematics {
-            centroid: start,
+            centroid: body.centroid,
             velocity,
             spin,
             inverse_mass: 0.0,
             inverse_inertia: Matrix3::zeros(),
             strain_rate: None,
         });
-        self.constants.deformable_of.push(
-            deformable
-                .is_some()
-                .then_some(self.state.deformables.len() as u32),
-        );
-        self.state.deformables.extend(deformable);
         self.state.contact_load.push(Load::default());
         self.state.contact_load_before.push(Load::default());
         self.state.rates.push(BlockRates::default());
-        let mass = rock.density * properties.volume;
-        let lever = self.worst_lever(block, &moments, &principal, mass);
-        self.constants.lever.push(lever);
-        self.constants.mass.push(mass);
-        self.constants.volume.push(properties.volume);
-        self.constants.inertia.push(moments);
-        self.constants.principal.push(principal);
-        self.constants.initial_centroid.push(start);
-        self.constants.motion.push(motion);
-        Ok(())
     }
 
-    fn push_parts(
-        &mut self,
-        block: usize,
-        material: usize,
-        shape: &Shape,
-        centroid: &Vec3,
-        can_move: bool,
-    ) {
+    fn push_constants(&mut self, block: usize, motion: Motion, body: &Body) {
+        let lever = self.worst_lever(block, body);
+        self.constants.lever.push(lever);
+        self.constants.mass.push(body.mass);
+        self.constants.volume.push(body.volume);
+        self.constants.inertia.push(body.moments);
+        self.constants.principal.push(body.principal);
+        self.constants.initial_centroid.push(body.centroid);
+        self.constants.motion.push(motion);
+    }
+
+    fn push_deformable(&mut self, deformable: Option<Deformable>) {
+        let number = self.state.deformables.len() as u32;
+        let of_block = deformable.is_some().then_some(number);
+        self.constants.deformable_of.push(of_block);
+        self.state.deformables.extend(deformable);
+    }
+
+    fn push_parts(&mut self, block: usize, definition: &BlockDefinition, centroid: &Vec3) {
         let shift = Isometry::translation(-centroid.x, -centroid.y, -centroid.z);
         let first = self.constants.reference.len();
-        // A surface stays where it is given.
-        let about_centroid = match shape {
-            Shape::Surface(_) => shape.clone(),
-            _ => shape.transformed(&shift),
+        let can_move = !matches!(definition.motion, Motion::Fixed);
+        // a surface keeps its given position
+        let about_centroid = match &definition.shape {
+            Shape::Surface(_) => definition.shape.clone(),
+            shape => shape.transformed(&shift),
         };
         match about_centroid {
             Shape::Surface(surface) => self.constants.reference.push(Part::Surface(surface)),
@@ -240,7 +185,9 @@ impl Blocks {
             self.state.boxes.push(part.aabb());
             self.state.fat_boxes.push(part.aabb());
             self.constants.block_of_part.push(block as u32);
-            self.constants.material_of_part.push(material as u32);
+            self.constants
+                .material_of_part
+                .push(definition.material as u32);
             self.constants.margin.push(if can_move {
                 f64::min(SKIN * size, SKIN_OF_THICKNESS * thickness)
             } else {
@@ -262,27 +209,22 @@ impl Blocks {
             .push(self.constants.reference.len() as u32);
     }
 
-    /// The radius `R`; for a needle the lever with the rotational compliance of its worst corner. A force across a needle's axis
-    /// acts about the axis with a lever of at most half a thickness, never half its length.
+    /// Lever of the worst contact: the radius `R`, or for a needle the lever with the rotational compliance of its worst corner; m.
+    ///
+    /// A force across the axis of a needle acts about this axis with a lever of at most half a thickness, never half its length.
     ///
     /// ```text
     /// R² |J⁻¹| = max_r Σ_k (r² − r_k²)/J_k                                                   [1/kg]
     /// ```
-    fn worst_lever(
-        &self,
-        block: usize,
-        moments: &Vec3,
-        principal: &UnitQuaternion<f64>,
-        mass: f64,
-    ) -> f64 {
+    fn worst_lever(&self, block: usize, body: &Body) -> f64 {
         let radius = self.constants.radius[block];
-        let inverse = moments.map(|moment| 1.0 / moment);
+        let inverse = body.moments.map(|moment| 1.0 / moment);
         let softness = inverse.norm();
-        if !(radius * radius * softness * mass > NEEDLE) {
+        if !(radius * radius * softness * body.mass > NEEDLE) {
             return radius;
         }
         let compliance = |corner: &Vec3| {
-            let r = principal.inverse_transform_vector(corner);
+            let r = body.principal.inverse_transform_vector(corner);
             let square = r.norm_squared();
             r.map(|component| square - component * component)
                 .dot(&inverse)
@@ -299,11 +241,10 @@ impl Blocks {
         radius.min((worst / softness).sqrt())
     }
 
-    /// Finds the faces that nothing can touch and the corners where surfaces join, between parts of one
-    /// body and between fixed bodies.
+    /// Hidden faces, and corners where surfaces join, between parts of one body and between fixed bodies.
     fn note_neighbors(&mut self) {
         let is_fixed = |block: u32| matches!(self.constants.motion[block as usize], Motion::Fixed);
-        // In the initial placement, where the fixed parts can be compared.
+        // fixed parts can be compared in their initial placement
         let placed = self.derived.parts.clone();
         let fixed: Vec<usize> = (0..placed.len())
             .filter(|&part| is_fixed(self.constants.block_of_part[part]))
@@ -341,46 +282,17 @@ impl Blocks {
     }
 }
 
-/// The deformable body of a block, at t = 0.
-fn make_deformable(
+/// Material of a block.
+fn rock_of<'a>(
     block: usize,
-    wanted: &Deformability,
-    (shape, motion): (&Shape, &Motion),
-    rock: &Material,
-    (properties, spin): (&MassProperties, &Vec3),
-) -> Result<Deformable, BlockError> {
-    let refuse = |reason| Err(BlockError::Deformability { block, reason });
-    if !matches!(motion, Motion::Free) {
-        return refuse("only a free block can be deformable");
-    }
-    if !matches!(shape, Shape::Polyhedra(_)) {
-        return refuse("only a block of polyhedra can be deformable");
-    }
-    let Some(elastic) = &rock.elastic else {
-        return refuse("its material has no elastic moduli");
-    };
-    if !(wanted.strain_mass_factor >= 1.0 && wanted.strain_mass_factor.is_finite()) {
-        return refuse("the factor on the inertia of strain must be at least 1");
-    }
-    if wanted.initial_stress.iter().any(|c| !c.is_finite()) {
-        return refuse("the initial stress must be finite");
-    }
-    let second_moment = properties.second_moment * rock.density;
-    let Some(body) = AffineBody::new(
-        second_moment,
-        properties.volume,
-        spin,
-        wanted.strain_mass_factor,
-    ) else {
-        return refuse("it is flat");
-    };
-    let constants = elastic_constants(elastic, &second_moment, properties.volume);
-    let stress = tensor(&wanted.initial_stress);
-    Ok(match wanted.model {
-        DeformableModel::Affine12(law) => {
-            Deformable::Affine12(Affine12::new(body, law, constants, stress))
-        }
-        DeformableModel::Dda12 => Deformable::Dda12(Dda12::new(body, constants, stress)),
+    definition: &BlockDefinition,
+    materials: &'a [Material],
+) -> Result<&'a Material, BlockError> {
+    let material = definition.material;
+    materials.get(material).ok_or(BlockError::NoSuchMaterial {
+        block,
+        material,
+        n_materials: materials.len(),
     })
 }
 
@@ -395,25 +307,4 @@ fn least_of_the_large(parts: &[Part]) -> (f64, f64) {
         large.map(of).fold(f64::INFINITY, f64::min)
     };
     (least(Part::size), least(Part::thickness))
-}
-
-/// Moments of inertia and the rotation from principal axes to the given placement.
-fn principal_axes(properties: &MassProperties, density: f64) -> (Vec3, UnitQuaternion<f64>) {
-    let inertia = properties.inertia() * density;
-    let largest = inertia.abs().max();
-    let off_diagonal = inertia[(0, 1)]
-        .abs()
-        .max(inertia[(0, 2)].abs())
-        .max(inertia[(1, 2)].abs());
-    // Already principal: keep the axes, and the digits.
-    if off_diagonal <= 1e-14 * largest {
-        return (inertia.diagonal(), UnitQuaternion::identity());
-    }
-    let eigen = SymmetricEigen::new(inertia);
-    let mut axes = eigen.eigenvectors;
-    if axes.determinant() < 0.0 {
-        axes.set_column(0, &-axes.column(0));
-    }
-    let turn = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(axes));
-    (eigen.eigenvalues, turn)
 }
