@@ -1,9 +1,12 @@
-//! A step of the blocks: the integrator, sums of forces, damping, sleep and accounts.
+//! A step of the blocks: integrators, a file each, and the sums of forces, damping, sleep and accounts that they share.
 
 pub(crate) mod accounts;
+pub(crate) mod advance;
 pub(crate) mod attachments;
 pub(crate) mod central_difference;
 pub(crate) mod damping;
+pub(crate) mod guards;
+pub(crate) mod impulses;
 pub(crate) mod phase;
 pub(crate) mod sleep;
 pub(crate) mod stability;

@@ -294,7 +294,7 @@ fn what_cannot_go_on_says_why_and_changes_nothing() {
         ),
         (
             &newer,
-            "is a checkpoint of format 3, and this riprap reads format 2",
+            "is a checkpoint of format 4, and this riprap reads format 3",
         ),
         (&b"solid cube"[..], "is not a checkpoint of riprap"),
     ] {

@@ -26,6 +26,8 @@ pub struct BlockDefinition {
 pub struct Settings {
     /// Acceleration of gravity; m/s².
     pub gravity: Vec3,
+    /// Time integrator. Default: central differences.
+    pub integrator: Integrator,
     /// Share `C_b` of the stability bound that a step may use, 0 < C_b ≤ 1. Default 0.8; the bound
     /// itself is about half the true limit.
     pub time_step_factor: f64,
@@ -51,6 +53,7 @@ impl Default for Settings {
     fn default() -> Self {
         Self {
             gravity: Vec3::new(0.0, 0.0, -9.81),
+            integrator: Integrator::default(),
             time_step_factor: 0.8,
             shear_damping_ratio: 0.2,
             overlap_limit: 0.2,
@@ -61,6 +64,14 @@ impl Default for Settings {
             resting: None,
         }
     }
+}
+
+/// Time integrator of the blocks.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Integrator {
+    /// Explicit central differences with penalty contact, see `step::central_difference`.
+    #[default]
+    CentralDifference,
 }
 
 /// Criteria for putting blocks to sleep and waking them.
@@ -90,6 +101,7 @@ pub(super) fn check_settings(settings: &Settings) -> Result<(), BlockError> {
     let refuse = |field, value, rule| Err(BlockError::Setting { field, value, rule });
     let Settings {
         gravity,
+        integrator: _,
         time_step_factor,
         shear_damping_ratio,
         overlap_limit,

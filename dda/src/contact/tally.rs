@@ -1,6 +1,7 @@
 //! Sums over the pairs of contacts.
 
 use crate::Vec3;
+use crate::contact::penalty::history::PairLoads;
 
 /// Pairs of polyhedra that one thread takes at a time.
 pub(crate) const PAIR_CHUNK: usize = 16;
@@ -42,6 +43,15 @@ impl Tally {
                 self.worst
             },
         }
+    }
+
+    /// Adds the account of a pair.
+    pub fn add(&mut self, loads: &PairLoads) {
+        self.friction += loads.losses.friction;
+        self.damping += loads.losses.damping;
+        self.rolling_impulse += loads.rolling_impulse;
+        self.n_broken += u64::from(loads.has_broken);
+        self.n_cut += u64::from(!loads.excess.is_empty());
     }
 
     /// Records the overlap of two parts; × the allowed one and × size.

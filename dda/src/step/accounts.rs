@@ -1,6 +1,6 @@
 //! Impulses on chosen blocks by source: booked half a kick at a time.
 
-use crate::{Blocks, Impulses, Load};
+use crate::{Blocks, Impulses, Load, Motion};
 
 impl Blocks {
     /// Keeps accounts of some blocks from now on, of no others.
@@ -53,6 +53,21 @@ impl Blocks {
             let row = &mut self.state.accounts.rows[k].restrained;
             row.force += after.force - before.force - given.force;
             row.torque += after.torque - before.torque - given.torque;
+        }
+    }
+
+    /// Work of prescribed blocks on free ones over the sub-step, force at its two ends.
+    pub(crate) fn book_external_work(&mut self, dt: f64) {
+        for b in 0..self.n_blocks() {
+            if matches!(self.constants.motion[b], Motion::Prescribed(_)) {
+                let (now, before) = (
+                    &self.state.contact_load[b],
+                    &self.state.contact_load_before[b],
+                );
+                let power = (now.force + before.force).dot(&self.state.velocity[b])
+                    + (now.torque + before.torque).dot(&self.angular_velocity(b));
+                self.state.totals.external_work.book(-0.5 * power * dt);
+            }
         }
     }
 }

@@ -1,7 +1,8 @@
 //! Damping in the search for a static equilibrium. It is not physical: each kind acts against motion in the
 //! fixed frame, and only the final equilibrium of such a run is meaningful.
 
-use crate::{StaticDamping, Vec3};
+use crate::motion::kinematics::{InternalMotion, flushed};
+use crate::{Blocks, Load, StaticDamping, Vec3};
 
 impl StaticDamping {
     /// Factor on all velocities after a sub-step of `dt` (s).
@@ -10,6 +11,39 @@ impl StaticDamping {
             Self::MassProportional(alpha) => (-alpha * dt).exp(),
             Self::Local(_) => 1.0,
             Self::Kinetic(kappa) => *kappa,
+        }
+    }
+}
+
+impl Blocks {
+    /// Damping that scales velocities, if the settings ask for it.
+    pub(crate) fn damp(&mut self, dt: f64) {
+        let Some(damping) = self.constants.settings.static_damping else {
+            return;
+        };
+        let factor = damping.velocity_factor(dt);
+        if factor == 1.0 {
+            return;
+        }
+        for b in 0..self.n_blocks() {
+            if !self.is_free(b) {
+                continue;
+            }
+            self.state
+                .totals
+                .static_damping
+                .book((1.0 - factor * factor) * self.kinetic_energy(b));
+            self.state.totals.support_impulse +=
+                self.state.velocity[b] * (self.constants.mass[b] * (factor - 1.0));
+            let momentum = self.accounted_momentum(b);
+            self.state.velocity[b].apply(|c| *c = flushed(*c * factor));
+            match self.constants.deformable_of[b] {
+                None => self.rigid(b).scale_velocities(factor),
+                Some(k) => self.state.deformables[k as usize]
+                    .motion()
+                    .scale_velocities(factor),
+            }
+            self.account_restraint(b, momentum, &Load::default());
         }
     }
 }

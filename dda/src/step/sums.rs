@@ -79,10 +79,7 @@ impl Blocks {
                     continue;
                 }
                 pair.evaluate(&context, dt, is_near, work);
-                tally.friction += pair.loads.losses.friction;
-                tally.damping += pair.loads.losses.damping;
-                tally.n_broken += u64::from(pair.loads.has_broken);
-                tally.n_cut += u64::from(!pair.loads.excess.is_empty());
+                tally.add(&pair.loads);
                 tally.n_searches += u64::from(is_near && pair.axis.has_searched);
                 if pair.is_touching {
                     tally.note_overlap(
@@ -164,10 +161,7 @@ impl Blocks {
                     continue;
                 }
                 pair.evaluate(&context, dt);
-                tally.friction += pair.loads.losses.friction;
-                tally.damping += pair.loads.losses.damping;
-                tally.rolling_impulse += pair.loads.rolling_impulse;
-                tally.n_cut += u64::from(!pair.loads.excess.is_empty());
+                tally.add(&pair.loads);
                 if pair.is_touching {
                     tally.note_overlap(
                         pair.parts,
@@ -193,90 +187,17 @@ impl Blocks {
                     kinematics,
                     ..
                 },
-            derived:
-                Derived {
-                    links,
-                    sphere_links,
-                    surface_links,
-                    has_new_links,
-                    ..
-                },
-            contacts:
-                Contacts {
-                    pairs,
-                    sphere_marks,
-                    sphere_loads,
-                    sphere_rates,
-                    sphere_rolling,
-                    surface_pairs,
-                    ..
-                },
+            derived,
+            contacts,
             ..
         } = self;
+        let sums = PairSums { contacts, derived };
         let sum = |first: usize, (loads, rates): (&mut [Load], &mut [BlockRates])| {
-            for ((b, load), all) in (first..).zip(loads).zip(rates) {
-                *load = Load::default();
-                let mut has_new_rates = *has_new_links;
-                let centroid = kinematics[b].centroid;
-                for (k, is_second) in links.of(b) {
-                    has_new_rates = true;
-                    let pair = &pairs[k];
-                    if pair.is_touching {
-                        *load += if is_second {
-                            pair.loads.on_blocks.1
-                        } else {
-                            pair.loads.on_blocks.0
-                        };
-                    }
-                    load.add_all(&pair.loads.excess, is_second, &centroid);
-                }
-                for (k, is_second) in sphere_links.of(b) {
-                    has_new_rates |= sphere_marks[k].has_new_rates;
-                    if !sphere_marks[k].is_touching {
-                        continue;
-                    }
-                    let SphereLoads { force, point } = &sphere_loads[k];
-                    let sign = if is_second { 1.0 } else { -1.0 };
-                    load.add(&(force * sign), &(point - centroid));
-                    if let Some(rolling) = sphere_rolling.get(k) {
-                        load.torque += side(&rolling.torques, is_second);
-                    }
-                }
-                for (k, is_second) in surface_links.of(b) {
-                    has_new_rates = true;
-                    let pair = &surface_pairs[k];
-                    *load += if is_second {
-                        pair.loads.on_blocks.1
-                    } else {
-                        pair.loads.on_blocks.0
-                    };
-                    load.add_all(&pair.loads.excess, is_second, &centroid);
-                }
-                if !has_new_rates {
-                    continue;
-                }
-                *all = BlockRates::default();
-                for (k, is_second) in links.of(b) {
-                    let pair = &pairs[k];
-                    all.add(
-                        side(&pair.rates, is_second),
-                        pair.is_touching,
-                        (Listed::Pair, k as u32),
-                    );
-                }
-                for (k, is_second) in sphere_links.of(b) {
-                    all.add(
-                        side(&sphere_rates[k], is_second),
-                        sphere_marks[k].is_touching,
-                        (Listed::Sphere, k as u32),
-                    );
-                }
-                for (k, is_second) in surface_links.of(b) {
-                    if !is_second {
-                        let pair = &surface_pairs[k];
-                        let contact = (Listed::Surface, k as u32);
-                        all.add(&pair.rates, pair.is_touching, contact);
-                    }
+            for ((b, load), rates) in (first..).zip(loads).zip(rates) {
+                let has_new_rates;
+                (*load, has_new_rates) = sums.load(b, &kinematics[b].centroid);
+                if has_new_rates {
+                    *rates = sums.rates(b);
                 }
             }
         };
@@ -342,6 +263,72 @@ impl Blocks {
                 }
             }
         }
+    }
+}
+
+/// Sums of the pairs of a block.
+#[derive(Clone, Copy)]
+struct PairSums<'a> {
+    contacts: &'a Contacts,
+    derived: &'a Derived,
+}
+
+impl PairSums<'_> {
+    /// Load on a block of some centroid (m), and whether the share of any of its pairs in the step bound has changed.
+    fn load(&self, b: usize, centroid: &Vec3) -> (Load, bool) {
+        let mut load = Load::default();
+        let mut has_new_rates = self.derived.has_new_links;
+        for (k, is_second) in self.derived.links.of(b) {
+            has_new_rates = true;
+            let pair = &self.contacts.pairs[k];
+            if pair.is_touching {
+                load += *side(&pair.loads.on_blocks, is_second);
+            }
+            load.add_all(&pair.loads.excess, is_second, centroid);
+        }
+        for (k, is_second) in self.derived.sphere_links.of(b) {
+            let mark = &self.contacts.sphere_marks[k];
+            has_new_rates |= mark.has_new_rates;
+            if !mark.is_touching {
+                continue;
+            }
+            let SphereLoads { force, point } = &self.contacts.sphere_loads[k];
+            let sign = if is_second { 1.0 } else { -1.0 };
+            load.add(&(force * sign), &(point - centroid));
+            if let Some(rolling) = self.contacts.sphere_rolling.get(k) {
+                load.torque += side(&rolling.torques, is_second);
+            }
+        }
+        for (k, is_second) in self.derived.surface_links.of(b) {
+            has_new_rates = true;
+            let pair = &self.contacts.surface_pairs[k];
+            load += *side(&pair.loads.on_blocks, is_second);
+            load.add_all(&pair.loads.excess, is_second, centroid);
+        }
+        (load, has_new_rates)
+    }
+
+    /// Share of the contacts of a block in its step bound.
+    fn rates(&self, b: usize) -> BlockRates {
+        let mut all = BlockRates::default();
+        for (k, is_second) in self.derived.links.of(b) {
+            let pair = &self.contacts.pairs[k];
+            let rates = side(&pair.rates, is_second);
+            all.add(rates, pair.is_touching, (Listed::Pair, k as u32));
+        }
+        for (k, is_second) in self.derived.sphere_links.of(b) {
+            let rates = side(&self.contacts.sphere_rates[k], is_second);
+            let is_touching = self.contacts.sphere_marks[k].is_touching;
+            all.add(rates, is_touching, (Listed::Sphere, k as u32));
+        }
+        for (k, is_second) in self.derived.surface_links.of(b) {
+            if !is_second {
+                let pair = &self.contacts.surface_pairs[k];
+                let contact = (Listed::Surface, k as u32);
+                all.add(&pair.rates, pair.is_touching, contact);
+            }
+        }
+        all
     }
 }
 
