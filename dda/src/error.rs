@@ -2,6 +2,8 @@
 
 use thiserror::Error;
 
+use crate::material::PropertyRange;
+
 /// Error of an invalid system of blocks.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum BlockError {
@@ -16,16 +18,14 @@ pub enum BlockError {
         n_materials: usize,
     },
     /// A number of a material is out of range.
-    #[error("material {material}: {field} is {value}, {rule}")]
+    #[error("material {material}: {} is {value}, {range}", range.name)]
     Material {
         /// The material.
         material: usize,
-        /// Name of the number.
-        field: &'static str,
+        /// Range of the number.
+        range: PropertyRange,
         /// Its value.
         value: f64,
-        /// Its range.
-        rule: &'static str,
     },
     /// A joint is not between two materials of the list, or not the only one.
     #[error("joint override {joint} is unusable: {reason}")]
@@ -36,16 +36,14 @@ pub enum BlockError {
         reason: &'static str,
     },
     /// A number of a joint is out of range.
-    #[error("joint override {joint}: {field} is {value}, {rule}")]
+    #[error("joint override {joint}: {} is {value}, {range}", range.name)]
     Joint {
         /// Its position in the list.
         joint: usize,
-        /// Name of the number.
-        field: &'static str,
+        /// Range of the number.
+        range: PropertyRange,
         /// Its value.
         value: f64,
-        /// Its range.
-        rule: &'static str,
     },
     /// A block has no parts, or a sphere has no size.
     #[error("block {block} has no volume; give it at least one part or a positive radius")]

@@ -102,7 +102,8 @@ pub use geometry::polyhedron::{Polyhedron, PolyhedronError};
 pub use geometry::shape::Shape;
 pub use geometry::surface::{Surface, SurfaceError};
 pub use material::{
-    Elastic, JointOverride, Material, NormalLaw, RollingLaw, clamped_restitution, damping_ratio,
+    Elastic, Interval, JointOverride, Material, NormalLaw, Property, PropertyRange, RollingLaw,
+    clamped_restitution, damping_ratio,
 };
 pub use motion::deformation::{
     Deformability, DeformableModel, StressLaw, Voigt, classical_mass_matrix, natural_frequencies,

@@ -259,6 +259,14 @@ fn a_joint_of_two_materials() {
             "residual cohesion must be in [0, 5], the cohesion, found -1",
         ),
         (
+            r#"(between: ("glass", "wall"), friction_angle_deg: 90)"#,
+            "joint of `glass` and `wall`: friction angle must be in [0, 90) degrees, found 90",
+        ),
+        (
+            r#"(between: ("glass", "wall"), restitution: 1.5)"#,
+            "joint of `glass` and `wall`: restitution must be in [0, 1], found 1.5",
+        ),
+        (
             r#"(between: ("glass", "wall"), friction: 21)"#,
             "unknown field `friction` in JointFile",
         ),

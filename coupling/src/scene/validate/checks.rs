@@ -54,41 +54,14 @@ impl Checks {
         }
     }
 
-    /// Check of a value from 0 to 1.
-    pub fn restitution(&mut self, path: String, what: &str, value: impl Into<Option<f64>>) {
-        if let Some(value) = value.into()
-            && !(0.0..=1.0).contains(&value)
-        {
-            self.refuse(path, format!("{what} must be in [0, 1], found {value}"));
-        }
-    }
-
     /// Check of an angle from 0 to below 90 degrees.
-    pub fn friction_angle(&mut self, path: String, what: &str, value: impl Into<Option<f64>>) {
+    pub fn acute_angle(&mut self, path: String, what: &str, value: impl Into<Option<f64>>) {
         if let Some(value) = value.into()
             && !(0.0..90.0).contains(&value)
         {
             self.refuse(
                 path,
                 format!("{what} must be in [0, 90) degrees, found {value}"),
-            );
-        }
-    }
-
-    /// Check of a residual strength from 0 to the named peak strength.
-    pub fn residual(
-        &mut self,
-        path: String,
-        what: &str,
-        value: impl Into<Option<f64>>,
-        (most, strength): (f64, &str),
-    ) {
-        if let Some(value) = value.into()
-            && !(0.0..=most).contains(&value)
-        {
-            self.refuse(
-                path,
-                format!("{what} must be in [0, {most}], the {strength}, found {value}"),
             );
         }
     }

@@ -1,7 +1,9 @@
 //! Checks of materials and of joints between two of them.
 
+use riprap_dda::{Interval, Property, PropertyRange};
+
 use super::checks::Checks;
-use crate::scene::file::{ElasticFile, JointFile, MaterialFile, SceneFile};
+use crate::scene::file::{JointFile, MaterialFile, SceneFile};
 
 /// Range of densities without a warning; kg/m³.
 const USUAL_DENSITY: std::ops::RangeInclusive<f64> = 100.0..=10_000.0;
@@ -11,87 +13,47 @@ impl Checks {
         let path = |field: &str| format!("materials[{index}].{field}");
         let of = |what: &str| format!("material `{}`: {what}", material.name);
         let density = material.density;
-        self.positive(path("density"), &of("density"), density);
         if density > 0.0 && !USUAL_DENSITY.contains(&density) {
             self.warn(
                 path("density"),
                 format!("{} is {density} kg/m3; is it meant?", of("density")),
             );
         }
-        let angle = material.friction_angle_deg;
-        self.friction_angle(path("friction_angle_deg"), &of("friction angle"), angle);
-        self.residual(
-            path("residual_friction_angle_deg"),
-            &of("residual friction angle"),
-            material.residual_friction_angle_deg,
-            (angle, "friction angle"),
-        );
-        self.positive(
-            path("joint_stiffness"),
-            &of("joint stiffness"),
-            material.joint_stiffness,
-        );
-        self.not_negative(path("cohesion"), &of("cohesion"), material.cohesion);
-        self.residual(
-            path("residual_cohesion"),
-            &of("residual cohesion"),
-            material.residual_cohesion,
-            (material.cohesion, "cohesion"),
-        );
-        self.not_negative(
-            path("tensile_strength"),
-            &of("tensile strength"),
-            material.tensile_strength,
-        );
-        self.restitution(
-            path("restitution"),
-            &of("restitution"),
-            material.restitution,
-        );
-        self.positive(
-            path("contact_stiffness"),
-            &of("contact stiffness"),
-            material.contact_stiffness,
-        );
-        self.not_negative(
-            path("shear_stiffness_ratio"),
-            &of("shear stiffness ratio"),
-            material.shear_stiffness_ratio,
-        );
-        self.not_negative(
-            path("rolling_friction"),
-            &of("rolling friction"),
-            material.rolling_friction,
-        );
-        if let Some(elastic) = material.elastic {
-            self.elastic(path, of, &elastic);
-        }
+        self.properties(path, of, |property| material.property(property), |_| None);
     }
 
-    fn elastic(
+    /// Checks of the ranges of properties: those written, where `derived` are those that follow from elsewhere when left
+    /// out; both in the units of the file.
+    fn properties(
         &mut self,
         path: impl Fn(&str) -> String,
         of: impl Fn(&str) -> String,
-        elastic: &ElasticFile,
+        written: impl Fn(Property) -> Option<f64>,
+        derived: impl Fn(Property) -> Option<f64>,
     ) {
-        self.positive(
-            path("elastic.young_modulus"),
-            &of("Young's modulus"),
-            elastic.young_modulus,
-        );
-        self.not_negative(
-            path("elastic.viscosity"),
-            &of("viscosity"),
-            elastic.viscosity,
-        );
-        let ratio = elastic.poisson_ratio;
-        if !(-1.0 < ratio && ratio < 0.5) {
+        let value = |property| written(property).or_else(|| derived(property));
+        let in_si = |property| match property {
+            Property::FrictionAngle | Property::ResidualFrictionAngle => {
+                value(property).map(f64::to_radians)
+            }
+            _ => value(property),
+        };
+        for (range, _) in PropertyRange::violations(in_si) {
+            let Some(found) = written(range.property) else {
+                continue;
+            };
+            let (field, words) = in_file(range.property);
+            let allowed = match range.interval {
+                Interval::Acute => "in [0, 90) degrees".to_owned(),
+                Interval::UpTo(peak) => {
+                    let most = value(peak).unwrap_or(f64::INFINITY);
+                    format!("in [0, {most}], the {}", in_file(peak).1)
+                }
+                interval => interval.to_string(),
+            };
             self.refuse(
-                path("elastic.poisson_ratio"),
-                format!(
-                    "{} must be above -1 and below 0.5, found {ratio}",
-                    of("Poisson's ratio")
-                ),
+                path(field),
+                format!("{} must be {allowed}, found {found}", of(words)),
             );
         }
     }
@@ -133,45 +95,79 @@ impl Checks {
             }
         }
         // what is left out is the lesser of the two materials
-        let lesser = |limit: f64, of_material: fn(&MaterialFile) -> f64| {
+        let lesser = |property| {
             let both = [first, second].map(|name| scene.materials.iter().find(|m| m.name == *name));
-            both.into_iter()
-                .flatten()
-                .map(of_material)
-                .fold(limit, f64::min)
+            let of_materials = both.into_iter().flatten();
+            of_materials
+                .filter_map(|material| material.property(property))
+                .reduce(f64::min)
         };
-        self.friction_angle(
-            path("friction_angle_deg"),
-            &of("friction angle"),
-            joint.friction_angle_deg,
-        );
-        let angle = joint.friction_angle_deg;
-        let angle = angle.unwrap_or_else(|| lesser(90.0, |m| m.friction_angle_deg));
-        self.residual(
-            path("residual_friction_angle_deg"),
-            &of("residual friction angle"),
-            joint.residual_friction_angle_deg,
-            (angle, "friction angle"),
-        );
-        let cohesion = joint.cohesion;
-        let cohesion = cohesion.unwrap_or_else(|| lesser(f64::INFINITY, |m| m.cohesion));
-        self.residual(
-            path("residual_cohesion"),
-            &of("residual cohesion"),
-            joint.residual_cohesion,
-            (cohesion, "cohesion"),
-        );
-        self.not_negative(path("cohesion"), &of("cohesion"), joint.cohesion);
-        self.not_negative(
-            path("tensile_strength"),
-            &of("tensile strength"),
-            joint.tensile_strength,
-        );
-        self.not_negative(
-            path("rolling_friction"),
-            &of("rolling friction"),
-            joint.rolling_friction,
-        );
-        self.restitution(path("restitution"), &of("restitution"), joint.restitution);
+        self.properties(path, of, |property| joint.property(property), lesser);
+    }
+}
+
+/// Path of a property in its entry of the file, and its name in messages.
+fn in_file(property: Property) -> (&'static str, &'static str) {
+    match property {
+        Property::Density => ("density", "density"),
+        Property::FrictionAngle => ("friction_angle_deg", "friction angle"),
+        Property::ResidualFrictionAngle => {
+            ("residual_friction_angle_deg", "residual friction angle")
+        }
+        Property::JointStiffness => ("joint_stiffness", "joint stiffness"),
+        Property::Cohesion => ("cohesion", "cohesion"),
+        Property::ResidualCohesion => ("residual_cohesion", "residual cohesion"),
+        Property::TensileStrength => ("tensile_strength", "tensile strength"),
+        Property::Restitution => ("restitution", "restitution"),
+        Property::ContactStiffness => ("contact_stiffness", "contact stiffness"),
+        Property::ShearStiffnessRatio => ("shear_stiffness_ratio", "shear stiffness ratio"),
+        Property::RollingFriction => ("rolling_friction", "rolling friction"),
+        Property::YoungModulus => ("elastic.young_modulus", "Young's modulus"),
+        Property::Viscosity => ("elastic.viscosity", "viscosity"),
+        Property::PoissonRatio => ("elastic.poisson_ratio", "Poisson's ratio"),
+    }
+}
+
+impl MaterialFile {
+    /// A property in the units of the file; `None` if it is left out.
+    fn property(&self, property: Property) -> Option<f64> {
+        match property {
+            Property::Density => Some(self.density),
+            Property::FrictionAngle => Some(self.friction_angle_deg),
+            Property::ResidualFrictionAngle => self.residual_friction_angle_deg,
+            Property::JointStiffness => self.joint_stiffness,
+            Property::Cohesion => Some(self.cohesion),
+            Property::ResidualCohesion => Some(self.residual_cohesion),
+            Property::TensileStrength => Some(self.tensile_strength),
+            Property::Restitution => Some(self.restitution),
+            Property::ContactStiffness => self.contact_stiffness,
+            Property::ShearStiffnessRatio => Some(self.shear_stiffness_ratio),
+            Property::RollingFriction => Some(self.rolling_friction),
+            Property::YoungModulus => self.elastic.map(|e| e.young_modulus),
+            Property::Viscosity => self.elastic.map(|e| e.viscosity),
+            Property::PoissonRatio => self.elastic.map(|e| e.poisson_ratio),
+        }
+    }
+}
+
+impl JointFile {
+    /// A property in the units of the file; `None` if it is left out.
+    fn property(&self, property: Property) -> Option<f64> {
+        match property {
+            Property::FrictionAngle => self.friction_angle_deg,
+            Property::ResidualFrictionAngle => self.residual_friction_angle_deg,
+            Property::Cohesion => self.cohesion,
+            Property::ResidualCohesion => self.residual_cohesion,
+            Property::TensileStrength => self.tensile_strength,
+            Property::Restitution => self.restitution,
+            Property::RollingFriction => self.rolling_friction,
+            Property::Density
+            | Property::JointStiffness
+            | Property::ContactStiffness
+            | Property::ShearStiffnessRatio
+            | Property::YoungModulus
+            | Property::Viscosity
+            | Property::PoissonRatio => None,
+        }
     }
 }

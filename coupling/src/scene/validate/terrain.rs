@@ -128,7 +128,7 @@ impl Checks {
         }
         match beneath {
             FailureSurfaceFile::Plane { dip_deg, .. } => {
-                self.friction_angle(format!("{path}.failure_surface.dip_deg"), "dip", *dip_deg);
+                self.acute_angle(format!("{path}.failure_surface.dip_deg"), "dip", *dip_deg);
             }
             FailureSurfaceFile::Raster { height_scale, .. } => {
                 let path = format!("{path}.failure_surface.height_scale");
