@@ -126,7 +126,13 @@ pub(super) struct Pressed {
 }
 
 impl SphereContact {
-    /// The law, in the place just found.
+    /// The law, in the place just found:
+    ///
+    /// 1. springs and dashpots of the present overlap;
+    /// 2. normal force, never a pull;
+    /// 3. shear spring, up to Coulomb's limit;
+    /// 4. work of the second half of the step;
+    /// 5. rolling resistance.
     pub(super) fn apply<A: Side, B: Side>(
         &mut self,
         found: &PointManifold,
@@ -136,76 +142,44 @@ impl SphereContact {
         rolling: Option<&mut Rolling>,
         tally: &mut Tally,
     ) -> Pressed {
-        let Law {
-            joint,
-            effective_radius,
-            rolling_law: _,
-            shear_damping_ratio,
-            dt,
-            is_meeting,
-        } = *law;
-        let (a, b) = (sides.0.kinematics(), sides.1.kinematics());
+        let Law { joint, dt, .. } = *law;
         let (n, x) = (found.normal, found.position());
         let rate = sides.1.velocity_at(x) - sides.0.velocity_at(x);
         let opening = n.dot(&rate);
         let slip = rate - n * opening;
         let mobility = sides.0.compliance(x, &n) + sides.1.compliance(x, &n);
-        let spring = joint.normal(found.depth, effective_radius);
+        let spring = joint.normal(found.depth, law.effective_radius);
         let shear_stiffness = joint.shear_ratio * spring.tangent;
         if !(mobility == self.mobility && joint.is_linear()) {
             self.mobility = mobility;
-            self.viscosity = joint.viscosity(found.depth, effective_radius, 1.0 / mobility);
-            self.dashpot = 2.0 * shear_damping_ratio * (shear_stiffness / mobility).sqrt();
+            self.viscosity = joint.viscosity(found.depth, law.effective_radius, 1.0 / mobility);
+            self.dashpot = 2.0 * law.shear_damping_ratio * (shear_stiffness / mobility).sqrt();
         }
         let share = if joint.is_linear() {
-            let meeting = is_meeting.then_some((found.depth, -opening));
+            let meeting = law.is_meeting.then_some((found.depth, -opening));
             dashpot_share(self.viscosity * mobility, dt, meeting)
         } else {
             // Hertz's dashpot starts from nothing, as its spring does.
             1.0
         };
-        let normal_force = f64::max(spring.force - share * self.viscosity * opening, 0.0);
-
-        // A spring that has stiffened keeps its force, one that has softened its stretch: no energy is made.
-        let kept = if shear_stiffness > self.shear_stiffness {
-            self.shear_stiffness / shear_stiffness
-        } else {
-            1.0
-        };
-        let turn = 0.5 * (a.spin + b.spin).dot(&n) * dt;
-        let mut stretch = carry(&self.shear, &n, turn) * kept + slip * dt;
-        let mut shear = -stretch * shear_stiffness - slip * self.dashpot;
-        let friction = if self.is_slipping {
-            joint.dynamic_friction
-        } else {
-            joint.static_friction
-        };
-        self.is_slipping = shear.norm_squared() > (friction * normal_force).powi(2);
-        if self.is_slipping {
-            shear *= joint.dynamic_friction * normal_force / shear.norm();
-            stretch = if shear_stiffness > 0.0 {
-                shear * (-1.0 / shear_stiffness)
-            } else {
-                Vec3::zeros()
-            };
-        }
         self.normal = n;
-        self.shear = stretch;
         self.overlap = found.depth;
-        self.normal_force = normal_force;
-        self.normal_viscous = normal_force - spring.force;
-        self.shear_stiffness = shear_stiffness;
+        self.normal_force = f64::max(spring.force - share * self.viscosity * opening, 0.0);
+        self.normal_viscous = self.normal_force - spring.force;
+        let (a, b) = (sides.0.kinematics(), sides.1.kinematics());
+        let turn = 0.5 * (a.spin + b.spin).dot(&n) * dt;
+        let shear = self.slide(law, &slip, turn, shear_stiffness);
         tally.damping -= 0.5 * dt * self.normal_viscous * opening;
         tally.friction -= 0.5 * dt * shear.dot(&slip) + self.shear_energy();
         *loads = SphereLoads {
-            force: n * normal_force + shear,
+            force: n * self.normal_force + shear,
             point: *x,
         };
         let mut rolling_dashpots = (0.0, 0.0);
         if let Some(rolling) = rolling
             && joint.rolling_friction > 0.0
         {
-            let limit = joint.rolling_friction * effective_radius * spring.force;
+            let limit = joint.rolling_friction * law.effective_radius * spring.force;
             rolling_dashpots = rolling.apply(law, found, spring.tangent, sides, limit);
             tally.friction -= rolling.energy();
             rolling.book_half(dt, sides, tally);
@@ -215,6 +189,37 @@ impl SphereContact {
             tangent: spring.tangent,
             rolling_dashpots,
         }
+    }
+
+    /// Advances the shear spring by a slip (m/s), turned with the pair about the normal (rad), under the present normal
+    /// force; returns the shear force on j; N.
+    fn slide(&mut self, law: &Law, slip: &Vec3, turn: f64, stiffness: f64) -> Vec3 {
+        let joint = law.joint;
+        // A spring that has stiffened keeps its force, one that has softened its stretch: no energy is made.
+        let kept = if stiffness > self.shear_stiffness {
+            self.shear_stiffness / stiffness
+        } else {
+            1.0
+        };
+        let mut stretch = carry(&self.shear, &self.normal, turn) * kept + slip * law.dt;
+        let mut shear = -stretch * stiffness - slip * self.dashpot;
+        let friction = if self.is_slipping {
+            joint.dynamic_friction
+        } else {
+            joint.static_friction
+        };
+        self.is_slipping = shear.norm_squared() > (friction * self.normal_force).powi(2);
+        if self.is_slipping {
+            shear *= joint.dynamic_friction * self.normal_force / shear.norm();
+            stretch = if stiffness > 0.0 {
+                shear * (-1.0 / stiffness)
+            } else {
+                Vec3::zeros()
+            };
+        }
+        self.shear = stretch;
+        self.shear_stiffness = stiffness;
+        shear
     }
 
     /// Contribution of the just evaluated contact to the step bound.
