@@ -1,15 +1,15 @@
-//! The largest stable sub-step, and who sets it.
+//! The largest stable sub-step, and the block that sets it.
 
 use crate::blocks::CHUNK;
 use crate::contact::rates::{BlockRates, Listed};
 use crate::motion::rigid::is_isotropic;
 use crate::{Blocks, Motion, chunks};
 
-/// Turn of a step of a block whose moments of inertia differ: the energy of a free box of sides 1 : 0.6 : 0.3 then swings
-/// by 4e-4, and by 1e-2 at 1 rad; at 2 rad it is lost track of; rad.
+/// Largest rotation in a step of a block whose moments of inertia differ: the energy of a free box of sides 1 : 0.6 : 0.3 then
+/// oscillates by 4e-4, and by 1e-2 at 1 rad; at 2 rad it is lost; rad.
 const LARGEST_TURN: f64 = 0.2;
 
-/// The largest stable sub-step and who sets it.
+/// The largest stable sub-step and the block that sets it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CriticalStep {
     /// `C_b` × the bound; infinite when nothing limits; s.
@@ -18,6 +18,49 @@ pub struct CriticalStep {
     pub block: Option<usize>,
     /// Its stiffest pair of blocks; none when the block's speed sets the step.
     pub contact: Option<(usize, usize)>,
+}
+
+/// Bound of the step by one block.
+#[derive(Clone, Copy)]
+struct Bound {
+    /// s.
+    dt: f64,
+    block: usize,
+    /// False if the speed of the block sets it.
+    is_by_contact: bool,
+}
+
+impl Bound {
+    const NONE: Self = Self {
+        dt: f64::INFINITY,
+        block: usize::MAX,
+        is_by_contact: false,
+    };
+
+    fn of_contacts(dt: f64, block: usize) -> Self {
+        Self {
+            dt,
+            block,
+            is_by_contact: true,
+        }
+    }
+
+    fn of_speed(dt: f64, block: usize) -> Self {
+        Self {
+            dt,
+            block,
+            is_by_contact: false,
+        }
+    }
+}
+
+/// Quantities of the whole system that bound the step of a block.
+struct Limits {
+    /// Of springs and bolts, empty without attachments; 1/s².
+    attached: Vec<f64>,
+    has_others: bool,
+    /// m/s.
+    fastest_path: f64,
 }
 
 impl Blocks {
@@ -36,9 +79,79 @@ impl Blocks {
     /// among others may also not travel more than half the margin of its candidate search, and one whose moments of
     /// inertia differ not turn by more than 0.2 rad.
     pub fn critical_time_step(&self) -> CriticalStep {
-        let n = self.n_blocks();
-        let has_others = self.has_others();
-        let fastest_path = (0..if has_others { n } else { 0 })
+        let limits = Limits {
+            attached: self.attached_stiffness(),
+            has_others: self.has_others(),
+            fastest_path: self.fastest_path(),
+        };
+        let slowest = |first: usize, rates: &[BlockRates]| self.least_bound(&limits, first, rates);
+        let rates = self.state.rates.as_slice();
+        let least = chunks::in_pool(rates.len() > 8 * CHUNK, || {
+            chunks::reduce(rates, CHUNK, &slowest, &|a, b| {
+                if b.dt < a.dt { b } else { a }
+            })
+        });
+        CriticalStep {
+            dt: least.dt,
+            block: (least.dt < f64::INFINITY).then_some(least.block),
+            contact: self
+                .state
+                .rates
+                .get(least.block)
+                .filter(|_| least.is_by_contact)
+                .and_then(|rates| rates.contact)
+                .map(|contact| self.blocks_in_contact(contact)),
+        }
+    }
+
+    /// Least bound of consecutive blocks from `first` on.
+    fn least_bound(&self, limits: &Limits, first: usize, rates: &[BlockRates]) -> Bound {
+        let mut least = Bound::NONE;
+        // a block less stiff and less damped than the one that bounds so far cannot bound more
+        let mut worst = (0.0, 0.0);
+        for (b, rates) in (first..).zip(rates) {
+            if !self.is_free(b) {
+                continue;
+            }
+            let mut k = rates.stiffness + rates.next_stiffness;
+            let mut c = rates.damping + rates.next_damping;
+            k += limits.attached.get(b).copied().unwrap_or(0.0);
+            if let Some(of) = self.constants.deformable_of[b] {
+                let (square, xi) = self.state.deformables[of as usize].stiffness_rate();
+                k += square;
+                c += 2.0 * xi * square.sqrt();
+            }
+            if k > worst.0 || c > worst.1 {
+                let dt =
+                    self.constants.settings.time_step_factor * ((c * c + 4.0 * k).sqrt() - c) / k;
+                if dt < least.dt {
+                    least = Bound::of_contacts(dt, b);
+                    worst = (k, c);
+                }
+            }
+            if let Some(dt) = self.turning_time(b, least.dt) {
+                least = Bound::of_speed(dt, b);
+                worst = (0.0, 0.0);
+            }
+            if limits.has_others && self.may_travel_too_far(b, limits.fastest_path, least.dt) {
+                let dt = self.travel_time(b, limits.fastest_path);
+                if dt < least.dt {
+                    least = Bound::of_speed(dt, b);
+                    worst = (0.0, 0.0);
+                }
+            }
+        }
+        least
+    }
+
+    /// Largest speed of a point of a prescribed block, zero if there is only one block; m/s.
+    fn fastest_path(&self) -> f64 {
+        let n = if self.has_others() {
+            self.n_blocks()
+        } else {
+            0
+        };
+        (0..n)
             .filter(|&b| {
                 matches!(self.constants.motion[b], Motion::Prescribed(_))
                     && !self.state.is_removed[b]
@@ -46,83 +159,34 @@ impl Blocks {
             .map(|b| {
                 self.state.velocity[b].norm() + self.angular_velocity(b).norm() * self.radius(b)
             })
-            .fold(0.0, f64::max);
-        let mut attached = Vec::new();
+            .fold(0.0, f64::max)
+    }
+
+    /// Stiffness of supports and bolts over the mass of each block, empty without attachments; 1/s².
+    fn attached_stiffness(&self) -> Vec<f64> {
+        let mut rates = Vec::new();
         if !self.state.attachments.is_empty() {
-            attached.resize(n, 0.0);
+            rates.resize(self.n_blocks(), 0.0);
             self.state.attachments.add_stiffness_rates(
                 &self.state.kinematics,
                 |b| self.is_free(b),
-                &mut attached,
+                &mut rates,
             );
         }
-        let slowest = |first: usize, rates: &[BlockRates]| {
-            let mut found: (f64, usize, bool) = (f64::INFINITY, usize::MAX, false);
-            // A block less stiff and less damped than the worst so far has nothing to say.
-            let mut worst = (0.0, 0.0);
-            for (b, rates) in (first..).zip(rates) {
-                if !self.is_free(b) {
-                    continue;
-                }
-                let mut k = rates.stiffness + rates.next_stiffness;
-                let mut c = rates.damping + rates.next_damping;
-                k += attached.get(b).copied().unwrap_or(0.0);
-                if let Some(of) = self.constants.deformable_of[b] {
-                    let (square, xi) = self.state.deformables[of as usize].stiffness_rate();
-                    k += square;
-                    c += 2.0 * xi * square.sqrt();
-                }
-                if k > worst.0 || c > worst.1 {
-                    let bound = self.constants.settings.time_step_factor
-                        * ((c * c + 4.0 * k).sqrt() - c)
-                        / k;
-                    if bound < found.0 {
-                        found = (bound, b, true);
-                        worst = (k, c);
-                    }
-                }
-                if let Some(turning) = self.turning_time(b, found.0) {
-                    found = (turning, b, false);
-                    worst = (0.0, 0.0);
-                }
-                if has_others && self.may_travel_too_far(b, fastest_path, found.0) {
-                    let travel = self.travel_time(b, fastest_path);
-                    if travel < found.0 {
-                        found = (travel, b, false);
-                        worst = (0.0, 0.0);
-                    }
-                }
-            }
-            found
-        };
-        let rates = self.state.rates.as_slice();
-        let (dt, block, is_contact) = chunks::in_pool(rates.len() > 8 * CHUNK, || {
-            chunks::reduce(rates, CHUNK, &slowest, &|a, b| {
-                if b.0 < a.0 { b } else { a }
-            })
-        });
-        CriticalStep {
-            dt,
-            block: (dt < f64::INFINITY).then_some(block),
-            contact: self
-                .state
-                .rates
-                .get(block)
-                .filter(|_| is_contact)
-                .and_then(|rates| rates.contact)
-                .map(|(list, k)| {
-                    let k = k as usize;
-                    let (i, j) = match list {
-                        Listed::Pair => self.contacts.pairs[k].blocks,
-                        Listed::Sphere => self.contacts.sphere_pairs[k].blocks,
-                        Listed::Surface => self.contacts.surface_pairs[k].blocks,
-                    };
-                    (i as usize, j as usize)
-                }),
-        }
+        rates
     }
 
-    /// Cheap and on the safe side: may the block travel farther in `dt` (s) than half its margin?
+    fn blocks_in_contact(&self, (list, k): (Listed, u32)) -> (usize, usize) {
+        let k = k as usize;
+        let (i, j) = match list {
+            Listed::Pair => self.contacts.pairs[k].blocks,
+            Listed::Sphere => self.contacts.sphere_pairs[k].blocks,
+            Listed::Surface => self.contacts.surface_pairs[k].blocks,
+        };
+        (i as usize, j as usize)
+    }
+
+    /// Quick and conservative check for a travel within `dt` (s) of more than half the margin of a block.
     fn may_travel_too_far(&self, b: usize, fastest_path: f64, dt: f64) -> bool {
         let body = &self.state.kinematics[b];
         let radius = self.constants.radius[b];
@@ -138,16 +202,16 @@ impl Blocks {
         !(way > 0.0 && 4.0 * square * dt * dt <= way * way)
     }
 
-    /// Time in which a rigid block turns by [`LARGEST_TURN`], where that is less than `dt` (s) and it matters: the
-    /// rotations of a step are exact one by one, but not their order about axes of different moments.
+    /// Time in which a rigid block rotates by [`LARGEST_TURN`], if less than `dt` (s) and its moments of inertia differ: the
+    /// rotations of a step are exact one by one, but not their sequence about axes of different moments.
     ///
     /// ```text
     /// rate 2 T/|L| = ω·L/|L|                                                                [1/s]
     /// ```
-    /// which a free body keeps. `|ω|` swings as it tumbles, and a step in time with that would pump it.
+    /// which is constant for a free body. `|ω|` oscillates as it tumbles, and a step in resonance with that would add energy.
     fn turning_time(&self, b: usize, dt: f64) -> Option<f64> {
         let square = self.state.kinematics[b].spin.norm_squared();
-        // The step is infinite while nothing bounds it.
+        // the step is infinite while nothing bounds it
         if !(square > 0.0 && square * dt * dt > LARGEST_TURN * LARGEST_TURN) {
             return None;
         }
@@ -159,7 +223,7 @@ impl Blocks {
         Some(LARGEST_TURN / rate).filter(|&turning| turning < dt)
     }
 
-    /// Is there more than one block?
+    /// True if more than one block is left.
     fn has_others(&self) -> bool {
         self.state
             .is_removed
@@ -169,8 +233,8 @@ impl Blocks {
             .is_some()
     }
 
-    /// Time in which no point of the block, with the fastest path (m/s) against it, moves farther than
-    /// half its margin, gravity included: `v t + g t²/2 = margin/2`; s.
+    /// Time in which no point of the block, with the fastest path (m/s) against it, moves by more than half its margin, gravity
+    /// included: `v t + g t²/2 = margin/2`; s.
     fn travel_time(&self, b: usize, fastest_path: f64) -> f64 {
         let margin = self.constants.least_margin[b];
         let v = fastest_path
@@ -180,7 +244,7 @@ impl Blocks {
                 .strain_rate
                 .map_or(0.0, |rate| rate.norm() * self.constants.radius[b]);
         let g = self.constants.settings.gravity.norm();
-        // The positive root, in the form that survives g = 0.
+        // the positive root, in the form that is defined at g = 0
         margin / (v + (v * v + g * margin).sqrt())
     }
 }

@@ -5,7 +5,7 @@
 //! ```text
 //! G(n) = min_B b·n − max_A a·n            > 0 apart, < 0 overlap                              [m]
 //! ```
-//! and the common plane maximises it. Two ways to the maximum:
+//! and the common plane maximizes it. Two ways to the maximum:
 //!
 //! - [`fast_common_plane`] climbs from a start normal (Nezami et al. 2004). Started cold it stops at
 //!   a local maximum for some 5 % of random pairs, an overlap that is too deep.
@@ -226,9 +226,9 @@ impl SeparatingAxes {
     }
 }
 
-/// Is the body named second the one whose face makes the plane, where both faces are as good? The larger
-/// one; of equals the lower one, `down` being the way of gravity. Neither depends on which was named first,
-/// nor on the frame; only equals side by side take the first.
+/// True if of two equally good faces that of body `b` makes the plane: that of the larger body; of equal ones that of the lower
+/// one, with `down` the direction of gravity. This depends neither on the order of the two nor on the frame; only equal bodies
+/// side by side take the first.
 fn prefers_b(a: &Polyhedron, b: &Polyhedron, normal: &Vec3, down: &Vec3) -> bool {
     let larger = b.size() - a.size();
     if larger.abs() > EQUAL_SIZE * a.size() {
@@ -250,38 +250,55 @@ enum Neighbors {
 }
 
 fn axes(a: &Polyhedron, b: &Polyhedron, neighbors: Neighbors) -> SeparatingAxes {
-    let is_alone = neighbors == Neighbors::Ignored;
     let none = |kind| Axis {
         normal: Vec3::z(),
         gap: f64::NEG_INFINITY,
         kind,
     };
-    let mut face_a = none(AxisKind::FaceA(0));
-    for face in (0..a.n_faces()).filter(|&face| is_alone || !a.is_hidden(face)) {
-        let normal = a.face_normal(face);
-        let (depth, corner) = support(b, &-normal);
-        let gap = -depth - a.face_offset(face);
-        if gap > face_a.gap && (gap > 0.0 || is_alone || b.is_corner(corner as u32, &-normal)) {
-            face_a = Axis {
-                normal,
-                gap,
-                kind: AxisKind::FaceA(face as u32),
-            };
+    let face_a = match best_face(a, b, neighbors) {
+        None => none(AxisKind::FaceA(0)),
+        Some((face, gap)) => Axis {
+            normal: a.face_normal(face),
+            gap,
+            kind: AxisKind::FaceA(face as u32),
+        },
+    };
+    let face_b = match best_face(b, a, neighbors) {
+        None => none(AxisKind::FaceB(0)),
+        Some((face, gap)) => Axis {
+            normal: -b.face_normal(face),
+            gap,
+            kind: AxisKind::FaceB(face as u32),
+        },
+    };
+    SeparatingAxes {
+        face_a,
+        face_b,
+        edges: best_edges(a, b, neighbors),
+    }
+}
+
+/// Face of a body with the largest gap to the other body, and the gap (m). A face that overlaps counts only if it is exposed and the
+/// point of the other body farthest behind it is a corner.
+fn best_face(body: &Polyhedron, other: &Polyhedron, neighbors: Neighbors) -> Option<(usize, f64)> {
+    let is_alone = neighbors == Neighbors::Ignored;
+    let mut best = None;
+    let mut best_gap = f64::NEG_INFINITY;
+    for face in (0..body.n_faces()).filter(|&face| is_alone || !body.is_hidden(face)) {
+        let inward = -body.face_normal(face);
+        let (depth, corner) = support(other, &inward);
+        let gap = -depth - body.face_offset(face);
+        if gap > best_gap && (gap > 0.0 || is_alone || other.is_corner(corner as u32, &inward)) {
+            best_gap = gap;
+            best = Some((face, gap));
         }
     }
-    let mut face_b = none(AxisKind::FaceB(0));
-    for face in (0..b.n_faces()).filter(|&face| is_alone || !b.is_hidden(face)) {
-        let normal = -b.face_normal(face);
-        let (height, corner) = support(a, &normal);
-        let gap = -b.face_offset(face) - height;
-        if gap > face_b.gap && (gap > 0.0 || is_alone || a.is_corner(corner as u32, &normal)) {
-            face_b = Axis {
-                normal,
-                gap,
-                kind: AxisKind::FaceB(face as u32),
-            };
-        }
-    }
+    best
+}
+
+/// Pair of edges with the largest gap, among those that make a face of the Minkowski difference.
+fn best_edges(a: &Polyhedron, b: &Polyhedron, neighbors: Neighbors) -> Option<Axis> {
+    let is_alone = neighbors == Neighbors::Ignored;
     let mut edges: Option<Axis> = None;
     let mut sides = Sides::of(b);
     for edge_a in a.edges() {
@@ -293,7 +310,7 @@ fn axes(a: &Polyhedron, b: &Polyhedron, neighbors: Neighbors) -> SeparatingAxes 
         sides.set(b, &a2.cross(&a1));
         for edge_b in b.edges() {
             let (face_1, face_2) = (b.face_of(edge_b), b.face_of(b.twin(edge_b)));
-            // Do the arcs a1-a2 and b1-b2 on the unit sphere cross, on the same hemisphere?
+            // a face of the difference: the arcs a1-a2 and b1-b2 cross on the unit sphere, on the same hemisphere
             let (b1_side, b2_side) = (sides.at(face_1), sides.at(face_2));
             if b1_side * b2_side >= 0.0 {
                 continue;
@@ -334,22 +351,18 @@ fn axes(a: &Polyhedron, b: &Polyhedron, neighbors: Neighbors) -> SeparatingAxes 
             }
         }
     }
-    SeparatingAxes {
-        face_a,
-        face_b,
-        edges,
-    }
+    edges
 }
 
-/// On which side of an arc the reversed normals of a body's faces lie: each face is asked for all its
-/// edges at once.
+/// Sides of an arc on the unit sphere on which the reversed face normals of a body lie: computed once for each face, read for
+/// each of its edges.
 struct Sides {
     few: [f64; Self::FEW],
     many: Vec<f64>,
 }
 
 impl Sides {
-    /// As many faces need no room of their own.
+    /// Largest number of faces that need no allocation.
     const FEW: usize = 48;
 
     fn of(body: &Polyhedron) -> Self {

@@ -1,4 +1,4 @@
-//! Convex hull of points: parry's triangles, joined into polygons, checked by ourselves.
+//! Convex hull of points: triangles of parry, joined into polygons and checked.
 
 use super::{Polyhedron, PolyhedronError, build::PLANE_TOLERANCE};
 use crate::Vec3;
@@ -28,7 +28,7 @@ impl Polyhedron {
         if points.len() < 4 {
             return Err(failed("at least 4 are needed".into()));
         }
-        // A local origin keeps the digits of hulls at map coordinates.
+        // a local origin keeps the digits of hulls at map coordinates
         let shift = points[0];
         let local: Vec<Vector> = points
             .iter()
@@ -58,26 +58,45 @@ impl Polyhedron {
     }
 }
 
-/// Joins triangles that lie in one plane and drops vertices where fewer than three faces meet.
+/// Vertices and faces after triangles of one plane are joined and vertices where fewer than three faces meet are dropped.
 fn joined(vertices: &[Vec3], triangles: &[[u32; 3]]) -> Option<(Vec<Vec3>, Vec<Vec<u32>>)> {
-    let mut owner = BTreeMap::new();
+    let owner = owner_of_sides(triangles);
+    let (group, n_groups) = coplanar_groups(vertices, triangles, &owner)?;
+    let outlines: Option<Vec<Vec<u32>>> = (0..n_groups)
+        .map(|g| outline(triangles, &owner, &group, g))
+        .collect();
+    Some(without_flat_vertices(vertices, outlines?))
+}
+
+/// Triangle of each directed side.
+type Sides = BTreeMap<(u32, u32), usize>;
+
+fn owner_of_sides(triangles: &[[u32; 3]]) -> Sides {
+    let mut owner = Sides::new();
     for (t, triangle) in triangles.iter().enumerate() {
         for k in 0..3 {
             owner.insert((triangle[k], triangle[(k + 1) % 3]), t);
         }
     }
-    let extent = {
-        let first = *vertices.first()?;
-        vertices
-            .iter()
-            .map(|x| (x - first).norm())
-            .fold(0.0, f64::max)
-    };
+    owner
+}
+
+/// Numbers of the connected groups of triangles in one plane, and the number of groups; `None` if a side has no neighbor.
+fn coplanar_groups(
+    vertices: &[Vec3],
+    triangles: &[[u32; 3]],
+    owner: &Sides,
+) -> Option<(Vec<usize>, usize)> {
+    let first = *vertices.first()?;
+    let extent = vertices
+        .iter()
+        .map(|x| (x - first).norm())
+        .fold(0.0, f64::max);
     let area = |t: usize| {
         let [a, b, c] = triangles[t].map(|v| vertices[v as usize]);
         (b - a).cross(&(c - a))
     };
-    // Large triangles first: their normals are the best known.
+    // large triangles first: their normals are the most accurate
     let mut order: Vec<usize> = (0..triangles.len()).collect();
     order.sort_by(|&s, &t| area(t).norm().total_cmp(&area(s).norm()).then(s.cmp(&t)));
     let mut group = vec![usize::MAX; triangles.len()];
@@ -107,35 +126,44 @@ fn joined(vertices: &[Vec3], triangles: &[[u32; 3]]) -> Option<(Vec<Vec3>, Vec<V
         }
         n_groups += 1;
     }
-    let mut loops: Vec<Vec<u32>> = Vec::with_capacity(n_groups);
-    for g in 0..n_groups {
-        let mut after = BTreeMap::new();
-        for (t, triangle) in triangles.iter().enumerate().filter(|(t, _)| group[*t] == g) {
-            for k in 0..3 {
-                let (from, to) = (triangle[k], triangle[(k + 1) % 3]);
-                if group[*owner.get(&(to, from))?] != group[t] && after.insert(from, to).is_some() {
-                    return None;
-                }
-            }
-        }
-        let first = *after.keys().next()?;
-        let mut corners = vec![first];
-        while let Some(&to) = corners.last().and_then(|v| after.get(v)) {
-            if to == first {
-                break;
-            }
-            corners.push(to);
-            if corners.len() > after.len() {
+    Some((group, n_groups))
+}
+
+/// The closed loop of vertices around a group; `None` if its sides do not form exactly one.
+fn outline(
+    triangles: &[[u32; 3]],
+    owner: &Sides,
+    group: &[usize],
+    number: usize,
+) -> Option<Vec<u32>> {
+    let mut after = BTreeMap::new();
+    let of_group = triangles.iter().zip(group).filter(|(_, g)| **g == number);
+    for (triangle, _) in of_group {
+        for k in 0..3 {
+            let (from, to) = (triangle[k], triangle[(k + 1) % 3]);
+            if group[*owner.get(&(to, from))?] != number && after.insert(from, to).is_some() {
                 return None;
             }
         }
-        if corners.len() != after.len() {
+    }
+    let first = *after.keys().next()?;
+    let mut corners = vec![first];
+    while let Some(&to) = corners.last().and_then(|v| after.get(v)) {
+        if to == first {
+            break;
+        }
+        corners.push(to);
+        if corners.len() > after.len() {
             return None;
         }
-        loops.push(corners);
     }
+    (corners.len() == after.len()).then_some(corners)
+}
+
+/// Vertices where at least three faces meet, and the faces with these alone.
+fn without_flat_vertices(vertices: &[Vec3], outlines: Vec<Vec<u32>>) -> (Vec<Vec3>, Vec<Vec<u32>>) {
     let mut n_faces_at = vec![0_u32; vertices.len()];
-    loops
+    outlines
         .iter()
         .flatten()
         .for_each(|&v| n_faces_at[v as usize] += 1);
@@ -149,15 +177,15 @@ fn joined(vertices: &[Vec3], triangles: &[[u32; 3]]) -> Option<(Vec<Vec3>, Vec<V
         renumbered[v] = kept.len() as u32;
         kept.push(*x);
     }
-    let faces = loops
+    let faces = outlines
         .into_iter()
         .map(|corners| {
             corners
                 .into_iter()
                 .map(|v| renumbered[v as usize])
                 .filter(|&v| v != u32::MAX)
-                .collect::<Vec<u32>>()
+                .collect()
         })
         .collect();
-    Some((kept, faces))
+    (kept, faces)
 }

@@ -48,13 +48,14 @@ fn clockwise_faces_are_reversed_all_at_once() {
     assert!((volume(&again) - 1.0).abs() < 1e-15);
 }
 
+fn refuse(vertices: &[Vec3], faces: &[Vec<u32>]) -> PolyhedronError {
+    Polyhedron::from_faces(vertices, faces).unwrap_err()
+}
+
 #[test]
-fn errors_name_what_is_wrong() {
+fn errors_name_what_is_wrong_with_the_faces() {
     let cube = unit_cube();
     let (vertices, faces) = (cube.vertices().to_vec(), faces_of(&cube));
-    let refuse = |vertices: &[Vec3], faces: &[Vec<u32>]| {
-        Polyhedron::from_faces(vertices, faces).unwrap_err()
-    };
 
     let open = refuse(&vertices, &faces[..5]);
     assert!(matches!(open, PolyhedronError::OpenEdge { .. }), "{open}");
@@ -67,31 +68,12 @@ fn errors_name_what_is_wrong() {
         "{twice}"
     );
 
-    let mut bent = vertices.clone();
-    bent[7] += Vec3::new(0.1, 0.0, 0.0);
-    let bent = refuse(&bent, &faces);
-    assert!(matches!(bent, PolyhedronError::NotPlanar { .. }), "{bent}");
-    assert!(bent.to_string().contains("leaves its plane by"), "{bent}");
-
     let mut missing = faces.clone();
     missing[0][0] = 8;
     assert_eq!(
         refuse(&vertices, &missing).to_string(),
         "face 0 names vertex 8, but there are only 8 (0 to 7)"
     );
-
-    let mut nan = vertices.clone();
-    nan[3].y = f64::NAN;
-    assert_eq!(
-        refuse(&nan, &faces),
-        PolyhedronError::NotFinite { vertex: 3 }
-    );
-
-    let flat: Vec<Vec3> = vertices.iter().map(|x| Vec3::new(x.x, x.y, 0.0)).collect();
-    assert!(matches!(
-        refuse(&flat, &faces),
-        PolyhedronError::NoVolume { .. }
-    ));
 
     // Two cubes as one list of faces: two shells.
     let mut two = vertices.clone();
@@ -113,6 +95,31 @@ fn errors_name_what_is_wrong() {
         ),
         "{shells}"
     );
+}
+
+#[test]
+fn errors_name_what_is_wrong_with_the_vertices() {
+    let cube = unit_cube();
+    let (vertices, faces) = (cube.vertices().to_vec(), faces_of(&cube));
+
+    let mut bent = vertices.clone();
+    bent[7] += Vec3::new(0.1, 0.0, 0.0);
+    let bent = refuse(&bent, &faces);
+    assert!(matches!(bent, PolyhedronError::NotPlanar { .. }), "{bent}");
+    assert!(bent.to_string().contains("leaves its plane by"), "{bent}");
+
+    let mut nan = vertices.clone();
+    nan[3].y = f64::NAN;
+    assert_eq!(
+        refuse(&nan, &faces),
+        PolyhedronError::NotFinite { vertex: 3 }
+    );
+
+    let flat: Vec<Vec3> = vertices.iter().map(|x| Vec3::new(x.x, x.y, 0.0)).collect();
+    assert!(matches!(
+        refuse(&flat, &faces),
+        PolyhedronError::NoVolume { .. }
+    ));
 
     // A corner pushed in: closed and planar (triangles), but not convex.
     let apex = Vec3::new(0.3, 0.3, 0.1);

@@ -3,6 +3,7 @@
 use super::regions::{planes, ridges_beside};
 use super::{Divide, FLAT, NONE, Surface, aabb};
 use crate::Vec3;
+use crate::geometry::bounds::Bounds;
 use parry3d_f64::{
     bounding_volume::Aabb,
     partitioning::{Bvh, BvhBuildStrategy},
@@ -65,57 +66,12 @@ impl Surface {
     ///
     /// [`SurfaceError`] names the first vertex or triangle that is unusable.
     pub fn new(vertices: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Result<Self, SurfaceError> {
-        if triangles.is_empty() {
-            return Err(SurfaceError::Empty);
-        }
-        if let Some(vertex) =
-            (0..vertices.len()).find(|&v| !vertices[v].iter().all(|c| c.is_finite()))
-        {
-            return Err(SurfaceError::NotFinite { vertex });
-        }
-        for (triangle, corners) in triangles.iter().enumerate() {
-            if let Some(&vertex) = corners.iter().find(|&&v| v as usize >= vertices.len()) {
-                return Err(SurfaceError::NoSuchVertex {
-                    triangle,
-                    vertex,
-                    n_vertices: vertices.len(),
-                });
-            }
-            let [a, b, c] = corners.map(|v| vertices[v as usize]);
-            let longest = [b - a, c - b, a - c].map(|s| s.norm_squared());
-            let longest = longest.into_iter().fold(0.0, f64::max);
-            // NaN counts as no area.
-            if !((b - a).cross(&(c - a)).norm() > SLIVER * longest) {
-                return Err(SurfaceError::Degenerate { triangle });
-            }
-        }
-        let mut sides: HashMap<(u32, u32), usize> = HashMap::with_capacity(3 * triangles.len());
-        for (second, corners) in triangles.iter().enumerate() {
-            for k in 0..3 {
-                let (from, to) = (corners[k], corners[(k + 1) % 3]);
-                if let Some(first) = sides.insert((from, to), second) {
-                    return Err(SurfaceError::Orientation {
-                        first,
-                        second,
-                        from,
-                        to,
-                    });
-                }
-            }
-        }
-        let neighbor = triangles
-            .iter()
-            .map(|corners| {
-                [0, 1, 2].map(|k| {
-                    let side = (corners[(k + 1) % 3], corners[k]);
-                    sides.get(&side).map_or(NONE, |&triangle| triangle as u32)
-                })
-            })
-            .collect();
+        check_triangles(&vertices, &triangles)?;
+        let neighbor = neighbors(&triangles)?;
         Ok(Self::measured(vertices, triangles, neighbor))
     }
 
-    /// Everything that follows from vertices and topology.
+    /// The surface of a topology: normals, regions behind the triangles, and the tree of boxes.
     pub(super) fn measured(
         vertices: Vec<Vec3>,
         triangles: Vec<[u32; 3]>,
@@ -137,54 +93,15 @@ impl Surface {
         let divide: Vec<[Divide; 3]> = (0..triangles.len())
             .map(|t| {
                 [0, 1, 2].map(|k| {
-                    let other = neighbor[t][k];
-                    let (from, to) = (triangles[t][k], triangles[t][(k + 1) % 3]);
-                    // The lower triangle's plane, reversed for the higher: both share it to the bit.
-                    let (from, to, sign) = if (other as usize) < t {
-                        (to, from, -1.0)
-                    } else {
-                        (from, to, 1.0)
-                    };
-                    let a = vertices[from as usize];
-                    let along = vertices[to as usize] - a;
-                    let (lower, higher) = match other {
-                        NONE => (t, t),
-                        other => (t.min(other as usize), t.max(other as usize)),
-                    };
-                    let middle = normal[lower] + normal[higher];
-                    let outward = along.cross(&middle);
-                    let size = outward.norm();
-                    // Folded flat on itself: no plane halves the angle, the triangle's own edge does.
-                    let outward = if size > FLAT * along.norm() {
-                        outward * (sign / size)
-                    } else {
-                        along.cross(&normal[t]).normalize() * sign
-                    };
-                    (outward, outward.dot(&a))
+                    let side = [triangles[t][k], triangles[t][(k + 1) % 3]];
+                    let ends = side.map(|v| vertices[v as usize]);
+                    bisecting_plane(ends, (t, neighbor[t][k]), &normal)
                 })
             })
             .collect();
         let (ridges_start, ridges) =
             ridges_beside((&vertices, &triangles, &normal), (&neighbor, &divide));
-        let mut vertex_normal = vec![Vec3::zeros(); vertices.len()];
-        let mut spokes = vec![Vec::new(); vertices.len()];
-        for (t, triangle) in triangles.iter().enumerate() {
-            for k in 0..3 {
-                let [v, next, last] = [k, k + 1, k + 2].map(|i| triangle[i % 3]);
-                let x = vertices[v as usize];
-                let (forth, back) = (vertices[next as usize] - x, vertices[last as usize] - x);
-                vertex_normal[v as usize] += normal[t] * forth.angle(&back);
-                spokes[v as usize].extend([next, last]);
-            }
-        }
-        let mut spokes_start = vec![0];
-        let mut all_spokes = Vec::new();
-        for ends in &mut spokes {
-            ends.sort_unstable();
-            ends.dedup();
-            all_spokes.extend_from_slice(ends);
-            spokes_start.push(all_spokes.len() as u32);
-        }
+        let (spokes_start, spokes) = edges_from_vertices(vertices.len(), &triangles);
         let leaves: Vec<Aabb> = triangles
             .iter()
             .map(|triangle| {
@@ -192,17 +109,11 @@ impl Surface {
                 aabb(&(a.inf(&b).inf(&c), a.sup(&b).sup(&c)))
             })
             .collect();
-        let bounds = triangles
-            .iter()
-            .flatten()
-            .map(|&v| vertices[v as usize])
-            .fold(
-                (Vec3::repeat(f64::INFINITY), Vec3::repeat(f64::NEG_INFINITY)),
-                |all, x| (all.0.inf(&x), all.1.sup(&x)),
-            );
         Self {
             plane: planes(&normal, &neighbor),
             tree: Bvh::from_leaves(BvhBuildStrategy::Binned, &leaves),
+            vertex_normal: vertex_normals(&vertices, &triangles, &normal),
+            bounds: bounds(&vertices, &triangles),
             vertices,
             triangles,
             normal,
@@ -211,10 +122,133 @@ impl Surface {
             divide,
             ridges_start,
             ridges,
-            vertex_normal,
             spokes_start,
-            spokes: all_spokes,
-            bounds,
+            spokes,
         }
     }
+}
+
+fn check_triangles(vertices: &[Vec3], triangles: &[[u32; 3]]) -> Result<(), SurfaceError> {
+    if triangles.is_empty() {
+        return Err(SurfaceError::Empty);
+    }
+    if let Some(vertex) = (0..vertices.len()).find(|&v| !vertices[v].iter().all(|c| c.is_finite()))
+    {
+        return Err(SurfaceError::NotFinite { vertex });
+    }
+    for (triangle, corners) in triangles.iter().enumerate() {
+        if let Some(&vertex) = corners.iter().find(|&&v| v as usize >= vertices.len()) {
+            return Err(SurfaceError::NoSuchVertex {
+                triangle,
+                vertex,
+                n_vertices: vertices.len(),
+            });
+        }
+        let [a, b, c] = corners.map(|v| vertices[v as usize]);
+        let longest = [b - a, c - b, a - c].map(|s| s.norm_squared());
+        let longest = longest.into_iter().fold(0.0, f64::max);
+        // NaN counts as no area
+        if !((b - a).cross(&(c - a)).norm() > SLIVER * longest) {
+            return Err(SurfaceError::Degenerate { triangle });
+        }
+    }
+    Ok(())
+}
+
+/// Neighbor of each triangle across each of its sides, [`NONE`] at the rim.
+fn neighbors(triangles: &[[u32; 3]]) -> Result<Vec<[u32; 3]>, SurfaceError> {
+    let mut sides: HashMap<(u32, u32), usize> = HashMap::with_capacity(3 * triangles.len());
+    for (second, corners) in triangles.iter().enumerate() {
+        for k in 0..3 {
+            let (from, to) = (corners[k], corners[(k + 1) % 3]);
+            if let Some(first) = sides.insert((from, to), second) {
+                return Err(SurfaceError::Orientation {
+                    first,
+                    second,
+                    from,
+                    to,
+                });
+            }
+        }
+    }
+    Ok(triangles
+        .iter()
+        .map(|corners| {
+            [0, 1, 2].map(|k| {
+                let side = (corners[(k + 1) % 3], corners[k]);
+                sides.get(&side).map_or(NONE, |&triangle| triangle as u32)
+            })
+        })
+        .collect())
+}
+
+/// Plane through a side of triangle `t` that bisects the angle with its neighbor `other`: outward unit normal and offset.
+fn bisecting_plane([from, to]: [Vec3; 2], (t, other): (usize, u32), normal: &[Vec3]) -> Divide {
+    // that of the lower triangle, reversed for the higher: both share it to the bit
+    let (from, to, sign) = if (other as usize) < t {
+        (to, from, -1.0)
+    } else {
+        (from, to, 1.0)
+    };
+    let along = to - from;
+    let (lower, higher) = match other {
+        NONE => (t, t),
+        other => (t.min(other as usize), t.max(other as usize)),
+    };
+    let middle = normal[lower] + normal[higher];
+    let outward = along.cross(&middle);
+    let size = outward.norm();
+    // folded flat on itself: no plane bisects the angle, the edge of the triangle itself bounds it
+    let outward = if size > FLAT * along.norm() {
+        outward * (sign / size)
+    } else {
+        along.cross(&normal[t]).normalize() * sign
+    };
+    (outward, outward.dot(&from))
+}
+
+/// Sum of the normals around each vertex, weighted with the angle of the triangle there.
+fn vertex_normals(vertices: &[Vec3], triangles: &[[u32; 3]], normal: &[Vec3]) -> Vec<Vec3> {
+    let mut sum = vec![Vec3::zeros(); vertices.len()];
+    for (t, triangle) in triangles.iter().enumerate() {
+        for k in 0..3 {
+            let [v, next, last] = [k, k + 1, k + 2].map(|i| triangle[i % 3]);
+            let x = vertices[v as usize];
+            let (forth, back) = (vertices[next as usize] - x, vertices[last as usize] - x);
+            sum[v as usize] += normal[t] * forth.angle(&back);
+        }
+    }
+    sum
+}
+
+/// Edges that leave each vertex: start of those of each vertex, and the far ends of all.
+fn edges_from_vertices(n_vertices: usize, triangles: &[[u32; 3]]) -> (Vec<u32>, Vec<u32>) {
+    let mut spokes = vec![Vec::new(); n_vertices];
+    for triangle in triangles {
+        for k in 0..3 {
+            let [v, next, last] = [k, k + 1, k + 2].map(|i| triangle[i % 3]);
+            spokes[v as usize].extend([next, last]);
+        }
+    }
+    let mut start = vec![0];
+    let mut all = Vec::new();
+    for ends in &mut spokes {
+        ends.sort_unstable();
+        ends.dedup();
+        all.extend_from_slice(ends);
+        start.push(all.len() as u32);
+    }
+    (start, all)
+}
+
+/// Box around the triangles; m.
+fn bounds(vertices: &[Vec3], triangles: &[[u32; 3]]) -> Bounds {
+    triangles
+        .iter()
+        .flatten()
+        .map(|&v| vertices[v as usize])
+        .fold(
+            (Vec3::repeat(f64::INFINITY), Vec3::repeat(f64::NEG_INFINITY)),
+            |all, x| (all.0.inf(&x), all.1.sup(&x)),
+        )
 }
