@@ -2,7 +2,7 @@
 
 use thiserror::Error;
 
-use crate::material::PropertyRange;
+use crate::ranges::PropertyRange;
 
 /// Error of an invalid system of blocks.
 #[derive(Clone, Debug, PartialEq, Error)]

@@ -76,6 +76,7 @@ mod geometry;
 mod material;
 mod motion;
 mod random;
+mod ranges;
 mod rock_mass;
 mod step;
 
@@ -102,8 +103,7 @@ pub use geometry::polyhedron::{Polyhedron, PolyhedronError};
 pub use geometry::shape::Shape;
 pub use geometry::surface::{Surface, SurfaceError};
 pub use material::{
-    Elastic, Interval, JointOverride, Material, NormalLaw, Property, PropertyRange, RollingLaw,
-    clamped_restitution, damping_ratio,
+    Elastic, JointOverride, Material, NormalLaw, RollingLaw, clamped_restitution, damping_ratio,
 };
 pub use motion::deformation::{
     Deformability, DeformableModel, StressLaw, Voigt, classical_mass_matrix, natural_frequencies,
@@ -112,6 +112,7 @@ pub use motion::holds::{Hold, Turning};
 pub use motion::kinematics::Load;
 pub use motion::prescribed::{Accelerogram, Motion, PrescribedMotion};
 pub use random::Random;
+pub use ranges::{Interval, Property, PropertyRange};
 pub use rock_mass::joint_sets::{
     JointError, JointSet, JointedMass, JointedUnion, MergedMass, SliverLimits, cut_by_joints,
     cut_union_by_joints, hull_within, merge_slivers, merge_union_slivers,

@@ -1,15 +1,14 @@
 //! Rock materials, and the joint that two of them make where they touch.
 
 mod joint;
-mod ranges;
 mod restitution;
 mod sphere_joint;
 
 use crate::BlockError;
+use crate::ranges::{Property, PropertyRange};
 
 pub use joint::JointOverride;
 pub(crate) use joint::{Joint, Scaling};
-pub use ranges::{Interval, Property, PropertyRange};
 pub use restitution::{clamped_restitution, damping_ratio};
 pub(crate) use sphere_joint::SphereJoint;
 pub use sphere_joint::{NormalLaw, RollingLaw};

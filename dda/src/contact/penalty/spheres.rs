@@ -28,9 +28,10 @@ use crate::contact::penalty::step_bound::Springs;
 use crate::contact::rates::Rates;
 use crate::contact::tally::Tally;
 use crate::geometry::parts::Part;
+use crate::material::{RollingLaw, SphereJoint};
 use crate::motion::kinematics::Kinematics;
 pub(crate) use feet::{SphereOnSurface, SurfaceLaw};
-use law::{Law, book_first_half};
+use law::book_first_half;
 pub(crate) use law::{SphereContact, SphereLoads};
 pub(crate) use rolling::Rolling;
 use serde::{Deserialize, Serialize};
@@ -93,6 +94,20 @@ impl Scales {
             per_size: 1.0 / size,
         }
     }
+}
+
+/// Joint of a pair and the step.
+struct Law<'a> {
+    joint: &'a SphereJoint,
+    /// m.
+    effective_radius: f64,
+    rolling_law: RollingLaw,
+    /// –.
+    shear_damping_ratio: f64,
+    /// s.
+    dt: f64,
+    /// True in the step in which the bodies meet.
+    is_meeting: bool,
 }
 
 impl SphereRow<'_> {

@@ -1,8 +1,8 @@
 //! Spheres on a surface of triangles: a contact for each foot.
 
 use super::{
-    PairRates,
-    law::{Law, SphereContact, SphereLoads, book_first_half},
+    Law, PairRates,
+    law::{SphereContact, SphereLoads, book_first_half},
     rolling::Rolling,
     sides::{Ball, Body},
 };

@@ -1,6 +1,6 @@
 //! The law of a touching pair: normal and shear spring with their dashpots, what they hold and what they take.
 
-use super::{PairRates, Scales, rolling::Rolling, sides::Side};
+use super::{Law, PairRates, Scales, rolling::Rolling, sides::Side};
 use crate::Vec3;
 use crate::contact::detection::manifold::PointManifold;
 use crate::contact::penalty::friction::carry;
@@ -8,7 +8,7 @@ use crate::contact::penalty::normal::dashpot_share;
 use crate::contact::rates::Rates;
 use crate::contact::report::ContactState;
 use crate::contact::tally::Tally;
-use crate::material::{RollingLaw, SphereJoint};
+use crate::material::SphereJoint;
 use serde::{Deserialize, Serialize};
 
 /// Memory of a touching pair.
@@ -80,18 +80,6 @@ pub(crate) struct SphereLoads {
     pub force: Vec3,
     /// Point of application; world; m.
     pub point: Vec3,
-}
-
-/// The law of a pair, and the step.
-pub(super) struct Law<'a> {
-    pub joint: &'a SphereJoint,
-    pub effective_radius: f64,
-    pub rolling_law: RollingLaw,
-    pub shear_damping_ratio: f64,
-    /// s.
-    pub dt: f64,
-    /// Do the bodies meet in this step?
-    pub is_meeting: bool,
 }
 
 /// Work of the forces in the first half of the step, and what the springs across the normal held.

@@ -1,6 +1,6 @@
 //! Rolling resistance: a spring and a dashpot of turning.
 
-use super::{law::Law, sides::Side};
+use super::{Law, sides::Side};
 use crate::Vec3;
 use crate::contact::detection::manifold::PointManifold;
 use crate::contact::penalty::friction::carry;
