@@ -49,7 +49,7 @@ pub struct Blocks {
     pub(crate) constants: Constants,
 }
 
-/// Blocks, or pairs of spheres, that one thread takes at a time.
+/// Number of blocks, or pairs of spheres, of a unit of parallel work.
 pub(crate) const CHUNK: usize = 512;
 
 impl Blocks {
@@ -130,7 +130,7 @@ impl Blocks {
         Ok(())
     }
 
-    /// Takes a block out: it no longer moves, collides or counts in sums.
+    /// Removes a block: it no longer moves, collides or counts in sums.
     pub fn remove(&mut self, b: usize) {
         if self.state.is_removed[b] {
             return;

@@ -14,14 +14,14 @@ use crate::{
 };
 use nalgebra::Matrix3;
 
-/// Overlap allowed, × thickness: two plates of equal thickness have passed each other's middle, and
-/// would be pushed out on the wrong side, at 1.
+/// Overlap allowed, × thickness. At 1 the mid-planes of two plates of equal thickness have passed each other, and contact would
+/// push them out on the wrong side.
 const THICKNESS_SHARE: f64 = 0.5;
 /// Largest margin of the fat boxes, × thickness: half of it is the largest displacement of a block in a step.
 const SKIN_OF_THICKNESS: f64 = 0.25;
-/// A block is a needle from this `m R² |J⁻¹|` on, which is 8 of a cube and `3/2 a²` of a box a : 1 : 1; –.
+/// Least `m R² |J⁻¹|` of a needle; it is 8 of a cube and `3/2 a²` of a box a : 1 : 1; –.
 const NEEDLE: f64 = 1e3;
-/// Below this share of the volume of its body a part is a sliver of it; –.
+/// Largest share of a sliver in the volume of its body; –.
 const SLIVER_SHARE: f64 = 0.05;
 /// Margin of the fat boxes; × size of the part.
 const SKIN: f64 = 0.05;

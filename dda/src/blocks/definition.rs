@@ -21,7 +21,7 @@ pub struct BlockDefinition {
     pub deformability: Option<Deformability>,
 }
 
-/// Numbers of the solver.
+/// Settings of the solver.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settings {
     /// Acceleration of gravity; m/s².
@@ -32,7 +32,7 @@ pub struct Settings {
     /// itself is about half the true limit.
     pub time_step_factor: f64,
     /// Damping ratio of the shear dashpots, ≥ 0. Default 0.2: a sliding block that stops does not
-    /// ring.
+    /// oscillate.
     pub shear_damping_ratio: f64,
     /// Deepest overlap allowed, × size of the smaller part; never more than half the thickness of the thinner
     /// one. Default 0.2.
@@ -81,7 +81,7 @@ pub struct Resting {
     pub displacement: f64,
     /// Time at rest before sleep, above 0; s.
     pub time: f64,
-    /// Change of its load that wakes it, above 0; × weight.
+    /// Change of load that wakes a block, above 0; × weight.
     pub load: f64,
 }
 

@@ -23,18 +23,18 @@ pub struct Energies {
     pub strain: f64,
     /// Lost to slip; cumulative.
     pub friction: f64,
-    /// Lost to contact dashpots, with broken bonds and where other features took a contact over; cumulative.
+    /// Lost to contact dashpots, to broken bonds and where a contact changed to other features; cumulative.
     pub damping: f64,
     /// Lost to the viscosity of deformable blocks; cumulative.
     pub strain_damping: f64,
-    /// Taken by the damping that a search for a state of rest may ask for; cumulative.
+    /// Lost to the damping in the search for a static equilibrium; cumulative.
     pub static_damping: f64,
     /// Kinetic energy removed when blocks were put to sleep; cumulative.
     pub sleep_loss: f64,
     /// Lost in bolts that yield; cumulative.
     pub plastic: f64,
-    /// Work of prescribed blocks and of given loads on free blocks; cumulative. The work of impulses given with
-    /// `apply_impulse` is their giver's to book.
+    /// Work of prescribed blocks and of given loads on free blocks; cumulative. The work of impulses of
+    /// `apply_impulse` is booked by the caller.
     pub external_work: f64,
 }
 
@@ -69,7 +69,7 @@ impl Energies {
     }
 }
 
-/// Sum that keeps the digits that a plain sum loses.
+/// Compensated sum.
 ///
 /// Source: Neumaier (1974).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]

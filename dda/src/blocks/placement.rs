@@ -1,4 +1,4 @@
-//! From the state of the blocks to their kinematics and world geometry.
+//! Kinematics and world geometry of the blocks, from their state.
 
 use super::{CHUNK, Constants, Derived, State, Update};
 use crate::geometry::bounds::Bounds;
@@ -10,8 +10,7 @@ use crate::{Blocks, Isometry, Motion, Vec3, chunks};
 use nalgebra::Matrix3;
 
 impl Blocks {
-    /// Brings kinematics, world geometry and boxes up to date with the state; fixed blocks only if
-    /// `all`.
+    /// Updates kinematics, world geometry and boxes from the state; those of fixed blocks only if `all`.
     pub(crate) fn place_parts(&mut self, all: bool) {
         for block in 0..self.n_blocks() {
             if !matches!(self.derived.update[block], Update::Rigid | Update::Asleep)
@@ -91,7 +90,7 @@ impl Blocks {
                     continue;
                 }
                 if is_isotropic(&inertia[b]) && kinematics.inverse_mass > 0.0 {
-                    // The inertia of a sphere does not rotate.
+                    // the inertia of a sphere does not rotate
                     kinematics.centroid = centroid[b];
                     kinematics.velocity = velocity[b];
                     kinematics.spin = attitude[b] * angular_momentum[b] * (1.0 / inertia[b].x);

@@ -25,14 +25,14 @@ impl Rest {
         self.is_asleep.get(block).copied().unwrap_or(false)
     }
 
-    /// Forgets a block that is taken out.
+    /// Ends the sleep of a removed block.
     pub fn leave(&mut self, block: usize) {
         if let Some(is_asleep) = self.is_asleep.get_mut(block) {
             *is_asleep = false;
         }
     }
 
-    /// Notes a load from outside, if anyone may sleep.
+    /// Notes the external load of a block, if sleep is enabled.
     pub fn note_outside(&mut self, block: usize, load: &Load) {
         if let Some(outside) = self.outside.get_mut(block) {
             *outside = *load;

@@ -1,4 +1,4 @@
-//! State of the blocks: all that a run changes and a restart needs, contacts apart.
+//! State of the blocks: everything that a run changes and a restart needs, except the contacts.
 
 use super::accounts::Accounts;
 use super::attachments::Attachments;
@@ -26,7 +26,7 @@ pub(crate) struct State {
     pub attitude: Vec<UnitQuaternion<f64>>,
     /// Angular momentum in principal axes; N m s.
     pub angular_momentum: Vec<Vec3>,
-    /// True of a block that was taken out.
+    /// True of a removed block.
     pub is_removed: Vec<bool>,
     /// Strain and stress; one per deformable block.
     pub deformables: Vec<Deformable>,

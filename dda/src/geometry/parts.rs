@@ -117,8 +117,8 @@ impl Part {
 /// Parts may gape by this where they adjoin; × size.
 const JOIN_TOLERANCE: f64 = 1e-3;
 
-/// Notes which faces of a body others cover entirely, and how the others extend from its corners. The
-/// others are those that never move against it.
+/// Notes the faces of a body that others cover entirely, and the extensions of the others from its corners. The others never move
+/// relative to it.
 pub(crate) fn note_neighbors(body: &mut Polyhedron, others: &[&Polyhedron]) {
     for face in 0..body.n_faces() {
         if is_covered(body, face, others) {
@@ -149,7 +149,7 @@ fn holds(body: &Polyhedron, x: &Vec3, slack: f64) -> bool {
     (0..body.n_faces()).all(|face| body.plane_distance(face, x) <= slack)
 }
 
-/// Sampled: the middle of the face and points near its corners and sides, a little outside.
+/// True if other bodies cover a face: sampled at the middle of the face and points near its corners and sides, a little outside.
 fn is_covered(body: &Polyhedron, face: usize, others: &[&Polyhedron]) -> bool {
     let corners: Vec<Vec3> = body
         .face_vertices(face)

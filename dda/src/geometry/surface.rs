@@ -32,7 +32,7 @@ pub struct Surface {
     offset: Vec<f64>,
     /// Across the side from vertex k to the next; `NONE` at the rim.
     neighbor: Vec<[u32; 3]>,
-    /// Plane through the side that halves the angle, outward unit normal and offset.
+    /// Plane through the side that bisects the angle, outward unit normal and offset.
     divide: Vec<[Divide; 3]>,
     /// Such planes at ridges of triangles beside each.
     ridges_start: Vec<u32>,
@@ -112,7 +112,7 @@ impl Surface {
         self.plane[triangle as usize]
     }
 
-    /// The triangles whose boxes meet a box, in rising order.
+    /// Triangles whose boxes overlap a box, in ascending order.
     pub(crate) fn near(&self, bounds: &Bounds, triangles: &mut Vec<u32>) {
         let wanted = aabb(bounds);
         triangles.clear();

@@ -1,10 +1,10 @@
-//! The motion of a rigid block about its centroid.
+//! Motion of a rigid block about its centroid.
 
 use crate::Vec3;
 use crate::motion::kinematics::{InternalMotion, Kinematics, Moment, flushed};
 use nalgebra::{Matrix3, Quaternion, UnitQuaternion};
 
-/// One rigid block's columns, borrowed for a step.
+/// State of a rigid block, borrowed for a step.
 pub(crate) struct Rigid6<'a> {
     /// World from principal axes.
     pub attitude: &'a mut UnitQuaternion<f64>,
@@ -70,7 +70,7 @@ pub(crate) fn rigid_kinematics(
 /// second order. Source: Dullweber, Leimkuhler & McLachlan (1997).
 fn rotate(attitude: &mut UnitQuaternion<f64>, p: &mut Vec3, inertia: &Vec3, dt: f64) {
     if is_isotropic(inertia) {
-        // Half the angle along the axis; sin(x)/x by its series, as in `sin_cos`, spares root and division.
+        // half the angle along the axis; the series of sin(x)/x, as in `sin_cos`, needs no root and no division
         let half = *p * (0.5 * dt / inertia.x);
         let square = half.norm_squared();
         let turn = if square > 1e-4 {
@@ -87,13 +87,13 @@ fn rotate(attitude: &mut UnitQuaternion<f64>, p: &mut Vec3, inertia: &Vec3, dt: 
     for (axis, share) in [(0, 0.5), (1, 0.5), (2, 1.0), (1, 0.5), (0, 0.5)] {
         let half = 0.5 * share * dt * p[axis] / inertia[axis];
         let (sin, cos) = sin_cos(half);
-        // p about the axis by −2 half, in the plane of the other two.
+        // p about the axis by −2 half, in the plane of the other two
         let (next, last) = ((axis + 1) % 3, (axis + 2) % 3);
         let (sine, cosine) = (2.0 * sin * cos, 1.0 - 2.0 * sin * sin);
         let (u, v) = (p[next], p[last]);
         p[next] = cosine * u + sine * v;
         p[last] = cosine * v - sine * u;
-        // Q times (cos, sin along the axis).
+        // Q times (cos, sin along the axis)
         let q = attitude.as_ref();
         let (w, i, j, k) = (q.w, q.coords[axis], q.coords[next], q.coords[last]);
         let mut product = Quaternion::new(w * cos - i * sin, 0.0, 0.0, 0.0);
@@ -105,13 +105,13 @@ fn rotate(attitude: &mut UnitQuaternion<f64>, p: &mut Vec3, inertia: &Vec3, dt: 
     attitude.renormalize();
 }
 
-/// Sine and cosine; of the small angles of most steps by their series, to the last digit.
+/// Sine and cosine; of small angles, as in most steps, by their series, to the last digit.
 fn sin_cos(x: f64) -> (f64, f64) {
     let square = x * x;
     if square > 1e-4 {
         return x.sin_cos();
     }
-    // The next terms are below 1e-20 of these.
+    // the next terms are below 1e-20 of these
     let sin = x * (1.0 - square / 6.0 * (1.0 - square / 20.0 * (1.0 - square / 42.0)));
     let cos = 1.0 - square / 2.0 * (1.0 - square / 12.0 * (1.0 - square / 30.0));
     (sin, cos)

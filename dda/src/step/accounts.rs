@@ -3,7 +3,7 @@
 use crate::{Blocks, Impulses, Load, Motion};
 
 impl Blocks {
-    /// Keeps accounts of some blocks from now on, of no others.
+    /// Starts the accounts of some blocks, and ends those of all others.
     pub fn keep_accounts(&mut self, blocks: &[usize]) {
         let mut chosen: Vec<u32> = blocks.iter().map(|&b| b as u32).collect();
         chosen.sort_unstable();
@@ -12,13 +12,13 @@ impl Blocks {
         self.state.accounts.blocks = chosen;
     }
 
-    /// The account of a block, where one is kept.
+    /// Impulses on a block of which an account is kept.
     pub fn account(&self, b: usize) -> Option<&Impulses> {
         let k = self.state.accounts.blocks.binary_search(&(b as u32)).ok()?;
         self.state.accounts.rows.get(k)
     }
 
-    /// Books half a kick of contacts, attachments and gravity; dt of the whole, s.
+    /// Books half a kick of contacts, attachments and gravity; `dt` (s) is that of the whole kick.
     pub(crate) fn account_half_kick(&mut self, dt: f64) {
         let half = 0.5 * dt;
         for k in 0..self.state.accounts.blocks.len() {
@@ -35,7 +35,7 @@ impl Blocks {
         }
     }
 
-    /// Momentum of a block and its moment about the centroid, where an account of it is kept; kg m/s, kg m²/s.
+    /// Momentum and angular momentum about the centroid of a block of which an account is kept; kg m/s, kg m²/s.
     pub(crate) fn accounted_momentum(&self, b: usize) -> Option<Load> {
         self.state.accounts.blocks.binary_search(&(b as u32)).ok()?;
         Some(Load {

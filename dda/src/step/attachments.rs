@@ -38,8 +38,7 @@ impl Blocks {
 }
 
 impl Attachments {
-    /// Forces at the current position; books work and yield since the last evaluation, unless it is the
-    /// first.
+    /// Forces at the current position. Except at the first evaluation, the work and yield since the last one are booked.
     fn evaluate(&mut self, around: &Surroundings, is_first: bool) {
         self.loads.clear();
         self.loads.resize(around.kinematics.len(), Load::default());
@@ -141,7 +140,7 @@ impl Attachments {
     }
 }
 
-/// Outward normal times area, and the centroid of a face; m², m.
+/// Area vector, along the outward normal, and centroid of a face; m², m.
 fn face_moment(part: &Part, face: usize) -> (Vec3, Vec3) {
     let Part::Polyhedron(body) = part else {
         return (Vec3::zeros(), Vec3::zeros());

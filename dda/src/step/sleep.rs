@@ -1,6 +1,6 @@
 //! Blocks at rest sleep: they keep their position, and their contacts with other blocks at rest, until their load changes.
 //!
-//! A block is put to sleep when it has not moved for a while, even if it trembles under fluctuating loads, mainly of water. Its
+//! A block is put to sleep when it has not moved for a while, even if it vibrates under fluctuating loads, mainly of water. Its
 //! residual kinetic energy is booked. Its load is monitored as a mean over a short time, since single kicks fluctuate:
 //!
 //! ```text
@@ -13,7 +13,7 @@ use crate::blocks::Rest;
 use crate::motion::update::Update;
 use crate::{Blocks, Load, Vec3};
 
-/// The load that is watched is a mean over this share of the time that a block has to be at rest.
+/// Averaging time of the monitored load, × time at rest before sleep; –.
 const MEAN_OVER: f64 = 0.05;
 
 impl Blocks {
@@ -39,12 +39,12 @@ impl Blocks {
         };
     }
 
-    /// Number of blocks that sleep.
+    /// Number of sleeping blocks.
     pub fn n_asleep(&self) -> usize {
         self.state.rest.is_asleep.iter().filter(|&&is| is).count()
     }
 
-    /// Wakes all.
+    /// Wakes all blocks.
     pub(crate) fn wake_all(&mut self) {
         for b in 0..self.state.rest.is_asleep.len() {
             self.wake(b);

@@ -7,17 +7,17 @@
 //! ```
 //! and the common plane maximizes it. Two ways to the maximum:
 //!
-//! - [`fast_common_plane`] climbs from a start normal (Nezami et al. 2004). Started cold it stops at
+//! - [`fast_common_plane`] climbs from a start normal (Nezami et al. 2004). From a cold start it ends at
 //!   a local maximum for some 5 % of random pairs, an overlap that is too deep.
 //! - [`separating_axes`] tries every face normal and every pair of edges that can make a face of
 //!   the Minkowski difference (separating axis theorem; pruning by arcs on the Gauss map after
 //!   Gregorius 2013). For overlapping bodies it is exact.
 //!
 //! Faces that other fixed parts, or parts of the same body, cover entirely are no candidates, and
-//! neither are corners that such a part carries on: a floor made of two slabs, or a slope that ends on
-//! a bed, has no edge there that a sliding body could run against.
+//! neither are corners that such a part continues: a floor made of two slabs, or a slope that ends on
+//! a bed, has no edge there to stop a sliding body.
 //!
-//! The pair keeps its axis ([`AxisCache`]) and trusts it while nothing changes much.
+//! The axis of a pair is kept ([`AxisCache`]) and used again while little changes.
 
 mod axis_cache;
 
@@ -36,7 +36,7 @@ pub enum AxisKind {
     FaceB(u32),
     /// A half-edge of A and one of B; the axis is their cross product.
     Edges(u32, u32),
-    /// None of these: found between bodies that are apart.
+    /// None of these: an axis between bodies that are apart.
     Other,
 }
 
@@ -51,24 +51,23 @@ pub struct Axis {
     pub kind: AxisKind,
 }
 
-/// Two directions are parallel below this sine; their cross product is noise.
+/// Sine below which two directions are parallel: their cross product is round-off.
 const PARALLEL: f64 = 1e-6;
-/// Two edges make the common plane only if nothing else reaches farther along their axis than this;
-/// × size. Round-off between almost parallel faces says otherwise, and so do edges kept from the
-/// last step that have slid past each other: the contact would be drawn where nothing touches.
+/// Largest distance by which other corners may extend beyond two edges that make the common plane, along their axis; × size.
+/// Round-off between almost parallel faces violates it, and so do edges of the last step that have slid past each other: the contact
+/// would lie where nothing touches.
 const SUPPORT_TOLERANCE: f64 = 1e-9;
-/// Cosine of two degrees: an edge-edge axis nearer than that to the normal of the best face is that
-/// face. Between faces pressed together the deepest overlap is a matter of their last 1e-5 rad.
+/// Cosine of two degrees: an edge-edge axis closer than that to the normal of the best face stands for that face. Between faces
+/// pressed together the deepest overlap depends on their last 1e-5 rad.
 const ALMOST_PARALLEL: f64 = 0.999_390_8;
 /// An edge-edge axis must beat the best face by this share of the overlap, and the axis of the last
-/// step is kept within this share: equal axes must not take turns.
+/// step is kept within this share: equal axes must not alternate.
 const EDGE_PREFERENCE: f64 = 0.02;
 const KEEP_PREFERENCE: f64 = 0.05;
-/// Two edges that overlap by less than a face, by more than this share of the face's overlap, are not that
-/// face, however close their normals are.
+/// Share of the overlap of a face by which that of two edges must be less for them not to stand for that face, however close their
+/// normals are.
 const SHALLOW_EDGES: f64 = 0.5;
-/// Sizes that differ by less than this share are equal, and a normal less inclined than this is level: the
-/// rest is round-off.
+/// Relative difference below which sizes are equal, and inclination below which a normal is horizontal: round-off.
 const EQUAL_SIZE: f64 = 1e-9;
 /// Largest `x·n` over the corners, and the corner.
 fn support(body: &Polyhedron, n: &Vec3) -> (f64, usize) {
@@ -163,8 +162,7 @@ pub struct SeparatingAxes {
 }
 
 impl SeparatingAxes {
-    /// The face of A or B that makes the plane: of almost equal ones the one that
-    /// [`prefers_b`] says.
+    /// The face of A or B that makes the plane; [`prefers_b`] chooses between almost equal ones.
     pub(crate) fn preferred_face(&self, a: &Polyhedron, b: &Polyhedron, down: &Vec3) -> Axis {
         let (first, second) = if prefers_b(a, b, &self.face_a.normal, down) {
             (self.face_b, self.face_a)
@@ -200,8 +198,7 @@ impl SeparatingAxes {
             return best;
         }
         let face = self.preferred_face(a, b, down);
-        // Two edges that only begin to touch are no deep face: its springs would start with an energy that
-        // nobody gave them.
+        // two edges that only begin to touch do not stand for a deep face: its springs would start with energy from nowhere
         let is_shallow = |edges: &Axis| {
             edges.gap - face.gap
                 > f64::max(

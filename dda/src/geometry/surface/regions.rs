@@ -8,8 +8,10 @@ const RIDGE: f64 = 0.9;
 /// Cosine of the largest angle between triangles considered almost coplanar.
 const GOES_ON: f64 = 0.99;
 
-/// Planes at sharp ridges of the triangles beside a triangle, or beside these, that are almost coplanar with it, if it lies entirely
-/// on the inner side: start of those of each triangle, and all. Triangles that share a vertex are beside each other.
+/// Planes at sharp ridges that bound the region of each triangle: start of those of each triangle, and all.
+///
+/// The ridges are those of almost coplanar triangles within two rings of neighbors, by vertex, if the triangle lies entirely on the
+/// inner side of the plane.
 pub(super) fn ridges_beside(
     (vertices, triangles, normal): (&[Vec3], &[[u32; 3]], &[Vec3]),
     (neighbor, divide): (&[[u32; 3]], &[[Divide; 3]]),
@@ -66,7 +68,7 @@ pub(super) fn ridges_beside(
     (start, ridges)
 }
 
-/// Numbers of planes: neighbors that lie flat with the first of theirs.
+/// Number of the plane of each triangle: that of the first of connected triangles that are coplanar with it.
 pub(super) fn planes(normal: &[Vec3], neighbor: &[[u32; 3]]) -> Vec<u32> {
     let mut plane = vec![NONE; normal.len()];
     let mut open = Vec::new();

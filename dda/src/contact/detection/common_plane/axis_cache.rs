@@ -7,18 +7,17 @@ use super::{
 use crate::{Polyhedron, Vec3};
 use serde::{Deserialize, Serialize};
 
-/// An overlap of parts deeper than this, over the thickness of the thinner one, is none ...
+/// Overlap of parts, over the thickness of the thinner one, above which it does not count ...
 const COVERED_DEPTH: f64 = 0.01;
-/// ... if in another direction, covered or not, it is less than this share of that.
+/// ... if in another direction, covered or not, it is less than this share.
 const COVERED_SHARE: f64 = 0.5;
-/// An overlap that changed by less than this share since the last full test needs no new one ...
+/// Relative change of the overlap since the last full test below which no new test is due ...
 const TRUSTED_CHANGE: f64 = 0.1;
-/// ... nor does one that changed by less than this (× size of the smaller body): so shallow, another
-/// axis would give nearly the same force; ...
+/// ... nor below this change (× size of the smaller body), at which another axis would give nearly the same force; ...
 pub(super) const TRUSTED_DEPTH: f64 = 1e-4;
-/// ... for this many steps, twice as many each time that it finds the same again, ...
+/// ... for this number of steps, doubled each time that the test confirms the axis, ...
 const TRUSTED_STEPS: u32 = 16;
-/// ... up to this many.
+/// ... up to this number.
 const MOST_TRUSTED_STEPS: u32 = 64;
 
 /// Detection of the common plane of a pair.
@@ -32,17 +31,17 @@ pub enum ContactDetection {
     FastCommonPlane,
 }
 
-/// The axis that a pair of bodies had at the last step.
+/// Axis of a pair of bodies at the last step.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct AxisCache {
     /// Axis of the last step.
     pub axis: Option<Axis>,
-    /// Gap when the full test was last made; m.
+    /// Gap at the last full test; m.
     pub verified_gap: f64,
-    /// Steps for which that test is still trusted, and for how many it was at first.
+    /// Remaining steps without a full test, and their number after the last test.
     pub trust: u32,
     pub trusted: u32,
-    /// Was the full test made in the last step?
+    /// True if the full test was made in the last step.
     pub has_searched: bool,
 }
 
@@ -64,7 +63,7 @@ impl AxisCache {
                     None => centroid_line(a, b),
                 };
                 let climbed = fast_common_plane(a, b, &start.normal);
-                // Nothing better found: the plane of the last step is still made by the same features.
+                // nothing better was found: the same features still make the plane
                 let axis = if climbed.kind == AxisKind::Other && is_supported(a, b, &start) {
                     start
                 } else {
@@ -84,7 +83,7 @@ impl AxisCache {
         }
         if let Some(axis) = self.axis {
             let shallow = TRUSTED_DEPTH * a.size().min(b.size());
-            // Neighbors that hardly touch flicker between apart and overlapping: no reason to search.
+            // neighbors that barely touch alternate between apart and overlapping, which calls for no search
             let was_apart = axis.gap > shallow;
             let axis = renewed(a, b, &axis);
             self.axis = Some(axis);
@@ -147,8 +146,8 @@ impl AxisCache {
     }
 }
 
-/// Do two bodies, parts of larger ones, touch only where other parts cover their faces or carry on their corners? By what is left they
-/// would be much deeper in each other than they are: what is between them is between these others.
+/// True if two bodies, parts of larger ones, touch only where other parts cover their faces or continue their corners. Their exposed
+/// faces then give a much deeper overlap than all of their faces: the contact is that of the other parts.
 fn touch_where_covered(a: &Polyhedron, b: &Polyhedron, axis: &Axis) -> bool {
     let thinner = a.thickness().min(b.thickness());
     if !(a.has_seams() || b.has_seams()) || -axis.gap <= COVERED_DEPTH * thinner {
@@ -157,7 +156,7 @@ fn touch_where_covered(a: &Polyhedron, b: &Polyhedron, axis: &Axis) -> bool {
     axes(a, b, Neighbors::Ignored).best().gap > COVERED_SHARE * axis.gap
 }
 
-/// The published cold start: along the line between the middles of the corners.
+/// Cold start as published: the line between the mean corners.
 fn centroid_line(a: &Polyhedron, b: &Polyhedron) -> Axis {
     let middle =
         |body: &Polyhedron| body.vertices().iter().sum::<Vec3>() / body.vertices().len() as f64;
@@ -174,7 +173,7 @@ fn is_face(axis: &Axis) -> bool {
     matches!(axis.kind, AxisKind::FaceA(_) | AxisKind::FaceB(_))
 }
 
-/// Are the two edges of an axis still what reaches farthest along it? Faces always are.
+/// True if the two edges of an axis are still the farthest features along it. Faces always are.
 fn is_supported(a: &Polyhedron, b: &Polyhedron, axis: &Axis) -> bool {
     let AxisKind::Edges(edge_a, edge_b) = axis.kind else {
         return true;
