@@ -18,7 +18,6 @@ impl World {
             bodies,
             // constants
             gravity: _,
-            // follows from the time
             weakenings: _,
         } = self;
         let out = postcard::to_extend(&(progress, &bodies.dry, &bodies.accounts), out)?;
@@ -48,7 +47,6 @@ impl World {
         if (bodies.dry.len(), bodies.accounts.len()) != of_blocks {
             return Err(postcard::Error::DeserializeBadEncoding);
         }
-        self.weaken();
         let bytes = self.blocks.read(rest)?;
         let Some(water) = &mut self.water else {
             return Ok(bytes);

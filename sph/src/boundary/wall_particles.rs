@@ -378,12 +378,12 @@ impl WallParticles {
     /// Continues pressure and velocity of the fluid to the points, which move with the accelerations they were
     /// placed with.
     pub fn extrapolate(&mut self, fluid: &Fluid) {
-        self.continue_fluid(fluid, wall_sums::extrapolation);
+        self.continue_fluid(fluid, wall_sums::extrapolation::<false>);
     }
 
     /// Extrapolates, with the responses for [`Self::visit_added_mass`].
     pub fn extrapolate_with_added_mass(&mut self, fluid: &Fluid) {
-        self.continue_fluid(fluid, wall_sums::extrapolation_with_slopes);
+        self.continue_fluid(fluid, wall_sums::extrapolation::<true>);
     }
 
     fn continue_fluid(

@@ -25,7 +25,7 @@ impl ContinuedPressure {
             positions: places,
             facets: &[],
         };
-        wall_sums::extrapolation(fluid, places, &self.chosen, &mut self.sums);
+        wall_sums::extrapolation::<false>(fluid, places, &self.chosen, &mut self.sums);
     }
 
     /// For each point the fluid fraction of its support, `Σ V W`, and the pressure, 0 without fluid; –, Pa.

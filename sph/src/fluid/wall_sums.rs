@@ -6,9 +6,7 @@ use crate::terms::continuity::{Rate, RateOwn};
 use crate::terms::extrapolation::Extrapolated;
 use crate::terms::gradient::StrainSums;
 use crate::terms::momentum::{ForceDensity, ForceOwn};
-use crate::terms::sums::formulas::{
-    Concentrations, Extrapolations, ExtrapolationsWithSlopes, Strains, WallRates,
-};
+use crate::terms::sums::formulas::{Concentrations, Extrapolations, Strains, WallRates};
 use crate::terms::sums::{
     Formula, Neighborhood, Places, Reactions, Setup, Shearing, WallForces, WallPairs, run_term,
 };
@@ -111,18 +109,9 @@ pub(crate) fn reactions(
     );
 }
 
-/// Pressure and velocity of the fluid continued to some points; after [`Fluid::pack_forces`].
-pub(crate) fn extrapolation(
-    fluid: &Fluid,
-    places: Places,
-    chosen: &[u32],
-    out: &mut [Extrapolated],
-) {
-    across(&fluid.to_places(places, chosen), &Extrapolations, out);
-}
-
-/// The same with the slopes of the points that each sees.
-pub(crate) fn extrapolation_with_slopes(
+/// Pressure and velocity of the fluid continued to some points, with `SLOPED` those of the points that each sees; after
+/// [`Fluid::pack_forces`].
+pub(crate) fn extrapolation<const SLOPED: bool>(
     fluid: &Fluid,
     places: Places,
     chosen: &[u32],
@@ -130,7 +119,7 @@ pub(crate) fn extrapolation_with_slopes(
 ) {
     across(
         &fluid.to_places(places, chosen),
-        &ExtrapolationsWithSlopes,
+        &Extrapolations::<SLOPED>,
         out,
     );
 }

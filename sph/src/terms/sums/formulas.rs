@@ -163,10 +163,10 @@ impl Formula for Concentrations {
     }
 }
 
-/// Pressure and velocity continued to wall points, and the slopes of the points that each sees.
-pub(crate) struct ExtrapolationsWithSlopes;
+/// Pressure and velocity continued to wall points; with `SLOPED`, also the slopes of the points that each sees.
+pub(crate) struct Extrapolations<const SLOPED: bool>;
 
-impl Formula for ExtrapolationsWithSlopes {
+impl<const SLOPED: bool> Formula for Extrapolations<SLOPED> {
     type Out = Extrapolated;
 
     fn apply<L, K, W>(&self, summing: Summing<L, K, W, Extrapolated>) -> u64
@@ -177,26 +177,7 @@ impl Formula for ExtrapolationsWithSlopes {
     {
         let (machine, s) = (summing.machine, summing.settings);
         let (rho, c) = (s.reference_density, s.sound_speed);
-        let term = Extrapolation::<L, K, true>::new(machine, summing.kernel, rho, c);
-        summing.of(&term)
-    }
-}
-
-/// Pressure and velocity continued to wall points.
-pub(crate) struct Extrapolations;
-
-impl Formula for Extrapolations {
-    type Out = Extrapolated;
-
-    fn apply<L, K, W>(&self, summing: Summing<L, K, W, Extrapolated>) -> u64
-    where
-        L: Registers,
-        K: PairKernel<L>,
-        W: PairSource,
-    {
-        let (machine, s) = (summing.machine, summing.settings);
-        let (rho, c) = (s.reference_density, s.sound_speed);
-        let term = Extrapolation::<L, K, false>::new(machine, summing.kernel, rho, c);
+        let term = Extrapolation::<L, K, SLOPED>::new(machine, summing.kernel, rho, c);
         summing.of(&term)
     }
 }
