@@ -11,19 +11,21 @@
 //! one: points there have no volume, and thin solids are inactive. Otherwise the bed beside the block would appear to move with
 //! it, and drag water along.
 
+mod buried;
+mod points;
+
 use nalgebra::Matrix3;
 use riprap_dda::{BlockDefinition, Blocks, Load};
-use riprap_sph::boundary::sampling::WallSample;
-use riprap_sph::boundary::thin_solids::Facet;
 use riprap_sph::boundary::wall_particles::{Slip, WallParticles};
 use riprap_sph::{Fluid, Vec3};
 
+use super::FluidLoad;
 use super::added_mass::{Acceleration, AddedMass, Movers, largest_ratio};
-use super::cutting::clipped_by_symmetry;
-use super::sampler::{Sampler, Thin};
+use super::sampler::Sampler;
 use super::thin_solids::ThinSolids;
-use super::{FluidLoad, Part, parts};
 use crate::saved::{Read, Saved};
+use buried::Buried;
+use points::Solids;
 
 /// The walls of all blocks.
 #[derive(Clone, Debug)]
@@ -51,9 +53,6 @@ pub struct ParticleWalls {
     power: f64,
 }
 
-/// Depth in a fixed solid, in spacings, from which on points are buried: more than contacts press.
-const BURIED_DEPTH: f64 = 0.02;
-
 /// Frame of a block's material.
 #[derive(Clone, Copy, Debug)]
 struct Frame {
@@ -75,62 +74,6 @@ impl Frame {
     }
 }
 
-/// Moving points, except those of thin solids, inside a fixed solid.
-#[derive(Clone, Debug)]
-struct Buried {
-    /// m³.
-    volumes: Vec<f64>,
-    is_of_thin_solid: Vec<bool>,
-    /// From this depth on; m.
-    depth: f64,
-    is_buried: Vec<bool>,
-    /// Whether there are any, or were when points were placed last.
-    is_any: bool,
-    /// Parts of fixed polyhedra, and those near a block.
-    fixed: Vec<usize>,
-    near: Vec<usize>,
-}
-
-impl Buried {
-    /// Finds them among points of blocks in order, where these are.
-    fn find(&mut self, block: &[u32], local: &[Vec3], (frames, blocks): (&[Frame], &Blocks)) {
-        let had_any = std::mem::take(&mut self.is_any);
-        let mut first = 0;
-        for of_block in block.chunk_by(|a, b| a == b) {
-            let points = first..first + of_block.len();
-            first = points.end;
-            let b = of_block[0] as usize;
-            self.near.clear();
-            self.near.extend(self.fixed.iter().copied().filter(|&part| {
-                let (low, high) = blocks.part_aabb(part);
-                blocks.parts_of(b).any(|own| {
-                    let (min, max) = blocks.part_aabb(own);
-                    (0..3).all(|k| low[k] + self.depth < max[k] && min[k] + self.depth < high[k])
-                })
-            }));
-            for w in points {
-                let is_inside = |part: &usize| {
-                    let place = frames[b].place(&local[w]);
-                    let surface = blocks.surface_point_within(*part, &place, 0.0);
-                    surface.is_some_and(|surface| surface.distance < -self.depth)
-                };
-                self.is_buried[w] = !self.is_of_thin_solid[w] && self.near.iter().any(is_inside);
-                self.is_any |= self.is_buried[w];
-            }
-        }
-        self.is_any |= had_any;
-    }
-
-    /// Volume of a point, in m³.
-    fn volume(&self, w: usize) -> f64 {
-        if self.is_buried[w] {
-            0.0
-        } else {
-            self.volumes[w]
-        }
-    }
-}
-
 impl ParticleWalls {
     /// Walls for the fluid at the current position of the blocks.
     pub fn new(
@@ -140,78 +83,23 @@ impl ParticleWalls {
         slip: Slip,
     ) -> Self {
         let sampler = Sampler::new(fluid);
-        let (owners, standing): (Vec<usize>, Vec<Part>) = (0..definitions.len())
-            .filter(|&b| blocks.is_fixed(b))
-            .flat_map(|b| {
-                parts(&definitions[b].shape)
-                    .into_iter()
-                    .map(move |part| (b, part))
-            })
-            .filter_map(|(b, part)| Some((b, clipped_by_symmetry(&part, &sampler.symmetry)?)))
-            .filter(|(_, part)| sampler.endless.reaches_domain(part))
-            .unzip();
-        let (owners, standing) = sampler.cut_where_they_stand(owners, standing);
-        let (spacing, support) = (
-            sampler.lattice.particle_spacing,
-            sampler.lattice.support_radius,
-        );
-        let inside: Vec<Part> = standing
-            .iter()
-            .map(|part| sampler.endless.inside(part))
-            .collect();
+        let solids = Solids {
+            definitions,
+            blocks,
+            sampler: &sampler,
+        };
+        let standing = solids.standing();
+        let spacing = sampler.lattice.particle_spacing;
         let mut thin_solids = ThinSolids::new(
-            &inside,
+            &standing.inside,
             |part| sampler.seeming_ends(part),
-            (spacing, support),
+            (spacing, sampler.lattice.support_radius),
         );
-        let (thin, thick) = sampler.thin_solids(&inside, &standing);
-        let mut standing_points = Points::default();
-        for thin in thin {
-            let block = owners[thin.part];
-            standing_points.add_thin_solid(thin, &inside, block, (&mut thin_solids, blocks));
-        }
-        let whole: Vec<Part> = thick.iter().map(|&part| standing[part].clone()).collect();
-        for (part, sample) in sampler.standing(&whole) {
-            standing_points.add(owners[thick[part]], sample, Facet::NONE);
-        }
-        // points common to two solids belong to the polyhedron
-        let is_taken = |x: &Vec3| standing.iter().any(|part| part.may_be_within(x, 0.0));
-        for b in (0..definitions.len()).filter(|&b| blocks.is_fixed(b)) {
-            for (b, sample) in sampler.sphere(b, &definitions[b].shape) {
-                if !is_taken(&sample.position) {
-                    standing_points.add(b, sample, Facet::NONE);
-                }
-            }
-            for sample in sampler.surface(&definitions[b].shape, is_taken) {
-                standing_points.add(b, sample, Facet::NONE);
-            }
-        }
-        let mut points = Points::default();
-        for b in (0..definitions.len()).filter(|&b| !blocks.is_fixed(b)) {
-            let parts: Vec<Part> = parts(&definitions[b].shape)
-                .iter()
-                .filter_map(|part| clipped_by_symmetry(part, &sampler.symmetry))
-                .filter(|part| sampler.endless.reaches_domain(part))
-                .collect();
-            let inside: Vec<Part> = parts
-                .iter()
-                .map(|part| sampler.endless.inside(part))
-                .collect();
-            let (thin, thick) = sampler.thin_solids(&inside, &parts);
-            for thin in thin {
-                points.add_thin_solid(thin, &inside, b, (&mut thin_solids, blocks));
-            }
-            let thick: Vec<Part> = thick.iter().map(|&part| parts[part].clone()).collect();
-            for sample in sampler.body(&thick) {
-                points.add(b, sample, Facet::NONE);
-            }
-            for (b, sample) in sampler.sphere(b, &definitions[b].shape) {
-                points.add(b, sample, Facet::NONE);
-            }
-        }
-        let mut fixed = standing_points.walls(fluid, slip);
+        let fixed_points = solids.fixed_points(&standing, &mut thin_solids);
+        let points = solids.moving_points(&mut thin_solids);
+        let mut fixed = fixed_points.walls(fluid, slip);
         fixed.place(|w| {
-            let position = standing_points.samples[w].position;
+            let position = fixed_points.samples[w].position;
             [position, Vec3::zeros(), Vec3::zeros()]
         });
         let frames: Vec<Frame> = (0..definitions.len())
@@ -223,22 +111,10 @@ impl ParticleWalls {
             frame.gradient.transpose() * (x - frame.centroid)
         };
         let placed = points.blocks.iter().zip(&points.samples);
-        let is_solid = |part: &usize| {
-            blocks.is_fixed(blocks.block_of_part(*part)) && !blocks.is_surface(*part)
-        };
-        let buried = Buried {
-            volumes: points.samples.iter().map(|s| s.volume).collect(),
-            is_of_thin_solid: points.facets.iter().map(|&f| f != Facet::NONE).collect(),
-            depth: BURIED_DEPTH * spacing,
-            is_buried: vec![false; points.blocks.len()],
-            is_any: false,
-            fixed: (0..blocks.n_parts()).filter(is_solid).collect(),
-            near: Vec::new(),
-        };
         let mut walls = Self {
-            buried,
+            buried: Buried::new(&points, blocks, spacing),
             fixed,
-            fixed_block: standing_points.blocks,
+            fixed_block: fixed_points.blocks,
             moving: points.walls(fluid, slip),
             thin_solids,
             start: vec![[Vec3::zeros(); 2]; points.blocks.len()],
@@ -512,52 +388,5 @@ impl ParticleWalls {
                     *power -= (pressure + viscous).dot(&blocks.velocity_at(b, &x));
                 }
             });
-    }
-}
-
-/// Wall points before their placement.
-#[derive(Default)]
-struct Points {
-    blocks: Vec<u32>,
-    samples: Vec<WallSample>,
-    facets: Vec<Facet>,
-}
-
-impl Points {
-    fn add(&mut self, block: usize, sample: WallSample, facet: Facet) {
-        self.blocks.push(block as u32);
-        self.samples.push(sample);
-        self.facets.push(facet);
-    }
-
-    /// Adds a part of a block to the thin solids, and the points behind each of its sides.
-    fn add_thin_solid(
-        &mut self,
-        thin: Thin,
-        parts: &[Part],
-        block: usize,
-        (thin_solids, blocks): (&mut ThinSolids, &Blocks),
-    ) {
-        let sides = (thin.ends, thin.side_of);
-        let solid = thin_solids.add((thin.part, parts), sides, block, blocks);
-        for (side, samples) in thin.behind.iter().enumerate() {
-            let facet = Facet {
-                solid,
-                side: side as u32,
-            };
-            for &sample in samples {
-                self.add(block, sample, facet);
-            }
-        }
-    }
-
-    fn walls(&self, fluid: &Fluid, slip: Slip) -> WallParticles {
-        let volumes = self.samples.iter().map(|s| s.volume).collect();
-        let walls = WallParticles::new(fluid, volumes, slip);
-        if self.facets.iter().all(|&facet| facet == Facet::NONE) {
-            walls
-        } else {
-            walls.behind(self.facets.clone())
-        }
     }
 }
