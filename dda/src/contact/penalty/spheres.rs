@@ -11,10 +11,10 @@
 //! a polyhedron; ξ and β are those that give the restitution with a force that never pulls (Schwager &
 //! Pöschel 2007). Sources: Cundall & Strack (1979), Tsuji, Tanaka & Ishida (1992), Luding (2008); rolling:
 //! Ai, Chen, Rotter & Ooi (2011), whose spring lets a sphere come to rest. What `ω_r` and `θ`, its integral, turn
-//! against: see [`RollingLaw`](crate::RollingLaw).
+//! against: see [`RollingLaw`].
 //!
 //! The force acts in the middle of the overlap, so that angular momentum is kept, but for
-//! [`RollingLaw::OwnSpin`](crate::RollingLaw::OwnSpin), whose sink is booked.
+//! [`RollingLaw::OwnSpin`], whose sink is booked.
 
 mod feet;
 mod law;
