@@ -2,6 +2,7 @@
 
 use thiserror::Error;
 
+use crate::BlockId;
 use crate::ranges::PropertyRange;
 
 /// Error of an invalid system of blocks.
@@ -116,7 +117,7 @@ pub enum StepError {
     )]
     NotFinite {
         /// The block.
-        block: usize,
+        block: BlockId,
         /// Time of the sub-step; s.
         time: f64,
     },
@@ -128,9 +129,9 @@ pub enum StepError {
     )]
     Overlap {
         /// The lower block.
-        first: usize,
+        first: BlockId,
         /// The higher block.
-        second: usize,
+        second: BlockId,
         /// Overlap; m.
         overlap: f64,
         /// Size of the smaller part, the cube root of its volume; m.
@@ -147,7 +148,7 @@ pub enum StepError {
     )]
     Crushed {
         /// The block.
-        block: usize,
+        block: BlockId,
         /// Lowest principal value of Green's strain; –.
         strain: f64,
         /// Allowed; –.

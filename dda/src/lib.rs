@@ -73,6 +73,7 @@ mod chunks;
 mod contact;
 mod error;
 mod geometry;
+mod id;
 mod material;
 mod motion;
 mod random;
@@ -102,6 +103,7 @@ pub use geometry::measure::{MassProperties, face_area, mass_properties, volume};
 pub use geometry::polyhedron::{Polyhedron, PolyhedronError};
 pub use geometry::shape::Shape;
 pub use geometry::surface::{Surface, SurfaceError};
+pub use id::{BlockId, PartId};
 pub use material::{
     Elastic, JointOverride, Material, NormalLaw, RollingLaw, clamped_restitution, damping_ratio,
 };

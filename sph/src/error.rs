@@ -1,5 +1,7 @@
 //! Errors of the fluid.
 
+use crate::ParticleId;
+
 /// Errors of setting up or stepping the fluid.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum FluidError {
@@ -62,7 +64,7 @@ pub enum FluidError {
     )]
     NonFinite {
         /// Number of the particle.
-        id: u32,
+        id: ParticleId,
         /// Non-finite quantity.
         quantity: &'static str,
         /// m.
@@ -78,7 +80,7 @@ pub enum FluidError {
     )]
     Compressed {
         /// Number of the particle.
-        id: u32,
+        id: ParticleId,
         /// kg/m³.
         density: f64,
         /// Limit above the reference density; %.

@@ -254,7 +254,7 @@ impl Fluid {
         let mut order: Vec<usize> = (0..self.particles.len()).collect();
         order.sort_unstable_by_key(|&a| self.particles.id[a]);
         for a in order {
-            visit(f64::from(self.particles.id[a]));
+            visit(f64::from(u32::from(self.particles.id[a])));
             self.particles.position[a].iter().for_each(|&x| visit(x));
             self.particles.velocity[a].iter().for_each(|&v| visit(v));
             visit(self.particles.density[a]);

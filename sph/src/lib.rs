@@ -76,6 +76,7 @@
 pub mod boundary;
 pub mod error;
 pub mod fluid;
+mod id;
 pub mod kernel;
 pub mod neighbors;
 pub mod particles;
@@ -96,6 +97,7 @@ pub use fluid::exchange::{Absorber, Exchange};
 pub use fluid::sleep::Sleeping;
 pub use fluid::{Fluid, ParticleForce, Start};
 pub use fluid::{energy, exchange, sample};
+pub use id::ParticleId;
 pub use kernel::{Dimensions, KernelChoice};
 pub use neighbors::cells::{CellGrid, Periodicity};
 pub use neighbors::mirror::{Symmetry, SymmetryPlane};

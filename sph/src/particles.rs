@@ -1,13 +1,13 @@
 //! The state of the fluid, one slot per particle and quantity.
 
-use crate::Vec3;
+use crate::{ParticleId, Vec3};
 use serde::{Deserialize, Serialize};
 
 /// Fluid particles, kept sorted by cell.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Particles {
     /// Number of the particle, given at creation; sorting never changes it.
-    pub id: Vec<u32>,
+    pub id: Vec<ParticleId>,
     /// Position; written by the drift and by sorting; m.
     pub position: Vec<Vec3>,
     /// Velocity; written by kicks and by sorting; m/s.
@@ -37,7 +37,7 @@ impl Particles {
     pub fn new(position: Vec<Vec3>, velocity: Vec<Vec3>) -> Self {
         let n = position.len();
         Self {
-            id: (0..n as u32).collect(),
+            id: (0..n as u32).map(ParticleId::from).collect(),
             position,
             velocity,
             mass: vec![0.0; n],
@@ -59,7 +59,7 @@ impl Particles {
 
     /// Makes a particle of the first flow law; pressure and acceleration wait for the next evaluation.
     pub(crate) fn push(&mut self, position: Vec3, velocity: Vec3, density: f64, mass: f64) {
-        self.id.push(self.n_made);
+        self.id.push(self.n_made.into());
         self.n_made += 1;
         self.position.push(position);
         self.velocity.push(velocity);
@@ -113,7 +113,7 @@ impl Particles {
             && [shear_rate.len(), viscosity.len()]
                 .iter()
                 .all(|length| [0, n].contains(length))
-            && id.iter().all(|id| id < n_made)
+            && id.iter().all(|&id| u32::from(id) < *n_made)
     }
 
     /// Keeps the particles whose flag is set, in order.

@@ -274,7 +274,7 @@ fn uniform_flow(numerics: &str, until: f64) {
     // 0.1 m³/s, to a row of particles of 4 kg
     let expected = 100.0 * until;
     assert!((inflow.mass_in - expected).abs() < 8.0);
-    let ids: BTreeSet<u32> = fluid.particles().id.iter().copied().collect();
+    let ids: BTreeSet<_> = fluid.particles().id.iter().copied().collect();
     assert_eq!(ids.len(), fluid.particles().len());
     for x in [0.3, 0.7, 1.0, 1.5, 1.8] {
         let surface = fluid.surface_elevation(x, 0.5).unwrap();

@@ -291,10 +291,10 @@ fn a_free_block_that_comes_to_a_plane_stops_the_run() {
         matches!(
             error,
             StepError::AtPlane {
-                block: 6,
+                block,
                 axis: 1,
                 ..
-            }
+            } if block.index() == 6
         ),
         "{error}"
     );

@@ -35,6 +35,7 @@ const SPH: &[&[&str]] = &[
     &["simd"],
     &["rheology", "state_equation", "chunks"],
     &["error"],
+    &["id"],
 ];
 
 /// Wings of the blocks, whose state includes the history of their contacts.
@@ -46,7 +47,7 @@ const DDA: &[&[&str]] = &[
     &["geometry"],
     &["material"],
     &["error"],
-    &["ranges", "random", "chunks"],
+    &["ranges", "random", "chunks", "id"],
 ];
 
 /// Modules of a crate by their path without `crate`; `[]` is the root.

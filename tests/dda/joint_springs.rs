@@ -20,7 +20,7 @@ fn deepest(blocks: &Blocks, pair: (usize, usize)) -> f64 {
     blocks
         .contacts()
         .iter()
-        .filter(|c| c.blocks == pair)
+        .filter(|c| (c.blocks.0.index(), c.blocks.1.index()) == pair)
         .map(|c| c.overlap)
         .fold(0.0, f64::max)
 }

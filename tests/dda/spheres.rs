@@ -676,7 +676,7 @@ fn stack_of_ten() {
     // The slowest mode of ten, damped by the contacts, dies away with 0.6 /s.
     run(&mut system, 40.0, 1.0, 1.0);
     for contact in system.contacts() {
-        let above = 11 - contact.blocks.1;
+        let above = 11 - contact.blocks.1.index();
         assert_close(
             &format!("{above} above"),
             contact.overlap,

@@ -192,6 +192,6 @@ fn a_particle_outside_the_domain_is_removed_and_booked() {
     let mut fluid = Fluid::new(start, settings).unwrap();
     assert_eq!(fluid.refresh(), 1);
     evaluate(&mut fluid);
-    assert_eq!(fluid.particles().id, [1]);
+    assert_eq!(fluid.particles().id, [1.into()]);
     assert_eq!(fluid.removed().momentum, velocity * fluid.particle_mass());
 }

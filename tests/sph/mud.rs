@@ -509,7 +509,7 @@ fn two_fluids_share_the_stress_of_a_couette_flow() {
         let particles = flow.fluid.particles();
         let mut kinds = vec![0; particles.len()];
         for (id, x) in particles.id.iter().zip(&particles.position) {
-            kinds[*id as usize] = u8::from(0.01 < x.z);
+            kinds[id.index()] = u8::from(0.01 < x.z);
         }
         let laws = vec![law(1.0), law(4.0)];
         assert!(flow.fluid.set_rheologies(laws.clone(), &[2]).is_err());

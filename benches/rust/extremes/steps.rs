@@ -4,7 +4,7 @@ use riprap_dda::{
     Blocks, Deformability, DeformableModel, Elastic, Load, Material, Settings, StressLaw,
 };
 use riprap_sph::scheme::{DensityDiffusion, Viscosity};
-use riprap_sph::{Dimensions, Fluid, NoBoundary, Precision, Scheme, Start, Vec3};
+use riprap_sph::{Dimensions, Fluid, NoBoundary, ParticleId, Precision, Scheme, Start, Vec3};
 
 use crate::rock::{G, Random, cuboid, down, floor, free, placed, rock};
 use crate::row::{Failure, Length, Row, Trial, sweep};
@@ -263,7 +263,7 @@ pub fn there_and_back(speed: f64, n: u32) -> Result<(f64, f64), Failure> {
         fluid.step(&mut NoBoundary, -1e-3)?;
     }
     let back = places(&fluid);
-    let farthest = |a: &[(u32, Vec3)], b: &[(u32, Vec3)]| {
+    let farthest = |a: &[(ParticleId, Vec3)], b: &[(ParticleId, Vec3)]| {
         a.iter()
             .zip(b)
             .map(|((_, a), (_, b))| (a - b).map(|d| d - d.round()).norm())

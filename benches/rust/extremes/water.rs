@@ -1,6 +1,6 @@
 //! Water: rest, depth, films, scale, subnormals, long runs, back in time.
 
-use riprap_sph::Vec3;
+use riprap_sph::{ParticleId, Vec3};
 
 use crate::row::{Failure, Length, Row, Trial, sweep};
 use crate::tank::{
@@ -80,11 +80,11 @@ fn nothing(length: Length) -> Result<Vec<Row>, Failure> {
 
 /// Places by number of the particle.
 trait Places {
-    fn state_hash_of_places(&self) -> Vec<(u32, Vec3)>;
+    fn state_hash_of_places(&self) -> Vec<(ParticleId, Vec3)>;
 }
 
 impl Places for riprap::world::World {
-    fn state_hash_of_places(&self) -> Vec<(u32, Vec3)> {
+    fn state_hash_of_places(&self) -> Vec<(ParticleId, Vec3)> {
         let Some(water) = &self.water else {
             return Vec::new();
         };
@@ -99,7 +99,7 @@ impl Places for riprap::world::World {
     }
 }
 
-fn farthest(a: &[(u32, Vec3)], b: &[(u32, Vec3)]) -> f64 {
+fn farthest(a: &[(ParticleId, Vec3)], b: &[(ParticleId, Vec3)]) -> f64 {
     a.iter()
         .zip(b)
         .map(|((_, a), (_, b))| (a - b).norm())

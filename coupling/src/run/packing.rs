@@ -79,7 +79,7 @@ pub fn packed(
         walls.find(&mut fluid);
         fluid.update_concentration();
         walls.add_concentrations(&mut fluid);
-        if fluid.even_out(|id| is_free.get(id as usize) != Some(&true)) < EVEN {
+        if fluid.even_out(|id| is_free.get(id.index()) != Some(&true)) < EVEN {
             break;
         }
     }
@@ -98,7 +98,7 @@ fn take_positions(fluid: &Fluid, water: &FluidScene, start: &mut Start) {
     let particles = fluid.particles();
     let weight = water.settings.gravity * water.settings.reference_density;
     for (x, &id) in particles.position.iter().zip(&particles.id) {
-        let a = id as usize;
+        let a = id.index();
         // the mould is no part of the water
         if start.positions.len() <= a {
             continue;

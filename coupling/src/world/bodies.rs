@@ -1,7 +1,7 @@
 //! Blocks in a coupled step: their part of it, and bodies that leave the domain or reach a plane of symmetry.
 
 use nalgebra::Matrix3;
-use riprap_dda::{Blocks, Load, Phase};
+use riprap_dda::{BlockId, Blocks, Load, Phase};
 use riprap_sph::{SymmetryPlane, Vec3};
 
 use crate::walls::added_mass::Acceleration;
@@ -208,7 +208,7 @@ impl BlockPhase<'_> {
                 return Err(StepError::AtPlane {
                     time: self.progress.clock.time,
                     step: self.progress.clock.steps,
-                    block,
+                    block: BlockId::new(block),
                     axis: plane.axis,
                 });
             }

@@ -1,6 +1,7 @@
 //! Errors of a step, each with its time, its place and a remedy.
 
-use riprap_sph::FluidError;
+use riprap_dda::BlockId;
+use riprap_sph::{FluidError, ParticleId};
 
 use crate::world::time_step::Cause;
 
@@ -52,7 +53,7 @@ pub enum StepError {
         /// Number of the step.
         step: u64,
         /// Number of the block.
-        block: usize,
+        block: BlockId,
         /// 0, 1, 2 for x, y, z.
         axis: usize,
     },
@@ -66,7 +67,7 @@ pub enum StepError {
         /// Number of the step.
         step: u64,
         /// Id of the particle.
-        id: u32,
+        id: ParticleId,
     },
     /// Faster than sound: the fluid is stiff no longer.
     #[error(
@@ -79,7 +80,7 @@ pub enum StepError {
         /// Number of the step.
         step: u64,
         /// Id of the particle.
-        id: u32,
+        id: ParticleId,
         /// m.
         at: [f64; 3],
         /// m/s.

@@ -1,6 +1,6 @@
 //! Guards of a step: its limits, and states that no step may leave behind.
 
-use riprap_sph::Vec3;
+use riprap_sph::{ParticleId, Vec3};
 
 use crate::world::time_step::{Cause, Limits, TimeStep};
 use crate::world::{StepError, World};
@@ -108,7 +108,7 @@ impl World {
             return Err(StepError::NoVelocity {
                 time,
                 step,
-                id: bad.map_or(0, |a| particles.id[a]),
+                id: bad.map_or_else(ParticleId::default, |a| particles.id[a]),
             });
         }
         let sound_speed = fluid.settings().sound_speed;

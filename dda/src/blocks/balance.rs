@@ -1,17 +1,18 @@
 //! Balances of the whole system: contacts, energies, momentum, counts.
 
 use crate::material::{Joint, SphereJoint};
-use crate::{Blocks, Contact, Energies, Vec3};
+use crate::{BlockId, Blocks, Contact, Energies, PartId, Vec3};
 
 impl Blocks {
     /// Contact points of the last step, sorted by parts; those of spheres after the others,
     /// those on surfaces last, the surface second.
     pub fn contacts(&self) -> Vec<Contact> {
-        let blocks = |pair: (u32, u32)| (pair.0 as usize, pair.1 as usize);
+        let blocks = |pair: (u32, u32)| (BlockId::from(pair.0), BlockId::from(pair.1));
+        let parts = |pair: (u32, u32)| (PartId::from(pair.0), PartId::from(pair.1));
         let of_pairs = self.contacts.pairs.iter().flat_map(|pair| {
             pair.history.points.iter().map(move |point| Contact {
                 blocks: blocks(pair.blocks),
-                parts: blocks(pair.parts),
+                parts: parts(pair.parts),
                 key: point.at.key,
                 point: point.at.position,
                 normal: pair.history.normal,
@@ -29,7 +30,7 @@ impl Blocks {
             let contact = &self.contacts.sphere_contacts[k];
             Contact {
                 blocks: blocks(pair.blocks),
-                parts: blocks(pair.parts),
+                parts: parts(pair.parts),
                 key: 0,
                 point: loads.point,
                 normal: contact.normal,

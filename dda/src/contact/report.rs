@@ -1,7 +1,7 @@
 //! Contact points: as reported, and as remembered from step to step.
 
-use crate::Vec3;
 use crate::contact::detection::manifold::ManifoldPoint;
+use crate::{BlockId, PartId, Vec3};
 use serde::{Deserialize, Serialize};
 
 /// Is the contact open, held by friction, or slipping?
@@ -19,9 +19,9 @@ pub enum ContactState {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Contact {
     /// The two blocks, i and j.
-    pub blocks: (usize, usize),
+    pub blocks: (BlockId, BlockId),
     /// The two parts, i and j.
-    pub parts: (usize, usize),
+    pub parts: (PartId, PartId),
     /// Names the point among those of its pair of parts.
     pub key: u32,
     /// World; m.

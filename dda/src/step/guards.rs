@@ -1,7 +1,7 @@
 //! Guards at the end of a step: what can not be continued is refused.
 
 use crate::blocks::CHUNK;
-use crate::{Blocks, StepError, Vec3, chunks};
+use crate::{BlockId, Blocks, StepError, Vec3, chunks};
 
 /// Principal value of Green's strain below which Saint Venant-Kirchhoff's law softens; –.
 const CRUSHED: f64 = -0.2;
@@ -24,7 +24,10 @@ impl Blocks {
             self.state.angular_momentum.as_slice(),
         );
         if let Some(block) = chunks::reduce(columns, CHUNK, &bad, &Option::or) {
-            return Err(StepError::NotFinite { block, time });
+            return Err(StepError::NotFinite {
+                block: BlockId::new(block),
+                time,
+            });
         }
         for (k, block) in self
             .constants
@@ -37,7 +40,7 @@ impl Blocks {
             // NaN counts as crushed.
             if !(strain >= CRUSHED) {
                 return Err(StepError::Crushed {
-                    block,
+                    block: BlockId::new(block),
                     strain,
                     limit: CRUSHED,
                     time,
@@ -50,8 +53,8 @@ impl Blocks {
             let least = |of: &[f64]| of[parts[0]].min(of[parts[1]]);
             let allowed = least(&self.constants.deepest_allowed);
             return Err(StepError::Overlap {
-                first: self.constants.block_of_part[parts[0]] as usize,
-                second: self.constants.block_of_part[parts[1]] as usize,
+                first: self.constants.block_of_part[parts[0]].into(),
+                second: self.constants.block_of_part[parts[1]].into(),
                 overlap: over_allowed * allowed,
                 size: least(&self.constants.size),
                 allowed,

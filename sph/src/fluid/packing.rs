@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use crate::{CHUNK, Fluid, Vec3};
+use crate::{CHUNK, Fluid, ParticleId, Vec3};
 
 /// Displacement of a particle per iteration over `h² ∇C`: a lattice with alternating disturbances still comes to rest.
 const GAIN: f64 = 0.2;
@@ -20,7 +20,7 @@ impl Fluid {
     /// δx = −0.2 h² ∇C,   ∇C = Σ V ∇W over fluid and walls,   at most 0.1 dp
     /// ```
     /// after Colagrossi, Bouscasse, Antuono & Marrone (2012). `is_held` tells by id whether a particle is fixed.
-    pub fn even_out(&mut self, is_held: impl Fn(u32) -> bool + Sync) -> f64 {
+    pub fn even_out(&mut self, is_held: impl Fn(ParticleId) -> bool + Sync) -> f64 {
         let settings = &self.settings;
         let h = settings.smoothing_length;
         let least = settings.least_spacing();

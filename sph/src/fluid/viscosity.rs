@@ -22,7 +22,7 @@ impl Fluid {
         rheologies.iter().try_for_each(Rheology::check)?;
         let particles = &mut self.particles;
         for (kind, &id) in particles.kind.iter_mut().zip(&particles.id) {
-            *kind = kinds.get(id as usize).copied().unwrap_or(*kind);
+            *kind = kinds.get(id.index()).copied().unwrap_or(*kind);
             if rheologies.len() <= usize::from(*kind) {
                 return Err(FluidError::Setting {
                     name: "kind",

@@ -1,6 +1,6 @@
 //! Water that crosses a line in plan view: a dam crest, a section of a river.
 
-use riprap_sph::{Fluid, Vec3};
+use riprap_sph::{Fluid, ParticleId, Vec3};
 use serde::{Deserialize, Serialize};
 
 use crate::scene::resolved::recording::PlanLine;
@@ -13,7 +13,7 @@ pub(super) struct Crossing {
     /// From its start to its end; m.
     along: [f64; 2],
     /// Particles that could cross before the next sample: id and position in plan view (m), sorted by id.
-    near: Vec<(u32, [f64; 2])>,
+    near: Vec<(ParticleId, [f64; 2])>,
     /// Net volume to the right of the line in its direction; m³.
     volume: f64,
     /// Time of the last sample; s.
@@ -37,8 +37,8 @@ impl Crossing {
         let particles = fluid.particles();
         let way = fluid.settings().sound_speed * interval.max(time - self.time.unwrap_or(time));
         let places = particles.id.iter().zip(&particles.position);
-        let mut now: Vec<(u32, [f64; 2])> = places
-            .map(|(&id, x): (&u32, &Vec3)| (id, [x.x, x.y]))
+        let mut now: Vec<(ParticleId, [f64; 2])> = places
+            .map(|(&id, x): (&ParticleId, &Vec3)| (id, [x.x, x.y]))
             .filter(|&(_, place)| self.distance(place) <= 2.0 * way)
             .collect();
         now.sort_unstable_by_key(|&(id, _)| id);

@@ -139,7 +139,7 @@ impl Forces {
         let mut loads: Vec<((usize, usize), Load)> = Vec::new();
         for contact in world.blocks.contacts() {
             let on_second = contact.normal * contact.normal_force + contact.shear_force;
-            let (i, j) = contact.blocks;
+            let (i, j) = (contact.blocks.0.index(), contact.blocks.1.index());
             for (block, partner, force) in [(j, i, on_second), (i, j, -on_second)] {
                 if !self.tracks.iter().any(|track| track.block == block) {
                     continue;

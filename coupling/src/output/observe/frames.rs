@@ -195,7 +195,10 @@ fn water_points(water: &Water, fields: &[WaterField]) -> PolyData {
             }
             WaterField::Id => integers(
                 "Id",
-                order.iter().map(|&a| particles.id[a] as i32).collect(),
+                order
+                    .iter()
+                    .map(|&a| u32::from(particles.id[a]) as i32)
+                    .collect(),
             ),
         })
         .collect();
@@ -280,11 +283,11 @@ fn contact_points(world: &World) -> PolyData {
         point_data: vec![
             integers(
                 "BlockA",
-                contacts.iter().map(|c| c.blocks.0 as i32).collect(),
+                contacts.iter().map(|c| c.blocks.0.index() as i32).collect(),
             ),
             integers(
                 "BlockB",
-                contacts.iter().map(|c| c.blocks.1 as i32).collect(),
+                contacts.iter().map(|c| c.blocks.1.index() as i32).collect(),
             ),
             vectors("Normal", contacts.iter().map(|c| &c.normal)),
             scalars(

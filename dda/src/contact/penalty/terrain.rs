@@ -141,8 +141,8 @@ impl SurfacePair {
 
     /// Visits the contact points.
     pub fn for_each_contact(&self, visit: &mut dyn FnMut(Contact)) {
-        let pair = |of: (u32, u32)| (of.0 as usize, of.1 as usize);
-        let (blocks, parts) = (pair(self.blocks), pair(self.parts));
+        let blocks = (self.blocks.0.into(), self.blocks.1.into());
+        let parts = (self.parts.0.into(), self.parts.1.into());
         match &self.touch {
             SurfaceTouch::Polyhedron(touch) => {
                 for (point, n) in touch.points.iter().zip(&touch.normals) {
