@@ -5,7 +5,7 @@ pub(crate) mod bounds;
 pub(crate) mod clip;
 pub(crate) mod cut;
 pub(crate) mod distance;
-pub(crate) mod measure;
+pub(crate) mod mass_properties;
 pub(crate) mod parts;
 pub(crate) mod polyhedron;
 pub(crate) mod quadrature;

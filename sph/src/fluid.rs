@@ -6,6 +6,7 @@
 //! evaluate    rates, pressures, accelerations               sleep       water at rest
 //! viscosity   flow laws, rates of shear                     sample      fields at points of probes
 //! shifting    towards where particles are sparse            continued_pressure   at points of walls
+//! symmetry    reflection by planes, their force
 //! ```
 
 mod advance;
@@ -22,6 +23,7 @@ mod shifting;
 pub(crate) mod sleep;
 mod sort;
 pub(crate) mod sums;
+mod symmetry;
 mod viscosity;
 pub(crate) mod wall_sums;
 

@@ -1,10 +1,11 @@
 //! Settings of the fluid, their checks, and lengths that follow from them.
 
+use crate::Vec3;
 use crate::error::FluidError;
 use crate::kernel::Dimensions;
 use crate::neighbors::cells::Periodicity;
+use crate::neighbors::mirror::{Mirrors, Symmetry, SymmetryPlane};
 use crate::scheme::{DensityMethod, Scheme, Stepping, Viscosity};
-use crate::{Symmetry, Vec3};
 
 /// Margin of cells and neighbor lists beyond the support radius, over this radius, so that particles
 /// may move before the next sort.
@@ -104,6 +105,29 @@ impl Settings {
         }
     }
 
+    /// The sides of the domain that are planes of symmetry.
+    pub fn symmetry_planes(&self) -> impl Iterator<Item = SymmetryPlane> + use<> {
+        let (symmetry, (min, max)) = (self.symmetry, self.domain);
+        (0..3)
+            .flat_map(|axis| [(axis, false), (axis, true)])
+            .filter(move |&(axis, is_upper)| symmetry[axis][usize::from(is_upper)])
+            .map(move |(axis, is_upper)| SymmetryPlane {
+                axis,
+                is_upper,
+                place: if is_upper { max[axis] } else { min[axis] },
+            })
+    }
+
+    /// Whether any side is a plane of symmetry.
+    pub fn has_symmetry(&self) -> bool {
+        self.symmetry != Symmetry::default()
+    }
+
+    /// Positions of the planes of symmetry.
+    pub(crate) fn mirrors(&self) -> Mirrors {
+        Mirrors::of(self.symmetry_planes())
+    }
+
     pub(crate) fn check(&self) -> Result<(), FluidError> {
         let positive = [
             ("particle_spacing x", self.particle_spacing[0]),
@@ -156,6 +180,27 @@ impl Settings {
             });
         }
         self.check_symmetry(self.support_radius() + self.skin())
+    }
+
+    /// Refuses planes in which the flow has no mirror image; `reach` is the support with the skin, in m.
+    pub(crate) fn check_symmetry(&self, reach: f64) -> Result<(), FluidError> {
+        let extent = self.domain.1 - self.domain.0;
+        for plane in self.symmetry_planes() {
+            let axis = plane.axis;
+            let reason = if self.periodic[axis] {
+                "the domain repeats itself along it"
+            } else if self.gravity[axis] != 0.0 {
+                "gravity acts along it"
+            } else if axis == 1 && matches!(self.dimensions, Dimensions::Two { .. }) {
+                "nothing depends on y in two dimensions"
+            } else if self.symmetry[axis] == [true; 2] && extent[axis] < reach {
+                "the two sides are nearer to each other than 1.1 support radii"
+            } else {
+                continue;
+            };
+            return Err(FluidError::Symmetry { axis, reason });
+        }
+        Ok(())
     }
 
     /// Approach of two particles that requires a new sort; m.

@@ -10,6 +10,7 @@
 mod build;
 mod extrusion;
 mod hull;
+pub(crate) mod integrals;
 #[cfg(test)]
 mod tests;
 

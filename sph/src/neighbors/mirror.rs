@@ -11,10 +11,7 @@
 //! with the receiver's own image among the `R b`. Where two planes meet, images in both count, and in
 //! three at a corner.
 
-use rayon::prelude::*;
-
-use crate::neighbors::rest::Still;
-use crate::{CHUNK, Fluid, FluidError, Settings, Vec3};
+use crate::Vec3;
 
 /// Sides of the domain that are planes of symmetry: the lower and the upper one along x, y, z.
 pub type Symmetry = [[bool; 2]; 3];
@@ -96,6 +93,25 @@ pub(crate) struct Mirrors {
 }
 
 impl Mirrors {
+    /// Those of given sides of the domain.
+    pub(crate) fn of(planes: impl Iterator<Item = SymmetryPlane>) -> Self {
+        let mut mirrors = Self {
+            is_any: false,
+            low: Vec3::repeat(f64::NEG_INFINITY),
+            high: Vec3::repeat(f64::INFINITY),
+        };
+        for plane in planes {
+            mirrors.is_any = true;
+            let side = if plane.is_upper {
+                &mut mirrors.high
+            } else {
+                &mut mirrors.low
+            };
+            side[plane.axis] = plane.place;
+        }
+        mirrors
+    }
+
     /// Writes a point and all its images within `reach` of the modeled side; returns
     /// their number. A point beyond a plane has its image in front of it.
     #[inline(always)]
@@ -153,139 +169,6 @@ impl Mirrors {
             image[axis] = 2.0 * place - position[axis];
         }
         image
-    }
-}
-
-impl Settings {
-    /// The sides of the domain that are planes of symmetry.
-    pub fn symmetry_planes(&self) -> impl Iterator<Item = SymmetryPlane> + use<> {
-        let (symmetry, (min, max)) = (self.symmetry, self.domain);
-        (0..3)
-            .flat_map(|axis| [(axis, false), (axis, true)])
-            .filter(move |&(axis, is_upper)| symmetry[axis][usize::from(is_upper)])
-            .map(move |(axis, is_upper)| SymmetryPlane {
-                axis,
-                is_upper,
-                place: if is_upper { max[axis] } else { min[axis] },
-            })
-    }
-
-    /// Whether any side is a plane of symmetry.
-    pub fn has_symmetry(&self) -> bool {
-        self.symmetry != Symmetry::default()
-    }
-
-    pub(crate) fn mirrors(&self) -> Mirrors {
-        let mut mirrors = Mirrors {
-            is_any: self.has_symmetry(),
-            low: Vec3::repeat(f64::NEG_INFINITY),
-            high: Vec3::repeat(f64::INFINITY),
-        };
-        for plane in self.symmetry_planes() {
-            let side = if plane.is_upper {
-                &mut mirrors.high
-            } else {
-                &mut mirrors.low
-            };
-            side[plane.axis] = plane.place;
-        }
-        mirrors
-    }
-
-    /// Refuses planes in which the flow has no mirror image; `reach` is the support with the skin, in m.
-    pub(crate) fn check_symmetry(&self, reach: f64) -> Result<(), FluidError> {
-        let extent = self.domain.1 - self.domain.0;
-        for plane in self.symmetry_planes() {
-            let axis = plane.axis;
-            let reason = if self.periodic[axis] {
-                "the domain repeats itself along it"
-            } else if self.gravity[axis] != 0.0 {
-                "gravity acts along it"
-            } else if axis == 1 && matches!(self.dimensions, crate::Dimensions::Two { .. }) {
-                "nothing depends on y in two dimensions"
-            } else if self.symmetry[axis] == [true; 2] && extent[axis] < reach {
-                "the two sides are nearer to each other than 1.1 support radii"
-            } else {
-                continue;
-            };
-            return Err(FluidError::Symmetry { axis, reason });
-        }
-        Ok(())
-    }
-}
-
-impl Fluid {
-    /// Reflects particles that passed a plane of symmetry: mirrored position and velocity, as their image crosses in the
-    /// opposite direction. Books the momentum.
-    pub(crate) fn reflect(&mut self) {
-        for plane in self.settings.symmetry_planes() {
-            let axis = plane.axis;
-            let particles = &mut self.particles;
-            let partial = &mut self.scratch.partial;
-            partial.resize(particles.mass.len().div_ceil(CHUNK), 0.0);
-            particles
-                .position
-                .par_chunks_mut(CHUNK)
-                .zip(particles.velocity.par_chunks_mut(CHUNK))
-                .zip(particles.mass.par_chunks(CHUNK))
-                .zip(partial.par_iter_mut())
-                .for_each(|(((position, velocity), mass), impulse)| {
-                    *impulse = 0.0;
-                    for ((x, v), m) in position.iter_mut().zip(velocity).zip(mass) {
-                        if plane.distance(x) < 0.0 {
-                            *x = plane.image_of(x);
-                            *impulse -= 2.0 * m * v[axis];
-                            v[axis] = -v[axis];
-                        }
-                    }
-                });
-            self.reflected[axis] += partial.iter().sum::<f64>();
-        }
-    }
-
-    /// Computes the force of the planes of symmetry, and of sleeping water, on the awake fluid from the sums of all its
-    /// pair forces, of which those between particles cancel.
-    pub(crate) fn sum_plane_force(&mut self) {
-        self.plane_force = Vec3::zeros();
-        for axis in 0..3 {
-            if self.settings.symmetry[axis] == [false; 2] && !self.may_sleep() {
-                continue;
-            }
-            let particles = &self.particles;
-            let still = Still::of(self.sleep.as_deref());
-            let partial = &mut self.scratch.partial;
-            partial.resize(particles.mass.len().div_ceil(CHUNK), 0.0);
-            self.scratch
-                .forces
-                .par_chunks(CHUNK)
-                .zip(particles.mass.par_chunks(CHUNK))
-                .zip(particles.density.par_chunks(CHUNK))
-                .zip(partial.par_iter_mut())
-                .enumerate()
-                .for_each(|(chunk, (((forces, mass), density), sum))| {
-                    *sum = 0.0;
-                    if still.has(chunk) {
-                        return;
-                    }
-                    for ((force, m), rho) in forces.iter().zip(mass).zip(density) {
-                        *sum += m / rho * (force.pressure[axis] + force.viscous[axis]);
-                    }
-                });
-            self.plane_force[axis] = partial.iter().sum();
-        }
-    }
-
-    /// Force of the planes of symmetry on the fluid since the last [`Self::update_accelerations`], normal to
-    /// them: the reaction of the other half of the flow. Includes the force of sleeping water on
-    /// awake water; N.
-    pub fn plane_force(&self) -> Vec3 {
-        self.plane_force
-    }
-
-    /// Momentum given to particles that passed a plane of symmetry and were sent back, since the ledger was
-    /// opened; kg m/s.
-    pub fn reflected(&self) -> Vec3 {
-        self.reflected
     }
 }
 

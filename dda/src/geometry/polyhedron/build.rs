@@ -1,8 +1,7 @@
 //! From vertices and face loops to a checked [`Polyhedron`].
 
-use super::Polyhedron;
+use super::{Polyhedron, integrals};
 use crate::Vec3;
-use crate::geometry::measure;
 use thiserror::Error;
 
 /// A face may leave its plane, and a vertex may stand out of a face's plane, by this much; × L,
@@ -198,14 +197,14 @@ impl Polyhedron {
             let (lower, upper) = this.aabb();
             (upper - lower).norm()
         };
-        let mut volume = measure::volume(&this);
+        let mut volume = integrals::volume(&this);
         if volume < 0.0 {
             let reversed: Vec<Vec<u32>> = faces
                 .iter()
                 .map(|face| face.iter().rev().copied().collect())
                 .collect();
             this = topology(vertices.to_vec(), &reversed)?;
-            volume = measure::volume(&this);
+            volume = integrals::volume(&this);
         }
         // Rounding of the sums is some 1e-16 of the cube of the extent.
         let limit = 1e-14 * extent.powi(3);

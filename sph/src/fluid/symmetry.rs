@@ -1,0 +1,81 @@
+//! Fluid at planes of symmetry: reflection of particles that passed one, and the force of the other half of the flow.
+
+use rayon::prelude::*;
+
+use crate::neighbors::rest::Still;
+use crate::{CHUNK, Fluid, Vec3};
+
+impl Fluid {
+    /// Reflects particles that passed a plane of symmetry: mirrored position and velocity, as their image crosses in the
+    /// opposite direction. Books the momentum.
+    pub(crate) fn reflect(&mut self) {
+        for plane in self.settings.symmetry_planes() {
+            let axis = plane.axis;
+            let particles = &mut self.particles;
+            let partial = &mut self.scratch.partial;
+            partial.resize(particles.mass.len().div_ceil(CHUNK), 0.0);
+            particles
+                .position
+                .par_chunks_mut(CHUNK)
+                .zip(particles.velocity.par_chunks_mut(CHUNK))
+                .zip(particles.mass.par_chunks(CHUNK))
+                .zip(partial.par_iter_mut())
+                .for_each(|(((position, velocity), mass), impulse)| {
+                    *impulse = 0.0;
+                    for ((x, v), m) in position.iter_mut().zip(velocity).zip(mass) {
+                        if plane.distance(x) < 0.0 {
+                            *x = plane.image_of(x);
+                            *impulse -= 2.0 * m * v[axis];
+                            v[axis] = -v[axis];
+                        }
+                    }
+                });
+            self.reflected[axis] += partial.iter().sum::<f64>();
+        }
+    }
+
+    /// Computes the force of the planes of symmetry, and of sleeping water, on the awake fluid from the sums of all its
+    /// pair forces, of which those between particles cancel.
+    pub(crate) fn sum_plane_force(&mut self) {
+        self.plane_force = Vec3::zeros();
+        for axis in 0..3 {
+            if self.settings.symmetry[axis] == [false; 2] && !self.may_sleep() {
+                continue;
+            }
+            let particles = &self.particles;
+            let still = Still::of(self.sleep.as_deref());
+            let partial = &mut self.scratch.partial;
+            partial.resize(particles.mass.len().div_ceil(CHUNK), 0.0);
+            self.scratch
+                .forces
+                .par_chunks(CHUNK)
+                .zip(particles.mass.par_chunks(CHUNK))
+                .zip(particles.density.par_chunks(CHUNK))
+                .zip(partial.par_iter_mut())
+                .enumerate()
+                .for_each(|(chunk, (((forces, mass), density), sum))| {
+                    *sum = 0.0;
+                    if still.has(chunk) {
+                        return;
+                    }
+                    for ((force, m), rho) in forces.iter().zip(mass).zip(density) {
+                        *sum += m / rho * (force.pressure[axis] + force.viscous[axis]);
+                    }
+                });
+            self.plane_force[axis] = partial.iter().sum();
+        }
+    }
+
+    /// Force of the planes of symmetry on the fluid since the last [`Self::update_accelerations`], normal to
+    /// them: the reaction of the other half of the flow. Includes the force of sleeping water on
+    /// awake water; N.
+    pub fn plane_force(&self) -> Vec3 {
+        self.plane_force
+    }
+
+    /// Momentum given to particles that passed a plane of symmetry and were sent back, since the ledger was
+    /// opened; kg m/s.
+    pub fn reflected(&self) -> Vec3 {
+        self.reflected
+    }
+}
