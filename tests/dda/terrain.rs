@@ -407,3 +407,91 @@ fn slivers_along_a_ridge_do_not_matter() {
         assert_below(name, off, 1e-6);
     }
 }
+
+/// Ground of random heights, slivers among its triangles, and a hull somewhere over it, part of them dipping in.
+fn hull_over_rough_ground(random: &mut Random) -> (Surface, riprap_dda::Polyhedron) {
+    let heights: Vec<f64> = (0..64).map(|_| 0.6 * random.vector().x).collect();
+    let cell = |x: f64| ((x + 4.0) * 1.0).round().rem_euclid(8.0) as usize;
+    let steep = 1.0 + 2.0 * random.vector().y.abs();
+    let surface = raster(8, 8.0, 0.45, |x, y| steep * heights[8 * cell(x) + cell(y)]);
+    let place = random.vector() * 2.0;
+    let at = Vec3::new(place.x, place.y, 1.2 * steep * random.vector().z.abs());
+    let hull = random
+        .hull()
+        .transformed(&Isometry::new(at, random.vector() * 3.0));
+    (surface, hull)
+}
+
+/// Deepest of many points of the surface of a hull behind the ground; 0 if it is wholly above; m.
+fn sampled_depth(surface: &Surface, hull: &riprap_dda::Polyhedron, n: usize) -> f64 {
+    let mut deepest = 0.0_f64;
+    let mut sample = |x: Vec3| {
+        let found = surface.surface_point_within(&x, 4.0).unwrap();
+        deepest = deepest.max(-found.distance);
+    };
+    for face in 0..hull.n_faces() {
+        let corners: Vec<Vec3> = hull
+            .face_vertices(face)
+            .map(|v| hull.vertices()[v as usize])
+            .collect();
+        for k in 1..corners.len() - 1 {
+            for i in 0..=n {
+                for j in 0..=n - i {
+                    let (u, v) = (i as f64 / n as f64, j as f64 / n as f64);
+                    sample(corners[0] * (1.0 - u - v) + corners[k] * u + corners[k + 1] * v);
+                }
+            }
+        }
+    }
+    deepest
+}
+
+/// False overlap against dense sampling: a hull above the ground has none, and no overlap is missed.
+fn overlaps_are_exact_in_sign(n: usize, seed: u64) {
+    let mut random = Random::new(seed);
+    let settings = riprap_dda::Settings {
+        gravity: Vec3::zeros(),
+        overlap_limit: 1.0,
+        ..riprap_dda::Settings::default()
+    };
+    let (mut n_touching, mut worst) = (0, (0.0_f64, 0.0_f64));
+    for k in 0..n {
+        let (surface, hull) = hull_over_rough_ground(&mut random);
+        let copy = surface.clone();
+        let bodies = vec![ground(surface), block(hull.clone(), Motion::Free)];
+        let system = Blocks::new(bodies, vec![smooth()], settings).unwrap();
+        let found = system
+            .contacts()
+            .iter()
+            .map(|c| c.overlap)
+            .fold(0.0, f64::max);
+        // the finer sampling where the coarse one misses the tip of a ridge
+        let mut sampled = [12, 60, 400]
+            .into_iter()
+            .map(|fine| sampled_depth(&copy, &hull, fine));
+        let depth = sampled.find(|&depth| (depth > 0.0) == (found > 0.0));
+        let Some(depth) = depth else {
+            panic!("{k}: overlap {found} m, which no sample has");
+        };
+        n_touching += usize::from(found > 0.0);
+        worst.0 = worst.0.max(found - depth);
+        worst.1 = worst.1.max(depth - found);
+    }
+    println!(
+        "{n_touching} of {n} touch; deeper by {:.3} m, less deep by {:.3} m",
+        worst.0, worst.1
+    );
+    assert!(n_touching > n / 5);
+}
+
+#[test]
+fn hulls_above_rough_ground_do_not_touch_it() {
+    overlaps_are_exact_in_sign(400, 5);
+}
+
+/// Ten minutes; see `benches/RESULTS.md`.
+#[test]
+#[ignore = "20,000 pairs"]
+fn twenty_thousand_hulls_above_rough_ground_do_not_touch_it() {
+    overlaps_are_exact_in_sign(20_000, 6);
+}

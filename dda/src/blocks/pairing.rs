@@ -209,10 +209,10 @@ impl Blocks {
                     )
                 });
             if let Part::Surface(surface) = &self.derived.parts[pair.parts.1 as usize] {
-                surface.near(
-                    &self.state.fat_boxes[pair.parts.0 as usize],
-                    &mut pair.triangles,
-                );
+                let body = pair.parts.0 as usize;
+                pair.reach = self.constants.margin[body];
+                let within = broad_phase::grown(&self.state.fat_boxes[body], pair.reach);
+                surface.near(&within, &mut pair.triangles);
             }
             self.contacts.surface_pairs.push(pair);
         }

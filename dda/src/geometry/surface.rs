@@ -7,6 +7,7 @@ mod regions;
 use crate::geometry::bounds::Bounds;
 use crate::{Isometry, Vec3};
 pub use build::SurfaceError;
+pub(crate) use closest::{Checked, NearTriangles};
 use parry3d_f64::{
     bounding_volume::{Aabb, BoundingVolume},
     math::Vector,
@@ -45,6 +46,8 @@ pub struct Surface {
     spokes_start: Vec<u32>,
     spokes: Vec<u32>,
     tree: Bvh,
+    /// Of each triangle; m.
+    boxes: Vec<Bounds>,
     bounds: Bounds,
 }
 

@@ -24,6 +24,7 @@ use super::manifold::{Features, Manifold, ManifoldPoint};
 use super::patch::{CORNER_AREA, CORNER_SHARE};
 use crate::geometry::clip::{OnPlane, clip};
 use crate::geometry::quadrature::Fan;
+use crate::geometry::surface::{Checked, NearTriangles};
 use crate::material::Scaling;
 use crate::{Polyhedron, Surface, Vec3};
 use serde::{Deserialize, Serialize};
@@ -94,6 +95,54 @@ const LOOKS_AWAY: f64 = 1e-3;
 /// Areas that differ by less are equal; –.
 const ROUND_OFF: f64 = 1e-9;
 
+/// Triangles near a body, and where the body is.
+struct Ground<'a> {
+    surface: &'a Surface,
+    near: NearTriangles<'a>,
+    centroid: &'a Vec3,
+    /// Depths below this are those of faces that lie on each other; m.
+    flush: f64,
+}
+
+impl Ground<'_> {
+    /// Adds a point behind the plane in whose region it lies, with the depth that it has behind the surface; returns that.
+    fn push(&self, point: Found, found: &mut Vec<Found>) -> f64 {
+        let checked = if point.depth <= self.flush {
+            Checked::True
+        } else {
+            self.surface.checked(&self.near, &point.x, point.depth)
+        };
+        match checked {
+            Checked::InFront => 0.0,
+            // Through something thin, the body goes back to the side it came from.
+            Checked::Nearer(behind) if !behind.faces(self.centroid, &point.x) => {
+                found.push(point);
+                point.depth
+            }
+            Checked::Nearer(behind) => {
+                let mut square = behind.depth * behind.depth;
+                for (place, normal, depth) in behind.leans_on {
+                    if depth > 0.0 {
+                        found.push(Found {
+                            place,
+                            normal,
+                            depth,
+                            square,
+                            ..point
+                        });
+                        square = 0.0;
+                    }
+                }
+                behind.depth
+            }
+            Checked::True => {
+                found.push(point);
+                point.depth
+            }
+        }
+    }
+}
+
 impl SurfacePatch {
     pub fn of(body: &Polyhedron) -> Self {
         let face_area = body.size() * body.size();
@@ -120,21 +169,27 @@ impl SurfacePatch {
     pub fn find(
         &mut self,
         (body, centroid): (&Polyhedron, &Vec3),
-        (surface, triangles): (&Surface, &[u32]),
+        (surface, near): (&Surface, NearTriangles),
         scaling: Scaling,
         allowed: f64,
     ) {
+        let triangles = near.triangles;
         let (per_area, per_corner) = match scaling {
             Scaling::Point => ((1.0 - CORNER_SHARE) / self.face_area, CORNER_SHARE),
             Scaling::Area => (1.0, 4.0 * CORNER_AREA * self.face_area),
         };
         self.found.clear();
-        self.press_corners(body, (surface, triangles), per_corner);
+        self.press_corners(body, (surface, near), per_corner);
+        let ground = Ground {
+            surface,
+            near,
+            centroid,
+            flush: ROUND_OFF * body.size(),
+        };
         for k in 0..triangles.len() {
             let plane = surface.plane(triangles[k]);
             if triangles[..k].iter().all(|&t| surface.plane(t) != plane) {
-                let rest = (surface, &triangles[k..]);
-                self.press_faces((body, centroid), rest, (per_area, allowed));
+                self.press_faces(body, &ground, k, (per_area, allowed));
             }
         }
         let flat_weight = match scaling {
@@ -148,15 +203,16 @@ impl SurfacePatch {
     fn press_corners(
         &mut self,
         body: &Polyhedron,
-        (surface, triangles): (&Surface, &[u32]),
+        (surface, near): (&Surface, NearTriangles),
         per_corner: f64,
     ) {
+        let triangles = near.triangles;
         for (x, &weight) in body.vertices().iter().zip(&self.corner_weight) {
             // No corner is behind the surface that is in front of all its planes here.
             if triangles.iter().all(|&t| surface.height(t, x) >= 0.0) {
                 continue;
             }
-            if let Some(behind) = surface.behind(triangles, x) {
+            if let Some(behind) = surface.behind(&near, x) {
                 let mut square = behind.depth * behind.depth;
                 for (place, normal, depth) in behind.leans_on {
                     if depth > 0.0 {
@@ -176,16 +232,17 @@ impl SurfacePatch {
         }
     }
 
-    /// Adds what of the body's faces lies behind the plane of the first of some triangles.
+    /// Adds what of the body's faces lies behind the plane of the k-th of the triangles, the first of its plane.
     fn press_faces(
         &mut self,
-        (body, centroid): (&Polyhedron, &Vec3),
-        (surface, triangles): (&Surface, &[u32]),
+        body: &Polyhedron,
+        ground: &Ground,
+        k: usize,
         (per_area, allowed): (f64, f64),
     ) {
-        let Some(&first) = triangles.first() else {
-            return;
-        };
+        let surface = ground.surface;
+        let triangles = &ground.near.triangles[k..];
+        let first = triangles[0];
         let height = |x: &Vec3| surface.height(first, x);
         if body.vertices().iter().all(|x| height(x) >= 0.0) {
             return;
@@ -210,25 +267,34 @@ impl SurfacePatch {
             );
             cut(wet, spare, &n, surface.offset(first));
             let mut add = |polygon: &[Vec3], found: &mut Vec<Found>| {
-                let mut covered = 0.0;
+                let (mut covered, from) = (0.0, found.len());
+                let (mut is_flush, mut has_force) = (true, false);
                 integrate(polygon, |x, area| {
                     covered += area;
                     // Points on the waterline count, for the dashpots' sake: whether round-off puts them
                     // above or below must not matter.
                     let depth = f64::max(-height(&x), 0.0);
-                    deepest = deepest.max(depth);
-                    if area > 0.0 {
-                        found.push(Found {
-                            place,
-                            normal: n,
-                            x,
-                            weight: per_area * area,
-                            area,
-                            depth,
-                            square: depth * depth,
-                        });
+                    if area <= 0.0 {
+                        return;
                     }
+                    let point = Found {
+                        place,
+                        normal: n,
+                        x,
+                        weight: per_area * area,
+                        area,
+                        depth,
+                        square: depth * depth,
+                    };
+                    is_flush &= depth <= ground.flush;
+                    let true_depth = ground.push(point, found);
+                    has_force |= true_depth > ground.flush;
+                    deepest = deepest.max(true_depth);
                 });
+                if !(is_flush || has_force) {
+                    // All of it is in front of the surface.
+                    found.truncate(from);
+                }
                 covered
             };
             let pieces = found.len();
@@ -248,7 +314,7 @@ impl SurfacePatch {
                 add(wet, found);
             }
         }
-        if height(centroid) < 0.0 && deepest > allowed {
+        if height(ground.centroid) < 0.0 && deepest > allowed {
             // The other side of something thin.
             self.found.truncate(from);
         }

@@ -24,6 +24,7 @@ use crate::contact::rates::Rates;
 use crate::contact::report::{Contact, PointState};
 use crate::contact::tally::Tally;
 use crate::geometry::parts::Part;
+use crate::geometry::surface::NearTriangles;
 use crate::material::{Scaling, SphereJoint};
 use crate::{Polyhedron, Surface, Vec3};
 use serde::{Deserialize, Serialize};
@@ -33,8 +34,9 @@ use serde::{Deserialize, Serialize};
 pub(crate) struct SurfacePair {
     pub parts: (u32, u32),
     pub blocks: (u32, u32),
-    /// Triangles near the body.
+    /// Triangles near the body: all of those within a reach (m) of it.
     pub triangles: Vec<u32>,
+    pub reach: f64,
     pub touch: SurfaceTouch,
     pub loads: PairLoads,
     /// Contribution of the pair to the step bound of the body.
@@ -91,6 +93,7 @@ impl SurfacePair {
             parts,
             blocks,
             triangles: Vec::new(),
+            reach: 0.0,
             touch,
             loads: PairLoads::default(),
             rates: Rates::default(),
@@ -114,11 +117,14 @@ impl SurfacePair {
         };
         self.loads.clear();
         let law = PairLaw::of(context, self.parts, self.blocks, dt);
-        let ground: (&Surface, &[u32]) = (surface, &self.triangles);
+        let near = NearTriangles {
+            triangles: &self.triangles,
+            reach: self.reach,
+        };
         match (&mut self.touch, &context.parts[self.parts.0 as usize]) {
             (SurfaceTouch::Polyhedron(touch), Part::Polyhedron(body)) => {
                 let allowed = context.deepest_allowed[self.parts.0 as usize];
-                let rates = touch.evaluate(&law, (body, allowed), ground, &mut self.loads);
+                let rates = touch.evaluate(&law, (body, allowed), (surface, near), &mut self.loads);
                 self.is_touching = rates.is_some();
                 self.rates = rates.unwrap_or_default();
             }
@@ -294,7 +300,7 @@ impl PolyhedronTouch {
         &mut self,
         law: &PairLaw,
         (body, allowed): (&Polyhedron, f64),
-        ground: (&Surface, &[u32]),
+        ground: (&Surface, NearTriangles),
         loads: &mut PairLoads,
     ) -> Option<Rates> {
         let dt = law.dt;

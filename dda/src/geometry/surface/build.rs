@@ -102,16 +102,18 @@ impl Surface {
         let (ridges_start, ridges) =
             ridges_beside((&vertices, &triangles, &normal), (&neighbor, &divide));
         let (spokes_start, spokes) = edges_from_vertices(vertices.len(), &triangles);
-        let leaves: Vec<Aabb> = triangles
+        let boxes: Vec<Bounds> = triangles
             .iter()
             .map(|triangle| {
                 let [a, b, c] = corners(triangle);
-                aabb(&(a.inf(&b).inf(&c), a.sup(&b).sup(&c)))
+                (a.inf(&b).inf(&c), a.sup(&b).sup(&c))
             })
             .collect();
+        let leaves: Vec<Aabb> = boxes.iter().map(aabb).collect();
         Self {
             plane: planes(&normal, &neighbor),
             tree: Bvh::from_leaves(BvhBuildStrategy::Binned, &leaves),
+            boxes,
             vertex_normal: vertex_normals(&vertices, &triangles, &normal),
             bounds: bounds(&vertices, &triangles),
             vertices,

@@ -5,20 +5,90 @@ use crate::{SurfacePoint, Vec3};
 use parry3d_f64::bounding_volume::BoundingVolume;
 
 impl Surface {
-    /// Closest point of some triangles to a point behind the surface, `None` for one in front.
-    pub(crate) fn behind(&self, triangles: &[u32], x: &Vec3) -> Option<Behind> {
-        let mut best: Option<(u32, f64, Vec3, Feature)> = None;
-        for &triangle in triangles {
+    /// Checks a depth (m) behind the plane in whose region a point lies: regions of planes at an angle to each other reach
+    /// out of the surface again, and behind something thin its other side is nearer.
+    pub(crate) fn checked(&self, near: &NearTriangles, x: &Vec3, depth: f64) -> Checked {
+        let depth_up = depth * (1.0 + ROUND_OFF);
+        let may_be_nearer = |t: &u32| {
+            let (low, high) = &self.boxes[*t as usize];
+            (0..3).all(|k| low[k] - x[k] <= depth_up && x[k] - high[k] <= depth_up)
+        };
+        let nearer = near.triangles.iter().copied().filter(may_be_nearer);
+        let nearest = self
+            .nearest(nearer, x)
+            .filter(|nearest| nearest.square <= depth_up.min(near.reach).powi(2))
+            // nothing as near as the plane: the point is behind the bottom of a valley, or not behind the surface at all
+            .or_else(|| self.nearest_of_all(near, x));
+        match nearest.and_then(|nearest| self.leaning(&nearest, x)) {
+            None => Checked::InFront,
+            Some(mut behind) if LEEWAY * behind.depth < depth => {
+                behind.depth *= LEEWAY;
+                behind.leans_on = behind.leans_on.map(|(place, n, d)| (place, n, LEEWAY * d));
+                Checked::Nearer(behind)
+            }
+            Some(_) => Checked::True,
+        }
+    }
+
+    /// Closest point of the surface to a point behind it, `None` for one in front.
+    pub(crate) fn behind(&self, near: &NearTriangles, x: &Vec3) -> Option<Behind> {
+        let nearest = self.nearest_of_all(near, x)?;
+        self.leaning(&nearest, x)
+    }
+
+    /// Closest point, of all triangles if those that are near do not hold it for certain.
+    fn nearest_of_all(&self, near: &NearTriangles, x: &Vec3) -> Option<Nearest> {
+        let nearest = self.nearest(near.triangles.iter().copied(), x)?;
+        if nearest.square <= near.reach * near.reach {
+            return Some(nearest);
+        }
+        let distance = nearest.square.sqrt();
+        let wanted = aabb(&(x.add_scalar(-distance), x.add_scalar(distance)));
+        let leaves = self.tree.leaves(|node| node.aabb().intersects(&wanted));
+        // Ties between neighbors go to the lowest triangle, whatever the tree.
+        leaves
+            .map(|triangle| self.nearest_on(triangle, x))
+            .min_by(|a, b| {
+                let by_distance = a.square.total_cmp(&b.square);
+                by_distance.then(a.triangle.cmp(&b.triangle))
+            })
+            .or(Some(nearest))
+    }
+
+    fn nearest_on(&self, triangle: u32, x: &Vec3) -> Nearest {
+        let (square, foot, feature) = self.closest(triangle, x);
+        Nearest {
+            triangle,
+            square,
+            foot,
+            feature,
+        }
+    }
+
+    /// Closest point of some triangles.
+    fn nearest(&self, triangles: impl Iterator<Item = u32>, x: &Vec3) -> Option<Nearest> {
+        let mut best: Option<Nearest> = None;
+        for triangle in triangles {
             let height = self.height(triangle, x);
-            if best.is_some_and(|(_, square, ..)| height * height >= square) {
+            if best.is_some_and(|best| height * height >= best.square) {
                 continue;
             }
-            let (square, foot, feature) = self.closest(triangle, x);
-            if best.is_none_or(|(_, least, ..)| square < least) {
-                best = Some((triangle, square, foot, feature));
+            let found = self.nearest_on(triangle, x);
+            if best.is_none_or(|best| found.square < best.square) {
+                best = Some(found);
             }
         }
-        let (triangle, square, foot, feature) = best?;
+        best
+    }
+
+    /// Exit paths of a point behind its closest point, `None` for one in front.
+    fn leaning(&self, nearest: &Nearest, x: &Vec3) -> Option<Behind> {
+        let Nearest {
+            triangle,
+            square,
+            foot,
+            feature,
+        } = *nearest;
         let found = self.signed(triangle, x, square.sqrt(), foot, feature);
         let t = triangle as usize;
         let (normal, depth) = (found.normal, -found.distance);
@@ -175,6 +245,38 @@ impl Surface {
     }
 }
 
+/// Triangles near a body, in rising order.
+#[derive(Clone, Copy)]
+pub(crate) struct NearTriangles<'a> {
+    pub triangles: &'a [u32],
+    /// Distance from every point of the body within which all triangles are among them; m.
+    pub reach: f64,
+}
+
+/// Closest point of a surface.
+#[derive(Clone, Copy)]
+struct Nearest {
+    triangle: u32,
+    /// Squared distance; m².
+    square: f64,
+    foot: Vec3,
+    feature: Feature,
+}
+
+/// Depths that differ by less are equal; –.
+const ROUND_OFF: f64 = 1e-9;
+/// Depth behind the plane of a region over the distance from the surface, up to which it counts. Around a vertex the regions of
+/// its triangles leave or overlap a little, and the potential of linear depths should not have the kinks of the distance there; –.
+const LEEWAY: f64 = 1.5;
+
+/// Whether a point is as deep as the plane of its region says.
+pub(crate) enum Checked {
+    True,
+    /// Another part of the surface is nearer.
+    Nearer(Behind),
+    InFront,
+}
+
 /// A point behind the surface.
 pub(crate) struct Behind {
     /// Distance; m.
@@ -182,6 +284,14 @@ pub(crate) struct Behind {
     /// Number of the plane or vertex, unit normal out of the surface, and the part of the exit path along it
     /// (m): one plane, or the two of a valley.
     pub leans_on: [(u32, Vec3, f64); 2],
+}
+
+impl Behind {
+    /// Is some place on the outer side of the plane where a point at `x` comes out?
+    pub fn faces(&self, place: &Vec3, x: &Vec3) -> bool {
+        let (_, normal, depth) = self.leans_on[0];
+        normal.dot(&(place - x)) >= depth
+    }
 }
 
 /// Mark of the numbers of vertices among those of planes.
