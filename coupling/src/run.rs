@@ -10,6 +10,7 @@ mod counters;
 mod events;
 pub mod ineffective;
 mod last_good;
+pub(crate) mod named;
 mod observers;
 mod packing;
 mod step_reduction;
@@ -31,6 +32,7 @@ pub use build::build;
 use counters::{Costs, Counters, Stage};
 pub use events::{Ending, Event, Progress, RunError};
 use last_good::LastGoodState;
+use named::named;
 use observers::Observers;
 use step_reduction::StepReduction;
 
@@ -164,7 +166,7 @@ impl<'a> Run<'a> {
         }
         match self.take_step() {
             Ok(dt) => Ok(Event::Step(self.progress(dt))),
-            Err(RunError::Step(error)) => self.fall_back(error),
+            Err(RunError::Step(error)) => self.fall_back(named(error, self.scene)),
             Err(error) => Err(error),
         }
     }

@@ -13,6 +13,7 @@ pub mod impulse_wave;
 pub mod locate;
 pub mod motion;
 mod names;
+pub(crate) mod overlaps;
 pub mod parse;
 pub mod resolve;
 pub mod resolved;
@@ -105,6 +106,11 @@ pub fn load_text(
         Ok(mut scene) => {
             if let Some(refusal) = Estimate::of(&scene).refusal(access.memory) {
                 let all = problems.into_iter().chain([refusal]).collect();
+                return Err(SceneError::from_problems(name, &text, all));
+            }
+            let refused = overlaps::refused_by_first_step(&scene);
+            if !refused.is_empty() {
+                let all = problems.into_iter().chain(refused).collect();
                 return Err(SceneError::from_problems(name, &text, all));
             }
             scene.warnings.splice(0..0, problems);

@@ -13,6 +13,7 @@ mod derived;
 pub(crate) mod energy;
 pub(crate) mod links;
 mod outline;
+mod overlap;
 mod pairing;
 mod placement;
 mod query;

@@ -1,9 +1,11 @@
 //! Errors of creating and advancing blocks.
 
+use std::fmt::{self, Display, Formatter};
+
 use thiserror::Error;
 
-use crate::BlockId;
 use crate::ranges::PropertyRange;
+use crate::{BlockId, Vec3};
 
 /// Error of an invalid system of blocks.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -123,21 +125,12 @@ pub enum StepError {
     },
     /// Two blocks overlap too deeply.
     #[error(
-        "blocks {first} and {second} overlap by {overlap:.3e} m at t = {time:.6} s, {:.0} % of the smaller one's size {size:.3e} m \
-         (allowed {allowed:.3e} m); raise the contact stiffness, lower the time step, or part them at the start",
-        100.0 * overlap / size
+        "blocks {} and {} {overlap}, at t = {time:.6} s; raise the contact stiffness, lower the time step, or part them at the start",
+        overlap.blocks.0, overlap.blocks.1
     )]
     Overlap {
-        /// The lower block.
-        first: BlockId,
-        /// The higher block.
-        second: BlockId,
-        /// Overlap; m.
-        overlap: f64,
-        /// Size of the smaller part, the cube root of its volume; m.
-        size: f64,
-        /// Allowed: a share of the size, half the thickness of the thinner one at most; m.
-        allowed: f64,
+        /// The deepest overlap over the one allowed.
+        overlap: DeepOverlap,
         /// Time of the sub-step; s.
         time: f64,
     },
@@ -164,4 +157,40 @@ pub enum StepError {
         /// The time; s.
         time: f64,
     },
+}
+
+/// Overlap of two parts beside the one that a step allows.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DeepOverlap {
+    /// The lower and the higher block.
+    pub blocks: (BlockId, BlockId),
+    /// Deepest point of contact; m.
+    pub at: Vec3,
+    /// Overlap; m.
+    pub depth: f64,
+    /// Allowed: a share of the size, half the thickness of the thinner part at most; m.
+    pub allowed: f64,
+    /// Size of the smaller part, the cube root of its volume; m.
+    pub size: f64,
+}
+
+impl Display for DeepOverlap {
+    fn fmt(&self, f: &mut Formatter) -> fmt::Result {
+        let Self {
+            at,
+            depth,
+            allowed,
+            size,
+            ..
+        } = self;
+        write!(
+            f,
+            "overlap by {depth:.3e} m near ({:.3}, {:.3}, {:.3}) m, {:.0} % of the smaller one's size {size:.3e} m (allowed \
+             {allowed:.3e} m)",
+            at.x,
+            at.y,
+            at.z,
+            100.0 * depth / size
+        )
+    }
 }

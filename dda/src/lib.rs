@@ -94,7 +94,7 @@ pub use contact::detection::common_plane::{
     Axis, AxisKind, ContactDetection, SeparatingAxes, fast_common_plane, gap_along, separating_axes,
 };
 pub use contact::report::{Contact, ContactState};
-pub use error::{BlockError, StepError};
+pub use error::{BlockError, DeepOverlap, StepError};
 pub use geometry::block_quality::BlockQuality;
 pub use geometry::clip::clipped_polygon;
 pub use geometry::cut::Plane;

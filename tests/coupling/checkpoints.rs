@@ -413,7 +413,7 @@ fn what_no_step_helps_is_given_up_with_the_last_good_state_on_disk() {
     // cause, place, time, figures, the field to change
     for part in [
         "warning: at t = 0.0009",
-        "blocks 0 and 1 overlap by",
+        "blocks `floor` and `cube` overlap by",
         "raise the contact stiffness",
         "returns to t = 0.000000 s and continues with 0.5 of the step",
         "recurred from the last good state, t = 0.000000 s, with 0.25 of the usual step",

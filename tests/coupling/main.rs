@@ -28,6 +28,7 @@ mod render;
 mod rockfall;
 mod scene_docs;
 mod sleep;
+mod starts;
 mod stepping;
 mod symmetry;
 mod trade;

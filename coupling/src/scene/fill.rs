@@ -19,7 +19,7 @@ use super::file::{
 use basin::Poured;
 pub use gaps::narrow_gaps;
 use obstacles::WALL_SLACK;
-pub use overlap::overlaps;
+pub use overlap::{overlaps, overlaps_on};
 
 /// Largest number of lattice nodes that are visited.
 const MOST_NODES: f64 = 5e7;

@@ -26,7 +26,7 @@ use super::attachments::{
 use super::error::{Problem, Severity};
 pub use super::file::vec3;
 use super::file::{BlockFile, DomainFile, SceneFile, ShapeFile, TerrainFile};
-use super::fill::{Lattice, Room, lattice_within, narrow_gaps, overlaps};
+use super::fill::{Lattice, Room, lattice_within, narrow_gaps, overlaps_on};
 use super::flow::with_flow;
 use super::names::Names;
 use super::resolved::{Domain, MeshSource};
@@ -136,7 +136,8 @@ fn lattice(
     problems: &mut Vec<Problem>,
 ) -> Option<Lattice> {
     let Solids { named, motions, .. } = solids;
-    problems.extend(overlaps(named, motions));
+    let origin = file.terrain.as_ref().map(|terrain| terrain.origin);
+    problems.extend(overlaps_on(named, motions, origin));
     symmetry::refuse_blocks(file, named, motions, problems);
     let room = Room {
         bytes: access.bytes(),

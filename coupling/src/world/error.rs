@@ -28,6 +28,18 @@ pub enum StepError {
         /// Error of the solver.
         source: riprap_dda::StepError,
     },
+    /// Overlap of two blocks beyond what a step allows, with their names.
+    #[error(
+        "at t = {time:.6} s, step {step}: {words}; raise the contact stiffness, lower the time step, or part them at the start"
+    )]
+    Overlap {
+        /// s.
+        time: f64,
+        /// Number of the step.
+        step: u64,
+        /// Names, place and depth.
+        words: String,
+    },
     /// Something left the domain of a scene in which nothing may.
     #[error(
         "at t = {time:.6} s, step {step}: {count} {what} left the domain; enlarge `domain`, close it with walls, or set `domain.leaving` to Remove"
@@ -144,6 +156,7 @@ impl StepError {
         match self {
             Self::Fluid { .. }
             | Self::Blocks { .. }
+            | Self::Overlap { .. }
             | Self::NoVelocity { .. }
             | Self::Supersonic { .. }
             | Self::EnergyFromNowhere { .. } => true,

@@ -49,15 +49,9 @@ impl Blocks {
         }
         let (over_allowed, parts) = self.state.worst_overlap;
         if over_allowed > 1.0 {
-            let parts = [parts.0 as usize, parts.1 as usize];
-            let least = |of: &[f64]| of[parts[0]].min(of[parts[1]]);
-            let allowed = least(&self.constants.deepest_allowed);
+            let depth = over_allowed * self.allowed_overlap(parts);
             return Err(StepError::Overlap {
-                first: self.constants.block_of_part[parts[0]].into(),
-                second: self.constants.block_of_part[parts[1]].into(),
-                overlap: over_allowed * allowed,
-                size: least(&self.constants.size),
-                allowed,
+                overlap: self.deep_overlap(parts, depth),
                 time,
             });
         }

@@ -296,7 +296,8 @@ fn blocks_that_overlap_are_reported_by_depth() {
     assert_eq!(found.len(), 1);
     assert_eq!(
         found[0].message,
-        "block `stone` overlaps block `floor` by 3.000e-3 m, 1.50 % of the smaller size; move them apart"
+        "block `stone` overlaps block `floor` by 3.000e-3 m, 1.50 % of the smaller size, near (0.600, 0.600, -0.002) m; \
+         allowed are 1 %: move them apart"
     );
     assert_eq!(found[0].path, "blocks[5].placement");
 }

@@ -3,6 +3,7 @@
 use std::fmt::Write as _;
 use std::time::{Duration, Instant};
 
+use crate::run::named::named;
 use crate::run::{RunError, build};
 use crate::scene::resolve::Scene;
 use crate::world::World;
@@ -31,7 +32,7 @@ pub(super) fn cost(scene: &Scene) -> Result<String, RunError> {
         step.block_substeps
     );
     text += &disk(scene);
-    let (taken, mut wall) = wall_time(&mut world, duration, steps)?;
+    let (taken, mut wall) = wall_time(&mut world, scene, steps)?;
     drop(world);
     let mut asleep = String::new();
     if scene.fluid.as_ref().is_some_and(|f| f.sleeping.is_some()) {
@@ -40,7 +41,7 @@ pub(super) fn cost(scene: &Scene) -> Result<String, RunError> {
             fluid.sleeping = None;
         }
         asleep = format!(" with all water awake, {wall:.0} s with the initial sleep,");
-        wall = wall_time(&mut build(&awake)?, duration, steps)?.1;
+        wall = wall_time(&mut build(&awake)?, &awake, steps)?.1;
     }
     let _ = write!(
         text,
@@ -92,18 +93,19 @@ fn disk(scene: &Scene) -> String {
 }
 
 /// Takes some steps; returns their number, and the predicted wall time of a run, s.
-fn wall_time(world: &mut World, duration: f64, steps: f64) -> Result<(u32, f64), RunError> {
-    let (taken, wall) = probe(world, duration)?;
+fn wall_time(world: &mut World, scene: &Scene, steps: f64) -> Result<(u32, f64), RunError> {
+    let (taken, wall) = probe(world, scene)?;
     Ok((taken, wall.as_secs_f64() / f64::from(taken) * steps))
 }
 
 /// Takes some steps and measures their time.
-fn probe(world: &mut World, duration: f64) -> Result<(u32, Duration), RunError> {
+fn probe(world: &mut World, scene: &Scene) -> Result<(u32, Duration), RunError> {
     let start = Instant::now();
     let mut taken = 0;
     while taken < PROBE_STEPS && start.elapsed() < PROBE_TIME {
-        let step = world.next_step(duration)?;
-        world.step(step)?;
+        let step = world.next_step(scene.duration)?;
+        let stepped = world.step(step);
+        stepped.map_err(|error| named(error, scene))?;
         taken += 1;
     }
     Ok((taken, start.elapsed()))
