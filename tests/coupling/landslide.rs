@@ -1,6 +1,7 @@
 //! Terrain from rasters and surveys, and rock cut out of it: against closed forms.
 
 mod rock;
+mod rough;
 mod terrain;
 mod water;
 
@@ -112,6 +113,9 @@ const L_SHAPE: &str =
 
 /// Of that; m².
 const L_AREA: f64 = 140.0 * 154.0 - 54.0 * 58.5;
+
+/// Every block as it is cut.
+const WHOLE: &str = "minimum_volume: 0, convex_within: 0";
 
 const JOINTS: &str = "joint_sets: [(dip_deg: 40, dip_direction_deg: 90, spacing: 17),
     (dip_deg: 75, dip_direction_deg: 270, spacing: 18, scatter_deg: 3, spacing_scatter: 0.2),

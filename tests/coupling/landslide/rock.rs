@@ -12,7 +12,7 @@ fn a_slab_has_the_volume_of_its_outline() {
     let dip = 0.8_f64.hypot(0.1).atan().to_degrees();
     let direction = 0.8_f64.atan2(-0.1).to_degrees();
     let slide = format!(
-        "(name: \"slab\", material: \"rock\", outline: {L_SHAPE}, {JOINTS},
+        "(name: \"slab\", material: \"rock\", outline: {L_SHAPE}, {JOINTS}, {WHOLE},
           failure_surface: Plane(point: (100, 0, {point}), dip_deg: {dip}, dip_direction_deg: {direction}))"
     );
     let scene = scene(
@@ -55,14 +55,14 @@ fn rock_between_two_rough_surfaces_keeps_its_volume() {
     let outline = "Corners([(31, -128), (222, -131), (231, 87), (40, 91)])";
     let slide = |more: &str| {
         format!(
-            "(name: \"bowl\", material: \"rock\", outline: {outline}, failure_surface: Raster(file: \"bowl.asc\"), {JOINTS} {more})"
+            "(name: \"bowl\", material: \"rock\", outline: {outline}, failure_surface: Raster(file: \"bowl.asc\"), {JOINTS}, minimum_volume: 0, {more})"
         )
     };
     let of = |more: &str| {
         let terrain = "(sources: [(file: \"rough.asc\")], tolerance: 0.5)";
         scene(folder.path(), terrain, &slide(more), "").unwrap()
     };
-    let plain = of("");
+    let plain = of("convex_within: 0");
     let rock = plain.terrain.as_ref().unwrap().rock[0].volume;
     // a paraboloid of depth d and radius √(d/a): π d²/(2a); triangles of 10 m take 10²/12 · 4a off its depth
     let exact = std::f64::consts::PI * 45.0 / 0.012 * (0.5 * 45.0 - 100.0 / 12.0 * 4.0 * 0.012);
@@ -74,7 +74,7 @@ fn rock_between_two_rough_surfaces_keeps_its_volume() {
     assert!((volume(&plain, "bowl.") / rock - 1.0).abs() < 1e-9);
     // the tolerance of 0.5 m leaves out points where that makes less
     assert!((rock / exact - 1.0).abs() < 0.005);
-    let merged = of(", merge_slivers: (volume_share: 0.1, aspect: 6)");
+    let merged = of("convex_within: 0, merge_slivers: (volume_share: 0.1, aspect: 6)");
     println!("{}", merged.rock_masses[0]);
     assert!((volume(&merged, "bowl.") / rock - 1.0).abs() < 1e-9);
     assert!(merged.blocks.len() < plain.blocks.len());
@@ -82,7 +82,7 @@ fn rock_between_two_rough_surfaces_keeps_its_volume() {
     let unions = |scene: &Scene| scene.rock_masses[0].n_unions;
     let mut left = unions(&plain);
     for share in [1e-3, 1e-2, 1e-1] {
-        let convex = of(&format!(", convex_within: {share}"));
+        let convex = of(&format!("convex_within: {share}"));
         println!("{}", convex.rock_masses[0]);
         let gained = volume(&convex, "bowl.") / rock - 1.0;
         assert!((-1e-9..share).contains(&gained), "{gained:e}");
@@ -117,7 +117,7 @@ fn a_slab_slides_down_its_scar() {
     // open downhill: the ground ends where the slab does
     let terrain = "(sources: [(file: \"plane.asc\")], excavations: [(outline: Corners([(160, -60), (390, -60), (390, 60), (160, 60)]),
                     failure_surface: Plane(point: (100, 0, 191.09), dip_deg: 40, dip_direction_deg: 90))])";
-    let merged = format!("{JOINTS}, merge_slivers: (volume_share: 0.2, aspect: 6),");
+    let merged = format!("{JOINTS}, {WHOLE}, merge_slivers: (volume_share: 0.2, aspect: 6),");
     for (friction, joints) in [(20.0_f64, merged.as_str()), (20.0, ""), (45.0, &merged)] {
         let further = "numerics: (block_time_step_factor: 0.5)";
         let mut scene = scene(folder.path(), terrain, &slide(joints), further).unwrap();
@@ -231,7 +231,7 @@ fn a_turned_slope_fails_alike() {
               joint_sets: [(dip_deg: 36, dip_direction_deg: {}, spacing: 15, origin: {point}),
                            (dip_deg: 60, dip_direction_deg: {}, spacing: 22, origin: (0, 0, 0)),
                            (dip_deg: 90, dip_direction_deg: {}, spacing: 19, origin: (0, 0, 0))],
-              minimum_volume: 200)",
+              minimum_volume: 200, convex_within: 0)",
             90.0 - turn,
             90.0 - turn,
             270.0 - turn,

@@ -97,12 +97,15 @@ pub struct SlideFile {
     #[serde(default)]
     pub merge_slivers: Option<SliversFile>,
     /// Blocks of several parts are made convex where that adds at most this fraction of their volume: rounding in a
-    /// raster leaves dents, and contact of convex blocks is faster. 0: never.
+    /// raster leaves dents, and contact of convex blocks is faster. 0: never. When left out, 1 on a plane, so that the roughness of
+    /// the ground on top of a block makes no parts, and 0.01 on a raster, which a larger hull would dig into. What it adds is
+    /// reported.
     #[serde(default)]
-    pub convex_within: f64,
-    /// Smaller blocks are removed after slivers are merged, and counted; m³.
+    pub convex_within: Option<f64>,
+    /// Smaller blocks are removed after slivers are merged, and counted; m³. 0: none. When left out, the smallest blocks that
+    /// hold 0.3 % of the rock together, none above a tenth of the median: the smallest block sets the time step.
     #[serde(default)]
-    pub minimum_volume: f64,
+    pub minimum_volume: Option<f64>,
     /// More blocks are rejected.
     #[serde(default = "default_maximum_blocks")]
     pub maximum_blocks: u32,

@@ -29,10 +29,14 @@ pub struct RockMassReport {
     pub n_unmerged: usize,
     /// Blocks of several parts that became convex.
     pub n_filled: usize,
+    /// Volume that they gained, over that of the mass.
+    pub gained_share: f64,
     /// Blocks of several convex parts.
     pub n_unions: usize,
     /// Blocks removed because they are smaller than the minimum volume.
     pub n_removed: usize,
+    /// The minimum volume, given or chosen; m³.
+    pub minimum_volume: f64,
     /// Their volume over that of the mass.
     pub removed_share: f64,
     /// Smallest, median and largest volume; m³.
@@ -167,7 +171,7 @@ fn cut_mass(mass: &RockMassFile, index: usize, access: &Access) -> Result<Cut, V
         name: &mass.name,
         merge_slivers: mass.merge_slivers.as_ref(),
         convex_within: 0.0,
-        minimum_volume: mass.minimum_volume,
+        minimum_volume: Some(mass.minimum_volume),
         volume,
     };
     cleaning
@@ -187,7 +191,8 @@ pub(super) struct Cleaning<'a> {
     pub(super) merge_slivers: Option<&'a SliversFile>,
     /// Largest gain of volume by which a block of several parts is made convex, over its volume; –.
     pub(super) convex_within: f64,
-    pub(super) minimum_volume: f64,
+    /// m³; `None`: chosen.
+    pub(super) minimum_volume: Option<f64>,
     /// Volume of the mass before it is cut; m³.
     pub(super) volume: f64,
 }
@@ -217,25 +222,28 @@ impl Cleaning<'_> {
                 n_left: 0,
             },
         };
-        let mut n_filled = 0;
+        let (mut n_filled, mut gained) = (0, 0.0);
         if 0.0 < self.convex_within {
             for parts in blocks.iter_mut().filter(|parts| parts.len() > 1) {
                 if let Some(hull) = hull_within(parts, self.convex_within) {
+                    gained += riprap_dda::volume(&hull) - volume_of(parts);
                     *parts = vec![hull];
                     n_filled += 1;
                 }
             }
         }
         let n_cut = blocks.len();
+        let minimum = self.minimum_volume.unwrap_or_else(|| negligible(&blocks));
+        let mut removed = 0.0;
         blocks.retain(|parts| {
-            let volumes = parts.iter().map(riprap_dda::volume);
-            volumes.sum::<f64>() >= self.minimum_volume
+            let volume = volume_of(parts);
+            let stays = volume >= minimum;
+            removed += if stays { 0.0 } else { volume };
+            stays
         });
         if blocks.is_empty() {
-            let what = format!(
-                "all {n_cut} blocks are smaller than {} m3; lower minimum_volume",
-                self.minimum_volume
-            );
+            let what =
+                format!("all {n_cut} blocks are smaller than {minimum} m3; lower minimum_volume");
             return Err(("minimum_volume".into(), what));
         }
         let report = RockMassReport {
@@ -243,11 +251,40 @@ impl Cleaning<'_> {
             n_merged,
             n_unmerged: n_left,
             n_filled,
+            gained_share: gained / self.volume,
             n_removed: n_cut - blocks.len(),
-            ..report(self.name, self.volume, &blocks)
+            minimum_volume: minimum,
+            removed_share: removed / self.volume,
+            ..report(self.name, &blocks)
         };
         Ok((blocks, report))
     }
+}
+
+/// Share of the rock in blocks too small to matter; –.
+const NEGLIGIBLE: f64 = 0.003;
+/// Largest of them, × the median volume.
+const LARGEST_NEGLIGIBLE: f64 = 0.1;
+
+fn volume_of(parts: &[Polyhedron]) -> f64 {
+    parts.iter().map(riprap_dda::volume).sum()
+}
+
+/// Volume below which blocks hold a negligible share of their mass together; m³.
+fn negligible(blocks: &[Vec<Polyhedron>]) -> f64 {
+    let mut volumes: Vec<f64> = blocks.iter().map(|parts| volume_of(parts)).collect();
+    volumes.sort_by(f64::total_cmp);
+    let all: f64 = volumes.iter().sum();
+    let mut sum = 0.0;
+    let n_small = volumes
+        .iter()
+        .take_while(|&&volume| {
+            sum += volume;
+            sum <= NEGLIGIBLE * all
+        })
+        .count();
+    let largest = LARGEST_NEGLIGIBLE * volumes.get(volumes.len() / 2).copied().unwrap_or(0.0);
+    volumes.get(n_small).copied().unwrap_or(0.0).min(largest)
 }
 
 /// The field of a rock mass that an error refers to.
@@ -262,15 +299,14 @@ pub(super) fn blamed(error: &JointError) -> String {
     }
 }
 
-/// Report of blocks without the cuts and merges before; `volume`: of the mass; m³.
-fn report(name: &str, volume: f64, blocks: &[Vec<Polyhedron>]) -> RockMassReport {
+/// Report of blocks without the cuts, merges and removals before.
+fn report(name: &str, blocks: &[Vec<Polyhedron>]) -> RockMassReport {
     let qualities: Vec<BlockQuality> = blocks
         .iter()
         .map(|parts| BlockQuality::of_union(parts))
         .collect();
     let mut volumes: Vec<f64> = qualities.iter().map(|quality| quality.volume).collect();
     volumes.sort_by(f64::total_cmp);
-    let kept: f64 = volumes.iter().sum();
     let dihedrals = qualities.iter().map(|quality| quality.smallest_dihedral);
     RockMassReport {
         name: name.to_owned(),
@@ -279,9 +315,11 @@ fn report(name: &str, volume: f64, blocks: &[Vec<Polyhedron>]) -> RockMassReport
         n_merged: 0,
         n_unmerged: 0,
         n_filled: 0,
+        gained_share: 0.0,
         n_unions: blocks.iter().filter(|parts| parts.len() > 1).count(),
         n_removed: 0,
-        removed_share: ((volume - kept) / volume).max(0.0),
+        minimum_volume: 0.0,
+        removed_share: 0.0,
         volumes: [
             volumes[0],
             volumes[volumes.len() / 2],
@@ -330,8 +368,8 @@ impl std::fmt::Display for RockMassReport {
         if self.n_filled > 0 {
             write!(
                 f,
-                "; {} made convex, {} left of several parts",
-                self.n_filled, self.n_unions
+                "; {} made convex, which adds {:.2e} of the volume, {} left of several parts",
+                self.n_filled, self.gained_share, self.n_unions
             )?;
         }
         if self.n_unmerged > 0 {
@@ -347,8 +385,8 @@ impl std::fmt::Display for RockMassReport {
         if self.n_removed > 0 {
             write!(
                 f,
-                "; {} too small left out, {:.2e} of the volume",
-                self.n_removed, self.removed_share
+                "; {} below {:.3e} m3 left out, {:.2e} of the volume",
+                self.n_removed, self.minimum_volume, self.removed_share
             )?;
         }
         Ok(())

@@ -5,7 +5,10 @@ use riprap_dda::{JointSet, cut_union_by_joints};
 use super::rock_mass::{BlockTemplate, Cleaning, Cut, Refusal, RockMassReport, blamed, joint_set};
 use super::terrain::Rock;
 use crate::scene::error::Problem;
-use crate::scene::file::{BlockFile, SlideFile};
+use crate::scene::file::{BlockFile, FailureSurfaceFile, SlideFile};
+
+/// Gain of volume within which blocks become convex unless a slide says otherwise, on a plane and on a raster; –.
+const CONVEX_WITHIN: (f64, f64) = (1.0, 0.01);
 
 /// Blocks of slides, named `slide.0001` and so on, and a report of each slide; `rock` is their rock in the same order.
 ///
@@ -48,10 +51,14 @@ fn cut(slide: &SlideFile, rock: &Rock) -> Result<Cut, Refusal> {
     let limit = slide.maximum_blocks as usize;
     let cut = cut_union_by_joints(rock.bodies.clone(), &sets, slide.seed, limit)
         .map_err(|error| (blamed(&error), error.to_string()))?;
+    let chosen = match slide.failure_surface {
+        FailureSurfaceFile::Plane { .. } => CONVEX_WITHIN.0,
+        FailureSurfaceFile::Raster { .. } => CONVEX_WITHIN.1,
+    };
     let cleaning = Cleaning {
         name: &slide.name,
         merge_slivers: slide.merge_slivers.as_ref(),
-        convex_within: slide.convex_within,
+        convex_within: slide.convex_within.unwrap_or(chosen),
         minimum_volume: slide.minimum_volume,
         volume: rock.volume,
     };

@@ -58,8 +58,10 @@ pub struct Rock {
     pub volume: f64,
 }
 
-/// Default tolerance of the triangles; × spacing.
+/// Default tolerance of the triangles; × spacing of the terrain.
 const TOLERANCE: f64 = 0.01;
+/// Distance of the triangles from the terrain that water and blocks do not feel; × particle spacing and × the closest joints.
+const NOT_FELT: f64 = 0.03;
 /// Finest useful spacing of the terrain; × particle spacing.
 const FINEST_FOR_WATER: f64 = 0.2;
 
@@ -105,7 +107,7 @@ pub fn resolve(file: &SceneFile, access: &Access) -> Result<Option<Terrain>, Vec
         let what = "a survey has no points at a regular distance; give the spacing of the terrain";
         return Err(vec![Problem::error("terrain.spacing", what)]);
     }
-    let tolerance = terrain.tolerance.unwrap_or(TOLERANCE * spacing);
+    let tolerance = (terrain.tolerance).unwrap_or_else(|| chosen_tolerance(file, spacing));
     let Merged { grid, n_filled } = merge(terrain, &sources, spacing).map_err(|p| vec![p])?;
     let warnings = plausible::warnings(&grid, terrain);
     let (surface, pieces) = excavate(&grid, &holes, tolerance)?;
@@ -178,6 +180,23 @@ fn holes_of(
         Ok(holes)
     } else {
         Err(problems)
+    }
+}
+
+/// Distance that neither the water nor the blocks of the slides feel, a hundredth of the spacing (m) where there are neither: the
+/// roughness of a survey below that would only make more triangles; m.
+fn chosen_tolerance(file: &SceneFile, spacing: f64) -> f64 {
+    let of_water = match file.fluid.as_ref().map(|fluid| fluid.resolution) {
+        Some(ResolutionFile::Spacing(particles)) => Some(NOT_FELT * particles),
+        Some(ResolutionFile::Count(_)) | None => None,
+    };
+    let joints = file.slides.iter().flat_map(|slide| &slide.joint_sets);
+    let of_blocks = joints.map(|set| NOT_FELT * set.spacing);
+    let not_felt = of_blocks.chain(of_water).fold(f64::INFINITY, f64::min);
+    if not_felt.is_finite() {
+        not_felt.max(TOLERANCE * spacing)
+    } else {
+        TOLERANCE * spacing
     }
 }
 

@@ -10,6 +10,8 @@ use crate::scene::file::{MaterialFile, SceneFile, vec3};
 const STATIC_OVERLAP: f64 = 1e-3;
 /// Largest overlap of blocks at the expected speed, over their size.
 const IMPACT_OVERLAP: f64 = 0.02;
+/// The same of the blocks of a slide: half of what a step allows.
+const SLIDE_IMPACT_OVERLAP: f64 = 0.1;
 /// Largest overlap over the thickness of the thinnest block: half of what a step allows.
 const IMPACT_SHARE_OF_THICKNESS: f64 = 0.25;
 /// Static overlap above which a warning is due, over the size of the block.
@@ -47,7 +49,8 @@ pub(super) fn materials(file: &SceneFile, solids: &Solids, speed: f64) -> Vec<Ma
 /// ```text
 /// K ≥ m g/(ε L)   overlap ε L at rest,        K ≥ m v²/(η L)²   overlap η L at speed v
 /// ```
-/// neither above a quarter of the thickness of the thinnest block.
+/// neither above a quarter of the thickness of the thinnest block; of the blocks of a slide η is a tenth, and each has its
+/// own thickness: they start at rest on each other, and their thinnest must not make all of them stiff.
 fn required_stiffness(file: &SceneFile, solids: &Solids, speed: f64) -> f64 {
     let gravity = vec3(file.gravity).norm();
     let thinnest = solids
@@ -57,13 +60,23 @@ fn required_stiffness(file: &SceneFile, solids: &Solids, speed: f64) -> f64 {
         .fold(f64::INFINITY, f64::min);
     let deepest = IMPACT_SHARE_OF_THICKNESS * thinnest;
     let mut stiffness: f64 = 0.0;
-    for (_, shape, material) in solids.free() {
+    let is_of_slide = |name: &str| {
+        let mut masses = file.masses.iter();
+        file.terrain.is_some() && masses.any(|mass| name.starts_with(&mass.blocks))
+    };
+    for (name, shape, material) in solids.free() {
+        let (impact, deepest) = if is_of_slide(name) {
+            let own = IMPACT_SHARE_OF_THICKNESS * shape.thickness();
+            (SLIDE_IMPACT_OVERLAP, own)
+        } else {
+            (IMPACT_OVERLAP, deepest)
+        };
         let density = file.materials.get(material).map_or(0.0, |m| m.density);
         let size = shape.volume().cbrt();
         let mass = density * shape.volume();
         stiffness = stiffness
             .max(mass * gravity / (STATIC_OVERLAP * size).min(deepest))
-            .max(mass * (speed / (IMPACT_OVERLAP * size).min(deepest)).powi(2));
+            .max(mass * (speed / (impact * size).min(deepest)).powi(2));
     }
     if stiffness == 0.0 {
         IDLE_STIFFNESS

@@ -148,12 +148,12 @@ impl Checks {
         self.not_negative(
             at("convex_within"),
             &of("convex_within"),
-            slide.convex_within,
+            slide.convex_within.unwrap_or(0.0),
         );
         self.not_negative(
             at("minimum_volume"),
             &of("minimum_volume"),
-            slide.minimum_volume,
+            slide.minimum_volume.unwrap_or(0.0),
         );
         if slide.maximum_blocks == 0 {
             self.refuse(

@@ -55,6 +55,15 @@ impl Surface {
             .or(Some(nearest))
     }
 
+    /// Is a triangle at least as far as some squared distance (m²), by its box or its plane?
+    fn is_farther(&self, triangle: u32, x: &Vec3, square: f64) -> bool {
+        let (low, high) = &self.boxes[triangle as usize];
+        let outside = |k: usize| (low[k] - x[k]).max(x[k] - high[k]).max(0.0);
+        let (u, v, w) = (outside(0), outside(1), outside(2));
+        let height = self.height(triangle, x);
+        u * u + v * v + w * w >= square || height * height >= square
+    }
+
     fn nearest_on(&self, triangle: u32, x: &Vec3) -> Nearest {
         let (square, foot, feature) = self.closest(triangle, x);
         Nearest {
@@ -69,8 +78,8 @@ impl Surface {
     fn nearest(&self, triangles: impl Iterator<Item = u32>, x: &Vec3) -> Option<Nearest> {
         let mut best: Option<Nearest> = None;
         for triangle in triangles {
-            let height = self.height(triangle, x);
-            if best.is_some_and(|best| height * height >= best.square) {
+            // Cheap bounds first: most triangles are farther than the best so far.
+            if best.is_some_and(|best| self.is_farther(triangle, x, best.square)) {
                 continue;
             }
             let found = self.nearest_on(triangle, x);

@@ -1,0 +1,135 @@
+//! Valleys as rough as surveys are: every one starts, and its slide comes down.
+
+use super::*;
+use riprap_dda::Random;
+
+/// A slope with noise, and the slide that leaves it.
+struct Valley {
+    text: String,
+    name: String,
+}
+
+/// Smooth noise of octaves that halve in length and height, of a height (m) over a length (m).
+fn fractal(random: &mut Random, height: f64, length: f64) -> impl Fn(f64, f64) -> f64 + use<> {
+    let waves: Vec<[f64; 4]> = (0..5)
+        .flat_map(|octave| {
+            let scale = 2.0_f64.powi(octave);
+            (0..4)
+                .map(|_| {
+                    let turn = std::f64::consts::TAU * random.uniform();
+                    let k = std::f64::consts::TAU * scale / length;
+                    let phase = std::f64::consts::TAU * random.uniform();
+                    [k * turn.cos(), k * turn.sin(), phase, height / scale / 2.0]
+                })
+                .collect::<Vec<_>>()
+        })
+        .collect();
+    move |x, y| {
+        let of = |[a, b, phase, height]: &[f64; 4]| height * (a * x + b * y + phase).sin();
+        waves.iter().map(of).sum()
+    }
+}
+
+/// Valley number k: cells of 2 to 30 m, white or fractal noise of 0.1 to 3 m, three joint sets, map offsets, a steep scar. The
+/// failure plane has the dip of the slope and lies a few cells below it; heights scale with the cells.
+fn rough_valley(folder: &Path, k: u64) -> Valley {
+    let mut random = Random::new(1000 + k);
+    let cell = [2.0, 5.0, 10.0, 20.0, 30.0][k as usize % 5];
+    let noise = f64::min([0.1, 0.3, 1.0, 3.0][(k / 5) as usize % 4], 0.15 * cell);
+    let offset = [412_000.0, 6_904_000.0];
+    let raster = Raster {
+        corner: [offset[0] - 30.0 * cell, offset[1] - 20.0 * cell],
+        cell,
+        n: [61, 41],
+    };
+    let dip = 30.0 + 10.0 * random.uniform();
+    let steepness = f64::to_radians(dip).tan();
+    let is_white = k % 2 == 0;
+    let waves = fractal(&mut random, noise, 20.0 * cell);
+    let white: Vec<f64> = (0..61 * 41)
+        .map(|_| noise * (random.uniform() + random.uniform() + random.uniform() - 1.5) * 2.0)
+        .collect();
+    let height = |x: f64, y: f64| {
+        let (x, y) = (x - offset[0], y - offset[1]);
+        let (i, j) = ((x / cell + 30.0).round(), (y / cell + 20.0).round());
+        let rough = if is_white {
+            white[(j * 61.0 + i) as usize]
+        } else {
+            waves(x, y)
+        };
+        // a slope that runs out on level ground
+        f64::max(-steepness * (x + 5.0 * cell), -0.02 * x) + rough
+    };
+    let name = format!("valley{k}.asc");
+    raster.write(&folder.join(&name), height);
+    let l = cell;
+    let (left, right, half) = (-26.0 * l, -12.0 * l, 4.5 * l);
+    let z = steepness * (-right - 5.0 * l) - 1.0 * l;
+    let joint = 3.0 * l;
+    let text = format!(
+        r#"(title: "a rough valley", domain: (min: ({a:?}, {b:?}, {c:?}), max: ({d:?}, {e:?}, {f:?})),
+            materials: [(name: "rock", density: 2650, friction_angle_deg: 20, restitution: 0.5)],
+            terrain: (sources: [(file: "{name}")], origin: ({east:?}, {north:?}, 0)),
+            slides: [(name: "slide", material: "rock",
+                outline: Corners([({left:?}, -{half:?}), ({right:?}, -{half:?}), ({right:?}, {half:?}), ({left:?}, {half:?})]),
+                failure_surface: Plane(point: ({right:?}, 0, {z:?}), dip_deg: {dip:?}, dip_direction_deg: 90),
+                joint_sets: [(dip_deg: {dip:?}, dip_direction_deg: 90, spacing: {joint:?}, origin: ({right:?}, 0, {z:?})),
+                             (dip_deg: 70, dip_direction_deg: 270, spacing: {joint:?}, scatter_deg: 2),
+                             (dip_deg: 88, dip_direction_deg: 5, spacing: {joint:?})], seed: {k})],
+            blocks: [(name: "ground", material: "rock", motion: Fixed, shape: Terrain)],
+            numerics: (expected_speed: {speed:?}),
+            time: (duration: 5))"#,
+        a = -29.0 * l,
+        b = -19.0 * l,
+        c = -20.0 * l,
+        d = 29.0 * l,
+        e = 19.0 * l,
+        f = 40.0 * l,
+        east = offset[0],
+        north = offset[1],
+        speed = (2.0 * 9.81 * 10.0 * l).sqrt(),
+    );
+    Valley { text, name }
+}
+
+/// Runs some valleys for a time (s).
+fn come_down(valleys: impl Iterator<Item = u64>, duration: f64) {
+    let folder = tempfile::tempdir().unwrap();
+    for k in valleys {
+        let Valley { text, name } = rough_valley(folder.path(), k);
+        let scene = resolved_in(folder.path(), &text)
+            .unwrap_or_else(|problems| panic!("{name}: {problems:?}"));
+        let mut world = run::build(&scene).unwrap();
+        let potential = |world: &riprap::world::World| world.blocks.energies().potential;
+        let start = potential(&world);
+        while world.time() < duration {
+            let step = world.next_step(duration).unwrap();
+            if let Err(error) = world.step(step) {
+                panic!("{name} at {:.3} s: {error}\n{text}", world.time());
+            }
+        }
+        let deepest = world.blocks.max_overlap_over_size();
+        let fell = start - potential(&world);
+        println!(
+            "{name}: {} blocks, {} triangles, deepest overlap {:.1} % of the size, fell {fell:.2e} J",
+            scene.rock_masses[0].n_blocks,
+            scene.terrain.as_ref().unwrap().surface.triangles().len(),
+            100.0 * deepest
+        );
+        assert!(deepest < 0.1, "{name}: {deepest}");
+        assert!(fell > 0.0, "{name}");
+    }
+}
+
+/// Four of the sixty: the finest and the coarsest cells, white and fractal noise.
+#[test]
+fn slides_of_rough_valleys_start() {
+    come_down([0, 9, 14, 18].into_iter(), 0.3);
+}
+
+/// All of them for five seconds.
+#[test]
+#[ignore = "an hour of one core"]
+fn sixty_rough_valleys_come_down() {
+    come_down(0..60, 5.0);
+}
