@@ -145,7 +145,8 @@ impl Diagnostic for SceneError {
 
     fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {
         Some(Box::new(self.located.iter().map(|problem| {
-            LabeledSpan::new_with_span(Some(problem.message.clone()), problem.span.clone())
+            // the message is above the frame, with the line
+            LabeledSpan::new_with_span(None, problem.span.clone())
         })))
     }
 }

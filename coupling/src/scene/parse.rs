@@ -1,6 +1,8 @@
 //! Scene text ↔ [`SceneFile`], with overrides from the command line spliced into the text so that
 //! they pass the same reader and the same checks.
 
+mod words;
+
 use std::ops::Range;
 
 use ron::extensions::Extensions;
@@ -70,10 +72,9 @@ pub fn read_as<T: DeserializeOwned>(text: &str) -> Result<T, TextError> {
     let scene: T = dialect().from_str(text).map_err(|error| {
         let start = offset(text, error.span.start.line, error.span.start.col);
         let end = offset(text, error.span.end.line, error.span.end.col).max(start);
-        TextError {
-            message: explain(&error.code),
-            span: start..end,
-        }
+        let (message, span) = words::mistake(text, &error.code, start)
+            .unwrap_or_else(|| (explain(&error.code), start..end));
+        TextError { message, span }
     })?;
     // RON reads inf and NaN as numbers; a scene has no use for either
     let tree = Tree::new(text);
@@ -197,6 +198,13 @@ fn explain(error: &ron::Error) -> String {
     }
 }
 
+/// Longest list of valid names that is written out; characters.
+const LONGEST_LIST: usize = 120;
+/// Number of names of a longer list, the closest ones.
+const CLOSEST: usize = 6;
+/// Shortest beginning of a name that stands for it; bytes.
+const SHORTEST_BEGINNING: usize = 4;
+
 /// ", did you mean ...?", or the valid names.
 pub fn suggestion(found: &str, expected: &[&str]) -> String {
     let nearest = expected
@@ -208,8 +216,27 @@ pub fn suggestion(found: &str, expected: &[&str]) -> String {
             format!(", did you mean `{name}`?")
         }
         _ if expected.is_empty() => String::new(),
-        _ => format!("; expected one of {}", expected.join(", ")),
+        _ => match expected.iter().find(|name| begins(name, found)) {
+            Some(name) => format!(", did you mean `{name}`?"),
+            None => format!("; expected one of {}", listed(found, expected)),
+        },
     }
+}
+
+fn begins(name: &str, found: &str) -> bool {
+    found.len() >= SHORTEST_BEGINNING && name.starts_with(found)
+}
+
+/// Valid names, of a long list the closest.
+fn listed(found: &str, expected: &[&str]) -> String {
+    let all = expected.join(", ");
+    if all.len() <= LONGEST_LIST {
+        return all;
+    }
+    let mut names = expected.to_vec();
+    names.sort_by_key(|name| strsim::damerau_levenshtein(found, name));
+    names.truncate(CLOSEST);
+    format!("{}, ... (cases/README.md)", names.join(", "))
 }
 
 /// The scene as text that [`read`] reads back to the same scene.

@@ -10,6 +10,7 @@
 
 mod expanded;
 mod materials;
+mod places;
 mod recording;
 mod solids;
 mod speed;
@@ -57,13 +58,18 @@ impl Scene {
         let expanded = expand(file, access)?;
         let (file, terrain) = (&expanded.file, expanded.terrain.as_ref());
         let mut problems = terrain.map_or_else(Vec::new, |terrain| terrain.warnings.clone());
+        problems.extend(expanded.warnings.iter().cloned());
         let names = Names::of(file);
         let solids = match Solids::of(file, &names, access, terrain) {
             Ok(solids) => solids,
             Err(found) => return Err(problems.into_iter().chain(found).collect()),
         };
+        problems.extend(places::blocks_out_of_place(file, &solids));
         let lattice = lattice(file, &solids, access, &mut problems);
         let mut problems = without_errors(problems)?;
+        if let Some(lattice) = &lattice {
+            problems.extend(places::dry_gauges(file, &solids, lattice));
+        }
         let dimensions = file.domain.dimensions;
         problems.extend((lattice.as_ref()).and_then(|l| narrow_gaps(&solids.named, l, dimensions)));
         let lattice = lattice.map(|lattice| with_flow(lattice, file));

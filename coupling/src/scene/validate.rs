@@ -12,6 +12,7 @@ mod numerics;
 mod openings;
 mod shapes;
 mod terrain;
+mod units;
 
 use super::error::Problem;
 use super::file::SceneFile;
@@ -41,6 +42,7 @@ pub fn values(scene: &SceneFile) -> Vec<Problem> {
         scene.rock_masses.iter().map(|m| m.name.as_str()),
     );
     check.terrain(scene);
+    check.units(scene);
     for (index, grains) in scene.grains.iter().enumerate() {
         check.grains(index, grains, scene);
     }

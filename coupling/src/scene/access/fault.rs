@@ -113,6 +113,19 @@ pub enum Fault {
         /// Volume of its hull; m³.
         hull: f64,
     },
+    /// Shells that share space.
+    #[error(
+        "shells {} and {} of {n_shells} overlap by {depth:.3e} m: mass and buoyancy of what they share would count twice; \
+         unite them, or move them apart", .shells[0], .shells[1]
+    )]
+    Overlapping {
+        /// The two, counted from 1 in the order of the file.
+        shells: [usize; 2],
+        /// Shells in the file.
+        n_shells: usize,
+        /// Depth of the overlap; m.
+        depth: f64,
+    },
     /// Triangles that do not form a surface, numbered from 0 without those of no area.
     #[error("is not a valid surface: {0}")]
     NoSurface(#[from] SurfaceError),

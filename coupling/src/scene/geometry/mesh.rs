@@ -12,7 +12,7 @@ mod vtk;
 use std::path::Path;
 use std::sync::Arc;
 
-use riprap_dda::{Polyhedron, Shape, Surface, Vec3, volume};
+use riprap_dda::{Polyhedron, Shape, Surface, Vec3, separating_axes, volume};
 use shells::{Seam, Shell};
 
 use crate::scene::access::Access;
@@ -23,6 +23,9 @@ use crate::scene::access::fault::{MOST_TRIANGLES, MOST_TRIANGLES_OF_A_SHELL};
 /// 24-bit coordinates, so that a flat side of many triangles is rough by 1e-7 of its size; the
 /// volume that a block gains by its hull stays far below any density's uncertainty.
 const CONVEX_TOLERANCE: f64 = 1e-6;
+
+/// Overlap of two shells above which what they share would count twice; × size of the smaller one.
+const DEEPEST_OVERLAP: f64 = 1e-2;
 
 /// Summary of a mesh file, for inspection.
 #[derive(Clone, Debug, PartialEq)]
@@ -227,5 +230,38 @@ fn parts(shells: &[Shell]) -> Result<Vec<Polyhedron>, Fault> {
         }
         Ok(hull)
     };
-    shells.iter().enumerate().map(part).collect()
+    let hulls: Vec<Polyhedron> = shells.iter().enumerate().map(part).collect::<Result<_, _>>()?;
+    match overlap(&hulls) {
+        Some((first, second, depth)) => Err(Fault::Overlapping {
+            shells: [first + 1, second + 1],
+            n_shells,
+            depth,
+        }),
+        None => Ok(hulls),
+    }
+}
+
+/// The first two parts that share space, and the depth of it; m.
+fn overlap(parts: &[Polyhedron]) -> Option<(usize, usize, f64)> {
+    let boxes: Vec<(Vec3, Vec3)> = parts.iter().map(Polyhedron::aabb).collect();
+    let sizes: Vec<f64> = parts.iter().map(|part| volume(part).cbrt()).collect();
+    // sorted along x, a part meets only those that begin before it ends
+    let mut order: Vec<usize> = (0..parts.len()).collect();
+    order.sort_by(|&a, &b| boxes[a].0.x.total_cmp(&boxes[b].0.x).then(a.cmp(&b)));
+    for (k, &a) in order.iter().enumerate() {
+        let meets = order[k + 1..]
+            .iter()
+            .take_while(|&&b| boxes[b].0.x < boxes[a].1.x);
+        for &b in meets {
+            let is_apart = (1..3).any(|k| boxes[a].1[k] <= boxes[b].0[k] || boxes[b].1[k] <= boxes[a].0[k]);
+            if is_apart {
+                continue;
+            }
+            let depth = -separating_axes(&parts[a], &parts[b]).best().gap;
+            if depth > DEEPEST_OVERLAP * sizes[a].min(sizes[b]) {
+                return Some((a.min(b), a.max(b), depth));
+            }
+        }
+    }
+    None
 }

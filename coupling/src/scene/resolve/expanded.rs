@@ -1,5 +1,6 @@
 //! Blocks in place of rock masses, slides and grains.
 
+use super::places::planes_into_the_hill;
 use crate::scene::access::Access;
 use crate::scene::error::Problem;
 use crate::scene::estimate;
@@ -18,6 +19,8 @@ pub(super) struct Expanded {
     /// Reports of rock masses, then of slides.
     pub(super) rock_masses: Vec<RockMassReport>,
     pub(super) grains: Vec<GrainsReport>,
+    /// Doubtful points of slides.
+    pub(super) warnings: Vec<Problem>,
 }
 
 /// Makes the blocks of rock masses, slides and grains.
@@ -28,6 +31,9 @@ pub(super) fn expand(mut file: SceneFile, access: &Access) -> Result<Expanded, V
     file.blocks.extend(blocks);
 
     let slides = std::mem::take(&mut file.slides);
+    let warnings = (terrain.as_ref())
+        .map(|terrain| planes_into_the_hill(&slides, terrain, access))
+        .unwrap_or_default();
     let rock = terrain.as_ref().map_or(&[][..], |terrain| &terrain.rock);
     let (blocks, reports) = blocks_of_slides(&slides, rock)?;
     file.blocks.extend(blocks);
@@ -44,6 +50,7 @@ pub(super) fn expand(mut file: SceneFile, access: &Access) -> Result<Expanded, V
         terrain,
         rock_masses,
         grains,
+        warnings,
     })
 }
 

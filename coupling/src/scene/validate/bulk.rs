@@ -14,6 +14,8 @@ impl Checks {
                 of("no joint set; add one, or make it a block"),
             );
         }
+        let at = format!("rock_masses[{index}]");
+        self.joint_sets(&at, &format!("rock mass `{}`", mass.name), &mass.joint_sets);
         self.not_negative(
             path("minimum_volume"),
             &of("least volume"),

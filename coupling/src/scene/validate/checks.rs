@@ -54,18 +54,6 @@ impl Checks {
         }
     }
 
-    /// Check of an angle from 0 to below 90 degrees.
-    pub fn acute_angle(&mut self, path: String, what: &str, value: impl Into<Option<f64>>) {
-        if let Some(value) = value.into()
-            && !(0.0..90.0).contains(&value)
-        {
-            self.refuse(
-                path,
-                format!("{what} must be in [0, 90) degrees, found {value}"),
-            );
-        }
-    }
-
     /// Check of a direction: any length but zero.
     pub fn direction(&mut self, path: impl Into<String>, what: &str, value: Triple) {
         if is_zero(value) {

@@ -6,19 +6,12 @@ use super::checks::Checks;
 use crate::scene::file::{JointFile, MaterialFile, SceneFile};
 
 /// Range of densities without a warning; kg/m³.
-const USUAL_DENSITY: std::ops::RangeInclusive<f64> = 100.0..=10_000.0;
+pub(super) const USUAL_DENSITY: std::ops::RangeInclusive<f64> = 100.0..=10_000.0;
 
 impl Checks {
     pub(super) fn material(&mut self, index: usize, material: &MaterialFile) {
         let path = |field: &str| format!("materials[{index}].{field}");
         let of = |what: &str| format!("material `{}`: {what}", material.name);
-        let density = material.density;
-        if density > 0.0 && !USUAL_DENSITY.contains(&density) {
-            self.warn(
-                path("density"),
-                format!("{} is {density} kg/m3; is it meant?", of("density")),
-            );
-        }
         self.properties(path, of, |property| material.property(property), |_| None);
     }
 

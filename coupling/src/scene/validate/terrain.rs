@@ -1,6 +1,7 @@
 //! Checks of the terrain and of slides.
 
 use super::checks::Checks;
+use super::units::the_same_plane;
 use crate::scene::file::{
     FailureSurfaceFile, GapsFile, OutlineFile, PlacementFile, SceneFile, ShapeFile, SlideFile,
     TerrainFile,
@@ -127,8 +128,20 @@ impl Checks {
             );
         }
         match beneath {
-            FailureSurfaceFile::Plane { dip_deg, .. } => {
-                self.acute_angle(format!("{path}.failure_surface.dip_deg"), "dip", *dip_deg);
+            FailureSurfaceFile::Plane {
+                dip_deg,
+                dip_direction_deg,
+                ..
+            } => {
+                let path = format!("{path}.failure_surface");
+                if !(0.0..90.0).contains(dip_deg) {
+                    let right = the_same_plane(*dip_deg, *dip_direction_deg);
+                    self.refuse(
+                        format!("{path}.dip_deg"),
+                        format!("dip must be in [0, 90) degrees, found {dip_deg}{right}"),
+                    );
+                }
+                self.dip(&path, "failure plane", (*dip_deg, *dip_direction_deg));
             }
             FailureSurfaceFile::Raster { height_scale, .. } => {
                 let path = format!("{path}.failure_surface.height_scale");
@@ -145,6 +158,8 @@ impl Checks {
             &format!("slides[{index}]"),
             (&slide.outline, &slide.failure_surface),
         );
+        let who = format!("slide `{}`", slide.name);
+        self.joint_sets(&format!("slides[{index}]"), &who, &slide.joint_sets);
         self.not_negative(
             at("convex_within"),
             &of("convex_within"),

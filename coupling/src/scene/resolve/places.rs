@@ -1,0 +1,321 @@
+//! Doubtful places: blocks outside of the domain or far larger than it, gauges that stay dry, failure planes that dip into the
+//! hill.
+
+use riprap_dda::{Motion, Shape, Vec3};
+
+use super::solids::Solids;
+use crate::scene::access::Access;
+use crate::scene::error::Problem;
+use crate::scene::file::{FailureSurfaceFile, GaugeFile, SceneFile, ShapeFile, SlideFile, vec3};
+use crate::scene::fill::Lattice;
+use crate::scene::geometry::terrain::Terrain;
+use crate::scene::geometry::terrain::outline::Outline;
+use crate::world::ground::Ground;
+
+/// Size of a free block over that of the domain above which it is in another unit.
+const LARGEST_FREE: f64 = 20.0;
+/// The same for a block that does not move, which may well reach out of the domain.
+const LARGEST_FIXED: f64 = 200.0;
+/// Size of a mesh over that of the domain below which it is in another unit.
+const SMALLEST_MESH: f64 = 2e-4;
+/// Gap to the domain that is no round-off; × size of the domain.
+const NOTICED_GAP: f64 = 1e-6;
+/// Slope from which ground and failure plane have a direction.
+const SLOPING: f64 = 0.05;
+/// Samples of a line in plan view.
+const SAMPLES: u32 = 40;
+
+/// Blocks outside of the domain, or of another order of size.
+pub(super) fn blocks_out_of_place(file: &SceneFile, solids: &Solids) -> Vec<Problem> {
+    let (low, high) = (vec3(file.domain.min), vec3(file.domain.max));
+    let room = (high - low).max();
+    let mut found: Vec<Problem> = Vec::new();
+    let mut told: Vec<&str> = Vec::new();
+    let bodies = solids.named.iter().zip(&solids.motions).enumerate();
+    for (index, ((name, shape), motion)) in bodies {
+        // blocks that were cut or strewn together are one answer
+        let stem = name.trim_end_matches(|c: char| c.is_ascii_digit());
+        let stem = if stem.ends_with(['.', '_']) { stem } else { name };
+        if told.contains(&stem) {
+            continue;
+        }
+        let body = Body {
+            name,
+            shape: file.blocks.get(index).map(|block| &block.shape),
+            path: format!("blocks[{index}]"),
+            corners: shape.aabb(),
+        };
+        let is_free = matches!(motion, Motion::Free);
+        let problem = body
+            .of_another_size(room, is_free)
+            .or_else(|| body.outside((low, high), motion));
+        if let Some(problem) = problem {
+            told.push(stem);
+            found.push(problem);
+        }
+    }
+    found
+}
+
+/// A block with the box around it.
+struct Body<'a> {
+    name: &'a str,
+    shape: Option<&'a ShapeFile>,
+    path: String,
+    corners: (Vec3, Vec3),
+}
+
+impl Body<'_> {
+    fn of_another_size(&self, room: f64, is_free: bool) -> Option<Problem> {
+        let size = (self.corners.1 - self.corners.0).max();
+        let most = if is_free { LARGEST_FREE } else { LARGEST_FIXED };
+        let scale = match self.shape? {
+            ShapeFile::Mesh { scale, .. } | ShapeFile::Surface { scale, .. } => Some(*scale),
+            ShapeFile::Terrain | ShapeFile::Raster { .. } => return None,
+            _ => None,
+        };
+        let field = if scale.is_some() { ".scale" } else { "" };
+        let path = format!("{}.shape{field}", self.path);
+        let say = |right: String| {
+            format!(
+                "block `{}` is {size:.4} m long in a domain of {room:.4} m; {right}",
+                self.name
+            )
+        };
+        if size > most * room {
+            let right = match scale {
+                Some(scale) => format!("a mesh in millimeters has scale: 0.001, found {scale}"),
+                None => "lengths are in meters, not millimeters".to_owned(),
+            };
+            let message = say(right);
+            return Some(if is_free {
+                Problem::error(path, message)
+            } else {
+                Problem::warning(path, message)
+            });
+        }
+        let scale = scale.filter(|_| size < SMALLEST_MESH * room)?;
+        let right = format!("a mesh in meters has scale: 1, found {scale}");
+        Some(Problem::warning(path, say(right)))
+    }
+
+    fn outside(&self, (low, high): (Vec3, Vec3), motion: &Motion) -> Option<Problem> {
+        let gap = NOTICED_GAP * (high - low).max();
+        let (from, to) = self.corners;
+        let axis = (0..3).find(|&k| to[k] < low[k] - gap || high[k] + gap < from[k])?;
+        let message = format!(
+            "block `{}` is outside of the domain: along {} it is from {:.6} to {:.6} m, the domain from {} to {}",
+            self.name,
+            ["x", "y", "z"][axis],
+            from[axis],
+            to[axis],
+            low[axis],
+            high[axis]
+        );
+        match (motion, self.shape) {
+            (Motion::Fixed, Some(ShapeFile::Terrain)) => Some(Problem::error(
+                "terrain.origin",
+                format!("{message}; set terrain.origin to the map coordinates of (0, 0, 0)"),
+            )),
+            (Motion::Free, _) => Some(Problem::error(format!("{}.shape", self.path), message)),
+            (Motion::Fixed, _) => Some(Problem::warning(
+                format!("{}.shape", self.path),
+                format!("{message}; it has no effect"),
+            )),
+            // a gate or a paddle may come in later
+            (Motion::Prescribed(_), _) => None,
+        }
+    }
+}
+
+/// Gauges in rock, or on land higher above the water than it is deep.
+pub(super) fn dry_gauges(file: &SceneFile, solids: &Solids, lattice: &Lattice) -> Vec<Problem> {
+    let land = Land::new(solids, lattice);
+    let mut found = Vec::new();
+    for (index, gauge) in file.gauges.iter().enumerate() {
+        match gauge {
+            GaugeFile::SurfaceElevation { name, x, y } => {
+                if let Some(ground) = land.high_ground(&[[*x, *y]]) {
+                    let message = land.dry(name, ground, "it stays dry");
+                    found.push(Problem::warning(format!("gauges[{index}].x"), message));
+                }
+            }
+            GaugeFile::RunUp { name, from, to } | GaugeFile::Front { name, from, to } => {
+                let line: Vec<[f64; 2]> = (0..=SAMPLES)
+                    .map(|k| f64::from(k) / f64::from(SAMPLES))
+                    .map(|s| [from.0 + s * (to.0 - from.0), from.1 + s * (to.1 - from.1)])
+                    .collect();
+                if let Some(ground) = land.high_ground(&line) {
+                    let message = land.dry(name, ground, "start the line in the water");
+                    found.push(Problem::warning(format!("gauges[{index}].from"), message));
+                }
+            }
+            GaugeFile::Pressure { name, position } | GaugeFile::Velocity { name, position } => {
+                if let Some(block) = land.block_around(&vec3(*position)) {
+                    found.push(Problem::warning(
+                        format!("gauges[{index}].position"),
+                        format!(
+                            "gauge `{name}` at {position:?} is inside block `{block}`; move it into the water"
+                        ),
+                    ));
+                }
+            }
+            _ => {}
+        }
+    }
+    found
+}
+
+/// Fixed blocks and the water among them.
+struct Land<'a> {
+    fixed: Vec<&'a (String, Shape)>,
+    ground: Ground,
+    lattice: &'a Lattice,
+}
+
+impl<'a> Land<'a> {
+    fn new(solids: &'a Solids, lattice: &'a Lattice) -> Self {
+        let bodies = solids.named.iter().zip(&solids.motions);
+        let fixed: Vec<_> = bodies
+            .filter(|(_, motion)| matches!(motion, Motion::Fixed))
+            .map(|(named, _)| named)
+            .collect();
+        let triangles = fixed.iter().flat_map(|(_, shape)| triangles(shape));
+        Self {
+            ground: Ground::over(triangles.collect()),
+            fixed,
+            lattice,
+        }
+    }
+
+    /// Lowest ground at some points in plan view, if all of it is as high above the water as that is deep; m.
+    fn high_ground(&self, points: &[[f64; 2]]) -> Option<f64> {
+        let top = self.lattice.still_water_level + self.lattice.depth;
+        let heights: Option<Vec<f64>> = points
+            .iter()
+            .map(|point| self.ground.height_under_the_sky(*point))
+            .collect();
+        let lowest = heights?.into_iter().fold(f64::INFINITY, f64::min);
+        (top < lowest && lowest.is_finite() && !self.has_water_at(points)).then_some(lowest)
+    }
+
+    /// True for water below one of some points, such as in a tunnel.
+    fn has_water_at(&self, points: &[[f64; 2]]) -> bool {
+        let [dx, dy, _] = self.lattice.spacing;
+        self.lattice.positions.iter().any(|x| {
+            let is_near = |p: &[f64; 2]| (x.x - p[0]).abs() <= dx && (x.y - p[1]).abs() <= dy;
+            points.iter().any(is_near)
+        })
+    }
+
+    fn dry(&self, name: &str, ground: f64, right: &str) -> String {
+        format!(
+            "gauge `{name}` is on land {:.3} m above the water, which is {:.3} m deep; {right}",
+            ground - self.lattice.still_water_level,
+            self.lattice.depth
+        )
+    }
+
+    /// The fixed block more than a spacing inside of which a point is.
+    fn block_around(&self, x: &Vec3) -> Option<&'a str> {
+        let spacing = self.lattice.spacing.iter().copied().fold(0.0, f64::max);
+        let is_around = |shape: &Shape| shape.signed_distance(x).distance < -spacing;
+        let mut fixed = self.fixed.iter();
+        fixed
+            .find(|(_, shape)| is_around(shape))
+            .map(|(name, _)| name.as_str())
+    }
+}
+
+/// Triangles of a shape; spheres are no ground.
+fn triangles(shape: &Shape) -> Vec<[Vec3; 3]> {
+    match shape {
+        Shape::Surface(surface) => {
+            let corner = |&v: &u32| surface.vertices()[v as usize];
+            let triangles = surface.triangles().iter();
+            triangles.map(|[a, b, c]| [corner(a), corner(b), corner(c)]).collect()
+        }
+        Shape::Polyhedra(parts) => {
+            let faces = parts.iter().flat_map(|part| {
+                (0..part.n_faces()).map(move |face| {
+                    let corners = part.face_vertices(face);
+                    corners.map(|v| part.vertices()[v as usize]).collect::<Vec<_>>()
+                })
+            });
+            let fan = |corners: Vec<Vec3>| {
+                let first = corners[0];
+                let pairs: Vec<_> = corners.windows(2).skip(1).map(|p| [first, p[0], p[1]]).collect();
+                pairs
+            };
+            faces.flat_map(fan).collect()
+        }
+        Shape::Sphere { .. } => Vec::new(),
+    }
+}
+
+/// Slides whose failure plane dips against the ground above it.
+pub(super) fn planes_into_the_hill(
+    slides: &[SlideFile],
+    terrain: &Terrain,
+    access: &Access,
+) -> Vec<Problem> {
+    let mut found = Vec::new();
+    for (index, slide) in slides.iter().enumerate() {
+        let FailureSurfaceFile::Plane {
+            dip_deg,
+            dip_direction_deg,
+            ..
+        } = slide.failure_surface
+        else {
+            continue;
+        };
+        let origin = (terrain.origin.0, terrain.origin.1);
+        let Ok(outline) = Outline::read(&slide.outline, origin, access) else {
+            continue;
+        };
+        let Some(ground) = mean_slope(terrain, &outline) else {
+            continue;
+        };
+        let direction = dip_direction_deg.to_radians();
+        let down = [direction.sin(), direction.cos()];
+        let steepness = dip_deg.to_radians().tan();
+        // fall of the ground along the dip of the plane
+        let fall = -(ground[0] * down[0] + ground[1] * down[1]);
+        if steepness > SLOPING && fall < -SLOPING {
+            let downhill = (-ground[0]).atan2(-ground[1]).to_degrees().rem_euclid(360.0);
+            found.push(Problem::warning(
+                format!("slides[{index}].failure_surface.dip_direction_deg"),
+                format!(
+                    "slide `{}`: the failure plane dips into the hill, toward {dip_direction_deg} degrees; the ground falls toward \
+                     {downhill:.0}",
+                    slide.name
+                ),
+            ));
+        }
+    }
+    found
+}
+
+/// Slopes along x and y of the plane through the ground within an outline.
+fn mean_slope(terrain: &Terrain, outline: &Outline) -> Option<[f64; 2]> {
+    let grid = &terrain.grid;
+    let points: Vec<[f64; 3]> = grid
+        .points()
+        .map(|point| (grid.place(point), grid.heights[grid.index(point)]))
+        .filter(|(place, _)| outline.holds(*place))
+        .map(|([x, y], z)| [x, y, z])
+        .collect();
+    let n = points.len() as f64;
+    let mean = [0, 1, 2].map(|k| points.iter().map(|p| p[k]).sum::<f64>() / n);
+    let sum = |a: usize, b: usize| -> f64 {
+        points.iter().map(|p| (p[a] - mean[a]) * (p[b] - mean[b])).sum()
+    };
+    let (xx, xy, yy, xz, yz) = (sum(0, 0), sum(0, 1), sum(1, 1), sum(0, 2), sum(1, 2));
+    let determinant = xx * yy - xy * xy;
+    (determinant > 0.0).then(|| {
+        [
+            (xz * yy - yz * xy) / determinant,
+            (yz * xx - xz * xy) / determinant,
+        ]
+    })
+}
