@@ -65,6 +65,7 @@ impl Scene {
             Err(found) => return Err(problems.into_iter().chain(found).collect()),
         };
         problems.extend(places::blocks_out_of_place(file, &solids));
+        problems.extend(places::empty_domain(file, &solids));
         let lattice = lattice(file, &solids, access, &mut problems);
         let mut problems = without_errors(problems)?;
         if let Some(lattice) = &lattice {

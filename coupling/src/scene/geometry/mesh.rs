@@ -230,7 +230,11 @@ fn parts(shells: &[Shell]) -> Result<Vec<Polyhedron>, Fault> {
         }
         Ok(hull)
     };
-    let hulls: Vec<Polyhedron> = shells.iter().enumerate().map(part).collect::<Result<_, _>>()?;
+    let hulls: Vec<Polyhedron> = shells
+        .iter()
+        .enumerate()
+        .map(part)
+        .collect::<Result<_, _>>()?;
     match overlap(&hulls) {
         Some((first, second, depth)) => Err(Fault::Overlapping {
             shells: [first + 1, second + 1],
@@ -253,7 +257,8 @@ fn overlap(parts: &[Polyhedron]) -> Option<(usize, usize, f64)> {
             .iter()
             .take_while(|&&b| boxes[b].0.x < boxes[a].1.x);
         for &b in meets {
-            let is_apart = (1..3).any(|k| boxes[a].1[k] <= boxes[b].0[k] || boxes[b].1[k] <= boxes[a].0[k]);
+            let is_apart =
+                (1..3).any(|k| boxes[a].1[k] <= boxes[b].0[k] || boxes[b].1[k] <= boxes[a].0[k]);
             if is_apart {
                 continue;
             }

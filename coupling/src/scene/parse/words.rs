@@ -67,7 +67,9 @@ pub(super) fn mistake(text: &str, error: &ron::Error, at: usize) -> Option<(Stri
         ron::Error::ExpectedNamedStructLike(_) => {
             here.unclosed().or_else(|| Some(here.no_fields()))
         }
-        ron::Error::InvalidValueForType { .. } | ron::Error::ExpectedDifferentStructName { .. } => Some(here.no_fields()),
+        ron::Error::InvalidValueForType { .. } | ron::Error::ExpectedDifferentStructName { .. } => {
+            Some(here.no_fields())
+        }
         ron::Error::ExpectedArray => here.unclosed().or_else(|| Some(here.no_list())),
         ron::Error::ExpectedDifferentLength { found, .. } => here.number_missing(*found),
         ron::Error::UnexpectedChar(_) => here.behind_a_number(),
@@ -102,7 +104,9 @@ impl<'a> Here<'a> {
         // within a word, or behind the quote that opens a text, its start is the place
         let before = text.get(..skipped).unwrap_or_default();
         let start = before.trim_end_matches(is_of_word).len();
-        let is_within = text.get(skipped..).is_some_and(|r| r.starts_with(is_of_word));
+        let is_within = text
+            .get(skipped..)
+            .is_some_and(|r| r.starts_with(is_of_word));
         Self {
             text,
             at: if is_within { start } else { skipped },
@@ -220,14 +224,24 @@ impl<'a> Here<'a> {
             return None;
         }
         let is_attached = |k: &usize| {
-            inside.get(k + 1..).is_some_and(|rest| rest.starts_with(|c: char| c.is_ascii_digit()))
+            inside
+                .get(k + 1..)
+                .is_some_and(|rest| rest.starts_with(|c: char| c.is_ascii_digit()))
         };
-        let attached: Vec<usize> = inside.match_indices(',').map(|(k, _)| k).filter(is_attached).collect();
+        let attached: Vec<usize> = inside
+            .match_indices(',')
+            .map(|(k, _)| k)
+            .filter(is_attached)
+            .collect();
         let n_wanted = numbers.len() - attached.len();
-        let is_mixed = !attached.is_empty() && (n_wanted == 1 || attached.len() + 1 < numbers.len());
+        let is_mixed =
+            !attached.is_empty() && (n_wanted == 1 || attached.len() + 1 < numbers.len());
         if is_mixed {
             let start = open + 1 + attached[0];
-            let decimals = Here { text: self.text, at: start + 1 };
+            let decimals = Here {
+                text: self.text,
+                at: start + 1,
+            };
             return decimals.decimal_comma();
         }
         let span = open..open + inside.len() + 2;
@@ -277,7 +291,9 @@ impl<'a> Here<'a> {
             let message = if is_number(inside) {
                 format!("`{owner}` takes a number, found \"{inside}\" in quotes; write {inside}")
             } else {
-                format!("expected the name of a field, found \"{inside}\" in quotes; write {inside}")
+                format!(
+                    "expected the name of a field, found \"{inside}\" in quotes; write {inside}"
+                )
             };
             return Some((message, span));
         };
@@ -286,10 +302,16 @@ impl<'a> Here<'a> {
             Some((_, kind)) if is_number(inside) => format!("{kind}({inside})"),
             _ => inside.to_owned(),
         };
-        let what = if is_number(inside) { "a number" } else { "a word" };
+        let what = if is_number(inside) {
+            "a number"
+        } else {
+            "a word"
+        };
         let first = inside.split_whitespace().next().unwrap_or_default();
         let message = if kind.is_none() && !is_number(inside) && is_number(first) {
-            format!("`{field}` takes a number without a unit, found \"{inside}\" in quotes; write {first}")
+            format!(
+                "`{field}` takes a number without a unit, found \"{inside}\" in quotes; write {first}"
+            )
         } else {
             format!("`{field}` takes {what}, found \"{inside}\" in quotes; write {right}")
         };
@@ -298,7 +320,7 @@ impl<'a> Here<'a> {
 
     /// `shape: (min: ...)`: a parenthesis without its kind.
     fn without_kind(&self) -> Option<(String, Range<usize>)> {
-        if !self.rest().starts_with('(') {
+        if !self.rest().starts_with(['(', '[']) {
             return None;
         }
         let Some(field) = self.field().or_else(|| self.list()) else {
@@ -313,7 +335,10 @@ impl<'a> Here<'a> {
             _ => "see cases/README.md".to_owned(),
         };
         Some((
-            format!("`{field}` does not say which kind it is before `(`; {right}"),
+            format!(
+                "`{field}` does not say which kind it is before `{}`; {right}",
+                self.found()
+            ),
             self.found_span(),
         ))
     }
@@ -353,9 +378,11 @@ impl<'a> Here<'a> {
             _ if found.starts_with(|c: char| c.is_ascii_digit()) && found.contains('.') => {
                 format!("`{owner}` takes a number, found `{found}`; write digits with one point")
             }
-            _ if self.rest().split(['(', ')', ',']).next().is_some_and(|word| {
-                word.contains(':') && !word.contains('"')
-            }) =>
+            _ if self
+                .rest()
+                .split(['(', ')', ','])
+                .next()
+                .is_some_and(|word| word.contains(':') && !word.contains('"')) =>
             {
                 format!("a point is three numbers without names, (x, y, z), found `{found}:`")
             }
@@ -379,15 +406,28 @@ impl<'a> Here<'a> {
         if !is_number(number) {
             return None;
         }
-        let behind = if word.is_empty() { attached } else { self.found() };
-        let operator = self.before().trim_end().chars().last().filter(|c| "/*".contains(*c));
+        let behind = if word.is_empty() {
+            attached
+        } else {
+            self.found()
+        };
+        let operator = self
+            .before()
+            .trim_end()
+            .chars()
+            .last()
+            .filter(|c| "/*".contains(*c));
         let first = operator.or_else(|| behind.chars().next())?;
         let message = match first {
-            '/' | '*' => format!("a number is not computed, found `{number}{first}`; write the result"),
+            '/' | '*' => {
+                format!("a number is not computed, found `{number}{first}`; write the result")
+            }
             '\'' | '0'..='9' => {
                 let behind = self.rest().split([',', ')', '\n']).next()?;
                 let gap = if first == '\'' { "" } else { " " };
-                format!("found `{number}{gap}{behind}`; a comma goes between numbers, nothing between thousands")
+                format!(
+                    "found `{number}{gap}{behind}`; a comma goes between numbers, nothing between thousands"
+                )
             }
             _ if first.is_alphabetic() || "°%".contains(first) => format!(
                 "`{number}` is followed by `{behind}`; write {number} alone, in the unit of cases/README.md"
@@ -427,12 +467,16 @@ impl<'a> Here<'a> {
             Some(field) if found == "[" => {
                 format!("`{field}` takes numbers in parentheses, found `[`; write ( and )")
             }
-            Some(field) => format!("`{field}` takes several numbers, such as (x, y, z), found `{found}`"),
+            Some(field) => {
+                format!("`{field}` takes several numbers, such as (x, y, z), found `{found}`")
+            }
             None if found == "[" => "numbers of a point stand in parentheses, found `[`".to_owned(),
             None => {
                 let kind = self.before().trim_end().rsplit(|c| !is_of_word(c)).next();
                 let kind = kind.filter(|kind| !kind.is_empty()).unwrap_or("a kind");
-                format!("`{kind}` takes its value in parentheses, such as {kind}(1), found `{found}`")
+                format!(
+                    "`{kind}` takes its value in parentheses, such as {kind}(1), found `{found}`"
+                )
             }
         };
         (message, self.found_span())
@@ -443,7 +487,9 @@ impl<'a> Here<'a> {
         let (found, span) = (self.found(), self.found_span());
         let message = match self.field().or_else(|| self.list()) {
             Some(field) if found == "true" => {
-                format!("`{field}` takes its fields in parentheses, found `true`; write {field}: ()")
+                format!(
+                    "`{field}` takes its fields in parentheses, found `true`; write {field}: ()"
+                )
             }
             Some(field) => format!(
                 "`{field}` takes fields in parentheses, (name: value, ...), found `{found}`"

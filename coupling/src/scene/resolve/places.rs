@@ -6,7 +6,9 @@ use riprap_dda::{Motion, Shape, Vec3};
 use super::solids::Solids;
 use crate::scene::access::Access;
 use crate::scene::error::Problem;
-use crate::scene::file::{FailureSurfaceFile, GaugeFile, SceneFile, ShapeFile, SlideFile, vec3};
+use crate::scene::file::{
+    FailureSurfaceFile, GaugeFile, RegionShapeFile, SceneFile, ShapeFile, SlideFile, vec3,
+};
 use crate::scene::fill::Lattice;
 use crate::scene::geometry::terrain::Terrain;
 use crate::scene::geometry::terrain::outline::Outline;
@@ -18,6 +20,8 @@ const LARGEST_FREE: f64 = 20.0;
 const LARGEST_FIXED: f64 = 200.0;
 /// Size of a mesh over that of the domain below which it is in another unit.
 const SMALLEST_MESH: f64 = 2e-4;
+/// Size of the domain over that of its content above which it is in another unit.
+const EMPTIEST: f64 = 200.0;
 /// Gap to the domain that is no round-off; × size of the domain.
 const NOTICED_GAP: f64 = 1e-6;
 /// Slope from which ground and failure plane have a direction.
@@ -35,7 +39,11 @@ pub(super) fn blocks_out_of_place(file: &SceneFile, solids: &Solids) -> Vec<Prob
     for (index, ((name, shape), motion)) in bodies {
         // blocks that were cut or strewn together are one answer
         let stem = name.trim_end_matches(|c: char| c.is_ascii_digit());
-        let stem = if stem.ends_with(['.', '_']) { stem } else { name };
+        let stem = if stem.ends_with(['.', '_']) {
+            stem
+        } else {
+            name
+        };
         if told.contains(&stem) {
             continue;
         }
@@ -57,6 +65,36 @@ pub(super) fn blocks_out_of_place(file: &SceneFile, solids: &Solids) -> Vec<Prob
     found
 }
 
+/// A length without digits below a tenth of a millimeter.
+fn digits(length: f64) -> f64 {
+    (length * 1e4).round() / 1e4
+}
+
+/// A domain far larger than all that is in it.
+pub(super) fn empty_domain(file: &SceneFile, solids: &Solids) -> Option<Problem> {
+    let room = vec3(file.domain.max) - vec3(file.domain.min);
+    let boxes = solids.named.iter().map(|(_, shape)| shape.aabb());
+    let regions = file.fluid.iter().flat_map(|fluid| &fluid.regions);
+    let water = regions.filter_map(|region| match region.shape {
+        RegionShapeFile::Box { min, max } => Some((vec3(min), vec3(max))),
+        RegionShapeFile::Below { .. } => None,
+    });
+    let (low, high) = boxes
+        .chain(water)
+        .reduce(|(low, high), (min, max)| (low.inf(&min), high.sup(&max)))?;
+    let content = (high - low).max();
+    (room.max() > EMPTIEST * content).then(|| {
+        Problem::warning(
+            "domain",
+            format!(
+                "domain is {} m long, all that is in it {} m; lengths are in meters, not millimeters",
+                digits(room.max()),
+                digits(content)
+            ),
+        )
+    })
+}
+
 /// A block with the box around it.
 struct Body<'a> {
     name: &'a str,
@@ -76,9 +114,10 @@ impl Body<'_> {
         };
         let field = if scale.is_some() { ".scale" } else { "" };
         let path = format!("{}.shape{field}", self.path);
+        let (length, extent) = (digits(size), digits(room));
         let say = |right: String| {
             format!(
-                "block `{}` is {size:.4} m long in a domain of {room:.4} m; {right}",
+                "block `{}` is {length} m long in a domain of {extent} m; {right}",
                 self.name
             )
         };
@@ -104,11 +143,11 @@ impl Body<'_> {
         let (from, to) = self.corners;
         let axis = (0..3).find(|&k| to[k] < low[k] - gap || high[k] + gap < from[k])?;
         let message = format!(
-            "block `{}` is outside of the domain: along {} it is from {:.6} to {:.6} m, the domain from {} to {}",
+            "block `{}` is outside of the domain: along {} it is from {} to {} m, the domain from {} to {}",
             self.name,
             ["x", "y", "z"][axis],
-            from[axis],
-            to[axis],
+            digits(from[axis]),
+            digits(to[axis]),
             low[axis],
             high[axis]
         );
@@ -233,18 +272,26 @@ fn triangles(shape: &Shape) -> Vec<[Vec3; 3]> {
         Shape::Surface(surface) => {
             let corner = |&v: &u32| surface.vertices()[v as usize];
             let triangles = surface.triangles().iter();
-            triangles.map(|[a, b, c]| [corner(a), corner(b), corner(c)]).collect()
+            triangles
+                .map(|[a, b, c]| [corner(a), corner(b), corner(c)])
+                .collect()
         }
         Shape::Polyhedra(parts) => {
             let faces = parts.iter().flat_map(|part| {
                 (0..part.n_faces()).map(move |face| {
                     let corners = part.face_vertices(face);
-                    corners.map(|v| part.vertices()[v as usize]).collect::<Vec<_>>()
+                    corners
+                        .map(|v| part.vertices()[v as usize])
+                        .collect::<Vec<_>>()
                 })
             });
             let fan = |corners: Vec<Vec3>| {
                 let first = corners[0];
-                let pairs: Vec<_> = corners.windows(2).skip(1).map(|p| [first, p[0], p[1]]).collect();
+                let pairs: Vec<_> = corners
+                    .windows(2)
+                    .skip(1)
+                    .map(|p| [first, p[0], p[1]])
+                    .collect();
                 pairs
             };
             faces.flat_map(fan).collect()
@@ -282,7 +329,10 @@ pub(super) fn planes_into_the_hill(
         // fall of the ground along the dip of the plane
         let fall = -(ground[0] * down[0] + ground[1] * down[1]);
         if steepness > SLOPING && fall < -SLOPING {
-            let downhill = (-ground[0]).atan2(-ground[1]).to_degrees().rem_euclid(360.0);
+            let downhill = (-ground[0])
+                .atan2(-ground[1])
+                .to_degrees()
+                .rem_euclid(360.0);
             found.push(Problem::warning(
                 format!("slides[{index}].failure_surface.dip_direction_deg"),
                 format!(
@@ -308,7 +358,10 @@ fn mean_slope(terrain: &Terrain, outline: &Outline) -> Option<[f64; 2]> {
     let n = points.len() as f64;
     let mean = [0, 1, 2].map(|k| points.iter().map(|p| p[k]).sum::<f64>() / n);
     let sum = |a: usize, b: usize| -> f64 {
-        points.iter().map(|p| (p[a] - mean[a]) * (p[b] - mean[b])).sum()
+        points
+            .iter()
+            .map(|p| (p[a] - mean[a]) * (p[b] - mean[b]))
+            .sum()
     };
     let (xx, xy, yy, xz, yz) = (sum(0, 0), sum(0, 1), sum(1, 1), sum(0, 2), sum(1, 2));
     let determinant = xx * yy - xy * xy;

@@ -40,6 +40,10 @@ impl Checks {
                 Interval::Acute => "in [0, 90) degrees".to_owned(),
                 Interval::UpTo(peak) => {
                     let most = value(peak).unwrap_or(f64::INFINITY);
+                    // a negative peak is refused by itself
+                    if most < 0.0 {
+                        continue;
+                    }
                     format!("in [0, {most}], the {}", in_file(peak).1)
                 }
                 interval => interval.to_string(),

@@ -37,6 +37,7 @@ impl Checks {
         ] {
             self.positive(path, what, value);
         }
+        self.rare_outputs(scene);
         self.sleep(numerics);
         self.not_negative(
             "interface.penalty_damping",
@@ -64,6 +65,29 @@ impl Checks {
                 "numerics.smoothing_length_ratio",
                 format!("smoothing length over spacing must be in [1, 3], found {ratio}: fewer neighbors than 30 or more than 900"),
             );
+        }
+    }
+
+    /// Intervals of output that are longer than the run.
+    fn rare_outputs(&mut self, scene: &SceneFile) {
+        let (duration, output) = (scene.time.duration, &scene.output);
+        for (field, value) in [
+            ("frame_interval", output.frame_interval),
+            ("gauge_interval", output.gauge_interval),
+            ("ledger_interval", output.ledger_interval),
+        ] {
+            if let Some(value) = value
+                && 0.0 < duration
+                && duration < value
+            {
+                self.warn(
+                    format!("output.{field}"),
+                    format!(
+                        "{} is {value} s, longer than the run of {duration} s",
+                        field.replace('_', " ")
+                    ),
+                );
+            }
         }
     }
 

@@ -18,6 +18,10 @@ const WATER_IN_TONS: std::ops::RangeInclusive<f64> = 0.5..=3.0;
 const UNIT_WEIGHT: std::ops::RangeInclusive<f64> = 15.0..=32.0;
 /// Softest solid; Pa.
 const SOFTEST: f64 = 1e4;
+/// Unit weights of water and mud; N/m³.
+const WATER_WEIGHT: std::ops::RangeInclusive<f64> = 9_000.0..=15_000.0;
+/// Speed of sound in air, which neither rock nor water reaches in a slide; m/s.
+const FASTEST: f64 = 340.0;
 /// Steps of angles that are set out by hand; degrees.
 const ROUND_ANGLE: f64 = 5.0;
 /// Tolerance of such an angle in radians with four digits; rad.
@@ -61,7 +65,10 @@ impl Checks {
         for (index, joint) in scene.joints.iter().enumerate() {
             let path = |field: &str| format!("joints[{index}].{field}");
             let of = |what: &str| {
-                format!("joint of `{}` and `{}`: {what}", joint.between.0, joint.between.1)
+                format!(
+                    "joint of `{}` and `{}`: {what}",
+                    joint.between.0, joint.between.1
+                )
             };
             let field = "friction_angle_deg";
             self.friction(path(field), &of("friction angle"), joint.friction_angle_deg);
@@ -69,9 +76,14 @@ impl Checks {
             self.friction(path(field), &of(what), joint.residual_friction_angle_deg);
         }
         if let SlipFile::Friction(angle) = scene.interface.slip {
-            self.friction("interface.slip".to_owned(), "interface: friction angle", Some(angle));
+            self.friction(
+                "interface.slip".to_owned(),
+                "interface: friction angle",
+                Some(angle),
+            );
         }
         self.turns(scene);
+        self.speeds(scene);
     }
 
     /// Upward gravity, gravity along another axis than z, in centimeters or multiples of the Earth's.
@@ -81,7 +93,10 @@ impl Checks {
         if z > 0.0 {
             self.refuse(
                 "gravity",
-                format!("gravity acts upward, found {z} along z; z is up: write {}", -z),
+                format!(
+                    "gravity acts upward, found {z} along z; z is up: write {}",
+                    -z
+                ),
             );
         } else if z == 0.0 && EARTHLY.contains(&size) {
             self.warn(
@@ -115,8 +130,14 @@ impl Checks {
             let who = format!("material `{}`: density", material.name);
             if is_si && IN_TONS.contains(&density) && moving.contains(&material.name.as_str()) {
                 self.refuse(path, in_tons(&who, density));
-            } else if is_si && (UNIT_WEIGHT.contains(&density) || UNIT_WEIGHT.contains(&(density / 1000.0))) {
-                let in_kn = if density > 1000.0 { density / 1000.0 } else { density };
+            } else if is_si
+                && (UNIT_WEIGHT.contains(&density) || UNIT_WEIGHT.contains(&(density / 1000.0)))
+            {
+                let in_kn = if density > 1000.0 {
+                    density / 1000.0
+                } else {
+                    density
+                };
                 self.warn(
                     path,
                     format!(
@@ -125,7 +146,10 @@ impl Checks {
                     ),
                 );
             } else if density > 0.0 && !super::materials::USUAL_DENSITY.contains(&density) {
-                self.warn(path, format!("{who} is {density} kg/m3; rock has 2000 to 3000"));
+                self.warn(
+                    path,
+                    format!("{who} is {density} kg/m3; rock has 2000 to 3000"),
+                );
             }
         }
         if let Some(fluid) = &scene.fluid
@@ -133,6 +157,19 @@ impl Checks {
             && WATER_IN_TONS.contains(&fluid.density)
         {
             self.refuse("fluid.density", in_tons("fluid: density", fluid.density));
+        }
+        if let Some(fluid) = &scene.fluid
+            && is_si
+            && WATER_WEIGHT.contains(&fluid.density)
+        {
+            let density = fluid.density;
+            self.warn(
+                "fluid.density",
+                format!(
+                    "fluid: density is {density} kg/m3; a unit weight of {density} N/m3 is {:.0} kg/m3",
+                    density / EARTH
+                ),
+            );
         }
     }
 
@@ -185,7 +222,10 @@ impl Checks {
                 let right = the_same_plane(dip, direction);
                 self.refuse(
                     at("dip_deg"),
-                    format!("{} must be in [0, 90] degrees, found {dip}{right}", of("dip")),
+                    format!(
+                        "{} must be in [0, 90] degrees, found {dip}{right}",
+                        of("dip")
+                    ),
                 );
             }
             self.dip(&path, &who, (dip, direction));
@@ -197,7 +237,10 @@ impl Checks {
             ] {
                 if !(0.0..=most).contains(&value) {
                     let what = of(&field.replace('_', " "));
-                    self.refuse(at(field), format!("{what} must be in [0, {most}], found {value}"));
+                    self.refuse(
+                        at(field),
+                        format!("{what} must be in [0, {most}], found {value}"),
+                    );
                 }
             }
         }
@@ -212,7 +255,8 @@ impl Checks {
             let angle = turn.angle_deg;
             let degrees = (angle.to_degrees() / ROUND_ANGLE).round() * ROUND_ANGLE;
             let is_round = (degrees.to_radians() - angle).abs() < FOUR_DIGITS;
-            if degrees != 0.0 && is_round && angle.abs() < 2.1 * PI && (2.0 * angle).fract() != 0.0 {
+            if degrees != 0.0 && is_round && angle.abs() < 2.1 * PI && (2.0 * angle).fract() != 0.0
+            {
                 self.warn(
                     format!("blocks[{index}].placement.rotate.angle_deg"),
                     format!(
@@ -225,8 +269,48 @@ impl Checks {
     }
 }
 
+impl Checks {
+    /// Initial speeds in millimeters per second.
+    fn speeds(&mut self, scene: &SceneFile) {
+        let blocks = (scene.blocks.iter().enumerate()).map(|(k, b)| {
+            (
+                format!("blocks[{k}]"),
+                format!("block `{}`", b.name),
+                b.velocity,
+            )
+        });
+        let grains = (scene.grains.iter().enumerate()).map(|(k, g)| {
+            (
+                format!("grains[{k}]"),
+                format!("grains `{}`", g.name),
+                g.velocity,
+            )
+        });
+        let regions = scene
+            .fluid
+            .iter()
+            .flat_map(|fluid| fluid.regions.iter().enumerate());
+        let water = regions.map(|(k, r)| {
+            let who = format!("fluid region `{}`", r.name);
+            (format!("fluid.regions[{k}]"), who, r.velocity)
+        });
+        for (path, who, (x, y, z)) in blocks.chain(grains).chain(water) {
+            let speed = x.hypot(y).hypot(z);
+            if FASTEST < speed {
+                self.warn(
+                    format!("{path}.velocity"),
+                    format!("{who}: it starts at {speed} m/s, faster than sound in air; velocities are in m/s"),
+                );
+            }
+        }
+    }
+}
+
 fn in_tons(who: &str, density: f64) -> String {
-    format!("{who} is {density} kg/m3, as if in t/m3; write {}", 1000.0 * density)
+    format!(
+        "{who} is {density} kg/m3, as if in t/m3; write {}",
+        1000.0 * density
+    )
 }
 
 /// True for an angle (degrees) above 0 and below a right angle in radians that is no multiple of `step`.
