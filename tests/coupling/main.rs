@@ -21,6 +21,7 @@ mod floating;
 mod geometry;
 mod hostile;
 mod landslide;
+mod mistakes;
 mod overview;
 mod program;
 mod random_scenes;
