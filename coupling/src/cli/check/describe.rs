@@ -102,7 +102,12 @@ fn surfaces(scene: &Scene) -> Vec<Line> {
     });
     match triangles.sum::<usize>() {
         0 => Vec::new(),
-        n => vec![("surfaces", format!("{n} triangles"))],
+        n => {
+            let within = scene.terrain.as_ref().map_or(String::new(), |terrain| {
+                format!(" within {:.3} m of the terrain", terrain.tolerance)
+            });
+            vec![("surfaces", format!("{n} triangles{within}"))]
+        }
     }
 }
 
@@ -128,11 +133,32 @@ fn kinematics(scene: &Scene) -> String {
         let stiffness = stiffest(|m| m.joint_stiffness.unwrap_or(0.0));
         format!("{kind}; joint stiffness {stiffness:.3e} Pa/m")
     } else {
+        let stiffness = stiffest(|m| m.contact_stiffness);
+        let (at_rest, at_speed) = overlaps(scene, stiffness);
         format!(
-            "{kind}; contact stiffness {:.3e} N/m",
-            stiffest(|m| m.contact_stiffness)
+            "{kind}; contact stiffness {stiffness:.3e} N/m: blocks overlap by up to {:.2} % of their size at rest, {:.1} % in a hit \
+             at {:.1} m/s",
+            100.0 * at_rest,
+            100.0 * at_speed,
+            scene.expected_speed
         )
     }
+}
+
+/// Largest overlaps of the free blocks over their size, at rest `m g/(K L)` and in a hit on something fixed `v √(m/K)/L`; –.
+fn overlaps(scene: &Scene, stiffness: f64) -> (f64, f64) {
+    let gravity = scene.gravity.norm();
+    let free = (scene.blocks.iter()).filter(|b| matches!(b.motion, riprap_dda::Motion::Free));
+    free.map(|block| {
+        let volume = block.shape.volume();
+        let (mass, size) = (
+            scene.materials[block.material].density * volume,
+            volume.cbrt(),
+        );
+        let hit = scene.expected_speed * (mass / stiffness).sqrt();
+        (mass * gravity / (stiffness * size), hit / size)
+    })
+    .fold((0.0, 0.0), |a, b| (f64::max(a.0, b.0), f64::max(a.1, b.1)))
 }
 
 fn rock_masses(scene: &Scene) -> Vec<Line> {

@@ -23,7 +23,8 @@ pub struct TerrainFile {
     #[serde(default)]
     pub spacing: Option<f64>,
     /// Largest distance of the triangles from the points, for fewer triangles where the ground is plane within it;
-    /// 0.01 spacings when left out; m.
+    /// when left out, 0.03 particle spacings or distances of joints, whichever is less, but no less than 0.01 spacings of the
+    /// terrain; m.
     #[serde(default)]
     pub tolerance: Option<f64>,
     /// Treatment of locations without a source.
