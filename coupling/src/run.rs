@@ -56,8 +56,7 @@ pub struct Plan<'a> {
 
 /// Runs a scene; `stop` ends it after the current step.
 ///
-/// `tell` is called with every event. The summary is written in every case. An incomplete run leaves a checkpoint of its
-/// last good state.
+/// `tell` is called with every event. The summary is written in every case, and a checkpoint of the last good state.
 ///
 /// # Errors
 ///
@@ -389,7 +388,7 @@ impl<'a> Run<'a> {
         }
     }
 
-    /// Writes the overview and the summary; of an incomplete run the checkpoint and the last state, too.
+    /// Writes the overview and the summary; the checkpoint, and of an incomplete run the last state, too.
     ///
     /// # Errors
     ///
@@ -400,9 +399,11 @@ impl<'a> Run<'a> {
     ) -> Result<(Summary, Ending), RunError> {
         let completed = matches!(ending, Ok(Ending::Completed));
         let kept = if completed {
-            // leftover files of a completed run are harmless
-            let _ = checkpoint::remove(&self.folder);
-            Ok(())
+            // from here the run may be taken further
+            let kept = self.write_checkpoint();
+            // a leftover file of a completed run is harmless
+            let _ = checkpoint::remove_previous(&self.folder);
+            kept
         } else {
             // before anything else is written, which the checkpoint does not know of
             let kept = self.write_checkpoint();

@@ -8,6 +8,7 @@ pub mod file;
 pub mod fill;
 mod flow;
 mod fluid;
+pub(crate) mod further;
 pub mod geometry;
 pub mod impulse_wave;
 pub mod locate;

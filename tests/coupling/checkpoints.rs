@@ -8,6 +8,7 @@ use std::process::{Command, Stdio};
 use std::time::Duration;
 
 use riprap::checkpoint::{self, Header};
+use riprap::files::table::read_table;
 use riprap::run::build;
 use riprap::scene;
 use riprap::scene::parse::Override;
@@ -342,6 +343,75 @@ fn what_cannot_go_on_says_why_and_changes_nothing() {
         "{}",
         words(&run)
     );
+}
+
+/// A run to its end in a folder.
+fn ran(case: &Path, out: &Path, extra: &[&str]) {
+    assert!(spawn(case, out, extra).wait().unwrap().success());
+}
+
+#[test]
+fn a_run_taken_further_is_the_longer_run() {
+    let folder = tempfile::tempdir().unwrap();
+    let (case, longer) = (folder.path().join("t.ron"), folder.path().join("2t.ron"));
+    fs::write(&case, TANK).unwrap();
+    fs::write(&longer, TANK.replace("duration: 0.4", "duration: 0.8")).unwrap();
+    let (whole, further) = (folder.path().join("whole"), folder.path().join("further"));
+    ran(&longer, &whole, &[]);
+    ran(&case, &further, &[]);
+    assert_ne!(
+        support::summary(&further)["state_hash"],
+        support::summary(&whole)["state_hash"]
+    );
+    ran(&longer, &further, &["--resume"]);
+    assert_same(&results(&further), &results(&whole));
+}
+
+#[test]
+fn a_run_taken_further_keeps_its_rows_beside_new_gauges() {
+    let folder = tempfile::tempdir().unwrap();
+    let (case, out) = (folder.path().join("tank.ron"), folder.path().join("out"));
+    fs::write(&case, TANK).unwrap();
+    ran(&case, &out, &[]);
+    let before = read_table(&out.join("gauges.csv")).unwrap();
+    for (from, to, line) in [
+        ("x: 0.2,", "x: 0.3,", "x: 0.3,"),
+        ("viscosity: 0.001", "viscosity: 0.002", "viscosity: 0.002,"),
+        ("duration: 0.4", "duration: 0.3", "duration: 0.3,"),
+    ] {
+        fs::write(&case, TANK.replace(from, to)).unwrap();
+        let message = refusal(&case, &out, &[]);
+        assert!(
+            message.contains("the run had `") && message.contains(line),
+            "{message}"
+        );
+    }
+    let more = TANK
+        .replace(
+            "gauges: [",
+            r#"gauges: [SurfaceElevation(name: "g0", x: 0.9, y: 0.05), "#,
+        )
+        .replace("gauge_interval: 0.002", "gauge_interval: 0.01")
+        .replace("duration: 0.4", "duration: 0.5");
+    fs::write(&case, more).unwrap();
+    ran(&case, &out, &["--resume"]);
+    let after = read_table(&out.join("gauges.csv")).unwrap();
+    let names: Vec<&str> = after.columns.iter().map(|c| c.name.as_str()).collect();
+    assert_eq!(names, ["time", "g0", "g1"]);
+    let (time, new) = (after.column("time").unwrap(), after.column("g0").unwrap());
+    let n_kept = new.iter().take_while(|z| z.is_nan()).count();
+    assert!(100 < n_kept && time[n_kept] < 0.4, "{n_kept}");
+    for name in ["time", "g1"] {
+        let (now, then) = (after.column(name).unwrap(), before.column(name).unwrap());
+        assert_eq!(now[..n_kept], then[..n_kept], "{name}");
+    }
+    let later = &time[n_kept..];
+    assert!(0.49 < later[later.len() - 1]);
+    assert!(later.windows(2).all(|t| 0.005 < t[1] - t[0]), "{later:?}");
+    let again = folder.path().join("again");
+    ran(&case, &again, &[]);
+    let hash = |out: &Path| support::summary(out)["state_hash"].clone();
+    assert_eq!(hash(&out), hash(&again));
 }
 
 #[test]

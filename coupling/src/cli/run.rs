@@ -1,5 +1,6 @@
 //! `riprap run`.
 
+mod further;
 mod progress;
 mod resume;
 
@@ -51,7 +52,8 @@ pub(crate) struct Arguments {
     /// Overwrite an existing run folder.
     #[arg(long)]
     force: bool,
-    /// Resume a stopped run from its last checkpoint, to bitwise the same result as without the stop.
+    /// Resume a stopped run from its last checkpoint, to bitwise the same result as without the stop; or take a run further:
+    /// to a longer duration, with more gauges, other intervals of output or another camera.
     #[arg(long, conflicts_with_all = ["force", "error"])]
     resume: bool,
     /// Wall time between checkpoints in seconds. Another one is written when a run is stopped or fails.
@@ -188,6 +190,10 @@ fn prepare(
                 return Err(Exit::Done);
             }
             Found::Checkpoint(checkpoint) => return Ok(Some(checkpoint)),
+            Found::Further(checkpoint) => {
+                further::begin(&archived, &checkpoint, &arguments.case, folder).map_err(refused)?;
+                return Ok(Some(checkpoint));
+            }
             Found::Nothing => say(&format!(
                 "{} contains no checkpoint: the run starts from the beginning",
                 folder.display()

@@ -151,19 +151,16 @@ fn head(header: &Header) -> Saved {
     postcard::to_extend(header, head)
 }
 
-/// Removes the checkpoints of a run folder, since a completed run does not need them.
+/// Removes the previous checkpoint of a run folder, since a completed run does not need it.
 ///
 /// # Errors
 ///
 /// The error of the operating system.
-pub fn remove(folder: &Path) -> io::Result<()> {
-    for name in [FILE, PREVIOUS] {
-        match fs::remove_file(folder.join(name)) {
-            Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
-            _ => {}
-        }
+pub fn remove_previous(folder: &Path) -> io::Result<()> {
+    match fs::remove_file(folder.join(PREVIOUS)) {
+        Err(error) if error.kind() != io::ErrorKind::NotFound => Err(error),
+        _ => Ok(()),
     }
-    Ok(())
 }
 
 /// The newest valid checkpoint of a run folder, if any was written, and the reason why a newer one

@@ -124,6 +124,15 @@ impl Schedule {
         self.last
     }
 
+    /// Continues after the last record of a saved schedule, at an interval of its own.
+    pub fn resume(&mut self, saved: Self) {
+        if saved.interval == self.interval {
+            *self = saved;
+        } else if let Some(time) = saved.last {
+            self.done(time);
+        }
+    }
+
     /// Notes a record; missed due times are skipped.
     pub fn done(&mut self, time: f64) {
         self.last = Some(time);
@@ -134,6 +143,18 @@ impl Schedule {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_schedule_resumes_at_an_interval_of_its_own() {
+        let mut saved = Schedule::every(0.1);
+        saved.done(0.52);
+        for (interval, due) in [(0.1, 0.6), (0.25, 0.75), (1.0, 1.0)] {
+            let mut schedule = Schedule::every(interval);
+            schedule.resume(saved);
+            assert_eq!(schedule.last(), Some(0.52));
+            assert!(schedule.is_due(due) && !schedule.is_due(due - 0.01));
+        }
+    }
 
     #[test]
     fn a_schedule_is_due_once_per_interval_whatever_the_step() {

@@ -6,6 +6,7 @@ use std::path::Path;
 use crate::cli::say;
 use crate::output::checkpoint_file::{self as checkpoint, Checkpoint};
 use crate::output::run_folder::{self, ArchivedScene};
+use crate::scene::further;
 
 /// Contents of a run folder.
 pub(super) enum Found {
@@ -15,6 +16,8 @@ pub(super) enum Found {
     Over,
     /// An incomplete run.
     Checkpoint(Checkpoint),
+    /// A run of another scene, which this one takes further.
+    Further(Checkpoint),
 }
 
 /// Examines the state of the run of a scene in a run folder, without changing it.
@@ -22,7 +25,13 @@ pub(super) fn find(scene: &ArchivedScene, case: &Path, folder: &Path) -> Result<
     let Some(before) = read(&folder.join(run_folder::CASE))? else {
         return Ok(Found::Nothing);
     };
-    if let Some((line, (before, now))) = first_difference(&before, &scene.text) {
+    let is_same = first_difference(&before, &scene.text).is_none();
+    let compared = match is_same {
+        true => None,
+        false => further::as_before(&before, &scene.text),
+    };
+    let compared = compared.as_ref().unwrap_or(&scene.text);
+    if let Some((line, (before, now))) = first_difference(&before, compared) {
         return Err(format!(
             "{}, line {line}: the run had `{before}`, and now it would be `{now}`; continue with the scene as it was, name \
              another folder with -o, or start over with --force",
@@ -43,7 +52,10 @@ pub(super) fn find(scene: &ArchivedScene, case: &Path, folder: &Path) -> Result<
     let has_ended = summary.is_some();
     let summary = summary.and_then(|text| serde_json::from_str::<serde_json::Value>(&text).ok());
     let is_over = summary.is_some_and(|summary| summary["completed"] == true);
-    match checkpoint::newest(folder, &checkpoint::scene_hash(&scene.text)) {
+    if is_same && is_over {
+        return Ok(Found::Over);
+    }
+    match checkpoint::newest(folder, &checkpoint::scene_hash(&before)) {
         Err(error) => Err(error.to_string()),
         Ok(Some((checkpoint, refused))) => {
             if let Some(refused) = refused {
@@ -56,11 +68,13 @@ pub(super) fn find(scene: &ArchivedScene, case: &Path, folder: &Path) -> Result<
                 header.time,
                 header.steps
             ));
-            Ok(Found::Checkpoint(checkpoint))
+            Ok(match is_same {
+                true => Found::Checkpoint(checkpoint),
+                false => Found::Further(checkpoint),
+            })
         }
-        Ok(None) if is_over => Ok(Found::Over),
         Ok(None) if has_ended => Err(format!(
-            "{} contains a run that ended early without a checkpoint; start over with --force",
+            "{} contains a run that ended without a checkpoint; start over with --force",
             folder.display()
         )),
         // killed before its first checkpoint

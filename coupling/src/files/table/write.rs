@@ -1,6 +1,6 @@
 //! Writing of tables, row by row.
 
-use std::fs::File;
+use std::fs::{self, File};
 use std::io::{Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
@@ -11,7 +11,7 @@ use super::{Column, TableError};
 pub struct Table {
     path: PathBuf,
     file: File,
-    n_columns: usize,
+    headers: Vec<String>,
     /// Length written so far; bytes.
     length: u64,
 }
@@ -59,13 +59,18 @@ impl Table {
         let mut table = Self {
             path: path.to_owned(),
             file,
-            n_columns: columns.len(),
+            headers,
             length: 0,
         };
         if start == Start::New {
-            table.line(&headers)?;
+            table.line(&table.headers.clone())?;
         }
         Ok(table)
+    }
+
+    /// Headers of the columns.
+    pub fn headers(&self) -> &[String] {
+        &self.headers
     }
 
     /// Length written so far; bytes.
@@ -101,16 +106,34 @@ impl Table {
         Ok(())
     }
 
+    /// Continues a file of other columns with those of this table, after the rows until a time in the first column; in these
+    /// rows, columns that the file lacks are NaN.
+    ///
+    /// # Errors
+    /// [`TableError::Io`] if reading or writing fails; the file is then as before.
+    pub fn take_over(&mut self, until: f64) -> Result<(), TableError> {
+        let failed = || TableError::io("continue", &self.path);
+        let text = fs::read_to_string(&self.path).map_err(failed())?;
+        let kept = under_headers(&self.headers, &text, until);
+        let name = self.path.file_name().unwrap_or_default().to_string_lossy();
+        let partial = self.path.with_file_name(format!(".{name}.partial"));
+        fs::write(&partial, &kept).map_err(failed())?;
+        fs::rename(&partial, &self.path).map_err(failed())?;
+        let file = File::options().write(true).open(&self.path);
+        self.file = file.map_err(failed())?;
+        self.cut(kept.len() as u64)
+    }
+
     /// Writes one row and flushes it.
     ///
     /// # Errors
     /// [`TableError::Count`] if there is not one value per column, [`TableError::Io`] if writing fails.
     pub fn row(&mut self, values: &[f64]) -> Result<(), TableError> {
-        if values.len() != self.n_columns {
+        if values.len() != self.headers.len() {
             return Err(TableError::Count {
                 path: self.path.clone(),
                 found: values.len(),
-                expected: self.n_columns,
+                expected: self.headers.len(),
             });
         }
         // `{:?}`: the shortest digits that restore the same bits, with an exponent where that is shorter.
@@ -126,5 +149,47 @@ impl Table {
             .map_err(TableError::io("write", &self.path))?;
         self.length += line.len() as u64;
         Ok(())
+    }
+}
+
+/// The rows of a table until a time, cell by cell under other headers. A last line without an end is dropped.
+fn under_headers(headers: &[String], text: &str, until: f64) -> String {
+    let lines = text.split_inclusive('\n');
+    let mut lines = lines.filter_map(|line| line.strip_suffix('\n'));
+    let found: Vec<&str> = lines.next().unwrap_or_default().split(',').collect();
+    let place = |header: &String| found.iter().position(|other| other == header);
+    let places: Vec<Option<usize>> = headers.iter().map(place).collect();
+    let mut kept = headers.join(",") + "\n";
+    for line in lines {
+        let cells: Vec<&str> = line.split(',').collect();
+        let time = cells.first().and_then(|cell| cell.parse::<f64>().ok());
+        if !time.is_some_and(|time| time <= until) {
+            break;
+        }
+        let cell = |place: &Option<usize>| place.and_then(|k| cells.get(k).copied());
+        let row: Vec<&str> = places.iter().map(|p| cell(p).unwrap_or("NaN")).collect();
+        kept += &row.join(",");
+        kept.push('\n');
+    }
+    kept
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rows_are_kept_under_more_columns() {
+        let text = "time [s],g1 [m]\n0.0,1.5\n0.1,2e-7\n0.2,3.0\n0.3,4";
+        let headers = ["time [s]", "new [m]", "g1 [m]"].map(str::to_owned);
+        assert_eq!(
+            under_headers(&headers, text, 0.1),
+            "time [s],new [m],g1 [m]\n0.0,NaN,1.5\n0.1,NaN,2e-7\n"
+        );
+        assert_eq!(
+            under_headers(&headers, text, 9.0).lines().count(),
+            4,
+            "the last line has no end"
+        );
     }
 }

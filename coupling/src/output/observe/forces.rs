@@ -212,9 +212,9 @@ impl Observer for Forces {
     }
 
     fn read<'a>(&mut self, bytes: &'a [u8]) -> Result<&'a [u8], ObserveError> {
-        let (forces, contacts, rest);
-        ((self.schedule, (forces, contacts), self.tracks), rest) =
-            postcard::take_from_bytes(bytes)?;
+        let (schedule, forces, contacts, rest);
+        ((schedule, (forces, contacts), self.tracks), rest) = postcard::take_from_bytes(bytes)?;
+        self.schedule.resume(schedule);
         self.forces.cut(forces)?;
         self.contacts.cut(contacts)?;
         Ok(rest)

@@ -151,8 +151,9 @@ impl Observer for Frames {
 
     fn read<'a>(&mut self, bytes: &'a [u8]) -> Result<&'a [u8], ObserveError> {
         type Listed = [Option<Vec<(f64, String)>>; 4];
-        let (listed, rest);
-        ((self.schedule, self.n_written, listed), rest) = postcard::take_from_bytes(bytes)?;
+        let (schedule, listed, rest);
+        ((schedule, self.n_written, listed), rest) = postcard::take_from_bytes(bytes)?;
+        self.schedule.resume(schedule);
         let listed: Listed = listed;
         let Self {
             water,

@@ -1,5 +1,6 @@
 //! Gauges as in a laboratory: free surface, pressure, velocity, force, run-up, displaced blocks.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use riprap_dda::Blocks;
@@ -24,6 +25,8 @@ const GROUND_SLOPE: f64 = 0.05;
 pub struct Gauges {
     schedule: Schedule,
     table: Table,
+    /// Names of the gauges.
+    names: Vec<String>,
     instruments: Vec<Instrument>,
     /// Between rows; s.
     interval: f64,
@@ -70,6 +73,7 @@ impl Gauges {
             schedule: Schedule::every(interval),
             interval,
             table: Table::open(&folder.join(run_folder::GAUGES), &columns, start)?,
+            names: scene.gauges.iter().map(|g| g.name.clone()).collect(),
             instruments: (scene.gauges.iter())
                 .map(|gauge| instrument(gauge, &world.blocks))
                 .collect(),
@@ -109,9 +113,12 @@ impl Observer for Gauges {
     }
 
     fn save(&self, out: Vec<u8>) -> Saved {
-        let instruments = self.instruments.iter();
-        let crossings: Vec<&Crossing> = instruments.filter_map(Instrument::crossing).collect();
-        postcard::to_extend(&(self.schedule, self.table.length(), crossings), out)
+        let instruments = self.names.iter().zip(&self.instruments);
+        let crossings: BTreeMap<&String, &Crossing> = instruments
+            .filter_map(|(name, instrument)| Some((name, instrument.crossing()?)))
+            .collect();
+        let table = (self.table.headers(), self.table.length());
+        postcard::to_extend(&(self.schedule, table, crossings), out)
     }
 
     fn sync(&self) -> Result<(), ObserveError> {
@@ -120,13 +127,20 @@ impl Observer for Gauges {
     }
 
     fn read<'a>(&mut self, bytes: &'a [u8]) -> Result<&'a [u8], ObserveError> {
-        let (length, crossings, rest): (_, Vec<Crossing>, _);
-        ((self.schedule, length, crossings), rest) = postcard::take_from_bytes(bytes)?;
-        self.table.cut(length)?;
-        let mut crossings = crossings.into_iter();
-        for instrument in &mut self.instruments {
+        let (schedule, headers, length, rest): (Schedule, Vec<String>, _, _);
+        let mut crossings: BTreeMap<String, Crossing>;
+        ((schedule, (headers, length), crossings), rest) = postcard::take_from_bytes(bytes)?;
+        self.schedule.resume(schedule);
+        if headers == self.table.headers() {
+            self.table.cut(length)?;
+        } else {
+            // taken further with more gauges
+            let last = schedule.last().unwrap_or(f64::NEG_INFINITY);
+            self.table.take_over(last)?;
+        }
+        for (name, instrument) in self.names.iter().zip(&mut self.instruments) {
             if let Instrument::Overtopping(crossing) = instrument
-                && let Some(saved) = crossings.next()
+                && let Some(saved) = crossings.remove(name)
             {
                 *crossing = saved;
             }

@@ -127,8 +127,9 @@ impl Observer for Ledgers {
     }
 
     fn read<'a>(&mut self, bytes: &'a [u8]) -> Result<&'a [u8], ObserveError> {
-        let (energy, blocks, rest);
-        ((self.schedule, energy, blocks), rest) = postcard::take_from_bytes(bytes)?;
+        let (schedule, energy, blocks, rest);
+        ((schedule, energy, blocks), rest) = postcard::take_from_bytes(bytes)?;
+        self.schedule.resume(schedule);
         self.energy.cut(energy)?;
         if let (Some(table), Some(length)) = (&mut self.blocks, blocks) {
             table.cut(length)?;

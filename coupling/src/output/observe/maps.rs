@@ -261,11 +261,10 @@ impl Observer for Maps {
     }
 
     fn read<'a>(&mut self, bytes: &'a [u8]) -> Result<&'a [u8], ObserveError> {
-        let rest;
-        (
-            (self.schedule, self.at_start, self.highest, self.arrival),
-            rest,
-        ) = postcard::take_from_bytes(bytes)?;
+        let (schedule, rest);
+        ((schedule, self.at_start, self.highest, self.arrival), rest) =
+            postcard::take_from_bytes(bytes)?;
+        self.schedule.resume(schedule);
         Ok(rest)
     }
 }

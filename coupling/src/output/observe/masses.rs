@@ -109,8 +109,9 @@ impl Observer for Masses {
     }
 
     fn read<'a>(&mut self, bytes: &'a [u8]) -> Result<&'a [u8], ObserveError> {
-        let (length, rest);
-        ((self.schedule, length), rest) = postcard::take_from_bytes(bytes)?;
+        let (schedule, length, rest);
+        ((schedule, length), rest) = postcard::take_from_bytes(bytes)?;
+        self.schedule.resume(schedule);
         self.table.cut(length)?;
         Ok(rest)
     }

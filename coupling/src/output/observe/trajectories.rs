@@ -216,8 +216,9 @@ impl Observer for Trajectories {
     }
 
     fn read<'a>(&mut self, bytes: &'a [u8]) -> Result<&'a [u8], ObserveError> {
-        let (samples, blocks, rest);
-        ((self.schedule, (samples, blocks), self.tracks), rest) = postcard::take_from_bytes(bytes)?;
+        let (schedule, samples, blocks, rest);
+        ((schedule, (samples, blocks), self.tracks), rest) = postcard::take_from_bytes(bytes)?;
+        self.schedule.resume(schedule);
         self.samples.cut(samples)?;
         self.blocks.cut(blocks)?;
         Ok(rest)
