@@ -89,7 +89,7 @@ const WRITING: &[Row] = &[
     ("density: 2650", "density: 2650 kg/m3", "kg", Error, "`2650` is followed by `kg`; write 2650 alone"),
     ("density: 2650", "density: 2 650", "650", Error, "found `2 650`; a comma goes between numbers, nothing between thousands"),
     ("density: 2650", "density: 2'650", "'", Error, "found `2'650`; a comma goes between numbers, nothing between thousands"),
-    ("density: 2650", "density: 5300/2", "2", Error, "a number is not computed, found `5300/`; write the result"),
+    ("density: 2650", "density: 5300/2", "/", Error, "a number is not computed, found `5300/`; write the result"),
     ("density: 2650", "density: 2.650.0", "2.650.0", Error, "`density` takes a number, found `2.650.0`"),
     ("density: 2650", "density: true", "true", Error, "`density` takes a number, found `true`"),
     ("density: 2650", "density: ", ",", Error, "`density` has no value; write a number after it"),

@@ -66,6 +66,8 @@ impl Scene {
         };
         problems.extend(places::blocks_out_of_place(file, &solids));
         problems.extend(places::empty_domain(file, &solids));
+        // a block of the wrong size or place would be in the way of all else
+        let mut problems = without_errors(problems)?;
         let lattice = lattice(file, &solids, access, &mut problems);
         let mut problems = without_errors(problems)?;
         if let Some(lattice) = &lattice {
