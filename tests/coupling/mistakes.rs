@@ -177,6 +177,7 @@ const HILL: &[Row] = &[
     ("dip_deg: 90, dip_direction_deg: 270", "dip_deg: 1.22, dip_direction_deg: 90", "1.22", Warning, "slide `slide`: joint set 0: dip is 1.22 degrees, nearly level; 1.22 rad are 69.9 degrees"),
     ("dip_deg: 90, dip_direction_deg: 270", "dip_deg: 90, dip_direction_deg: 400", "400", Warning, "slide `slide`: joint set 0: dip direction is 400 degrees, more than a full turn"),
     ("spacing: 60", "spacing: 60, persistence: 80", "80", Error, "slide `slide`: joint set 0: persistence must be in [0, 1], found 80"),
+    ("spacing: 60", "spacing: 60000, origin: (0, 0, 0)", "[(dip_deg: 90", Warning, "`slide` is a single block: no joint crosses it, the closest spacing is 60000 m"),
     ("spacing: 60", "spacing: 0", "0", Error, "slide `slide`: joint set 0: spacing must be > 0, found 0"),
     ("point: (200, 100, 90)", "point: (200, 100, 400)", "Plane(", Error, "the failure surface is nowhere below the terrain within the outline"),
     ("Corners([(100, 60), (200, 60), (200, 140), (100, 140)])", "[(100, 60), (200, 60), (200, 140), (100, 140)]", "[", Error, "`outline` does not say which kind it is before `[`; such as Corners(["),

@@ -4,7 +4,7 @@ use super::places::planes_into_the_hill;
 use crate::scene::access::Access;
 use crate::scene::error::Problem;
 use crate::scene::estimate;
-use crate::scene::file::{ExcavationFile, MassFile, SceneFile, SlideFile};
+use crate::scene::file::{ExcavationFile, JointSetFile, MassFile, SceneFile, SlideFile};
 use crate::scene::geometry::grains::{GrainsReport, blocks_of_grains};
 use crate::scene::geometry::rock_mass::{RockMassReport, blocks_of_masses};
 use crate::scene::geometry::slides::blocks_of_slides;
@@ -31,12 +31,19 @@ pub(super) fn expand(mut file: SceneFile, access: &Access) -> Result<Expanded, V
     file.blocks.extend(blocks);
 
     let slides = std::mem::take(&mut file.slides);
-    let warnings = (terrain.as_ref())
+    let whole = (masses.iter().zip(&rock_masses).enumerate())
+        .filter_map(|(k, (mass, report))| uncut(("rock_masses", k), &mass.joint_sets, report));
+    let mut warnings: Vec<Problem> = whole.collect();
+    let into_the_hill = (terrain.as_ref())
         .map(|terrain| planes_into_the_hill(&slides, terrain, access))
         .unwrap_or_default();
+    warnings.extend(into_the_hill);
     let rock = terrain.as_ref().map_or(&[][..], |terrain| &terrain.rock);
     let (blocks, reports) = blocks_of_slides(&slides, rock)?;
     file.blocks.extend(blocks);
+    let of_slides = (slides.iter().zip(&reports).enumerate())
+        .filter_map(|(k, (slide, report))| uncut(("slides", k), &slide.joint_sets, report));
+    warnings.extend(of_slides);
     rock_masses.extend(reports);
     let file = with_scars(file, slides);
 
@@ -51,6 +58,23 @@ pub(super) fn expand(mut file: SceneFile, access: &Access) -> Result<Expanded, V
         rock_masses,
         grains,
         warnings,
+    })
+}
+
+/// A warning about a mass that none of its joints crosses.
+fn uncut(
+    (list, index): (&str, usize),
+    sets: &[JointSetFile],
+    report: &RockMassReport,
+) -> Option<Problem> {
+    let is_whole = report.n_blocks == 1 && report.n_merged + report.n_removed == 0;
+    let closest = sets.iter().map(|set| set.spacing).reduce(f64::min)?;
+    is_whole.then(|| {
+        let what = format!(
+            "`{}` is a single block: no joint crosses it, the closest spacing is {closest} m; lengths are in meters",
+            report.name
+        );
+        Problem::warning(format!("{list}[{index}].joint_sets"), what)
     })
 }
 
