@@ -44,7 +44,7 @@ fn rough_valley(folder: &Path, k: u64) -> Valley {
     };
     let dip = 30.0 + 10.0 * random.uniform();
     let steepness = f64::to_radians(dip).tan();
-    let is_white = k % 2 == 0;
+    let is_white = k.is_multiple_of(2);
     let waves = fractal(&mut random, noise, 20.0 * cell);
     let white: Vec<f64> = (0..61 * 41)
         .map(|_| noise * (random.uniform() + random.uniform() + random.uniform() - 1.5) * 2.0)
