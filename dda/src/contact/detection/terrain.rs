@@ -105,6 +105,46 @@ struct Ground<'a> {
 }
 
 impl Ground<'_> {
+    /// Adds the points of a polygon behind the plane of a triangle, unless all of it is in front of the surface; returns its
+    /// area (m²) and its depth (m).
+    fn push_polygon(
+        &self,
+        polygon: &[Vec3],
+        triangle: u32,
+        per_area: f64,
+        found: &mut Vec<Found>,
+    ) -> (f64, f64) {
+        let (place, normal) = (self.surface.plane(triangle), *self.surface.normal(triangle));
+        let (from, mut covered, mut deepest) = (found.len(), 0.0, 0.0_f64);
+        let (mut is_flush, mut has_force) = (true, false);
+        integrate(polygon, |x, area| {
+            covered += area;
+            if area <= 0.0 {
+                return;
+            }
+            // Points on the waterline count, for the dashpots' sake: whether round-off puts them
+            // above or below must not matter.
+            let depth = f64::max(-self.surface.height(triangle, &x), 0.0);
+            let point = Found {
+                place,
+                normal,
+                x,
+                weight: per_area * area,
+                area,
+                depth,
+                square: depth * depth,
+            };
+            is_flush &= depth <= self.flush;
+            let true_depth = self.push(point, found);
+            has_force |= true_depth > self.flush;
+            deepest = deepest.max(true_depth);
+        });
+        if !(is_flush || has_force) {
+            found.truncate(from);
+        }
+        (covered, deepest)
+    }
+
     /// Adds a point behind the plane in whose region it lies, with the depth that it has behind the surface; returns that.
     fn push(&self, point: Found, found: &mut Vec<Found>) -> f64 {
         let checked = if point.depth <= self.flush {
@@ -247,7 +287,7 @@ impl SurfacePatch {
         if body.vertices().iter().all(|x| height(x) >= 0.0) {
             return;
         }
-        let (n, place) = (*surface.normal(first), surface.plane(first));
+        let (n, place) = (surface.normal(first), surface.plane(first));
         let (from, mut deepest) = (self.found.len(), 0.0_f64);
         let Self {
             found,
@@ -257,7 +297,7 @@ impl SurfacePatch {
             ..
         } = self;
         for face in 0..body.n_faces() {
-            if body.face_normal(face).dot(&n) > -LOOKS_AWAY {
+            if body.face_normal(face).dot(n) > -LOOKS_AWAY {
                 continue;
             }
             wet.clear();
@@ -265,36 +305,10 @@ impl SurfacePatch {
                 body.face_vertices(face)
                     .map(|v| body.vertices()[v as usize]),
             );
-            cut(wet, spare, &n, surface.offset(first));
+            cut(wet, spare, n, surface.offset(first));
             let mut add = |polygon: &[Vec3], found: &mut Vec<Found>| {
-                let (mut covered, from) = (0.0, found.len());
-                let (mut is_flush, mut has_force) = (true, false);
-                integrate(polygon, |x, area| {
-                    covered += area;
-                    // Points on the waterline count, for the dashpots' sake: whether round-off puts them
-                    // above or below must not matter.
-                    let depth = f64::max(-height(&x), 0.0);
-                    if area <= 0.0 {
-                        return;
-                    }
-                    let point = Found {
-                        place,
-                        normal: n,
-                        x,
-                        weight: per_area * area,
-                        area,
-                        depth,
-                        square: depth * depth,
-                    };
-                    is_flush &= depth <= ground.flush;
-                    let true_depth = ground.push(point, found);
-                    has_force |= true_depth > ground.flush;
-                    deepest = deepest.max(true_depth);
-                });
-                if !(is_flush || has_force) {
-                    // All of it is in front of the surface.
-                    found.truncate(from);
-                }
+                let (covered, depth) = ground.push_polygon(polygon, first, per_area, found);
+                deepest = deepest.max(depth);
                 covered
             };
             let pieces = found.len();
