@@ -489,7 +489,7 @@ fn hulls_above_rough_ground_do_not_touch_it() {
     overlaps_are_exact_in_sign(400, 5);
 }
 
-/// Ten minutes; see `benches/RESULTS.md`.
+/// The same of many more.
 #[test]
 #[ignore = "20,000 pairs"]
 fn twenty_thousand_hulls_above_rough_ground_do_not_touch_it() {
