@@ -24,5 +24,5 @@ pub(crate) struct Derived {
     /// True until the step bound has been summed over the present links.
     pub has_new_links: bool,
     /// True if a contact began or ended in this step.
-    pub has_excess: bool,
+    pub has_half_kick_corrections: bool,
 }

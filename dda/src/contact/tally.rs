@@ -51,7 +51,7 @@ impl Tally {
         self.damping += loads.losses.damping;
         self.rolling_impulse += loads.rolling_impulse;
         self.n_broken += u64::from(loads.has_broken);
-        self.n_cut += u64::from(!loads.excess.is_empty());
+        self.n_cut += u64::from(!loads.half_kick_corrections.is_empty());
     }
 
     /// Records the overlap of two parts; × the allowed one and × size.

@@ -56,7 +56,7 @@ impl Blocks {
         self.book_external_work(dt);
         self.account_half_kick(dt);
         self.half_kick(dt);
-        self.drop_excess();
+        self.drop_half_kick_corrections();
         self.damp(dt);
         self.rest_or_wake(dt);
         self.set_velocities(to);

@@ -41,20 +41,20 @@ impl Blocks {
             .max_overlap_over_size
             .max(tally.deepest_over_size);
         self.state.worst_overlap = tally.worst;
-        self.derived.has_excess = tally.n_cut > 0;
+        self.derived.has_half_kick_corrections = tally.n_cut > 0;
     }
 
     /// Clears the half-kick corrections after the step: those of bodies that met or parted in it do not apply to
     /// the next one.
-    pub(crate) fn drop_excess(&mut self) {
-        if !std::mem::take(&mut self.derived.has_excess) {
+    pub(crate) fn drop_half_kick_corrections(&mut self) {
+        if !std::mem::take(&mut self.derived.has_half_kick_corrections) {
             return;
         }
         for pair in &mut self.contacts.pairs {
-            pair.loads.excess.clear();
+            pair.loads.half_kick_corrections.clear();
         }
         for pair in &mut self.contacts.surface_pairs {
-            pair.loads.excess.clear();
+            pair.loads.half_kick_corrections.clear();
         }
         self.sum_loads();
     }
@@ -218,17 +218,17 @@ impl Blocks {
         self.state
             .contact_stretch
             .resize(self.state.deformables.len(), Matrix3::zeros());
-        let acts = |pair: &&Pair| pair.is_touching || !pair.loads.excess.is_empty();
+        let acts = |pair: &&Pair| pair.is_touching || !pair.loads.half_kick_corrections.is_empty();
         for pair in self.contacts.pairs.iter().filter(acts) {
             for (block, sign) in [(pair.blocks.0, -1.0), (pair.blocks.1, 1.0)] {
                 let b = block as usize;
                 let Some(k) = self.constants.deformable_of[b] else {
                     continue;
                 };
-                for excess in &pair.loads.excess {
-                    let offset = excess.point - self.state.kinematics[b].centroid;
+                for correction in &pair.loads.half_kick_corrections {
+                    let offset = correction.point - self.state.kinematics[b].centroid;
                     self.state.contact_stretch[k as usize] +=
-                        stretch(&(excess.force * sign), &offset);
+                        stretch(&(correction.force * sign), &offset);
                 }
                 for point in &pair.history.points {
                     let force =
@@ -246,9 +246,9 @@ impl Blocks {
                     let offset = contact.point - self.state.kinematics[b].centroid;
                     self.state.contact_stretch[k as usize] += stretch(&force, &offset);
                 });
-                for excess in &pair.loads.excess {
-                    let offset = excess.point - self.state.kinematics[b].centroid;
-                    self.state.contact_stretch[k as usize] += stretch(&-excess.force, &offset);
+                for correction in &pair.loads.half_kick_corrections {
+                    let offset = correction.point - self.state.kinematics[b].centroid;
+                    self.state.contact_stretch[k as usize] += stretch(&-correction.force, &offset);
                 }
             }
         }
@@ -284,7 +284,7 @@ impl PairSums<'_> {
             if pair.is_touching {
                 load += *side(&pair.loads.on_blocks, is_second);
             }
-            load.add_all(&pair.loads.excess, is_second, centroid);
+            load.add_all(&pair.loads.half_kick_corrections, is_second, centroid);
         }
         for (k, is_second) in self.derived.sphere_links.of(b) {
             let mark = &self.contacts.sphere_marks[k];
@@ -303,7 +303,7 @@ impl PairSums<'_> {
             has_new_rates = true;
             let pair = &self.contacts.surface_pairs[k];
             load += *side(&pair.loads.on_blocks, is_second);
-            load.add_all(&pair.loads.excess, is_second, centroid);
+            load.add_all(&pair.loads.half_kick_corrections, is_second, centroid);
         }
         (load, has_new_rates)
     }

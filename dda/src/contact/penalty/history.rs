@@ -24,16 +24,16 @@ pub(crate) struct PairLoads {
     pub dashpots: (f64, f64),
     /// Corrections to the next half kick, on j; empty between two steps, see `impact`.
     #[serde(skip)]
-    pub excess: Vec<PointForce>,
+    pub half_kick_corrections: Vec<PointForce>,
 }
 
 impl PairLoads {
     /// Forgets the last step.
     pub fn clear(&mut self) {
-        let mut excess = std::mem::take(&mut self.excess);
-        excess.clear();
+        let mut half_kick_corrections = std::mem::take(&mut self.half_kick_corrections);
+        half_kick_corrections.clear();
         *self = Self {
-            excess,
+            half_kick_corrections,
             ..Self::default()
         };
     }

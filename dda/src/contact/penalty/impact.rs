@@ -30,12 +30,12 @@ fn apart(held: f64, exchanged: f64) -> Option<f64> {
 }
 
 /// Cuts the half kick of bodies that were apart a step (s) ago. Their springs hold `held` (J).
-pub(super) fn meet<N: Normals>(
+pub(super) fn begin_contact<N: Normals>(
     now: &Acting<N>,
     dt: f64,
     held: f64,
     losses: &mut Losses,
-    excess: &mut Vec<PointForce>,
+    half_kick_corrections: &mut Vec<PointForce>,
 ) {
     let Some(apart) = apart(held, -now.work_of_normal_springs(dt)) else {
         return;
@@ -48,7 +48,7 @@ pub(super) fn meet<N: Normals>(
         // The dashpot of a meeting has had its share already.
         losses.damping += half * point.shear_viscous.dot(&rate);
         let spring = n * (point.normal_force - point.normal_viscous);
-        excess.push(PointForce {
+        half_kick_corrections.push(PointForce {
             point: x,
             force: (spring + point.shear_force) * -apart,
         });
@@ -56,12 +56,12 @@ pub(super) fn meet<N: Normals>(
 }
 
 /// Cuts the half kick of bodies that touched a step (s) ago, and books what their springs still held of `held` (J).
-pub(super) fn part<N: Normals>(
+pub(super) fn end_contact<N: Normals>(
     former: &Acting<N>,
     dt: f64,
     held: f64,
     losses: &mut Losses,
-    excess: &mut Vec<PointForce>,
+    half_kick_corrections: &mut Vec<PointForce>,
 ) {
     let given = former.work_of_normal_springs(dt);
     losses.damping += held - given;
@@ -76,7 +76,7 @@ pub(super) fn part<N: Normals>(
         losses.friction += half * (point.shear_force - point.shear_viscous).dot(&rate);
         let normal = n * point.normal_force;
         losses.damping += half * (normal + point.shear_viscous).dot(&rate);
-        excess.push(PointForce {
+        half_kick_corrections.push(PointForce {
             point: x + (a.velocity_at(&x) + b.velocity_at(&x)) * (0.5 * dt),
             force: (normal + point.shear_force) * -apart,
         });

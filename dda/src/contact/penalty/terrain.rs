@@ -320,7 +320,7 @@ impl PolyhedronTouch {
         self.take_over();
         let PairLoads {
             losses,
-            excess,
+            half_kick_corrections,
             deepest,
             ..
         } = &mut *loads;
@@ -330,7 +330,7 @@ impl PolyhedronTouch {
             self.elastic = 0.0;
             if was_touching {
                 let former = acting(law, &self.former.0, &self.former.1, dt);
-                impact::part(&former, dt, elastic_before, losses, excess);
+                impact::end_contact(&former, dt, elastic_before, losses, half_kick_corrections);
             }
             return None;
         }
@@ -340,14 +340,18 @@ impl PolyhedronTouch {
         for (point, n) in self.points.iter().zip(&self.normals) {
             loads.add(point, n, (&body.centroid, &ground.centroid));
         }
-        let PairLoads { losses, excess, .. } = loads;
+        let PairLoads {
+            losses,
+            half_kick_corrections,
+            ..
+        } = loads;
         let now = acting(law, &self.points, &self.normals, 0.0);
         let mut second_half = Losses::default();
         now.book_half(dt, &mut second_half);
         losses.friction += second_half.friction - self.shear_energy();
         losses.damping += second_half.damping;
         if !was_touching {
-            impact::meet(&now, dt, self.elastic, losses, excess);
+            impact::begin_contact(&now, dt, self.elastic, losses, half_kick_corrections);
         }
         Some(rates)
     }

@@ -191,12 +191,16 @@ impl<'a> Step<'a> {
     /// 4. a softer contact takes up what it lost.
     pub fn finish(mut self) {
         let dt = self.law.dt;
-        let PairLoads { losses, excess, .. } = &mut *self.loads;
+        let PairLoads {
+            losses,
+            half_kick_corrections,
+            ..
+        } = &mut *self.loads;
         let now = now(&self.law, self.history);
         now.book_half(dt, losses);
         let held = self.law.held(now.points);
         if self.former.is_empty() && self.history.bond.is_none() {
-            impact::meet(&now, dt, held, losses, excess);
+            impact::begin_contact(&now, dt, held, losses, half_kick_corrections);
         }
         self.settle(held);
         let History {
@@ -219,7 +223,7 @@ impl<'a> Step<'a> {
         let former = self.former();
         let PairLoads {
             losses,
-            excess,
+            half_kick_corrections,
             has_broken,
             ..
         } = &mut *self.loads;
@@ -230,7 +234,7 @@ impl<'a> Step<'a> {
             losses.damping += feature_change::energy_left(before.0, &former, dt) - held - given;
             losses.damping += std::mem::take(&mut losses.friction);
         } else if self.history.points.is_empty() && !self.former.is_empty() {
-            impact::part(&former, dt, before.0, losses, excess);
+            impact::end_contact(&former, dt, before.0, losses, half_kick_corrections);
         }
         self.history.elastic = (held, self.shear_energy);
     }
