@@ -77,7 +77,7 @@ impl Scene {
         problems.extend((lattice.as_ref()).and_then(|l| narrow_gaps(&solids.named, l, dimensions)));
         let lattice = lattice.map(|lattice| with_flow(lattice, file));
         let expected_speed = speed::expected_speed(file, &solids, lattice.as_ref());
-        let materials = materials::materials(file, &solids, expected_speed);
+        let materials = materials::materials(file, &solids, &expanded.of_slides, expected_speed);
         let gravity = vec3(file.gravity);
         problems.extend(materials::soft_contacts(
             &materials,

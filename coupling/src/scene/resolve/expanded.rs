@@ -1,5 +1,7 @@
 //! Blocks in place of rock masses, slides and grains.
 
+use std::ops::Range;
+
 use super::places::planes_into_the_hill;
 use crate::scene::access::Access;
 use crate::scene::error::Problem;
@@ -16,6 +18,8 @@ pub(super) struct Expanded {
     /// it describes the same scene.
     pub(super) file: SceneFile,
     pub(super) terrain: Option<Terrain>,
+    /// Indices of the blocks of slides.
+    pub(super) of_slides: Range<usize>,
     /// Reports of rock masses, then of slides.
     pub(super) rock_masses: Vec<RockMassReport>,
     pub(super) grains: Vec<GrainsReport>,
@@ -40,10 +44,11 @@ pub(super) fn expand(mut file: SceneFile, access: &Access) -> Result<Expanded, V
     warnings.extend(into_the_hill);
     let rock = terrain.as_ref().map_or(&[][..], |terrain| &terrain.rock);
     let (blocks, reports) = blocks_of_slides(&slides, rock)?;
+    let of_slides = file.blocks.len()..file.blocks.len() + blocks.len();
     file.blocks.extend(blocks);
-    let of_slides = (slides.iter().zip(&reports).enumerate())
+    let whole_slides = (slides.iter().zip(&reports).enumerate())
         .filter_map(|(k, (slide, report))| uncut(("slides", k), &slide.joint_sets, report));
-    warnings.extend(of_slides);
+    warnings.extend(whole_slides);
     rock_masses.extend(reports);
     let file = with_scars(file, slides);
 
@@ -55,6 +60,7 @@ pub(super) fn expand(mut file: SceneFile, access: &Access) -> Result<Expanded, V
     Ok(Expanded {
         file,
         terrain,
+        of_slides,
         rock_masses,
         grains,
         warnings,

@@ -1,5 +1,7 @@
 //! Materials, with the contact stiffness that the scene requires.
 
+use std::ops::Range;
+
 use riprap_dda::{Elastic, Material, Shape};
 
 use super::solids::Solids;
@@ -20,9 +22,14 @@ const NOTICED_STATIC_OVERLAP: f64 = 1e-2;
 const IDLE_STIFFNESS: f64 = 1e6;
 
 /// Materials in the order of the file; those without a contact stiffness get the one that the most demanding free block
-/// requires at the expected speed (m/s).
-pub(super) fn materials(file: &SceneFile, solids: &Solids, speed: f64) -> Vec<Material> {
-    let stiffness = required_stiffness(file, solids, speed);
+/// requires at the expected speed (m/s). `of_slides`: indices of the blocks of slides.
+pub(super) fn materials(
+    file: &SceneFile,
+    solids: &Solids,
+    of_slides: &Range<usize>,
+    speed: f64,
+) -> Vec<Material> {
+    let stiffness = required_stiffness(file, solids, of_slides, speed);
     let of = |m: &MaterialFile| Material {
         density: m.density,
         friction_angle: m.friction_angle_deg.to_radians(),
@@ -51,7 +58,12 @@ pub(super) fn materials(file: &SceneFile, solids: &Solids, speed: f64) -> Vec<Ma
 /// ```
 /// neither above a quarter of the thickness of the thinnest block; of the blocks of a slide η is a tenth, and each has its
 /// own thickness: they start at rest on each other, and their thinnest must not make all of them stiff.
-fn required_stiffness(file: &SceneFile, solids: &Solids, speed: f64) -> f64 {
+fn required_stiffness(
+    file: &SceneFile,
+    solids: &Solids,
+    of_slides: &Range<usize>,
+    speed: f64,
+) -> f64 {
     let gravity = vec3(file.gravity).norm();
     let thinnest = solids
         .named
@@ -60,12 +72,8 @@ fn required_stiffness(file: &SceneFile, solids: &Solids, speed: f64) -> f64 {
         .fold(f64::INFINITY, f64::min);
     let deepest = IMPACT_SHARE_OF_THICKNESS * thinnest;
     let mut stiffness: f64 = 0.0;
-    let is_of_slide = |name: &str| {
-        let mut masses = file.masses.iter();
-        file.terrain.is_some() && masses.any(|mass| name.starts_with(&mass.blocks))
-    };
-    for (name, shape, material) in solids.free() {
-        let (impact, deepest) = if is_of_slide(name) {
+    for (index, shape, material) in solids.free() {
+        let (impact, deepest) = if of_slides.contains(&index) {
             let own = IMPACT_SHARE_OF_THICKNESS * shape.thickness();
             (SLIDE_IMPACT_OVERLAP, own)
         } else {
@@ -101,7 +109,7 @@ pub(super) fn soft_contacts(materials: &[Material], solids: &Solids, gravity: f6
         let of_material = solids
             .free()
             .filter(|(_, _, number)| *number == index)
-            .map(|(name, shape, _)| (name, share(shape)));
+            .map(|(block, shape, _)| (&solids.named[block].0, share(shape)));
         let worst = of_material.max_by(|a, b| a.1.total_cmp(&b.1));
         if let Some((name, share)) = worst
             && share > NOTICED_STATIC_OVERLAP

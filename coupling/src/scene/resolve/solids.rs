@@ -57,11 +57,12 @@ impl Solids {
         })
     }
 
-    /// Free blocks: name, shape and number of the material.
-    pub(super) fn free(&self) -> impl Iterator<Item = (&str, &Shape, usize)> {
+    /// Free blocks: index, shape and number of the material.
+    pub(super) fn free(&self) -> impl Iterator<Item = (usize, &Shape, usize)> {
         let all = self.named.iter().zip(&self.motions).zip(&self.materials);
-        all.filter(|((_, motion), _)| matches!(motion, Motion::Free))
-            .map(|(((name, shape), _), &material)| (name.as_str(), shape, material))
+        all.enumerate()
+            .filter(|(_, ((_, motion), _))| matches!(motion, Motion::Free))
+            .map(|(index, (((_, shape), _), &material))| (index, shape, material))
     }
 
     /// Definitions for the block solver.
