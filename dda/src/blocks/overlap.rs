@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use crate::contact::context::least_of;
 use crate::{BlockId, Blocks, DeepOverlap, Vec3};
 
 type Parts = (u32, u32);
@@ -87,8 +88,4 @@ impl Blocks {
         );
         0.5 * (a.0.sup(&b.0) + a.1.inf(&b.1))
     }
-}
-
-fn least_of(parts: Parts, of: &[f64]) -> f64 {
-    of[parts.0 as usize].min(of[parts.1 as usize])
 }

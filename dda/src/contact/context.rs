@@ -1,6 +1,7 @@
 //! Surroundings of the contacts: bodies, joints and settings.
 
 use crate::contact::detection::common_plane::ContactDetection;
+use crate::contact::tally::Tally;
 use crate::geometry::parts::Part;
 use crate::material::{Joint, RollingLaw};
 use crate::motion::kinematics::Kinematics;
@@ -52,8 +53,14 @@ impl<'a> ContactContext<'a> {
         &self.joints[material(parts.0) * self.n_materials + material(parts.1)]
     }
 
-    /// The lesser of both parts' values.
-    pub fn least_of(&self, parts: (u32, u32), of: &[f64]) -> f64 {
-        of[parts.0 as usize].min(of[parts.1 as usize])
+    /// Records the deepest overlap (m) of two parts.
+    pub fn note_overlap(&self, parts: (u32, u32), overlap: f64, tally: &mut Tally) {
+        let over_allowed = overlap / least_of(parts, self.deepest_allowed);
+        tally.note_overlap(parts, over_allowed, overlap / least_of(parts, self.size));
     }
+}
+
+/// The lesser of both parts' values.
+pub(crate) fn least_of(parts: (u32, u32), of: &[f64]) -> f64 {
+    of[parts.0 as usize].min(of[parts.1 as usize])
 }

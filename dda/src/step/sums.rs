@@ -82,11 +82,7 @@ impl Blocks {
                 tally.add(&pair.loads);
                 tally.n_searches += u64::from(is_near && pair.axis.has_searched);
                 if pair.is_touching {
-                    tally.note_overlap(
-                        pair.parts,
-                        pair.loads.deepest / context.least_of(pair.parts, context.deepest_allowed),
-                        pair.loads.deepest / context.least_of(pair.parts, context.size),
-                    );
+                    context.note_overlap(pair.parts, pair.loads.deepest, &mut tally);
                 }
             }
             tally
@@ -163,11 +159,7 @@ impl Blocks {
                 pair.evaluate(&context, dt);
                 tally.add(&pair.loads);
                 if pair.is_touching {
-                    tally.note_overlap(
-                        pair.parts,
-                        pair.loads.deepest / context.least_of(pair.parts, context.deepest_allowed),
-                        pair.loads.deepest / context.least_of(pair.parts, context.size),
-                    );
+                    context.note_overlap(pair.parts, pair.loads.deepest, &mut tally);
                 }
             }
             tally

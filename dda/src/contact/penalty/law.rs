@@ -1,8 +1,10 @@
 //! Two bodies that may touch, and the law between them.
 
+use super::friction::Shearing;
 use super::normal::Pressing;
 use super::step_bound::Springs;
 use crate::contact::context::ContactContext;
+use crate::contact::detection::manifold::Manifold;
 use crate::contact::report::PointState;
 use crate::material::Joint;
 use crate::motion::kinematics::Kinematics;
@@ -40,6 +42,25 @@ impl<'a> PairLaw<'a> {
             bodies: self.bodies,
             stiffness: self.joint.normal_stiffness,
             damping_ratio: self.joint.damping_ratio,
+        }
+    }
+
+    /// Friction of a patch, the residual one once it has slipped; without cohesion or bond.
+    pub fn shearing<P>(&self, patch: &Manifold<P>, has_slipped: bool) -> Shearing<'a> {
+        Shearing {
+            bodies: self.bodies,
+            normal: patch.normal,
+            weight: patch.flat_weight,
+            stiffness: self.joint.shear_stiffness,
+            damping_ratio: self.shear_damping_ratio,
+            friction: if has_slipped {
+                self.joint.residual_friction
+            } else {
+                self.joint.friction
+            },
+            cohesion: 0.0,
+            is_bonded: false,
+            dt: self.dt,
         }
     }
 

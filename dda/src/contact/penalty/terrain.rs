@@ -10,7 +10,7 @@
 //!
 //! A sphere has a contact at each of its feet; feet whose normals differ by less than 5 degrees are one.
 
-use super::friction::{ShearSpring, Shearing};
+use super::friction::ShearSpring;
 use super::history::PairLoads;
 use super::impact;
 use super::law::PairLaw;
@@ -415,22 +415,9 @@ impl PolyhedronTouch {
         let total: f64 = self.points.iter().map(|p| p.at.weight).sum();
         for (plane, memory) in self.patch.manifolds.planes.iter().zip(&mut self.planes) {
             let points = &mut self.points[plane.points.clone()];
-            let sheared = Shearing {
-                bodies: law.bodies,
-                normal: plane.normal,
-                weight: plane.flat_weight,
-                stiffness: joint.shear_stiffness,
-                damping_ratio: law.shear_damping_ratio,
-                friction: if memory.has_slipped {
-                    joint.residual_friction
-                } else {
-                    joint.friction
-                },
-                cohesion: 0.0,
-                is_bonded: false,
-                dt: law.dt,
-            }
-            .apply(points, &memory.shear);
+            let sheared = law
+                .shearing(plane, memory.has_slipped)
+                .apply(points, &memory.shear);
             memory.shear = sheared.spring;
             memory.energy = sheared.energy;
             memory.has_slipped |= sheared.has_slipped;

@@ -129,25 +129,14 @@ impl<'a> Step<'a> {
     }
 
     fn shear(&mut self, found: &Manifold<Vec<ManifoldPoint>>) {
-        let joint = self.law.joint;
         let sheared = Shearing {
-            bodies: self.law.bodies,
-            normal: found.normal,
-            weight: found.flat_weight,
-            stiffness: joint.shear_stiffness,
-            damping_ratio: self.law.shear_damping_ratio,
-            friction: if self.history.has_slipped {
-                joint.residual_friction
-            } else {
-                joint.friction
-            },
             cohesion: if self.history.is_broken {
-                joint.residual_cohesion * found.area
+                self.law.joint.residual_cohesion * found.area
             } else {
                 0.0
             },
             is_bonded: self.history.bond.is_some(),
-            dt: self.law.dt,
+            ..self.law.shearing(found, self.history.has_slipped)
         }
         .apply(&mut self.history.points, &self.history.shear);
         self.history.shear = sheared.spring;
