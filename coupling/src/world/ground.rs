@@ -30,10 +30,8 @@ impl Ground {
         for block in (0..blocks.n_blocks()).filter(|&b| blocks.is_fixed(b)) {
             let (vertices, faces) = blocks.world_polygons(block);
             for face in faces {
-                let corner = |k: usize| vertices[face[k] as usize];
-                let fan = (1..face.len().saturating_sub(1))
-                    .map(|k| [corner(0), corner(k), corner(k + 1)]);
-                triangles.extend(fan);
+                let corners: Vec<Vec3> = face.iter().map(|&v| vertices[v as usize]).collect();
+                triangles.extend(fan(&corners));
             }
         }
         Self::over(triangles)
@@ -127,6 +125,12 @@ impl Ground {
             listed,
         }
     }
+}
+
+/// Triangles of a convex polygon, all of them at its first corner.
+pub fn fan(corners: &[Vec3]) -> impl Iterator<Item = [Vec3; 3]> + '_ {
+    let others = corners.windows(2).skip(1);
+    others.map(|side| [corners[0], side[0], side[1]])
 }
 
 fn looks_up([a, b, c]: &[Vec3; 3]) -> bool {

@@ -1,7 +1,7 @@
 //! Doubtful places: blocks outside of the domain or far larger than it, gauges that stay dry, failure planes that dip into the
 //! hill.
 
-use riprap_dda::{Motion, Shape, Vec3};
+use riprap_dda::{Motion, Polyhedron, Shape, Vec3};
 
 use super::solids::Solids;
 use crate::scene::access::Access;
@@ -12,7 +12,7 @@ use crate::scene::file::{
 use crate::scene::fill::Lattice;
 use crate::scene::geometry::terrain::Terrain;
 use crate::scene::geometry::terrain::outline::Outline;
-use crate::world::ground::Ground;
+use crate::world::ground::{Ground, fan};
 
 /// Size of a free block over that of the domain above which it is in another unit.
 const LARGEST_FREE: f64 = 20.0;
@@ -169,6 +169,9 @@ impl Body<'_> {
 
 /// Gauges in rock, or on land higher above the water than it is deep.
 pub(super) fn dry_gauges(file: &SceneFile, solids: &Solids, lattice: &Lattice) -> Vec<Problem> {
+    if file.gauges.is_empty() {
+        return Vec::new();
+    }
     let land = Land::new(solids, lattice);
     let mut found = Vec::new();
     for (index, gauge) in file.gauges.iter().enumerate() {
@@ -277,24 +280,13 @@ fn triangles(shape: &Shape) -> Vec<[Vec3; 3]> {
                 .collect()
         }
         Shape::Polyhedra(parts) => {
-            let faces = parts.iter().flat_map(|part| {
-                (0..part.n_faces()).map(move |face| {
-                    let corners = part.face_vertices(face);
-                    corners
-                        .map(|v| part.vertices()[v as usize])
-                        .collect::<Vec<_>>()
-                })
-            });
-            let fan = |corners: Vec<Vec3>| {
-                let first = corners[0];
-                let pairs: Vec<_> = corners
-                    .windows(2)
-                    .skip(1)
-                    .map(|p| [first, p[0], p[1]])
-                    .collect();
-                pairs
+            let faces = (parts.iter()).flat_map(|part| (0..part.n_faces()).map(move |f| (part, f)));
+            let fan_of = |(part, face): (&Polyhedron, usize)| {
+                let corners = part.face_vertices(face);
+                let corners: Vec<Vec3> = corners.map(|v| part.vertices()[v as usize]).collect();
+                fan(&corners).collect::<Vec<_>>()
             };
-            faces.flat_map(fan).collect()
+            faces.flat_map(fan_of).collect()
         }
         Shape::Sphere { .. } => Vec::new(),
     }
