@@ -2,4 +2,5 @@
 
 mod fill;
 mod mesh;
+mod ply;
 mod shape;

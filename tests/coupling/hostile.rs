@@ -47,6 +47,7 @@ fn kept_inputs_of_fuzzing_are_read_or_refused() {
     for (target, extension) in [
         ("stl", "stl"),
         ("obj", "obj"),
+        ("ply", "ply"),
         ("vtk", "vtk"),
         ("vtk", "vtp"),
     ] {

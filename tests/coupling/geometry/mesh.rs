@@ -387,7 +387,7 @@ fn bad_meshes_say_what_and_where() {
             b"v 0 0 \\\nx # half\n".to_vec(),
             "`word.obj`: line 1: found `v 0 0  x`, needed `v x y z`",
         ),
-        ("a.ply", b"ply".to_vec(), "`a.ply`: unknown kind of mesh"),
+        ("a.3ds", b"MM".to_vec(), "`a.3ds`: unknown kind of mesh"),
     ];
     for (name, content, expected) in cases {
         let text = load(name, content, 1.0).unwrap_err().to_string();

@@ -51,7 +51,7 @@ pub enum Fault {
     #[error("has more than {MOST_TRIANGLES} triangles; simplify the mesh")]
     TooManyTriangles,
     /// Unknown extension.
-    #[error("unknown kind of mesh; use .stl, .obj, .vtk, .vtp or .vtu")]
+    #[error("unknown kind of mesh; use .stl, .obj, .ply, .vtk, .vtp or .vtu")]
     UnknownKind,
     /// Violation of the format.
     #[error("{0}")]

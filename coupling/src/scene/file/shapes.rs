@@ -61,7 +61,7 @@ pub enum ShapeFile {
         /// Radius; m.
         radius: f64,
     },
-    /// A closed triangle mesh, STL, OBJ or VTK; every connected shell must be convex, several
+    /// A closed triangle mesh, STL, OBJ, PLY or VTK; every connected shell must be convex, several
     /// shells become one rigid union.
     Mesh {
         /// Path, relative to the scene file.
@@ -69,7 +69,7 @@ pub enum ShapeFile {
         /// Meters per unit of the file.
         scale: f64,
     },
-    /// An open or closed surface of triangles, STL, OBJ or VTK, of a fixed block: solid on the side opposite to the
+    /// An open or closed surface of triangles, STL, OBJ, PLY or VTK, of a fixed block: solid on the side opposite to the
     /// normals, which must all point to the same side.
     Surface {
         /// Path, relative to the scene file.

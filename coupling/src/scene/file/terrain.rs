@@ -40,7 +40,7 @@ pub struct TerrainFile {
 #[serde(deny_unknown_fields)]
 pub struct HeightsFile {
     /// Path, relative to the scene file: a raster (.asc; .tif if riprap was built with GeoTIFF), or a triangulated
-    /// survey (.stl, .obj, .vtk, .vtp, .vtu), of which the highest triangle is used.
+    /// survey (.stl, .obj, .ply, .vtk, .vtp, .vtu), of which the highest triangle is used.
     pub file: String,
     /// Meters per unit of its elevations: 0.3048 for feet.
     #[serde(default = "one")]

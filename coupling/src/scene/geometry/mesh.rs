@@ -1,10 +1,11 @@
-//! Blocks from mesh files: STL, OBJ and VTK.
+//! Blocks from mesh files: STL, OBJ, PLY and VTK.
 //!
 //! A file is read into a soup of triangles (`read`), coincident corners are welded and the triangles sorted into closed
 //! shells (`shells`), and each shell, which must be convex, becomes the hull of its corners, with coplanar triangles
 //! joined.
 
 mod obj;
+mod ply;
 mod shells;
 mod stl;
 mod vtk;
@@ -171,6 +172,7 @@ fn read(content: &[u8], extension: &str, scale: f64) -> Result<Soup, Fault> {
     let mut soup = match extension {
         "stl" => stl::read(content)?,
         "obj" => obj::read(content)?,
+        "ply" => ply::read(content)?,
         "vtk" => vtk::read_legacy(content)?,
         "vtp" | "vtu" => vtk::read_xml(content)?,
         _ => return Err(Fault::UnknownKind),
