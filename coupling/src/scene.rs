@@ -23,11 +23,9 @@ pub(crate) mod symmetry;
 pub mod validate;
 mod written;
 
-#[cfg(feature = "geotiff")]
-pub use geometry::geotiff;
 // the paths of 0.1, for one release
 pub use access as reach;
-pub use geometry::{grains, mesh, raster, rock_mass, shape, slides, terrain};
+pub use geometry::{crs, geotiff, grains, mesh, raster, rock_mass, shape, slides, terrain};
 
 use std::fs::File;
 use std::io::Read as _;

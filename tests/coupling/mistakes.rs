@@ -4,6 +4,7 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 use riprap::scene::access::Access;
+use riprap::scene::crs::Crs;
 use riprap::scene::error::{Located, Severity};
 use riprap::scene::load_text;
 
@@ -188,6 +189,20 @@ const HILL: &[Row] = &[
     ("seed: (345, 100, 35)", "seed: (20, 100, 35)", "(20, 100, 35)", Error, "fluid region `lake` has its seed [20.0, 100.0, 35.0] m inside block `ground`"),
 ];
 
+/// Maps in other systems and units.
+#[rustfmt::skip] // one row a line
+const MAPS: &[Row] = &[
+    ("\"slope.asc\"", "\"degrees.asc\"", "\"degrees.asc\"", Error, "`degrees.asc`: is in degrees, terrain is in meters; project it: gdalwarp -s_srs EPSG:4326 -t_srs EPSG:32632 in out.tif"),
+    ("\"slope.asc\"", "\"etrs.asc\"", "\"etrs.asc\"", Error, "`etrs.asc`: is in degrees of EPSG:4258 (ETRS89), terrain is in meters; project it: gdalwarp -t_srs EPSG:32632 in out.tif"),
+    ("\"slope.asc\"", "\"feet.asc\"", "\"feet.asc\"", Error, "`feet.asc`: has a plan in units of 0.304801 m, EPSG:2230 (NAD83 / California zone 6 (ftUS)); project it to meters with gdalwarp -t_srs"),
+    ("\"slope.asc\"", "\"torn.asc\"", "\"torn.asc\"", Error, "`torn.prj`: is no well-known text of a reference system; export it again, or remove it and name the system with `crs`"),
+    ("(file: \"slope.asc\")", "(file: \"zone32.asc\"), (file: \"zone33.asc\")", "\"zone33.asc\"", Error, "`zone33.asc` is in EPSG:25833 (ETRS89 / UTM zone 33N), `zone32.asc` in EPSG:25832 (ETRS89 / UTM zone 32N); project it: gdalwarp -t_srs EPSG:25832 in out.tif"),
+    ("(file: \"slope.asc\")]", "(file: \"zone32.asc\")], crs: \"EPSG:25833\"", "\"zone32.asc\"", Error, "`zone32.asc` is in EPSG:25832 (ETRS89 / UTM zone 32N), the terrain in EPSG:25833"),
+    ("(file: \"slope.asc\")]", "(file: \"slope.asc\")], crs: \"EPSG:4326\"", "\"EPSG:4326\"", Error, "EPSG:4326 (WGS 84) is not in meters; project the sources, to a zone of UTM say, and write its code"),
+    ("(file: \"slope.asc\")]", "(file: \"slope.asc\")], crs: \"UTM 33\"", "\"UTM 33\"", Error, "`UTM 33` is no coordinate reference system; write \"EPSG:25833\", or the text of a .prj file"),
+    ("\"slope.asc\"", "\"empty.tif\"", "\"empty.tif\"", Error, "`empty.tif`: is not a readable GeoTIFF: "),
+];
+
 /// Axis-aligned boxes as an OBJ file.
 fn boxes(path: &Path, boxes: &[[f64; 6]]) {
     let mut text = String::new();
@@ -239,8 +254,15 @@ fn files(folder: &Path) {
         &folder.join("adjoining.obj"),
         &[first, [0.5, 0.0, 0.0, 0.9, 0.5, 0.5]],
     );
-    let mut text =
-        "ncols 81\nnrows 41\nxllcenter 0\nyllcenter 0\ncellsize 5\nNODATA_value -9999\n".to_owned();
+    raster(&folder.join("slope.asc"), [0.0, 0.0], 5.0);
+    maps(folder);
+}
+
+/// The raster with its first point and its cells elsewhere.
+fn raster(path: &Path, [x, y]: [f64; 2], cell: f64) {
+    let mut text = format!(
+        "ncols 81\nnrows 41\nxllcenter {x}\nyllcenter {y}\ncellsize {cell}\nNODATA_value -9999\n"
+    );
     for j in 0..41 {
         for i in 0..81 {
             let (x, y) = (5.0 * f64::from(i), 5.0 * f64::from(j));
@@ -250,7 +272,30 @@ fn files(folder: &Path) {
         }
         text.push('\n');
     }
-    std::fs::write(folder.join("slope.asc"), text).unwrap();
+    std::fs::write(path, text).unwrap();
+}
+
+/// The raster in other systems.
+fn maps(folder: &Path) {
+    let prj = |code| Crs::of_epsg(code).unwrap().wkt;
+    raster(&folder.join("degrees.asc"), [7.0, 62.0], 1e-4);
+    let torn = prj(25_833).replace(']', "");
+    for (name, wkt) in [
+        ("etrs", prj(4258)),
+        ("feet", prj(2230)),
+        ("zone32", prj(25_832)),
+        ("zone33", prj(25_833)),
+        ("torn", torn),
+    ] {
+        let file = folder.join(name);
+        let (corner, cell) = match name {
+            "etrs" => ([7.0, 62.0], 1e-4),
+            _ => ([0.0; 2], 5.0),
+        };
+        raster(&file.with_extension("asc"), corner, cell);
+        std::fs::write(file.with_extension("prj"), wkt).unwrap();
+    }
+    std::fs::write(folder.join("empty.tif"), b"II*\0\0\0\0\0").unwrap();
 }
 
 /// Answers to a scene.
@@ -298,6 +343,7 @@ fn mistakes_are_answered_in_their_place() {
         (TANK, UNITS),
         (TANK, PLACES),
         (SLOPE, HILL),
+        (SLOPE, MAPS),
     ];
     let missed: Vec<String> = (tables.iter())
         .flat_map(|(right, rows)| check(folder.path(), right, rows))
@@ -336,6 +382,12 @@ fn right_scenes_pass_without_a_word() {
             "dip_deg: 1, dip_direction_deg: -90",
         ),
         (SLOPE, "dip_deg: 30", "dip_deg: 0"),
+        (SLOPE, "slope.asc", "zone32.asc"),
+        (
+            SLOPE,
+            "[(file: \"slope.asc\")]",
+            "[(file: \"slope.asc\")], crs: \"EPSG:25833\"",
+        ),
     ] {
         let text = right.replacen(from, to, 1);
         let found = answers(folder.path(), &text);

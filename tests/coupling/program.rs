@@ -348,6 +348,7 @@ fn a_run_by_force_leaves_nothing_of_the_old_one() {
         "maximum_elevation.asc",
         "first_arrival.asc",
         "inundation_depth.asc",
+        "maximum_elevation.tif",
     ] {
         assert!(before.contains(file), "{file} is not in {before:?}");
     }

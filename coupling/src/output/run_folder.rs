@@ -3,7 +3,7 @@
 //! ```text
 //! runs/x/  case.ron, inputs of the scene          archive.rs
 //!          summary.json, accuracy.json, overview.svg
-//!          gauges.csv, energy.csv, ... *.asc      a name each, below
+//!          gauges.csv, energy.csv, ... *.asc      a name each, below; *.tif and *.prj beside *.asc
 //!          water_00000.vtp, water.pvd, ...        a stem each, below
 //!          checkpoint*.bin                        while a run is incomplete
 //!          frames/                                of `riprap render`
@@ -50,6 +50,8 @@ pub const MAXIMUM_ELEVATION: &str = "maximum_elevation.asc";
 pub const FIRST_ARRIVAL: &str = "first_arrival.asc";
 /// Depth on land, an ASCII grid.
 pub const INUNDATION_DEPTH: &str = "inundation_depth.asc";
+/// Maps, each also as GeoTIFF (`.tif`) and with its reference system (`.prj`).
+const MAP_RASTERS: [&str; 3] = [MAXIMUM_ELEVATION, FIRST_ARRIVAL, INUNDATION_DEPTH];
 /// Blocks that never move.
 pub const FIXED_BLOCKS: &str = "fixed_blocks.vtp";
 /// The newest checkpoint.
@@ -211,12 +213,18 @@ fn is_written_by_runs(name: &str) -> bool {
         [".pvd", ".vtp.series"].contains(&rest)
             || number.is_some_and(|n| 5 <= n.len() && n.bytes().all(|b| b.is_ascii_digit()))
     };
+    let is_map = |grid: &str| {
+        let stem = grid.strip_suffix(".asc").unwrap_or(grid);
+        let extension = name.strip_prefix(stem);
+        extension.is_some_and(|e| [".tif", ".prj"].contains(&e))
+    };
     // a program that is killed leaves a file under its temporary name
     let hidden = name
         .strip_prefix('.')
         .and_then(|n| n.strip_suffix(".partial"));
     hidden.is_some_and(is_written_by_runs)
         || FRAMES.iter().any(|stem| is_frame(stem))
+        || MAP_RASTERS.iter().any(|grid| is_map(grid))
         || FILES.contains(&name)
 }
 
@@ -233,6 +241,8 @@ mod tests {
             "contacts.vtp.series",
             "masses.csv",
             ".maps.vtp.partial",
+            "first_arrival.tif",
+            "maximum_elevation.prj",
         ] {
             assert!(is_written_by_runs(name), "{name}");
         }
@@ -240,6 +250,7 @@ mod tests {
             "water.csv",
             "water_depth.vtp",
             "blocks_old.csv",
+            "arrival.tif",
             "waterfall.pvd",
             ".notes.partial",
             "notes.md",

@@ -1,6 +1,6 @@
 //! Geometry of a scene: solids of blocks, terrain, and the bodies that become blocks.
 
-#[cfg(feature = "geotiff")]
+pub mod crs;
 pub mod geotiff;
 pub mod grains;
 pub mod mesh;

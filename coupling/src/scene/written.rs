@@ -2,6 +2,7 @@
 
 use riprap_sph::scheme::Viscosity;
 
+use super::crs::Crs;
 use super::file::{
     AbsorberFile, ForcesFile, InterfaceFile, MapsFile, NumericsFile, OutputFile, RestingFile,
     SceneFile, SleepingFile, TerrainFile, TrajectoriesFile, ViscosityFile,
@@ -69,6 +70,7 @@ impl Scene {
         Some(TerrainFile {
             spacing: Some(terrain.grid.spacing),
             tolerance: Some(terrain.tolerance),
+            crs: terrain.crs.as_ref().map(Crs::written),
             ..file
         })
     }

@@ -92,7 +92,7 @@ fn tank(folder: &Path, region: &str, further: &str) -> PathBuf {
     let text = format!(
         r#"(title: "a tank on a map", domain: (min: (0, 0, -0.2), max: (1, 0.1, 0.7), periodic: [Y]),
             materials: [(name: "wall", density: 2500, friction_angle_deg: 30)],
-            terrain: (sources: [(file: "floor.asc")], origin: (500000, 6000000, 50)),
+            terrain: (sources: [(file: "floor.asc")], origin: (500000, 6000000, 50), crs: "EPSG:25833"),
             blocks: [(name: "floor", material: "wall", motion: Fixed, shape: Terrain),
                      (name: "west", material: "wall", motion: Fixed, shape: Box(min: (-0.2, -0.1, -0.2), max: (0, 0.2, 0.7))),
                      (name: "east", material: "wall", motion: Fixed, shape: Box(min: (1, -0.1, -0.2), max: (1.2, 0.2, 0.7)))],
@@ -124,6 +124,16 @@ fn maps_show_how_high_and_when() {
     assert_eq!(highest.n, [20, 2]);
     let corner = [500_000.025, 6_000_000.025];
     assert!((0..2).all(|axis| (highest.corner[axis] - corner[axis]).abs() < 1e-6));
+    let image = std::fs::read(run_folder.join("maximum_elevation.tif")).unwrap();
+    let image = riprap::scene::geotiff::raster_from(&image).unwrap();
+    let crs = riprap::scene::crs::Crs::of_epsg(25_833).unwrap();
+    let prj = std::fs::read_to_string(run_folder.join("maximum_elevation.prj")).unwrap();
+    assert_eq!((image.crs, prj), (Some(crs.clone()), crs.wkt));
+    let far = |axis: usize| (image.grid.corner[axis] - highest.corner[axis]).abs();
+    assert!(image.grid.n == highest.n && far(0).max(far(1)) < 1e-6);
+    // three digits in the one, 2⁻¹⁹ of 50 m in the other
+    let pairs = image.grid.heights.iter().zip(&highest.heights);
+    assert!(pairs.into_iter().all(|(a, b)| (a - b).abs() < 6e-4));
     let (a, k) = (0.02, std::f64::consts::PI);
     let omega = (G * k * (k * 0.4).tanh()).sqrt();
     let mut worst: f64 = 0.0;

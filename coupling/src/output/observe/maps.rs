@@ -1,23 +1,22 @@
 //! Maps of wave impact: highest water, arrival time, inundation depth.
 
-use std::fmt::Write as _;
+mod rasters;
+
 use std::path::{Path, PathBuf};
 
 use rayon::prelude::*;
 use riprap_sph::Fluid;
 
 use super::{ObserveError, Observer, Schedule};
-use crate::files::vtk::{self, Array, PolyData, Polygons, Values, replace_file};
+use crate::files::vtk::{self, Array, PolyData, Polygons, Values};
 use crate::output::run_folder;
 use crate::saved::Saved;
+use crate::scene::crs::Crs;
 use crate::scene::resolve::Scene;
 use crate::scene::resolved::recording;
-use crate::scene::terrain::grid::Grid;
+use crate::scene::terrain::grid::{Grid, MapGrid};
 use crate::world::World;
 use crate::world::ground::Ground;
-
-/// Missing value in ASCII grids.
-const NO_DATA: f64 = -9999.0;
 
 /// Extremes of the water at the points of one grid; NaN where dry.
 #[derive(Clone, Debug, PartialEq)]
@@ -30,7 +29,7 @@ pub struct MapExtremes {
     pub arrival: Grid,
 }
 
-/// Writes `maps.vtp` and an ASCII grid for each map.
+/// Writes `maps.vtp`, and for each map an ASCII grid and a GeoTIFF.
 #[derive(Debug)]
 pub struct Maps {
     schedule: Schedule,
@@ -39,6 +38,8 @@ pub struct Maps {
     ground: Grid,
     /// Map coordinates of the scene's origin; m.
     origin: (f64, f64, f64),
+    /// Reference system of the map, if known.
+    crs: Option<Crs>,
     /// Change of the surface since the start that counts as arrival; m.
     arrival_threshold: f64,
     /// Height of the surface at t = 0, NaN where it was dry; m.
@@ -77,6 +78,7 @@ impl Maps {
             schedule: Schedule::every(asked.interval),
             folder: folder.to_owned(),
             origin: (scene.terrain.as_ref()).map_or((0.0, 0.0, 0.0), |terrain| terrain.origin),
+            crs: (scene.terrain.as_ref()).and_then(|terrain| terrain.crs.clone()),
             arrival_threshold: asked.arrival_threshold,
             at_start: none.clone(),
             highest: none.clone(),
@@ -144,8 +146,15 @@ impl Maps {
             (run_folder::FIRST_ARRIVAL, self.arrival.clone()),
             (run_folder::INUNDATION_DEPTH, inundation.clone()),
         ] {
-            let path = self.folder.join(name);
-            replace_file(&path, &[self.ascii(&values).as_bytes()])?;
+            let mut map = MapGrid {
+                grid: Grid {
+                    heights: values,
+                    ..self.ground
+                },
+                crs: self.crs.clone(),
+            };
+            map.grid.shift([self.origin.0, self.origin.1]);
+            rasters::write(&self.folder.join(name), &map)?;
         }
         let on_land = [
             ("MaximumElevation", &self.highest),
@@ -157,30 +166,6 @@ impl Maps {
             &self.sheet(time, &on_land),
         )?;
         Ok(())
-    }
-
-    /// An ESRI grid, rows from the north, in map coordinates.
-    fn ascii(&self, values: &[f64]) -> String {
-        let Grid {
-            n, corner, spacing, ..
-        } = &self.ground;
-        let mut text = format!(
-            "ncols {}\nnrows {}\nxllcenter {:?}\nyllcenter {:?}\ncellsize {spacing:?}\nNODATA_value {NO_DATA}\n",
-            n[0],
-            n[1],
-            corner[0] + self.origin.0,
-            corner[1] + self.origin.1,
-        );
-        for row in values.chunks_exact(n[0]).rev() {
-            for (k, value) in row.iter().enumerate() {
-                let gap = if k == 0 { "" } else { " " };
-                let value = if value.is_finite() { *value } else { NO_DATA };
-                // writing to a string does not fail
-                let _ = write!(text, "{gap}{value:.3}");
-            }
-            text.push('\n');
-        }
-        text
     }
 
     /// The ground with values at its points.

@@ -56,6 +56,18 @@ pub enum Fault {
     /// Violation of the format.
     #[error("{0}")]
     Format(String),
+    /// Longitude and latitude instead of easting and northing.
+    #[error(
+        "is in degrees{system}, terrain is in meters; project it: gdalwarp {source_option}-t_srs EPSG:{zone} in out.tif"
+    )]
+    Degrees {
+        /// ` of ` and the reference system.
+        system: String,
+        /// Option of `gdalwarp` that names the system, if the file does not.
+        source_option: &'static str,
+        /// EPSG code of a system in meters there.
+        zone: u32,
+    },
     /// NaN or infinity.
     #[error("corner {corner} of triangle {triangle} is not finite; export the mesh again")]
     NotFinite {

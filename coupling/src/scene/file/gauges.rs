@@ -94,8 +94,8 @@ pub struct ForcesFile {
     pub interval: Option<f64>,
 }
 
-/// Maps in plan view: `maximum_elevation.asc`, `first_arrival.asc`, `inundation_depth.asc` in map coordinates, and
-/// `maps.vtp` on the ground.
+/// Maps in plan view: `maximum_elevation.asc`, `first_arrival.asc`, `inundation_depth.asc` in map coordinates, each
+/// also as GeoTIFF (`.tif`) and with the map's `.prj`, and `maps.vtp` on the ground.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct MapsFile {

@@ -15,6 +15,10 @@ pub struct TerrainFile {
     /// Map coordinates of x = y = 0 in the scene, and the elevation of z = 0; m.
     #[serde(default)]
     pub origin: Triple,
+    /// Coordinate reference system of the map, `"EPSG:25833"` or the text of a `.prj` file; when left out, that of the
+    /// sources, if they name one. Written beside every map.
+    #[serde(default)]
+    pub crs: Option<String>,
     /// Lower and upper corner of the part in use, (x, y); the extent of the first source when left out; m.
     #[serde(default)]
     pub clip: Option<((f64, f64), (f64, f64))>,
@@ -39,7 +43,7 @@ pub struct TerrainFile {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct HeightsFile {
-    /// Path, relative to the scene file: a raster (.asc; .tif if riprap was built with GeoTIFF), or a triangulated
+    /// Path, relative to the scene file: a raster (.asc, .tif), or a triangulated
     /// survey (.stl, .obj, .ply, .vtk, .vtp, .vtu), of which the highest triangle is used.
     pub file: String,
     /// Meters per unit of its elevations: 0.3048 for feet.

@@ -1,10 +1,18 @@
-//! Grids of elevations from ESRI ASCII files, and terrain directly from one.
+//! Rasters of elevations, ESRI ASCII or GeoTIFF, and terrain directly from one.
 
+mod ascii;
+
+use std::io::ErrorKind;
+use std::path::Path;
 use std::sync::Arc;
 
 use riprap_dda::{Shape, Surface, Vec3};
 
-use super::terrain::grid::Grid;
+pub use ascii::grid_from;
+
+use super::crs::{Crs, utm_zone};
+use super::geotiff;
+use super::terrain::grid::{Grid, MapGrid};
 use crate::scene::access::Access;
 use crate::scene::access::fault::{Fault, MeshError};
 
@@ -12,16 +20,87 @@ use crate::scene::access::fault::{Fault, MeshError};
 const MOST_POINTS: usize = 50_000_000;
 /// Largest number of points of a grid used directly as terrain; each makes two triangles.
 const MOST_POINTS_OF_A_SHAPE: usize = 2_500_000;
+/// Cells below this size make a raster within the range of longitude and latitude look like degrees.
+const SMALL_CELL: f64 = 0.1;
+/// Relief of terrain in meters over an extent in degrees: a kilometer of a valley is 0.01 degrees long. A bed in a
+/// laboratory, the other raster of such cells, is longer than high; × extent.
+const RELIEF_IN_DEGREES: f64 = 10.0;
 
-/// Header of a raster.
-struct Header {
-    n_columns: usize,
-    n_rows: usize,
-    /// Map coordinates of the first column and the last row; m.
-    corner: [f64; 2],
-    cell_size: f64,
-    /// Value of missing elevations.
-    no_data: f64,
+/// Raster of a file that the scene names, in map coordinates. The reference system is that of a GeoTIFF, or of the
+/// `.prj` file beside it.
+///
+/// # Errors
+///
+/// [`MeshError`], which names the file, the line and the remedy.
+pub fn read(access: &Access, file: &str) -> Result<MapGrid, MeshError> {
+    let of = |file: &str, fault| MeshError {
+        file: file.to_owned(),
+        fault,
+    };
+    let content = access.read(file).map_err(|fault| of(file, fault))?;
+    let raster = raster_from(&content).map_err(|fault| of(file, fault))?;
+    if raster.crs.is_some() {
+        return Ok(raster);
+    }
+    let beside = Path::new(file).with_extension("prj");
+    let beside = beside.to_string_lossy();
+    let crs = system_of(access, &beside).map_err(|fault| of(&beside, fault))?;
+    if let Some(crs) = &crs {
+        crs.in_meters(raster.grid.middle())
+            .map_err(|fault| of(file, fault))?;
+    }
+    Ok(MapGrid { crs, ..raster })
+}
+
+/// System of a `.prj` file, if there is one.
+fn system_of(access: &Access, file: &str) -> Result<Option<Crs>, Fault> {
+    let text = match access.read(file) {
+        Ok(text) => text,
+        Err(Fault::Unreadable(error)) if error.kind() == ErrorKind::NotFound => return Ok(None),
+        Err(fault) => return Err(fault),
+    };
+    let crs = Crs::of_wkt(&String::from_utf8_lossy(&text));
+    crs.map(Some).map_err(|_| {
+        let what = "is no well-known text of a reference system; export it again, or remove it and name the system with `crs`";
+        Fault::Format(what.into())
+    })
+}
+
+/// Raster in the content of a file, in map coordinates.
+///
+/// # Errors
+///
+/// [`Fault`].
+pub fn raster_from(content: &[u8]) -> Result<MapGrid, Fault> {
+    if geotiff::is_tiff(content) {
+        return geotiff::raster_from(content);
+    }
+    Ok(MapGrid {
+        grid: grid_from(content)?,
+        crs: None,
+    })
+}
+
+/// Check of a raster without a reference system, its heights already in meters: in degrees its relief is many times its
+/// extent.
+///
+/// # Errors
+///
+/// [`Fault::Degrees`].
+pub fn refuse_degrees(grid: &Grid) -> Result<(), Fault> {
+    let (low, high) = grid.range();
+    let ([west, south], [east, north]) = (grid.corner, grid.far_corner());
+    let is_on_earth = -360.0 <= west && east <= 360.0 && -90.0 <= south && north <= 90.0;
+    let extent = (east - west).max(north - south);
+    if is_on_earth && grid.spacing < SMALL_CELL && high - low > RELIEF_IN_DEGREES * extent {
+        let [longitude, latitude] = grid.middle();
+        return Err(Fault::Degrees {
+            system: String::new(),
+            source_option: "-s_srs EPSG:4326 ",
+            zone: utm_zone(longitude, latitude),
+        });
+    }
+    Ok(())
 }
 
 /// Terrain of a grid of elevations (m), with the map's `origin` (m) at x = y = 0. The points of the grid are the centers
@@ -31,13 +110,11 @@ struct Header {
 ///
 /// [`MeshError`], which names the file, the line and the remedy.
 pub fn terrain(access: &Access, file: &str, origin: (f64, f64)) -> Result<Shape, MeshError> {
-    access
-        .read(file)
-        .and_then(|content| terrain_from(&content, origin))
-        .map_err(|fault| MeshError {
-            file: file.to_owned(),
-            fault,
-        })
+    let raster = read(access, file)?;
+    of_grid(raster.grid, origin).map_err(|fault| MeshError {
+        file: file.to_owned(),
+        fault,
+    })
 }
 
 /// The terrain of the content of a file, as [`terrain`].
@@ -46,38 +123,14 @@ pub fn terrain(access: &Access, file: &str, origin: (f64, f64)) -> Result<Shape,
 ///
 /// [`Fault`].
 pub fn terrain_from(content: &[u8], origin: (f64, f64)) -> Result<Shape, Fault> {
-    let mut grid = grid_from(content)?;
+    of_grid(raster_from(content)?.grid, origin)
+}
+
+fn of_grid(mut grid: Grid, origin: (f64, f64)) -> Result<Shape, Fault> {
+    refuse_degrees(&grid)?;
     grid.shift([-origin.0, -origin.1]);
     let surface = triangulate(&grid)?;
     Ok(Shape::Surface(Arc::new(surface)))
-}
-
-/// Grid of elevations in the content of a file, in map coordinates.
-///
-/// # Errors
-///
-/// [`Fault`], with the line and the remedy.
-pub fn grid_from(content: &[u8]) -> Result<Grid, Fault> {
-    let content = String::from_utf8_lossy(content);
-    let (header, first_row) = header(&content)?;
-    let mut heights = heights(&content, first_row, &header)?;
-    // rows of a file run from north to south
-    for row in 0..header.n_rows / 2 {
-        let (north, south) = heights.split_at_mut((header.n_rows - 1 - row) * header.n_columns);
-        let start = row * header.n_columns;
-        north[start..start + header.n_columns].swap_with_slice(&mut south[..header.n_columns]);
-    }
-    for height in &mut heights {
-        if *height == header.no_data {
-            *height = f64::NAN;
-        }
-    }
-    Ok(Grid {
-        n: [header.n_columns, header.n_rows],
-        corner: header.corner,
-        spacing: header.cell_size,
-        heights,
-    })
 }
 
 fn triangulate(grid: &Grid) -> Result<Surface, Fault> {
@@ -122,116 +175,6 @@ fn triangulate(grid: &Grid) -> Result<Surface, Fault> {
     Surface::new(vertices, triangles).map_err(|error| Fault::Format(error.to_string()))
 }
 
-fn refuse(line: usize, what: impl std::fmt::Display) -> Fault {
-    Fault::Format(format!("line {line}: {what}"))
-}
-
-/// The header and the number of the first line after it, from 0.
-fn header(content: &str) -> Result<(Header, usize), Fault> {
-    let mut n_columns = None;
-    let mut n_rows = None;
-    let mut corner = [None, None];
-    let mut is_center = [false, false];
-    let mut cell_size = None;
-    let mut no_data = -9999.0;
-    let mut first_row = 0;
-    for (k, line) in content.lines().enumerate() {
-        let mut words = line.split_whitespace();
-        let Some(key) = words.next() else {
-            continue;
-        };
-        if !key.starts_with(|c: char| c.is_ascii_alphabetic()) || key.eq_ignore_ascii_case("nan") {
-            first_row = k;
-            break;
-        }
-        let value: f64 = words
-            .next()
-            .and_then(|word| word.parse().ok())
-            .filter(|value: &f64| value.is_finite())
-            .ok_or_else(|| refuse(k + 1, format!("`{key}` needs a number after it")))?;
-        let count = || {
-            let is_count = (2.0..=MOST_POINTS as f64).contains(&value) && value.fract() == 0.0;
-            is_count.then_some(value as usize).ok_or_else(|| {
-                refuse(
-                    k + 1,
-                    format!("`{key}` must be a whole number, at least 2, found {value}"),
-                )
-            })
-        };
-        match key.to_ascii_lowercase().as_str() {
-            "ncols" => n_columns = Some(count()?),
-            "nrows" => n_rows = Some(count()?),
-            "xllcorner" => corner[0] = Some(value),
-            "yllcorner" => corner[1] = Some(value),
-            "xllcenter" => (corner[0], is_center[0]) = (Some(value), true),
-            "yllcenter" => (corner[1], is_center[1]) = (Some(value), true),
-            "cellsize" if value > 0.0 => cell_size = Some(value),
-            "cellsize" => {
-                return Err(refuse(
-                    k + 1,
-                    format!("`{key}` must be > 0 m, found {value}"),
-                ));
-            }
-            "nodata_value" => no_data = value,
-            _ => {
-                let known = "ncols, nrows, xllcorner, yllcorner, xllcenter, yllcenter, cellsize, NODATA_value";
-                return Err(refuse(k + 1, format!("`{key}` is none of {known}")));
-            }
-        }
-    }
-    let missing = |key: &str| Fault::Format(format!("has no `{key}` before the heights"));
-    let cell_size = cell_size.ok_or_else(|| missing("cellsize"))?;
-    let at = |axis: usize, key: &str| {
-        let value: f64 = corner[axis].ok_or_else(|| missing(key))?;
-        let half = if is_center[axis] {
-            0.0
-        } else {
-            0.5 * cell_size
-        };
-        Ok::<f64, Fault>(value + half)
-    };
-    let header = Header {
-        n_columns: n_columns.ok_or_else(|| missing("ncols"))?,
-        n_rows: n_rows.ok_or_else(|| missing("nrows"))?,
-        corner: [at(0, "xllcorner")?, at(1, "yllcorner")?],
-        cell_size,
-        no_data,
-    };
-    if header.n_columns.saturating_mul(header.n_rows) > MOST_POINTS {
-        return Err(Fault::Format(format!(
-            "has {} x {} points, more than {MOST_POINTS}; resample it",
-            header.n_columns, header.n_rows
-        )));
-    }
-    Ok((header, first_row))
-}
-
-/// Elevations row by row from the north, independent of line breaks.
-fn heights(content: &str, first_row: usize, header: &Header) -> Result<Vec<f64>, Fault> {
-    let n = header.n_columns * header.n_rows;
-    // a header may promise more than the file has
-    let mut heights = Vec::with_capacity(n.min(content.len() / 2 + 1));
-    for (k, line) in content.lines().enumerate().skip(first_row) {
-        for word in line.split_whitespace() {
-            let height = word
-                .parse()
-                .ok()
-                .filter(|height: &f64| height.is_finite())
-                .ok_or_else(|| refuse(k + 1, format!("`{word}` is not a height")))?;
-            heights.push(height);
-        }
-    }
-    if heights.len() != n {
-        return Err(Fault::Format(format!(
-            "has {} heights; {} columns and {} rows need {n}",
-            heights.len(),
-            header.n_columns,
-            header.n_rows
-        )));
-    }
-    Ok(heights)
-}
-
 #[cfg(test)]
 #[expect(clippy::unwrap_used, reason = "a test may fail")]
 mod tests {
@@ -266,39 +209,5 @@ mod tests {
             (surface.triangles().len(), surface.vertices().len()),
             (2, 5)
         );
-    }
-
-    #[test]
-    fn faults_name_the_line() {
-        let fault = |content: &str| grid_from(content.as_bytes()).unwrap_err().to_string();
-        for (content, expected) in [
-            (
-                GRID.replace("1 2 3", "1 2 x"),
-                "line 8: `x` is not a height",
-            ),
-            (
-                GRID.replace("1 2 3", "1 2"),
-                "has 5 heights; 3 columns and 2 rows need 6",
-            ),
-            (
-                GRID.replace("cellsize 10", "cellsize 0"),
-                "line 5: `cellsize` must be > 0 m, found 0",
-            ),
-            (
-                GRID.replace("nrows 2", "nrows 1"),
-                "line 2: `nrows` must be a whole number, at least 2, found 1",
-            ),
-            (
-                GRID.replace("nrows 2\n", ""),
-                "has no `nrows` before the heights",
-            ),
-            (
-                GRID.replace("nrows 2", "rows 2"),
-                "line 2: `rows` is none of ncols",
-            ),
-        ] {
-            let found = fault(&content);
-            assert!(found.starts_with(expected), "{found}");
-        }
     }
 }

@@ -6,6 +6,7 @@ pub mod grid;
 pub mod outline;
 mod plausible;
 pub mod sources;
+mod system;
 pub mod triangles;
 
 use std::sync::Arc;
@@ -18,6 +19,7 @@ use crate::scene::file::{
     BlockFile, FailureSurfaceFile, FluidFile, HeightsFile, OutlineFile, ResolutionFile, SceneFile,
     ShapeFile, SlideFile, TerrainFile, Triple, vec3,
 };
+use crate::scene::geometry::crs::Crs;
 use excavation::{Excavated, excavated};
 use grid::Grid;
 use outline::Outline;
@@ -35,6 +37,8 @@ pub struct Terrain {
     pub tolerance: f64,
     /// Map coordinates of x = y = 0 in the scene, and the elevation of z = 0; m.
     pub origin: Triple,
+    /// Reference system of the map, if known.
+    pub crs: Option<Crs>,
     /// Number of the material of the ground; `None` if no block has the shape `Terrain`.
     pub material: Option<usize>,
     /// Rock of the slides, in the order of the scene.
@@ -101,6 +105,14 @@ pub fn resolve(file: &SceneFile, access: &Access) -> Result<Option<Terrain>, Vec
             return Err(found.flatten().collect());
         }
     };
+    let bases = holes
+        .iter()
+        .filter_map(|(path, _, base)| match base {
+            Base::Raster(source) => Some((format!("{path}.failure_surface.file"), source)),
+            Base::Plane { .. } => None,
+        })
+        .collect();
+    let crs = system::common(terrain, &sources, bases).map_err(|problem| vec![problem])?;
     let spacing =
         (terrain.spacing).unwrap_or_else(|| chosen_spacing(&sources, file.fluid.as_ref()));
     if !(spacing.is_finite() && spacing > 0.0) {
@@ -119,6 +131,7 @@ pub fn resolve(file: &SceneFile, access: &Access) -> Result<Option<Terrain>, Vec
         grid,
         tolerance,
         origin: terrain.origin,
+        crs,
         material: (file.blocks.iter().find(is_ground)).and_then(|block| material(&block.material)),
         surface: Arc::new(surface),
         rock: rock

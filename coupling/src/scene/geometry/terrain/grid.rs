@@ -1,5 +1,7 @@
 //! Elevations at the points of a square grid.
 
+use crate::scene::geometry::crs::Crs;
+
 /// Elevations over a rectangle in plan view. Points are the centers of the cells of a raster.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Grid {
@@ -11,6 +13,15 @@ pub struct Grid {
     pub spacing: f64,
     /// Elevations row by row from the south, each from the west; NaN where missing; m.
     pub heights: Vec<f64>,
+}
+
+/// A grid in map coordinates.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MapGrid {
+    /// Elevations.
+    pub grid: Grid,
+    /// Reference system of the map, if known.
+    pub crs: Option<Crs>,
 }
 
 impl Grid {
@@ -34,6 +45,12 @@ impl Grid {
     /// Point of largest x and y; m.
     pub fn far_corner(&self) -> [f64; 2] {
         self.place([self.n[0] - 1, self.n[1] - 1])
+    }
+
+    /// Center of the extent; m.
+    pub fn middle(&self) -> [f64; 2] {
+        let far = self.far_corner();
+        [0, 1].map(|axis| 0.5 * (self.corner[axis] + far[axis]))
     }
 
     /// All points, row by row from the south.

@@ -9,8 +9,9 @@ use crate::scene::access::Access;
 use crate::scene::access::fault::{Fault, MeshError};
 use crate::scene::error::Problem;
 use crate::scene::file::{GapsFile, HeightsFile, TerrainFile};
+use crate::scene::geometry::crs::Crs;
 use crate::scene::geometry::mesh;
-use crate::scene::geometry::raster::grid_from;
+use crate::scene::geometry::raster::{self, refuse_degrees};
 use crate::world::ground::Ground;
 
 /// Largest number of points.
@@ -25,6 +26,10 @@ const MEMBRANE_SWEEPS: usize = 200;
 /// Elevations of a file, in the coordinates of the scene.
 #[derive(Clone, Debug)]
 pub struct Source {
+    /// The file as the scene names it.
+    pub file: String,
+    /// Reference system of its map, if known.
+    pub crs: Option<Crs>,
     heights: Heights,
     /// Range outside of which elevations are missing; m.
     range: (f64, f64),
@@ -52,12 +57,18 @@ impl Source {
         access: &Access,
     ) -> Result<Self, MeshError> {
         let place = |z: f64| file.height_scale * z + file.height_shift - origin.2;
+        let mut crs = None;
         let heights = if is_raster(&file.file) {
-            let mut grid = raster(&file.file, access)?;
-            grid.shift([-origin.0, -origin.1]);
+            let raster = raster::read(access, &file.file)?;
+            crs = raster.crs;
+            let mut grid = raster.grid;
             for height in &mut grid.heights {
                 *height = place(*height);
             }
+            if crs.is_none() {
+                refuse_degrees(&grid).map_err(|fault| refused(&file.file, fault))?;
+            }
+            grid.shift([-origin.0, -origin.1]);
             Heights::Raster(grid)
         } else {
             let Shape::Surface(surface) = mesh::surface(access, &file.file, 1.0)? else {
@@ -82,6 +93,8 @@ impl Source {
             Heights::Survey { ground, extent }
         };
         Ok(Self {
+            file: file.file.clone(),
+            crs,
             heights,
             range: file
                 .heights
@@ -134,30 +147,6 @@ fn is_raster(file: &str) -> bool {
         extension(file).as_str(),
         "asc" | "tif" | "tiff" | "txt" | "grd"
     )
-}
-
-/// Grid of a file, in map coordinates.
-fn raster(file: &str, access: &Access) -> Result<Grid, MeshError> {
-    let read = |content: Vec<u8>| match extension(file).as_str() {
-        "tif" | "tiff" => geotiff(&content),
-        _ => grid_from(&content),
-    };
-    let read = access.read(file).and_then(read);
-    read.map_err(|fault| refused(file, fault))
-}
-
-#[cfg(feature = "geotiff")]
-fn geotiff(content: &[u8]) -> Result<Grid, Fault> {
-    crate::scene::geometry::geotiff::grid_from(content)
-}
-
-#[cfg(not(feature = "geotiff"))]
-fn geotiff(_: &[u8]) -> Result<Grid, Fault> {
-    Err(Fault::Format(
-        "is a GeoTIFF, for which riprap must be built with `--features geotiff`; or export an ESRI ASCII grid \
-         (gdal_translate -of AAIGrid)"
-            .into(),
-    ))
 }
 
 /// Elevations of a scene.
