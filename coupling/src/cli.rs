@@ -3,6 +3,7 @@
 mod accuracy;
 mod check;
 mod compare;
+mod new;
 mod render;
 mod run;
 mod study;
@@ -36,7 +37,7 @@ pub(crate) enum Exit {
 
 /// Rock blocks and water in one explicit engine.
 ///
-/// A scene file describes an experiment; `riprap check` reports its model and
+/// A scene file describes an experiment; `riprap new` writes one to start from, `riprap check` reports its model and
 /// cost, `riprap run` runs it into a folder of VTK files, CSV tables and pictures.
 #[derive(Debug, Parser)]
 #[command(
@@ -57,6 +58,8 @@ struct Arguments {
 
 #[derive(Debug, Subcommand)]
 enum Command {
+    /// Write a scene to start from, every choice commented.
+    New(new::Arguments),
     /// Run a scene into a folder.
     Run(run::Arguments),
     /// Check a scene and report its model and cost, without a run.
@@ -73,6 +76,7 @@ enum Command {
 /// Runs the program with the arguments of the process.
 pub fn main() -> ExitCode {
     let exit = match Arguments::parse().command {
+        Command::New(arguments) => new::execute(&arguments),
         Command::Run(arguments) => run::execute(&arguments),
         Command::Check(arguments) => check::execute(&arguments),
         Command::Render(arguments) => render::execute(&arguments),

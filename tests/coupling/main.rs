@@ -22,6 +22,7 @@ mod geometry;
 mod hostile;
 mod landslide;
 mod mistakes;
+mod new;
 mod overview;
 mod program;
 mod random_scenes;

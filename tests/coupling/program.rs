@@ -594,6 +594,7 @@ fn help_teaches() {
     let output = riprap(&["--help"]);
     let help = String::from_utf8_lossy(&output.stdout).into_owned();
     for word in [
+        "new",
         "run",
         "check",
         "render",

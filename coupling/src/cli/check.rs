@@ -11,6 +11,7 @@ use crate::run::ineffective::ineffective_options;
 use crate::scene::access::Access;
 use crate::scene::parse::Override;
 use cost::cost;
+pub(crate) use cost::wall_seconds;
 pub(crate) use describe::describe;
 
 /// Check a scene and report its model and cost.

@@ -17,16 +17,10 @@ const PROBE_STEPS: u32 = 50;
 /// Step limits, steps, disk and wall time from a timed probe.
 pub(super) fn cost(scene: &Scene) -> Result<String, RunError> {
     let mut world = build(scene)?;
-    let duration = scene.duration;
-    let settle = if scene.fluid.is_some() {
-        scene.settle
-    } else {
-        0.0
-    };
-    let step = world.next_step(duration)?;
+    let step = world.next_step(scene.duration)?;
     let mut text = step_limits(&world, step);
     text += &governing_block(&world, scene);
-    let steps = ((duration + settle) / step.dt).ceil();
+    let steps = n_steps(scene, step);
     let _ = writeln!(
         text,
         "  steps          about {steps:.0}, {} block sub-steps in each",
@@ -50,6 +44,23 @@ pub(super) fn cost(scene: &Scene) -> Result<String, RunError> {
         rayon::current_num_threads(),
     );
     Ok(text)
+}
+
+/// Wall time of a run predicted from its first steps; s.
+pub(crate) fn wall_seconds(scene: &Scene) -> Result<f64, RunError> {
+    let mut world = build(scene)?;
+    let step = world.next_step(scene.duration)?;
+    Ok(wall_time(&mut world, scene, n_steps(scene, step))?.1)
+}
+
+/// Steps of a run that all are as long as the first.
+fn n_steps(scene: &Scene, first: TimeStep) -> f64 {
+    let settle = if scene.fluid.is_some() {
+        scene.settle
+    } else {
+        0.0
+    };
+    ((scene.duration + settle) / first.dt).ceil()
 }
 
 /// Every limit of the step, its cause and its stability limit; the one that governs is marked.

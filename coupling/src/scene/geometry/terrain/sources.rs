@@ -114,7 +114,7 @@ impl Source {
     }
 
     /// Smallest and largest x and y; m.
-    fn extent(&self) -> [[f64; 2]; 2] {
+    pub fn extent(&self) -> [[f64; 2]; 2] {
         match &self.heights {
             Heights::Raster(grid) => [grid.corner, grid.far_corner()],
             Heights::Survey { extent, .. } => *extent,
