@@ -1,4 +1,7 @@
-//! File formats shared by several wings: tables (CSV) and VTK.
+//! File formats shared by several wings: tables (CSV), VTK, and the points, lines and polygons of maps.
 
+pub mod features;
+pub mod points;
 pub mod table;
+pub mod units;
 pub mod vtk;

@@ -16,6 +16,7 @@ pub mod motion;
 mod names;
 pub(crate) mod overlaps;
 pub mod parse;
+mod placed;
 pub mod resolve;
 pub mod resolved;
 mod sleep;
@@ -35,6 +36,7 @@ use access::{Access, FilesFrom};
 use error::{Problem, SceneError, Severity};
 use estimate::Estimate;
 use parse::Override;
+use placed::Placed;
 use resolved::Scene;
 
 /// Largest size of a scene; bytes.
@@ -97,28 +99,39 @@ pub fn load_text(
         .map_err(|problem| SceneError::from_problems(name, written, vec![problem]))?;
     let file = parse::read(&text)
         .map_err(|error| SceneError::at_span(name, &text, error.span, error.message))?;
-    let problems = validate::values(&file);
+    let Placed {
+        file,
+        written,
+        systems,
+    } = placed::placed(file, access).map_err(|found| refused(name, &text, found))?;
+    let located = |problems: Vec<Problem>| written.located(problems);
+    let problems = located(validate::values(&file));
     if problems.iter().any(|p| p.severity == Severity::Error) {
         return Err(SceneError::from_problems(name, &text, problems));
     }
-    match Scene::resolve_within(file, access) {
-        Ok(mut scene) => {
-            if let Some(refusal) = Estimate::of(&scene).refusal(access.memory) {
-                let all = problems.into_iter().chain([refusal]).collect();
-                return Err(SceneError::from_problems(name, &text, all));
-            }
-            let refused = overlaps::refused_by_first_step(&scene);
-            if !refused.is_empty() {
-                let all = problems.into_iter().chain(refused).collect();
-                return Err(SceneError::from_problems(name, &text, all));
-            }
-            scene.warnings.splice(0..0, problems);
-            let warnings = SceneError::from_problems(name, &text, scene.warnings.clone());
-            Ok((scene, warnings))
-        }
-        Err(found) => {
-            let all = problems.into_iter().chain(found).collect();
-            Err(SceneError::from_problems(name, &text, all))
-        }
+    let refuse = |found: Vec<Problem>| {
+        let all = problems.iter().cloned().chain(found).collect();
+        Err(refused(name, &text, all))
+    };
+    let mut scene = match Scene::resolve_within(file, access) {
+        Ok(scene) => scene,
+        Err(found) => return refuse(located(found)),
+    };
+    let other_system = placed::other_system(&systems, &scene);
+    let refusal = Estimate::of(&scene).refusal(access.memory);
+    if let Some(refusal) = other_system.or(refusal) {
+        return refuse(vec![refusal]);
     }
+    let overlapping = overlaps::refused_by_first_step(&scene);
+    if !overlapping.is_empty() {
+        return refuse(overlapping);
+    }
+    scene.warnings = located(scene.warnings);
+    scene.warnings.splice(0..0, problems);
+    let warnings = refused(name, &text, scene.warnings.clone());
+    Ok((scene, warnings))
+}
+
+fn refused(name: &str, text: &str, problems: Vec<Problem>) -> SceneError {
+    SceneError::from_problems(name, text, problems)
 }

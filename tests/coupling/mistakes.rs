@@ -200,7 +200,20 @@ const MAPS: &[Row] = &[
     ("(file: \"slope.asc\")]", "(file: \"zone32.asc\")], crs: \"EPSG:25833\"", "\"zone32.asc\"", Error, "`zone32.asc` is in EPSG:25832 (ETRS89 / UTM zone 32N), the terrain in EPSG:25833"),
     ("(file: \"slope.asc\")]", "(file: \"slope.asc\")], crs: \"EPSG:4326\"", "\"EPSG:4326\"", Error, "EPSG:4326 (WGS 84) is not in meters; project the sources, to a zone of UTM say, and write its code"),
     ("(file: \"slope.asc\")]", "(file: \"slope.asc\")], crs: \"UTM 33\"", "\"UTM 33\"", Error, "`UTM 33` is no coordinate reference system; write \"EPSG:25833\", or the text of a .prj file"),
+    ("Corners([(100, 60), (200, 60), (200, 140), (100, 140)])", "File(\"holed.geojson\")", "File(", Error, "`holed.geojson`: feature 1: has a polygon of 2 rings; one without holes is needed"),
+    ("Corners([(100, 60), (200, 60), (200, 140), (100, 140)])", "File(\"three.csv\")", "File(", Error, "`three.csv`: line 3: found 3 columns, the header has 2; decimal commas need semicolons between columns"),
+    ("SurfaceElevation(name: \"near\", x: 340, y: 100)", "FromFile(file: \"zone33.geojson\", kind: SurfaceElevation)", "\"zone33.geojson\"", Error, "`zone33.geojson`: `zone33_1` is a line or a polygon, a gauge of kind SurfaceElevation needs points"),
+    ("SurfaceElevation(name: \"near\", x: 340, y: 100)", "FromFile(file: \"far.csv\", kind: SurfaceElevation)", "\"far.csv\"", Error, "gauge `ferry` at (5000.0, 100.0, -50.0) is outside of the domain"),
+    ("SurfaceElevation(name: \"near\", x: 340, y: 100)", "FromFile(file: \"lonlat.csv\", kind: SurfaceElevation)", "\"lonlat.csv\"", Error, "`lonlat.csv`: line 1: columns lon, lat are in degrees; project them: x, y in meters"),
+    ("SurfaceElevation(name: \"near\", x: 340, y: 100)", "OnMap(SurfaceElevation(name: \"near\", x: 34000, y: 100))", "34000", Error, "gauge `near` at (34000.0, 100.0, -50.0) is outside of the domain"),
     ("\"slope.asc\"", "\"empty.tif\"", "\"empty.tif\"", Error, "`empty.tif`: is not a readable GeoTIFF: "),
+];
+
+/// Outlines and gauges in another system than the terrain, EPSG:25832.
+#[rustfmt::skip] // one row a line
+const SYSTEMS: &[Row] = &[
+    ("Corners([(100, 60), (200, 60), (200, 140), (100, 140)])", "File(\"zone33.geojson\")", "File(", Error, "`zone33.geojson` is in EPSG:25833 (ETRS89 / UTM zone 33N), `zone32.asc` in EPSG:25832 (ETRS89 / UTM zone 32N); project it: ogr2ogr -t_srs EPSG:25832 out.geojson in"),
+    ("SurfaceElevation(name: \"near\", x: 340, y: 100)", "FromFile(file: \"points33.geojson\", kind: SurfaceElevation)", "\"points33.geojson\"", Error, "`points33.geojson` is in EPSG:25833 (ETRS89 / UTM zone 33N), the terrain in EPSG:25832 (ETRS89 / UTM zone 32N); project it: ogr2ogr -t_srs EPSG:25832 out.geojson in"),
 ];
 
 /// Axis-aligned boxes as an OBJ file.
@@ -295,6 +308,30 @@ fn maps(folder: &Path) {
         raster(&file.with_extension("asc"), corner, cell);
         std::fs::write(file.with_extension("prj"), wkt).unwrap();
     }
+    let ring = "[[100, 60], [200, 60], [200, 140], [100, 140], [100, 60]]";
+    let of = |crs: &str, rings: &str| {
+        format!(
+            r#"{{"type": "FeatureCollection", {crs} "features": [{{"type": "Feature", "properties": {{}},
+                "geometry": {{"type": "Polygon", "coordinates": [{rings}]}}}}]}}"#
+        )
+    };
+    let zone = r#""crs": {"type": "name", "properties": {"name": "urn:ogc:def:crs:EPSG::25833"}},"#;
+    for (file, text) in [
+        ("holed.geojson", of("", &format!("{ring}, {ring}"))),
+        ("zone33.geojson", of(zone, ring)),
+        (
+            "points33.geojson",
+            of(zone, ring)
+                .replace("Polygon", "MultiPoint")
+                .replace("[[[", "[[")
+                .replace("]]]", "]]"),
+        ),
+        ("three.csv", "x,y\n100,60\n200,5,60\n".to_owned()),
+        ("far.csv", "name;E;N\nferry;5000;100\n".to_owned()),
+        ("lonlat.csv", "name,lon,lat\nquay,7,62\n".to_owned()),
+    ] {
+        std::fs::write(folder.join(file), text).unwrap();
+    }
     std::fs::write(folder.join("empty.tif"), b"II*\0\0\0\0\0").unwrap();
 }
 
@@ -338,12 +375,14 @@ fn check(folder: &Path, right: &str, rows: &[Row]) -> Vec<String> {
 fn mistakes_are_answered_in_their_place() {
     let folder = tempfile::tempdir().unwrap();
     files(folder.path());
+    let in_zone_32 = SLOPE.replace("slope.asc", "zone32.asc");
     let tables = [
         (TANK, WRITING),
         (TANK, UNITS),
         (TANK, PLACES),
         (SLOPE, HILL),
         (SLOPE, MAPS),
+        (&in_zone_32, SYSTEMS),
     ];
     let missed: Vec<String> = (tables.iter())
         .flat_map(|(right, rows)| check(folder.path(), right, rows))

@@ -33,7 +33,7 @@ pub use fluid::{
     FlowFile, FluidFile, LatticeFile, RegionFile, RegionShapeFile, RegularizationFile,
     ResolutionFile, RheologyFile,
 };
-pub use gauges::{ForcesFile, GaugeFile, MapsFile, MassFile, TrajectoriesFile};
+pub use gauges::{ForcesFile, GaugeFile, GaugeKindFile, MapsFile, MassFile, TrajectoriesFile};
 pub use interface::{InterfaceFile, SlipFile, WallMethodFile};
 pub use materials::{ElasticFile, JointFile, MaterialFile};
 pub use numerics::{
@@ -167,6 +167,11 @@ impl SceneFile {
         for block in &mut self.blocks {
             if let MotionFile::Table { file } | MotionFile::Shaking { file, .. } = &mut block.motion
             {
+                visit(file);
+            }
+        }
+        for gauge in &mut self.gauges {
+            if let GaugeFile::FromFile { file, .. } = gauge {
                 visit(file);
             }
         }

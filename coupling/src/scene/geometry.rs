@@ -1,6 +1,7 @@
 //! Geometry of a scene: solids of blocks, terrain, and the bodies that become blocks.
 
 pub mod crs;
+pub mod features;
 pub mod geotiff;
 pub mod grains;
 pub mod mesh;

@@ -1,7 +1,8 @@
 //! From a read scene to one that can run: a pipe of functions, each of which returns its choices.
 //!
 //! ```text
-//! SceneFile → Expanded   rock masses, slides and grains as blocks
+//! SceneFile → Placed     gauges of the map and of files in the scene's coordinates
+//!           → Expanded   rock masses, slides and grains as blocks
 //!           → Solids     shapes, motions and materials of the blocks
 //!           → Lattice    initial water
 //!           → numbers    speeds, stiffnesses, scheme, intervals
@@ -30,6 +31,7 @@ use super::file::{BlockFile, DomainFile, SceneFile, ShapeFile, TerrainFile};
 use super::fill::{Lattice, Room, lattice_within, narrow_gaps, overlaps_on};
 use super::flow::with_flow;
 use super::names::Names;
+use super::placed::placed;
 use super::resolved::{Domain, MeshSource};
 pub use super::resolved::{FluidScene, Scene};
 use super::{estimate, fluid, sleep, symmetry};
@@ -55,6 +57,7 @@ impl Scene {
     ///
     /// All problems of the geometry together.
     pub fn resolve_within(file: SceneFile, access: &Access) -> Result<Self, Vec<Problem>> {
+        let file = placed(file, access)?.file;
         let expanded = expand(file, access)?;
         let (file, terrain) = (&expanded.file, expanded.terrain.as_ref());
         let mut problems = terrain.map_or_else(Vec::new, |terrain| terrain.warnings.clone());

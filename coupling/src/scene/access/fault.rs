@@ -57,16 +57,12 @@ pub enum Fault {
     #[error("{0}")]
     Format(String),
     /// Longitude and latitude instead of easting and northing.
-    #[error(
-        "is in degrees{system}, terrain is in meters; project it: gdalwarp {source_option}-t_srs EPSG:{zone} in out.tif"
-    )]
+    #[error("is in degrees{system}, terrain is in meters; project it: {command}")]
     Degrees {
-        /// ` of ` and the reference system.
+        /// ` of ` and the reference system, if the file names it.
         system: String,
-        /// Option of `gdalwarp` that names the system, if the file does not.
-        source_option: &'static str,
-        /// EPSG code of a system in meters there.
-        zone: u32,
+        /// Command that projects it.
+        command: String,
     },
     /// NaN or infinity.
     #[error("corner {corner} of triangle {triangle} is not finite; export the mesh again")]

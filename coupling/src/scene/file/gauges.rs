@@ -79,6 +79,33 @@ pub enum GaugeFile {
         /// Distance of the centroid beyond which a block is displaced, such as its edge; m.
         farther_than: f64,
     },
+    /// A gauge in map coordinates, `OnMap(SurfaceElevation(name: "quay", x: 412100, y: 6904200))`; m.
+    OnMap(Box<GaugeFile>),
+    /// A gauge at each point, or along each line, of a file in map coordinates; called as the file calls it, or after the file
+    /// with a number.
+    FromFile {
+        /// Path, relative to the scene file: .geojson, .shp, or points with columns name, x, y and z (.csv, .txt).
+        file: String,
+        /// Kind of the gauges.
+        kind: GaugeKindFile,
+    },
+}
+
+/// Kind of the gauges of a file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum GaugeKindFile {
+    /// At points.
+    SurfaceElevation,
+    /// At points with an elevation.
+    Pressure,
+    /// At points with an elevation.
+    Velocity,
+    /// Along lines of two points.
+    RunUp,
+    /// Along lines of two points.
+    Front,
+    /// Across lines of two points.
+    Overtopping,
 }
 
 /// Blocks for which forces and moments are recorded by source: `forces.csv` has a row of means per block and

@@ -127,7 +127,10 @@ pub struct SlideFile {
 pub enum OutlineFile {
     /// Corners, (x, y); m.
     Corners(Vec<(f64, f64)>),
-    /// A table of corners in map coordinates, columns x and y; m. Path, relative to the scene file.
+    /// Corners in map coordinates, (easting, northing); m.
+    OnMap(Vec<(f64, f64)>),
+    /// A polygon in map coordinates (.geojson, .shp), or a list of corners with columns x and y, or easting and northing (.csv,
+    /// .txt). Path, relative to the scene file.
     File(String),
 }
 

@@ -3,11 +3,14 @@
 mod wkt;
 
 use std::fmt;
+use std::io::ErrorKind;
+use std::path::Path;
 use std::str::FromStr;
 
 use wkt::Node;
 
-use crate::scene::access::fault::Fault;
+use crate::scene::access::Access;
+use crate::scene::access::fault::{Fault, MeshError};
 
 /// Unit of a plan in meters; m.
 const METER: f64 = 1.0;
@@ -132,20 +135,43 @@ impl Crs {
     /// # Errors
     ///
     /// [`Fault`], with the remedy.
-    pub fn in_meters(&self, at: [f64; 2]) -> Result<(), Fault> {
+    pub fn in_meters(&self, content: Content, at: [f64; 2]) -> Result<(), Fault> {
         if self.is_in_degrees() {
-            return Err(Fault::Degrees {
-                system: format!(" of {self}"),
-                source_option: "",
-                zone: utm_zone(at[0], at[1]),
-            });
+            return Err(content.in_degrees(Some(self), at));
         }
         match self.odd_unit() {
             None => Ok(()),
             Some(unit) => Err(Fault::Format(format!(
-                "has a plan in units of {unit:.6} m, {self}; project it to meters with gdalwarp -t_srs"
+                "has a plan in units of {unit:.6} m, {self}; project it to meters with {} -t_srs",
+                content.tool()
             ))),
         }
+    }
+
+    /// System of the `.prj` file beside a file that the scene names, if there is one.
+    ///
+    /// # Errors
+    ///
+    /// [`MeshError`] names the `.prj` file.
+    pub fn beside(access: &Access, file: &str) -> Result<Option<Self>, MeshError> {
+        let file = Path::new(file).with_extension("prj");
+        let file = file.to_string_lossy();
+        let refuse = |fault| MeshError {
+            file: file.clone().into_owned(),
+            fault,
+        };
+        let text = match access.read(&file) {
+            Ok(text) => text,
+            Err(Fault::Unreadable(error)) if error.kind() == ErrorKind::NotFound => {
+                return Ok(None);
+            }
+            Err(fault) => return Err(refuse(fault)),
+        };
+        let crs = Self::of_wkt(&String::from_utf8_lossy(&text));
+        crs.map(Some).map_err(|_| {
+            let what = "is no well-known text of a reference system; export it again, or remove it and name the system with `crs`";
+            refuse(Fault::Format(what.into()))
+        })
     }
 
     /// The system in a scene: its code, or its text where it has none.
@@ -204,6 +230,53 @@ fn epsg_of_utm(name: &str) -> Option<u16> {
         ("etrs1989" | "etrs89", true) if (28..=38).contains(&number) => Some(25_800 + number),
         ("nad1983" | "nad83", true) if (1..=23).contains(&number) => Some(26_900 + number),
         _ => None,
+    }
+}
+
+/// Content of a map, for the command that projects it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Content {
+    /// Elevations.
+    Raster,
+    /// Points, lines and polygons.
+    Features,
+}
+
+impl Content {
+    fn tool(self) -> &'static str {
+        match self {
+            Self::Raster => "gdalwarp",
+            Self::Features => "ogr2ogr",
+        }
+    }
+
+    /// Command that projects a file into another system.
+    pub fn projected_to(self, crs: &Crs) -> String {
+        let target = crs
+            .epsg
+            .map_or_else(|| "other.prj".into(), |code| format!("EPSG:{code}"));
+        format!("{} -t_srs {target} {}", self.tool(), self.files())
+    }
+
+    fn files(self) -> &'static str {
+        match self {
+            Self::Raster => "in out.tif",
+            Self::Features => "out.geojson in",
+        }
+    }
+
+    /// Fault of a map in degrees around a place, with its system if the file names it.
+    pub fn in_degrees(self, crs: Option<&Crs>, at: [f64; 2]) -> Fault {
+        let zone = utm_zone(at[0], at[1]);
+        let source = crs.map_or("-s_srs EPSG:4326 ", |_| "");
+        Fault::Degrees {
+            system: crs.map_or_else(String::new, |crs| format!(" of {crs}")),
+            command: format!(
+                "{} {source}-t_srs EPSG:{zone} {}",
+                self.tool(),
+                self.files()
+            ),
+        }
     }
 }
 

@@ -9,6 +9,7 @@ use std::io::Cursor;
 use tiff::decoder::{Decoder, DecodingResult};
 use tiff::tags::Tag;
 
+use super::crs::Content;
 use super::terrain::grid::{Grid, MapGrid};
 use crate::scene::access::fault::Fault;
 use georeference::Georeference;
@@ -59,7 +60,7 @@ pub fn raster_from(content: &[u8]) -> Result<MapGrid, Fault> {
     let place = Georeference::read(&mut file, &keys)?;
     let n = [columns as usize, rows as usize];
     if let Some(crs) = &crs {
-        crs.in_meters(place.middle(n))?;
+        crs.in_meters(Content::Raster, place.middle(n))?;
     }
     keys.in_meters()?;
     let (corner, spacing) = place.square_grid(n)?;

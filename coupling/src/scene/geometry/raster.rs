@@ -2,15 +2,13 @@
 
 mod ascii;
 
-use std::io::ErrorKind;
-use std::path::Path;
 use std::sync::Arc;
 
 use riprap_dda::{Shape, Surface, Vec3};
 
 pub use ascii::grid_from;
 
-use super::crs::{Crs, utm_zone};
+use super::crs::{Content, Crs};
 use super::geotiff;
 use super::terrain::grid::{Grid, MapGrid};
 use crate::scene::access::Access;
@@ -42,28 +40,13 @@ pub fn read(access: &Access, file: &str) -> Result<MapGrid, MeshError> {
     if raster.crs.is_some() {
         return Ok(raster);
     }
-    let beside = Path::new(file).with_extension("prj");
-    let beside = beside.to_string_lossy();
-    let crs = system_of(access, &beside).map_err(|fault| of(&beside, fault))?;
+    let crs = Crs::beside(access, file)?;
     if let Some(crs) = &crs {
-        crs.in_meters(raster.grid.middle())
-            .map_err(|fault| of(file, fault))?;
+        let middle = raster.grid.middle();
+        let check = crs.in_meters(Content::Raster, middle);
+        check.map_err(|fault| of(file, fault))?;
     }
     Ok(MapGrid { crs, ..raster })
-}
-
-/// System of a `.prj` file, if there is one.
-fn system_of(access: &Access, file: &str) -> Result<Option<Crs>, Fault> {
-    let text = match access.read(file) {
-        Ok(text) => text,
-        Err(Fault::Unreadable(error)) if error.kind() == ErrorKind::NotFound => return Ok(None),
-        Err(fault) => return Err(fault),
-    };
-    let crs = Crs::of_wkt(&String::from_utf8_lossy(&text));
-    crs.map(Some).map_err(|_| {
-        let what = "is no well-known text of a reference system; export it again, or remove it and name the system with `crs`";
-        Fault::Format(what.into())
-    })
 }
 
 /// Raster in the content of a file, in map coordinates.
@@ -93,12 +76,7 @@ pub fn refuse_degrees(grid: &Grid) -> Result<(), Fault> {
     let is_on_earth = -360.0 <= west && east <= 360.0 && -90.0 <= south && north <= 90.0;
     let extent = (east - west).max(north - south);
     if is_on_earth && grid.spacing < SMALL_CELL && high - low > RELIEF_IN_DEGREES * extent {
-        let [longitude, latitude] = grid.middle();
-        return Err(Fault::Degrees {
-            system: String::new(),
-            source_option: "-s_srs EPSG:4326 ",
-            zone: utm_zone(longitude, latitude),
-        });
+        return Err(Content::Raster.in_degrees(None, grid.middle()));
     }
     Ok(())
 }

@@ -19,11 +19,12 @@ use crate::scene::file::{
     BlockFile, FailureSurfaceFile, FluidFile, HeightsFile, OutlineFile, ResolutionFile, SceneFile,
     ShapeFile, SlideFile, TerrainFile, Triple, vec3,
 };
-use crate::scene::geometry::crs::Crs;
+use crate::scene::geometry::crs::{Content, Crs};
 use excavation::{Excavated, excavated};
 use grid::Grid;
 use outline::Outline;
 use sources::{Merged, Source, merge};
+use system::Named;
 use triangles::{Triangles, TrianglesError, triangulated};
 
 /// The terrain of a scene.
@@ -98,21 +99,16 @@ pub fn resolve(file: &SceneFile, access: &Access) -> Result<Option<Terrain>, Vec
     };
     let sources = sources_of(terrain, access);
     let holes = holes_of(terrain, &file.slides, access);
-    let (sources, holes) = match (sources, holes) {
+    let (sources, (holes, drawn)) = match (sources, holes) {
         (Ok(sources), Ok(holes)) => (sources, holes),
         (sources, holes) => {
             let found = sources.err().into_iter().chain(holes.err());
             return Err(found.flatten().collect());
         }
     };
-    let bases = holes
-        .iter()
-        .filter_map(|(path, _, base)| match base {
-            Base::Raster(source) => Some((format!("{path}.failure_surface.file"), source)),
-            Base::Plane { .. } => None,
-        })
-        .collect();
-    let crs = system::common(terrain, &sources, bases).map_err(|problem| vec![problem])?;
+    let mut named = named(&sources, &holes);
+    named.extend(drawn);
+    let crs = system::common(terrain, &named).map_err(|problem| vec![problem])?;
     let spacing =
         (terrain.spacing).unwrap_or_else(|| chosen_spacing(&sources, file.fluid.as_ref()));
     if !(spacing.is_finite() && spacing > 0.0) {
@@ -169,12 +165,31 @@ fn sources_of(terrain: &TerrainFile, access: &Access) -> Result<Vec<Source>, Vec
 /// An excavation: its path in the file, its outline and its base.
 type Hole = (String, Outline, Base);
 
-/// Excavations of the terrain, then those of the slides.
+/// Reference systems of the rasters.
+fn named(sources: &[Source], holes: &[Hole]) -> Vec<Named> {
+    let raster = |path: String, source: &Source| {
+        Some(Named {
+            path,
+            file: source.file.clone(),
+            content: Content::Raster,
+            crs: source.crs.clone()?,
+        })
+    };
+    let of_sources = (sources.iter().enumerate())
+        .filter_map(|(k, source)| raster(format!("terrain.sources[{k}].file"), source));
+    let of_bases = holes.iter().filter_map(|(path, _, base)| match base {
+        Base::Raster(source) => raster(format!("{path}.failure_surface.file"), source),
+        Base::Plane { .. } => None,
+    });
+    of_sources.chain(of_bases).collect()
+}
+
+/// Excavations of the terrain, then those of the slides; and the systems of their outlines.
 fn holes_of(
     terrain: &TerrainFile,
     slides: &[SlideFile],
     access: &Access,
-) -> Result<Vec<Hole>, Vec<Problem>> {
+) -> Result<(Vec<Hole>, Vec<Named>), Vec<Problem>> {
     let excavations = (terrain.excavations.iter().enumerate()).map(|(k, e)| {
         let path = format!("terrain.excavations[{k}]");
         (path, (&e.outline, &e.failure_surface))
@@ -182,15 +197,18 @@ fn holes_of(
     let of_slides = (slides.iter().enumerate())
         .map(|(k, s)| (format!("slides[{k}]"), (&s.outline, &s.failure_surface)));
     let mut problems = Vec::new();
-    let mut holes = Vec::new();
+    let (mut holes, mut drawn) = (Vec::new(), Vec::new());
     for (path, (outline, base)) in excavations.chain(of_slides) {
         match hole(&path, (outline, base), terrain, access) {
-            Ok((outline, base)) => holes.push((path, outline, base)),
+            Ok((outline, base, system)) => {
+                holes.push((path, outline, base));
+                drawn.extend(system);
+            }
             Err(problem) => problems.push(problem),
         }
     }
     if problems.is_empty() {
-        Ok(holes)
+        Ok((holes, drawn))
     } else {
         Err(problems)
     }
@@ -228,10 +246,20 @@ fn hole(
     (outline, base): (&OutlineFile, &FailureSurfaceFile),
     terrain: &TerrainFile,
     access: &Access,
-) -> Result<(Outline, Base), Problem> {
+) -> Result<(Outline, Base, Option<Named>), Problem> {
     let origin = terrain.origin;
-    let outline = Outline::read(outline, (origin.0, origin.1), access)
+    let drawn = outline;
+    let (outline, crs) = Outline::read(drawn, origin, access)
         .map_err(|what| Problem::error(format!("{path}.outline"), what))?;
+    let system = match (drawn, crs) {
+        (OutlineFile::File(file), Some(crs)) => Some(Named {
+            path: format!("{path}.outline"),
+            file: file.clone(),
+            content: Content::Features,
+            crs,
+        }),
+        _ => None,
+    };
     let base = match base {
         FailureSurfaceFile::Plane {
             point,
@@ -264,7 +292,7 @@ fn hole(
             Base::Raster(source)
         }
     };
-    Ok((outline, base))
+    Ok((outline, base, system))
 }
 
 /// Rock as convex bodies, and its volume; m³.

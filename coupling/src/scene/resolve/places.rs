@@ -308,8 +308,7 @@ pub(super) fn planes_into_the_hill(
         else {
             continue;
         };
-        let origin = (terrain.origin.0, terrain.origin.1);
-        let Ok(outline) = Outline::read(&slide.outline, origin, access) else {
+        let Ok((outline, _)) = Outline::read(&slide.outline, terrain.origin, access) else {
             continue;
         };
         let Some(ground) = mean_slope(terrain, &outline) else {

@@ -89,13 +89,15 @@ pub(super) fn gauges(file: &SceneFile, names: &Names) -> Vec<Gauge> {
                 };
                 (name, quantity)
             }
+            // replaced by gauges in the coordinates of the scene
+            GaugeFile::OnMap(_) | GaugeFile::FromFile { .. } => return None,
         };
-        Gauge {
+        Some(Gauge {
             name: name.clone(),
             quantity,
-        }
+        })
     };
-    file.gauges.iter().map(gauge).collect()
+    file.gauges.iter().filter_map(gauge).collect()
 }
 
 /// Numbers of the free blocks whose name fits.

@@ -17,6 +17,8 @@ pub(super) fn gauge_name(gauge: &GaugeFile) -> &str {
         | GaugeFile::Front { name, .. }
         | GaugeFile::Overtopping { name, .. }
         | GaugeFile::Displaced { name, .. } => name,
+        GaugeFile::OnMap(gauge) => gauge_name(gauge),
+        GaugeFile::FromFile { file, .. } => file,
     }
 }
 
@@ -83,6 +85,8 @@ impl Checks {
                 );
                 self.free_blocks_begin_with(&path("blocks"), &who, blocks, scene);
             }
+            // checked where they are in the scene
+            GaugeFile::OnMap(_) | GaugeFile::FromFile { .. } => {}
         }
         let is_dry = matches!(
             gauge,

@@ -116,7 +116,7 @@ impl Checks {
     }
 
     fn hole(&mut self, path: &str, (outline, beneath): (&OutlineFile, &FailureSurfaceFile)) {
-        if let OutlineFile::Corners(corners) = outline
+        if let OutlineFile::Corners(corners) | OutlineFile::OnMap(corners) = outline
             && corners.len() < 3
         {
             self.refuse(

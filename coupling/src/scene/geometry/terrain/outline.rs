@@ -1,8 +1,10 @@
 //! Polygons in plan view.
 
-use crate::files::table::table_from;
+use crate::files::features::{Feature, Form};
 use crate::scene::access::Access;
-use crate::scene::file::OutlineFile;
+use crate::scene::file::{OutlineFile, Triple};
+use crate::scene::geometry::crs::Crs;
+use crate::scene::geometry::features;
 
 /// A polygon in plan view.
 #[derive(Clone, Debug, PartialEq)]
@@ -12,17 +14,30 @@ pub struct Outline {
 }
 
 impl Outline {
-    /// Polygon of a scene; files are in map coordinates, `origin` is that of the scene in them.
+    /// Polygon of a scene, and the reference system of its file; map coordinates are those of files, `origin` is that of the
+    /// scene in them.
     ///
     /// # Errors
     ///
     /// A message on the fault.
-    pub fn read(file: &OutlineFile, origin: (f64, f64), access: &Access) -> Result<Self, String> {
-        let corners = match file {
-            OutlineFile::Corners(corners) => corners.iter().map(|&(x, y)| [x, y]).collect(),
-            OutlineFile::File(name) => corners_of(name, origin, access)?,
+    pub fn read(
+        file: &OutlineFile,
+        origin: Triple,
+        access: &Access,
+    ) -> Result<(Self, Option<Crs>), String> {
+        let (corners, crs) = match file {
+            OutlineFile::Corners(corners) => (corners.iter().map(|&(x, y)| [x, y]).collect(), None),
+            OutlineFile::OnMap(corners) => {
+                let shifted = |&(x, y): &(f64, f64)| [x - origin.0, y - origin.1];
+                (corners.iter().map(shifted).collect(), None)
+            }
+            OutlineFile::File(name) => {
+                let map = features::read(access, name, origin).map_err(|e| e.to_string())?;
+                let ring = ring(&map.list).map_err(|what| format!("`{name}` {what}"))?;
+                (ring, map.crs)
+            }
         };
-        Self::new(corners)
+        Ok((Self::new(corners)?, crs))
     }
 
     /// A polygon of at least three corners that enclose an area.
@@ -104,17 +119,23 @@ impl Outline {
     }
 }
 
-fn corners_of(name: &str, origin: (f64, f64), access: &Access) -> Result<Vec<[f64; 2]>, String> {
-    let bytes = access
-        .read(name)
-        .map_err(|fault| format!("`{name}`: {fault}"))?;
-    let text =
-        String::from_utf8(bytes).map_err(|error| format!("`{name}` is not text: {error}"))?;
-    let table = table_from(std::path::Path::new(name), &text).map_err(|error| error.to_string())?;
-    let column = |axis: &str| table.column(axis).map_err(|error| error.to_string());
-    let (x, y) = (column("x")?, column("y")?);
-    let corners = x.iter().zip(y);
-    Ok(corners.map(|(x, y)| [x - origin.0, y - origin.1]).collect())
+/// Corners of the only polygon or line of a file, or its points in their order.
+fn ring(list: &[Feature]) -> Result<Vec<[f64; 2]>, String> {
+    let flat = |[x, y, _]: &[f64; 3]| [*x, *y];
+    let is_point = |feature: &Feature| matches!(feature.form, Form::Point(_));
+    match list {
+        all if all.iter().all(is_point) => {
+            let points = all.iter().flat_map(|feature| feature.form.points());
+            Ok(points.map(flat).collect())
+        }
+        [one] => Ok(one.form.points().iter().map(flat).collect()),
+        _ => {
+            let shapes = list.iter().filter(|feature| !is_point(feature)).count();
+            Err(format!(
+                "has {shapes} polygons or lines, an outline is one; save the one of this slide in a file of its own"
+            ))
+        }
+    }
 }
 
 #[cfg(test)]
@@ -150,6 +171,49 @@ mod tests {
         }
         assert_eq!(outline.distance([1.5, 1.5]), 0.5);
         assert_eq!(outline.distance([0.5, 0.25]), 0.25);
+    }
+
+    /// A square by corners of the scene, of the map, and by files of the map.
+    #[test]
+    fn outlines_are_drawn_in_the_scene_or_on_the_map() {
+        let folder = tempfile::tempdir().unwrap();
+        for (file, text) in [
+            ("a.csv", "x,y\n101,201\n103,201\n103,203\n101,203\n"),
+            (
+                "b.txt",
+                "\u{feff}id;E;N\r\n1;101,0;201\r\n2;103;201\r\n3;103;203\r\n4;101;203\r\n",
+            ),
+            (
+                "c.geojson",
+                r#"{"type": "Polygon", "coordinates": [[[101, 201], [101, 203], [103, 203], [103, 201], [101, 201]]]}"#,
+            ),
+        ] {
+            std::fs::write(folder.path().join(file), text).unwrap();
+        }
+        let access = Access::of(folder.path());
+        let read = |file: OutlineFile| Outline::read(&file, (100.0, 200.0, 0.0), &access);
+        let square = vec![(1.0, 1.0), (3.0, 1.0), (3.0, 3.0), (1.0, 3.0)];
+        let (expected, none) = read(OutlineFile::Corners(square.clone())).unwrap();
+        assert_eq!((expected.area(), none), (4.0, None));
+        let on_map = square.iter().map(|(x, y)| (x + 100.0, y + 200.0)).collect();
+        assert_eq!(read(OutlineFile::OnMap(on_map)).unwrap().0, expected);
+        for file in ["a.csv", "b.txt", "c.geojson"] {
+            let (found, _) = read(OutlineFile::File(file.into())).unwrap();
+            assert_eq!(
+                (found.area(), found.holds([2.0, 2.0])),
+                (4.0, true),
+                "{file}"
+            );
+        }
+        std::fs::write(
+            folder.path().join("two.geojson"),
+            r#"{"type": "MultiLineString", "coordinates": [[[101, 201], [101, 203]], [[103, 203], [103, 201]]]}"#,
+        )
+        .unwrap();
+        assert_eq!(
+            read(OutlineFile::File("two.geojson".into())).unwrap_err(),
+            "`two.geojson` has 2 polygons or lines, an outline is one; save the one of this slide in a file of its own"
+        );
     }
 
     #[test]

@@ -1,27 +1,31 @@
-//! One reference system for all sources of a terrain.
+//! One reference system for all files of a terrain.
 
-use super::sources::Source;
 use crate::scene::error::Problem;
 use crate::scene::file::TerrainFile;
-use crate::scene::geometry::crs::Crs;
+use crate::scene::geometry::crs::{Content, Crs};
 
-/// The system that the scene and the files of its terrain name; `bases` are rasters of failure surfaces with their paths in
-/// the scene. Files without one are taken to be in the same.
+/// A file with a reference system.
+pub(super) struct Named {
+    /// Path of the file's name in the scene.
+    pub(super) path: String,
+    /// The file as the scene names it.
+    pub(super) file: String,
+    /// Its content.
+    pub(super) content: Content,
+    /// Its system.
+    pub(super) crs: Crs,
+}
+
+/// The system that the scene and its files name. Files without one are taken to be in the same.
 ///
 /// # Errors
 ///
 /// A [`Problem`] for the first that differs, with both named.
-pub(super) fn common(
-    file: &TerrainFile,
-    sources: &[Source],
-    bases: Vec<(String, &Source)>,
-) -> Result<Option<Crs>, Problem> {
+pub(super) fn common(file: &TerrainFile, named: &[Named]) -> Result<Option<Crs>, Problem> {
     let mut known: Option<(String, Crs)> = None;
     if let Some(written) = &file.crs {
         let refuse = |what: String| Problem::error("terrain.crs", what);
-        let crs: Crs = written
-            .parse()
-            .map_err(|error| refuse(format!("{error}")))?;
+        let crs: Crs = (written.parse()).map_err(|error| refuse(format!("{error}")))?;
         if crs.is_in_degrees() || crs.odd_unit().is_some() {
             let what = format!(
                 "{crs} is not in meters; project the sources, to a zone of UTM say, and write its code"
@@ -30,22 +34,18 @@ pub(super) fn common(
         }
         known = Some(("the terrain".into(), crs));
     }
-    let sources = sources.iter().enumerate();
-    let of_sources = sources.map(|(k, source)| (format!("terrain.sources[{k}].file"), source));
-    for (path, source) in of_sources.chain(bases) {
-        let Some(crs) = &source.crs else { continue };
+    for other in named {
         match &known {
-            None => known = Some((format!("`{}`", source.file), crs.clone())),
-            Some((_, first)) if first.agrees_with(crs) => {}
+            None => known = Some((format!("`{}`", other.file), other.crs.clone())),
+            Some((_, first)) if first.agrees_with(&other.crs) => {}
             Some((name, first)) => {
-                let target = first
-                    .epsg
-                    .map_or_else(|| "the other.prj".into(), |code| format!("EPSG:{code}"));
                 let what = format!(
-                    "`{}` is in {crs}, {name} in {first}; project it: gdalwarp -t_srs {target} in out.tif",
-                    source.file
+                    "`{}` is in {}, {name} in {first}; project it: {}",
+                    other.file,
+                    other.crs,
+                    other.content.projected_to(first)
                 );
-                return Err(Problem::error(path, what));
+                return Err(Problem::error(&other.path, what));
             }
         }
     }

@@ -1,0 +1,162 @@
+//! Points in text: lists of gauges, corners of outlines, clouds of surveys.
+//!
+//! Columns are separated by commas, semicolons, tabs or spaces; beside semicolons and tabs numbers may have a decimal
+//! comma. A header names the columns, `x y z` or `easting northing elevation`, in any case and with units; without one the
+//! numbers of a line are x, y and z. A column of text is the name of the points. `#` starts a comment.
+
+mod columns;
+mod separator;
+
+use columns::Columns;
+use separator::Separator;
+
+/// Points and their names.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Points {
+    /// Positions, z NaN where there is none; m.
+    pub positions: Vec<[f64; 3]>,
+    /// Names; empty, or one for each point.
+    pub names: Vec<String>,
+}
+
+/// A line that is no point.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("line {line}: {what}")]
+pub struct PointFault {
+    /// Number of the line, from 1.
+    pub line: usize,
+    /// What was found and what would be right.
+    pub what: String,
+}
+
+/// Points of a text.
+///
+/// # Errors
+///
+/// [`PointFault`], for the first wrong line.
+pub fn points_from(text: &str) -> Result<Points, PointFault> {
+    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+    let mut lines = (1..).zip(text.lines()).filter(|(_, line)| is_content(line));
+    let refuse = |line: usize, what: String| PointFault { line, what };
+    let Some((first, head)) = lines.next() else {
+        return Err(refuse(
+            1,
+            "has no points; needed are columns x, y and, for terrain, z".into(),
+        ));
+    };
+    let separator = Separator::of(head);
+    let cells: Vec<&str> = separator.cells(head).collect();
+    let columns = Columns::of(&cells, separator).map_err(|what| refuse(first, what))?;
+    let mut points = Points::default();
+    let mut row = Vec::new();
+    let rest = lines;
+    let head = (!columns.has_header).then_some((first, head));
+    for (line, text) in head.into_iter().chain(rest) {
+        row.clear();
+        row.extend(separator.cells(text));
+        columns
+            .point(&row, &mut points)
+            .map_err(|what| refuse(line, what))?;
+    }
+    if points.positions.is_empty() {
+        return Err(refuse(first, "has a header and no points below it".into()));
+    }
+    Ok(points)
+}
+
+fn is_content(line: &str) -> bool {
+    let line = line.trim_start();
+    !line.is_empty() && !line.starts_with('#')
+}
+
+#[cfg(test)]
+#[expect(clippy::unwrap_used, reason = "a test may fail")]
+mod tests {
+    use super::*;
+
+    const THREE: [[f64; 3]; 2] = [
+        [412_100.5, 6_904_200.0, 12.25],
+        [412_110.0, 6_904_210.5, -3.0],
+    ];
+
+    #[test]
+    fn separators_headers_and_decimal_commas() {
+        for text in [
+            "x,y,z\n412100.5,6904200,12.25\n412110,6904210.5,-3\n",
+            "\u{feff}X;Y;Z\r\n412100,5;6904200;12,25\r\n412110;6904210,5;-3\r\n",
+            "Easting\tNorthing\tElevation\n412100,5\t6904200\t12,25\n412110\t6904210,5\t-3\n",
+            "E N h\n412100.5 6904200 12.25\n 412110   6904210.5 -3\n",
+            "412100.5 6904200 12.25\n412110 6904210.5 -3\n",
+            "# survey\n\nid, northing [m], easting (m), height_m\na, 6904200, 412100.5, 12.25\nb, 6904210.5, 412110, -3\n",
+            "412100.5,6904200,12.25,17,255,255\n412110,6904210.5,-3,18,0,0\n",
+            "\"x\";\"y\";\"z [cm]\"\n412100,5;6904200;1225\n412110;6904210,5;-300\n",
+            "a 412100.5 6904200 12.25\nb 412110 6904210.5 -3\n",
+        ] {
+            assert_eq!(points_from(text).unwrap().positions, THREE, "{text}");
+        }
+    }
+
+    #[test]
+    fn a_column_of_text_names_the_points() {
+        for text in [
+            "name;x;y\nnorth pier;1,5;2\nquay;3;4\n",
+            "x,y,label\n1.5,2,north pier\n3,4,quay\n",
+            "Gauge,E,N\nnorth pier,1.5,2\nquay,3,4\n",
+        ] {
+            let points = points_from(text).unwrap();
+            assert_eq!(points.names, ["north pier", "quay"], "{text}");
+            assert_eq!(points.positions[1][..2], [3.0, 4.0]);
+            assert!(points.positions[1][2].is_nan());
+        }
+        let numbered = points_from("id,x,y\n7,1,2\n").unwrap();
+        assert_eq!(numbered.names, ["7"]);
+    }
+
+    #[test]
+    fn a_wrong_file_answers_with_its_line_and_what_is_right() {
+        for (text, expected) in [
+            (
+                "",
+                "line 1: has no points; needed are columns x, y and, for terrain, z",
+            ),
+            (
+                "a,b\n1,2\n",
+                "line 1: no column is x (or easting, E), found a, b",
+            ),
+            (
+                "x,z\n1,2\n",
+                "line 1: no column is y (or northing, N), found x, z",
+            ),
+            (
+                "lon,lat\n7,62\n",
+                "line 1: columns lon, lat are in degrees; project them: x, y in meters",
+            ),
+            ("x,y\n1,2\n3\n", "line 3: found 1 column, the header has 2"),
+            (
+                "x,y\n1,2\n3,4,5\n",
+                "line 3: found 3 columns, the header has 2; decimal commas need semicolons between columns",
+            ),
+            ("x,y\n1,2\n3,4m\n", "line 3: y is `4m`, needed is a number"),
+            (
+                "x;y\n1;2\n3;inf\n",
+                "line 3: y is `inf`, needed is a number",
+            ),
+            (
+                "x [furlong],y\n1,2\n",
+                "line 1: unit `furlong` of x is not known; write one of m, mm, cm, dm, km, ft",
+            ),
+            (
+                "x,x,y\n1,2,3\n",
+                "line 1: two columns are x (or easting, E)",
+            ),
+            (
+                "1 2 3\n4 5\n",
+                "line 2: found 2 columns, the first line has 3",
+            ),
+            ("7\n", "line 1: found one number, needed are x and y"),
+            ("x,y\n", "line 1: has a header and no points below it"),
+        ] {
+            assert_eq!(points_from(text).unwrap_err().to_string(), expected);
+        }
+    }
+}
