@@ -81,7 +81,8 @@ pub(super) fn draft(options: &Options, path: &Path) -> Result<Draft, String> {
     let survey = Survey::read(&options.dem, path)?;
     let name = name_beside(&options.outline, path)?;
     let access = Access::of(folder_of(path));
-    let outline = Outline::read(&OutlineFile::File(name.clone()), (0.0, 0.0), &access)?;
+    let drawn = OutlineFile::File(name.clone());
+    let (outline, _) = Outline::read(&drawn, (0.0, 0.0, 0.0), &access)?;
     let stated = Stated {
         dip: options.dip,
         dip_direction: options.dip_direction,
