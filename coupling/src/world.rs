@@ -176,8 +176,7 @@ impl World {
             watch: Stopwatch::start(),
         };
         let from = rock.progress.clock.time;
-        rock.advance(from, dt, block_substeps, InWalls::No)?;
-        Ok(block_substeps)
+        rock.advance(from, dt, block_substeps, InWalls::No)
     }
 
     /// Everything that follows from where fluid and blocks are now.

@@ -89,7 +89,9 @@ pub type Isometry = nalgebra::Isometry3<f64>;
 pub use blocks::accounts::Impulses;
 pub use blocks::attachments::Attachment;
 pub use blocks::energy::Energies;
-pub use blocks::{BlockDefinition, Blocks, Integrator, Resting, Settings, StaticDamping};
+pub use blocks::{
+    BlockDefinition, Blocks, Integrator, Resting, Settings, StaticDamping, StepBound,
+};
 pub use contact::detection::common_plane::{
     Axis, AxisKind, ContactDetection, SeparatingAxes, fast_common_plane, gap_along, separating_axes,
 };

@@ -2,13 +2,15 @@
 
 use riprap_dda::{
     Attachment, BlockDefinition, ContactDetection, Deformability, DeformableModel, Hold,
-    JointOverride, NormalLaw, RollingLaw, Shape, StaticDamping, StressLaw, Turning, Vec3,
+    JointOverride, NormalLaw, RollingLaw, Shape, StaticDamping, StepBound, StressLaw, Turning,
+    Vec3,
 };
 
 use super::file::vec3;
 use super::file::{
     AttachmentFile, Axis, ContactDetectionFile, DeformableFile, DeformableModelFile, HoldFile,
-    JointFile, NormalLawFile, RollingLawFile, SceneFile, StaticDampingFile, TurningFile,
+    JointFile, NormalLawFile, RollingLawFile, SceneFile, StaticDampingFile, StepBoundFile,
+    TurningFile,
 };
 use super::names::Names;
 use crate::series::Series;
@@ -172,6 +174,13 @@ fn unit(axis: Axis) -> Vec3 {
     let mut direction = Vec3::zeros();
     direction[axis.index()] = 1.0;
     direction
+}
+
+pub fn step_bound(file: StepBoundFile) -> StepBound {
+    match file {
+        StepBoundFile::Compliances => StepBound::Compliances,
+        StepBoundFile::Eigenvalues => StepBound::Eigenvalues,
+    }
 }
 
 pub fn contact_detection(file: ContactDetectionFile) -> ContactDetection {

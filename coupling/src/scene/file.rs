@@ -39,7 +39,7 @@ pub use materials::{ElasticFile, JointFile, MaterialFile};
 pub use numerics::{
     ContactDetectionFile, DensityDiffusionFile, DensityFile, KernelFile, NegativePressure,
     NormalLawFile, NumericsFile, PrecisionFile, Preset, RestingFile, RollingLawFile, ShiftingFile,
-    SleepingFile, StateEquationFile, StaticDampingFile, SteppingFile, ViscosityFile,
+    SleepingFile, StateEquationFile, StaticDampingFile, StepBoundFile, SteppingFile, ViscosityFile,
 };
 pub use openings::{AbsorberFile, InflowFile, OutflowFile};
 pub use output::{BlockField, CameraFile, OutputFile, WaterField};

@@ -23,11 +23,11 @@ use riprap_dda::Hold;
 use super::access::Access;
 use super::attachments::{
     attachments, contact_detection, hold, joints, normal_law, rolling_law, static_damping,
-    weakenings,
+    step_bound, weakenings,
 };
 use super::error::{Problem, Severity};
 pub use super::file::vec3;
-use super::file::{BlockFile, DomainFile, SceneFile, ShapeFile, TerrainFile};
+use super::file::{BlockFile, DomainFile, SceneFile, ShapeFile, StepBoundFile, TerrainFile};
 use super::fill::{Lattice, Room, lattice_within, narrow_gaps, overlaps_on};
 use super::flow::with_flow;
 use super::names::Names;
@@ -211,7 +211,14 @@ fn holds(blocks: &[BlockFile]) -> Vec<(usize, Hold)> {
 fn block_settings(file: &SceneFile, resting: Option<riprap_dda::Resting>) -> riprap_dda::Settings {
     let numerics = &file.numerics;
     let factor = numerics.block_time_step_factor;
+    // the blocks of a slide lie in contact from first to last, and what they lose in hits is a few percent of their energy
+    let chosen = if file.slides.is_empty() {
+        StepBoundFile::Compliances
+    } else {
+        StepBoundFile::Eigenvalues
+    };
     riprap_dda::Settings {
+        step_bound: step_bound(numerics.block_step_bound.unwrap_or(chosen)),
         gravity: vec3(file.gravity),
         time_step_factor: factor.unwrap_or(BLOCK_TIME_STEP_FACTOR),
         contact_detection: contact_detection(numerics.contact_detection),

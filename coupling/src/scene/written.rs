@@ -1,11 +1,12 @@
 //! A resolved scene as a file: every choice written out, so that it runs again to the same bits.
 
+use riprap_dda::StepBound;
 use riprap_sph::scheme::Viscosity;
 
 use super::crs::Crs;
 use super::file::{
     AbsorberFile, ForcesFile, InterfaceFile, MapsFile, NumericsFile, OutputFile, RestingFile,
-    SceneFile, SleepingFile, TerrainFile, TrajectoriesFile, ViscosityFile,
+    SceneFile, SleepingFile, StepBoundFile, TerrainFile, TrajectoriesFile, ViscosityFile,
 };
 use super::parse;
 use super::resolved::recording::{Maps, Output};
@@ -80,6 +81,10 @@ impl Scene {
         let file = NumericsFile {
             expected_speed: Some(self.expected_speed),
             block_time_step_factor: Some(self.block_settings.time_step_factor),
+            block_step_bound: Some(match self.block_settings.step_bound {
+                StepBound::Compliances => StepBoundFile::Compliances,
+                StepBound::Eigenvalues => StepBoundFile::Eigenvalues,
+            }),
             resting: self.block_settings.resting.map(|resting| RestingFile {
                 displacement: Some(resting.displacement),
                 time: Some(resting.time),

@@ -102,16 +102,17 @@ impl BlockPhase<'_> {
         self.progress.held == Held::AllBlocks
     }
 
-    /// Advances the blocks by `dt` (s) from a time, where they are not held; `in_walls` keeps their accelerations.
+    /// Advances the blocks by `dt` (s) from a time, where they are not held; `in_walls` keeps their accelerations. Returns the
+    /// number of sub-steps.
     pub(super) fn advance(
         &mut self,
         from: f64,
         dt: f64,
         n_substeps: u32,
         in_walls: InWalls,
-    ) -> Result<(), StepError> {
+    ) -> Result<u32, StepError> {
         if self.are_held() {
-            return Ok(());
+            return Ok(n_substeps);
         }
         if in_walls == InWalls::Yes {
             self.record_velocities();
@@ -132,7 +133,7 @@ impl BlockPhase<'_> {
             *time += watch.lap();
         };
         let advanced = blocks.advance_watched(from, dt, n_substeps, &mut ended);
-        advanced.map_err(|source| StepError::Blocks {
+        let n_taken = advanced.map_err(|source| StepError::Blocks {
             time: progress.clock.time,
             step: progress.clock.steps,
             source,
@@ -149,7 +150,8 @@ impl BlockPhase<'_> {
                 what: "blocks",
             });
         }
-        self.check_planes()
+        self.check_planes()?;
+        Ok(n_taken)
     }
 
     fn record_velocities(&mut self) {

@@ -157,8 +157,7 @@ impl Boundary for Coupler<'_> {
             None => InWalls::No,
         };
         let advanced = self.rock.advance(from, dt, n_substeps, in_walls);
-        advanced.map_err(Stopped::Step)?;
-        self.substeps_taken += n_substeps;
+        self.substeps_taken += advanced.map_err(Stopped::Step)?;
         if part == Part::FirstHalf {
             // the fluid half way has received the impulse of half a step, and so must the blocks there, or a
             // light block in water would be integrated by forward Euler

@@ -249,6 +249,7 @@ impl Blocks {
             radius: &self.constants.radius,
             lever: &self.constants.lever,
             contact_detection: self.constants.settings.contact_detection,
+            step_bound: self.constants.settings.step_bound,
             gravity: self.constants.settings.gravity,
             is_hertz: self.constants.settings.normal_law == NormalLaw::Hertz,
             size: &self.constants.size,

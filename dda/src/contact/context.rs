@@ -6,7 +6,7 @@ use crate::geometry::parts::Part;
 use crate::material::{Joint, RollingLaw};
 use crate::motion::kinematics::Kinematics;
 use crate::motion::update::Update;
-use crate::{Motion, Vec3};
+use crate::{Motion, StepBound, Vec3};
 
 /// Context of the contact law beyond the pair itself.
 pub(crate) struct ContactContext<'a> {
@@ -25,6 +25,7 @@ pub(crate) struct ContactContext<'a> {
     /// Lever of the worst contact of each block; m.
     pub lever: &'a [f64],
     pub contact_detection: ContactDetection,
+    pub step_bound: StepBound,
     /// m/s².
     pub gravity: Vec3,
     /// Is Hertz's law used for spheres?

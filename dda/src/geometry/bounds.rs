@@ -18,6 +18,12 @@ pub(crate) fn overlap(a: &Bounds, b: &Bounds) -> bool {
     (0..3).all(|k| a.0[k] <= b.1[k] && b.0[k] <= a.1[k])
 }
 
+/// Distance along the axis on which two boxes are farthest apart, negative if they overlap; m.
+pub(crate) fn gap(a: &Bounds, b: &Bounds) -> f64 {
+    let along = |k: usize| f64::max(a.0[k] - b.1[k], b.0[k] - a.1[k]);
+    along(0).max(along(1)).max(along(2))
+}
+
 /// True if the second box lies within the first.
 pub(crate) fn holds(outer: &Bounds, inner: &Bounds) -> bool {
     (0..3).all(|k| outer.0[k] <= inner.0[k] && inner.1[k] <= outer.1[k])

@@ -5,17 +5,24 @@ use crate::contact::detection::broad_phase;
 use crate::contact::detection::broad_phase::Bounds;
 use crate::contact::tally::PAIR_CHUNK;
 use crate::step::phase::Phase;
-use crate::{Blocks, Integrator, StepError, chunks};
+use crate::{Blocks, Integrator, StepBound, StepError, chunks};
+
+/// Steps that differ by less are equal; –.
+const ROUND_OFF: f64 = 1e-9;
+/// Share of a step below which a sub-step gets nowhere.
+const SMALLEST_SHARE: f64 = 1e-6;
 
 impl Blocks {
     /// Moves all blocks from `time` over `dt` (s) in `n_substeps` equal sub-steps, under gravity and
-    /// contact forces; prescribed blocks follow their paths exactly.
+    /// contact forces; prescribed blocks follow their paths exactly. Returns the number of sub-steps.
+    ///
+    /// With [`StepBound::Eigenvalues`] every sub-step asks for the bound anew, and they are at least that many.
     ///
     /// # Errors
     ///
     /// [`StepError`] if the step is unusable, a block's state is no longer finite, or two blocks
     /// overlap by more than the limit of the settings.
-    pub fn advance(&mut self, time: f64, dt: f64, n_substeps: u32) -> Result<(), StepError> {
+    pub fn advance(&mut self, time: f64, dt: f64, n_substeps: u32) -> Result<u32, StepError> {
         self.advance_watched(time, dt, n_substeps, &mut |_| {})
     }
 
@@ -31,23 +38,68 @@ impl Blocks {
         dt: f64,
         n_substeps: u32,
         ended: &mut (impl FnMut(Phase) + Send),
-    ) -> Result<(), StepError> {
+    ) -> Result<u32, StepError> {
         if !(dt > 0.0 && dt.is_finite()) {
             return Err(StepError::TimeStep { dt, time });
         }
         let n_free = self.n_free();
+        let n_substeps = n_substeps.max(1);
         if n_free == 0 && self.n_prescribed() == 0 {
-            return Ok(());
+            return Ok(n_substeps);
         }
-        let n = f64::from(n_substeps.max(1));
         chunks::in_pool(self.is_large(), || {
-            for k in 0..n_substeps.max(1) {
-                let from = time + dt * (f64::from(k) / n);
-                let to = time + dt * (f64::from(k + 1) / n);
-                self.sub_step((from, to), dt / n, ended)?;
+            match self.constants.settings.step_bound {
+                StepBound::Compliances => self.equal_sub_steps((time, dt), n_substeps, ended),
+                StepBound::Eigenvalues => self.bounded_sub_steps((time, dt), n_substeps, ended),
             }
-            Ok(())
         })
+    }
+
+    fn equal_sub_steps(
+        &mut self,
+        (time, dt): (f64, f64),
+        n_substeps: u32,
+        ended: &mut impl FnMut(Phase),
+    ) -> Result<u32, StepError> {
+        let n = f64::from(n_substeps);
+        for k in 0..n_substeps {
+            let from = time + dt * (f64::from(k) / n);
+            let to = time + dt * (f64::from(k + 1) / n);
+            self.sub_step((from, to), dt / n, ended)?;
+        }
+        Ok(n_substeps)
+    }
+
+    /// Sub-steps that divide what is left of the step equally, within the bound at the start of each.
+    fn bounded_sub_steps(
+        &mut self,
+        (time, dt): (f64, f64),
+        n_least: u32,
+        ended: &mut impl FnMut(Phase),
+    ) -> Result<u32, StepError> {
+        let longest = dt / f64::from(n_least);
+        let (mut left, mut n_taken) = (dt, 0);
+        loop {
+            let bound = self.critical_time_step().dt.min(longest);
+            let n_left = (left / bound * (1.0 - ROUND_OFF)).ceil().max(1.0);
+            let step = left / n_left;
+            if step < SMALLEST_SHARE * dt {
+                return Err(StepError::TimeStep { dt: step, time });
+            }
+            let from = time + (dt - left);
+            left -= step;
+            let is_last = n_left <= 1.0;
+            let to = if is_last {
+                time + dt
+            } else {
+                time + (dt - left)
+            };
+            self.sub_step((from, to), step, ended)?;
+            n_taken += 1;
+            if is_last {
+                return Ok(n_taken);
+            }
+        }
     }
 
     /// Is a step worth more than one thread?

@@ -1,5 +1,6 @@
 //! The stability limit of the sub-step, where the bound of `critical_step` is safe and cheap.
 
+use crate::contact::spring::Spring;
 use crate::motion::kinematics::Kinematics;
 use crate::{Blocks, Vec3};
 use nalgebra::Matrix3;
@@ -8,17 +9,6 @@ use nalgebra::Matrix3;
 const N_ROUNDS: usize = 300;
 /// Iterations for the stable step of the stiffest motion.
 const N_TRIALS: usize = 4;
-
-/// Interaction of two blocks at a point.
-struct Spring {
-    blocks: [usize; 2],
-    point: Vec3,
-    normal: Vec3,
-    /// Along the normal and across it; N/m.
-    stiffness: [f64; 2],
-    /// Dashpot coefficients; N s/m.
-    dashpot: [f64; 2],
-}
 
 /// A motion of a block, and the impulses that make it: of the centroid, about it, and of all first moments where the
 /// block deforms.
@@ -41,7 +31,7 @@ impl Blocks {
     /// ```
     /// found by power iteration over all contacts, thousands of times the work of [`Blocks::critical_time_step`], which
     /// is a bound from the sums of each block and governs the steps: 2 to 3 times less, with room for the contacts that
-    /// form next. Bodies on surfaces of triangles, attachments and strains add their bounds.
+    /// form next. Spheres on surfaces of triangles, attachments and strains add their bounds.
     pub fn stability_limit(&self) -> f64 {
         let springs = self.springs();
         let (mut k_bound, mut c_bound) = (0.0_f64, 0.0_f64);
@@ -52,7 +42,8 @@ impl Blocks {
             &mut attached,
         );
         for pair in &self.contacts.surface_pairs {
-            if pair.is_touching {
+            // a polyhedron is among the springs
+            if pair.is_touching && pair.is_of_sphere() {
                 attached[pair.blocks.0 as usize] += pair.rates.stiffness;
                 c_bound = c_bound.max(pair.rates.damping);
             }
@@ -81,57 +72,6 @@ impl Blocks {
             }
         }
         dt
-    }
-
-    /// The contacts that touch.
-    fn springs(&self) -> Vec<Spring> {
-        let blocks = |of: (u32, u32)| [of.0 as usize, of.1 as usize];
-        let mut springs = Vec::new();
-        for pair in self.contacts.pairs.iter().filter(|pair| pair.is_touching) {
-            let joint = self.joint_between(pair.parts);
-            let total: f64 = pair.history.points.iter().map(|p| p.at.weight).sum();
-            let pressed: f64 = pair
-                .history
-                .points
-                .iter()
-                .map(|p| p.normal_force.max(0.0))
-                .sum();
-            for point in &pair.history.points {
-                // as the rates of the pair have it
-                let share = if pair.history.bond.is_some() || pressed <= 0.0 {
-                    point.at.weight / total
-                } else {
-                    point.normal_force.max(0.0) / pressed
-                };
-                let (along, across) = pair.loads.dashpots;
-                springs.push(Spring {
-                    blocks: blocks(pair.blocks),
-                    point: point.at.position,
-                    normal: pair.history.normal,
-                    stiffness: [
-                        joint.normal_stiffness * point.at.weight,
-                        joint.shear_stiffness * pair.history.shear.weight * share,
-                    ],
-                    dashpot: [along * point.at.weight, across * share],
-                });
-            }
-        }
-        for k in self.touching_spheres() {
-            let (pair, contact) = (
-                &self.contacts.sphere_pairs[k],
-                &self.contacts.sphere_contacts[k],
-            );
-            let joint = &self.joint_between(pair.parts).spheres;
-            let (along, across) = contact.dashpots();
-            springs.push(Spring {
-                blocks: blocks(pair.blocks),
-                point: self.contacts.sphere_loads[k].point,
-                normal: contact.normal,
-                stiffness: [contact.tangent(joint), contact.shear_stiffness],
-                dashpot: [along, across],
-            });
-        }
-        springs
     }
 
     /// Some motion of the free blocks, the same each time.

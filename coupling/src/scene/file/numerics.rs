@@ -56,6 +56,9 @@ pub struct NumericsFile {
     /// Sub-step over the blocks' stability limit, above 0 and at most 1.
     #[serde(default)]
     pub block_time_step_factor: Option<f64>,
+    /// Bound of the blocks' sub-step: `Eigenvalues` in a scene with slides, else `Compliances`.
+    #[serde(default)]
+    pub block_step_bound: Option<StepBoundFile>,
     /// Detection of the common plane of two blocks.
     #[serde(default)]
     pub contact_detection: ContactDetectionFile,
@@ -225,6 +228,17 @@ pub struct RestingFile {
     /// Change of its load that wakes it, over its weight. 0.2 when left out.
     #[serde(default)]
     pub load: Option<f64>,
+}
+
+/// Bound of the blocks' sub-step, never above the stability limit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum StepBoundFile {
+    /// From the compliances of a block in all directions at all its contacts, added up: two to four times below the limit, which
+    /// resolves impacts.
+    Compliances,
+    /// From the largest eigenvalues of the stiffness and the damping of each block: close to the limit in a pile, where the long
+    /// contacts of sliding blocks matter and single hits do not.
+    Eigenvalues,
 }
 
 /// Detection of the common plane of two blocks.

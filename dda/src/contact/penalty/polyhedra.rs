@@ -23,8 +23,9 @@ use crate::contact::detection::patch::Patch;
 use crate::contact::detection::polyhedra::NarrowPhase;
 use crate::contact::rates::Rates;
 use crate::contact::report::PointState;
+use crate::contact::spring::Spring;
 use crate::geometry::parts::Part;
-use crate::material::Scaling;
+use crate::material::{Joint, Scaling};
 use crate::motion::kinematics::Kinematics;
 use crate::motion::update::Update;
 use serde::{Deserialize, Serialize};
@@ -173,6 +174,37 @@ impl Pair {
         self.is_idle = !is_active && is_steady(self.blocks.0) && is_steady(self.blocks.1);
     }
 
+    /// Springs of its points. Shear stiffness lies where the pressure is, that of a bond where its patch is.
+    pub fn springs<'a>(&'a self, joint: &'a Joint) -> impl Iterator<Item = Spring> + 'a {
+        let History {
+            bond,
+            points,
+            normal,
+            shear,
+            ..
+        } = &self.history;
+        let total: f64 = points.iter().map(|p| p.at.weight).sum();
+        let pressed: f64 = points.iter().map(|p| p.normal_force.max(0.0)).sum();
+        let (along, across) = self.loads.dashpots;
+        points.iter().map(move |point| {
+            let share = if bond.is_some() || pressed <= 0.0 {
+                point.at.weight / total
+            } else {
+                point.normal_force.max(0.0) / pressed
+            };
+            Spring {
+                blocks: [self.blocks.0 as usize, self.blocks.1 as usize],
+                point: point.at.position,
+                normal: *normal,
+                stiffness: [
+                    joint.normal_stiffness * point.at.weight,
+                    joint.shear_stiffness * shear.weight * share,
+                ],
+                dashpot: [along * point.at.weight, across * share],
+            }
+        })
+    }
+
     /// Rate bounds of the pair for its two blocks, twice as much against a partner that is free. Before the parts
     /// touch, for the worst point of their bounding spheres. `weight` is the flat weight of the patch.
     fn rate_bounds(&self, context: &ContactContext, law: &PairLaw, weight: f64) -> (Rates, Rates) {
@@ -203,7 +235,7 @@ impl Pair {
                 }
             };
             law.springs(weight, a.inverse_mass + b.inverse_mass)
-                .before_touch(body, context.lever[block as usize])
+                .before_touch(body, context.lever[block as usize], context.step_bound)
         };
         (
             of(a, self.blocks.0).times(twice(b)),

@@ -238,7 +238,9 @@ impl SpherePair {
         };
         let of = |body: &Kinematics, twice: f64, block: u32| {
             let lever = context.lever[block as usize];
-            springs.before_touch(body, lever).times(twice)
+            springs
+                .before_touch(body, lever, context.step_bound)
+                .times(twice)
         };
         (
             of(a, sides.1.twice(), self.blocks.0),

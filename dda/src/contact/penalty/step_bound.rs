@@ -1,9 +1,9 @@
 //! Share of a contact in the bound of the stable step.
 
-use crate::Vec3;
 use crate::contact::rates::Rates;
 use crate::contact::report::PointState;
 use crate::motion::kinematics::Kinematics;
+use crate::{StepBound, Vec3};
 
 /// Springs that a contact would have, and their damping ratios.
 #[derive(Clone, Copy)]
@@ -18,15 +18,27 @@ pub(super) struct Springs {
 
 impl Springs {
     /// Rates of a contact that may form in the next step, at the worst point of the body within its lever (m).
-    pub fn before_touch(&self, body: &Kinematics, lever: f64) -> Rates {
-        let (along, sum) = body.worst_compliance(lever);
-        let across = sum - along;
+    pub fn before_touch(&self, body: &Kinematics, lever: f64, bound: StepBound) -> Rates {
         let dashpot = |k: f64, ratio: f64| 2.0 * ratio * (k / self.mobility).sqrt();
         let (k_n, k_t) = self.stiffness;
         let (xi_n, xi_t) = self.damping_ratio;
-        Rates {
-            stiffness: k_n * along + k_t * across,
-            damping: dashpot(k_n, xi_n) * along + dashpot(k_t, xi_t) * across,
+        let (c_n, c_t) = (dashpot(k_n, xi_n), dashpot(k_t, xi_t));
+        match bound {
+            StepBound::Compliances => {
+                let (along, sum) = body.worst_compliance(lever);
+                let across = sum - along;
+                Rates {
+                    stiffness: k_n * along + k_t * across,
+                    damping: c_n * along + c_t * across,
+                }
+            }
+            StepBound::Eigenvalues => {
+                let largest = body.largest_compliance(lever);
+                Rates {
+                    stiffness: k_n.max(k_t) * largest,
+                    damping: c_n.max(c_t) * largest,
+                }
+            }
         }
     }
 }

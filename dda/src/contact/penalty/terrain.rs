@@ -22,10 +22,11 @@ use crate::contact::detection::manifold::Features;
 use crate::contact::detection::terrain::{self, SurfacePatch};
 use crate::contact::rates::Rates;
 use crate::contact::report::{Contact, PointState};
+use crate::contact::spring::Spring;
 use crate::contact::tally::Tally;
 use crate::geometry::parts::Part;
 use crate::geometry::surface::NearTriangles;
-use crate::material::{Scaling, SphereJoint};
+use crate::material::{Joint, Scaling, SphereJoint};
 use crate::{Polyhedron, Surface, Vec3};
 use serde::{Deserialize, Serialize};
 
@@ -78,6 +79,9 @@ struct PlaneHistory {
     has_slipped: bool,
     /// Of the shear spring; J.
     energy: f64,
+    /// Shear dashpot; N s/m.
+    dashpot: f64,
+    n_points: usize,
 }
 
 impl SurfacePair {
@@ -138,6 +142,10 @@ impl SurfacePair {
         }
     }
 
+    pub fn is_of_sphere(&self) -> bool {
+        matches!(self.touch, SurfaceTouch::Sphere(_))
+    }
+
     pub fn n_contacts(&self) -> usize {
         match &self.touch {
             SurfaceTouch::Polyhedron(touch) => touch.points.len(),
@@ -184,6 +192,30 @@ impl SurfacePair {
         }
     }
 
+    /// Springs of the points of a polyhedron; of a sphere there are none.
+    pub fn springs<'a>(&'a self, joint: &'a Joint) -> impl Iterator<Item = Spring> + 'a {
+        let touch = match &self.touch {
+            SurfaceTouch::Polyhedron(touch) => Some(touch.as_ref()),
+            SurfaceTouch::Sphere(_) => None,
+        };
+        let blocks = [self.blocks.0 as usize, self.blocks.1 as usize];
+        let along = self.loads.dashpots.0;
+        touch.into_iter().flat_map(move |touch| {
+            touch
+                .shared()
+                .map(move |(point, normal, plane, share)| Spring {
+                    blocks,
+                    point: point.at.position,
+                    normal: *normal,
+                    stiffness: [
+                        joint.normal_stiffness * point.at.weight,
+                        joint.shear_stiffness * plane.shear.weight * share,
+                    ],
+                    dashpot: [along * point.at.weight, plane.dashpot * share],
+                })
+        })
+    }
+
     /// Visits every number of the state.
     pub fn for_each_state_f64(&self, f: &mut dyn FnMut(f64)) {
         match &self.touch {
@@ -224,8 +256,11 @@ impl SurfacePair {
             (SurfaceTouch::Polyhedron(_), Scaling::Area) => std::f64::consts::PI * radius * radius,
             _ => 1.0,
         };
-        law.springs(weight, body.inverse_mass)
-            .before_touch(body, context.lever[self.blocks.0 as usize])
+        law.springs(weight, body.inverse_mass).before_touch(
+            body,
+            context.lever[self.blocks.0 as usize],
+            context.step_bound,
+        )
     }
 
     fn evaluate_sphere(
@@ -283,6 +318,25 @@ impl PlaneHistory {
 }
 
 impl PolyhedronTouch {
+    /// Points with their normals, their planes, and their shares of the shear of those.
+    fn shared(&self) -> impl Iterator<Item = (&PointState, &Vec3, &PlaneHistory, f64)> {
+        let total: f64 = self.points.iter().map(|p| p.at.weight).sum();
+        let starts = self.planes.iter().scan(0, |end, plane| {
+            let start = *end;
+            *end += plane.n_points;
+            Some((plane, start..*end))
+        });
+        starts.flat_map(move |(plane, range)| {
+            let points = &self.points[range.clone()];
+            let pressed: f64 = points.iter().map(|p| p.normal_force).sum();
+            let normals = &self.normals[range];
+            points.iter().zip(normals).map(move |(point, normal)| {
+                let share = share_of_shear(point, pressed, total);
+                (point, normal, plane, share)
+            })
+        })
+    }
+
     fn shear_energy(&self) -> f64 {
         self.planes.iter().map(|plane| plane.energy).sum::<f64>()
     }
@@ -334,7 +388,8 @@ impl PolyhedronTouch {
             }
             return None;
         }
-        let mut rates = self.press(law);
+        let (dashpot, mut rates) = self.press(law);
+        loads.dashpots.0 = dashpot;
         self.shear(law, &mut rates);
         let (body, ground) = law.bodies;
         for (point, n) in self.points.iter().zip(&self.normals) {
@@ -374,12 +429,14 @@ impl PolyhedronTouch {
                 shear: memory.map_or(ShearSpring::default(), |old| old.shear),
                 has_slipped: memory.is_some_and(|old| old.has_slipped),
                 energy: 0.0,
+                dashpot: 0.0,
+                n_points: plane.points.len(),
             });
         }
     }
 
-    /// Normal forces, and their share in the step bound.
-    fn press(&mut self, law: &PairLaw) -> Rates {
+    /// Normal forces; returns their dashpot per unit of weight (N s/m) and their share in the step bound.
+    fn press(&mut self, law: &PairLaw) -> (f64, Rates) {
         let (found, springs) = (&self.patch.manifolds, law.pressing());
         let mut pressed = Vec3::zeros();
         for (point, n) in found.points.iter().zip(&found.normals) {
@@ -406,7 +463,7 @@ impl PolyhedronTouch {
             rates.stiffness += stiffness * along;
             rates.damping += dashpot * along;
         }
-        rates
+        (dashpot, rates)
     }
 
     /// Shear forces plane by plane, with their share in the step bound.
@@ -420,20 +477,26 @@ impl PolyhedronTouch {
                 .apply(points, &memory.shear);
             memory.shear = sheared.spring;
             memory.energy = sheared.energy;
+            memory.dashpot = sheared.damping;
             memory.has_slipped |= sheared.has_slipped;
             let pressed: f64 = points.iter().map(|p| p.normal_force).sum();
             for point in points {
-                let share = if pressed > 0.0 {
-                    point.normal_force / pressed
-                } else {
-                    point.at.weight / total
-                };
+                let share = share_of_shear(point, pressed, total);
                 let x = &point.at.position;
                 let across = share * (body.compliance_trace(x) - body.compliance(x, &plane.normal));
                 rates.stiffness += joint.shear_stiffness * plane.flat_weight * across;
                 rates.damping += sheared.damping * across;
             }
         }
+    }
+}
+
+/// Share of a point in the shear of its plane: that of its pressure, if any is pressed.
+fn share_of_shear(point: &PointState, pressed: f64, total_weight: f64) -> f64 {
+    if pressed > 0.0 {
+        point.normal_force / pressed
+    } else {
+        point.at.weight / total_weight
     }
 }
 

@@ -1,0 +1,195 @@
+//! Bound of the eigenvalues of stiffness and damping by those of each block.
+//!
+//! ```text
+//! v·Kv = Σ k (v_i·g_i − v_j·g_j)² ≤ Σ k ((1 + t) (v_i·g_i)² + (1 + 1/t) (v_j·g_j)²)     for any t > 0 of a pair
+//! λ_max(M⁻¹K) ≤ max_i λ_max(M_i⁻¹ K_i),   K_i = Σ k (1 + t) g_i g_iᵀ                                 [1/s²]
+//! ```
+//! with `t` the rates of the partner over those of the block: a partner that is held less stiffly hardly counts.
+//!
+//! Of the pairs that do not touch yet, only those count that may within [`HORIZON`] steps.
+
+use crate::contact::rates::{BlockRates, Rates};
+use crate::contact::spring::Spring;
+use crate::geometry::bounds;
+use crate::motion::kinematics::Kinematics;
+use crate::{Blocks, Vec3};
+use nalgebra::{Matrix3, Matrix6};
+
+/// Steps within which a pair that is apart counts as about to touch; every step asks anew.
+pub(super) const HORIZON: f64 = 2.0;
+
+/// Symmetric matrix of the forces and torques of a block that answer its velocity and spin.
+#[derive(Clone, Copy, Default)]
+struct Response {
+    translation: Matrix3<f64>,
+    mixed: Matrix3<f64>,
+    rotation: Matrix3<f64>,
+}
+
+impl Response {
+    /// Adds a spring along the normal and across it, at a point from the centroid (m).
+    fn add(&mut self, r: &Vec3, normal: &Vec3, [along, across]: [f64; 2]) {
+        let push = Matrix3::identity() * across + normal * normal.transpose() * (along - across);
+        let arm = r.cross_matrix();
+        let mixed = arm * push;
+        self.translation += push;
+        self.mixed += mixed;
+        self.rotation += mixed * arm.transpose();
+    }
+
+    /// Bound of the largest eigenvalue of `M⁻¹ K`, at most 1.25 times it: `(tr A⁸)^⅛`.
+    fn largest_rate(&self, body: &Kinematics) -> Option<f64> {
+        let root = body.inverse_inertia.cholesky()?.l();
+        let mut a = Matrix6::zeros();
+        let mixed = root.transpose() * self.mixed * body.inverse_mass.sqrt();
+        a.fixed_view_mut::<3, 3>(0, 0)
+            .copy_from(&(self.translation * body.inverse_mass));
+        a.fixed_view_mut::<3, 3>(3, 0).copy_from(&mixed);
+        a.fixed_view_mut::<3, 3>(0, 3).copy_from(&mixed.transpose());
+        a.fixed_view_mut::<3, 3>(3, 3)
+            .copy_from(&(root.transpose() * self.rotation * root));
+        let trace = a.trace();
+        if trace <= 0.0 {
+            return Some(0.0);
+        }
+        a /= trace;
+        let square = a * a;
+        Some(trace * (square * square).norm().sqrt().sqrt())
+    }
+}
+
+/// Sums over the contacts of a block.
+#[derive(Default)]
+struct Held {
+    stiffness: Response,
+    damping: Response,
+}
+
+impl Blocks {
+    /// Bounds of stiffness and damping of a block by the contacts that touch; `None` of one that deforms.
+    pub(super) fn largest_rates(&self, b: usize) -> Option<Rates> {
+        let body = &self.state.kinematics[b];
+        if body.strain_rate.is_some() {
+            return None;
+        }
+        let mut held = Held::default();
+        let mut of_spheres = Rates::default();
+        for (k, _) in self.derived.links.of(b) {
+            let pair = &self.contacts.pairs[k];
+            if pair.is_touching {
+                let twice = self.shares(b, pair.blocks);
+                let springs = pair.springs(self.joint_between(pair.parts));
+                held.add(body, springs, twice);
+            }
+        }
+        for (k, _) in self.derived.sphere_links.of(b) {
+            if self.contacts.sphere_marks[k].is_touching {
+                let twice = self.shares(b, self.contacts.sphere_pairs[k].blocks);
+                held.add(body, [self.spring_of_spheres(k)], twice);
+            }
+        }
+        for (k, _) in self.derived.surface_links.of(b) {
+            let pair = &self.contacts.surface_pairs[k];
+            if pair.is_touching && pair.is_of_sphere() {
+                of_spheres.stiffness += pair.rates.stiffness;
+                of_spheres.damping += pair.rates.damping;
+            } else if pair.is_touching {
+                held.add(body, pair.springs(self.joint_between(pair.parts)), ONCE);
+            }
+        }
+        Some(Rates {
+            stiffness: of_spheres.stiffness + held.stiffness.largest_rate(body)?,
+            damping: of_spheres.damping + held.damping.largest_rate(body)?,
+        })
+    }
+
+    /// Largest rates of the pairs of a block that may touch within a time (s).
+    pub(super) fn next_rates(&self, b: usize, time: f64) -> Rates {
+        let mut next = Rates::default();
+        let mut add = |rates: &Rates| {
+            next.stiffness = next.stiffness.max(rates.stiffness);
+            next.damping = next.damping.max(rates.damping);
+        };
+        for (k, is_second) in self.derived.links.of(b) {
+            let pair = &self.contacts.pairs[k];
+            let between = self.boxes_apart(pair.parts);
+            // the axis of a pair whose boxes overlap is that of this step
+            let apart = pair.axis.axis.filter(|_| between <= 0.0);
+            let gap = apart.map_or(between, |axis| axis.gap);
+            if !pair.is_touching && gap <= self.reach(pair.blocks, time) {
+                add(if is_second {
+                    &pair.rates.1
+                } else {
+                    &pair.rates.0
+                });
+            }
+        }
+        for (k, is_second) in self.derived.sphere_links.of(b) {
+            let pair = &self.contacts.sphere_pairs[k];
+            let is_touching = self.contacts.sphere_marks[k].is_touching;
+            if !is_touching && self.boxes_apart(pair.parts) <= self.reach(pair.blocks, time) {
+                let (first, second) = &self.contacts.sphere_rates[k];
+                add(if is_second { second } else { first });
+            }
+        }
+        for (k, is_second) in self.derived.surface_links.of(b) {
+            let pair = &self.contacts.surface_pairs[k];
+            if !(is_second || pair.is_touching || pair.triangles.is_empty()) {
+                add(&pair.rates);
+            }
+        }
+        next
+    }
+
+    fn boxes_apart(&self, parts: (u32, u32)) -> f64 {
+        let of = |part: u32| &self.state.boxes[part as usize];
+        bounds::gap(of(parts.0), of(parts.1))
+    }
+
+    /// Upper bound of the way by which two blocks approach each other within a time (s); m.
+    fn reach(&self, blocks: (u32, u32), time: f64) -> f64 {
+        let (a, b) = (blocks.0 as usize, blocks.1 as usize);
+        let body = |b: usize| &self.state.kinematics[b];
+        let turning = |b: usize| body(b).spin.norm() * self.constants.radius[b];
+        let speed = (body(a).velocity - body(b).velocity).norm() + turning(a) + turning(b);
+        (speed + self.constants.settings.gravity.norm() * time) * time
+    }
+
+    /// `1 + t` of stiffness and damping of a pair, at one of its blocks.
+    fn shares(&self, b: usize, blocks: (u32, u32)) -> Rates {
+        let (i, j) = (blocks.0 as usize, blocks.1 as usize);
+        let partner = if i == b { j } else { i };
+        if self.state.kinematics[partner].inverse_mass == 0.0 {
+            return ONCE;
+        }
+        let BlockRates {
+            stiffness, damping, ..
+        } = self.state.rates[b];
+        let other = &self.state.rates[partner];
+        // without damping nothing is shared
+        let share = |own: f64, other: f64| {
+            if own > 0.0 { 1.0 + other / own } else { 2.0 }
+        };
+        Rates {
+            stiffness: share(stiffness, other.stiffness),
+            damping: share(damping, other.damping),
+        }
+    }
+}
+
+/// Shares against a partner that does not give way.
+const ONCE: Rates = Rates {
+    stiffness: 1.0,
+    damping: 1.0,
+};
+
+impl Held {
+    fn add(&mut self, body: &Kinematics, springs: impl IntoIterator<Item = Spring>, times: Rates) {
+        for spring in springs {
+            let r = spring.point - body.centroid;
+            let of = |sides: [f64; 2], times: f64| sides.map(|side| side * times);
+            (self.stiffness).add(&r, &spring.normal, of(spring.stiffness, times.stiffness));
+            (self.damping).add(&r, &spring.normal, of(spring.dashpot, times.damping));
+        }
+    }
+}
