@@ -39,7 +39,7 @@ impl<'a> Step<'a> {
     ) -> Self {
         loads.clear();
         before.clear();
-        before.append(&mut history.points);
+        std::mem::swap(before, &mut history.points);
         let step = Self {
             law,
             former: before,
