@@ -16,6 +16,7 @@ mod recording;
 mod solids;
 mod speed;
 
+use std::ops::Range;
 use std::path::Path;
 
 use riprap_dda::Hold;
@@ -114,7 +115,7 @@ impl Scene {
             materials,
             joints: joints(file, &names),
             weakenings: weakenings(file, &names),
-            block_settings: block_settings(file, resting),
+            block_settings: block_settings(file, chosen_bound(&expanded.of_slides), resting),
             gauges: recording::gauges(file, &names),
             forces: recording::forces(file, &output),
             output,
@@ -208,15 +209,22 @@ fn holds(blocks: &[BlockFile]) -> Vec<(usize, Hold)> {
     blocks.iter().enumerate().filter_map(held).collect()
 }
 
-fn block_settings(file: &SceneFile, resting: Option<riprap_dda::Resting>) -> riprap_dda::Settings {
-    let numerics = &file.numerics;
-    let factor = numerics.block_time_step_factor;
-    // the blocks of a slide lie in contact from first to last, and what they lose in hits is a few percent of their energy
-    let chosen = if file.slides.is_empty() {
+/// The blocks of a slide lie in contact from first to last, and what they lose in hits is a few percent of their energy.
+fn chosen_bound(of_slides: &Range<usize>) -> StepBoundFile {
+    if of_slides.is_empty() {
         StepBoundFile::Compliances
     } else {
         StepBoundFile::Eigenvalues
-    };
+    }
+}
+
+fn block_settings(
+    file: &SceneFile,
+    chosen: StepBoundFile,
+    resting: Option<riprap_dda::Resting>,
+) -> riprap_dda::Settings {
+    let numerics = &file.numerics;
+    let factor = numerics.block_time_step_factor;
     riprap_dda::Settings {
         step_bound: step_bound(numerics.block_step_bound.unwrap_or(chosen)),
         gravity: vec3(file.gravity),
