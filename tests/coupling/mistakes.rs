@@ -163,6 +163,7 @@ const PLACES: &[Row] = &[
     (CUBE, "Mesh(file: \"one.obj\", scale: 0.001), placement: (translate: (2, 0.3, 0))", "0.001", Warning, "block `cube` is 0.0005 m long in a domain of 4 m; a mesh in meters has scale: 1, found 0.001"),
     (CUBE, "Mesh(file: \"two.obj\", scale: 1), placement: (translate: (2, 0.3, 0))", "\"two.obj\"", Error, "block `cube`: `two.obj`: shells 1 and 2 of 2 overlap by 1.000e-1 m: mass and buoyancy of what they share would count twice"),
     (CUBE, "Mesh(file: \"nested.obj\", scale: 1), placement: (translate: (2, 0.3, 0))", "\"nested.obj\"", Error, "block `cube`: `nested.obj`: shells 1 and 2 of 2 overlap by 4.000e-1 m"),
+    ("motion: Fixed", "motion: Table(file: \"furlongs.csv\")", "\"furlongs.csv\"", Error, "`furlongs.csv` line 1: unit `furlong` of x is not known; write one of m, mm, cm, dm, km, ft, in"),
     ("max: (5, 2, 0)", "max: (5, 2, -0.4)", "", Warning, "block `floor` is outside of the domain: along z it is from -0.5 to -0.4 m, the domain from 0 to 2; it has no effect"),
     ("x: 0.5", "x: 500", "500", Error, "gauge `near` at (500.0, 0.5, 0.0) is outside of the domain"),
     ("(0.5, 0.5, 0.2)", "(0.5, 0.5, -0.2)", "(0.5, 0.5, -0.2)", Error, "gauge `p` at (0.5, 0.5, -0.2) is outside of the domain"),

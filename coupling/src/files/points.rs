@@ -5,10 +5,9 @@
 //! numbers of a line are x, y and z. A column of text is the name of the points. `#` starts a comment.
 
 mod columns;
-mod separator;
 
+use super::separator::Separator;
 use columns::Columns;
-use separator::Separator;
 
 /// Points and their names.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -143,7 +142,7 @@ mod tests {
             ),
             (
                 "x [furlong],y\n1,2\n",
-                "line 1: unit `furlong` of x is not known; write one of m, mm, cm, dm, km, ft",
+                "line 1: unit `furlong` of x is not known; write one of m, mm, cm, dm, km, ft, in",
             ),
             (
                 "x,x,y\n1,2,3\n",

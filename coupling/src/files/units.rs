@@ -1,7 +1,7 @@
 //! Units in the headers of tables: `x [mm]`, `x (cm)`, `x_mm`.
 
 /// Units of length and their size; m.
-const LENGTHS: [(&str, f64); 10] = [
+const LENGTHS: [(&str, f64); 13] = [
     ("m", 1.0),
     ("meter", 1.0),
     ("meters", 1.0),
@@ -12,6 +12,9 @@ const LENGTHS: [(&str, f64); 10] = [
     ("dm", 1e-1),
     ("km", 1e3),
     ("ft", 0.3048),
+    ("in", 0.0254),
+    ("inch", 0.0254),
+    ("um", 1e-6),
 ];
 /// Units of time; s.
 const TIMES: [(&str, f64); 5] = [
@@ -76,7 +79,7 @@ impl Quantity {
     /// Units that are known, for messages.
     pub fn known(self) -> &'static str {
         match self {
-            Self::Length => "m, mm, cm, dm, km, ft",
+            Self::Length => "m, mm, cm, dm, km, ft, in",
             Self::Time => "s, ms, min",
             Self::Angle => "deg, rad, mrad",
             Self::Acceleration => "m/s2, cm/s2, gal, g",

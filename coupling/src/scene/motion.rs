@@ -6,6 +6,39 @@ use super::access::Access;
 use super::error::Problem;
 use super::file::MotionFile;
 use super::file::vec3;
+use crate::files::separator::Separator;
+use crate::files::units::{Quantity, split};
+
+/// Columns of a record of displacement, and where it turns.
+const DISPLACEMENT: Columns = Columns {
+    names: "time, x, y, z, and where it turns the rotation vector rx, ry, rz",
+    allowed: &[4, 7],
+    quantities: &[
+        Quantity::Time,
+        Quantity::Length,
+        Quantity::Length,
+        Quantity::Length,
+        Quantity::Angle,
+        Quantity::Angle,
+        Quantity::Angle,
+    ],
+};
+/// Columns of a record of acceleration.
+const ACCELERATION: Columns = Columns {
+    names: "time, acceleration",
+    allowed: &[2],
+    quantities: &[Quantity::Time, Quantity::Acceleration],
+};
+
+/// Columns of a record.
+#[derive(Clone, Copy)]
+struct Columns {
+    /// Names for errors.
+    names: &'static str,
+    /// Numbers on a line.
+    allowed: &'static [usize],
+    quantities: &'static [Quantity],
+}
 
 /// Motion of a block; `path` is its location in the file.
 ///
@@ -50,8 +83,7 @@ pub fn motion(file: &MotionFile, path: &str, access: &Access) -> Result<Motion, 
 pub fn recorded(file: &MotionFile, path: &str, text: &str) -> Result<Motion, Problem> {
     match file {
         MotionFile::Table { file } => {
-            let columns = "time, x, y, z, and where it turns the rotation vector rx, ry, rz";
-            let rows = rows(file, text, path, (columns, &[4, 7]))?;
+            let rows = rows(file, text, path, DISPLACEMENT)?;
             Ok(Motion::Prescribed(PrescribedMotion::Table {
                 time: rows.iter().map(|row| row[0]).collect(),
                 displacement: rows.iter().map(|row| vec3_of(&row[1..4])).collect(),
@@ -66,7 +98,7 @@ pub fn recorded(file: &MotionFile, path: &str, text: &str) -> Result<Motion, Pro
             let direction = vec3(*direction).try_normalize(0.0).ok_or_else(|| {
                 Problem::error(format!("{path}.direction"), "the shaking has no direction")
             })?;
-            let rows = rows(file, text, path, ("time, acceleration", &[2]))?;
+            let rows = rows(file, text, path, ACCELERATION)?;
             let interval = rows[1][0] - rows[0][0];
             let uneven = rows
                 .iter()
@@ -106,67 +138,47 @@ fn text_of(access: &Access, file: &str) -> Result<String, String> {
 }
 
 /// The rows of a record that the scene names at `path`, with columns as for [`record`].
-fn rows(
-    file: &str,
-    text: &str,
-    path: &str,
-    columns: (&str, &[usize]),
-) -> Result<Vec<Vec<f64>>, Problem> {
+fn rows(file: &str, text: &str, path: &str, columns: Columns) -> Result<Vec<Vec<f64>>, Problem> {
     record(text, columns)
         .map_err(|found| Problem::error(format!("{path}.file"), format!("`{file}` {found}")))
 }
 
-/// Rows of a record: one of the allowed counts of numbers on every line, the first an increasing time; `#` comments, one optional heading. `columns` names them for errors.
-fn record(text: &str, (columns, allowed): (&str, &[usize])) -> Result<Vec<Vec<f64>>, String> {
-    let needed = || {
-        let counts: Vec<String> = allowed.iter().map(usize::to_string).collect();
-        counts.join(" or ")
-    };
+/// Rows of a record: one of the allowed counts of numbers on every line, the first an increasing time; `#` comments, one optional
+/// heading, whose units scale the numbers. Columns are separated as in a list of points.
+fn record(text: &str, columns: Columns) -> Result<Vec<Vec<f64>>, String> {
+    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let mut rows: Vec<Vec<f64>> = Vec::new();
+    let mut units: Vec<f64> = Vec::new();
     let mut heading_allowed = true;
+    let mut separator = None;
     for (index, line) in text.lines().enumerate() {
         let line = line.split('#').next().unwrap_or_default().trim();
         if line.is_empty() {
             continue;
         }
-        let numbers: Result<Vec<f64>, _> =
-            line.split(',').map(|field| field.trim().parse()).collect();
-        let number = index + 1;
-        match numbers {
+        let separator = *separator.get_or_insert_with(|| Separator::of(line));
+        let cells: Vec<&str> = separator.cells(line).collect();
+        let numbers: Vec<Option<f64>> = cells.iter().map(|cell| separator.number(cell)).collect();
+        let at = |what: String| format!("line {}: {what}", index + 1);
+        match numbers.iter().copied().collect::<Option<Vec<f64>>>() {
             // a heading has no number in it; a first row with one wrong letter has others
-            Err(_) if heading_allowed && !has_number(line) => {}
-            Err(_) => {
-                return Err(format!(
-                    "line {number}: found `{line}`, needed {} numbers: {columns}",
-                    needed()
-                ));
+            None if heading_allowed && numbers.iter().all(Option::is_none) => {
+                units = columns.units(&cells).map_err(at)?;
             }
-            Ok(found) => {
-                let row = found;
-                if !allowed.contains(&row.len()) {
-                    return Err(format!(
-                        "line {number}: found {} columns, needed {}: {columns}",
-                        row.len(),
-                        needed()
-                    ));
+            None => {
+                return Err(at(format!(
+                    "found `{line}`, needed {} numbers: {}",
+                    columns.needed(),
+                    columns.names
+                )));
+            }
+            Some(mut row) => {
+                for (value, unit) in row.iter_mut().zip(&units) {
+                    *value *= unit;
                 }
-                if rows.last().is_some_and(|last| row.len() != last.len()) {
-                    return Err(format!(
-                        "line {number}: found {} columns, the lines before have others",
-                        row.len()
-                    ));
-                }
-                if !row.iter().all(|value| value.is_finite()) {
-                    return Err(format!(
-                        "line {number}: numbers must be finite, found `{line}`"
-                    ));
-                }
-                if rows.last().is_some_and(|last| row[0] <= last[0]) {
-                    return Err(format!(
-                        "line {number}: time must increase, found {} s",
-                        row[0]
-                    ));
-                }
+                columns.check(&row, rows.last()).map_err(|what| {
+                    at(what.unwrap_or_else(|| format!("numbers must be finite, found `{line}`")))
+                })?;
                 rows.push(row);
             }
         }
@@ -178,9 +190,51 @@ fn record(text: &str, (columns, allowed): (&str, &[usize])) -> Result<Vec<Vec<f6
     Ok(rows)
 }
 
-fn has_number(line: &str) -> bool {
-    line.split(',')
-        .any(|field| field.trim().parse::<f64>().is_ok())
+impl Columns {
+    /// Counts of numbers, for errors.
+    fn needed(&self) -> String {
+        let counts: Vec<String> = self.allowed.iter().map(usize::to_string).collect();
+        counts.join(" or ")
+    }
+
+    /// Size of the unit of each column by the cells of a heading; s, m, degrees and m/s².
+    fn units(&self, cells: &[&str]) -> Result<Vec<f64>, String> {
+        let size = |(cell, quantity): (&&str, &Quantity)| match split(cell, *quantity) {
+            (_, "") => Ok(1.0),
+            (name, unit) => quantity.unit(unit).ok_or_else(|| {
+                let known = quantity.known();
+                format!("unit `{unit}` of {name} is not known; write one of {known}")
+            }),
+        };
+        cells.iter().zip(self.quantities).map(size).collect()
+    }
+
+    /// Check of a row after the last one; no message for numbers that are not finite.
+    fn check(&self, row: &[f64], last: Option<&Vec<f64>>) -> Result<(), Option<String>> {
+        if !self.allowed.contains(&row.len()) {
+            return Err(Some(format!(
+                "found {} columns, needed {}: {}",
+                row.len(),
+                self.needed(),
+                self.names
+            )));
+        }
+        if last.is_some_and(|last| row.len() != last.len()) {
+            return Err(Some(format!(
+                "found {} columns, the lines before have others",
+                row.len()
+            )));
+        }
+        if !row.iter().all(|value| value.is_finite()) {
+            return Err(None);
+        }
+        match last {
+            Some(last) if row[0] <= last[0] => {
+                Err(Some(format!("time must increase, found {} s", row[0])))
+            }
+            _ => Ok(()),
+        }
+    }
 }
 
 #[cfg(test)]
@@ -194,8 +248,36 @@ mod tests {
     #[test]
     fn a_record_reads_with_comments_and_heading() {
         let text = "# paddle\nt [s], x, y, z\n0, 0, 0, 0\r\n0.5, 0.1, 0, 0 # half\n";
-        let rows = record(text, ("time, x, y, z", &[4])).unwrap();
+        let rows = record(text, DISPLACEMENT).unwrap();
         assert_eq!(rows, [[0.0; 4], [0.5, 0.1, 0.0, 0.0]]);
+    }
+
+    /// The heading's units, separators and decimal commas give the rows of the same record in SI.
+    #[test]
+    fn a_heading_scales_its_columns() {
+        let expected = record("0,0,0,0,0,0,0\n0.5,0.25,0,-0.125,90,0,0\n", DISPLACEMENT).unwrap();
+        for text in [
+            "time [ms],x_mm,y (cm),z [dm],rx [deg],ry,rz\n0,0,0,0,0,0,0\n500,250,0,-1.25,90,0,0\n",
+            "\u{feff}t (s);x [cm];y;z [mm];rx;ry;rz\r\n0;0;0;0;0;0;0\r\n0,5;25;0;-125;90;0;0\r\n",
+            "t\tx\ty\tz\trx [rad]\try\trz\n0\t0\t0\t0\t0\t0\t0\n0.5\t0.25\t0\t-0.125\t1.5707963267948966\t0\t0\n",
+        ] {
+            let found = record(text, DISPLACEMENT).unwrap();
+            for (row, expected) in found.iter().zip(&expected) {
+                // a product with a unit rounds once
+                let near = row
+                    .iter()
+                    .zip(expected)
+                    .all(|(a, b)| (a - b).abs() <= 1e-14 * b.abs());
+                assert!(near, "{text}: {row:?}");
+            }
+        }
+        let shaken = record("time,a [g]\n0,0\n1,0.5\n", ACCELERATION).unwrap();
+        assert_eq!(shaken[1], [1.0, 0.5 * 9.806_65]);
+        let unknown = record("t,x [furlong],y,z\n0,0,0,0\n1,1,0,0\n", DISPLACEMENT);
+        assert_eq!(
+            unknown.unwrap_err(),
+            "line 1: unit `furlong` of x is not known; write one of m, mm, cm, dm, km, ft, in"
+        );
     }
 
     #[test]
@@ -209,7 +291,7 @@ mod tests {
             ("0,0,0,0\n1,inf,0,0\n", "line 2: numbers must be finite"),
             ("0,0,0,0\n", "has 1 rows"),
         ] {
-            let message = record(text, ("time, x, y, z", &[4, 7])).unwrap_err();
+            let message = record(text, DISPLACEMENT).unwrap_err();
             assert!(message.contains(expected), "{message}");
         }
     }

@@ -1,7 +1,7 @@
 //! Meaning of the columns of a list of points.
 
 use super::Points;
-use super::separator::Separator;
+use crate::files::separator::Separator;
 use crate::files::units::{Quantity, split};
 
 /// Names of the columns of a coordinate, in lower case; the first is that of messages.
@@ -120,7 +120,8 @@ impl Columns {
         let mut position = [f64::NAN; 3];
         for (axis, place) in self.axes.iter().enumerate() {
             let Some((k, unit)) = *place else { continue };
-            let value = self.separator.number(cells[k]).ok_or_else(|| {
+            let value = self.separator.number(cells[k]);
+            let value = value.filter(|value| value.is_finite()).ok_or_else(|| {
                 let name = ["x", "y", "z"][axis];
                 format!("{name} is `{}`, needed is a number", cells[k])
             })?;

@@ -90,13 +90,13 @@ pub enum MotionFile {
         ramp: f64,
     },
     /// A record: CSV with columns time (s), displacement x, y, z (m) and, for a rotating block, the rotation vector
-    /// rx, ry, rz about the centroid (degrees); `#` comments.
+    /// rx, ry, rz about the centroid (degrees), or in the units of its header, `x [mm]` or `x_mm`; `#` comments.
     Table {
         /// Path, relative to the scene file.
         file: String,
     },
     /// Base excitation by a record of acceleration, integrated twice from rest: CSV with columns time (s, in equal
-    /// steps from 0) and acceleration (m/s²); `#` comments.
+    /// steps from 0) and acceleration (m/s²), or in the units of its header, `a [g]`; `#` comments.
     Shaking {
         /// Direction; any nonzero length.
         direction: Triple,

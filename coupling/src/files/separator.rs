@@ -2,7 +2,7 @@
 
 /// Separator of columns.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Separator {
+pub(crate) enum Separator {
     Comma,
     Semicolon,
     Tab,
@@ -11,7 +11,7 @@ pub(super) enum Separator {
 
 impl Separator {
     /// Separator of a line, the rarer character first.
-    pub(super) fn of(line: &str) -> Self {
+    pub(crate) fn of(line: &str) -> Self {
         [
             (';', Self::Semicolon),
             ('\t', Self::Tab),
@@ -23,7 +23,7 @@ impl Separator {
     }
 
     /// Cells of a line, without quotes around them.
-    pub(super) fn cells(self, line: &str) -> impl Iterator<Item = &str> {
+    pub(crate) fn cells(self, line: &str) -> impl Iterator<Item = &str> {
         let is_space = self == Self::Space;
         let by = move |c: char| match self {
             Self::Comma => c == ',',
@@ -38,11 +38,11 @@ impl Separator {
     }
 
     /// Number in a cell; beside semicolons and tabs it may have a decimal comma.
-    pub(super) fn number(self, cell: &str) -> Option<f64> {
+    pub(crate) fn number(self, cell: &str) -> Option<f64> {
         let number = match self {
             Self::Semicolon | Self::Tab if cell.contains(',') => cell.replace(',', ".").parse(),
             _ => cell.parse(),
         };
-        number.ok().filter(|value: &f64| value.is_finite())
+        number.ok()
     }
 }
