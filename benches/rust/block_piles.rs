@@ -1,7 +1,8 @@
 //! Speed of blocks: random hulls and cubes that have fallen into a bin.
 //!
 //! `cargo bench -p riprap-dda` settles 125 and 1000 of each, then times steps on one and on all threads.
-//! `cargo bench -p riprap-dda -- N` does it for about N bodies, `-- N hulls` and `-- N cubes` for one kind of them.
+//! `cargo bench -p riprap-dda -- N` does it for about N bodies, `-- N hulls` and `-- N cubes` for one kind of them, `-- eigenvalues`
+//! with that bound of the step.
 #![expect(clippy::print_stdout, reason = "a benchmark reports")]
 
 mod piles;

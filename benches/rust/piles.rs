@@ -3,7 +3,8 @@
 use std::time::{Duration, Instant};
 
 use riprap_dda::{
-    BlockDefinition, Blocks, Material, Motion, Phase, Polyhedron, Random, Settings, Shape, Vec3,
+    BlockDefinition, Blocks, Material, Motion, Phase, Polyhedron, Random, Settings, Shape, StepBound,
+    Vec3,
 };
 
 pub type Failure = Box<dyn std::error::Error>;
@@ -24,6 +25,15 @@ pub fn wanted() -> Option<f64> {
     std::env::args()
         .skip(1)
         .find_map(|argument| argument.parse::<f64>().ok())
+}
+
+/// Bound of the step that the command line asks for.
+fn step_bound() -> StepBound {
+    if std::env::args().any(|argument| argument == "eigenvalues") {
+        StepBound::Eigenvalues
+    } else {
+        StepBound::Compliances
+    }
 }
 
 /// In the cube of side 2 about the origin; m.
@@ -81,18 +91,27 @@ impl Pile {
             let center = Vec3::from(place).add_scalar(0.5) * self.pitch;
             push(body(center, &mut random)?, Motion::Free);
         }
-        Ok(Blocks::new(definitions, vec![rock], Settings::default())?)
+        let settings = Settings {
+            step_bound: step_bound(),
+            ..Settings::default()
+        };
+        Ok(Blocks::new(definitions, vec![rock], settings)?)
     }
 }
 
-/// Steps until `duration` (s) has passed.
+/// Steps until `duration` (s) has passed; reports the error of the ledger.
 pub fn settle(blocks: &mut Blocks, duration: f64) -> Result<(), Failure> {
     let mut time = 0.0;
+    let before = blocks.energies().balance();
     while time < duration {
         let dt = blocks.critical_time_step().dt;
         blocks.advance(time, dt, 1)?;
         time += dt;
     }
+    let energies = blocks.energies();
+    let lost = energies.friction + energies.damping;
+    let error = (energies.balance() - before) / lost;
+    println!("settled: ledger {error:+.1e} of what is lost");
     Ok(())
 }
 
@@ -133,11 +152,12 @@ impl std::fmt::Display for Timing {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(
             f,
-            "{} threads: {:.3} ms a step of {:.2e} s, {:.1} steps/s, {:.0} touching pairs, {:.0} ns per pair and step, \
+            "{} threads: {:.3} ms a step of {:.2e} s, {:.1} s a simulated second, {:.1} steps/s, {:.0} touching pairs, {:.0} ns per pair and step, \
              {:.3e} contact updates/s, {:.1} axis searches a step",
             self.threads,
             1e3 * self.step,
             self.dt,
+            self.step / self.dt,
             1.0 / self.step,
             self.pairs,
             1e9 * self.step / self.pairs,
