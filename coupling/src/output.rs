@@ -2,5 +2,6 @@
 
 pub mod checkpoint_file;
 pub mod observe;
+pub mod peaks;
 pub mod run_folder;
 pub mod summary;

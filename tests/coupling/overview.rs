@@ -157,6 +157,8 @@ fn a_breaking_wave() {
                 record("dissipated", "J", 2000, 2.5, |t| 120.0 * t * t),
                 record("total", "J", 2000, 2.5, |t| 10_900.0 + t),
             ],
+            peaks: Vec::new(),
+            along: String::new(),
             view: ([-0.1, -0.1], [6.1, 1.5]),
             plan: None,
         },
@@ -199,6 +201,8 @@ fn a_long_flume() {
                 })
                 .collect(),
             energy: vec![record("total", "J", 100, 60.0, |_| 0.0)],
+            peaks: Vec::new(),
+            along: String::new(),
             view: ([0.0, 0.0], [100.0, 1.2]),
             plan: None,
         },
@@ -231,6 +235,8 @@ fn a_tall_column_of_noise() {
             title: "Column".into(),
             particle_spacing: 0.005,
             snapshots: snapshots.into(),
+            peaks: Vec::new(),
+            along: String::new(),
             view: ([0.0, 0.0], [0.6, 1.0]),
             ..Overview::default()
         },
@@ -269,6 +275,8 @@ fn many_blocks() {
             title: "Rubble".into(),
             particle_spacing: 0.01,
             snapshots: snapshots.into(),
+            peaks: Vec::new(),
+            along: String::new(),
             view: ([0.0, 0.0], [10.0, 3.0]),
             ..Overview::default()
         },
@@ -301,6 +309,8 @@ fn nothing_and_nonsense_are_drawn_without_complaint() {
             record("large", "m", 10, 1.0, |t| 1e290 * t),
             record("too large", "m", 10, 1.0, |t| f64::MAX * (t - 0.5).signum()),
         ],
+        peaks: Vec::new(),
+        along: String::new(),
         view: ([f64::NAN, 0.0], [1.0, f64::INFINITY]),
         ..Overview::default()
     };

@@ -8,6 +8,7 @@ use serde::Serialize;
 use crate::files::vtk::replace_file;
 use crate::openings::Passed;
 use crate::output::observe::ObserveError;
+use crate::output::peaks::Peak;
 use crate::output::run_folder;
 use crate::world::ledger::Energy;
 use crate::world::time_step::Cause;
@@ -111,6 +112,8 @@ pub struct Summary {
     pub momentum_residual: f64,
     /// The energy ledger at the end; J.
     pub energy: Energy,
+    /// Largest value, its time and the arrival of the wave for each gauge with one column.
+    pub gauges: Vec<Peak>,
     /// Hash of the final state: equal for equal runs, whatever the number of threads.
     pub state_hash: String,
     /// Peak memory; bytes, 0 if unknown.

@@ -1,6 +1,6 @@
 //! Summary of a run on one page, `overview.svg`, without external programs.
 //!
-//! Side views (x to the right, z up, seen from −y) with the water colored by speed, plans of scenes with terrain, then
+//! Side views (x to the right, z up, seen from −y; where rock slides, along its way) with the water colored by speed, plans of scenes with terrain, then
 //! charts, and the gauges and the energies, one plot per unit. Input is plain data, so that a page can be made from files as
 //! well as from a running world.
 //!
@@ -14,8 +14,10 @@ pub(crate) mod page;
 pub mod plan;
 mod plot;
 mod raster;
+mod table;
 mod view;
 
+use crate::output::peaks::Peak;
 use page::{Anchor, Page, WIDTH};
 use plan::Plan;
 use plot::Axes;
@@ -82,10 +84,14 @@ pub struct Overview {
     pub charts: Vec<Chart>,
     /// Gauge records.
     pub gauges: Vec<Record>,
-    /// Energy ledger.
+    /// Energy ledger, as changes since the start.
     pub energy: Vec<Record>,
+    /// Largest values of the gauges, drawn as a table below their records.
+    pub peaks: Vec<Peak>,
     /// Lower left and upper right corner of the side view, x and z; m.
     pub view: ([f64; 2], [f64; 2]),
+    /// Label of the horizontal axis of the side view; x when empty.
+    pub along: String,
     /// Drawn below the side views, for scenes with terrain.
     pub plan: Option<Plan>,
 }
@@ -105,7 +111,9 @@ pub fn svg(overview: &Overview) -> String {
         charts,
         gauges,
         energy,
+        peaks,
         view,
+        along,
         plan,
     } = overview;
     let mut page = Page::default();
@@ -119,7 +127,8 @@ pub fn svg(overview: &Overview) -> String {
             spacing: *particle_spacing,
             budget,
         };
-        y = view::draw(&mut page, y, snapshots, *view, image);
+        let along = if along.is_empty() { "x [m]" } else { along };
+        y = view::draw(&mut page, y, snapshots, (*view, along), image);
     }
     if let Some(plan) = plan {
         y = plan::draw(&mut page, y, plan, *particle_spacing);
@@ -134,16 +143,20 @@ pub fn svg(overview: &Overview) -> String {
         y = plot::draw(&mut page, y, axes, &curves);
     }
     let times: Vec<f64> = snapshots.iter().map(|snapshot| snapshot.time).collect();
-    for (label, records) in [("gauges", gauges), ("energy", energy)] {
+    let plots = |page: &mut Page, mut y: f64, label, records| {
         for records in by_unit(records) {
             let axes = Axes {
                 vertical: label,
                 horizontal: "t [s]",
                 marked: &times,
             };
-            y = plot::draw(&mut page, y, axes, &records);
+            y = plot::draw(page, y, axes, &records);
         }
-    }
+        y
+    };
+    y = plots(&mut page, y, "gauges", gauges);
+    y = table::draw(&mut page, y, peaks);
+    y = plots(&mut page, y, "change of energy", energy);
     page.finish(title, y)
 }
 

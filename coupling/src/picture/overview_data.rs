@@ -13,18 +13,22 @@ use crate::output::observe::ObserveError;
 use crate::output::observe::gauges::Gauges;
 use crate::output::observe::maps::Maps;
 use crate::output::observe::trajectories::Trajectories;
+use crate::output::peaks::{Peak, noticed};
 use crate::output::run_folder;
 use crate::saved::{Read, Saved};
 use crate::scene::resolve::Scene;
 use crate::world::World;
 use crate::world::ledger::Energy;
 use charts::{bounce_heights, reached};
-use side_view::snapshot;
+use side_view::{Section, snapshot};
 
 /// Collects the data of `overview.svg` during a run.
 #[derive(Debug)]
 pub struct OverviewData {
     overview: Overview,
+    section: Section,
+    /// Change of a surface that counts as arrival for each gauge record, `None` for other gauges; m.
+    noticed: Vec<Option<f64>>,
     /// Index of each gauge record in the row of gauges.
     places: Vec<usize>,
     duration: f64,
@@ -40,8 +44,13 @@ impl OverviewData {
             time: Vec::new(),
             value: Vec::new(),
         };
-        let (min, max) = (scene.domain.min, scene.domain.max);
+        let section = Section::of(scene);
+        let noticed = noticed(scene);
         Self {
+            noticed: (columns
+                .iter()
+                .map(|(_, _, unit)| noticed.filter(|_| unit == "m")))
+            .collect(),
             overview: Overview {
                 title: scene.title.clone(),
                 subtitle: String::new(),
@@ -56,11 +65,14 @@ impl OverviewData {
                     .map(|(_, name, unit)| record(name, unit))
                     .collect(),
                 energy: Energy::TERMS.iter().map(|name| record(name, "J")).collect(),
-                view: ([min.x, min.z], [max.x, max.z]),
+                peaks: Vec::new(),
+                view: section.view((scene.domain.min, scene.domain.max)),
+                along: section.label(),
                 plan: plan::begun(scene, world),
             },
             places: columns.iter().map(|(place, _, _)| *place).collect(),
             duration: scene.duration,
+            section,
         }
     }
 
@@ -71,6 +83,16 @@ impl OverviewData {
         let places = self.places.iter().copied();
         fill(&mut self.overview.gauges, &gauges, places);
         fill(&mut self.overview.energy, &energy, 1..);
+        for record in &mut self.overview.energy {
+            // losses count from the start; of what is stored only changes matter, and gravity has no zero
+            let start = record.value.first().copied().unwrap_or(0.0);
+            record.value.iter_mut().for_each(|value| *value -= start);
+        }
+        let records = self.overview.gauges.iter().zip(&self.noticed);
+        let peak = |(r, noticed): (&Record, &Option<f64>)| {
+            Peak::of(&r.name, &r.unit, (&r.time, &r.value), *noticed)
+        };
+        self.overview.peaks = records.map(peak).collect();
         Ok(())
     }
 
@@ -117,7 +139,7 @@ impl OverviewData {
             if self.overview.snapshots.is_empty() {
                 self.add_plan_view(world);
             }
-            self.overview.snapshots.push(snapshot(world));
+            self.overview.snapshots.push(snapshot(world, &self.section));
         }
     }
 
@@ -138,7 +160,7 @@ impl OverviewData {
         world: &World,
         subtitle: String,
     ) -> Result<PathBuf, ObserveError> {
-        self.overview.snapshots.push(snapshot(world));
+        self.overview.snapshots.push(snapshot(world, &self.section));
         self.add_plan_view(world);
         self.overview.subtitle = subtitle;
         self.read_records(folder)?;

@@ -7,6 +7,7 @@ use riprap_sph::{Fluid, Precision};
 
 use super::{Ending, Run, RunError};
 use crate::build_info::COMMIT;
+use crate::output::peaks::peaks;
 use crate::output::summary::{Summary, TimeByPhase, peak_memory};
 use crate::scene::resolve::Scene;
 use crate::walls::Walls;
@@ -81,6 +82,8 @@ impl Run<'_> {
             max_block_overlap_over_size: blocks.max_overlap_over_size(),
             momentum_residual: world.momentum_residual(),
             energy: world.energy(),
+            // the overview reads the same table and reports what is wrong with it
+            gauges: peaks(&self.folder, self.scene).unwrap_or_default(),
             state_hash: world.state_hash(),
             peak_memory: peak_memory(),
         }

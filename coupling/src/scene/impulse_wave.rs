@@ -36,9 +36,9 @@ impl SlideImpact {
     pub fn of(rock: &Rock, scene: &Scene) -> Option<Self> {
         let fluid = scene.fluid.as_ref()?;
         let gravity = scene.block_settings.gravity.norm();
-        let bed: Vec3 = rock.bodies.iter().map(bed_area).sum();
+        let bed = rock.bed();
         let up = -bed.try_normalize(0.0)?;
-        let along = Vec3::new(up.x, up.y, 0.0).try_normalize(1e-6)?;
+        let along = rock.downhill(1e-6)?;
         let slope = up.z.clamp(-1.0, 1.0).acos();
         let across = Vec3::z().cross(&along);
         let places = rock.bodies.iter().flat_map(|body| body.vertices());
@@ -47,10 +47,8 @@ impl SlideImpact {
             .fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| {
                 (a.min(x), b.max(x))
             });
-        let masses = rock.bodies.iter().map(riprap_dda::mass_properties);
-        let moment: f64 = masses.map(|m| m.volume * m.centroid.z).sum();
         let level = fluid.lattice.still_water_level;
-        let drop = moment / rock.volume - level;
+        let drop = rock.center().z - level;
         let share = 1.0 - friction_below(rock, scene)? / slope.tan();
         let speed = (2.0 * gravity * drop * share).max(0.0).sqrt();
         let density = scene.materials.get(rock.material?)?.density;
@@ -90,6 +88,26 @@ impl SlideImpact {
         let turned = (6.0 / 7.0 * self.slope).cos().powf(0.25);
         let width = (self.width / self.depth).powf(0.75);
         0.2 * self.impulse_product().sqrt() * width * turned * self.depth
+    }
+}
+
+impl Rock {
+    /// Area vector of the surface of failure; m².
+    pub fn bed(&self) -> Vec3 {
+        self.bodies.iter().map(bed_area).sum()
+    }
+
+    /// Direction in plan view in which the surface of failure dips, if the sine of its slope is above a limit.
+    pub fn downhill(&self, least: f64) -> Option<Vec3> {
+        let up = -self.bed().try_normalize(0.0)?;
+        Vec3::new(up.x, up.y, 0.0).try_normalize(least)
+    }
+
+    /// Center of mass; m.
+    pub fn center(&self) -> Vec3 {
+        let masses = self.bodies.iter().map(riprap_dda::mass_properties);
+        let moment: Vec3 = masses.map(|m| m.volume * m.centroid).sum();
+        moment / self.volume
     }
 }
 

@@ -156,6 +156,120 @@ fn maps_show_how_high_and_when() {
     assert_eq!(maps.point_data.len(), 3);
 }
 
+/// Water in a bowl, left alone for two minutes: no wave arrives, nothing is inundated, and the gauges read the level.
+#[test]
+fn still_water_makes_no_wave() {
+    let folder = tempfile::tempdir().unwrap();
+    let raster = Raster {
+        cell: 5.0,
+        n: [81, 61],
+        ..valley()
+    };
+    // 100 m deep at a radius of 120 m
+    raster.write(&folder.path().join("bowl.asc"), |x, y| {
+        100.0 * ((x - 200.0).powi(2) + y * y) / 120.0_f64.powi(2) - 100.0
+    });
+    let case = folder.path().join("bowl.ron");
+    std::fs::write(
+        &case,
+        r#"(title: "still water in a bowl", domain: (min: (30, -140, -115), max: (370, 140, 140)),
+            materials: [(name: "rock", density: 2650, friction_angle_deg: 30)],
+            terrain: (sources: [(file: "bowl.asc")]),
+            blocks: [(name: "ground", material: "rock", motion: Fixed, shape: Terrain)],
+            fluid: (resolution: Spacing(12), lattice: Staggered,
+                    regions: [(name: "lake", shape: Below(level: 0, seed: (200, 0, -50)))]),
+            time: (settle: 10, duration: 120),
+            maps: (spacing: 12),
+            gauges: [SurfaceElevation(name: "middle", x: 200, y: 0), RunUp(name: "east", from: (200, 0), to: (360, 0)),
+                     RunUp(name: "north", from: (200, 0), to: (200, 135))])"#,
+    )
+    .unwrap();
+    let run_folder = folder.path().join("run");
+    let summary = support::run(&case, &run_folder, &[]);
+    let read = |name: &str| {
+        let text = std::fs::read(run_folder.join(format!("{name}.asc"))).unwrap();
+        riprap::scene::raster::grid_from(&text).unwrap()
+    };
+    let n_finite = |grid: &riprap::scene::terrain::grid::Grid| {
+        grid.heights.iter().filter(|z| z.is_finite()).count()
+    };
+    let (arrival, flooded, highest) = (
+        read("first_arrival"),
+        read("inundation_depth"),
+        read("maximum_elevation"),
+    );
+    assert_eq!((n_finite(&arrival), n_finite(&flooded)), (0, 0));
+    // the lake is some three hundred squares of the map
+    assert!(n_finite(&highest) > 250);
+    let rows = support::table(&run_folder.join("gauges.csv"));
+    let range = |column: usize| {
+        let values = rows.iter().map(|row| row[column]);
+        values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), z| {
+            (low.min(z), high.max(z))
+        })
+    };
+    println!(
+        "middle {:?}, run-up {:?} and {:?}",
+        range(1),
+        range(2),
+        range(3)
+    );
+    for column in [2, 3] {
+        assert_eq!(rows[0][column], 0.0);
+        let (low, high) = range(column);
+        // a particle at the edge moves by a fraction of a spacing
+        assert!(-0.2 * 12.0 < low && high < 0.2 * 12.0, "{low} to {high}");
+    }
+    for gauge in summary["gauges"].as_array().unwrap() {
+        assert!(gauge["arrival"].is_null(), "{gauge}");
+    }
+}
+
+/// A solitary wave arrives from the paddle at `c = √(g (d + H))`, within two points of the map.
+#[test]
+fn a_wave_arrives_at_its_celerity() {
+    let folder = tempfile::tempdir().unwrap();
+    let case = folder.path().join("flume.ron");
+    let case_name = case.to_str().unwrap();
+    let [depth, height, length] = [0.4, 0.12, 6.0];
+    let sizes = [depth, height, length].map(|size: f64| size.to_string());
+    let output = support::riprap(&[
+        "new", "flume", "--depth", &sizes[0], "--height", &sizes[1], "--length", &sizes[2],
+        "--out", case_name,
+    ]);
+    assert!(output.status.success(), "{}", support::words(&output));
+    let run_folder = folder.path().join("run");
+    let maps = "maps=(spacing: 0.1, interval: 0.02, arrival_threshold: 0.03)";
+    let coarse = "fluid.resolution=Spacing(0.04)";
+    let summary = support::run(&case, &run_folder, &["--set", maps, "--set", coarse]);
+    let text = std::fs::read(run_folder.join("first_arrival.asc")).unwrap();
+    let arrival = riprap::scene::raster::grid_from(&text).unwrap();
+    let celerity = (G * (depth + height)).sqrt();
+    let at = |x: f64| arrival.heights[((x - arrival.corner[0]) / 0.1).round() as usize];
+    // from two depths behind the paddle's stroke to three before the wall, where the wave keeps its shape
+    let start = at(2.0);
+    let mut worst: f64 = 0.0;
+    for k in 0..28 {
+        let x = 2.0 + 0.1 * f64::from(k);
+        worst = worst.max((celerity * (at(x) - start) - (x - 2.0)).abs());
+    }
+    println!("front off by {:.2} points at most", worst / 0.1);
+    assert!(worst < 0.2, "{worst} m");
+    // the table of the summary agrees: crests of the gauges in the order of the wave
+    let gauges = summary["gauges"].as_array().unwrap();
+    let of = |name: &str, key: &str| {
+        let gauge = gauges.iter().find(|gauge| gauge["name"] == name).unwrap();
+        gauge[key].as_f64().unwrap()
+    };
+    for (name, next) in [("g1", "g2"), ("g2", "g3")] {
+        // the wave loses some height at ten rows
+        assert!((0.75 * height..1.1 * height).contains(&(of(name, "largest") - depth)));
+        let way = 0.2 * length;
+        assert!((celerity * (of(next, "time") - of(name, "time")) / way - 1.0).abs() < 0.1);
+        assert!(of(name, "arrival") < of(name, "time"));
+    }
+}
+
 /// The volume that crosses a line is the final volume beyond it, to the particle. The line extends past the ends of the period:
 /// until the next neighbor search particles may be past them.
 #[test]

@@ -43,13 +43,44 @@ enum Instrument {
     Pressure(Vec3),
     Velocity(Vec3),
     BlockForce(usize),
-    RunUp(Line),
+    RunUp(RunUp),
     Front(Line),
     Overtopping(Crossing),
     Displaced {
         starts: Vec<(usize, Vec3)>,
         farther_than: f64,
     },
+}
+
+/// Highest wetted point along a line.
+///
+/// The outermost particle lies inside of the water's edge, by up to a spacing in still water. The gauge takes the level of still water
+/// for its reading at t = 0 if it is that close, and adds the difference to all readings.
+#[derive(Clone, Debug)]
+struct RunUp {
+    line: Line,
+    /// Still-water level, NaN without; m.
+    level: f64,
+    /// Added to readings; `None` before the first; m.
+    raise: Option<f64>,
+}
+
+impl RunUp {
+    /// Elevation of the water's edge, NaN if the line is dry; m.
+    fn read(&mut self, fluid: Option<&Fluid>, world: &World) -> f64 {
+        let reading = farthest(fluid, &world.blocks, &self.line, |ground, _| ground.z);
+        let raise = *self.raise.get_or_insert_with(|| {
+            let close = TOUCHING_DISTANCE * fluid.map_or(0.0, spacing);
+            let raise = self.level - reading;
+            // what was at rest was so at the start
+            if world.time() <= 0.0 && raise.abs() <= close {
+                raise
+            } else {
+                0.0
+            }
+        });
+        reading + raise
+    }
 }
 
 impl Gauges {
@@ -75,7 +106,7 @@ impl Gauges {
             table: Table::open(&folder.join(run_folder::GAUGES), &columns, start)?,
             names: scene.gauges.iter().map(|g| g.name.clone()).collect(),
             instruments: (scene.gauges.iter())
-                .map(|gauge| instrument(gauge, &world.blocks))
+                .map(|gauge| instrument(gauge, scene, &world.blocks))
                 .collect(),
             row: Vec::with_capacity(columns.len()),
         })
@@ -117,8 +148,12 @@ impl Observer for Gauges {
         let crossings: BTreeMap<&String, &Crossing> = instruments
             .filter_map(|(name, instrument)| Some((name, instrument.crossing()?)))
             .collect();
+        let instruments = self.names.iter().zip(&self.instruments);
+        let raises: BTreeMap<&String, f64> = instruments
+            .filter_map(|(name, instrument)| Some((name, instrument.raise()?)))
+            .collect();
         let table = (self.table.headers(), self.table.length());
-        postcard::to_extend(&(self.schedule, table, crossings), out)
+        postcard::to_extend(&(self.schedule, table, crossings, raises), out)
     }
 
     fn sync(&self) -> Result<(), ObserveError> {
@@ -129,7 +164,9 @@ impl Observer for Gauges {
     fn read<'a>(&mut self, bytes: &'a [u8]) -> Result<&'a [u8], ObserveError> {
         let (schedule, headers, length, rest): (Schedule, Vec<String>, _, _);
         let mut crossings: BTreeMap<String, Crossing>;
-        ((schedule, (headers, length), crossings), rest) = postcard::take_from_bytes(bytes)?;
+        let raises: BTreeMap<String, f64>;
+        ((schedule, (headers, length), crossings, raises), rest) =
+            postcard::take_from_bytes(bytes)?;
         self.schedule.resume(schedule);
         if headers == self.table.headers() {
             self.table.cut(length)?;
@@ -139,10 +176,14 @@ impl Observer for Gauges {
             self.table.take_over(last)?;
         }
         for (name, instrument) in self.names.iter().zip(&mut self.instruments) {
-            if let Instrument::Overtopping(crossing) = instrument
-                && let Some(saved) = crossings.remove(name)
-            {
-                *crossing = saved;
+            match instrument {
+                Instrument::Overtopping(crossing) => {
+                    if let Some(saved) = crossings.remove(name) {
+                        *crossing = saved;
+                    }
+                }
+                Instrument::RunUp(run_up) => run_up.raise = raises.get(name).copied(),
+                _ => {}
             }
         }
         Ok(rest)
@@ -181,13 +222,18 @@ fn columns_of(Gauge { name, quantity }: &Gauge) -> Vec<Column> {
 }
 
 /// The instrument of a gauge on blocks at their initial positions.
-fn instrument(gauge: &Gauge, blocks: &Blocks) -> Instrument {
+fn instrument(gauge: &Gauge, scene: &Scene, blocks: &Blocks) -> Instrument {
+    let fluid = scene.fluid.as_ref();
     match &gauge.quantity {
         Quantity::SurfaceElevation { x, y } => Instrument::SurfaceElevation { x: *x, y: *y },
         Quantity::Pressure { position } => Instrument::Pressure(*position),
         Quantity::Velocity { position } => Instrument::Velocity(*position),
         Quantity::BlockForce { block } => Instrument::BlockForce(*block),
-        Quantity::RunUp(line) => Instrument::RunUp(Line::along(*line)),
+        Quantity::RunUp(line) => Instrument::RunUp(RunUp {
+            line: Line::along(*line),
+            level: fluid.map_or(f64::NAN, |fluid| fluid.lattice.still_water_level),
+            raise: None,
+        }),
         Quantity::Front(line) => Instrument::Front(Line::along(*line)),
         Quantity::Overtopping(line) => Instrument::Overtopping(Crossing::of(*line)),
         Quantity::Displaced {
@@ -204,6 +250,13 @@ impl Instrument {
     fn crossing(&self) -> Option<&Crossing> {
         match self {
             Self::Overtopping(crossing) => Some(crossing),
+            _ => None,
+        }
+    }
+
+    fn raise(&self) -> Option<f64> {
+        match self {
+            Self::RunUp(run_up) => run_up.raise,
             _ => None,
         }
     }
@@ -231,9 +284,7 @@ impl Instrument {
                     row.extend(load.torque.iter());
                 }
             }
-            Self::RunUp(line) => {
-                row.push(farthest(fluid, &world.blocks, line, |ground, _| ground.z))
-            }
+            Self::RunUp(run_up) => row.push(run_up.read(fluid, world)),
             Self::Front(line) => row.push(farthest(fluid, &world.blocks, line, |_, water| {
                 line.share([water.x, water.y]) * line.length()
             })),
@@ -296,6 +347,16 @@ impl Line {
     }
 }
 
+/// Particle spacing; m.
+fn spacing(fluid: &Fluid) -> f64 {
+    let [dx, dy, dz] = fluid.settings().particle_spacing;
+    match fluid.settings().dimensions {
+        Dimensions::Three => (dx * dy * dz).cbrt(),
+        // the width of the slice does not matter
+        Dimensions::Two { .. } => (dx * dz).sqrt(),
+    }
+}
+
 /// Largest value of a function over the wetted ground near a line; NaN if all is dry.
 ///
 /// Water touches the ground where a particle within a spacing of the line is within 1.5 spacings
@@ -307,12 +368,7 @@ fn farthest(
     measure: impl Fn(&Vec3, &Vec3) -> f64,
 ) -> f64 {
     let Some(fluid) = fluid else { return f64::NAN };
-    let [dx, dy, dz] = fluid.settings().particle_spacing;
-    let spacing = match fluid.settings().dimensions {
-        Dimensions::Three => (dx * dy * dz).cbrt(),
-        // the width of the slice does not matter
-        Dimensions::Two { .. } => (dx * dz).sqrt(),
-    };
+    let spacing = spacing(fluid);
     let reach = TOUCHING_DISTANCE * spacing;
     let ground: Vec<usize> = blocks.fixed_parts().collect();
     // a maximum of NaN and a number is the number

@@ -1,10 +1,13 @@
 //! Maps of wave impact: highest water, arrival time, inundation depth.
 
+mod arrival;
 mod rasters;
 
 use std::path::{Path, PathBuf};
 
+use arrival::{Arrival, Rule, Scales};
 use rayon::prelude::*;
+use riprap_dda::{Blocks, Vec3};
 use riprap_sph::Fluid;
 
 use super::{ObserveError, Observer, Schedule};
@@ -40,14 +43,20 @@ pub struct Maps {
     origin: (f64, f64, f64),
     /// Reference system of the map, if known.
     crs: Option<Crs>,
-    /// Change of the surface since the start that counts as arrival; m.
+    /// Conditions of an arrival.
+    rule: Rule,
+    /// Change of the surface that counts as arrival, and of a block that counts as motion; m.
     arrival_threshold: f64,
+    /// Still-water level and the accuracy of a particle surface, a spacing; NaN without water; m.
+    still: [f64; 2],
+    /// Centroids of the blocks at the start; m.
+    starts: Vec<Vec3>,
     /// Height of the surface at t = 0, NaN where it was dry; m.
     at_start: Vec<f64>,
     /// Highest surface so far, NaN where all was dry; m.
     highest: Vec<f64>,
-    /// Time of arrival, NaN without arrival; s.
-    arrival: Vec<f64>,
+    /// Still water and arrivals.
+    arrival: Arrival,
 }
 
 impl Maps {
@@ -79,10 +88,20 @@ impl Maps {
             folder: folder.to_owned(),
             origin: (scene.terrain.as_ref()).map_or((0.0, 0.0, 0.0), |terrain| terrain.origin),
             crs: (scene.terrain.as_ref()).and_then(|terrain| terrain.crs.clone()),
+            rule: rule(asked, scene, world),
             arrival_threshold: asked.arrival_threshold,
+            still: (scene.fluid.as_ref()).map_or([f64::NAN; 2], |fluid| {
+                [
+                    fluid.lattice.still_water_level,
+                    fluid.walls.particle_spacing,
+                ]
+            }),
+            starts: (0..world.blocks.n_blocks())
+                .map(|b| world.blocks.centroid(b))
+                .collect(),
             at_start: none.clone(),
-            highest: none.clone(),
-            arrival: none,
+            arrival: Arrival::at(none.len()),
+            highest: none,
             ground,
         }
     }
@@ -99,20 +118,70 @@ impl Maps {
             .collect()
     }
 
-    /// Largest water depth where it was dry at the start; m.
+    /// Surface, the ground where dry; m.
+    fn wet_or_dry(&self, surface: &[f64]) -> Vec<f64> {
+        let ground = surface.iter().zip(&self.ground.heights);
+        let height = ground.map(|(z, ground)| if z.is_nan() { *ground } else { *z });
+        height.collect()
+    }
+
+    /// Points beside bodies that have moved and reach into the water.
+    fn moving(&self, blocks: &Blocks, surface: &[f64]) -> Vec<bool> {
+        let mut found = vec![false; surface.len()];
+        let grid = &self.ground;
+        let has_moved = |&b: &usize| {
+            let way = blocks.centroid(b) - self.starts[b];
+            !blocks.is_fixed(b) && !blocks.is_removed(b) && self.arrival_threshold < way.norm()
+        };
+        let parts = (0..self.starts.len()).filter(has_moved);
+        for part in parts.flat_map(|b| blocks.parts_of(b)) {
+            let (low, high) = blocks.part_aabb(part);
+            let range = [0, 1].map(|axis| {
+                let place = |x: f64| (x - grid.corner[axis]) / grid.spacing;
+                let beside = self.rule.reach() as f64;
+                let first = (place(low[axis]) - beside).ceil().max(0.0) as usize;
+                let last = (place(high[axis]) + beside).floor().max(-1.0) + 1.0;
+                first..(last as usize).min(grid.n[axis])
+            });
+            for k in range[1]
+                .clone()
+                .flat_map(|j| range[0].clone().map(move |i| [i, j]))
+            {
+                let k = grid.index(k);
+                // dry ground is NaN
+                found[k] |= low.z <= surface[k] + self.still[1];
+            }
+        }
+        found
+    }
+
+    /// Largest water depth where it was dry at the start and the water has come; m.
     fn inundation(&self) -> Vec<f64> {
-        let heights = self.highest.iter().zip(&self.ground.heights);
-        heights
-            .zip(&self.at_start)
-            .map(|((highest, ground), at_start)| {
-                if at_start.is_nan() {
-                    (highest - ground).max(0.0)
-                } else {
-                    f64::NAN
-                }
-            })
-            .map(|depth| if 0.0 < depth { depth } else { f64::NAN })
-            .collect()
+        let depth = |k: usize| {
+            let is_flooded = self.at_start[k].is_nan() && self.arrival.time[k].is_finite();
+            let depth = self.highest[k] - self.ground.heights[k];
+            if is_flooded && 0.0 < depth {
+                depth
+            } else {
+                f64::NAN
+            }
+        };
+        (0..self.highest.len()).map(depth).collect()
+    }
+
+    /// Highest surface, over the still-water level where the surface was within a spacing of it at the start: there it was at rest,
+    /// known to half a spacing; m.
+    fn highest_over_still(&self) -> Vec<f64> {
+        let [level, accuracy] = self.still;
+        let heights = self.highest.iter().zip(&self.at_start);
+        let over = heights.map(|(highest, before)| {
+            if (before - level).abs() <= accuracy {
+                level + (highest - before)
+            } else {
+                *highest
+            }
+        });
+        over.collect()
     }
 
     /// Extremes so far.
@@ -124,7 +193,7 @@ impl Maps {
         MapExtremes {
             at_start: map(&self.at_start),
             highest: map(&self.highest),
-            arrival: map(&self.arrival),
+            arrival: map(&self.arrival.time),
         }
     }
 
@@ -134,7 +203,7 @@ impl Maps {
     ///
     /// [`ObserveError`] names the file.
     pub fn write(&self, time: f64) -> Result<(), ObserveError> {
-        let inundation = self.inundation();
+        let (highest, inundation) = (self.highest_over_still(), self.inundation());
         let raised = |heights: &[f64]| {
             heights
                 .iter()
@@ -142,8 +211,8 @@ impl Maps {
                 .collect::<Vec<_>>()
         };
         for (name, values) in [
-            (run_folder::MAXIMUM_ELEVATION, raised(&self.highest)),
-            (run_folder::FIRST_ARRIVAL, self.arrival.clone()),
+            (run_folder::MAXIMUM_ELEVATION, raised(&highest)),
+            (run_folder::FIRST_ARRIVAL, self.arrival.time.clone()),
             (run_folder::INUNDATION_DEPTH, inundation.clone()),
         ] {
             let mut map = MapGrid {
@@ -157,8 +226,8 @@ impl Maps {
             rasters::write(&self.folder.join(name), &map)?;
         }
         let on_land = [
-            ("MaximumElevation", &self.highest),
-            ("FirstArrival", &self.arrival),
+            ("MaximumElevation", &highest),
+            ("FirstArrival", &self.arrival.time),
             ("InundationDepth", &inundation),
         ];
         vtk::write(
@@ -204,6 +273,31 @@ impl Maps {
     }
 }
 
+/// Conditions of an arrival: water that flows in, or from the start, is a wave from the start.
+fn rule(asked: &recording::Maps, scene: &Scene, world: &World) -> Rule {
+    let fluid = scene.fluid.as_ref();
+    let rule = Rule::still(
+        asked.arrival_threshold,
+        Scales {
+            depth: fluid.map_or(0.0, |fluid| fluid.lattice.depth),
+            gravity: scene.gravity.norm(),
+            particles: fluid.map_or(0.0, |fluid| fluid.walls.particle_spacing),
+            points: asked.spacing,
+            interval: asked.interval,
+        },
+    );
+    let has_openings = fluid.is_some_and(|fluid| !fluid.openings.is_empty());
+    let flows = world.water.as_ref().is_some_and(|water| {
+        let velocities = &water.fluid.particles().velocity;
+        velocities.iter().any(|v| v.norm() > 0.0)
+    });
+    if has_openings || flows {
+        rule.flowing()
+    } else {
+        rule
+    }
+}
+
 impl Observer for Maps {
     fn schedule(&self) -> &Schedule {
         &self.schedule
@@ -214,22 +308,19 @@ impl Observer for Maps {
             Some(water) => self.surface(&water.fluid),
             None => vec![f64::NAN; self.highest.len()],
         };
-        let is_first = world.time() <= 0.0;
-        if is_first {
+        let (height, time) = (self.wet_or_dry(&now), world.time());
+        if time <= 0.0 {
             self.at_start.clone_from(&now);
+            self.arrival.begin(&height);
+        } else {
+            let moving = self.moving(&world.blocks, &now);
+            let columns = self.ground.n[0];
+            self.arrival
+                .update(self.rule, columns, (&height, &moving), time);
         }
-        for (k, &surface) in now.iter().enumerate() {
+        for (highest, surface) in self.highest.iter_mut().zip(now) {
             // a maximum of NaN and a number is the number
-            self.highest[k] = self.highest[k].max(surface);
-            let before = self.at_start[k];
-            let has_come = if before.is_nan() {
-                surface.is_finite()
-            } else {
-                self.arrival_threshold < (surface - before).abs()
-            };
-            if !is_first && has_come && self.arrival[k].is_nan() {
-                self.arrival[k] = world.time();
-            }
+            *highest = highest.max(surface);
         }
         self.schedule.done(world.time());
         self.write(world.time())

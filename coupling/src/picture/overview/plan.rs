@@ -80,6 +80,13 @@ pub enum Mark {
         /// x and y; m.
         to: [f64; 2],
     },
+    /// Line of the side views.
+    Section {
+        /// x and y; m.
+        from: [f64; 2],
+        /// x and y; m.
+        to: [f64; 2],
+    },
 }
 
 /// Identifier of the land picture that all plans share.
@@ -92,6 +99,9 @@ const LAND_LINES: &str =
     "fill=\"none\" stroke=\"#6b5334\" stroke-width=\"0.6\" stroke-opacity=\"0.65\"";
 const BED_LINES: &str =
     "fill=\"none\" stroke=\"#3d5a73\" stroke-width=\"0.5\" stroke-opacity=\"0.5\"";
+/// Line of the side views.
+const SECTION: &str =
+    "fill=\"none\" stroke=\"#333\" stroke-width=\"0.8\" stroke-dasharray=\"7 3 1.5 3\"";
 /// Blocks under water and others.
 const ROCKS: [&str; 2] = [
     "fill=\"#a98a6b\" fill-opacity=\"0.45\" stroke=\"#4d3a28\" stroke-opacity=\"0.6\" stroke-width=\"0.25\" stroke-linejoin=\"round\"",
@@ -208,6 +218,13 @@ fn legend(page: &mut Page, y: f64, plan: &Plan, step: Option<f64>) -> f64 {
     if let Some(step) = step {
         items.push((LAND_LINES, format!("heights every {step} m")));
     }
+    if plan
+        .marks
+        .iter()
+        .any(|mark| matches!(mark, Mark::Section { .. }))
+    {
+        items.push((SECTION, "side views".to_owned()));
+    }
     let blocks = || plan.views.iter().flat_map(|view| &view.blocks);
     if blocks().any(|block| !block.is_under_water) {
         items.push((ROCKS[1], "blocks".to_owned()));
@@ -217,7 +234,7 @@ fn legend(page: &mut Page, y: f64, plan: &Plan, step: Option<f64>) -> f64 {
     }
     let mut x = LEFT;
     for (style, text) in items {
-        let sample = match style == SHORE || style == LAND_LINES {
+        let sample = match [SHORE, LAND_LINES, SECTION].contains(&style) {
             true => format!("<path d=\"M{x:.1} {:.1}h20\" {style}/>", y - 4.0),
             false => format!("<path d=\"M{x:.1} {:.1}h20v9h-20z\" {style}/>", y - 8.5),
         };

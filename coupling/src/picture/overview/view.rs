@@ -41,12 +41,13 @@ pub(super) struct Image {
     pub budget: usize,
 }
 
-/// Draws all snapshots from `y` down; returns the next vertical position.
+/// Draws all snapshots from `y` down, within the corners of a view and with a label of its horizontal axis; returns the next vertical
+/// position.
 pub(super) fn draw(
     page: &mut Page,
     y: f64,
     snapshots: &[Snapshot],
-    view: ([f64; 2], [f64; 2]),
+    (view, along): (([f64; 2], [f64; 2]), &str),
     image: Image,
 ) -> f64 {
     let layout = Layout::new(y, snapshots.len(), view);
@@ -76,6 +77,10 @@ pub(super) fn draw(
             shown(layout.is_beside || i == last),
             shown(!layout.is_beside || i == 0),
         );
+        if layout.is_beside || i == last {
+            let middle = frame.left + frame.width / 2.0;
+            page.text([middle, frame.bottom() + 32.0], Anchor::Middle, along);
+        }
     }
     if let Some(&first) = layout.panels.first()
         && layout.exaggeration > 1.0
@@ -251,13 +256,6 @@ impl Layout {
         let (x, z) = (self.x_axis(frame), self.z_axis(frame));
         axis::draw_horizontal(page, frame, &x.ticks(70.0, 1.0), x, x_labels);
         axis::draw_vertical(page, frame, &z.ticks(26.0, 1.0), z, z_labels);
-        if x_labels == Labels::Shown {
-            page.text(
-                [frame.left + frame.width / 2.0, frame.bottom() + 32.0],
-                Anchor::Middle,
-                "x [m]",
-            );
-        }
         if z_labels == Labels::Shown {
             page.upright_text([LABEL, frame.top + frame.height / 2.0], "z [m]");
         }

@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 use riprap_dda::Vec3;
 
-use super::side_view::convex_outline;
+use super::side_view::{Section, convex_outline};
 use crate::output::observe::maps::Maps;
 use crate::picture::overview::plan::{Footprint, FromAbove, Mark, Plan};
 use crate::scene::resolve::Scene;
@@ -50,7 +50,9 @@ pub(super) fn begun(scene: &Scene, world: &World) -> Option<Plan> {
         water: points(view, spacing.max(longest / MOST_POINTS_OF_WATER)),
         views: Vec::new(),
         maps: None,
-        marks: scene.gauges.iter().filter_map(mark).collect(),
+        marks: (scene.gauges.iter().filter_map(mark))
+            .chain(line_of_views(scene))
+            .collect(),
     })
 }
 
@@ -65,6 +67,15 @@ fn points((min, max): ([f64; 2], [f64; 2]), spacing: f64) -> Grid {
         spacing,
         heights: Vec::new(),
     }
+}
+
+/// Line of the side views, if it follows a slide.
+fn line_of_views(scene: &Scene) -> Option<Mark> {
+    let section = Section::of(scene);
+    let [from, to] = section.ends((scene.domain.min, scene.domain.max));
+    section
+        .follows_slide()
+        .then_some(Mark::Section { from, to })
 }
 
 fn mark(gauge: &Gauge) -> Option<Mark> {

@@ -39,8 +39,7 @@ pub enum GaugeFile {
         /// Name of the block.
         block: String,
     },
-    /// Highest wetted point along a line in plan view; m, NaN when dry. Measured below the outermost particle: still
-    /// water reads up to a spacing too low.
+    /// Highest wetted point along a line in plan view; m, NaN when dry. Water at rest at t = 0 reads its level.
     RunUp {
         /// Column name.
         name: String,
@@ -132,8 +131,8 @@ pub struct MapsFile {
     /// Sampling interval; extremes are those of the samples; s. A two-hundredth of the duration when left out.
     #[serde(default)]
     pub interval: Option<f64>,
-    /// Change of the surface since t = 0 that counts as arrival, as does the wetting of dry land; a quarter of a
-    /// particle spacing when left out; m.
+    /// Change of the surface, or depth on dry land, that counts as arrival: beyond all that the still water at the same
+    /// place did until a wave or a moving block was close; a quarter of a particle spacing when left out; m.
     #[serde(default)]
     pub arrival_threshold: Option<f64>,
 }

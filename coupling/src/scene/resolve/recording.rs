@@ -8,7 +8,7 @@ use crate::scene::file::{
 use crate::scene::names::Names;
 use crate::scene::resolved::FluidScene;
 use crate::scene::resolved::recording::{
-    Gauge, Maps, Output, PlanLine, Quantity, TrackedMass, Tracking,
+    Gauge, Maps, NOTICED_RISE, Output, PlanLine, Quantity, TrackedMass, Tracking,
 };
 
 /// Number of frames in a run.
@@ -21,8 +21,6 @@ const TRAJECTORY_SAMPLES: f64 = 1000.0;
 const MAP_SPACING: f64 = 2.0;
 /// Samples of the water for maps in a run.
 const MAP_SAMPLES: f64 = 200.0;
-/// Rise of the water that counts as arrival; × particle spacing.
-const NOTICED_RISE: f64 = 0.25;
 
 /// Files and intervals.
 pub(super) fn output(file: &OutputFile, duration: f64, fluid: Option<&FluidScene>) -> Output {

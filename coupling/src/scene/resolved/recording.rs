@@ -5,6 +5,9 @@ use riprap_dda::Vec3;
 pub use crate::scene::file::{BlockField, WaterField};
 use crate::scene::file::{CameraFile, vec3};
 
+/// Rise of the water that counts as arrival unless a scene says otherwise; × particle spacing.
+pub(crate) const NOTICED_RISE: f64 = 0.25;
+
 /// Output files and intervals.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Output {

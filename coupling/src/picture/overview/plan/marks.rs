@@ -1,7 +1,7 @@
 //! Instruments, scale and north on a plan.
 
-use super::Mark;
 use super::layout::Chart;
+use super::{Mark, SECTION};
 use crate::picture::overview::page::{Anchor, Frame, INK, Page, shortened};
 
 /// Height of the letters of names, and the mean width of one; px.
@@ -54,6 +54,9 @@ pub(super) fn draw(page: &mut Page, chart: Chart, marks: &[Mark]) {
                     &format!("stroke=\"{INK}\" stroke-width=\"1.4\""),
                 );
             }
+            Mark::Section { from, to } => {
+                page.line(chart.pixel(*from), chart.pixel(*to), SECTION);
+            }
         }
     }
 }
@@ -63,6 +66,7 @@ pub(super) fn names(page: &mut Page, chart: Chart, marks: &[Mark]) {
     let mut taken: Vec<Frame> = marks.iter().flat_map(|mark| covered(chart, mark)).collect();
     for mark in marks {
         let (name, [x, y]) = match mark {
+            Mark::Section { .. } => continue,
             Mark::Point { name, at } => (name, chart.pixel(*at)),
             Mark::Line { name, from, to } => {
                 let middle = [0, 1].map(|axis| 0.5 * (from[axis] + to[axis]));
@@ -111,7 +115,9 @@ pub(super) fn names(page: &mut Page, chart: Chart, marks: &[Mark]) {
 fn covered(chart: Chart, mark: &Mark) -> Vec<Frame> {
     let (from, to) = match mark {
         Mark::Point { at, .. } => return vec![Frame::around(chart.pixel(*at), RADIUS)],
-        Mark::Line { from, to, .. } => (chart.pixel(*from), chart.pixel(*to)),
+        Mark::Line { from, to, .. } | Mark::Section { from, to } => {
+            (chart.pixel(*from), chart.pixel(*to))
+        }
     };
     let n = ((to[0] - from[0]).hypot(to[1] - from[1]) / LINE_STEP).ceil();
     // a line far longer than the plan is sampled only in part
