@@ -166,7 +166,7 @@ fn a_breaking_wave() {
     assert_eq!(pictures(&page).len(), 3);
     assert!(
         page.contains(">t = 1.250 s<")
-            && page.contains(">energy [10³ J]<")
+            && page.contains(">change of energy [10³ J]<")
             && page.contains(">gauges [m]<")
     );
     assert!(!page.contains("exaggeration"));

@@ -161,17 +161,17 @@ fn folder_of(path: &Path) -> &Path {
 /// # Errors
 ///
 /// A message for a file that is missing or elsewhere.
-fn name_beside(file: &Path, scene: &Path) -> Result<String, String> {
+fn name_beside(file: &Path, path: &Path) -> Result<String, String> {
     let shown = file.display();
     let real = file
         .canonicalize()
         .map_err(|error| format!("cannot read `{shown}`: {error}"))?;
-    let folder = folder_of(scene).canonicalize();
+    let folder = folder_of(path).canonicalize();
     let below = folder
         .ok()
         .and_then(|folder| Some(real.strip_prefix(folder).ok()?.to_owned()));
     let Some(below) = below else {
-        let remedy = folder_of(file).join(scene.file_name().unwrap_or_default());
+        let remedy = folder_of(file).join(path.file_name().unwrap_or_default());
         return Err(format!(
             "`{shown}` must lie in the folder of the scene or below: copy it there, or write the scene to it with --out {}",
             remedy.display()

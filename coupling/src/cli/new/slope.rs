@@ -12,7 +12,6 @@ use super::survey::Survey;
 use super::{Draft, Target, checked, folder_of, name_beside};
 use crate::cli::check::wall_seconds;
 use crate::scene::access::Access;
-use crate::scene::file::OutlineFile;
 use crate::scene::geometry::terrain::outline::Outline;
 use failure::{Failure, Stated, failure};
 use layout::{Layout, layout};
@@ -31,7 +30,7 @@ pub(super) struct Options {
     /// Elevations of land and bed; may be repeated, the first with a value counts (land first).
     #[arg(long, required = true, value_name = "FILE")]
     dem: Vec<PathBuf>,
-    /// Outline of the failing rock in map coordinates: a table with columns x and y.
+    /// Outline of the failing rock in map coordinates: a table with columns x and y, GeoJSON or a shapefile.
     #[arg(long, value_name = "FILE")]
     outline: PathBuf,
     /// Elevation of the still water on the map; m.
@@ -81,8 +80,7 @@ pub(super) fn draft(options: &Options, path: &Path) -> Result<Draft, String> {
     let survey = Survey::read(&options.dem, path)?;
     let name = name_beside(&options.outline, path)?;
     let access = Access::of(folder_of(path));
-    let drawn = OutlineFile::File(name.clone());
-    let (outline, _) = Outline::read(&drawn, (0.0, 0.0, 0.0), &access)?;
+    let outline = Outline::on_map(&name, &access)?;
     let stated = Stated {
         dip: options.dip,
         dip_direction: options.dip_direction,

@@ -4,7 +4,6 @@ use std::path::{Path, PathBuf};
 
 use super::{folder_of, name_beside};
 use crate::scene::access::Access;
-use crate::scene::file::HeightsFile;
 use crate::scene::geometry::terrain::sources::Source;
 
 /// Points across a survey of triangles, which has no cells.
@@ -32,13 +31,7 @@ impl Survey {
         let (mut names, mut sources) = (Vec::new(), Vec::new());
         for file in files {
             let name = name_beside(file, scene)?;
-            let heights = HeightsFile {
-                file: name.clone(),
-                height_scale: 1.0,
-                height_shift: 0.0,
-                heights: None,
-            };
-            let source = Source::read(&heights, (0.0, 0.0, 0.0), &access);
+            let source = Source::on_map(&name, &access);
             sources.push(source.map_err(|error| error.to_string())?);
             names.push(name);
         }

@@ -132,7 +132,7 @@ pub struct MapsFile {
     #[serde(default)]
     pub interval: Option<f64>,
     /// Change of the surface, or depth on dry land, that counts as arrival: beyond all that the still water at the same
-    /// place did until a wave or a moving block was close; a quarter of a particle spacing when left out; m.
+    /// place did before a wave could have come; a quarter of a particle spacing when left out; m.
     #[serde(default)]
     pub arrival_threshold: Option<f64>,
 }

@@ -1,9 +1,9 @@
 //! Arrival of waves at the points of a map.
 //!
 //! Still water moves, too: it settles, and where it is thin its computed surface comes and goes. But a wave comes from somewhere. A
-//! point watches its own still water, wet or dry, until something that moves in the water or a point where a wave has arrived is
-//! close; the first departure by more than a threshold from all that it has seen until then is the arrival. Water that is let
-//! go, without a body that moves, makes itself known by a departure far beyond all that settling does.
+//! point watches its own still water, wet or dry, until the fastest wave from something that moves in the water could have come. Once
+//! a wave has arrived close by, the first departure by more than a threshold from all that the point has seen is the arrival there.
+//! Water that is let go, without a body that moves, makes itself known by a departure far beyond all that settling does.
 
 use serde::{Deserialize, Serialize};
 
@@ -23,6 +23,8 @@ pub(super) struct Rule {
     large: f64,
     /// Distance within which a wave may come before the next sample; points.
     reach: usize,
+    /// Speed of the fastest waves; points/s.
+    speed: f64,
     /// False where water flows from the start: then every point is close to a wave.
     is_still: bool,
 }
@@ -45,11 +47,12 @@ pub(super) struct Scales {
 impl Rule {
     /// Rule for water at rest at the start.
     pub fn still(threshold: f64, scales: Scales) -> Self {
-        let way = FASTEST * (scales.gravity * scales.depth).sqrt() * scales.interval;
+        let speed = FASTEST * (scales.gravity * scales.depth).sqrt() / scales.points;
         Self {
             threshold,
             large: threshold.max(LARGE * scales.particles),
-            reach: (CLOSE + way / scales.points).ceil() as usize,
+            reach: (CLOSE + speed * scales.interval).ceil() as usize,
+            speed,
             is_still: true,
         }
     }
@@ -76,6 +79,12 @@ pub(super) struct Arrival {
     /// Range of the still surface, the ground where dry, NaN without ground; m.
     lowest: Vec<f64>,
     highest: Vec<f64>,
+    /// Points that the fastest wave could have reached: what they see is no longer still water.
+    passed: Vec<bool>,
+    /// Part of a point that it has gone beyond them.
+    ahead: f64,
+    /// Time of the last sample; s.
+    last: f64,
 }
 
 impl Arrival {
@@ -86,6 +95,9 @@ impl Arrival {
             time: none.clone(),
             lowest: none.clone(),
             highest: none,
+            passed: vec![false; n_points],
+            ahead: 0.0,
+            last: 0.0,
         }
     }
 
@@ -103,13 +115,12 @@ impl Arrival {
         (surface, moving): (&[f64], &[bool]),
         time: f64,
     ) {
-        let arrived: Vec<bool> = self
-            .time
-            .iter()
-            .zip(moving)
+        let sources = self.time.iter().zip(moving);
+        let sources: Vec<bool> = sources
             .map(|(time, &moves)| moves || time.is_finite())
             .collect();
-        let close = widened(&arrived, columns, rule.reach);
+        let close = widened(&sources, columns, rule.reach);
+        self.pass(rule, columns, &close, time);
         for (k, &now) in surface.iter().enumerate() {
             if self.time[k].is_finite() || now.is_nan() {
                 continue;
@@ -118,12 +129,24 @@ impl Arrival {
             let enough = if is_close { rule.threshold } else { rule.large };
             if enough < self.departure(k, now) {
                 self.time[k] = time;
-            } else if !is_close {
+            } else if rule.is_still && !self.passed[k] {
                 // a minimum of NaN and a number is the number
                 self.lowest[k] = self.lowest[k].min(now);
                 self.highest[k] = self.highest[k].max(now);
             }
         }
+    }
+
+    /// Follows the fastest wave from points close to waves and moving bodies.
+    fn pass(&mut self, rule: Rule, columns: usize, close: &[bool], time: f64) {
+        self.ahead += rule.speed * (time - self.last);
+        self.last = time;
+        let whole = self.ahead.floor();
+        self.ahead -= whole;
+        for (passed, &close) in self.passed.iter_mut().zip(close) {
+            *passed |= close;
+        }
+        self.passed = widened(&self.passed, columns, whole as usize);
     }
 
     /// Distance from the range of the still surface; m.
@@ -219,6 +242,29 @@ mod tests {
                 (time - (5.0 + 0.5 * f64::from(k))).abs() < 1e-9,
                 "{k}: {time}"
             );
+        }
+    }
+
+    /// The front rises over a length of many points, which must not pass for still water ahead of it.
+    #[test]
+    fn a_long_front_arrives_where_it_exceeds_the_threshold() {
+        let n = 100;
+        let mut arrival = Arrival::at(n);
+        arrival.begin(&vec![10.0; n]);
+        let mut moving = vec![false; n];
+        moving[0] = true;
+        for step in 1..600 {
+            let time = f64::from(step) * 0.1;
+            // 10 m/s are 2.5 points a second; 2 m high after 20 points
+            let surface: Vec<f64> = (0..n)
+                .map(|k| 10.0 + (0.1 * (2.5 * time - k as f64)).clamp(0.0, 2.0))
+                .collect();
+            arrival.update(rule(), n, (&surface, &moving), time);
+        }
+        for (k, time) in arrival.time.iter().enumerate() {
+            // 0.25 m are 2.5 points behind the foot; seen at the next sample
+            let late = time - (k as f64 + 2.5) / 2.5;
+            assert!((-1e-9..0.1 + 1e-9).contains(&late), "{k}: {late}");
         }
     }
 

@@ -40,6 +40,16 @@ impl Outline {
         Ok((Self::new(corners)?, crs))
     }
 
+    /// Polygon of a file in map coordinates.
+    ///
+    /// # Errors
+    ///
+    /// A message on the fault.
+    pub fn on_map(name: &str, access: &Access) -> Result<Self, String> {
+        let file = OutlineFile::File(name.to_owned());
+        Ok(Self::read(&file, (0.0, 0.0, 0.0), access)?.0)
+    }
+
     /// A polygon of at least three corners that enclose an area.
     ///
     /// # Errors

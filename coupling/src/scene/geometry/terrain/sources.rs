@@ -104,6 +104,21 @@ impl Source {
         })
     }
 
+    /// Reads a file in map coordinates, with its elevations as they are.
+    ///
+    /// # Errors
+    ///
+    /// As [`Source::read`].
+    pub fn on_map(name: &str, access: &Access) -> Result<Self, MeshError> {
+        let file = HeightsFile {
+            file: name.to_owned(),
+            height_scale: 1.0,
+            height_shift: 0.0,
+            heights: None,
+        };
+        Self::read(&file, (0.0, 0.0, 0.0), access)
+    }
+
     /// Elevation at a position in plan view, `None` where missing; m.
     pub fn height(&self, place: [f64; 2]) -> Option<f64> {
         let height = match &self.heights {
