@@ -4,3 +4,4 @@ mod fill;
 mod mesh;
 mod ply;
 mod shape;
+mod split;

@@ -4,11 +4,10 @@ mod cost;
 mod describe;
 mod landslide;
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use super::{Exit, files_from, load, say, show};
 use crate::run::ineffective::ineffective_options;
-use crate::scene::access::Access;
 use crate::scene::parse::Override;
 use cost::cost;
 pub(crate) use cost::wall_seconds;
@@ -33,11 +32,7 @@ pub(crate) fn execute(arguments: &Arguments) -> Exit {
         Ok(scene) => scene,
         Err(exit) => return exit,
     };
-    let access = Access {
-        files,
-        ..Access::of(arguments.case.parent().unwrap_or(Path::new(".")))
-    };
-    show(&describe(&scene, &access));
+    show(&describe(&scene));
     for one in ineffective_options(&scene) {
         show(&format!("  no effect at this resolution: {one}"));
     }

@@ -16,7 +16,6 @@ use crate::output::checkpoint_file::{self as checkpoint, Checkpoint};
 use crate::output::run_folder::{self, ArchivedScene, Existing};
 use crate::output::summary::Summary;
 use crate::run::{Ending, Plan, run};
-use crate::scene::access::Access;
 use crate::scene::parse::Override;
 use crate::scene::resolve::Scene;
 use progress::ProgressLine;
@@ -105,11 +104,7 @@ fn choose_and_run(arguments: &Arguments) -> Result<Exit, Exit> {
     }
     start_threads(arguments.threads)?;
     if !arguments.quiet {
-        let access = Access {
-            files,
-            ..Access::of(arguments.case.parent().unwrap_or(Path::new(".")))
-        };
-        say(&describe(&scene, &access));
+        say(&describe(&scene));
     }
     let plan = Plan {
         folder: &folder,

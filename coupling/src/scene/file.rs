@@ -43,7 +43,7 @@ pub use numerics::{
 };
 pub use openings::{AbsorberFile, InflowFile, OutflowFile};
 pub use output::{BlockField, CameraFile, OutputFile, WaterField};
-pub use shapes::{PartFile, ShapeFile};
+pub use shapes::{PartFile, ShapeFile, SplitFile};
 pub use terrain::{
     ExcavationFile, FailureSurfaceFile, GapsFile, HeightsFile, OutlineFile, SlideFile, TerrainFile,
 };

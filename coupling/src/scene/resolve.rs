@@ -11,6 +11,7 @@
 
 mod expanded;
 mod materials;
+mod meshes;
 mod places;
 mod recording;
 mod solids;
@@ -28,12 +29,12 @@ use super::attachments::{
 };
 use super::error::{Problem, Severity};
 pub use super::file::vec3;
-use super::file::{BlockFile, DomainFile, SceneFile, ShapeFile, StepBoundFile, TerrainFile};
+use super::file::{BlockFile, DomainFile, SceneFile, StepBoundFile, TerrainFile};
 use super::fill::{Lattice, Room, lattice_within, narrow_gaps, overlaps_on};
 use super::flow::with_flow;
 use super::names::Names;
 use super::placed::placed;
-use super::resolved::{Domain, MeshSource};
+use super::resolved::Domain;
 pub use super::resolved::{FluidScene, Scene};
 use super::{estimate, fluid, sleep, symmetry};
 use expanded::expand;
@@ -88,6 +89,8 @@ impl Scene {
             &solids,
             gravity.norm(),
         ));
+        let meshes = meshes::sources(&file.blocks, &solids, access);
+        problems.extend(meshes.iter().filter_map(meshes::much_volume_added));
         let domain = domain(&file.domain);
         let fluid = lattice
             .map(|lattice| fluid::resolve(file, (lattice, &domain), expected_speed, &mut problems));
@@ -108,7 +111,7 @@ impl Scene {
             expected_speed,
             block_names: file.blocks.iter().map(|b| b.name.clone()).collect(),
             is_sealed: file.blocks.iter().map(|b| b.sealed).collect(),
-            meshes: meshes(&file.blocks),
+            meshes,
             attachments: attachments(file, &names, &blocks),
             holds: holds(&file.blocks),
             blocks,
@@ -190,18 +193,6 @@ fn domain(file: &DomainFile) -> Domain {
         out_of_domain: file.leaving.into(),
         dimensions: fluid::dimensions(file),
     }
-}
-
-fn meshes(blocks: &[BlockFile]) -> Vec<MeshSource> {
-    let mesh = |(block, of): (usize, &BlockFile)| match &of.shape {
-        ShapeFile::Mesh { file, scale } => Some(MeshSource {
-            block,
-            file: file.clone(),
-            scale: *scale,
-        }),
-        _ => None,
-    };
-    blocks.iter().enumerate().filter_map(mesh).collect()
 }
 
 fn holds(blocks: &[BlockFile]) -> Vec<(usize, Hold)> {

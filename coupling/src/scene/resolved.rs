@@ -11,6 +11,7 @@ pub use super::file::{Axis, SideFile as Side};
 use super::file::{SceneFile, planes_of_symmetry};
 use super::fill::Lattice;
 use super::geometry::grains::GrainsReport;
+use super::geometry::mesh::{Deviation, Survey};
 use super::geometry::rock_mass::RockMassReport;
 use super::geometry::terrain::Terrain;
 use crate::openings::Openings;
@@ -116,8 +117,10 @@ pub struct MeshSource {
     pub block: usize,
     /// Path, relative to the scene file.
     pub file: String,
-    /// Meters per unit of the file.
-    pub scale: f64,
+    /// The drawing, as it is found in the file.
+    pub survey: Survey,
+    /// Errors of its convex parts; `None` if all shells are convex.
+    pub deviation: Option<Deviation>,
 }
 
 /// Initial water, its walls and openings, and the settings of the fluid solver.

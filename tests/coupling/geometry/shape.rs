@@ -186,6 +186,7 @@ fn problems_name_the_field_and_the_block() {
             ShapeFile::Mesh {
                 file: "../cube.stl".into(),
                 scale: 1.0,
+                split: Default::default(),
             },
             still(),
             "blocks[2].shape.file",

@@ -5,9 +5,7 @@ use std::fmt::Write as _;
 use riprap_dda::{Motion, Shape};
 
 use super::landslide;
-use crate::scene::access::Access;
 use crate::scene::estimate::Estimate;
-use crate::scene::mesh;
 use crate::scene::resolved::{FluidScene, MeshSource, Scene};
 use crate::walls::WallMethod;
 
@@ -15,7 +13,7 @@ use crate::walls::WallMethod;
 type Line = (&'static str, String);
 
 /// Subjects of the report, in order.
-const SUBJECTS: [fn(&Scene) -> Vec<Line>; 9] = [
+const SUBJECTS: [fn(&Scene) -> Vec<Line>; 11] = [
     blocks,
     terrain,
     surfaces,
@@ -25,13 +23,13 @@ const SUBJECTS: [fn(&Scene) -> Vec<Line>; 9] = [
     grains,
     constraints,
     fluid,
+    meshes,
+    borders,
 ];
 
 /// Report of the modeled and the neglected effects, with reasons.
-pub(crate) fn describe(scene: &Scene, access: &Access) -> String {
+pub(crate) fn describe(scene: &Scene) -> String {
     let lines = (SUBJECTS.iter().flat_map(|subject| subject(scene)))
-        .chain(meshes(scene, access))
-        .chain(borders(scene))
         .chain([time(scene), ("memory", Estimate::of(scene).to_string())]);
     let mut text = scene.title.clone();
     for (heading, value) in lines {
@@ -255,24 +253,29 @@ fn walls(fluid: &FluidScene) -> String {
     }
 }
 
-/// Meshes of blocks, as they are found in their files.
-fn meshes(scene: &Scene, access: &Access) -> Vec<Line> {
+/// Meshes of blocks, as they are found in their files, and as they are modeled.
+fn meshes(scene: &Scene) -> Vec<Line> {
     let mut lines = Vec::new();
-    for MeshSource { block, file, scale } in &scene.meshes {
-        // the scene was resolved, so its meshes can be read
-        let Ok(found) = mesh::survey(access, file, *scale) else {
-            continue;
-        };
-        let size = found.max - found.min;
+    for MeshSource {
+        block,
+        file,
+        survey,
+        deviation,
+    } in &scene.meshes
+    {
+        let size = survey.max - survey.min;
+        let split = deviation.map_or(String::new(), |found| {
+            format!("; not convex: split into {found}")
+        });
         lines.push((
             "mesh",
             format!(
-                "`{}` from {file}: watertight {}, {} shells, {} triangles, {:.6} m3, box {:.3} x {:.3} x {:.3} m",
+                "`{}` from {file}: watertight {}, {} shells, {} triangles, {:.6} m3, box {:.3} x {:.3} x {:.3} m{split}",
                 scene.block_names[*block],
-                if found.is_watertight { "yes" } else { "no" },
-                found.n_shells,
-                found.n_triangles,
-                found.volume,
+                if survey.is_watertight { "yes" } else { "no" },
+                survey.n_shells,
+                survey.n_triangles,
+                survey.drawn.volume,
                 size.x,
                 size.y,
                 size.z

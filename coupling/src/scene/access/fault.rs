@@ -7,6 +7,12 @@ use riprap_dda::{PolyhedronError, SurfaceError, Vec3};
 /// Most triangles of one shell: the checks of a hull cost faces × corners.
 pub(in crate::scene) const MOST_TRIANGLES_OF_A_SHELL: usize = 20_000;
 
+/// Most triangles of a shell that is not convex: each of its cuts costs planes × triangles.
+pub(in crate::scene) const MOST_TRIANGLES_OF_A_SPLIT: usize = 5_000;
+
+/// Largest error of the volume of convex parts; –.
+pub(in crate::scene) const LARGEST_VOLUME_ERROR: f64 = 0.1;
+
 /// Most triangles of a file; a binary STL of the largest size has 4 million.
 pub(in crate::scene) const MOST_TRIANGLES: usize = 5_000_000;
 
@@ -106,20 +112,20 @@ pub enum Fault {
         /// Shells in the file.
         n_shells: usize,
     },
-    /// A shell that is not convex.
+    /// A shell that few convex parts do not resemble.
     #[error(
-        "shell {shell} of {n_shells} is not convex: its volume is {volume:.6e} m³, that of its hull {hull:.6e} m³; \
-         split it into convex parts, one closed shell each, in one file"
+        "shell {shell} of {n_shells} is not convex, and {n_parts} convex parts have {:.1} % more volume; \
+         raise split.most_parts, or draw parts that are convex, one closed shell each", 100.0 * .error
     )]
     NotConvex {
         /// Counted from 1 in the order of the file.
         shell: usize,
         /// Shells in the file.
         n_shells: usize,
-        /// Volume of the shell; m³.
-        volume: f64,
-        /// Volume of its hull; m³.
-        hull: f64,
+        /// Parts that it was split into.
+        n_parts: usize,
+        /// Volume that the parts have more, over that of the shell; –.
+        error: f64,
     },
     /// Shells that share space.
     #[error(
@@ -139,14 +145,16 @@ pub enum Fault {
     NoSurface(#[from] SurfaceError),
     /// A shell too fine to be a block.
     #[error(
-        "shell {shell} has {n} triangles, more than {MOST_TRIANGLES_OF_A_SHELL}; simplify it: a block's contacts \
-         cost time by the face"
+        "shell {shell} has {n} triangles, more than {most}{}; simplify it: a block's contacts \
+         cost time by the face", if *most == MOST_TRIANGLES_OF_A_SPLIT { " for a shell that is not convex" } else { "" }
     )]
     TooFine {
         /// Counted from 1 in the order of the file.
         shell: usize,
         /// Its triangles.
         n: usize,
+        /// Most allowed.
+        most: usize,
     },
     /// The hull routine refuses a shell.
     #[error("shell {shell}: {source}")]

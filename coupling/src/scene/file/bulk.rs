@@ -14,7 +14,8 @@ pub struct RockMassFile {
     pub material: String,
     /// The body before it is cut: any shape but a sphere.
     pub boundary: ShapeFile,
-    /// The joints.
+    /// The joints; may be left out where the boundary is a mesh, whose shells are blocks.
+    #[serde(default)]
     pub joint_sets: Vec<JointSetFile>,
     /// Seed of the random numbers for scatter and persistence.
     #[serde(default)]

@@ -61,13 +61,16 @@ pub enum ShapeFile {
         /// Radius; m.
         radius: f64,
     },
-    /// A closed triangle mesh, STL, OBJ, PLY or VTK; every connected shell must be convex, several
-    /// shells become one rigid union.
+    /// A closed triangle mesh, STL, OBJ, PLY or VTK. A connected shell that is not convex is split into convex parts; several
+    /// shells become one rigid union, and as the boundary of a rock mass a block each.
     Mesh {
         /// Path, relative to the scene file.
         file: String,
         /// Meters per unit of the file.
         scale: f64,
+        /// Limits of the split of a shell that is not convex.
+        #[serde(default)]
+        split: SplitFile,
     },
     /// An open or closed surface of triangles, STL, OBJ, PLY or VTK, of a fixed block: solid on the side opposite to the
     /// normals, which must all point to the same side.
@@ -87,6 +90,36 @@ pub enum ShapeFile {
     },
     /// The scene's `terrain`, of a fixed block.
     Terrain,
+}
+
+/// Limits of the split of a mesh into convex parts, which touch but do not overlap: it ends at either.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SplitFile {
+    /// Largest number of parts of a shell; contacts cost time by the part.
+    #[serde(default = "default_most_parts")]
+    pub most_parts: u32,
+    /// Volume that the parts may have more than the shell, over its volume; an error above 3 % is a warning, one above 10 % is
+    /// rejected.
+    #[serde(default = "default_volume_error")]
+    pub volume_error: f64,
+}
+
+fn default_most_parts() -> u32 {
+    32
+}
+
+fn default_volume_error() -> f64 {
+    0.01
+}
+
+impl Default for SplitFile {
+    fn default() -> Self {
+        Self {
+            most_parts: default_most_parts(),
+            volume_error: default_volume_error(),
+        }
+    }
 }
 
 /// A closed convex polyhedron; faces counter-clockwise seen from outside.

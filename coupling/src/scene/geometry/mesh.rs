@@ -1,32 +1,37 @@
 //! Blocks from mesh files: STL, OBJ, PLY and VTK.
 //!
 //! A file is read into a soup of triangles (`read`), coincident corners are welded and the triangles sorted into closed
-//! shells (`shells`), and each shell, which must be convex, becomes the hull of its corners, with coplanar triangles
-//! joined.
+//! shells (`shells`). A convex shell becomes the hull of its corners, with coplanar triangles joined, another several convex
+//! parts (`split`).
 
+mod deviation;
 mod obj;
+mod overlap;
 mod ply;
 mod shells;
+mod split;
 mod stl;
 mod vtk;
 
 use std::path::Path;
 use std::sync::Arc;
 
-use riprap_dda::{Polyhedron, Shape, Surface, Vec3, separating_axes, volume};
+use overlap::overlap;
+use riprap_dda::{MassProperties, Polyhedron, Shape, Surface, Vec3, volume};
 use shells::{Seam, Shell};
 
 use crate::scene::access::Access;
 pub use crate::scene::access::fault::{Fault, MeshError};
-use crate::scene::access::fault::{MOST_TRIANGLES, MOST_TRIANGLES_OF_A_SHELL};
+use crate::scene::access::fault::{
+    LARGEST_VOLUME_ERROR, MOST_TRIANGLES, MOST_TRIANGLES_OF_A_SHELL, MOST_TRIANGLES_OF_A_SPLIT,
+};
+pub use deviation::Deviation;
+pub use split::Split;
 
 /// Tolerance of convexity: gain of volume of the hull, over the volume. STL and most VTK files carry
 /// 24-bit coordinates, so that a flat side of many triangles is rough by 1e-7 of its size; the
 /// volume that a block gains by its hull stays far below any density's uncertainty.
 const CONVEX_TOLERANCE: f64 = 1e-6;
-
-/// Overlap of two shells above which what they share would count twice; × size of the smaller one.
-const DEEPEST_OVERLAP: f64 = 1e-2;
 
 /// Summary of a mesh file, for inspection.
 #[derive(Clone, Debug, PartialEq)]
@@ -37,8 +42,8 @@ pub struct Survey {
     pub n_shells: usize,
     /// Number of triangles with an area, polygons cut into fans.
     pub n_triangles: usize,
-    /// Enclosed volume, meaningless unless watertight; m³.
-    pub volume: f64,
+    /// Volume, centroid and second moment of what it encloses, meaningless unless watertight.
+    pub drawn: MassProperties,
     /// Lower corner of the box around it; m.
     pub min: Vec3,
     /// Upper corner of the box around it; m.
@@ -72,14 +77,29 @@ impl Soup {
     }
 }
 
-/// The solid of a mesh file, `scale` meters per unit: each closed convex shell becomes a part.
+/// The solid of a mesh file, `scale` meters per unit: the convex parts of all closed shells.
 ///
 /// # Errors
 ///
 /// [`MeshError`], which names the file, the location and the remedy.
-pub fn solid(access: &Access, file: &str, scale: f64) -> Result<Shape, MeshError> {
+pub fn solid(access: &Access, file: &str, scale: f64, split: Split) -> Result<Shape, MeshError> {
+    let solids = solids(access, file, scale, split)?;
+    Ok(Shape::Polyhedra(solids.into_iter().flatten().collect()))
+}
+
+/// The convex parts of each closed shell of a mesh file, `scale` meters per unit.
+///
+/// # Errors
+///
+/// [`MeshError`], as for [`solid`].
+pub fn solids(
+    access: &Access,
+    file: &str,
+    scale: f64,
+    split: Split,
+) -> Result<Vec<Vec<Polyhedron>>, MeshError> {
     with_content(access, file, |content, extension| {
-        solid_from(content, extension, scale)
+        solids_from(content, extension, scale, split)
     })
 }
 
@@ -89,9 +109,19 @@ pub fn solid(access: &Access, file: &str, scale: f64) -> Result<Shape, MeshError
 ///
 /// [`Fault`].
 pub fn solid_from(content: &[u8], extension: &str, scale: f64) -> Result<Shape, Fault> {
+    let solids = solids_from(content, extension, scale, Split::default())?;
+    Ok(Shape::Polyhedra(solids.into_iter().flatten().collect()))
+}
+
+fn solids_from(
+    content: &[u8],
+    extension: &str,
+    scale: f64,
+    split: Split,
+) -> Result<Vec<Vec<Polyhedron>>, Fault> {
     let sorted = shells::sort(&read(content, extension, scale)?);
     match sorted.seam {
-        Seam::Closed => parts(&sorted.shells).map(Shape::Polyhedra),
+        Seam::Closed => convex_parts(&sorted.shells, split),
         Seam::Open { n_edges, at } => Err(Fault::Open { n_edges, at }),
         Seam::Unoriented { at } => Err(Fault::Unoriented { at }),
     }
@@ -143,7 +173,7 @@ pub fn survey_from(content: &[u8], extension: &str, scale: f64) -> Result<Survey
         is_watertight: sorted.seam == Seam::Closed,
         n_shells: sorted.shells.len(),
         n_triangles: sorted.shells.iter().map(|s| s.triangles.len()).sum(),
-        volume: sorted.shells.iter().map(Shell::volume).sum(),
+        drawn: shells::mass_properties(&sorted.shells),
         min,
         max,
     })
@@ -196,79 +226,66 @@ fn read(content: &[u8], extension: &str, scale: f64) -> Result<Soup, Fault> {
     Ok(soup)
 }
 
-/// The hulls of closed shells, if they are convex.
-fn parts(shells: &[Shell]) -> Result<Vec<Polyhedron>, Fault> {
+/// The convex parts of each closed shell.
+fn convex_parts(shells: &[Shell], split: Split) -> Result<Vec<Vec<Polyhedron>>, Fault> {
     let n_shells = shells.len();
     if n_shells == 0 {
         return Err(Fault::Empty);
     }
-    let part = |(index, shell): (usize, &Shell)| {
-        let number = index + 1;
-        if shell.triangles.len() > MOST_TRIANGLES_OF_A_SHELL {
-            return Err(Fault::TooFine {
-                shell: number,
-                n: shell.triangles.len(),
-            });
-        }
-        let inside = shell.volume();
-        if inside < 0.0 {
-            return Err(Fault::InsideOut {
-                shell: number,
-                n_shells,
-            });
-        }
-        let hull = Polyhedron::convex_hull(&shell.points).map_err(|source| Fault::NoHull {
-            shell: number,
-            source,
-        })?;
-        let around = volume(&hull);
-        if (around - inside).abs() > CONVEX_TOLERANCE * around {
-            return Err(Fault::NotConvex {
-                shell: number,
-                n_shells,
-                volume: inside,
-                hull: around,
-            });
-        }
-        Ok(hull)
-    };
-    let hulls: Vec<Polyhedron> = shells
-        .iter()
-        .enumerate()
-        .map(part)
-        .collect::<Result<_, _>>()?;
-    match overlap(&hulls) {
+    let parts = (1..).zip(shells);
+    let parts = parts.map(|(number, shell)| parts_of(shell, (number, n_shells), split));
+    let parts: Vec<Vec<Polyhedron>> = parts.collect::<Result<_, _>>()?;
+    match overlap(&parts) {
         Some((first, second, depth)) => Err(Fault::Overlapping {
             shells: [first + 1, second + 1],
             n_shells,
             depth,
         }),
-        None => Ok(hulls),
+        None => Ok(parts),
     }
 }
 
-/// The first two parts that share space, and the depth of it; m.
-fn overlap(parts: &[Polyhedron]) -> Option<(usize, usize, f64)> {
-    let boxes: Vec<(Vec3, Vec3)> = parts.iter().map(Polyhedron::aabb).collect();
-    let sizes: Vec<f64> = parts.iter().map(|part| volume(part).cbrt()).collect();
-    // sorted along x, a part meets only those that begin before it ends
-    let mut order: Vec<usize> = (0..parts.len()).collect();
-    order.sort_by(|&a, &b| boxes[a].0.x.total_cmp(&boxes[b].0.x).then(a.cmp(&b)));
-    for (k, &a) in order.iter().enumerate() {
-        let meets = order[k + 1..]
-            .iter()
-            .take_while(|&&b| boxes[b].0.x < boxes[a].1.x);
-        for &b in meets {
-            let is_apart =
-                (1..3).any(|k| boxes[a].1[k] <= boxes[b].0[k] || boxes[b].1[k] <= boxes[a].0[k]);
-            if is_apart {
-                continue;
-            }
-            let depth = -separating_axes(&parts[a], &parts[b]).best().gap;
-            if depth > DEEPEST_OVERLAP * sizes[a].min(sizes[b]) {
-                return Some((a.min(b), a.max(b), depth));
-            }
-        }
+/// The convex parts of a shell: one, the hull, if it is convex.
+fn parts_of(
+    shell: &Shell,
+    (number, n_shells): (usize, usize),
+    split: Split,
+) -> Result<Vec<Polyhedron>, Fault> {
+    let too_fine = |most: usize| Fault::TooFine {
+        shell: number,
+        n: shell.triangles.len(),
+        most,
+    };
+    if shell.triangles.len() > MOST_TRIANGLES_OF_A_SHELL {
+        return Err(too_fine(MOST_TRIANGLES_OF_A_SHELL));
     }
-    None
+    let drawn = shell.volume();
+    if drawn < 0.0 {
+        return Err(Fault::InsideOut {
+            shell: number,
+            n_shells,
+        });
+    }
+    let hull = Polyhedron::convex_hull(&shell.points).map_err(|source| Fault::NoHull {
+        shell: number,
+        source,
+    })?;
+    let around = volume(&hull);
+    if (around - drawn).abs() <= CONVEX_TOLERANCE * around {
+        return Ok(vec![hull]);
+    }
+    if shell.triangles.len() > MOST_TRIANGLES_OF_A_SPLIT {
+        return Err(too_fine(MOST_TRIANGLES_OF_A_SPLIT));
+    }
+    let parts = split::split(shell, &hull, split)?;
+    let made: f64 = parts.iter().map(volume).sum();
+    if (made - drawn).abs() > LARGEST_VOLUME_ERROR * drawn {
+        return Err(Fault::NotConvex {
+            shell: number,
+            n_shells,
+            n_parts: parts.len(),
+            error: made / drawn - 1.0,
+        });
+    }
+    Ok(parts)
 }

@@ -1,10 +1,13 @@
 //! Rock masses: bodies cut into blocks by joint sets.
 
+mod report;
+
 use riprap_dda::{
     BlockQuality, JointError, JointSet, JointedMass, JointedUnion, MergedMass, Polyhedron, Shape,
-    SliverLimits, cut_by_joints, hull_within, merge_union_slivers,
+    SliverLimits, cut_by_joints, cut_union_by_joints, hull_within, merge_union_slivers,
 };
 
+use super::mesh;
 use super::shape::solid;
 use crate::scene::access::Access;
 use crate::scene::error::Problem;
@@ -33,6 +36,8 @@ pub struct RockMassReport {
     pub gained_share: f64,
     /// Blocks of several convex parts.
     pub n_unions: usize,
+    /// Volume that the convex parts of a mesh have more than its shells, over theirs.
+    pub split_error: f64,
     /// Blocks removed because they are smaller than the minimum volume.
     pub n_removed: usize,
     /// The minimum volume, given or chosen; m³.
@@ -147,26 +152,11 @@ fn cut_mass(mass: &RockMassFile, index: usize, access: &Access) -> Result<Cut, V
         let message = format!("rock mass `{}`: {what}", mass.name);
         vec![Problem::error(format!("{path}.{field}"), message)]
     };
-    let whole = template(mass).block(0, mass.boundary.clone());
-    let shape = solid(&whole, 0, access).map_err(|found| {
-        let texts: Vec<String> = found.into_iter().map(|problem| problem.message).collect();
-        refused("boundary", texts.join("; "))
-    })?;
-    let Shape::Polyhedra(bodies) = shape else {
-        return Err(refused(
-            "boundary",
-            "a sphere or a surface cannot be cut by joints".into(),
-        ));
-    };
-    let volume: f64 = bodies.iter().map(riprap_dda::volume).sum();
+    let bodies = bodies(mass, access).map_err(|what| refused("boundary", what))?;
+    let volume: f64 = bodies.iter().map(|parts| volume_of(parts)).sum();
     let sets: Vec<JointSet> = mass.joint_sets.iter().map(joint_set).collect();
     let failed = |error: JointError| refused(&blamed(&error), error.to_string());
-    let JointedMass { blocks, n_uncut } =
-        cut_by_joints(bodies, &sets, mass.seed, mass.maximum_blocks as usize).map_err(failed)?;
-    let cut = JointedUnion {
-        blocks: blocks.into_iter().map(|block| vec![block]).collect(),
-        n_uncut,
-    };
+    let cut = cut_of(bodies, &sets, mass).map_err(failed)?;
     let cleaning = Cleaning {
         name: &mass.name,
         merge_slivers: mass.merge_slivers.as_ref(),
@@ -174,9 +164,66 @@ fn cut_mass(mass: &RockMassFile, index: usize, access: &Access) -> Result<Cut, V
         minimum_volume: Some(mass.minimum_volume),
         volume,
     };
-    cleaning
+    let (blocks, report) = cleaning
         .clean(cut)
-        .map_err(|(field, what)| refused(&field, what))
+        .map_err(|(field, what)| refused(&field, what))?;
+    let report = RockMassReport {
+        split_error: split_error(mass, volume, access),
+        ..report
+    };
+    Ok((blocks, report))
+}
+
+/// Volume (m³) that the convex parts of a mesh have more than its shells, over theirs.
+fn split_error(mass: &RockMassFile, volume: f64, access: &Access) -> f64 {
+    let ShapeFile::Mesh { file, scale, .. } = &mass.boundary else {
+        return 0.0;
+    };
+    mesh::survey(access, file, *scale).map_or(0.0, |found| volume / found.drawn.volume - 1.0)
+}
+
+/// The bodies of a mass before it is cut, of convex parts each: the shells of a mesh, or a single body of every other part.
+fn bodies(mass: &RockMassFile, access: &Access) -> Result<Vec<Vec<Polyhedron>>, String> {
+    if let ShapeFile::Mesh { file, scale, split } = &mass.boundary {
+        let found = mesh::solids(access, file, *scale, (*split).into());
+        return found.map_err(|error| error.to_string());
+    }
+    let whole = template(mass).block(0, mass.boundary.clone());
+    let shape = solid(&whole, 0, access).map_err(|found| {
+        let texts: Vec<String> = found.into_iter().map(|problem| problem.message).collect();
+        texts.join("; ")
+    })?;
+    match shape {
+        Shape::Polyhedra(parts) => Ok(parts.into_iter().map(|part| vec![part]).collect()),
+        Shape::Sphere { .. } | Shape::Surface(_) => {
+            Err("a sphere or a surface cannot be cut by joints".into())
+        }
+    }
+}
+
+/// Bodies cut by joints; one of several parts as a whole.
+fn cut_of(
+    bodies: Vec<Vec<Polyhedron>>,
+    sets: &[JointSet],
+    mass: &RockMassFile,
+) -> Result<JointedUnion, JointError> {
+    let limit = mass.maximum_blocks as usize;
+    if bodies.iter().all(|parts| parts.len() == 1) {
+        let bodies = bodies.into_iter().flatten().collect();
+        let JointedMass { blocks, n_uncut } = cut_by_joints(bodies, sets, mass.seed, limit)?;
+        let blocks = blocks.into_iter().map(|block| vec![block]).collect();
+        return Ok(JointedUnion { blocks, n_uncut });
+    }
+    let mut all = JointedUnion {
+        blocks: Vec::new(),
+        n_uncut: 0,
+    };
+    for parts in bodies {
+        let cut = cut_union_by_joints(parts, sets, mass.seed, limit)?;
+        all.blocks.extend(cut.blocks);
+        all.n_uncut += cut.n_uncut;
+    }
+    Ok(all)
 }
 
 /// Blocks of convex parts, and the report of the mass.
@@ -317,6 +364,7 @@ fn report(name: &str, blocks: &[Vec<Polyhedron>]) -> RockMassReport {
         n_filled: 0,
         gained_share: 0.0,
         n_unions: blocks.iter().filter(|parts| parts.len() > 1).count(),
+        split_error: 0.0,
         n_removed: 0,
         minimum_volume: 0.0,
         removed_share: 0.0,
@@ -340,56 +388,6 @@ pub(super) fn joint_set(file: &JointSetFile) -> JointSet {
         persistence: file.persistence,
         scatter: file.scatter_deg.to_radians(),
         spacing_scatter: file.spacing_scatter,
-    }
-}
-
-impl std::fmt::Display for RockMassReport {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let [smallest, median, largest] = self.volumes;
-        write!(
-            f,
-            "`{}`: {} blocks of {smallest:.3e} to {largest:.3e} m3, median {median:.3e}; longest over thinnest up to {:.1}, \
-             sharpest edge {:.1} deg",
-            self.name,
-            self.n_blocks,
-            self.worst_aspect,
-            self.smallest_dihedral.to_degrees()
-        )?;
-        if self.n_slivers > 0 {
-            write!(f, "; {} slivers above {SLIVER}", self.n_slivers)?;
-        }
-        if self.n_merged > 0 {
-            write!(
-                f,
-                "; {} slivers merged, {} blocks of several parts",
-                self.n_merged, self.n_unions
-            )?;
-        }
-        if self.n_filled > 0 {
-            write!(
-                f,
-                "; {} made convex, which adds {:.2e} of the volume, {} left of several parts",
-                self.n_filled, self.gained_share, self.n_unions
-            )?;
-        }
-        if self.n_unmerged > 0 {
-            write!(f, "; {} slivers without a neighbor left", self.n_unmerged)?;
-        }
-        if self.n_uncut > 0 {
-            write!(
-                f,
-                "; {} joints left out where they would shave off a piece too thin to be a block",
-                self.n_uncut
-            )?;
-        }
-        if self.n_removed > 0 {
-            write!(
-                f,
-                "; {} below {:.3e} m3 left out, {:.2e} of the volume",
-                self.n_removed, self.minimum_volume, self.removed_share
-            )?;
-        }
-        Ok(())
     }
 }
 

@@ -107,7 +107,9 @@ fn build(
         {
             return Err(ShapeError::Scale(*scale));
         }
-        ShapeFile::Mesh { file, scale } => mesh::solid(access, file, *scale)?,
+        ShapeFile::Mesh { file, scale, split } => {
+            mesh::solid(access, file, *scale, (*split).into())?
+        }
         ShapeFile::Surface { file, scale } => mesh::surface(access, file, *scale)?,
         ShapeFile::Raster { file, origin } => raster::terrain(access, file, *origin)?,
         ShapeFile::Terrain => {
@@ -157,7 +159,7 @@ fn extrusion(
 }
 
 /// Rotation about a point and translation after it; `None` if the axis has no direction.
-fn placement(file: &PlacementFile) -> Option<Isometry> {
+pub(in crate::scene) fn placement(file: &PlacementFile) -> Option<Isometry> {
     let shift = vec3(file.translate);
     let Some(turn) = &file.rotate else {
         let still = UnitQuaternion::identity();

@@ -1,14 +1,15 @@
 //! Checks of rock masses and grains.
 
 use super::checks::Checks;
-use crate::scene::file::{GrainRegionFile, GrainsFile, RockMassFile, SceneFile};
+use crate::scene::file::{GrainRegionFile, GrainsFile, RockMassFile, SceneFile, ShapeFile};
 
 impl Checks {
     pub(super) fn rock_mass(&mut self, index: usize, mass: &RockMassFile, scene: &SceneFile) {
         let path = |field: &str| format!("rock_masses[{index}].{field}");
         let of = |what: &str| format!("rock mass `{}`: {what}", mass.name);
         self.material_exists(path("material"), &of("material"), &mass.material, scene);
-        if mass.joint_sets.is_empty() {
+        // the shells of a mesh are blocks by themselves
+        if mass.joint_sets.is_empty() && !matches!(mass.boundary, ShapeFile::Mesh { .. }) {
             self.refuse(
                 path("joint_sets"),
                 of("no joint set; add one, or make it a block"),

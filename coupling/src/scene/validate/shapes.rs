@@ -67,7 +67,15 @@ impl Checks {
             ShapeFile::Sphere { radius, .. } => {
                 self.positive(at("radius"), &of("radius"), *radius);
             }
-            ShapeFile::Mesh { scale, .. } | ShapeFile::Surface { scale, .. } => {
+            ShapeFile::Mesh { scale, split, .. } => {
+                self.positive(at("scale"), &of("scale"), *scale);
+                let error = of("volume error");
+                self.not_negative(at("split.volume_error"), &error, split.volume_error);
+                if split.most_parts == 0 {
+                    self.refuse(at("split.most_parts"), of("most parts must be at least 1"));
+                }
+            }
+            ShapeFile::Surface { scale, .. } => {
                 self.positive(at("scale"), &of("scale"), *scale);
             }
             ShapeFile::Raster { origin, .. } => {

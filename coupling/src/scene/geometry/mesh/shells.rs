@@ -1,6 +1,7 @@
 //! Closed shells of loose triangles.
 
-use riprap_dda::Vec3;
+use nalgebra::Matrix3;
+use riprap_dda::{MassProperties, Vec3};
 
 use super::Soup;
 
@@ -49,6 +50,36 @@ impl Shell {
             .map(|&[a, b, c]| corner(a).dot(&corner(b).cross(&corner(c))) / 6.0)
             .sum()
     }
+}
+
+/// Volume, centroid and second moment of what shells enclose: sums over the tetrahedra of each triangle and the first point,
+/// negative where the triangle is seen from outside.
+///
+/// ```text
+/// S = V/20 Σ_k (x_k − x_c)(x_k − x_c)ᵀ        of a tetrahedron of corners x_k
+/// ```
+pub(super) fn mass_properties(shells: &[Shell]) -> MassProperties {
+    let origin = shells.iter().find_map(|shell| shell.points.first());
+    let origin = origin.copied().unwrap_or_default();
+    let of_triangle = |shell: &Shell, triangle: &[u32; 3]| {
+        let [a, b, c] = triangle.map(|v| shell.points[v as usize] - origin);
+        let volume = a.dot(&b.cross(&c)) / 6.0;
+        let centroid = (a + b + c) / 4.0;
+        let spread = [Vec3::zeros(), a, b, c].map(|x| x - centroid);
+        let second_moment: Matrix3<f64> = spread.iter().map(|x| x * x.transpose()).sum();
+        MassProperties {
+            volume,
+            centroid,
+            second_moment: second_moment * (volume / 20.0),
+        }
+    };
+    let tetrahedra: Vec<MassProperties> = shells
+        .iter()
+        .flat_map(|shell| shell.triangles.iter().map(move |t| of_triangle(shell, t)))
+        .collect();
+    let mut sum = MassProperties::of_union(&tetrahedra);
+    sum.centroid += origin;
+    sum
 }
 
 /// Welds the corners, pairs the edges and collects connected triangles.
