@@ -3,8 +3,8 @@
 use std::time::{Duration, Instant};
 
 use riprap_dda::{
-    BlockDefinition, Blocks, Material, Motion, Phase, Polyhedron, Random, Settings, Shape, StepBound,
-    Vec3,
+    BlockDefinition, Blocks, Material, Motion, Phase, Polyhedron, Random, Settings, Shape,
+    StepBound, Vec3,
 };
 
 pub type Failure = Box<dyn std::error::Error>;
