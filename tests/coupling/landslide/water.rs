@@ -199,8 +199,8 @@ fn still_water_makes_no_wave() {
         read("maximum_elevation"),
     );
     assert_eq!((n_finite(&arrival), n_finite(&flooded)), (0, 0));
-    // π 120² m² in squares of 6 m
-    assert!(n_finite(&highest) > 1200);
+    // π 120² m² are 1257 squares of 6 m, those of the shore thinner than a particle
+    assert!(n_finite(&highest) > 1000);
     let rows = support::table(&run_folder.join("gauges.csv"));
     let range = |column: usize| {
         let values = rows.iter().map(|row| row[column]);
@@ -269,13 +269,15 @@ fn a_wave_arrives_at_its_celerity() {
         let gauge = gauges.iter().find(|gauge| gauge["name"] == name).unwrap();
         gauge[key].as_f64().unwrap()
     };
-    for (name, next) in [("g1", "g2"), ("g2", "g3")] {
-        // the wave loses some height at ten rows
-        assert!((0.75 * height..1.1 * height).contains(&(of(name, "largest") - depth)));
-        let way = 0.2 * length;
-        assert!((celerity * (of(next, "time") - of(name, "time")) / way - 1.0).abs() < 0.1);
+    for name in ["g1", "g2", "g3"] {
+        // measured 0.998, 0.954 and 0.924: the wave loses some height at ten rows
+        assert!((0.85 * height..1.05 * height).contains(&(of(name, "largest") - depth)));
         assert!(of(name, "arrival") < of(name, "time"));
     }
+    // measured 0.983: a crest is flat, its time known to a tenth of a second
+    let way = 0.4 * length;
+    let passed = of("g3", "time") - of("g1", "time");
+    assert!((celerity * passed / way - 1.0).abs() < 0.05);
 }
 
 /// The volume that crosses a line is the final volume beyond it, to the particle. The line extends past the ends of the period:
