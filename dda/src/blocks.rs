@@ -32,7 +32,7 @@ use crate::{Attachment, BlockError, Hold, Load, Turning, Vec3};
 use attachments::Bodies;
 pub(crate) use constants::Constants;
 pub(crate) use contacts::Contacts;
-pub use definition::{BlockDefinition, Integrator, Resting, Settings, StaticDamping, StepBound};
+pub use definition::{BlockDefinition, Integrator, Resting, Settings, StaticDamping};
 pub(crate) use derived::Derived;
 pub(crate) use rest::Rest;
 use scratch::Scratch;

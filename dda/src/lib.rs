@@ -89,12 +89,11 @@ pub type Isometry = nalgebra::Isometry3<f64>;
 pub use blocks::accounts::Impulses;
 pub use blocks::attachments::Attachment;
 pub use blocks::energy::Energies;
-pub use blocks::{
-    BlockDefinition, Blocks, Integrator, Resting, Settings, StaticDamping, StepBound,
-};
+pub use blocks::{BlockDefinition, Blocks, Integrator, Resting, Settings, StaticDamping};
 pub use contact::detection::common_plane::{
     Axis, AxisKind, ContactDetection, SeparatingAxes, fast_common_plane, gap_along, separating_axes,
 };
+pub use contact::rates::StepBound;
 pub use contact::report::{Contact, ContactState};
 pub use error::{BlockError, DeepOverlap, StepError};
 pub use geometry::block_quality::BlockQuality;

@@ -1,7 +1,8 @@
 //! Input of a system of blocks: block definitions and solver settings.
 
 use crate::{
-    BlockError, ContactDetection, Deformability, Motion, NormalLaw, RollingLaw, Shape, Vec3,
+    BlockError, ContactDetection, Deformability, Motion, NormalLaw, RollingLaw, Shape, StepBound,
+    Vec3,
 };
 
 /// Definition of a block.
@@ -74,18 +75,6 @@ pub enum Integrator {
     /// Explicit central differences with penalty contact, see `step::central_difference`.
     #[default]
     CentralDifference,
-}
-
-/// Bound of the stable sub-step, never above the true limit.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum StepBound {
-    /// From the compliances of a block in all directions at all its contacts, added up: half the true limit of a single
-    /// contact, a quarter of it and less in a pile. What it gives away resolves impacts.
-    #[default]
-    Compliances,
-    /// From the largest eigenvalues of the stiffness and the damping of each block, see `step::eigenvalues`: close to the true
-    /// limit in a pile, at the price of impacts resolved less finely.
-    Eigenvalues,
 }
 
 /// Criteria for putting blocks to sleep and waking them.

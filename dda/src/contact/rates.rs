@@ -2,6 +2,18 @@
 
 use serde::{Deserialize, Serialize};
 
+/// Bound of the stable sub-step, never above the true limit.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum StepBound {
+    /// From the compliances of a block in all directions at all its contacts, added up: half the true limit of a single
+    /// contact, a quarter of it and less in a pile. What it gives away resolves impacts.
+    #[default]
+    Compliances,
+    /// From the largest eigenvalues of the stiffness and the damping of each block, see `step::eigenvalues`: close to the true
+    /// limit in a pile, at the price of impacts resolved less finely.
+    Eigenvalues,
+}
+
 /// Bounds of the eigenvalues of `M⁻¹K` and `M⁻¹C` that a pair adds at a block,
 /// `Σ_k k_n w_n + k_t (w_t1 + w_t2)` and the same with the dashpots.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
