@@ -49,11 +49,16 @@ impl fmt::Display for Deviation {
             f,
             "{} convex parts, volume {:+.2} %, center of mass {:.1e} m off, moments of inertia up to {:+.2} %",
             self.n_parts,
-            100.0 * self.volume,
+            percent(self.volume),
             self.center,
-            100.0 * self.inertia
+            percent(self.inertia)
         )
     }
+}
+
+/// Percent to two digits, of which round-off leaves no sign.
+fn percent(share: f64) -> f64 {
+    (1e4 * share).round() / 1e2 + 0.0
 }
 
 /// Principal moments of inertia of density 1, in order; m⁵.
