@@ -295,7 +295,7 @@ fn what_cannot_go_on_says_why_and_changes_nothing() {
         ),
         (
             &newer,
-            "is a checkpoint of format 4, and this riprap reads format 3",
+            "is a checkpoint of format 5, and this riprap reads format 4",
         ),
         (&b"solid cube"[..], "is not a checkpoint of riprap"),
     ] {
