@@ -327,6 +327,10 @@ fn maps(folder: &Path) {
                 .replace("[[[", "[[")
                 .replace("]]]", "]]"),
         ),
+        (
+            "furlongs.csv",
+            "time [s],x [furlong],y,z\n0,0,0,0\n1,1,0,0\n".to_owned(),
+        ),
         ("three.csv", "x,y\n100,60\n200,5,60\n".to_owned()),
         ("far.csv", "name;E;N\nferry;5000;100\n".to_owned()),
         ("lonlat.csv", "name,lon,lat\nquay,7,62\n".to_owned()),
