@@ -70,7 +70,8 @@ impl Blocks {
         Ok(n_substeps)
     }
 
-    /// Sub-steps that divide what is left of the step equally, within the bound at the start of each.
+    /// Sub-steps that divide what is left of the step equally, within the bound at the start of each. The bound at the start of the
+    /// first is what the caller found.
     fn bounded_sub_steps(
         &mut self,
         (time, dt): (f64, f64),
@@ -78,9 +79,8 @@ impl Blocks {
         ended: &mut impl FnMut(Phase),
     ) -> Result<u32, StepError> {
         let longest = dt / f64::from(n_least);
-        let (mut left, mut n_taken) = (dt, 0);
+        let (mut left, mut n_taken, mut bound) = (dt, 0, longest);
         loop {
-            let bound = self.critical_time_step().dt.min(longest);
             let n_left = (left / bound * (1.0 - ROUND_OFF)).ceil().max(1.0);
             let step = left / n_left;
             if step < SMALLEST_SHARE * dt {
@@ -99,6 +99,7 @@ impl Blocks {
             if is_last {
                 return Ok(n_taken);
             }
+            bound = self.critical_time_step().dt.min(longest);
         }
     }
 

@@ -26,15 +26,38 @@ struct Response {
     rotation: Matrix3<f64>,
 }
 
+/// Products of an arm and a normal in the response to a spring.
+struct Products {
+    /// `n nᵀ`, `(r × n) nᵀ` and `(r × n)(r × n)ᵀ`.
+    along: [Matrix3<f64>; 3],
+    /// `[r]×` and `r² − r rᵀ`.
+    in_all: [Matrix3<f64>; 2],
+}
+
+impl Products {
+    /// Of a point from the centroid (m) and the unit normal there.
+    fn of(r: &Vec3, normal: &Vec3) -> Self {
+        let arm = r.cross(normal);
+        let (n, square) = (normal.transpose(), r.norm_squared());
+        Self {
+            along: [normal * n, arm * n, arm * arm.transpose()],
+            in_all: [
+                r.cross_matrix(),
+                Matrix3::from_diagonal_element(square) - r * r.transpose(),
+            ],
+        }
+    }
+}
+
 impl Response {
-    /// Adds a spring along the normal and across it, at a point from the centroid (m).
-    fn add(&mut self, r: &Vec3, normal: &Vec3, [along, across]: [f64; 2]) {
-        let push = Matrix3::identity() * across + normal * normal.transpose() * (along - across);
-        let arm = r.cross_matrix();
-        let mixed = arm * push;
-        self.translation += push;
-        self.mixed += mixed;
-        self.rotation += mixed * arm.transpose();
+    /// Adds a spring along the normal and across it.
+    fn add(&mut self, products: &Products, [along, across]: [f64; 2]) {
+        let more = along - across;
+        let [translation, mixed, rotation] = &products.along;
+        let [arm, inertia] = &products.in_all;
+        self.translation += Matrix3::from_diagonal_element(across) + translation * more;
+        self.mixed += arm * across + mixed * more;
+        self.rotation += inertia * across + rotation * more;
     }
 
     /// Bound of the largest eigenvalue of `M⁻¹ K`, at most 1.25 times it: `(tr A⁸)^⅛`.
@@ -186,10 +209,10 @@ const ONCE: Rates = Rates {
 impl Held {
     fn add(&mut self, body: &Kinematics, springs: impl IntoIterator<Item = Spring>, times: Rates) {
         for spring in springs {
-            let r = spring.point - body.centroid;
+            let products = Products::of(&(spring.point - body.centroid), &spring.normal);
             let of = |sides: [f64; 2], times: f64| sides.map(|side| side * times);
-            (self.stiffness).add(&r, &spring.normal, of(spring.stiffness, times.stiffness));
-            (self.damping).add(&r, &spring.normal, of(spring.dashpot, times.damping));
+            (self.stiffness).add(&products, of(spring.stiffness, times.stiffness));
+            (self.damping).add(&products, of(spring.dashpot, times.damping));
         }
     }
 }

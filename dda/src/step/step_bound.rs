@@ -10,6 +10,9 @@ use crate::{Blocks, Motion, StepBound, chunks};
 /// oscillates by 4e-4, and by 1e-2 at 1 rad; at 2 rad it is lost; rad.
 const LARGEST_TURN: f64 = 0.2;
 
+/// Blocks of a chunk where eigenvalues are sought.
+const EIGENVALUE_CHUNK: usize = 32;
+
 /// The largest stable sub-step and the block that sets it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CriticalStep {
@@ -89,8 +92,12 @@ impl Blocks {
         };
         let slowest = |first: usize, rates: &[BlockRates]| self.least_bound(&limits, first, rates);
         let rates = self.state.rates.as_slice();
-        let least = chunks::in_pool(rates.len() > 8 * CHUNK, || {
-            chunks::reduce(rates, CHUNK, &slowest, &|a, b| {
+        let chunk = match self.constants.settings.step_bound {
+            StepBound::Compliances => CHUNK,
+            StepBound::Eigenvalues => EIGENVALUE_CHUNK,
+        };
+        let least = chunks::in_pool(rates.len() > 8 * chunk, || {
+            chunks::reduce(rates, chunk, &slowest, &|a, b| {
                 if b.dt < a.dt { b } else { a }
             })
         });

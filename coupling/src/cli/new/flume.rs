@@ -195,7 +195,7 @@ impl Wave {
 mod tests {
     use super::*;
 
-    /// The paddle pushes aside the volume of the wave, `2 d √(4 H (d + H)/3)/…`: its stroke is `2 H/k`.
+    /// The stroke is `2 H/k`, `k = √(3 H/(4 d² (d + H)))`, over the depth of 1 m.
     #[test]
     fn the_stroke_is_that_of_the_wave() {
         let wave = Wave {

@@ -1,7 +1,7 @@
 //! Checks of the geometry of blocks that need the file alone.
 
 use super::checks::Checks;
-use crate::scene::file::ShapeFile;
+use crate::scene::file::{ShapeFile, SplitFile};
 
 impl Checks {
     /// Check of the shape at `path` of the block `name`.
@@ -69,11 +69,7 @@ impl Checks {
             }
             ShapeFile::Mesh { scale, split, .. } => {
                 self.positive(at("scale"), &of("scale"), *scale);
-                let error = of("volume error");
-                self.not_negative(at("split.volume_error"), &error, split.volume_error);
-                if split.most_parts == 0 {
-                    self.refuse(at("split.most_parts"), of("most parts must be at least 1"));
-                }
+                self.split(&at("split"), split, &who);
             }
             ShapeFile::Surface { scale, .. } => {
                 self.positive(at("scale"), &of("scale"), *scale);
@@ -84,6 +80,20 @@ impl Checks {
                 }
             }
             ShapeFile::Terrain => {}
+        }
+    }
+
+    fn split(&mut self, path: &str, split: &SplitFile, who: &str) {
+        self.not_negative(
+            format!("{path}.volume_error"),
+            &format!("{who}: volume error"),
+            split.volume_error,
+        );
+        if split.most_parts == 0 {
+            self.refuse(
+                format!("{path}.most_parts"),
+                format!("{who}: most parts must be at least 1"),
+            );
         }
     }
 
