@@ -168,7 +168,7 @@ pub struct DeepOverlap {
     pub at: Vec3,
     /// Overlap; m.
     pub depth: f64,
-    /// Allowed: a share of the size, half the thickness of the thinner part at most; m.
+    /// Allowed: a share of the size, half the mean thickness of both at most; m.
     pub allowed: f64,
     /// Size of the smaller part, the cube root of its volume; m.
     pub size: f64,

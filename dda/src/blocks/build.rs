@@ -14,9 +14,6 @@ use crate::{
 };
 use nalgebra::Matrix3;
 
-/// Overlap allowed, × thickness. At 1 the mid-planes of two plates of equal thickness have passed each other, and contact would
-/// push them out on the wrong side.
-const THICKNESS_SHARE: f64 = 0.5;
 /// Largest margin of the fat boxes, × thickness: half of it is the largest displacement of a block in a step.
 const SKIN_OF_THICKNESS: f64 = 0.25;
 /// Least `m R² |J⁻¹|` of a needle; it is 8 of a cube and `3/2 a²` of a box a : 1 : 1; –.
@@ -194,10 +191,7 @@ impl Blocks {
                 0.0
             });
             self.constants.size.push(size);
-            self.constants.deepest_allowed.push(f64::min(
-                self.constants.settings.overlap_limit * size,
-                THICKNESS_SHARE * thickness,
-            ));
+            self.constants.thickness.push(thickness);
         }
         self.constants.radius.push(radius);
         let margins = self.constants.margin[first..].iter().copied();

@@ -1,5 +1,6 @@
 //! Constants of the blocks: set when the system is built, the same in every step.
 
+use crate::contact::context::OverlapLimits;
 use crate::geometry::parts::Part;
 use crate::material::Joint;
 use crate::{Hold, Motion, Settings, Vec3};
@@ -40,11 +41,10 @@ pub(crate) struct Constants {
     pub reference: Vec<Part>,
     /// Margin of the fat box, zero if the part cannot move; one per part; m.
     pub margin: Vec<f64>,
-    /// Overlap allowed: a share of the size, and so little of the thickness that no part comes out on the other
-    /// side; one per part; m.
-    pub deepest_allowed: Vec<f64>,
     /// Cube root of the volume; one per part; m.
     pub size: Vec<f64>,
+    /// Smallest thickness, infinite for a surface; one per part; m.
+    pub thickness: Vec<f64>,
     /// True if a joint resists rolling.
     pub has_rolling: bool,
     /// Contact constants of every pair of materials before any weakening, row by row.
@@ -53,4 +53,15 @@ pub(crate) struct Constants {
     pub n_materials: usize,
     /// Parameters of the solver.
     pub settings: Settings,
+}
+
+impl Constants {
+    /// Overlaps that a step allows.
+    pub fn overlap_limits(&self) -> OverlapLimits<'_> {
+        OverlapLimits {
+            share_of_size: self.settings.overlap_limit,
+            size: &self.size,
+            thickness: &self.thickness,
+        }
+    }
 }

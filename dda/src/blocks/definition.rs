@@ -36,8 +36,8 @@ pub struct Settings {
     /// Damping ratio of the shear dashpots, ≥ 0. Default 0.2: a sliding block that stops does not
     /// oscillate.
     pub shear_damping_ratio: f64,
-    /// Deepest overlap allowed, × size of the smaller part; never more than half the thickness of the thinner
-    /// one. Default 0.2.
+    /// Deepest overlap allowed, × size of the smaller part; never more than half the mean thickness of
+    /// both, or of what lies on a surface. Default 0.2.
     pub overlap_limit: f64,
     /// Normal contact law of spheres. Default: linear spring; Hertz's law needs elastic moduli.
     pub normal_law: NormalLaw,

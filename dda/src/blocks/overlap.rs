@@ -2,7 +2,6 @@
 
 use std::collections::BTreeMap;
 
-use crate::contact::context::least_of;
 use crate::{BlockId, Blocks, DeepOverlap, Vec3};
 
 type Parts = (u32, u32);
@@ -29,7 +28,7 @@ impl Blocks {
 
     /// Overlap that a step allows between two parts; m.
     pub(crate) fn allowed_overlap(&self, parts: Parts) -> f64 {
-        least_of(parts, &self.constants.deepest_allowed)
+        self.constants.overlap_limits().of(parts)
     }
 
     /// Parts that touch, with the depth of their overlap; m.
@@ -76,7 +75,7 @@ impl Blocks {
                 .map_or_else(|| self.middle_of(parts), |(_, at)| *at),
             depth,
             allowed: self.allowed_overlap(parts),
-            size: least_of(parts, &self.constants.size),
+            size: self.constants.overlap_limits().size_of(parts),
         }
     }
 

@@ -111,8 +111,8 @@ impl Blocks {
         let (i, j) = (parts.0 as usize, parts.1 as usize);
         Scales::of(
             (&self.derived.parts[i], &self.derived.parts[j]),
-            self.constants.deepest_allowed[i].min(self.constants.deepest_allowed[j]),
-            self.constants.size[i].min(self.constants.size[j]),
+            self.constants.overlap_limits().of(parts),
+            self.constants.overlap_limits().size_of(parts),
         )
     }
 
@@ -252,8 +252,7 @@ impl Blocks {
             step_bound: self.constants.settings.step_bound,
             gravity: self.constants.settings.gravity,
             is_hertz: self.constants.settings.normal_law == NormalLaw::Hertz,
-            size: &self.constants.size,
-            deepest_allowed: &self.constants.deepest_allowed,
+            overlap_limits: self.constants.overlap_limits(),
         };
         let lists = Lists {
             pairs: &mut self.contacts.pairs,

@@ -30,9 +30,8 @@ pub(crate) struct ContactContext<'a> {
     pub gravity: Vec3,
     /// Is Hertz's law used for spheres?
     pub is_hertz: bool,
-    /// Of each part; m.
-    pub size: &'a [f64],
-    pub deepest_allowed: &'a [f64],
+    /// Overlaps that a step allows.
+    pub overlap_limits: OverlapLimits<'a>,
 }
 
 impl<'a> ContactContext<'a> {
@@ -56,12 +55,46 @@ impl<'a> ContactContext<'a> {
 
     /// Records the deepest overlap (m) of two parts.
     pub fn note_overlap(&self, parts: (u32, u32), overlap: f64, tally: &mut Tally) {
-        let over_allowed = overlap / least_of(parts, self.deepest_allowed);
-        tally.note_overlap(parts, over_allowed, overlap / least_of(parts, self.size));
+        let over_allowed = overlap / self.overlap_limits.of(parts);
+        let over_size = overlap / self.overlap_limits.size_of(parts);
+        tally.note_overlap(parts, over_allowed, over_size);
     }
 }
 
-/// The lesser of both parts' values.
-pub(crate) fn least_of(parts: (u32, u32), of: &[f64]) -> f64 {
-    of[parts.0 as usize].min(of[parts.1 as usize])
+/// Overlap allowed, × mean thickness of two parts. At 1 their mid-planes have passed each other, and contact would push them out
+/// on the wrong side.
+const THICKNESS_SHARE: f64 = 0.5;
+
+/// Overlaps that a step allows between parts: a share of the size of the smaller, and so little of their thickness that none comes
+/// out on the other side.
+#[derive(Clone, Copy)]
+pub(crate) struct OverlapLimits<'a> {
+    /// Share of the size; –.
+    pub share_of_size: f64,
+    /// Of each part; m.
+    pub size: &'a [f64],
+    /// Of each part, infinite for a surface; m.
+    pub thickness: &'a [f64],
+}
+
+impl OverlapLimits<'_> {
+    /// Overlap allowed between two parts; m. A part on a surface counts by its own thickness.
+    pub fn of(&self, parts: (u32, u32)) -> f64 {
+        let (i, j) = (parts.0 as usize, parts.1 as usize);
+        let (a, b) = (self.thickness[i], self.thickness[j]);
+        let thickness = if a.is_finite() && b.is_finite() {
+            0.5 * (a + b)
+        } else {
+            a.min(b)
+        };
+        f64::min(
+            self.share_of_size * self.size_of(parts),
+            THICKNESS_SHARE * thickness,
+        )
+    }
+
+    /// Size of the smaller of two parts; m.
+    pub fn size_of(&self, parts: (u32, u32)) -> f64 {
+        self.size[parts.0 as usize].min(self.size[parts.1 as usize])
+    }
 }

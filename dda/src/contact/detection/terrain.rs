@@ -73,6 +73,41 @@ pub(crate) struct SurfacePatch {
     polygon: Vec<Vec3>,
     #[serde(skip)]
     spare: Vec<Vec3>,
+    #[serde(skip)]
+    pieces: Pieces,
+    /// Triangles that may be as near as a plane.
+    #[serde(skip)]
+    within: Vec<u32>,
+}
+
+/// Polygons in the regions of triangles, one after the other.
+#[derive(Clone, Debug, Default)]
+struct Pieces {
+    /// Of each, its triangle and the end of its corners.
+    ends: Vec<(u32, usize)>,
+    corners: Vec<Vec3>,
+}
+
+impl Pieces {
+    fn clear(&mut self) {
+        self.ends.clear();
+        self.corners.clear();
+    }
+
+    /// Adds a polygon, if it has an area.
+    fn push(&mut self, triangle: u32, polygon: &[Vec3]) {
+        if polygon.len() > 2 {
+            self.corners.extend_from_slice(polygon);
+            self.ends.push((triangle, self.corners.len()));
+        }
+    }
+
+    fn iter(&self) -> impl Iterator<Item = (u32, &[Vec3])> {
+        let starts = std::iter::once(0).chain(self.ends.iter().map(|&(_, end)| end));
+        starts
+            .zip(&self.ends)
+            .map(|(start, &(triangle, end))| (triangle, &self.corners[start..end]))
+    }
 }
 
 /// A point behind the surface.
@@ -105,20 +140,20 @@ struct Ground<'a> {
 }
 
 impl Ground<'_> {
-    /// Adds the points of a polygon behind the plane of a triangle, unless all of it is in front of the surface; returns its
-    /// area (m²) and its depth (m).
+    /// Adds the points of a polygon behind the plane of a triangle, unless all of it is in front of the surface; returns its depth
+    /// (m). `check`: a triangle of that plane and those that may be as near, unless the depth needs no check against them.
     fn push_polygon(
         &self,
         polygon: &[Vec3],
         triangle: u32,
         per_area: f64,
+        check: Option<(u32, &[u32])>,
         found: &mut Vec<Found>,
-    ) -> (f64, f64) {
+    ) -> f64 {
         let (place, normal) = (self.surface.plane(triangle), *self.surface.normal(triangle));
-        let (from, mut covered, mut deepest) = (found.len(), 0.0, 0.0_f64);
+        let (from, mut deepest) = (found.len(), 0.0_f64);
         let (mut is_flush, mut has_force) = (true, false);
         integrate(polygon, |x, area| {
-            covered += area;
             if area <= 0.0 {
                 return;
             }
@@ -135,24 +170,49 @@ impl Ground<'_> {
                 square: depth * depth,
             };
             is_flush &= depth <= self.flush;
-            let true_depth = self.push(point, found);
+            let true_depth = match check {
+                Some(around) if self.flush < depth => self.push(point, around, found),
+                _ => {
+                    found.push(point);
+                    depth
+                }
+            };
             has_force |= true_depth > self.flush;
             deepest = deepest.max(true_depth);
         });
         if !(is_flush || has_force) {
             found.truncate(from);
         }
-        (covered, deepest)
+        deepest
+    }
+
+    /// Finds the triangles that may be as near to points of a polygon as that of the region, once for all of them; true if none of
+    /// the points needs a check against them.
+    fn look_around(&self, polygon: &[Vec3], triangle: u32, within: &mut Vec<u32>) -> bool {
+        let Some((first, rest)) = polygon.split_first() else {
+            return true;
+        };
+        let (mut low, mut high) = (*first, *first);
+        let mut deepest = -self.surface.height(triangle, first);
+        for x in rest {
+            (low, high) = (low.inf(x), high.sup(x));
+            deepest = deepest.max(-self.surface.height(triangle, x));
+        }
+        if deepest <= self.flush {
+            return true;
+        }
+        let bounds = (low, high);
+        self.surface.within(&self.near, &bounds, deepest, within);
+        deepest <= self.near.reach && self.surface.is_plain(triangle, within, polygon, self.flush)
     }
 
     /// Adds a point behind the plane in whose region it lies, with the depth that it has behind the surface; returns that.
-    fn push(&self, point: Found, found: &mut Vec<Found>) -> f64 {
-        let checked = if point.depth <= self.flush {
-            Checked::True
-        } else {
-            self.surface.checked(&self.near, &point.x, point.depth)
-        };
-        match checked {
+    /// A triangle of its plane, and those that may be as near.
+    fn push(&self, point: Found, around: (u32, &[u32]), found: &mut Vec<Found>) -> f64 {
+        match self
+            .surface
+            .checked(&self.near, around, &point.x, point.depth)
+        {
             Checked::InFront => 0.0,
             // Through something thin, the body goes back to the side it came from.
             Checked::Nearer(behind) if !behind.faces(self.centroid, &point.x) => {
@@ -294,6 +354,8 @@ impl SurfacePatch {
             wet,
             polygon,
             spare,
+            pieces,
+            within,
             ..
         } = self;
         for face in 0..body.n_faces() {
@@ -306,26 +368,31 @@ impl SurfacePatch {
                     .map(|v| body.vertices()[v as usize]),
             );
             cut(wet, spare, n, surface.offset(first));
-            let mut add = |polygon: &[Vec3], found: &mut Vec<Found>| {
-                let (covered, depth) = ground.push_polygon(polygon, first, per_area, found);
-                deepest = deepest.max(depth);
-                covered
-            };
-            let pieces = found.len();
-            let mut covered = 0.0;
+            pieces.clear();
             for &triangle in triangles.iter().filter(|&&t| surface.plane(t) == place) {
                 polygon.clone_from(wet);
                 for (outward, offset) in surface.divides(triangle) {
                     cut(polygon, spare, outward, *offset);
                 }
-                covered += add(polygon, found);
+                pieces.push(triangle, polygon);
             }
-            let mut whole = 0.0;
-            integrate(wet, |_, area| whole += area);
-            if covered >= (1.0 - ROUND_OFF) * whole {
+            let covered: f64 = pieces.iter().map(|(_, piece)| area(piece)).sum();
+            let mut add = |polygon: &[Vec3], check: Option<(u32, &[u32])>| {
+                let depth = ground.push_polygon(polygon, first, per_area, check, found);
+                deepest = deepest.max(depth);
+            };
+            if covered >= (1.0 - ROUND_OFF) * area(wet) {
                 // Wholly over the plane: friction, which is no polynomial, should not feel the triangles.
-                found.truncate(pieces);
-                add(wet, found);
+                let is_plain = pieces
+                    .iter()
+                    .all(|(triangle, piece)| ground.look_around(piece, triangle, within))
+                    || ground.look_around(wet, first, within);
+                add(wet, (!is_plain).then_some((first, within)));
+            } else {
+                for (triangle, piece) in pieces.iter() {
+                    let is_plain = ground.look_around(piece, triangle, within);
+                    add(piece, (!is_plain).then_some((triangle, within)));
+                }
             }
         }
         if height(ground.centroid) < 0.0 && deepest > allowed {
@@ -385,6 +452,13 @@ fn integrate(polygon: &[Vec3], mut visit: impl FnMut(Vec3, f64)) {
     if let Some(fan) = Fan::new(polygon, Vec3::norm) {
         fan.for_each_point(|_, x, area| visit(x, area));
     }
+}
+
+/// Area of a convex polygon; m².
+fn area(polygon: &[Vec3]) -> f64 {
+    let mut sum = 0.0;
+    integrate(polygon, |_, area| sum += area);
+    sum
 }
 
 /// Keeps the side `normal · x ≤ offset`; corners on the plane once, as a point of no area would still be a contact.

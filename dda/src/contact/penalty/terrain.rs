@@ -127,7 +127,7 @@ impl SurfacePair {
         };
         match (&mut self.touch, &context.parts[self.parts.0 as usize]) {
             (SurfaceTouch::Polyhedron(touch), Part::Polyhedron(body)) => {
-                let allowed = context.deepest_allowed[self.parts.0 as usize];
+                let allowed = context.overlap_limits.of(self.parts);
                 let rates = touch.evaluate(&law, (body, allowed), (surface, near), &mut self.loads);
                 self.is_touching = rates.is_some();
                 self.rates = rates.unwrap_or_default();

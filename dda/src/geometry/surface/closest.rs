@@ -1,24 +1,73 @@
 //! Closest points of a surface, in front of it and behind.
 
 use super::{FLAT, NONE, Surface, aabb};
+use crate::geometry::bounds::Bounds;
 use crate::{SurfacePoint, Vec3};
 use parry3d_f64::bounding_volume::BoundingVolume;
 
 impl Surface {
-    /// Checks a depth (m) behind the plane in whose region a point lies: regions of planes at an angle to each other reach
-    /// out of the surface again, and behind something thin its other side is nearer.
-    pub(crate) fn checked(&self, near: &NearTriangles, x: &Vec3, depth: f64) -> Checked {
-        let depth_up = depth * (1.0 + ROUND_OFF);
-        let may_be_nearer = |t: &u32| {
-            let (low, high) = &self.boxes[*t as usize];
-            (0..3).all(|k| low[k] - x[k] <= depth_up && x[k] - high[k] <= depth_up)
+    /// Triangles near a body whose boxes are no farther than some depth (m) from a box, and a quarter of it.
+    pub(crate) fn within(
+        &self,
+        near: &NearTriangles,
+        (low, high): &Bounds,
+        depth: f64,
+        triangles: &mut Vec<u32>,
+    ) {
+        let reach = ABOVE_A_FOOT * depth;
+        let meets = |t: &u32| {
+            let (from, to) = &self.boxes[*t as usize];
+            (0..3).all(|k| from[k] - high[k] <= reach && low[k] - to[k] <= reach)
         };
-        let nearer = near.triangles.iter().copied().filter(may_be_nearer);
-        let nearest = self
-            .nearest(nearer, x)
-            .filter(|nearest| nearest.square <= depth_up.min(near.reach).powi(2))
+        triangles.clear();
+        triangles.extend(near.triangles.iter().copied().filter(meets));
+    }
+
+    /// Is every point of a polygon in the region of a triangle as deep as the plane of that triangle says? `within`: the
+    /// triangles [`Self::within`] a depth of the polygon. Depths below `flush` (m) need no check.
+    ///
+    /// They are if all of those triangles meet the first in a corner at least and lean by no more than
+    /// `β = acos(0.85)` to it, so that the surface is a graph of slope `tan β` over its plane, and no point lies farther than
+    /// `tan(β/2)` of its depth d beside it, as behind the bottom of a valley. The graph is then at least
+    /// `(1 − tan β tan(β/2)) d = 0.82 d` above the point, and so no point of it is nearer than `0.82 d cos β = 0.70 d`: no part
+    /// is nearer than the depth over the leeway, and the point is behind it.
+    pub(crate) fn is_plain(&self, own: u32, within: &[u32], polygon: &[Vec3], flush: f64) -> bool {
+        let (corners, n) = (&self.triangles[own as usize], &self.normal[own as usize]);
+        let goes_on = |&other: &u32| {
+            let t = other as usize;
+            !self.neighbor[t].contains(&NONE)
+                && self.normal[t].dot(n) > LEANS
+                && self.triangles[t].iter().any(|v| corners.contains(v))
+        };
+        let is_beside = |x: &Vec3| {
+            let height = self.height(own, x);
+            let (square, ..) = self.closest(own, x);
+            let beside = (square - height * height).max(0.0);
+            beside <= (BESIDE * height.abs() + flush).powi(2)
+        };
+        within.iter().all(goes_on) && polygon.iter().all(is_beside)
+    }
+
+    /// Checks a depth (m) behind the plane in whose region a point lies: regions of planes at an angle to each other reach
+    /// out of the surface again, and behind something thin its other side is nearer. The triangle in whose region it lies, and those
+    /// that may be as near.
+    pub(crate) fn checked(
+        &self,
+        near: &NearTriangles,
+        (own, within): (u32, &[u32]),
+        x: &Vec3,
+        depth: f64,
+    ) -> Checked {
+        let depth_up = depth * (1.0 + ROUND_OFF);
+        // its own triangle first: most of the others then are farther by their boxes or planes
+        let first = self.nearest_on(own, x);
+        let nearer = self.nearest(within.iter().copied(), x, Some(first));
+        let nearest = if nearer.is_some_and(|n| n.square <= depth_up.min(near.reach).powi(2)) {
+            nearer
+        } else {
             // nothing as near as the plane: the point is behind the bottom of a valley, or not behind the surface at all
-            .or_else(|| self.nearest_of_all(near, x));
+            self.nearest_of_all(near, x, nearer)
+        };
         match nearest.and_then(|nearest| self.leaning(&nearest, x)) {
             None => Checked::InFront,
             Some(mut behind) if LEEWAY * behind.depth < depth => {
@@ -32,36 +81,37 @@ impl Surface {
 
     /// Closest point of the surface to a point behind it, `None` for one in front.
     pub(crate) fn behind(&self, near: &NearTriangles, x: &Vec3) -> Option<Behind> {
-        let nearest = self.nearest_of_all(near, x)?;
+        let nearest = self.nearest_of_all(near, x, None)?;
         self.leaning(&nearest, x)
     }
 
-    /// Closest point, of all triangles if those that are near do not hold it for certain.
-    fn nearest_of_all(&self, near: &NearTriangles, x: &Vec3) -> Option<Nearest> {
-        let nearest = self.nearest(near.triangles.iter().copied(), x)?;
+    /// Closest point, of all triangles if those that are near do not hold it for certain. `first`: the closest of some.
+    fn nearest_of_all(
+        &self,
+        near: &NearTriangles,
+        x: &Vec3,
+        first: Option<Nearest>,
+    ) -> Option<Nearest> {
+        let nearest = self.nearest(near.triangles.iter().copied(), x, first)?;
         if nearest.square <= near.reach * near.reach {
             return Some(nearest);
         }
         let distance = nearest.square.sqrt();
         let wanted = aabb(&(x.add_scalar(-distance), x.add_scalar(distance)));
         let leaves = self.tree.leaves(|node| node.aabb().intersects(&wanted));
-        // Ties between neighbors go to the lowest triangle, whatever the tree.
-        leaves
-            .map(|triangle| self.nearest_on(triangle, x))
-            .min_by(|a, b| {
-                let by_distance = a.square.total_cmp(&b.square);
-                by_distance.then(a.triangle.cmp(&b.triangle))
-            })
-            .or(Some(nearest))
+        self.nearest(leaves, x, Some(nearest))
     }
 
-    /// Is a triangle at least as far as some squared distance (m²), by its box or its plane?
+    /// Is a triangle farther than a squared distance (m²), by its box or its plane?
     fn is_farther(&self, triangle: u32, x: &Vec3, square: f64) -> bool {
         let (low, high) = &self.boxes[triangle as usize];
         let outside = |k: usize| (low[k] - x[k]).max(x[k] - high[k]).max(0.0);
         let (u, v, w) = (outside(0), outside(1), outside(2));
+        if u * u + v * v + w * w > square {
+            return true;
+        }
         let height = self.height(triangle, x);
-        u * u + v * v + w * w >= square || height * height >= square
+        height * height > square
     }
 
     fn nearest_on(&self, triangle: u32, x: &Vec3) -> Nearest {
@@ -74,16 +124,29 @@ impl Surface {
         }
     }
 
-    /// Closest point of some triangles.
-    fn nearest(&self, triangles: impl Iterator<Item = u32>, x: &Vec3) -> Option<Nearest> {
-        let mut best: Option<Nearest> = None;
+    /// Closest point of some triangles, and of a first. Ties between neighbors go to the lowest triangle, in whatever order they
+    /// come.
+    fn nearest(
+        &self,
+        triangles: impl Iterator<Item = u32>,
+        x: &Vec3,
+        first: Option<Nearest>,
+    ) -> Option<Nearest> {
+        let mut best = first;
         for triangle in triangles {
             // Cheap bounds first: most triangles are farther than the best so far.
-            if best.is_some_and(|best| self.is_farther(triangle, x, best.square)) {
+            let is_out = |best: Nearest| {
+                best.triangle == triangle || self.is_farther(triangle, x, best.square)
+            };
+            if best.is_some_and(is_out) {
                 continue;
             }
             let found = self.nearest_on(triangle, x);
-            if best.is_none_or(|best| found.square < best.square) {
+            let is_better = |best: Nearest| {
+                found.square < best.square
+                    || found.square == best.square && triangle < best.triangle
+            };
+            if best.is_none_or(is_better) {
                 best = Some(found);
             }
         }
@@ -93,12 +156,9 @@ impl Surface {
     /// Exit paths of a point behind its closest point, `None` for one in front.
     fn leaning(&self, nearest: &Nearest, x: &Vec3) -> Option<Behind> {
         let Nearest {
-            triangle,
-            square,
-            foot,
-            feature,
+            triangle, feature, ..
         } = *nearest;
-        let found = self.signed(triangle, x, square.sqrt(), foot, feature);
+        let found = self.signed(nearest, x);
         let t = triangle as usize;
         let (normal, depth) = (found.normal, -found.distance);
         let whole = |place| [(place, normal, depth), (place, normal, 0.0)];
@@ -141,15 +201,10 @@ impl Surface {
         loop {
             reach = reach.min(cutoff);
             let wanted = aabb(&(x.add_scalar(-reach), x.add_scalar(reach)));
-            // Ties between neighbors go to the lowest triangle, whatever the tree.
-            let nearest = self
-                .tree
-                .leaves(|node| node.aabb().intersects(&wanted))
-                .map(|triangle| (triangle, self.closest(triangle, x)))
-                .min_by(|a, b| a.1.0.total_cmp(&b.1.0).then(a.0.cmp(&b.0)));
-            match nearest {
-                Some((triangle, (square, foot, feature))) if square <= reach * reach => {
-                    return Some(self.signed(triangle, x, square.sqrt(), foot, feature));
+            let leaves = self.tree.leaves(|node| node.aabb().intersects(&wanted));
+            match self.nearest(leaves, x, None) {
+                Some(nearest) if nearest.square <= reach * reach => {
+                    return Some(self.signed(&nearest, x));
                 }
                 _ if reach >= cutoff || reach > farthest => return None,
                 _ => reach *= 2.0,
@@ -157,14 +212,14 @@ impl Surface {
         }
     }
 
-    fn signed(
-        &self,
-        triangle: u32,
-        x: &Vec3,
-        distance: f64,
-        foot: Vec3,
-        feature: Feature,
-    ) -> SurfacePoint {
+    fn signed(&self, nearest: &Nearest, x: &Vec3) -> SurfacePoint {
+        let Nearest {
+            triangle,
+            square,
+            foot,
+            feature,
+        } = *nearest;
+        let distance = square.sqrt();
         let t = triangle as usize;
         let outward = match feature {
             Feature::Face => self.normal[t],
@@ -277,6 +332,13 @@ const ROUND_OFF: f64 = 1e-9;
 /// Depth behind the plane of a region over the distance from the surface, up to which it counts. Around a vertex the regions of
 /// its triangles leave or overlap a little, and the potential of linear depths should not have the kinks of the distance there; –.
 const LEEWAY: f64 = 1.5;
+
+/// Cosine of the angle to a triangle up to which others go on from it: `cos β`, see [`Surface::is_plain`]; –.
+const LEANS: f64 = 0.85;
+/// Distance of a point beside a triangle over its depth: `tan(β/2)`; –.
+const BESIDE: f64 = 0.28;
+/// Height of the surface above a point over its depth: at most `1 + tan β tan(β/2) = 1.18`; –.
+const ABOVE_A_FOOT: f64 = 1.25;
 
 /// Whether a point is as deep as the plane of its region says.
 pub(crate) enum Checked {
