@@ -13,7 +13,7 @@ use super::crs::Content;
 use super::terrain::grid::{Grid, MapGrid};
 use crate::scene::access::fault::Fault;
 use georeference::Georeference;
-use keys::Keys;
+pub(super) use keys::Keys;
 pub use write::{GeoTiffError, written};
 
 /// Largest number of points of a grid; each takes 8 bytes.
@@ -62,7 +62,7 @@ pub fn raster_from(content: &[u8]) -> Result<MapGrid, Fault> {
     if let Some(crs) = &crs {
         crs.in_meters(Content::Raster, place.middle(n))?;
     }
-    keys.in_meters()?;
+    keys.in_meters(Content::Raster)?;
     let (corner, spacing) = place.square_grid(n)?;
     let rows = heights(&mut file, n)?;
     let heights = if place.is_north_up() {

@@ -9,7 +9,8 @@ use crate::scene::access::Access;
 use crate::scene::access::fault::{Fault, MeshError};
 use crate::scene::error::Problem;
 use crate::scene::file::{GapsFile, HeightsFile, TerrainFile};
-use crate::scene::geometry::crs::Crs;
+use crate::scene::geometry::cloud::{self, CloudReport};
+use crate::scene::geometry::crs::{Content, Crs};
 use crate::scene::geometry::mesh;
 use crate::scene::geometry::raster::{self, refuse_degrees};
 use crate::world::ground::Ground;
@@ -30,6 +31,8 @@ pub struct Source {
     pub file: String,
     /// Reference system of its map, if known.
     pub crs: Option<Crs>,
+    /// Properties of a cloud.
+    pub cloud: Option<CloudReport>,
     heights: Heights,
     /// Range outside of which elevations are missing; m.
     range: (f64, f64),
@@ -57,16 +60,35 @@ impl Source {
         access: &Access,
     ) -> Result<Self, MeshError> {
         let place = |z: f64| file.height_scale * z + file.height_shift - origin.2;
-        let mut crs = None;
-        let heights = if is_raster(&file.file) {
-            let raster = raster::read(access, &file.file)?;
+        let (mut crs, mut cloud) = (None, None);
+        let is_cloud = is_cloud(access, &file.file);
+        if file.cell.is_some() && !is_cloud {
+            let what = "has a `cell`, which is of clouds of points (.xyz, .csv, .txt, .las, .laz); leave it out";
+            return Err(refused(&file.file, Fault::Format(what.into())));
+        }
+        let heights = if is_cloud || is_raster(&file.file) {
+            let raster = if is_cloud {
+                let points = cloud::read(access, &file.file)?;
+                let (raster, report) = points
+                    .grid(file.cell)
+                    .map_err(|fault| refused(&file.file, fault))?;
+                cloud = Some(report);
+                raster
+            } else {
+                raster::read(access, &file.file)?
+            };
             crs = raster.crs;
             let mut grid = raster.grid;
             for height in &mut grid.heights {
                 *height = place(*height);
             }
             if crs.is_none() {
-                refuse_degrees(&grid).map_err(|fault| refused(&file.file, fault))?;
+                let content = if is_cloud {
+                    Content::Cloud
+                } else {
+                    Content::Raster
+                };
+                refuse_degrees(&grid, content).map_err(|fault| refused(&file.file, fault))?;
             }
             grid.shift([-origin.0, -origin.1]);
             Heights::Raster(grid)
@@ -95,6 +117,7 @@ impl Source {
         Ok(Self {
             file: file.file.clone(),
             crs,
+            cloud,
             heights,
             range: file
                 .heights
@@ -115,6 +138,7 @@ impl Source {
             height_scale: 1.0,
             height_shift: 0.0,
             heights: None,
+            cell: None,
         };
         Self::read(&file, (0.0, 0.0, 0.0), access)
     }
@@ -155,6 +179,10 @@ fn refused(file: &str, fault: Fault) -> MeshError {
 fn extension(file: &str) -> String {
     let extension = Path::new(file).extension().unwrap_or_default();
     extension.to_string_lossy().to_lowercase()
+}
+
+fn is_cloud(access: &Access, file: &str) -> bool {
+    cloud::is_cloud(&extension(file), || access.read(file).ok())
 }
 
 fn is_raster(file: &str) -> bool {
