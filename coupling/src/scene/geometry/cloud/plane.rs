@@ -61,17 +61,23 @@ impl Plane {
             gradient: [0.0; 2],
         };
         let mut best = (f64::INFINITY, plane);
-        for start in [Some(plane), Self::through(points)] {
-            plane = start?;
-            let mut sorted = points.to_vec();
-            let residual = |plane: &Self, p: &[f64; 3]| (p[2] - plane.height([p[0], p[1]])).abs();
-            for _ in 0..CONCENTRATIONS {
-                sorted.sort_by(|a, b| residual(&plane, a).total_cmp(&residual(&plane, b)));
-                plane = Self::through(&sorted[..n_kept.min(points.len())])?;
+        let n_kept = n_kept.min(points.len());
+        let mut ranked: Vec<(f64, [f64; 3])> = Vec::with_capacity(points.len());
+        let mut kept: Vec<[f64; 3]> = Vec::with_capacity(n_kept);
+        for start in [plane, Self::through(points)?] {
+            plane = start;
+            for step in 0..=CONCENTRATIONS {
+                ranked.clear();
+                let residual = |p: &[f64; 3]| (p[2] - plane.height([p[0], p[1]])).abs();
+                ranked.extend(points.iter().map(|p| (residual(p), *p)));
+                ranked.select_nth_unstable_by(n_kept - 1, |a, b| a.0.total_cmp(&b.0));
+                if step < CONCENTRATIONS {
+                    kept.clear();
+                    kept.extend(ranked[..n_kept].iter().map(|(_, p)| *p));
+                    plane = Self::through(&kept)?;
+                }
             }
-            sorted.sort_by(|a, b| residual(&plane, a).total_cmp(&residual(&plane, b)));
-            let kept = sorted.iter().take(n_kept);
-            let error: f64 = kept.map(|p| residual(&plane, p).powi(2)).sum();
+            let error: f64 = ranked[..n_kept].iter().map(|(d, _)| d * d).sum();
             if error < best.0 {
                 best = (error, plane);
             }

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use riprap_dda::Shape;
+use riprap_dda::{Shape, Vec3};
 
 use super::grid::Grid;
 use crate::scene::access::Access;
@@ -143,6 +143,29 @@ impl Source {
         Self::read(&file, (0.0, 0.0, 0.0), access)
     }
 
+    /// Highest of some triangles (m) at each place, as a source of a name; `None` if none looks up.
+    pub fn of_triangles(file: String, triangles: Vec<[Vec3; 3]>, crs: Option<Crs>) -> Option<Self> {
+        let corners = triangles.iter().flatten();
+        let nothing = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
+        let (low, high) = corners.fold(nothing, |(low, high), x| {
+            (
+                [low[0].min(x.x), low[1].min(x.y)],
+                [high[0].max(x.x), high[1].max(x.y)],
+            )
+        });
+        let ground = Ground::over(triangles);
+        (!ground.is_empty()).then_some(Self {
+            file,
+            crs,
+            cloud: None,
+            heights: Heights::Survey {
+                ground,
+                extent: [low, high],
+            },
+            range: (f64::NEG_INFINITY, f64::INFINITY),
+        })
+    }
+
     /// Elevation at a position in plan view, `None` where missing; m.
     pub fn height(&self, place: [f64; 2]) -> Option<f64> {
         let height = match &self.heights {
@@ -183,6 +206,15 @@ fn extension(file: &str) -> String {
 
 fn is_cloud(access: &Access, file: &str) -> bool {
     cloud::is_cloud(&extension(file), || access.read(file).ok())
+}
+
+/// Whether the name of a file is that of elevations and of no table.
+pub fn is_surface(file: &str) -> bool {
+    let extension = extension(file);
+    let others = [
+        "xyz", "las", "laz", "stl", "obj", "ply", "vtk", "vtp", "vtu",
+    ];
+    others.contains(&extension.as_str()) || (is_raster(file) && extension != "txt")
 }
 
 fn is_raster(file: &str) -> bool {
