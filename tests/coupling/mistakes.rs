@@ -1,5 +1,7 @@
 //! Mistakes of newcomers, each answered once, in its place, with what was found and what would be right.
 
+mod clouds;
+
 use std::fmt::Write as _;
 use std::path::Path;
 

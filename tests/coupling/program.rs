@@ -669,7 +669,7 @@ fn surfaces_are_compared_both_ways() {
     }
     // the table on the terminal and in the file
     let output = riprap(&["compare", &file("high.asc"), &file("low.asc")]);
-    let said = words(&output);
+    let said = String::from_utf8(output.stdout).unwrap();
     assert!(
         said.contains("height difference mean           +0.3000 m"),
         "{said}"

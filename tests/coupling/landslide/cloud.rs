@@ -258,11 +258,12 @@ fn a_lattice_is_its_raster() {
     assert_eq!(cloud.clouds[0].1.spacing, 10.0);
 }
 
-fn las(
+/// A LAS file in steps of 2⁻¹⁰ m, of points that have a class or are not classified.
+pub(crate) fn las(
     points: &[[f64; 3]],
     classes: &[u8],
     (version, format): ((u8, u8), u8),
-    laz: bool,
+    (laz, wkt): (bool, Option<String>),
 ) -> Vec<u8> {
     let mut builder = Builder::from(version);
     builder.point_format = Format::new(format).unwrap();
@@ -272,13 +273,12 @@ fn las(
         offset,
     };
     builder.transforms = las::Vector {
-        x: transform(500_000.0),
-        y: transform(6_500_000.0),
+        x: transform(points.first().map_or(0.0, |p| p[0].floor())),
+        y: transform(points.first().map_or(0.0, |p| p[1].floor())),
         z: transform(0.0),
     };
     let mut header = builder.into_header().unwrap();
-    if version == (1, 4) {
-        let wkt = Crs::of_epsg(25_833).unwrap().wkt;
+    if let Some(wkt) = wkt {
         header.set_wkt_crs(wkt.into_bytes()).unwrap();
     }
     let mut writer = Writer::new(std::io::Cursor::new(Vec::new()), header).unwrap();
@@ -314,15 +314,22 @@ fn formats_give_the_same_terrain() {
         with_trees.push([points[k][0] + 1.0, points[k][1], points[k][2] + 12.0]);
         classes.push(5);
     }
+    let wkt = || Some(Crs::of_epsg(25_833).unwrap().wkt);
     let line = |p: &[f64; 3]| format!("p{};{:?};{:?};{:?}\n", p[2], p[0], p[1], p[2]);
     let named = "id;X;Y;Z\n".to_owned() + &points.iter().map(line).collect::<String>();
     for (file, content) in [
         ("a.xyz", text(&points, " ").into_bytes()),
         ("b.csv", named.into_bytes()),
-        ("c.las", las(&points, &[], ((1, 2), 0), false)),
-        ("d.laz", las(&points, &[], ((1, 2), 1), true)),
-        ("e.las", las(&with_trees, &classes, ((1, 4), 6), false)),
-        ("f.laz", las(&with_trees, &classes, ((1, 4), 6), true)),
+        ("c.las", las(&points, &[], ((1, 2), 0), (false, None))),
+        ("d.laz", las(&points, &[], ((1, 2), 1), (true, None))),
+        (
+            "e.las",
+            las(&with_trees, &classes, ((1, 4), 6), (false, wkt())),
+        ),
+        (
+            "f.laz",
+            las(&with_trees, &classes, ((1, 4), 6), (true, wkt())),
+        ),
     ] {
         std::fs::write(folder.path().join(file), content).unwrap();
     }

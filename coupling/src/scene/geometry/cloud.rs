@@ -30,6 +30,8 @@ const FOR_SPACING: NonZero<usize> = NonZero::<usize>::MIN.saturating_add(4 - 1);
 const WIDEST_GAP: f64 = 3.0;
 /// Width of a cloud that counts as a line; × length.
 const ON_A_LINE: f64 = 1e-6;
+/// Largest coordinate; m. The earth is 4e7 m around.
+const FARTHEST: f64 = 1e9;
 /// Difference of heights at one place that is told; × spacing.
 const STEP: f64 = 0.1;
 /// Tolerance of round-off at the edge of a grid; × cell.
@@ -126,6 +128,11 @@ impl Cloud {
     ///
     /// [`Fault::Format`] for clouds that make no surface, or too large a grid.
     pub fn grid(&self, cell: Option<f64>) -> Result<(MapGrid, CloudReport), Fault> {
+        if let Some(far) = (self.points.iter().flatten()).find(|value| !(value.abs() < FARTHEST)) {
+            return Err(Fault::Format(format!(
+                "has a coordinate of {far} m, beyond any map; export it again"
+            )));
+        }
         let (points, heights_apart) = one_a_place(&self.points);
         refuse_lines(&points)?;
         let (low, _) = extent(&points);

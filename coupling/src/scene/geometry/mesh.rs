@@ -148,19 +148,6 @@ pub fn surface_from(content: &[u8], extension: &str, scale: f64) -> Result<Shape
     Ok(Shape::Surface(Arc::new(Surface::new(points, triangles)?)))
 }
 
-/// Corners of the triangles of a mesh file, as it lists them; m.
-///
-/// # Errors
-///
-/// [`MeshError`] if the file cannot be read or holds no triangles.
-pub fn triangles(access: &Access, file: &str) -> Result<Vec<[Vec3; 3]>, MeshError> {
-    with_content(access, file, |content, extension| {
-        let Soup { points, triangles } = read(content, extension, 1.0)?;
-        let corners = triangles.iter().map(|t| t.map(|v| points[v as usize]));
-        Ok(corners.collect())
-    })
-}
-
 /// Summary of a mesh file, closed and convex or not.
 ///
 /// # Errors

@@ -174,8 +174,7 @@ fn steps(sources: &[Source]) -> Vec<Problem> {
         let steps = source.cloud.as_ref()?.steps;
         (steps.n > 0).then(|| {
             let what = format!(
-                "`{}`: {} places have several heights, at ({:.2}, {:.2}) they are {:.3} m apart; the median is taken: are these points \
-                 of the ground only?",
+                "`{}`: has points one above the other at {} places, at ({:.2}, {:.2}) {:.3} m apart; the median is taken: are all points of the ground?",
                 source.file, steps.n, steps.at[0], steps.at[1], steps.largest
             );
             Problem::warning(format!("terrain.sources[{k}].file"), what)
