@@ -6,6 +6,9 @@ use std::num::NonZero;
 
 use kiddo::{ImmutableKdTree, SquaredEuclidean};
 
+/// Margin of a squared radius; –.
+const ROUND_OFF: f64 = 1e-12;
+
 /// Points in a tree.
 pub struct Neighbors<const D: usize> {
     points: Vec<[f64; D]>,
@@ -52,6 +55,18 @@ impl<const D: usize> Neighbors<D> {
         found.sort_unstable_by(|a, b| {
             (a.distance.total_cmp(&b.distance)).then(a.index.cmp(&b.index))
         });
+    }
+
+    /// Numbers of the points within a radius (m) of a place (m), in ascending order.
+    pub fn within(&self, place: &[f64; D], radius: f64) -> Vec<usize> {
+        // the tree's own rounding must not lose a point on the rim
+        let square = (radius * radius) * (1.0 + ROUND_OFF);
+        let query = self.tree.query(place);
+        let items = query.within::<SquaredEuclidean<f64>>(square).execute();
+        let mut found: Vec<usize> = items.iter().map(|item| item.item as usize).collect();
+        found.retain(|&k| self.neighbor(k as u32, place).distance <= radius);
+        found.sort_unstable();
+        found
     }
 
     fn neighbor(&self, item: u32, place: &[f64; D]) -> Neighbor {
