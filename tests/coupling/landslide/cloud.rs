@@ -310,8 +310,8 @@ fn formats_give_the_same_terrain() {
     );
     let mut classes = vec![2; points.len()];
     let mut with_trees = points.clone();
-    for k in 0..500 {
-        with_trees.push([points[k][0] + 1.0, points[k][1], points[k][2] + 12.0]);
+    for [x, y, z] in &points[..500] {
+        with_trees.push([x + 1.0, *y, z + 12.0]);
         classes.push(5);
     }
     let wkt = || Some(Crs::of_epsg(25_833).unwrap().wkt);

@@ -23,6 +23,9 @@ pub use report::{CloudReport, Gap, Steps};
 const MOST_POINTS: usize = 20_000_000;
 /// Largest number of points of a grid; each takes 16 bytes.
 const MOST_CELLS: f64 = 50e6;
+/// Of these, for each point of a cloud, and in any case: a few stray points far away make an extent of nothing but gaps.
+const MOST_CELLS_A_POINT: f64 = 100.0;
+const CELLS_OF_FEW: f64 = 1e6;
 /// Neighbors of a point in the mean that is its spacing: on a square lattice all are one spacing away.
 const FOR_SPACING: NonZero<usize> = NonZero::<usize>::MIN.saturating_add(4 - 1);
 /// Farthest that a place with an elevation is from a point; × spacing. Among points strewn at random one place of 10⁸ is
@@ -289,11 +292,13 @@ fn lattice(points: &[[f64; 3]], cell: f64) -> Result<Grid, Fault> {
             high[1] - low[1]
         )));
     }
-    if columns * rows > MOST_CELLS {
+    let most = (MOST_CELLS_A_POINT * points.len() as f64).clamp(CELLS_OF_FEW, MOST_CELLS);
+    if columns * rows > most {
         return Err(Fault::Format(format!(
-            "covers {:.0} x {:.0} m, at cells of {cell} m {columns} x {rows} points, more than {MOST_CELLS:.0}; raise `cell`",
+            "covers {:.0} x {:.0} m, at cells of {cell} m {columns} x {rows} points, more than {most:.0} for {} points; raise `cell`, or remove points far from the others",
             high[0] - low[0],
-            high[1] - low[1]
+            high[1] - low[1],
+            points.len()
         )));
     }
     let n = [columns as usize, rows as usize];
