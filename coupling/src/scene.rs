@@ -26,7 +26,7 @@ mod written;
 
 // the paths of 0.1, for one release
 pub use access as reach;
-pub use geometry::{crs, geotiff, grains, mesh, raster, rock_mass, shape, slides, terrain};
+pub use geometry::{cloud, crs, geotiff, grains, mesh, raster, rock_mass, shape, slides, terrain};
 
 use std::fs::File;
 use std::io::Read as _;

@@ -9,7 +9,9 @@ use riprap::memory::{Available, Estimate};
 use riprap::run::build as build_world;
 use riprap::scene;
 use riprap::scene::access::{Access, FilesFrom};
+use riprap::scene::cloud::cloud_of;
 use riprap::scene::file::MotionFile;
+use riprap::scene::geotiff::raster_from;
 use riprap::scene::mesh::{solid_from, surface_from, survey_from};
 use riprap::scene::motion::recorded;
 use riprap::scene::parse::{self, Override};
@@ -60,6 +62,14 @@ fn kept_inputs_of_fuzzing_are_read_or_refused() {
     for (_, content) in corpus("raster") {
         let _ = terrain_from(&content, (0.0, 0.0));
     }
+    for (_, content) in corpus("geotiff") {
+        let _ = raster_from(&content);
+    }
+    for (_, content) in corpus("las") {
+        if let Ok(cloud) = cloud_of(&content) {
+            let _ = cloud.grid(None);
+        }
+    }
     for text in texts("table") {
         if let Ok(table) = table_from(Path::new("x.csv"), &text) {
             for column in &table.columns {
@@ -83,6 +93,51 @@ fn kept_inputs_of_fuzzing_are_read_or_refused() {
     }
     for text in texts("scene") {
         let _ = scene::load_text("x.ron", &text, &[], &small_machine());
+    }
+}
+
+/// Clouds of LAS and LAZ and images of GeoTIFF with bytes changed at random, lengths in their headers first of all: no panic, and no
+/// memory beyond what the file can hold, which the test would be killed for.
+#[test]
+fn changed_clouds_and_images_are_read_or_refused() {
+    let mut state = 1_u64;
+    let mut random = move || {
+        state = state
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        (state >> 33) as usize
+    };
+    let seeds = |target: &str| {
+        corpus(target)
+            .into_iter()
+            .filter(|(path, _)| path.to_string_lossy().contains("seed"))
+    };
+    for (target, (path, seed)) in ["las", "geotiff"]
+        .into_iter()
+        .flat_map(|t| seeds(t).map(move |s| (t, s)))
+    {
+        for round in 0..400 {
+            let mut content = seed.clone();
+            for _ in 0..1 + round % 4 {
+                // heads, where lengths are, as often as the rest
+                let n = if random() % 2 == 0 {
+                    content.len().min(400)
+                } else {
+                    content.len()
+                };
+                let at = random() % n;
+                content[at] = [0, 1, 0x7f, 0xff, random() as u8][random() % 5];
+            }
+            if round % 7 == 0 {
+                content.truncate(random() % content.len());
+            }
+            println!("{} round {round}", path.display());
+            if target == "geotiff" {
+                let _ = raster_from(&content);
+            } else if let Ok(cloud) = cloud_of(&content) {
+                let _ = cloud.grid(None);
+            }
+        }
     }
 }
 

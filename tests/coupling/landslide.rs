@@ -1,5 +1,6 @@
 //! Terrain from rasters and surveys, and rock cut out of it: against closed forms.
 
+pub(crate) mod cloud;
 mod rock;
 mod rough;
 mod terrain;

@@ -1,5 +1,7 @@
 //! Mistakes of newcomers, each answered once, in its place, with what was found and what would be right.
 
+mod clouds;
+
 use std::fmt::Write as _;
 use std::path::Path;
 
@@ -186,7 +188,7 @@ const HILL: &[Row] = &[
     ("Corners([(100, 60), (200, 60)", "Corners([(1000, 60), (2000, 60)", "Corners", Error, "its corner at (1000.00, 60.00) m is not within the terrain"),
     ("x: 340", "x: 20", "20", Warning, "gauge `near` is on land 150.000 m above the water, which is"),
     ("from: (340, 100), to: (250, 100)", "from: (90, 100), to: (30, 100)", "(90, 100)", Warning, "gauge `shore` is on land"),
-    ("position: (345, 100, 35)", "position: (250, 100, 35)", "(250, 100, 35)", Warning, "gauge `v` at (250.0, 100.0, 35.0) is inside block `ground`; move it into the water"),
+    ("position: (345, 100, 35)", "position: (250, 100, 35)", "(250, 100, 35)", Warning, "gauge `v` at (250.0, 100.0, 35.0) is inside block `ground`; move it into the water; the nearest water is at (3"),
     ("seed: (345, 100, 35)", "seed: (20, 100, 35)", "(20, 100, 35)", Error, "fluid region `lake` has its seed [20.0, 100.0, 35.0] m inside block `ground`"),
 ];
 

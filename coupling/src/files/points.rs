@@ -34,6 +34,42 @@ pub struct PointFault {
 ///
 /// [`PointFault`], for the first wrong line.
 pub fn points_from(text: &str) -> Result<Points, PointFault> {
+    read(text, |_| Ok(()))
+}
+
+/// Points of a text in space, without their names; m.
+///
+/// # Errors
+///
+/// [`PointFault`], for the first wrong line, and for lines without z or that are numbered instead of named.
+pub fn cloud_from(text: &str) -> Result<Vec<[f64; 3]>, PointFault> {
+    let mut may_count = false;
+    let points = read(text, |columns| {
+        may_count = columns.has_more_than_a_point();
+        columns.in_space()
+    })?
+    .positions;
+    // a number before x, y and z counts the points, and no header says so
+    let counts = |(k, x): (usize, &[f64; 3])| x[0] == k as f64 + points[0][0];
+    let is_counted =
+        may_count && points.len() >= LEAST_COUNTED && [0.0, 1.0].contains(&points[0][0]);
+    if is_counted && points.iter().enumerate().all(counts) {
+        let what = "the first column counts the lines; name the columns in a header: id x y z";
+        return Err(PointFault {
+            line: 1,
+            what: what.into(),
+        });
+    }
+    Ok(points)
+}
+
+/// Fewest points whose x counts from 0 or 1 by chance or on purpose in no survey.
+const LEAST_COUNTED: usize = 5;
+
+fn read(
+    text: &str,
+    mut wanted: impl FnMut(&mut Columns) -> Result<(), String>,
+) -> Result<Points, PointFault> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let mut lines = (1..).zip(text.lines()).filter(|(_, line)| is_content(line));
     let refuse = |line: usize, what: String| PointFault { line, what };
@@ -45,7 +81,8 @@ pub fn points_from(text: &str) -> Result<Points, PointFault> {
     };
     let separator = Separator::of(head);
     let cells: Vec<&str> = separator.cells(head).collect();
-    let columns = Columns::of(&cells, separator).map_err(|what| refuse(first, what))?;
+    let mut columns = Columns::of(&cells, separator).map_err(|what| refuse(first, what))?;
+    wanted(&mut columns).map_err(|what| refuse(first, what))?;
     let mut points = Points::default();
     let mut row = Vec::new();
     let rest = lines;
@@ -109,6 +146,33 @@ mod tests {
         }
         let numbered = points_from("id,x,y\n7,1,2\n").unwrap();
         assert_eq!(numbered.names, ["7"]);
+    }
+
+    #[test]
+    fn a_cloud_has_heights_and_needs_no_names() {
+        let cloud = cloud_from("a 412100.5 6904200 12.25\nb 412110 6904210.5 -3\n");
+        assert_eq!(cloud.unwrap(), THREE);
+        for (text, expected) in [
+            ("x,y\n1,2\n", "line 1: no column is z (or elevation)"),
+            (
+                "1 2\n3 4\n",
+                "line 1: found two numbers, needed are x, y and z",
+            ),
+            ("1 2 3\n4 5 nan\n", "line 2: z is `nan`, needed is a number"),
+            (
+                "1 7 2 3\n2 8 2 3\n3 9 2 3\n4 7 3 3\n5 8 3 3\n",
+                "line 1: the first column counts the lines; name the columns in a header: id x y z",
+            ),
+        ] {
+            assert_eq!(cloud_from(text).unwrap_err().to_string(), expected);
+        }
+        // a section along x has three columns
+        assert_eq!(
+            cloud_from("1 0 2\n2 0 2\n3 0 2\n4 0 3\n5 0 3\n")
+                .unwrap()
+                .len(),
+            5
+        );
     }
 
     #[test]

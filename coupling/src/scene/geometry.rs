@@ -1,5 +1,6 @@
 //! Geometry of a scene: solids of blocks, terrain, and the bodies that become blocks.
 
+pub mod cloud;
 pub mod crs;
 pub mod features;
 pub mod geotiff;

@@ -10,6 +10,7 @@
 //! error relative to a range of zero, are `None`, never NaN.
 
 mod report;
+pub mod surfaces;
 
 pub use report::{CompareError, Report, compare_files, json, text};
 use serde::Serialize;

@@ -75,7 +75,11 @@ fn terrain(scene: &Scene) -> Vec<Line> {
         0 => String::new(),
         n => format!("; {n} points lay in gaps"),
     };
-    vec![(
+    let clouds = terrain.clouds.iter();
+    let mut lines: Vec<Line> = clouds
+        .map(|(file, report)| ("cloud", format!("`{file}`: {report}")))
+        .collect();
+    lines.push((
         "terrain",
         format!(
             "{} x {} points {} m apart, x from {:.3} to {:.3}, y from {:.3} to {:.3}; (0, 0, 0) is ({}, {}, {}) on the map{filled}",
@@ -90,7 +94,8 @@ fn terrain(scene: &Scene) -> Vec<Line> {
             origin.1,
             origin.2
         ),
-    )]
+    ));
+    lines
 }
 
 fn surfaces(scene: &Scene) -> Vec<Line> {

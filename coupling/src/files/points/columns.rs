@@ -112,6 +112,21 @@ impl Columns {
         })
     }
 
+    /// Makes z a must, and leaves names out.
+    pub(super) fn in_space(&mut self) -> Result<(), String> {
+        self.name = None;
+        match (self.axes[2], self.has_header) {
+            (Some(_), _) => Ok(()),
+            (None, true) => Err(format!("no column is {}", CALLED[2])),
+            (None, false) => Err("found two numbers, needed are x, y and z".into()),
+        }
+    }
+
+    /// Whether there is no header and at least one number beside x, y and z.
+    pub(super) fn has_more_than_a_point(&self) -> bool {
+        !self.has_header && self.axes[0].map(|(k, _)| k) == Some(0) && self.n > 3
+    }
+
     /// Appends the point of a line.
     pub(super) fn point(&self, cells: &[&str], points: &mut Points) -> Result<(), String> {
         if cells.len() != self.n {

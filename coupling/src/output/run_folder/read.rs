@@ -4,7 +4,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use super::{CASE, SUMMARY};
-use crate::scene::file::{ResolutionFile, SceneFile, ShapeFile};
+use crate::scene::file::{ResolutionFile, SceneFile, ShapeFile, Triple};
 use crate::scene::resolved::recording::Viewpoint;
 
 /// Failure to read a file of a run folder.
@@ -39,6 +39,8 @@ pub struct RunScene {
     pub is_terrain: Vec<bool>,
     /// Particle spacing as written, if it is; m.
     pub particle_spacing: Option<f64>,
+    /// Map coordinates of (0, 0, 0) in the scene, and the reference system as written; m.
+    pub map: (Triple, Option<String>),
 }
 
 /// Reads `case.ron`.
@@ -59,7 +61,9 @@ pub fn read_scene(folder: &Path) -> Result<RunScene, ReadError> {
             })?;
     let is_terrain =
         |shape: &ShapeFile| matches!(shape, ShapeFile::Raster { .. } | ShapeFile::Terrain);
+    let map = file.terrain.as_ref().map(|t| (t.origin, t.crs.clone()));
     Ok(RunScene {
+        map: map.unwrap_or_default(),
         title: file.title,
         camera: file.camera.as_ref().map(Viewpoint::from),
         is_terrain: file.blocks.iter().map(|b| is_terrain(&b.shape)).collect(),

@@ -43,8 +43,8 @@ pub struct TerrainFile {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct HeightsFile {
-    /// Path, relative to the scene file: a raster (.asc, .tif), or a triangulated
-    /// survey (.stl, .obj, .ply, .vtk, .vtp, .vtu), of which the highest triangle is used.
+    /// Path, relative to the scene file: a raster (.asc, .tif), a cloud of scattered points (.xyz, .csv, .txt with columns x, y and
+    /// z; .las, .laz), or a triangulated survey (.stl, .obj, .ply, .vtk, .vtp, .vtu), of which the highest triangle is used.
     pub file: String,
     /// Meters per unit of its elevations: 0.3048 for feet.
     #[serde(default = "one")]
@@ -56,6 +56,10 @@ pub struct HeightsFile {
     /// bathymetry; m, scaled and shifted.
     #[serde(default)]
     pub heights: Option<(f64, f64)>,
+    /// Spacing of the points that a cloud is interpolated at; when left out the median of the spacings of its points. Places
+    /// farther than three of these spacings and than one cell from any point have no elevation; m.
+    #[serde(default)]
+    pub cell: Option<f64>,
 }
 
 /// Treatment of locations without an elevation.

@@ -142,7 +142,7 @@ impl Crs {
         match self.odd_unit() {
             None => Ok(()),
             Some(unit) => Err(Fault::Format(format!(
-                "has a plan in units of {unit:.6} m, {self}; project it to meters with {} -t_srs",
+                "has a plan in units of {unit:.6} m, {self}; project it to meters with {}",
                 content.tool()
             ))),
         }
@@ -240,42 +240,49 @@ pub enum Content {
     Raster,
     /// Points, lines and polygons.
     Features,
+    /// Scattered points with elevations.
+    Cloud,
 }
 
 impl Content {
-    fn tool(self) -> &'static str {
+    /// Program that projects a file, and its option for the system.
+    pub(super) fn tool(self) -> &'static str {
         match self {
-            Self::Raster => "gdalwarp",
-            Self::Features => "ogr2ogr",
+            Self::Raster => "gdalwarp -t_srs",
+            Self::Features => "ogr2ogr -t_srs",
+            Self::Cloud => "pdal translate, --filters.reprojection.out_srs",
+        }
+    }
+
+    /// Command that projects a file into a system; `source` for a file that does not name its own.
+    fn command(self, target: &str, source: &str) -> String {
+        let from = |option: &str| match source {
+            "" => String::new(),
+            system => format!("{option}{system} "),
+        };
+        match self {
+            Self::Raster => format!("gdalwarp {}-t_srs {target} in out.tif", from("-s_srs ")),
+            Self::Features => format!("ogr2ogr {}-t_srs {target} out.geojson in", from("-s_srs ")),
+            Self::Cloud => format!(
+                "pdal translate in out.laz reprojection {}--filters.reprojection.out_srs={target}",
+                from("--filters.reprojection.in_srs=")
+            ),
         }
     }
 
     /// Command that projects a file into another system.
     pub fn projected_to(self, crs: &Crs) -> String {
-        let target = crs
-            .epsg
-            .map_or_else(|| "other.prj".into(), |code| format!("EPSG:{code}"));
-        format!("{} -t_srs {target} {}", self.tool(), self.files())
-    }
-
-    fn files(self) -> &'static str {
-        match self {
-            Self::Raster => "in out.tif",
-            Self::Features => "out.geojson in",
-        }
+        let code = crs.epsg.map(|code| format!("EPSG:{code}"));
+        self.command(code.as_deref().unwrap_or("other.prj"), "")
     }
 
     /// Fault of a map in degrees around a place, with its system if the file names it.
     pub fn in_degrees(self, crs: Option<&Crs>, at: [f64; 2]) -> Fault {
         let zone = utm_zone(at[0], at[1]);
-        let source = crs.map_or("-s_srs EPSG:4326 ", |_| "");
+        let source = crs.map_or("EPSG:4326", |_| "");
         Fault::Degrees {
             system: crs.map_or_else(String::new, |crs| format!(" of {crs}")),
-            command: format!(
-                "{} {source}-t_srs EPSG:{zone} {}",
-                self.tool(),
-                self.files()
-            ),
+            command: self.command(&format!("EPSG:{zone}"), source),
         }
     }
 }

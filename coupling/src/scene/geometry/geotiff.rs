@@ -13,11 +13,16 @@ use super::crs::Content;
 use super::terrain::grid::{Grid, MapGrid};
 use crate::scene::access::fault::Fault;
 use georeference::Georeference;
-use keys::Keys;
+pub(super) use keys::Keys;
 pub use write::{GeoTiffError, written};
 
 /// Largest number of points of a grid; each takes 8 bytes.
 const MOST_POINTS: u64 = 50_000_000;
+
+/// Most bytes that a byte of a compressed file stands for: codes of 12 bits for texts of up to 4096 bytes in LZW; 1032 in deflate.
+const DENSEST: u64 = 2731;
+/// Value of the tag of images without compression.
+const UNCOMPRESSED: u16 = 1;
 
 /// A file in memory.
 type File<'a> = Decoder<Cursor<&'a [u8]>>;
@@ -62,8 +67,9 @@ pub fn raster_from(content: &[u8]) -> Result<MapGrid, Fault> {
     if let Some(crs) = &crs {
         crs.in_meters(Content::Raster, place.middle(n))?;
     }
-    keys.in_meters()?;
+    keys.in_meters(Content::Raster)?;
     let (corner, spacing) = place.square_grid(n)?;
+    refuse_short(&mut file, content.len() as u64)?;
     let rows = heights(&mut file, n)?;
     let heights = if place.is_north_up() {
         rows.chunks_exact(n[0]).rev().flatten().copied().collect()
@@ -79,6 +85,25 @@ pub fn raster_from(content: &[u8]) -> Result<MapGrid, Fault> {
         },
         crs,
     })
+}
+
+/// Check of the size of the image against the length (bytes) of the file, before memory is reserved for it.
+fn refuse_short(file: &mut File, length: u64) -> Result<(), Fault> {
+    let (columns, rows) = file.dimensions().map_err(unread)?;
+    let bits = u64::from(file.colortype().map_err(unread)?.bit_depth());
+    let bytes = u64::from(columns) * u64::from(rows) * bits / 8;
+    let compression = file.find_tag(Tag::Compression).ok().flatten();
+    let compression = compression.and_then(|value| value.into_u16().ok());
+    let held = match compression.unwrap_or(UNCOMPRESSED) {
+        UNCOMPRESSED => length,
+        _ => length.saturating_mul(DENSEST),
+    };
+    if bytes > held {
+        return Err(refuse(format!(
+            "is cut off: {columns} x {rows} points are {bytes} bytes, the file has {length}; copy it again"
+        )));
+    }
+    Ok(())
 }
 
 fn refuse(what: impl Into<String>) -> Fault {

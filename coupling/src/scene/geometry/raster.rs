@@ -64,19 +64,19 @@ pub fn raster_from(content: &[u8]) -> Result<MapGrid, Fault> {
     })
 }
 
-/// Check of a raster without a reference system, its heights already in meters: in degrees its relief is many times its
+/// Check of elevations without a reference system, its heights already in meters: in degrees its relief is many times its
 /// extent.
 ///
 /// # Errors
 ///
 /// [`Fault::Degrees`].
-pub fn refuse_degrees(grid: &Grid) -> Result<(), Fault> {
+pub fn refuse_degrees(grid: &Grid, content: Content) -> Result<(), Fault> {
     let (low, high) = grid.range();
     let ([west, south], [east, north]) = (grid.corner, grid.far_corner());
     let is_on_earth = -360.0 <= west && east <= 360.0 && -90.0 <= south && north <= 90.0;
     let extent = (east - west).max(north - south);
     if is_on_earth && grid.spacing < SMALL_CELL && high - low > RELIEF_IN_DEGREES * extent {
-        return Err(Content::Raster.in_degrees(None, grid.middle()));
+        return Err(content.in_degrees(None, grid.middle()));
     }
     Ok(())
 }
@@ -105,7 +105,7 @@ pub fn terrain_from(content: &[u8], origin: (f64, f64)) -> Result<Shape, Fault> 
 }
 
 fn of_grid(mut grid: Grid, origin: (f64, f64)) -> Result<Shape, Fault> {
-    refuse_degrees(&grid)?;
+    refuse_degrees(&grid, Content::Raster)?;
     grid.shift([-origin.0, -origin.1]);
     let surface = triangulate(&grid)?;
     Ok(Shape::Surface(Arc::new(surface)))

@@ -19,6 +19,7 @@ use crate::scene::file::{
     BlockFile, FailureSurfaceFile, FluidFile, HeightsFile, OutlineFile, ResolutionFile, SceneFile,
     ShapeFile, SlideFile, TerrainFile, Triple, vec3,
 };
+use crate::scene::geometry::cloud::CloudReport;
 use crate::scene::geometry::crs::{Content, Crs};
 use excavation::{Excavated, excavated};
 use grid::Grid;
@@ -48,6 +49,8 @@ pub struct Terrain {
     pub warnings: Vec<Problem>,
     /// Points filled in gaps of the sources.
     pub n_filled: usize,
+    /// Clouds among the sources: file and properties.
+    pub clouds: Vec<(String, CloudReport)>,
 }
 
 /// Rock of a slide.
@@ -117,7 +120,9 @@ pub fn resolve(file: &SceneFile, access: &Access) -> Result<Option<Terrain>, Vec
     }
     let tolerance = (terrain.tolerance).unwrap_or_else(|| chosen_tolerance(file, spacing));
     let Merged { grid, n_filled } = merge(terrain, &sources, spacing).map_err(|p| vec![p])?;
-    let warnings = plausible::warnings(&grid, terrain);
+    let mut warnings = plausible::warnings(&grid, terrain);
+    warnings.extend(steps(&sources));
+    let clouds = (sources.iter()).filter_map(|s| Some((s.file.clone(), s.cloud.clone()?)));
     let (surface, pieces) = excavate(&grid, &holes, tolerance)?;
     let material = |name: &str| file.materials.iter().position(|m| m.name == name);
     let is_ground = |block: &&BlockFile| matches!(block.shape, ShapeFile::Terrain);
@@ -140,6 +145,7 @@ pub fn resolve(file: &SceneFile, access: &Access) -> Result<Option<Terrain>, Vec
             .collect(),
         warnings,
         n_filled,
+        clouds: clouds.collect(),
     }))
 }
 
@@ -162,16 +168,32 @@ fn sources_of(terrain: &TerrainFile, access: &Access) -> Result<Vec<Source>, Vec
     }
 }
 
+/// Warnings of clouds with several heights at one place.
+fn steps(sources: &[Source]) -> Vec<Problem> {
+    let told = sources.iter().enumerate().filter_map(|(k, source)| {
+        let steps = source.cloud.as_ref()?.steps;
+        (steps.n > 0).then(|| {
+            let what = format!(
+                "`{}`: has points one above the other at {} places, at ({:.2}, {:.2}) {:.3} m apart; the median is taken: are all points of the ground?",
+                source.file, steps.n, steps.at[0], steps.at[1], steps.largest
+            );
+            Problem::warning(format!("terrain.sources[{k}].file"), what)
+        })
+    });
+    told.collect()
+}
+
 /// An excavation: its path in the file, its outline and its base.
 type Hole = (String, Outline, Base);
 
 /// Reference systems of the rasters.
 fn named(sources: &[Source], holes: &[Hole]) -> Vec<Named> {
     let raster = |path: String, source: &Source| {
+        let of_cloud = source.cloud.as_ref().map(|_| Content::Cloud);
         Some(Named {
             path,
             file: source.file.clone(),
-            content: Content::Raster,
+            content: of_cloud.unwrap_or(Content::Raster),
             crs: source.crs.clone()?,
         })
     };
@@ -285,6 +307,7 @@ fn hole(
                 height_scale: *height_scale,
                 height_shift: *height_shift,
                 heights: None,
+                cell: None,
             };
             let source = Source::read(&heights, origin, access).map_err(|error| {
                 Problem::error(format!("{path}.failure_surface.file"), error.to_string())

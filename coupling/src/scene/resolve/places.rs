@@ -1,6 +1,8 @@
 //! Doubtful places: blocks outside of the domain or far larger than it, gauges that stay dry, failure planes that dip into the
 //! hill.
 
+use std::cell::OnceCell;
+
 use riprap_dda::{Motion, Polyhedron, Shape, Vec3};
 
 use super::solids::Solids;
@@ -10,6 +12,7 @@ use crate::scene::file::{
     FailureSurfaceFile, GaugeFile, RegionShapeFile, SceneFile, ShapeFile, SlideFile, vec3,
 };
 use crate::scene::fill::Lattice;
+use crate::scene::geometry::cloud::neighbors::Neighbors;
 use crate::scene::geometry::terrain::Terrain;
 use crate::scene::geometry::terrain::outline::Outline;
 use crate::world::ground::{Ground, fan};
@@ -178,7 +181,8 @@ pub(super) fn dry_gauges(file: &SceneFile, solids: &Solids, lattice: &Lattice) -
         match gauge {
             GaugeFile::SurfaceElevation { name, x, y } => {
                 if let Some(ground) = land.high_ground(&[[*x, *y]]) {
-                    let message = land.dry(name, ground, "it stays dry");
+                    let right = format!("it stays dry{}", land.nearest_water([*x, *y]));
+                    let message = land.dry(name, ground, &right);
                     found.push(Problem::warning(format!("gauges[{index}].x"), message));
                 }
             }
@@ -188,16 +192,19 @@ pub(super) fn dry_gauges(file: &SceneFile, solids: &Solids, lattice: &Lattice) -
                     .map(|s| [from.0 + s * (to.0 - from.0), from.1 + s * (to.1 - from.1)])
                     .collect();
                 if let Some(ground) = land.high_ground(&line) {
-                    let message = land.dry(name, ground, "start the line in the water");
+                    let near = land.nearest_water([from.0, from.1]);
+                    let right = format!("start the line in the water{near}");
+                    let message = land.dry(name, ground, &right);
                     found.push(Problem::warning(format!("gauges[{index}].from"), message));
                 }
             }
             GaugeFile::Pressure { name, position } | GaugeFile::Velocity { name, position } => {
                 if let Some(block) = land.block_around(&vec3(*position)) {
+                    let near = land.nearest_water([position.0, position.1]);
                     found.push(Problem::warning(
                         format!("gauges[{index}].position"),
                         format!(
-                            "gauge `{name}` at {position:?} is inside block `{block}`; move it into the water"
+                            "gauge `{name}` at {position:?} is inside block `{block}`; move it into the water{near}"
                         ),
                     ));
                 }
@@ -213,6 +220,8 @@ struct Land<'a> {
     fixed: Vec<&'a (String, Shape)>,
     ground: Ground,
     lattice: &'a Lattice,
+    /// Columns of water in plan view, once a gauge asks for them.
+    columns: OnceCell<Option<Neighbors<2>>>,
 }
 
 impl<'a> Land<'a> {
@@ -227,7 +236,32 @@ impl<'a> Land<'a> {
             ground: Ground::over(triangles.collect()),
             fixed,
             lattice,
+            columns: OnceCell::new(),
         }
+    }
+
+    fn columns(&self) -> Option<&Neighbors<2>> {
+        let columns = self.columns.get_or_init(|| {
+            let mut places: Vec<[f64; 2]> = (self.lattice.positions.iter())
+                .map(|x| [x.x, x.y])
+                .collect();
+            places.sort_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
+            places.dedup();
+            Neighbors::of(places)
+        });
+        columns.as_ref()
+    }
+
+    /// The column of water nearest to a point in plan view, in words.
+    fn nearest_water(&self, place: [f64; 2]) -> String {
+        self.columns().map_or_else(String::new, |columns| {
+            let nearest = columns.nearest(&place);
+            let [x, y] = columns.points()[nearest.index].map(digits);
+            format!(
+                "; the nearest water is at ({x}, {y}), {:.1} m away",
+                nearest.distance
+            )
+        })
     }
 
     /// Lowest ground at some points in plan view, if all of it is as high above the water as that is deep; m.
@@ -244,9 +278,14 @@ impl<'a> Land<'a> {
     /// True for water below one of some points, such as in a tunnel.
     fn has_water_at(&self, points: &[[f64; 2]]) -> bool {
         let [dx, dy, _] = self.lattice.spacing;
-        self.lattice.positions.iter().any(|x| {
-            let is_near = |p: &[f64; 2]| (x.x - p[0]).abs() <= dx && (x.y - p[1]).abs() <= dy;
-            points.iter().any(is_near)
+        let Some(columns) = self.columns() else {
+            return false;
+        };
+        points.iter().any(|p| {
+            // the circle around the rectangle, then the rectangle
+            let near = columns.within(p, 1.001 * dx.hypot(dy));
+            let is_near = |x: [f64; 2]| (x[0] - p[0]).abs() <= dx && (x[1] - p[1]).abs() <= dy;
+            near.into_iter().any(|k| is_near(columns.points()[k]))
         })
     }
 

@@ -82,6 +82,8 @@ impl Checks {
             let path = |field: &str| format!("terrain.sources[{index}].{field}");
             let what = format!("height_scale of `{}`", source.file);
             self.positive(path("height_scale"), &what, source.height_scale);
+            let what = format!("cell of `{}`", source.file);
+            self.positive(path("cell"), &what, source.cell);
             if let Some((low, high)) = source.heights
                 && !(low < high)
             {

@@ -4,7 +4,7 @@ use tiff::tags::Tag;
 
 use super::{File, refuse};
 use crate::scene::access::fault::Fault;
-use crate::scene::geometry::crs::Crs;
+use crate::scene::geometry::crs::{Content, Crs};
 
 /// Numbers of keys.
 pub(super) const MODEL_TYPE: u16 = 1024;
@@ -27,7 +27,7 @@ pub(super) const TEXT_OF_SYSTEM: &str = "ESRI PE String = ";
 const WGS_84: u16 = 4326;
 
 /// Keys of a file.
-pub(super) struct Keys {
+pub(in crate::scene::geometry) struct Keys {
     /// Entries of four: key, place of the value, count, value or index.
     entries: Vec<u16>,
     texts: String,
@@ -41,17 +41,22 @@ impl Keys {
     /// [`Fault::Format`] for an entry that is cut off.
     pub(super) fn read(file: &mut File) -> Result<Self, Fault> {
         let entries = file.get_tag_u16_vec(Tag::GeoKeyDirectoryTag);
-        let entries = entries.unwrap_or_default();
+        let texts = file.get_tag_ascii_string(Tag::GeoAsciiParamsTag);
+        Self::of(entries.unwrap_or_default(), texts.unwrap_or_default())
+    }
+
+    /// Keys of a directory and of the texts that it points into.
+    ///
+    /// # Errors
+    ///
+    /// As [`Keys::read`].
+    pub(in crate::scene::geometry) fn of(entries: Vec<u16>, texts: String) -> Result<Self, Fault> {
         if !entries.len().is_multiple_of(4) {
             return Err(refuse(
                 "has a directory of GeoKeys that is cut off; export it again",
             ));
         }
-        let texts = file.get_tag_ascii_string(Tag::GeoAsciiParamsTag);
-        Ok(Self {
-            entries,
-            texts: texts.unwrap_or_default(),
-        })
+        Ok(Self { entries, texts })
     }
 
     fn entry(&self, key: u16) -> Option<&[u16]> {
@@ -77,7 +82,7 @@ impl Keys {
     }
 
     /// The reference system, by its code or by the well-known text of its citation.
-    pub(super) fn crs(&self) -> Option<Crs> {
+    pub(in crate::scene::geometry) fn crs(&self) -> Option<Crs> {
         let code = |key| self.value(key).filter(|code| *code != USER_DEFINED);
         if self.value(MODEL_TYPE) == Some(GEOGRAPHIC) {
             let code = code(GEOGRAPHIC_SYSTEM).and_then(|code| Crs::of_epsg(code).ok());
@@ -96,10 +101,11 @@ impl Keys {
     /// # Errors
     ///
     /// [`Fault::Format`].
-    pub(super) fn in_meters(&self) -> Result<(), Fault> {
+    pub(in crate::scene::geometry) fn in_meters(&self, content: Content) -> Result<(), Fault> {
         match self.value(LINEAR_UNITS) {
             Some(unit) if unit != METER && unit != USER_DEFINED => Err(refuse(format!(
-                "has a plan in units of EPSG {unit}, needed are meters (9001); project it with gdalwarp -t_srs"
+                "has a plan in units of EPSG {unit}, needed are meters (9001); project it with {}",
+                content.tool()
             ))),
             _ => Ok(()),
         }

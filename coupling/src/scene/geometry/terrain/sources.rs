@@ -2,14 +2,15 @@
 
 use std::path::Path;
 
-use riprap_dda::Shape;
+use riprap_dda::{Shape, Vec3};
 
 use super::grid::Grid;
 use crate::scene::access::Access;
 use crate::scene::access::fault::{Fault, MeshError};
 use crate::scene::error::Problem;
 use crate::scene::file::{GapsFile, HeightsFile, TerrainFile};
-use crate::scene::geometry::crs::Crs;
+use crate::scene::geometry::cloud::{self, CloudReport};
+use crate::scene::geometry::crs::{Content, Crs};
 use crate::scene::geometry::mesh;
 use crate::scene::geometry::raster::{self, refuse_degrees};
 use crate::world::ground::Ground;
@@ -30,6 +31,8 @@ pub struct Source {
     pub file: String,
     /// Reference system of its map, if known.
     pub crs: Option<Crs>,
+    /// Properties of a cloud.
+    pub cloud: Option<CloudReport>,
     heights: Heights,
     /// Range outside of which elevations are missing; m.
     range: (f64, f64),
@@ -57,16 +60,35 @@ impl Source {
         access: &Access,
     ) -> Result<Self, MeshError> {
         let place = |z: f64| file.height_scale * z + file.height_shift - origin.2;
-        let mut crs = None;
-        let heights = if is_raster(&file.file) {
-            let raster = raster::read(access, &file.file)?;
+        let (mut crs, mut cloud) = (None, None);
+        let is_cloud = is_cloud(access, &file.file);
+        if file.cell.is_some() && !is_cloud {
+            let what = "has a `cell`, which is of clouds of points (.xyz, .csv, .txt, .las, .laz); leave it out";
+            return Err(refused(&file.file, Fault::Format(what.into())));
+        }
+        let heights = if is_cloud || is_raster(&file.file) {
+            let raster = if is_cloud {
+                let points = cloud::read(access, &file.file)?;
+                let (raster, report) = points
+                    .grid(file.cell)
+                    .map_err(|fault| refused(&file.file, fault))?;
+                cloud = Some(report);
+                raster
+            } else {
+                raster::read(access, &file.file)?
+            };
             crs = raster.crs;
             let mut grid = raster.grid;
             for height in &mut grid.heights {
                 *height = place(*height);
             }
             if crs.is_none() {
-                refuse_degrees(&grid).map_err(|fault| refused(&file.file, fault))?;
+                let content = if is_cloud {
+                    Content::Cloud
+                } else {
+                    Content::Raster
+                };
+                refuse_degrees(&grid, content).map_err(|fault| refused(&file.file, fault))?;
             }
             grid.shift([-origin.0, -origin.1]);
             Heights::Raster(grid)
@@ -95,6 +117,7 @@ impl Source {
         Ok(Self {
             file: file.file.clone(),
             crs,
+            cloud,
             heights,
             range: file
                 .heights
@@ -115,8 +138,32 @@ impl Source {
             height_scale: 1.0,
             height_shift: 0.0,
             heights: None,
+            cell: None,
         };
         Self::read(&file, (0.0, 0.0, 0.0), access)
+    }
+
+    /// Highest of some triangles (m) at each place, as a source of a name; `None` if none looks up.
+    pub fn of_triangles(file: String, triangles: Vec<[Vec3; 3]>, crs: Option<Crs>) -> Option<Self> {
+        let corners = triangles.iter().flatten();
+        let nothing = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
+        let (low, high) = corners.fold(nothing, |(low, high), x| {
+            (
+                [low[0].min(x.x), low[1].min(x.y)],
+                [high[0].max(x.x), high[1].max(x.y)],
+            )
+        });
+        let ground = Ground::over(triangles);
+        (!ground.is_empty()).then_some(Self {
+            file,
+            crs,
+            cloud: None,
+            heights: Heights::Survey {
+                ground,
+                extent: [low, high],
+            },
+            range: (f64::NEG_INFINITY, f64::INFINITY),
+        })
     }
 
     /// Elevation at a position in plan view, `None` where missing; m.
@@ -155,6 +202,19 @@ fn refused(file: &str, fault: Fault) -> MeshError {
 fn extension(file: &str) -> String {
     let extension = Path::new(file).extension().unwrap_or_default();
     extension.to_string_lossy().to_lowercase()
+}
+
+fn is_cloud(access: &Access, file: &str) -> bool {
+    cloud::is_cloud(&extension(file), || access.read(file).ok())
+}
+
+/// Whether the name of a file is that of elevations and of no table.
+pub fn is_surface(file: &str) -> bool {
+    let extension = extension(file);
+    let others = [
+        "xyz", "las", "laz", "stl", "obj", "ply", "vtk", "vtp", "vtu",
+    ];
+    others.contains(&extension.as_str()) || (is_raster(file) && extension != "txt")
 }
 
 fn is_raster(file: &str) -> bool {
