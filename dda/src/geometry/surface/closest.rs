@@ -1,9 +1,10 @@
 //! Closest points of a surface, in front of it and behind.
 
-use super::{FLAT, NONE, Surface, aabb};
+use super::{FLAT, NONE, Surface};
 use crate::geometry::bounds::Bounds;
 use crate::{SurfacePoint, Vec3};
-use parry3d_f64::bounding_volume::BoundingVolume;
+use parry3d_f64::partitioning::BvhNode;
+use std::cell::Cell;
 
 impl Surface {
     /// Triangles near a body whose boxes are no farther than some depth (m) from a box, and a quarter of it.
@@ -96,10 +97,32 @@ impl Surface {
         if nearest.square <= near.reach * near.reach {
             return Some(nearest);
         }
-        let distance = nearest.square.sqrt();
-        let wanted = aabb(&(x.add_scalar(-distance), x.add_scalar(distance)));
-        let leaves = self.tree.leaves(|node| node.aabb().intersects(&wanted));
-        self.nearest(leaves, x, Some(nearest))
+        self.nearest_within(x, nearest.square).or(Some(nearest))
+    }
+
+    /// Closest point of all triangles no farther than a squared distance (m²). Ties between neighbors go to the lowest triangle,
+    /// whatever the tree.
+    fn nearest_within(&self, x: &Vec3, square: f64) -> Option<Nearest> {
+        let best = Cell::new(None::<Nearest>);
+        let to_box = |node: &BvhNode, _| {
+            let (low, high) = (node.mins(), node.maxs());
+            let outside = |low: f64, high: f64, x: f64| (low - x).max(x - high).max(0.0);
+            let u = outside(low.x, high.x, x.x);
+            let v = outside(low.y, high.y, x.y);
+            let w = outside(low.z, high.z, x.z);
+            // less the round-off, so that neighbors as far as the best are seen
+            (1.0 - ROUND_OFF) * (u * u + v * v + w * w)
+        };
+        let to_triangle = |triangle: u32, least: f64| {
+            if self.is_farther(triangle, x, least.min(square)) {
+                return None;
+            }
+            best.set(self.nearest(std::iter::once(triangle), x, best.get()));
+            best.get().map(|found| found.square)
+        };
+        self.tree
+            .find_best(square * (1.0 + ROUND_OFF), to_box, to_triangle);
+        best.get().filter(|found| found.square <= square)
     }
 
     /// Is a triangle farther than a squared distance (m²), by its box or its plane?
@@ -189,27 +212,8 @@ impl Surface {
     /// Closest point, with the distance negative behind the surface, or `None` if it is farther than `cutoff`
     /// (m). At the rim of an open surface the side is that of the plane that ends there.
     pub fn surface_point_within(&self, x: &Vec3, cutoff: f64) -> Option<SurfacePoint> {
-        let extent = (self.bounds.1 - self.bounds.0).norm();
-        let outside = (self.bounds.0 - x)
-            .sup(&(x - self.bounds.1))
-            .sup(&Vec3::zeros());
-        let farthest = outside.norm() + extent;
-        let mut reach = f64::max(
-            outside.norm(),
-            extent / (self.triangles.len() as f64).sqrt(),
-        );
-        loop {
-            reach = reach.min(cutoff);
-            let wanted = aabb(&(x.add_scalar(-reach), x.add_scalar(reach)));
-            let leaves = self.tree.leaves(|node| node.aabb().intersects(&wanted));
-            match self.nearest(leaves, x, None) {
-                Some(nearest) if nearest.square <= reach * reach => {
-                    return Some(self.signed(&nearest, x));
-                }
-                _ if reach >= cutoff || reach > farthest => return None,
-                _ => reach *= 2.0,
-            }
-        }
+        let nearest = self.nearest_within(x, cutoff * cutoff)?;
+        Some(self.signed(&nearest, x))
     }
 
     fn signed(&self, nearest: &Nearest, x: &Vec3) -> SurfacePoint {
