@@ -10,6 +10,7 @@ mod system;
 pub mod triangles;
 
 use std::sync::Arc;
+use std::time::{Duration, Instant};
 
 use riprap_dda::{Polyhedron, Surface};
 
@@ -25,7 +26,7 @@ use grid::Grid;
 use outline::Outline;
 use sources::{Merged, Source, merge};
 use system::Named;
-use triangles::{Triangles, TrianglesError, triangulated};
+use triangles::{Quality, Triangles, TrianglesError, triangulated};
 
 /// The terrain of a scene.
 #[derive(Clone, Debug)]
@@ -34,8 +35,16 @@ pub struct Terrain {
     pub grid: Grid,
     /// The ground.
     pub surface: Arc<Surface>,
-    /// Largest distance of the triangles from the points of the grid; m.
+    /// Tolerance of the distance of the triangles from the points of the grid; m.
     pub tolerance: f64,
+    /// Origin of the tolerance.
+    pub tolerance_of: ToleranceOf,
+    /// Errors and angles of the triangles before any excavation.
+    pub quality: Quality,
+    /// Whether rock is taken out of it.
+    pub is_excavated: bool,
+    /// Time that reading and triangulation took.
+    pub making: Making,
     /// Map coordinates of x = y = 0 in the scene, and the elevation of z = 0; m.
     pub origin: Triple,
     /// Reference system of the map, if known.
@@ -48,6 +57,52 @@ pub struct Terrain {
     pub warnings: Vec<Problem>,
     /// Points filled in gaps of the sources.
     pub n_filled: usize,
+}
+
+/// Origin of the tolerance of triangles.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ToleranceOf {
+    /// The scene states it.
+    Scene,
+    /// A fraction of the distance of particles; m.
+    Particles(f64),
+    /// A fraction of the distance of joints; m.
+    Joints(f64),
+    /// A fraction of the distance of the points; m.
+    Points(f64),
+}
+
+impl ToleranceOf {
+    /// m; zero where the scene states it.
+    fn tolerance(self) -> f64 {
+        match self {
+            Self::Scene => 0.0,
+            Self::Particles(spacing) | Self::Joints(spacing) => NOT_FELT * spacing,
+            Self::Points(spacing) => TOLERANCE * spacing,
+        }
+    }
+}
+
+impl std::fmt::Display for ToleranceOf {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Scene => write!(f, "as the scene states"),
+            Self::Particles(spacing) => {
+                write!(f, "{NOT_FELT} of the {spacing} m between particles")
+            }
+            Self::Joints(spacing) => write!(f, "{NOT_FELT} of the {spacing} m between joints"),
+            Self::Points(spacing) => write!(f, "{TOLERANCE} of the {spacing} m between points"),
+        }
+    }
+}
+
+/// Wall time of making a terrain.
+#[derive(Clone, Copy, Debug)]
+pub struct Making {
+    /// Files read and merged.
+    pub reading: Duration,
+    /// Triangles, excavations and surface.
+    pub triangles: Duration,
 }
 
 /// Rock of a slide.
@@ -97,6 +152,7 @@ pub fn resolve(file: &SceneFile, access: &Access) -> Result<Option<Terrain>, Vec
     let Some(terrain) = &file.terrain else {
         return Ok(None);
     };
+    let start = Instant::now();
     let sources = sources_of(terrain, access);
     let holes = holes_of(terrain, &file.slides, access);
     let (sources, (holes, drawn)) = match (sources, holes) {
@@ -115,10 +171,22 @@ pub fn resolve(file: &SceneFile, access: &Access) -> Result<Option<Terrain>, Vec
         let what = "a survey has no points at a regular distance; give the spacing of the terrain";
         return Err(vec![Problem::error("terrain.spacing", what)]);
     }
-    let tolerance = (terrain.tolerance).unwrap_or_else(|| chosen_tolerance(file, spacing));
+    let (tolerance, tolerance_of) = (terrain.tolerance).map_or_else(
+        || chosen_tolerance(file, spacing),
+        |t| (t, ToleranceOf::Scene),
+    );
     let Merged { grid, n_filled } = merge(terrain, &sources, spacing).map_err(|p| vec![p])?;
     let warnings = plausible::warnings(&grid, terrain);
-    let (surface, pieces) = excavate(&grid, &holes, tolerance)?;
+    let read = Instant::now();
+    let Ground {
+        surface,
+        quality,
+        pieces,
+    } = excavate(&grid, &holes, tolerance)?;
+    let making = Making {
+        reading: read - start,
+        triangles: read.elapsed(),
+    };
     let material = |name: &str| file.materials.iter().position(|m| m.name == name);
     let is_ground = |block: &&BlockFile| matches!(block.shape, ShapeFile::Terrain);
     let of_slides = pieces.into_iter().skip(terrain.excavations.len());
@@ -126,6 +194,10 @@ pub fn resolve(file: &SceneFile, access: &Access) -> Result<Option<Terrain>, Vec
     Ok(Some(Terrain {
         grid,
         tolerance,
+        tolerance_of,
+        quality,
+        is_excavated: !holes.is_empty(),
+        making,
         origin: terrain.origin,
         crs,
         material: (file.blocks.iter().find(is_ground)).and_then(|block| material(&block.material)),
@@ -216,19 +288,22 @@ fn holes_of(
 
 /// Distance that neither the water nor the blocks of the slides feel, a hundredth of the spacing (m) where there are neither: the
 /// roughness of a survey below that would only make more triangles; m.
-fn chosen_tolerance(file: &SceneFile, spacing: f64) -> f64 {
+fn chosen_tolerance(file: &SceneFile, spacing: f64) -> (f64, ToleranceOf) {
     let of_water = match file.fluid.as_ref().map(|fluid| fluid.resolution) {
-        Some(ResolutionFile::Spacing(particles)) => Some(NOT_FELT * particles),
+        Some(ResolutionFile::Spacing(particles)) => Some(ToleranceOf::Particles(particles)),
         Some(ResolutionFile::Count(_)) | None => None,
     };
     let joints = file.slides.iter().flat_map(|slide| &slide.joint_sets);
-    let of_blocks = joints.map(|set| NOT_FELT * set.spacing);
-    let not_felt = of_blocks.chain(of_water).fold(f64::INFINITY, f64::min);
-    if not_felt.is_finite() {
-        not_felt.max(TOLERANCE * spacing)
-    } else {
-        TOLERANCE * spacing
-    }
+    let not_felt = joints
+        .map(|set| ToleranceOf::Joints(set.spacing))
+        .chain(of_water)
+        .map(|of| (of.tolerance(), of))
+        .min_by(|(a, _), (b, _)| a.total_cmp(b));
+    let of_points = ToleranceOf::Points(spacing);
+    let least = of_points.tolerance();
+    not_felt
+        .filter(|(tolerance, _)| *tolerance > least)
+        .unwrap_or((least, of_points))
 }
 
 /// Spacing of the first raster, but not much finer than the water; m.
@@ -299,11 +374,14 @@ fn hole(
 type Piece = (Vec<Polyhedron>, f64);
 
 /// The ground without the rock above the failure surfaces, and that rock.
-fn excavate(
-    grid: &Grid,
-    holes: &[Hole],
-    tolerance: f64,
-) -> Result<(Surface, Vec<Piece>), Vec<Problem>> {
+struct Ground {
+    surface: Surface,
+    quality: Quality,
+    pieces: Vec<Piece>,
+}
+
+/// Triangulates a grid and excavates the rock above the failure surfaces.
+fn excavate(grid: &Grid, holes: &[Hole], tolerance: f64) -> Result<Ground, Vec<Problem>> {
     let outlines: Vec<Outline> = holes
         .iter()
         .map(|(_, outline, _)| outline.clone())
@@ -337,6 +415,7 @@ fn excavate(
             }
         }
     }
+    let quality = triangles.quality;
     let Excavated {
         points,
         triangles,
@@ -360,5 +439,9 @@ fn excavate(
             format!("is not a valid surface: {error}"),
         )]
     })?;
-    Ok((surface, rock.into_iter().zip(volumes).collect()))
+    Ok(Ground {
+        surface,
+        quality,
+        pieces: rock.into_iter().zip(volumes).collect(),
+    })
 }
