@@ -3,6 +3,7 @@
 mod rock;
 mod rough;
 mod terrain;
+mod triangles;
 mod water;
 
 use crate::support;

@@ -113,7 +113,8 @@ fn fit(terrain: &Terrain) -> String {
         String::new()
     };
     format!(
-        "within {:.3} m, {}: above the points by at most {:.3} m, below by {:.3} m, smallest angle {:.1} degrees{beside};          read in {:.2} s, triangles in {:.2} s",
+        "within {:.3} m, {}: above the points by at most {:.3} m, below by {:.3} m, smallest angle {:.1} degrees{beside}; \
+         read in {:.2} s, triangles in {:.2} s",
         terrain.tolerance,
         terrain.tolerance_of,
         fit.above,

@@ -9,7 +9,7 @@ use spade::{ConstrainedDelaunayTriangulation, HasPosition, Point2, Triangulation
 
 use super::TrianglesError;
 use super::field::{Corner, Field, Use};
-use super::refine::{Remedy, square_of_smallest_sine};
+use super::refine::{Remedy, remedy, square_of_smallest_sine};
 use super::sides::Side;
 
 /// Square of the sine of the smallest angle that is no sliver's, 20 degrees.
@@ -149,8 +149,9 @@ impl<'a, B: Fn(usize, [f64; 2]) -> f64> Mesher<'a, B> {
                     self.insert_point(wish.point, wish.face)?;
                 }
             } else if let Some(wish) = self.slivers.pop() {
-                if self.is_current(&wish) {
-                    self.mend(wish.face)?;
+                // what it takes away first may leave the sliver as it was
+                if self.is_current(&wish) && self.mend(wish.face)? && self.is_current(&wish) {
+                    self.slivers.push(wish);
                 }
             } else if !self.measure_all() {
                 return Ok(());
@@ -239,17 +240,19 @@ impl<'a, B: Fn(usize, [f64; 2]) -> f64> Mesher<'a, B> {
         Ok(())
     }
 
-    /// Improves a sliver.
-    fn mend(&mut self, face: Face) -> Result<(), TrianglesError> {
-        match remedy_of(self, face) {
-            Some(Remedy::Point(k)) => self.insert_point(k, face),
-            Some(Remedy::Cut(ends)) => self.cut(ends),
-            None => Ok(()),
+    /// Inserts a point against a sliver; false where none is of use.
+    fn mend(&mut self, face: Face) -> Result<bool, TrianglesError> {
+        let can_be_cut = |ends| self.middle(ends).is_some();
+        match remedy(&self.net, &self.field, face, can_be_cut) {
+            Some(Remedy::Point(k)) => self.insert_point(k, face)?,
+            Some(Remedy::Cut(ends)) => self.cut(ends)?,
+            None => return Ok(false),
         }
+        Ok(true)
     }
 
     /// Where a piece of a side may be cut.
-    pub(super) fn middle(&self, ends: [FixedVertexHandle; 2]) -> Option<u32> {
+    fn middle(&self, ends: [FixedVertexHandle; 2]) -> Option<u32> {
         let piece = self.pieces.get(&key(ends))?;
         (1 < piece.to - piece.from).then_some((piece.from + piece.to) / 2)
     }
@@ -344,12 +347,6 @@ impl<'a, B: Fn(usize, [f64; 2]) -> f64> Mesher<'a, B> {
         }
         true
     }
-}
-
-fn remedy_of<B: Fn(usize, [f64; 2]) -> f64>(mesher: &Mesher<'_, B>, face: Face) -> Option<Remedy> {
-    super::refine::remedy(&mesher.net, &mesher.field, face, |ends| {
-        mesher.middle(ends).is_some()
-    })
 }
 
 fn key(ends: [FixedVertexHandle; 2]) -> [usize; 2] {
