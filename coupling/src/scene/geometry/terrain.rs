@@ -7,6 +7,7 @@ pub mod outline;
 mod plausible;
 pub mod sources;
 mod system;
+pub mod tolerance;
 pub mod triangles;
 
 use std::sync::Arc;
@@ -26,6 +27,7 @@ use grid::Grid;
 use outline::Outline;
 use sources::{Merged, Source, merge};
 use system::Named;
+use tolerance::ToleranceOf;
 use triangles::{Quality, Triangles, TrianglesError, triangulated};
 
 /// The terrain of a scene.
@@ -59,43 +61,6 @@ pub struct Terrain {
     pub n_filled: usize,
 }
 
-/// Origin of the tolerance of triangles.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum ToleranceOf {
-    /// The scene states it.
-    Scene,
-    /// A fraction of the distance of particles; m.
-    Particles(f64),
-    /// A fraction of the distance of joints; m.
-    Joints(f64),
-    /// A fraction of the distance of the points; m.
-    Points(f64),
-}
-
-impl ToleranceOf {
-    /// m; zero where the scene states it.
-    fn tolerance(self) -> f64 {
-        match self {
-            Self::Scene => 0.0,
-            Self::Particles(spacing) | Self::Joints(spacing) => NOT_FELT * spacing,
-            Self::Points(spacing) => TOLERANCE * spacing,
-        }
-    }
-}
-
-impl std::fmt::Display for ToleranceOf {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            Self::Scene => write!(f, "as the scene states"),
-            Self::Particles(spacing) => {
-                write!(f, "{NOT_FELT} of the {spacing} m between particles")
-            }
-            Self::Joints(spacing) => write!(f, "{NOT_FELT} of the {spacing} m between joints"),
-            Self::Points(spacing) => write!(f, "{TOLERANCE} of the {spacing} m between points"),
-        }
-    }
-}
-
 /// Wall time of making a terrain.
 #[derive(Clone, Copy, Debug)]
 pub struct Making {
@@ -118,10 +83,6 @@ pub struct Rock {
     pub volume: f64,
 }
 
-/// Default tolerance of the triangles; × spacing of the terrain.
-const TOLERANCE: f64 = 0.01;
-/// Distance of the triangles from the terrain that water and blocks do not feel; × particle spacing and × the closest joints.
-const NOT_FELT: f64 = 0.03;
 /// Finest useful spacing of the terrain; × particle spacing.
 const FINEST_FOR_WATER: f64 = 0.2;
 
@@ -171,11 +132,9 @@ pub fn resolve(file: &SceneFile, access: &Access) -> Result<Option<Terrain>, Vec
         let what = "a survey has no points at a regular distance; give the spacing of the terrain";
         return Err(vec![Problem::error("terrain.spacing", what)]);
     }
-    let (tolerance, tolerance_of) = (terrain.tolerance).map_or_else(
-        || chosen_tolerance(file, spacing),
-        |t| (t, ToleranceOf::Scene),
-    );
     let Merged { grid, n_filled } = merge(terrain, &sources, spacing).map_err(|p| vec![p])?;
+    let of_tolerance = ToleranceOf::of(file, &grid);
+    let tolerance = of_tolerance.tolerance();
     let warnings = plausible::warnings(&grid, terrain);
     let read = Instant::now();
     let Ground {
@@ -194,7 +153,7 @@ pub fn resolve(file: &SceneFile, access: &Access) -> Result<Option<Terrain>, Vec
     Ok(Some(Terrain {
         grid,
         tolerance,
-        tolerance_of,
+        tolerance_of: of_tolerance,
         quality,
         is_excavated: !holes.is_empty(),
         making,
@@ -284,26 +243,6 @@ fn holes_of(
     } else {
         Err(problems)
     }
-}
-
-/// Distance that neither the water nor the blocks of the slides feel, a hundredth of the spacing (m) where there are neither: the
-/// roughness of a survey below that would only make more triangles; m.
-fn chosen_tolerance(file: &SceneFile, spacing: f64) -> (f64, ToleranceOf) {
-    let of_water = match file.fluid.as_ref().map(|fluid| fluid.resolution) {
-        Some(ResolutionFile::Spacing(particles)) => Some(ToleranceOf::Particles(particles)),
-        Some(ResolutionFile::Count(_)) | None => None,
-    };
-    let joints = file.slides.iter().flat_map(|slide| &slide.joint_sets);
-    let not_felt = joints
-        .map(|set| ToleranceOf::Joints(set.spacing))
-        .chain(of_water)
-        .map(|of| (of.tolerance(), of))
-        .min_by(|(a, _), (b, _)| a.total_cmp(b));
-    let of_points = ToleranceOf::Points(spacing);
-    let least = of_points.tolerance();
-    not_felt
-        .filter(|(tolerance, _)| *tolerance > least)
-        .unwrap_or((least, of_points))
 }
 
 /// Spacing of the first raster, but not much finer than the water; m.
