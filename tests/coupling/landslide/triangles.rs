@@ -195,8 +195,9 @@ fn outlines_are_kept_as_edges() {
     );
     println!("{away:.2} degrees, {beside:.2} beside outlines");
     assert!(SMALLEST_ANGLE <= away);
-    // half of a spacing beside a piece of a spacing and a half at most: atan(0.5 / 1.5) is 18 degrees, less beside a corner
-    assert!(8.0 < beside);
+    // half of a spacing beside a piece of a spacing and a half at most: atan(0.5 / 1.5) is 18 degrees, less beside a corner;
+    // measured 20.7
+    assert!(12.0 < beside);
     let area = |outline: usize| -> f64 {
         let within = triangles.corners.iter().zip(&triangles.outline);
         let own = within.filter(|(_, o)| **o == Some(outline));

@@ -182,8 +182,9 @@ impl<'a, B: Fn(usize, [f64; 2]) -> f64> Field<'a, B> {
         }
     }
 
-    /// The free point in a triangle with the largest vertical distance, and that distance (m).
-    pub(super) fn worst(&self, corners: &[Corner; 3]) -> Option<(usize, f64)> {
+    /// The free point in a triangle with the largest vertical distance, and that distance in whole steps of a length (m): of points
+    /// whose distances are the same but for round-off it is the first, wherever the map lies.
+    pub(super) fn worst(&self, corners: &[Corner; 3], step: f64) -> Option<(usize, f64)> {
         let ground = Plane::through(corners);
         let mut floor: Option<(u32, Plane)> = None;
         let mut found: Option<(usize, f64)> = None;
@@ -204,8 +205,9 @@ impl<'a, B: Fn(usize, [f64; 2]) -> f64> Field<'a, B> {
                 // NaN: there is no such surface here, which is refused later
                 distance = distance.max(below);
             }
-            if found.is_none_or(|(_, most)| most < distance) {
-                found = Some((k, distance));
+            let steps = (distance / step).ceil();
+            if found.is_none_or(|(_, most)| most < steps) {
+                found = Some((k, steps));
             }
         });
         found

@@ -19,6 +19,9 @@ use super::sides::Side;
 /// sides than those it began with.
 const SLIVER: f64 = 0.116_977_778_440_511;
 
+/// Difference of errors that counts as none; × tolerance.
+const SAME_ERROR: f64 = 1e-3;
+
 /// A corner of triangles.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Node {
@@ -52,7 +55,7 @@ struct Piece {
 /// A triangle that asks for a change; the most urgent first, of equals the first of the grid.
 #[derive(Clone, Copy, Debug)]
 struct Wish {
-    /// Error (m), or how far an angle is from that of no sliver (squares of sines).
+    /// Error in steps, or how far an angle is from that of no sliver (squares of sines).
     urgency: f64,
     /// The point of the grid that it asks for, if it is one.
     point: usize,
@@ -336,8 +339,9 @@ impl<'a, B: Fn(usize, [f64; 2]) -> f64> Mesher<'a, B> {
             face,
             version,
         };
-        if let Some((point, error)) = self.field.worst(&corners)
-            && self.tolerance < error
+        let step = SAME_ERROR * self.tolerance;
+        if let Some((point, error)) = self.field.worst(&corners, step)
+            && 1.0 < error * SAME_ERROR
         {
             self.errors.push(wish(error, point));
         }
