@@ -4,6 +4,7 @@ pub(crate) mod cloud;
 mod rock;
 mod rough;
 mod terrain;
+mod triangles;
 mod water;
 
 use crate::support;

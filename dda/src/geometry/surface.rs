@@ -3,6 +3,7 @@
 mod build;
 mod closest;
 mod regions;
+mod topology;
 
 use crate::geometry::bounds::Bounds;
 use crate::{Isometry, Vec3};
@@ -13,6 +14,7 @@ use parry3d_f64::{
     math::Vector,
     partitioning::Bvh,
 };
+use topology::Around;
 
 /// A plane by its unit normal and offset; m.
 type Divide = (Vec3, f64);
@@ -65,12 +67,14 @@ const FLAT: f64 = 1e-7;
 impl Surface {
     /// The surface, rotated and translated.
     pub fn transformed(&self, placement: &Isometry) -> Self {
-        let vertices = self
+        let vertices: Vec<Vec3> = self
             .vertices
             .iter()
             .map(|x| placement.transform_point(&(*x).into()).coords)
             .collect();
-        Self::measured(vertices, self.triangles.clone(), self.neighbor.clone())
+        let around = Around::new(self.vertices.len(), &self.triangles);
+        let triangles = (self.triangles.clone(), around);
+        Self::measured(vertices, triangles, self.neighbor.clone())
     }
 
     /// Corners; m.

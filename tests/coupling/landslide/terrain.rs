@@ -146,8 +146,11 @@ fn flat_ground_is_cheap_and_rough_ground_is_met() {
         assert!(worst <= tolerance * (1.0 + 1e-9) + 1e-9 && before < n);
         before = n;
     }
-    // but for the western rim, which is straight: its 29 points between two corners are not needed
-    assert_eq!(before, 2 * 40 * 30 - 29);
+    // every point but some of the western rim, which is straight: its 29 points between two corners serve against slivers only
+    assert!(
+        (2 * 40 * 30 - 29..=2 * 40 * 30).contains(&before),
+        "{before}"
+    );
 }
 
 /// Input errors are reported with their location and a remedy.

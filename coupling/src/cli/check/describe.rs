@@ -7,6 +7,8 @@ use riprap_dda::{Motion, Shape};
 use super::landslide;
 use crate::scene::estimate::Estimate;
 use crate::scene::resolved::{FluidScene, MeshSource, Scene};
+use crate::scene::terrain::Terrain;
+use crate::scene::terrain::triangles::Quality;
 use crate::walls::WallMethod;
 
 /// Heading and text of a line.
@@ -95,7 +97,37 @@ fn terrain(scene: &Scene) -> Vec<Line> {
             origin.2
         ),
     ));
+    lines.push(("ground", fit(terrain)));
     lines
+}
+
+/// Errors and angles of the triangles of terrain, and the time they took.
+fn fit(terrain: &Terrain) -> String {
+    let Quality {
+        fit,
+        smallest_angle,
+        smallest_angle_beside,
+    } = terrain.quality;
+    let beside = if terrain.is_excavated {
+        format!(
+            "; beside outlines {:.3} m and {:.1} degrees",
+            fit.beside_outlines,
+            smallest_angle_beside.to_degrees()
+        )
+    } else {
+        String::new()
+    };
+    format!(
+        "within {:.3} m, {}: above the points by at most {:.3} m, below by {:.3} m, smallest angle {:.1} degrees{beside}; \
+         read in {:.2} s, triangles in {:.2} s",
+        terrain.tolerance,
+        terrain.tolerance_of,
+        fit.above,
+        fit.below,
+        smallest_angle.to_degrees(),
+        terrain.making.reading.as_secs_f64(),
+        terrain.making.triangles.as_secs_f64()
+    )
 }
 
 fn surfaces(scene: &Scene) -> Vec<Line> {
@@ -105,12 +137,7 @@ fn surfaces(scene: &Scene) -> Vec<Line> {
     });
     match triangles.sum::<usize>() {
         0 => Vec::new(),
-        n => {
-            let within = scene.terrain.as_ref().map_or(String::new(), |terrain| {
-                format!(" within {:.3} m of the terrain", terrain.tolerance)
-            });
-            vec![("surfaces", format!("{n} triangles{within}"))]
-        }
+        n => vec![("surfaces", format!("{n} triangles"))],
     }
 }
 

@@ -27,8 +27,8 @@ pub struct TerrainFile {
     #[serde(default)]
     pub spacing: Option<f64>,
     /// Largest distance of the triangles from the points, for fewer triangles where the ground is plane within it;
-    /// when left out, 0.03 particle spacings or distances of joints, whichever is less, but no less than 0.01 spacings of the
-    /// terrain; m.
+    /// when left out, 0.03 particle spacings or distances of joints, whichever is less, up to 0.1 of it where three times the
+    /// noise of the points are more, but no less than 0.01 spacings of the terrain; m.
     #[serde(default)]
     pub tolerance: Option<f64>,
     /// Treatment of locations without a source.

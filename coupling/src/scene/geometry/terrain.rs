@@ -7,9 +7,11 @@ pub mod outline;
 mod plausible;
 pub mod sources;
 mod system;
+pub mod tolerance;
 pub mod triangles;
 
 use std::sync::Arc;
+use std::time::{Duration, Instant};
 
 use riprap_dda::{Polyhedron, Surface};
 
@@ -26,7 +28,8 @@ use grid::Grid;
 use outline::Outline;
 use sources::{Merged, Source, merge};
 use system::Named;
-use triangles::{Triangles, TrianglesError, triangulated};
+use tolerance::ToleranceOf;
+use triangles::{Quality, Triangles, TrianglesError, triangulated};
 
 /// The terrain of a scene.
 #[derive(Clone, Debug)]
@@ -35,8 +38,16 @@ pub struct Terrain {
     pub grid: Grid,
     /// The ground.
     pub surface: Arc<Surface>,
-    /// Largest distance of the triangles from the points of the grid; m.
+    /// Tolerance of the distance of the triangles from the points of the grid; m.
     pub tolerance: f64,
+    /// Origin of the tolerance.
+    pub tolerance_of: ToleranceOf,
+    /// Errors and angles of the triangles before any excavation.
+    pub quality: Quality,
+    /// Whether rock is taken out of it.
+    pub is_excavated: bool,
+    /// Time that reading and triangulation took.
+    pub making: Making,
     /// Map coordinates of x = y = 0 in the scene, and the elevation of z = 0; m.
     pub origin: Triple,
     /// Reference system of the map, if known.
@@ -53,6 +64,15 @@ pub struct Terrain {
     pub clouds: Vec<(String, CloudReport)>,
 }
 
+/// Wall time of making a terrain.
+#[derive(Clone, Copy, Debug)]
+pub struct Making {
+    /// Files read and merged.
+    pub reading: Duration,
+    /// Triangles, excavations and surface.
+    pub triangles: Duration,
+}
+
 /// Rock of a slide.
 #[derive(Clone, Debug)]
 pub struct Rock {
@@ -66,10 +86,6 @@ pub struct Rock {
     pub volume: f64,
 }
 
-/// Default tolerance of the triangles; × spacing of the terrain.
-const TOLERANCE: f64 = 0.01;
-/// Distance of the triangles from the terrain that water and blocks do not feel; × particle spacing and × the closest joints.
-const NOT_FELT: f64 = 0.03;
 /// Finest useful spacing of the terrain; × particle spacing.
 const FINEST_FOR_WATER: f64 = 0.2;
 
@@ -100,6 +116,7 @@ pub fn resolve(file: &SceneFile, access: &Access) -> Result<Option<Terrain>, Vec
     let Some(terrain) = &file.terrain else {
         return Ok(None);
     };
+    let start = Instant::now();
     let sources = sources_of(terrain, access);
     let holes = holes_of(terrain, &file.slides, access);
     let (sources, (holes, drawn)) = match (sources, holes) {
@@ -118,12 +135,22 @@ pub fn resolve(file: &SceneFile, access: &Access) -> Result<Option<Terrain>, Vec
         let what = "a survey has no points at a regular distance; give the spacing of the terrain";
         return Err(vec![Problem::error("terrain.spacing", what)]);
     }
-    let tolerance = (terrain.tolerance).unwrap_or_else(|| chosen_tolerance(file, spacing));
     let Merged { grid, n_filled } = merge(terrain, &sources, spacing).map_err(|p| vec![p])?;
     let mut warnings = plausible::warnings(&grid, terrain);
     warnings.extend(steps(&sources));
     let clouds = (sources.iter()).filter_map(|s| Some((s.file.clone(), s.cloud.clone()?)));
-    let (surface, pieces) = excavate(&grid, &holes, tolerance)?;
+    let of_tolerance = ToleranceOf::of(file, &grid);
+    let tolerance = of_tolerance.tolerance();
+    let read = Instant::now();
+    let Ground {
+        surface,
+        quality,
+        pieces,
+    } = excavate(&grid, &holes, tolerance)?;
+    let making = Making {
+        reading: read - start,
+        triangles: read.elapsed(),
+    };
     let material = |name: &str| file.materials.iter().position(|m| m.name == name);
     let is_ground = |block: &&BlockFile| matches!(block.shape, ShapeFile::Terrain);
     let of_slides = pieces.into_iter().skip(terrain.excavations.len());
@@ -131,6 +158,10 @@ pub fn resolve(file: &SceneFile, access: &Access) -> Result<Option<Terrain>, Vec
     Ok(Some(Terrain {
         grid,
         tolerance,
+        tolerance_of: of_tolerance,
+        quality,
+        is_excavated: !holes.is_empty(),
+        making,
         origin: terrain.origin,
         crs,
         material: (file.blocks.iter().find(is_ground)).and_then(|block| material(&block.material)),
@@ -236,23 +267,6 @@ fn holes_of(
     }
 }
 
-/// Distance that neither the water nor the blocks of the slides feel, a hundredth of the spacing (m) where there are neither: the
-/// roughness of a survey below that would only make more triangles; m.
-fn chosen_tolerance(file: &SceneFile, spacing: f64) -> f64 {
-    let of_water = match file.fluid.as_ref().map(|fluid| fluid.resolution) {
-        Some(ResolutionFile::Spacing(particles)) => Some(NOT_FELT * particles),
-        Some(ResolutionFile::Count(_)) | None => None,
-    };
-    let joints = file.slides.iter().flat_map(|slide| &slide.joint_sets);
-    let of_blocks = joints.map(|set| NOT_FELT * set.spacing);
-    let not_felt = of_blocks.chain(of_water).fold(f64::INFINITY, f64::min);
-    if not_felt.is_finite() {
-        not_felt.max(TOLERANCE * spacing)
-    } else {
-        TOLERANCE * spacing
-    }
-}
-
 /// Spacing of the first raster, but not much finer than the water; m.
 fn chosen_spacing(sources: &[Source], fluid: Option<&FluidFile>) -> f64 {
     let own = sources.iter().find_map(Source::spacing);
@@ -322,11 +336,14 @@ fn hole(
 type Piece = (Vec<Polyhedron>, f64);
 
 /// The ground without the rock above the failure surfaces, and that rock.
-fn excavate(
-    grid: &Grid,
-    holes: &[Hole],
-    tolerance: f64,
-) -> Result<(Surface, Vec<Piece>), Vec<Problem>> {
+struct Ground {
+    surface: Surface,
+    quality: Quality,
+    pieces: Vec<Piece>,
+}
+
+/// Triangulates a grid and excavates the rock above the failure surfaces.
+fn excavate(grid: &Grid, holes: &[Hole], tolerance: f64) -> Result<Ground, Vec<Problem>> {
     let outlines: Vec<Outline> = holes
         .iter()
         .map(|(_, outline, _)| outline.clone())
@@ -360,6 +377,7 @@ fn excavate(
             }
         }
     }
+    let quality = triangles.quality;
     let Excavated {
         points,
         triangles,
@@ -383,5 +401,9 @@ fn excavate(
             format!("is not a valid surface: {error}"),
         )]
     })?;
-    Ok((surface, rock.into_iter().zip(volumes).collect()))
+    Ok(Ground {
+        surface,
+        quality,
+        pieces: rock.into_iter().zip(volumes).collect(),
+    })
 }

@@ -1,6 +1,7 @@
 //! Construction of a surface: checks, topology, and what follows from them.
 
 use super::regions::{planes, ridges_beside};
+use super::topology::{Around, edges_from_vertices, neighbors};
 use super::{Divide, FLAT, NONE, Surface, aabb};
 use crate::Vec3;
 use crate::geometry::bounds::Bounds;
@@ -8,7 +9,7 @@ use parry3d_f64::{
     bounding_volume::Aabb,
     partitioning::{Bvh, BvhBuildStrategy},
 };
-use std::collections::HashMap;
+use rayon::prelude::*;
 use thiserror::Error;
 
 /// Error of an invalid surface.
@@ -67,19 +68,20 @@ impl Surface {
     /// [`SurfaceError`] names the first vertex or triangle that is unusable.
     pub fn new(vertices: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Result<Self, SurfaceError> {
         check_triangles(&vertices, &triangles)?;
-        let neighbor = neighbors(&triangles)?;
-        Ok(Self::measured(vertices, triangles, neighbor))
+        let around = Around::new(vertices.len(), &triangles);
+        let neighbor = neighbors(&triangles, &around)?;
+        Ok(Self::measured(vertices, (triangles, around), neighbor))
     }
 
     /// The surface of a topology: normals, regions behind the triangles, and the tree of boxes.
     pub(super) fn measured(
         vertices: Vec<Vec3>,
-        triangles: Vec<[u32; 3]>,
+        (triangles, around): (Vec<[u32; 3]>, Around),
         neighbor: Vec<[u32; 3]>,
     ) -> Self {
         let corners = |triangle: &[u32; 3]| triangle.map(|v| vertices[v as usize]);
         let normal: Vec<Vec3> = triangles
-            .iter()
+            .par_iter()
             .map(|triangle| {
                 let [a, b, c] = corners(triangle);
                 (b - a).cross(&(c - a)).normalize()
@@ -91,6 +93,7 @@ impl Surface {
             .map(|(triangle, n)| n.dot(&vertices[triangle[0] as usize]))
             .collect();
         let divide: Vec<[Divide; 3]> = (0..triangles.len())
+            .into_par_iter()
             .map(|t| {
                 [0, 1, 2].map(|k| {
                     let side = [triangles[t][k], triangles[t][(k + 1) % 3]];
@@ -99,9 +102,11 @@ impl Surface {
                 })
             })
             .collect();
-        let (ridges_start, ridges) =
-            ridges_beside((&vertices, &triangles, &normal), (&neighbor, &divide));
-        let (spokes_start, spokes) = edges_from_vertices(vertices.len(), &triangles);
+        let (ridges_start, ridges) = ridges_beside(
+            (&vertices, &triangles, &normal),
+            (&around, &neighbor, &divide),
+        );
+        let (spokes_start, spokes) = edges_from_vertices(&triangles, &around);
         let boxes: Vec<Bounds> = triangles
             .iter()
             .map(|triangle| {
@@ -114,7 +119,7 @@ impl Surface {
             plane: planes(&normal, &neighbor),
             tree: Bvh::from_leaves(BvhBuildStrategy::Binned, &leaves),
             boxes,
-            vertex_normal: vertex_normals(&vertices, &triangles, &normal),
+            vertex_normal: vertex_normals(&vertices, (&triangles, &around), &normal),
             bounds: bounds(&vertices, &triangles),
             vertices,
             triangles,
@@ -157,33 +162,6 @@ fn check_triangles(vertices: &[Vec3], triangles: &[[u32; 3]]) -> Result<(), Surf
     Ok(())
 }
 
-/// Neighbor of each triangle across each of its sides, [`NONE`] at the rim.
-fn neighbors(triangles: &[[u32; 3]]) -> Result<Vec<[u32; 3]>, SurfaceError> {
-    let mut sides: HashMap<(u32, u32), usize> = HashMap::with_capacity(3 * triangles.len());
-    for (second, corners) in triangles.iter().enumerate() {
-        for k in 0..3 {
-            let (from, to) = (corners[k], corners[(k + 1) % 3]);
-            if let Some(first) = sides.insert((from, to), second) {
-                return Err(SurfaceError::Orientation {
-                    first,
-                    second,
-                    from,
-                    to,
-                });
-            }
-        }
-    }
-    Ok(triangles
-        .iter()
-        .map(|corners| {
-            [0, 1, 2].map(|k| {
-                let side = (corners[(k + 1) % 3], corners[k]);
-                sides.get(&side).map_or(NONE, |&triangle| triangle as u32)
-            })
-        })
-        .collect())
-}
-
 /// Plane through a side of triangle `t` that bisects the angle with its neighbor `other`: outward unit normal and offset.
 fn bisecting_plane([from, to]: [Vec3; 2], (t, other): (usize, u32), normal: &[Vec3]) -> Divide {
     // that of the lower triangle, reversed for the higher: both share it to the bit
@@ -210,37 +188,22 @@ fn bisecting_plane([from, to]: [Vec3; 2], (t, other): (usize, u32), normal: &[Ve
 }
 
 /// Sum of the normals around each vertex, weighted with the angle of the triangle there.
-fn vertex_normals(vertices: &[Vec3], triangles: &[[u32; 3]], normal: &[Vec3]) -> Vec<Vec3> {
-    let mut sum = vec![Vec3::zeros(); vertices.len()];
-    for (t, triangle) in triangles.iter().enumerate() {
-        for k in 0..3 {
-            let [v, next, last] = [k, k + 1, k + 2].map(|i| triangle[i % 3]);
-            let x = vertices[v as usize];
+fn vertex_normals(
+    vertices: &[Vec3],
+    (triangles, around): (&[[u32; 3]], &Around),
+    normal: &[Vec3],
+) -> Vec<Vec3> {
+    let of = |vertex: usize| {
+        let mut sum = Vec3::zeros();
+        for (t, k) in around.of(vertex as u32) {
+            let [next, last] = [k + 1, k + 2].map(|i| triangles[t][i % 3]);
+            let x = vertices[vertex];
             let (forth, back) = (vertices[next as usize] - x, vertices[last as usize] - x);
-            sum[v as usize] += normal[t] * forth.angle(&back);
+            sum += normal[t] * forth.angle(&back);
         }
-    }
-    sum
-}
-
-/// Edges that leave each vertex: start of those of each vertex, and the far ends of all.
-fn edges_from_vertices(n_vertices: usize, triangles: &[[u32; 3]]) -> (Vec<u32>, Vec<u32>) {
-    let mut spokes = vec![Vec::new(); n_vertices];
-    for triangle in triangles {
-        for k in 0..3 {
-            let [v, next, last] = [k, k + 1, k + 2].map(|i| triangle[i % 3]);
-            spokes[v as usize].extend([next, last]);
-        }
-    }
-    let mut start = vec![0];
-    let mut all = Vec::new();
-    for ends in &mut spokes {
-        ends.sort_unstable();
-        ends.dedup();
-        all.extend_from_slice(ends);
-        start.push(all.len() as u32);
-    }
-    (start, all)
+        sum
+    };
+    (0..vertices.len()).into_par_iter().map(of).collect()
 }
 
 /// Box around the triangles; m.

@@ -99,33 +99,22 @@ impl Outline {
         0.5 * twice.sum::<f64>()
     }
 
-    fn sides(&self) -> impl Iterator<Item = ([f64; 2], [f64; 2])> + '_ {
+    /// Sides, each from one corner to the next; m.
+    pub fn sides(&self) -> impl Iterator<Item = ([f64; 2], [f64; 2])> + '_ {
         let next = self.corners.iter().cycle().skip(1);
         self.corners.iter().copied().zip(next.copied())
     }
 
     /// True for a point inside, by the crossings of a ray along x.
     pub fn holds(&self, [x, y]: [f64; 2]) -> bool {
-        let is_crossed = |&([ax, ay], [bx, by]): &([f64; 2], [f64; 2])| {
-            (ay <= y) != (by <= y) && x < ax + (y - ay) / (by - ay) * (bx - ax)
-        };
-        self.sides().filter(is_crossed).count() % 2 == 1
+        self.crossings(y).filter(|&at| x < at).count() % 2 == 1
     }
 
-    /// Distance of a point from the closest side; m.
-    pub fn distance(&self, [x, y]: [f64; 2]) -> f64 {
-        let to = |([ax, ay], [bx, by]): ([f64; 2], [f64; 2])| {
-            let (dx, dy) = (bx - ax, by - ay);
-            let share = ((x - ax) * dx + (y - ay) * dy) / (dx * dx + dy * dy);
-            // a side of no length has no share
-            let share = if share.is_nan() {
-                0.0
-            } else {
-                share.clamp(0.0, 1.0)
-            };
-            (ax + share * dx - x).hypot(ay + share * dy - y)
-        };
-        self.sides().map(to).fold(f64::INFINITY, f64::min)
+    /// x where the sides cross a line along x; m.
+    pub fn crossings(&self, y: f64) -> impl Iterator<Item = f64> + '_ {
+        self.sides()
+            .filter(move |([_, ay], [_, by])| (*ay <= y) != (*by <= y))
+            .map(move |([ax, ay], [bx, by])| ax + (y - ay) / (by - ay) * (bx - ax))
     }
 }
 
@@ -179,8 +168,9 @@ mod tests {
         ] {
             assert_eq!(outline.holds(place), expected, "{place:?}");
         }
-        assert_eq!(outline.distance([1.5, 1.5]), 0.5);
-        assert_eq!(outline.distance([0.5, 0.25]), 0.25);
+        let mut crossed: Vec<f64> = outline.crossings(1.5).collect();
+        crossed.sort_by(f64::total_cmp);
+        assert_eq!(crossed, [0.0, 1.0]);
     }
 
     /// A square by corners of the scene, of the map, and by files of the map.

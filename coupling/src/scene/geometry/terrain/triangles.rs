@@ -1,19 +1,24 @@
-//! Triangulation of terrain: coarse where it is flat, with the outlines of excavations among its edges.
+//! Triangulation of terrain: coarse where it is flat, with the outlines of excavations among its edges, and without slivers.
 //!
 //! A constrained Delaunay triangulation that starts with the corners of the grid and the outlines and inserts the point of the
-//! grid with the largest error until no error exceeds the tolerance (Garland & Heckbert 1995).
+//! grid with the largest error until no error exceeds the tolerance (Garland & Heckbert 1995), then refines slivers (Ruppert 1995)
+//! with points of the grid.
+
+mod field;
+mod mesher;
+mod refine;
+mod sides;
 
 use riprap_dda::Vec3;
-use spade::{
-    ConstrainedDelaunayTriangulation, HasPosition, InsertionError, Point2, Triangulation,
-    handles::FixedVertexHandle,
-};
+use spade::{InsertionError, Triangulation as _};
 
 use super::grid::Grid;
 use super::outline::Outline;
-
-/// Distance of points of the grid from an outline below which they would make slivers; × spacing.
-const CLEAR_OF_OUTLINES: f64 = 0.2;
+use field::Field;
+pub use field::Fit;
+use mesher::Mesher;
+use refine::square_of_smallest_sine;
+use sides::sides;
 
 /// Terrain as triangles, counter-clockwise from above.
 #[derive(Clone, Debug, PartialEq)]
@@ -24,6 +29,8 @@ pub struct Triangles {
     pub corners: Vec<[u32; 3]>,
     /// Number of the outline around each triangle.
     pub outline: Vec<Option<usize>>,
+    /// Their errors and angles.
+    pub quality: Quality,
 }
 
 /// Error of triangulation.
@@ -72,25 +79,21 @@ pub enum TrianglesError {
     Place(#[from] InsertionError),
 }
 
-/// A point in plan view with its elevation; m.
-#[derive(Clone, Copy)]
-struct Node {
-    place: Point2<f64>,
-    height: f64,
+/// Quality of triangles.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Quality {
+    /// Distances from the points of the grid.
+    pub fit: Fit,
+    /// Smallest angle in plan view of the triangles away from outlines; rad.
+    pub smallest_angle: f64,
+    /// Smallest angle in plan view of the triangles that meet an outline, the largest possible without any; rad.
+    pub smallest_angle_beside: f64,
 }
-
-impl HasPosition for Node {
-    type Scalar = f64;
-
-    fn position(&self) -> Point2<f64> {
-        self.place
-    }
-}
-
-type Net = ConstrainedDelaunayTriangulation<Node>;
 
 /// Triangles within a tolerance (m) of the points of a grid, except beside outlines. `beneath` are elevations of the
 /// surfaces below the outlines, which the triangles within follow, too.
+///
+/// No angle in plan view is below 20 degrees, but for triangles that meet an outline and those of a plane.
 ///
 /// # Errors
 ///
@@ -101,180 +104,19 @@ pub fn triangulated(
     beneath: impl Fn(usize, [f64; 2]) -> f64,
     tolerance: f64,
 ) -> Result<Triangles, TrianglesError> {
-    let mut net = Net::new();
-    let [columns, rows] = grid.n;
-    for point in [
-        [0, 0],
-        [columns - 1, 0],
-        [0, rows - 1],
-        [columns - 1, rows - 1],
-    ] {
-        net.insert(node(grid, point))?;
-    }
-    for (number, outline) in outlines.iter().enumerate() {
-        constrain(&mut net, grid, number, outline)?;
-    }
-    let mut is_pending: Vec<bool> = grid
-        .points()
-        .map(|point| {
-            let place = grid.place(point);
-            let is_clear =
-                |outline: &Outline| CLEAR_OF_OUTLINES * grid.spacing < outline.distance(place);
-            outlines.iter().all(is_clear)
-        })
-        .collect();
-    for point in [
-        [0, 0],
-        [columns - 1, 0],
-        [0, rows - 1],
-        [columns - 1, rows - 1],
-    ] {
-        is_pending[grid.index(point)] = false;
-    }
-    let within: Vec<Option<usize>> = grid
-        .points()
-        .map(|point| {
-            outlines
-                .iter()
-                .position(|outline| outline.holds(grid.place(point)))
-        })
-        .collect();
-    loop {
-        let farthest = farthest_points(&net, grid, &is_pending, |k, place| {
-            within[k].map(|outline| beneath(outline, place))
-        });
-        let mut n_taken = 0;
-        for (point, distance) in farthest {
-            if tolerance < distance {
-                net.insert(node(grid, point))?;
-                is_pending[grid.index(point)] = false;
-                n_taken += 1;
-            }
-        }
-        if n_taken == 0 {
-            break;
-        }
-    }
-    collected(&net, outlines)
+    let sides = sides(grid, outlines)?;
+    let field = Field::new(grid, outlines, beneath);
+    let mut mesher = Mesher::new(field, sides, tolerance)?;
+    mesher.run()?;
+    collected(&mesher, outlines)
 }
 
-fn node(grid: &Grid, point: [usize; 2]) -> Node {
-    let [x, y] = grid.place(point);
-    Node {
-        place: Point2::new(x, y),
-        height: grid.heights[grid.index(point)],
-    }
-}
-
-/// Makes the sides of an outline edges of triangles.
-fn constrain(
-    net: &mut Net,
-    grid: &Grid,
-    number: usize,
-    outline: &Outline,
-) -> Result<(), TrianglesError> {
-    let (low, high) = (grid.corner, grid.far_corner());
-    let mut handles: Vec<FixedVertexHandle> = Vec::new();
-    for &at in &outline.corners {
-        let is_within = (0..2).all(|axis| low[axis] < at[axis] && at[axis] < high[axis]);
-        let height = grid.height(at).filter(|_| is_within);
-        let Some(height) = height else {
-            return Err(TrianglesError::Outside {
-                outline: number,
-                at,
-                low,
-                high,
-            });
-        };
-        handles.push(net.insert(Node {
-            place: Point2::new(at[0], at[1]),
-            height,
-        })?);
-    }
-    for (k, &from) in handles.iter().enumerate() {
-        let next = (k + 1) % handles.len();
-        if net.try_add_constraint(from, handles[next]).is_empty() {
-            return Err(TrianglesError::Crossing {
-                outline: number,
-                from: outline.corners[k],
-                to: outline.corners[next],
-            });
-        }
-    }
-    Ok(())
-}
-
-/// For each triangle, the pending point of the grid with the largest vertical distance, and that distance (m).
-fn farthest_points(
-    net: &Net,
-    grid: &Grid,
-    is_pending: &[bool],
-    beneath: impl Fn(usize, [f64; 2]) -> Option<f64>,
-) -> Vec<([usize; 2], f64)> {
-    let mut found = Vec::new();
-    for face in net.inner_faces() {
-        let corners = face.vertices().map(|v| *v.data());
-        let [a, b, c] = corners;
-        let twice_area = cross(&a, &b, &c.place);
-        let range = |axis: usize| {
-            let at = |n: &Node| [n.place.x, n.place.y][axis];
-            let (low, high) = (
-                at(&a).min(at(&b)).min(at(&c)),
-                at(&a).max(at(&b)).max(at(&c)),
-            );
-            let number = |x: f64| (x - grid.corner[axis]) / grid.spacing;
-            let first = number(low).ceil().max(0.0) as usize;
-            let last = number(high).floor().max(0.0) as usize;
-            first..(last + 1).min(grid.n[axis])
-        };
-        let mut worst: Option<([usize; 2], f64)> = None;
-        for j in range(1) {
-            for i in range(0) {
-                let k = grid.index([i, j]);
-                if !is_pending[k] {
-                    continue;
-                }
-                let place = grid.place([i, j]);
-                let at = Point2::new(place[0], place[1]);
-                let weights = [
-                    cross(&b, &c, &at) / twice_area,
-                    cross(&c, &a, &at) / twice_area,
-                    cross(&a, &b, &at) / twice_area,
-                ];
-                if weights.iter().any(|&w| w < 0.0) {
-                    continue;
-                }
-                let between = |heights: [f64; 3]| -> f64 {
-                    weights.iter().zip(heights).map(|(w, z)| w * z).sum()
-                };
-                let mut distance = (between(corners.map(|n| n.height)) - grid.heights[k]).abs();
-                if let Some(own) = beneath(k, place)
-                    && let [Some(a), Some(b), Some(c)] =
-                        corners.map(|n| beneath(k, [n.place.x, n.place.y]))
-                {
-                    distance = distance.max((between([a, b, c]) - own).abs());
-                }
-                if worst.is_none_or(|(_, most)| most < distance) {
-                    worst = Some(([i, j], distance));
-                }
-            }
-        }
-        found.extend(worst);
-    }
-    found
-}
-
-/// Twice the area of a triangle; m².
-fn cross(a: &Node, b: &Node, at: &Point2<f64>) -> f64 {
-    let (a, b) = (a.place, b.place);
-    (b.x - a.x) * (at.y - a.y) - (b.y - a.y) * (at.x - a.x)
-}
-
-fn collected(net: &Net, outlines: &[Outline]) -> Result<Triangles, TrianglesError> {
-    let points = net
-        .vertices()
-        .map(|v| Vec3::new(v.data().place.x, v.data().place.y, v.data().height))
-        .collect();
+fn collected<B: Fn(usize, [f64; 2]) -> f64>(
+    mesher: &Mesher<'_, B>,
+    outlines: &[Outline],
+) -> Result<Triangles, TrianglesError> {
+    let net = &mesher.net;
+    let points = net.vertices().map(|v| v.data().x).collect();
     let corners: Vec<[u32; 3]> = net
         .inner_faces()
         .map(|face| face.vertices().map(|v| v.fix().index() as u32))
@@ -286,11 +128,40 @@ fn collected(net: &Net, outlines: &[Outline]) -> Result<Triangles, TrianglesErro
             (owner, None) => Ok(owner),
         }
     };
-    let centers = net.inner_faces().map(|face| face.center());
-    let outline = centers.map(|center| owner([center.x, center.y]));
+    let center = |corners: &[Vec3; 3]| {
+        let [x, y, _] = ((corners[0] + corners[1] + corners[2]) / 3.0).into();
+        [x, y]
+    };
+    let points: Vec<Vec3> = points;
+    let outline = corners
+        .iter()
+        .map(|corners| owner(center(&corners.map(|v| points[v as usize]))));
+    let outline = outline.collect::<Result<_, _>>()?;
     Ok(Triangles {
         points,
         corners,
-        outline: outline.collect::<Result<_, _>>()?,
+        outline,
+        quality: quality(mesher),
     })
+}
+
+fn quality<B: Fn(usize, [f64; 2]) -> f64>(mesher: &Mesher<'_, B>) -> Quality {
+    let mut fit = Fit::default();
+    // squares of sines of the smallest angles: 60 degrees at most
+    let (mut away, mut beside) = (0.75_f64, 0.75_f64);
+    for face in mesher.net.inner_faces() {
+        let corners = mesher.corners(face.fix());
+        mesher.field.fit(&corners, &mut fit);
+        let square = square_of_smallest_sine(&corners);
+        if face.vertices().iter().any(|v| v.data().is_on_outline) {
+            beside = beside.min(square);
+        } else {
+            away = away.min(square);
+        }
+    }
+    Quality {
+        fit,
+        smallest_angle: away.sqrt().asin(),
+        smallest_angle_beside: beside.sqrt().asin(),
+    }
 }
