@@ -434,6 +434,33 @@ fn thin_plates_do_not_pass() {
     }
 }
 
+/// A plate dips into a thick block by 0.7 of its own thickness and comes back: the mid-planes that must not pass each other are
+/// more than half a meter apart. Face on, without loss, as fast as it came.
+#[test]
+fn thin_plate_may_dip_into_something_thick() {
+    let (speed, depth) = (10.0_f64, 0.07_f64);
+    let mass = rock().density * 0.1;
+    let material = Material {
+        contact_stiffness: mass * (speed / depth).powi(2),
+        restitution: 1.0,
+        ..rock()
+    };
+    let thick = block(cuboid([-2.0, -2.0, -1.0], [2.0, 2.0, 0.0]), Motion::Fixed);
+    let plate = block(cuboid([-0.5, -0.5, 0.01], [0.5, 0.5, 0.11]), Motion::Free);
+    let plate = moving(plate, [0.0, 0.0, -speed]);
+    let mut blocks = blocks(vec![thick, plate], material, Vec3::zeros());
+    let (mut time, mut deepest) = (0.0, 0.0_f64);
+    while time < 0.05 {
+        let dt = 0.1 * blocks.critical_time_step().dt;
+        blocks.advance(time, dt, 1).unwrap();
+        deepest = deepest.max(0.05 - blocks.centroid(1).z);
+        time += dt;
+    }
+    // v √(m/K), a spring of second order in ω dt = 0.2 at most
+    assert!((deepest - depth).abs() < 0.01 * depth, "{deepest}");
+    assert!((blocks.velocity(1).z - speed).abs() < 0.01 * speed);
+}
+
 /// Plates that spin as they meet a thin wall, and two free plates that meet: they bounce or the run is refused, never do
 /// they pass.
 #[test]
