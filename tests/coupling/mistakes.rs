@@ -144,6 +144,7 @@ const UNITS: &[Row] = &[
     ("density: 2650", "density: 26500", "26500", Warning, "material `rock`: density is 26500 kg/m3; a unit weight of 26.5 kN/m3 is 2701 kg/m3"),
     ("density: 2400", "density: 2.4", "2.4", Warning, "material `wall`: density is 2.4 kg/m3; rock has 2000 to 3000"),
     ("resolution:", "density: 1.0, resolution:", "1.0", Error, "fluid: density is 1 kg/m3, as if in t/m3; write 1000"),
+    ("friction_angle_deg: 31", "friction_angle_deg: 31, cohesion: 2.5", "2.5", Warning, "a cohesion of 2.5 Pa has no effect: block `cube` weighs 1.3e4 Pa on its face; 2.5 kPa are 2500 Pa"),
     ("resolution:", "density: 9810, resolution:", "9810", Warning, "fluid: density is 9810 kg/m3; a unit weight of 9810 N/m3 is 1000 kg/m3"),
     ("shape: Box(min: (3", "placement: (rotate: (axis: (0, 0, 1), angle_deg: 0.7854)), shape: Box(min: (3", "0.7854", Warning, "block `cube`: it is turned by 0.7854 degrees; 0.7854 rad are 45 degrees"),
     ("shape: Box(min: (3", "velocity: (0, 0, -3000), shape: Box(min: (3", "(0, 0, -3000)", Warning, "block `cube`: it starts at 3000 m/s, faster than sound in air"),
@@ -175,6 +176,7 @@ const PLACES: &[Row] = &[
 #[rustfmt::skip] // one row a line
 const HILL: &[Row] = &[
     ("30, dip_direction_deg: 90", "30, dip_direction_deg: 270", "270", Warning, "slide `slide`: the failure plane dips into the hill, toward 270 degrees; the ground falls toward 90"),
+    ("Plane(point: (200, 100, 90), dip_deg: 30, dip_direction_deg: 90)", "Raster(file: \"rising.asc\")", "\"rising.asc\"", Warning, "slide `slide`: the failure surface dips into the hill, toward 270 degrees; the ground falls toward 90"),
     ("dip_deg: 30", "dip_deg: -30", "-30", Error, "dip must be in [0, 90) degrees, found -30; write 30 with dip_direction_deg: 270"),
     ("dip_deg: 30", "dip_deg: 0.52", "0.52", Warning, "failure plane: dip is 0.52 degrees, nearly level; 0.52 rad are 29.8 degrees"),
     ("dip_deg: 90, dip_direction_deg: 270", "dip_deg: -70, dip_direction_deg: 90", "-70", Error, "slide `slide`: joint set 0: dip must be in [0, 90] degrees, found -70; write 70 with dip_direction_deg: 270"),
@@ -271,6 +273,10 @@ fn files(folder: &Path) {
         &[first, [0.5, 0.0, 0.0, 0.9, 0.5, 0.5]],
     );
     raster(&folder.join("slope.asc"), [0.0, 0.0], 5.0);
+    // a failure surface that rises along x
+    let row = "40 80 120\n";
+    let rising = format!("ncols 3\nnrows 2\nxllcenter 0\nyllcenter 0\ncellsize 200\n{row}{row}");
+    std::fs::write(folder.join("rising.asc"), rising).unwrap();
     maps(folder);
 }
 

@@ -84,6 +84,7 @@ impl Scene {
         let expected_speed = speed::expected_speed(file, &solids, lattice.as_ref());
         let materials = materials::materials(file, &solids, &expanded.of_slides, expected_speed);
         let gravity = vec3(file.gravity);
+        problems.extend(materials::no_strength(&materials, &solids, gravity.norm()));
         problems.extend(materials::soft_contacts(
             &materials,
             &solids,

@@ -58,6 +58,8 @@ pub struct Terrain {
     pub rock: Vec<Rock>,
     /// Doubtful points.
     pub warnings: Vec<Problem>,
+    /// Mean slopes within the outline of each slide, where points of the grid lie in it.
+    pub slopes: Vec<Option<Slopes>>,
     /// Points filled in gaps of the sources.
     pub n_filled: usize,
     /// Clouds among the sources: file and properties.
@@ -71,6 +73,15 @@ pub struct Making {
     pub reading: Duration,
     /// Triangles, excavations and surface.
     pub triangles: Duration,
+}
+
+/// Slopes along x and y of the planes through the ground and through the failure surface of a slide.
+#[derive(Clone, Copy, Debug)]
+pub struct Slopes {
+    /// Of the ground; –.
+    pub ground: [f64; 2],
+    /// Of the failure surface; –.
+    pub failure: [f64; 2],
 }
 
 /// Rock of a slide.
@@ -153,7 +164,16 @@ pub fn resolve(file: &SceneFile, access: &Access) -> Result<Option<Terrain>, Vec
     };
     let material = |name: &str| file.materials.iter().position(|m| m.name == name);
     let is_ground = |block: &&BlockFile| matches!(block.shape, ShapeFile::Terrain);
-    let of_slides = pieces.into_iter().skip(terrain.excavations.len());
+    let n_excavations = terrain.excavations.len();
+    let slopes = holes[n_excavations..].iter().map(|(_, outline, base)| {
+        let ground = |point| Some(grid.heights[grid.index(point)]);
+        Some(Slopes {
+            ground: grid.mean_slope(outline, ground)?,
+            failure: grid.mean_slope(outline, |point| base.height(grid.place(point)))?,
+        })
+    });
+    let slopes = slopes.collect();
+    let of_slides = pieces.into_iter().skip(n_excavations);
     let rock = of_slides.zip(&file.slides);
     Ok(Some(Terrain {
         grid,
@@ -175,6 +195,7 @@ pub fn resolve(file: &SceneFile, access: &Access) -> Result<Option<Terrain>, Vec
             })
             .collect(),
         warnings,
+        slopes,
         n_filled,
         clouds: clouds.collect(),
     }))

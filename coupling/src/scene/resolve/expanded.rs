@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::places::planes_into_the_hill;
+use super::places::failures_into_the_hill;
 use crate::scene::access::Access;
 use crate::scene::error::Problem;
 use crate::scene::estimate;
@@ -39,7 +39,7 @@ pub(super) fn expand(mut file: SceneFile, access: &Access) -> Result<Expanded, V
         .filter_map(|(k, (mass, report))| uncut(("rock_masses", k), &mass.joint_sets, report));
     let mut warnings: Vec<Problem> = whole.collect();
     let into_the_hill = (terrain.as_ref())
-        .map(|terrain| planes_into_the_hill(&slides, terrain, access))
+        .map(|terrain| failures_into_the_hill(&slides, terrain))
         .unwrap_or_default();
     warnings.extend(into_the_hill);
     let rock = terrain.as_ref().map_or(&[][..], |terrain| &terrain.rock);

@@ -18,6 +18,9 @@ const SLIDE_IMPACT_OVERLAP: f64 = 0.1;
 const IMPACT_SHARE_OF_THICKNESS: f64 = 0.25;
 /// Static overlap above which a warning is due, over the size of the block.
 const NOTICED_STATIC_OVERLAP: f64 = 1e-2;
+/// Strength of a joint over the pressure of a block of the smallest size, below which it has no effect: a cohesion in kPa or MPa
+/// where Pa are meant; –.
+const NO_STRENGTH: f64 = 1e-3;
 /// Contact stiffness of scenes in which no block can move; N/m.
 const IDLE_STIFFNESS: f64 = 1e6;
 
@@ -91,6 +94,40 @@ fn required_stiffness(
     } else {
         stiffness
     }
+}
+
+/// Warnings of cohesion and tensile strength far below the weight of the smallest free block over its face.
+pub(super) fn no_strength(materials: &[Material], solids: &Solids, gravity: f64) -> Vec<Problem> {
+    let mut found = Vec::new();
+    for (index, material) in materials.iter().enumerate() {
+        let sizes = (solids.free())
+            .filter(|(_, _, number)| *number == index)
+            .map(|(block, shape, _)| (block, shape.volume().cbrt()));
+        let Some((block, size)) = sizes.min_by(|a, b| a.1.total_cmp(&b.1)) else {
+            continue;
+        };
+        let pressure = material.density * gravity * size;
+        for (field, what, strength) in [
+            ("cohesion", "cohesion", material.cohesion),
+            (
+                "tensile_strength",
+                "tensile strength",
+                material.tensile_strength,
+            ),
+        ] {
+            if 0.0 < strength && strength < NO_STRENGTH * pressure {
+                found.push(Problem::warning(
+                    format!("materials[{index}].{field}"),
+                    format!(
+                        "a {what} of {strength} Pa has no effect: block `{}` weighs {pressure:.1e} Pa on its face; {strength} kPa are {} Pa",
+                        solids.named[block].0,
+                        1e3 * strength
+                    ),
+                ));
+            }
+        }
+    }
+    found
 }
 
 /// A warning for each material so soft that a block of it overlaps another by its weight, about the block with the

@@ -1,4 +1,4 @@
-//! Doubtful places: blocks outside of the domain or far larger than it, gauges that stay dry, failure planes that dip into the
+//! Doubtful places: blocks outside of the domain or far larger than it, gauges that stay dry, failure surfaces that dip into the
 //! hill.
 
 use std::cell::OnceCell;
@@ -6,15 +6,13 @@ use std::cell::OnceCell;
 use riprap_dda::{Motion, Polyhedron, Shape, Vec3};
 
 use super::solids::Solids;
-use crate::scene::access::Access;
 use crate::scene::error::Problem;
 use crate::scene::file::{
     FailureSurfaceFile, GaugeFile, RegionShapeFile, SceneFile, ShapeFile, SlideFile, vec3,
 };
 use crate::scene::fill::Lattice;
 use crate::scene::geometry::cloud::neighbors::Neighbors;
-use crate::scene::geometry::terrain::Terrain;
-use crate::scene::geometry::terrain::outline::Outline;
+use crate::scene::geometry::terrain::{Slopes, Terrain};
 use crate::world::ground::{Ground, fan};
 
 /// Size of a free block over that of the domain above which it is in another unit.
@@ -331,74 +329,35 @@ fn triangles(shape: &Shape) -> Vec<[Vec3; 3]> {
     }
 }
 
-/// Slides whose failure plane dips against the ground above it.
-pub(super) fn planes_into_the_hill(
-    slides: &[SlideFile],
-    terrain: &Terrain,
-    access: &Access,
-) -> Vec<Problem> {
+/// Slides whose failure surface dips against the ground above it.
+pub(super) fn failures_into_the_hill(slides: &[SlideFile], terrain: &Terrain) -> Vec<Problem> {
     let mut found = Vec::new();
-    for (index, slide) in slides.iter().enumerate() {
-        let FailureSurfaceFile::Plane {
-            dip_deg,
-            dip_direction_deg,
-            ..
-        } = slide.failure_surface
-        else {
+    for ((index, slide), slopes) in slides.iter().enumerate().zip(&terrain.slopes) {
+        let Some(Slopes { ground, failure }) = slopes else {
             continue;
         };
-        let Ok((outline, _)) = Outline::read(&slide.outline, terrain.origin, access) else {
-            continue;
-        };
-        let Some(ground) = mean_slope(terrain, &outline) else {
-            continue;
-        };
-        let direction = dip_direction_deg.to_radians();
-        let down = [direction.sin(), direction.cos()];
-        let steepness = dip_deg.to_radians().tan();
-        // fall of the ground along the dip of the plane
-        let fall = -(ground[0] * down[0] + ground[1] * down[1]);
+        let steepness = failure[0].hypot(failure[1]);
+        // of the ground, down the failure surface
+        let fall = (ground[0] * failure[0] + ground[1] * failure[1]) / steepness;
         if steepness > SLOPING && fall < -SLOPING {
-            let downhill = (-ground[0])
-                .atan2(-ground[1])
-                .to_degrees()
-                .rem_euclid(360.0);
+            let toward = |slope: &[f64; 2]| {
+                let direction = (-slope[0]).atan2(-slope[1]).to_degrees();
+                direction.rem_euclid(360.0)
+            };
+            let (field, what) = match slide.failure_surface {
+                FailureSurfaceFile::Plane { .. } => ("dip_direction_deg", "plane"),
+                FailureSurfaceFile::Raster { .. } => ("file", "surface"),
+            };
             found.push(Problem::warning(
-                format!("slides[{index}].failure_surface.dip_direction_deg"),
+                format!("slides[{index}].failure_surface.{field}"),
                 format!(
-                    "slide `{}`: the failure plane dips into the hill, toward {dip_direction_deg} degrees; the ground falls toward \
-                     {downhill:.0}",
-                    slide.name
+                    "slide `{}`: the failure {what} dips into the hill, toward {:.0} degrees; the ground falls toward {:.0}",
+                    slide.name,
+                    toward(failure),
+                    toward(ground)
                 ),
             ));
         }
     }
     found
-}
-
-/// Slopes along x and y of the plane through the ground within an outline.
-fn mean_slope(terrain: &Terrain, outline: &Outline) -> Option<[f64; 2]> {
-    let grid = &terrain.grid;
-    let points: Vec<[f64; 3]> = grid
-        .points()
-        .map(|point| (grid.place(point), grid.heights[grid.index(point)]))
-        .filter(|(place, _)| outline.holds(*place))
-        .map(|([x, y], z)| [x, y, z])
-        .collect();
-    let n = points.len() as f64;
-    let mean = [0, 1, 2].map(|k| points.iter().map(|p| p[k]).sum::<f64>() / n);
-    let sum = |a: usize, b: usize| -> f64 {
-        points
-            .iter()
-            .map(|p| (p[a] - mean[a]) * (p[b] - mean[b]))
-            .sum()
-    };
-    let (xx, xy, yy, xz, yz) = (sum(0, 0), sum(0, 1), sum(1, 1), sum(0, 2), sum(1, 2));
-    let determinant = xx * yy - xy * xy;
-    (determinant > 0.0).then(|| {
-        [
-            (xz * yy - yz * xy) / determinant,
-            (yz * xx - xz * xy) / determinant,
-        ]
-    })
 }

@@ -1,5 +1,6 @@
 //! Elevations at the points of a square grid.
 
+use super::outline::Outline;
 use crate::scene::geometry::crs::Crs;
 
 /// Elevations over a rectangle in plan view. Points are the centers of the cells of a raster.
@@ -51,6 +52,39 @@ impl Grid {
     pub fn middle(&self) -> [f64; 2] {
         let far = self.far_corner();
         [0, 1].map(|axis| 0.5 * (self.corner[axis] + far[axis]))
+    }
+
+    /// Slopes along x and y of the plane of least squares through heights (m) at the points within an outline; `None` where these
+    /// lie on a line, or are none.
+    pub fn mean_slope(
+        &self,
+        outline: &Outline,
+        height: impl Fn([usize; 2]) -> Option<f64>,
+    ) -> Option<[f64; 2]> {
+        let points: Vec<[f64; 3]> = self
+            .points()
+            .filter(|point| outline.holds(self.place(*point)))
+            .filter_map(|point| {
+                let [x, y] = self.place(point);
+                Some([x, y, height(point)?])
+            })
+            .collect();
+        let n = points.len() as f64;
+        let mean = [0, 1, 2].map(|k| points.iter().map(|p| p[k]).sum::<f64>() / n);
+        let sum = |a: usize, b: usize| -> f64 {
+            points
+                .iter()
+                .map(|p| (p[a] - mean[a]) * (p[b] - mean[b]))
+                .sum()
+        };
+        let (xx, xy, yy, xz, yz) = (sum(0, 0), sum(0, 1), sum(1, 1), sum(0, 2), sum(1, 2));
+        let determinant = xx * yy - xy * xy;
+        (determinant > 0.0).then(|| {
+            [
+                (xz * yy - yz * xy) / determinant,
+                (yz * xx - xz * xy) / determinant,
+            ]
+        })
     }
 
     /// All points, row by row from the south.
