@@ -56,8 +56,8 @@ impl Finest {
 impl std::fmt::Display for Finest {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
-            Self::Particles(spacing) => write!(f, "the {spacing} m between particles"),
-            Self::Joints(spacing) => write!(f, "the {spacing} m between joints"),
+            Self::Particles(spacing) => write!(f, "the {spacing:.1} m between particles"),
+            Self::Joints(spacing) => write!(f, "the {spacing:.1} m between joints"),
         }
     }
 }
