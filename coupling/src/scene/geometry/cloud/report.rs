@@ -114,7 +114,7 @@ impl fmt::Display for CloudReport {
         if self.n_gaps > 0 {
             write!(
                 f,
-                ", {} places without a height beyond {:.2} m",
+                ", no height where it exceeds {1:.2} m, at {0} of the points",
                 self.n_gaps, self.widest_gap
             )?;
         }

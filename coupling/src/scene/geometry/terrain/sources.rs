@@ -343,12 +343,14 @@ fn fill_gaps(grid: &mut Grid, file: &TerrainFile) -> Result<usize, Problem> {
         )
     };
     let GapsFile::Filled(width) = file.gaps else {
+        let others = match missing.len() - 1 {
+            0 => String::new(),
+            n => format!(", nor at {n} more of {} points", grid.heights.len()),
+        };
         let what = format!(
-            "no source has a height at {}, nor at {} more of {} points; clip them off, add a source that covers them, \
-             or fill gaps with `gaps: Filled(width)`",
-            described(grid, first),
-            missing.len() - 1,
-            grid.heights.len()
+            "no source has a height at {}{others}; clip them off, add a source that covers them, or fill gaps with \
+             `gaps: Filled(width)`",
+            described(grid, first)
         );
         return Err(Problem::error("terrain.sources", what));
     };
