@@ -185,6 +185,23 @@ fn threads_and_observers_do_not_change_a_bit_and_case_ron_repeats_the_run() {
     }
 }
 
+/// The triangles of terrain are made on all threads, and before the run.
+#[test]
+fn threads_do_not_change_a_bit_on_terrain() {
+    let folder = tempfile::tempdir().unwrap();
+    let [one, two] = ["1", "2"].map(|threads| {
+        let options = ["--until", "0.2", "--threads", threads];
+        run(
+            &case("rockfall.ron"),
+            &folder.path().join(threads),
+            &options,
+        )
+    });
+    assert_eq!(one["threads"], 1);
+    assert_eq!(two["threads"], 2);
+    assert_eq!(one["state_hash"], two["state_hash"]);
+}
+
 /// A scene without water, as text.
 fn incline(friction_deg: f64) -> String {
     format!(

@@ -71,6 +71,8 @@ pub(crate) fn execute(arguments: &Arguments) -> Exit {
 
 /// Chooses the settings, prepares the folder, runs and reports.
 fn choose_and_run(arguments: &Arguments) -> Result<Exit, Exit> {
+    // before the scene, whose triangles are made on all of them
+    start_threads(arguments.threads)?;
     let overrides = overrides(arguments);
     let files = files_from(arguments.allow_outside);
     let scene = load(&arguments.case, &overrides, files)?;
@@ -102,7 +104,6 @@ fn choose_and_run(arguments: &Arguments) -> Result<Exit, Exit> {
     if from.is_none() {
         archived.write(&arguments.case, &folder).map_err(refused)?;
     }
-    start_threads(arguments.threads)?;
     if !arguments.quiet {
         say(&describe(&scene));
     }
