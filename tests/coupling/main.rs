@@ -15,6 +15,7 @@ mod block_scenes;
 mod boundaries;
 mod budget;
 mod checkpoints;
+mod compare;
 mod extremes;
 mod files;
 mod floating;

@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
-use super::{Error, Row, SLOPE, Warning, answers, check, files};
+use super::{Error, Row, SLOPE, Warning, answers, assert_none_missed, check, files};
 use crate::landslide::cloud::las;
 use riprap::scene::crs::Crs;
 
@@ -122,13 +122,7 @@ fn clouds_are_answered_in_their_place() {
     let folder = tempfile::tempdir().unwrap();
     files(folder.path());
     clouds(folder.path());
-    let missed = check(folder.path(), SLOPE, CLOUDS);
-    assert!(
-        missed.is_empty(),
-        "{} missed:\n{}",
-        missed.len(),
-        missed.join("\n")
-    );
+    assert_none_missed(&check(folder.path(), SLOPE, CLOUDS));
 }
 
 /// Points as they come, a column of text and units in the header among them, pass without a word.
