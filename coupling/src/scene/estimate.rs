@@ -12,7 +12,7 @@ use crate::scene::resolved::{FluidScene, Scene};
 use crate::walls::WallMethod;
 
 /// Bytes of the program by itself; with water.
-const PROGRAM: [f64; 2] = [13e6, 20e6];
+const PROGRAM: [f64; 2] = [16e6, 22e6];
 /// Bytes per particle of water, without its list of neighbors: initial state, state, sorted copies, output.
 pub const PER_PARTICLE: f64 = 700.0;
 /// Additional bytes per particle where water may sleep: reference positions, state of sleep, partial sums of rates.
