@@ -7,7 +7,7 @@ use crate::geometry::bounds::{grown, overlap};
 use crate::geometry::parts::Part;
 use crate::material::Joint;
 use crate::motion::deformation::Deformable;
-use crate::motion::kinematics::Kinematics;
+use crate::motion::kinematics::{Kinematics, Outreach};
 use crate::{
     BlockDefinition, BlockError, Blocks, Isometry, JointOverride, Load, Material, Motion,
     NormalLaw, Settings, Shape, Vec3,
@@ -125,8 +125,8 @@ impl Blocks {
     }
 
     fn push_constants(&mut self, block: usize, motion: Motion, body: &Body) {
-        let lever = self.worst_lever(block, body);
-        self.constants.lever.push(lever);
+        let outreach = self.outreach(block, body);
+        self.constants.outreach.push(outreach);
         self.constants.mass.push(body.mass);
         self.constants.volume.push(body.volume);
         self.constants.inertia.push(body.moments);
@@ -203,36 +203,45 @@ impl Blocks {
             .push(self.constants.reference.len() as u32);
     }
 
-    /// Lever of the worst contact: the radius `R`, or for a needle the lever with the rotational compliance of its worst corner; m.
+    /// Worst point of contact: among the corners, or anywhere on the bounding sphere of a block that is no polyhedron.
     ///
-    /// A force across the axis of a needle acts about this axis with a lever of at most half a thickness, never half its length.
+    /// Its lever is the radius `R`, or for a needle that with the rotational compliance of its worst corner: a force across the axis
+    /// of a needle acts about this axis with a lever of at most half a thickness, never half its length.
     ///
     /// ```text
     /// R² |J⁻¹| = max_r Σ_k (r² − r_k²)/J_k                                                   [1/kg]
     /// ```
-    fn worst_lever(&self, block: usize, body: &Body) -> f64 {
+    fn outreach(&self, block: usize, body: &Body) -> Outreach {
         let radius = self.constants.radius[block];
         let inverse = body.moments.map(|moment| 1.0 / moment);
         let softness = inverse.norm();
-        if !(radius * radius * softness * body.mass > NEEDLE) {
-            return radius;
+        let is_needle = radius * radius * softness * body.mass > NEEDLE;
+        let (mut trace, mut largest) = (0.0, 0.0);
+        for part in &self.constants.reference[self.parts_of(block)] {
+            let Part::Polyhedron(part) = part else {
+                return Outreach {
+                    lever: radius,
+                    rotational: radius * radius * inverse.max(),
+                };
+            };
+            for corner in part.vertices() {
+                let arms = body
+                    .principal
+                    .inverse_transform_vector(corner)
+                    .cross_matrix();
+                let compliance = arms.transpose() * Matrix3::from_diagonal(&inverse) * arms;
+                trace = f64::max(trace, compliance.trace());
+                largest = f64::max(largest, compliance.symmetric_eigenvalues().max());
+            }
         }
-        let compliance = |corner: &Vec3| {
-            let r = body.principal.inverse_transform_vector(corner);
-            let square = r.norm_squared();
-            r.map(|component| square - component * component)
-                .dot(&inverse)
-        };
-        let worst = self.constants.reference[self.parts_of(block)]
-            .iter()
-            .map(|part| match part {
-                Part::Polyhedron(body) => {
-                    body.vertices().iter().map(compliance).fold(0.0, f64::max)
-                }
-                Part::Sphere { .. } | Part::Surface(_) => f64::INFINITY,
-            })
-            .fold(0.0, f64::max);
-        radius.min((worst / softness).sqrt())
+        Outreach {
+            lever: if is_needle {
+                radius.min((trace / softness).sqrt())
+            } else {
+                radius
+            },
+            rotational: largest,
+        }
     }
 
     /// Hidden faces, and corners where surfaces join, between parts of one body and between fixed bodies.

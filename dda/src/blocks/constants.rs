@@ -3,6 +3,7 @@
 use crate::contact::context::OverlapLimits;
 use crate::geometry::parts::Part;
 use crate::material::Joint;
+use crate::motion::kinematics::Outreach;
 use crate::{Hold, Motion, Settings, Vec3};
 use nalgebra::UnitQuaternion;
 
@@ -27,8 +28,8 @@ pub(crate) struct Constants {
     pub initial_centroid: Vec<Vec3>,
     /// Distance of the farthest point from the centroid; m.
     pub radius: Vec<f64>,
-    /// Lever of the largest rotational compliance of a contact: the radius, less for a needle; m.
-    pub lever: Vec<f64>,
+    /// Worst point of contact.
+    pub outreach: Vec<Outreach>,
     /// Least margin of the fat boxes of its parts; m.
     pub least_margin: Vec<f64>,
     /// First part of each block, then the number of parts; n_blocks + 1.

@@ -247,7 +247,7 @@ impl Blocks {
             shear_damping_ratio: self.constants.settings.shear_damping_ratio,
             rolling_law: self.constants.settings.rolling_law,
             radius: &self.constants.radius,
-            lever: &self.constants.lever,
+            outreach: &self.constants.outreach,
             contact_detection: self.constants.settings.contact_detection,
             step_bound: self.constants.settings.step_bound,
             gravity: self.constants.settings.gravity,

@@ -4,7 +4,7 @@ use crate::contact::detection::common_plane::ContactDetection;
 use crate::contact::tally::Tally;
 use crate::geometry::parts::Part;
 use crate::material::{Joint, RollingLaw};
-use crate::motion::kinematics::Kinematics;
+use crate::motion::kinematics::{Kinematics, Outreach};
 use crate::motion::update::Update;
 use crate::{Motion, StepBound, Vec3};
 
@@ -22,8 +22,8 @@ pub(crate) struct ContactContext<'a> {
     pub rolling_law: RollingLaw,
     /// Farthest point of each block from its centroid; m.
     pub radius: &'a [f64],
-    /// Lever of the worst contact of each block; m.
-    pub lever: &'a [f64],
+    /// Worst point of contact of each block.
+    pub outreach: &'a [Outreach],
     pub contact_detection: ContactDetection,
     pub step_bound: StepBound,
     /// m/s².

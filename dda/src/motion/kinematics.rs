@@ -104,6 +104,20 @@ pub(crate) struct Kinematics {
     pub strain_rate: Option<Matrix3<f64>>,
 }
 
+/// Bounds of the points of a block at which a contact may form.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Outreach {
+    /// Lever of the largest rotational compliance: the radius, less for a needle; m.
+    pub lever: f64,
+    /// Largest rotational compliance of a rigid block at a corner, in the worst direction; 1/kg.
+    ///
+    /// ```text
+    /// max_r λ_max([r]×ᵀ J⁻¹ [r]×)
+    /// ```
+    /// It is convex in `r`, so that no other point of the block has more.
+    pub rotational: f64,
+}
+
 impl Kinematics {
     /// `v(x) = v_c + ω × r + D r`, `r = x − x_c`; m/s.
     pub fn velocity_at(&self, x: &Vec3) -> Vec3 {
@@ -148,9 +162,12 @@ impl Kinematics {
         3.0 * self.inverse_mass + self.inverse_inertia.trace() * r.norm_squared() - along
     }
 
-    /// Upper bound of the compliance in any direction at any point within a radius of the centroid, at most 1.15 times the largest,
-    /// by `(tr A⁸)^⅛`; 1/kg.
-    pub fn largest_compliance(&self, radius: f64) -> f64 {
+    /// Upper bound of the compliance of a block in any direction at any of its points; 1/kg. For one that deforms, at most 1.15 times
+    /// that at its lever, by `(tr A⁸)^⅛`.
+    pub fn largest_compliance(&self, outreach: &Outreach) -> f64 {
+        if self.strain_rate.is_none() {
+            return self.inverse_mass + outreach.rotational;
+        }
         let trace = self.inverse_inertia.trace();
         if trace <= 0.0 {
             return self.inverse_mass;
@@ -158,7 +175,7 @@ impl Kinematics {
         let scaled = self.inverse_inertia / trace;
         let square = scaled * scaled;
         let largest = trace * (square * square).norm().sqrt().sqrt();
-        self.inverse_mass + largest * radius * radius
+        self.inverse_mass + largest * outreach.lever * outreach.lever
     }
 
     /// Upper bound over points within a radius of the centroid: the compliance in one direction, and

@@ -206,25 +206,11 @@ impl Pair {
     }
 
     /// Rate bounds of the pair for its two blocks, twice as much against a partner that is free. Before the parts
-    /// touch, for the worst point of their bounding spheres. `weight` is the flat weight of the patch.
+    /// touch, for their worst points. `weight` is the flat weight of the patch.
     fn rate_bounds(&self, context: &ContactContext, law: &PairLaw, weight: f64) -> (Rates, Rates) {
         let (a, b) = law.bodies;
         let joint = law.joint;
-        let twice = |partner: &Kinematics| if partner.inverse_mass > 0.0 { 2.0 } else { 1.0 };
-        let of = |body: &Kinematics, block: u32| {
-            if body.inverse_mass == 0.0 {
-                return Rates::default();
-            }
-            if !self.history.points.is_empty() {
-                return PatchSprings {
-                    points: &self.history.points,
-                    normal: self.history.normal,
-                    stiffness: (joint.normal_stiffness, joint.shear_stiffness * weight),
-                    dashpots: self.loads.dashpots,
-                    is_bonded: self.history.bond.is_some(),
-                }
-                .rates(body);
-            }
+        if self.history.points.is_empty() {
             let weight = match joint.scaling {
                 Scaling::Point => 1.0,
                 // No face is larger than the great circle of the smaller bounding sphere.
@@ -234,12 +220,29 @@ impl Pair {
                     std::f64::consts::PI * least.powi(2)
                 }
             };
-            law.springs(weight, a.inverse_mass + b.inverse_mass)
-                .before_touch(body, context.lever[block as usize], context.step_bound)
+            let outreach = |block: u32| &context.outreach[block as usize];
+            return law
+                .springs(weight, a.inverse_mass + b.inverse_mass)
+                .before_touch(
+                    ((a, outreach(self.blocks.0)), (b, outreach(self.blocks.1))),
+                    context.step_bound,
+                );
+        }
+        let of = |body: &Kinematics, partner: &Kinematics| {
+            if body.inverse_mass == 0.0 {
+                return Rates::default();
+            }
+            let twice = if partner.inverse_mass > 0.0 { 2.0 } else { 1.0 };
+            PatchSprings {
+                points: &self.history.points,
+                normal: self.history.normal,
+                stiffness: (joint.normal_stiffness, joint.shear_stiffness * weight),
+                dashpots: self.loads.dashpots,
+                is_bonded: self.history.bond.is_some(),
+            }
+            .rates(body)
+            .times(twice)
         };
-        (
-            of(a, self.blocks.0).times(twice(b)),
-            of(b, self.blocks.1).times(twice(a)),
-        )
+        (of(a, b), of(b, a))
     }
 }

@@ -29,7 +29,6 @@ use crate::contact::rates::Rates;
 use crate::contact::tally::Tally;
 use crate::geometry::parts::Part;
 use crate::material::{RollingLaw, SphereJoint};
-use crate::motion::kinematics::Kinematics;
 pub(crate) use feet::{SphereOnSurface, SurfaceLaw};
 use law::book_first_half;
 pub(crate) use law::{SphereContact, SphereLoads};
@@ -236,15 +235,8 @@ impl SpherePair {
             damping_ratio: (joint.damping_ratio_bound(), law.shear_damping_ratio),
             mobility,
         };
-        let of = |body: &Kinematics, twice: f64, block: u32| {
-            let lever = context.lever[block as usize];
-            springs
-                .before_touch(body, lever, context.step_bound)
-                .times(twice)
-        };
-        (
-            of(a, sides.1.twice(), self.blocks.0),
-            of(b, sides.0.twice(), self.blocks.1),
-        )
+        let outreach = |block: u32| &context.outreach[block as usize];
+        let bodies = ((a, outreach(self.blocks.0)), (b, outreach(self.blocks.1)));
+        springs.before_touch(bodies, context.step_bound)
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::contact::rates::Rates;
 use crate::contact::report::PointState;
-use crate::motion::kinematics::Kinematics;
+use crate::motion::kinematics::{Kinematics, Outreach};
 use crate::{StepBound, Vec3};
 
 /// Springs that a contact would have, and their damping ratios.
@@ -16,29 +16,72 @@ pub(super) struct Springs {
     pub mobility: f64,
 }
 
+/// A body of a contact that may form, and how far it reaches.
+pub(super) type Reaching<'a> = (&'a Kinematics, &'a Outreach);
+
 impl Springs {
-    /// Rates of a contact that may form in the next step, at the worst point of the body within its lever (m).
-    pub fn before_touch(&self, body: &Kinematics, lever: f64, bound: StepBound) -> Rates {
+    /// Rates of a contact that may form in the next step, for its two bodies, at their worst points.
+    ///
+    /// Compliances of one body are twice as much against a partner that is free. Eigenvalues are those of the two alone,
+    ///
+    /// ```text
+    /// Λ_K = max(k_n, k_t) (w_i + w_j)                                                            [1/s²]
+    /// Λ_C = max(2 ξ_n √(k_n (w_i + w_j)), 2 ξ_t √(k_t/(1/m_i + 1/m_j)) (w_i + w_j))              [1/s]
+    /// ```
+    /// with `w` the largest compliances: the dashpot along the normal is that of the mobility at the contact.
+    pub fn before_touch(&self, bodies: (Reaching, Reaching), bound: StepBound) -> (Rates, Rates) {
+        let is_free = |body: &Kinematics| body.inverse_mass > 0.0;
+        let (a, b) = bodies;
+        let of = |body: &Kinematics, rates: Rates| {
+            if is_free(body) {
+                rates
+            } else {
+                Rates::default()
+            }
+        };
+        match bound {
+            StepBound::Compliances => {
+                let twice = |partner: &Kinematics| if is_free(partner) { 2.0 } else { 1.0 };
+                (
+                    of(a.0, self.by_compliances(a).times(twice(b.0))),
+                    of(b.0, self.by_compliances(b).times(twice(a.0))),
+                )
+            }
+            StepBound::Eigenvalues => {
+                let largest = |(body, outreach): Reaching| {
+                    if is_free(body) {
+                        body.largest_compliance(outreach)
+                    } else {
+                        0.0
+                    }
+                };
+                let rates = self.of_two(largest(a) + largest(b));
+                (of(a.0, rates), of(b.0, rates))
+            }
+        }
+    }
+
+    fn by_compliances(&self, (body, outreach): Reaching) -> Rates {
         let dashpot = |k: f64, ratio: f64| 2.0 * ratio * (k / self.mobility).sqrt();
         let (k_n, k_t) = self.stiffness;
         let (xi_n, xi_t) = self.damping_ratio;
-        let (c_n, c_t) = (dashpot(k_n, xi_n), dashpot(k_t, xi_t));
-        match bound {
-            StepBound::Compliances => {
-                let (along, sum) = body.worst_compliance(lever);
-                let across = sum - along;
-                Rates {
-                    stiffness: k_n * along + k_t * across,
-                    damping: c_n * along + c_t * across,
-                }
-            }
-            StepBound::Eigenvalues => {
-                let largest = body.largest_compliance(lever);
-                Rates {
-                    stiffness: k_n.max(k_t) * largest,
-                    damping: c_n.max(c_t) * largest,
-                }
-            }
+        let (along, sum) = body.worst_compliance(outreach.lever);
+        let across = sum - along;
+        Rates {
+            stiffness: k_n * along + k_t * across,
+            damping: dashpot(k_n, xi_n) * along + dashpot(k_t, xi_t) * across,
+        }
+    }
+
+    /// Largest eigenvalues of two bodies of a sum of compliances (1/kg), held by nothing else.
+    fn of_two(&self, compliance: f64) -> Rates {
+        let (k_n, k_t) = self.stiffness;
+        let (xi_n, xi_t) = self.damping_ratio;
+        let along = 2.0 * xi_n * (k_n * compliance).sqrt();
+        let across = 2.0 * xi_t * (k_t / self.mobility).sqrt() * compliance;
+        Rates {
+            stiffness: k_n.max(k_t) * compliance,
+            damping: along.max(across),
         }
     }
 }

@@ -250,17 +250,19 @@ impl SurfacePair {
 
     /// Of a polyhedron stiff per area, no face is larger than the great circle of its bounding sphere.
     fn rates_before_touch(&self, context: &ContactContext, law: &PairLaw) -> Rates {
-        let (body, _) = law.bodies;
+        let (body, ground) = law.bodies;
         let radius = context.radius[self.blocks.0 as usize];
         let weight = match (&self.touch, law.joint.scaling) {
             (SurfaceTouch::Polyhedron(_), Scaling::Area) => std::f64::consts::PI * radius * radius,
             _ => 1.0,
         };
-        law.springs(weight, body.inverse_mass).before_touch(
-            body,
-            context.lever[self.blocks.0 as usize],
-            context.step_bound,
-        )
+        let outreach = |block: u32| &context.outreach[block as usize];
+        let bodies = (
+            (body, outreach(self.blocks.0)),
+            (ground, outreach(self.blocks.1)),
+        );
+        let springs = law.springs(weight, body.inverse_mass);
+        springs.before_touch(bodies, context.step_bound).0
     }
 
     fn evaluate_sphere(
