@@ -32,6 +32,7 @@ impl Blocks {
                 f(axis.gap);
             }
             f(pair.axis.verified_gap);
+            f(pair.axis.lead);
             f(f64::from(pair.axis.trust));
             f(f64::from(pair.axis.trusted));
             for point in &history.points {

@@ -159,6 +159,8 @@ pub struct SeparatingAxes {
     pub face_b: Axis,
     /// Best pair of edges, if any two cross.
     pub edges: Option<Axis>,
+    /// Gaps of the second best face of A, face of B and pair of edges, −∞ without; m.
+    pub second_gaps: [f64; 3],
 }
 
 impl SeparatingAxes {
@@ -175,6 +177,20 @@ impl SeparatingAxes {
         } else {
             first
         }
+    }
+
+    /// Excess of the gap of one of these axes over those of all others, negative if another one is better; m.
+    pub(crate) fn lead(&self, axis: &Axis) -> f64 {
+        let kinds = [Some(self.face_a), Some(self.face_b), self.edges];
+        let others = kinds
+            .into_iter()
+            .zip(self.second_gaps)
+            .map(|(best, second)| match best {
+                Some(best) if best.kind == axis.kind => second,
+                Some(best) => best.gap,
+                None => f64::NEG_INFINITY,
+            });
+        axis.gap - others.fold(f64::NEG_INFINITY, f64::max)
     }
 
     /// The exact maximum of `G` over these axes, which is the common plane of overlapping bodies.
@@ -252,7 +268,10 @@ fn axes(a: &Polyhedron, b: &Polyhedron, neighbors: Neighbors) -> SeparatingAxes 
         gap: f64::NEG_INFINITY,
         kind,
     };
-    let face_a = match best_face(a, b, neighbors) {
+    let (first_of_a, second_of_a) = best_face(a, b, neighbors);
+    let (first_of_b, second_of_b) = best_face(b, a, neighbors);
+    let (edges, second_edges) = best_edges(a, b, neighbors);
+    let face_a = match first_of_a {
         None => none(AxisKind::FaceA(0)),
         Some((face, gap)) => Axis {
             normal: a.face_normal(face),
@@ -260,7 +279,7 @@ fn axes(a: &Polyhedron, b: &Polyhedron, neighbors: Neighbors) -> SeparatingAxes 
             kind: AxisKind::FaceA(face as u32),
         },
     };
-    let face_b = match best_face(b, a, neighbors) {
+    let face_b = match first_of_b {
         None => none(AxisKind::FaceB(0)),
         Some((face, gap)) => Axis {
             normal: -b.face_normal(face),
@@ -271,32 +290,43 @@ fn axes(a: &Polyhedron, b: &Polyhedron, neighbors: Neighbors) -> SeparatingAxes 
     SeparatingAxes {
         face_a,
         face_b,
-        edges: best_edges(a, b, neighbors),
+        edges,
+        second_gaps: [second_of_a, second_of_b, second_edges],
     }
 }
 
-/// Face of a body with the largest gap to the other body, and the gap (m). A face that overlaps counts only if it is exposed and the
-/// point of the other body farthest behind it is a corner.
-fn best_face(body: &Polyhedron, other: &Polyhedron, neighbors: Neighbors) -> Option<(usize, f64)> {
+/// Face of a body with the largest gap to the other body, and the gap (m); the gap of the second best. A face that overlaps counts
+/// only if it is exposed and the point of the other body farthest behind it is a corner.
+fn best_face(
+    body: &Polyhedron,
+    other: &Polyhedron,
+    neighbors: Neighbors,
+) -> (Option<(usize, f64)>, f64) {
     let is_alone = neighbors == Neighbors::Ignored;
     let mut best = None;
-    let mut best_gap = f64::NEG_INFINITY;
+    let (mut best_gap, mut second_gap) = (f64::NEG_INFINITY, f64::NEG_INFINITY);
     for face in (0..body.n_faces()).filter(|&face| is_alone || !body.is_hidden(face)) {
         let inward = -body.face_normal(face);
         let (depth, corner) = support(other, &inward);
         let gap = -depth - body.face_offset(face);
-        if gap > best_gap && (gap > 0.0 || is_alone || other.is_corner(corner as u32, &inward)) {
-            best_gap = gap;
-            best = Some((face, gap));
+        if gap > second_gap && (gap > 0.0 || is_alone || other.is_corner(corner as u32, &inward)) {
+            if gap > best_gap {
+                second_gap = best_gap;
+                best_gap = gap;
+                best = Some((face, gap));
+            } else {
+                second_gap = gap;
+            }
         }
     }
-    best
+    (best, second_gap)
 }
 
-/// Pair of edges with the largest gap, among those that make a face of the Minkowski difference.
-fn best_edges(a: &Polyhedron, b: &Polyhedron, neighbors: Neighbors) -> Option<Axis> {
+/// Pair of edges with the largest gap, among those that make a face of the Minkowski difference; the gap of the second best.
+fn best_edges(a: &Polyhedron, b: &Polyhedron, neighbors: Neighbors) -> (Option<Axis>, f64) {
     let is_alone = neighbors == Neighbors::Ignored;
     let mut edges: Option<Axis> = None;
+    let (mut best_gap, mut second_gap) = (f64::NEG_INFINITY, f64::NEG_INFINITY);
     let mut sides = Sides::of(b);
     for edge_a in a.edges() {
         let along_a = edge_vector(a, edge_a);
@@ -334,12 +364,18 @@ fn best_edges(a: &Polyhedron, b: &Polyhedron, neighbors: Neighbors) -> Option<Ax
                 &(b.vertices()[b.origin(edge_b) as usize]
                     - a.vertices()[a.origin(edge_a) as usize]),
             );
-            if edges.is_none_or(|best| gap > best.gap)
+            if gap > second_gap
                 && gap_along(a, b, &normal) >= gap - SUPPORT_TOLERANCE * a.size().min(b.size())
                 && (gap > 0.0
                     || is_alone
                     || (a.is_ridge(edge_a, &normal) && b.is_ridge(edge_b, &-normal)))
             {
+                if gap <= best_gap {
+                    second_gap = gap;
+                    continue;
+                }
+                second_gap = best_gap;
+                best_gap = gap;
                 edges = Some(Axis {
                     normal,
                     gap,
@@ -348,7 +384,7 @@ fn best_edges(a: &Polyhedron, b: &Polyhedron, neighbors: Neighbors) -> Option<Ax
             }
         }
     }
-    edges
+    (edges, second_gap)
 }
 
 /// Sides of an arc on the unit sphere on which the reversed face normals of a body lie: computed once for each face, read for

@@ -15,6 +15,8 @@ const COVERED_SHARE: f64 = 0.5;
 const TRUSTED_CHANGE: f64 = 0.1;
 /// ... nor below this change (× size of the smaller body), at which another axis would give nearly the same force; ...
 pub(super) const TRUSTED_DEPTH: f64 = 1e-4;
+/// ... nor below this share of the lead of the axis over all others, ...
+const TRUSTED_LEAD: f64 = 0.25;
 /// ... for this number of steps, doubled each time that the test confirms the axis, ...
 const TRUSTED_STEPS: u32 = 16;
 /// ... up to this number.
@@ -36,8 +38,9 @@ pub enum ContactDetection {
 pub(crate) struct AxisCache {
     /// Axis of the last step.
     pub axis: Option<Axis>,
-    /// Gap at the last full test; m.
+    /// Gap at the last full test, and its lead over that of every other axis; m.
     pub verified_gap: f64,
+    pub lead: f64,
     /// Remaining steps without a full test, and their number after the last test.
     pub trust: u32,
     pub trusted: u32,
@@ -95,8 +98,7 @@ impl AxisCache {
                 axis.kind != AxisKind::Other && !was_apart && is_supported(a, b, &axis);
             if is_contact
                 && self.trust > 0
-                && (axis.gap - self.verified_gap).abs()
-                    <= f64::max(TRUSTED_CHANGE * -self.verified_gap, shallow)
+                && (axis.gap - self.verified_gap).abs() <= self.trusted_change(shallow)
             {
                 self.trust -= 1;
                 return Some(axis);
@@ -114,7 +116,8 @@ impl AxisCache {
             kept = is_contact.then_some(axis);
         }
         self.has_searched = true;
-        let found = separating_axes(a, b).preferred(a, b, down);
+        let axes = separating_axes(a, b);
+        let found = axes.preferred(a, b, down);
         let axis = match kept {
             Some(kept)
                 if found.gap <= 0.0
@@ -134,6 +137,7 @@ impl AxisCache {
             TRUSTED_STEPS
         };
         self.axis = Some(axis);
+        self.lead = axes.lead(&axis);
         self.trust = self.trusted;
         // nothing of the two is visible to the other here
         let is_hidden = axis.gap == f64::NEG_INFINITY || touch_where_covered(a, b, &axis);
@@ -143,6 +147,15 @@ impl AxisCache {
             axis.gap
         };
         (axis.gap <= 0.0 && !is_hidden).then_some(axis)
+    }
+}
+
+impl AxisCache {
+    /// Change of the gap since the last full test that calls for no other one; m.
+    fn trusted_change(&self, shallow: f64) -> f64 {
+        let relative = TRUSTED_CHANGE * -self.verified_gap;
+        let lead = TRUSTED_LEAD * self.lead;
+        relative.max(shallow).max(lead)
     }
 }
 
