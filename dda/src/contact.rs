@@ -5,5 +5,6 @@ pub(crate) mod detection;
 pub(crate) mod penalty;
 pub(crate) mod rates;
 pub(crate) mod report;
+pub(crate) mod spread;
 pub(crate) mod spring;
 pub(crate) mod tally;

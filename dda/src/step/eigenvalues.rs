@@ -9,6 +9,7 @@
 //! Of the pairs that do not touch yet, only those count that may within [`HORIZON`] steps.
 
 use crate::contact::rates::{BlockRates, Rates};
+use crate::contact::spread::Spread;
 use crate::contact::spring::Spring;
 use crate::geometry::bounds;
 use crate::motion::kinematics::Kinematics;
@@ -50,6 +51,34 @@ impl Products {
 }
 
 impl Response {
+    /// Responses to the springs of a patch along its normal and across it, of unit coefficients.
+    fn of_spread(spread: &Spread, centroid: &Vec3) -> [Self; 2] {
+        let [along, across] = spread.about(centroid);
+        let n = &spread.normal;
+        let product = n * n.transpose();
+        let arm = along.first.cross(n) * n.transpose();
+        let arm_across = across.first.cross(n) * n.transpose();
+        let inertia = Matrix3::from_diagonal_element(across.second.trace()) - across.second;
+        [
+            Self {
+                translation: product * along.total,
+                mixed: arm,
+                rotation: along.across(n),
+            },
+            Self {
+                translation: (Matrix3::identity() - product) * across.total,
+                mixed: across.first.cross_matrix() - arm_across,
+                rotation: inertia - across.across(n),
+            },
+        ]
+    }
+
+    fn add_scaled(&mut self, other: &Self, factor: f64) {
+        self.translation += other.translation * factor;
+        self.mixed += other.mixed * factor;
+        self.rotation += other.rotation * factor;
+    }
+
     /// Adds a spring along the normal and across it.
     fn add(&mut self, products: &Products, [along, across]: [f64; 2]) {
         let more = along - across;
@@ -101,8 +130,8 @@ impl Blocks {
             let pair = &self.contacts.pairs[k];
             if pair.is_touching {
                 let twice = self.shares(b, pair.blocks);
-                let springs = pair.springs(self.joint_between(pair.parts));
-                held.add(body, springs, twice);
+                let coefficients = pair.coefficients(self.joint_between(pair.parts));
+                held.add_spread(body, &pair.spread, coefficients, twice);
             }
         }
         for (k, _) in self.derived.sphere_links.of(b) {
@@ -207,6 +236,23 @@ const ONCE: Rates = Rates {
 };
 
 impl Held {
+    fn add_spread(
+        &mut self,
+        body: &Kinematics,
+        spread: &Spread,
+        [stiffness, dashpots]: [[f64; 2]; 2],
+        times: Rates,
+    ) {
+        let [along, across] = Response::of_spread(spread, &body.centroid);
+        for (response, sides, times) in [
+            (&mut self.stiffness, stiffness, times.stiffness),
+            (&mut self.damping, dashpots, times.damping),
+        ] {
+            response.add_scaled(&along, sides[0] * times);
+            response.add_scaled(&across, sides[1] * times);
+        }
+    }
+
     fn add(&mut self, body: &Kinematics, springs: impl IntoIterator<Item = Spring>, times: Rates) {
         for spring in springs {
             let products = Products::of(&(spring.point - body.centroid), &spring.normal);

@@ -14,7 +14,6 @@ use super::bond::Bond;
 use super::friction::ShearSpring;
 use super::history::PairLoads;
 use super::law::PairLaw;
-use super::step_bound::PatchSprings;
 use crate::Vec3;
 use crate::contact::context::ContactContext;
 use crate::contact::detection::common_plane::AxisCache;
@@ -23,6 +22,7 @@ use crate::contact::detection::patch::Patch;
 use crate::contact::detection::polyhedra::NarrowPhase;
 use crate::contact::rates::Rates;
 use crate::contact::report::PointState;
+use crate::contact::spread::Spread;
 use crate::contact::spring::Spring;
 use crate::geometry::parts::Part;
 use crate::material::{Joint, Scaling};
@@ -50,6 +50,8 @@ pub(crate) struct Pair {
     /// Memory of the law.
     pub history: History,
     pub loads: PairLoads,
+    /// Places of the springs, if there is any force.
+    pub spread: Spread,
 }
 
 /// Memory of the law of two polyhedra.
@@ -103,6 +105,7 @@ impl Pair {
                 elastic: (0.0, 0.0),
             },
             loads: PairLoads::default(),
+            spread: Spread::default(),
         }
     }
 
@@ -165,6 +168,10 @@ impl Pair {
             }
         }
         step.finish();
+        if !self.history.points.is_empty() {
+            let is_bonded = self.history.bond.is_some();
+            self.spread = Spread::of(&self.history.points, &self.history.normal, is_bonded);
+        }
         self.rates = self.rate_bounds(context, &law, patch.manifold.flat_weight);
         self.is_touching = !self.history.points.is_empty();
         // The compliances of blocks that deform or are held change as they turn.
@@ -205,6 +212,12 @@ impl Pair {
         })
     }
 
+    /// Stiffness (N/m) of its springs, of a unit of weight along the normal and of the whole across it, and of the dashpots (N s/m).
+    pub fn coefficients(&self, joint: &Joint) -> [[f64; 2]; 2] {
+        let across = joint.shear_stiffness * self.history.shear.weight;
+        [[joint.normal_stiffness, across], self.loads.dashpots.into()]
+    }
+
     /// Rate bounds of the pair for its two blocks, twice as much against a partner that is free. Before the parts
     /// touch, for their worst points. `weight` is the flat weight of the patch.
     fn rate_bounds(&self, context: &ContactContext, law: &PairLaw, weight: f64) -> (Rates, Rates) {
@@ -233,14 +246,13 @@ impl Pair {
                 return Rates::default();
             }
             let twice = if partner.inverse_mass > 0.0 { 2.0 } else { 1.0 };
-            PatchSprings {
-                points: &self.history.points,
-                normal: self.history.normal,
-                stiffness: (joint.normal_stiffness, joint.shear_stiffness * weight),
-                dashpots: self.loads.dashpots,
-                is_bonded: self.history.bond.is_some(),
+            let [along, across] = self.spread.compliances(body);
+            let stiffness = joint.shear_stiffness * weight;
+            let (dashpot, shear_dashpot) = self.loads.dashpots;
+            Rates {
+                stiffness: joint.normal_stiffness * along + stiffness * across,
+                damping: dashpot * along + shear_dashpot * across,
             }
-            .rates(body)
             .times(twice)
         };
         (of(a, b), of(b, a))
