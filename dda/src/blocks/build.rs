@@ -121,6 +121,7 @@ impl Blocks {
         });
         self.state.contact_load.push(Load::default());
         self.state.contact_load_before.push(Load::default());
+        self.state.travel.push(0.0);
         self.state.rates.push(BlockRates::default());
     }
 

@@ -59,7 +59,7 @@ impl Blocks {
     }
 
     /// Lengths of the columns that never change theirs.
-    fn lengths(&self) -> [usize; 16] {
+    fn lengths(&self) -> [usize; 17] {
         let state = &self.state;
         [
             state.centroid.len(),
@@ -74,6 +74,7 @@ impl Blocks {
             state.kinematics.len(),
             state.contact_load.len(),
             state.contact_load_before.len(),
+            state.travel.len(),
             state.contact_stretch.len(),
             state.rates.len(),
             state.boxes.len(),

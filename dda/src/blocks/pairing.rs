@@ -247,6 +247,7 @@ impl Blocks {
             shear_damping_ratio: self.constants.settings.shear_damping_ratio,
             rolling_law: self.constants.settings.rolling_law,
             radius: &self.constants.radius,
+            travel: &self.state.travel,
             outreach: &self.constants.outreach,
             contact_detection: self.constants.settings.contact_detection,
             step_bound: self.constants.settings.step_bound,

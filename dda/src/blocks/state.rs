@@ -46,6 +46,8 @@ pub(crate) struct State {
     pub contact_load: Vec<Load>,
     /// Contact loads one sub-step before; N, N m.
     pub contact_load_before: Vec<Load>,
+    /// Way of the farthest point of a rigid block since the start, or more; m.
+    pub travel: Vec<f64>,
     /// Straining moment of the contacts at the last evaluation; one per deformable block; N m.
     pub contact_stretch: Vec<Matrix3<f64>>,
     /// Share of the contacts in the step bound at the last evaluation.

@@ -22,6 +22,8 @@ pub(crate) struct ContactContext<'a> {
     pub rolling_law: RollingLaw,
     /// Farthest point of each block from its centroid; m.
     pub radius: &'a [f64],
+    /// Way of the farthest point of each rigid block since the start, or more; m.
+    pub travel: &'a [f64],
     /// Worst point of contact of each block.
     pub outreach: &'a [Outreach],
     pub contact_detection: ContactDetection,
@@ -35,6 +37,11 @@ pub(crate) struct ContactContext<'a> {
 }
 
 impl<'a> ContactContext<'a> {
+    /// Sum of the travels of two blocks; m.
+    pub fn travel_of(&self, blocks: (u32, u32)) -> f64 {
+        self.travel[blocks.0 as usize] + self.travel[blocks.1 as usize]
+    }
+
     /// Do both lie still, one of them asleep? Their contact is then as it was.
     pub fn are_still(&self, blocks: (u32, u32)) -> bool {
         let updates = [blocks.0, blocks.1].map(|block| self.update[block as usize]);

@@ -230,22 +230,32 @@ impl Blocks {
                     attitude,
                     angular_momentum,
                     velocity,
+                    travel,
                     ..
                 },
-            constants: Constants { inertia, .. },
+            constants: Constants {
+                inertia, radius, ..
+            },
             derived: Derived { update, .. },
             ..
         } = self;
         type Moving<'a> = (
-            &'a mut [Vec3],
+            (&'a mut [Vec3], &'a mut [f64]),
             &'a mut [UnitQuaternion<f64>],
             &'a mut [Vec3],
         );
-        let drift = |first: usize, (centroid, attitude, momentum): Moving| {
-            let rows = (first..).zip(centroid).zip(attitude).zip(momentum);
-            for (((b, centroid), attitude), angular_momentum) in rows {
+        let drift = |first: usize, ((centroid, travel), attitude, momentum): Moving| {
+            let rows = (first..)
+                .zip(centroid)
+                .zip(travel)
+                .zip(attitude)
+                .zip(momentum);
+            for ((((b, centroid), travel), attitude), angular_momentum) in rows {
                 if update[b] == Update::Rigid {
                     *centroid += velocity[b] * dt;
+                    // no rotation of this momentum is faster
+                    let fastest = angular_momentum.norm() / inertia[b].min();
+                    *travel += dt * (velocity[b].norm() + fastest * radius[b]);
                     Rigid6 {
                         attitude,
                         angular_momentum,
@@ -256,7 +266,7 @@ impl Blocks {
             }
         };
         let columns = (
-            centroid.as_mut_slice(),
+            (centroid.as_mut_slice(), travel.as_mut_slice()),
             attitude.as_mut_slice(),
             angular_momentum.as_mut_slice(),
         );

@@ -165,9 +165,12 @@ impl Blocks {
         for (k, is_second) in self.derived.links.of(b) {
             let pair = &self.contacts.pairs[k];
             let between = self.boxes_apart(pair.parts);
-            // the axis of a pair whose boxes overlap is that of this step
+            // the axis of a pair whose boxes overlap is that of this step, or of an earlier one less the travel since
             let apart = pair.axis.axis.filter(|_| between <= 0.0);
-            let gap = apart.map_or(between, |axis| axis.gap);
+            let gap = apart.map_or(between, |axis| {
+                let left = pair.apart_until - self.travel_of(pair.blocks);
+                if left.is_finite() { left } else { axis.gap }
+            });
             if !pair.is_touching && gap <= self.reach(pair.blocks, time) {
                 add(if is_second {
                     &pair.rates.1
@@ -191,6 +194,10 @@ impl Blocks {
             }
         }
         next
+    }
+
+    fn travel_of(&self, blocks: (u32, u32)) -> f64 {
+        self.state.travel[blocks.0 as usize] + self.state.travel[blocks.1 as usize]
     }
 
     fn boxes_apart(&self, parts: (u32, u32)) -> f64 {

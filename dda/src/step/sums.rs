@@ -68,7 +68,9 @@ impl Blocks {
                 return tally;
             };
             for pair in pairs {
-                if context.are_still(pair.blocks) {
+                if context.are_still(pair.blocks)
+                    || context.travel_of(pair.blocks) < pair.apart_until
+                {
                     continue;
                 }
                 let is_near = broad_phase::overlap(

@@ -14,7 +14,6 @@ use super::bond::Bond;
 use super::friction::ShearSpring;
 use super::history::PairLoads;
 use super::law::PairLaw;
-use crate::Vec3;
 use crate::contact::context::ContactContext;
 use crate::contact::detection::common_plane::AxisCache;
 use crate::contact::detection::manifold::Features;
@@ -28,8 +27,12 @@ use crate::geometry::parts::Part;
 use crate::material::{Joint, Scaling};
 use crate::motion::kinematics::Kinematics;
 use crate::motion::update::Update;
+use crate::{Motion, Vec3};
 use serde::{Deserialize, Serialize};
 use step::Step;
+
+/// Share of a gap that two blocks surely travel before they touch, for round-off; –.
+const TRUSTED_GAP: f64 = 0.999;
 
 /// Two parts that may touch.
 ///
@@ -45,6 +48,8 @@ pub(crate) struct Pair {
     pub is_touching: bool,
     /// Would another evaluation change nothing while the boxes stay apart?
     pub is_idle: bool,
+    /// Sum of the travels of the two blocks before which they cannot touch, nothing else of the pair changing; m.
+    pub apart_until: f64,
     /// Memory of the narrow phase.
     pub axis: AxisCache,
     /// Memory of the law.
@@ -92,6 +97,7 @@ impl Pair {
             rates: (Rates::default(), Rates::default()),
             is_touching: false,
             is_idle: false,
+            apart_until: f64::NEG_INFINITY,
             axis: AxisCache::default(),
             history: History {
                 bond: None,
@@ -179,6 +185,31 @@ impl Pair {
         let is_active =
             is_near || self.is_touching || self.history.bond.is_some() || self.loads.has_broken;
         self.is_idle = !is_active && is_steady(self.blocks.0) && is_steady(self.blocks.1);
+        self.apart_until = if is_near {
+            self.last_travel_apart(context)
+        } else {
+            f64::NEG_INFINITY
+        };
+    }
+
+    /// Sum of the travels before which two rigid blocks that were just found apart cannot touch; −∞ for all others.
+    fn last_travel_apart(&self, context: &ContactContext) -> f64 {
+        let is_tracked = |block: u32| {
+            context.update[block as usize] != Update::Constrained
+                && !matches!(context.motion[block as usize], Motion::Prescribed(_))
+        };
+        let is_active = self.is_touching || self.history.bond.is_some() || self.loads.has_broken;
+        match self.axis.axis {
+            Some(axis)
+                if axis.gap > 0.0
+                    && !is_active
+                    && is_tracked(self.blocks.0)
+                    && is_tracked(self.blocks.1) =>
+            {
+                context.travel_of(self.blocks) + TRUSTED_GAP * axis.gap
+            }
+            _ => f64::NEG_INFINITY,
+        }
     }
 
     /// Springs of its points. Shear stiffness lies where the pressure is, that of a bond where its patch is.
