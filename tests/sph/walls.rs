@@ -92,6 +92,66 @@ fn still_tank(rows: i32, scheme: Scheme) -> Still {
     measure(&water, scheme.state_equation, dp)
 }
 
+/// Walls that stand list their neighbors as often as the fluid does: agitated water goes on as between walls that are searched in each
+/// sum, through several sorts, with all kinds of slip.
+#[test]
+fn listed_walls_hold_water_as_searched_ones() {
+    let (dp, columns, rows) = (0.02, 20, 15);
+    for slip in [Slip::Free, Slip::None, Slip::Friction(0.3)] {
+        let plane = Plane {
+            spacing: dp,
+            ratio: 2.0,
+            sound_speed: tank_sound(),
+            scheme: Scheme {
+                precision: Precision::Double,
+                ..Scheme::standard()
+            },
+            gravity: Vec3::new(0.0, 0.0, -G),
+            time_step_factor: 0.5,
+            domain: ([0.0; 2], [f64::from(columns) * dp, 2.0 * DEPTH]),
+            periodic: [false; 2],
+        };
+        let water = || {
+            let begin = start(
+                lattice(dp, 0..columns, 0..rows).collect(),
+                |x| {
+                    let v = Noise((1e4 * (x.x + 7.0 * x.z)) as u64).vector() * 2.0;
+                    Vec3::new(v.x, 0.0, v.z)
+                },
+                |_| 0.0,
+            );
+            let walls = lattice(dp, -4..columns + 4, -4..2 * rows)
+                .filter(|x| x.z < 0.0 || x.x < 0.0 || f64::from(columns) * dp < x.x)
+                .collect();
+            Water::between(begin, plane.settings(), (walls, dp * dp), slip)
+        };
+        let (mut searched, mut listed) = (water(), water().standing());
+        let dt = 0.2 * dp / tank_sound();
+        let mut n_sorts = 0;
+        for _ in 0..120 {
+            let before = listed.fluid.moved();
+            searched.step(dt);
+            listed.step(dt);
+            n_sorts += usize::from(listed.fluid.moved() < before);
+        }
+        assert!(n_sorts > 3, "{n_sorts}");
+        let of = |water: &Water| {
+            let p = water.fluid.particles();
+            let mut x: Vec<_> = p.id.iter().copied().zip(p.position.clone()).collect();
+            x.sort_by_key(|(id, _)| *id);
+            x
+        };
+        let apart = of(&searched)
+            .iter()
+            .zip(of(&listed))
+            .map(|((_, a), (_, b))| (a - b).norm() / dp)
+            .fold(0.0, f64::max);
+        println!("{slip:?}: {apart:.1e} spacings apart after {n_sorts} sorts");
+        // sums add the same numbers in another order, and collisions of particles amplify that
+        assert!(apart < 1e-8, "{slip:?}: {apart}");
+    }
+}
+
 /// S04 and S15 of it.
 #[test]
 fn still_water_stays_still_in_the_plane() {

@@ -180,6 +180,14 @@ impl Water {
         Self::walled(start, settings, (volumes, slip), still)
     }
 
+    /// The same with walls that list their neighbors: they stay.
+    pub fn standing(self) -> Self {
+        Self {
+            walls: self.walls.standing(),
+            ..self
+        }
+    }
+
     /// Walls at the present time and the fluid that they hold.
     fn parts(&mut self) -> (&mut Fluid, MovingWalls<'_>) {
         let walls = MovingWalls {

@@ -97,7 +97,7 @@ impl ParticleWalls {
         );
         let fixed_points = solids.fixed_points(&standing, &mut thin_solids);
         let points = solids.moving_points(&mut thin_solids);
-        let mut fixed = fixed_points.walls(fluid, slip);
+        let mut fixed = fixed_points.walls(fluid, slip).standing();
         fixed.place(|w| {
             let position = fixed_points.samples[w].position;
             [position, Vec3::zeros(), Vec3::zeros()]

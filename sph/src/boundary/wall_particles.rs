@@ -26,8 +26,9 @@
 
 use rayon::prelude::*;
 
-use crate::fluid::wall_sums;
+use crate::fluid::wall_sums::{self, Near};
 use crate::neighbors::cells::CellGrid;
+use crate::neighbors::lists::Lists;
 use crate::neighbors::sweep::{AnyPoints, PairKind};
 use crate::neighbors::thin_solids::Facet;
 use crate::scheme::Viscosity;
@@ -98,7 +99,23 @@ pub struct WallParticles {
     wet: WetPoints,
     /// Number of changes of the sleeping set at the last update of the pressure of all wet points.
     known_at: Option<u64>,
+    /// Neighbors of points that stand.
+    listed: Option<Box<Listed>>,
     scratch: Scratch,
+}
+
+/// Neighbors across walls that stand, listed as often as those within the fluid.
+#[derive(Clone, Debug, Default)]
+struct Listed {
+    /// Making of the fluid's lists that these go with.
+    made_for: Option<u64>,
+    /// Points near particles, and the particles.
+    of_particles: Lists,
+    particles: Vec<u32>,
+    /// Particles near points, and the points.
+    of_points: Lists,
+    points: Vec<u32>,
+    packed: AnyPoints,
 }
 
 /// Points near fluid.
@@ -160,8 +177,16 @@ impl WallParticles {
             nearby_particles: Vec::new(),
             wet: WetPoints::default(),
             known_at: None,
+            listed: None,
             scratch: Scratch::default(),
         }
+    }
+
+    /// The same points, which are placed once: neighbors are listed.
+    #[must_use]
+    pub fn standing(mut self) -> Self {
+        self.listed = Some(Box::default());
+        self
     }
 
     /// The same points, visible only through faces of [thin solids](crate::neighbors::thin_solids): one facet per point, or none at all.
@@ -255,6 +280,12 @@ impl WallParticles {
     /// Finds the particles and points that may be within the support of each other; after every
     /// [`Self::place`] and every sort of the fluid.
     pub fn find_wet(&mut self, fluid: &Fluid) {
+        let is_known = |listed: &Listed| {
+            listed.made_for.is_some() && listed.made_for == fluid.listing() && !fluid.may_sleep()
+        };
+        if self.listed.as_deref().is_some_and(is_known) {
+            return;
+        }
         let cells = fluid.grid();
         self.nearby_particles.clear();
         for &cell in &self.marked {
@@ -291,9 +322,57 @@ impl WallParticles {
         }
     }
 
-    /// Makes the next update include all wet points.
+    /// Makes the next update include all wet points, with neighbors listed anew.
     pub fn forget(&mut self) {
         self.known_at = None;
+        if let Some(listed) = &mut self.listed {
+            listed.made_for = None;
+        }
+    }
+
+    /// Lists the neighbors of points that stand, unless those of the particles and points at hand are listed.
+    fn list(&mut self, fluid: &Fluid) {
+        let Some(listed) = self.listed.as_deref_mut() else {
+            return;
+        };
+        let (particles, points) = (&self.nearby_particles, self.wet.updated());
+        if listed.made_for == fluid.listing()
+            && listed.particles == *particles
+            && listed.points == points
+        {
+            return;
+        }
+        listed.made_for = fluid.list_walls(
+            (&self.grid, &self.sorted),
+            (particles, &mut listed.of_particles),
+            (points, &self.position, &mut listed.of_points),
+            &mut listed.packed,
+        );
+        listed.particles.clone_from(particles);
+        listed.points.clear();
+        listed.points.extend_from_slice(points);
+    }
+
+    /// Particles near points.
+    fn near_points(&self, fluid: &Fluid) -> Near<'_> {
+        Near {
+            chosen: &self.nearby_particles,
+            lists: self.valid(fluid).map(|listed| &listed.of_particles),
+        }
+    }
+
+    /// Points near particles that are updated.
+    fn near_particles(&self, fluid: &Fluid) -> Near<'_> {
+        Near {
+            chosen: self.wet.updated(),
+            lists: self.valid(fluid).map(|listed| &listed.of_points),
+        }
+    }
+
+    fn valid(&self, fluid: &Fluid) -> Option<&Listed> {
+        self.listed
+            .as_deref()
+            .filter(|listed| listed.made_for.is_some() && listed.made_for == fluid.listing())
     }
 
     fn neighborhood<'a>(&'a self, fluid: &'a Fluid) -> sums::Neighborhood<'a> {
@@ -337,13 +416,14 @@ impl WallParticles {
         if self.nearby_particles.is_empty() {
             return;
         }
+        self.list(fluid);
         self.pack_flow(fluid);
         let mut rates = std::mem::take(&mut self.scratch.rates);
         rates.resize(self.nearby_particles.len(), Rate::default());
         wall_sums::rates(
             fluid,
             self.neighborhood(fluid),
-            &self.nearby_particles,
+            self.near_points(fluid),
             &mut rates,
         );
         for (&a, rate) in self.nearby_particles.iter().zip(&rates) {
@@ -360,13 +440,14 @@ impl WallParticles {
         if self.nearby_particles.is_empty() {
             return;
         }
+        self.list(fluid);
         self.pack_flow(fluid);
         let mut concentrations = std::mem::take(&mut self.scratch.concentrations);
         concentrations.resize(self.nearby_particles.len(), Concentration::default());
         wall_sums::concentrations(
             fluid,
             self.neighborhood(fluid),
-            &self.nearby_particles,
+            self.near_points(fluid),
             &mut concentrations,
         );
         for (&a, concentration) in self.nearby_particles.iter().zip(&concentrations) {
@@ -389,12 +470,18 @@ impl WallParticles {
     fn continue_fluid(
         &mut self,
         fluid: &Fluid,
-        extrapolation: fn(&Fluid, Places, &[u32], &mut [Extrapolated]),
+        extrapolation: fn(&Fluid, Places, Near, &mut [Extrapolated]),
     ) {
+        self.list(fluid);
         let mut sums_of_points = std::mem::take(&mut self.scratch.extrapolated);
         sums_of_points.resize(self.wet.updated().len(), Extrapolated::default());
         let places = self.places();
-        extrapolation(fluid, places, self.wet.updated(), &mut sums_of_points);
+        extrapolation(
+            fluid,
+            places,
+            self.near_particles(fluid),
+            &mut sums_of_points,
+        );
         self.scratch.extrapolated = sums_of_points;
         self.known_at = fluid.changes_of_rest();
         self.seen_velocity.copy_from_slice(&self.velocity);
@@ -477,7 +564,7 @@ impl WallParticles {
         wall_sums::strains(
             fluid,
             self.neighborhood(fluid),
-            &self.nearby_particles,
+            self.near_points(fluid),
             &mut strains,
         );
         for (&a, strain) in self.nearby_particles.iter().zip(&strains) {
@@ -545,7 +632,7 @@ impl WallParticles {
         wall_sums::forces(
             fluid,
             self.neighborhood(fluid),
-            &self.nearby_particles,
+            self.near_points(fluid),
             self.shearing(fluid),
             &mut forces,
         );
@@ -584,7 +671,10 @@ impl WallParticles {
             fluid,
             self.places(),
             (&self.seen_velocity, &self.pressure),
-            points,
+            Near {
+                chosen: points,
+                lists: None,
+            },
             self.shearing(fluid),
             &mut forces,
         );
@@ -603,7 +693,7 @@ impl WallParticles {
             fluid,
             self.places(),
             (&self.seen_velocity, &self.pressure),
-            self.wet.updated(),
+            self.near_particles(fluid),
             self.shearing(fluid),
             &mut forces,
         );

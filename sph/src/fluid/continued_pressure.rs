@@ -1,6 +1,6 @@
 //! Pressure of the fluid continued along gravity to places that are not of its particles.
 
-use crate::fluid::wall_sums;
+use crate::fluid::wall_sums::{self, Near};
 use crate::terms::extrapolation::Extrapolated;
 use crate::terms::sums::Places;
 use crate::{Fluid, Vec3};
@@ -25,7 +25,11 @@ impl ContinuedPressure {
             positions: places,
             facets: &[],
         };
-        wall_sums::extrapolation::<false>(fluid, places, &self.chosen, &mut self.sums);
+        let near = Near {
+            chosen: &self.chosen,
+            lists: None,
+        };
+        wall_sums::extrapolation::<false>(fluid, places, near, &mut self.sums);
     }
 
     /// For each point the fluid fraction of its support, `Σ V W`, and the pressure, 0 without fluid; –, Pa.

@@ -1,6 +1,7 @@
 //! Sums of the fluid over itself, and the packing and listing that they need.
 
 use crate::Fluid;
+use crate::Vec3;
 use crate::fluid::scratch::Scratch;
 use crate::neighbors::lists::{Lists, Surroundings};
 use crate::neighbors::rest::Still;
@@ -42,16 +43,13 @@ impl Fluid {
         Setup {
             settings: &self.settings,
             from: self.neighborhood(points, PairKind::Particles),
-            receivers: Receivers {
-                positions: &self.particles.position,
-                chosen: None,
-            },
+            receivers: everyone(&self.particles.position),
             lists: self.listed(),
         }
     }
 
     /// The lists of neighbors, where they hold.
-    fn listed(&self) -> Option<&Lists> {
+    pub(super) fn listed(&self) -> Option<&Lists> {
         (self.lists.are_made() && self.is_sorted()).then_some(&self.lists)
     }
 
@@ -79,7 +77,7 @@ impl Fluid {
                 grid: &self.grid,
                 frame: &self.frame,
                 mirrors: self.settings.mirrors(),
-                positions: &self.particles.position,
+                receivers: everyone(&self.particles.position),
                 rests: self.rests(),
                 radius,
                 reach: self.settings.support_radius() + self.skin(),
@@ -137,11 +135,18 @@ impl Fluid {
     }
 }
 
-/// Listing of the neighbors of all particles.
-struct Listing<'a> {
-    from: Surroundings<'a>,
-    points: &'a AnyPoints,
-    lists: &'a mut Lists,
+fn everyone(positions: &[Vec3]) -> Receivers<'_> {
+    Receivers {
+        positions,
+        chosen: None,
+    }
+}
+
+/// Listing of the neighbors of some receivers.
+pub(super) struct Listing<'a> {
+    pub from: Surroundings<'a>,
+    pub points: &'a AnyPoints,
+    pub lists: &'a mut Lists,
 }
 
 impl Sum for Listing<'_> {

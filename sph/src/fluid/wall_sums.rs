@@ -1,6 +1,9 @@
 //! Sums between the fluid and its walls: over wall points for some of the particles, over the fluid for some wall points.
 
-use crate::neighbors::sweep::{PairKind, Receivers};
+use crate::fluid::sums::Listing;
+use crate::neighbors::cells::CellGrid;
+use crate::neighbors::lists::{Lists, Surroundings};
+use crate::neighbors::sweep::{AnyPoints, PairKind, Receivers, dispatch};
 use crate::terms::concentration::Concentration;
 use crate::terms::continuity::{Rate, RateOwn};
 use crate::terms::extrapolation::Extrapolated;
@@ -12,26 +15,80 @@ use crate::terms::sums::{
 };
 use crate::{Fluid, Vec3};
 
+/// Particles near walls, or wall points near fluid.
+#[derive(Clone, Copy)]
+pub(crate) struct Near<'a> {
+    /// Their numbers.
+    pub chosen: &'a [u32],
+    /// Their neighbors, where they are listed.
+    pub lists: Option<&'a Lists>,
+}
+
 impl Fluid {
     /// Sums over walls for some of the particles.
-    fn to_some<'a>(&'a self, walls: Neighborhood<'a>, chosen: &'a [u32]) -> Setup<'a> {
+    fn to_some<'a>(&'a self, walls: Neighborhood<'a>, near: Near<'a>) -> Setup<'a> {
         Setup {
             settings: &self.settings,
             from: walls,
-            receivers: some(&self.particles.position, chosen),
-            lists: None,
+            receivers: some(&self.particles.position, near.chosen),
+            lists: near.lists,
         }
     }
 
     /// Sums over the fluid for some of many wall points.
-    fn to_places<'a>(&'a self, places: Places<'a>, chosen: &'a [u32]) -> Setup<'a> {
+    fn to_places<'a>(&'a self, places: Places<'a>, near: Near<'a>) -> Setup<'a> {
         let between = PairKind::WallsAndParticles(places.facets);
         Setup {
             settings: &self.settings,
             from: self.neighborhood(&self.scratch.points, between),
-            receivers: some(places.positions, chosen),
-            lists: None,
+            receivers: some(places.positions, near.chosen),
+            lists: near.lists,
         }
+    }
+
+    /// Lists for some particles the points of walls within the reach of the fluid's own lists, and for some wall points the particles,
+    /// from where the particles were when those lists were made; `packed` is storage. Returns the number of that making, `None` if
+    /// there are no such lists.
+    pub(crate) fn list_walls(
+        &self,
+        (grid, sorted): (&CellGrid, &[Vec3]),
+        (particles, of_particles): (&[u32], &mut Lists),
+        (points, positions, of_points): (&[u32], &[Vec3], &mut Lists),
+        packed: &mut AnyPoints,
+    ) -> Option<u64> {
+        let listed = self.listed()?;
+        let (from, radius) = listed.made_from()?;
+        let precision = self.settings.scheme.precision;
+        let surroundings = |grid, receivers| Surroundings {
+            grid,
+            frame: &self.frame,
+            mirrors: self.settings.mirrors(),
+            receivers,
+            rests: &[],
+            radius: *radius,
+            reach: self.settings.support_radius() + self.skin(),
+        };
+        // lists depend on positions only
+        packed.pack(precision, &self.frame, sorted, |_| [0.0; 5]);
+        let listing = Listing {
+            from: surroundings(grid, some(from, particles)),
+            points: packed,
+            lists: of_particles,
+        };
+        dispatch(precision, listing);
+        packed.pack(precision, &self.frame, from, |_| [0.0; 5]);
+        let listing = Listing {
+            from: surroundings(&self.grid, some(positions, points)),
+            points: packed,
+            lists: of_points,
+        };
+        dispatch(precision, listing);
+        listed.generation()
+    }
+
+    /// Number of the making of the lists of neighbors, where they hold.
+    pub(crate) fn listing(&self) -> Option<u64> {
+        self.listed().and_then(Lists::generation)
     }
 }
 
@@ -48,35 +105,35 @@ fn across<F: Formula>(setup: &Setup, formula: &F, out: &mut [F::Out]) {
 }
 
 /// Rates of density of some particles from wall points, which hold velocity and volume.
-pub(crate) fn rates(fluid: &Fluid, walls: Neighborhood, chosen: &[u32], out: &mut [Rate]) {
+pub(crate) fn rates(fluid: &Fluid, walls: Neighborhood, near: Near, out: &mut [Rate]) {
     let own = RateOwn {
         velocity: &fluid.particles.velocity,
         density: &fluid.particles.density,
     };
-    across(&fluid.to_some(walls, chosen), &WallRates { own }, out);
+    across(&fluid.to_some(walls, near), &WallRates { own }, out);
 }
 
 /// Gradient of velocity of some particles as far as wall points, which hold velocity and volume, make it.
-pub(crate) fn strains(fluid: &Fluid, walls: Neighborhood, chosen: &[u32], out: &mut [StrainSums]) {
+pub(crate) fn strains(fluid: &Fluid, walls: Neighborhood, near: Near, out: &mut [StrainSums]) {
     let velocity = &fluid.particles.velocity;
-    across(&fluid.to_some(walls, chosen), &Strains { velocity }, out);
+    across(&fluid.to_some(walls, near), &Strains { velocity }, out);
 }
 
 /// Concentration of some particles as far as wall points make it.
 pub(crate) fn concentrations(
     fluid: &Fluid,
     walls: Neighborhood,
-    chosen: &[u32],
+    near: Near,
     out: &mut [Concentration],
 ) {
-    across(&fluid.to_some(walls, chosen), &Concentrations, out);
+    across(&fluid.to_some(walls, near), &Concentrations, out);
 }
 
 /// Forces per volume of wall points, which hold velocity, pressure and volume, on some particles.
 pub(crate) fn forces(
     fluid: &Fluid,
     walls: Neighborhood,
-    chosen: &[u32],
+    near: Near,
     shear: Shearing,
     out: &mut [ForceDensity],
 ) {
@@ -84,11 +141,7 @@ pub(crate) fn forces(
         velocity: &fluid.particles.velocity,
         pressure: &fluid.particles.pressure,
     };
-    across(
-        &fluid.to_some(walls, chosen),
-        &WallForces { own, shear },
-        out,
-    );
+    across(&fluid.to_some(walls, near), &WallForces { own, shear }, out);
 }
 
 /// Forces per volume of the fluid on some wall points, with given velocities and
@@ -97,13 +150,13 @@ pub(crate) fn reactions(
     fluid: &Fluid,
     places: Places,
     (velocity, pressure): (&[Vec3], &[f64]),
-    chosen: &[u32],
+    near: Near,
     shear: Shearing,
     out: &mut [ForceDensity],
 ) {
     let own = ForceOwn { velocity, pressure };
     across(
-        &fluid.to_places(places, chosen),
+        &fluid.to_places(places, near),
         &Reactions { own, shear },
         out,
     );
@@ -114,11 +167,11 @@ pub(crate) fn reactions(
 pub(crate) fn extrapolation<const SLOPED: bool>(
     fluid: &Fluid,
     places: Places,
-    chosen: &[u32],
+    near: Near,
     out: &mut [Extrapolated],
 ) {
     across(
-        &fluid.to_places(places, chosen),
+        &fluid.to_places(places, near),
         &Extrapolations::<SLOPED>,
         out,
     );

@@ -23,18 +23,22 @@ use crate::neighbors::cells::{CellGrid, MAX_RUNS, OWN_IMAGE, Run};
 use crate::neighbors::mirror::{Image, MOST_IMAGES, Mirrors, signs_in};
 use crate::neighbors::points::{Frame, Points};
 use crate::neighbors::rest::Rest;
-use crate::neighbors::sweep::{BUFFER, FILTER_MARGIN, Occlusion, Receiver, Sources, Term};
+use crate::neighbors::sweep::{
+    BUFFER, FILTER_MARGIN, Occlusion, Receiver, ReceiverChunk, Receivers, Sources, Term,
+};
 use crate::simd::lanes::{FILTER_WIDTH, FilterSphere, Lanes, Machine, Task};
 use crate::simd::lanes3::splat3;
 use crate::{CHUNK, Vec3};
 
-/// Neighbor lists among one set of particles.
+/// Neighbor lists of the points of a set, or of some of them.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Lists {
     /// One for each [`CHUNK`] of receivers, and more where there were more receivers before.
     chunks: Vec<ChunkLists>,
     is_made: bool,
-    /// Particles with anything listed.
+    /// Number of times that they were made.
+    generation: u64,
+    /// Receivers with anything listed.
     n_receivers: u64,
     /// Basis of the lists: positions (m), and the largest listed distance (m).
     from: (Vec<Vec3>, f64),
@@ -85,8 +89,8 @@ pub(crate) struct Surroundings<'a> {
     pub grid: &'a CellGrid,
     pub frame: &'a Frame,
     pub mirrors: Mirrors,
-    pub positions: &'a [Vec3],
-    /// Treatment of each particle; empty if all are awake.
+    pub receivers: Receivers<'a>,
+    /// Treatment of each receiver; empty if all are awake.
     pub rests: &'a [Rest],
     /// Farthest that anything to be listed may be from a receiver; m.
     pub radius: f64,
@@ -105,7 +109,12 @@ impl Lists {
         self.is_made = false;
     }
 
-    /// Positions and radius that they were made from, if they were; m.
+    /// Number of the making that they hold, `None` without one.
+    pub(crate) fn generation(&self) -> Option<u64> {
+        self.is_made.then_some(self.generation)
+    }
+
+    /// Positions of all receivers and radius that they were made from, if they were; m.
     pub(crate) fn made_from(&self) -> Option<&(Vec<Vec3>, f64)> {
         self.is_made.then_some(&self.from)
     }
@@ -134,39 +143,40 @@ impl Lists {
         L::Machine: Machine,
         L::Record: Default,
     {
-        let n_chunks = from.positions.len().div_ceil(CHUNK);
+        let n_chunks = from.receivers.len().div_ceil(CHUNK);
         if self.chunks.len() < n_chunks {
             self.chunks.resize_with(n_chunks, ChunkLists::default);
         }
-        self.chunks
+        self.chunks[..n_chunks]
             .par_iter_mut()
-            .zip(from.positions.par_chunks(CHUNK))
             .enumerate()
-            .for_each(|(chunk, (lists, positions))| {
+            .for_each(|(chunk, lists)| {
                 machine.run(Listing::<L> {
                     machine,
                     from,
-                    first: chunk * CHUNK,
-                    positions,
+                    receivers: from.receivers.chunk(chunk * CHUNK),
                     points,
                     lists,
                 });
             });
         self.n_receivers = self.chunks[..n_chunks].iter().map(|c| c.n_receivers).sum();
         self.from.0.clear();
-        self.from.0.extend_from_slice(from.positions);
+        if from.receivers.chosen.is_none() {
+            self.from.0.extend_from_slice(from.receivers.positions);
+        }
         self.from.1 = from.radius;
         self.is_made = true;
+        self.generation += 1;
     }
 
-    /// Sums `term` over the neighbors of every particle of the chosen chunks into `out`; returns how many neighbors were
-    /// found, particles that meet themselves among them. `OCCLUDED` is needed for all chunks but clear ones.
+    /// Sums `term` over the neighbors of every receiver of the chosen chunks into `out`; returns how many neighbors were
+    /// found, receivers that meet themselves among them. `OCCLUDED` is needed for all chunks but clear ones.
     pub(crate) fn sum<L, T, const OCCLUDED: bool>(
         &self,
         machine: L::Machine,
         term: &T,
         sources: &Sources<L::Record>,
-        (positions, chosen): (&[Vec3], Chosen),
+        (receivers, chosen): (Receivers, Chosen),
         out: &mut [T::Out],
     ) -> u64
     where
@@ -175,26 +185,24 @@ impl Lists {
         L::Record: Default,
         T: Term<L>,
     {
-        debug_assert!(self.is_made && out.len() == positions.len());
-        let is_chosen = |lists: &ChunkLists, positions: &[Vec3]| match chosen {
+        debug_assert!(self.is_made && out.len() == receivers.len());
+        let is_chosen = |receivers: ReceiverChunk| match chosen {
             Chosen::All => true,
-            Chosen::Clear => !lists.may_be_occluded(sources, positions),
-            Chosen::Occluded => lists.may_be_occluded(sources, positions),
+            Chosen::Clear => !may_be_occluded(sources, receivers),
+            Chosen::Occluded => may_be_occluded(sources, receivers),
         };
         out.par_chunks_mut(CHUNK)
             .zip(&self.chunks)
             .enumerate()
-            .filter(|(chunk, (_, lists))| is_chosen(lists, &positions[chunk * CHUNK..]))
+            .filter(|(chunk, _)| is_chosen(receivers.chunk(chunk * CHUNK)))
             .map(|(chunk, (out, lists))| {
-                let first = chunk * CHUNK;
                 let mut n_found = 0;
                 let work = Work {
                     machine,
                     term,
                     sources,
-                    positions,
+                    receivers: receivers.chunk(chunk * CHUNK),
                     lists,
-                    first,
                     out,
                     n_found: &mut n_found,
                 };
@@ -205,21 +213,21 @@ impl Lists {
     }
 }
 
-impl ChunkLists {
-    /// Whether a thin solid may be between any of the receivers (m), or its images, and their neighbors.
-    #[inline(never)]
-    fn may_be_occluded<R>(&self, sources: &Sources<R>, positions: &[Vec3]) -> bool {
-        let Some(occlusion) = &sources.occlusion else {
-            return false;
-        };
-        let nowhere = (Vec3::repeat(f64::INFINITY), Vec3::repeat(f64::NEG_INFINITY));
-        let positions = positions.iter().take(self.ends.len());
-        let bounds = positions.fold(nowhere, |(min, max), x| (min.inf(x), max.sup(x)));
-        // images are elsewhere along these axes only
-        let periodic = sources.grid.periodic();
-        let axes = std::array::from_fn(|axis| !periodic[axis] && !sources.mirrors.are_across(axis));
-        occlusion.thin_solids.may_be_near(&bounds, axes)
-    }
+/// Whether a thin solid may be between any of the receivers, or its images, and their neighbors.
+#[inline(never)]
+fn may_be_occluded<R>(sources: &Sources<R>, receivers: ReceiverChunk) -> bool {
+    let Some(occlusion) = &sources.occlusion else {
+        return false;
+    };
+    let nowhere = (Vec3::repeat(f64::INFINITY), Vec3::repeat(f64::NEG_INFINITY));
+    let bounds = (0..receivers.len()).fold(nowhere, |(min, max), k| {
+        let (_, x) = receivers.at(k);
+        (min.inf(x), max.sup(x))
+    });
+    // images are elsewhere along these axes only
+    let periodic = sources.grid.periodic();
+    let axes = std::array::from_fn(|axis| !periodic[axis] && !sources.mirrors.are_across(axis));
+    occlusion.thin_solids.may_be_near(&bounds, axes)
 }
 
 impl Span {
@@ -241,10 +249,7 @@ impl Span {
 struct Listing<'a, L: Lanes> {
     machine: L::Machine,
     from: Surroundings<'a>,
-    /// First receiver.
-    first: usize,
-    /// Of the receivers; m.
-    positions: &'a [Vec3],
+    receivers: ReceiverChunk<'a>,
     points: &'a Points<L::Record>,
     lists: &'a mut ChunkLists,
 }
@@ -259,8 +264,7 @@ where
         let Self {
             machine,
             from,
-            first,
-            positions,
+            receivers,
             points,
             lists:
                 ChunkLists {
@@ -283,7 +287,8 @@ where
             ids,
             n: 0,
         };
-        for (a, position) in (first..).zip(positions) {
+        for k in 0..receivers.len() {
+            let (a, position) = receivers.at(k);
             let rest = from.rests.get(a).copied().unwrap_or_default();
             if rest == Rest::Asleep {
                 ends.push(spans.len() as u32);
@@ -385,10 +390,8 @@ struct Work<'a, L: Lanes, T: Term<L>> {
     machine: L::Machine,
     term: &'a T,
     sources: &'a Sources<'a, L::Record>,
-    positions: &'a [Vec3],
+    receivers: ReceiverChunk<'a>,
     lists: &'a ChunkLists,
-    /// First receiver.
-    first: usize,
     out: &'a mut [T::Out],
     n_found: &'a mut u64,
 }
@@ -410,14 +413,13 @@ where
             machine,
             term,
             sources,
-            positions,
+            receivers,
             lists,
-            first,
             out,
             n_found: total,
         } = self.0;
         let occlusion = (sources.occlusion.as_ref())
-            .filter(|_| OCCLUDED && lists.may_be_occluded(sources, &positions[first..]));
+            .filter(|_| OCCLUDED && may_be_occluded(sources, receivers));
         let ChunkLists {
             ends, spans, ids, ..
         } = lists;
@@ -427,7 +429,7 @@ where
         let (mut kept, mut shares) = ([0; BUFFER], [1.0; BUFFER]);
         let (mut span, mut start) = (0, 0);
         for (k, (out, &end)) in out.iter_mut().zip(ends).enumerate() {
-            let a = first + k;
+            let (a, position) = receivers.at(k);
             let own = term.own(machine, a);
             let mut sums = term.zero(machine);
             let mut n_found = 0;
@@ -439,7 +441,7 @@ where
                     own = term.mirrored(&own, &signs);
                     term.mirror(&mut sums, &signs);
                 }
-                let place = span.seen_from(sources, &positions[a]);
+                let place = span.seen_from(sources, position);
                 let receiver = Receiver::<L>::new(machine, &sources.frame.place(&place), quanta);
                 let ids = &ids[start..span.end as usize];
                 match occlusion {

@@ -157,13 +157,45 @@ pub(crate) struct Receivers<'a> {
 }
 
 impl Receivers<'_> {
-    fn len(&self) -> usize {
+    pub(crate) fn len(&self) -> usize {
         self.chosen.map_or(self.positions.len(), <[u32]>::len)
     }
 
     #[inline(always)]
     fn index(&self, k: usize) -> usize {
         self.chosen.map_or(k, |chosen| chosen[k] as usize)
+    }
+}
+
+impl<'a> Receivers<'a> {
+    /// The [`CHUNK`] of them that begins with the receiver of a number.
+    pub(crate) fn chunk(self, first: usize) -> ReceiverChunk<'a> {
+        ReceiverChunk {
+            all: self,
+            first,
+            n: CHUNK.min(self.len() - first),
+        }
+    }
+}
+
+/// A [`CHUNK`] of receivers.
+#[derive(Clone, Copy)]
+pub(crate) struct ReceiverChunk<'a> {
+    all: Receivers<'a>,
+    first: usize,
+    n: usize,
+}
+
+impl<'a> ReceiverChunk<'a> {
+    pub(crate) fn len(&self) -> usize {
+        self.n
+    }
+
+    /// Index and position (m) of a receiver.
+    #[inline(always)]
+    pub(crate) fn at(&self, k: usize) -> (usize, &'a Vec3) {
+        let a = self.all.index(self.first + k);
+        (a, &self.all.positions[a])
     }
 }
 

@@ -65,7 +65,7 @@ pub(crate) struct Setup<'a> {
     pub settings: &'a Settings,
     pub from: Neighborhood<'a>,
     pub receivers: Receivers<'a>,
-    /// Neighbor lists of all receivers.
+    /// Neighbor lists of the receivers.
     pub lists: Option<&'a Lists>,
 }
 
@@ -129,7 +129,7 @@ impl PairSource for FluidPairs {
         let (sources, receivers) = (setup.sources(), setup.receivers);
         setup.lists.map_or(0, |lists| {
             let chosen = Chosen::Clear;
-            lists.sum::<L, T, false>(machine, term, &sources, (receivers.positions, chosen), out)
+            lists.sum::<L, T, false>(machine, term, &sources, (receivers, chosen), out)
         })
     }
 
@@ -147,8 +147,7 @@ impl PairSource for FluidPairs {
         let (sources, receivers) = (setup.sources(), setup.receivers);
         match setup.lists {
             Some(lists) => {
-                let receivers = (receivers.positions, chosen);
-                lists.sum::<L, T, true>(machine, term, &sources, receivers, out)
+                lists.sum::<L, T, true>(machine, term, &sources, (receivers, chosen), out)
             }
             // only particles that moved farther than the skin without a sort have none
             None => sweep::<L, T, true>(machine, term, &sources, receivers, out),
@@ -156,12 +155,12 @@ impl PairSource for FluidPairs {
     }
 }
 
-/// Pairs of the fluid and its walls.
+/// Pairs of the fluid and its walls: by the lists, if there are any.
 pub(crate) struct WallPairs;
 
 impl PairSource for WallPairs {
     fn has_clear(setup: &Setup) -> bool {
-        setup.from.occlusion.is_none()
+        setup.lists.is_some() || setup.from.occlusion.is_none()
     }
 
     fn sum_clear<L, T>(setup: &Setup, machine: L::Machine, term: &T, out: &mut [T::Out]) -> u64
@@ -169,15 +168,34 @@ impl PairSource for WallPairs {
         L: Registers,
         T: Term<L>,
     {
-        sweep::<L, T, false>(machine, term, &setup.sources(), setup.receivers, out)
+        let (sources, receivers) = (setup.sources(), setup.receivers);
+        match setup.lists {
+            Some(lists) => {
+                let receivers = (receivers, Chosen::Clear);
+                lists.sum::<L, T, false>(machine, term, &sources, receivers, out)
+            }
+            None => sweep::<L, T, false>(machine, term, &sources, receivers, out),
+        }
     }
 
-    fn sum<L, T>(setup: &Setup, machine: L::Machine, term: &T, _: Chosen, out: &mut [T::Out]) -> u64
+    fn sum<L, T>(
+        setup: &Setup,
+        machine: L::Machine,
+        term: &T,
+        chosen: Chosen,
+        out: &mut [T::Out],
+    ) -> u64
     where
         L: Registers,
         T: Term<L>,
     {
-        sweep::<L, T, true>(machine, term, &setup.sources(), setup.receivers, out)
+        let (sources, receivers) = (setup.sources(), setup.receivers);
+        match setup.lists {
+            Some(lists) => {
+                lists.sum::<L, T, true>(machine, term, &sources, (receivers, chosen), out)
+            }
+            None => sweep::<L, T, true>(machine, term, &sources, receivers, out),
+        }
     }
 }
 

@@ -32,7 +32,9 @@ fn fractal(random: &mut Random, height: f64, length: f64) -> impl Fn(f64, f64) -
 
 /// Valley number k: cells of 2 to 30 m, white or fractal noise of 0.1 to 3 m, three joint sets, map offsets, a steep scar. The
 /// failure plane has the dip of the slope and lies a few cells below it; heights scale with the cells.
-fn rough_valley(folder: &Path, k: u64) -> Valley {
+///
+/// With a lake the valley is closed, three cells deep, and the slide runs into it.
+fn rough_valley(folder: &Path, k: u64, has_lake: bool) -> Valley {
     let mut random = Random::new(1000 + k);
     let cell = [2.0, 5.0, 10.0, 20.0, 30.0][k as usize % 5];
     let noise = f64::min([0.1, 0.3, 1.0, 3.0][(k / 5) as usize % 4], 0.15 * cell);
@@ -57,8 +59,16 @@ fn rough_valley(folder: &Path, k: u64) -> Valley {
         } else {
             waves(x, y)
         };
-        // a slope that runs out on level ground
-        f64::max(-steepness * (x + 5.0 * cell), -0.02 * x) + rough
+        let slope = -steepness * (x + 5.0 * cell);
+        let ground = if has_lake {
+            // level ground between it and three banks
+            let banks = f64::max(x - 15.0 * cell, y.abs() - 10.0 * cell);
+            slope.max(0.0).max(banks)
+        } else {
+            // level ground, on which it runs out
+            slope.max(-0.02 * x)
+        };
+        ground + rough
     };
     let name = format!("valley{k}.asc");
     raster.write(&folder.join(&name), height);
@@ -66,6 +76,15 @@ fn rough_valley(folder: &Path, k: u64) -> Valley {
     let (left, right, half) = (-26.0 * l, -12.0 * l, 4.5 * l);
     let z = steepness * (-right - 5.0 * l) - 1.0 * l;
     let joint = 3.0 * l;
+    let water = if has_lake {
+        let (level, spacing) = (3.0 * l, 0.5 * l);
+        let bed = 1.5 * l;
+        format!(
+            "fluid: (resolution: Spacing({spacing:?}), regions: [(name: \"lake\", shape: Below(level: {level:?}, seed: (0, 0, {bed:?})))]),"
+        )
+    } else {
+        String::new()
+    };
     let text = format!(
         r#"(title: "a rough valley", domain: (min: ({a:?}, {b:?}, {c:?}), max: ({d:?}, {e:?}, {f:?})),
             materials: [(name: "rock", density: 2650, friction_angle_deg: 20, restitution: 0.5)],
@@ -77,8 +96,8 @@ fn rough_valley(folder: &Path, k: u64) -> Valley {
                              (dip_deg: 70, dip_direction_deg: 270, spacing: {joint:?}, scatter_deg: 2),
                              (dip_deg: 88, dip_direction_deg: 5, spacing: {joint:?})], seed: {k})],
             blocks: [(name: "ground", material: "rock", motion: Fixed, shape: Terrain)],
-            numerics: (expected_speed: {speed:?}),
-            time: (duration: 5))"#,
+            numerics: (expected_speed: {speed:?}), {water}
+            time: (duration: 20))"#,
         a = -29.0 * l,
         b = -19.0 * l,
         c = -20.0 * l,
@@ -96,7 +115,7 @@ fn rough_valley(folder: &Path, k: u64) -> Valley {
 fn come_down(valleys: impl Iterator<Item = u64>, duration: f64) {
     let folder = tempfile::tempdir().unwrap();
     for k in valleys {
-        let Valley { text, name } = rough_valley(folder.path(), k);
+        let Valley { text, name } = rough_valley(folder.path(), k, false);
         let scene = resolved_in(folder.path(), &text)
             .unwrap_or_else(|problems| panic!("{name}: {problems:?}"));
         let mut world = run::build(&scene).unwrap();
@@ -121,6 +140,45 @@ fn come_down(valleys: impl Iterator<Item = u64>, duration: f64) {
     }
 }
 
+/// Slides of some valleys run into a lake for a time (s): to the end, with the energy of the slide closed and all of the water there.
+fn run_into_a_lake(valleys: impl Iterator<Item = u64>, duration: f64) {
+    let folder = tempfile::tempdir().unwrap();
+    for k in valleys {
+        let Valley { text, name } = rough_valley(folder.path(), k, true);
+        let scene = resolved_in(folder.path(), &text)
+            .unwrap_or_else(|problems| panic!("{name}: {problems:?}"));
+        let mut world = run::build(&scene).unwrap();
+        let n_particles = |world: &riprap::world::World| {
+            let water = world.water.as_ref().unwrap();
+            water.fluid.particles().len()
+        };
+        let potential = |world: &riprap::world::World| world.blocks.energies().potential;
+        let (n_start, start) = (n_particles(&world), potential(&world));
+        while world.time() < duration {
+            let step = world.next_step(duration).unwrap();
+            if let Err(error) = world.step(step) {
+                panic!("{name} at {:.3} s: {error}\n{text}", world.time());
+            }
+        }
+        let gone = 1.0 - n_particles(&world) as f64 / n_start as f64;
+        let fell = start - potential(&world);
+        let unexplained = world.energy().residual / fell;
+        let deepest = world.blocks.max_overlap_over_size();
+        println!(
+            "{name}: {} blocks, {n_start} particles, {:.2} % gone, energy unexplained {:.2} % of {fell:.2e} J, deepest overlap {:.1} %",
+            scene.rock_masses[0].n_blocks,
+            100.0 * gone,
+            100.0 * unexplained,
+            100.0 * deepest
+        );
+        assert!(
+            fell > 0.0 && unexplained.abs() < 0.02,
+            "{name}: {unexplained}"
+        );
+        assert!(gone < 0.005, "{name}: {gone}");
+    }
+}
+
 /// Four of the sixty: the finest and the coarsest cells, white and fractal noise.
 #[test]
 fn slides_of_rough_valleys_start() {
@@ -132,4 +190,11 @@ fn slides_of_rough_valleys_start() {
 #[ignore = "an hour of one core"]
 fn sixty_rough_valleys_come_down() {
     come_down(0..60, 5.0);
+}
+
+/// Ten valleys with a lake, for twenty seconds.
+#[test]
+#[ignore = "twenty minutes"]
+fn slides_of_ten_rough_valleys_run_into_lakes() {
+    run_into_a_lake((0..10).map(|k| 6 * k), 20.0);
 }
