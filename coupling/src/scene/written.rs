@@ -118,6 +118,7 @@ fn fluid_numerics(file: NumericsFile, fluid: &FluidScene) -> NumericsFile {
                 ViscosityFile::SubParticleScale(smagorinsky)
             }
         }),
+        bulk_viscosity: Some(scheme.bulk_viscosity),
         shifting: Some(scheme.shifting.into()),
         stepping: Some(scheme.stepping.into()),
         precision: Some(scheme.precision.into()),

@@ -571,6 +571,12 @@ impl Fluid {
                     sleep.rests[a] = rest;
                     self.particles.acceleration[a] = still;
                     self.particles.viscous_acceleration[a] = [0.0; 3];
+                    // nothing flows round it
+                    if let (Rest::Asleep, Some(bulk)) =
+                        (rest, self.particles.bulk_pressure.get_mut(a))
+                    {
+                        *bulk = 0.0;
+                    }
                 }
             }
         }
