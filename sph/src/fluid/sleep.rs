@@ -677,6 +677,7 @@ mod tests {
             scheme: Scheme {
                 precision: Precision::Double,
                 negative_pressure: NegativePressure::Kept,
+                bulk_viscosity: 0.1,
                 ..Scheme::standard()
             },
             dimensions: Dimensions::Three,
@@ -716,6 +717,7 @@ mod tests {
 
     fn evaluate(fluid: &mut Fluid) -> Result<(), FluidError> {
         fluid.update_rates();
+        fluid.update_bulk_pressure();
         fluid.update_pressure()?;
         fluid.update_accelerations();
         Ok(())
