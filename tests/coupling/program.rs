@@ -527,6 +527,7 @@ fn overrides_reach_any_field_through_the_same_checks() {
     for good in [
         "numerics.smoothing_length_ratio=1.3",
         "numerics=(time_step_factor: 0.4)",
+        "numerics.bulk_viscosity=0.1",
         "blocks.wedge.velocity=(0.1, 0, 0)",
         "materials[0].restitution=0.3",
         "output.contacts=true",
@@ -540,6 +541,18 @@ fn overrides_reach_any_field_through_the_same_checks() {
         (
             "numerics.smoothing_length_ratio=9",
             "must be in [1, 3], found 9",
+        ),
+        (
+            "numerics.bulk_viscosity=-0.1",
+            "bulk viscosity must be in [0, 1], found -0.1",
+        ),
+        (
+            "numerics.bulk_viscosity=2",
+            "bulk viscosity must be in [0, 1], found 2",
+        ),
+        (
+            "numerics=(density: Summation, bulk_viscosity: 0.1)",
+            "bulk viscosity acts on the rate of density",
         ),
         ("blocks.wegde.velocity=(0, 0, 0)", "no such"),
         ("time.duration", "PATH=VALUE"),

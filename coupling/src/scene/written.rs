@@ -218,6 +218,7 @@ mod tests {
             "preset: Reference",
             "preset: Mueller2003",
             "viscosity: SubParticleScale(0.12), shifting: Fickian(2)",
+            "viscosity: Laminar, bulk_viscosity: 0.1",
         ] {
             let before = scene(numerics, rest);
             let file = before.to_file();
