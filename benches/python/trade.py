@@ -22,6 +22,7 @@ TITLES = {
     "still_tank": "still tank, pressure",
     "standing_wave": "standing wave, height after 5 periods",
     "standing_wave_period": "standing wave, period",
+    "standing_wave_high": "standing wave of five spacings, height after 7 periods",
     "piston": "piston, wave height",
     "solitary": "solitary wave, run-up",
     "dam_break_front": "dam break, front speed",

@@ -5,12 +5,13 @@
 //! advance     kicks, drifts, densities                      exchange    particles in and out, imposed flow
 //! evaluate    rates, pressures, accelerations               sleep       water at rest
 //! viscosity   flow laws, rates of shear                     sample      fields at points of probes
-//! shifting    towards where particles are sparse            continued_pressure   at points of walls
-//! symmetry    reflection by planes, their force
+//! bulk        viscosity against compression                 continued_pressure   at points of walls
+//! shifting    towards where particles are sparse            symmetry    reflection by planes, their force
 //! ```
 
 mod advance;
 mod at_start;
+mod bulk;
 mod checkpoint;
 mod continued_pressure;
 pub mod energy;
@@ -94,6 +95,8 @@ pub struct Fluid {
     n_pairs: u64,
     /// Work of the viscous force on the fluid since the ledger was opened, negated; J.
     viscous_loss: f64,
+    /// Energy taken by bulk viscosity since the ledger was opened; J.
+    bulk_loss: f64,
     /// Energy that the pressure of walls gave since the ledger was opened; J.
     from_walls: f64,
     /// Energy of compression taken by density diffusion since the ledger was opened; J.
@@ -172,6 +175,7 @@ impl Fluid {
             max_speed: 0.0,
             n_pairs: 0,
             viscous_loss: 0.0,
+            bulk_loss: 0.0,
             from_walls: 0.0,
             diffusive_loss: 0.0,
             removed: Removed::default(),

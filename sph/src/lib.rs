@@ -9,7 +9,7 @@
 //! ```text
 //! dρ_a/dt = ρ_a Σ_b V_b v_ab·∇W + δ h c₀ Σ_b V_b ψ_ab·∇W                          [kg/(m³ s)]
 //! ρ_a     = Σ_b m_b W_ab / S,   b = a included                                       [kg/m³]
-//! p_a     = c₀² (ρ_a − ρ₀)      or Tait's law                                           [Pa]
+//! p_a     = c₀² (ρ_a − ρ₀)      or Tait's law, and bulk viscosity ζ/ρ_a dρ_a/dt           [Pa]
 //! m_a dv_a/dt = −V_a Σ_b V_b (p_a + p_b) ∇W + viscous + m_a g + walls                    [N]
 //! ```
 //!

@@ -16,7 +16,7 @@ pub struct Particles {
     pub mass: Vec<f64>,
     /// Density; written by the evaluation, or taken on in time; kg/m³.
     pub density: Vec<f64>,
-    /// Pressure at the current positions; written by the evaluation; Pa.
+    /// Pressure at the current positions, that of bulk viscosity included; written by the evaluation; Pa.
     pub pressure: Vec<f64>,
     /// Acceleration at the current positions, gravity and walls included; m/s².
     pub acceleration: Vec<Vec3>,
@@ -28,6 +28,9 @@ pub struct Particles {
     pub shear_rate: Vec<f64>,
     /// Apparent viscosity; written by the evaluation, empty where it does not vary; Pa s.
     pub viscosity: Vec<f64>,
+    /// Part of the pressure that bulk viscosity makes, from the last rates of density; moved by sorting, empty without
+    /// bulk viscosity; Pa.
+    pub bulk_pressure: Vec<f64>,
     /// Numbers given so far.
     n_made: u32,
 }
@@ -48,6 +51,7 @@ impl Particles {
             kind: vec![0; n],
             shear_rate: Vec::new(),
             viscosity: Vec::new(),
+            bulk_pressure: Vec::new(),
             n_made: n as u32,
         }
     }
@@ -81,7 +85,7 @@ impl Particles {
         self.id.is_empty()
     }
 
-    /// Whether all columns are of one length, but for those that are empty where viscosity does not vary.
+    /// Whether all columns are of one length, but for those that are empty where viscosity does not vary or has no bulk part.
     pub(crate) fn is_whole(&self) -> bool {
         // no `..`: a new column cannot be forgotten
         let Self {
@@ -96,6 +100,7 @@ impl Particles {
             kind,
             shear_rate,
             viscosity,
+            bulk_pressure,
             n_made,
         } = self;
         let n = id.len();
@@ -110,7 +115,7 @@ impl Particles {
             kind.len(),
         ];
         lengths.iter().all(|&length| length == n)
-            && [shear_rate.len(), viscosity.len()]
+            && [shear_rate.len(), viscosity.len(), bulk_pressure.len()]
                 .iter()
                 .all(|length| [0, n].contains(length))
             && id.iter().all(|&id| u32::from(id) < *n_made)
@@ -131,6 +136,7 @@ impl Particles {
             kind,
             shear_rate,
             viscosity,
+            bulk_pressure,
             n_made: _,
         } = self;
         filter(id, keep);
@@ -144,6 +150,7 @@ impl Particles {
         filter(kind, keep);
         filter(shear_rate, keep);
         filter(viscosity, keep);
+        filter(bulk_pressure, keep);
     }
 }
 

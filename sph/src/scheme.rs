@@ -158,6 +158,9 @@ pub struct Scheme {
     pub diffusion: DensityDiffusion,
     /// Viscosity.
     pub viscosity: Viscosity,
+    /// Coefficient `α₂` of bulk viscosity, `ζ = α₂ ρ₀ c₀ h`, 0 to [`LARGEST_BULK_VISCOSITY`]: damps sound, and no flow
+    /// that keeps its volume. Of density from continuity only.
+    pub bulk_viscosity: f64,
     /// Shifting.
     pub shifting: Shifting,
     /// Stepping.
@@ -170,6 +173,9 @@ pub struct Scheme {
 pub const DIFFUSION: f64 = 0.1;
 /// α of `Standard`: within Monaghan's 0.01 to 0.1 for water; with δ = 0.1 it keeps a still tank still.
 pub const ALPHA: f64 = 0.02;
+/// Largest `α₂`: above it the shortest sound would no longer oscillate, and the step falls as its inverse, see
+/// [`crate::Fluid::step_limits`].
+pub const LARGEST_BULK_VISCOSITY: f64 = 1.0;
 /// A of shifting. Lind et al. (2012).
 pub const SHIFTING: f64 = 2.0;
 /// `C` of the sub-particle-scale viscosity. Dalrymple & Rogers (2006).
@@ -185,6 +191,7 @@ impl Scheme {
             negative_pressure: NegativePressure::Clamped,
             diffusion: DensityDiffusion::None,
             viscosity: Viscosity::Published { dynamic_viscosity },
+            bulk_viscosity: 0.0,
             shifting: Shifting::None,
             stepping: Stepping::SymplecticEuler,
             precision: Precision::Double,
@@ -200,6 +207,7 @@ impl Scheme {
             negative_pressure: NegativePressure::Kept,
             diffusion: DensityDiffusion::Fourtakas(DIFFUSION),
             viscosity: Viscosity::Artificial { alpha: ALPHA },
+            bulk_viscosity: 0.0,
             shifting: Shifting::None,
             stepping: Stepping::KickDriftKick,
             precision: Precision::Single,

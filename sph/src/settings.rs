@@ -5,7 +5,7 @@ use crate::error::FluidError;
 use crate::kernel::Dimensions;
 use crate::neighbors::cells::Periodicity;
 use crate::neighbors::mirror::{Mirrors, Symmetry, SymmetryPlane};
-use crate::scheme::{DensityMethod, Scheme, Stepping, Viscosity};
+use crate::scheme::{DensityMethod, LARGEST_BULK_VISCOSITY, Scheme, Stepping, Viscosity};
 
 /// Margin of cells and neighbor lists beyond the support radius, over this radius, so that particles
 /// may move before the next sort.
@@ -105,6 +105,14 @@ impl Settings {
         }
     }
 
+    /// Dynamic bulk viscosity `ζ = α₂ ρ₀ c₀ h`; Pa s.
+    pub fn bulk_viscosity(&self) -> f64 {
+        self.scheme.bulk_viscosity
+            * self.reference_density
+            * self.sound_speed
+            * self.smoothing_length
+    }
+
     /// The sides of the domain that are planes of symmetry.
     pub fn symmetry_planes(&self) -> impl Iterator<Item = SymmetryPlane> + use<> {
         let (symmetry, (min, max)) = (self.symmetry, self.domain);
@@ -167,8 +175,25 @@ impl Settings {
             });
         }
         let Scheme {
-            density, stepping, ..
+            density,
+            stepping,
+            bulk_viscosity,
+            ..
         } = self.scheme;
+        if !(0.0..=LARGEST_BULK_VISCOSITY).contains(&bulk_viscosity) {
+            return Err(FluidError::Setting {
+                name: "bulk_viscosity",
+                value: bulk_viscosity,
+                range: "from 0 to 1",
+            });
+        }
+        if 0.0 < bulk_viscosity && density == DensityMethod::Summation {
+            return Err(FluidError::Setting {
+                name: "bulk_viscosity",
+                value: bulk_viscosity,
+                range: "0 with density by summation, which has no rates of density",
+            });
+        }
         if (density, stepping) == (DensityMethod::Continuity, Stepping::SymplecticEuler) {
             return Err(FluidError::GrowingSound);
         }

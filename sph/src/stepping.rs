@@ -11,11 +11,14 @@ mod symplectic_euler;
 use crate::Fluid;
 use crate::boundary::{Boundary, Phase, Stage};
 use crate::scheme::{Scheme, Stepping};
+use crate::stability::share_left_by_bulk;
 
 /// Largest step with density from continuity, over `h/c₀`.
 fn sound_limit(scheme: &Scheme) -> f64 {
     match scheme.stepping {
-        Stepping::KickDriftKick | Stepping::SymplecticEuler => 1.0,
+        Stepping::KickDriftKick | Stepping::SymplecticEuler => {
+            share_left_by_bulk(scheme.bulk_viscosity)
+        }
         Stepping::PredictorCorrector => predictor_corrector::sound_limit(scheme.diffusion),
     }
 }
@@ -69,6 +72,7 @@ impl Fluid {
         if self.settings.scheme.stepping.rates_with_forces() && self.advances_density() {
             self.update_rates();
             boundary.density_rates(self);
+            self.update_bulk_pressure();
         }
         self.update_pressure()?;
         boundary.ended(Phase::Density);
@@ -123,6 +127,10 @@ impl Fluid {
         self.update_rates();
         boundary.ended(Phase::Density);
         boundary.density_rates(self);
+        // the force at the start works in the kick before, that at the end in the kick after
+        self.book_bulk(0.5 * dt);
+        self.update_bulk_pressure();
+        self.book_bulk(0.5 * dt);
         self.advance_density(dt);
         boundary.ended(Phase::Density);
         self.drift(0.5 * dt);

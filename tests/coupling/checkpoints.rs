@@ -46,7 +46,8 @@ type Case = (
 );
 
 /// Every kind of state: wall particles with a block that moves; the predictor-corrector with its rates; the published
-/// scheme with its springs; a prescribed body and layers that absorb; floating bodies on integrals and on particles;
+/// scheme with its springs; a prescribed body and layers that absorb; floating bodies on integrals and on particles, also with
+/// bulk viscosity;
 /// thin solids and water in joints; an arch, deformable blocks, terrain, spheres that roll.
 const CASES: &[Case] = &[
     (
@@ -86,6 +87,12 @@ const CASES: &[Case] = &[
         &[("interface.walls", "Integral")],
         20,
         20,
+    ),
+    (
+        "floating_boxes.ron",
+        &[("numerics.bulk_viscosity", "0.1")],
+        30,
+        30,
     ),
     ("breakwater.ron", &[], 2, 3),
     ("arch.ron", &[], 300, 300),

@@ -541,6 +541,19 @@ fn overrides_reach_any_field_through_the_same_checks() {
             "numerics.smoothing_length_ratio=9",
             "must be in [1, 3], found 9",
         ),
+        (
+            "numerics.bulk_viscosity=-0.1",
+            "bulk viscosity must be in [0, 1], found -0.1",
+        ),
+        (
+            "numerics.bulk_viscosity=2",
+            "bulk viscosity must be in [0, 1], found 2",
+        ),
+        (
+            // the wedge is of the published scheme, whose density is a sum
+            "numerics.bulk_viscosity=0.1",
+            "bulk viscosity acts on the rate of density",
+        ),
         ("blocks.wegde.velocity=(0, 0, 0)", "no such"),
         ("time.duration", "PATH=VALUE"),
     ] {

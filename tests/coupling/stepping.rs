@@ -43,7 +43,7 @@ fn falling(walls: &str, numerics: &str) -> String {
 const DURATION: f64 = 10.0;
 
 /// Walls and numerics of every stepping that goes with them.
-const SCENES: [(&str, &str); 9] = [
+const SCENES: [(&str, &str); 12] = [
     ("Penalty", "preset: Mueller2003, stepping: KickDriftKick"),
     ("Penalty", "preset: Mueller2003, stepping: SymplecticEuler"),
     (
@@ -66,6 +66,19 @@ const SCENES: [(&str, &str); 9] = [
     (
         "Integral",
         "precision: Double, stepping: PredictorCorrector",
+    ),
+    // bulk viscosity, which walls and bodies feel as pressure
+    (
+        "Particles",
+        "precision: Double, viscosity: Laminar, bulk_viscosity: 0.2, stepping: KickDriftKick",
+    ),
+    (
+        "Particles",
+        "precision: Double, viscosity: Laminar, bulk_viscosity: 0.2, stepping: PredictorCorrector",
+    ),
+    (
+        "Integral",
+        "precision: Double, viscosity: Laminar, bulk_viscosity: 0.2, stepping: KickDriftKick",
     ),
 ];
 
@@ -92,11 +105,13 @@ fn momentum_and_energy_are_accounted_for_with_every_stepping() {
         );
         assert!(momentum < 1e-10, "{walls}, {numerics}: {momentum}");
         assert!(0.0 < energy.absorbed, "{walls}, {numerics}");
+        let has_bulk = numerics.contains("bulk");
+        assert_eq!(0.0 < energy.bulk, has_bulk, "{walls}, {numerics}");
         residuals.push(energy.residual);
     }
     // what the impact leaves unexplained is of walls and schemes, not of the stepping: the block brings 24 J of
     // motion and 24 J of height; measured 0.4, 1.2 and 0.6 J apart
-    for (one, other) in [(0, 1), (4, 5), (7, 8)] {
+    for (one, other) in [(0, 1), (4, 5), (7, 8), (9, 10)] {
         let apart = (residuals[one] - residuals[other]).abs();
         assert!(
             apart < 3.0,

@@ -22,6 +22,14 @@ fn predicted(scheme: Scheme) -> Scheme {
     }
 }
 
+/// With bulk viscosity.
+fn bulky(scheme: Scheme) -> Scheme {
+    Scheme {
+        bulk_viscosity: 0.1,
+        ..scheme
+    }
+}
+
 /// A periodic box of jittered water with random velocities of some meters a second.
 fn jittered(scheme: Scheme, support_over_spacing: f64) -> (PeriodicBox, Water) {
     let setup = PeriodicBox {
@@ -258,6 +266,7 @@ fn any_number_of_threads_gives_the_same_bits_with_walls() {
                     energies.kinetic.to_bits(),
                     energies.internal.to_bits(),
                     energies.viscous.to_bits(),
+                    energies.bulk.to_bits(),
                     energies.diffusive.to_bits(),
                 ];
                 bits.extend(water.wall_force.iter().map(|f| f.to_bits()));
@@ -273,6 +282,8 @@ fn any_number_of_threads_gives_the_same_bits_with_walls() {
         Scheme::standard(),
         Scheme::reference(1e-3),
         predicted(Scheme::reference(1e-3)),
+        bulky(Scheme::reference(1e-3)),
+        bulky(predicted(Scheme::reference(1e-3))),
     ] {
         let one = run(1, scheme);
         assert_eq!(one, run(2, scheme));

@@ -5,6 +5,7 @@
     reason = "a test may stop and tell where a library may not"
 )]
 
+mod bulk;
 mod conservation;
 mod drops;
 mod flow;

@@ -134,6 +134,13 @@ fn an_eighth_with_planes_at_all_sides_is_the_whole() {
     for (name, scheme) in [
         ("standard", double(Scheme::standard())),
         ("reference", double(Scheme::reference(1e-3))),
+        (
+            "bulk",
+            Scheme {
+                bulk_viscosity: 0.2,
+                ..double(Scheme::reference(1e-3))
+            },
+        ),
         ("published", published(3.0)),
         (
             "rheological",
@@ -366,7 +373,7 @@ fn drop(dt_factor: f64) -> (Fluid, f64) {
 
 fn total(fluid: &Fluid) -> f64 {
     let e = fluid.energies();
-    e.kinetic + e.potential + e.internal + e.viscous + e.diffusive + e.removed
+    e.kinetic + e.potential + e.internal + e.viscous + e.bulk + e.diffusive + e.removed
 }
 
 #[test]

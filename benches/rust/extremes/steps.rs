@@ -287,7 +287,7 @@ fn water(length: Length) -> Result<Vec<Row>, Failure> {
                 precision: Precision::Double,
                 ..Scheme::standard()
             },
-            1.75,
+            "1.75",
         ),
         (
             "diffusion 0.1",
@@ -296,9 +296,30 @@ fn water(length: Length) -> Result<Vec<Row>, Failure> {
                 precision: Precision::Double,
                 ..Scheme::standard()
             },
-            1.54,
+            "1.54",
         ),
-        ("Standard", Scheme::standard(), 1.54),
+        (
+            "bulk viscosity 0.1",
+            Scheme {
+                diffusion: DensityDiffusion::None,
+                viscosity: Viscosity::None,
+                bulk_viscosity: 0.1,
+                precision: Precision::Double,
+                ..Scheme::standard()
+            },
+            "1.66",
+        ),
+        (
+            "diffusion 0.1, bulk viscosity 0.2",
+            Scheme {
+                viscosity: Viscosity::None,
+                bulk_viscosity: 0.2,
+                precision: Precision::Double,
+                ..Scheme::standard()
+            },
+            "1.41",
+        ),
+        ("Standard", Scheme::standard(), "1.54"),
     ] {
         let grows = |share: f64| -> f64 {
             let mut random = Random::new(9);

@@ -57,6 +57,7 @@ pub(super) fn resolve(
         (sound_speed, laws.rheologies.first()),
     );
     problems.extend(scheme::growing_sound(&settings.scheme));
+    problems.extend(scheme::bulk_without_rates(&settings.scheme));
     let wall_method = wall_method(file);
     refuse_scheme(file, wall_method, &settings.scheme, problems);
     let loads = WallLoads {

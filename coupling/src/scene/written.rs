@@ -118,6 +118,7 @@ fn fluid_numerics(file: NumericsFile, fluid: &FluidScene) -> NumericsFile {
                 ViscosityFile::SubParticleScale(smagorinsky)
             }
         }),
+        bulk_viscosity: Some(scheme.bulk_viscosity),
         shifting: Some(scheme.shifting.into()),
         stepping: Some(scheme.stepping.into()),
         precision: Some(scheme.precision.into()),
@@ -217,6 +218,7 @@ mod tests {
             "preset: Reference",
             "preset: Mueller2003",
             "viscosity: SubParticleScale(0.12), shifting: Fickian(2)",
+            "viscosity: Laminar, bulk_viscosity: 0.1",
         ] {
             let before = scene(numerics, rest);
             let file = before.to_file();

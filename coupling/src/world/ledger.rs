@@ -45,6 +45,8 @@ energy_terms! {
     friction,
     /// Taken by viscosity.
     viscous,
+    /// Taken by bulk viscosity.
+    bulk,
     /// Of compression, taken by density diffusion.
     diffusive,
     /// Taken by the dashpots of contacts and walls.
@@ -87,6 +89,7 @@ impl Energy {
     pub fn lost(&self) -> f64 {
         self.friction
             + self.viscous
+            + self.bulk
             + self.diffusive
             + self.damping
             + self.strain_damping
@@ -279,6 +282,7 @@ impl World {
             if water.walls.is_some() && water.fluid.advances_density() {
                 energy.at_walls = water.fluid.energy_from_walls() - self.progress.ledger.pressed;
             }
+            energy.bulk = fluid.bulk;
             energy.diffusive = fluid.diffusive;
             energy.removed += fluid.removed;
             energy.elastic += water.interface.elastic_energy();

@@ -7,7 +7,7 @@ use crate::neighbors::rest::Still;
 use crate::{CHUNK, Dimensions, Fluid, Particles, Vec3};
 
 /// Smallest number of neighbors for a pressure: an isolated particle keeps the reference density.
-const FEWEST_NEIGHBORS: u32 = 5;
+pub(super) const FEWEST_NEIGHBORS: u32 = 5;
 
 /// Change of the compression energy by a density step; J.
 #[derive(Clone, Copy, Debug, Default)]

@@ -31,6 +31,7 @@ impl Fluid {
             max_speed,
             n_pairs,
             viscous_loss,
+            bulk_loss,
             from_walls,
             diffusive_loss,
             removed,
@@ -52,7 +53,7 @@ impl Fluid {
         let out = postcard::to_extend(grid.starts(), out)?;
         let listed = lists.made_from().filter(|_| self.is_sorted());
         let out = postcard::to_extend(&listed, out)?;
-        let energies = (viscous_loss, from_walls, diffusive_loss);
+        let energies = (viscous_loss, bulk_loss, from_walls, diffusive_loss);
         let momenta = (removed, plane_force, reflected);
         let rest = (moved, max_speed, n_pairs, energies, momenta);
         let out = postcard::to_extend(&rest, out)?;
@@ -86,7 +87,9 @@ impl Fluid {
         let (rest, bytes) = postcard::take_from_bytes(bytes)?;
         let (energies, momenta);
         (self.moved, self.max_speed, self.n_pairs, energies, momenta) = rest;
-        (self.viscous_loss, self.from_walls, self.diffusive_loss) = energies;
+        let (viscous, bulk, from_walls, diffusive) = energies;
+        (self.viscous_loss, self.bulk_loss) = (viscous, bulk);
+        (self.from_walls, self.diffusive_loss) = (from_walls, diffusive);
         (self.removed, self.plane_force, self.reflected) = momenta;
         let (last, bytes) = postcard::take_from_bytes(bytes)?;
         (self.scratch.pushes, self.scratch.rates, self.sleep) = last;

@@ -16,6 +16,8 @@ pub struct Energies {
     pub internal: f64,
     /// Taken by viscosity since the ledger was opened.
     pub viscous: f64,
+    /// Taken by bulk viscosity since the ledger was opened.
+    pub bulk: f64,
     /// Taken by density diffusion since the ledger was opened.
     pub diffusive: f64,
     /// Carried off by removed particles since the ledger was opened.
@@ -63,6 +65,7 @@ impl Fluid {
             potential: -fixed_order_sum(n, |a| mass[a] * gravity.dot(&particles.position[a])),
             internal: fixed_order_sum(n, |a| mass[a] * state.specific_energy(particles.density[a])),
             viscous: self.viscous_loss(),
+            bulk: self.bulk_loss(),
             diffusive: self.diffusive_loss(),
             removed: self.removed().energy,
         }
@@ -106,6 +109,7 @@ impl Fluid {
     /// Resets the ledger at the start of a run.
     pub fn open_ledger(&mut self) {
         self.viscous_loss = 0.0;
+        self.bulk_loss = 0.0;
         self.from_walls = 0.0;
         self.diffusive_loss = 0.0;
         self.removed = Removed::default();

@@ -43,7 +43,7 @@ impl Fluid {
         }
     }
 
-    /// Pressures, and with summation the densities, at the current positions.
+    /// Pressures, that of bulk viscosity included, and with summation the densities, at the current positions.
     ///
     /// # Errors
     ///
@@ -68,9 +68,11 @@ impl Fluid {
                     *p = state.pressure(*rho);
                 }
             });
+        self.add_bulk_pressure();
         if let Some(sleep) = &mut self.sleep {
             sleep.kept.pressure = true;
         }
+        let density = &self.particles.density;
         let limit = (1.0 + LARGEST_COMPRESSION) * self.settings.reference_density;
         // a NaN density is not below the limit either
         let first_bad = density

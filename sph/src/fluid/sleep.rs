@@ -571,6 +571,12 @@ impl Fluid {
                     sleep.rests[a] = rest;
                     self.particles.acceleration[a] = still;
                     self.particles.viscous_acceleration[a] = [0.0; 3];
+                    // nothing flows round it
+                    if let (Rest::Asleep, Some(bulk)) =
+                        (rest, self.particles.bulk_pressure.get_mut(a))
+                    {
+                        *bulk = 0.0;
+                    }
                 }
             }
         }
@@ -671,6 +677,7 @@ mod tests {
             scheme: Scheme {
                 precision: Precision::Double,
                 negative_pressure: NegativePressure::Kept,
+                bulk_viscosity: 0.1,
                 ..Scheme::standard()
             },
             dimensions: Dimensions::Three,
@@ -710,6 +717,7 @@ mod tests {
 
     fn evaluate(fluid: &mut Fluid) -> Result<(), FluidError> {
         fluid.update_rates();
+        fluid.update_bulk_pressure();
         fluid.update_pressure()?;
         fluid.update_accelerations();
         Ok(())

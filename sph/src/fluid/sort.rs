@@ -123,6 +123,11 @@ impl Fluid {
         reorder(&mut particles.density, order, numbers);
         reorder(&mut particles.mass, order, numbers);
         reorder(&mut particles.kind, order, kinds);
+        if !particles.bulk_pressure.is_empty() {
+            // those that came in wait for their first rates
+            particles.bulk_pressure.resize(order.len(), 0.0);
+            reorder(&mut particles.bulk_pressure, order, numbers);
+        }
         let AtStart { velocity, density } = &mut self.at_start;
         if !velocity.is_empty() {
             reorder(velocity, order, vectors);

@@ -11,10 +11,11 @@ impl Fluid {
     ///
     /// ```text
     /// summation    sound 0.95 H/(c₀ + max|v|)   viscosity 0.127 H² ρ₀/μ   force 0.5 √(h/max|a|)
-    /// continuity   sound h/(c₀ + max|v|)        viscosity 0.10 h²/ν       force 0.5 √(h/max|a|)
+    /// continuity   sound s h/(c₀ + max|v|)      viscosity 0.10 h²/ν       force 0.5 √(h/max|a|)
     ///   predictor-corrector   0.59 ∛(δ/0.1) h/(c₀ + max|v|)
     /// ```
-    /// each times the time-step factor; viscosity after Morris has 0.25 h²/ν. The limits of sound and
+    /// each times the time-step factor. `s` is 1 without bulk viscosity, 0.98, 0.96, 0.92, 0.63 with `α₂` of 0.05, 0.1, 0.2,
+    /// 1: the limit of a lattice falls as much. Viscosity after Morris has 0.25 h²/ν. The limits of sound and
     /// viscosity of summation are those of a lattice; those of continuity are a share of them: on a
     /// lattice sound allows 1.75 h/c₀ without and 1.54 with the usual density diffusion. Viscosity
     /// allows 0.112 to 0.128 h²/ν along lines of centers, where one wave has all of the 2(d + 2), and

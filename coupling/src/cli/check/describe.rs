@@ -234,13 +234,14 @@ fn fluid(scene: &Scene) -> Vec<Line> {
         (
             "scheme",
             format!(
-                "{:?}: {:?} kernel, support {:.4} m, {:?} density, {:?}, {:?}, {:?} stepping, {:?} precision",
+                "{:?}: {:?} kernel, support {:.4} m, {:?} density, {:?}, {:?}, bulk viscosity {}, {:?} stepping, {:?} precision",
                 fluid.preset,
                 s.scheme.kernel,
                 s.support_radius(),
                 s.scheme.density,
                 s.scheme.diffusion,
                 s.scheme.viscosity,
+                s.scheme.bulk_viscosity,
                 s.scheme.stepping,
                 s.scheme.precision,
             ),

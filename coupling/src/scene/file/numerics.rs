@@ -25,6 +25,10 @@ pub struct NumericsFile {
     /// Viscosity model.
     #[serde(default)]
     pub viscosity: Option<ViscosityFile>,
+    /// Coefficient of bulk viscosity over `ρ₀ c₀ h`, from 0 to 1, with density by `Continuity`: damps sound and leaves
+    /// waves alone.
+    #[serde(default)]
+    pub bulk_viscosity: Option<f64>,
     /// Particle shifting.
     #[serde(default)]
     pub shifting: Option<ShiftingFile>,

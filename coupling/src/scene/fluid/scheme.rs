@@ -61,6 +61,7 @@ pub(super) fn scheme(file: &SceneFile, law: Option<Rheology>) -> Scheme {
         negative_pressure: (numerics.negative_pressure).map_or(base.negative_pressure, Into::into),
         diffusion: numerics.density_diffusion.map_or(diffusion, Into::into),
         viscosity: viscosity(numerics, base.viscosity, water(file), law),
+        bulk_viscosity: numerics.bulk_viscosity.unwrap_or(base.bulk_viscosity),
         shifting: numerics.shifting.map_or(base.shifting, Into::into),
         stepping: numerics.stepping.map_or(stepping, Into::into),
         precision: numerics.precision.map_or(base.precision, Into::into),
@@ -95,6 +96,17 @@ fn viscosity(
             smagorinsky,
         },
     }
+}
+
+/// Refusal of bulk viscosity that has no rate of density to act on.
+pub(super) fn bulk_without_rates(scheme: &Scheme) -> Option<Problem> {
+    let is_refused = 0.0 < scheme.bulk_viscosity && scheme.density == DensityMethod::Summation;
+    is_refused.then(|| {
+        Problem::error(
+            "numerics.bulk_viscosity",
+            "bulk viscosity acts on the rate of density, which `Summation` does not have; use `Continuity`, or leave it out",
+        )
+    })
 }
 
 /// Refusal of a stepping that makes sound grow, and a warning where it may.

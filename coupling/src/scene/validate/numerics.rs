@@ -1,5 +1,7 @@
 //! Checks of numerical parameters, times and intervals.
 
+use riprap_sph::scheme::LARGEST_BULK_VISCOSITY;
+
 use super::checks::Checks;
 use crate::scene::file::{NumericsFile, SceneFile, StaticDampingFile};
 
@@ -57,6 +59,17 @@ impl Checks {
         );
         if let Some(damping) = numerics.static_damping {
             self.static_damping(damping);
+        }
+        if let Some(alpha) = numerics.bulk_viscosity
+            && !(0.0..=LARGEST_BULK_VISCOSITY).contains(&alpha)
+        {
+            self.refuse(
+                "numerics.bulk_viscosity",
+                format!(
+                    "bulk viscosity must be in [0, {LARGEST_BULK_VISCOSITY}], found {alpha}: customary is 0.05 to 0.2, \
+                     and the step falls as its inverse above"
+                ),
+            );
         }
         if let Some(ratio) = numerics.smoothing_length_ratio
             && !(1.0..=3.0).contains(&ratio)
