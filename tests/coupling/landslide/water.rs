@@ -249,7 +249,9 @@ fn a_wave_arrives_at_its_celerity() {
     let run_folder = folder.path().join("run");
     let maps = "maps=(spacing: 0.1, interval: 0.02, arrival_threshold: 0.03)";
     let coarse = "fluid.resolution=Spacing(0.04)";
-    let summary = support::run(&case, &run_folder, &["--set", maps, "--set", coarse]);
+    // before the crest comes back from the wall
+    let sets = ["--set", maps, "--set", coarse, "--until", "4.3"];
+    let summary = support::run(&case, &run_folder, &sets);
     let text = std::fs::read(run_folder.join("first_arrival.asc")).unwrap();
     let arrival = riprap::scene::raster::grid_from(&text).unwrap();
     let celerity = (G * (depth + height)).sqrt();
@@ -270,11 +272,11 @@ fn a_wave_arrives_at_its_celerity() {
         gauge[key].as_f64().unwrap()
     };
     for name in ["g1", "g2", "g3"] {
-        // measured 0.998, 0.954 and 0.924: the wave loses some height at ten rows
+        // measured 0.998, 0.954 and 0.924, in another order of sums 1.016, 0.987 and 0.873: the wave loses some height at ten rows
         assert!((0.85 * height..1.05 * height).contains(&(of(name, "largest") - depth)));
         assert!(of(name, "arrival") < of(name, "time"));
     }
-    // measured 0.983: a crest is flat, its time known to a tenth of a second
+    // measured 0.983 and 1.025: a crest is flat, its time known to a tenth of a second
     let way = 0.4 * length;
     let passed = of("g3", "time") - of("g1", "time");
     assert!((celerity * passed / way - 1.0).abs() < 0.05);
