@@ -189,13 +189,7 @@ fn tank(scheme: Scheme, slip: Slip) -> Water {
 fn momentum_stays_and_walls_answer_with_what_they_get() {
     for stepping in STEPPINGS {
         let mut water = stirred_box(damped(0.2, stepping));
-        let before = water.fluid.momentum();
-        let size = water.sum(|_, v, m| m * v.norm());
-        for _ in 0..100 {
-            let dt = water.fluid.step_limits().smallest();
-            water.step(dt);
-        }
-        let change = (water.fluid.momentum() - before).norm() / size;
+        let change = water.change_of_momentum(100);
         println!("{stepping:?}: momentum changes by {change:.1e} of the sum of m |v|");
         // f64: round-off of 2,000 particles in 100 steps
         assert!(change < 1e-12, "{change}");
@@ -320,12 +314,7 @@ fn the_step_of_sound_is_limited_as_stated_with_bulk_viscosity() {
                 // small enough to grow by 1e8 and stay a wave
                 |x| direction * (1e-9 * (k.dot(x) / dp).sin()),
             );
-            let mut water = Water::of(fluid);
-            let before = water.fluid.energies().kinetic;
-            for _ in 0..steps {
-                water.step(dt * unit);
-            }
-            water.fluid.energies().kinetic / before
+            Water::of(fluid).growth(steps, dt * unit)
         };
         let (below, above) = (growth(200, 0.95 * limit), growth(40, 1.05 * limit));
         let fluid = setup.fluid(|_| Vec3::zeros(), |_| Vec3::zeros());

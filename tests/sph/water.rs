@@ -231,6 +231,26 @@ impl Water {
     }
 
     /// A sum over particles of a function of place, velocity and mass.
+    /// Change of the momentum in some of the longest steps, over `Σ m |v|`.
+    pub fn change_of_momentum(&mut self, steps: u32) -> f64 {
+        let before = self.fluid.momentum();
+        let size = self.sum(|_, v, m| m * v.norm());
+        for _ in 0..steps {
+            let dt = self.fluid.step_limits().smallest();
+            self.step(dt);
+        }
+        (self.fluid.momentum() - before).norm() / size
+    }
+
+    /// Kinetic energy after some steps of `dt` (s), over that before.
+    pub fn growth(&mut self, steps: u32, dt: f64) -> f64 {
+        let before = self.fluid.energies().kinetic;
+        for _ in 0..steps {
+            self.step(dt);
+        }
+        self.fluid.energies().kinetic / before
+    }
+
     pub fn sum(&self, of: impl Fn(&Vec3, &Vec3, f64) -> f64) -> f64 {
         let p = self.fluid.particles();
         (0..p.len())

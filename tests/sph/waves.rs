@@ -145,12 +145,7 @@ fn growth(k: &Vec3, delta: f64, steps: u32, dt: f64) -> f64 {
         |_| Vec3::zeros(),
         |x| direction * (1e-6 * (k.dot(x) / dp).sin()),
     );
-    let mut water = Water::of(fluid);
-    let before = water.fluid.energies().kinetic;
-    for _ in 0..steps {
-        water.step(dt * RATIO * dp / setup.sound_speed);
-    }
-    water.fluid.energies().kinetic / before
+    Water::of(fluid).growth(steps, dt * RATIO * dp / setup.sound_speed)
 }
 
 /// S03.

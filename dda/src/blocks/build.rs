@@ -7,7 +7,7 @@ use crate::geometry::bounds::{grown, overlap};
 use crate::geometry::parts::Part;
 use crate::material::Joint;
 use crate::motion::deformation::Deformable;
-use crate::motion::kinematics::{Kinematics, Outreach};
+use crate::motion::kinematics::{Kinematics, LeverArm};
 use crate::{
     BlockDefinition, BlockError, Blocks, Isometry, JointOverride, Load, Material, Motion,
     NormalLaw, Settings, Shape, Vec3,
@@ -126,8 +126,8 @@ impl Blocks {
     }
 
     fn push_constants(&mut self, block: usize, motion: Motion, body: &Body) {
-        let outreach = self.outreach(block, body);
-        self.constants.outreach.push(outreach);
+        let lever_arm = self.lever_arm(block, body);
+        self.constants.lever_arm.push(lever_arm);
         self.constants.mass.push(body.mass);
         self.constants.volume.push(body.volume);
         self.constants.inertia.push(body.moments);
@@ -212,7 +212,7 @@ impl Blocks {
     /// ```text
     /// R² |J⁻¹| = max_r Σ_k (r² − r_k²)/J_k                                                   [1/kg]
     /// ```
-    fn outreach(&self, block: usize, body: &Body) -> Outreach {
+    fn lever_arm(&self, block: usize, body: &Body) -> LeverArm {
         let radius = self.constants.radius[block];
         let inverse = body.moments.map(|moment| 1.0 / moment);
         let softness = inverse.norm();
@@ -220,9 +220,9 @@ impl Blocks {
         let (mut trace, mut largest) = (0.0, 0.0);
         for part in &self.constants.reference[self.parts_of(block)] {
             let Part::Polyhedron(part) = part else {
-                return Outreach {
-                    lever: radius,
-                    rotational: radius * radius * inverse.max(),
+                return LeverArm {
+                    length: radius,
+                    compliance: radius * radius * inverse.max(),
                 };
             };
             for corner in part.vertices() {
@@ -235,13 +235,13 @@ impl Blocks {
                 largest = f64::max(largest, compliance.symmetric_eigenvalues().max());
             }
         }
-        Outreach {
-            lever: if is_needle {
+        LeverArm {
+            length: if is_needle {
                 radius.min((trace / softness).sqrt())
             } else {
                 radius
             },
-            rotational: largest,
+            compliance: largest,
         }
     }
 

@@ -3,7 +3,7 @@
 use crate::contact::context::OverlapLimits;
 use crate::geometry::parts::Part;
 use crate::material::Joint;
-use crate::motion::kinematics::Outreach;
+use crate::motion::kinematics::LeverArm;
 use crate::{Hold, Motion, Settings, Vec3};
 use nalgebra::UnitQuaternion;
 
@@ -29,7 +29,7 @@ pub(crate) struct Constants {
     /// Distance of the farthest point from the centroid; m.
     pub radius: Vec<f64>,
     /// Worst point of contact.
-    pub outreach: Vec<Outreach>,
+    pub lever_arm: Vec<LeverArm>,
     /// Least margin of the fat boxes of its parts; m.
     pub least_margin: Vec<f64>,
     /// First part of each block, then the number of parts; n_blocks + 1.

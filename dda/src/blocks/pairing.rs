@@ -248,7 +248,7 @@ impl Blocks {
             rolling_law: self.constants.settings.rolling_law,
             radius: &self.constants.radius,
             travel: &self.state.travel,
-            outreach: &self.constants.outreach,
+            lever_arm: &self.constants.lever_arm,
             contact_detection: self.constants.settings.contact_detection,
             step_bound: self.constants.settings.step_bound,
             gravity: self.constants.settings.gravity,

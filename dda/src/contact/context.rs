@@ -4,7 +4,7 @@ use crate::contact::detection::common_plane::ContactDetection;
 use crate::contact::tally::Tally;
 use crate::geometry::parts::Part;
 use crate::material::{Joint, RollingLaw};
-use crate::motion::kinematics::{Kinematics, Outreach};
+use crate::motion::kinematics::{Kinematics, LeverArm};
 use crate::motion::update::Update;
 use crate::{Motion, StepBound, Vec3};
 
@@ -25,7 +25,7 @@ pub(crate) struct ContactContext<'a> {
     /// Way of the farthest point of each rigid block since the start, or more; m.
     pub travel: &'a [f64],
     /// Worst point of contact of each block.
-    pub outreach: &'a [Outreach],
+    pub lever_arm: &'a [LeverArm],
     pub contact_detection: ContactDetection,
     pub step_bound: StepBound,
     /// m/s².
@@ -36,10 +36,15 @@ pub(crate) struct ContactContext<'a> {
     pub overlap_limits: OverlapLimits<'a>,
 }
 
+/// Sum of the travels of two blocks; m.
+pub(crate) fn travel_of(travel: &[f64], blocks: (u32, u32)) -> f64 {
+    travel[blocks.0 as usize] + travel[blocks.1 as usize]
+}
+
 impl<'a> ContactContext<'a> {
     /// Sum of the travels of two blocks; m.
     pub fn travel_of(&self, blocks: (u32, u32)) -> f64 {
-        self.travel[blocks.0 as usize] + self.travel[blocks.1 as usize]
+        travel_of(self.travel, blocks)
     }
 
     /// Do both lie still, one of them asleep? Their contact is then as it was.

@@ -104,18 +104,18 @@ pub(crate) struct Kinematics {
     pub strain_rate: Option<Matrix3<f64>>,
 }
 
-/// Bounds of the points of a block at which a contact may form.
+/// Lever arm of the forces that a contact may exert on a block, at the worst of its points.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Outreach {
+pub(crate) struct LeverArm {
     /// Lever of the largest rotational compliance: the radius, less for a needle; m.
-    pub lever: f64,
+    pub length: f64,
     /// Largest rotational compliance of a rigid block at a corner, in the worst direction; 1/kg.
     ///
     /// ```text
     /// max_r λ_max([r]×ᵀ J⁻¹ [r]×)
     /// ```
     /// It is convex in `r`, so that no other point of the block has more.
-    pub rotational: f64,
+    pub compliance: f64,
 }
 
 impl Kinematics {
@@ -163,10 +163,10 @@ impl Kinematics {
     }
 
     /// Upper bound of the compliance of a block in any direction at any of its points; 1/kg. For one that deforms, at most 1.15 times
-    /// that at its lever, by `(tr A⁸)^⅛`.
-    pub fn largest_compliance(&self, outreach: &Outreach) -> f64 {
+    /// that at the length of its lever arm, by `(tr A⁸)^⅛`.
+    pub fn largest_compliance(&self, lever_arm: &LeverArm) -> f64 {
         if self.strain_rate.is_none() {
-            return self.inverse_mass + outreach.rotational;
+            return self.inverse_mass + lever_arm.compliance;
         }
         let trace = self.inverse_inertia.trace();
         if trace <= 0.0 {
@@ -175,7 +175,7 @@ impl Kinematics {
         let scaled = self.inverse_inertia / trace;
         let square = scaled * scaled;
         let largest = trace * (square * square).norm().sqrt().sqrt();
-        self.inverse_mass + largest * outreach.lever * outreach.lever
+        self.inverse_mass + largest * lever_arm.length * lever_arm.length
     }
 
     /// Upper bound over points within a radius of the centroid: the compliance in one direction, and

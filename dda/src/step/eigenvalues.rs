@@ -8,6 +8,7 @@
 //!
 //! Of the pairs that do not touch yet, only those count that may within [`HORIZON`] steps.
 
+use crate::contact::context::travel_of;
 use crate::contact::rates::{BlockRates, Rates};
 use crate::contact::spread::Spread;
 use crate::contact::spring::Spring;
@@ -168,7 +169,7 @@ impl Blocks {
             // the axis of a pair whose boxes overlap is that of this step, or of an earlier one less the travel since
             let apart = pair.axis.axis.filter(|_| between <= 0.0);
             let gap = apart.map_or(between, |axis| {
-                let left = pair.apart_until - self.travel_of(pair.blocks);
+                let left = pair.apart_until - travel_of(&self.state.travel, pair.blocks);
                 if left.is_finite() { left } else { axis.gap }
             });
             if !pair.is_touching && gap <= self.reach(pair.blocks, time) {
@@ -194,10 +195,6 @@ impl Blocks {
             }
         }
         next
-    }
-
-    fn travel_of(&self, blocks: (u32, u32)) -> f64 {
-        self.state.travel[blocks.0 as usize] + self.state.travel[blocks.1 as usize]
     }
 
     fn boxes_apart(&self, parts: (u32, u32)) -> f64 {

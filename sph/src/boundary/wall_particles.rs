@@ -24,11 +24,12 @@
 //!
 //! At planes of symmetry points are mirrored like the fluid: no point may be beyond one.
 
+mod listed;
+
 use rayon::prelude::*;
 
 use crate::fluid::wall_sums::{self, Near};
 use crate::neighbors::cells::CellGrid;
-use crate::neighbors::lists::Lists;
 use crate::neighbors::sweep::{AnyPoints, PairKind};
 use crate::neighbors::thin_solids::Facet;
 use crate::scheme::Viscosity;
@@ -39,6 +40,7 @@ use crate::terms::gradient::StrainSums;
 use crate::terms::momentum::ForceDensity;
 use crate::terms::sums::{self, Places, Shearing};
 use crate::{CHUNK, Fluid, Vec3};
+use listed::{Listed, Standing};
 
 /// Slip of the fluid along a wall.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -102,20 +104,6 @@ pub struct WallParticles {
     /// Neighbors of points that stand.
     listed: Option<Box<Listed>>,
     scratch: Scratch,
-}
-
-/// Neighbors across walls that stand, listed as often as those within the fluid.
-#[derive(Clone, Debug, Default)]
-struct Listed {
-    /// Making of the fluid's lists that these go with.
-    made_for: Option<u64>,
-    /// Points near particles, and the particles.
-    of_particles: Lists,
-    particles: Vec<u32>,
-    /// Particles near points, and the points.
-    of_points: Lists,
-    points: Vec<u32>,
-    packed: AnyPoints,
 }
 
 /// Points near fluid.
@@ -280,10 +268,7 @@ impl WallParticles {
     /// Finds the particles and points that may be within the support of each other; after every
     /// [`Self::place`] and every sort of the fluid.
     pub fn find_wet(&mut self, fluid: &Fluid) {
-        let is_known = |listed: &Listed| {
-            listed.made_for.is_some() && listed.made_for == fluid.listing() && !fluid.may_sleep()
-        };
-        if self.listed.as_deref().is_some_and(is_known) {
+        if !fluid.may_sleep() && self.valid(fluid).is_some() {
             return;
         }
         let cells = fluid.grid();
@@ -326,31 +311,20 @@ impl WallParticles {
     pub fn forget(&mut self) {
         self.known_at = None;
         if let Some(listed) = &mut self.listed {
-            listed.made_for = None;
+            listed.forget();
         }
     }
 
     /// Lists the neighbors of points that stand, unless those of the particles and points at hand are listed.
     fn list(&mut self, fluid: &Fluid) {
-        let Some(listed) = self.listed.as_deref_mut() else {
-            return;
-        };
-        let (particles, points) = (&self.nearby_particles, self.wet.updated());
-        if listed.made_for == fluid.listing()
-            && listed.particles == *particles
-            && listed.points == points
-        {
-            return;
+        if let Some(listed) = self.listed.as_deref_mut() {
+            let standing = Standing {
+                grid: &self.grid,
+                sorted: &self.sorted,
+                positions: &self.position,
+            };
+            listed.update(fluid, &standing, &self.nearby_particles, self.wet.updated());
         }
-        listed.made_for = fluid.list_walls(
-            (&self.grid, &self.sorted),
-            (particles, &mut listed.of_particles),
-            (points, &self.position, &mut listed.of_points),
-            &mut listed.packed,
-        );
-        listed.particles.clone_from(particles);
-        listed.points.clear();
-        listed.points.extend_from_slice(points);
     }
 
     /// Particles near points.
@@ -370,9 +344,7 @@ impl WallParticles {
     }
 
     fn valid(&self, fluid: &Fluid) -> Option<&Listed> {
-        self.listed
-            .as_deref()
-            .filter(|listed| listed.made_for.is_some() && listed.made_for == fluid.listing())
+        self.listed.as_deref().filter(|listed| listed.are_of(fluid))
     }
 
     fn neighborhood<'a>(&'a self, fluid: &'a Fluid) -> sums::Neighborhood<'a> {

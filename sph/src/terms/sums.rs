@@ -110,10 +110,19 @@ pub(crate) trait PairSource {
     ) -> u64
     where
         L: Registers,
-        T: Term<L>;
+        T: Term<L>,
+    {
+        let (sources, receivers) = (setup.sources(), setup.receivers);
+        match setup.lists {
+            Some(lists) => {
+                lists.sum::<L, T, true>(machine, term, &sources, (receivers, chosen), out)
+            }
+            None => sweep::<L, T, true>(machine, term, &sources, receivers, out),
+        }
+    }
 }
 
-/// Pairs within the fluid: by the lists, if there are any.
+/// Pairs within the fluid. Only particles that moved farther than the skin without a sort have no lists.
 pub(crate) struct FluidPairs;
 
 impl PairSource for FluidPairs {
@@ -132,30 +141,9 @@ impl PairSource for FluidPairs {
             lists.sum::<L, T, false>(machine, term, &sources, (receivers, chosen), out)
         })
     }
-
-    fn sum<L, T>(
-        setup: &Setup,
-        machine: L::Machine,
-        term: &T,
-        chosen: Chosen,
-        out: &mut [T::Out],
-    ) -> u64
-    where
-        L: Registers,
-        T: Term<L>,
-    {
-        let (sources, receivers) = (setup.sources(), setup.receivers);
-        match setup.lists {
-            Some(lists) => {
-                lists.sum::<L, T, true>(machine, term, &sources, (receivers, chosen), out)
-            }
-            // only particles that moved farther than the skin without a sort have none
-            None => sweep::<L, T, true>(machine, term, &sources, receivers, out),
-        }
-    }
 }
 
-/// Pairs of the fluid and its walls: by the lists, if there are any.
+/// Pairs of the fluid and its walls, listed or not.
 pub(crate) struct WallPairs;
 
 impl PairSource for WallPairs {
@@ -175,26 +163,6 @@ impl PairSource for WallPairs {
                 lists.sum::<L, T, false>(machine, term, &sources, receivers, out)
             }
             None => sweep::<L, T, false>(machine, term, &sources, receivers, out),
-        }
-    }
-
-    fn sum<L, T>(
-        setup: &Setup,
-        machine: L::Machine,
-        term: &T,
-        chosen: Chosen,
-        out: &mut [T::Out],
-    ) -> u64
-    where
-        L: Registers,
-        T: Term<L>,
-    {
-        let (sources, receivers) = (setup.sources(), setup.receivers);
-        match setup.lists {
-            Some(lists) => {
-                lists.sum::<L, T, true>(machine, term, &sources, (receivers, chosen), out)
-            }
-            None => sweep::<L, T, true>(machine, term, &sources, receivers, out),
         }
     }
 }

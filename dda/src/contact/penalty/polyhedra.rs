@@ -264,11 +264,11 @@ impl Pair {
                     std::f64::consts::PI * least.powi(2)
                 }
             };
-            let outreach = |block: u32| &context.outreach[block as usize];
+            let lever_arm = |block: u32| &context.lever_arm[block as usize];
             return law
                 .springs(weight, a.inverse_mass + b.inverse_mass)
                 .before_touch(
-                    ((a, outreach(self.blocks.0)), (b, outreach(self.blocks.1))),
+                    ((a, lever_arm(self.blocks.0)), (b, lever_arm(self.blocks.1))),
                     context.step_bound,
                 );
         }

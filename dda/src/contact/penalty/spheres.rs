@@ -235,8 +235,8 @@ impl SpherePair {
             damping_ratio: (joint.damping_ratio_bound(), law.shear_damping_ratio),
             mobility,
         };
-        let outreach = |block: u32| &context.outreach[block as usize];
-        let bodies = ((a, outreach(self.blocks.0)), (b, outreach(self.blocks.1)));
+        let lever_arm = |block: u32| &context.lever_arm[block as usize];
+        let bodies = ((a, lever_arm(self.blocks.0)), (b, lever_arm(self.blocks.1)));
         springs.before_touch(bodies, context.step_bound)
     }
 }

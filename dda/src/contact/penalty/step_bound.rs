@@ -2,7 +2,7 @@
 
 use crate::StepBound;
 use crate::contact::rates::Rates;
-use crate::motion::kinematics::{Kinematics, Outreach};
+use crate::motion::kinematics::{Kinematics, LeverArm};
 
 /// Springs that a contact would have, and their damping ratios.
 #[derive(Clone, Copy)]
@@ -15,8 +15,8 @@ pub(super) struct Springs {
     pub mobility: f64,
 }
 
-/// A body of a contact that may form, and how far it reaches.
-pub(super) type Reaching<'a> = (&'a Kinematics, &'a Outreach);
+/// A body of a contact that may form, and its lever arm.
+pub(super) type Levered<'a> = (&'a Kinematics, &'a LeverArm);
 
 impl Springs {
     /// Rates of a contact that may form in the next step, for its two bodies, at their worst points.
@@ -28,7 +28,7 @@ impl Springs {
     /// Λ_C = max(2 ξ_n √(k_n (w_i + w_j)), 2 ξ_t √(k_t/(1/m_i + 1/m_j)) (w_i + w_j))              [1/s]
     /// ```
     /// with `w` the largest compliances: the dashpot along the normal is that of the mobility at the contact.
-    pub fn before_touch(&self, bodies: (Reaching, Reaching), bound: StepBound) -> (Rates, Rates) {
+    pub fn before_touch(&self, bodies: (Levered, Levered), bound: StepBound) -> (Rates, Rates) {
         let is_free = |body: &Kinematics| body.inverse_mass > 0.0;
         let (a, b) = bodies;
         let of = |body: &Kinematics, rates: Rates| {
@@ -47,9 +47,9 @@ impl Springs {
                 )
             }
             StepBound::Eigenvalues => {
-                let largest = |(body, outreach): Reaching| {
+                let largest = |(body, lever_arm): Levered| {
                     if is_free(body) {
-                        body.largest_compliance(outreach)
+                        body.largest_compliance(lever_arm)
                     } else {
                         0.0
                     }
@@ -60,11 +60,11 @@ impl Springs {
         }
     }
 
-    fn by_compliances(&self, (body, outreach): Reaching) -> Rates {
+    fn by_compliances(&self, (body, lever_arm): Levered) -> Rates {
         let dashpot = |k: f64, ratio: f64| 2.0 * ratio * (k / self.mobility).sqrt();
         let (k_n, k_t) = self.stiffness;
         let (xi_n, xi_t) = self.damping_ratio;
-        let (along, sum) = body.worst_compliance(outreach.lever);
+        let (along, sum) = body.worst_compliance(lever_arm.length);
         let across = sum - along;
         Rates {
             stiffness: k_n * along + k_t * across,

@@ -256,10 +256,10 @@ impl SurfacePair {
             (SurfaceTouch::Polyhedron(_), Scaling::Area) => std::f64::consts::PI * radius * radius,
             _ => 1.0,
         };
-        let outreach = |block: u32| &context.outreach[block as usize];
+        let lever_arm = |block: u32| &context.lever_arm[block as usize];
         let bodies = (
-            (body, outreach(self.blocks.0)),
-            (ground, outreach(self.blocks.1)),
+            (body, lever_arm(self.blocks.0)),
+            (ground, lever_arm(self.blocks.1)),
         );
         let springs = law.springs(weight, body.inverse_mass);
         springs.before_touch(bodies, context.step_bound).0
