@@ -186,7 +186,7 @@ fn sixty_rough_valleys_come_down() {
 
 /// Ten valleys with a lake, for twenty seconds.
 #[test]
-#[ignore = "twenty minutes"]
+#[ignore = "25 min of one core"]
 fn slides_of_ten_rough_valleys_run_into_lakes() {
     run_into_a_lake((0..10).map(|k| 6 * k), 20.0);
 }
