@@ -1,8 +1,10 @@
 //! Initial water: particles on a lattice, in boxes and in basins.
 
+mod amounts;
 mod basin;
 mod boxes;
 mod count;
+mod drawn;
 mod gaps;
 mod obstacles;
 mod overlap;
@@ -16,7 +18,10 @@ use super::file::{
     Axis, DimensionsFile, DomainFile, FluidFile, LatticeFile, RegionFile, RegionShapeFile,
     ResolutionFile,
 };
+pub use amounts::{Amount, misfits};
 use basin::Poured;
+use boxes::Rows;
+pub(super) use drawn::depth_at;
 pub use gaps::narrow_gaps;
 use obstacles::WALL_SLACK;
 pub use overlap::{overlaps, overlaps_on};
@@ -31,8 +36,8 @@ const NEAREST_OF_REGIONS: f64 = 0.9;
 /// Initial particles.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Lattice {
-    /// Spacings along x, y, z; a periodic direction holds a whole number of spacings, and so does one that ends at a plane
-    /// of symmetry; m.
+    /// Spacings along x, y, z, whose product is the volume of a particle; a periodic direction holds a whole number of
+    /// spacings, and so does one that ends at a plane of symmetry; m.
     pub spacing: [f64; 3],
     /// Position of each particle; m.
     pub positions: Vec<Vec3>,
@@ -42,6 +47,8 @@ pub struct Lattice {
     pub region: Vec<u32>,
     /// Packing against walls, for each region.
     pub is_packed: Vec<bool>,
+    /// Volume of each region.
+    pub amounts: Vec<Amount>,
     /// Particles above the levels, which hold the surfaces of packed regions in place; m.
     pub mould: Vec<Vec3>,
     /// Highest surface of any region; m.
@@ -63,6 +70,16 @@ impl Lattice {
             Dimensions::Two { .. } => (self.spacing[0] * self.spacing[2]).sqrt(),
         }
     }
+}
+
+/// Way of filling.
+#[derive(Clone, Copy)]
+struct Pouring {
+    /// Rows of the mould above the level of packed regions.
+    n_mould_rows: usize,
+    room: Room,
+    /// Whether volumes are measured and matched; those of trials are not.
+    is_measured: bool,
 }
 
 /// Amount of water that fits the memory.
@@ -131,6 +148,11 @@ enum FillError {
          round blocks"
     )]
     InBlock { block: String, depth: f64 },
+    #[error(
+        "is too thin: no particle fits in {thickness} m along {axis}; let fluid.resolution be Spacing({thickness}) or \
+         finer, or enlarge the region"
+    )]
+    TooThin { axis: char, thickness: f64 },
     #[error("has its level, {level} m, above the domain, which ends at {top} m; raise domain.max")]
     LevelAboveDomain { level: f64, top: f64 },
     #[error(
@@ -185,10 +207,20 @@ pub fn lattice_within(
     n_mould_rows: usize,
     room: Room,
 ) -> Result<Lattice, Vec<Problem>> {
-    let at = |spacing| at_spacing(fluid, domain, solids, (n_mould_rows, room), spacing);
+    let at = |spacing, is_measured| {
+        let pouring = Pouring {
+            n_mould_rows,
+            room,
+            is_measured,
+        };
+        at_spacing(fluid, domain, solids, pouring, spacing)
+    };
     match fluid.resolution {
-        ResolutionFile::Spacing(wanted) => at(wanted),
-        ResolutionFile::Count(wanted) => count::lattice(fluid, domain, (wanted, room), at),
+        ResolutionFile::Spacing(wanted) => at(wanted, true),
+        ResolutionFile::Count(wanted) => {
+            let spacing = count::spacing(fluid, domain, (wanted, room), |s| at(s, false))?;
+            at(spacing, true)
+        }
     }
 }
 
@@ -231,11 +263,18 @@ fn rows(extent: f64, spacing: f64) -> f64 {
     (extent / spacing + WALL_SLACK).floor().max(0.0)
 }
 
+/// A region and its particles.
+struct Filled {
+    poured: Poured,
+    /// Spacings of its rows; m.
+    spacing: [f64; 3],
+}
+
 fn at_spacing(
     fluid: &FluidFile,
     domain: &DomainFile,
     solids: &[(String, Shape)],
-    (n_mould_rows, room): (usize, Room),
+    pouring: Pouring,
     wanted: f64,
 ) -> Result<Lattice, Vec<Problem>> {
     let spacing = spacings(fluid, domain, wanted);
@@ -243,57 +282,71 @@ fn at_spacing(
         let message = format!("fluid: spacing must be finite and > 0, got {wanted}");
         return Err(vec![Problem::error("fluid.resolution", message)]);
     }
+    let (filled, volume) = all_filled((fluid, domain, spacing), solids, pouring);
     let mut lattice = Lattice {
         spacing,
         still_water_level: f64::NEG_INFINITY,
         ..Lattice::default()
     };
     let mut problems = Vec::new();
-    for (index, region) in fluid.regions.iter().enumerate() {
+    let (mut bottom, mut least) = (f64::INFINITY, f64::INFINITY);
+    for (index, (region, filled)) in fluid.regions.iter().zip(filled).enumerate() {
         let level = match region.shape {
             RegionShapeFile::Box { max, .. } => max.2,
             RegionShapeFile::Below { level, .. } => level,
         };
-        let filled = filled(
-            region,
-            (fluid, domain, spacing),
-            solids,
-            (n_mould_rows, room),
-        );
-        let filled = filled.and_then(|poured| {
-            room.holds((lattice.positions.len() + poured.water.len()) as f64)?;
-            check_regions(&lattice, &poured.water, &fluid.regions).map(|()| poured)
+        let filled = filled.and_then(|filled| {
+            let water = &filled.poured.water;
+            (pouring.room).holds((lattice.positions.len() + water.len()) as f64)?;
+            least = filled.spacing.into_iter().fold(least, f64::min);
+            check_regions(&lattice, (water, least), &fluid.regions).map(|()| filled)
         });
         match filled {
-            Ok(Poured {
-                water: positions,
-                mould,
+            Ok(Filled {
+                poured:
+                    Poured {
+                        water: positions,
+                        mould,
+                        drawn,
+                    },
+                spacing,
             }) => {
                 let n = positions.len();
                 let is_basin = matches!(region.shape, RegionShapeFile::Below { .. });
+                let filled = n as f64 * volume;
+                lattice.amounts.push(Amount {
+                    drawn: drawn.unwrap_or(filled),
+                    filled,
+                });
+                bottom = positions
+                    .iter()
+                    .fold(bottom, |low, x| low.min(x.z - 0.5 * spacing[2]));
                 lattice.mould.extend(mould);
-                lattice.is_packed.push(is_basin && 0 < n_mould_rows);
+                lattice
+                    .is_packed
+                    .push(is_basin && 0 < pouring.n_mould_rows);
                 lattice.still_water_level = lattice.still_water_level.max(level);
                 lattice.positions.extend(positions);
                 lattice
                     .velocities
                     .extend(std::iter::repeat_n(vec3(region.velocity), n));
                 lattice.region.extend(std::iter::repeat_n(index as u32, n));
+                // rows as they are, where they are the same everywhere
+                if fluid.regions.len() == 1 {
+                    lattice.spacing = spacing;
+                }
             }
             Err(error) => problems.push(region_problem(index, region, &error)),
         }
     }
+    lattice.spacing = amounts::stretched(lattice.spacing, volume, domain);
     if lattice.positions.is_empty() && problems.is_empty() {
         problems.push(Problem::error(
             "fluid.regions",
             "no particle fits in any region; refine `fluid.resolution` or enlarge the regions",
         ));
     }
-    let lowest = lattice
-        .positions
-        .iter()
-        .fold(f64::INFINITY, |low, x| low.min(x.z));
-    lattice.depth = lattice.still_water_level - (lowest - 0.5 * spacing[2]);
+    lattice.depth = lattice.still_water_level - bottom;
     if problems.is_empty() {
         Ok(lattice)
     } else {
@@ -301,30 +354,73 @@ fn at_spacing(
     }
 }
 
-/// Particles of a region on its own.
-fn filled(
-    region: &RegionFile,
+/// All regions on their own, and the volume of a particle (m³): basins set it, or else the largest box, and the rows of
+/// other boxes are stretched to have it too.
+fn all_filled(
     (fluid, domain, spacing): (&FluidFile, &DomainFile, [f64; 3]),
     solids: &[(String, Shape)],
-    (n_mould_rows, room): (usize, Room),
-) -> Result<Poured, FillError> {
-    match &region.shape {
-        RegionShapeFile::Box { min, max } => {
-            let water = boxes::fill((vec3(*min), vec3(*max)), spacing, solids, room);
-            let mould = Vec::new();
-            water.map(|water| Poured { water, mould })
+    pouring: Pouring,
+) -> (Vec<Result<Filled, FillError>>, f64) {
+    let own: f64 = spacing.iter().product();
+    let basins: Vec<Option<Result<Poured, FillError>>> = fluid
+        .regions
+        .iter()
+        .map(|region| match region.shape {
+            RegionShapeFile::Box { .. } => None,
+            RegionShapeFile::Below { level, seed } => {
+                let rows = (spacing, fluid.lattice);
+                let seed = vec3(seed);
+                let poured = basin::fill(domain, rows, (level, &seed), solids, pouring);
+                Some(poured)
+            }
+        })
+        .collect();
+    let poured = || basins.iter().flatten().flatten();
+    let n_poured: usize = poured().map(|poured| poured.water.len()).sum();
+    let is_plane = domain.dimensions == DimensionsFile::Two;
+    let extent = |region: &RegionFile| match region.shape {
+        RegionShapeFile::Box { min, max } => vec3(max) - vec3(min),
+        RegionShapeFile::Below { .. } => Vec3::zeros(),
+    };
+    let volume = if 0 < n_poured && pouring.is_measured {
+        let drawn: f64 = poured().filter_map(|poured| poured.drawn).sum();
+        let is_packed = 0 < pouring.n_mould_rows;
+        Some(amounts::of_basins(own, (drawn, n_poured), is_packed))
+    } else {
+        let extents = fluid.regions.iter().map(extent);
+        let largest = extents.max_by(|a, b| a.product().total_cmp(&b.product()));
+        let rows = largest.map(|extent| Rows::of(extent, spacing, (None, is_plane)));
+        rows.map(|rows| rows.spacing.iter().product())
+            .filter(|_| n_poured == 0)
+    };
+    let volume = volume.unwrap_or(own);
+    let n_boxes = basins.iter().filter(|basin| basin.is_none()).count();
+    let goal = Some(volume).filter(|_| 1 < n_boxes || 0 < n_poured);
+    let filled = fluid.regions.iter().zip(basins).map(|(region, basin)| {
+        let RegionShapeFile::Box { min, .. } = region.shape else {
+            return basin
+                .unwrap_or_else(|| Ok(Poured::default()))
+                .map(|poured| Filled { poured, spacing });
+        };
+        let extent = extent(region);
+        let rows = Rows::of(extent, spacing, (goal, is_plane));
+        if let Some(thin) = (0..3).find(|&axis| rows.counts[axis] == 0.0) {
+            return Err(FillError::TooThin {
+                axis: ['x', 'y', 'z'][thin],
+                thickness: extent[thin],
+            });
         }
-        RegionShapeFile::Below { level, seed } => {
-            let seed = vec3(*seed);
-            basin::fill(
-                domain,
-                (spacing, fluid.lattice),
-                (*level, &seed),
-                solids,
-                (n_mould_rows, room),
-            )
-        }
-    }
+        let water = boxes::fill(vec3(min), rows, solids, pouring.room)?;
+        let across = if is_plane { spacing[1] } else { extent.y };
+        let poured = Poured {
+            water,
+            drawn: Some(extent.x * across * extent.z),
+            ..Poured::default()
+        };
+        let spacing = rows.spacing;
+        Ok(Filled { poured, spacing })
+    });
+    (filled.collect(), volume)
 }
 
 fn region_problem(index: usize, region: &RegionFile, error: &FillError) -> Problem {
@@ -348,15 +444,14 @@ fn blamed(error: &FillError) -> &'static str {
     }
 }
 
-/// Checks the distance of new particles from those of earlier regions. Only particles in the common part of both are
+/// Checks the distance of new particles from those of earlier regions, by the least spacing (m) of all. Only particles in the common part of both are
 /// sorted into cells.
-fn check_regions(earlier: &Lattice, new: &[Vec3], regions: &[RegionFile]) -> Result<(), FillError> {
-    let least = earlier
-        .spacing
-        .iter()
-        .copied()
-        .fold(f64::INFINITY, f64::min)
-        * NEAREST_OF_REGIONS;
+fn check_regions(
+    earlier: &Lattice,
+    (new, least_spacing): (&[Vec3], f64),
+    regions: &[RegionFile],
+) -> Result<(), FillError> {
+    let least = least_spacing * NEAREST_OF_REGIONS;
     let nothing = (Vec3::repeat(f64::INFINITY), Vec3::repeat(f64::NEG_INFINITY));
     let around = |points: &[Vec3]| {
         points
