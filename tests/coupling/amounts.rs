@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use riprap::run::build::build;
+use riprap::run::build;
 use riprap::scene::access::Access;
 use riprap::scene::fill::Amount;
 use riprap::scene::load_text;
