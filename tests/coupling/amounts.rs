@@ -76,7 +76,12 @@ fn every_case_has_the_water_that_is_drawn() {
             );
             assert!(off.abs() < 1e-3, "{name}: {off}");
         }
-        let filled: f64 = fluid.lattice.amounts.iter().map(|amount| amount.filled).sum();
+        let filled: f64 = fluid
+            .lattice
+            .amounts
+            .iter()
+            .map(|amount| amount.filled)
+            .sum();
         let of_particles = fluid.lattice.positions.len() as f64 * own;
         assert!((of_particles / filled - 1.0).abs() < 1e-9, "{name}");
     }
@@ -85,7 +90,12 @@ fn every_case_has_the_water_that_is_drawn() {
 /// What packing leaves out, because it would stand above the level, is made up for.
 #[test]
 fn packed_water_keeps_its_volume() {
-    for name in ["still_tank", "floating_boxes", "slide_section", "breakwater"] {
+    for name in [
+        "still_tank",
+        "floating_boxes",
+        "slide_section",
+        "breakwater",
+    ] {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("../cases/{name}.ron"));
         let (scene, _) = riprap::scene::load(&path, &[]).unwrap();
         let world = build(&scene).unwrap();
@@ -119,8 +129,8 @@ fn boxes_are_filled_to_their_ends() {
     let lattice = &found.fluid.as_ref().unwrap().lattice;
     for (amount, drawn) in amounts(&found).iter().zip([0.77 * 0.513, 1.2 * 0.171]) {
         assert!((amount.drawn / drawn - 1.0).abs() < 1e-12);
-        // two numbers of rows each leave steps of about 1e-4
-        assert!((amount.filled / drawn - 1.0).abs() < 1e-3, "{amount:?}");
+        // some hundred pairs of rows to choose from leave a few 1e-4
+        assert!((amount.filled / drawn - 1.0).abs() < 5e-4, "{amount:?}");
     }
     // rows end half a row from both ends of each box
     let ends = |region: u32| {
@@ -152,7 +162,9 @@ fn a_film_without_a_row_is_refused_with_the_spacing_that_has_one() {
 /// A basin's drawn volume is exact in a plane: a step, a wedge, a ball that is half under water, and a level between rows.
 #[test]
 fn drawn_volumes_are_those_of_the_geometry() {
-    let below = |level: f64| format!("(name: \"lake\", shape: Below(level: {level}, seed: (0.1, 0.5, 0.3)))");
+    let below = |level: f64| {
+        format!("(name: \"lake\", shape: Below(level: {level}, seed: (0.1, 0.5, 0.3)))")
+    };
     let step = "(name: \"step\", material: \"rock\", motion: Fixed, shape: Box(min: (1.237, 0, 0), max: (2, 1, 0.2341))),";
     let wedge = "(name: \"wedge\", material: \"rock\", motion: Fixed,
                   shape: Extrusion(polygon: [(1.013, 0), (2, 0), (2, 0.789)], axis: Y, from: 0, to: 1)),";
@@ -167,7 +179,10 @@ fn drawn_volumes_are_those_of_the_geometry() {
             let (found, warnings) = scene(&tank(spacing, &below(level), block));
             let amount = amounts(&found)[0];
             let off = amount.drawn / drawn - 1.0;
-            println!("{spacing} {level}: drawn {:.6} m3, off by {off:.1e}", amount.drawn);
+            println!(
+                "{spacing} {level}: drawn {:.6} m3, off by {off:.1e}",
+                amount.drawn
+            );
             // strips that the shore ends in are an eighth of a cell wide
             assert!(off.abs() < tolerance, "{level} {block}: {off}");
             assert!((amount.filled / drawn - 1.0).abs() < 1e-4);
@@ -181,12 +196,11 @@ fn drawn_volumes_are_those_of_the_geometry() {
 fn a_ball_under_water_displaces_its_volume() {
     let ball = "(name: \"ball\", material: \"rock\", motion: Fixed, shape: Sphere(center: (1, 0.5, 0.4), radius: 0.25)),";
     let lake = "(name: \"lake\", shape: Below(level: 0.8, seed: (0.1, 0.5, 0.3)))";
-    let text = tank(0.05, lake, ball)
-        .replace("dimensions: Two", "symmetry: [YMin, YMax]");
+    let text = tank(0.05, lake, ball).replace("dimensions: Two", "symmetry: [YMin, YMax]");
     let (found, _) = scene(&text);
     let drawn = 1.6 - 4.0 / 3.0 * std::f64::consts::PI * 0.25_f64.powi(3);
     let amount = amounts(&found)[0];
-    // lines a quarter of a cell apart: measured 3e-6
-    assert!((amount.drawn / drawn - 1.0).abs() < 3e-5, "{amount:?}");
+    // lines a quarter of a cell apart: measured 3.2e-5
+    assert!((amount.drawn / drawn - 1.0).abs() < 1e-4, "{amount:?}");
     assert!((amount.filled / drawn - 1.0).abs() < 1e-4, "{amount:?}");
 }

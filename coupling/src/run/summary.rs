@@ -85,9 +85,7 @@ impl Run<'_> {
                     counters.particles_at_start as f64 * fluid.particle_volume()
                 }),
             ],
-            fluid_mass_drawn: fluid.map_or(0.0, |fluid| {
-                drawn * fluid.settings().reference_density
-            }),
+            fluid_mass_drawn: fluid.map_or(0.0, |fluid| drawn * fluid.settings().reference_density),
             openings: water.map_or(Vec::new(), |w| w.openings.passed().to_vec()),
             particles_pushed_back: extremes.particles_pushed_back,
             blocks_escaped: extremes.blocks_removed,

@@ -20,7 +20,7 @@ use super::file::{
 };
 pub use amounts::{Amount, misfits};
 use basin::Poured;
-use boxes::Rows;
+use boxes::Grid;
 pub(super) use drawn::depth_at;
 pub use gaps::narrow_gaps;
 use obstacles::WALL_SLACK;
@@ -322,9 +322,7 @@ fn at_spacing(
                     .iter()
                     .fold(bottom, |low, x| low.min(x.z - 0.5 * spacing[2]));
                 lattice.mould.extend(mould);
-                lattice
-                    .is_packed
-                    .push(is_basin && 0 < pouring.n_mould_rows);
+                lattice.is_packed.push(is_basin && 0 < pouring.n_mould_rows);
                 lattice.still_water_level = lattice.still_water_level.max(level);
                 lattice.positions.extend(positions);
                 lattice
@@ -354,8 +352,8 @@ fn at_spacing(
     }
 }
 
-/// All regions on their own, and the volume of a particle (m³): basins set it, or else the largest box, and the rows of
-/// other boxes are stretched to have it too.
+/// All regions on their own, and the volume of a particle (m³): basins set it, and the rows of boxes are stretched to
+/// have it too.
 fn all_filled(
     (fluid, domain, spacing): (&FluidFile, &DomainFile, [f64; 3]),
     solids: &[(String, Shape)],
@@ -382,20 +380,20 @@ fn all_filled(
         RegionShapeFile::Box { min, max } => vec3(max) - vec3(min),
         RegionShapeFile::Below { .. } => Vec3::zeros(),
     };
-    let volume = if 0 < n_poured && pouring.is_measured {
+    let grid = Grid { spacing, is_plane };
+    let boxes: Vec<Vec3> = (fluid.regions.iter())
+        .filter(|region| matches!(region.shape, RegionShapeFile::Box { .. }))
+        .map(extent)
+        .collect();
+    let volume = if 0 < n_poured {
         let drawn: f64 = poured().filter_map(|poured| poured.drawn).sum();
         let is_packed = 0 < pouring.n_mould_rows;
-        Some(amounts::of_basins(own, (drawn, n_poured), is_packed))
+        (pouring.is_measured).then(|| amounts::of_basins(own, (drawn, n_poured), is_packed))
     } else {
-        let extents = fluid.regions.iter().map(extent);
-        let largest = extents.max_by(|a, b| a.product().total_cmp(&b.product()));
-        let rows = largest.map(|extent| Rows::of(extent, spacing, (None, is_plane)));
-        rows.map(|rows| rows.spacing.iter().product())
-            .filter(|_| n_poured == 0)
+        grid.common_volume(&boxes)
     };
     let volume = volume.unwrap_or(own);
-    let n_boxes = basins.iter().filter(|basin| basin.is_none()).count();
-    let goal = Some(volume).filter(|_| 1 < n_boxes || 0 < n_poured);
+    let goal = Some(volume).filter(|_| 1 < boxes.len() || 0 < n_poured);
     let filled = fluid.regions.iter().zip(basins).map(|(region, basin)| {
         let RegionShapeFile::Box { min, .. } = region.shape else {
             return basin
@@ -403,7 +401,7 @@ fn all_filled(
                 .map(|poured| Filled { poured, spacing });
         };
         let extent = extent(region);
-        let rows = Rows::of(extent, spacing, (goal, is_plane));
+        let rows = grid.rows(extent, goal);
         if let Some(thin) = (0..3).find(|&axis| rows.counts[axis] == 0.0) {
             return Err(FillError::TooThin {
                 axis: ['x', 'y', 'z'][thin],

@@ -164,7 +164,11 @@ struct Scales {
 impl WaveMaker {
     /// Motion of the block.
     pub(super) fn motion(&self) -> Motion {
-        let displacement = self.stroke.place.iter().map(|place| self.direction * *place);
+        let displacement = self
+            .stroke
+            .place
+            .iter()
+            .map(|place| self.direction * *place);
         Motion::Prescribed(PrescribedMotion::Table {
             time: self.stroke.time.clone(),
             displacement: displacement.collect(),
@@ -214,7 +218,7 @@ impl WaveMaker {
                 (
                     format!("regular waves, height {height} m, period {period} s"),
                     format!(
-                        ", second harmonic {:.4} m, H L2/h3 at {:.0} % of Madsen's limit",
+                        ", second harmonic {:.1e} m, H L2/h3 at {:.0} % of Madsen's limit",
                         2.0 * found.second.abs(),
                         100.0 * share
                     ),

@@ -98,7 +98,9 @@ impl Waves {
         (duration, seed): (f64, u64),
     ) -> Self {
         let (low, high) = (BAND.0 / period, BAND.1 / period);
-        let n = (duration * (high - low)).clamp(COMPONENTS.0, COMPONENTS.1).ceil();
+        let n = (duration * (high - low))
+            .clamp(COMPONENTS.0, COMPONENTS.1)
+            .ceil();
         let interval = (high - low) / n;
         let mut random = Random(seed);
         let frequencies: Vec<f64> = (0..n as u32)
@@ -237,7 +239,10 @@ mod tests {
         ] {
             let density = spectrum.density((0.12, 2.0), &frequencies);
             let moment: f64 = density.iter().map(|s| s * step).sum();
-            assert!((4.0 * moment.sqrt() / 0.12 - 1.0).abs() < 1e-4, "{spectrum:?}");
+            assert!(
+                (4.0 * moment.sqrt() / 0.12 - 1.0).abs() < 1e-4,
+                "{spectrum:?}"
+            );
         }
         let density = |spectrum: Spectrum| spectrum.density((0.12, 2.0), &[0.5])[0];
         let closed = 5.0 / 16.0 * 0.12 * 0.12 * 2.0 * (-1.25_f64).exp();
@@ -255,7 +260,9 @@ mod tests {
         let duration = 600.0;
         let waves = Waves::irregular(WATER, SEA, (duration, 7));
         assert!((waves.significant_height() / 0.12 - 1.0).abs() < 1e-12);
-        let record: Vec<f64> = (0..6000).map(|k| waves.surface(0.0, 0.1 * f64::from(k))).collect();
+        let record: Vec<f64> = (0..6000)
+            .map(|k| waves.surface(0.0, 0.1 * f64::from(k)))
+            .collect();
         let square = |x: &[f64]| x.iter().map(|x| x * x).sum::<f64>() / x.len() as f64;
         let found = 4.0 * square(&record).sqrt();
         assert!((found / 0.12 - 1.0).abs() < 0.06, "{found}");
@@ -275,7 +282,13 @@ mod tests {
     fn a_group_is_highest_at_its_focus() {
         let waves = Waves::focused(WATER, (SEA.0, 0.1, 2.0), (12.0, 30.0));
         assert!((waves.surface(12.0, 30.0) - 0.1).abs() < 1e-12);
-        for (x, t) in [(12.0, 29.0), (12.0, 31.5), (6.0, 30.0), (0.0, 30.0), (20.0, 33.0)] {
+        for (x, t) in [
+            (12.0, 29.0),
+            (12.0, 31.5),
+            (6.0, 30.0),
+            (0.0, 30.0),
+            (20.0, 33.0),
+        ] {
             assert!(waves.surface(x, t).abs() < 0.09, "{x} {t}");
         }
     }

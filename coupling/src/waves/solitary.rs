@@ -60,8 +60,8 @@ impl Solitary {
         let place = |phase: f64| half * phase.tanh();
         // the phase gives the time without iteration
         let time = |phase: f64| (phase / self.decay + place(phase)) / self.celerity;
-        let phases = (0..=INTERVALS)
-            .map(|k| FADE * (2.0 * f64::from(k) / f64::from(INTERVALS) - 1.0));
+        let phases =
+            (0..=INTERVALS).map(|k| FADE * (2.0 * f64::from(k) / f64::from(INTERVALS) - 1.0));
         let (time, place) = phases
             .map(|phase| (time(phase) - time(-FADE), place(phase) - place(-FADE)))
             .unzip();

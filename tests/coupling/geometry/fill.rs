@@ -351,7 +351,11 @@ fn a_million_nodes_among_a_hundred_blocks() {
     // measured 0.006: half a layer on the stones' surfaces
     assert!((0.0..0.02).contains(&missing), "{missing}");
     // particles share it; lines a quarter of a cell apart measure the balls
-    assert!((volume(&found) / (1.8 - stones) - 1.0).abs() < 1e-3, "{}", volume(&found));
+    assert!(
+        (volume(&found) / (1.8 - stones) - 1.0).abs() < 1e-3,
+        "{}",
+        volume(&found)
+    );
     assert!(wall < 10.0, "{wall} s"); // measured 0.33 s
 }
 
@@ -435,9 +439,17 @@ fn what_is_to_be_packed_has_the_volume_of_the_basin() {
     // root of those within a spacing of it, 20 of 12,000
     let own = |found: &Lattice| found.positions.len() as f64 * 0.05_f64.powi(3);
     assert!(own(&plain) / exact - 1.0 < -0.01, "{}", own(&plain));
-    assert!((own(&packed) / exact - 1.0).abs() < 2e-3, "{}", own(&packed));
+    assert!(
+        (own(&packed) / exact - 1.0).abs() < 2e-3,
+        "{}",
+        own(&packed)
+    );
     // particles share the rest; lines a quarter of a cell apart measure the block within 1e-4
-    assert!((volume(&packed) / exact - 1.0).abs() < 1e-4, "{}", volume(&packed));
+    assert!(
+        (volume(&packed) / exact - 1.0).abs() < 1e-4,
+        "{}",
+        volume(&packed)
+    );
     // the mould: four whole layers of the tank, which ends above it
     assert!(plain.mould.is_empty());
     assert!(packed.mould.iter().all(|x| 0.8 < x.z && x.z < 1.0));

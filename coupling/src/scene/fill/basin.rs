@@ -150,12 +150,7 @@ impl Basin {
     }
 
     /// Volume of the water as it is drawn; m³.
-    fn drawn_volume(
-        &self,
-        nodes: &[Node],
-        domain: &DomainFile,
-        solids: &[(String, Shape)],
-    ) -> f64 {
+    fn drawn_volume(&self, nodes: &[Node], domain: &DomainFile, solids: &[(String, Shape)]) -> f64 {
         let (min, max) = (vec3(domain.min), vec3(domain.max));
         let level = self.first.z + (self.n_wet_rows as f64 - 0.5) * self.spacing[2];
         // what is left of the domain beyond whole rows takes a cell more

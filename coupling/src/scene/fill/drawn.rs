@@ -65,16 +65,20 @@ impl Cells<'_> {
         if (0..3).any(|axis| high[axis] <= low[axis]) {
             return 0.0;
         }
-        let eyes = self.eyes(cell, &middle);
-        if eyes.is_empty() {
-            return 0.0;
-        }
         let reach = 0.5 * spacing.norm();
         let parts: Vec<&Part> = obstacles
             .near(cell)
             .map(|(_, part)| part)
             .filter(|part| part.is_within(&middle, reach))
             .collect();
+        // most cells are all water, or all air or rock
+        if parts.is_empty() && (self.water)(cell).is_some() {
+            return (high - low).product();
+        }
+        let eyes = self.eyes(cell, &middle);
+        if eyes.is_empty() {
+            return 0.0;
+        }
         if parts.is_empty() {
             return (high - low).product();
         }
@@ -179,10 +183,12 @@ fn free_pieces(foot: &Vec3, top: f64, parts: &[&Part]) -> Vec<(f64, f64)> {
     for part in parts {
         match part {
             Part::Surface(surface) => solid.extend(pieces_behind(surface, foot, top)),
-            Part::Convex(_) | Part::Ball { .. } => solid.extend(part.share_inside(foot, &head).map(|(enter, leave)| {
-                let length = top - foot.z;
-                (foot.z + enter * length, foot.z + leave * length)
-            })),
+            Part::Convex(_) | Part::Ball { .. } => {
+                solid.extend(part.share_inside(foot, &head).map(|(enter, leave)| {
+                    let length = top - foot.z;
+                    (foot.z + enter * length, foot.z + leave * length)
+                }))
+            }
         }
     }
     solid.sort_by(|a, b| a.0.total_cmp(&b.0));
