@@ -41,7 +41,7 @@ pub enum WavesFile {
         period: f64,
         /// Distance of the place from the piston; m.
         distance: f64,
-        /// s.
+        /// Time at which they meet; s.
         time: f64,
     },
 }
