@@ -402,7 +402,9 @@ fn all_filled(
         };
         let extent = extent(region);
         let rows = grid.rows(extent, goal);
-        if let Some(thin) = (0..3).find(|&axis| rows.counts[axis] == 0.0) {
+        let by_thickness = |a: &usize, b: &usize| extent[*a].total_cmp(&extent[*b]);
+        let thin = (0..3).filter(|&axis| rows.counts[axis] == 0.0);
+        if let Some(thin) = thin.min_by(by_thickness) {
             return Err(FillError::TooThin {
                 axis: ['x', 'y', 'z'][thin],
                 thickness: extent[thin],

@@ -5,6 +5,8 @@ use riprap_dda::{Shape, Vec3};
 use super::obstacles::{Part, parts};
 use super::{FillError, Room, rows};
 
+/// Tolerated overlap of a box of water with a block, for round-off and rough drawing; × spacing.
+const SLACK: f64 = 0.05;
 /// Fewest spacings that a box is thick: rows are rounded.
 const THINNEST: f64 = 0.5;
 /// Change of a spacing that is tried to give particles one volume in several boxes; –.
