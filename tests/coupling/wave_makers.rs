@@ -156,8 +156,8 @@ fn wrong_waves_are_refused_at_their_place() {
         ),
         (
             "Waves(direction: (-1, 0, 0), waves: Solitary(height: 0.1))",
-            "Solitary",
-            "no water stands before it, along its direction",
+            "(-1, 0, 0)",
+            "no water stands before it along its direction",
         ),
         (
             "Waves(direction: (1, 0, 0), waves: Solitari(height: 0.1))",

@@ -97,10 +97,9 @@ impl Scene {
             .map(|lattice| fluid::resolve(file, (lattice, &domain), expected_speed, &mut problems));
         if let Some(fluid) = &fluid {
             fluid::refuse_shapes(file, &solids.named, fluid.wall_method, &mut problems);
-        }
-        for maker in &solids.wave_makers {
-            let sound_speed = fluid.as_ref().map(|fluid| fluid.settings.sound_speed);
-            problems.extend(maker.warnings(file, &solids.named[maker.block], sound_speed));
+            for maker in &solids.wave_makers {
+                problems.extend(maker.problems(file, &solids.named[maker.block], fluid));
+            }
         }
         let mut problems = without_errors(problems)?;
         let wave_makers = solids.wave_makers.clone();

@@ -7,6 +7,7 @@ use riprap_dda::{Motion, PrescribedMotion, Shape, Vec3};
 use super::error::Problem;
 use super::file::{MotionFile, RegionShapeFile, SceneFile, SpectrumFile, WavesFile, vec3};
 use super::fill::depth_at;
+use super::resolved::FluidScene;
 use crate::waves::irregular::{Spectrum, Waves};
 use crate::waves::regular::Regular;
 use crate::waves::solitary::Solitary;
@@ -14,6 +15,8 @@ use crate::waves::{StillWater, Stroke};
 
 /// Distance before a piston at which the depth is measured; × its size.
 const BEFORE: f64 = 1e-3;
+/// Distance within which water stands before a piston; × spacing.
+const WET: f64 = 3.0;
 /// Smooth start of waves with a period; × period.
 const RAMP: f64 = 1.0;
 /// Largest speed of a piston over that of sound.
@@ -34,6 +37,10 @@ pub struct WaveMaker {
     pub waves: WavesFile,
     /// Motion along the direction.
     pub stroke: Stroke,
+    /// Place before it at the start, at its middle height; m.
+    front: Vec3,
+    /// Half of its extent across; m.
+    half_width: f64,
 }
 
 /// Wave maker of the block `index`, if its motion is one.
@@ -62,15 +69,8 @@ pub(super) fn wave_maker(
     })?;
     let depth = match depth {
         Some(depth) => *depth,
-        None => depth_before(file, solids, (index, &direction)).ok_or_else(|| {
-            Problem::error(
-                format!("{path}.waves"),
-                format!(
-                    "block `{name}`: no water stands before it, along its direction; let a region of water end at it, or \
-                     give `depth`"
-                ),
-            )
-        })?,
+        None => depth_before(file, solids, (index, &direction))
+            .ok_or_else(|| Problem::error(format!("{path}.direction"), no_water(name)))?,
     };
     let water = StillWater {
         depth,
@@ -83,7 +83,31 @@ pub(super) fn wave_maker(
         water,
         waves: waves.clone(),
         stroke,
+        front: front(solids, (index, &direction)).unwrap_or_default(),
+        half_width: half_width(solids, (index, &direction)).unwrap_or_default(),
     }))
+}
+
+fn no_water(name: &str) -> String {
+    format!(
+        "block `{name}`: no water stands before it along its direction; turn the direction, or let a region of water end \
+         at it"
+    )
+}
+
+/// Half of the horizontal extent of a block across a direction; m.
+fn half_width(solids: &[(String, Shape)], (index, direction): (usize, &Vec3)) -> Option<f64> {
+    let (min, max) = solids.get(index)?.1.aabb();
+    let across = Vec3::z().cross(direction).abs();
+    Some(0.5 * (max - min).dot(&across))
+}
+
+/// Place before a block; m.
+fn front(solids: &[(String, Shape)], (index, direction): (usize, &Vec3)) -> Option<Vec3> {
+    let (min, max) = solids.get(index)?.1.aabb();
+    let half = 0.5 * (max - min);
+    let reach = half.dot(&direction.abs()) + BEFORE * half.norm();
+    Some(0.5 * (min + max) + reach * direction)
 }
 
 /// Depth of the water in front of a block; m.
@@ -92,10 +116,7 @@ fn depth_before(
     solids: &[(String, Shape)],
     (index, direction): (usize, &Vec3),
 ) -> Option<f64> {
-    let (min, max) = solids.get(index)?.1.aabb();
-    let half = 0.5 * (max - min);
-    let reach = half.dot(&direction.abs()) + BEFORE * half.norm();
-    let place = 0.5 * (min + max) + reach * direction;
+    let place = front(solids, (index, direction))?;
     let regions = file.fluid.iter().flat_map(|fluid| &fluid.regions);
     let depth_in = |shape: &RegionShapeFile| match *shape {
         RegionShapeFile::Box { min, max } => {
@@ -259,16 +280,19 @@ impl WaveMaker {
         )
     }
 
-    /// Warnings about waves that break, a piston that is too fast for the speed of sound (m/s), and one that leaves the
-    /// domain.
-    pub(super) fn warnings(
+    /// Error where no water stands before the piston; warnings about waves that break, a piston that is too fast for the
+    /// speed of sound, and one that leaves the domain.
+    pub(super) fn problems(
         &self,
         file: &SceneFile,
         (name, shape): &(String, Shape),
-        sound_speed: Option<f64>,
+        fluid: &FluidScene,
     ) -> Vec<Problem> {
         let path = |field: &str| format!("blocks[{}].motion{field}", self.block);
         let mut problems = Vec::new();
+        if !self.is_wet(fluid) {
+            problems.push(Problem::error(path(".direction"), no_water(name)));
+        }
         let scales = self.scales();
         if scales.breaking < scales.height {
             problems.push(Problem::warning(
@@ -296,7 +320,8 @@ impl WaveMaker {
         }
         problems.extend(self.late(name));
         let fastest = self.stroke.largest_speed();
-        if let Some(sound) = sound_speed.filter(|sound| MACH * sound < fastest) {
+        let sound = fluid.settings.sound_speed;
+        if MACH * sound < fastest {
             problems.push(Problem::warning(
                 path(".waves"),
                 format!(
@@ -332,6 +357,19 @@ impl WaveMaker {
             }
         }
         problems
+    }
+
+    /// Whether particles stand before the piston, within its reach across.
+    fn is_wet(&self, fluid: &FluidScene) -> bool {
+        let reach = WET * fluid.settings.mean_spacing();
+        fluid.lattice.positions.iter().any(|x| {
+            let away = Vec3::new(x.x - self.front.x, x.y - self.front.y, 0.0);
+            let before = away.dot(&self.direction);
+            // a flow in a plane has one row, which may be any width across
+            0.0 < before
+                && before < reach
+                && (away - before * self.direction).norm() < reach + self.half_width
+        })
     }
 
     /// A group whose short waves are too slow to be at the focus in time.

@@ -218,7 +218,7 @@ fn pieces_behind(surface: &Surface, foot: &Vec3, top: f64) -> Vec<(f64, f64)> {
             (true, true) => {}
             (false, false) => behind.push((low, high)),
             (is_free_below, _) => {
-                let crossing = crossing(&off, (low, d_low), (high, d_high));
+                let crossing = crossing(off, (low, d_low), (high, d_high));
                 behind.push(if is_free_below {
                     (crossing, high)
                 } else {
