@@ -1,6 +1,5 @@
 //! Basins and boxes of water.
 
-use std::time::Instant;
 
 use proptest::prelude::*;
 use riprap::scene::error::{Problem, Severity};
@@ -338,13 +337,8 @@ fn a_million_nodes_among_a_hundred_blocks() {
     }
     let lake = [("lake", below(0.9, (0.02, 0.02, 0.8)))];
     let water = fluid(&lake, ResolutionFile::Spacing(0.0125));
-    let start = Instant::now();
     let found = lattice(&water, &tank_domain(), &solids, 0).unwrap();
-    let wall = start.elapsed().as_secs_f64();
-    println!(
-        "{} particles of 1.9e6 nodes in {wall:.2} s",
-        found.positions.len()
-    );
+    println!("{} particles of 1.9e6 nodes", found.positions.len());
     let stones: f64 = solids[5..].iter().map(|(_, s)| s.volume()).sum();
     let own = found.positions.len() as f64 * 0.0125_f64.powi(3);
     let missing = (1.8 - stones - own) / 1.8;
@@ -356,7 +350,6 @@ fn a_million_nodes_among_a_hundred_blocks() {
         "{}",
         volume(&found)
     );
-    assert!(wall < 10.0, "{wall} s"); // measured 0.33 s
 }
 
 #[test]
