@@ -170,3 +170,27 @@ fn wrong_waves_are_refused_at_their_place() {
         assert!(told.contains(&place), "{motion}: {place} {told}");
     }
 }
+
+/// A layer shorter than the waves sends much of them back; one as long as they are is not talked about. Waves of 2.5 s on 0.5 m of water
+/// are 5.2 m long, of a paddle that is a sinusoid as of one that computes its motion.
+#[test]
+fn layers_shorter_than_the_waves_are_told() {
+    let access = Access::of(Path::new("."));
+    let warned = |motion: &str, from: f64| {
+        let layer = format!(
+            "absorbers: [(name: \"beach\", min: ({from:?}, 0, 0), max: (10, 1, 2), towards: XMax)], time:"
+        );
+        let text = flume(motion).replace("time:", &layer);
+        let (_, warnings) = load_text("flume.ron", &text, &[], &access).unwrap();
+        let words = format!("{warnings:?}");
+        words.contains("absorber `beach` is") && words.contains("of a wave of 5.2")
+    };
+    let sinusoid = "Sinusoid(direction: (1, 0, 0), amplitude: 0.02, period: 2.5)";
+    for motion in [
+        "Waves(direction: (1, 0, 0), waves: Regular(height: 0.02, period: 2.5))",
+        sinusoid,
+    ] {
+        assert!(warned(motion, 7.0), "{motion}");
+        assert!(!warned(motion, 4.5), "{motion}");
+    }
+}

@@ -21,6 +21,9 @@ use crate::scene::resolve::Scene;
 use progress::ProgressLine;
 use resume::Found;
 
+/// Mach number of a particle above which the end of a run warns.
+const LARGEST_MACH: f64 = 0.3;
+
 /// Run a scene into a folder.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Arguments {
@@ -125,6 +128,9 @@ fn choose_and_run(arguments: &Arguments) -> Result<Exit, Exit> {
     })?;
     if !arguments.quiet {
         show(&closing_words(&summary, &folder));
+        if let Some(words) = compressed(&summary, &scene) {
+            say(&words);
+        }
     }
     match (ending, chosen) {
         (Ending::Interrupted, _) => {
@@ -210,6 +216,19 @@ fn seconds(text: &str) -> Result<f64, String> {
         Ok(seconds) if (0.0..=1e9).contains(&seconds) => Ok(seconds),
         _ => Err("expected seconds, from 0 to 1e9".to_owned()),
     }
+}
+
+/// Warning of water that was so fast that its sound is felt.
+fn compressed(summary: &Summary, scene: &Scene) -> Option<String> {
+    let fluid = scene.fluid.as_ref()?;
+    let fastest = summary.max_mach * fluid.settings.sound_speed;
+    (LARGEST_MACH < summary.max_mach).then(|| {
+        format!(
+            "warning: the fastest particle reached {fastest:.3} m/s, Mach {:.2}: pressures of impacts are those of sound, rho c u; \
+             where they matter let numerics.expected_speed be {fastest:.2}",
+            summary.max_mach
+        )
+    })
 }
 
 fn closing_words(summary: &Summary, folder: &Path) -> String {

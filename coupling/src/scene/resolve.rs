@@ -100,6 +100,8 @@ impl Scene {
             for maker in &solids.wave_makers {
                 problems.extend(maker.problems(file, &solids.named[maker.block], fluid));
             }
+            let depth = fluid.lattice.depth;
+            problems.extend(fluid::short_absorbers(file, &solids.wave_makers, depth));
         }
         let mut problems = without_errors(problems)?;
         let wave_makers = solids.wave_makers.clone();

@@ -197,6 +197,11 @@ impl WaveMaker {
         })
     }
 
+    /// Length of its waves; m.
+    pub(super) fn wave_length(&self) -> f64 {
+        self.scales().length
+    }
+
     fn scales(&self) -> Scales {
         let water = self.water;
         let of_period = |height: f64, period: f64| {

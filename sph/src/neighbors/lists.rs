@@ -219,6 +219,9 @@ fn may_be_occluded<R>(sources: &Sources<R>, receivers: ReceiverChunk) -> bool {
     let Some(occlusion) = &sources.occlusion else {
         return false;
     };
+    if occlusion.has_facets() {
+        return true;
+    }
     let nowhere = (Vec3::repeat(f64::INFINITY), Vec3::repeat(f64::NEG_INFINITY));
     let bounds = (0..receivers.len()).fold(nowhere, |(min, max), k| {
         let (_, x) = receivers.at(k);
@@ -445,7 +448,7 @@ where
                 let receiver = Receiver::<L>::new(machine, &sources.frame.place(&place), quanta);
                 let ids = &ids[start..span.end as usize];
                 match occlusion {
-                    Some(occlusion) if OCCLUDED && occlusion.is_near(sources.grid, &place) => {
+                    Some(occlusion) if OCCLUDED && occlusion.may_hide(sources.grid, &place) => {
                         let listed = &ids[..ids.len() - L::WIDTH + usize::from(span.n_in_last)];
                         for listed in listed.chunks(BUFFER) {
                             let near = (a, &place, radius2);

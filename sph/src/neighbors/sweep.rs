@@ -93,10 +93,21 @@ pub(crate) enum PairKind<'a> {
 }
 
 impl Occlusion<'_> {
-    /// Whether a thin solid may be within the support of a point (m).
+    /// Whether points near a place (m) may be hidden from it: a thin solid may be within the support.
     #[inline(always)]
-    pub(crate) fn is_near(&self, grid: &CellGrid, place: &Vec3) -> bool {
-        self.thin_solids.are_near(grid.cell_of(place))
+    pub(crate) fn may_hide(&self, grid: &CellGrid, place: &Vec3) -> bool {
+        self.has_facets() || self.thin_solids.are_near(grid.cell_of(place))
+    }
+
+    /// Whether there are wall points behind thin solids. They may lie beyond the influence of these, near other receivers.
+    #[inline(always)]
+    pub(crate) fn has_facets(&self) -> bool {
+        match self.between {
+            PairKind::Particles => false,
+            PairKind::ParticlesAndWalls(facets) | PairKind::WallsAndParticles(facets) => {
+                !facets.is_empty()
+            }
+        }
     }
 
     /// Keeps the points found that are visible to receiver `a` from a position, each with its visible fraction;
@@ -111,14 +122,7 @@ impl Occlusion<'_> {
         shares: &mut [f64; BUFFER],
     ) -> usize {
         let cell = grid.cell_of(place);
-        let has_facets = match self.between {
-            PairKind::Particles => false,
-            PairKind::ParticlesAndWalls(facets) | PairKind::WallsAndParticles(facets) => {
-                !facets.is_empty()
-            }
-        };
-        // wall particles behind a thin solid may lie beyond its influence, near other receivers
-        if !has_facets && !self.thin_solids.are_near(cell) {
+        if !self.may_hide(grid, place) {
             shares[..found.len()].fill(1.0);
             return found.len();
         }

@@ -1,6 +1,5 @@
 //! Basins and boxes of water.
 
-
 use proptest::prelude::*;
 use riprap::scene::error::{Problem, Severity};
 use riprap::scene::file::{
