@@ -31,6 +31,7 @@ pub mod scene;
 pub mod series;
 pub mod study;
 pub mod walls;
+pub mod waves;
 pub mod world;
 
 // the paths of 0.1, for one release

@@ -22,6 +22,7 @@ pub mod resolved;
 mod sleep;
 pub(crate) mod symmetry;
 pub mod validate;
+pub mod wave_maker;
 mod written;
 
 // the paths of 0.1, for one release

@@ -11,6 +11,7 @@
 #[path = "../support/mod.rs"]
 mod support;
 
+mod amounts;
 mod block_scenes;
 mod boundaries;
 mod budget;
@@ -36,4 +37,5 @@ mod stepping;
 mod symmetry;
 mod trade;
 mod walls;
+mod wave_makers;
 mod wings;

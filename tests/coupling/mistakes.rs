@@ -150,7 +150,7 @@ const UNITS: &[Row] = &[
     ("shape: Box(min: (3", "velocity: (0, 0, -3000), shape: Box(min: (3", "(0, 0, -3000)", Warning, "block `cube`: it starts at 3000 m/s, faster than sound in air"),
     ("time: (duration: 1)", "time: (duration: -1)", "-1", Error, "duration must be > 0, found -1"),
     ("time: (", "output: (frame_interval: 50), time: (", "50", Warning, "frame interval is 50 s, longer than the run of 1 s"),
-    ("Spacing(0.1)", "Spacing(40)", "[(name: \"column\"", Error, "no particle fits in any region"),
+    ("Spacing(0.1)", "Spacing(40)", "Box(min: (0, 0, 0), max: (1, 1, 1))", Error, "fluid region `column` is too thin: no particle fits in 1 m along x"),
     ("Spacing(0.1)", "Spacing(0.0001)", "Spacing(0.0001)", Error, "fluid region `column` needs 1.0e12 lattice nodes"),
 ];
 

@@ -21,7 +21,7 @@ const COUPLING: &[&[&str]] = &[
     &["world"],
     &["joints"],
     &["walls", "openings"],
-    &["files", "saved", "series", "build_info"],
+    &["files", "saved", "series", "waves", "build_info"],
 ];
 
 /// Wings of the water.

@@ -3,6 +3,7 @@
 mod cost;
 mod describe;
 mod landslide;
+mod water;
 
 use std::path::PathBuf;
 

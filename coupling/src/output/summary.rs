@@ -98,6 +98,11 @@ pub struct Summary {
     pub mass_escaped: f64,
     /// Mass of the fluid at the start and at the end; kg.
     pub fluid_mass: [f64; 2],
+    /// Volume of the fluid's regions as drawn, and of its particles at the start; m³.
+    pub fluid_volume: [f64; 2],
+    /// Mass of the fluid's regions as drawn, at the reference density; that at the start has what its weight compresses in
+    /// addition; kg.
+    pub fluid_mass_drawn: f64,
     /// Water that passed inflows and outflows.
     pub openings: Vec<Passed>,
     /// Particles found inside a solid and pushed back.

@@ -41,7 +41,11 @@ pub fn build(scene: &Scene) -> Result<World, RunError> {
 /// Packed water with its walls, joints and openings.
 fn water(water: &FluidScene, scene: &Scene, blocks: &Blocks) -> Result<Water, RunError> {
     let (start, kept) = packed(water, &scene.blocks, blocks)?;
-    let mut fluid = Fluid::new(start, water.settings.clone())?;
+    let mut settings = water.settings.clone();
+    // what packing left out, because it would have stood above the level, is shared by all others
+    let n_drawn = water.lattice.positions.len();
+    settings.particle_spacing[2] *= n_drawn as f64 / start.positions.len().max(1) as f64;
+    let mut fluid = Fluid::new(start, settings)?;
     if !water.rheologies.is_empty() {
         let kinds: Vec<_> = kept.iter().map(|&a| water.kinds[a as usize]).collect();
         fluid.set_rheologies(water.rheologies.clone(), &kinds)?;

@@ -20,6 +20,10 @@ impl Run<'_> {
         let water = world.water.as_ref();
         let fluid = water.map(|water| &water.fluid);
         let removed = fluid.map(Fluid::removed);
+        let drawn: f64 = (self.scene.fluid.iter())
+            .flat_map(|fluid| &fluid.lattice.amounts)
+            .map(|amount| amount.drawn)
+            .sum();
         let wall_time = self.wall_time();
         let running = (wall_time - costs.settling).max(1e-9);
         let count =
@@ -75,6 +79,13 @@ impl Run<'_> {
             particles_escaped: removed.map_or(0, |removed| removed.count),
             mass_escaped: removed.map_or(0.0, |removed| removed.mass),
             fluid_mass: [counters.mass_at_start, fluid.map_or(0.0, Fluid::mass)],
+            fluid_volume: [
+                drawn,
+                fluid.map_or(0.0, |fluid| {
+                    counters.particles_at_start as f64 * fluid.particle_volume()
+                }),
+            ],
+            fluid_mass_drawn: fluid.map_or(0.0, |fluid| drawn * fluid.settings().reference_density),
             openings: water.map_or(Vec::new(), |w| w.openings.passed().to_vec()),
             particles_pushed_back: extremes.particles_pushed_back,
             blocks_escaped: extremes.blocks_removed,

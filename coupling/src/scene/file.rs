@@ -18,6 +18,7 @@ mod openings;
 mod output;
 mod shapes;
 mod terrain;
+mod waves;
 
 use riprap_dda::Vec3;
 use riprap_sph::Symmetry;
@@ -47,6 +48,7 @@ pub use shapes::{PartFile, ShapeFile, SplitFile};
 pub use terrain::{
     ExcavationFile, FailureSurfaceFile, GapsFile, HeightsFile, OutlineFile, SlideFile, TerrainFile,
 };
+pub use waves::{SpectrumFile, WavesFile};
 
 use crate::world::OutOfDomain;
 

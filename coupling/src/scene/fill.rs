@@ -1,38 +1,38 @@
 //! Initial water: particles on a lattice, in boxes and in basins.
 
+mod amounts;
 mod basin;
 mod boxes;
 mod count;
+mod drawn;
 mod gaps;
 mod obstacles;
 mod overlap;
+mod regions;
 
 use riprap_dda::{Shape, Vec3};
 use riprap_sph::Dimensions;
 
 use super::error::Problem;
 use super::file::vec3;
-use super::file::{
-    Axis, DimensionsFile, DomainFile, FluidFile, LatticeFile, RegionFile, RegionShapeFile,
-    ResolutionFile,
-};
-use basin::Poured;
+use super::file::{Axis, DimensionsFile, DomainFile, FluidFile, LatticeFile, ResolutionFile};
+pub use amounts::{Amount, misfits};
+pub(super) use drawn::depth_at;
 pub use gaps::narrow_gaps;
 use obstacles::WALL_SLACK;
 pub use overlap::{overlaps, overlaps_on};
+use regions::at_spacing;
 
 /// Largest number of lattice nodes that are visited.
 const MOST_NODES: f64 = 5e7;
 /// Bytes per visited node: its state and the queue of nodes.
 const NODE_BYTES: f64 = 8.0;
-/// Smallest distance of particles of two regions; closer ones would blow apart; × spacing.
-const NEAREST_OF_REGIONS: f64 = 0.9;
 
 /// Initial particles.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Lattice {
-    /// Spacings along x, y, z; a periodic direction holds a whole number of spacings, and so does one that ends at a plane
-    /// of symmetry; m.
+    /// Spacings along x, y, z, whose product is the volume of a particle; a periodic direction holds a whole number of
+    /// spacings, and so does one that ends at a plane of symmetry; m.
     pub spacing: [f64; 3],
     /// Position of each particle; m.
     pub positions: Vec<Vec3>,
@@ -42,6 +42,8 @@ pub struct Lattice {
     pub region: Vec<u32>,
     /// Packing against walls, for each region.
     pub is_packed: Vec<bool>,
+    /// Volume of each region.
+    pub amounts: Vec<Amount>,
     /// Particles above the levels, which hold the surfaces of packed regions in place; m.
     pub mould: Vec<Vec3>,
     /// Highest surface of any region; m.
@@ -63,6 +65,16 @@ impl Lattice {
             Dimensions::Two { .. } => (self.spacing[0] * self.spacing[2]).sqrt(),
         }
     }
+}
+
+/// Way of filling.
+#[derive(Clone, Copy)]
+struct Pouring {
+    /// Rows of the mould above the level of packed regions.
+    n_mould_rows: usize,
+    room: Room,
+    /// Whether volumes are measured and matched; those of trials are not.
+    is_measured: bool,
 }
 
 /// Amount of water that fits the memory.
@@ -131,6 +143,11 @@ enum FillError {
          round blocks"
     )]
     InBlock { block: String, depth: f64 },
+    #[error(
+        "is too thin: no particle fits in {thickness} m along {axis}; let fluid.resolution be Spacing({thickness}) or \
+         finer, or enlarge the region"
+    )]
+    TooThin { axis: char, thickness: f64 },
     #[error("has its level, {level} m, above the domain, which ends at {top} m; raise domain.max")]
     LevelAboveDomain { level: f64, top: f64 },
     #[error(
@@ -185,10 +202,20 @@ pub fn lattice_within(
     n_mould_rows: usize,
     room: Room,
 ) -> Result<Lattice, Vec<Problem>> {
-    let at = |spacing| at_spacing(fluid, domain, solids, (n_mould_rows, room), spacing);
+    let at = |spacing, is_measured| {
+        let pouring = Pouring {
+            n_mould_rows,
+            room,
+            is_measured,
+        };
+        at_spacing(fluid, domain, solids, pouring, spacing)
+    };
     match fluid.resolution {
-        ResolutionFile::Spacing(wanted) => at(wanted),
-        ResolutionFile::Count(wanted) => count::lattice(fluid, domain, (wanted, room), at),
+        ResolutionFile::Spacing(wanted) => at(wanted, true),
+        ResolutionFile::Count(wanted) => {
+            let spacing = count::spacing(fluid, domain, (wanted, room), |s| at(s, false))?;
+            at(spacing, true)
+        }
     }
 }
 
@@ -231,172 +258,6 @@ fn rows(extent: f64, spacing: f64) -> f64 {
     (extent / spacing + WALL_SLACK).floor().max(0.0)
 }
 
-fn at_spacing(
-    fluid: &FluidFile,
-    domain: &DomainFile,
-    solids: &[(String, Shape)],
-    (n_mould_rows, room): (usize, Room),
-    wanted: f64,
-) -> Result<Lattice, Vec<Problem>> {
-    let spacing = spacings(fluid, domain, wanted);
-    if !spacing.iter().all(|s| s.is_finite() && *s > 0.0) {
-        let message = format!("fluid: spacing must be finite and > 0, got {wanted}");
-        return Err(vec![Problem::error("fluid.resolution", message)]);
-    }
-    let mut lattice = Lattice {
-        spacing,
-        still_water_level: f64::NEG_INFINITY,
-        ..Lattice::default()
-    };
-    let mut problems = Vec::new();
-    for (index, region) in fluid.regions.iter().enumerate() {
-        let level = match region.shape {
-            RegionShapeFile::Box { max, .. } => max.2,
-            RegionShapeFile::Below { level, .. } => level,
-        };
-        let filled = filled(
-            region,
-            (fluid, domain, spacing),
-            solids,
-            (n_mould_rows, room),
-        );
-        let filled = filled.and_then(|poured| {
-            room.holds((lattice.positions.len() + poured.water.len()) as f64)?;
-            check_regions(&lattice, &poured.water, &fluid.regions).map(|()| poured)
-        });
-        match filled {
-            Ok(Poured {
-                water: positions,
-                mould,
-            }) => {
-                let n = positions.len();
-                let is_basin = matches!(region.shape, RegionShapeFile::Below { .. });
-                lattice.mould.extend(mould);
-                lattice.is_packed.push(is_basin && 0 < n_mould_rows);
-                lattice.still_water_level = lattice.still_water_level.max(level);
-                lattice.positions.extend(positions);
-                lattice
-                    .velocities
-                    .extend(std::iter::repeat_n(vec3(region.velocity), n));
-                lattice.region.extend(std::iter::repeat_n(index as u32, n));
-            }
-            Err(error) => problems.push(region_problem(index, region, &error)),
-        }
-    }
-    if lattice.positions.is_empty() && problems.is_empty() {
-        problems.push(Problem::error(
-            "fluid.regions",
-            "no particle fits in any region; refine `fluid.resolution` or enlarge the regions",
-        ));
-    }
-    let lowest = lattice
-        .positions
-        .iter()
-        .fold(f64::INFINITY, |low, x| low.min(x.z));
-    lattice.depth = lattice.still_water_level - (lowest - 0.5 * spacing[2]);
-    if problems.is_empty() {
-        Ok(lattice)
-    } else {
-        Err(problems)
-    }
-}
-
-/// Particles of a region on its own.
-fn filled(
-    region: &RegionFile,
-    (fluid, domain, spacing): (&FluidFile, &DomainFile, [f64; 3]),
-    solids: &[(String, Shape)],
-    (n_mould_rows, room): (usize, Room),
-) -> Result<Poured, FillError> {
-    match &region.shape {
-        RegionShapeFile::Box { min, max } => {
-            let water = boxes::fill((vec3(*min), vec3(*max)), spacing, solids, room);
-            let mould = Vec::new();
-            water.map(|water| Poured { water, mould })
-        }
-        RegionShapeFile::Below { level, seed } => {
-            let seed = vec3(*seed);
-            basin::fill(
-                domain,
-                (spacing, fluid.lattice),
-                (*level, &seed),
-                solids,
-                (n_mould_rows, room),
-            )
-        }
-    }
-}
-
-fn region_problem(index: usize, region: &RegionFile, error: &FillError) -> Problem {
-    let path = match error {
-        FillError::TooManyNodes { .. } | FillError::NoMemory { .. } => {
-            "fluid.resolution".to_owned()
-        }
-        _ => format!("fluid.regions[{index}].shape{}", blamed(error)),
-    };
-    Problem::error(path, format!("fluid region `{}` {error}", region.name))
-}
-
-/// The field of a region that an error refers to, with its dot.
-fn blamed(error: &FillError) -> &'static str {
-    match error {
-        FillError::LevelAboveDomain { .. } | FillError::NoRow { .. } => ".level",
-        FillError::SeedOutside { .. }
-        | FillError::SeedInBlock { .. }
-        | FillError::SeedTooNarrow { .. } => ".seed",
-        _ => "",
-    }
-}
-
-/// Checks the distance of new particles from those of earlier regions. Only particles in the common part of both are
-/// sorted into cells.
-fn check_regions(earlier: &Lattice, new: &[Vec3], regions: &[RegionFile]) -> Result<(), FillError> {
-    let least = earlier
-        .spacing
-        .iter()
-        .copied()
-        .fold(f64::INFINITY, f64::min)
-        * NEAREST_OF_REGIONS;
-    let nothing = (Vec3::repeat(f64::INFINITY), Vec3::repeat(f64::NEG_INFINITY));
-    let around = |points: &[Vec3]| {
-        points
-            .iter()
-            .fold(nothing, |(min, max), x| (min.inf(x), max.sup(x)))
-    };
-    let (a, b) = (around(&earlier.positions), around(new));
-    let (min, max) = (
-        a.0.sup(&b.0).add_scalar(-least),
-        a.1.inf(&b.1).add_scalar(least),
-    );
-    let is_common = |x: &Vec3| (0..3).all(|axis| min[axis] <= x[axis] && x[axis] <= max[axis]);
-    let cell = |x: &Vec3| [2, 1, 0].map(|axis| ((x[axis] - min[axis]) / least).floor() as i64);
-    let mut sorted: Vec<([i64; 3], usize)> = (0..earlier.positions.len())
-        .filter(|&k| is_common(&earlier.positions[k]))
-        .map(|k| (cell(&earlier.positions[k]), k))
-        .collect();
-    sorted.sort_unstable();
-    for x in new.iter().filter(|x| is_common(x)) {
-        let home = cell(x);
-        // three neighboring cells in x follow each other in the list
-        for row in (-1..=1).flat_map(|k| (-1..=1).map(move |j| (k, j))) {
-            let first = [home[0] + row.0, home[1] + row.1, home[2] - 1];
-            let last = [first[0], first[1], home[2] + 1];
-            let start = sorted.partition_point(|(cell, _)| *cell < first);
-            let near = sorted[start..].iter().take_while(|(cell, _)| *cell <= last);
-            for &(_, k) in near {
-                if (earlier.positions[k] - x).norm() < least {
-                    let other = regions.get(earlier.region[k] as usize);
-                    return Err(FillError::InRegion {
-                        other: other.map_or_else(String::new, |region| region.name.clone()),
-                        at: *x,
-                    });
-                }
-            }
-        }
-    }
-    Ok(())
-}
-
 #[cfg(test)]
 #[expect(
     clippy::unwrap_used,
@@ -404,7 +265,7 @@ fn check_regions(earlier: &Lattice, new: &[Vec3], regions: &[RegionFile]) -> Res
 )]
 mod tests {
     use super::*;
-    use crate::scene::file::{OutOfDomainFile, RegionFile};
+    use crate::scene::file::{OutOfDomainFile, RegionFile, RegionShapeFile};
     use riprap_dda::Polyhedron;
 
     fn domain(periodic: Vec<Axis>) -> DomainFile {
@@ -528,7 +389,7 @@ mod tests {
         // trough 3 m x 1 m less the beach's wedge under the level; a row is lost at most on the
         // 1.94 m of wetted slope
         let exact = (3.0 - 0.5 * (1.0 / 0.6) - (2.5 - 1.0 / 0.6)) * 0.4;
-        let volume = lattice.positions.len() as f64 * lattice.particle_volume();
+        let volume = lattice.positions.len() as f64 * 0.04_f64.powi(3);
         assert!(
             volume <= exact && exact - volume < 1.94 * 0.04 * 0.4,
             "{volume} of {exact}"

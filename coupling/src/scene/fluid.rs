@@ -19,6 +19,7 @@ use super::resolved::{Domain, FluidScene, Region};
 use crate::walls::WallMethod;
 pub(super) use laws::flow_law;
 use laws::{laws, slow_viscosity};
+pub(super) use openings::short_absorbers;
 pub(super) use scheme::dimensions;
 use walls::{WallLoads, refuse_scheme, wall_settings};
 pub(super) use walls::{refuse_shapes, wall_method};

@@ -67,6 +67,10 @@ pub fn motion(file: &MotionFile, path: &str, access: &Access) -> Result<Motion, 
                 ramp: *ramp,
             }))
         }
+        MotionFile::Waves { .. } => Err(Problem::error(
+            path,
+            "a wave maker takes its motion from the water of its scene",
+        )),
         MotionFile::Table { file: name } | MotionFile::Shaking { file: name, .. } => {
             let text = text_of(access, name)
                 .map_err(|message| Problem::error(format!("{path}.file"), message))?;
@@ -117,7 +121,10 @@ pub fn recorded(file: &MotionFile, path: &str, text: &str) -> Result<Motion, Pro
                 Accelerogram::new(direction, interval, rows.iter().map(|row| row[1]).collect());
             Ok(Motion::Prescribed(PrescribedMotion::Shaking(record)))
         }
-        MotionFile::Free | MotionFile::Fixed | MotionFile::Sinusoid { .. } => {
+        MotionFile::Free
+        | MotionFile::Fixed
+        | MotionFile::Sinusoid { .. }
+        | MotionFile::Waves { .. } => {
             Err(Problem::error(path, "the motion is not read from a record"))
         }
     }

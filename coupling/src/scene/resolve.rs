@@ -30,7 +30,7 @@ use super::attachments::{
 use super::error::{Problem, Severity};
 pub use super::file::vec3;
 use super::file::{BlockFile, DomainFile, SceneFile, StepBoundFile, TerrainFile};
-use super::fill::{Lattice, Room, lattice_within, narrow_gaps, overlaps_on};
+use super::fill::{Lattice, Room, lattice_within, misfits, narrow_gaps, overlaps_on};
 use super::flow::with_flow;
 use super::names::Names;
 use super::placed::placed;
@@ -97,8 +97,14 @@ impl Scene {
             .map(|lattice| fluid::resolve(file, (lattice, &domain), expected_speed, &mut problems));
         if let Some(fluid) = &fluid {
             fluid::refuse_shapes(file, &solids.named, fluid.wall_method, &mut problems);
+            for maker in &solids.wave_makers {
+                problems.extend(maker.problems(file, &solids.named[maker.block], fluid));
+            }
+            let depth = fluid.lattice.depth;
+            problems.extend(fluid::short_absorbers(file, &solids.wave_makers, depth));
         }
         let mut problems = without_errors(problems)?;
+        let wave_makers = solids.wave_makers.clone();
         let blocks = solids.definitions(file);
         let resting = sleep::resting(file, &blocks, &mut problems);
         let warnings = without_errors(problems)?;
@@ -131,6 +137,7 @@ impl Scene {
             terrain: expanded.terrain,
             rock_masses: expanded.rock_masses,
             grains: expanded.grains,
+            wave_makers,
             source: expanded.file,
         })
     }
@@ -161,8 +168,12 @@ fn lattice(
         bytes_per_particle: estimate::PER_PARTICLE,
     };
     let rows = fluid::mould_rows(file);
-    match lattice_within(file.fluid.as_ref()?, &file.domain, named, rows, room) {
-        Ok(lattice) => Some(lattice),
+    let fluid = file.fluid.as_ref()?;
+    match lattice_within(fluid, &file.domain, named, rows, room) {
+        Ok(lattice) => {
+            problems.extend(misfits(fluid, &lattice, file.domain.dimensions));
+            Some(lattice)
+        }
         Err(found) => {
             let terrain = file.terrain.as_ref();
             problems.extend(found.into_iter().map(|p| on_the_map(p, terrain)));

@@ -14,6 +14,7 @@ use super::geometry::grains::GrainsReport;
 use super::geometry::mesh::{Deviation, Survey};
 use super::geometry::rock_mass::RockMassReport;
 use super::geometry::terrain::Terrain;
+use super::wave_maker::WaveMaker;
 use crate::openings::Openings;
 use crate::walls::WallMethod;
 use crate::walls::penalty::WallSettings;
@@ -49,6 +50,8 @@ pub struct Scene {
     pub rock_masses: Vec<RockMassReport>,
     /// Reports of grains, whose spheres are in `blocks`.
     pub grains: Vec<GrainsReport>,
+    /// Pistons among the blocks that make waves.
+    pub wave_makers: Vec<WaveMaker>,
     /// Loads, supports and bolts.
     pub attachments: Vec<Attachment>,
     /// Constraints of blocks, by number.

@@ -13,6 +13,7 @@ mod openings;
 mod shapes;
 mod terrain;
 mod units;
+mod waves;
 
 use super::error::Problem;
 use super::file::SceneFile;
@@ -32,6 +33,7 @@ pub fn values(scene: &SceneFile) -> Vec<Problem> {
     }
     for (index, block) in scene.blocks.iter().enumerate() {
         check.block(index, block, scene);
+        check.wave_maker(index, block, scene);
     }
     check.unique("blocks", scene.blocks.iter().map(|b| b.name.as_str()));
     for (index, mass) in scene.rock_masses.iter().enumerate() {

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Axis, ShapeFile, Triple, one};
+use super::{Axis, ShapeFile, Triple, WavesFile, one};
 
 /// One block, wall or wavemaker.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -88,6 +88,19 @@ pub enum MotionFile {
         /// Duration of the smooth start; s.
         #[serde(default)]
         ramp: f64,
+    },
+    /// Motion of a piston that makes waves in the still water before it.
+    Waves {
+        /// Horizontal direction into the water; any nonzero length.
+        direction: Triple,
+        /// Waves.
+        waves: WavesFile,
+        /// Depth of the still water; m. As it is before the piston when left out.
+        #[serde(default)]
+        depth: Option<f64>,
+        /// Duration of the smooth start, of waves with a period; s. A period when left out.
+        #[serde(default)]
+        ramp: Option<f64>,
     },
     /// A record: CSV with columns time (s), displacement x, y, z (m) and, for a rotating block, the rotation vector
     /// rx, ry, rz about the centroid (degrees), or in the units of its header, `x [mm]` or `x_mm`; `#` comments.

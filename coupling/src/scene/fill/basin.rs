@@ -8,8 +8,9 @@ use std::collections::VecDeque;
 use riprap_dda::{Shape, Vec3};
 use riprap_sph::Symmetry;
 
+use super::drawn::Cells;
 use super::obstacles::Obstacles;
-use super::{FillError, Room, rows};
+use super::{FillError, Pouring, Room, rows};
 use crate::scene::file::{Axis, DimensionsFile, DomainFile, LatticeFile, planes_of_symmetry, vec3};
 
 /// Lattice nodes of the domain below a level.
@@ -32,6 +33,8 @@ pub(super) struct Poured {
     pub(super) water: Vec<Vec3>,
     /// Particles above the level.
     pub(super) mould: Vec<Vec3>,
+    /// Volume as drawn, where it is measured; m³.
+    pub(super) drawn: Option<f64>,
 }
 
 /// State of a node.
@@ -49,8 +52,11 @@ pub(super) fn fill(
     (spacing, arrangement): ([f64; 3], LatticeFile),
     (level, seed): (f64, &Vec3),
     solids: &[(String, Shape)],
-    (n_mould_rows, room): (usize, Room),
+    pouring: Pouring,
 ) -> Result<Poured, FillError> {
+    let Pouring {
+        n_mould_rows, room, ..
+    } = pouring;
     let basin = Basin::new(domain, (spacing, arrangement), level, (n_mould_rows, room))?;
     let obstacles = Obstacles::new(solids, &basin.first, spacing, basin.counts);
     let start = basin.start(seed, level, domain, &obstacles, solids)?;
@@ -63,7 +69,12 @@ pub(super) fn fill(
     }
     let is_water = |node: &&Node| matches!(node, Node::Wet | Node::Mould);
     room.holds(nodes.iter().filter(is_water).count() as f64)?;
-    let mut poured = Poured::default();
+    let mut poured = Poured {
+        drawn: pouring
+            .is_measured
+            .then(|| basin.drawn_volume(&nodes, domain, solids)),
+        ..Poured::default()
+    };
     for k in 0..basin.counts[2] {
         for j in 0..basin.counts[1] {
             for i in 0..basin.counts[0] {
@@ -136,6 +147,28 @@ impl Basin {
 
     fn index(&self, node: [usize; 3]) -> usize {
         (node[2] * self.counts[1] + node[1]) * self.counts[0] + node[0]
+    }
+
+    /// Volume of the water as it is drawn; m³.
+    fn drawn_volume(&self, nodes: &[Node], domain: &DomainFile, solids: &[(String, Shape)]) -> f64 {
+        let (min, max) = (vec3(domain.min), vec3(domain.max));
+        let level = self.first.z + (self.n_wet_rows as f64 - 0.5) * self.spacing[2];
+        // what is left of the domain beyond whole rows takes a cell more
+        let counts = [self.counts[0] + 1, self.counts[1] + 1, self.n_wet_rows + 1];
+        let water = |[i, j, above]: [usize; 3]| {
+            let node = [i, j, above.checked_sub(1)?];
+            let is_node = (0..3).all(|axis| node[axis] < self.counts[axis]);
+            (is_node && nodes[self.index(node)] == Node::Wet).then(|| self.position(node))
+        };
+        let cells = Cells {
+            first: self.first - Vec3::new(0.0, 0.0, self.spacing[2]),
+            spacing: self.spacing,
+            counts,
+            bounds: (min, Vec3::new(max.x, max.y, level)),
+            dimensions: domain.dimensions,
+            water: &water,
+        };
+        cells.volume(solids)
     }
 
     /// Number of nodes along an axis that may be wet.

@@ -20,12 +20,13 @@ const COMB: f64 = 0.0017;
 /// Refinement where the first guess finds no room; × first guess, three times.
 const REFINEMENT: f64 = 0.7;
 
-pub(super) fn lattice(
+/// Spacing whose fill has the wanted number of particles; m.
+pub(super) fn spacing(
     fluid: &FluidFile,
     domain: &DomainFile,
     (count, room): (u32, Room),
     fill: impl Fn(f64) -> Result<Lattice, Vec<Problem>>,
-) -> Result<Lattice, Vec<Problem>> {
+) -> Result<f64, Vec<Problem>> {
     let wanted = f64::from(count);
     let n_of = |lattice: &Lattice| lattice.positions.len() as f64;
     let miss = |lattice: &Lattice| (n_of(lattice) / wanted - 1.0).abs();
@@ -74,17 +75,18 @@ pub(super) fn lattice(
             Err(_) => 0.0,
         };
     }
+    let mut chosen = center;
     for k in (1..=NEIGHBORS).flat_map(|k| [-k, k]) {
         if miss(&best) <= GOOD || !may_look() {
             break;
         }
         let near = center * (1.0 + f64::from(k) * COMB);
         if let Some(lattice) = fill(near).ok().filter(|found| miss(found) < miss(&best)) {
-            best = lattice;
+            (best, chosen) = (lattice, near);
         }
     }
     if miss(&best) <= TOLERANCE {
-        return Ok(best);
+        return Ok(chosen);
     }
     let message = format!(
         "no spacing gives {count} particles within 10 %; the nearest is {}; ask for that, or give a spacing",

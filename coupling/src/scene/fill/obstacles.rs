@@ -73,18 +73,19 @@ impl Part<'_> {
         }
     }
 
-    /// True for a segment that passes through the inside.
+    /// Part of a segment inside a body, where it enters and leaves it as shares of its length. `None` outside, and for
+    /// surfaces.
     ///
-    /// The segment is clipped by the planes of the body (Cyrus & Beck 1978).
-    fn is_crossed(&self, from: &Vec3, to: &Vec3) -> bool {
+    /// The segment is clipped by the planes of a convex body (Cyrus & Beck 1978).
+    pub(super) fn share_inside(&self, from: &Vec3, to: &Vec3) -> Option<(f64, f64)> {
+        let (mut enter, mut leave) = (0.0_f64, 1.0_f64);
         match self {
             Self::Convex(polyhedron) => {
-                let (mut enter, mut leave) = (0.0_f64, 1.0_f64);
                 for face in 0..polyhedron.n_faces() {
                     let start = polyhedron.plane_distance(face, from);
                     let end = polyhedron.plane_distance(face, to);
                     if start >= 0.0 && end >= 0.0 {
-                        return false;
+                        return None;
                     }
                     let at = start / (start - end);
                     if start > 0.0 {
@@ -93,8 +94,27 @@ impl Part<'_> {
                         leave = leave.min(at);
                     }
                 }
-                enter < leave
             }
+            Self::Ball { center, radius } => {
+                let (along, off) = (to - from, from - center);
+                let (a, b) = (along.norm_squared(), off.dot(&along));
+                let root = (b * b - a * (off.norm_squared() - radius * radius)).sqrt();
+                // a line that misses the ball has no root
+                if !(0.0 < root) {
+                    return None;
+                }
+                enter = enter.max((-b - root) / a);
+                leave = leave.min((-b + root) / a);
+            }
+            Self::Surface(_) => return None,
+        }
+        (enter < leave).then_some((enter, leave))
+    }
+
+    /// True for a segment that passes through the inside.
+    fn is_crossed(&self, from: &Vec3, to: &Vec3) -> bool {
+        match self {
+            Self::Convex(_) => self.share_inside(from, to).is_some(),
             Self::Ball { center, radius } => {
                 let along = to - from;
                 let share = (center - from).dot(&along) / along.norm_squared();
@@ -179,7 +199,7 @@ impl<'a> Obstacles<'a> {
     }
 
     /// Parts within reach of a node and of points one step from it, with their blocks.
-    fn near(&self, node: [usize; 3]) -> impl Iterator<Item = &(usize, Part<'a>)> {
+    pub(super) fn near(&self, node: [usize; 3]) -> impl Iterator<Item = &(usize, Part<'a>)> {
         let [i, j, k] = node.map(|n| n / NODES_PER_CELL);
         let cell = (k * self.cells[1] + j) * self.cells[0] + i;
         let range = self.start[cell] as usize..self.start[cell + 1] as usize;

@@ -1,14 +1,21 @@
 //! Inflows, outflows and absorbing layers.
 
+use std::f64::consts::TAU;
+
 use riprap_sph::Absorber;
 use riprap_sph::scheme::DensityMethod;
 use riprap_sph::{Dimensions, Settings};
 
 use crate::openings::{Drive, Inflow, Openings, Outflow, Passage};
 use crate::scene::error::Problem;
-use crate::scene::file::{DomainFile, InflowFile, OutflowFile, SceneFile, SideFile, Triple, vec3};
+use crate::scene::file::{
+    AbsorberFile, BlockFile, DomainFile, InflowFile, MotionFile, OutflowFile, SceneFile, SideFile,
+    Triple, vec3,
+};
 use crate::scene::fill::Lattice;
+use crate::scene::wave_maker::WaveMaker;
 use crate::series::Series;
+use crate::waves::StillWater;
 
 /// Damping rate at the end of an absorbing layer times the time in which long waves cross it. On their way in and
 /// back they lose all but `e^{−10/3}`, 4 %. Measured for waves as long as the layer, kd = 1.26: 5.6 % come back at 3,
@@ -40,6 +47,48 @@ pub(super) fn absorbers(file: &SceneFile, depth: f64) -> Vec<Absorber> {
                 rate: layer.rate.unwrap_or(rate),
             }
         })
+        .collect()
+}
+
+/// Warnings about layers that are shorter than a wave of the scene's wave makers and sinusoidal paddles, much of which they send back.
+pub(in crate::scene) fn short_absorbers(
+    file: &SceneFile,
+    makers: &[WaveMaker],
+    depth: f64,
+) -> Vec<Problem> {
+    let water = StillWater {
+        depth,
+        gravity: vec3(file.gravity).norm(),
+    };
+    let of_paddle = |block: &BlockFile| match block.motion {
+        MotionFile::Sinusoid { period, .. } if 0.0 < water.gravity * depth => {
+            Some(TAU / water.wave_number(TAU / period))
+        }
+        _ => None,
+    };
+    let lengths = makers.iter().map(WaveMaker::wave_length);
+    let longest = lengths
+        .chain(file.blocks.iter().filter_map(of_paddle))
+        .fold(0.0, f64::max);
+    let short = |(index, layer): (usize, &AbsorberFile)| {
+        let (axis, _) = layer.towards.axis();
+        let length = vec3(layer.max)[axis] - vec3(layer.min)[axis];
+        (axis < 2 && length < longest * (1.0 - ROUNDING)).then(|| {
+            Problem::warning(
+                format!("absorbers[{index}]"),
+                format!(
+                    "absorber `{}` is {length:.3} m long, {:.2} of a wave of {longest:.3} m: it sends back much of it, where a \
+                     layer as long as the wave sends back 1 to 6 %; let it be {longest:.3} m long",
+                    layer.name,
+                    length / longest,
+                ),
+            )
+        })
+    };
+    file.absorbers
+        .iter()
+        .enumerate()
+        .filter_map(short)
         .collect()
 }
 

@@ -5,17 +5,20 @@ use riprap_dda::{BlockDefinition, Motion, Shape};
 use crate::scene::access::Access;
 use crate::scene::attachments::deformability;
 use crate::scene::error::Problem;
-use crate::scene::file::{SceneFile, vec3};
+use crate::scene::file::{MotionFile, SceneFile, vec3};
 use crate::scene::geometry::shape::solid_on;
 use crate::scene::geometry::terrain::Terrain;
 use crate::scene::motion::motion;
 use crate::scene::names::Names;
+use crate::scene::wave_maker::{WaveMaker, wave_maker};
 
 /// Solids of the blocks of a scene, one entry per block.
 pub(super) struct Solids {
     /// Name and shape.
     pub(super) named: Vec<(String, Shape)>,
     pub(super) motions: Vec<Motion>,
+    /// Pistons among them that make waves.
+    pub(super) wave_makers: Vec<WaveMaker>,
     /// Number of the material.
     pub(super) materials: Vec<usize>,
 }
@@ -40,8 +43,22 @@ impl Solids {
                 Err(found) => problems.extend(found),
             }
         }
+        let mut wave_makers = Vec::new();
+        let are_whole = problems.is_empty();
         for (index, block) in file.blocks.iter().enumerate() {
-            match motion(&block.motion, &format!("blocks[{index}].motion"), access) {
+            // the depth before a piston is known once all shapes are
+            if matches!(block.motion, MotionFile::Waves { .. }) && !are_whole {
+                continue;
+            }
+            let found = wave_maker(file, index, &named).and_then(|maker| match maker {
+                Some(maker) => {
+                    let motion = maker.motion();
+                    wave_makers.push(maker);
+                    Ok(motion)
+                }
+                None => motion(&block.motion, &format!("blocks[{index}].motion"), access),
+            });
+            match found {
                 Ok(found) => motions.push(found),
                 Err(problem) => problems.push(problem),
             }
@@ -53,6 +70,7 @@ impl Solids {
         Ok(Self {
             named,
             motions,
+            wave_makers,
             materials: materials.collect(),
         })
     }

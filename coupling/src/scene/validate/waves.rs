@@ -1,0 +1,105 @@
+//! Checks of wave makers.
+
+use super::checks::Checks;
+use crate::scene::file::{BlockFile, MotionFile, SceneFile, SpectrumFile, WavesFile};
+
+/// Range of the peak enhancement of JONSWAP that is observed; –.
+const ENHANCEMENT: (f64, f64) = (1.0, 10.0);
+
+impl Checks {
+    /// Check of a piston that makes waves.
+    pub(super) fn wave_maker(&mut self, index: usize, block: &BlockFile, scene: &SceneFile) {
+        let MotionFile::Waves {
+            direction,
+            waves,
+            depth,
+            ramp,
+        } = &block.motion
+        else {
+            return;
+        };
+        let path = format!("blocks[{index}].motion");
+        let of = |what: &str| format!("block `{}`: {what}", block.name);
+        self.direction(format!("{path}.direction"), &of("motion"), *direction);
+        if direction.2 != 0.0 {
+            self.refuse(
+                format!("{path}.direction"),
+                format!(
+                    "{} must be horizontal, found {direction:?}; let its z be 0",
+                    of("a wave maker's direction")
+                ),
+            );
+        }
+        if scene.fluid.is_none() {
+            self.refuse(
+                path.clone(),
+                of("there is no water to make waves in; add `fluid`, or let the motion be Sinusoid"),
+            );
+        }
+        let (x, y, z) = scene.gravity;
+        if !(x == 0.0 && y == 0.0 && z < 0.0) {
+            self.refuse(
+                "gravity",
+                format!(
+                    "{} needs gravity along -z, found {:?}",
+                    of("a wave maker"),
+                    scene.gravity
+                ),
+            );
+        }
+        self.positive(format!("{path}.depth"), &of("depth"), *depth);
+        self.not_negative(format!("{path}.ramp"), &of("ramp"), *ramp);
+        let mut positive = |fields: &[(&str, f64)]| {
+            for (field, value) in fields {
+                let path = format!("{path}.waves.{field}");
+                self.positive(path, &of(&format!("{field} of the waves")), *value);
+            }
+        };
+        let spectrum = match waves {
+            WavesFile::Regular { height, period } => {
+                positive(&[("height", *height), ("period", *period)]);
+                None
+            }
+            WavesFile::Solitary { height } => {
+                positive(&[("height", *height)]);
+                None
+            }
+            WavesFile::Irregular {
+                spectrum,
+                height,
+                period,
+                ..
+            } => {
+                positive(&[("height", *height), ("period", *period)]);
+                Some(spectrum)
+            }
+            WavesFile::Focused {
+                spectrum,
+                amplitude,
+                period,
+                distance,
+                time,
+            } => {
+                positive(&[
+                    ("amplitude", *amplitude),
+                    ("period", *period),
+                    ("distance", *distance),
+                    ("time", *time),
+                ]);
+                Some(spectrum)
+            }
+        };
+        let (least, most) = ENHANCEMENT;
+        if let Some(SpectrumFile::Jonswap(enhancement)) = spectrum
+            && !(least..=most).contains(enhancement)
+        {
+            self.refuse(
+                format!("{path}.waves.spectrum"),
+                format!(
+                    "{} must be from {least} to {most}, found {enhancement}",
+                    of("peak enhancement of Jonswap")
+                ),
+            );
+        }
+    }
+}
