@@ -13,6 +13,7 @@ mod invariants;
 mod mud;
 mod stepping;
 mod support;
+mod surface;
 mod symmetry;
 mod twin;
 mod walls;

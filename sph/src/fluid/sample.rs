@@ -1,5 +1,7 @@
 //! Fields of the fluid at any point, for gauges.
 
+use std::array;
+
 use nalgebra::Matrix3;
 
 use crate::kernel::{Dimensions, Kernel, PointKernel};
@@ -153,37 +155,52 @@ impl Fluid {
     ///
     /// The highest crossing of half the kernel sum, so that a drop in the air is not a surface; near a
     /// wall, which occupies a part of the kernel, half of the largest kernel sum within two supports
-    /// below.
+    /// below. Spray less than two supports thick with air below it is not a surface where there is water under both; a film
+    /// on a bed is.
     pub fn surface_elevation(&self, x: f64, y: f64) -> Option<f64> {
+        let mut surface = None;
+        let mut below = f64::INFINITY;
+        while let Some((top, bottom)) = self.highest_water(x, y, below) {
+            surface = Some(top);
+            let Some(bottom) = bottom else { break };
+            below = bottom;
+        }
+        surface
+    }
+
+    /// Top of the highest water under an elevation at a point in plan view, and its bottom unless that is more than two
+    /// supports down; m.
+    fn highest_water(&self, x: f64, y: f64, below: f64) -> Option<(f64, Option<f64>)> {
         let step = 0.25 * self.settings().smoothing_length;
         let support = self.settings().support_radius();
         let lowest = self.grid().min().z;
         let share = |z: f64| self.filled_share(&Vec3::new(x, y, z));
-        let mut upper = self.highest_near(x, y)? + support;
+        let mut upper = (self.highest_near(x, y, below)? + support).min(below);
         loop {
             let lower = upper - step;
             if lower < lowest {
                 return None;
             }
             if DROP_SHARE <= share(lower) {
-                let fullest = (0..=16)
-                    .map(|k| share(lower - f64::from(k) * step))
-                    .fold(0.0, f64::max);
+                let shares: [f64; 17] = array::from_fn(|k| share(lower - k as f64 * step));
+                let fullest = shares.into_iter().fold(0.0, f64::max);
                 if COLUMN_SHARE <= fullest {
                     let threshold = WET_SHARE * fullest.min(1.0);
                     while share(upper - step) < threshold {
                         upper -= step;
                     }
-                    return Some(bisect(upper - step, upper, |z| threshold <= share(z)));
+                    let top = bisect(upper - step, upper, |z| threshold <= share(z));
+                    let bottom = shares.iter().position(|share| *share < DROP_SHARE);
+                    return Some((top, bottom.map(|k| lower - k as f64 * step)));
                 }
             }
             upper = lower;
         }
     }
 
-    /// Elevation of the highest particle within the support of a vertical line; images in planes of symmetry are
-    /// farther than their originals; m.
-    fn highest_near(&self, x: f64, y: f64) -> Option<f64> {
+    /// Elevation of the highest particle within the support of a vertical line and below an elevation (m); images in planes
+    /// of symmetry are farther than their originals; m.
+    fn highest_near(&self, x: f64, y: f64, below: f64) -> Option<f64> {
         let grid = self.grid();
         let support = self.settings().support_radius();
         let mut runs = [Run::default(); MAX_RUNS];
@@ -198,6 +215,7 @@ impl Fluid {
                 })
                 .filter(|p| (p.x - x).powi(2) + (p.y - point.y).powi(2) < support * support)
                 .map(|p| p.z)
+                .filter(|z| *z < below)
                 .fold(f64::NEG_INFINITY, f64::max);
             if highest.is_finite() {
                 return Some(highest);

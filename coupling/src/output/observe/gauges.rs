@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use riprap_dda::Blocks;
+use riprap_dda::{Blocks, SurfacePoint};
 use riprap_sph::{Dimensions, Fluid, Vec3};
 
 use super::crossing::Crossing;
@@ -52,7 +52,7 @@ enum Instrument {
     },
 }
 
-/// Highest wetted point along a line.
+/// Highest wetted point along a line, on ground or up a wall.
 ///
 /// The outermost particle lies inside of the water's edge, by up to a spacing in still water. The gauge takes the level of still water
 /// for its reading at t = 0 if it is that close, and adds the difference to all readings.
@@ -68,7 +68,14 @@ struct RunUp {
 impl RunUp {
     /// Elevation of the water's edge, NaN if the line is dry; m.
     fn read(&mut self, fluid: Option<&Fluid>, world: &World) -> f64 {
-        let reading = farthest(fluid, &world.blocks, &self.line, |ground, _| ground.z);
+        // on a wall the water itself tells its height
+        let reading = farthest(fluid, &world.blocks, &self.line, |surface, water| {
+            if is_ground(surface) {
+                Some(surface.point.z)
+            } else {
+                (-GROUND_SLOPE < surface.normal.z).then_some(water.z)
+            }
+        });
         let raise = *self.raise.get_or_insert_with(|| {
             let close = TOUCHING_DISTANCE * fluid.map_or(0.0, spacing);
             let raise = self.level - reading;
@@ -285,8 +292,9 @@ impl Instrument {
                 }
             }
             Self::RunUp(run_up) => row.push(run_up.read(fluid, world)),
-            Self::Front(line) => row.push(farthest(fluid, &world.blocks, line, |_, water| {
-                line.share([water.x, water.y]) * line.length()
+            Self::Front(line) => row.push(farthest(fluid, &world.blocks, line, |surface, water| {
+                let way = line.share([water.x, water.y]) * line.length();
+                is_ground(surface).then_some(way)
             })),
             Self::Overtopping(crossing) => {
                 let passed = fluid.map_or([f64::NAN; 2], |fluid| {
@@ -357,33 +365,42 @@ fn spacing(fluid: &Fluid) -> f64 {
     }
 }
 
-/// Largest value of a function over the wetted ground near a line; NaN if all is dry.
+/// Largest value of a function over the wetted surfaces near a line; NaN if all is dry.
 ///
-/// Water touches the ground where a particle within a spacing of the line is within 1.5 spacings
-/// of an upward fixed surface; a drop in the air touches nothing.
+/// Water touches a fixed surface where a particle within a spacing of the line is within 1.5 spacings of it; `measure` takes
+/// the nearest point of the surface and the particle, and gives nothing for a surface that does not count. A particle without
+/// another one beside it is a drop, which reaches nothing.
 fn farthest(
     fluid: Option<&Fluid>,
     blocks: &Blocks,
     line: &Line,
-    measure: impl Fn(&Vec3, &Vec3) -> f64,
+    measure: impl Fn(&SurfacePoint, &Vec3) -> Option<f64>,
 ) -> f64 {
     let Some(fluid) = fluid else { return f64::NAN };
     let spacing = spacing(fluid);
     let reach = TOUCHING_DISTANCE * spacing;
     let ground: Vec<usize> = blocks.fixed_parts().collect();
-    // a maximum of NaN and a number is the number
-    let mut most = f64::NAN;
+    let mut touching: Vec<(f64, Vec3)> = Vec::new();
     for x in &fluid.particles().position {
         if line.distance([x.x, x.y]) > spacing {
             continue;
         }
-        for &part in &ground {
-            if let Some(surface) = blocks.surface_point_within(part, x, reach)
-                && GROUND_SLOPE < surface.normal.z
-            {
-                most = most.max(measure(&surface.point, x));
-            }
-        }
+        let values = ground.iter().filter_map(|&part| {
+            let surface = blocks.surface_point_within(part, x, reach)?;
+            measure(&surface, x)
+        });
+        touching.extend(values.reduce(f64::max).map(|value| (value, *x)));
     }
-    most
+    touching.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let has_company = |&(k, (_, x)): &(usize, &(f64, Vec3))| {
+        let others = touching.iter().enumerate();
+        (others.filter(|(other, _)| *other != k)).any(|(_, (_, y))| (y - x).norm() < reach)
+    };
+    let found = touching.iter().enumerate().find(has_company);
+    found.map_or(f64::NAN, |(_, (value, _))| *value)
+}
+
+/// True for a surface that water runs up on and not under.
+fn is_ground(surface: &SurfacePoint) -> bool {
+    GROUND_SLOPE < surface.normal.z
 }

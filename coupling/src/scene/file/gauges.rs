@@ -8,7 +8,7 @@ use super::Triple;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum GaugeFile {
-    /// Elevation of the free surface at a point in plan view; m, NaN when dry.
+    /// Elevation of the free surface of the connected water at a point in plan view, spray above it left out; m, NaN when dry.
     SurfaceElevation {
         /// Column name in `gauges.csv`.
         name: String,
@@ -39,7 +39,8 @@ pub enum GaugeFile {
         /// Name of the block.
         block: String,
     },
-    /// Highest wetted point along a line in plan view; m, NaN when dry. Water at rest at t = 0 reads its level.
+    /// Highest wetted point along a line in plan view, on ground or up a wall, single drops left out; m, NaN when dry. Water
+    /// at rest at t = 0 reads its level.
     RunUp {
         /// Column name.
         name: String,
