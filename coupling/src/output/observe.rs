@@ -10,6 +10,7 @@ pub mod ledgers;
 pub mod maps;
 pub mod masses;
 pub mod trajectories;
+mod transducer;
 
 use crate::files::table::TableError;
 use crate::files::vtk::VtkError;
@@ -117,6 +118,11 @@ impl Schedule {
         // a billionth of an interval of slack: a sum of steps may fall short of a due time by
         // round-off
         (self.n_done as f64 - 1e-9) * self.interval <= time
+    }
+
+    /// The next due time; s.
+    pub fn next_due(&self) -> f64 {
+        self.n_done as f64 * self.interval
     }
 
     /// Time of the last record; s.

@@ -134,9 +134,16 @@ fn from_map(gauge: GaugeFile, origin: Option<Triple>) -> Result<GaugeFile, Strin
             x: x - dx,
             y: y - dy,
         },
-        GaugeFile::Pressure { name, position } => GaugeFile::Pressure {
+        GaugeFile::Pressure {
+            name,
+            position,
+            diameter,
+            averaging_time,
+        } => GaugeFile::Pressure {
             name,
             position: point(position),
+            diameter,
+            averaging_time,
         },
         GaugeFile::Velocity { name, position } => GaugeFile::Velocity {
             name,
@@ -217,7 +224,12 @@ fn gauge(name: String, kind: GaugeKindFile, feature: &Feature) -> Result<GaugeFi
         }
         GaugeKindFile::Pressure => {
             let position = high_point()?;
-            GaugeFile::Pressure { name, position }
+            GaugeFile::Pressure {
+                name,
+                position,
+                diameter: 0.0,
+                averaging_time: 0.0,
+            }
         }
         GaugeKindFile::Velocity => {
             let position = high_point()?;

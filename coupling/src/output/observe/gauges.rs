@@ -7,6 +7,7 @@ use riprap_dda::{Blocks, SurfacePoint};
 use riprap_sph::{Dimensions, Fluid, Vec3};
 
 use super::crossing::Crossing;
+use super::transducer::{Readings, Transducer};
 use super::{ObserveError, Observer, Schedule};
 use crate::files::table::{Column, Start, Table};
 use crate::output::run_folder;
@@ -40,7 +41,7 @@ enum Instrument {
         x: f64,
         y: f64,
     },
-    Pressure(Vec3),
+    Pressure(Transducer),
     Velocity(Vec3),
     BlockForce(usize),
     RunUp(RunUp),
@@ -132,14 +133,8 @@ impl Gauges {
         }
         scalars
     }
-}
 
-impl Observer for Gauges {
-    fn schedule(&self) -> &Schedule {
-        &self.schedule
-    }
-
-    fn observe(&mut self, world: &World) -> Result<(), ObserveError> {
+    fn record(&mut self, world: &World) -> Result<(), ObserveError> {
         self.row.clear();
         self.row.push(world.time());
         for instrument in &mut self.instruments {
@@ -148,6 +143,54 @@ impl Observer for Gauges {
         self.table.row(&self.row)?;
         self.schedule.done(world.time());
         Ok(())
+    }
+
+    /// Transducers read within their averaging time.
+    fn listen(&mut self, world: &World) {
+        let (time, due) = (world.time(), self.schedule.next_due());
+        let fluid = world.water.as_ref().map(|water| &water.fluid);
+        for instrument in &mut self.instruments {
+            if let Instrument::Pressure(transducer) = instrument
+                && transducer.is_listening(time, due)
+            {
+                transducer.listen(fluid, time);
+            }
+        }
+    }
+
+    fn transducers(&self) -> impl Iterator<Item = &Transducer> {
+        self.instruments
+            .iter()
+            .filter_map(|instrument| match instrument {
+                Instrument::Pressure(transducer) => Some(transducer),
+                _ => None,
+            })
+    }
+}
+
+impl Observer for Gauges {
+    fn schedule(&self) -> &Schedule {
+        &self.schedule
+    }
+
+    fn is_due(&self, world: &World) -> bool {
+        let (time, due) = (world.time(), self.schedule.next_due());
+        self.schedule.is_due(time) || self.transducers().any(|t| t.is_listening(time, due))
+    }
+
+    fn observe(&mut self, world: &World) -> Result<(), ObserveError> {
+        if !self.schedule.is_due(world.time()) {
+            self.listen(world);
+            return Ok(());
+        }
+        self.record(world)
+    }
+
+    fn observe_last(&mut self, world: &World) -> Result<(), ObserveError> {
+        match self.schedule.last() {
+            Some(time) if time == world.time() => Ok(()),
+            _ => self.record(world),
+        }
     }
 
     fn save(&self, out: Vec<u8>) -> Saved {
@@ -159,8 +202,12 @@ impl Observer for Gauges {
         let raises: BTreeMap<&String, f64> = instruments
             .filter_map(|(name, instrument)| Some((name, instrument.raise()?)))
             .collect();
+        let instruments = self.names.iter().zip(&self.instruments);
+        let readings: BTreeMap<&String, &Readings> = instruments
+            .filter_map(|(name, instrument)| Some((name, instrument.readings()?)))
+            .collect();
         let table = (self.table.headers(), self.table.length());
-        postcard::to_extend(&(self.schedule, table, crossings, raises), out)
+        postcard::to_extend(&(self.schedule, table, crossings, raises, readings), out)
     }
 
     fn sync(&self) -> Result<(), ObserveError> {
@@ -172,8 +219,11 @@ impl Observer for Gauges {
         let (schedule, headers, length, rest): (Schedule, Vec<String>, _, _);
         let mut crossings: BTreeMap<String, Crossing>;
         let raises: BTreeMap<String, f64>;
-        ((schedule, (headers, length), crossings, raises), rest) =
-            postcard::take_from_bytes(bytes)?;
+        let mut readings: BTreeMap<String, Readings>;
+        (
+            (schedule, (headers, length), crossings, raises, readings),
+            rest,
+        ) = postcard::take_from_bytes(bytes)?;
         self.schedule.resume(schedule);
         if headers == self.table.headers() {
             self.table.cut(length)?;
@@ -190,6 +240,9 @@ impl Observer for Gauges {
                     }
                 }
                 Instrument::RunUp(run_up) => run_up.raise = raises.get(name).copied(),
+                Instrument::Pressure(transducer) => {
+                    transducer.readings = readings.remove(name).unwrap_or_default();
+                }
                 _ => {}
             }
         }
@@ -202,7 +255,7 @@ fn columns_of(Gauge { name, quantity }: &Gauge) -> Vec<Column> {
         Quantity::SurfaceElevation { .. } | Quantity::RunUp(_) | Quantity::Front(_) => {
             vec![Column::new(name, "m")]
         }
-        Quantity::Pressure { .. } => vec![Column::new(name, "Pa")],
+        Quantity::Pressure(_) => vec![Column::new(name, "Pa")],
         Quantity::Displaced { .. } => vec![Column::new(name, "-")],
         Quantity::Overtopping(_) => vec![
             Column::new(format!("{name}.volume"), "m3"),
@@ -233,7 +286,7 @@ fn instrument(gauge: &Gauge, scene: &Scene, blocks: &Blocks) -> Instrument {
     let fluid = scene.fluid.as_ref();
     match &gauge.quantity {
         Quantity::SurfaceElevation { x, y } => Instrument::SurfaceElevation { x: *x, y: *y },
-        Quantity::Pressure { position } => Instrument::Pressure(*position),
+        Quantity::Pressure(gauge) => Instrument::Pressure(Transducer::new(gauge, blocks)),
         Quantity::Velocity { position } => Instrument::Velocity(*position),
         Quantity::BlockForce { block } => Instrument::BlockForce(*block),
         Quantity::RunUp(line) => Instrument::RunUp(RunUp {
@@ -261,6 +314,13 @@ impl Instrument {
         }
     }
 
+    fn readings(&self) -> Option<&Readings> {
+        match self {
+            Self::Pressure(transducer) => Some(&transducer.readings),
+            _ => None,
+        }
+    }
+
     fn raise(&self) -> Option<f64> {
         match self {
             Self::RunUp(run_up) => run_up.raise,
@@ -276,10 +336,7 @@ impl Instrument {
                 let surface = fluid.and_then(|fluid| fluid.surface_elevation(*x, *y));
                 row.push(surface.unwrap_or(f64::NAN));
             }
-            Self::Pressure(point) => {
-                let sample = fluid.and_then(|fluid| fluid.sample(point));
-                row.push(sample.map_or(f64::NAN, |s| s.pressure));
-            }
+            Self::Pressure(transducer) => row.push(transducer.mean(fluid, world.time())),
             Self::Velocity(point) => {
                 let sample = fluid.and_then(|fluid| fluid.sample(point));
                 let velocity = sample.map_or(Vec3::repeat(f64::NAN), |s| s.velocity);
@@ -292,10 +349,12 @@ impl Instrument {
                 }
             }
             Self::RunUp(run_up) => row.push(run_up.read(fluid, world)),
-            Self::Front(line) => row.push(farthest(fluid, &world.blocks, line, |surface, water| {
-                let way = line.share([water.x, water.y]) * line.length();
-                is_ground(surface).then_some(way)
-            })),
+            Self::Front(line) => {
+                row.push(farthest(fluid, &world.blocks, line, |surface, water| {
+                    let way = line.share([water.x, water.y]) * line.length();
+                    is_ground(surface).then_some(way)
+                }))
+            }
             Self::Overtopping(crossing) => {
                 let passed = fluid.map_or([f64::NAN; 2], |fluid| {
                     crossing.update(fluid, world.time(), interval)

@@ -89,7 +89,7 @@ fn mark(gauge: &Gauge) -> Option<Mark> {
                 to: line.to,
             })
         }
-        Quantity::Pressure { .. }
+        Quantity::Pressure(_)
         | Quantity::Velocity { .. }
         | Quantity::BlockForce { .. }
         | Quantity::Displaced { .. } => None,
@@ -147,7 +147,7 @@ fn footprint(corners: &[Vec3]) -> Vec<[f32; 2]> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::resolved::recording::PlanLine;
+    use crate::scene::resolved::recording::{PlanLine, PressureGauge};
 
     #[test]
     fn a_footprint_is_where_the_block_is() {
@@ -199,9 +199,11 @@ mod tests {
         assert_eq!(mark(&front), Some(expected));
         let pressure = Gauge {
             name: "p".to_owned(),
-            quantity: Quantity::Pressure {
+            quantity: Quantity::Pressure(PressureGauge {
                 position: Vec3::zeros(),
-            },
+                diameter: 0.0,
+                averaging_time: 0.0,
+            }),
         };
         assert_eq!(mark(&pressure), None);
     }

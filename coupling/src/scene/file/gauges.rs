@@ -17,12 +17,19 @@ pub enum GaugeFile {
         /// m.
         y: f64,
     },
-    /// Pressure at a point; Pa, NaN when dry.
+    /// Pressure at a point, or as a transducer measures it: the mean over a disc that faces away from the nearest wall (upward
+    /// in open water), over the time before each row. Dry parts of a disc and of a while count as 0; Pa, NaN when all are dry.
     Pressure {
         /// Column name.
         name: String,
         /// m.
         position: Triple,
+        /// Diameter of the disc, ≥ 0; m.
+        #[serde(default)]
+        diameter: f64,
+        /// Averaging time, ≥ 0; s.
+        #[serde(default)]
+        averaging_time: f64,
     },
     /// Fluid velocity at a point, three columns; m/s, NaN when dry.
     Velocity {

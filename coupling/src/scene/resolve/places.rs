@@ -196,7 +196,7 @@ pub(super) fn dry_gauges(file: &SceneFile, solids: &Solids, lattice: &Lattice) -
                     found.push(Problem::warning(format!("gauges[{index}].from"), message));
                 }
             }
-            GaugeFile::Pressure { name, position } | GaugeFile::Velocity { name, position } => {
+            GaugeFile::Pressure { name, position, .. } | GaugeFile::Velocity { name, position } => {
                 if let Some(block) = land.block_around(&vec3(*position)) {
                     let near = land.nearest_water([position.0, position.1]);
                     found.push(Problem::warning(

@@ -8,7 +8,7 @@ use crate::scene::file::{
 use crate::scene::names::Names;
 use crate::scene::resolved::FluidScene;
 use crate::scene::resolved::recording::{
-    Gauge, Maps, NOTICED_RISE, Output, PlanLine, Quantity, TrackedMass, Tracking,
+    Gauge, Maps, NOTICED_RISE, Output, PlanLine, PressureGauge, Quantity, TrackedMass, Tracking,
 };
 
 /// Number of frames in a run.
@@ -59,9 +59,18 @@ pub(super) fn gauges(file: &SceneFile, names: &Names) -> Vec<Gauge> {
             GaugeFile::SurfaceElevation { name, x, y } => {
                 (name, Quantity::SurfaceElevation { x: *x, y: *y })
             }
-            GaugeFile::Pressure { name, position } => {
-                let position = vec3(*position);
-                (name, Quantity::Pressure { position })
+            GaugeFile::Pressure {
+                name,
+                position,
+                diameter,
+                averaging_time,
+            } => {
+                let gauge = PressureGauge {
+                    position: vec3(*position),
+                    diameter: *diameter,
+                    averaging_time: *averaging_time,
+                };
+                (name, Quantity::Pressure(gauge))
             }
             GaugeFile::Velocity { name, position } => {
                 let position = vec3(*position);

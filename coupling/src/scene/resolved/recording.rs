@@ -36,6 +36,17 @@ pub struct Gauge {
     pub quantity: Quantity,
 }
 
+/// A place and a size of pressure readings.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PressureGauge {
+    /// m.
+    pub position: Vec3,
+    /// Diameter of the face that readings are means over, 0 for a point; m.
+    pub diameter: f64,
+    /// Time before a row that readings are means over, 0 for a single one; s.
+    pub averaging_time: f64,
+}
+
 /// Quantity of a gauge, and its location.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Quantity {
@@ -46,11 +57,8 @@ pub enum Quantity {
         /// m.
         y: f64,
     },
-    /// Pressure at a point; Pa.
-    Pressure {
-        /// m.
-        position: Vec3,
-    },
+    /// Pressure at a point, or of a transducer; Pa.
+    Pressure(PressureGauge),
     /// Fluid velocity at a point; m/s.
     Velocity {
         /// m.

@@ -55,8 +55,20 @@ impl Checks {
         };
         match gauge {
             GaugeFile::SurfaceElevation { x, y, .. } => inside("x", (*x, *y, level)),
-            GaugeFile::Pressure { position, .. } | GaugeFile::Velocity { position, .. } => {
+            GaugeFile::Velocity { position, .. } => inside("position", *position),
+            GaugeFile::Pressure {
+                position,
+                diameter,
+                averaging_time,
+                ..
+            } => {
                 inside("position", *position);
+                for (field, value) in [("diameter", diameter), ("averaging_time", averaging_time)] {
+                    if !(0.0 <= *value && value.is_finite()) {
+                        let what = format!("{who}: {field} must be finite and >= 0, got {value}");
+                        self.refuse(path(field), what);
+                    }
+                }
             }
             GaugeFile::RunUp { from, to, .. } | GaugeFile::Front { from, to, .. } => {
                 inside("from", (from.0, from.1, level));

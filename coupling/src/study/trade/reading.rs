@@ -24,7 +24,7 @@ fn gauges(scene: &Scene) -> impl Iterator<Item = (&str, bool)> {
     scene.gauges.iter().filter_map(|gauge| {
         let is_surface = match gauge.quantity {
             Quantity::SurfaceElevation { .. } | Quantity::RunUp(_) => true,
-            Quantity::Pressure { .. } | Quantity::Front(_) => false,
+            Quantity::Pressure(_) | Quantity::Front(_) => false,
             _ => return None,
         };
         Some((gauge.name.as_str(), is_surface))
