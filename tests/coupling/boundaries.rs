@@ -492,3 +492,49 @@ fn a_long_dam_breaks_as_shallow_water_does() {
     assert!((flow - 1.0).abs() < 0.1, "{flow}");
     assert!((front - 1.0).abs() < 0.1, "{front}");
 }
+
+/// Water that sloshes in a tank: a transducer in a wall reads the mean of the pressure over its face and its while, a gauge at a
+/// point single samples of it.
+#[test]
+fn a_transducer_averages_over_its_face_and_a_while() {
+    let text = "(title: \"transducer\", domain: (min: (-0.1, 0, -0.1), max: (1.1, 1, 0.8), dimensions: Two),
+        materials: [(name: \"wall\", density: 2400, friction_angle_deg: 30)],
+        blocks: [
+            (name: \"floor\", material: \"wall\", motion: Fixed, shape: Box(min: (-0.2, -1, -0.2), max: (1.2, 2, 0))),
+            (name: \"left\", material: \"wall\", motion: Fixed, shape: Box(min: (-0.2, -1, 0), max: (0, 2, 0.9))),
+            (name: \"right\", material: \"wall\", motion: Fixed, shape: Box(min: (1, -1, 0), max: (1.2, 2, 0.9))),
+        ],
+        fluid: (resolution: Spacing(0.025), regions: [(name: \"tank\", shape: Box(min: (0, 0, 0), max: (1, 1, 0.4)))]),
+        time: (duration: 1.0),
+        gauges: [
+            Pressure(name: \"point\", position: (0, 0.5, 0.1)),
+            Pressure(name: \"while\", position: (0, 0.5, 0.1), averaging_time: 0.1),
+            Pressure(name: \"face\", position: (0, 0.5, 0.1), diameter: 0.1, averaging_time: 0.1),
+            Pressure(name: \"air\", position: (0, 0.5, 0.7), diameter: 0.1, averaging_time: 0.1),
+        ],
+        output: (gauge_interval: 0.002, frame_interval: 20.0))";
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out");
+    run(&written(folder.path(), text), &out, &["--threads", "1"]);
+    let rows = table(&out.join("gauges.csv"));
+    let end = rows.last().unwrap();
+    // a mean of rows 2 ms apart, of steps of a third of that
+    let last: Vec<f64> = (rows.iter())
+        .filter(|row| end[0] - 0.1 < row[0])
+        .map(|row| row[1])
+        .collect();
+    let of_rows = last.iter().sum::<f64>() / last.len() as f64;
+    let still = 1000.0 * GRAVITY * 0.3;
+    println!(
+        "transducer: {:.1}, face {:.1} of {still:.1} Pa, rows {of_rows:.1}",
+        end[2], end[3]
+    );
+    assert!(
+        (end[2] / of_rows - 1.0).abs() < 0.01,
+        "{} {of_rows}",
+        end[2]
+    );
+    // pressure is nearly linear over the face; a hundredth is what the still tank misses
+    assert!((end[3] / still - 1.0).abs() < 0.02, "{} {still}", end[3]);
+    assert!(end[4].is_nan());
+}

@@ -23,6 +23,8 @@ const COPY: f64 = 0.3;
 const DIVISIONS: usize = 8;
 /// Distance above a face within which another face covers it; of the spacing.
 const HAIR: f64 = 1e-3;
+/// Largest cosine between the normals of two sides of a slab.
+const OPPOSITE: f64 = -1.0 + 1e-9;
 /// Round-off of positions; of the spacing.
 const TOLERANCE: f64 = 1e-6;
 
@@ -99,8 +101,8 @@ pub struct UnionSample {
 /// In a face the lattice follows a coordinate axis if one lies in the face, and is then
 /// anchored; across a slope its spacing is the closest to `dp` that divides the face. A point has
 /// the volume of the part of its cell that is exposed and closer to its own face than to others,
-/// times `dp`. Slabs whose thickness is not a whole number of spacings are not filled to their volume. The
-/// order is that of parts, faces and cells.
+/// times `dp`. A slab exposed on both sides is filled from either to its middle, where a layer may be thinner than `dp`.
+/// The order is that of parts, faces and cells.
 pub fn sample_union(parts: &[&[Face]], lattice: &UnionLattice) -> Vec<UnionSample> {
     let union = Union::new(parts, lattice);
     let mut kept = Kept {
@@ -110,8 +112,9 @@ pub fn sample_union(parts: &[&[Face]], lattice: &UnionLattice) -> Vec<UnionSampl
     };
     let exposed: Vec<Vec<Column>> = union.plates.iter().map(|p| union.exposed(p)).collect();
     for (plate, exposed) in union.plates.iter().zip(&exposed) {
-        union.fill(plate, exposed, &mut kept, |cell, column, depth| {
-            union.mitred(plate, cell, column, depth)
+        union.fill(plate, exposed, &mut kept, |cell, column, layer| {
+            let layer = union.up_to_the_middle(plate, &plate.at(&column.place, 0.0), layer)?;
+            Some((layer, union.mitred(plate, cell, column, layer.depth)))
         });
     }
     // the remaining points behind edges are pieces of cells beside others
@@ -123,11 +126,12 @@ pub fn sample_union(parts: &[&[Face]], lattice: &UnionLattice) -> Vec<UnionSampl
     for plate in 0..union.plates.len() {
         let behind = &union.plates[plate];
         let columns = behind.behind_edges(&exposed[plate], union.n_layers);
-        union.fill(behind, &columns, &mut kept, |cell, _, depth| {
-            behind.column(cell, |place| {
+        union.fill(behind, &columns, &mut kept, |cell, _, layer| {
+            let column = behind.column(cell, |place| {
                 !union.is_exposed(behind, &behind.at(place, 0.0))
-                    && !union.is_below_another(plate, &continued, &behind.at(place, depth))
-            })
+                    && !union.is_below_another(plate, &continued, &behind.at(place, layer.depth))
+            });
+            Some((layer, column))
         });
         continued[plate] = columns.iter().map(|column| 0.0 < column.share).collect();
     }
@@ -140,6 +144,15 @@ struct Column {
     /// Centroid along the axes of the plate; m.
     place: Vector2<f64>,
     /// Of the cell's area; 0 to 1.
+    share: f64,
+}
+
+/// A layer below a plate.
+#[derive(Clone, Copy, Debug)]
+struct Layer {
+    /// Depth of its points; m.
+    depth: f64,
+    /// Thickness over the spacing.
     share: f64,
 }
 
@@ -296,6 +309,34 @@ impl<'a> Union<'a> {
         })
     }
 
+    /// The part of a layer on this side of the middle of a slab that is exposed on the other side too, below a foot; `None`
+    /// beyond it. A layer whose points are in the middle itself is whole.
+    fn up_to_the_middle(&self, plate: &Plate, foot: &Vec3, layer: Layer) -> Option<Layer> {
+        let dp = self.lattice.particle_spacing;
+        let (top, bottom) = (layer.depth - 0.5 * dp, layer.depth + 0.5 * dp);
+        let opposite = plate.near_plates.iter().filter_map(|&other| {
+            let other = &self.plates[other];
+            let is_parallel = plate.face.normal.dot(&other.face.normal) < OPPOSITE;
+            let thickness = -other.face.distance(foot);
+            (is_parallel
+                && TOLERANCE * dp < thickness
+                && thickness < 2.0 * bottom
+                && self.is_exposed(other, &(foot + other.face.normal * thickness)))
+            .then_some(thickness)
+        });
+        let middle = 0.5 * opposite.fold(f64::INFINITY, f64::min);
+        if bottom <= middle || (middle - layer.depth).abs() <= TOLERANCE * dp {
+            Some(layer)
+        } else if top + TOLERANCE * dp < middle {
+            Some(Layer {
+                depth: 0.5 * (top + middle),
+                share: (middle - top) / dp,
+            })
+        } else {
+            None
+        }
+    }
+
     /// Whether a point at `depth` below one plate is less deep below an exposed point of another.
     fn is_nearer_to_another(&self, plate: &Plate, depth: f64, x: &Vec3) -> bool {
         let tolerance = TOLERANCE * self.lattice.particle_spacing;
@@ -327,17 +368,22 @@ impl<'a> Union<'a> {
         plate: &Plate,
         columns: &[Column],
         kept: &mut Kept,
-        part_of: impl Fn([usize; 2], &Column, f64) -> Column,
+        part_of: impl Fn([usize; 2], &Column, Layer) -> Option<(Layer, Column)>,
     ) {
         let dp = self.lattice.particle_spacing;
         let cell_volume = plate.step.x * plate.step.y * dp;
         let within = self.lattice.region.grown(self.lattice.support_radius);
         for k in 0..self.n_layers {
-            let depth = (k as f64 + 0.5) * dp;
+            let whole = Layer {
+                depth: (k as f64 + 0.5) * dp,
+                share: 1.0,
+            };
             let filled = plate.cells().zip(columns).filter(|(_, c)| 0.0 < c.share);
             for (cell, column) in filled {
-                let column = part_of(cell, column, depth);
-                let x = plate.at(&column.place, depth);
+                let Some((layer, column)) = part_of(cell, column, whole) else {
+                    continue;
+                };
+                let x = plate.at(&column.place, layer.depth);
                 let owner = || plate.near_parts.iter().find(|&&p| self.contains(p, &x));
                 if 0.0 < column.share
                     && within.contains(&x)
@@ -345,7 +391,7 @@ impl<'a> Union<'a> {
                 {
                     let sample = WallSample {
                         position: x,
-                        volume: cell_volume * column.share,
+                        volume: cell_volume * column.share * layer.share,
                     };
                     kept.add(UnionSample { part, sample }, cell_volume);
                 }
