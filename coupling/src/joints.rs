@@ -21,6 +21,7 @@
 //! points is sampled from both sides, and each counts half. Its work on the blocks is a term of the energy ledger.
 //! `sealed` blocks, and joints surrounded by air, carry no pressure.
 
+use rayon::prelude::*;
 use riprap_dda::{BlockDefinition, Blocks, Load};
 use riprap_sph::boundary::sampling::{FaceSample, sample_face};
 use riprap_sph::fluid::ContinuedPressure;
@@ -35,7 +36,7 @@ mod surroundings;
 
 use links::Links;
 use reached::Reached;
-use surroundings::{Ahead, Surroundings};
+use surroundings::{Ahead, Surroundings, is_near};
 
 /// Largest width of a joint, in spacings; full pressure up to one.
 const REACH: f64 = 2.0;
@@ -50,6 +51,8 @@ const DRY: f64 = 0.05;
 const SWEEPS: (usize, usize) = (2000, 8);
 /// Weighted sum of the vectors from its neighbors, in spacings, above which a point is at an edge; a missing row gives 1.
 const LACKING: f64 = 0.5;
+/// Points per parallel task.
+const CHUNK: usize = 32;
 /// Largest scalar product of the normals of the two sides of a joint.
 const OPPOSED: f64 = -0.5;
 
@@ -74,6 +77,16 @@ struct Point {
 struct FacePoints {
     first: usize,
     last: usize,
+}
+
+/// Face with solids near it.
+#[derive(Clone, Debug)]
+struct NearFace {
+    block: u32,
+    /// Its first active point, and one past its last.
+    points: [u32; 2],
+    /// Its first part of another block, and one past its last.
+    parts: [u32; 2],
 }
 
 /// Block with joints that are open to water.
@@ -108,9 +121,13 @@ pub struct JointWater {
 #[derive(Clone, Debug, Default)]
 struct Scratch {
     reached: Reached,
-    near: Vec<usize>,
-    /// Points of faces with a joint, their positions, normals and the space ahead.
+    /// Parts near a block, and near each of some faces.
+    near: Vec<u32>,
+    near_faces: Vec<NearFace>,
+    near_parts: Vec<u32>,
+    /// Points of faces with a joint, the face of each, their positions, normals and the space ahead.
     active: Vec<u32>,
+    faces: Vec<u32>,
     positions: Vec<Vec3>,
     normals: Vec<Vec3>,
     ahead: Vec<Ahead>,
@@ -387,19 +404,62 @@ impl JointWater {
 
     /// Faces with a joint, and the space ahead of each of their points.
     fn find_joints(&mut self, fluid: &Fluid, blocks: &Blocks) {
+        self.find_near_faces(fluid, blocks);
         let Scratch {
-            reached,
-            near,
+            near_faces,
+            near_parts,
             active,
+            faces,
             positions,
             normals,
             ahead,
             ..
         } = &mut self.scratch;
+        let (points, spacing) = (&self.points, self.spacing);
+        let (near_faces, near_parts) = (&*near_faces, &*near_parts);
+        ahead.resize(active.len(), Ahead::default());
+        ahead
+            .par_iter_mut()
+            .zip(active.par_iter().zip(faces.par_iter()))
+            .zip(positions.par_iter().zip(normals.par_iter()))
+            .with_min_len(CHUNK)
+            .for_each(|((ahead, (&k, &face)), (x, normal))| {
+                let face = &near_faces[face as usize];
+                let block = face.block as usize;
+                let [first, last] = face.parts.map(|part| part as usize);
+                let surroundings = Surroundings {
+                    blocks,
+                    block,
+                    near: &near_parts[first..last],
+                    domain: fluid.settings().domain,
+                    spacing,
+                };
+                let turned = |across| blocks.orientation(block) * across;
+                let across = points[k as usize].across.map(turned);
+                *ahead = surroundings.ahead(x, normal, across);
+            });
+        self.keep_faces_with_joints();
+    }
+
+    /// Faces with other solids near them, and where all of their points are.
+    fn find_near_faces(&mut self, fluid: &Fluid, blocks: &Blocks) {
+        let Scratch {
+            reached,
+            near,
+            near_faces,
+            near_parts,
+            active,
+            faces,
+            positions,
+            normals,
+            ..
+        } = &mut self.scratch;
+        near_faces.clear();
+        near_parts.clear();
         active.clear();
+        faces.clear();
         positions.clear();
         normals.clear();
-        ahead.clear();
         let reach = REACH * self.spacing;
         reached.find(&self.blocks, reach, fluid, blocks);
         for (jointed, reached) in self.blocks.iter().zip(&reached.blocks) {
@@ -407,54 +467,79 @@ impl JointWater {
             if !blocks.is_free(b) {
                 continue;
             }
-            let bounds = reached.bounds;
             if !reached.is_reached {
                 for face in &jointed.faces {
                     self.full[face.first..face.last].fill(0.0);
                 }
                 continue;
             }
+            let is_near_to = |part: usize, bounds: &(Vec3, Vec3)| {
+                is_near(&blocks.part_aabb(part), bounds, reach, self.spacing)
+            };
             near.clear();
-            near.extend((0..blocks.n_parts()).filter(|&part| {
-                let (min, max) = blocks.part_aabb(part);
-                blocks.block_of_part(part) != b
-                    && (0..3).all(|k| min[k] - reach < bounds.1[k] && bounds.0[k] < max[k] + reach)
-            }));
+            let others = (0..blocks.n_parts()).filter(|&part| {
+                blocks.block_of_part(part) != b && is_near_to(part, &reached.bounds)
+            });
+            near.extend(others.map(|part| part as u32));
             if near.is_empty() {
                 continue;
             }
-            let surroundings = Surroundings {
-                blocks,
-                block: b,
-                near,
-                domain: fluid.settings().domain,
-                spacing: self.spacing,
-            };
             let (centroid, gradient) = (blocks.centroid(b), blocks.gradient(b));
             let turn = blocks.orientation(b);
             for face in &jointed.faces {
-                let from = active.len();
-                let mut has_joint = false;
+                let (first_point, first_part) = (active.len(), near_parts.len());
+                let nowhere = (Vec3::repeat(f64::INFINITY), Vec3::repeat(f64::NEG_INFINITY));
+                let mut bounds = nowhere;
                 for k in face.first..face.last {
                     let point = &self.points[k];
-                    let (x, normal) = (centroid + gradient * point.local, turn * point.normal);
-                    let across = point.across.map(|across| turn * across);
-                    let found = surroundings.ahead(&x, &normal, across);
-                    has_joint |= found.joint.is_some();
+                    let x = centroid + gradient * point.local;
+                    bounds = (bounds.0.inf(&x), bounds.1.sup(&x));
                     active.push(k as u32);
+                    faces.push(near_faces.len() as u32);
                     positions.push(x);
-                    normals.push(normal);
-                    ahead.push(found);
+                    normals.push(turn * point.normal);
                     self.places[k] = x;
                 }
-                if !has_joint {
-                    active.truncate(from);
-                    positions.truncate(from);
-                    normals.truncate(from);
-                    ahead.truncate(from);
-                }
+                let is_near_to_face = |part: &u32| is_near_to(*part as usize, &bounds);
+                near_parts.extend(near.iter().copied().filter(is_near_to_face));
+                near_faces.push(NearFace {
+                    block: b as u32,
+                    points: [first_point, active.len()].map(|k| k as u32),
+                    parts: [first_part, near_parts.len()].map(|k| k as u32),
+                });
             }
         }
+    }
+
+    /// Drops the active points of all other faces.
+    fn keep_faces_with_joints(&mut self) {
+        let Scratch {
+            near_faces,
+            active,
+            positions,
+            normals,
+            ahead,
+            ..
+        } = &mut self.scratch;
+        let mut n = 0;
+        for face in near_faces {
+            let points = face.points[0] as usize..face.points[1] as usize;
+            if !ahead[points.clone()]
+                .iter()
+                .any(|ahead| ahead.joint.is_some())
+            {
+                continue;
+            }
+            active.copy_within(points.clone(), n);
+            positions.copy_within(points.clone(), n);
+            normals.copy_within(points.clone(), n);
+            ahead.copy_within(points.clone(), n);
+            n += points.len();
+        }
+        active.truncate(n);
+        positions.truncate(n);
+        normals.truncate(n);
+        ahead.truncate(n);
     }
 
     /// Advances the fronts of water in dry joints by a time (s); density in kg/m³.

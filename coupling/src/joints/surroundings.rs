@@ -9,8 +9,11 @@ use super::{OPPOSED, REACH};
 /// solids and the block.
 const PORE: [f64; 2] = [0.4, 0.75];
 
+/// Widening of boxes and distances that only reject, for round-off; –.
+const ROUND_OFF: f64 = 1e-9;
+
 /// Space ahead of a point.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Ahead {
     /// Width of the joint, with the solid at its other side; m.
     pub joint: Option<(f64, u32)>,
@@ -22,12 +25,12 @@ pub(super) struct Ahead {
     pub is_pore: bool,
 }
 
-/// Solids near a block.
+/// Solids near a face of a block.
 pub(super) struct Surroundings<'a> {
     pub blocks: &'a Blocks,
     pub block: usize,
-    /// Parts of other blocks.
-    pub near: &'a [usize],
+    /// Parts of other blocks, in order.
+    pub near: &'a [u32],
     pub domain: (Vec3, Vec3),
     pub spacing: f64,
 }
@@ -49,22 +52,34 @@ impl Surroundings<'_> {
         }
     }
 
-    /// Width of the joint ahead (m), with the solid at its other side.
+    /// Width of the joint ahead (m), with the solid at its other side: the first of the nearest.
     fn joint(&self, x: &Vec3, normal: &Vec3) -> Option<(f64, u32)> {
         let reach = REACH * self.spacing;
-        let widths = self.near.iter().filter_map(|&part| {
-            let surface = self.blocks.surface_point_within(part, x, reach)?;
-            let is_opposed = surface.normal.dot(normal) < OPPOSED;
-            is_opposed.then(|| (surface.distance, self.blocks.block_of_part(part) as u32))
-        });
-        widths.min_by(|a, b| a.0.total_cmp(&b.0))
+        let mut nearest: Option<(f64, u32)> = None;
+        for part in self.parts_within(x, reach) {
+            let within = match nearest {
+                // behind triangles the search is limited in distance, and one farther behind is nearer
+                Some((distance, _)) if !self.blocks.is_surface(part) => {
+                    (distance.max(0.0) + ROUND_OFF * self.spacing).min(reach)
+                }
+                _ => reach,
+            };
+            let Some(surface) = self.blocks.surface_point_within(part, x, within) else {
+                continue;
+            };
+            let is_nearer = |(distance, _): (f64, u32)| surface.distance < distance;
+            if surface.normal.dot(normal) < OPPOSED && nearest.is_none_or(is_nearer) {
+                nearest = Some((surface.distance, self.blocks.block_of_part(part) as u32));
+            }
+        }
+        nearest
     }
 
     /// Whether a place is too close to the solids for a particle.
     fn is_pore(&self, place: &Vec3) -> bool {
         let [alone, between] = PORE.map(|reach| reach * self.spacing);
         let mut first = None;
-        self.near.iter().any(|&part| {
+        self.parts_within(place, between).any(|part| {
             let Some(surface) = self.blocks.surface_point_within(part, place, between) else {
                 return false;
             };
@@ -78,11 +93,31 @@ impl Surroundings<'_> {
         let (low, high) = self.domain;
         let is_inside = (0..3).all(|k| low[k] <= place[k] && place[k] <= high[k]);
         let own = self.blocks.parts_of(self.block);
-        let mut parts = self.near.iter().copied().chain(own);
+        let mut parts = self.parts_within(place, 0.0).chain(own);
         is_inside
             && !parts.any(|part| {
                 let surface = self.blocks.surface_point_within(part, place, 0.0);
                 surface.is_some_and(|surface| surface.distance < 0.0)
             })
     }
+
+    /// Near parts whose boxes are within a distance (m) of a place.
+    fn parts_within(&self, place: &Vec3, distance: f64) -> impl Iterator<Item = usize> {
+        let point = (*place, *place);
+        let near = self.near.iter().map(|&part| part as usize);
+        near.filter(move |&part| {
+            is_near(&self.blocks.part_aabb(part), &point, distance, self.spacing)
+        })
+    }
+}
+
+/// Whether two boxes (m) are within a distance (m) of each other along each axis, or no more than round-off beyond it.
+pub(super) fn is_near(
+    (min, max): &(Vec3, Vec3),
+    (low, high): &(Vec3, Vec3),
+    distance: f64,
+    spacing: f64,
+) -> bool {
+    let distance = distance + ROUND_OFF * spacing;
+    (0..3).all(|k| min[k] - distance <= high[k] && low[k] <= max[k] + distance)
 }
