@@ -153,10 +153,19 @@ impl Crowd {
             .map(|_| fluid.particle_volume() * (1.0 + 0.5 * noise.next()))
             .collect();
         let mut walls = WallParticles::new(&fluid, volumes.clone(), Slip::None);
-        walls.place(|w| wall_motion[w]);
+        // towards the middle, as far as without a sort
+        let middle = (fluid.settings().domain.0 + fluid.settings().domain.1) * 0.5;
+        let aside = 0.49 * fluid.skin();
+        walls.place(|w| {
+            let [x, v, a] = wall_motion[w];
+            [x + flat((middle - x).normalize() * aside), v, a]
+        });
+        walls.find_wet(&fluid);
 
         if self.lists_first {
             fluid.update_rates();
+            walls.add_rates(&mut fluid);
+            walls.extrapolate(&fluid);
         }
         // the largest speed is known after a kick; then nearly as far as without a sort
         fluid.kick(0.0);
@@ -166,7 +175,10 @@ impl Crowd {
         assert_eq!(ids, fluid.particles().id, "the drift is within the skin");
         assert!(0.0 < fluid.moved());
 
+        walls.place(|w| wall_motion[w]);
         walls.find_wet(&fluid);
+        // lists of the present are made from there
+        assert_eq!(walls.sorted_at().is_empty(), !self.lists_first);
         fluid.update_pressure().unwrap();
         walls.extrapolate(&fluid);
         fluid.update_accelerations();

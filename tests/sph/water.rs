@@ -79,10 +79,13 @@ pub struct Water {
     /// Force of the walls on the fluid at the last evaluation; N.
     pub wall_force: Vec3,
     motion: Motion,
+    /// Whether walls are sorted, and their neighbors listed, at each placement.
+    sorts_always: bool,
 }
 
 /// Walls of particles whose motion is known.
 struct MovingWalls<'a> {
+    sorts_always: bool,
     walls: &'a mut WallParticles,
     motion: &'a Motion,
     /// Force on the fluid; N.
@@ -99,6 +102,9 @@ impl Boundary for MovingWalls<'_> {
             Stage::Midpoint => self.time + 0.5 * dt,
             Stage::Predicted | Stage::End => self.time + dt,
         };
+        if self.sorts_always {
+            self.walls.sort_again(&[]);
+        }
         self.walls.place(|w| (self.motion)(w, time));
         self.walls.find_wet(fluid);
     }
@@ -143,6 +149,7 @@ impl Water {
             time: 0.0,
             wall_force: Vec3::zeros(),
             motion: Box::new(|_, _| [Vec3::zeros(); 3]),
+            sorts_always: false,
         };
         water.evaluate(0.0);
         water
@@ -163,6 +170,7 @@ impl Water {
             time: 0.0,
             wall_force: Vec3::zeros(),
             motion: Box::new(motion),
+            sorts_always: false,
         };
         water.evaluate(0.0);
         water
@@ -180,10 +188,10 @@ impl Water {
         Self::walled(start, settings, (volumes, slip), still)
     }
 
-    /// The same with walls that list their neighbors: they stay.
-    pub fn standing(self) -> Self {
+    /// The same with walls that are sorted at each placement.
+    pub fn sorting_always(self) -> Self {
         Self {
-            walls: self.walls.standing(),
+            sorts_always: true,
             ..self
         }
     }
@@ -193,6 +201,7 @@ impl Water {
         let walls = MovingWalls {
             walls: &mut self.walls,
             motion: &self.motion,
+            sorts_always: self.sorts_always,
             force: &mut self.wall_force,
             time: self.time,
         };

@@ -97,7 +97,7 @@ impl ParticleWalls {
         );
         let fixed_points = solids.fixed_points(&standing, &mut thin_solids);
         let points = solids.moving_points(&mut thin_solids);
-        let mut fixed = fixed_points.walls(fluid, slip).standing();
+        let mut fixed = fixed_points.walls(fluid, slip);
         fixed.place(|w| {
             let position = fixed_points.samples[w].position;
             [position, Vec3::zeros(), Vec3::zeros()]
@@ -140,19 +140,21 @@ impl ParticleWalls {
     pub(crate) fn save(&self, out: Vec<u8>) -> Saved {
         let forces = (&self.loads, self.force_on_fluid, self.power);
         let buried = (&self.buried.is_buried, self.buried.is_any);
-        let out = postcard::to_extend(&(forces, &self.accelerations, buried), out)?;
+        let of_moving = (buried, self.moving.sorted_at());
+        let out = postcard::to_extend(&(forces, &self.accelerations, of_moving), out)?;
         self.thin_solids.save(out)
     }
 
     /// Takes it over again.
     pub(crate) fn read<'a>(&mut self, bytes: &'a [u8]) -> Read<'a> {
         let lengths = (self.loads.len(), self.block.len());
-        let (forces, buried, rest);
-        ((forces, self.accelerations, buried), rest) = postcard::take_from_bytes(bytes)?;
+        let (forces, buried, sorted_at, rest): (_, _, Vec<Vec3>, _);
+        ((forces, self.accelerations, (buried, sorted_at)), rest) =
+            postcard::take_from_bytes(bytes)?;
         (self.loads, self.force_on_fluid, self.power) = forces;
         (self.buried.is_buried, self.buried.is_any) = buried;
         self.fixed.forget();
-        self.moving.forget();
+        self.moving.sort_again(&sorted_at);
         if (self.loads.len(), self.buried.is_buried.len()) != lengths
             || self.accelerations.len() != lengths.0
         {

@@ -28,7 +28,7 @@ mod listed;
 
 use rayon::prelude::*;
 
-use crate::fluid::wall_sums::{self, Near};
+use crate::fluid::wall_sums::{self, Near, SortedPoints};
 use crate::neighbors::cells::CellGrid;
 use crate::neighbors::sweep::{AnyPoints, PairKind};
 use crate::neighbors::thin_solids::Facet;
@@ -40,7 +40,7 @@ use crate::terms::gradient::StrainSums;
 use crate::terms::momentum::ForceDensity;
 use crate::terms::sums::{self, Places, Shearing};
 use crate::{CHUNK, Fluid, Vec3};
-use listed::{Listed, Standing};
+use listed::Listed;
 
 /// Slip of the fluid along a wall.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -86,9 +86,16 @@ pub struct WallParticles {
     /// Viscosities of the fluid towards walls with friction.
     viscosities: AnyPoints,
     grid: CellGrid,
-    /// Points sorted by cell, and their places.
+    /// Points in the order of the cells that they were sorted into, and their present places.
     order: Vec<u32>,
     sorted: Vec<Vec3>,
+    /// Positions when they were sorted, in the order of the bodies; empty where they are the present ones; m.
+    sorted_at: Vec<Vec3>,
+    is_sorted: bool,
+    /// Whether they were placed since their motion was found.
+    is_placed: bool,
+    /// Farthest that a point is from where it was sorted; m.
+    moved: f64,
     sorted_facets: Vec<Facet>,
     points: AnyPoints,
     /// Cells that hold points, in order.
@@ -101,8 +108,7 @@ pub struct WallParticles {
     wet: WetPoints,
     /// Number of changes of the sleeping set at the last update of the pressure of all wet points.
     known_at: Option<u64>,
-    /// Neighbors of points that stand.
-    listed: Option<Box<Listed>>,
+    listed: Listed,
     scratch: Scratch,
 }
 
@@ -130,6 +136,8 @@ impl WetPoints {
 #[derive(Clone, Debug, Default)]
 struct Scratch {
     cell: Vec<u32>,
+    /// Positions when sorted, in the order of the cells, while they are listed; m.
+    sorted_then: Vec<Vec3>,
     rates: Vec<Rate>,
     forces: Vec<ForceDensity>,
     extrapolated: Vec<Extrapolated>,
@@ -158,6 +166,10 @@ impl WallParticles {
             grid,
             order: Vec::new(),
             sorted: Vec::new(),
+            sorted_at: Vec::new(),
+            is_sorted: false,
+            is_placed: false,
+            moved: 0.0,
             sorted_facets: Vec::new(),
             points: AnyPoints::default(),
             occupied: Vec::new(),
@@ -165,16 +177,9 @@ impl WallParticles {
             nearby_particles: Vec::new(),
             wet: WetPoints::default(),
             known_at: None,
-            listed: None,
+            listed: Listed::default(),
             scratch: Scratch::default(),
         }
-    }
-
-    /// The same points, which are placed once: neighbors are listed.
-    #[must_use]
-    pub fn standing(mut self) -> Self {
-        self.listed = Some(Box::default());
-        self
     }
 
     /// The same points, visible only through faces of [thin solids](crate::neighbors::thin_solids): one facet per point, or none at all.
@@ -223,6 +228,10 @@ impl WallParticles {
 
     /// Sets position, velocity and acceleration of every point; m, m/s, m/s².
     pub fn place(&mut self, of_point: impl Fn(usize) -> [Vec3; 3] + Sync) {
+        if self.is_sorted && self.sorted_at.is_empty() {
+            self.sorted_at.extend_from_slice(&self.position);
+        }
+        self.is_placed = true;
         self.position
             .par_iter_mut()
             .zip(self.velocity.par_iter_mut())
@@ -230,11 +239,58 @@ impl WallParticles {
             .enumerate()
             .with_min_len(CHUNK)
             .for_each(|(w, ((x, v), a))| [*x, *v, *a] = of_point(w));
-        self.grid
-            .sort(&self.position, &mut self.scratch.cell, &mut self.order);
+    }
+
+    /// Positions when they were sorted, in the order of the bodies; empty where they are the present ones; m.
+    pub fn sorted_at(&self) -> &[Vec3] {
+        &self.sorted_at
+    }
+
+    /// Sorts the points where they were sorted before a run was stopped, of [`Self::sorted_at`]; placing comes next.
+    pub fn sort_again(&mut self, sorted_at: &[Vec3]) {
+        self.forget();
+        self.is_sorted = false;
+        self.sorted_at.clear();
+        if sorted_at.len() == self.position.len() {
+            self.position.copy_from_slice(sorted_at);
+            self.sort();
+        }
+    }
+
+    /// Brings the places in their order up to date; sorts if one of the points has moved too far since the last time, or the
+    /// fluid was just sorted.
+    fn sort_if_due(&mut self, fluid: &Fluid) {
+        if std::mem::take(&mut self.is_placed) {
+            self.moved = self.farthest_from_sort();
+            self.pick_sorted();
+        }
+        let is_new_order = 0.0 < self.moved && fluid.moved() == 0.0;
+        if !self.is_sorted || is_new_order || fluid.room_of_walls() < self.moved {
+            self.sort();
+        }
+    }
+
+    fn farthest_from_sort(&self) -> f64 {
+        let pairs = self.position.par_iter().zip(self.sorted_at.par_iter());
+        let squares = pairs.map(|(x, from)| (x - from).norm_squared());
+        // a maximum is the same in any order
+        let farthest = squares.with_min_len(4096).reduce(|| 0.0, f64::max);
+        farthest.sqrt()
+    }
+
+    fn pick_sorted(&mut self) {
         self.sorted.clear();
         self.sorted
             .extend(self.order.iter().map(|&w| self.position[w as usize]));
+    }
+
+    fn sort(&mut self) {
+        self.grid
+            .sort(&self.position, &mut self.scratch.cell, &mut self.order);
+        self.pick_sorted();
+        self.sorted_at.clear();
+        (self.is_sorted, self.moved) = (true, 0.0);
+        self.listed.forget();
         self.sorted_facets.clear();
         if !self.facets.is_empty() {
             self.sorted_facets
@@ -268,7 +324,8 @@ impl WallParticles {
     /// Finds the particles and points that may be within the support of each other; after every
     /// [`Self::place`] and every sort of the fluid.
     pub fn find_wet(&mut self, fluid: &Fluid) {
-        if !fluid.may_sleep() && self.valid(fluid).is_some() {
+        self.sort_if_due(fluid);
+        if !fluid.may_sleep() && self.listed.are_of(fluid) {
             return;
         }
         let cells = fluid.grid();
@@ -310,28 +367,50 @@ impl WallParticles {
     /// Makes the next update include all wet points, with neighbors listed anew.
     pub fn forget(&mut self) {
         self.known_at = None;
-        if let Some(listed) = &mut self.listed {
-            listed.forget();
-        }
+        self.listed.forget();
     }
 
-    /// Lists the neighbors of points that stand, unless those of the particles and points at hand are listed.
-    fn list(&mut self, fluid: &Fluid) {
-        if let Some(listed) = self.listed.as_deref_mut() {
-            let standing = Standing {
-                grid: &self.grid,
-                sorted: &self.sorted,
-                positions: &self.position,
-            };
-            listed.update(fluid, &standing, &self.nearby_particles, self.wet.updated());
+    /// Lists the points near particles, unless those of the particles at hand are listed.
+    fn list_points(&mut self, fluid: &Fluid) {
+        if fluid.room_of_walls() < self.moved {
+            return;
         }
+        let then = &mut self.scratch.sorted_then;
+        let walls = SortedPoints {
+            grid: &self.grid,
+            positions: match self.sorted_at.is_empty() {
+                true => &self.sorted,
+                false => {
+                    then.clear();
+                    then.extend(self.order.iter().map(|&w| self.sorted_at[w as usize]));
+                    then
+                }
+            },
+        };
+        self.listed
+            .update_particles(fluid, &walls, &self.nearby_particles);
+    }
+
+    /// Lists the particles near points, unless those of the points at hand are listed.
+    fn list_particles(&mut self, fluid: &Fluid) {
+        if fluid.room_of_walls() < self.moved {
+            return;
+        }
+        let positions = match self.sorted_at.is_empty() {
+            true => &self.position,
+            false => &self.sorted_at,
+        };
+        self.listed
+            .update_points(fluid, positions, self.wet.updated());
     }
 
     /// Particles near points.
     fn near_points(&self, fluid: &Fluid) -> Near<'_> {
         Near {
             chosen: &self.nearby_particles,
-            lists: self.valid(fluid).map(|listed| &listed.of_particles),
+            lists: self
+                .valid(fluid)
+                .and_then(|listed| listed.of_particles(fluid)),
         }
     }
 
@@ -339,12 +418,12 @@ impl WallParticles {
     fn near_particles(&self, fluid: &Fluid) -> Near<'_> {
         Near {
             chosen: self.wet.updated(),
-            lists: self.valid(fluid).map(|listed| &listed.of_points),
+            lists: self.valid(fluid).and_then(|listed| listed.of_points(fluid)),
         }
     }
 
     fn valid(&self, fluid: &Fluid) -> Option<&Listed> {
-        self.listed.as_deref().filter(|listed| listed.are_of(fluid))
+        (self.moved <= fluid.room_of_walls()).then_some(&self.listed)
     }
 
     fn neighborhood<'a>(&'a self, fluid: &'a Fluid) -> sums::Neighborhood<'a> {
@@ -352,7 +431,7 @@ impl WallParticles {
             grid: &self.grid,
             frame: &fluid.frame,
             points: &self.points,
-            moved: 0.0,
+            moved: self.moved,
             occlusion: sums::occlusion(
                 &fluid.thin_solids,
                 &self.sorted,
@@ -388,7 +467,7 @@ impl WallParticles {
         if self.nearby_particles.is_empty() {
             return;
         }
-        self.list(fluid);
+        self.list_points(fluid);
         self.pack_flow(fluid);
         let mut rates = std::mem::take(&mut self.scratch.rates);
         rates.resize(self.nearby_particles.len(), Rate::default());
@@ -412,7 +491,7 @@ impl WallParticles {
         if self.nearby_particles.is_empty() {
             return;
         }
-        self.list(fluid);
+        self.list_points(fluid);
         self.pack_flow(fluid);
         let mut concentrations = std::mem::take(&mut self.scratch.concentrations);
         concentrations.resize(self.nearby_particles.len(), Concentration::default());
@@ -444,7 +523,7 @@ impl WallParticles {
         fluid: &Fluid,
         extrapolation: fn(&Fluid, Places, Near, &mut [Extrapolated]),
     ) {
-        self.list(fluid);
+        self.list_particles(fluid);
         let mut sums_of_points = std::mem::take(&mut self.scratch.extrapolated);
         sums_of_points.resize(self.wet.updated().len(), Extrapolated::default());
         let places = self.places();
@@ -531,6 +610,7 @@ impl WallParticles {
         if self.nearby_particles.is_empty() || self.slip == Slip::Free {
             return;
         }
+        self.list_points(fluid);
         let mut strains = std::mem::take(&mut self.scratch.strains);
         strains.resize(self.nearby_particles.len(), StrainSums::default());
         wall_sums::strains(
@@ -598,6 +678,7 @@ impl WallParticles {
         if self.nearby_particles.is_empty() {
             return Vec3::zeros();
         }
+        self.list_points(fluid);
         self.stick(fluid);
         let mut forces = std::mem::take(&mut self.scratch.forces);
         forces.resize(self.nearby_particles.len(), ForceDensity::default());

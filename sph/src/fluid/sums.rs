@@ -64,9 +64,14 @@ impl Fluid {
         if self.lists.are_made() || !self.is_sorted() {
             return;
         }
+        self.list_within(self.list_radius(), points);
+    }
+
+    /// Radius of lists made now; m.
+    pub(super) fn list_radius(&self) -> f64 {
         // both of a pair may have moved since the sort, and will not move as far again
         let skin = self.skin() - 2.0 * self.moved();
-        self.list_within(self.settings.support_radius() + skin, points);
+        self.settings.support_radius() + skin
     }
 
     /// Lists for all particles the points within a radius (m), up to support and skin.

@@ -24,6 +24,13 @@ pub(crate) struct Near<'a> {
     pub lists: Option<&'a Lists>,
 }
 
+/// Points of walls in the order of their cells.
+pub(crate) struct SortedPoints<'a> {
+    pub grid: &'a CellGrid,
+    /// Where they were sorted; m.
+    pub positions: &'a [Vec3],
+}
+
 impl Fluid {
     /// Sums over walls for some of the particles.
     fn to_some<'a>(&'a self, walls: Neighborhood<'a>, near: Near<'a>) -> Setup<'a> {
@@ -46,44 +53,81 @@ impl Fluid {
         }
     }
 
-    /// Lists for some particles the points of walls within the reach of the fluid's own lists, and for some wall points the particles,
-    /// from where the particles were when those lists were made; `packed` is storage. Returns the number of that making, `None` if
+    /// Lists for some particles the points of walls within the reach of the fluid's own lists, from where both were when those
+    /// lists were made and the points were sorted; `packed` is storage. Returns the number of that making, `None` if
     /// there are no such lists.
     pub(crate) fn list_walls(
         &self,
-        (grid, sorted): (&CellGrid, &[Vec3]),
-        (particles, of_particles): (&[u32], &mut Lists),
-        (points, positions, of_points): (&[u32], &[Vec3], &mut Lists),
-        packed: &mut AnyPoints,
+        walls: &SortedPoints,
+        particles: &[u32],
+        (lists, packed): (&mut Lists, &mut AnyPoints),
     ) -> Option<u64> {
         let listed = self.listed()?;
         let (from, radius) = listed.made_from()?;
-        let precision = self.settings.scheme.precision;
-        let surroundings = |grid, receivers| Surroundings {
+        // lists depend on positions only
+        packed.pack(
+            self.settings.scheme.precision,
+            &self.frame,
+            walls.positions,
+            |_| [0.0; 5],
+        );
+        self.list_across((walls.grid, packed), some(from, particles), *radius, lists);
+        listed.generation()
+    }
+
+    /// Lists for some wall points the particles, in the same way.
+    pub(crate) fn list_by_walls(
+        &self,
+        (positions, points): (&[Vec3], &[u32]),
+        (lists, packed): (&mut Lists, &mut AnyPoints),
+    ) -> Option<u64> {
+        let listed = self.listed()?;
+        let (from, radius) = listed.made_from()?;
+        packed.pack(self.settings.scheme.precision, &self.frame, from, |_| {
+            [0.0; 5]
+        });
+        self.list_across(
+            (&self.grid, packed),
+            some(positions, points),
+            *radius,
+            lists,
+        );
+        listed.generation()
+    }
+
+    fn list_across(
+        &self,
+        (grid, points): (&CellGrid, &AnyPoints),
+        receivers: Receivers,
+        radius: f64,
+        lists: &mut Lists,
+    ) {
+        let from = Surroundings {
             grid,
             frame: &self.frame,
             mirrors: self.settings.mirrors(),
             receivers,
             rests: &[],
-            radius: *radius,
+            radius,
             reach: self.settings.support_radius() + self.skin(),
         };
-        // lists depend on positions only
-        packed.pack(precision, &self.frame, sorted, |_| [0.0; 5]);
-        let listing = Listing {
-            from: surroundings(grid, some(from, particles)),
-            points: packed,
-            lists: of_particles,
-        };
-        dispatch(precision, listing);
-        packed.pack(precision, &self.frame, from, |_| [0.0; 5]);
-        let listing = Listing {
-            from: surroundings(&self.grid, some(positions, points)),
-            points: packed,
-            lists: of_points,
-        };
-        dispatch(precision, listing);
-        listed.generation()
+        dispatch(
+            self.settings.scheme.precision,
+            Listing {
+                from,
+                points,
+                lists,
+            },
+        );
+    }
+
+    /// Farthest that wall points may move from where they were listed: both of a pair may move by half of what the lists
+    /// of the fluid reach beyond the support; m.
+    pub(crate) fn room_of_walls(&self) -> f64 {
+        let support = self.settings.support_radius();
+        let made_from = self.listed().and_then(Lists::made_from);
+        let radius = made_from.map_or_else(|| self.list_radius(), |(_, radius)| *radius);
+        0.5 * (radius - support)
     }
 
     /// Number of the making of the lists of neighbors, where they hold.

@@ -1,6 +1,6 @@
-//! Neighbors across walls that stand, listed as often as those within the fluid.
+//! Neighbors across walls, listed as often as those within the fluid, or as the points are sorted.
 
-use crate::neighbors::cells::CellGrid;
+use crate::fluid::wall_sums::SortedPoints;
 use crate::neighbors::lists::Lists;
 use crate::neighbors::sweep::AnyPoints;
 use crate::{Fluid, Vec3};
@@ -8,56 +8,87 @@ use crate::{Fluid, Vec3};
 /// Lists of both directions.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Listed {
-    /// Making of the fluid's lists that these go with.
-    made_for: Option<u64>,
-    /// Points near particles, and the particles.
-    pub(super) of_particles: Lists,
-    particles: Vec<u32>,
-    /// Particles near points, and the points.
-    pub(super) of_points: Lists,
-    points: Vec<u32>,
+    /// Points near particles.
+    of_particles: OneWay,
+    /// Particles near points.
+    of_points: OneWay,
     packed: AnyPoints,
 }
 
-/// Points of walls that stand.
-pub(super) struct Standing<'a> {
-    pub(super) grid: &'a CellGrid,
-    /// Positions by cell, and in the order of the bodies; m.
-    pub(super) sorted: &'a [Vec3],
-    pub(super) positions: &'a [Vec3],
+/// Lists of one direction.
+#[derive(Clone, Debug, Default)]
+struct OneWay {
+    /// Making of the fluid's lists that these go with.
+    made_for: Option<u64>,
+    lists: Lists,
+    receivers: Vec<u32>,
 }
 
-impl Listed {
-    /// Whether they go with the present lists of a fluid.
-    pub(super) fn are_of(&self, fluid: &Fluid) -> bool {
+impl OneWay {
+    fn are_of(&self, fluid: &Fluid) -> bool {
         self.made_for.is_some() && self.made_for == fluid.listing()
     }
 
-    /// Makes the next update list anew.
-    pub(super) fn forget(&mut self) {
-        self.made_for = None;
-    }
-
-    /// Lists the neighbors of some particles and points, unless it is done.
-    pub(super) fn update(
+    /// Lists the neighbors of some receivers, unless it is done.
+    fn update(
         &mut self,
         fluid: &Fluid,
-        walls: &Standing,
-        particles: &[u32],
-        points: &[u32],
+        receivers: &[u32],
+        list: impl FnOnce(&mut Lists) -> Option<u64>,
     ) {
-        if self.are_of(fluid) && self.particles == particles && self.points == points {
+        if self.are_of(fluid) && self.receivers == receivers {
             return;
         }
-        self.made_for = fluid.list_walls(
-            (walls.grid, walls.sorted),
-            (particles, &mut self.of_particles),
-            (points, walls.positions, &mut self.of_points),
-            &mut self.packed,
-        );
-        self.particles.clear();
-        self.particles.extend_from_slice(particles);
-        self.points.clear();
-        self.points.extend_from_slice(points);
+        self.made_for = list(&mut self.lists);
+        self.receivers.clear();
+        self.receivers.extend_from_slice(receivers);
+    }
+
+    fn valid(&self, fluid: &Fluid) -> Option<&Lists> {
+        self.are_of(fluid).then_some(&self.lists)
+    }
+}
+
+impl Listed {
+    /// Whether any go with the present lists of a fluid.
+    pub(super) fn are_of(&self, fluid: &Fluid) -> bool {
+        self.of_particles.are_of(fluid) || self.of_points.are_of(fluid)
+    }
+
+    /// Makes the next updates list anew.
+    pub(super) fn forget(&mut self) {
+        self.of_particles.made_for = None;
+        self.of_points.made_for = None;
+    }
+
+    /// Points near particles, where they are listed.
+    pub(super) fn of_particles(&self, fluid: &Fluid) -> Option<&Lists> {
+        self.of_particles.valid(fluid)
+    }
+
+    /// Particles near points, where they are listed.
+    pub(super) fn of_points(&self, fluid: &Fluid) -> Option<&Lists> {
+        self.of_points.valid(fluid)
+    }
+
+    /// Lists the points near some particles, unless it is done.
+    pub(super) fn update_particles(
+        &mut self,
+        fluid: &Fluid,
+        walls: &SortedPoints,
+        particles: &[u32],
+    ) {
+        let packed = &mut self.packed;
+        self.of_particles.update(fluid, particles, |lists| {
+            fluid.list_walls(walls, particles, (lists, packed))
+        });
+    }
+
+    /// Lists the particles near some points at their positions when sorted (m), unless it is done.
+    pub(super) fn update_points(&mut self, fluid: &Fluid, positions: &[Vec3], points: &[u32]) {
+        let packed = &mut self.packed;
+        self.of_points.update(fluid, points, |lists| {
+            fluid.list_by_walls((positions, points), (lists, packed))
+        });
     }
 }
