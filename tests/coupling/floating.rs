@@ -54,11 +54,11 @@ fn basin(length: f64, height: f64, level: f64, spacing: f64, body: &str, more: &
     )
 }
 
-/// Mean force (N) and moment about y (N m) of the water on the first block, over the second half of a second.
-fn mean_load(world: &mut World) -> [Vec3; 2] {
+/// Mean force (N) and moment about y (N m) of the water on the first block between two times (s).
+fn mean_load(world: &mut World, [from, until]: [f64; 2]) -> [Vec3; 2] {
     let (mut sums, mut n) = ([Vec3::zeros(); 2], 0.0);
-    advance(world, 1.0, DURATION, |world| {
-        if 0.5 < world.time() {
+    advance(world, until, DURATION, |world| {
+        if from < world.time() {
             let load = world.fluid_load(0);
             sums[0] += load.force;
             sums[1] += load.torque;

@@ -72,7 +72,7 @@ fn a_block_on_the_bed_feels_uplift_unless_it_is_sealed() {
     let depth = 1.0;
     for sealed in [false, true] {
         let (mut world, [area, height]) = block_on_the_bed([depth; 2], sealed);
-        let force = mean_load(&mut world)[0].z;
+        let force = mean_load(&mut world, [0.5, 1.0])[0].z;
         let of_depth = if sealed { height - depth } else { height };
         let expected = RHO * G * area * of_depth;
         let scale = RHO * G * area * depth;
@@ -190,7 +190,7 @@ fn uplift_under_a_dam_falls_to_nothing_beside_air() {
 
 fn uplift_under_a_dam(levels: [f64; 2]) {
     let (mut world, [area, _]) = block_on_the_bed(levels, false);
-    let [force, moment] = mean_load(&mut world);
+    let [force, moment] = mean_load(&mut world, [0.5, 1.0]);
     let length = area / 0.1;
     let expected = 0.5 * RHO * G * (levels[0] + levels[1]) * area;
     // about the centroid, y turns from z to x: uplift at the high side, -x, and thrust

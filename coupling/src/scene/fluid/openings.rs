@@ -23,6 +23,8 @@ use crate::waves::StillWater;
 const ABSORBER_STRENGTH: f64 = 10.0;
 /// Share of a length that rounding of typed digits may lack.
 const ROUNDING: f64 = 1e-6;
+/// Length of an absorber over the wave from which on it sends back little more than one as long as the wave.
+const LONG_ENOUGH: f64 = 0.95;
 
 /// Absorbing layers, each with its damping rate.
 pub(super) fn absorbers(file: &SceneFile, depth: f64) -> Vec<Absorber> {
@@ -73,7 +75,7 @@ pub(in crate::scene) fn short_absorbers(
     let short = |(index, layer): (usize, &AbsorberFile)| {
         let (axis, _) = layer.towards.axis();
         let length = vec3(layer.max)[axis] - vec3(layer.min)[axis];
-        (axis < 2 && length < longest * (1.0 - ROUNDING)).then(|| {
+        (axis < 2 && length < longest * LONG_ENOUGH).then(|| {
             Problem::warning(
                 format!("absorbers[{index}]"),
                 format!(
