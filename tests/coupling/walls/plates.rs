@@ -3,7 +3,7 @@
 use super::*;
 
 /// A column of water on a floor that is `thickness` spacings thick and has a crack of a fifth of a spacing.
-fn column(walls: &'static str, thickness: f64, height: usize) -> Case {
+pub(super) fn column(walls: &'static str, thickness: f64, height: usize) -> Case {
     let dp = 0.02;
     let (l, w, h) = (6.0 * dp, 6.0 * dp, height as f64 * dp);
     let (t, top, under) = (4.0 * dp, h + 3.0 * dp, -thickness * dp);
