@@ -13,6 +13,8 @@
 //! In a periodic slab and in the slice of a 2-D flow a block is a piece of an endless prism:
 //! the fluid moves it in the plane of the slab only. Transverse loads are taken by the slab and booked as such.
 
+pub(crate) mod swept;
+
 use nalgebra::{Matrix2, Matrix3, Vector2};
 use rayon::prelude::*;
 use riprap_dda::{Blocks, Load, SurfacePoint};

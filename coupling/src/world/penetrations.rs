@@ -15,15 +15,33 @@ use riprap_dda::Load;
 use riprap_sph::{Fluid, Vec3};
 
 use crate::walls::penalty::Penetration;
+use crate::walls::penalty::swept::Motion;
 use crate::world::coupler::Coupler;
 
 impl Coupler<'_> {
+    /// Stops the particles that the step of `dt` (s) took through a solid, or into an opening too narrow for them, where they
+    /// entered; the water must be sorted and its touches found, and is again after that. Rows that openings make have no path.
+    pub(super) fn stop_on_the_way(&mut self, fluid: &mut Fluid, dt: f64) {
+        let motion = Motion {
+            dt,
+            are_held: self.rock.are_held(),
+        };
+        let mut stops = (self.interface).stops_on_the_way(fluid, self.rock.blocks, motion);
+        let positions = &fluid.particles().position;
+        stops.retain(|stop| !(self.openings).has_near(&positions[stop.particle as usize], 0.0));
+        self.put_back(fluid, &stops);
+    }
+
     /// Stops the particles at surfaces and puts back those inside; the water must be sorted and its touches found,
     /// and is again after that.
     pub(super) fn stop_penetrations(&mut self, fluid: &mut Fluid) {
         let penetrations = self.interface.penetrations(fluid, self.rock.blocks);
+        self.put_back(fluid, &penetrations);
+    }
+
+    fn put_back(&mut self, fluid: &mut Fluid, penetrations: &[Penetration]) {
         let mut n_moved = 0;
-        for penetration in &penetrations {
+        for penetration in penetrations {
             n_moved += u64::from(penetration.is_deep);
             self.stop(fluid, penetration);
         }

@@ -70,9 +70,8 @@ fn through_a_crack(walls: &'static str, draw: u32) -> usize {
 #[test]
 #[ignore = "a report"]
 fn report_of_draws() {
-    let number = |name: &str, other: u32| {
-        std::env::var(name).map_or(other, |text| text.parse().unwrap())
-    };
+    let number =
+        |name: &str, other: u32| std::env::var(name).map_or(other, |text| text.parse().unwrap());
     let (from, to, by) = (number("FROM", 0), number("TO", 200), number("BY", 1));
     let walls = if std::env::var("WALLS").is_ok_and(|w| w == "Integral") {
         "Integral"
