@@ -244,9 +244,10 @@ mod tests {
                 let energy = world.energy();
                 let lost = 0.5 * mass * velocity.norm_squared() - energy.kinetic;
                 assert!((lost - energy.pushed_back).abs() < 1e-14 * mass * speed * speed);
-                // they go on together, to round-off
+                // they go on together; the plate, 160 times as heavy, also takes the angular momentum of the shift by
+                // a thousandth of a spacing, of which its velocity is 1e-7 of the particle's
                 let wall = world.blocks.velocity_at(0, &Vec3::new(x.x, x.y, 0.0));
-                assert!((v - wall).z.abs() < 1e-14 * speed, "{v:?} {wall:?}");
+                assert!((v - wall).z.abs() < 1e-6 * speed, "{v:?} {wall:?}");
             }
         }
     }

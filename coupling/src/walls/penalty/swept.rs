@@ -8,8 +8,9 @@
 //! x(s) = x₁ − (1 − s) (v_a − v_wall) dt     path relative to a solid, 0 ≤ s ≤ 1; x₁ at the end of the step
 //! d_i + d_j < dp/2,   n_i·n_j < −0.9        no room at x, outside of all solids
 //! ```
-//! It stops at the first such `s`, 10⁻³ dp in front. Paths that begin behind a surface or without room go on: they are
-//! held by what holds particles inside solids, or were closed in by moving blocks.
+//! It stops at the first such `s`, 10⁻³ dp in front. Paths that begin behind a surface go on: what holds particles inside
+//! solids holds them. What begins without room was closed in by moving blocks: it only goes no deeper where the opening widens,
+//! and on where its sides are parallel.
 
 use std::collections::BTreeSet;
 
@@ -219,7 +220,7 @@ impl Sweep<'_> {
         surface.is_some_and(|surface| surface.distance < 0.0)
     }
 
-    /// The first place on the path where there is no room, if there was some at its start. Springs keep particles out of
+    /// The first place on the path where there is no room. Springs keep particles out of
     /// openings themselves.
     fn first_narrow_place(&self, a: usize, parts: &BTreeSet<usize>) -> Option<Halt> {
         if parts.len() < 2 || 0.0 < self.walls.settings.stiffness {
@@ -232,8 +233,16 @@ impl Sweep<'_> {
         let path = x - from;
         let pieces = (path.norm() / (STRIDE * dp)).ceil().max(1.0);
         let at = |share: f64| from + path * share;
-        if self.without_room(&from, parts).is_some() {
-            return None;
+        let halt = |share: f64, sides: &[Side; 2], normal: Vec3| Halt {
+            share,
+            block: self.blocks.block_of_part(sides[0].part) as u32,
+            normal,
+            point: sides[0].point,
+            clear: at(share) + normal * (CLEARANCE * dp),
+        };
+        if let Some(sides) = self.without_room(&from, parts) {
+            let outward = outward(&sides).filter(|normal| path.dot(normal) < 0.0)?;
+            return Some(halt(0.0, &sides, outward));
         }
         let share = |k: u32| f64::from(k) / pieces;
         let (k, mut sides) = (1..=pieces as u32)
@@ -246,20 +255,9 @@ impl Sweep<'_> {
                 None => before = middle,
             }
         }
-        let [one, other] = sides;
-        let mean = 0.5 * (one.normal + other.normal);
-        let normal = match mean.norm() < NO_DIRECTION {
-            false => mean.normalize(),
-            // between parallel surfaces only the path tells where it came from
-            true => -path.try_normalize(0.0)?,
-        };
-        Some(Halt {
-            share: before,
-            block: self.blocks.block_of_part(one.part) as u32,
-            normal,
-            point: one.point,
-            clear: at(before) + normal * (CLEARANCE * dp),
-        })
+        // between parallel surfaces only the path tells where it came from
+        let normal = outward(&sides).or_else(|| (-path).try_normalize(0.0))?;
+        Some(halt(before, &sides, normal))
     }
 
     /// The part nearest to a point; m.
@@ -312,4 +310,10 @@ impl Sweep<'_> {
         }
         narrowest.map(|(_, pair)| pair)
     }
+}
+
+/// The way out of an opening between two surfaces that do not run parallel.
+fn outward(sides: &[Side; 2]) -> Option<Vec3> {
+    let mean = 0.5 * (sides[0].normal + sides[1].normal);
+    mean.try_normalize(NO_DIRECTION)
 }
