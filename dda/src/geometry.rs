@@ -7,6 +7,7 @@ pub(crate) mod cut;
 pub(crate) mod distance;
 pub(crate) mod mass_properties;
 pub(crate) mod parts;
+pub(crate) mod passage;
 pub(crate) mod polyhedron;
 pub(crate) mod quadrature;
 pub(crate) mod shape;

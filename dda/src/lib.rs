@@ -101,6 +101,7 @@ pub use geometry::clip::clipped_polygon;
 pub use geometry::cut::Plane;
 pub use geometry::distance::SurfacePoint;
 pub use geometry::mass_properties::MassProperties;
+pub use geometry::passage::Passage;
 pub use geometry::polyhedron::integrals::{face_area, mass_properties, volume};
 pub use geometry::polyhedron::{Polyhedron, PolyhedronError};
 pub use geometry::shape::Shape;

@@ -5,6 +5,7 @@ mod accounts;
 mod bodies;
 mod plates;
 mod still;
+mod whole_step;
 
 use crate::support::scene::{
     Case, FIXED, HELD, basin, below, block, cuboid, resolved, resolved_in, triple,

@@ -13,6 +13,8 @@
 //! In a periodic slab and in the slice of a 2-D flow a block is a piece of an endless prism:
 //! the fluid moves it in the plane of the slab only. Transverse loads are taken by the slab and booked as such.
 
+pub(crate) mod swept;
+
 use nalgebra::{Matrix2, Matrix3, Vector2};
 use rayon::prelude::*;
 use riprap_dda::{Blocks, Load, SurfacePoint};
@@ -38,6 +40,8 @@ const PUSH_BACK_DEPTH: f64 = 0.1;
 const LEAST_ROOM: f64 = 0.25;
 /// Cosine between the normals of two surfaces below which they face each other.
 const FACING: f64 = -0.9;
+/// Cosine between the normals of an exit and of a surface near it above which that one does not face the exit.
+const ALONG: f64 = -0.5;
 /// Distance from the surface, in spacings, to which it is pushed back.
 const PUSH_BACK_DISTANCE: f64 = 0.05;
 /// Depth, in spacings, to which particles behind a surface of triangles are looked for.
@@ -344,7 +348,11 @@ impl Interface {
                         |(n, height): &(Vec3, f64)| 0.9 < n.dot(&way.normal) && 0.0 <= *height;
                     planes.iter().any(is_level)
                 };
-                surface.is_some_and(|surface| surface.distance < by) && !lies_below()
+                // one that stands across leaves the room beside it: else the exit would be the far side of a plate
+                let stands_across = |surface: &SurfacePoint| {
+                    clearance <= surface.distance && ALONG < surface.normal.dot(&way.normal)
+                };
+                surface.is_some_and(|s| s.distance < by && !stands_across(&s)) && !lies_below()
             })
         };
         // a slice is cut from prisms without ends: nothing leaves a plane flow across it

@@ -27,7 +27,7 @@ pub(super) struct Coupler<'a> {
     pub(super) interface: &'a mut Interface,
     pub(super) walls: &'a mut Option<Walls>,
     joints: &'a mut JointWater,
-    openings: &'a mut Openings,
+    pub(super) openings: &'a mut Openings,
     /// Sub-steps of the blocks in a whole step, and those already taken.
     block_substeps: u32,
     substeps_taken: u32,
@@ -196,6 +196,7 @@ impl Boundary for Coupler<'_> {
             self.interface.find(fluid, self.rock.blocks);
         }
         if stage == Stage::End {
+            self.stop_on_the_way(fluid, dt);
             self.stop_penetrations(fluid);
         }
         if let Some(walls) = &mut *self.walls {

@@ -56,7 +56,7 @@ pub struct Extremes {
     pub max_mach: f64,
     /// Deepest particle inside a solid, over the spacing.
     pub max_wall_penetration_over_spacing: f64,
-    /// Particles found inside a solid and pushed back.
+    /// Particles found inside a solid and pushed back, or stopped on their path through one or into too narrow an opening.
     pub particles_pushed_back: u64,
     /// Blocks that left the domain.
     pub blocks_removed: u64,

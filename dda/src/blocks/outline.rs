@@ -2,6 +2,7 @@
 
 use crate::geometry::distance::SurfacePoint;
 use crate::geometry::parts::Part;
+use crate::geometry::passage::Passage;
 use crate::{Blocks, Vec3};
 
 impl Blocks {
@@ -70,6 +71,20 @@ impl Blocks {
             return None;
         }
         self.derived.parts[part].surface_point_within(x, cutoff)
+    }
+
+    /// Smallest thickness of a part, measured across faces, infinite for a surface of triangles; m.
+    pub fn part_thickness(&self, part: usize) -> f64 {
+        self.derived.parts[part].thickness()
+    }
+
+    /// Passage of the path between two points (m) through a part at its current position; `None` if it begins inside or
+    /// misses it, for a surface of triangles, and if its block was removed.
+    pub fn passage(&self, part: usize, from: &Vec3, to: &Vec3) -> Option<Passage> {
+        if self.state.is_removed[self.constants.block_of_part[part] as usize] {
+            return None;
+        }
+        self.derived.parts[part].passage(from, to)
     }
 
     /// Exits from a part for a point inside: the foot on the plane of each face, nearest first. The first is

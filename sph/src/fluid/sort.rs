@@ -13,6 +13,11 @@ impl Fluid {
         self.moved
     }
 
+    /// Largest speed at the last kick, with which particles drift; m/s.
+    pub fn drift_speed(&self) -> f64 {
+        self.max_speed
+    }
+
     /// Approach of two particles after which [`Self::refresh`] sorts them again; m.
     pub fn skin(&self) -> f64 {
         self.skin
