@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use crate::fluid::at_start::AtStart;
 use crate::fluid::scratch::Scratch;
 use crate::particles::filter;
-use crate::{CHUNK, Fluid};
+use crate::{CHUNK, Dimensions, Fluid};
 
 impl Fluid {
     /// Farthest that a particle may be from where it was when it was sorted; m.
@@ -15,13 +15,13 @@ impl Fluid {
 
     /// Approach of two particles after which [`Self::refresh`] sorts them again; m.
     pub fn skin(&self) -> f64 {
-        self.skin
+        self.skin.now()
     }
 
     /// Whether the last sort still holds.
     pub(crate) fn is_sorted(&self) -> bool {
         // both of a pair may have moved
-        2.0 * self.moved <= self.skin
+        2.0 * self.moved <= self.skin()
     }
 
     /// Makes the next [`Self::refresh`] sort.
@@ -34,6 +34,7 @@ impl Fluid {
     /// periodic side to the other one.
     /// Returns how many were removed. Accelerations are stale after a sort.
     pub fn refresh(&mut self) -> u64 {
+        self.skin.look();
         if self.is_sorted() {
             return 0;
         }
@@ -139,6 +140,12 @@ impl Fluid {
             reorder(&mut sleep.home, order, vectors);
         }
         self.lists.forget();
+        let support = self.settings.support_radius();
+        let dimensions = match self.settings.dimensions {
+            Dimensions::Two { .. } => 2,
+            Dimensions::Three => 3,
+        };
+        (self.skin).choose(self.moved, (support, self.widest_skin), dimensions);
         self.moved = 0.0;
         self.find_rests();
     }
