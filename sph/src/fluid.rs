@@ -91,6 +91,8 @@ pub struct Fluid {
     skin: Skin,
     /// Widest that it may become: what cells allow; m.
     widest_skin: f64,
+    /// Sorts since it was made or read.
+    sorts: u64,
     /// Farthest that particles may have moved since the last sort; m.
     pub(crate) moved: f64,
     /// Largest speed at the last kick; m/s.
@@ -175,6 +177,7 @@ impl Fluid {
             lattice_sum,
             skin: Skin::new(support, widest_skin),
             widest_skin,
+            sorts: 0,
             // nothing is sorted yet
             moved: f64::INFINITY,
             max_speed: 0.0,

@@ -49,6 +49,7 @@ impl Fluid {
             particle_volume: _,
             lattice_sum: _,
             widest_skin: _,
+            sorts: _,
         } = self;
         let out = postcard::to_extend(particles, out)?;
         let out = postcard::to_extend(grid.starts(), out)?;
@@ -80,6 +81,7 @@ impl Fluid {
             return bad;
         }
         self.particles = particles;
+        self.sorts += 1;
         let (starts, bytes) = postcard::take_from_bytes(bytes)?;
         if !self.grid.set_starts(starts, n) {
             return bad;

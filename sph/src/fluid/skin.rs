@@ -157,11 +157,11 @@ mod tests {
     #[test]
     fn lists_that_something_else_makes_void_are_short() {
         let mut skin = Skin::new(SUPPORT, WIDEST);
-        skin.sums = 3;
+        skin.count_sum();
         skin.look();
         skin.choose(1e-2, (SUPPORT, WIDEST), 3);
         let wide = skin.now();
-        skin.sums = 3;
+        skin.count_sum();
         skin.look();
         skin.choose(f64::INFINITY, (SUPPORT, WIDEST), 3);
         assert!(skin.now() < wide, "{} {wide}", skin.now());

@@ -13,6 +13,16 @@ impl Fluid {
         self.moved
     }
 
+    /// Farthest that a particle may ever be from where it was sorted; m.
+    pub fn farthest_from_sort(&self) -> f64 {
+        0.5 * self.widest_skin
+    }
+
+    /// Number of sorts so far: particles keep their order while it stays the same.
+    pub fn sorts(&self) -> u64 {
+        self.sorts
+    }
+
     /// Approach of two particles after which [`Self::refresh`] sorts them again; m.
     pub fn skin(&self) -> f64 {
         self.skin.now()
@@ -147,6 +157,7 @@ impl Fluid {
         };
         (self.skin).choose(self.moved, (support, self.widest_skin), dimensions);
         self.moved = 0.0;
+        self.sorts += 1;
         self.find_rests();
     }
 }
