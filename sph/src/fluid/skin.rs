@@ -139,11 +139,11 @@ mod tests {
         let skins = ways.map(steady);
         assert!(skins.is_sorted(), "{skins:?}");
         assert_eq!(skins[0], LEAST * SUPPORT);
-        // 2 q n with room for one more percent or so
-        for (way, skin) in ways.into_iter().zip(skins).skip(2) {
-            let n = (skin / (2.0 * way)).floor();
+        // as wide as whole intervals need, where it is neither the narrowest nor the widest
+        for (way, skin) in ways.into_iter().zip(skins).skip(3) {
+            let intervals = skin / (2.0 * way * ROOM);
             assert!(
-                (skin - 2.0 * way * n * ROOM).abs() < 1e-12 || skin == WIDEST,
+                (intervals - intervals.round()).abs() < 1e-9,
                 "{way}: {skin}"
             );
         }
