@@ -116,17 +116,14 @@ mod tests {
         let mut skin = Skin::new(SUPPORT, WIDEST);
         for _ in 0..20 {
             let mut moved = 0.0;
-            loop {
-                skin.look();
-                if skin.now() < 2.0 * moved {
-                    break;
-                }
+            while 2.0 * moved <= skin.now() {
                 skin.count_sum();
                 skin.count_sum();
                 if skin.looks % 2 == 0 {
                     skin.count_sum();
                 }
                 moved += way;
+                skin.look();
             }
             skin.choose(moved, (SUPPORT, WIDEST), 3);
         }
