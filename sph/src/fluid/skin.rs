@@ -12,7 +12,7 @@
 use serde::{Deserialize, Serialize};
 
 /// Cost of a sort and of making lists, over that of a sum over them.
-const LISTING: f64 = 1.2;
+const LISTING: f64 = 3.0;
 /// Widest skin to begin with; × support.
 const FIRST: f64 = 0.1;
 /// Narrowest skin; × support.
