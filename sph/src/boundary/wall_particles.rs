@@ -23,6 +23,9 @@
 //! The normal is the direction of the wall's pressure on the particle; a particle under tension slides.
 //!
 //! At planes of symmetry points are mirrored like the fluid: no point may be beyond one.
+//!
+//! Points keep the order of their cells, and their neighbors are listed from where they were sorted, until one of them has moved
+//! by half of what lists reach beyond the support, or the fluid is sorted after they moved.
 
 mod listed;
 
