@@ -119,7 +119,7 @@ mod tests {
             while 2.0 * moved <= skin.now() {
                 skin.count_sum();
                 skin.count_sum();
-                if skin.looks % 2 == 0 {
+                if skin.looks.is_multiple_of(2) {
                     skin.count_sum();
                 }
                 moved += way;
