@@ -8,7 +8,7 @@ use crate::neighbors::mirror::{Mirrors, Symmetry, SymmetryPlane};
 use crate::scheme::{DensityMethod, LARGEST_BULK_VISCOSITY, Scheme, Stepping, Viscosity};
 
 /// Margin of cells beyond the support radius, over this radius, so that particles may move before the next sort.
-const WIDEST_SKIN: f64 = 0.15;
+const WIDEST_SKIN: f64 = 0.1;
 /// The same where a period leaves no room for more.
 const LEAST_SKIN: f64 = 0.05;
 /// Least distance between two planes of symmetry across an axis, over the support radius.

@@ -20,7 +20,7 @@ const PER_SLEEPING_PARTICLE: f64 = 110.0;
 /// Bytes per neighbor in a list, with unused capacity.
 const PER_NEIGHBOR: f64 = 6.0;
 /// Skin of the lists beyond the support; × support.
-const LARGEST_SKIN: f64 = 0.15;
+const LARGEST_SKIN: f64 = 0.1;
 /// Bytes per particle of a wall.
 const PER_WALL_PARTICLE: f64 = 280.0;
 /// Smallest number of bytes per block.
