@@ -21,6 +21,7 @@ mod packing;
 pub mod sample;
 pub(crate) mod scratch;
 mod shifting;
+mod skin;
 pub(crate) mod sleep;
 mod sort;
 pub(crate) mod sums;
@@ -40,6 +41,7 @@ use crate::{Particles, Rheology, Vec3};
 
 use at_start::AtStart;
 use scratch::Scratch;
+use skin::Skin;
 use sleep::Sleep;
 
 pub use crate::settings::{Settings, StepLimits};
@@ -85,8 +87,12 @@ pub struct Fluid {
     particle_volume: f64,
     /// Kernel sum over the undisturbed lattice, by which summation density is divided.
     lattice_sum: f64,
-    /// Approach of two particles that requires a new sort; m.
-    skin: f64,
+    /// Approach of two particles that requires a new sort.
+    skin: Skin,
+    /// Widest that it may become: what cells allow; m.
+    widest_skin: f64,
+    /// Sorts since it was made or read.
+    sorts: u64,
     /// Farthest that particles may have moved since the last sort; m.
     pub(crate) moved: f64,
     /// Largest speed at the last kick; m/s.
@@ -128,11 +134,11 @@ impl Fluid {
         }
         let max_cells = (n * CELLS_PER_PARTICLE).max(FEWEST_CELL_LIMIT);
         let support = settings.support_radius();
-        let skin = settings.skin();
+        let widest_skin = settings.widest_skin();
         let grid = CellGrid::new(
             settings.domain,
             settings.periodic,
-            (support, skin),
+            (support, widest_skin),
             max_cells,
         )?;
         let scheme = &settings.scheme;
@@ -169,7 +175,9 @@ impl Fluid {
             sleep: None,
             particle_volume,
             lattice_sum,
-            skin,
+            skin: Skin::new(support, widest_skin),
+            widest_skin,
+            sorts: 0,
             // nothing is sorted yet
             moved: f64::INFINITY,
             max_speed: 0.0,
@@ -221,7 +229,7 @@ impl Fluid {
         bounds: (Vec3, Vec3),
     ) {
         // particles may have left the cells that they were sorted into
-        let reach = self.settings.support_radius() + self.skin();
+        let reach = self.settings.support_radius() + self.widest_skin;
         self.thin_solids.add(planes, bounds, &self.grid, reach);
     }
 

@@ -40,8 +40,8 @@
 //! bits for any number of threads. State is `f64` throughout; [`Precision`] is that of the sums.
 //!
 //! There are many sums of the fluid over itself between two sorts: the first lists the neighbors within the support
-//! and a skin, and all use the lists, also across periodic sides and planes of symmetry (`lists`). Between
-//! fluid and walls, and near thin solids in the fluid, each sum has its own search (`sweep`).
+//! and a skin, and all use the lists, also across periodic sides and planes of symmetry (`lists`), as sums between fluid and
+//! walls do; each sum has its own search (`sweep`) only where lists do not hold. The skin follows the speed of the flow (`skin`).
 //!
 //! # Walls
 //!

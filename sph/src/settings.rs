@@ -7,11 +7,12 @@ use crate::neighbors::cells::Periodicity;
 use crate::neighbors::mirror::{Mirrors, Symmetry, SymmetryPlane};
 use crate::scheme::{DensityMethod, LARGEST_BULK_VISCOSITY, Scheme, Stepping, Viscosity};
 
-/// Margin of cells and neighbor lists beyond the support radius, over this radius, so that particles
-/// may move before the next sort.
-const SKIN: f64 = 0.1;
-/// Least share where a period leaves no room for more.
+/// Margin of cells beyond the support radius, over this radius, so that particles may move before the next sort.
+const WIDEST_SKIN: f64 = 0.1;
+/// The same where a period leaves no room for more.
 const LEAST_SKIN: f64 = 0.05;
+/// Least distance between two planes of symmetry across an axis, over the support radius.
+const LEAST_BETWEEN_PLANES: f64 = 1.1;
 
 /// Settings of the fluid, constant during a run.
 #[derive(Clone, Debug)]
@@ -204,10 +205,10 @@ impl Settings {
                 range: "at most 1",
             });
         }
-        self.check_symmetry(self.support_radius() + self.skin())
+        self.check_symmetry(LEAST_BETWEEN_PLANES * self.support_radius())
     }
 
-    /// Refuses planes in which the flow has no mirror image; `reach` is the support with the skin, in m.
+    /// Refuses planes in which the flow has no mirror image; `reach` is the least distance between two, in m.
     pub(crate) fn check_symmetry(&self, reach: f64) -> Result<(), FluidError> {
         let extent = self.domain.1 - self.domain.0;
         for plane in self.symmetry_planes() {
@@ -228,17 +229,17 @@ impl Settings {
         Ok(())
     }
 
-    /// Approach of two particles that requires a new sort; m.
+    /// Greatest approach of two particles without a new sort; m.
     ///
     /// Two particles that leave a domain by opposite periodic sides interact across two periods, which no sum
-    /// covers: a period must be at least support and skin.
-    pub(crate) fn skin(&self) -> f64 {
+    /// covers: a period must be at least support and skin, as the distance of two planes of symmetry.
+    pub(crate) fn widest_skin(&self) -> f64 {
         let support = self.support_radius();
         let extent = self.domain.1 - self.domain.0;
         let room = (0..3)
-            .filter(|&axis| self.periodic[axis])
+            .filter(|&axis| self.periodic[axis] || self.symmetry[axis] == [true; 2])
             .fold(f64::INFINITY, |room, axis| room.min(extent[axis] - support));
-        room.clamp(LEAST_SKIN * support, SKIN * support)
+        room.clamp(LEAST_SKIN * support, WIDEST_SKIN * support)
     }
 }
 

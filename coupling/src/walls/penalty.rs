@@ -108,6 +108,10 @@ pub struct Interface {
     slab_axis: Option<usize>,
     /// Parts of blocks that never move, near each cell.
     fixed: PartTable,
+    /// Sort of the fluid at which particles near them were found, and whether each may come within their standoff before the
+    /// next one.
+    near_since: Option<u64>,
+    is_near_fixed: Vec<bool>,
     /// Parts of blocks that may move, near each cell at present.
     moving: PartTable,
     chunks: Vec<Vec<WallContact>>,
@@ -128,7 +132,14 @@ impl Interface {
     pub fn new(settings: WallSettings, blocks: &Blocks, fluid: &Fluid) -> Self {
         let grid = fluid.grid();
         let mut fixed = PartTable::default();
-        update(&mut fixed, blocks.fixed_parts(), (blocks, grid), &settings);
+        // particles move on from where they were sorted, on one side and on the other
+        let reach = settings.standoff + 2.0 * fluid.farthest_from_sort();
+        update(
+            &mut fixed,
+            blocks.fixed_parts(),
+            (blocks, grid),
+            (&settings, reach),
+        );
         let periodic = grid.periodic();
         let n_periodic = periodic.iter().filter(|&&p| p).count();
         let is_plane = matches!(fluid.settings().dimensions, Dimensions::Two { .. });
@@ -141,6 +152,8 @@ impl Interface {
                 (0..3).find(|&axis| n_periodic == 1 && periodic[axis])
             },
             fixed,
+            near_since: None,
+            is_near_fixed: Vec::new(),
             moving: PartTable::default(),
             chunks: Vec::new(),
             touches: Vec::new(),
@@ -226,12 +239,14 @@ impl Interface {
             &mut self.moving,
             blocks.movable_parts(),
             (blocks, fluid.grid()),
-            &self.settings,
+            (&self.settings, self.settings.standoff),
         );
+        self.find_near_fixed(fluid, blocks);
         let positions = &fluid.particles().position;
         self.chunks
             .resize_with(positions.len().div_ceil(CHUNK), Vec::new);
         let (settings, fixed, moving) = (&self.settings, &self.fixed, &self.moving);
+        let is_near_fixed = &self.is_near_fixed;
         self.chunks
             .par_iter_mut()
             .zip(positions.par_chunks(CHUNK))
@@ -245,11 +260,16 @@ impl Interface {
                 for (a, x) in positions.iter().enumerate() {
                     let cell = fluid.grid().cell_of(x);
                     let first = touches.len();
-                    for &part in fixed.near(cell).iter().chain(moving.near(cell)) {
+                    let a = chunk * CHUNK + a;
+                    let fixed = match is_near_fixed[a] {
+                        true => fixed.near(cell),
+                        false => &[],
+                    };
+                    for &part in fixed.iter().chain(moving.near(cell)) {
                         add_nearest(
                             touches,
                             first,
-                            ((chunk * CHUNK + a) as u32, x),
+                            (a as u32, x),
                             (part as usize, blocks),
                             settings,
                         );
@@ -260,6 +280,33 @@ impl Interface {
         for chunk in &self.chunks {
             self.touches.extend_from_slice(chunk);
         }
+    }
+
+    /// Finds the particles that may come within the standoff of a fixed part before the fluid is sorted again, once for each
+    /// sort.
+    fn find_near_fixed(&mut self, fluid: &Fluid, blocks: &Blocks) {
+        let positions = &fluid.particles().position;
+        let is_known = self.near_since == Some(fluid.sorts());
+        if is_known && self.is_near_fixed.len() == positions.len() {
+            return;
+        }
+        self.near_since = Some(fluid.sorts());
+        self.is_near_fixed.resize(positions.len(), false);
+        let (settings, fixed) = (&self.settings, &self.fixed);
+        let way = fluid.farthest_from_sort() + fluid.moved();
+        self.is_near_fixed
+            .par_iter_mut()
+            .zip(positions.par_iter())
+            .with_min_len(CHUNK)
+            .for_each(|(is_near, x)| {
+                let parts = fixed.near(fluid.grid().cell_of(x));
+                *is_near = parts.iter().any(|&part| {
+                    let part = part as usize;
+                    let reach = settings.reach(part, blocks) + way;
+                    let surface = blocks.surface_point_within(part, x, reach);
+                    surface.is_some_and(|surface| surface.distance <= settings.standoff + way)
+                });
+            });
     }
 
     /// Particles at or behind a surface where no spring holds them, those deeper inside than walls can be trusted to
@@ -600,7 +647,7 @@ fn update(
     table: &mut PartTable,
     parts: impl Iterator<Item = usize>,
     (blocks, grid): (&Blocks, &CellGrid),
-    settings: &WallSettings,
+    (settings, reach): (&WallSettings, f64),
 ) {
     let placed = parts.map(|part| {
         let block = blocks.block_of_part(part);
@@ -611,7 +658,7 @@ fn update(
         }
     });
     let parts = Reaching { blocks, settings };
-    table.update(placed, &parts, grid, settings.standoff);
+    table.update(placed, &parts, grid, reach);
 }
 
 /// Adds the touch of a particle and a part, or replaces that of another part of the same block if

@@ -23,6 +23,9 @@
 //! The normal is the direction of the wall's pressure on the particle; a particle under tension slides.
 //!
 //! At planes of symmetry points are mirrored like the fluid: no point may be beyond one.
+//!
+//! Points keep the order of their cells, and their neighbors are listed from where they were sorted, until one of them has moved
+//! by half of what lists reach beyond the support, or the fluid is sorted after they moved.
 
 mod listed;
 
@@ -30,6 +33,7 @@ use rayon::prelude::*;
 
 use crate::fluid::wall_sums::{self, Near, SortedPoints};
 use crate::neighbors::cells::CellGrid;
+use crate::neighbors::rest::Still;
 use crate::neighbors::sweep::{AnyPoints, PairKind};
 use crate::neighbors::thin_solids::Facet;
 use crate::scheme::Viscosity;
@@ -106,6 +110,8 @@ pub struct WallParticles {
     /// Fluid particles near points, but those that sleep, and points near fluid.
     nearby_particles: Vec<u32>,
     wet: WetPoints,
+    /// Chunks of the points in their order without any near fluid: no sum reads them, and they are not packed.
+    dry_chunks: Vec<bool>,
     /// Number of changes of the sleeping set at the last update of the pressure of all wet points.
     known_at: Option<u64>,
     listed: Listed,
@@ -176,6 +182,7 @@ impl WallParticles {
             marked: Vec::new(),
             nearby_particles: Vec::new(),
             wet: WetPoints::default(),
+            dry_chunks: Vec::new(),
             known_at: None,
             listed: Listed::default(),
             scratch: Scratch::default(),
@@ -346,6 +353,9 @@ impl WallParticles {
         wet.all.clear();
         wet.wet_and_awake.clear();
         wet.is_partial = fluid.may_sleep() && self.known_at == fluid.changes_of_rest();
+        self.dry_chunks.clear();
+        self.dry_chunks
+            .resize(self.order.len().div_ceil(CHUNK), true);
         for &cell in &self.occupied {
             let (mut is_wet, mut is_awake) = (false, false);
             cells.rows_round(cell as usize, |row| {
@@ -355,6 +365,7 @@ impl WallParticles {
             });
             if is_wet {
                 let points = self.grid.particles_in(cell as usize);
+                self.dry_chunks[points.start / CHUNK..points.end.div_ceil(CHUNK)].fill(false);
                 let first = wet.all.len();
                 wet.all.extend(points.map(|k| self.order[k]));
                 if is_awake && fluid.may_sleep() {
@@ -378,6 +389,7 @@ impl WallParticles {
         let then = &mut self.scratch.sorted_then;
         let walls = SortedPoints {
             grid: &self.grid,
+            dry: Still::new(&self.dry_chunks),
             positions: match self.sorted_at.is_empty() {
                 true => &self.sorted,
                 false => {
@@ -450,10 +462,10 @@ impl WallParticles {
     /// Packs velocities and volumes for the sums.
     fn pack_flow(&mut self, fluid: &Fluid) {
         let (order, velocity, volume) = (&self.order, &self.velocity, &self.volume);
-        self.points.pack(
+        self.points.pack_moving(
             fluid.settings.scheme.precision,
             &fluid.frame,
-            &self.sorted,
+            (&self.sorted, Still::new(&self.dry_chunks)),
             |k| {
                 let w = order[k] as usize;
                 let v = velocity[w];
@@ -574,10 +586,10 @@ impl WallParticles {
         }
         let (order, volume) = (&self.order, &self.volume);
         let (seen_velocity, pressure) = (&self.seen_velocity, &self.pressure);
-        self.points.pack(
+        self.points.pack_moving(
             fluid.settings.scheme.precision,
             &fluid.frame,
-            &self.sorted,
+            (&self.sorted, Still::new(&self.dry_chunks)),
             |k| {
                 let w = order[k] as usize;
                 let v = seen_velocity[w];

@@ -40,6 +40,7 @@ impl Fluid {
             scratch,
             // walls set them up again
             thin_solids: _,
+            skin,
             // constants
             settings: _,
             state: _,
@@ -47,7 +48,8 @@ impl Fluid {
             rheologies: _,
             particle_volume: _,
             lattice_sum: _,
-            skin: _,
+            widest_skin: _,
+            sorts: _,
         } = self;
         let out = postcard::to_extend(particles, out)?;
         let out = postcard::to_extend(grid.starts(), out)?;
@@ -55,7 +57,7 @@ impl Fluid {
         let out = postcard::to_extend(&listed, out)?;
         let energies = (viscous_loss, bulk_loss, from_walls, diffusive_loss);
         let momenta = (removed, plane_force, reflected);
-        let rest = (moved, max_speed, n_pairs, energies, momenta);
+        let rest = (moved, skin, max_speed, n_pairs, energies, momenta);
         let out = postcard::to_extend(&rest, out)?;
         // the next step starts with these
         let rates = match self.settings.scheme.stepping.rates_with_forces() {
@@ -79,6 +81,7 @@ impl Fluid {
             return bad;
         }
         self.particles = particles;
+        self.sorts += 1;
         let (starts, bytes) = postcard::take_from_bytes(bytes)?;
         if !self.grid.set_starts(starts, n) {
             return bad;
@@ -86,7 +89,17 @@ impl Fluid {
         let (listed, bytes) = postcard::take_from_bytes::<Option<(Vec<Vec3>, f64)>>(bytes)?;
         let (rest, bytes) = postcard::take_from_bytes(bytes)?;
         let (energies, momenta);
-        (self.moved, self.max_speed, self.n_pairs, energies, momenta) = rest;
+        (
+            self.moved,
+            self.skin,
+            self.max_speed,
+            self.n_pairs,
+            energies,
+            momenta,
+        ) = rest;
+        if !(self.skin).is_of(self.settings.support_radius(), self.widest_skin) {
+            return bad;
+        }
         let (viscous, bulk, from_walls, diffusive) = energies;
         (self.viscous_loss, self.bulk_loss) = (viscous, bulk);
         (self.from_walls, self.diffusive_loss) = (from_walls, diffusive);

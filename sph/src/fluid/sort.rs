@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use crate::fluid::at_start::AtStart;
 use crate::fluid::scratch::Scratch;
 use crate::particles::filter;
-use crate::{CHUNK, Fluid};
+use crate::{CHUNK, Dimensions, Fluid};
 
 impl Fluid {
     /// Farthest that a particle may be from where it was when it was sorted; m.
@@ -18,15 +18,25 @@ impl Fluid {
         self.max_speed
     }
 
+    /// Farthest that a particle may ever be from where it was sorted; m.
+    pub fn farthest_from_sort(&self) -> f64 {
+        0.5 * self.widest_skin
+    }
+
+    /// Number of sorts so far: particles keep their order while it stays the same.
+    pub fn sorts(&self) -> u64 {
+        self.sorts
+    }
+
     /// Approach of two particles after which [`Self::refresh`] sorts them again; m.
     pub fn skin(&self) -> f64 {
-        self.skin
+        self.skin.now()
     }
 
     /// Whether the last sort still holds.
     pub(crate) fn is_sorted(&self) -> bool {
         // both of a pair may have moved
-        2.0 * self.moved <= self.skin
+        2.0 * self.moved <= self.skin()
     }
 
     /// Makes the next [`Self::refresh`] sort.
@@ -39,6 +49,7 @@ impl Fluid {
     /// periodic side to the other one.
     /// Returns how many were removed. Accelerations are stale after a sort.
     pub fn refresh(&mut self) -> u64 {
+        self.skin.look();
         if self.is_sorted() {
             return 0;
         }
@@ -144,7 +155,14 @@ impl Fluid {
             reorder(&mut sleep.home, order, vectors);
         }
         self.lists.forget();
+        let support = self.settings.support_radius();
+        let dimensions = match self.settings.dimensions {
+            Dimensions::Two { .. } => 2,
+            Dimensions::Three => 3,
+        };
+        (self.skin).choose(self.moved, (support, self.widest_skin), dimensions);
         self.moved = 0.0;
+        self.sorts += 1;
         self.find_rests();
     }
 }

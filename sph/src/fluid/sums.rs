@@ -194,6 +194,7 @@ fn sum_into<O: Clone + Default>(
     }
     out.resize(fluid.particles.len(), O::default());
     fluid.list(&points);
+    fluid.skin.count_sum();
     let n_found = sum(fluid, &fluid.to_everyone(&points), &mut out);
     match packed {
         Packed::Flow => *fluid.flow_points() = points,
@@ -219,6 +220,7 @@ pub(crate) fn summation(fluid: &mut Fluid, factor: f64) -> u64 {
         |a| [0.0, 0.0, 0.0, 0.0, mass[a] * factor],
     );
     fluid.list(&points);
+    fluid.skin.count_sum();
     let n_found = within(&fluid.to_everyone(&points), &Densities, &mut density);
     fluid.particles.density = density;
     fluid.scratch.points = points;

@@ -3,6 +3,7 @@
 use crate::fluid::sums::Listing;
 use crate::neighbors::cells::CellGrid;
 use crate::neighbors::lists::{Lists, Surroundings};
+use crate::neighbors::rest::Still;
 use crate::neighbors::sweep::{AnyPoints, PairKind, Receivers, dispatch};
 use crate::terms::concentration::Concentration;
 use crate::terms::continuity::{Rate, RateOwn};
@@ -29,6 +30,8 @@ pub(crate) struct SortedPoints<'a> {
     pub grid: &'a CellGrid,
     /// Where they were sorted; m.
     pub positions: &'a [Vec3],
+    /// Those with no particle near them.
+    pub dry: Still<'a>,
 }
 
 impl Fluid {
@@ -65,12 +68,9 @@ impl Fluid {
         let listed = self.listed()?;
         let (from, radius) = listed.made_from()?;
         // lists depend on positions only
-        packed.pack(
-            self.settings.scheme.precision,
-            &self.frame,
-            walls.positions,
-            |_| [0.0; 5],
-        );
+        let precision = self.settings.scheme.precision;
+        let positions = (walls.positions, walls.dry);
+        packed.pack_moving(precision, &self.frame, positions, |_| [0.0; 5]);
         self.list_across((walls.grid, packed), some(from, particles), *radius, lists);
         listed.generation()
     }
