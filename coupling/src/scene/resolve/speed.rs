@@ -130,7 +130,8 @@ mod tests {
     use super::*;
     use riprap_dda::Polyhedron;
 
-    /// A gate of 0.02 x 1 x 1.2 m that stands 1 m deep in water, moved at 3 m/s for a second.
+    /// A gate of 0.02 x 1 x 1.2 m that stands 1 m deep in water, moved at a mean speed (m/s) for a second, from rest to rest: by
+    /// a cubic, with 1.5 times the mean half way.
     fn of_gate(velocity: Vec3, reach: f64) -> f64 {
         let gate = Polyhedron::cuboid(Vec3::zeros(), Vec3::new(0.02, 1.0, 1.2)).unwrap();
         let motion = PrescribedMotion::Table {
@@ -149,14 +150,14 @@ mod tests {
     fn a_gate_drawn_up_pushes_no_water() {
         assert_eq!(of_gate(Vec3::new(0.0, 0.0, 3.0), 1.0), 0.0);
         // blocks may stand on it
-        assert_close(of_gate(Vec3::new(0.0, 0.0, 3.0), f64::INFINITY), 3.0);
+        assert_close(of_gate(Vec3::new(0.0, 0.0, 3.0), f64::INFINITY), 4.5);
     }
 
     #[test]
     fn a_piston_pushes_with_its_speed_and_a_plunger_until_it_is_out() {
-        assert_close(of_gate(Vec3::new(-3.0, 0.0, 0.0), 1.0), 3.0);
-        assert_close(of_gate(Vec3::new(0.0, 0.0, -3.0), 1.0), 3.0);
+        assert_close(of_gate(Vec3::new(-3.0, 0.0, 0.0), 1.0), 4.5);
+        assert_close(of_gate(Vec3::new(0.0, 0.0, -3.0), 1.0), 4.5);
         // its faces look along the axes
-        assert_close(of_gate(Vec3::new(1.8, 0.0, 2.4), 1.0), 1.8);
+        assert_close(of_gate(Vec3::new(1.8, 0.0, 1.2), 1.0), 2.7);
     }
 }
