@@ -198,8 +198,9 @@ impl Scheme {
         }
     }
 
-    /// Common practice in coastal engineering: accurate at moderate cost.
-    pub fn standard() -> Self {
+    /// Common practice in coastal engineering, with artificial viscosity: in every wave it takes much more than water's own
+    /// does.
+    pub fn artificial() -> Self {
         Self {
             kernel: KernelChoice::WendlandC2,
             density: DensityMethod::Continuity,
@@ -214,13 +215,13 @@ impl Scheme {
         }
     }
 
-    /// Accuracy first.
-    pub fn reference(kinematic_viscosity: f64) -> Self {
+    /// The same with the viscosity of the fluid (m²/s).
+    pub fn laminar(kinematic_viscosity: f64) -> Self {
         Self {
             viscosity: Viscosity::Laminar {
                 kinematic_viscosity,
             },
-            ..Self::standard()
+            ..Self::artificial()
         }
     }
 }

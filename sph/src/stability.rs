@@ -167,7 +167,7 @@ mod tests {
             scheme: Scheme {
                 diffusion,
                 bulk_viscosity: alpha,
-                ..Scheme::standard()
+                ..Scheme::artificial()
             },
             dimensions,
             gravity: Vec3::zeros(),

@@ -61,7 +61,7 @@ fn a_stretched_drop_follows_its_ellipse() {
             |x| 0.5 * DENSITY * (1.0 - x.norm_squared()),
         )
     };
-    let standard = Scheme::standard();
+    let standard = Scheme::artificial();
     let inviscid = Scheme {
         precision: Precision::Double,
         viscosity: Viscosity::None,
@@ -158,7 +158,7 @@ fn a_turning_patch_keeps_its_spin() {
             shifting,
             precision: Precision::Double,
             diffusion: DensityDiffusion::Fourtakas(0.1),
-            ..Scheme::standard()
+            ..Scheme::artificial()
         };
         let middle = Vec3::new(0.0, 0.5, 0.0);
         let spin = Vec3::new(0.0, 1.0, 0.0);

@@ -11,7 +11,7 @@ use crate::water::{DENSITY, Plane, Water, lattice, short, start};
 fn standard(precision: Precision) -> Scheme {
     Scheme {
         precision,
-        ..Scheme::standard()
+        ..Scheme::artificial()
     }
 }
 
@@ -273,11 +273,11 @@ fn any_number_of_threads_gives_the_same_bits_with_walls() {
             })
     };
     for scheme in [
-        Scheme::standard(),
-        Scheme::reference(1e-3),
-        predicted(Scheme::reference(1e-3)),
-        bulky(Scheme::reference(1e-3)),
-        bulky(predicted(Scheme::reference(1e-3))),
+        Scheme::artificial(),
+        Scheme::laminar(1e-3),
+        predicted(Scheme::laminar(1e-3)),
+        bulky(Scheme::laminar(1e-3)),
+        bulky(predicted(Scheme::laminar(1e-3))),
     ] {
         let one = run(1, scheme);
         assert_eq!(one, run(2, scheme));

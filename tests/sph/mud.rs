@@ -70,7 +70,7 @@ impl Layer {
             scheme: Scheme {
                 viscosity: self.viscosity,
                 precision: self.precision,
-                ..Scheme::standard()
+                ..Scheme::artificial()
             },
             dimensions: Dimensions::Two { width: 1.0 },
             gravity: Vec3::new(self.gravity[0], 0.0, self.gravity[1]),

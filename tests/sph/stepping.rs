@@ -326,7 +326,7 @@ fn with_summation_every_stepping_has_the_limit_of_leapfrog() {
 
 #[test]
 fn a_gravity_wave_is_the_same_with_both_steppings_of_continuity() {
-    let of = |stepping| standing_wave(26, 2.0, with(stepping, Scheme::standard()), 4.0);
+    let of = |stepping| standing_wave(26, 2.0, with(stepping, Scheme::artificial()), 4.0);
     let [period, decay] = of(Stepping::KickDriftKick);
     let [predicted_period, predicted_decay] = of(Stepping::PredictorCorrector);
     println!(

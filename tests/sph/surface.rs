@@ -13,7 +13,7 @@ fn rows(pieces: &[[i32; 2]]) -> Fluid {
         spacing: SPACING,
         ratio: 1.5,
         sound_speed: 20.0,
-        scheme: Scheme::standard(),
+        scheme: Scheme::artificial(),
         gravity: Vec3::new(0.0, 0.0, -9.81),
         time_step_factor: 0.5,
         domain: ([0.0, -0.1], [0.8, 2.0]),

@@ -396,7 +396,7 @@ fn scheme(precision: Precision, viscosity: Viscosity, diffusion: DensityDiffusio
         viscosity,
         diffusion,
         shifting: Shifting::Fickian { coefficient: 2.0 },
-        ..Scheme::standard()
+        ..Scheme::artificial()
     }
 }
 

@@ -112,7 +112,7 @@ fn hold_water(shake: f64) {
             sound_speed: tank_sound(),
             scheme: Scheme {
                 precision: Precision::Double,
-                ..Scheme::standard()
+                ..Scheme::artificial()
             },
             gravity: Vec3::new(0.0, 0.0, -G),
             time_step_factor: 0.5,
@@ -193,7 +193,7 @@ fn still_water_stays_still_in_the_plane() {
             Scheme {
                 state_equation: equation,
                 precision,
-                ..Scheme::standard()
+                ..Scheme::artificial()
             },
         );
         println!("S04: {rows} rows, {equation:?}, {precision:?}: {still:.4?}");
@@ -250,7 +250,7 @@ fn still_water_stays_still_in_space_with_wide_support() {
 fn still_slab(ratio: f64) -> Still {
     let dp = 0.02;
     let (nx, ny, nz) = (10, 6, 25);
-    let scheme = Scheme::standard();
+    let scheme = Scheme::artificial();
     let settings = Settings {
         particle_spacing: [dp; 3],
         smoothing_length: ratio * dp,
@@ -332,7 +332,7 @@ impl StartUp {
                 viscosity,
                 // a pull along the plates is no gravity that water could rest in
                 diffusion: DensityDiffusion::MolteniColagrossi(0.1),
-                ..Scheme::standard()
+                ..Scheme::artificial()
             },
             gravity: Vec3::new(pull, 0.0, 0.0),
             time_step_factor: 0.5,
@@ -419,7 +419,7 @@ fn carried(velocity: Vec3, precision: Precision) -> Vec3 {
         sound_speed: c0,
         scheme: Scheme {
             precision,
-            ..Scheme::standard()
+            ..Scheme::artificial()
         },
         gravity: Vec3::zeros(),
         time_step_factor: 0.5,
@@ -549,10 +549,10 @@ fn turning_water_rests_in_its_vessel() {
         viscosity: Viscosity::Laminar {
             kinematic_viscosity: 1e-3,
         },
-        ..Scheme::standard()
+        ..Scheme::artificial()
     };
     let dp = 0.0125;
-    let [pressure, _, spin] = turning(dp, Slip::Free, Scheme::standard(), 0.5);
+    let [pressure, _, spin] = turning(dp, Slip::Free, Scheme::artificial(), 0.5);
     // asked 2 % of the rise of pressure; measured 2.4e-2, noise of particles that leave their rings
     assert!(pressure < 0.03, "{pressure}");
     // asked no torque; forces of pressure alone, measured 5e-4 in a turn

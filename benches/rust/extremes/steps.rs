@@ -239,7 +239,7 @@ pub fn there_and_back(speed: f64, n: u32) -> Result<(f64, f64), Failure> {
         diffusion: DensityDiffusion::None,
         viscosity: Viscosity::None,
         precision: Precision::Double,
-        ..Scheme::standard()
+        ..Scheme::artificial()
     };
     let k = std::f64::consts::TAU;
     let flow = |x: &Vec3| Vec3::new((k * x.z).sin(), (k * x.x).cos(), (k * x.y).sin()) * speed;
@@ -285,7 +285,7 @@ fn water(length: Length) -> Result<Vec<Row>, Failure> {
                 diffusion: DensityDiffusion::None,
                 viscosity: Viscosity::None,
                 precision: Precision::Double,
-                ..Scheme::standard()
+                ..Scheme::artificial()
             },
             "1.75",
         ),
@@ -294,7 +294,7 @@ fn water(length: Length) -> Result<Vec<Row>, Failure> {
             Scheme {
                 viscosity: Viscosity::None,
                 precision: Precision::Double,
-                ..Scheme::standard()
+                ..Scheme::artificial()
             },
             "1.54",
         ),
@@ -305,7 +305,7 @@ fn water(length: Length) -> Result<Vec<Row>, Failure> {
                 viscosity: Viscosity::None,
                 bulk_viscosity: 0.1,
                 precision: Precision::Double,
-                ..Scheme::standard()
+                ..Scheme::artificial()
             },
             "1.66",
         ),
@@ -315,11 +315,11 @@ fn water(length: Length) -> Result<Vec<Row>, Failure> {
                 viscosity: Viscosity::None,
                 bulk_viscosity: 0.2,
                 precision: Precision::Double,
-                ..Scheme::standard()
+                ..Scheme::artificial()
             },
             "1.41",
         ),
-        ("Standard", Scheme::standard(), "1.54"),
+        ("Standard", Scheme::artificial(), "1.54"),
     ] {
         let grows = |share: f64| -> f64 {
             let mut random = Random::new(9);

@@ -26,7 +26,7 @@ pub fn tank(dp: f64, ratio: f64, precision: Precision) -> Result<Tank, FluidErro
             diffusion: DensityDiffusion::Fourtakas(0.1),
             viscosity: Viscosity::Artificial { alpha: 0.1 },
             precision,
-            ..Scheme::standard()
+            ..Scheme::artificial()
         },
         dimensions: Dimensions::Three,
         gravity: Vec3::new(0.0, 0.0, -9.81),

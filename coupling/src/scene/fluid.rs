@@ -161,14 +161,15 @@ fn sound_speed(file: &SceneFile, fastest: f64, problems: &mut Vec<Problem>) -> f
         };
     };
     // a preset that is lower than this is meant to be
-    if given < 0.999 * SOUND_SPEED_RATIO * fastest {
+    let ratio = scheme::preset(file).sound_speed_ratio.min(SOUND_SPEED_RATIO);
+    if given < 0.999 * ratio * fastest {
         problems.push(Problem::warning(
             "numerics.sound_speed",
             format!(
-                "{given:.3} m/s is less than {SOUND_SPEED_RATIO} times the fastest expected speed of \
+                "{given:.3} m/s is less than {ratio} times the fastest expected speed of \
                  {fastest:.3} m/s: density will vary by {:.1} %; raise it to {:.1} m/s",
                 100.0 * (fastest / given).powi(2),
-                SOUND_SPEED_RATIO * fastest,
+                ratio * fastest,
             ),
         ));
     }

@@ -79,7 +79,7 @@ mod tests {
             scheme: Scheme {
                 shifting: Shifting::Fickian { coefficient: 2.0 },
                 precision: Precision::Double,
-                ..Scheme::standard()
+                ..Scheme::artificial()
             },
             dimensions: Dimensions::Two { width },
             gravity: Vec3::zeros(),

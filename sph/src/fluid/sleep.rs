@@ -678,7 +678,7 @@ mod tests {
                 precision: Precision::Double,
                 negative_pressure: NegativePressure::Kept,
                 bulk_viscosity: 0.1,
-                ..Scheme::standard()
+                ..Scheme::artificial()
             },
             dimensions: Dimensions::Three,
             gravity: Vec3::new(0.0, 0.0, -9.81),

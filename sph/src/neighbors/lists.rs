@@ -549,7 +549,7 @@ mod tests {
                 diffusion: DensityDiffusion::Antuono(0.1),
                 viscosity: of.viscosity,
                 kernel: of.kernel,
-                ..Scheme::standard()
+                ..Scheme::artificial()
             },
             dimensions: Dimensions::Three,
             gravity: Vec3::zeros(),

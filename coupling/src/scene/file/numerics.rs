@@ -41,8 +41,8 @@ pub struct NumericsFile {
     /// Ratio of smoothing length to particle spacing; the support radius is twice the smoothing length.
     #[serde(default)]
     pub smoothing_length_ratio: Option<f64>,
-    /// Numerical speed of sound; m/s. Ten times the fastest expected speed when left out, seven with `Preview`,
-    /// fourteen with `Reference`.
+    /// Numerical speed of sound; m/s. Seven times the fastest expected speed when left out, five with `Preview`,
+    /// fourteen with `Reference`, ten with `Mueller2003`.
     #[serde(default)]
     pub sound_speed: Option<f64>,
     /// Fastest expected flow, from which the speed of sound follows; m/s.
@@ -85,15 +85,14 @@ pub struct NumericsFile {
 pub enum Preset {
     /// Density by summation and Mueller's kernels, as published, misprints corrected.
     Mueller2003,
-    /// For a first look: `Standard` with the longest step allowed by the scheme and a speed of sound of seven instead
-    /// of ten times the fastest expected speed.
+    /// For a first look: `Standard` with a speed of sound of five instead of seven times the fastest expected speed.
     Preview,
-    /// Common practice in coastal engineering: Wendland kernel, density from continuity with diffusion, walls of
-    /// particles.
+    /// Wendland kernel, density from continuity with diffusion, the viscosity of the fluid, walls of particles; the longest
+    /// step that the scheme allows.
     #[default]
     Standard,
-    /// For accuracy, with the settings that studies show to improve it: a wide kernel in three dimensions, too, the
-    /// physical viscosity, a speed of sound of fourteen times the fastest expected speed.
+    /// For accuracy, with the settings that studies show to improve it: a wide kernel in three dimensions, too, and a speed
+    /// of sound of fourteen times the fastest expected speed.
     Reference,
 }
 
