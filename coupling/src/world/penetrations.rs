@@ -137,7 +137,7 @@ mod tests {
         let text = format!(
             "(title: \"plate\", gravity: (0, 0, 0), domain: (min: (-2, -2, -2), max: (2, 2, 2)),
              materials: [(name: \"m\", density: 2000, friction_angle_deg: 30)],
-             blocks: [(name: \"plate\", material: \"m\", {plate},
+             blocks: [(name: \"plate\", material: \"m\", {plate}
                        shape: Box(min: (-1, -1, -0.02), max: (1, 1, 0)))],
              fluid: (resolution: Spacing({DP}), regions: [(name: \"drop\",
                      shape: Box(min: (-0.05, -0.05, 0.5), max: (0.05, 0.05, 0.6)))]),
@@ -199,7 +199,7 @@ mod tests {
     #[test]
     fn a_particle_shot_at_a_thin_plate_stops_at_it() {
         for walls in ["Penalty", "Particles", "Integral"] {
-            let mut world = plate(walls, "motion: Fixed");
+            let mut world = plate(walls, "motion: Fixed,");
             let mut n_stopped = 0;
             for (from, velocity, dt) in shots() {
                 let reaches = (from + velocity * dt).z < 0.0;
