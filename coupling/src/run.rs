@@ -469,13 +469,13 @@ mod tests {
         }
     }
 
-    /// Runs for 150 steps, does something to the fluid, and on to the end; what was told of it, and the summary.
+    /// Runs for 60 steps, does something to the fluid, and on to the end; what was told of it, and the summary.
     fn hit(blow: impl Fn(&mut Fluid)) -> (Vec<String>, Summary, Vec<f64>) {
         let (scene, folder) = (scene(), tempfile::tempdir().unwrap());
         let mut run = Run::start(&scene, plan(folder.path())).unwrap();
         let (stop, mut told) = (AtomicBool::new(false), Vec::new());
         let mut tell = |event: Event| match event {
-            Event::Step(progress) if progress.steps == 150 => stop.store(true, Ordering::Relaxed),
+            Event::Step(progress) if progress.steps == 60 => stop.store(true, Ordering::Relaxed),
             Event::Step(_) => {}
             Event::FellBack { error, .. } => told.push(error.to_string()),
         };

@@ -512,7 +512,7 @@ fn a_disk_that_is_full_stops_a_run_that_goes_on_when_it_is_not() {
     // its table of forces grows beyond half a megabyte, which nothing else does
     let text = TANK
         .replace("forces: (interval: 0.002)", "forces: (interval: 0.0001)")
-        .replace("duration: 0.4", "duration: 2.0")
+        .replace("duration: 0.4", "duration: 4.0")
         .replace("frame_interval: 0.02", "frame_interval: 0.2");
     fs::write(&case, text).unwrap();
     let (whole, full) = (folder.path().join("whole"), folder.path().join("full"));

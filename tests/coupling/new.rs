@@ -66,7 +66,7 @@ const SLOPE: &str = "slope --dem @fjord.asc --outline @outline.csv --level 0 --s
 #[test]
 fn a_slope_is_laid_out_by_its_terrain() {
     let folder = with_fjord();
-    let scene = written_and_run(folder.path(), &format!("{SLOPE} --dip 34"), "0.2");
+    let scene = written_and_run(folder.path(), &format!("{SLOPE} --dip 34"), "0.4");
     let terrain = scene.terrain.as_ref().unwrap();
     let slide = SlideImpact::of(&terrain.rock[0], &scene).unwrap();
     assert!((slide.slope.to_degrees() - 34.0).abs() < 0.1, "{slide:?}");

@@ -221,7 +221,10 @@ fn a_solitary_wave_is_the_same_in_water_that_sleeps_before_it() {
 /// A block falls into one end of a trough: a wave of all lengths and a crack that goes through all of the water at once.
 #[test]
 fn a_crack_does_not_wake_the_water_that_a_wave_will() {
-    let worlds = ["sleeping: ()", ""].map(|numerics| settled(world(&trough(numerics)), 0.5));
+    // steps shorter than the rows of the record
+    let scheme = "viscosity: Artificial(0.02), time_step_factor: 0.5";
+    let worlds = ["sleeping: (), ", ""]
+        .map(|sleeping| settled(world(&trough(&format!("{sleeping}{scheme}"))), 0.5));
     let points = [1.0, 1.4].map(|x| (x, 0.14));
     let [with, without] = compared(worlds, 0.9, 0.3, &points);
     let (energy, expected) = (with.energy(), without.energy());
@@ -265,7 +268,6 @@ fn threads_and_checkpoints_do_not_change_a_bit() {
     }
 }
 
-/// A paddle strokes and rests, and strokes again, in water that is damped everywhere.
 /// A paddle strokes and rests, and strokes again, in water that is damped everywhere.
 #[test]
 fn water_that_has_calmed_down_sleeps_again_and_wakes_again() {

@@ -20,6 +20,13 @@ const RHO: f64 = 1000.0;
 
 const G: f64 = 9.81;
 
+/// A scheme in which the water is calm, so that it is the walls that stir it: artificial viscosity, half the step, and a sound
+/// speed of ten times long waves in water this deep (m). The default leaves 0.2 to 0.8 % of noise in its place.
+fn calm(depth: f64) -> String {
+    let sound = 10.0 * (G * depth).sqrt();
+    format!("viscosity: Artificial(0.02), time_step_factor: 0.5, sound_speed: {sound:?}")
+}
+
 /// A basin of still water, sizes in spacings, and a block in it.
 fn still(
     walls: &'static str,

@@ -161,7 +161,9 @@ fn sound_speed(file: &SceneFile, fastest: f64, problems: &mut Vec<Problem>) -> f
         };
     };
     // a preset that is lower than this is meant to be
-    let ratio = scheme::preset(file).sound_speed_ratio.min(SOUND_SPEED_RATIO);
+    let ratio = scheme::preset(file)
+        .sound_speed_ratio
+        .min(SOUND_SPEED_RATIO);
     if given < 0.999 * ratio * fastest {
         problems.push(Problem::warning(
             "numerics.sound_speed",

@@ -251,9 +251,6 @@ mod tests {
             file.numerics.density_diffusion,
             Some(DensityDiffusionFile::Fourtakas(0.1))
         );
-        assert_eq!(
-            file.numerics.viscosity,
-            Some(ViscosityFile::Artificial(0.02))
-        );
+        assert_eq!(file.numerics.viscosity, Some(ViscosityFile::Laminar));
     }
 }

@@ -124,7 +124,10 @@ fn water_in_joints_does_no_work_on_blocks_at_rest() {
     let (text, [area, height]) = stack([1.0; 2], false, 2);
     let held = "hold: (directions: [X, Y, Z], turning: Held), ";
     assert!(text.contains(held));
-    let mut world = world(&text.replace(held, ""));
+    // waves that are left of the start do work: they are damped
+    let calm = "numerics: (viscosity: Artificial(0.02), time_step_factor: 0.5), fluid: (";
+    let text = text.replace(held, "").replace("fluid: (", calm);
+    let mut world = world(&text);
     advance(&mut world, 1.0, DURATION, |_| {});
     let (before, steps) = (world.energy(), world.clock().steps);
     advance(&mut world, 2.0, DURATION, |_| {});

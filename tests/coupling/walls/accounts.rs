@@ -68,6 +68,7 @@ fn energy_is_accounted_for_with_prescribed_and_free_blocks() {
     ] {
         let mut case = stirred(walls, "Double", 3.0);
         case.more[1] = format!("slip: {slip}");
+        case.more[2] = format!("precision: Double, {}", calm(0.4));
         let mut world = case.world();
         for _ in 0..200 {
             let step = world.next_step(1.0).unwrap();

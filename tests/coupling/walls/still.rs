@@ -90,7 +90,7 @@ fn still_water_on_a_slope_that_stands_out_of_its_tank_stays_still() {
         more: [
             String::new(),
             String::new(),
-            "smoothing_length_ratio: 2.0".to_owned(),
+            format!("smoothing_length_ratio: 2.0, {}", calm(depth)),
         ],
     };
     let mut world = case.world();
@@ -146,7 +146,7 @@ fn still_water_in_a_bowl_of_triangles_stays_still() {
         more: [
             String::new(),
             String::new(),
-            "smoothing_length_ratio: 2.0".to_owned(),
+            format!("smoothing_length_ratio: 2.0, {}", calm(level)),
         ],
     };
     let scene = resolved_in(folder.path(), &case.text());
