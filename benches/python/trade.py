@@ -17,7 +17,9 @@ import matplotlib.pyplot as plt  # noqa: E402
 import numpy as np  # noqa: E402
 from matplotlib.ticker import LogFormatter, NullFormatter  # noqa: E402
 
-PRESETS = ("Preview", "Standard", "Reference", "published")
+PRESETS = ("artificial, half step", "Preview", "Standard", "Reference", "published")
+# marks in the plot
+DEFAULTS = (("Standard", "*", "Standard"), ("artificial, half step", "D", "the default before it"))
 TITLES = {
     "still_tank": "still tank, pressure",
     "standing_wave": "standing wave, height after 5 periods",
@@ -119,6 +121,11 @@ def draw(studies, path):
         line = [(r.work, 100 * r.error) for r in theirs if np.isfinite(r.error)]
         if line:
             panel.plot(*zip(*line), "s--", color="#d55e00", ms=5, lw=1, label="published scheme, three spacings")
+        for preset, mark, label in DEFAULTS:
+            of_preset = [r for r in runs if r.preset == preset and set(r.turned) <= {"preset"}]
+            point = [(r.work, 100 * r.error) for r in of_preset if np.isfinite(r.error) and r.error > 0]
+            if point:
+                panel.plot(*zip(*point), mark, color="k", ms=9, mfc="none", mew=1.5, label=label)
         panel.set_xscale("log")
         panel.set_yscale("log")
         panel.set_title(TITLES[name], fontsize=9)
