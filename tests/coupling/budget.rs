@@ -149,7 +149,7 @@ fn settings() -> BTreeMap<String, BTreeMap<String, [f64; 2]>> {
                 // sound speeds differ from scene to scene by what they are over the fastest flow
                 [k] if file.knobs[k].name == "sound speed [m/s]" => {
                     let at = |v: usize| file.knobs[k].values[v].at.unwrap();
-                    let ratio = 10.0 * at(one.choice[k]) / at(0);
+                    let ratio = 7.0 * at(one.choice[k]) / at(0);
                     format!("sound speed {:.0}", ratio)
                 }
                 [k] => format!(
@@ -204,9 +204,11 @@ fn no_preset_is_dominated() {
     // dearer ones are dearer and better, or they are not worth a name
     let [work, error] = over(&all["preset Preview"], &all["preset Standard"]).unwrap();
     assert!(work < CLEAR, "Preview saves nothing: {work}, {error}");
-    let [_, error] = over(&all["preset Reference"], &all["preset Standard"]).unwrap();
+    // these studies are plane, where `Standard` has the wide kernel of `Reference`; in space it has the narrow one
+    let narrow = &all["smoothing length over spacing 1.3"];
+    let [_, error] = over(&all["preset Reference"], narrow).unwrap();
     assert!(
-        error < 1.0,
-        "Reference is no more accurate than Standard: {error}"
+        error < CLEAR,
+        "Reference is no more accurate than the kernel of Standard in space: {error}"
     );
 }
