@@ -86,7 +86,6 @@ impl Preset {
                 time_step_factor: 0.5,
                 sound_speed_ratio: SOUND_SPEED_RATIO,
                 scheme: Scheme::mueller2003(dynamic_viscosity),
-                ..standard
             },
             Self::Reference => PresetParameters {
                 // support of four spacings: waves that travel far (Colagrossi et al. 2013)
