@@ -45,10 +45,9 @@ class Run:
         self.time = float(row["wall_time [s]"])
         self.work = float(row["work [pairs]"])
         self.memory = float(row["peak_memory [B]"])
-
-    @property
-    def preset(self):
-        return self.turned.get("preset", "Standard")
+        scheme = next((knob for knob in ("preset", "scheme") if knob in row), None)
+        self.preset = row[scheme] if scheme else "Standard"
+        self.has_only_another_scheme = set(self.turned) <= {"preset", "scheme"}
 
     @property
     def is_published(self):
@@ -84,7 +83,7 @@ def presets(studies):
     for name, runs in studies.items():
         cells = []
         for preset in PRESETS:
-            found = [r for r in runs if r.preset == preset and set(r.turned) <= {"preset"}]
+            found = [r for r in runs if r.preset == preset and r.has_only_another_scheme]
             cells.append(f"{percent(found[0].error)}, {found[0].work / runs[0].work:.2f}" if found else "")
         if cells[0]:
             print(f"| `{name}` | " + " | ".join(cells) + " |")
@@ -113,7 +112,7 @@ def draw(studies, path):
     for panel, name in zip(panels.flat, shown):
         runs = studies[name]
         ours = [r for r in runs if not r.is_published]
-        theirs = sorted((r for r in runs if r.is_published and set(r.turned) == {"preset"}), key=lambda r: r.work)
+        theirs = sorted((r for r in runs if r.is_published and r.has_only_another_scheme), key=lambda r: r.work)
         dots = [(r.work, 100 * r.error) for r in ours if np.isfinite(r.error) and r.error > 0]
         panel.plot(*zip(*dots), ".", color="0.7", ms=5, label="all settings")
         best = [(r.work, 100 * r.error) for r in front(ours) if r.error > 0]
@@ -122,7 +121,7 @@ def draw(studies, path):
         if line:
             panel.plot(*zip(*line), "s--", color="#d55e00", ms=5, lw=1, label="published scheme, three spacings")
         for preset, mark, label in DEFAULTS:
-            of_preset = [r for r in runs if r.preset == preset and set(r.turned) <= {"preset"}]
+            of_preset = [r for r in runs if r.preset == preset and r.has_only_another_scheme]
             point = [(r.work, 100 * r.error) for r in of_preset if np.isfinite(r.error) and r.error > 0]
             if point:
                 panel.plot(*zip(*point), mark, color="k", ms=9, mfc="none", mew=1.5, label=label)

@@ -46,7 +46,7 @@ const COMBINATIONS: usize = 5;
 
 #[test]
 fn budgets_are_kept_with_runs_hidden() {
-    let budgets = [0.2, 0.1, 0.05, 0.02, 0.01, 0.005];
+    let budgets = [0.2, 0.1, 0.05, 0.03, 0.02, 0.015, 0.01, 0.007, 0.005];
     let (mut n, mut kept, mut cheap) = (0, 0, 0);
     let (mut n_hidden, mut kept_hidden, mut refused, mut could) = (0, 0, 0, 0);
     println!(
