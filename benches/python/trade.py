@@ -24,7 +24,7 @@ TITLES = {
     "still_tank": "still tank, pressure",
     "standing_wave": "standing wave, height after 5 periods",
     "standing_wave_period": "standing wave, period",
-    "standing_wave_high": "standing wave of five spacings, height after 7 periods",
+    "standing_wave_high": "standing wave of five spacings",
     "piston": "piston, wave height",
     "solitary": "solitary wave, run-up",
     "dam_break_front": "dam break, front speed",
@@ -140,8 +140,8 @@ def draw(studies, path):
     for panel in list(panels.flat)[len(shown):]:
         panel.axis("off")
     handles, labels = panels.flat[0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="lower right", fontsize=9, bbox_to_anchor=(0.97, 0.08))
-    figure.tight_layout()
+    figure.legend(handles, labels, loc="lower center", fontsize=9, ncols=len(labels))
+    figure.tight_layout(rect=(0, 0.04, 1, 1))
     path.parent.mkdir(parents=True, exist_ok=True)
     figure.savefig(path, dpi=110, metadata={"Software": None})
 
