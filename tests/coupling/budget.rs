@@ -212,3 +212,15 @@ fn no_preset_is_dominated() {
         "Reference is no more accurate than the kernel of Standard in space: {error}"
     );
 }
+
+/// The same of errors in a plane, where both have the same kernel.
+#[test]
+#[ignore = "missed since Standard takes the whole step: 1.02"]
+fn reference_is_more_accurate_than_standard_in_a_plane() {
+    let all = settings();
+    let [_, error] = over(&all["preset Reference"], &all["preset Standard"]).unwrap();
+    assert!(
+        error < 1.0,
+        "Reference is no more accurate than Standard: {error}"
+    );
+}
