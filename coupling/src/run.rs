@@ -106,8 +106,7 @@ impl<'a> Run<'a> {
     ///
     /// [`RunError`] when the world cannot be built, a file cannot be created or the checkpoint belongs to another scene.
     pub fn start(scene: &'a Scene, plan: Plan) -> Result<Self, RunError> {
-        let mut world = build(scene)?;
-        world.keep_accounts(&observers::accounts(scene));
+        let world = build(scene)?;
         let start = match plan.from {
             None => Start::New,
             Some(_) => Start::Resume,

@@ -22,6 +22,7 @@ use riprap_sph::{Dimensions, Fluid, Vec3};
 use serde::{Deserialize, Serialize};
 
 use crate::saved::{Read, Saved};
+use crate::world::accounts::Account;
 use added_mass::Movers;
 pub(crate) use cutting::clipped_by_symmetry;
 use integral::IntegralWalls;
@@ -94,6 +95,29 @@ impl Walls {
     /// Fluid loads on every moving block.
     pub fn loads(&self) -> &[FluidLoad] {
         of_walls!(self, walls => walls.loads())
+    }
+
+    /// Sets the loads on accounted blocks that never move to those of the last evaluation. Integrals treat all fixed solids
+    /// as one body: the load on a single one is unknown, NaN.
+    pub(crate) fn account_fixed(
+        &mut self,
+        fluid: &Fluid,
+        blocks: &Blocks,
+        accounts: &mut [Account],
+    ) {
+        match self {
+            Self::Particles(walls) => walls.account_fixed(fluid, blocks, accounts),
+            Self::Integral(_) => {
+                for account in accounts {
+                    if blocks.is_fixed(account.block) {
+                        account.on_fixed = [Load {
+                            force: Vec3::repeat(f64::NAN),
+                            torque: Vec3::repeat(f64::NAN),
+                        }; 2];
+                    }
+                }
+            }
+        }
     }
 
     /// Force and moment of the fluid on a fixed block; N, N m about the centroid. Integrals treat all

@@ -213,19 +213,17 @@ impl World {
             })
     }
 
-    /// Records the impulses on some blocks by source from now on.
+    /// Records the impulses on some blocks by source, from now on or from before.
     pub fn keep_accounts(&mut self, blocks: &[usize]) {
         self.blocks.keep_accounts(blocks);
-        self.bodies.accounts = blocks
-            .iter()
-            .map(|&b| (b, FluidImpulses::default()))
-            .collect();
+        self.bodies.keep_accounts(blocks);
     }
 
     /// Impulses of the fluid on a block since its accounts were opened; zero without accounts.
     pub fn fluid_impulses(&self, block: usize) -> FluidImpulses {
-        let found = self.bodies.accounts.iter().find(|(b, _)| *b == block);
-        found.map_or_else(FluidImpulses::default, |(_, impulses)| *impulses)
+        let accounts = &self.bodies.accounts;
+        let found = accounts.binary_search_by_key(&block, |account| account.block);
+        found.map_or_else(|_| FluidImpulses::default(), |k| accounts[k].impulses)
     }
 
     /// Simulated time; s.

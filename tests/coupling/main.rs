@@ -12,6 +12,7 @@
 mod support;
 
 mod amounts;
+mod block_forces;
 mod block_scenes;
 mod boundaries;
 mod budget;

@@ -1,6 +1,7 @@
 //! Observers: they sample the world when due and write files; they never change it.
 
 mod arrays;
+mod block_force;
 mod crossing;
 mod face_pressures;
 pub mod forces;

@@ -7,6 +7,7 @@ use super::RunError;
 use super::packing::packed;
 use crate::joints::JointWater;
 use crate::scene::resolve::{FluidScene, Scene};
+use crate::scene::resolved::recording::Quantity;
 use crate::walls::Walls;
 use crate::world::{Water, WaterBoundaries, World, WorldSettings};
 
@@ -35,7 +36,22 @@ pub fn build(scene: &Scene) -> Result<World, RunError> {
         out_of_domain: scene.domain.out_of_domain,
         weakenings: scene.weakenings.clone(),
     };
-    Ok(World::new(blocks, water, settings)?)
+    let mut world = World::new(blocks, water, settings)?;
+    world.keep_accounts(&recorded(scene));
+    Ok(world)
+}
+
+/// Blocks whose impulses are recorded.
+fn recorded(scene: &Scene) -> Vec<usize> {
+    let by_source = scene.forces.iter().flat_map(|asked| asked.blocks.clone());
+    let of_gauges = scene
+        .gauges
+        .iter()
+        .filter_map(|gauge| match gauge.quantity {
+            Quantity::BlockForce { block } => Some(block),
+            _ => None,
+        });
+    by_source.chain(of_gauges).collect()
 }
 
 /// Packed water with its walls, joints and openings.

@@ -30,12 +30,6 @@ pub(super) struct Observers {
     overview: OverviewData,
 }
 
-/// Blocks whose impulses the observers need.
-pub(super) fn accounts(scene: &Scene) -> Vec<usize> {
-    let forces = scene.forces.as_ref();
-    forces.map_or(Vec::new(), |asked| asked.blocks.clone())
-}
-
 impl Observers {
     /// Observers of a scene.
     pub fn new(

@@ -24,6 +24,7 @@ use super::added_mass::{Acceleration, AddedMass, Movers, largest_ratio};
 use super::sampler::Sampler;
 use super::thin_solids::ThinSolids;
 use crate::saved::{Read, Saved};
+use crate::world::accounts::Account;
 use buried::Buried;
 use points::Solids;
 
@@ -186,6 +187,33 @@ impl ParticleWalls {
             load.torque += arm.cross(&force);
         }
         load
+    }
+
+    /// Sets the loads on accounted blocks that never move to those of the last evaluation.
+    pub(crate) fn account_fixed(
+        &mut self,
+        fluid: &Fluid,
+        blocks: &Blocks,
+        accounts: &mut [Account],
+    ) {
+        let is_fixed = |account: &&mut Account| blocks.is_fixed(account.block);
+        for account in accounts.iter_mut().filter(is_fixed) {
+            account.on_fixed = [Load::default(); 2];
+        }
+        if !(accounts.iter()).any(|account| blocks.is_fixed(account.block)) {
+            return;
+        }
+        let block_of = &self.fixed_block;
+        self.fixed.visit_reactions(fluid, |w, x, forces| {
+            let block = block_of[w] as usize;
+            let Ok(k) = accounts.binary_search_by_key(&block, |account| account.block) else {
+                return;
+            };
+            let arm = x - blocks.centroid(block);
+            for (load, force) in accounts[k].on_fixed.iter_mut().zip(&forces) {
+                load.add(force, &arm);
+            }
+        });
     }
 
     /// Force of all walls on the fluid; N.
@@ -381,7 +409,7 @@ impl ParticleWalls {
         let (loads, block, power) = (&mut self.loads, &self.block, &mut self.power);
         let (local, frames) = (&self.local, &self.frames);
         self.moving
-            .visit_reactions(fluid, |w, [pressure, viscous]| {
+            .visit_reactions(fluid, |w, _, [pressure, viscous]| {
                 let b = block[w] as usize;
                 let arm = frames[b].gradient * local[w];
                 loads[b].add(&pressure, &viscous, &arm);

@@ -20,22 +20,51 @@ pub struct FluidImpulses {
 }
 
 impl FluidImpulses {
-    /// Books the present forces on a block over `dt` (s).
-    pub(super) fn book(
-        &mut self,
-        block: usize,
-        interface: &Interface,
-        joints: &JointWater,
-        dt: f64,
-    ) {
+    /// Sum of all sources.
+    pub fn total(&self) -> Load {
+        let mut total = self.pressure;
+        total += self.shear;
+        total += self.joint_water;
+        total += self.pushed_back;
+        total
+    }
+}
+
+/// The account of a block.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+pub(crate) struct Account {
+    pub block: usize,
+    pub impulses: FluidImpulses,
+    /// Pressure and viscosity of the fluid on a block that never moves, in walls of particles, at the last evaluation of
+    /// forces; N. Those on all others are in the interface.
+    pub on_fixed: [Load; 2],
+}
+
+impl Account {
+    pub(super) fn new(block: usize) -> Self {
+        Self {
+            block,
+            impulses: FluidImpulses::default(),
+            on_fixed: [Load::default(); 2],
+        }
+    }
+
+    /// Books the present forces over `dt` (s).
+    pub(super) fn book(&mut self, interface: &Interface, joints: &JointWater, dt: f64) {
+        let block = self.block;
         let (all, shear) = (interface.loads()[block], interface.shears()[block]);
         let joint = interface.in_plane(joints.loads()[block]);
         let pressure = Load {
             force: all.force - shear.force - joint.force,
             torque: all.torque - shear.torque - joint.torque,
         };
-        self.pressure += pressure.times(dt);
-        self.shear += shear.times(dt);
-        self.joint_water += joint.times(dt);
+        let [pressure_on_fixed, shear_on_fixed] =
+            self.on_fixed.map(|load| interface.in_plane(load).times(dt));
+        let impulses = &mut self.impulses;
+        impulses.pressure += pressure.times(dt);
+        impulses.pressure += pressure_on_fixed;
+        impulses.shear += shear.times(dt);
+        impulses.shear += shear_on_fixed;
+        impulses.joint_water += joint.times(dt);
     }
 }

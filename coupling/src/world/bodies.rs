@@ -5,7 +5,7 @@ use riprap_dda::{BlockId, Blocks, Load, Phase};
 use riprap_sph::{SymmetryPlane, Vec3};
 
 use crate::walls::added_mass::Acceleration;
-use crate::world::accounts::FluidImpulses;
+use crate::world::accounts::Account;
 use crate::world::progress::{Held, Progress, Stopwatch};
 use crate::world::{OutOfDomain, StepError, TOUCH};
 
@@ -23,8 +23,8 @@ pub(crate) struct Bodies {
     pub deformable: Vec<usize>,
     /// Acceleration of each block by everything beside the fluid, over its last sub-steps.
     pub dry: Vec<Acceleration>,
-    /// Impulses of the fluid on the blocks of which accounts are kept.
-    pub accounts: Vec<(usize, FluidImpulses)>,
+    /// Impulses of the fluid on the blocks of which accounts are kept, ascending.
+    pub accounts: Vec<Account>,
     /// Scratch: loads of the fluid at the start of a predictor-corrector step.
     pub loads_at_start: Vec<Load>,
     /// The same: strains of blocks that deform.
@@ -63,6 +63,27 @@ impl Bodies {
             loads_at_start: vec![Load::default(); n_blocks],
             stretches_at_start: vec![Matrix3::zeros(); n_blocks],
             planes,
+        }
+    }
+
+    /// Keeps accounts of some blocks: those open go on, all others end.
+    pub(super) fn keep_accounts(&mut self, blocks: &[usize]) {
+        let mut chosen = blocks.to_vec();
+        chosen.sort_unstable();
+        chosen.dedup();
+        let before = std::mem::take(&mut self.accounts);
+        let account = |block: usize| {
+            let found = before.binary_search_by_key(&block, |account| account.block);
+            found.map_or_else(|_| Account::new(block), |k| before[k])
+        };
+        self.accounts = chosen.into_iter().map(account).collect();
+    }
+
+    /// Books the impulse (N s, N m s) of a particle that was pushed back, where an account of the block is kept.
+    pub(super) fn book_push(&mut self, block: usize, felt: Load) {
+        let found = (self.accounts).binary_search_by_key(&block, |account| account.block);
+        if let Ok(k) = found {
+            self.accounts[k].impulses.pushed_back += felt;
         }
     }
 }

@@ -41,13 +41,16 @@ impl World {
     /// The bytes end early, are invalid, or belong to another scene. The world can then not be continued.
     pub fn read<'a>(&mut self, bytes: &'a [u8]) -> Read<'a> {
         let bodies = &mut self.bodies;
-        let of_blocks = (bodies.dry.len(), bodies.accounts.len());
+        let n_blocks = bodies.dry.len();
+        let wanted: Vec<usize> = (bodies.accounts.iter()).map(|a| a.block).collect();
         let rest;
         ((self.progress, bodies.dry, bodies.accounts), rest) = postcard::take_from_bytes(bytes)?;
-        if (bodies.dry.len(), bodies.accounts.len()) != of_blocks {
+        if bodies.dry.len() != n_blocks {
             return Err(postcard::Error::DeserializeBadEncoding);
         }
         let bytes = self.blocks.read(rest)?;
+        // a run taken further may record other blocks
+        self.keep_accounts(&wanted);
         let Some(water) = &mut self.water else {
             return Ok(bytes);
         };

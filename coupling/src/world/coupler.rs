@@ -270,6 +270,7 @@ impl Boundary for Coupler<'_> {
         if let Some(walls) = &mut *self.walls {
             walls.add_forces(fluid, blocks);
             self.interface.add_loads(walls.loads());
+            walls.account_fixed(fluid, blocks, &mut self.rock.bodies.accounts);
         }
         if !held {
             self.joints.update(fluid, blocks, time);
@@ -301,10 +302,8 @@ impl Boundary for Coupler<'_> {
             for &b in &bodies.deformable {
                 blocks.apply_stretch(b, self.interface.stretches()[b], dt);
             }
-            for (b, impulses) in &mut bodies.accounts {
-                if blocks.is_free(*b) {
-                    impulses.book(*b, self.interface, self.joints, dt);
-                }
+            for account in &mut bodies.accounts {
+                account.book(self.interface, self.joints, dt);
             }
         }
         self.book_walls(0.5 * dt);

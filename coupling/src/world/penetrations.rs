@@ -87,12 +87,6 @@ impl Coupler<'_> {
             fluid.set_velocity(a, after)
         };
         ledger.impulse += impulse;
-        if !is_free {
-            let work = impulse.dot(&wall);
-            ledger.pushed_back += work;
-            ledger.push(work);
-            return;
-        }
         let centroid = blocks.centroid(block);
         let moment = |x: &Vec3, v: &Vec3| (x - centroid).cross(&(v * mass));
         let torque = if penetration.is_deep {
@@ -105,13 +99,19 @@ impl Coupler<'_> {
             force: -impulse,
             torque,
         });
+        if !are_held {
+            bodies.book_push(block, felt);
+        }
+        if !is_free {
+            let work = impulse.dot(&wall);
+            ledger.pushed_back += work;
+            ledger.push(work);
+            return;
+        }
         ledger.impulse += felt.force;
         let energy = blocks.kinetic_energy(block);
         blocks.apply_impulse_to(block, &felt);
         ledger.pushed_back += energy - blocks.kinetic_energy(block);
-        if let Some((_, kept)) = bodies.accounts.iter_mut().find(|(b, _)| *b == block) {
-            kept.pushed_back += felt;
-        }
     }
 }
 

@@ -3,12 +3,13 @@
 use crate::{Blocks, Impulses, Load, Motion};
 
 impl Blocks {
-    /// Starts the accounts of some blocks, and ends those of all others.
+    /// Keeps accounts of some blocks: those open go on, all others end.
     pub fn keep_accounts(&mut self, blocks: &[usize]) {
         let mut chosen: Vec<u32> = blocks.iter().map(|&b| b as u32).collect();
         chosen.sort_unstable();
         chosen.dedup();
-        self.state.accounts.rows = vec![Impulses::default(); chosen.len()];
+        let row = |&b: &u32| self.account(b as usize).copied().unwrap_or_default();
+        self.state.accounts.rows = chosen.iter().map(row).collect();
         self.state.accounts.blocks = chosen;
     }
 
@@ -23,11 +24,12 @@ impl Blocks {
         let half = 0.5 * dt;
         for k in 0..self.state.accounts.blocks.len() {
             let b = self.state.accounts.blocks[k] as usize;
-            if !self.is_free(b) {
-                continue;
-            }
+            let is_free = self.is_free(b);
             let row = &mut self.state.accounts.rows[k];
             row.contact += self.state.contact_load[b].times(half);
+            if !is_free {
+                continue;
+            }
             if let Some(attached) = self.state.attachments.loads.get(b) {
                 row.attached += attached.times(half);
             }

@@ -750,8 +750,13 @@ impl WallParticles {
             .collect()
     }
 
-    /// Calls `visit` with every wet point and the forces of the fluid's pressure and viscosity on it, in order; N.
-    pub fn visit_reactions(&mut self, fluid: &Fluid, mut visit: impl FnMut(usize, [Vec3; 2])) {
+    /// Calls `visit` with every wet point, its position (m) and the forces of the fluid's pressure and viscosity on it (N), in
+    /// order.
+    pub fn visit_reactions(
+        &mut self,
+        fluid: &Fluid,
+        mut visit: impl FnMut(usize, &Vec3, [Vec3; 2]),
+    ) {
         let mut forces = std::mem::take(&mut self.scratch.forces);
         forces.resize(self.wet.updated().len(), ForceDensity::default());
         wall_sums::reactions(
@@ -764,7 +769,7 @@ impl WallParticles {
         );
         for (&w, force) in self.wet.updated().iter().zip(&forces) {
             let w = w as usize;
-            visit(w, force.times(self.volume[w]));
+            visit(w, &self.position[w], force.times(self.volume[w]));
         }
         self.scratch.forces = forces;
     }

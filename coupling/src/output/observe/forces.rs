@@ -29,6 +29,9 @@ const SOURCES: [&str; 8] = [
     "gravity",
 ];
 
+/// Place of the forces that hold a block.
+const RESTRAINED: usize = 6;
+
 /// Writes both tables.
 #[derive(Debug)]
 pub struct Forces {
@@ -183,7 +186,12 @@ impl Observer for Forces {
             let now = Track::of(track.block, world);
             let time = now.time - track.time;
             if 0.0 < time {
-                let (sources, gained) = now.since(track);
+                let (mut sources, gained) = now.since(track);
+                if !world.blocks.is_free(track.block) {
+                    // whatever prescribes its motion bears the rest
+                    sources[RESTRAINED] =
+                        sources.iter().fold(gained, |rest, load| less(rest, *load));
+                }
                 let unexplained = sources.iter().fold(gained, |rest, load| less(rest, *load));
                 self.row.clear();
                 self.row.extend([now.time, now.block as f64]);

@@ -6,6 +6,7 @@ use std::path::Path;
 use riprap_dda::{Blocks, SurfacePoint};
 use riprap_sph::{Dimensions, Fluid, Vec3};
 
+use super::block_force::{BlockForce, Impulse};
 use super::crossing::Crossing;
 use super::transducer::{Readings, Transducer};
 use super::{ObserveError, Observer, Schedule};
@@ -43,7 +44,7 @@ enum Instrument {
     },
     Pressure(Transducer),
     Velocity(Vec3),
-    BlockForce(usize),
+    BlockForce(BlockForce),
     RunUp(RunUp),
     Front(Line),
     Overtopping(Crossing),
@@ -206,8 +207,13 @@ impl Observer for Gauges {
         let readings: BTreeMap<&String, &Readings> = instruments
             .filter_map(|(name, instrument)| Some((name, instrument.readings()?)))
             .collect();
+        let instruments = self.names.iter().zip(&self.instruments);
+        let impulses: BTreeMap<&String, &Impulse> = instruments
+            .filter_map(|(name, instrument)| Some((name, instrument.impulse()?)))
+            .collect();
         let table = (self.table.headers(), self.table.length());
-        postcard::to_extend(&(self.schedule, table, crossings, raises, readings), out)
+        let memories = (crossings, raises, readings, impulses);
+        postcard::to_extend(&(self.schedule, table, memories), out)
     }
 
     fn sync(&self) -> Result<(), ObserveError> {
@@ -220,8 +226,13 @@ impl Observer for Gauges {
         let mut crossings: BTreeMap<String, Crossing>;
         let raises: BTreeMap<String, f64>;
         let mut readings: BTreeMap<String, Readings>;
+        let mut impulses: BTreeMap<String, Impulse>;
         (
-            (schedule, (headers, length), crossings, raises, readings),
+            (
+                schedule,
+                (headers, length),
+                (crossings, raises, readings, impulses),
+            ),
             rest,
         ) = postcard::take_from_bytes(bytes)?;
         self.schedule.resume(schedule);
@@ -243,6 +254,7 @@ impl Observer for Gauges {
                 Instrument::Pressure(transducer) => {
                     transducer.readings = readings.remove(name).unwrap_or_default();
                 }
+                Instrument::BlockForce(force) => force.before = impulses.remove(name),
                 _ => {}
             }
         }
@@ -288,7 +300,7 @@ fn instrument(gauge: &Gauge, scene: &Scene, blocks: &Blocks) -> Instrument {
         Quantity::SurfaceElevation { x, y } => Instrument::SurfaceElevation { x: *x, y: *y },
         Quantity::Pressure(gauge) => Instrument::Pressure(Transducer::new(gauge, blocks)),
         Quantity::Velocity { position } => Instrument::Velocity(*position),
-        Quantity::BlockForce { block } => Instrument::BlockForce(*block),
+        Quantity::BlockForce { block } => Instrument::BlockForce(BlockForce::new(*block)),
         Quantity::RunUp(line) => Instrument::RunUp(RunUp {
             line: Line::along(*line),
             level: fluid.map_or(f64::NAN, |fluid| fluid.lattice.still_water_level),
@@ -321,6 +333,13 @@ impl Instrument {
         }
     }
 
+    fn impulse(&self) -> Option<&Impulse> {
+        match self {
+            Self::BlockForce(force) => force.before.as_ref(),
+            _ => None,
+        }
+    }
+
     fn raise(&self) -> Option<f64> {
         match self {
             Self::RunUp(run_up) => run_up.raise,
@@ -342,8 +361,8 @@ impl Instrument {
                 let velocity = sample.map_or(Vec3::repeat(f64::NAN), |s| s.velocity);
                 row.extend(velocity.iter());
             }
-            Self::BlockForce(block) => {
-                for load in [world.fluid_load(*block), world.blocks.contact_force(*block)] {
+            Self::BlockForce(force) => {
+                for load in force.read(world) {
                     row.extend(load.force.iter());
                     row.extend(load.torque.iter());
                 }

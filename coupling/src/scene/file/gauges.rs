@@ -38,8 +38,8 @@ pub enum GaugeFile {
         /// m.
         position: Triple,
     },
-    /// Force and moment on a block from fluid and from contacts, twelve columns; N, N m about the
-    /// centroid.
+    /// Force and moment on a block from fluid and from contacts, twelve columns, each the mean since the last row; N, N m
+    /// about the centroid.
     BlockForce {
         /// Column name.
         name: String,
@@ -120,7 +120,7 @@ pub enum GaugeKindFile {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ForcesFile {
-    /// Names of free blocks; every free block when empty.
+    /// Names of blocks, free, fixed or with prescribed motion; every free block when empty.
     #[serde(default)]
     pub blocks: Vec<String>,
     /// Averaging interval of the forces; s. `output.gauge_interval` when left out.

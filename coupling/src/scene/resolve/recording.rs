@@ -119,9 +119,16 @@ fn free_blocks(file: &SceneFile, fits: impl Fn(&str) -> bool) -> Vec<usize> {
 
 /// Named blocks, every free block where there are no names.
 fn tracking(file: &SceneFile, names: &[String], interval: f64) -> Tracking {
-    let is_asked = |name: &str| names.is_empty() || names.iter().any(|other| other == name);
+    let blocks = file.blocks.iter().enumerate();
     Tracking {
-        blocks: free_blocks(file, is_asked),
+        blocks: if names.is_empty() {
+            free_blocks(file, |_| true)
+        } else {
+            blocks
+                .filter(|(_, block)| names.contains(&block.name))
+                .map(|(number, _)| number)
+                .collect()
+        },
         interval,
     }
 }

@@ -142,37 +142,48 @@ impl Checks {
     }
 
     pub(super) fn forces(&mut self, forces: &ForcesFile, scene: &SceneFile) {
-        self.followed("forces", (&forces.blocks, forces.interval), scene);
+        let ForcesFile { blocks, interval } = forces;
+        let all = scene.blocks.iter().map(|block| block.name.as_str());
+        self.followed(
+            "forces",
+            (blocks, *interval),
+            ("block", &all.collect::<Vec<_>>()),
+        );
+        if blocks.is_empty() {
+            self.needs_free_blocks("forces", scene);
+        }
     }
 
-    /// Check of free blocks by name, sampled every `interval` seconds.
+    /// Check of blocks by name, sampled every `interval` seconds; `names` are those of their kind.
     fn followed(
         &mut self,
         what: &str,
         (blocks, interval): (&[String], Option<f64>),
-        scene: &SceneFile,
+        (kind, names): (&str, &[&str]),
     ) {
         self.positive(
             format!("{what}.interval"),
             &format!("{what}: interval"),
             interval,
         );
-        let free = scene.blocks.iter().filter(|block| is_free(block));
-        let names: Vec<&str> = free.map(|block| block.name.as_str()).collect();
         for (index, name) in blocks.iter().enumerate() {
             let path = format!("{what}.blocks[{index}]");
             if !names.contains(&name.as_str()) {
                 self.refuse(
                     &path,
                     format!(
-                        "{what}: `{name}` is not a free block of `blocks`{}",
-                        suggestion(name, &names)
+                        "{what}: `{name}` is not a {kind} of `blocks`{}",
+                        suggestion(name, names)
                     ),
                 );
             }
             self.listed_once(&path, format!("{what}: `{name}`"), (blocks, index));
         }
-        if names.is_empty() && scene.rock_masses.is_empty() && scene.slides.is_empty() {
+    }
+
+    fn needs_free_blocks(&mut self, what: &str, scene: &SceneFile) {
+        let are_none = scene.rock_masses.is_empty() && scene.slides.is_empty();
+        if are_none && !scene.blocks.iter().any(is_free) {
             self.refuse(
                 what,
                 format!("{what}: no block is free to move; leave {what} out"),
@@ -206,11 +217,14 @@ impl Checks {
     }
 
     pub(super) fn trajectories(&mut self, trajectories: &TrajectoriesFile, scene: &SceneFile) {
+        let free = scene.blocks.iter().filter(|block| is_free(block));
+        let names: Vec<&str> = free.map(|block| block.name.as_str()).collect();
         self.followed(
             "trajectories",
             (&trajectories.blocks, trajectories.interval),
-            scene,
+            ("free block", &names),
         );
+        self.needs_free_blocks("trajectories", scene);
         if scene.blocks.iter().all(is_free) {
             self.warn(
                 "trajectories",
