@@ -104,8 +104,10 @@ fn a_stream_gives_blocks_the_momentum_that_it_loses() {
         );
         // sums in single precision
         assert!((given - lost).abs() < 1e-4 * lost, "{given} N s of {lost}");
-        // the stream is turned by a right angle; splashes of a few particles come and go
-        assert!((mean - 1.0).abs() < 0.03, "{walls}, {rows} rows: {mean}");
+        // the stream is turned by a right angle; at any time a particle or two have been counted early or late
+        let particle = (DEPTH / f64::from(rows)).powi(2) * WIDTH * 1000.0 * SPEED;
+        let bound = 0.02 + 2.0 * particle / (1000.0 * SPEED * SPEED * DEPTH * WIDTH * (END - from));
+        assert!((mean - 1.0).abs() < bound, "{walls}, {rows} rows: {mean}");
     }
 }
 
