@@ -49,52 +49,48 @@ impl Checks {
         }
         self.positive(format!("{path}.depth"), &of("depth"), *depth);
         self.not_negative(format!("{path}.ramp"), &of("ramp"), *ramp);
-        let mut positive = |fields: &[(&str, f64)]| {
-            for (field, value) in fields {
-                let path = format!("{path}.waves.{field}");
-                self.positive(path, &of(&format!("{field} of the waves")), *value);
-            }
-        };
-        let spectrum = match waves {
+        self.waves(&format!("{path}.waves"), &block.name, waves);
+    }
+
+    fn waves(&mut self, path: &str, block: &str, waves: &WavesFile) {
+        let of = |what: &str| format!("block `{block}`: {what}");
+        let (scales, spectrum): (&[_], _) = match waves {
             WavesFile::Regular { height, period } => {
-                positive(&[("height", *height), ("period", *period)]);
-                None
+                (&[("height", *height), ("period", *period)], None)
             }
-            WavesFile::Solitary { height } => {
-                positive(&[("height", *height)]);
-                None
-            }
+            WavesFile::Solitary { height } => (&[("height", *height)], None),
             WavesFile::Irregular {
                 spectrum,
                 height,
                 period,
-                ..
-            } => {
-                positive(&[("height", *height), ("period", *period)]);
-                Some(spectrum)
-            }
+                seed: _,
+            } => (&[("height", *height), ("period", *period)], Some(spectrum)),
             WavesFile::Focused {
                 spectrum,
                 amplitude,
                 period,
                 distance,
                 time,
-            } => {
-                positive(&[
+            } => (
+                &[
                     ("amplitude", *amplitude),
                     ("period", *period),
                     ("distance", *distance),
                     ("time", *time),
-                ]);
-                Some(spectrum)
-            }
+                ],
+                Some(spectrum),
+            ),
         };
+        for (field, value) in scales {
+            let who = of(&format!("{field} of the waves"));
+            self.positive(format!("{path}.{field}"), &who, *value);
+        }
         let (least, most) = ENHANCEMENT;
         if let Some(SpectrumFile::Jonswap(enhancement)) = spectrum
             && !(least..=most).contains(enhancement)
         {
             self.refuse(
-                format!("{path}.waves.spectrum"),
+                format!("{path}.spectrum"),
                 format!(
                     "{} must be from {least} to {most}, found {enhancement}",
                     of("peak enhancement of Jonswap")
