@@ -18,19 +18,24 @@ WALLS = {"Penalty": "W1", "Particles": "W2", "Integral": "W3"}
 COLORS = {"Penalty": "tab:orange", "Particles": "tab:blue", "Integral": "tab:green"}
 
 
-def arguments(description, rows, records=False):
-    """Command line of a bench; `rows` are the available rows, `records` whether it uses measured records."""
+def arguments(description, rows, records=False, schemes=()):
+    """Command line of a bench; `rows` are the available rows, `records` whether it uses measured records, `schemes` those to
+    run in place of wall methods."""
     parser = argparse.ArgumentParser(description=description)
     parser.add_argument("rows", nargs="*", metavar="ROW", help=f"of {', '.join(rows)}; all when left out")
     parser.add_argument("--riprap", default="target/release/riprap", help="the program")
     parser.add_argument("--runs", default="runs/benches", type=Path, help="folder of the runs")
     parser.add_argument("--plots", default="benches/plots", type=Path, help="folder of the plots")
-    parser.add_argument("--walls", default=",".join(WALLS), help="methods to run, by comma")
+    if schemes:
+        parser.add_argument("--schemes", default=",".join(schemes), help="schemes to run, by comma")
+    parser.add_argument("--walls", default="Particles" if schemes else ",".join(WALLS), help="methods to run, by comma")
     if records:
         parser.add_argument("--records", type=Path, help="folder of measured records, your own")
     parser.add_argument("--draw-only", action="store_true", help="no runs: table and plots of those that are there")
     found = parser.parse_args()
     found.walls = found.walls.split(",")
+    if schemes:
+        found.schemes = found.schemes.split(",")
     unknown = [row for row in found.rows if row not in rows]
     if unknown:
         parser.error(f"no row {', '.join(unknown)}; there are {', '.join(rows)}")
