@@ -1,13 +1,14 @@
 //! The loop: steps until the end, observers when due, and an orderly end in every case.
 //!
 //! The state is kept every so many steps. A failed step takes the run back there, and on with half the step for a while;
-//! where that does not help the run ends, with the kept state on disk. The kept state is written to disk from time to
+//! where that does not help the run ends, with the kept state on disk and the paths of what grew first. The kept state is written to disk from time to
 //! time, and when the run is stopped: a resumed run gives the same bits.
 
 mod blow_up;
 mod build;
 mod counters;
 mod events;
+mod evidence;
 pub mod ineffective;
 mod last_good;
 pub(crate) mod named;
@@ -23,9 +24,11 @@ use std::time::{Duration, Instant};
 use crate::files::table::Start;
 use crate::output::checkpoint_file::{self as checkpoint, Checkpoint};
 use crate::output::observe::{ObserveError, Observer};
+use crate::output::run_folder;
 use crate::output::summary::Summary;
 use crate::saved::Saved;
 use crate::scene::resolve::Scene;
+use crate::world::time_step::TimeStep;
 use crate::world::{StepError, World};
 use blow_up::BlowUpDetector;
 pub use build::build;
@@ -106,6 +109,8 @@ impl<'a> Run<'a> {
     ///
     /// [`RunError`] when the world cannot be built, a file cannot be created or the checkpoint belongs to another scene.
     pub fn start(scene: &'a Scene, plan: Plan) -> Result<Self, RunError> {
+        // of an earlier end, which is not that of this run
+        let _ = std::fs::remove_file(plan.folder.join(run_folder::OFFENDERS));
         let world = build(scene)?;
         let start = match plan.from {
             None => Start::New,
@@ -133,7 +138,10 @@ impl<'a> Run<'a> {
             last_checkpoint: Instant::now(),
         };
         match plan.from {
-            None if !settles => run.begin()?,
+            None if !settles => {
+                run.begin();
+                run.observe()?;
+            }
             None => {}
             Some(checkpoint) => {
                 run.read(&checkpoint.state)?;
@@ -184,11 +192,24 @@ impl<'a> Run<'a> {
         Ok(Ending::Completed)
     }
 
-    /// Step of the present stage; returns its size, s.
+    /// Step of the present stage with its records; returns its size, s.
     fn take_step(&mut self) -> Result<f64, RunError> {
-        let (duration, settle) = (self.scene.duration, self.scene.settle);
+        let dt = self.advance()?;
+        if !self.is_settling() {
+            self.observe()?;
+        }
+        Ok(dt)
+    }
+
+    /// The step that the state asks for, within the present share.
+    fn next_step(&self) -> Result<TimeStep, StepError> {
         let share = self.counters.reduction.share(self.place().time);
-        let step = self.world.next_step_within(duration, share)?;
+        self.world.next_step_within(self.scene.duration, share)
+    }
+
+    /// Step of the present stage; returns its size, s.
+    fn advance(&mut self) -> Result<f64, StepError> {
+        let (settle, step) = (self.scene.settle, self.next_step()?);
         match &mut self.counters.stage {
             Stage::Settling { time, steps } => {
                 let is_damped = *time < (1.0 - UNDAMPED_SHARE) * settle;
@@ -203,25 +224,23 @@ impl<'a> Run<'a> {
                 if settle <= *time {
                     self.world.release()?;
                     self.costs.settling = self.wall_time();
-                    self.begin()?;
+                    self.begin();
                 }
             }
             Stage::Running => {
                 self.world.step(step)?;
                 self.counters.count(step);
                 self.check_stability()?;
-                self.observe()?;
             }
         }
         Ok(step.dt)
     }
 
     /// t = 0.
-    fn begin(&mut self) -> Result<(), RunError> {
+    fn begin(&mut self) {
         self.counters.stage = Stage::Running;
         self.counters.detector = BlowUpDetector::of(&self.world);
         self.counters.reduction = StepReduction::default();
-        Ok(self.observe()?)
     }
 
     /// Periodic check for faults that no single step shows.
@@ -305,7 +324,10 @@ impl<'a> Run<'a> {
 
     /// Returns to the last good state with a shorter step; the error where that is in vain.
     fn fall_back(&mut self, error: StepError) -> Result<Event, RunError> {
-        let Some(good) = self.last_good.take().filter(|_| error.is_of_the_step()) else {
+        if !error.is_of_the_step() {
+            return Err(error.into());
+        }
+        let Some(good) = self.last_good.take() else {
             return Err(error.into());
         };
         let (to, reduction) = (good.place.time, self.counters.reduction);
@@ -413,6 +435,7 @@ impl<'a> Run<'a> {
             let _ = self.observers.ledgers.observe_last(&self.world);
             kept
         };
+        let ending = ending.map_err(|failure| self.with_evidence(failure));
         let summary = self.summary(&ending);
         let subtitle = summary::subtitle(&summary);
         let drawn = self.observers.finish(&self.folder, &self.world, subtitle);
@@ -433,7 +456,6 @@ impl<'a> Run<'a> {
 mod tests {
     use super::*;
     use crate::files::table::read_table;
-    use crate::output::run_folder;
     use crate::scene::parse;
     use riprap_sph::{Fluid, Vec3};
 

@@ -110,12 +110,12 @@ pub enum BlockError {
     },
 }
 
-/// Error of a step. The state is that of the failed sub-step, suitable for a last output only.
+/// Error of a step, with what helps beside a shorter step, which is up to the caller. The state is that of the failed sub-step, suitable for a last output only.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum StepError {
     /// A block's state is not finite.
     #[error(
-        "block {block} has a position or velocity that is not finite at t = {time:.6} s; lower the time step"
+        "block {block} has a position or velocity that is not finite at t = {time:.6} s; look what acts on it"
     )]
     NotFinite {
         /// The block.
@@ -125,7 +125,7 @@ pub enum StepError {
     },
     /// Two blocks overlap too deeply.
     #[error(
-        "blocks {} and {} {overlap}, at t = {time:.6} s; raise the contact stiffness, lower the time step, or part them at the start",
+        "blocks {} and {} {overlap}, at t = {time:.6} s; raise the contact stiffness or part them at the start",
         overlap.blocks.0, overlap.blocks.1
     )]
     Overlap {

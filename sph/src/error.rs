@@ -60,7 +60,7 @@ pub enum FluidError {
     },
     /// Non-finite state of a particle.
     #[error(
-        "particle {id} near ({x:.4}, {y:.4}, {z:.4}) m has a non-finite {quantity}; lower `numerics.time_step_factor` or raise `fluid.dynamic_viscosity`"
+        "particle {id} near ({x:.4}, {y:.4}, {z:.4}) m has a non-finite {quantity}; raise `fluid.dynamic_viscosity`"
     )]
     NonFinite {
         /// Number of the particle.
@@ -76,7 +76,7 @@ pub enum FluidError {
     },
     /// A particle's density is far from the reference.
     #[error(
-        "particle {id} near ({x:.4}, {y:.4}, {z:.4}) m has density {density:.1} kg/m³, more than {limit_percent:.0} % above the reference; lower `numerics.time_step_factor` or raise `numerics.sound_speed`"
+        "particle {id} near ({x:.4}, {y:.4}, {z:.4}) m has density {density:.1} kg/m³, more than {limit_percent:.0} % above the reference; raise `numerics.sound_speed`"
     )]
     Compressed {
         /// Number of the particle.

@@ -12,6 +12,7 @@ fn cloud(n: usize) -> PolyData {
         points: (0..n)
             .map(|i| [(i % 100) as f32 * 0.01, noise(i), (i / 100) as f32 * 0.01])
             .collect(),
+        lines: Polygons::default(),
         polygons: Polygons::default(),
         point_data: vec![
             array(
@@ -85,6 +86,18 @@ fn boxes() -> PolyData {
     data
 }
 
+/// Lines of two and of three points.
+fn paths() -> PolyData {
+    PolyData {
+        lines: Polygons {
+            connectivity: vec![0, 1, 2, 3, 4],
+            offsets: vec![2, 5],
+        },
+        cell_data: vec![array("Order", 1, Values::I32(vec![1, 2]))],
+        ..cloud(5)
+    }
+}
+
 fn array(name: &str, components: usize, values: Values) -> Array {
     Array {
         name: name.into(),
@@ -103,7 +116,7 @@ fn round_trip(data: &PolyData) -> PolyData {
 #[test]
 fn our_reader_gives_back_what_was_written() {
     // 40 000 points: several blocks per array, the last one shorter.
-    for data in [cloud(0), cloud(1), cloud(40_000), boxes()] {
+    for data in [cloud(0), cloud(1), cloud(40_000), boxes(), paths()] {
         assert_eq!(round_trip(&data), data);
     }
 }
@@ -276,7 +289,7 @@ fn errors_name_the_file_and_the_reason() {
     let mut data = boxes();
     data.polygons.connectivity[5] = 16;
     let message = vtk::write(nowhere, &data).unwrap_err().to_string();
-    let expected = "no_such_folder/x.vtp: polygon 1 needs 3 or more corners, all among the 16 points, \
+    let expected = "no_such_folder/x.vtp: cell 1 needs 3 or more corners, all among the 16 points, \
                     and ascending ends";
     assert_eq!(message, expected);
     let mut data = cloud(3);

@@ -340,6 +340,7 @@ fn fifty_steps(text: &str) -> Result<bool, TestCaseError> {
         Err(
             error @ (RunError::Step(_)
             | RunError::Unstable { .. }
+            | RunError::Examined { .. }
             | RunError::Fluid(_)
             | RunError::Blocks(_)),
         ) => {

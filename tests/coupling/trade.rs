@@ -102,6 +102,44 @@ fn a_grid_gives_a_row_per_run_and_work_as_theory_has_it() {
     assert_eq!(std::fs::read(out.join("trade.csv")).unwrap(), table);
 }
 
+/// Values that the scene takes one by one, and refuses together: bulk viscosity needs a rate of density. The usual scheme takes
+/// short steps, so that the published one is cheaper and on the front.
+#[test]
+fn a_search_skips_what_the_scene_refuses_and_says_so() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = format!(
+        "(title: \"coarse\", case: {:?}, design: Search(runs: 6),\n\
+         set: [\"time.duration=0.3\", \"time.settle=0.1\", \"output.frame_interval=1\", \"fluid.resolution=Spacing(0.1)\"],\n\
+         output: (name: \"deep\", column: \"deep\", take: Mean(from: 0.1, to: 0.3)),\n\
+         truth: Closed(form: Hydrostatic(density: 1000, gravity: 9.81, depth: 0.9), scale: 9810),\n\
+         knobs: [\n\
+           (name: \"scheme\", values: [\n\
+             (name: \"usual\", set: [\"numerics.time_step_factor=0.1\"]),\n\
+             (name: \"published\", set: [\"numerics.preset=Mueller2003\", \"fluid.dynamic_viscosity=1\"])]),\n\
+           (name: \"bulk\", values: [\n\
+             (name: \"none\"),\n\
+             (name: \"some\", set: [\"numerics.bulk_viscosity=0.1\"])])])",
+        case("still_tank.ron").canonicalize().unwrap()
+    );
+    let (study, out) = (written(folder.path(), &text), folder.path().join("out"));
+    let output = trade(&study, &out);
+    assert!(output.status.success(), "{}", words(&output));
+    let said = String::from_utf8_lossy(&output.stdout);
+    println!("{said}");
+    let skipped: Vec<&str> = said
+        .lines()
+        .filter(|line| line.contains("skipped"))
+        .collect();
+    assert_eq!(skipped.len(), 1, "{said}");
+    assert!(
+        skipped[0].contains("scheme published, bulk some: ")
+            && skipped[0].contains("bulk viscosity acts on the rate of density"),
+        "{said}"
+    );
+    // the three others were run
+    assert_eq!(rows(&out.join("trade.csv")).len(), 3);
+}
+
 #[test]
 fn a_study_that_was_killed_ends_with_the_same_table() {
     let folder = tempfile::tempdir().unwrap();

@@ -3,6 +3,7 @@
 mod cost;
 mod describe;
 mod landslide;
+mod mach;
 mod water;
 
 use std::path::PathBuf;
@@ -36,6 +37,9 @@ pub(crate) fn execute(arguments: &Arguments) -> Exit {
     show(&describe(&scene));
     for one in ineffective_options(&scene) {
         show(&format!("  no effect at this resolution: {one}"));
+    }
+    if let Some(warning) = mach::warning(&scene) {
+        show(&warning);
     }
     match cost(&scene) {
         Ok(text) => {

@@ -1,5 +1,6 @@
 //! `riprap run`.
 
+mod from;
 mod further;
 mod progress;
 mod resume;
@@ -15,7 +16,8 @@ use crate::cli::check::describe;
 use crate::output::checkpoint_file::{self as checkpoint, Checkpoint};
 use crate::output::run_folder::{self, ArchivedScene, Existing};
 use crate::output::summary::Summary;
-use crate::run::{Ending, Plan, run};
+use crate::run::{Ending, Plan, RunError, run};
+use crate::scene::further::Changes;
 use crate::scene::parse::Override;
 use crate::scene::resolve::Scene;
 use progress::ProgressLine;
@@ -58,6 +60,10 @@ pub(crate) struct Arguments {
     /// to a longer duration, with more gauges, other intervals of output or another camera.
     #[arg(long, conflicts_with_all = ["force", "error"])]
     resume: bool,
+    /// Continue from the last good state of another run folder with other numerics (time-step factors, viscosity, diffusion,
+    /// damping), in a folder of its own, which gets the records so far.
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["resume", "error"])]
+    from: Option<PathBuf>,
     /// Wall time between checkpoints in seconds. Another one is written when a run is stopped or fails.
     #[arg(long, value_name = "T", default_value_t = 600.0, value_parser = seconds)]
     checkpoint_interval: f64,
@@ -121,8 +127,9 @@ fn choose_and_run(arguments: &Arguments) -> Result<Exit, Exit> {
     line.end();
     let (summary, ending) = ended.map_err(|error| {
         say(&format!(
-            "error: {error}\nearlier output is in {}",
-            folder.display()
+            "error: {error}\nearlier output is in {}{}",
+            folder.display(),
+            way_on(&error, arguments, &folder)
         ));
         Exit::Failed
     })?;
@@ -142,6 +149,22 @@ fn choose_and_run(arguments: &Arguments) -> Result<Exit, Exit> {
         (Ending::Completed, None) => Ok(Exit::Done),
         (Ending::Completed, Some(chosen)) => Ok(judge(chosen, &scene, &folder)),
     }
+}
+
+/// Command that continues from the last good state of a failed run.
+fn way_on(error: &RunError, arguments: &Arguments, folder: &Path) -> String {
+    let is_of_a_step = matches!(
+        error,
+        RunError::Step(_) | RunError::Unstable { .. } | RunError::Examined { .. }
+    );
+    if !is_of_a_step || !folder.join(checkpoint::FILE).exists() {
+        return String::new();
+    }
+    format!(
+        ", with its last good state; to continue from there with other numerics: riprap run {} --from {} -o OTHER --set ...",
+        arguments.case.display(),
+        folder.display()
+    )
 }
 
 /// Overrides of the command line.
@@ -186,7 +209,8 @@ fn prepare(
 ) -> Result<Option<Checkpoint>, Exit> {
     if arguments.resume {
         let archived = ArchivedScene::of(scene).map_err(refused)?;
-        match resume::find(&archived, &arguments.case, folder).map_err(refused)? {
+        let found = resume::find(&archived, &arguments.case, folder, Changes::Records);
+        match found.map_err(refused)? {
             Found::Over => {
                 show(&format!("{} is complete already", folder.display()));
                 return Err(Exit::Done);
@@ -206,6 +230,11 @@ fn prepare(
         true => Existing::Replace,
         false => Existing::Keep,
     };
+    if let Some(other) = &arguments.from {
+        let archived = ArchivedScene::of(scene).map_err(refused)?;
+        let begun = from::begin(&archived, &arguments.case, other, (folder, existing));
+        return begun.map(Some).map_err(refused);
+    }
     run_folder::create(folder, existing).map_err(refused)?;
     Ok(None)
 }

@@ -73,10 +73,7 @@ pub(crate) fn execute(arguments: &Arguments) -> Exit {
         if more.is_empty() {
             break (ended, all);
         }
-        if let Err(error) = study.add(more) {
-            report_scene_error(&error);
-            return Exit::BadInput;
-        }
+        study.add_possible(more);
     };
     let written = write_all(&study, &all, &folder);
     show(&words(&study, &all));
@@ -178,6 +175,9 @@ fn words(study: &Study, all: &[Outcome]) -> String {
     let failed = all.iter().filter(|found| !found.is_stable).count();
     if failed > 0 {
         lines.push(format!("  {failed} runs failed, see trade.csv"));
+    }
+    for skipped in &study.skipped {
+        lines.push(format!("  skipped {}", skipped.label(study)));
     }
     for (knob, bought) in bought(study, all) {
         lines.push(match bought {

@@ -23,22 +23,24 @@ pub use read::read;
 pub(crate) use write::escape;
 pub use write::{replace_file, write};
 
-/// Points and polygons with their arrays, at one time.
+/// Points with polygons or lines over them and their arrays, at one time.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PolyData {
     /// Points; m.
     pub points: Vec<[f32; 3]>,
-    /// Polygons over the points; empty for a cloud, which gets a vertex cell per point instead.
+    /// Lines through the points, in place of polygons.
+    pub lines: Polygons,
+    /// Polygons over the points. Without polygons and lines it is a cloud, which gets a vertex cell per point instead.
     pub polygons: Polygons,
     /// Arrays with a value per point.
     pub point_data: Vec<Array>,
-    /// Arrays with a value per polygon.
+    /// Arrays with a value per polygon, or per line.
     pub cell_data: Vec<Array>,
     /// Simulated time; s.
     pub time: f64,
 }
 
-/// Polygons as packed corner numbers.
+/// Polygons or lines as packed corner numbers.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Polygons {
     /// Corner numbers, polygon after polygon.

@@ -1,6 +1,6 @@
 //! Observers: they sample the world when due and write files; they never change it.
 
-mod arrays;
+pub(crate) mod arrays;
 mod block_force;
 mod crossing;
 mod face_pressures;

@@ -54,6 +54,8 @@ pub const INUNDATION_DEPTH: &str = "inundation_depth.asc";
 const MAP_RASTERS: [&str; 3] = [MAXIMUM_ELEVATION, FIRST_ARRIVAL, INUNDATION_DEPTH];
 /// Blocks that never move.
 pub const FIXED_BLOCKS: &str = "fixed_blocks.vtp";
+/// Paths of what grew first before a run failed.
+pub const OFFENDERS: &str = "offenders.vtp";
 /// The newest checkpoint.
 pub const CHECKPOINT: &str = "checkpoint.bin";
 /// The checkpoint before it.
@@ -78,7 +80,7 @@ pub const FACE_FRAMES: &str = "faces";
 pub const FRAMES: [&str; 4] = [WATER_FRAMES, BLOCK_FRAMES, CONTACT_FRAMES, FACE_FRAMES];
 
 /// All files with a name of their own.
-const FILES: [&str; 20] = [
+const FILES: [&str; 21] = [
     CASE,
     SUMMARY,
     ACCURACY,
@@ -96,6 +98,7 @@ const FILES: [&str; 20] = [
     FIRST_ARRIVAL,
     INUNDATION_DEPTH,
     FIXED_BLOCKS,
+    OFFENDERS,
     CHECKPOINT,
     PREVIOUS_CHECKPOINT,
     NEW_CHECKPOINT,
@@ -184,6 +187,34 @@ pub fn create(folder: &Path, existing: Existing) -> Result<(), RunFolderError> {
     std::fs::create_dir_all(folder).map_err(RunFolderError::io("create", folder))
 }
 
+/// Copies tables and frames of a run into the folder of another one, which continues it.
+///
+/// # Errors
+///
+/// [`RunFolderError::Io`] names the file that cannot be read or written.
+pub fn copy_records(from: &Path, to: &Path) -> Result<(), RunFolderError> {
+    let of_that_run = [
+        CASE,
+        SUMMARY,
+        ACCURACY,
+        OVERVIEW,
+        OFFENDERS,
+        CHECKPOINT,
+        PREVIOUS_CHECKPOINT,
+        NEW_CHECKPOINT,
+    ];
+    let entries = from.read_dir().map_err(RunFolderError::io("read", from))?;
+    for path in entries.flatten().map(|entry| entry.path()) {
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        let is_partial = name.starts_with('.');
+        if is_written_by_runs(&name) && !is_partial && !of_that_run.contains(&name.as_ref()) {
+            std::fs::copy(&path, to.join(name.as_ref()))
+                .map_err(RunFolderError::io("copy", &path))?;
+        }
+    }
+    Ok(())
+}
+
 /// Removes the files of an earlier run only.
 fn clean(folder: &Path) -> Result<(), RunFolderError> {
     let entries = folder
@@ -240,6 +271,7 @@ mod tests {
             "faces.pvd",
             "contacts.vtp.series",
             "masses.csv",
+            "offenders.vtp",
             ".maps.vtp.partial",
             "first_arrival.tif",
             "maximum_elevation.prj",

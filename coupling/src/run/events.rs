@@ -71,6 +71,14 @@ pub enum RunError {
         /// Fraction of the usual step in the last attempt.
         share: f64,
     },
+    /// Failure of a step with what grew first in its last steps, whose paths are in the run folder.
+    #[error("{failure}\n{findings}")]
+    Examined {
+        /// The failure.
+        failure: Box<RunError>,
+        /// Three lines.
+        findings: String,
+    },
     /// File that cannot be written; everything written before stays valid.
     #[error("{0}")]
     Observe(#[from] ObserveError),

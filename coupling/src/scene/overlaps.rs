@@ -75,7 +75,7 @@ pub fn in_words(overlap: &DeepOverlap, scene: &Scene) -> String {
 }
 
 /// `, on the map (x, y, z) m` of a point (m), where the scene is part of a map.
-pub(super) fn on_the_map(at: &Vec3, origin: Option<Triple>) -> String {
+pub(crate) fn on_the_map(at: &Vec3, origin: Option<Triple>) -> String {
     match origin {
         Some((x, y, z)) if (x, y, z) != (0.0, 0.0, 0.0) => format!(
             ", on the map ({:.1}, {:.1}, {:.1}) m",

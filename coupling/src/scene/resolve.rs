@@ -14,6 +14,7 @@ mod materials;
 mod meshes;
 mod places;
 mod recording;
+mod release;
 mod solids;
 mod speed;
 
@@ -82,6 +83,9 @@ impl Scene {
         problems.extend((lattice.as_ref()).and_then(|l| narrow_gaps(&solids.named, l, dimensions)));
         let lattice = lattice.map(|lattice| with_flow(lattice, file));
         let expected_speed = speed::expected_speed(file, &solids, lattice.as_ref());
+        let front_speed = lattice.as_ref().map_or(0.0, |lattice| {
+            release::front_speed(file, &solids, lattice.spacing[0])
+        });
         let materials = materials::materials(file, &solids, &expanded.of_slides, expected_speed);
         let gravity = vec3(file.gravity);
         problems.extend(materials::no_strength(&materials, &solids, gravity.norm()));
@@ -116,6 +120,7 @@ impl Scene {
             duration: file.time.duration,
             settle: file.time.settle,
             expected_speed,
+            fastest_flow: expected_speed.max(front_speed),
             block_names: file.blocks.iter().map(|b| b.name.clone()).collect(),
             is_sealed: file.blocks.iter().map(|b| b.sealed).collect(),
             meshes,

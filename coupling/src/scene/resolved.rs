@@ -36,6 +36,8 @@ pub struct Scene {
     pub settle: f64,
     /// Fastest motion expected, from which sound speed and stiffnesses follow; m/s.
     pub expected_speed: f64,
+    /// Fastest motion expected, fronts of water that nothing holds at the start included; m/s.
+    pub fastest_flow: f64,
     /// Blocks in the order of the file; those of rock masses, slides and grains follow.
     pub blocks: Vec<BlockDefinition>,
     /// Name of each block.

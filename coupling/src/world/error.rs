@@ -1,4 +1,5 @@
-//! Errors of a step, each with its time, its place and a remedy.
+//! Errors of a step, each with its time, its place and a remedy. A shorter step is none: a run tries it by itself before it
+//! ends.
 
 use riprap_dda::BlockId;
 use riprap_sph::{FluidError, ParticleId};
@@ -30,7 +31,7 @@ pub enum StepError {
     },
     /// Overlap of two blocks beyond what a step allows, with their names.
     #[error(
-        "at t = {time:.6} s, step {step}: {words}; raise the contact stiffness, lower the time step, or part them at the start"
+        "at t = {time:.6} s, step {step}: {words}; raise the contact stiffness, or part them at the start"
     )]
     Overlap {
         /// s.
@@ -71,7 +72,7 @@ pub enum StepError {
     },
     /// The position or velocity of a particle is not finite.
     #[error(
-        "at t = {time:.6} s, step {step}: velocity of particle {id} is NaN; check it in the last frame, or reduce `numerics.time_step_factor`"
+        "at t = {time:.6} s, step {step}: velocity of particle {id} is NaN; raise `fluid.dynamic_viscosity`, or look what hits the water there"
     )]
     NoVelocity {
         /// s.
@@ -83,7 +84,7 @@ pub enum StepError {
     },
     /// Faster than sound: the fluid is stiff no longer.
     #[error(
-        "at t = {time:.6} s, step {step}: particle {id} near ({:.4}, {:.4}, {:.4}) moves at {speed:.4} m/s, and sound at {sound_speed:.4} m/s; raise `numerics.sound_speed`, shorten the step with `numerics.time_step_factor`, or look what hits the water there",
+        "at t = {time:.6} s, step {step}: particle {id} near ({:.4}, {:.4}, {:.4}) moves at {speed:.4} m/s, and sound at {sound_speed:.4} m/s; raise `numerics.sound_speed`, or look what hits the water there",
         at[0], at[1], at[2]
     )]
     Supersonic {
@@ -102,7 +103,7 @@ pub enum StepError {
     },
     /// Energy rose without a source.
     #[error(
-        "at t = {time:.6} s, step {step}: energy rose by {gained:.4e} J in {steps} steps without a source (kinetic + elastic before: {before:.4e} J); reduce `numerics.time_step_factor` or `contact_stiffness` of the materials, or check for blocks and water that start inside each other"
+        "at t = {time:.6} s, step {step}: energy rose by {gained:.4e} J in {steps} steps without a source (kinetic + elastic before: {before:.4e} J); reduce `contact_stiffness` of the materials, or check for blocks and water that start inside each other"
     )]
     EnergyFromNowhere {
         /// s.

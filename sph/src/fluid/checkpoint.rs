@@ -81,6 +81,10 @@ impl Fluid {
             return bad;
         }
         self.particles = particles;
+        if self.settings.bulk_viscosity() == 0.0 {
+            // of a run that had some until here
+            self.particles.bulk_pressure.clear();
+        }
         self.sorts += 1;
         let (starts, bytes) = postcard::take_from_bytes(bytes)?;
         if !self.grid.set_starts(starts, n) {

@@ -1,4 +1,4 @@
-//! Starting point of `riprap run --resume`.
+//! Starting point of `riprap run --resume` and `--from`.
 
 use std::fs;
 use std::path::Path;
@@ -6,7 +6,7 @@ use std::path::Path;
 use crate::cli::say;
 use crate::output::checkpoint_file::{self as checkpoint, Checkpoint};
 use crate::output::run_folder::{self, ArchivedScene};
-use crate::scene::further;
+use crate::scene::further::{self, Changes};
 
 /// Contents of a run folder.
 pub(super) enum Found {
@@ -21,20 +21,33 @@ pub(super) enum Found {
 }
 
 /// Examines the state of the run of a scene in a run folder, without changing it.
-pub(super) fn find(scene: &ArchivedScene, case: &Path, folder: &Path) -> Result<Found, String> {
+pub(super) fn find(
+    scene: &ArchivedScene,
+    case: &Path,
+    folder: &Path,
+    changes: Changes,
+) -> Result<Found, String> {
     let Some(before) = read(&folder.join(run_folder::CASE))? else {
         return Ok(Found::Nothing);
     };
     let is_same = first_difference(&before, &scene.text).is_none();
     let compared = match is_same {
         true => None,
-        false => further::as_before(&before, &scene.text),
+        false => further::as_before(&before, &scene.text, changes),
     };
     let compared = compared.as_ref().unwrap_or(&scene.text);
     if let Some((line, (before, now))) = first_difference(&before, compared) {
+        let remedy = match changes {
+            Changes::Records => "continue with the scene as it was, name another folder with -o, or start over with --force"
+                .to_owned(),
+            Changes::Numerics => format!(
+                "{}; what may change: {}",
+                further::reason_to_stay(if before.is_empty() { now } else { before }),
+                further::NUMERICS
+            ),
+        };
         return Err(format!(
-            "{}, line {line}: the run had `{before}`, and now it would be `{now}`; continue with the scene as it was, name \
-             another folder with -o, or start over with --force",
+            "{}, line {line}: the run had `{before}`, and now it would be `{now}`; {remedy}",
             folder.join(run_folder::CASE).display()
         ));
     }

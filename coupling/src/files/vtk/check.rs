@@ -88,13 +88,15 @@ pub enum Fault {
         /// Required number of values.
         expected: u64,
     },
-    /// An invalid polygon.
+    /// An invalid polygon or line.
     #[error(
-        "polygon {polygon} needs 3 or more corners, all among the {n_points} points, and ascending ends"
+        "cell {cell} needs {least} or more corners, all among the {n_points} points, and ascending ends"
     )]
-    Polygon {
-        /// Number of the polygon.
-        polygon: usize,
+    Cell {
+        /// Number of the polygon or line.
+        cell: usize,
+        /// Smallest number of corners: 3 of a polygon, 2 of a line.
+        least: usize,
         /// Number of points.
         n_points: usize,
     },
@@ -129,15 +131,18 @@ impl PolyData {
         if !self.time.is_finite() {
             return Err(Fault::Time { time: self.time });
         }
-        let found = self.points.len().max(self.polygons.connectivity.len());
+        let cells = [(&self.lines, 2), (&self.polygons, 3)];
+        let corners = cells.map(|(cells, _)| cells.connectivity.len());
+        let found = self.points.len().max(corners[0]).max(corners[1]);
         if i32::try_from(found).is_err() {
             return Err(Fault::TooMany { found });
         }
+        let n_cells = self.lines.len() + self.polygons.len();
         check_arrays(&self.point_data, self.points.len())?;
-        check_arrays(&self.cell_data, self.polygons.len())?;
+        check_arrays(&self.cell_data, n_cells)?;
         // Readers count the vertex cells of a point cloud as cells, for which an empty polygon array would be too short.
         if let Some(array) = self.cell_data.first()
-            && self.polygons.is_empty()
+            && n_cells == 0
             && !self.points.is_empty()
         {
             return Err(Fault::Length {
@@ -146,28 +151,35 @@ impl PolyData {
                 expected: self.points.len() as u64,
             });
         }
-        self.check_polygons()
+        let mut checks = cells.into_iter();
+        checks.try_for_each(|(cells, least)| cells.check(least, self.points.len()))
     }
+}
 
-    fn check_polygons(&self) -> Result<(), Fault> {
-        let Polygons {
+impl Polygons {
+    /// Checks that each has enough corners, all among the points.
+    fn check(&self, least: usize, n_points: usize) -> Result<(), Fault> {
+        let Self {
             connectivity,
             offsets,
-        } = &self.polygons;
-        let n_points = self.points.len();
+        } = self;
         let mut start = 0;
-        for (polygon, &end) in offsets.iter().enumerate() {
+        for (cell, &end) in offsets.iter().enumerate() {
             let corners = usize::try_from(end)
                 .ok()
                 .and_then(|end| connectivity.get(start..end));
             let is_valid = corners.is_some_and(|corners| {
-                corners.len() >= 3
+                corners.len() >= least
                     && corners
                         .iter()
                         .all(|&c| usize::try_from(c).is_ok_and(|c| c < n_points))
             });
             if !is_valid {
-                return Err(Fault::Polygon { polygon, n_points });
+                return Err(Fault::Cell {
+                    cell,
+                    least,
+                    n_points,
+                });
             }
             start = end as usize;
         }

@@ -4,7 +4,7 @@
 //! decompressed if the compressed bytes present could hold it.
 
 use super::write::escape;
-use super::{Array, Fault, PolyData, Polygons, Values, VtkError};
+use super::{Array, Fault, PolyData, Values, VtkError};
 use flate2::{Decompress, FlushDecompress, Status};
 use rayon::prelude::*;
 use std::fs;
@@ -29,6 +29,7 @@ fn parse(bytes: &[u8]) -> Result<PolyData, Fault> {
         appended,
         data: PolyData::default(),
         n_points: 0,
+        n_lines: 0,
         n_polygons: 0,
     };
     let mut section = "";
@@ -36,11 +37,12 @@ fn parse(bytes: &[u8]) -> Result<PolyData, Fault> {
     for tag in tags(header) {
         match tag.name {
             "VTKFile" => require_layout(&tag)?,
-            "FieldData" | "PointData" | "CellData" | "Points" | "Verts" | "Polys" => {
+            "FieldData" | "PointData" | "CellData" | "Points" | "Verts" | "Lines" | "Polys" => {
                 section = tag.name
             }
             "Piece" => {
                 file.n_points = tag.number("NumberOfPoints")?;
+                file.n_lines = tag.number("NumberOfLines")?;
                 file.n_polygons = tag.number("NumberOfPolys")?;
             }
             "DataArray" if section == "FieldData" => {
@@ -98,6 +100,7 @@ struct File<'a> {
     appended: &'a [u8],
     data: PolyData,
     n_points: u64,
+    n_lines: u64,
     n_polygons: u64,
 }
 
@@ -123,7 +126,11 @@ impl File<'_> {
                 self.data.point_data.push(array);
             }
             ("CellData", _) => {
-                let array = self.array(tag, name, Some(self.n_polygons))?;
+                let array = self.array(
+                    tag,
+                    name,
+                    Some(self.n_lines.saturating_add(self.n_polygons)),
+                )?;
                 self.data.cell_data.push(array);
             }
             ("Points", _) => {
@@ -133,6 +140,12 @@ impl File<'_> {
                     });
                 };
                 self.data.points = values.as_chunks().0.to_vec();
+            }
+            ("Lines", "connectivity") => {
+                self.data.lines.connectivity = self.integers(tag, name, None)?
+            }
+            ("Lines", "offsets") => {
+                self.data.lines.offsets = self.integers(tag, name, Some(self.n_lines))?
             }
             ("Polys", "connectivity") => {
                 self.data.polygons.connectivity = self.integers(tag, name, None)?
@@ -194,11 +207,13 @@ impl File<'_> {
 
     /// The data, if the counts of the header agree, including omitted sections.
     fn complete(self) -> Result<PolyData, Fault> {
-        let Polygons { offsets, .. } = &self.data.polygons;
         if self.data.points.len() as u64 != self.n_points {
             return Err(Fault::Missing { part: "points" });
         }
-        if offsets.len() as u64 != self.n_polygons {
+        if self.data.lines.len() as u64 != self.n_lines {
+            return Err(Fault::Missing { part: "lines" });
+        }
+        if self.data.polygons.len() as u64 != self.n_polygons {
             return Err(Fault::Missing { part: "polygons" });
         }
         Ok(self.data)

@@ -18,7 +18,7 @@ const SOURCE: &str = concat!("riprap ", env!("CARGO_PKG_VERSION"), "; SI units; 
 
 /// Writes `data` as a compressed `.vtp` file, under its final name only once it is complete.
 ///
-/// A point cloud (no polygons) gets a vertex cell per point, required by ParaView's filters and selections. The
+/// A point cloud (no polygons or lines) gets a vertex cell per point, required by ParaView's filters and selections. The
 /// first one-component array of floating-point numbers is marked as active scalars, the first of three components as
 /// active vectors.
 ///
@@ -91,6 +91,7 @@ impl Document {
     fn poly_data(&mut self, data: &PolyData) -> io::Result<()> {
         let PolyData {
             points,
+            lines,
             polygons,
             point_data,
             cell_data,
@@ -109,11 +110,13 @@ impl Document {
                 .collect::<Vec<_>>()
                 .join(" ")
         );
-        let n_vertices = if polygons.is_empty() { points.len() } else { 0 };
+        let is_cloud = polygons.is_empty() && lines.is_empty();
+        let n_vertices = if is_cloud { points.len() } else { 0 };
         self.xml += &format!(
-            "    </FieldData>\n    <Piece NumberOfPoints=\"{}\" NumberOfVerts=\"{n_vertices}\" NumberOfLines=\"0\" \
+            "    </FieldData>\n    <Piece NumberOfPoints=\"{}\" NumberOfVerts=\"{n_vertices}\" NumberOfLines=\"{}\" \
              NumberOfStrips=\"0\" NumberOfPolys=\"{}\">\n",
             points.len(),
+            lines.len(),
             polygons.len()
         );
         self.attributes("PointData", point_data)?;
@@ -125,6 +128,9 @@ impl Document {
             // `PolyData::check` has verified that the number of points fits.
             let numbers: Vec<i32> = (0..=n_vertices as i32).collect();
             self.cells("Verts", &numbers[..n_vertices], &numbers[1..])?;
+        }
+        if !lines.is_empty() {
+            self.cells("Lines", &lines.connectivity, &lines.offsets)?;
         }
         self.cells("Polys", &polygons.connectivity, &polygons.offsets)?;
         self.xml += "    </Piece>\n  </PolyData>\n";

@@ -5,12 +5,12 @@ use riprap_dda::Vec3;
 use crate::files::vtk::{Array, Values};
 
 /// A vector in single precision, as VTK files have it.
-pub(super) fn single(v: &Vec3) -> [f32; 3] {
+pub(crate) fn single(v: &Vec3) -> [f32; 3] {
     [v.x as f32, v.y as f32, v.z as f32]
 }
 
 /// Array of a number per point or cell.
-pub(super) fn scalars(name: &str, values: Vec<f32>) -> Array {
+pub(crate) fn scalars(name: &str, values: Vec<f32>) -> Array {
     Array {
         name: name.to_owned(),
         components: 1,
@@ -19,7 +19,7 @@ pub(super) fn scalars(name: &str, values: Vec<f32>) -> Array {
 }
 
 /// Array of a vector per point or cell.
-pub(super) fn vectors<'a>(name: &str, values: impl Iterator<Item = &'a Vec3>) -> Array {
+pub(crate) fn vectors<'a>(name: &str, values: impl Iterator<Item = &'a Vec3>) -> Array {
     Array {
         name: name.to_owned(),
         components: 3,
@@ -28,7 +28,7 @@ pub(super) fn vectors<'a>(name: &str, values: impl Iterator<Item = &'a Vec3>) ->
 }
 
 /// Array of an integer per point or cell.
-pub(super) fn integers(name: &str, values: Vec<i32>) -> Array {
+pub(crate) fn integers(name: &str, values: Vec<i32>) -> Array {
     Array {
         name: name.to_owned(),
         components: 1,

@@ -189,7 +189,8 @@ pub enum DesignFile {
     OneAtATime,
     /// All combinations.
     FullGrid,
-    /// One knob at a time, then the combinations predicted to advance the Pareto front most, four at a time.
+    /// One knob at a time, then the combinations predicted to advance the Pareto front most, four at a time; those that the
+    /// scene refuses are skipped and listed.
     Search {
         /// Largest total number of runs.
         runs: usize,

@@ -8,7 +8,7 @@ use super::outcome::Outcome;
 use super::search;
 use crate::build_info::COMMIT;
 use crate::scene;
-use crate::scene::error::{Problem, SceneError};
+use crate::scene::error::{Problem, SceneError, Severity};
 use crate::scene::estimate::Estimate;
 use crate::scene::parse::{self, Override};
 use crate::scene::resolve::Scene;
@@ -27,6 +27,17 @@ pub struct Study {
     text: String,
     /// Runs in the order of the design: the first has the first value of every knob.
     pub runs: Vec<Planned>,
+    /// Combinations that the search asked for and the scene refuses.
+    pub skipped: Vec<Skipped>,
+}
+
+/// A combination of values that makes no scene.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Skipped {
+    /// Index of the value of each knob.
+    pub choice: Vec<usize>,
+    /// Problem of the scene.
+    pub reason: String,
 }
 
 /// A run of a study.
@@ -67,9 +78,22 @@ impl Study {
             path: path.to_owned(),
             text,
             runs: Vec::new(),
+            skipped: Vec::new(),
         };
         study.add(first)?;
         Ok(study)
+    }
+
+    /// Adds runs with these values of the knobs, and skips those that the scene refuses: values that a scene takes one by
+    /// one may exclude each other.
+    pub fn add_possible(&mut self, choices: Vec<Vec<usize>>) {
+        let case = self.case();
+        for choice in choices {
+            match planned(&self.file, &case, &choice) {
+                Ok(run) => self.runs.push(run),
+                Err((_, reason)) => self.skipped.push(Skipped { choice, reason }),
+            }
+        }
     }
 
     /// Adds runs with these values of the knobs.
@@ -77,7 +101,7 @@ impl Study {
     /// # Errors
     ///
     /// [`SceneError`] with every scene that cannot be, and by which value.
-    pub fn add(&mut self, choices: Vec<Vec<usize>>) -> Result<(), SceneError> {
+    fn add(&mut self, choices: Vec<Vec<usize>>) -> Result<(), SceneError> {
         let case = self.case();
         let mut problems = Vec::new();
         for choice in choices {
@@ -100,7 +124,9 @@ impl Study {
         };
         let knobs = self.file.knobs.iter();
         let n_values: Vec<usize> = knobs.map(|knob| knob.values.len()).collect();
-        search::next(&n_values, all, runs.saturating_sub(self.runs.len()))
+        let skipped = self.skipped.iter().map(|skipped| skipped.choice.as_slice());
+        let left = runs.saturating_sub(self.runs.len());
+        search::next(&n_values, all, &skipped.collect(), left)
     }
 
     /// The folder from which its files are named.
@@ -299,7 +325,7 @@ fn planned(study: &StudyFile, case: &Path, choice: &[usize]) -> Result<Planned, 
     };
     let overrides = overrides.map_err(|message| (place.clone(), message))?;
     let (scene, _) =
-        scene::load(case, &overrides).map_err(|error| (place.clone(), error.to_string()))?;
+        scene::load(case, &overrides).map_err(|error| (place.clone(), of_errors(&error, case)))?;
     let block = match &study.output.block {
         None => None,
         Some(name) => {
@@ -323,6 +349,22 @@ fn planned(study: &StudyFile, case: &Path, choice: &[usize]) -> Result<Planned, 
         key,
         memory: Estimate::of(&scene).total() as u64,
     })
+}
+
+/// Errors of a scene with their places, without its warnings.
+fn of_errors(error: &SceneError, case: &Path) -> String {
+    let found = error.located().iter();
+    let errors = found.filter(|one| one.severity == Severity::Error);
+    let lines = errors.map(|one| {
+        format!(
+            "{}:{}:{}: {}",
+            case.display(),
+            one.line,
+            one.column,
+            one.message
+        )
+    });
+    lines.collect::<Vec<_>>().join("\n")
 }
 
 /// Of the scene with every default written out, the files that it names, and the program.

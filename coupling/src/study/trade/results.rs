@@ -7,7 +7,7 @@ use super::execute::{ended, folder_of};
 use super::file::{StudyFile, TruthFile};
 use super::front::{Point, error_per_doubling, front};
 use super::outcome::{Cost, CostOf, Outcome, point};
-use super::plan::{Planned, Study, finest};
+use super::plan::{Planned, Skipped, Study, finest};
 use crate::files::table::{TableData, TableError, read_table};
 use crate::output::run_folder;
 use crate::study::compare::{Options, Series, compare_files};
@@ -337,9 +337,20 @@ pub fn write(path: &Path, bytes: &[u8]) -> io::Result<()> {
 impl Planned {
     /// Its knob settings in readable form: `spacing 20 mm, kernel as it is`.
     pub fn label(&self, study: &Study) -> String {
-        let chosen = study.file.knobs.iter().zip(&self.choice);
-        let each =
-            chosen.map(|(knob, &value)| format!("{} {}", knob.name, knob.values[value].name));
-        each.collect::<Vec<_>>().join(", ")
+        label(study, &self.choice)
     }
+}
+
+impl Skipped {
+    /// Its knob settings in readable form, and why there is no such run.
+    pub fn label(&self, study: &Study) -> String {
+        let reason: Vec<&str> = self.reason.split_whitespace().collect();
+        format!("{}: {}", label(study, &self.choice), reason.join(" "))
+    }
+}
+
+fn label(study: &Study, choice: &[usize]) -> String {
+    let chosen = study.file.knobs.iter().zip(choice);
+    let each = chosen.map(|(knob, &value)| format!("{} {}", knob.name, knob.values[value].name));
+    each.collect::<Vec<_>>().join(", ")
 }

@@ -20,11 +20,17 @@ const LEAST_ERROR: f64 = 1e-9;
 type Logs = [f64; 2];
 
 /// The next combinations, at most `left`, for knobs with the given numbers of values; empty when every change of one
-/// knob from the front was run.
-pub fn next(n_values: &[usize], all: &[Outcome], left: usize) -> Vec<Vec<usize>> {
+/// knob from the front was run or is among those that are impossible.
+pub fn next(
+    n_values: &[usize],
+    all: &[Outcome],
+    impossible: &BTreeSet<&[usize]>,
+    left: usize,
+) -> Vec<Vec<usize>> {
     let points: Vec<Point> = all.iter().map(|found| point(found, Cost::work)).collect();
     let logs: Vec<Option<Logs>> = points.iter().map(logarithms).collect();
-    let ran: BTreeSet<&[usize]> = all.iter().map(|found| found.choice.as_slice()).collect();
+    let mut known: BTreeSet<&[usize]> = all.iter().map(|found| found.choice.as_slice()).collect();
+    known.extend(impossible);
     let alone = |knob: usize, value: usize| {
         let is = |found: &Outcome| {
             let mut others = found.choice.iter().enumerate();
@@ -49,7 +55,7 @@ pub fn next(n_values: &[usize], all: &[Outcome], left: usize) -> Vec<Vec<usize>>
                 let gain = gain(&fronts, &predicted);
                 match candidates.iter_mut().find(|(_, other)| *other == choice) {
                     Some((most, _)) => *most = most.max(gain),
-                    None if ran.contains(choice.as_slice()) => {}
+                    None if known.contains(choice.as_slice()) => {}
                     None => candidates.push((gain, choice)),
                 }
             }
@@ -109,7 +115,7 @@ mod tests {
             .map(|choice| found(&choice))
             .to_vec();
         // seven single changes, and the three beyond the most expensive value of the better knob
-        let more = next(&n_values, &all, 4);
+        let more = next(&n_values, &all, &BTreeSet::new(), 4);
         all.extend(more.iter().map(|choice| found(choice)));
         let ran: BTreeSet<Vec<usize>> = all.iter().map(|f| f.choice.clone()).collect();
         assert_eq!(best.len(), 7);
@@ -121,9 +127,12 @@ mod tests {
         let all: Vec<Outcome> = [[0, 0], [0, 1], [1, 0], [1, 1]]
             .map(|choice| found(&choice))
             .to_vec();
-        assert_eq!(next(&[2, 2], &all, 4), Vec::<Vec<usize>>::new());
-        assert_eq!(next(&[2, 2], &all[..3], 4), [[1, 1]]);
-        assert_eq!(next(&[2, 2], &all[..3], 0), Vec::<Vec<usize>>::new());
+        let (none, no_impossible) = (Vec::<Vec<usize>>::new(), BTreeSet::new());
+        assert_eq!(next(&[2, 2], &all, &no_impossible, 4), none);
+        assert_eq!(next(&[2, 2], &all[..3], &no_impossible, 4), [[1, 1]]);
+        assert_eq!(next(&[2, 2], &all[..3], &no_impossible, 0), none);
+        let impossible = BTreeSet::from([&[1, 1][..]]);
+        assert_eq!(next(&[2, 2], &all[..3], &impossible, 4), none);
     }
 
     #[test]
@@ -132,6 +141,9 @@ mod tests {
             .map(|choice| found(&choice))
             .to_vec();
         all[1].is_stable = false;
-        assert_eq!(next(&[2, 2], &all, 4), Vec::<Vec<usize>>::new());
+        assert_eq!(
+            next(&[2, 2], &all, &BTreeSet::new(), 4),
+            Vec::<Vec<usize>>::new()
+        );
     }
 }

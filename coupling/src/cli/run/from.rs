@@ -1,0 +1,40 @@
+//! The start of `riprap run --from`: the last good state and the records of another run, in a folder of its own.
+
+use std::fs;
+use std::path::Path;
+
+use super::{further, resume};
+use crate::output::checkpoint_file::Checkpoint;
+use crate::output::run_folder::{self, ArchivedScene, Existing};
+use crate::scene::further::Changes;
+use resume::Found;
+
+/// Makes a run folder that continues the run of another folder, which stays as it is.
+pub(super) fn begin(
+    scene: &ArchivedScene,
+    case: &Path,
+    other: &Path,
+    (folder, existing): (&Path, Existing),
+) -> Result<Checkpoint, String> {
+    let place = |folder: &Path| fs::canonicalize(folder).ok();
+    if place(other).is_some() && place(other) == place(folder) {
+        return Err(format!(
+            "{} is the folder of the run to continue from; name another one with -o",
+            folder.display()
+        ));
+    }
+    let checkpoint = match resume::find(scene, case, other, Changes::Numerics)? {
+        Found::Checkpoint(checkpoint) | Found::Further(checkpoint) => checkpoint,
+        Found::Over => return Err(format!("{} is complete already", other.display())),
+        Found::Nothing => {
+            return Err(format!(
+                "{} contains no checkpoint to continue from",
+                other.display()
+            ));
+        }
+    };
+    run_folder::create(folder, existing).map_err(|error| error.to_string())?;
+    run_folder::copy_records(other, folder).map_err(|error| error.to_string())?;
+    further::begin(scene, &checkpoint, case, folder)?;
+    Ok(checkpoint)
+}
