@@ -3,15 +3,19 @@
 
     python3 benches/python/hydraulics.py [ROW ...] --riprap PATH --runs DIR --schemes Standard,Artificial,Preview,Reference
 
-Rows are still_tank, piston_05, piston_1, piston_2, solitary, dam_break, dam_break_pressure and dam_break_wall, each the case of that name in
-cases/ (kd of the piston after its name) with its source. Prints `row | required | Standard | ...` with errors and CPU seconds.
+Rows are still_tank, piston_05, piston_1, piston_2, solitary, dam_break, dam_break_pressure and dam_break_wall, each the case of
+that name in cases/ (kd of the piston after its name) with its source; standing_3, standing_5, standing_10 and wave_train are cases
+of benches/trade/cases, the former 3, 5 and 10 spacings high. Prints `row | required | Standard | ...` with errors and CPU seconds.
 `Artificial` is the default of old: artificial viscosity, half the step, ten times the fastest flow.
 
-Definitions. Pressure and speed in the still tank: root mean square over the gauges and of all particles after 8 s, over rho g H and
-sqrt(g H). Height of the piston's waves: mean amplitude of sines fitted from x = 2.5 to 8 m, over linear theory; length: from
-the slope of their phases. Solitary wave: celerity from the times of crests at x = 8 to 24 m, loss between crests there, run-up at the
-wall over twice the last crest and its second-order term. Dam-break front: its speed. Pressures: arrival is the first sample
-above 0.1 rho g H, plateau and ringing are mean and standard deviation in a window, the second peak is a mean over 50 ms.
+Definitions. Pressure and speed in the still tank: root mean square over the gauges and of all particles after 8 s, over rho g H
+and sqrt(g H). Height of the piston's waves: mean of sines fitted from x = 2.5 to 8 m, over linear theory; length: from the slope of
+their phases. Standing wave: share of the height left in the eighth period, and phase after it against linear theory, where a wave
+that keeps its height lags by 0.62 rad in deep water. Wave train: decay per wave length from sines fitted to four periods, 2 to 10
+lengths away from the piston, once four periods of full height have passed. Solitary wave: celerity from the times of crests at
+x = 8 to 24 m, loss between crests there, run-up at the wall over twice the last crest and its second-order term. Pressures: arrival
+is the first sample above 0.1 rho g H, plateau and ringing are mean and standard deviation in a window, the second peak is a mean
+over 50 ms.
 """
 
 import json
@@ -23,6 +27,7 @@ import numpy as np  # noqa: E402
 import rows as shared  # noqa: E402
 
 CASES = Path(__file__).resolve().parents[2] / "cases"
+OF_STUDIES = "../benches/trade/cases/"
 G = 9.81
 RHO = 1000.0
 SCHEMES = {
@@ -81,6 +86,32 @@ def piston(kd, stroke, window):
         return f"height {percent(np.mean(heights), ratio * stroke)}, length {percent(kd / number, 1)}"
 
     return measured
+
+
+def standing(run):
+    """Height and phase of a standing wave in its eighth period; it starts with a level surface."""
+    period = 1.1339
+    time, level = gauge(run, "left")
+    chosen = (7 * period <= time) & (time <= 8 * period)
+    t = 2 * np.pi / period * time[chosen]
+    (a, b, _), *_ = np.linalg.lstsq(np.stack([np.cos(t), np.sin(t), np.ones_like(t)], 1), level[chosen], rcond=None)
+    phase = np.angle(np.exp(1j * (np.pi / 2 - np.arctan2(b, a))))
+    return f"{2 * np.hypot(a, b) / 0.19961:.2f} left, {phase:+.2f} rad"
+
+
+def wave_train(run):
+    """Decay of regular waves on their way."""
+    period, speed, ramp = 1.4447, 1.247, 2.9
+    heights = []
+    for k in range(2, 11):
+        time, level = gauge(run, f"{k} lengths")
+        end = min(time[-1], k * np.pi / speed + ramp + 8 * period)
+        chosen = (end - 4 * period < time) & (time <= end)
+        t = 2 * np.pi / period * time[chosen]
+        (a, b, _), *_ = np.linalg.lstsq(np.stack([np.cos(t), np.sin(t), np.ones_like(t)], 1), level[chosen], rcond=None)
+        heights.append(2 * np.hypot(a, b))
+    rate = -np.polyfit(range(2, 11), np.log(heights), 1)[0]
+    return f"{100 * (1 - np.exp(-rate)):.1f} % a length, {heights[0] / 0.2:.2f} of the height at 2 lengths"
 
 
 def solitary(run):
@@ -142,6 +173,10 @@ ROWS = {
     "piston_05": ("piston", pistoned(0.04, 4.17341, 4.2), 31.3, piston(0.5, 0.08, (7.6, 11.8)), "4 %, 2 %"),
     "piston_1": ("piston", [], 31.3, piston(1.0, 0.06, (11.4, 16.0)), "4 %, 2 %"),
     "piston_2": ("piston", pistoned(0.03, 1.4447, 2.9), 31.3, piston(2.0, 0.06, (11.6, 15.95)), "5 %, 2 %"),
+    "standing_3": (OF_STUDIES + "standing_wave_high", ["fluid.resolution=Spacing(0.0666666667)"], 31.3, standing, "keeps"),
+    "standing_5": (OF_STUDIES + "standing_wave_high", [], 31.3, standing, "0.92"),
+    "standing_10": (OF_STUDIES + "standing_wave_high", ["fluid.resolution=Spacing(0.02)"], 31.3, standing, "0.97"),
+    "wave_train": (OF_STUDIES + "wave_train", [], 31.3, wave_train, "1 %"),
     "solitary": ("solitary", [], 35.7, solitary, "1, 5, 5 %"),
     "dam_break": ("dam_break", [f"gauges={FRONT}"], 10.6, dam_break, "3 %"),
     "dam_break_pressure": (
