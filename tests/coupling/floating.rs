@@ -3,6 +3,7 @@
 mod afloat;
 mod loads;
 mod released;
+mod sealed;
 mod uplift;
 
 use crate::support;

@@ -9,6 +9,9 @@ use super::{OPPOSED, REACH};
 /// solids and the block.
 const PORE: [f64; 2] = [0.4, 0.75];
 
+/// Overlap of a point and a solid, in spacings, from which on there is no joint: a prescribed block may be drawn into its bed.
+const OVERLAP: f64 = 0.5;
+
 /// Widening of boxes and distances that only reject, for round-off; –.
 const ROUND_OFF: f64 = 1e-9;
 
@@ -38,10 +41,9 @@ pub(super) struct Surroundings<'a> {
 impl Surroundings<'_> {
     /// Space ahead of a point of the block with an outward normal, and the direction across the edge that it is at.
     pub fn ahead(&self, x: &Vec3, normal: &Vec3, across: Option<Vec3>) -> Ahead {
-        let joint = self.joint(x, normal);
+        let joint = self.joint(x, normal, REACH * self.spacing);
         let at_edge = across.filter(|_| joint.is_some());
-        let beside =
-            at_edge.map(|across| x + across * self.spacing - normal * (0.5 * self.spacing));
+        let beside = at_edge.map(|across| self.beside(x, normal, &across));
         let ahead = || x + normal * (0.5 * self.spacing);
         let room = beside.or_else(|| joint.is_none().then(ahead));
         Ahead {
@@ -52,9 +54,13 @@ impl Surroundings<'_> {
         }
     }
 
-    /// Width of the joint ahead (m), with the solid at its other side: the first of the nearest.
-    fn joint(&self, x: &Vec3, normal: &Vec3) -> Option<(f64, u32)> {
-        let reach = REACH * self.spacing;
+    /// Place beside the block, across the edge that a point is at (m).
+    pub fn beside(&self, x: &Vec3, normal: &Vec3, across: &Vec3) -> Vec3 {
+        x + across * self.spacing - normal * (0.5 * self.spacing)
+    }
+
+    /// Width of the joint ahead (m), at most `reach` (m), with the solid at its other side: the first of the nearest.
+    pub fn joint(&self, x: &Vec3, normal: &Vec3, reach: f64) -> Option<(f64, u32)> {
         let mut nearest: Option<(f64, u32)> = None;
         for part in self.parts_within(x, reach) {
             let within = match nearest {
@@ -72,7 +78,7 @@ impl Surroundings<'_> {
                 nearest = Some((surface.distance, self.blocks.block_of_part(part) as u32));
             }
         }
-        nearest
+        nearest.filter(|(distance, _)| -OVERLAP * self.spacing < *distance)
     }
 
     /// Whether a place is too close to the solids for a particle.
@@ -89,7 +95,7 @@ impl Surroundings<'_> {
     }
 
     /// Whether a place is in the domain and in no solid.
-    fn is_open(&self, place: &Vec3) -> bool {
+    pub fn is_open(&self, place: &Vec3) -> bool {
         let (low, high) = self.domain;
         let is_inside = (0..3).all(|k| low[k] <= place[k] && place[k] <= high[k]);
         let own = self.blocks.parts_of(self.block);
