@@ -340,6 +340,13 @@ impl JointWater {
             }
         }
         self.sum(blocks);
+        if std::env::var("DBG").is_ok() && (last.unwrap_or(-1.0) / 0.1).floor() != (time / 0.1).floor() {
+            eprintln!("t {time}");
+            for (n, &k) in self.scratch.active.iter().enumerate() {
+                let a = &self.scratch.ahead[n];
+                eprintln!("{k} f{} x {:.3} {:.3} gap {:?} S {:.3} pw {:.0} beside {} pore {} p {:.0} full {}", self.points[k as usize].face, self.scratch.positions[n].x, self.scratch.positions[n].z, a.joint.map(|(g,_)| g/self.spacing), a.water[0], a.water[1], a.beside.is_some(), a.is_pore, self.pressure[k as usize], self.full[k as usize]);
+            }
+        }
     }
 
     /// Finds the water at every active point.
