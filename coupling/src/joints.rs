@@ -13,7 +13,7 @@
 //! s = max(min(1, 2 − gap/dp), 1 − S/0.1) · min(1, (S₁ − S)/(S₁ − S₀)),   S = Σ V W at the point, each ≥ 0
 //! ```
 //! `s` fades it out as the joint opens and particles enter. A hollow under a block that particles cannot enter, since joints close it
-//! on all sides, is a joint up to a depth of four spacings. The field is kept from step to step and relaxed by a few sweeps
+//! on all sides, is a joint up to a depth of four spacings, with `4 − gap/dp` in place of the first factor. The field is kept from step to step and relaxed by a few sweeps
 //! in each, so that a change of level spreads through a long joint over many steps. The water of a joint has no volume. It
 //! continues around the edges of blocks, into adjacent joints and through pores between blocks that are too narrow for
 //! particles: points of two faces that are close to each other are neighbors, too.
@@ -366,8 +366,15 @@ impl JointWater {
         scratch.beside.clear();
         for (n, (&k, ahead)) in scratch.active.iter().zip(&scratch.ahead).enumerate() {
             let [share, pressure] = ahead.water;
+            let point = &self.points[k as usize];
+            // a few particles that came into a hollow stand free in it and would empty it
+            let is_shut = self.is_sealed[point.block as usize] || ahead.is_hollow;
+            let reached = match is_shut && point.across.is_none() {
+                true => SHARES.0,
+                false => REACHED,
+            };
             match ahead.joint {
-                Some(_) if share < REACHED => match ahead.beside {
+                Some(_) if share < reached => match ahead.beside {
                     None => scratch.inner.push(k),
                     Some(place) => {
                         scratch.edges.push(n);
@@ -654,15 +661,16 @@ impl JointWater {
                 continue;
             };
             let width = gap / self.spacing;
-            let dry = 1.0 - ahead.water[0] / REACHED;
-            let by_width = match width < REACH {
-                true => dry.max(REACH - width).clamp(0.0, 1.0),
-                false => (hollows::REACH - width).clamp(0.0, 1.0),
-            };
             let by_water = ((SHARES.1 - ahead.water[0]) / (SHARES.1 - SHARES.0)).clamp(0.0, 1.0);
             let point = &self.points[k as usize];
             let (block, partner) = (point.block as usize, partner as usize);
-            let by_seal = match self.is_sealed[block] || self.is_sealed[partner] {
+            let is_sealed = self.is_sealed[block] || self.is_sealed[partner];
+            let dry = 1.0 - ahead.water[0] / REACHED;
+            let by_width = match is_sealed || ahead.is_hollow {
+                true => (hollows::REACH - width).clamp(0.0, 1.0),
+                false => dry.max(REACH - width).clamp(0.0, 1.0),
+            };
+            let by_seal = match is_sealed {
                 true => ((width - OPENING.0) / (OPENING.1 - OPENING.0)).clamp(0.0, 1.0),
                 false => 1.0,
             };

@@ -1,7 +1,7 @@
 //! Hollows under a block that particles cannot enter.
 //!
-//! A block that bridges a bend or a trough closes it with its rims. Particles do not come in, and without their pressure the water on
-//! top of the block would hold it down. Such a hollow is deeper than a joint, but full of water as one.
+//! A block that bridges a bend or a trough closes it with its rims. Particles do not come in but for a few, and without their pressure
+//! the water on top of the block would hold it down. Such a hollow is deeper than a joint, but full of water as one.
 
 use riprap_dda::Blocks;
 use riprap_sph::Fluid;
@@ -19,7 +19,7 @@ enum Space {
     Narrow,
     /// Water or air that has room for particles.
     Open,
-    /// A dry hollow of a depth (m), with the solid at its bottom.
+    /// A hollow of a depth (m), with the solid at its bottom.
     Hollow(f64, u32),
     /// One that was looked at.
     Seen,
@@ -62,13 +62,11 @@ impl JointWater {
         let Hollows { spaces, connected } = hollows;
         spaces.clear();
         spaces.extend(ahead.iter().enumerate().map(|(n, ahead)| {
-            let is_dry = ahead.water[0] < DRY;
-            if ahead.joint.is_some() || (is_dry && ahead.is_pore) {
+            if ahead.joint.is_some() || (ahead.water[0] < DRY && ahead.is_pore) {
                 return Space::Narrow;
             }
             let reach = REACH * self.spacing;
-            let bottom = (is_dry).then(|| surroundings(n).joint(&positions[n], &normals[n], reach));
-            match bottom.flatten() {
+            match surroundings(n).joint(&positions[n], &normals[n], reach) {
                 Some((depth, solid)) => Space::Hollow(depth, solid),
                 None => Space::Open,
             }
@@ -109,6 +107,7 @@ impl JointWater {
             if is_closed {
                 for &(n, depth, solid) in connected.iter() {
                     ahead[n].joint = Some((depth, solid));
+                    ahead[n].is_hollow = true;
                 }
             }
         }

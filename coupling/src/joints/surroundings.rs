@@ -24,6 +24,8 @@ pub(super) struct Ahead {
     pub water: [f64; 2],
     /// Open place beside the block, across the edge that the point is at; m.
     pub beside: Option<Vec3>,
+    /// Whether the joint is a hollow that joints close on all sides.
+    pub is_hollow: bool,
     /// Whether that place, or the space ahead of an open point, is a pore that particles cannot enter.
     pub is_pore: bool,
 }
@@ -49,6 +51,7 @@ impl Surroundings<'_> {
         Ahead {
             joint,
             water: [0.0; 2],
+            is_hollow: false,
             beside: beside.filter(|place| self.is_open(place)),
             is_pore: room.is_some_and(|place| self.is_pore(&place)),
         }

@@ -64,7 +64,8 @@ pub fn packed(
         return Ok((start, all));
     };
     let mut interface = Interface::new(water.walls, blocks, &fluid);
-    for _ in 0..MOST_ROUNDS {
+    let rounds = std::env::var("ROUNDS").ok().and_then(|t| t.parse().ok()).unwrap_or(MOST_ROUNDS);
+    for _ in 0..rounds {
         fluid.refresh();
         interface.find(&fluid, blocks);
         // in a sharp corner only the surface itself stops them

@@ -8,20 +8,21 @@ fn over_a_hollow(depth: f64, above: f64, sealed: bool) -> (World, f64) {
     let (length, height) = (16.0 * spacing, 8.0 * spacing);
     let (x0, x1) = (0.8, 0.8 + length);
     let (rim, end, low) = (3.0 * spacing, 1.6 + length, -depth * spacing);
-    let t = low - 4.0 * spacing;
+    let t = -4.0 * spacing;
+    let bottom = low + t;
     let walls = [
-        ("left floor", [t, t, x0, 0.0]),
-        ("left rim", [x0, t, x0 + rim, -above * spacing]),
-        ("right rim", [x1 - rim, t, x1, -above * spacing]),
-        ("right floor", [x1, t, end - t, 0.0]),
-        ("hollow", [x0 + rim, t, x1 - rim, low]),
+        ("left floor", [t, bottom, x0, 0.0]),
+        ("left rim", [x0, bottom, x0 + rim, -above * spacing]),
+        ("right rim", [x1 - rim, bottom, x1, -above * spacing]),
+        ("right floor", [x1, bottom, end - t, 0.0]),
+        ("hollow", [x0 + rim, bottom, x1 - rim, low]),
         ("left", [t, 0.0, 0.0, 2.0]),
         ("right", [end, 0.0, end - t, 2.0]),
     ]
     .map(|(name, corners)| cuboid(name, "material: \"m\", motion: Fixed", corners));
     let text = format!(
         "(title: \"hollow\", gravity: (0, 0, -9.81),\n\
-         domain: (min: ({t:?}, 0.0, {t:?}), max: ({:?}, 0.1, 2.0), dimensions: Two),\n\
+         domain: (min: ({t:?}, 0.0, {bottom:?}), max: ({:?}, 0.1, 2.0), dimensions: Two),\n\
          materials: [(name: \"m\", density: 2000, friction_angle_deg: 30)],\n\
          blocks: [(name: \"body\", material: \"m\", hold: (directions: [X, Y, Z], turning: Held), sealed: {sealed},\n\
          shape: Box(min: ({x0:?}, 0, 0), max: ({x1:?}, 0.1, {:?}))), {}],\n\

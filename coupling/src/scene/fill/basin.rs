@@ -158,8 +158,9 @@ impl Basin {
         (node[2] * self.counts[1] + node[1]) * self.counts[0] + node[0]
     }
 
-    /// Takes the lowest particle out of columns with one too many, and returns further ones at the bottom of those with one too few; m.
-    fn match_columns(&self, nodes: &mut [Node], missing: &[i8]) -> Vec<Vec3> {
+    /// Takes particles out of columns with too many, and returns further ones of those with too few, m: one at the bottom, more
+    /// evenly over the height. Packing makes room for them.
+    fn match_columns(&self, nodes: &mut [Node], missing: &[i32]) -> Vec<Vec3> {
         let [nx, ny, _] = self.counts;
         let mut added = Vec::new();
         for (column, &missing) in missing.iter().enumerate() {
@@ -168,16 +169,16 @@ impl Basin {
                 continue;
             }
             let is_wet = |k: &usize| nodes[self.index([i, j, *k])] == Node::Wet;
-            let Some(lowest) = (0..self.n_wet_rows).find(is_wet) else {
-                continue;
-            };
-            if missing < 0 {
-                nodes[self.index([i, j, lowest])] = Node::Blocked;
-            } else {
-                // between the two lowest; packing makes room
-                let mut place = self.position([i, j, lowest]);
-                place += Vec3::new(0.0, 0.0, 0.5 * self.spacing[2]);
-                added.push(place);
+            let wet: Vec<usize> = (0..self.n_wet_rows).filter(is_wet).collect();
+            let n = missing.unsigned_abs() as usize;
+            for k in (0..n).filter_map(|m| wet.get(m * wet.len() / n)) {
+                if missing < 0 {
+                    nodes[self.index([i, j, *k])] = Node::Blocked;
+                } else {
+                    let down = if k + 1 == self.n_wet_rows { -0.5 } else { 0.5 };
+                    let offset = Vec3::new(0.0, 0.0, down * self.spacing[2]);
+                    added.push(self.position([i, j, *k]) + offset);
+                }
             }
         }
         added

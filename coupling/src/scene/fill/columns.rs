@@ -1,6 +1,8 @@
 //! Columns of a basin: the particles that each has, and those of its volume.
 
-/// Most that a column passes on to the next; particles. What a vertical wall cuts off is not made up for along its foot.
+/// Largest change of the particles of a column: a wall that stands off the lattice takes or gives half a column.
+const MOST_CHANGED: f64 = 0.6;
+/// Most that a column passes on to the next; particles.
 const MOST_PASSED_ON: f64 = 1.5;
 /// Share of the columns that the deepest are, from which on the floor counts as level.
 const LEVEL: f64 = 0.1;
@@ -20,26 +22,43 @@ pub(super) struct Columns {
 }
 
 impl Columns {
-    /// Particles of a volume (m³) that columns lack, or have too many when negative: one at most, in the order of a line to and fro
-    /// along x, which passes on what is less than half a particle.
-    pub(super) fn missing(&self, volume: f64) -> Vec<i8> {
-        let mut missing = vec![0; self.volumes.len()];
-        let mut rest = 0.0_f64;
-        for column in self.to_and_fro() {
-            if self.filled[column] == 0 {
-                continue;
-            }
-            rest += self.volumes[column] / volume - self.filled[column] as f64;
-            rest = rest.clamp(-MOST_PASSED_ON, MOST_PASSED_ON);
-            if 0.5 < rest {
-                missing[column] = 1;
-                rest -= 1.0;
-            } else if rest < -0.5 && 1 < self.filled[column] {
-                missing[column] = -1;
-                rest += 1.0;
+    /// Particles of a volume (m³) that columns lack, or have too many when negative, in the order of a line to and fro along x, which
+    /// passes on what is less than half a particle. What a wall cuts off a column without any particle is added to one beside it.
+    pub(super) fn missing(&self, volume: f64) -> Vec<i32> {
+        let mut wanted: Vec<f64> = self.volumes.iter().map(|drawn| drawn / volume).collect();
+        for column in 0..wanted.len() {
+            if self.filled[column] == 0
+                && let Some(beside) = self.fullest_beside(column)
+            {
+                wanted[beside] += std::mem::take(&mut wanted[column]);
             }
         }
+        let mut missing = vec![0; wanted.len()];
+        let mut rest = 0.0_f64;
+        for column in self.to_and_fro() {
+            let filled = self.filled[column];
+            if filled == 0 {
+                continue;
+            }
+            rest += wanted[column] - filled as f64;
+            let most = MOST_CHANGED * filled as f64;
+            let change = rest.round().clamp(-most.floor(), most.ceil());
+            missing[column] = change as i32;
+            rest = (rest - change).clamp(-MOST_PASSED_ON, MOST_PASSED_ON);
+        }
         missing
+    }
+
+    /// The column with the most particles of the eight around one.
+    fn fullest_beside(&self, column: usize) -> Option<usize> {
+        let n = self.per_row;
+        let (i, j) = (column % n, column / n);
+        let rows = self.volumes.len() / n;
+        let around = (j.saturating_sub(1)..(j + 2).min(rows))
+            .flat_map(|j| (i.saturating_sub(1)..(i + 2).min(n)).map(move |i| j * n + i));
+        around
+            .filter(|&beside| 0 < self.filled[beside])
+            .max_by_key(|&beside| self.filled[beside])
     }
 
     fn to_and_fro(&self) -> impl Iterator<Item = usize> {
