@@ -340,13 +340,6 @@ impl JointWater {
             }
         }
         self.sum(blocks);
-        if std::env::var("DBG").is_ok() && (last.unwrap_or(-1.0) / 0.1).floor() != (time / 0.1).floor() {
-            eprintln!("t {time}");
-            for (n, &k) in self.scratch.active.iter().enumerate() {
-                let a = &self.scratch.ahead[n];
-                eprintln!("{k} f{} x {:.3} {:.3} gap {:?} S {:.3} pw {:.0} beside {} pore {} p {:.0} full {}", self.points[k as usize].face, self.scratch.positions[n].x, self.scratch.positions[n].z, a.joint.map(|(g,_)| g/self.spacing), a.water[0], a.water[1], a.beside.is_some(), a.is_pore, self.pressure[k as usize], self.full[k as usize]);
-            }
-        }
     }
 
     /// Finds the water at every active point.
@@ -367,10 +360,10 @@ impl JointWater {
         for (n, (&k, ahead)) in scratch.active.iter().zip(&scratch.ahead).enumerate() {
             let [share, pressure] = ahead.water;
             let point = &self.points[k as usize];
-            // a few particles that came into a hollow stand free in it and would empty it
+            // particles that came into a hollow stand free in it and would empty it, unless they fill it
             let is_shut = self.is_sealed[point.block as usize] || ahead.is_hollow;
-            let reached = match is_shut && point.across.is_none() {
-                true => SHARES.0,
+            let reached = match is_shut {
+                true => SHARES.1,
                 false => REACHED,
             };
             match ahead.joint {
@@ -444,7 +437,7 @@ impl JointWater {
             ahead,
             ..
         } = &mut self.scratch;
-        let (points, spacing) = (&self.points, self.spacing);
+        let (points, spacing, is_sealed) = (&self.points, self.spacing, &self.is_sealed);
         let (near_faces, near_parts) = (&*near_faces, &*near_parts);
         ahead.resize(active.len(), Ahead::default());
         ahead
@@ -461,6 +454,7 @@ impl JointWater {
                     block,
                     near: &near_parts[first..last],
                     domain: fluid.settings().domain,
+                    is_sealed: is_sealed[block],
                     spacing,
                 };
                 let turned = |across| blocks.orientation(block) * across;

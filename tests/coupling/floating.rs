@@ -4,6 +4,7 @@ mod afloat;
 mod loads;
 mod released;
 mod sealed;
+mod sloped;
 mod uplift;
 
 use crate::support;

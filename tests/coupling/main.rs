@@ -26,6 +26,7 @@ mod landslide;
 mod mistakes;
 mod new;
 mod overview;
+mod paths;
 mod program;
 mod random_scenes;
 mod render;

@@ -56,6 +56,7 @@ impl JointWater {
                 block: face.block as usize,
                 near: &near_parts[first..last],
                 domain: fluid.settings().domain,
+                is_sealed: false,
                 spacing: self.spacing,
             }
         };

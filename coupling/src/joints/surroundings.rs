@@ -9,6 +9,9 @@ use super::{OPPOSED, REACH};
 /// solids and the block.
 const PORE: [f64; 2] = [0.4, 0.75];
 
+/// Distance of the place beside a sealed block, in spacings: particles come and go in the corner between a block that slides and its bed.
+const ASIDE: f64 = 1.5;
+
 /// Overlap of a point and a solid, in spacings, from which on there is no joint: a prescribed block may be drawn into its bed.
 const OVERLAP: f64 = 0.5;
 
@@ -37,6 +40,7 @@ pub(super) struct Surroundings<'a> {
     /// Parts of other blocks, in order.
     pub near: &'a [u32],
     pub domain: (Vec3, Vec3),
+    pub is_sealed: bool,
     pub spacing: f64,
 }
 
@@ -59,6 +63,10 @@ impl Surroundings<'_> {
 
     /// Place beside the block, across the edge that a point is at (m).
     pub fn beside(&self, x: &Vec3, normal: &Vec3, across: &Vec3) -> Vec3 {
+        let aside = x + (across - normal) * (ASIDE * self.spacing);
+        if self.is_sealed && self.is_open(&aside) {
+            return aside;
+        }
         x + across * self.spacing - normal * (0.5 * self.spacing)
     }
 

@@ -64,8 +64,7 @@ pub fn packed(
         return Ok((start, all));
     };
     let mut interface = Interface::new(water.walls, blocks, &fluid);
-    let rounds = std::env::var("ROUNDS").ok().and_then(|t| t.parse().ok()).unwrap_or(MOST_ROUNDS);
-    for _ in 0..rounds {
+    for _ in 0..MOST_ROUNDS {
         fluid.refresh();
         interface.find(&fluid, blocks);
         // in a sharp corner only the surface itself stops them

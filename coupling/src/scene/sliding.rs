@@ -72,8 +72,20 @@ pub(super) fn warn_about_bends(
     problems: &mut Vec<Problem>,
 ) {
     let (low, high) = shape.aabb();
-    let place = sliding.place_drawn();
-    let reach = (high - place).sup(&(place - low)).norm();
+    let (place, axis) = (sliding.place_drawn(), sliding.path().axis());
+    // in the plane of the path
+    let reach = (0..8)
+        .map(|k| {
+            Vec3::from_fn(|axis, _| {
+                if k >> axis & 1 == 0 {
+                    low[axis]
+                } else {
+                    high[axis]
+                }
+            })
+        })
+        .map(|corner| axis.cross(&(corner - place)).norm())
+        .fold(0.0, f64::max);
     let path = |point: usize| format!("blocks[{index}].motion.points[{point}]");
     for cut in sliding.path().cuts() {
         if cut.radius < reach {

@@ -186,8 +186,8 @@ impl Path {
         &self.cuts
     }
 
-    /// Unit vector that it turns about.
-    fn axis(&self) -> Vec3 {
+    /// Unit vector across its plane, which it turns about.
+    pub fn axis(&self) -> Vec3 {
         self.along.cross(&self.across)
     }
 

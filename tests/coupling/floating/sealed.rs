@@ -2,6 +2,9 @@
 
 use super::*;
 
+/// Waves that are left of the start would have to be averaged over seconds.
+const CALM: &str = "numerics: (viscosity: Artificial(0.05), time_step_factor: 0.5),";
+
 /// A block 16 spacings long and 8 high over a hollow in the floor of a basin in a plane, held a share of a spacing above its rims.
 fn over_a_hollow(depth: f64, above: f64, sealed: bool) -> (World, f64) {
     let spacing = 0.05;
@@ -27,7 +30,7 @@ fn over_a_hollow(depth: f64, above: f64, sealed: bool) -> (World, f64) {
          blocks: [(name: \"body\", material: \"m\", hold: (directions: [X, Y, Z], turning: Held), sealed: {sealed},\n\
          shape: Box(min: ({x0:?}, 0, 0), max: ({x1:?}, 0.1, {:?}))), {}],\n\
          fluid: (resolution: Spacing({spacing:?}),\n\
-         regions: [(name: \"water\", shape: Below(level: 1.0, seed: (0.1, 0.05, 0.1)))]), time: (duration: 10.0))",
+         regions: [(name: \"water\", shape: Below(level: 1.0, seed: (0.1, 0.05, 0.1)))]), {CALM} time: (duration: 10.0))",
         end - t,
         height,
         walls.concat(),
@@ -40,7 +43,7 @@ fn over_a_hollow(depth: f64, above: f64, sealed: bool) -> (World, f64) {
 fn a_sealed_block_over_a_hollow_has_its_buoyancy() {
     for depth in [1.0, 2.5] {
         let (mut world, volume) = over_a_hollow(depth, 0.2, true);
-        let [force, _] = mean_load(&mut world, [0.5, 1.0]);
+        let [force, _] = mean_load(&mut world, [0.5, 1.2]);
         let water = world.water.as_ref().unwrap();
         let particles = water.fluid.particles();
         assert!(particles.position.iter().all(|x| -0.05 < x.z));
@@ -61,7 +64,7 @@ fn a_sealed_block_over_a_hollow_has_its_buoyancy() {
 #[test]
 fn a_sealed_block_on_its_rims_is_held_down_by_them_alone() {
     let (mut world, volume) = over_a_hollow(1.0, 0.0, true);
-    let [force, _] = mean_load(&mut world, [0.5, 1.0]);
+    let [force, _] = mean_load(&mut world, [0.5, 1.2]);
     let scale = RHO * G * 0.8 * 0.1;
     let expected = RHO * G * volume - scale * 6.0 / 16.0;
     println!(
@@ -108,10 +111,10 @@ fn a_half_ellipse_on_a_bend_is_not_held_down() {
     let path_length = 18.0 * 2.0 * radius * 2.5_f64.to_radians().sin();
     let per_degree = path_length / 90.0;
     let folder = tempfile::tempdir().unwrap();
-    let (from, to) = (37.0 * per_degree, 53.0 * per_degree);
+    let (from, to) = (37.0 * per_degree, 43.0 * per_degree);
     std::fs::write(
         folder.path().join("way.csv"),
-        format!("time,way\n0,{from:?}\n0.4,{from:?}\n1.4,{to:?}\n"),
+        format!("time,way\n0,{from:?}\n0.3,{from:?}\n1.6,{to:?}\n"),
     )
     .unwrap();
     // drawn at the first of its ways, 8 degrees before the bottom of the bend
@@ -133,7 +136,7 @@ fn a_half_ellipse_on_a_bend_is_not_held_down() {
          shape: Extrusion(axis: Y, from: 0, to: 0.1, polygon: [{outline}])), {pieces}\n\
          {} {}],\n\
          fluid: (resolution: Spacing({spacing:?}),\n\
-         regions: [(name: \"water\", shape: Below(level: {level:?}, seed: (0.0, 0.05, 0.5)))]), time: (duration: 10.0))",
+         regions: [(name: \"water\", shape: Below(level: {level:?}, seed: (0.0, 0.05, 0.5)))]), {CALM} time: (duration: 10.0))",
         cuboid(
             "left",
             "material: \"m\", motion: Fixed",
@@ -152,7 +155,7 @@ fn a_half_ellipse_on_a_bend_is_not_held_down() {
     let (mut most, mut most_without, mut angles) = (0.0_f64, 0.0_f64, [0.0_f64; 2]);
     // a tenth of a second each: single samples have the sound of the start in them
     let mut sums = ([Vec3::zeros(); 2], 0.0, 0.1);
-    advance(&mut world, 1.4, DURATION, |world| {
+    advance(&mut world, 1.6, DURATION, |world| {
         let load = world.fluid_load(0).force;
         let joint = world.water.as_ref().unwrap().joints.loads()[0].force;
         sums.0[0] += load;
@@ -180,7 +183,7 @@ fn a_half_ellipse_on_a_bend_is_not_held_down() {
     );
     // about the y axis a body that climbs towards +x turns backward
     assert!(
-        (angles[0] + 16.0).abs() < 0.1 && angles[1].abs() < 0.1,
+        (angles[0] + 6.0).abs() < 0.1 && angles[1].abs() < 0.1,
         "{angles:?}"
     );
     assert!(most < 1.0 * weight && 3.0 * weight < most_without);

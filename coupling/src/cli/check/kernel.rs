@@ -47,7 +47,11 @@ pub(super) fn thinnest(scene: &Scene) -> Vec<Line> {
         .min_by(|a, b| a.1.total_cmp(&b.1));
     let shapes = scene.blocks.iter().map(|block| &block.shape);
     // narrower ones have a warning
-    let gap = gaps(shapes, fluid.lattice.still_water_level, [PASSABLE * spacing, width]);
+    let gap = gaps(
+        shapes,
+        fluid.lattice.still_water_level,
+        [PASSABLE * spacing, width],
+    );
     let mut lines = Vec::new();
     if let Some((b, size)) = body {
         let then = "water on its two sides is kept apart by walls of particles only, and loads are smoothed across it";
@@ -60,7 +64,11 @@ pub(super) fn thinnest(scene: &Scene) -> Vec<Line> {
     if let Some(gap) = gap {
         let [i, j] = gap.between;
         let what = format!("the gap between `{}` and `{}`", name(i), name(j));
-        lines.push(line(what, gap.narrowest, "water in it feels both walls at once"));
+        lines.push(line(
+            what,
+            gap.narrowest,
+            "water in it feels both walls at once",
+        ));
     }
     lines
 }

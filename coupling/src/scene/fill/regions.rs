@@ -115,13 +115,7 @@ fn basins_at(
         RegionShapeFile::Below { level, seed } => {
             let rows = (spacing, fluid.lattice);
             let seed = vec3(seed);
-            Some(basin::fill(
-                domain,
-                rows,
-                (level, &seed),
-                solids,
-                pouring,
-            ))
+            Some(basin::fill(domain, rows, (level, &seed), solids, pouring))
         }
     };
     fluid.regions.iter().map(poured).collect()
