@@ -132,7 +132,8 @@ fn has_water_on_two_sides(
     let off = 0.5 * thickness.size + 0.5 * fluid.settings.mean_spacing();
     let (low, high) = fluid.settings.domain;
     [-off, off].iter().all(|off| {
-        let place = thickness.middle + thickness.across * *off;
+        let mut place = thickness.middle + thickness.across * *off;
+        place.z = (place.z).min(fluid.lattice.still_water_level - fluid.settings.mean_spacing());
         let is_inside = (0..3).all(|k| low[k] <= place[k] && place[k] <= high[k]);
         let others = scene.blocks.iter().enumerate();
         is_inside

@@ -2,8 +2,8 @@
 //!
 //! A lattice that is to be packed against its walls also has the nodes closer to a wall than half a spacing, so that it
 //! has the volume of the basin, and a mould of water above the level, which keeps the surface in place. Packing evens out what is near;
-//! a slope that takes half a row too few over its whole length would draw a wave of that height from the rest of the basin. Each
-//! column therefore has the particles of its volume, and what is left of a particle goes to the next column.
+//! a slope that takes half a row too few over its whole length would draw a wave of that height from the rest of the basin. In a plane
+//! each column therefore has the particles of its volume, and what is left of a particle goes to the next column.
 
 use std::collections::VecDeque;
 
@@ -78,8 +78,12 @@ pub(super) fn fill(
     if pouring.is_measured {
         let drawn = basin.drawn_columns(&nodes, domain, solids);
         poured.drawn = Some(drawn.volumes.iter().sum());
-        poured.fitting_height = drawn.fitting_height(spacing);
-        if 0 < n_mould_rows {
+        // a staggered lattice that is stretched one way is not the densest any more
+        if arrangement == LatticeFile::Cubic {
+            poured.fitting_height = drawn.fitting_height(spacing);
+        }
+        // in space columns along edges and round bodies would crowd particles
+        if 0 < n_mould_rows && domain.dimensions == DimensionsFile::Two {
             let volume = spacing.iter().product();
             poured.water = basin.match_columns(&mut nodes, &drawn.missing(volume));
         }
