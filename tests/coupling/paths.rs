@@ -120,6 +120,6 @@ fn the_kernel_is_measured_against_bodies_and_films() {
         thin.contains("wider than film `sea`: 0.3000 m, 3.0 spacings"),
         "{thin}"
     );
-    let thick = report(1.0, 0.8);
+    let thick = report(1.0, 0.9);
     assert!(!thick.contains("wider than"), "{thick}");
 }
