@@ -76,7 +76,7 @@ fn on_an_arc_every_corner_moves_about_its_center() {
         assert!((turned - 0.35 * length / inner).abs() < 1e-12, "{turned}");
 
         let body = block(
-            cuboid([-0.6, -0.1, 0.7], [0.4, 0.2, 0.2]),
+            cuboid([-0.6, -0.1, 0.7], [-0.2, 0.1, 0.9]),
             Motion::Prescribed(motion),
         );
         let mut blocks = blocks(vec![body], rock(), down());
