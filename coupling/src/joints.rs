@@ -1,6 +1,6 @@
 //! Water in joints that are too narrow for particles: the uplift under a block that rests on its bed.
 //!
-//! Between a face of a free block and another solid within a spacing there is no room for particles, and their pressure
+//! Between a face of a moving block and another solid within a spacing there is no room for particles, and their pressure
 //! reaches no farther in than the support of the kernel. The joint holds water all the same. Faces are sampled
 //! with points a spacing apart; in a closed joint the pressure between points that water or air reaches is
 //! that of steady seepage through a joint of uniform width, as under a dam without drains:
@@ -10,16 +10,19 @@
 //! p = 0                at open points outside of it, and at an edge next to air
 //! ∇²(p − ρ g·x) = 0    in the joint between them, no flow through its closed ends
 //! F = −Σ s p A n       on the block, the opposite on its support                         [N]
-//! s = min(1, 2 − gap/dp) · min(1, (S₁ − S)/(S₁ − S₀)),   S = Σ V W at the point, each ≥ 0
+//! s = max(min(1, 2 − gap/dp), 1 − S/0.1) · min(1, (S₁ − S)/(S₁ − S₀)),   S = Σ V W at the point, each ≥ 0
 //! ```
-//! `s` fades it out as the joint opens and particles enter. The field is kept from step to step and relaxed by a few sweeps
+//! `s` fades it out as the joint opens and particles enter. A hollow under a block that particles cannot enter, since joints close it
+//! on all sides, is a joint up to a depth of four spacings, with `4 − gap/dp` in place of the first factor. The field is kept from step to step and relaxed by a few sweeps
 //! in each, so that a change of level spreads through a long joint over many steps. The water of a joint has no volume. It
 //! continues around the edges of blocks, into adjacent joints and through pores between blocks that are too narrow for
 //! particles: points of two faces that are close to each other are neighbors, too.
 //! Joints near water are full at the start. A dry one that water reaches later fills from point to point, no faster than
 //! the head at its face drives water in, `u = √(2 max p/ρ)`; ahead of the front there is air. A joint of two blocks with
-//! points is sampled from both sides, and each counts half. Its work on the blocks is a term of the energy ledger.
-//! `sealed` blocks, and joints surrounded by air, carry no pressure.
+//! points is sampled from both sides, and each counts half. Its work on the free blocks is a term of the energy ledger.
+//! Joints surrounded by air carry no pressure. Those of `sealed` blocks have the same field, but the pressure acts only where block
+//! and bed have parted, from a twentieth of a spacing on, in full from a tenth: a bed of triangles is 0.03 spacings off its terrain.
+//! Real water comes into a gap that opens under water from its sides, which a flow in a plane does not have.
 
 use rayon::prelude::*;
 use riprap_dda::{BlockDefinition, Blocks, Load};
@@ -30,16 +33,20 @@ use riprap_sph::{Fluid, Vec3};
 use crate::saved::{Read, Saved};
 use crate::walls::{Part, clipped_by_symmetry, face_lattice, parts};
 
+mod hollows;
 mod links;
 mod reached;
 mod surroundings;
 
+use hollows::Hollows;
 use links::Links;
 use reached::Reached;
 use surroundings::{Ahead, Surroundings, is_near};
 
-/// Largest width of a joint, in spacings; full pressure up to one.
+/// Largest width of a joint, in spacings; full pressure up to one, and up to the whole where there is no particle.
 const REACH: f64 = 2.0;
+/// Widths, in spacings, between which a sealed joint opens.
+const OPENING: (f64, f64) = (0.05, 0.1);
 /// Fractions `Σ V W` of the support that is water: below the first the joint carries the pressure, above the second the
 /// walls do; at a face of a submerged block it is a half.
 const SHARES: (f64, f64) = (0.25, 0.4);
@@ -96,13 +103,15 @@ struct Jointed {
     faces: Vec<FacePoints>,
 }
 
-/// Joints of all free blocks.
+/// Joints of all free and prescribed blocks.
 #[derive(Clone, Debug)]
 pub struct JointWater {
     spacing: f64,
     blocks: Vec<Jointed>,
     /// Whether a block is one of them; one per block.
     is_jointed: Vec<bool>,
+    /// Whether its joints are closed to water until they open; one per block.
+    is_sealed: Vec<bool>,
     points: Vec<Point>,
     /// Neighbors of each point in its face, with the squares of the spacing over their distances.
     neighbors: Vec<Vec<(u32, f64)>>,
@@ -138,12 +147,13 @@ struct Scratch {
     water_beside: ContinuedPressure,
     /// Points with a pressure that follows from their neighbors, in order.
     inner: Vec<u32>,
+    hollows: Hollows,
     links: Links,
     next: Vec<f64>,
 }
 
 impl JointWater {
-    /// Joints of the free, unsealed blocks in their initial positions.
+    /// Joints of the free and prescribed blocks in their initial positions.
     pub fn new(
         definitions: &[BlockDefinition],
         blocks: &Blocks,
@@ -157,6 +167,7 @@ impl JointWater {
             spacing,
             blocks: Vec::new(),
             is_jointed: vec![false; blocks.n_blocks()],
+            is_sealed: vec![false; blocks.n_blocks()],
             points: Vec::new(),
             neighbors: Vec::new(),
             places: Vec::new(),
@@ -166,7 +177,7 @@ impl JointWater {
             loads: vec![Load::default(); blocks.n_blocks()],
             scratch: Scratch::default(),
         };
-        for b in (0..definitions.len()).filter(|&b| blocks.is_free(b) && !is_sealed(b)) {
+        for b in (0..definitions.len()).filter(|&b| !blocks.is_fixed(b)) {
             let parts: Vec<Part> = parts(&definitions[b].shape)
                 .iter()
                 .filter_map(|part| clipped_by_symmetry(part, &planes))
@@ -196,6 +207,7 @@ impl JointWater {
                 }
             }
             joints.is_jointed[b] = true;
+            joints.is_sealed[b] = is_sealed(b);
             joints.blocks.push(Jointed { block: b, faces });
         }
         joints.pressure = vec![0.0; joints.points.len()];
@@ -309,7 +321,9 @@ impl JointWater {
             return;
         }
         let weight = fluid.settings().gravity * fluid.settings().reference_density;
-        self.set_boundary_points(fluid);
+        self.find_water(fluid);
+        self.find_hollows(fluid, blocks);
+        self.set_boundary_points();
         self.set_edge_points(fluid, &weight);
         self.link_inner_points();
         match last {
@@ -328,24 +342,32 @@ impl JointWater {
         self.sum(blocks);
     }
 
-    /// Sets the pressure of points that the water's kernel reaches, or air; the others are inner points, or at an edge.
-    fn set_boundary_points(&mut self, fluid: &Fluid) {
+    /// Finds the water at every active point.
+    fn find_water(&mut self, fluid: &Fluid) {
         let scratch = &mut self.scratch;
         scratch.water.find(fluid, &scratch.positions);
+        for (ahead, water) in scratch.ahead.iter_mut().zip(scratch.water.found()) {
+            ahead.water = water;
+        }
+    }
+
+    /// Sets the pressure of points that the water's kernel reaches, or air; the others are inner points, or at an edge.
+    fn set_boundary_points(&mut self) {
+        let scratch = &mut self.scratch;
         scratch.inner.clear();
         scratch.edges.clear();
         scratch.beside.clear();
-        for (n, ((&k, ahead), water)) in scratch
-            .active
-            .iter()
-            .zip(&mut scratch.ahead)
-            .zip(scratch.water.found())
-            .enumerate()
-        {
-            ahead.water = water;
-            let [share, pressure] = water;
+        for (n, (&k, ahead)) in scratch.active.iter().zip(&scratch.ahead).enumerate() {
+            let [share, pressure] = ahead.water;
+            let point = &self.points[k as usize];
+            // particles that came into a hollow stand free in it and would empty it, unless they fill it
+            let is_shut = self.is_sealed[point.block as usize] || ahead.is_hollow;
+            let reached = match is_shut {
+                true => SHARES.1,
+                false => REACHED,
+            };
             match ahead.joint {
-                Some(_) if share < REACHED => match ahead.beside {
+                Some(_) if share < reached => match ahead.beside {
                     None => scratch.inner.push(k),
                     Some(place) => {
                         scratch.edges.push(n);
@@ -415,7 +437,7 @@ impl JointWater {
             ahead,
             ..
         } = &mut self.scratch;
-        let (points, spacing) = (&self.points, self.spacing);
+        let (points, spacing, is_sealed) = (&self.points, self.spacing, &self.is_sealed);
         let (near_faces, near_parts) = (&*near_faces, &*near_parts);
         ahead.resize(active.len(), Ahead::default());
         ahead
@@ -432,6 +454,7 @@ impl JointWater {
                     block,
                     near: &near_parts[first..last],
                     domain: fluid.settings().domain,
+                    is_sealed: is_sealed[block],
                     spacing,
                 };
                 let turned = |across| blocks.orientation(block) * across;
@@ -461,10 +484,11 @@ impl JointWater {
         positions.clear();
         normals.clear();
         let reach = REACH * self.spacing;
+        let farthest = hollows::REACH * self.spacing;
         reached.find(&self.blocks, reach, fluid, blocks);
         for (jointed, reached) in self.blocks.iter().zip(&reached.blocks) {
             let b = jointed.block;
-            if !blocks.is_free(b) {
+            if blocks.is_removed(b) {
                 continue;
             }
             if !reached.is_reached {
@@ -473,12 +497,12 @@ impl JointWater {
                 }
                 continue;
             }
-            let is_near_to = |part: usize, bounds: &(Vec3, Vec3)| {
+            let is_within = |part: usize, bounds: &(Vec3, Vec3), reach: f64| {
                 is_near(&blocks.part_aabb(part), bounds, reach, self.spacing)
             };
             near.clear();
             let others = (0..blocks.n_parts()).filter(|&part| {
-                blocks.block_of_part(part) != b && is_near_to(part, &reached.bounds)
+                blocks.block_of_part(part) != b && is_within(part, &reached.bounds, farthest)
             });
             near.extend(others.map(|part| part as u32));
             if near.is_empty() {
@@ -500,8 +524,11 @@ impl JointWater {
                     normals.push(turn * point.normal);
                     self.places[k] = x;
                 }
-                let is_near_to_face = |part: &u32| is_near_to(*part as usize, &bounds);
-                near_parts.extend(near.iter().copied().filter(is_near_to_face));
+                let is_within_face = |part: u32, reach| is_within(part as usize, &bounds, reach);
+                if near.iter().any(|&part| is_within_face(part, reach)) {
+                    let others = near.iter().copied();
+                    near_parts.extend(others.filter(|&part| is_within_face(part, farthest)));
+                }
                 near_faces.push(NearFace {
                     block: b as u32,
                     points: [first_point, active.len()].map(|k| k as u32),
@@ -516,6 +543,7 @@ impl JointWater {
         let Scratch {
             near_faces,
             active,
+            faces,
             positions,
             normals,
             ahead,
@@ -531,12 +559,14 @@ impl JointWater {
                 continue;
             }
             active.copy_within(points.clone(), n);
+            faces.copy_within(points.clone(), n);
             positions.copy_within(points.clone(), n);
             normals.copy_within(points.clone(), n);
             ahead.copy_within(points.clone(), n);
             n += points.len();
         }
         active.truncate(n);
+        faces.truncate(n);
         positions.truncate(n);
         normals.truncate(n);
         ahead.truncate(n);
@@ -624,18 +654,28 @@ impl JointWater {
             let Some((gap, partner)) = ahead.joint else {
                 continue;
             };
-            let by_width = (REACH - gap / self.spacing).clamp(0.0, 1.0);
+            let width = gap / self.spacing;
             let by_water = ((SHARES.1 - ahead.water[0]) / (SHARES.1 - SHARES.0)).clamp(0.0, 1.0);
             let point = &self.points[k as usize];
             let (block, partner) = (point.block as usize, partner as usize);
+            let is_sealed = self.is_sealed[block] || self.is_sealed[partner];
+            let dry = 1.0 - ahead.water[0] / REACHED;
+            let by_width = match is_sealed || ahead.is_hollow {
+                true => (hollows::REACH - width).clamp(0.0, 1.0),
+                false => dry.max(REACH - width).clamp(0.0, 1.0),
+            };
+            let by_seal = match is_sealed {
+                true => ((width - OPENING.0) / (OPENING.1 - OPENING.0)).clamp(0.0, 1.0),
+                false => 1.0,
+            };
             // points of the partner, if any, sample this joint, too
-            let sides = if self.is_jointed[partner] && blocks.is_free(partner) {
+            let sides = if self.is_jointed[partner] && !blocks.is_removed(partner) {
                 2.0
             } else {
                 1.0
             };
-            let force =
-                normal * (-self.pressure[k as usize] * point.area * by_width * by_water / sides);
+            let share = by_width * by_water * by_seal / sides;
+            let force = normal * (-self.pressure[k as usize] * point.area * share);
             self.loads[block].add(&force, &(x - blocks.centroid(block)));
             self.loads[partner].add(&-force, &(x - blocks.centroid(partner)));
         }

@@ -20,6 +20,7 @@ mod placed;
 pub mod resolve;
 pub mod resolved;
 mod sleep;
+mod sliding;
 pub(crate) mod symmetry;
 pub mod validate;
 pub mod wave_maker;

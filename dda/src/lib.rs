@@ -115,6 +115,7 @@ pub use motion::deformation::{
 };
 pub use motion::holds::{Hold, Turning};
 pub use motion::kinematics::Load;
+pub use motion::path::{Cut, Path, PathError, Sliding};
 pub use motion::prescribed::{Accelerogram, Motion, PrescribedMotion};
 pub use random::Random;
 pub use ranges::{Interval, Property, PropertyRange};

@@ -3,6 +3,7 @@
 pub(crate) mod deformation;
 pub(crate) mod holds;
 pub(crate) mod kinematics;
+pub(crate) mod path;
 pub(crate) mod prescribed;
 pub(crate) mod rigid;
 pub(crate) mod update;

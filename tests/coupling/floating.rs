@@ -3,6 +3,8 @@
 mod afloat;
 mod loads;
 mod released;
+mod sealed;
+mod sloped;
 mod uplift;
 
 use crate::support;

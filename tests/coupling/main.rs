@@ -29,6 +29,7 @@ mod mach;
 mod mistakes;
 mod new;
 mod overview;
+mod paths;
 mod program;
 mod random_scenes;
 mod render;

@@ -17,6 +17,7 @@ mod geometry;
 mod joint_springs;
 mod joints;
 mod motion;
+mod paths;
 mod rest;
 mod scenes;
 

@@ -2,6 +2,7 @@
 
 mod cost;
 mod describe;
+mod kernel;
 mod landslide;
 mod mach;
 mod water;

@@ -31,7 +31,7 @@ impl Reached {
                 let (min, max) = blocks.part_aabb(part);
                 bounds = (bounds.0.inf(&min), bounds.1.sup(&max));
             }
-            let is_reached = blocks.is_free(jointed.block) && has_water(fluid, &bounds);
+            let is_reached = !blocks.is_removed(jointed.block) && has_water(fluid, &bounds);
             self.blocks.push(ReachedBlock { bounds, is_reached });
             if is_reached {
                 self.queue.push(n);
@@ -42,7 +42,7 @@ impl Reached {
             for (m, other) in self.blocks.iter_mut().enumerate() {
                 let (low, high) = other.bounds;
                 let is_near = (0..3).all(|k| low[k] - reach < max[k] && min[k] < high[k] + reach);
-                if !other.is_reached && is_near && blocks.is_free(jointed[m].block) {
+                if !other.is_reached && is_near && !blocks.is_removed(jointed[m].block) {
                     other.is_reached = true;
                     self.queue.push(m);
                 }

@@ -9,6 +9,12 @@ use super::{OPPOSED, REACH};
 /// solids and the block.
 const PORE: [f64; 2] = [0.4, 0.75];
 
+/// Distance of the place beside a sealed block, in spacings: particles come and go in the corner between a block that slides and its bed.
+const ASIDE: f64 = 1.5;
+
+/// Overlap of a point and a solid, in spacings, from which on there is no joint: a prescribed block may be drawn into its bed.
+const OVERLAP: f64 = 0.5;
+
 /// Widening of boxes and distances that only reject, for round-off; –.
 const ROUND_OFF: f64 = 1e-9;
 
@@ -21,6 +27,8 @@ pub(super) struct Ahead {
     pub water: [f64; 2],
     /// Open place beside the block, across the edge that the point is at; m.
     pub beside: Option<Vec3>,
+    /// Whether the joint is a hollow that joints close on all sides.
+    pub is_hollow: bool,
     /// Whether that place, or the space ahead of an open point, is a pore that particles cannot enter.
     pub is_pore: bool,
 }
@@ -32,29 +40,38 @@ pub(super) struct Surroundings<'a> {
     /// Parts of other blocks, in order.
     pub near: &'a [u32],
     pub domain: (Vec3, Vec3),
+    pub is_sealed: bool,
     pub spacing: f64,
 }
 
 impl Surroundings<'_> {
     /// Space ahead of a point of the block with an outward normal, and the direction across the edge that it is at.
     pub fn ahead(&self, x: &Vec3, normal: &Vec3, across: Option<Vec3>) -> Ahead {
-        let joint = self.joint(x, normal);
+        let joint = self.joint(x, normal, REACH * self.spacing);
         let at_edge = across.filter(|_| joint.is_some());
-        let beside =
-            at_edge.map(|across| x + across * self.spacing - normal * (0.5 * self.spacing));
+        let beside = at_edge.map(|across| self.beside(x, normal, &across));
         let ahead = || x + normal * (0.5 * self.spacing);
         let room = beside.or_else(|| joint.is_none().then(ahead));
         Ahead {
             joint,
             water: [0.0; 2],
+            is_hollow: false,
             beside: beside.filter(|place| self.is_open(place)),
             is_pore: room.is_some_and(|place| self.is_pore(&place)),
         }
     }
 
-    /// Width of the joint ahead (m), with the solid at its other side: the first of the nearest.
-    fn joint(&self, x: &Vec3, normal: &Vec3) -> Option<(f64, u32)> {
-        let reach = REACH * self.spacing;
+    /// Place beside the block, across the edge that a point is at (m).
+    pub fn beside(&self, x: &Vec3, normal: &Vec3, across: &Vec3) -> Vec3 {
+        let aside = x + (across - normal) * (ASIDE * self.spacing);
+        if self.is_sealed && self.is_open(&aside) {
+            return aside;
+        }
+        x + across * self.spacing - normal * (0.5 * self.spacing)
+    }
+
+    /// Width of the joint ahead (m), at most `reach` (m), with the solid at its other side: the first of the nearest.
+    pub fn joint(&self, x: &Vec3, normal: &Vec3, reach: f64) -> Option<(f64, u32)> {
         let mut nearest: Option<(f64, u32)> = None;
         for part in self.parts_within(x, reach) {
             let within = match nearest {
@@ -72,7 +89,7 @@ impl Surroundings<'_> {
                 nearest = Some((surface.distance, self.blocks.block_of_part(part) as u32));
             }
         }
-        nearest
+        nearest.filter(|(distance, _)| -OVERLAP * self.spacing < *distance)
     }
 
     /// Whether a place is too close to the solids for a particle.
@@ -89,7 +106,7 @@ impl Surroundings<'_> {
     }
 
     /// Whether a place is in the domain and in no solid.
-    fn is_open(&self, place: &Vec3) -> bool {
+    pub fn is_open(&self, place: &Vec3) -> bool {
         let (low, high) = self.domain;
         let is_inside = (0..3).all(|k| low[k] <= place[k] && place[k] <= high[k]);
         let own = self.blocks.parts_of(self.block);

@@ -167,7 +167,9 @@ impl SceneFile {
             }
         }
         for block in &mut self.blocks {
-            if let MotionFile::Table { file } | MotionFile::Shaking { file, .. } = &mut block.motion
+            if let MotionFile::Table { file }
+            | MotionFile::Shaking { file, .. }
+            | MotionFile::Path { file, .. } = &mut block.motion
             {
                 visit(file);
             }

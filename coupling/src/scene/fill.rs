@@ -3,6 +3,7 @@
 mod amounts;
 mod basin;
 mod boxes;
+mod columns;
 mod count;
 mod drawn;
 mod gaps;
@@ -18,7 +19,7 @@ use super::file::vec3;
 use super::file::{Axis, DimensionsFile, DomainFile, FluidFile, LatticeFile, ResolutionFile};
 pub use amounts::{Amount, misfits};
 pub(super) use drawn::depth_at;
-pub use gaps::narrow_gaps;
+pub use gaps::{PASSABLE, gaps, narrow_gaps};
 use obstacles::WALL_SLACK;
 pub use overlap::{overlaps, overlaps_on};
 use regions::at_spacing;

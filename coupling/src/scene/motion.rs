@@ -23,6 +23,12 @@ const DISPLACEMENT: Columns = Columns {
         Quantity::Angle,
     ],
 };
+/// Columns of a record of the way along a path.
+const WAY: Columns = Columns {
+    names: "time, way",
+    allowed: &[2],
+    quantities: &[Quantity::Time, Quantity::Length],
+};
 /// Columns of a record of acceleration.
 const ACCELERATION: Columns = Columns {
     names: "time, acceleration",
@@ -70,6 +76,10 @@ pub fn motion(file: &MotionFile, path: &str, access: &Access) -> Result<Motion, 
         MotionFile::Waves { .. } => Err(Problem::error(
             path,
             "a wave maker takes its motion from the water of its scene",
+        )),
+        MotionFile::Path { .. } => Err(Problem::error(
+            path,
+            "a motion along a path needs the shape of its block",
         )),
         MotionFile::Table { file: name } | MotionFile::Shaking { file: name, .. } => {
             let text = text_of(access, name)
@@ -124,10 +134,23 @@ pub fn recorded(file: &MotionFile, path: &str, text: &str) -> Result<Motion, Pro
         MotionFile::Free
         | MotionFile::Fixed
         | MotionFile::Sinusoid { .. }
+        | MotionFile::Path { .. }
         | MotionFile::Waves { .. } => {
             Err(Problem::error(path, "the motion is not read from a record"))
         }
     }
+}
+
+/// Times and ways of the record that a motion along a path names; `path` is the location of the motion in the file; s, m.
+///
+/// # Errors
+///
+/// A [`Problem`] that names the record and its line.
+pub(super) fn ways(name: &str, path: &str, access: &Access) -> Result<Vec<[f64; 2]>, Problem> {
+    let text =
+        text_of(access, name).map_err(|message| Problem::error(format!("{path}.file"), message))?;
+    let rows = rows(name, &text, path, WAY)?;
+    Ok(rows.iter().map(|row| [row[0], row[1]]).collect())
 }
 
 fn vec3_of(numbers: &[f64]) -> Vec3 {

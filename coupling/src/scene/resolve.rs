@@ -21,7 +21,7 @@ mod speed;
 use std::ops::Range;
 use std::path::Path;
 
-use riprap_dda::Hold;
+use riprap_dda::{Hold, Motion, PrescribedMotion};
 
 use super::access::Access;
 use super::attachments::{
@@ -37,6 +37,7 @@ use super::names::Names;
 use super::placed::placed;
 use super::resolved::Domain;
 pub use super::resolved::{FluidScene, Scene};
+use super::sliding::warn_about_bends;
 use super::{estimate, fluid, sleep, symmetry};
 use expanded::expand;
 use solids::Solids;
@@ -106,6 +107,14 @@ impl Scene {
             }
             let depth = fluid.lattice.depth;
             problems.extend(fluid::short_absorbers(file, &solids.wave_makers, depth));
+        }
+        let spacing = fluid.as_ref().map(|fluid| fluid.lattice.spacing[0]);
+        for (index, (motion, (name, shape))) in solids.motions.iter().zip(&solids.named).enumerate()
+        {
+            if let Motion::Prescribed(PrescribedMotion::Sliding(sliding)) = motion {
+                let body = (sliding, shape);
+                warn_about_bends((index, name), body, spacing, &mut problems);
+            }
         }
         let mut problems = without_errors(problems)?;
         let wave_makers = solids.wave_makers.clone();

@@ -1,5 +1,6 @@
 //! Motion of a block: free, fixed, or prescribed.
 
+use super::path::Sliding;
 use crate::{BlockError, Vec3};
 use nalgebra::UnitQuaternion;
 use std::f64::consts::TAU;
@@ -41,6 +42,8 @@ pub enum PrescribedMotion {
         /// Rotation vectors from the initial placement, about the centroid; one per time, or empty; rad.
         turning: Vec<Vec3>,
     },
+    /// Along a path, turned as it is.
+    Sliding(Sliding),
     /// Base shaking.
     Shaking(Accelerogram),
 }
@@ -146,6 +149,7 @@ impl PrescribedMotion {
                 turning,
                 ..
             } if !turning.is_empty() => table_at(times, turning, time),
+            Self::Sliding(sliding) => sliding.turning(time),
             _ => (Vec3::zeros(), Vec3::zeros()),
         }
     }
@@ -172,6 +176,7 @@ impl PrescribedMotion {
                 displacement,
                 ..
             } => table_at(times, displacement, time),
+            Self::Sliding(sliding) => sliding.displacement(time),
             Self::Shaking(record) => record.at(time),
         }
     }
@@ -219,6 +224,10 @@ impl PrescribedMotion {
                     Ok(())
                 }
             }
+            Self::Sliding(sliding) => match sliding.check() {
+                Ok(()) => Ok(()),
+                Err(reason) => refuse(reason),
+            },
             Self::Shaking(record) => {
                 if !is_unit(&record.direction) {
                     refuse("the direction must be a unit vector")
@@ -255,7 +264,8 @@ fn smooth_start(time: f64, ramp: f64) -> (f64, f64) {
     }
 }
 
-fn table_at(times: &[f64], values: &[Vec3], time: f64) -> (Vec3, Vec3) {
+/// Value and rate of a table at a time (s).
+pub(super) fn table_at(times: &[f64], values: &[Vec3], time: f64) -> (Vec3, Vec3) {
     let n = times.len();
     let k = times.partition_point(|&t| t <= time);
     if k == 0 {

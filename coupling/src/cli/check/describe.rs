@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use riprap_dda::{Motion, Shape};
 
-use super::{landslide, water};
+use super::{kernel, landslide, water};
 use crate::scene::estimate::Estimate;
 use crate::scene::resolved::{FluidScene, MeshSource, Scene};
 use crate::scene::terrain::Terrain;
@@ -15,7 +15,7 @@ use crate::walls::WallMethod;
 type Line = (&'static str, String);
 
 /// Subjects of the report, in order.
-const SUBJECTS: [fn(&Scene) -> Vec<Line>; 13] = [
+const SUBJECTS: [fn(&Scene) -> Vec<Line>; 14] = [
     blocks,
     terrain,
     surfaces,
@@ -25,6 +25,7 @@ const SUBJECTS: [fn(&Scene) -> Vec<Line>; 13] = [
     grains,
     constraints,
     fluid,
+    kernel::thinnest,
     water::amounts,
     water::wave_makers,
     meshes,

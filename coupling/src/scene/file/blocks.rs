@@ -33,7 +33,7 @@ pub struct BlockFile {
     #[serde(default)]
     pub hold: Option<HoldFile>,
     /// Keeps water out of the joints between a free block and its support where these are too narrow for particles:
-    /// no uplift. Otherwise the pressure there is that of seepage between the bodies of water to which the joint is
+    /// no uplift until the two part. Otherwise the pressure there is that of seepage between the bodies of water to which the joint is
     /// open.
     #[serde(default)]
     pub sealed: bool,
@@ -106,6 +106,22 @@ pub enum MotionFile {
     /// rx, ry, rz about the centroid (degrees), or in the units of its header, `x [mm]` or `x_mm`; `#` comments.
     Table {
         /// Path, relative to the scene file.
+        file: String,
+    },
+    /// Along a path in a plane, as on a bed: the block turns as the path does, which has arcs at its bends.
+    Path {
+        /// Points of the path, at least two; m.
+        points: Vec<Triple>,
+        /// Radius of the arcs; as large as half of the shorter piece beside a bend allows when left out or too large; m.
+        #[serde(default)]
+        bend_radius: Option<f64>,
+        /// Length of the base of the block, both of whose ends stay on the path; the block follows the direction at one point
+        /// when 0; m.
+        #[serde(default)]
+        base: f64,
+        /// Path of a record, relative to the scene file: CSV with columns time (s) and way (m), or in the units of its header,
+        /// `way [mm]`; `#` comments. The way is that of the point, or of the middle between the ends of the base, along the path
+        /// from its first point; the block is drawn where it is at the first time.
         file: String,
     },
     /// Base excitation by a record of acceleration, integrated twice from rest: CSV with columns time (s, in equal

@@ -1,13 +1,16 @@
 //! Water in a basin: the connected space below a level.
 //!
 //! A lattice that is to be packed against its walls also has the nodes closer to a wall than half a spacing, so that it
-//! has the volume of the basin, and a mould of water above the level, which keeps the surface in place.
+//! has the volume of the basin, and a mould of water above the level, which keeps the surface in place. Packing evens out what is near;
+//! a slope that takes half a row too few over its whole length would draw a wave of that height from the rest of the basin. In a plane
+//! each column therefore has the particles of its volume, and what is left of a particle goes to the next column.
 
 use std::collections::VecDeque;
 
 use riprap_dda::{Shape, Vec3};
 use riprap_sph::Symmetry;
 
+use super::columns::Columns;
 use super::drawn::Cells;
 use super::obstacles::Obstacles;
 use super::{FillError, Pouring, Room, rows};
@@ -35,6 +38,8 @@ pub(super) struct Poured {
     pub(super) mould: Vec<Vec3>,
     /// Volume as drawn, where it is measured; m³.
     pub(super) drawn: Option<f64>,
+    /// Spacing along z with which whole rows reach the floor, where most of it is level; m.
+    pub(super) fitting_height: Option<f64>,
 }
 
 /// State of a node.
@@ -69,12 +74,20 @@ pub(super) fn fill(
     }
     let is_water = |node: &&Node| matches!(node, Node::Wet | Node::Mould);
     room.holds(nodes.iter().filter(is_water).count() as f64)?;
-    let mut poured = Poured {
-        drawn: pouring
-            .is_measured
-            .then(|| basin.drawn_volume(&nodes, domain, solids)),
-        ..Poured::default()
-    };
+    let mut poured = Poured::default();
+    if pouring.is_measured {
+        let drawn = basin.drawn_columns(&nodes, domain, solids);
+        poured.drawn = Some(drawn.volumes.iter().sum());
+        // a staggered lattice that is stretched one way is not the densest any more
+        if arrangement == LatticeFile::Cubic {
+            poured.fitting_height = drawn.fitting_height(spacing);
+        }
+        // in space columns along edges and round bodies would crowd particles
+        if 0 < n_mould_rows && domain.dimensions == DimensionsFile::Two {
+            let volume = spacing.iter().product();
+            poured.water = basin.match_columns(&mut nodes, &drawn.missing(volume));
+        }
+    }
     for k in 0..basin.counts[2] {
         for j in 0..basin.counts[1] {
             for i in 0..basin.counts[0] {
@@ -149,8 +162,39 @@ impl Basin {
         (node[2] * self.counts[1] + node[1]) * self.counts[0] + node[0]
     }
 
-    /// Volume of the water as it is drawn; m³.
-    fn drawn_volume(&self, nodes: &[Node], domain: &DomainFile, solids: &[(String, Shape)]) -> f64 {
+    /// Takes particles out of columns with too many, and returns further ones of those with too few, m: one at the bottom, more
+    /// evenly over the height. Packing makes room for them.
+    fn match_columns(&self, nodes: &mut [Node], missing: &[i32]) -> Vec<Vec3> {
+        let [nx, ny, _] = self.counts;
+        let mut added = Vec::new();
+        for (column, &missing) in missing.iter().enumerate() {
+            let [i, j] = [column % (nx + 1), column / (nx + 1)];
+            if missing == 0 || nx <= i || ny <= j {
+                continue;
+            }
+            let is_wet = |k: &usize| nodes[self.index([i, j, *k])] == Node::Wet;
+            let wet: Vec<usize> = (0..self.n_wet_rows).filter(is_wet).collect();
+            let n = missing.unsigned_abs() as usize;
+            for k in (0..n).filter_map(|m| wet.get(m * wet.len() / n)) {
+                if missing < 0 {
+                    nodes[self.index([i, j, *k])] = Node::Blocked;
+                } else {
+                    let down = if k + 1 == self.n_wet_rows { -0.5 } else { 0.5 };
+                    let offset = Vec3::new(0.0, 0.0, down * self.spacing[2]);
+                    added.push(self.position([i, j, *k]) + offset);
+                }
+            }
+        }
+        added
+    }
+
+    /// Columns of water as they are drawn.
+    fn drawn_columns(
+        &self,
+        nodes: &[Node],
+        domain: &DomainFile,
+        solids: &[(String, Shape)],
+    ) -> Columns {
         let (min, max) = (vec3(domain.min), vec3(domain.max));
         let level = self.first.z + (self.n_wet_rows as f64 - 0.5) * self.spacing[2];
         // what is left of the domain beyond whole rows takes a cell more
@@ -168,7 +212,20 @@ impl Basin {
             dimensions: domain.dimensions,
             water: &water,
         };
-        cells.volume(solids)
+        let [nx, ny, _] = self.counts;
+        let filled = |column: usize| {
+            let [i, j] = [column % (nx + 1), column / (nx + 1)];
+            let is_wet = |k: &usize| nodes[self.index([i, j, *k])] == Node::Wet;
+            match i < nx && j < ny {
+                true => (0..self.n_wet_rows).filter(is_wet).count(),
+                false => 0,
+            }
+        };
+        Columns {
+            per_row: nx + 1,
+            volumes: cells.columns(solids),
+            filled: (0..(nx + 1) * (ny + 1)).map(filled).collect(),
+        }
     }
 
     /// Number of nodes along an axis that may be wet.

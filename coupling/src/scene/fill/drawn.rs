@@ -40,19 +40,17 @@ pub(super) struct Cells<'a> {
 }
 
 impl Cells<'_> {
-    /// Volume of the water; m³.
-    pub(super) fn volume(&self, solids: &[(String, Shape)]) -> f64 {
+    /// Volume of the water in each column of cells, x first; m³.
+    pub(super) fn columns(&self, solids: &[(String, Shape)]) -> Vec<f64> {
         let obstacles = Obstacles::new(solids, &self.first, self.spacing, self.counts);
         let [nx, ny, nz] = self.counts;
-        // in the order of rows, whatever the number of threads
-        let rows: Vec<f64> = (0..ny * nz)
+        (0..nx * ny)
             .into_par_iter()
-            .map(|row| {
-                let of_cell = |i| self.volume_of([i, row % ny, row / ny], &obstacles);
-                (0..nx).map(of_cell).sum()
+            .map(|column| {
+                let of_cell = |k| self.volume_of([column % nx, column / nx, k], &obstacles);
+                (0..nz).map(of_cell).sum()
             })
-            .collect();
-        rows.iter().sum()
+            .collect()
     }
 
     /// Volume of the water in a cell; m³.

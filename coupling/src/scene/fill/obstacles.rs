@@ -19,8 +19,13 @@ pub(super) enum Part<'a> {
 
 /// All parts, each with the number of its block.
 pub(super) fn parts(solids: &[(String, Shape)]) -> Vec<(usize, Part<'_>)> {
+    parts_of(solids.iter().map(|(_, shape)| shape))
+}
+
+/// All parts of some shapes, each with the number of its shape.
+pub(super) fn parts_of<'a>(shapes: impl Iterator<Item = &'a Shape>) -> Vec<(usize, Part<'a>)> {
     let mut found = Vec::new();
-    for (block, (_, shape)) in solids.iter().enumerate() {
+    for (block, shape) in shapes.enumerate() {
         match shape {
             Shape::Polyhedra(parts) => {
                 found.extend(parts.iter().map(|part| (block, Part::Convex(part))));

@@ -59,6 +59,7 @@ pub(super) fn at_spacing(
                         water: positions,
                         mould,
                         drawn,
+                        ..
                     },
                 spacing,
             }) => {
@@ -103,27 +104,41 @@ pub(super) fn at_spacing(
     }
 }
 
-/// All regions on their own, and the volume of a particle (m³): basins set it, and the rows of boxes are stretched to
-/// have it too.
-fn all_filled(
+/// Regions that are basins, each filled with rows of a spacing (m).
+fn basins_at(
     (fluid, domain, spacing): (&FluidFile, &DomainFile, [f64; 3]),
     solids: &[(String, Shape)],
     pouring: Pouring,
+) -> Vec<Option<Result<Poured, FillError>>> {
+    let poured = |region: &RegionFile| match region.shape {
+        RegionShapeFile::Box { .. } => None,
+        RegionShapeFile::Below { level, seed } => {
+            let rows = (spacing, fluid.lattice);
+            let seed = vec3(seed);
+            Some(basin::fill(domain, rows, (level, &seed), solids, pouring))
+        }
+    };
+    fluid.regions.iter().map(poured).collect()
+}
+
+/// All regions on their own, and the volume of a particle (m³): basins set it, and the rows of boxes are stretched to
+/// have it too.
+fn all_filled(
+    (fluid, domain, mut spacing): (&FluidFile, &DomainFile, [f64; 3]),
+    solids: &[(String, Shape)],
+    pouring: Pouring,
 ) -> (Vec<Result<Filled, FillError>>, f64) {
+    let basins = basins_at((fluid, domain, spacing), solids, pouring);
+    let fitting = basins.iter().flatten().flatten();
+    let fitting = fitting.filter_map(|poured| poured.fitting_height).next();
+    let basins = match fitting {
+        Some(height) if basins.len() == 1 => {
+            spacing[2] = height;
+            basins_at((fluid, domain, spacing), solids, pouring)
+        }
+        _ => basins,
+    };
     let own: f64 = spacing.iter().product();
-    let basins: Vec<Option<Result<Poured, FillError>>> = fluid
-        .regions
-        .iter()
-        .map(|region| match region.shape {
-            RegionShapeFile::Box { .. } => None,
-            RegionShapeFile::Below { level, seed } => {
-                let rows = (spacing, fluid.lattice);
-                let seed = vec3(seed);
-                let poured = basin::fill(domain, rows, (level, &seed), solids, pouring);
-                Some(poured)
-            }
-        })
-        .collect();
     let poured = || basins.iter().flatten().flatten();
     let n_poured: usize = poured().map(|poured| poured.water.len()).sum();
     let is_plane = domain.dimensions == DimensionsFile::Two;

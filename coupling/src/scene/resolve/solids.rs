@@ -10,6 +10,7 @@ use crate::scene::geometry::shape::solid_on;
 use crate::scene::geometry::terrain::Terrain;
 use crate::scene::motion::motion;
 use crate::scene::names::Names;
+use crate::scene::sliding::sliding;
 use crate::scene::wave_maker::{WaveMaker, wave_maker};
 
 /// Solids of the blocks of a scene, one entry per block.
@@ -50,14 +51,27 @@ impl Solids {
             if matches!(block.motion, MotionFile::Waves { .. }) && !are_whole {
                 continue;
             }
-            let found = wave_maker(file, index, &named).and_then(|maker| match maker {
-                Some(maker) => {
-                    let motion = maker.motion();
-                    wave_makers.push(maker);
-                    Ok(motion)
+            let maker = match wave_maker(file, index, &named) {
+                Ok(maker) => maker,
+                Err(problem) => {
+                    problems.push(problem);
+                    continue;
                 }
-                None => motion(&block.motion, &format!("blocks[{index}].motion"), access),
-            });
+            };
+            if let Some(maker) = maker {
+                motions.push(maker.motion());
+                wave_makers.push(maker);
+                continue;
+            }
+            let shape = named
+                .get(index)
+                .filter(|_| are_whole)
+                .map(|(_, shape)| shape);
+            let found = match sliding(file, index, shape, access) {
+                Ok(Some(motion)) => Ok(motion),
+                Ok(None) => motion(&block.motion, &format!("blocks[{index}].motion"), access),
+                Err(problem) => Err(problem),
+            };
             match found {
                 Ok(found) => motions.push(found),
                 Err(problem) => problems.push(problem),

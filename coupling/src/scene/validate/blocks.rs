@@ -51,6 +51,16 @@ impl Checks {
             self.positive(at.path("motion.period"), &at.of("period"), *period);
             self.not_negative(at.path("motion.ramp"), &at.of("ramp"), *ramp);
         }
+        if let MotionFile::Path {
+            bend_radius, base, ..
+        } = &block.motion
+        {
+            if let Some(radius) = bend_radius {
+                let what = at.of("radius of its bends");
+                self.positive(at.path("motion.bend_radius"), &what, *radius);
+            }
+            self.not_negative(at.path("motion.base"), &at.of("base"), *base);
+        }
         let starts_at_rest = is_zero(block.velocity) && is_zero(block.angular_velocity);
         if !starts_at_rest && !at.is_free() {
             self.warn(
