@@ -6,6 +6,7 @@
 use postcard::Error;
 
 use crate::fluid::sleep::Sleep;
+use crate::neighbors::rest::Still;
 use crate::neighbors::sweep::AnyPoints;
 use crate::particles::Particles;
 use crate::{Fluid, Vec3};
@@ -142,9 +143,8 @@ impl Fluid {
         let mut points = AnyPoints::default();
         // lists depend on positions only
         let precision = self.settings.scheme.precision;
-        points.pack(precision, &self.frame, &self.particles.position, |_| {
-            [0.0; 5]
-        });
+        let positions = &self.particles.position;
+        points.pack_places(precision, &self.frame, positions, Still::NONE);
         self.list_within(radius, &points);
         self.particles.position = present;
     }

@@ -57,21 +57,20 @@ impl Fluid {
     }
 
     /// Lists for some particles the points of walls within the reach of the fluid's own lists, from where both were when those
-    /// lists were made and the points were sorted; `packed` is storage. Returns the number of that making, `None` if
-    /// there are no such lists.
+    /// lists were made and the points were sorted. Returns the number of that making, `None` if there are no such lists.
     pub(crate) fn list_walls(
         &self,
         walls: &SortedPoints,
         particles: &[u32],
-        (lists, packed): (&mut Lists, &mut AnyPoints),
+        lists: &mut Lists,
     ) -> Option<u64> {
         let listed = self.listed()?;
         let (from, radius) = listed.made_from()?;
         // lists depend on positions only
         let precision = self.settings.scheme.precision;
-        let positions = (walls.positions, walls.dry);
-        packed.pack_moving(precision, &self.frame, positions, |_| [0.0; 5]);
-        self.list_across((walls.grid, packed), some(from, particles), *radius, lists);
+        let mut places = AnyPoints::default();
+        places.pack_places(precision, &self.frame, walls.positions, walls.dry);
+        self.list_across((walls.grid, &places), some(from, particles), *radius, lists);
         listed.generation()
     }
 
@@ -79,15 +78,15 @@ impl Fluid {
     pub(crate) fn list_by_walls(
         &self,
         (positions, points): (&[Vec3], &[u32]),
-        (lists, packed): (&mut Lists, &mut AnyPoints),
+        lists: &mut Lists,
     ) -> Option<u64> {
         let listed = self.listed()?;
         let (from, radius) = listed.made_from()?;
-        packed.pack(self.settings.scheme.precision, &self.frame, from, |_| {
-            [0.0; 5]
-        });
+        let precision = self.settings.scheme.precision;
+        let mut places = AnyPoints::default();
+        places.pack_places(precision, &self.frame, from, Still::NONE);
         self.list_across(
-            (&self.grid, packed),
+            (&self.grid, &places),
             some(positions, points),
             *radius,
             lists,

@@ -105,6 +105,27 @@ impl<R: Record + Default> Points<R> {
             });
     }
 
+    /// Writes places alone, from which lists are made.
+    pub(crate) fn pack_places(&mut self, frame: &Frame, positions: &[Vec3], still: Still) {
+        let n = positions.len();
+        for column in &mut self.columns {
+            column.resize(n + FILTER_WIDTH, 0);
+        }
+        let [x, y, z] = &mut self.columns;
+        x[..n]
+            .par_chunks_mut(CHUNK)
+            .zip(y[..n].par_chunks_mut(CHUNK))
+            .zip(z[..n].par_chunks_mut(CHUNK))
+            .zip(positions.par_chunks(CHUNK))
+            .enumerate()
+            .filter(|(chunk, _)| !still.has(*chunk))
+            .for_each(|(_, (((x, y), z), positions))| {
+                for (k, position) in positions.iter().enumerate() {
+                    [x[k], y[k], z[k]] = frame.place(position).quanta;
+                }
+            });
+    }
+
     /// Writes values of all points in the place of coordinates and values.
     pub(crate) fn pack_values(&mut self, n: usize, values: impl Fn(usize) -> [f64; RECORD] + Sync) {
         self.records.resize(n + 1, R::default());
@@ -131,6 +152,7 @@ impl<R: Record + Default> Points<R> {
 
     /// Index of the record that adds nothing.
     pub(crate) fn nothing(&self) -> u32 {
-        self.records.len() as u32 - 1
+        // columns are longer by as much
+        (self.columns[0].len() - FILTER_WIDTH) as u32
     }
 }

@@ -15,7 +15,7 @@ use crate::neighbors::rest::Still;
 use crate::neighbors::thin_solids::{Facet, ThinSolids};
 use crate::scheme::Precision;
 use crate::simd::lanes::{
-    FILTER_WIDTH, FilterSphere, Lanes, Machine, Place, Portable, RECORD, Record, Task,
+    FILTER_WIDTH, FilterSphere, Index, Lanes, Machine, Place, Portable, RECORD, Record, Task,
 };
 use crate::simd::lanes3::{Lanes3, splat3};
 use crate::{CHUNK, Vec3};
@@ -44,12 +44,14 @@ pub(crate) trait Term<L: Lanes>: Sync {
     type Sums;
     /// Result of the sum.
     type Out: Send;
+    /// Whether [`Self::add`] reads the indices of neighbors.
+    const READS_IDS: bool;
 
     /// Values of receiver `a`.
     fn own(&self, machine: L::Machine, a: usize) -> Self::Own;
     /// Sums of nothing.
     fn zero(&self, machine: L::Machine) -> Self::Sums;
-    /// Adds a register of neighbors; `ids` are their indices.
+    /// Adds a register of neighbors; `ids` are their indices, anything where they are not read.
     fn add(&self, own: &Self::Own, pair: &Pair<L>, ids: &[u32], sums: &mut Self::Sums);
     /// Values of the receiver's mirror image: `signs` are −1 along axes that are reversed, 1 along others.
     fn mirrored(&self, own: &Self::Own, signs: &Lanes3<L>) -> Self::Own;
@@ -391,7 +393,8 @@ where
                         break;
                     }
                     let stop = end.min(start + room);
-                    n = machine.filter(points.columns(), start..stop, &sphere, found, n);
+                    let candidates = (start..stop, start as u32);
+                    n = machine.filter(points.columns(), candidates, &sphere, found, n);
                     start = stop;
                     if start == end {
                         from += 1;
@@ -436,7 +439,7 @@ where
 
     /// The receiver and a register of points.
     #[inline(always)]
-    pub(crate) fn pair(&self, records: &[L::Record], ids: &[u32]) -> Pair<L> {
+    pub(crate) fn pair<I: Index>(&self, records: &[L::Record], ids: &[I]) -> Pair<L> {
         let [x, y, z, b0, b1, b2, b3, b4]: [L; RECORD] = L::gather(self.machine, records, ids);
         let offset = [
             self.place[0].separation(x, self.quanta[0]),
@@ -549,6 +552,20 @@ impl AnyPoints {
         match precision {
             Precision::Single => self.single.pack(frame, positions, still, values),
             Precision::Double => self.double.pack(frame, positions, still, values),
+        }
+    }
+
+    /// Writes the places of all points but those in still chunks, which lists have nothing of.
+    pub(crate) fn pack_places(
+        &mut self,
+        precision: Precision,
+        frame: &Frame,
+        positions: &[Vec3],
+        still: Still,
+    ) {
+        match precision {
+            Precision::Single => self.single.pack_places(frame, positions, still),
+            Precision::Double => self.double.pack_places(frame, positions, still),
         }
     }
 

@@ -1,0 +1,268 @@
+//! Making the lists of a chunk: first the runs of candidates of all receivers, and from these the windows; then the filter.
+
+use std::ops::Range;
+
+use super::window::{Runs, fill_ids};
+use super::{ChunkLists, Page, Span, Surroundings};
+use crate::neighbors::cells::{MAX_RUNS, OWN_IMAGE, Run};
+use crate::neighbors::mirror::{Image, MOST_IMAGES};
+use crate::neighbors::points::Points;
+use crate::neighbors::rest::Rest;
+use crate::neighbors::sweep::{FILTER_MARGIN, ReceiverChunk};
+use crate::simd::lanes::{FILTER_WIDTH, FilterSphere, Lanes, Machine, Task};
+
+/// Room that lists keep for water that gathers a little more as it moves; 1/ROOM of their length.
+const ROOM: usize = 16;
+
+/// Memory of the making of lists, kept from chunk to chunk.
+#[derive(Debug, Default)]
+pub(super) struct Scratch {
+    candidates: Vec<Range<u32>>,
+    groups: Vec<Group>,
+    /// Windows of the pages, with one past the last group of each.
+    windows: Vec<(Runs, usize)>,
+    found: Vec<u32>,
+    slots: Vec<u16>,
+    spans: Vec<Span>,
+    /// Points of a window, where water may sleep.
+    ids: Vec<u32>,
+}
+
+/// Candidates of a receiver that are seen from one place.
+#[derive(Clone, Copy, Debug)]
+struct Group {
+    /// One past its last run of candidates.
+    end: usize,
+    receiver: usize,
+    /// Place from which they are seen; quanta.
+    place: [i32; 3],
+    image: u8,
+    planes: u8,
+}
+
+/// Making the lists of a chunk.
+pub(super) struct Listing<'a, L: Lanes> {
+    pub machine: L::Machine,
+    pub from: Surroundings<'a>,
+    pub receivers: ReceiverChunk<'a>,
+    pub points: &'a Points<L::Record>,
+    /// Most points of a window.
+    pub largest: usize,
+    pub scratch: &'a mut Scratch,
+    pub lists: &'a mut ChunkLists,
+}
+
+impl<L: Lanes> Task for Listing<'_, L>
+where
+    L::Machine: Machine,
+    L::Record: Default,
+{
+    #[inline(always)]
+    fn run(self) {
+        let Self {
+            machine,
+            from,
+            receivers,
+            points,
+            largest,
+            scratch,
+            lists,
+        } = self;
+        scratch.find_candidates(&from, &receivers, largest);
+        let Scratch {
+            candidates,
+            groups,
+            windows,
+            found,
+            slots,
+            spans,
+            ids,
+        } = scratch;
+        slots.clear();
+        spans.clear();
+        lists.pages.clear();
+        lists.n_receivers = 0;
+        let scale = from.frame.quantum().map(|q| q as f32);
+        let radius2 = (from.radius * from.radius * FILTER_MARGIN) as f32;
+        let (mut group, mut candidate, mut page) = (0, 0, 0);
+        for k in 0..receivers.len() {
+            let (a, _) = receivers.at(k);
+            let rest = from.rests.get(a).copied().unwrap_or_default();
+            let before = (spans.len(), slots.len());
+            let mut has_awake = rest != Rest::Beside;
+            while let Some(of) = groups.get(group).filter(|of| of.receiver == k) {
+                if lists.pages.is_empty() || windows[page].1 <= group {
+                    page += usize::from(!lists.pages.is_empty());
+                    lists.pages.push(Page {
+                        first_span: spans.len() as u32,
+                        runs: windows[page].0.as_slice().into(),
+                    });
+                    if !from.rests.is_empty() {
+                        fill_ids(windows[page].0.as_slice(), points.nothing(), ids);
+                    }
+                }
+                let sphere = FilterSphere {
+                    place: of.place,
+                    scale,
+                    radius2,
+                };
+                let (mut n, mut hint) = (0, 0);
+                for run in &candidates[candidate..of.end] {
+                    let slot = windows[page].0.slot(run.start, &mut hint);
+                    hint += 1;
+                    let run = run.start as usize..run.end as usize;
+                    // the filter writes whole registers
+                    let room = n + run.len() + FILTER_WIDTH;
+                    if found.len() < room {
+                        found.resize(room, 0);
+                    }
+                    n = machine.filter(points.columns(), (run, slot), &sphere, found, n);
+                }
+                (group, candidate) = (group + 1, of.end);
+                if n == 0 {
+                    continue;
+                }
+                has_awake = has_awake
+                    || found[..n].iter().any(|&slot| {
+                        from.rests.get(ids[slot as usize] as usize) == Some(&Rest::Awake)
+                    });
+                slots.extend(found[..n].iter().map(|&slot| slot as u16));
+                // slot 0 adds nothing
+                let end = slots.len().next_multiple_of(L::WIDTH);
+                let n_in_last = (L::WIDTH - (end - slots.len())) as u8;
+                slots.resize(end, 0);
+                spans.push(Span {
+                    end: end as u32,
+                    n_in_last,
+                    image: of.image,
+                    planes: of.planes,
+                    is_last: false,
+                });
+            }
+            if !has_awake {
+                spans.truncate(before.0);
+                slots.truncate(before.1);
+                for page in &mut lists.pages {
+                    page.first_span = page.first_span.min(before.0 as u32);
+                }
+            }
+            lists.n_receivers += u64::from(before.0 < spans.len());
+            match spans[before.0..].last_mut() {
+                Some(last) => last.is_last = true,
+                None => spans.push(Span::nothing(slots.len() as u32)),
+            }
+        }
+        take(slots, &mut lists.slots);
+        take(spans, &mut lists.spans);
+    }
+}
+
+impl Scratch {
+    /// Finds the candidates of all receivers, group by group, and windows that hold them.
+    #[inline(always)]
+    fn find_candidates(&mut self, from: &Surroundings, receivers: &ReceiverChunk, largest: usize) {
+        self.candidates.clear();
+        self.groups.clear();
+        let mut n_windows = 0;
+        let mut images = [Image::default(); MOST_IMAGES];
+        let mut runs = [Run::default(); MAX_RUNS];
+        let mut hints = [0; MAX_RUNS];
+        for k in 0..receivers.len() {
+            let (a, position) = receivers.at(k);
+            if from.rests.get(a) == Some(&Rest::Asleep) {
+                continue;
+            }
+            let n_images = from
+                .mirrors
+                .images_within(position, from.reach, &mut images);
+            for image in &images[..n_images] {
+                let n_runs = from
+                    .grid
+                    .runs_within(&image.position, from.reach, &mut runs);
+                let runs = &mut runs[..n_runs];
+                // rows that cross a periodic side have both of its images: one group for each
+                if runs.iter().any(|run| run.image != OWN_IMAGE) {
+                    runs.sort_unstable_by_key(|run| (run.image, run.start));
+                }
+                for runs in runs.chunk_by(|a, b| a.image == b.image) {
+                    let shift = from.grid.image_shift(runs[0].image);
+                    let mut group = Group {
+                        end: 0,
+                        receiver: k,
+                        place: from.frame.place(&(image.position - shift)).quanta,
+                        image: runs[0].image,
+                        planes: image.planes,
+                    };
+                    let mut room = largest;
+                    let mut first = self.candidates.len();
+                    for run in runs {
+                        let mut run = run.start..run.end;
+                        // more than a window holds become groups of their own
+                        while room < run.len() {
+                            let cut = run.start + room as u32;
+                            if 0 < room {
+                                self.candidates.push(run.start..cut);
+                            }
+                            run.start = cut;
+                            group.end = self.candidates.len();
+                            self.add_group(group, first, (&mut n_windows, &mut hints, largest));
+                            (room, first) = (largest, self.candidates.len());
+                        }
+                        room -= run.len();
+                        self.candidates.push(run);
+                    }
+                    group.end = self.candidates.len();
+                    self.add_group(group, first, (&mut n_windows, &mut hints, largest));
+                }
+            }
+        }
+        for (runs, _) in &mut self.windows[..n_windows] {
+            runs.number();
+        }
+    }
+
+    /// Adds a group, whose candidates begin with `first`, to the present window, or to a new one where that is full.
+    #[inline(always)]
+    fn add_group(
+        &mut self,
+        group: Group,
+        first: usize,
+        (n_windows, hints, largest): (&mut usize, &mut [usize; MAX_RUNS], usize),
+    ) {
+        let candidates = &self.candidates[first..group.end];
+        let include = |runs: &mut Runs, hints: &mut [usize; MAX_RUNS]| {
+            for (run, hint) in candidates.iter().zip(hints) {
+                runs.include(run, hint);
+            }
+        };
+        let is_full = |runs: &Runs| {
+            let most = runs.len() + candidates.iter().map(Range::len).sum::<usize>();
+            largest < most && {
+                let mut with = runs.clone();
+                include(&mut with, &mut hints.clone());
+                largest < with.len()
+            }
+        };
+        if *n_windows == 0 || is_full(&self.windows[*n_windows - 1].0) {
+            if self.windows.len() == *n_windows {
+                self.windows.push(Default::default());
+            }
+            self.windows[*n_windows].0.clear();
+            *n_windows += 1;
+        }
+        self.groups.push(group);
+        let (runs, end) = &mut self.windows[*n_windows - 1];
+        include(runs, hints);
+        *end = self.groups.len();
+    }
+}
+
+/// Copies a column into memory that is kept unless it is much too large.
+fn take<T: Copy>(column: &[T], into: &mut Vec<T>) {
+    into.clear();
+    let wanted = column.len() + column.len() / ROOM;
+    if into.capacity() < column.len() || wanted + wanted / 4 < into.capacity() {
+        *into = Vec::with_capacity(wanted);
+    }
+    into.extend_from_slice(column);
+}
