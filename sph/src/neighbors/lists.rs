@@ -11,6 +11,8 @@
 //! Lists ignore thin solids. A receiver near one skips, in each sum, the neighbors that are currently
 //! hidden.
 //!
+//! They are made from places rounded to quanta, as sums read them: these alone are kept to make lists again.
+//!
 //! Entries are in the order of the sweep, separate for each particle, padded to whole
 //! registers, and numbered within the [`window`] of their chunk: results are the same bits for any number of threads. Neighbors across a periodic
 //! side, or of the image in a plane of symmetry, are a separate span, summed from the shifted position.
@@ -26,7 +28,7 @@ use rayon::prelude::*;
 
 use crate::neighbors::cells::{CellGrid, OWN_IMAGE};
 use crate::neighbors::mirror::{Mirrors, signs_in};
-use crate::neighbors::points::{Frame, Points};
+use crate::neighbors::points::{Frame, Places};
 use crate::neighbors::rest::Rest;
 use crate::neighbors::sweep::{
     BUFFER, FILTER_MARGIN, Occlusion, Receiver, ReceiverChunk, Receivers, Sources, Term,
@@ -47,8 +49,8 @@ pub(crate) struct Lists {
     generation: u64,
     /// Receivers with anything listed.
     n_receivers: u64,
-    /// Basis of the lists: positions (m), and the largest listed distance (m).
-    from: (Vec<Vec3>, f64),
+    /// Basis of the lists of all particles: their places, and the largest listed distance (m).
+    from: (Places, f64),
     /// Most points of a window.
     largest_window: usize,
 }
@@ -60,7 +62,7 @@ impl Default for Lists {
             is_made: false,
             generation: 0,
             n_receivers: 0,
-            from: (Vec::new(), 0.0),
+            from: (Places::default(), 0.0),
             largest_window: window::LARGEST,
         }
     }
@@ -112,13 +114,55 @@ pub(crate) enum Chosen {
     Occluded,
 }
 
+/// Receivers of lists.
+#[derive(Clone, Copy)]
+pub(crate) struct Listeners<'a> {
+    pub places: ListenerPlaces<'a>,
+    /// Indices of the receivers; all particles when absent.
+    pub chosen: Option<&'a [u32]>,
+}
+
+/// Places of all from which receivers may be chosen.
+#[derive(Clone, Copy)]
+pub(crate) enum ListenerPlaces<'a> {
+    /// m.
+    Positions(&'a [Vec3]),
+    /// Those that the fluid's lists were made from.
+    Quanta(&'a Places),
+}
+
+impl Listeners<'_> {
+    fn len(&self) -> usize {
+        let n = match self.places {
+            ListenerPlaces::Positions(positions) => positions.len(),
+            ListenerPlaces::Quanta(places) => places.len(),
+        };
+        self.chosen.map_or(n, <[u32]>::len)
+    }
+
+    /// Index of a receiver.
+    #[inline(always)]
+    fn index(&self, k: usize) -> usize {
+        self.chosen.map_or(k, |chosen| chosen[k] as usize)
+    }
+
+    /// Position of a receiver by its index; m.
+    #[inline(always)]
+    fn position(&self, frame: &Frame, a: usize) -> Vec3 {
+        match self.places {
+            ListenerPlaces::Positions(positions) => positions[a],
+            ListenerPlaces::Quanta(places) => frame.position(places.of(a)),
+        }
+    }
+}
+
 /// Input of neighbor lists.
 #[derive(Clone, Copy)]
 pub(crate) struct Surroundings<'a> {
     pub grid: &'a CellGrid,
     pub frame: &'a Frame,
     pub mirrors: Mirrors,
-    pub receivers: Receivers<'a>,
+    pub receivers: Listeners<'a>,
     /// Treatment of each receiver; empty if all are awake.
     pub rests: &'a [Rest],
     /// Farthest that anything to be listed may be from a receiver; m.
@@ -143,9 +187,19 @@ impl Lists {
         self.is_made.then_some(self.generation)
     }
 
-    /// Positions of all receivers and radius that they were made from, if they were; m.
-    pub(crate) fn made_from(&self) -> Option<&(Vec<Vec3>, f64)> {
+    /// Places of all particles and radius (m) that their lists were made from, if they were.
+    pub(crate) fn made_from(&self) -> Option<&(Places, f64)> {
         self.is_made.then_some(&self.from)
+    }
+
+    /// Storage of the places for the next lists of all particles.
+    pub(crate) fn take_places(&mut self) -> Places {
+        std::mem::take(&mut self.from.0)
+    }
+
+    /// Keeps what the lists of all particles were made from.
+    pub(crate) fn keep_basis(&mut self, places: Places, radius: f64) {
+        self.from = (places, radius);
     }
 
     /// Number of particles with a nonempty list: all, if sleep is off.
@@ -163,7 +217,7 @@ impl Lists {
                 + size_of::<Page>() * c.pages.capacity()
                 + size_of::<Range<u32>>() * runs
         };
-        self.chunks.iter().map(of).sum::<usize>() + size_of::<Vec3>() * self.from.0.capacity()
+        self.chunks.iter().map(of).sum::<usize>() + self.from.0.memory()
     }
 
     /// Builds the lists, for sums in registers `L`.
@@ -171,10 +225,9 @@ impl Lists {
         &mut self,
         machine: L::Machine,
         from: Surroundings,
-        points: &Points<L::Record>,
+        points: &Places,
     ) where
         L::Machine: Machine,
-        L::Record: Default,
     {
         let n_chunks = from.receivers.len().div_ceil(CHUNK);
         if self.chunks.len() < n_chunks {
@@ -187,7 +240,7 @@ impl Lists {
                 machine.run(Listing::<L> {
                     machine,
                     from,
-                    receivers: from.receivers.chunk(chunk * CHUNK),
+                    first: chunk * CHUNK,
                     points,
                     largest: self.largest_window,
                     scratch,
@@ -195,11 +248,6 @@ impl Lists {
                 });
             });
         self.n_receivers = self.chunks[..n_chunks].iter().map(|c| c.n_receivers).sum();
-        self.from.0.clear();
-        if from.receivers.chosen.is_none() {
-            self.from.0.extend_from_slice(from.receivers.positions);
-        }
-        self.from.1 = from.radius;
         self.is_made = true;
         self.generation += 1;
     }
@@ -227,7 +275,7 @@ impl Lists {
             Chosen::Occluded => may_be_occluded(sources, receivers),
         };
         out.par_chunks_mut(CHUNK)
-            .zip(&self.chunks)
+            .zip(&self.chunks[receivers.first_chunk()..])
             .enumerate()
             .filter(|(chunk, _)| is_chosen(receivers.chunk(chunk * CHUNK)))
             .map_init(Window::default, |window, (chunk, (out, lists))| {
@@ -518,7 +566,7 @@ mod tests {
     fn all_sums(fluid: &mut Fluid) -> Result<(Vec<Vec<f64>>, Vec<u32>), FluidError> {
         fluid.update_rates();
         fluid.update_pressure()?;
-        sums::forces(fluid);
+        sums::forces(fluid, |_, _, _| {});
         sums::strains(fluid);
         sums::concentrations(fluid);
         let scratch = &fluid.scratch;
@@ -722,9 +770,9 @@ mod tests {
     fn a_shorter_list_loses_neighbors() -> Result<(), FluidError> {
         let mut fluid = cloud(CLOSED)?;
         fluid.update_pressure()?;
-        let points = std::mem::take(&mut fluid.scratch.points);
-        fluid.list_within(RADIUS + 0.8 * fluid.skin(), &points);
-        fluid.scratch.points = points;
+        let mut places = Places::default();
+        places.pack(&fluid.frame, &fluid.particles.position);
+        fluid.list_within(RADIUS + 0.8 * fluid.skin(), places);
         approach(&mut fluid);
         let (sums, counts) = difference(&mut fluid)?;
         // what is lost is near the edge of the support, where kernels are small

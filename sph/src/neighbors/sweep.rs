@@ -160,20 +160,45 @@ pub(crate) struct Receivers<'a> {
     pub positions: &'a [Vec3],
     /// Indices of the receivers; all particles when absent.
     pub chosen: Option<&'a [u32]>,
+    /// Chunks before the first receiver, and the number of receivers from it on.
+    part: (usize, usize),
 }
 
 impl Receivers<'_> {
     pub(crate) fn len(&self) -> usize {
-        self.chosen.map_or(self.positions.len(), <[u32]>::len)
+        self.part.1
+    }
+
+    /// Chunks before the first one.
+    pub(crate) fn first_chunk(&self) -> usize {
+        self.part.0
     }
 
     #[inline(always)]
     fn index(&self, k: usize) -> usize {
+        let k = self.part.0 * CHUNK + k;
         self.chosen.map_or(k, |chosen| chosen[k] as usize)
     }
 }
 
 impl<'a> Receivers<'a> {
+    /// All of some positions (m), or those chosen.
+    pub(crate) fn new(positions: &'a [Vec3], chosen: Option<&'a [u32]>) -> Self {
+        Self {
+            positions,
+            chosen,
+            part: (0, chosen.map_or(positions.len(), <[u32]>::len)),
+        }
+    }
+
+    /// A number of receivers after the first chunks.
+    pub(crate) fn part(self, n_chunks: usize, n: usize) -> Self {
+        Self {
+            part: (self.part.0 + n_chunks, n),
+            ..self
+        }
+    }
+
     /// The [`CHUNK`] of them that begins with the receiver of a number.
     pub(crate) fn chunk(self, first: usize) -> ReceiverChunk<'a> {
         ReceiverChunk {
@@ -280,6 +305,7 @@ where
             reach,
             radius2,
             runs: [Run::default(); MAX_RUNS],
+            candidates: [[0; BUFFER]; 3],
             found: [0; BUFFER],
             shares: [1.0; BUFFER],
         };
@@ -324,6 +350,8 @@ struct Search<'a, L: Lanes, T: Term<L>, const OCCLUDED: bool> {
     reach: f64,
     radius2: f32,
     runs: [Run; MAX_RUNS],
+    /// Places of candidates; quanta.
+    candidates: [[i32; BUFFER]; 3],
     found: [u32; BUFFER],
     /// Their visible fraction past thin solids.
     shares: [f64; BUFFER],
@@ -348,6 +376,7 @@ where
             reach,
             radius2,
             ref mut runs,
+            ref mut candidates,
             ref mut found,
             ref mut shares,
         } = *self;
@@ -393,8 +422,16 @@ where
                         break;
                     }
                     let stop = end.min(start + room);
-                    let candidates = (start..stop, start as u32);
-                    n = machine.filter(points.columns(), candidates, &sphere, found, n);
+                    for (k, record) in points.records()[start..stop].iter().enumerate() {
+                        let quanta =
+                            record.quanta(|&[x, y, z]| frame.place(&Vec3::new(x, y, z)).quanta);
+                        for (column, quanta) in candidates.iter_mut().zip(quanta) {
+                            column[k] = quanta;
+                        }
+                    }
+                    let columns = candidates.each_ref().map(|column| column.as_slice());
+                    let range = (0..stop - start, start as u32);
+                    n = machine.filter(columns, range, &sphere, found, n);
                     start = stop;
                     if start == end {
                         from += 1;
@@ -552,20 +589,6 @@ impl AnyPoints {
         match precision {
             Precision::Single => self.single.pack(frame, positions, still, values),
             Precision::Double => self.double.pack(frame, positions, still, values),
-        }
-    }
-
-    /// Writes the places of all points but those in still chunks, which lists have nothing of.
-    pub(crate) fn pack_places(
-        &mut self,
-        precision: Precision,
-        frame: &Frame,
-        positions: &[Vec3],
-        still: Still,
-    ) {
-        match precision {
-            Precision::Single => self.single.pack_places(frame, positions, still),
-            Precision::Double => self.double.pack_places(frame, positions, still),
         }
     }
 

@@ -29,6 +29,8 @@ pub(crate) trait Record: Copy + Send + Sync {
     fn of_values(values: [f64; RECORD]) -> Self;
     /// A value as it is stored.
     fn value(&self, which: usize) -> f64;
+    /// Quanta of the place, by those of a position (m).
+    fn quanta(&self, of: impl Fn(&[f64; 3]) -> [i32; 3]) -> [i32; 3];
 }
 
 /// A position twice: in meters, and in the integers of the frame.
@@ -64,6 +66,12 @@ impl Record for Single {
     fn value(&self, which: usize) -> f64 {
         f64::from(self.0[which])
     }
+
+    #[inline(always)]
+    fn quanta(&self, _: impl Fn(&[f64; 3]) -> [i32; 3]) -> [i32; 3] {
+        let [x, y, z, ..] = self.0;
+        [x, y, z].map(|bits| bits.to_bits() as i32)
+    }
 }
 
 impl Record for Double {
@@ -79,6 +87,12 @@ impl Record for Double {
 
     fn value(&self, which: usize) -> f64 {
         self.0[which]
+    }
+
+    #[inline(always)]
+    fn quanta(&self, of: impl Fn(&[f64; 3]) -> [i32; 3]) -> [i32; 3] {
+        let [x, y, z, ..] = self.0;
+        of(&[x, y, z])
     }
 }
 
@@ -163,7 +177,7 @@ pub(crate) trait Machine: Copy + Send + Sync {
     /// the new end. Room for `FILTER_WIDTH` more must be left.
     fn filter(
         self,
-        columns: &[Vec<i32>; 3],
+        columns: [&[i32]; 3],
         candidates: (std::ops::Range<usize>, u32),
         from: &FilterSphere,
         found: &mut [u32],
@@ -317,7 +331,7 @@ impl Machine for Portable {
     #[inline(always)]
     fn filter(
         self,
-        [x, y, z]: &[Vec<i32>; 3],
+        [x, y, z]: [&[i32]; 3],
         (range, first): (std::ops::Range<usize>, u32),
         from: &FilterSphere,
         found: &mut [u32],

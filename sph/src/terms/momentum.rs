@@ -78,8 +78,10 @@ where
 
     #[inline(always)]
     fn own(&self, machine: L::Machine, a: usize) -> Self::Own {
+        // walls at rest have none
+        let velocity = self.own.velocity.get(a);
         (
-            splat3(machine, self.own.velocity[a].into()),
+            splat3(machine, velocity.copied().unwrap_or_default().into()),
             L::splat(machine, self.own.pressure[a]),
             self.viscosity.own(machine, a),
         )

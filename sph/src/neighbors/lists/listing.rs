@@ -4,11 +4,12 @@ use std::ops::Range;
 
 use super::window::{Runs, fill_ids};
 use super::{ChunkLists, Page, Span, Surroundings};
+use crate::CHUNK;
 use crate::neighbors::cells::{MAX_RUNS, OWN_IMAGE, Run};
 use crate::neighbors::mirror::{Image, MOST_IMAGES};
-use crate::neighbors::points::Points;
+use crate::neighbors::points::Places;
 use crate::neighbors::rest::Rest;
-use crate::neighbors::sweep::{FILTER_MARGIN, ReceiverChunk};
+use crate::neighbors::sweep::FILTER_MARGIN;
 use crate::simd::lanes::{FILTER_WIDTH, FilterSphere, Lanes, Machine, Task};
 
 /// Room that lists keep for water that gathers a little more as it moves; 1/ROOM of their length.
@@ -44,8 +45,9 @@ struct Group {
 pub(super) struct Listing<'a, L: Lanes> {
     pub machine: L::Machine,
     pub from: Surroundings<'a>,
-    pub receivers: ReceiverChunk<'a>,
-    pub points: &'a Points<L::Record>,
+    /// First of the receivers.
+    pub first: usize,
+    pub points: &'a Places,
     /// Most points of a window.
     pub largest: usize,
     pub scratch: &'a mut Scratch,
@@ -55,20 +57,20 @@ pub(super) struct Listing<'a, L: Lanes> {
 impl<L: Lanes> Task for Listing<'_, L>
 where
     L::Machine: Machine,
-    L::Record: Default,
 {
     #[inline(always)]
     fn run(self) {
         let Self {
             machine,
             from,
-            receivers,
+            first,
             points,
             largest,
             scratch,
             lists,
         } = self;
-        scratch.find_candidates(&from, &receivers, largest);
+        let receivers = first..from.receivers.len().min(first + CHUNK);
+        scratch.find_candidates(&from, receivers.clone(), largest);
         let Scratch {
             candidates,
             groups,
@@ -85,8 +87,8 @@ where
         let scale = from.frame.quantum().map(|q| q as f32);
         let radius2 = (from.radius * from.radius * FILTER_MARGIN) as f32;
         let (mut group, mut candidate, mut page) = (0, 0, 0);
-        for k in 0..receivers.len() {
-            let (a, _) = receivers.at(k);
+        for k in receivers {
+            let a = from.receivers.index(k);
             let rest = from.rests.get(a).copied().unwrap_or_default();
             let before = (spans.len(), slots.len());
             let mut has_awake = rest != Rest::Beside;
@@ -98,7 +100,7 @@ where
                         runs: windows[page].0.as_slice().into(),
                     });
                     if !from.rests.is_empty() {
-                        fill_ids(windows[page].0.as_slice(), points.nothing(), ids);
+                        fill_ids(windows[page].0.as_slice(), points.len() as u32, ids);
                     }
                 }
                 let sphere = FilterSphere {
@@ -160,21 +162,22 @@ where
 impl Scratch {
     /// Finds the candidates of all receivers, group by group, and windows that hold them.
     #[inline(always)]
-    fn find_candidates(&mut self, from: &Surroundings, receivers: &ReceiverChunk, largest: usize) {
+    fn find_candidates(&mut self, from: &Surroundings, receivers: Range<usize>, largest: usize) {
         self.candidates.clear();
         self.groups.clear();
         let mut n_windows = 0;
         let mut images = [Image::default(); MOST_IMAGES];
         let mut runs = [Run::default(); MAX_RUNS];
         let mut hints = [0; MAX_RUNS];
-        for k in 0..receivers.len() {
-            let (a, position) = receivers.at(k);
+        for k in receivers {
+            let a = from.receivers.index(k);
             if from.rests.get(a) == Some(&Rest::Asleep) {
                 continue;
             }
+            let position = from.receivers.position(from.frame, a);
             let n_images = from
                 .mirrors
-                .images_within(position, from.reach, &mut images);
+                .images_within(&position, from.reach, &mut images);
             for image in &images[..n_images] {
                 let n_runs = from
                     .grid

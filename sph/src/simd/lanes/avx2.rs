@@ -375,7 +375,7 @@ impl Machine for Avx2 {
     #[inline(always)]
     fn filter(
         self,
-        columns: &[Vec<i32>; 3],
+        columns: [&[i32]; 3],
         (range, mut first): (std::ops::Range<usize>, u32),
         from: &FilterSphere,
         found: &mut [u32],
