@@ -85,8 +85,16 @@ struct ChunkLists {
 #[derive(Clone, Debug)]
 struct Page {
     first_span: u32,
-    /// Points of the window.
-    runs: Box<[Range<u32>]>,
+    points: PagePoints,
+}
+
+/// Points of a window.
+#[derive(Clone, Debug)]
+enum PagePoints {
+    /// A part of all: spans are padded with one that is far.
+    Part(Range<u32>),
+    /// Some runs, to be copied: spans are padded with slot 0, which adds nothing.
+    Runs(Box<[Range<u32>]>),
 }
 
 /// Neighbors of a receiver in one kind of list.
@@ -210,7 +218,11 @@ impl Lists {
     /// Memory held; bytes.
     pub(crate) fn memory(&self) -> usize {
         let of = |c: &ChunkLists| {
-            let runs: usize = c.pages.iter().map(|page| page.runs.len()).sum();
+            let n_runs = |page: &Page| match &page.points {
+                PagePoints::Part(_) => 0,
+                PagePoints::Runs(runs) => runs.len(),
+            };
+            let runs: usize = c.pages.iter().map(n_runs).sum();
             size_of::<ChunkLists>()
                 + size_of::<u16>() * c.slots.capacity()
                 + size_of::<Span>() * c.spans.capacity()
@@ -387,7 +399,7 @@ where
             ..
         } = lists;
         let has_ids = T::READS_IDS || occlusion.is_some();
-        let mut pages = pages.iter().peekable();
+        let (mut pages, mut part) = (pages.iter().peekable(), None);
         let radius2 = sources.support_radius * sources.support_radius * FILTER_MARGIN;
         let support2 = L::splat(machine, radius2);
         let quanta = splat3(machine, sources.frame.quantum());
@@ -401,9 +413,23 @@ where
             loop {
                 let span = &spans[next];
                 while let Some(page) = pages.next_if(|page| page.first_span as usize <= next) {
-                    window.load(&page.runs, sources.points, has_ids);
+                    part = match &page.points {
+                        PagePoints::Part(part) => Some(part.start as usize..part.end as usize),
+                        PagePoints::Runs(runs) => {
+                            window.load(runs, sources.points, has_ids);
+                            None
+                        }
+                    };
                 }
                 next += 1;
+                let records = match &part {
+                    Some(part) => &sources.points.records()[part.clone()],
+                    None => window.records(),
+                };
+                let id = |slot: u16| match &part {
+                    Some(part) => (part.start + slot.index()) as u32,
+                    None => window.ids()[slot.index()],
+                };
                 let mut own = own;
                 if 0 < span.planes {
                     // the image of the receiver uses the points themselves, see `mirror`
@@ -419,7 +445,7 @@ where
                         let padding = (L::WIDTH - usize::from(span.n_in_last)) % L::WIDTH;
                         let listed = &slots[..slots.len() - padding];
                         for listed in listed.chunks(BUFFER) {
-                            let listed = listed.iter().map(|slot| window.ids()[slot.index()]);
+                            let listed = listed.iter().map(|&slot| id(slot));
                             let near = (a, &place, radius2);
                             let into = (&mut kept, &mut shares);
                             let n = keep(occlusion, sources.grid, near, listed, into);
@@ -438,12 +464,12 @@ where
                         let mut near = 0;
                         let mut ids = [0; MOST_LANES];
                         for slots in slots.chunks_exact(L::WIDTH) {
-                            let pair = receiver.pair(window.records(), slots);
+                            let pair = receiver.pair(records, slots);
                             near = pair.r2.below(support2);
                             n_found += near.count_ones();
                             if T::READS_IDS {
-                                for (id, slot) in ids.iter_mut().zip(slots) {
-                                    *id = window.ids()[slot.index()];
+                                for (number, &slot) in ids.iter_mut().zip(slots) {
+                                    *number = id(slot);
                                 }
                             }
                             term.add(&own, &pair, &ids, &mut sums);

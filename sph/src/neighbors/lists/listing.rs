@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::window::{Runs, fill_ids};
-use super::{ChunkLists, Page, Span, Surroundings};
+use super::{ChunkLists, Page, PagePoints, Span, Surroundings};
 use crate::CHUNK;
 use crate::neighbors::cells::{MAX_RUNS, OWN_IMAGE, Run};
 use crate::neighbors::mirror::{Image, MOST_IMAGES};
@@ -20,13 +20,21 @@ const ROOM: usize = 16;
 pub(super) struct Scratch {
     candidates: Vec<Range<u32>>,
     groups: Vec<Group>,
-    /// Windows of the pages, with one past the last group of each.
-    windows: Vec<(Runs, usize)>,
+    /// Windows of the pages.
+    windows: Vec<PageWindow>,
     found: Vec<u32>,
     slots: Vec<u16>,
     spans: Vec<Span>,
     /// Points of a window, where water may sleep.
     ids: Vec<u32>,
+}
+
+/// Window of the groups up to one past its last.
+#[derive(Debug, Default)]
+struct PageWindow {
+    runs: Runs,
+    end: usize,
+    is_part: bool,
 }
 
 /// Candidates of a receiver that are seen from one place.
@@ -39,6 +47,8 @@ struct Group {
     place: [i32; 3],
     image: u8,
     planes: u8,
+    /// Slot that adds nothing.
+    padding: u16,
 }
 
 /// Making the lists of a chunk.
@@ -71,6 +81,7 @@ where
         } = self;
         let receivers = first..from.receivers.len().min(first + CHUNK);
         scratch.find_candidates(&from, receivers.clone(), largest);
+        scratch.number(&from, points, largest);
         let Scratch {
             candidates,
             groups,
@@ -93,14 +104,24 @@ where
             let before = (spans.len(), slots.len());
             let mut has_awake = rest != Rest::Beside;
             while let Some(of) = groups.get(group).filter(|of| of.receiver == k) {
-                if lists.pages.is_empty() || windows[page].1 <= group {
+                if lists.pages.is_empty() || windows[page].end <= group {
                     page += usize::from(!lists.pages.is_empty());
+                    let PageWindow { runs, is_part, .. } = &windows[page];
                     lists.pages.push(Page {
                         first_span: spans.len() as u32,
-                        runs: windows[page].0.as_slice().into(),
+                        points: match is_part {
+                            true => PagePoints::Part(runs.whole()),
+                            false => PagePoints::Runs(runs.as_slice().into()),
+                        },
                     });
                     if !from.rests.is_empty() {
-                        fill_ids(windows[page].0.as_slice(), points.len() as u32, ids);
+                        match is_part {
+                            true => {
+                                ids.clear();
+                                ids.extend(runs.whole());
+                            }
+                            false => fill_ids(runs.as_slice(), points.len() as u32, ids),
+                        }
                     }
                 }
                 let sphere = FilterSphere {
@@ -110,7 +131,7 @@ where
                 };
                 let (mut n, mut hint) = (0, 0);
                 for run in &candidates[candidate..of.end] {
-                    let slot = windows[page].0.slot(run.start, &mut hint);
+                    let slot = windows[page].runs.slot(run.start, &mut hint);
                     hint += 1;
                     let run = run.start as usize..run.end as usize;
                     // the filter writes whole registers
@@ -129,10 +150,9 @@ where
                         from.rests.get(ids[slot as usize] as usize) == Some(&Rest::Awake)
                     });
                 slots.extend(found[..n].iter().map(|&slot| slot as u16));
-                // slot 0 adds nothing
                 let end = slots.len().next_multiple_of(L::WIDTH);
                 let n_in_last = (L::WIDTH - (end - slots.len())) as u8;
-                slots.resize(end, 0);
+                slots.resize(end, of.padding);
                 spans.push(Span {
                     end: end as u32,
                     n_in_last,
@@ -195,6 +215,7 @@ impl Scratch {
                         place: from.frame.place(&(image.position - shift)).quanta,
                         image: runs[0].image,
                         planes: image.planes,
+                        padding: 0,
                     };
                     let mut room = largest;
                     let mut first = self.candidates.len();
@@ -219,8 +240,42 @@ impl Scratch {
                 }
             }
         }
-        for (runs, _) in &mut self.windows[..n_windows] {
-            runs.number();
+        self.windows.truncate(n_windows);
+    }
+
+    /// Gives the points of all windows their slots, and finds padding for all groups.
+    fn number(&mut self, from: &Surroundings, points: &Places, largest: usize) {
+        let quantum = from.frame.quantum();
+        let radius2 = from.radius * from.radius * FILTER_MARGIN * FILTER_MARGIN;
+        let is_far = |group: &Group, point: u32| {
+            let place = points.of(point as usize);
+            let square = |axis: usize| {
+                let way = group.place[axis].wrapping_sub(place[axis]);
+                (f64::from(way) * quantum[axis]).powi(2)
+            };
+            radius2 < (0..3).map(square).sum::<f64>()
+        };
+        let mut first = 0;
+        for window in &mut self.windows {
+            let whole = window.runs.whole();
+            let groups = &mut self.groups[first..window.end];
+            first = window.end;
+            // lists hold as long as what is far stays beyond the support
+            let padding = |group: &Group| {
+                [whole.start, whole.end - 1]
+                    .into_iter()
+                    .find(|&point| is_far(group, point))
+                    .map(|point| (point - whole.start) as u16)
+            };
+            window.is_part = whole.len() <= largest && groups.iter().all(|g| padding(g).is_some());
+            if window.is_part {
+                for group in groups {
+                    group.padding = padding(group).unwrap_or(0);
+                }
+                window.runs.number_whole();
+            } else {
+                window.runs.number();
+            }
         }
     }
 
@@ -246,17 +301,17 @@ impl Scratch {
                 largest < with.len()
             }
         };
-        if *n_windows == 0 || is_full(&self.windows[*n_windows - 1].0) {
+        if *n_windows == 0 || is_full(&self.windows[*n_windows - 1].runs) {
             if self.windows.len() == *n_windows {
                 self.windows.push(Default::default());
             }
-            self.windows[*n_windows].0.clear();
+            self.windows[*n_windows].runs.clear();
             *n_windows += 1;
         }
         self.groups.push(group);
-        let (runs, end) = &mut self.windows[*n_windows - 1];
-        include(runs, hints);
-        *end = self.groups.len();
+        let window = &mut self.windows[*n_windows - 1];
+        include(&mut window.runs, hints);
+        window.end = self.groups.len();
     }
 }
 

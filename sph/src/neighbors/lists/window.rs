@@ -1,8 +1,8 @@
 //! Windows: the points that the receivers of a chunk may see, one after the other, so that lists number them in 16 bits.
 //!
-//! The candidates of neighboring receivers are nearly the same few runs of points. A window holds the runs of all of them, merged;
-//! slot 0 is a point that adds nothing. A sum copies the records of the window before it reads them: some ten a receiver, each of
-//! which is read as many times.
+//! The candidates of neighboring receivers are nearly the same few runs of points. Where all of them are within 65,536 points, the
+//! window is that part of the points. Elsewhere, in much water, it holds the runs alone, merged, after a slot 0 that adds
+//! nothing: a sum then copies the records of the window before it reads them, some ten a receiver.
 
 use std::ops::Range;
 
@@ -64,7 +64,21 @@ impl Runs {
         first
     }
 
-    /// Gives every point its slot.
+    /// From the first point to the last.
+    pub(super) fn whole(&self) -> Range<u32> {
+        let start = self.runs.first().map_or(0, |run| run.start);
+        start..self.runs.last().map_or(start, |run| run.end)
+    }
+
+    /// Gives every point its slot in a window that is a part of the points.
+    pub(super) fn number_whole(&mut self) {
+        let start = self.whole().start;
+        self.slots.clear();
+        self.slots
+            .extend(self.runs.iter().map(|run| run.start - start));
+    }
+
+    /// Gives every point its slot in a window of the runs alone.
     pub(super) fn number(&mut self) {
         let mut next = 1;
         self.slots.clear();
