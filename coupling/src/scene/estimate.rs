@@ -14,13 +14,13 @@ use crate::walls::WallMethod;
 /// Bytes of the program by itself; with water.
 const PROGRAM: [f64; 2] = [16e6, 22e6];
 /// Bytes per particle of water, without its list of neighbors: state, packed points and sums, last good state, a frame under way.
-pub const PER_PARTICLE: f64 = 550.0;
+pub const PER_PARTICLE: f64 = 650.0;
 /// Additional bytes per particle where water may sleep: reference positions, state of sleep, partial sums of rates.
 const PER_SLEEPING_PARTICLE: f64 = 110.0;
 /// Bytes per neighbor in a list, with unused capacity and the end of the last register.
 const PER_NEIGHBOR: f64 = 2.25;
 /// Bytes per particle of a wall, near water or not, with the lists of both sides.
-const PER_WALL_PARTICLE: f64 = 170.0;
+const PER_WALL_PARTICLE: f64 = 190.0;
 /// Smallest number of bytes per block.
 pub const PER_BLOCK: f64 = 3000.0;
 /// Additional bytes per moving block: contacts, and rows of output.
