@@ -57,7 +57,7 @@ pub struct Plan<'a> {
     pub checkpoint_interval: Duration,
 }
 
-/// Runs a scene; `stop` ends it after the current step.
+/// Runs a scene; `stop` ends it after the current step. The scene loses its initial particles, see [`Scene::release_start`].
 ///
 /// `tell` is called with every event. The summary is written in every case, and a checkpoint of the last good state.
 ///
@@ -65,7 +65,7 @@ pub struct Plan<'a> {
 ///
 /// [`RunError`]; everything computed before is in the folder.
 pub fn run(
-    scene: &Scene,
+    scene: &mut Scene,
     plan: Plan,
     stop: &AtomicBool,
     tell: &mut dyn FnMut(Event),
@@ -103,15 +103,17 @@ pub struct Run<'a> {
 }
 
 impl<'a> Run<'a> {
-    /// Builds the world and opens the files of a run.
+    /// Builds the world and opens the files of a run. The scene loses its initial particles.
     ///
     /// # Errors
     ///
     /// [`RunError`] when the world cannot be built, a file cannot be created or the checkpoint belongs to another scene.
-    pub fn start(scene: &'a Scene, plan: Plan) -> Result<Self, RunError> {
+    pub fn start(scene: &'a mut Scene, plan: Plan) -> Result<Self, RunError> {
         // of an earlier end, which is not that of this run
         let _ = std::fs::remove_file(plan.folder.join(run_folder::OFFENDERS));
         let world = build(scene)?;
+        scene.release_start();
+        let scene: &Scene = scene;
         let start = match plan.from {
             None => Start::New,
             Some(_) => Start::Resume,
@@ -492,8 +494,8 @@ mod tests {
 
     /// Runs for 60 steps, does something to the fluid, and on to the end; what was told of it, and the summary.
     fn hit(blow: impl Fn(&mut Fluid)) -> (Vec<String>, Summary, Vec<f64>) {
-        let (scene, folder) = (scene(), tempfile::tempdir().unwrap());
-        let mut run = Run::start(&scene, plan(folder.path())).unwrap();
+        let (mut scene, folder) = (scene(), tempfile::tempdir().unwrap());
+        let mut run = Run::start(&mut scene, plan(folder.path())).unwrap();
         let (stop, mut told) = (AtomicBool::new(false), Vec::new());
         let mut tell = |event: Event| match event {
             Event::Step(progress) if progress.steps == 60 => stop.store(true, Ordering::Relaxed),
@@ -541,9 +543,9 @@ mod tests {
             "gauge_interval: 0.001",
             "gauge_interval: 1e-9, ledger_interval: 1e-9, frame_interval: 1e-9",
         );
-        let scene = Scene::resolve(parse::read(&text).unwrap(), Path::new(".")).unwrap();
+        let mut scene = Scene::resolve(parse::read(&text).unwrap(), Path::new(".")).unwrap();
         let folder = tempfile::tempdir().unwrap();
-        let mut run = Run::start(&scene, plan(folder.path())).unwrap();
+        let mut run = Run::start(&mut scene, plan(folder.path())).unwrap();
         let stop = AtomicBool::new(false);
         let ending = run.until(&stop, &mut |event| {
             if let Event::Step(Progress { steps: 5, .. }) = event {

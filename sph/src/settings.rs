@@ -233,7 +233,7 @@ impl Settings {
     ///
     /// Two particles that leave a domain by opposite periodic sides interact across two periods, which no sum
     /// covers: a period must be at least support and skin, as the distance of two planes of symmetry.
-    pub(crate) fn widest_skin(&self) -> f64 {
+    pub fn widest_skin(&self) -> f64 {
         let support = self.support_radius();
         let extent = self.domain.1 - self.domain.0;
         let room = (0..3)

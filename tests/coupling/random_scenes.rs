@@ -288,7 +288,7 @@ fn small_machine() -> Access<'static> {
 
 /// Steps a scene and looks at what it leaves. Whether it took all its steps; it may be refused, or stop, with words.
 fn fifty_steps(text: &str) -> Result<bool, TestCaseError> {
-    let scene = match scene::load_text("random.ron", text, &[], &small_machine()) {
+    let mut scene = match scene::load_text("random.ron", text, &[], &small_machine()) {
         Ok((scene, _)) => scene,
         Err(error) => {
             let words = error.to_string();
@@ -308,7 +308,7 @@ fn fifty_steps(text: &str) -> Result<bool, TestCaseError> {
         scene_hash: [0; 32],
         checkpoint_interval: Duration::ZERO,
     };
-    let ended = run(&scene, plan, &stop, &mut |event| {
+    let ended = run(&mut scene, plan, &stop, &mut |event| {
         let Event::Step(progress) = event else {
             return;
         };

@@ -174,10 +174,16 @@ const FILTER: f64 = 14.0;
 const NUMBER: f64 = 8.0;
 const VECTOR: f64 = 24.0;
 const INDEX: f64 = 4.0;
+/// A rate as it is stored, with the number of neighbors.
+const STORED_RATE: f64 = 32.0;
+/// Particles whose forces are summed at a time.
+const PART: f64 = 32_768.0;
+/// Number of a neighbor in a list.
+const SLOT: f64 = 2.0;
 /// Of sums per receiver: rate of density, force, extrapolation.
 const RATE_SUMS: f64 = 24.0;
 const FORCE_SUMS: f64 = 48.0;
-const EXTRAPOLATED: f64 = 64.0;
+const EXTRAPOLATED: f64 = 88.0;
 
 /// Needs of the parts of an evaluation, from what there is to see.
 pub struct Needs {
@@ -186,11 +192,11 @@ pub struct Needs {
 }
 
 impl Needs {
-    /// Coordinates for the filter and record of a particle.
+    /// Record of a particle.
     fn packed(&self) -> f64 {
         match self.precision {
-            Precision::Single => 12.0 + 32.0,
-            Precision::Double => 12.0 + 64.0,
+            Precision::Single => 32.0,
+            Precision::Double => 64.0,
         }
     }
 
@@ -206,7 +212,7 @@ impl Needs {
     fn listed_sum(&self, term: &Term, bytes: f64) -> Need {
         let entries = self.counts.entries;
         Need {
-            bytes: bytes + INDEX * entries,
+            bytes: bytes + SLOT * entries,
             operations: (self.geometry() + 1.0 + term.operations) * entries,
             divisions: term.divisions * entries,
             roots: entries,
@@ -279,20 +285,22 @@ impl Needs {
         self.sum(&c.from_walls, &WALL_FORCE, bytes)
     }
 
-    /// Memory of the fluid's arrays: columns of the state, 113 bytes a particle; sorting, one spare column of
-    /// each kind among it, 46; packed points; sums of rates and forces; a number of each cell. Without its lists.
+    /// Memory of the fluid's arrays: columns of the state, 113 bytes a particle; cell and order of the sort; packed points; sums
+    /// of rates, and of the forces of a part of the particles; a number of each cell. Without its lists.
     pub fn fluid_memory(&self, n_cells: usize) -> f64 {
-        let per_particle = 113.0 + 46.0 + self.packed() + RATE_SUMS + FORCE_SUMS;
-        self.counts.particles * per_particle + INDEX * n_cells as f64
+        let per_particle = 113.0 + 2.0 * INDEX + self.packed() + STORED_RATE;
+        self.counts.particles * per_particle
+            + self.counts.particles.min(PART) * (2.0 * VECTOR)
+            + INDEX * n_cells as f64
     }
 
-    /// That of the walls: columns of the points, 112 bytes each; cell, order and sorted places; packed points; sums of
-    /// both sides; number and mark of each cell.
+    /// That of walls at rest: columns of the points and their order, 44 bytes each; of those near water order, places, packed
+    /// points and sums; sums of particles near walls; a number of each cell. Without the lists of both.
     pub fn wall_memory(&self, n_cells: usize) -> f64 {
         let c = &self.counts;
-        c.points * (112.0 + 2.0 * INDEX + VECTOR + self.packed())
-            + c.wet * (INDEX + EXTRAPOLATED)
-            + c.from_walls.receivers * (INDEX + RATE_SUMS + FORCE_SUMS)
-            + (INDEX + 1.0) * n_cells as f64
+        c.points * 44.0
+            + c.wet * (INDEX + VECTOR + self.packed() + EXTRAPOLATED)
+            + c.from_walls.receivers * (INDEX + STORED_RATE + 2.0 * VECTOR)
+            + INDEX * n_cells as f64
     }
 }

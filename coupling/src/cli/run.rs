@@ -92,7 +92,7 @@ fn choose_and_run(arguments: &Arguments) -> Result<Exit, Exit> {
     let from = prepare(arguments, &scene, &folder)?;
     let stop = Arc::new(AtomicBool::new(false));
     stop_on_signal(&stop);
-    let (scene, chosen) = match arguments.error {
+    let (mut scene, chosen) = match arguments.error {
         None => (scene, None),
         Some(budget) => {
             let asked = Asked {
@@ -123,7 +123,7 @@ fn choose_and_run(arguments: &Arguments) -> Result<Exit, Exit> {
         checkpoint_interval: Duration::from_secs_f64(arguments.checkpoint_interval),
     };
     let mut line = ProgressLine::new(arguments.quiet);
-    let ended = run(&scene, plan, &stop, &mut |event| line.tell(&event));
+    let ended = run(&mut scene, plan, &stop, &mut |event| line.tell(&event));
     line.end();
     let (summary, ending) = ended.map_err(|error| {
         say(&format!(

@@ -13,16 +13,14 @@ use crate::walls::WallMethod;
 
 /// Bytes of the program by itself; with water.
 const PROGRAM: [f64; 2] = [16e6, 22e6];
-/// Bytes per particle of water, without its list of neighbors: initial state, state, sorted copies, output.
-pub const PER_PARTICLE: f64 = 700.0;
+/// Bytes per particle of water, without its list of neighbors: state, packed points and sums, last good state, a frame under way.
+pub const PER_PARTICLE: f64 = 650.0;
 /// Additional bytes per particle where water may sleep: reference positions, state of sleep, partial sums of rates.
 const PER_SLEEPING_PARTICLE: f64 = 110.0;
-/// Bytes per neighbor in a list, with unused capacity.
-const PER_NEIGHBOR: f64 = 6.0;
-/// Skin of the lists beyond the support; × support.
-const LARGEST_SKIN: f64 = 0.1;
-/// Bytes per particle of a wall.
-const PER_WALL_PARTICLE: f64 = 280.0;
+/// Bytes per neighbor in a list, with unused capacity and the end of the last register.
+const PER_NEIGHBOR: f64 = 2.25;
+/// Bytes per particle of a wall, near water or not, with the lists of both sides.
+const PER_WALL_PARTICLE: f64 = 190.0;
 /// Smallest number of bytes per block.
 pub const PER_BLOCK: f64 = 3000.0;
 /// Additional bytes per moving block: contacts, and rows of output.
@@ -117,7 +115,7 @@ impl std::fmt::Display for Estimate {
 
 fn water(fluid: &FluidScene) -> f64 {
     let settings = &fluid.settings;
-    let reach = (1.0 + LARGEST_SKIN) * settings.support_radius();
+    let reach = settings.support_radius() + settings.widest_skin();
     let [dx, dy, dz] = settings.particle_spacing;
     let neighbors = match settings.dimensions {
         Dimensions::Three => 4.0 / 3.0 * std::f64::consts::PI * reach.powi(3) / (dx * dy * dz),

@@ -86,6 +86,18 @@ pub struct Scene {
     pub(super) source: SceneFile,
 }
 
+impl Scene {
+    /// Frees the initial particles, once a world holds them.
+    pub fn release_start(&mut self) {
+        if let Some(fluid) = &mut self.fluid {
+            let lattice = &mut fluid.lattice;
+            (lattice.positions, lattice.velocities) = (Vec::new(), Vec::new());
+            (lattice.region, lattice.mould) = (Vec::new(), Vec::new());
+            (fluid.pressures, fluid.kinds) = (Vec::new(), Vec::new());
+        }
+    }
+}
+
 /// Modeled box.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Domain {

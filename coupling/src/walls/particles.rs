@@ -33,7 +33,7 @@ use points::Solids;
 pub struct ParticleWalls {
     fixed: WallParticles,
     /// Block of each fixed point.
-    fixed_block: Vec<u32>,
+    fixed_block: Box<[u32]>,
     moving: WallParticles,
     thin_solids: ThinSolids,
     /// Block of each moving point.
@@ -115,7 +115,7 @@ impl ParticleWalls {
         let mut walls = Self {
             buried: Buried::new(&points, blocks, spacing),
             fixed,
-            fixed_block: fixed_points.blocks,
+            fixed_block: fixed_points.blocks.into_boxed_slice(),
             moving: points.walls(fluid, slip),
             thin_solids,
             start: vec![[Vec3::zeros(); 2]; points.blocks.len()],

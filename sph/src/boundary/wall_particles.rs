@@ -33,7 +33,6 @@ use rayon::prelude::*;
 
 use crate::fluid::wall_sums::{self, Near, SortedPoints};
 use crate::neighbors::cells::CellGrid;
-use crate::neighbors::rest::Still;
 use crate::neighbors::sweep::{AnyPoints, PairKind};
 use crate::neighbors::thin_solids::Facet;
 use crate::scheme::Viscosity;
@@ -80,19 +79,21 @@ pub struct WallParticles {
     /// Faces of thin solids that points are behind; for all points, or empty.
     facets: Vec<Facet>,
     position: Vec<Vec3>,
+    /// Empty as long as all were at rest.
     velocity: Vec<Vec3>,
     acceleration: Vec<Vec3>,
     /// Pressure continued from the fluid; Pa.
     pressure: Vec<f64>,
-    /// Velocity used in viscous forces; m/s.
+    /// Velocity used in viscous forces; empty where it is zero; m/s.
     seen_velocity: Vec<Vec3>,
     slip: Slip,
     /// Viscosities of the fluid towards walls with friction.
     viscosities: AnyPoints,
+    /// Cells with the points near fluid, in the order of [`WetPoints::all`], and the present places of these.
     grid: CellGrid,
-    /// Points in the order of the cells that they were sorted into, and their present places.
-    order: Vec<u32>,
     sorted: Vec<Vec3>,
+    /// All points in the order of the cells that they were sorted into.
+    order: Vec<u32>,
     /// Positions when they were sorted, in the order of the bodies; empty where they are the present ones; m.
     sorted_at: Vec<Vec3>,
     is_sorted: bool,
@@ -102,25 +103,25 @@ pub struct WallParticles {
     moved: f64,
     sorted_facets: Vec<Facet>,
     points: AnyPoints,
-    /// Cells that hold points, in order.
-    occupied: Vec<u32>,
+    /// Cells that hold points, in order, each with one past its last point.
+    occupied: Vec<(u32, u32)>,
     /// Cells whose fluid may be within the support of a point.
-    near: Vec<bool>,
-    marked: Vec<u32>,
+    near: Vec<u32>,
     /// Fluid particles near points, but those that sleep, and points near fluid.
     nearby_particles: Vec<u32>,
     wet: WetPoints,
-    /// Chunks of the points in their order without any near fluid: no sum reads them, and they are not packed.
-    dry_chunks: Vec<bool>,
+    /// Sort of the fluid that `grid` and `sorted` are of.
+    laid_out_for: Option<u64>,
     /// Number of changes of the sleeping set at the last update of the pressure of all wet points.
     known_at: Option<u64>,
     listed: Listed,
     scratch: Scratch,
 }
 
-/// Points near fluid.
+/// Points near fluid; no sum reads the others.
 #[derive(Clone, Debug, Default)]
 struct WetPoints {
+    /// In the order of their cells.
     all: Vec<u32>,
     /// Those near fluid that is awake, where fluid may sleep.
     wet_and_awake: Vec<u32>,
@@ -141,9 +142,6 @@ impl WetPoints {
 
 #[derive(Clone, Debug, Default)]
 struct Scratch {
-    cell: Vec<u32>,
-    /// Positions when sorted, in the order of the cells, while they are listed; m.
-    sorted_then: Vec<Vec3>,
     rates: Vec<Rate>,
     forces: Vec<ForceDensity>,
     extrapolated: Vec<Extrapolated>,
@@ -157,21 +155,19 @@ impl WallParticles {
     /// Points with the given volumes, in m³, for a fluid; without position before [`Self::place`].
     pub fn new(fluid: &Fluid, volume: Vec<f64>, slip: Slip) -> Self {
         let n = volume.len();
-        let grid = fluid.grid().clone();
         Self {
             volume,
             facets: Vec::new(),
             position: vec![Vec3::zeros(); n],
-            velocity: vec![Vec3::zeros(); n],
-            acceleration: vec![Vec3::zeros(); n],
+            velocity: Vec::new(),
+            acceleration: Vec::new(),
             pressure: vec![0.0; n],
-            seen_velocity: vec![Vec3::zeros(); n],
+            seen_velocity: Vec::new(),
             slip,
             viscosities: AnyPoints::default(),
-            near: vec![false; grid.n_cells()],
-            grid,
-            order: Vec::new(),
+            grid: fluid.grid().without_particles(),
             sorted: Vec::new(),
+            order: Vec::new(),
             sorted_at: Vec::new(),
             is_sorted: false,
             is_placed: false,
@@ -179,10 +175,10 @@ impl WallParticles {
             sorted_facets: Vec::new(),
             points: AnyPoints::default(),
             occupied: Vec::new(),
-            marked: Vec::new(),
+            near: Vec::new(),
             nearby_particles: Vec::new(),
             wet: WetPoints::default(),
-            dry_chunks: Vec::new(),
+            laid_out_for: None,
             known_at: None,
             listed: Listed::default(),
             scratch: Scratch::default(),
@@ -239,6 +235,24 @@ impl WallParticles {
             self.sorted_at.extend_from_slice(&self.position);
         }
         self.is_placed = true;
+        if self.velocity.is_empty() {
+            let is_moving = self
+                .position
+                .par_iter_mut()
+                .enumerate()
+                .with_min_len(CHUNK)
+                .map(|(w, x)| {
+                    let (v, a);
+                    [*x, v, a] = of_point(w);
+                    v != Vec3::zeros() || a != Vec3::zeros()
+                })
+                .reduce(|| false, |a, b| a | b);
+            if !is_moving {
+                return;
+            }
+            self.velocity.resize(self.position.len(), Vec3::zeros());
+            self.acceleration.resize(self.position.len(), Vec3::zeros());
+        }
         self.position
             .par_iter_mut()
             .zip(self.velocity.par_iter_mut())
@@ -288,44 +302,38 @@ impl WallParticles {
     fn pick_sorted(&mut self) {
         self.sorted.clear();
         self.sorted
-            .extend(self.order.iter().map(|&w| self.position[w as usize]));
+            .extend(self.wet.all.iter().map(|&w| self.position[w as usize]));
     }
 
     fn sort(&mut self) {
-        self.grid
-            .sort(&self.position, &mut self.scratch.cell, &mut self.order);
-        self.pick_sorted();
+        let mut cells = Vec::new();
+        self.grid.sort(&self.position, &mut cells, &mut self.order);
         self.sorted_at.clear();
         (self.is_sorted, self.moved) = (true, 0.0);
+        self.laid_out_for = None;
         self.listed.forget();
-        self.sorted_facets.clear();
-        if !self.facets.is_empty() {
-            self.sorted_facets
-                .extend(self.order.iter().map(|&w| self.facets[w as usize]));
-        }
         self.occupied.clear();
-        for &w in &self.order {
-            let cell = self.scratch.cell[w as usize];
-            if self.occupied.last() != Some(&cell) {
-                self.occupied.push(cell);
+        for (&w, end) in self.order.iter().zip(1..) {
+            let cell = cells[w as usize];
+            match self.occupied.last_mut() {
+                Some(last) if last.0 == cell => last.1 = end,
+                _ => self.occupied.push((cell, end)),
             }
         }
-        for &cell in &self.marked {
-            self.near[cell as usize] = false;
-        }
-        self.marked.clear();
-        for &cell in &self.occupied {
-            let (near, marked) = (&mut self.near, &mut self.marked);
+        let mut is_near = vec![false; self.grid.n_cells()];
+        self.near.clear();
+        for &(cell, _) in &self.occupied {
+            let near = &mut self.near;
             self.grid.rows_round(cell as usize, |row| {
                 for cell in row {
-                    if !near[cell] {
-                        near[cell] = true;
-                        marked.push(cell as u32);
+                    if !is_near[cell] {
+                        is_near[cell] = true;
+                        near.push(cell as u32);
                     }
                 }
             });
         }
-        self.marked.sort_unstable();
+        self.near.sort_unstable();
     }
 
     /// Finds the particles and points that may be within the support of each other; after every
@@ -337,7 +345,7 @@ impl WallParticles {
         }
         let cells = fluid.grid();
         self.nearby_particles.clear();
-        for &cell in &self.marked {
+        for &cell in &self.near {
             let particles = cells.particles_in(cell as usize);
             if fluid.is_still(particles.clone()) {
                 continue;
@@ -353,10 +361,11 @@ impl WallParticles {
         wet.all.clear();
         wet.wet_and_awake.clear();
         wet.is_partial = fluid.may_sleep() && self.known_at == fluid.changes_of_rest();
-        self.dry_chunks.clear();
-        self.dry_chunks
-            .resize(self.order.len().div_ceil(CHUNK), true);
-        for &cell in &self.occupied {
+        let mut n_in_cells = Vec::new();
+        let mut start = 0;
+        for &(cell, end) in &self.occupied {
+            let points = start..end as usize;
+            start = points.end;
             let (mut is_wet, mut is_awake) = (false, false);
             cells.rows_round(cell as usize, |row| {
                 let particles = cells.particles_in_row(row);
@@ -364,14 +373,25 @@ impl WallParticles {
                 is_awake |= !particles.is_empty() && !fluid.is_still(particles);
             });
             if is_wet {
-                let points = self.grid.particles_in(cell as usize);
-                self.dry_chunks[points.start / CHUNK..points.end.div_ceil(CHUNK)].fill(false);
-                let first = wet.all.len();
-                wet.all.extend(points.map(|k| self.order[k]));
+                n_in_cells.push((cell, points.len() as u32));
+                wet.all.extend_from_slice(&self.order[points.clone()]);
                 if is_awake && fluid.may_sleep() {
-                    wet.wet_and_awake.extend_from_slice(&wet.all[first..]);
+                    wet.wet_and_awake.extend_from_slice(&self.order[points]);
                 }
             }
+        }
+        // what is wet follows from the cells
+        if self.laid_out_for == Some(fluid.sorts()) || self.order.is_empty() {
+            return;
+        }
+        self.laid_out_for = Some(fluid.sorts());
+        self.grid.count(n_in_cells.into_iter());
+        self.pick_sorted();
+        self.sorted_facets.clear();
+        if !self.facets.is_empty() {
+            let wet = self.wet.all.iter();
+            self.sorted_facets
+                .extend(wet.map(|&w| self.facets[w as usize]));
         }
     }
 
@@ -386,16 +406,15 @@ impl WallParticles {
         if fluid.room_of_walls() < self.moved {
             return;
         }
-        let then = &mut self.scratch.sorted_then;
+        let then: Vec<Vec3>;
         let walls = SortedPoints {
             grid: &self.grid,
-            dry: Still::new(&self.dry_chunks),
             positions: match self.sorted_at.is_empty() {
                 true => &self.sorted,
                 false => {
-                    then.clear();
-                    then.extend(self.order.iter().map(|&w| self.sorted_at[w as usize]));
-                    then
+                    let wet = self.wet.all.iter();
+                    then = wet.map(|&w| self.sorted_at[w as usize]).collect();
+                    &then
                 }
             },
         };
@@ -461,14 +480,14 @@ impl WallParticles {
 
     /// Packs velocities and volumes for the sums.
     fn pack_flow(&mut self, fluid: &Fluid) {
-        let (order, velocity, volume) = (&self.order, &self.velocity, &self.volume);
-        self.points.pack_moving(
+        let (order, velocity, volume) = (&self.wet.all, &self.velocity, &self.volume);
+        self.points.pack(
             fluid.settings.scheme.precision,
             &fluid.frame,
-            (&self.sorted, Still::new(&self.dry_chunks)),
+            &self.sorted,
             |k| {
                 let w = order[k] as usize;
-                let v = velocity[w];
+                let v = known(velocity, w);
                 [v.x, v.y, v.z, 0.0, volume[w]]
             },
         );
@@ -547,13 +566,18 @@ impl WallParticles {
         );
         self.scratch.extrapolated = sums_of_points;
         self.known_at = fluid.changes_of_rest();
-        self.seen_velocity.copy_from_slice(&self.velocity);
+        self.seen_velocity.clear();
+        self.seen_velocity.extend_from_slice(&self.velocity);
+        if self.slip != Slip::Free {
+            self.seen_velocity
+                .resize(self.position.len(), Vec3::zeros());
+        }
         if self.slip != Slip::Free {
             for (&w, sum) in self.wet.updated().iter().zip(&self.scratch.extrapolated) {
                 if 0.0 < sum.weight {
                     let w = w as usize;
                     self.seen_velocity[w] =
-                        self.velocity[w] * 2.0 - Vec3::from(sum.velocity) / sum.weight;
+                        known(&self.velocity, w) * 2.0 - Vec3::from(sum.velocity) / sum.weight;
                 }
             }
         }
@@ -563,6 +587,8 @@ impl WallParticles {
     /// Adds to the acceleration (m/s²) of wet points and continues the pressure again; after
     /// [`Self::extrapolate`].
     pub fn accelerate(&mut self, fluid: &Fluid, more: impl Fn(usize) -> Vec3) {
+        self.velocity.resize(self.position.len(), Vec3::zeros());
+        self.acceleration.resize(self.position.len(), Vec3::zeros());
         for &w in self.wet.updated() {
             self.acceleration[w as usize] += more(w as usize);
         }
@@ -579,20 +605,20 @@ impl WallParticles {
                 continue;
             }
             let w = w as usize;
-            let pull = fluid.settings.gravity - self.acceleration[w];
+            let pull = fluid.settings.gravity - known(&self.acceleration, w);
             let pressure = (sum.pressure + pull.dot(&Vec3::from(sum.moment))) / sum.weight;
             // a wall does not pull
             self.pressure[w] = pressure.max(0.0);
         }
-        let (order, volume) = (&self.order, &self.volume);
+        let (order, volume) = (&self.wet.all, &self.volume);
         let (seen_velocity, pressure) = (&self.seen_velocity, &self.pressure);
-        self.points.pack_moving(
+        self.points.pack(
             fluid.settings.scheme.precision,
             &fluid.frame,
-            (&self.sorted, Still::new(&self.dry_chunks)),
+            &self.sorted,
             |k| {
                 let w = order[k] as usize;
-                let v = seen_velocity[w];
+                let v = known(seen_velocity, w);
                 // a point without fluid in its support has no pressure and is inactive
                 [v.x, v.y, v.z, pressure[w], volume[w]]
             },
@@ -773,4 +799,10 @@ impl WallParticles {
         }
         self.scratch.forces = forces;
     }
+}
+
+/// Entry of a column that is empty where all are zero.
+#[inline(always)]
+fn known(column: &[Vec3], w: usize) -> Vec3 {
+    column.get(w).copied().unwrap_or_default()
 }

@@ -4,9 +4,10 @@
 //! sums add the same numbers in the same order.
 
 use postcard::Error;
+use serde::{Serialize, Serializer};
 
 use crate::fluid::sleep::Sleep;
-use crate::neighbors::sweep::AnyPoints;
+use crate::neighbors::points::Places;
 use crate::particles::Particles;
 use crate::{Fluid, Vec3};
 
@@ -54,6 +55,7 @@ impl Fluid {
         let out = postcard::to_extend(particles, out)?;
         let out = postcard::to_extend(grid.starts(), out)?;
         let listed = lists.made_from().filter(|_| self.is_sorted());
+        let listed = listed.map(|(places, radius)| (Quanta(places), radius));
         let out = postcard::to_extend(&listed, out)?;
         let energies = (viscous_loss, bulk_loss, from_walls, diffusive_loss);
         let momenta = (removed, plane_force, reflected);
@@ -90,7 +92,7 @@ impl Fluid {
         if !self.grid.set_starts(starts, n) {
             return bad;
         }
-        let (listed, bytes) = postcard::take_from_bytes::<Option<(Vec<Vec3>, f64)>>(bytes)?;
+        let (listed, bytes) = postcard::take_from_bytes::<Option<(Vec<[i32; 3]>, f64)>>(bytes)?;
         let (rest, bytes) = postcard::take_from_bytes(bytes)?;
         let (energies, momenta);
         (
@@ -122,12 +124,12 @@ impl Fluid {
             return bad;
         }
         self.lists.forget();
-        if let Some((positions, radius)) = listed {
+        if let Some((places, radius)) = listed {
             let is_within = radius <= self.settings.support_radius() + self.skin();
-            if positions.len() != n || !is_within || !self.are_near(&positions) {
+            if places.len() != n || !is_within {
                 return bad;
             }
-            self.list_from(positions, radius);
+            self.list_within(radius, Places::from_quanta(&places));
         }
         self.pack_forces();
         Ok(bytes)
@@ -139,17 +141,13 @@ impl Fluid {
         let farthest = FARTHEST * (max - min).norm();
         positions.iter().all(|x| (x - min).norm() <= farthest)
     }
+}
 
-    /// Makes the lists of neighbors from where the particles were.
-    fn list_from(&mut self, positions: Vec<Vec3>, radius: f64) {
-        let present = std::mem::replace(&mut self.particles.position, positions);
-        let mut points = AnyPoints::default();
-        // lists depend on positions only
-        let precision = self.settings.scheme.precision;
-        points.pack(precision, &self.frame, &self.particles.position, |_| {
-            [0.0; 5]
-        });
-        self.list_within(radius, &points);
-        self.particles.position = present;
+/// Places as they are saved, particle by particle.
+struct Quanta<'a>(&'a Places);
+
+impl Serialize for Quanta<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_seq(self.0.iter())
     }
 }

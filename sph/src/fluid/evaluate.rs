@@ -5,6 +5,7 @@ use rayon::prelude::*;
 use crate::fluid::sums;
 use crate::neighbors::rest::Still;
 use crate::scheme::{DensityDiffusion, DensityMethod};
+use crate::terms::momentum::ForceDensity;
 use crate::{CHUNK, Fluid, FluidError, Particles, Vec3};
 
 /// Share of the reference density above which a step is not believed.
@@ -114,11 +115,19 @@ impl Fluid {
     /// Accelerations from pressure, viscosity and gravity; walls are added afterward.
     pub fn update_accelerations(&mut self) {
         self.scratch.pushes.clear();
-        sums::forces(self);
-        self.hold_forces();
-        if self.settings.has_symmetry() || self.may_sleep() {
-            self.sum_plane_force();
-        }
+        self.clear_plane_force();
+        sums::forces(self, |fluid, n_chunks, forces| {
+            fluid.hold_forces(n_chunks, forces);
+            fluid.add_plane_force(n_chunks, forces);
+            fluid.accelerate(n_chunks, forces);
+        });
+        self.sum_plane_force();
+        self.hold_accelerations();
+    }
+
+    /// Accelerations of a part of the particles, which begins after so many chunks, from their forces.
+    fn accelerate(&mut self, n_chunks: usize, forces: &[ForceDensity]) {
+        let part = n_chunks * CHUNK..n_chunks * CHUNK + forces.len();
         let Particles {
             density,
             acceleration,
@@ -127,13 +136,13 @@ impl Fluid {
         } = &mut self.particles;
         let gravity = self.settings.gravity;
         let still = Still::of(self.sleep.as_deref());
-        acceleration
+        acceleration[part.clone()]
             .par_chunks_mut(CHUNK)
-            .zip(viscous_acceleration.par_chunks_mut(CHUNK))
-            .zip(self.scratch.forces.par_chunks(CHUNK))
-            .zip(density.par_chunks(CHUNK))
+            .zip(viscous_acceleration[part.clone()].par_chunks_mut(CHUNK))
+            .zip(forces.par_chunks(CHUNK))
+            .zip(density[part].par_chunks(CHUNK))
             .enumerate()
-            .filter(|(chunk, _)| !still.has(*chunk))
+            .filter(|(chunk, _)| !still.has(n_chunks + chunk))
             .for_each(|(_, (((acceleration, viscous), forces), density))| {
                 for (((acceleration, viscous), force), density) in acceleration
                     .iter_mut()
@@ -148,7 +157,6 @@ impl Fluid {
                         gravity + Vec3::from(force.pressure) * specific_volume + by_viscosity;
                 }
             });
-        self.hold_accelerations();
     }
 
     /// Adds forces, of walls and blocks, to the accelerations.

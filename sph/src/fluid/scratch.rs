@@ -1,22 +1,18 @@
 //! Scratch memory of the fluid.
 
+use crate::Vec3;
 use crate::fluid::advance::Compression;
 use crate::neighbors::sweep::AnyPoints;
 use crate::terms::concentration::Concentration;
 use crate::terms::continuity::Rate;
 use crate::terms::gradient::StrainSums;
 use crate::terms::momentum::ForceDensity;
-use crate::{ParticleId, Vec3};
 
 /// Memory that is written before it is read in every step.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Scratch {
     pub(super) cell: Vec<u32>,
     pub(super) order: Vec<u32>,
-    pub(super) ids: Vec<ParticleId>,
-    pub(super) vectors: Vec<Vec3>,
-    pub(super) numbers: Vec<f64>,
-    pub(super) kinds: Vec<u8>,
     pub(crate) points: AnyPoints,
     /// Packed points for the sums of rates, if water may sleep: kept from step to step, apart from those for forces.
     pub(crate) flow: AnyPoints,

@@ -197,12 +197,16 @@ impl Sleep {
 
     /// Modifies the entries of sleeping particles in a column, except for chunks that sleep entirely.
     fn hold<T: Send>(&self, column: &mut [T], hold: impl Fn(&mut T) + Sync) {
+        self.hold_part(0, column, hold);
+    }
+
+    /// The same for a part of a column, which begins after so many chunks.
+    fn hold_part<T: Send>(&self, n_chunks: usize, part: &mut [T], hold: impl Fn(&mut T) + Sync) {
         let still = Still::of(Some(self));
-        column
-            .par_chunks_mut(CHUNK)
-            .zip(self.rests.par_chunks(CHUNK))
+        part.par_chunks_mut(CHUNK)
+            .zip(self.rests[n_chunks * CHUNK..].par_chunks(CHUNK))
             .enumerate()
-            .filter(|(chunk, _)| !still.has(*chunk))
+            .filter(|(chunk, _)| !still.has(n_chunks + chunk))
             .for_each(|(_, (entries, rests))| {
                 for (entry, &rest) in entries.iter_mut().zip(rests) {
                     if rest != Rest::Awake {
@@ -633,12 +637,10 @@ impl Fluid {
         }
     }
 
-    /// Removes the fluid forces on sleeping particles.
-    pub(crate) fn hold_forces(&mut self) {
+    /// Removes the fluid forces on sleeping particles among a part of all, which begins after so many chunks.
+    pub(crate) fn hold_forces(&self, n_chunks: usize, forces: &mut [ForceDensity]) {
         if let Some(sleep) = &self.sleep {
-            sleep.hold(&mut self.scratch.forces, |force| {
-                *force = ForceDensity::default()
-            });
+            sleep.hold_part(n_chunks, forces, |force| *force = ForceDensity::default());
         }
     }
 

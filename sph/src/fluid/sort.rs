@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use crate::fluid::at_start::AtStart;
 use crate::fluid::scratch::Scratch;
 use crate::particles::filter;
-use crate::{CHUNK, Dimensions, Fluid};
+use crate::{CHUNK, Dimensions, Fluid, ParticleId, Particles, Vec3};
 
 impl Fluid {
     /// Farthest that a particle may be from where it was when it was sorted; m.
@@ -106,15 +106,7 @@ impl Fluid {
                 .par_chunks_mut(CHUNK)
                 .for_each(|chunk| chunk.iter_mut().for_each(|x| *x = grid.wrapped(*x)));
         }
-        let Scratch {
-            cell,
-            order,
-            ids,
-            vectors,
-            numbers,
-            kinds,
-            ..
-        } = &mut self.scratch;
+        let Scratch { cell, order, .. } = &mut self.scratch;
         self.grid.sort(&self.particles.position, cell, order);
         fn reorder<T: Copy + Send + Sync + Default>(
             column: &mut Vec<T>,
@@ -132,17 +124,27 @@ impl Fluid {
                 });
             std::mem::swap(column, spare);
         }
-        let particles = &mut self.particles;
-        reorder(&mut particles.id, order, ids);
-        reorder(&mut particles.position, order, vectors);
-        reorder(&mut particles.velocity, order, vectors);
-        reorder(&mut particles.density, order, numbers);
-        reorder(&mut particles.mass, order, numbers);
-        reorder(&mut particles.kind, order, kinds);
-        if !particles.bulk_pressure.is_empty() {
+        // the next evaluation finds pressures and accelerations anew: until then their columns are spare ones
+        let Particles {
+            id,
+            position,
+            velocity,
+            mass,
+            density,
+            pressure: numbers,
+            acceleration: vectors,
+            kind,
+            bulk_pressure,
+            ..
+        } = &mut self.particles;
+        reorder(position, order, vectors);
+        reorder(velocity, order, vectors);
+        reorder(density, order, numbers);
+        reorder(mass, order, numbers);
+        if !bulk_pressure.is_empty() {
             // those that came in wait for their first rates
-            particles.bulk_pressure.resize(order.len(), 0.0);
-            reorder(&mut particles.bulk_pressure, order, numbers);
+            bulk_pressure.resize(order.len(), 0.0);
+            reorder(bulk_pressure, order, numbers);
         }
         let AtStart { velocity, density } = &mut self.at_start;
         if !velocity.is_empty() {
@@ -153,6 +155,26 @@ impl Fluid {
         }
         if let Some(sleep) = &mut self.sleep {
             reorder(&mut sleep.home, order, vectors);
+        }
+        vectors
+            .par_chunks_mut(CHUNK)
+            .for_each(|chunk| chunk.fill(Vec3::zeros()));
+        numbers
+            .par_chunks_mut(CHUNK)
+            .for_each(|chunk| chunk.fill(0.0));
+        cell.par_chunks_mut(CHUNK)
+            .zip(order.par_chunks(CHUNK))
+            .for_each(|(cell, order)| {
+                for (slot, &a) in cell.iter_mut().zip(order) {
+                    *slot = id[a as usize].into();
+                }
+            });
+        for (id, &moved) in id.iter_mut().zip(cell.iter()) {
+            *id = ParticleId::from(moved);
+        }
+        if kind.iter().any(|&kind| kind != 0) {
+            let moved = order.iter().map(|&a| kind[a as usize]).collect();
+            *kind = moved;
         }
         self.lists.forget();
         let support = self.settings.support_radius();

@@ -1,18 +1,24 @@
 //! Sums of the fluid over itself, and the packing and listing that they need.
 
+use crate::CHUNK;
 use crate::Fluid;
 use crate::Vec3;
 use crate::fluid::scratch::Scratch;
-use crate::neighbors::lists::{Lists, Surroundings};
+use crate::neighbors::lists::{ListenerPlaces, Listeners, Lists, Surroundings};
+use crate::neighbors::points::Places;
 use crate::neighbors::rest::Still;
 use crate::neighbors::sweep::{AnyPoints, PackedIn, PairKind, Receivers, Sum, dispatch};
 use crate::simd::lanes::{Lanes, Machine};
 use crate::terms::continuity::RateOwn;
-use crate::terms::momentum::ForceOwn;
+use crate::terms::momentum::{ForceDensity, ForceOwn};
 use crate::terms::sums::formulas::{Concentrations, Densities, Gradients, Rates, Strains};
 use crate::terms::sums::{
     FluidForces, FluidPairs, Formula, Neighborhood, Setup, Shearing, occlusion, run_term,
 };
+
+/// Chunks of particles whose forces are summed before they become accelerations: memory for these only, and enough for many
+/// threads.
+const PART: usize = 128;
 
 impl Fluid {
     /// Resistance to shear within the fluid.
@@ -59,12 +65,14 @@ impl Fluid {
         listed.map_or(self.particles.len() as u64, Lists::n_receivers)
     }
 
-    /// Lists the neighbors of all particles, packed in `points`, if they were not since the last sort.
-    fn list(&mut self, points: &AnyPoints) {
+    /// Lists the neighbors of all particles, if they were not since the last sort.
+    fn list(&mut self) {
         if self.lists.are_made() || !self.is_sorted() {
             return;
         }
-        self.list_within(self.list_radius(), points);
+        let mut places = self.lists.take_places();
+        places.pack(&self.frame, &self.particles.position);
+        self.list_within(self.list_radius(), places);
     }
 
     /// Radius of lists made now; m.
@@ -74,23 +82,27 @@ impl Fluid {
         self.settings.support_radius() + skin
     }
 
-    /// Lists for all particles the points within a radius (m), up to support and skin.
-    pub(crate) fn list_within(&mut self, radius: f64, points: &AnyPoints) {
+    /// Lists for all particles at these places the others within a radius (m), up to support and skin.
+    pub(crate) fn list_within(&mut self, radius: f64, places: Places) {
         let mut lists = std::mem::take(&mut self.lists);
         let listing = Listing {
             from: Surroundings {
                 grid: &self.grid,
                 frame: &self.frame,
                 mirrors: self.settings.mirrors(),
-                receivers: everyone(&self.particles.position),
+                receivers: Listeners {
+                    places: ListenerPlaces::Quanta(&places),
+                    chosen: None,
+                },
                 rests: self.rests(),
                 radius,
                 reach: self.settings.support_radius() + self.skin(),
             },
-            points,
+            points: &places,
             lists: &mut lists,
         };
         dispatch(self.settings.scheme.precision, listing);
+        lists.keep_basis(places, radius);
         self.lists = lists;
     }
 
@@ -141,16 +153,13 @@ impl Fluid {
 }
 
 fn everyone(positions: &[Vec3]) -> Receivers<'_> {
-    Receivers {
-        positions,
-        chosen: None,
-    }
+    Receivers::new(positions, None)
 }
 
 /// Listing of the neighbors of some receivers.
 pub(super) struct Listing<'a> {
     pub from: Surroundings<'a>,
-    pub points: &'a AnyPoints,
+    pub points: &'a Places,
     pub lists: &'a mut Lists,
 }
 
@@ -161,8 +170,7 @@ impl Sum for Listing<'_> {
         L::Machine: Machine,
         L::Record: Default + PackedIn,
     {
-        let points = L::Record::of(self.points);
-        self.lists.make::<L>(machine, self.from, points);
+        self.lists.make::<L>(machine, self.from, self.points);
     }
 }
 
@@ -193,7 +201,7 @@ fn sum_into<O: Clone + Default>(
         fluid.pack_flow(&mut points);
     }
     out.resize(fluid.particles.len(), O::default());
-    fluid.list(&points);
+    fluid.list();
     fluid.skin.count_sum();
     let n_found = sum(fluid, &fluid.to_everyone(&points), &mut out);
     match packed {
@@ -219,7 +227,7 @@ pub(crate) fn summation(fluid: &mut Fluid, factor: f64) -> u64 {
         &fluid.particles.position,
         |a| [0.0, 0.0, 0.0, 0.0, mass[a] * factor],
     );
-    fluid.list(&points);
+    fluid.list();
     fluid.skin.count_sum();
     let n_found = within(&fluid.to_everyone(&points), &Densities, &mut density);
     fluid.particles.density = density;
@@ -291,22 +299,33 @@ pub(crate) fn concentrations(fluid: &mut Fluid) {
     );
 }
 
-/// Forces of pressure and viscosity in the fluid, per volume, into the scratch; after
-/// [`Fluid::pack_forces`].
-pub(crate) fn forces(fluid: &mut Fluid) {
-    sum_into(
-        fluid,
-        Packed::Forces,
-        |scratch| &mut scratch.forces,
-        |fluid, setup, out| {
-            let forces = FluidForces {
-                own: ForceOwn {
-                    velocity: &fluid.particles.velocity,
-                    pressure: &fluid.particles.pressure,
-                },
-                shear: fluid.shearing(),
-            };
-            within(setup, &forces, out)
-        },
-    );
+/// Forces of pressure and viscosity in the fluid, per volume, part by part; after [`Fluid::pack_forces`]. `each` is called with
+/// those of a part and the number of chunks before it.
+pub(crate) fn forces(
+    fluid: &mut Fluid,
+    mut each: impl FnMut(&mut Fluid, usize, &mut [ForceDensity]),
+) {
+    let mut all = std::mem::take(&mut fluid.scratch.forces);
+    let points = std::mem::take(&mut fluid.scratch.points);
+    fluid.list();
+    fluid.skin.count_sum();
+    let n = fluid.particles.len();
+    all.resize(n.min(PART * CHUNK), ForceDensity::default());
+    for first in (0..n).step_by(PART * CHUNK) {
+        let n_chunks = first / CHUNK;
+        let out = &mut all[..(n - first).min(PART * CHUNK)];
+        let mut setup = fluid.to_everyone(&points);
+        setup.receivers = setup.receivers.part(n_chunks, out.len());
+        let forces = FluidForces {
+            own: ForceOwn {
+                velocity: &fluid.particles.velocity,
+                pressure: &fluid.particles.pressure,
+            },
+            shear: fluid.shearing(),
+        };
+        within(&setup, &forces, out);
+        each(fluid, n_chunks, out);
+    }
+    fluid.scratch.points = points;
+    fluid.scratch.forces = all;
 }

@@ -3,6 +3,7 @@
 use rayon::prelude::*;
 
 use crate::neighbors::rest::Still;
+use crate::terms::momentum::ForceDensity;
 use crate::{CHUNK, Fluid, Vec3};
 
 impl Fluid {
@@ -34,36 +35,53 @@ impl Fluid {
         }
     }
 
-    /// Computes the force of the planes of symmetry, and of sleeping water, on the awake fluid from the sums of all its
-    /// pair forces, of which those between particles cancel.
-    pub(crate) fn sum_plane_force(&mut self) {
-        self.plane_force = Vec3::zeros();
+    /// Whether a component of the planes' force is that of all pair forces, of which those between particles cancel.
+    fn has_plane_force(&self, axis: usize) -> bool {
+        self.settings.symmetry[axis] != [false; 2] || self.may_sleep()
+    }
+
+    /// Begins the sum of the force of the planes of symmetry, and of sleeping water, on the awake fluid.
+    pub(crate) fn clear_plane_force(&mut self) {
+        if (0..3).any(|axis| self.has_plane_force(axis)) {
+            let n = 3 * self.particles.len().div_ceil(CHUNK);
+            self.scratch.partial.clear();
+            self.scratch.partial.resize(n, 0.0);
+        }
+    }
+
+    /// Adds the pair forces of a part of the particles, which begins after so many chunks.
+    pub(crate) fn add_plane_force(&mut self, n_chunks: usize, forces: &[ForceDensity]) {
+        let n = self.particles.len().div_ceil(CHUNK);
         for axis in 0..3 {
-            if self.settings.symmetry[axis] == [false; 2] && !self.may_sleep() {
+            if !self.has_plane_force(axis) {
                 continue;
             }
             let particles = &self.particles;
             let still = Still::of(self.sleep.as_deref());
-            let partial = &mut self.scratch.partial;
-            partial.resize(particles.mass.len().div_ceil(CHUNK), 0.0);
-            self.scratch
-                .forces
+            forces
                 .par_chunks(CHUNK)
-                .zip(particles.mass.par_chunks(CHUNK))
-                .zip(particles.density.par_chunks(CHUNK))
-                .zip(partial.par_iter_mut())
+                .zip(particles.mass[n_chunks * CHUNK..].par_chunks(CHUNK))
+                .zip(particles.density[n_chunks * CHUNK..].par_chunks(CHUNK))
+                .zip(self.scratch.partial[axis * n + n_chunks..].par_iter_mut())
                 .enumerate()
                 .for_each(|(chunk, (((forces, mass), density), sum))| {
-                    *sum = 0.0;
-                    if still.has(chunk) {
+                    if still.has(n_chunks + chunk) {
                         return;
                     }
                     for ((force, m), rho) in forces.iter().zip(mass).zip(density) {
                         *sum += m / rho * (force.pressure[axis] + force.viscous[axis]);
                     }
                 });
-            self.plane_force[axis] = partial.iter().sum();
         }
+    }
+
+    /// Force of the planes from its parts.
+    pub(crate) fn sum_plane_force(&mut self) {
+        let n = self.particles.len().div_ceil(CHUNK);
+        self.plane_force = Vec3::from_fn(|axis, _| match self.has_plane_force(axis) {
+            true => self.scratch.partial[axis * n..(axis + 1) * n].iter().sum(),
+            false => 0.0,
+        });
     }
 
     /// Force of the planes of symmetry on the fluid since the last [`Self::update_accelerations`], normal to

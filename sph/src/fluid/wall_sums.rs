@@ -2,9 +2,9 @@
 
 use crate::fluid::sums::Listing;
 use crate::neighbors::cells::CellGrid;
-use crate::neighbors::lists::{Lists, Surroundings};
-use crate::neighbors::rest::Still;
-use crate::neighbors::sweep::{AnyPoints, PairKind, Receivers, dispatch};
+use crate::neighbors::lists::{ListenerPlaces, Listeners, Lists, Surroundings};
+use crate::neighbors::points::Places;
+use crate::neighbors::sweep::{PairKind, Receivers, dispatch};
 use crate::terms::concentration::Concentration;
 use crate::terms::continuity::{Rate, RateOwn};
 use crate::terms::extrapolation::Extrapolated;
@@ -12,7 +12,8 @@ use crate::terms::gradient::StrainSums;
 use crate::terms::momentum::{ForceDensity, ForceOwn};
 use crate::terms::sums::formulas::{Concentrations, Extrapolations, Strains, WallRates};
 use crate::terms::sums::{
-    Formula, Neighborhood, Places, Reactions, Setup, Shearing, WallForces, WallPairs, run_term,
+    Formula, Neighborhood, Places as WallPlaces, Reactions, Setup, Shearing, WallForces, WallPairs,
+    run_term,
 };
 use crate::{Fluid, Vec3};
 
@@ -30,8 +31,6 @@ pub(crate) struct SortedPoints<'a> {
     pub grid: &'a CellGrid,
     /// Where they were sorted; m.
     pub positions: &'a [Vec3],
-    /// Those with no particle near them.
-    pub dry: Still<'a>,
 }
 
 impl Fluid {
@@ -46,7 +45,7 @@ impl Fluid {
     }
 
     /// Sums over the fluid for some of many wall points.
-    fn to_places<'a>(&'a self, places: Places<'a>, near: Near<'a>) -> Setup<'a> {
+    fn to_places<'a>(&'a self, places: WallPlaces<'a>, near: Near<'a>) -> Setup<'a> {
         let between = PairKind::WallsAndParticles(places.facets);
         Setup {
             settings: &self.settings,
@@ -57,21 +56,22 @@ impl Fluid {
     }
 
     /// Lists for some particles the points of walls within the reach of the fluid's own lists, from where both were when those
-    /// lists were made and the points were sorted; `packed` is storage. Returns the number of that making, `None` if
-    /// there are no such lists.
+    /// lists were made and the points were sorted. Returns the number of that making, `None` if there are no such lists.
     pub(crate) fn list_walls(
         &self,
         walls: &SortedPoints,
         particles: &[u32],
-        (lists, packed): (&mut Lists, &mut AnyPoints),
+        lists: &mut Lists,
     ) -> Option<u64> {
         let listed = self.listed()?;
         let (from, radius) = listed.made_from()?;
-        // lists depend on positions only
-        let precision = self.settings.scheme.precision;
-        let positions = (walls.positions, walls.dry);
-        packed.pack_moving(precision, &self.frame, positions, |_| [0.0; 5]);
-        self.list_across((walls.grid, packed), some(from, particles), *radius, lists);
+        let mut points = Places::default();
+        points.pack(&self.frame, walls.positions);
+        let receivers = Listeners {
+            places: ListenerPlaces::Quanta(from),
+            chosen: Some(particles),
+        };
+        self.list_across((walls.grid, &points), receivers, *radius, lists);
         listed.generation()
     }
 
@@ -79,26 +79,22 @@ impl Fluid {
     pub(crate) fn list_by_walls(
         &self,
         (positions, points): (&[Vec3], &[u32]),
-        (lists, packed): (&mut Lists, &mut AnyPoints),
+        lists: &mut Lists,
     ) -> Option<u64> {
         let listed = self.listed()?;
         let (from, radius) = listed.made_from()?;
-        packed.pack(self.settings.scheme.precision, &self.frame, from, |_| {
-            [0.0; 5]
-        });
-        self.list_across(
-            (&self.grid, packed),
-            some(positions, points),
-            *radius,
-            lists,
-        );
+        let receivers = Listeners {
+            places: ListenerPlaces::Positions(positions),
+            chosen: Some(points),
+        };
+        self.list_across((&self.grid, from), receivers, *radius, lists);
         listed.generation()
     }
 
     fn list_across(
         &self,
-        (grid, points): (&CellGrid, &AnyPoints),
-        receivers: Receivers,
+        (grid, points): (&CellGrid, &Places),
+        receivers: Listeners,
         radius: f64,
         lists: &mut Lists,
     ) {
@@ -138,10 +134,7 @@ impl Fluid {
 
 /// Some of many receivers.
 fn some<'a>(positions: &'a [Vec3], chosen: &'a [u32]) -> Receivers<'a> {
-    Receivers {
-        positions,
-        chosen: Some(chosen),
-    }
+    Receivers::new(positions, Some(chosen))
 }
 
 fn across<F: Formula>(setup: &Setup, formula: &F, out: &mut [F::Out]) {
@@ -192,7 +185,7 @@ pub(crate) fn forces(
 /// pressures; after [`Fluid::pack_forces`].
 pub(crate) fn reactions(
     fluid: &Fluid,
-    places: Places,
+    places: WallPlaces,
     (velocity, pressure): (&[Vec3], &[f64]),
     near: Near,
     shear: Shearing,
@@ -210,7 +203,7 @@ pub(crate) fn reactions(
 /// [`Fluid::pack_forces`].
 pub(crate) fn extrapolation<const SLOPED: bool>(
     fluid: &Fluid,
-    places: Places,
+    places: WallPlaces,
     near: Near,
     out: &mut [Extrapolated],
 ) {

@@ -118,7 +118,31 @@ impl CellGrid {
 
     /// Number of cells.
     pub fn n_cells(&self) -> usize {
-        self.starts.len() - 1
+        self.counts.iter().product()
+    }
+
+    /// The same cells, which must be sorted into, or counted, before anything asks for particles.
+    pub(crate) fn without_particles(&self) -> Self {
+        Self {
+            starts: Vec::new(),
+            ..*self
+        }
+    }
+
+    /// Makes room for particles of given cells and their numbers, one after the other; the others are empty.
+    pub(crate) fn count(&mut self, cells: impl Iterator<Item = (u32, u32)>) {
+        self.clear();
+        for (cell, n) in cells {
+            self.starts[cell as usize + 1] = n;
+        }
+        for c in 1..self.starts.len() {
+            self.starts[c] += self.starts[c - 1];
+        }
+    }
+
+    fn clear(&mut self) {
+        self.starts.clear();
+        self.starts.resize(self.n_cells() + 1, 0);
     }
 
     /// Cells along x, y, z.
@@ -279,7 +303,7 @@ impl CellGrid {
             .zip(positions.par_iter())
             .with_min_len(4096)
             .for_each(|(c, x)| *c = self.cell_of(x) as u32);
-        self.starts.fill(0);
+        self.clear();
         for &c in cell.iter() {
             self.starts[c as usize + 1] += 1;
         }

@@ -11,27 +11,36 @@
 //! Lists ignore thin solids. A receiver near one skips, in each sum, the neighbors that are currently
 //! hidden.
 //!
+//! They are made from places rounded to quanta, as sums read them: these alone are kept to make lists again.
+//!
 //! Entries are in the order of the sweep, separate for each particle, padded to whole
-//! registers: results are the same bits for any number of threads. Neighbors across a periodic
+//! registers, and numbered within the [`window`] of their chunk: results are the same bits for any number of threads. Neighbors across a periodic
 //! side, or of the image in a plane of symmetry, are a separate span, summed from the shifted position.
 //!
 //! Sleeping particles far from all awake ones have empty lists and are skipped in sums.
 
+mod listing;
+mod window;
+
+use std::ops::Range;
+
 use rayon::prelude::*;
 
-use crate::neighbors::cells::{CellGrid, MAX_RUNS, OWN_IMAGE, Run};
-use crate::neighbors::mirror::{Image, MOST_IMAGES, Mirrors, signs_in};
-use crate::neighbors::points::{Frame, Points};
+use crate::neighbors::cells::{CellGrid, OWN_IMAGE};
+use crate::neighbors::mirror::{Mirrors, signs_in};
+use crate::neighbors::points::{Frame, Places};
 use crate::neighbors::rest::Rest;
 use crate::neighbors::sweep::{
     BUFFER, FILTER_MARGIN, Occlusion, Receiver, ReceiverChunk, Receivers, Sources, Term,
 };
-use crate::simd::lanes::{FILTER_WIDTH, FilterSphere, Lanes, Machine, Task};
+use crate::simd::lanes::{Index, Lanes, MOST_LANES, Machine, Task};
 use crate::simd::lanes3::splat3;
 use crate::{CHUNK, Vec3};
+use listing::{Listing, Scratch};
+use window::Window;
 
 /// Neighbor lists of the points of a set, or of some of them.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub(crate) struct Lists {
     /// One for each [`CHUNK`] of receivers, and more where there were more receivers before.
     chunks: Vec<ChunkLists>,
@@ -40,20 +49,52 @@ pub(crate) struct Lists {
     generation: u64,
     /// Receivers with anything listed.
     n_receivers: u64,
-    /// Basis of the lists: positions (m), and the largest listed distance (m).
-    from: (Vec<Vec3>, f64),
+    /// Basis of the lists of all particles: their places, and the largest listed distance (m).
+    from: (Places, f64),
+    /// Most points of a window.
+    largest_window: usize,
+}
+
+impl Default for Lists {
+    fn default() -> Self {
+        Self {
+            chunks: Vec::new(),
+            is_made: false,
+            generation: 0,
+            n_receivers: 0,
+            from: (Places::default(), 0.0),
+            largest_window: window::LARGEST,
+        }
+    }
 }
 
 /// The lists of some receivers, one after the other. Memory is kept from sort to sort.
 #[derive(Clone, Debug, Default)]
 struct ChunkLists {
-    /// One past the last span of each receiver.
-    ends: Vec<u32>,
     /// Receivers with anything listed.
     n_receivers: u64,
+    /// Those of each receiver, at least one.
     spans: Vec<Span>,
-    /// Neighbors of all spans; entries beyond the last span are unused.
-    ids: Vec<u32>,
+    /// Neighbors of all spans, by their slots in the window of a page.
+    slots: Vec<u16>,
+    /// Almost always one.
+    pages: Vec<Page>,
+}
+
+/// Window of the spans from one on, up to those of the next page.
+#[derive(Clone, Debug)]
+struct Page {
+    first_span: u32,
+    points: PagePoints,
+}
+
+/// Points of a window.
+#[derive(Clone, Debug)]
+enum PagePoints {
+    /// A part of all: spans are padded with one that is far.
+    Part(Range<u32>),
+    /// Some runs, to be copied: spans are padded with slot 0, which adds nothing.
+    Runs(Box<[Range<u32>]>),
 }
 
 /// Neighbors of a receiver in one kind of list.
@@ -65,12 +106,10 @@ struct Span {
     n_in_last: u8,
     /// Periodic image of the neighbors.
     image: u8,
-    /// Planes in which the receiver is mirrored, see [`Image::planes`].
+    /// Planes in which the receiver is mirrored, see [`Image::planes`](crate::neighbors::mirror::Image::planes).
     planes: u8,
-}
-
-impl Span {
-    const BYTES: usize = size_of::<Self>();
+    /// Whether it is the last one of its receiver.
+    is_last: bool,
 }
 
 /// Chunks of receivers that a sum is for.
@@ -83,13 +122,55 @@ pub(crate) enum Chosen {
     Occluded,
 }
 
+/// Receivers of lists.
+#[derive(Clone, Copy)]
+pub(crate) struct Listeners<'a> {
+    pub places: ListenerPlaces<'a>,
+    /// Indices of the receivers; all particles when absent.
+    pub chosen: Option<&'a [u32]>,
+}
+
+/// Places of all from which receivers may be chosen.
+#[derive(Clone, Copy)]
+pub(crate) enum ListenerPlaces<'a> {
+    /// m.
+    Positions(&'a [Vec3]),
+    /// Those that the fluid's lists were made from.
+    Quanta(&'a Places),
+}
+
+impl Listeners<'_> {
+    fn len(&self) -> usize {
+        let n = match self.places {
+            ListenerPlaces::Positions(positions) => positions.len(),
+            ListenerPlaces::Quanta(places) => places.len(),
+        };
+        self.chosen.map_or(n, <[u32]>::len)
+    }
+
+    /// Index of a receiver.
+    #[inline(always)]
+    fn index(&self, k: usize) -> usize {
+        self.chosen.map_or(k, |chosen| chosen[k] as usize)
+    }
+
+    /// Position of a receiver by its index; m.
+    #[inline(always)]
+    fn position(&self, frame: &Frame, a: usize) -> Vec3 {
+        match self.places {
+            ListenerPlaces::Positions(positions) => positions[a],
+            ListenerPlaces::Quanta(places) => frame.position(places.of(a)),
+        }
+    }
+}
+
 /// Input of neighbor lists.
 #[derive(Clone, Copy)]
 pub(crate) struct Surroundings<'a> {
     pub grid: &'a CellGrid,
     pub frame: &'a Frame,
     pub mirrors: Mirrors,
-    pub receivers: Receivers<'a>,
+    pub receivers: Listeners<'a>,
     /// Treatment of each receiver; empty if all are awake.
     pub rests: &'a [Rest],
     /// Farthest that anything to be listed may be from a receiver; m.
@@ -114,9 +195,19 @@ impl Lists {
         self.is_made.then_some(self.generation)
     }
 
-    /// Positions of all receivers and radius that they were made from, if they were; m.
-    pub(crate) fn made_from(&self) -> Option<&(Vec<Vec3>, f64)> {
+    /// Places of all particles and radius (m) that their lists were made from, if they were.
+    pub(crate) fn made_from(&self) -> Option<&(Places, f64)> {
         self.is_made.then_some(&self.from)
+    }
+
+    /// Storage of the places for the next lists of all particles.
+    pub(crate) fn take_places(&mut self) -> Places {
+        std::mem::take(&mut self.from.0)
+    }
+
+    /// Keeps what the lists of all particles were made from.
+    pub(crate) fn keep_basis(&mut self, places: Places, radius: f64) {
+        self.from = (places, radius);
     }
 
     /// Number of particles with a nonempty list: all, if sleep is off.
@@ -127,10 +218,18 @@ impl Lists {
     /// Memory held; bytes.
     pub(crate) fn memory(&self) -> usize {
         let of = |c: &ChunkLists| {
-            size_of::<u32>() * (c.ends.capacity() + c.ids.capacity())
-                + Span::BYTES * c.spans.capacity()
+            let n_runs = |page: &Page| match &page.points {
+                PagePoints::Part(_) => 0,
+                PagePoints::Runs(runs) => runs.len(),
+            };
+            let runs: usize = c.pages.iter().map(n_runs).sum();
+            size_of::<ChunkLists>()
+                + size_of::<u16>() * c.slots.capacity()
+                + size_of::<Span>() * c.spans.capacity()
+                + size_of::<Page>() * c.pages.capacity()
+                + size_of::<Range<u32>>() * runs
         };
-        self.chunks.iter().map(of).sum::<usize>() + size_of::<Vec3>() * self.from.0.capacity()
+        self.chunks.iter().map(of).sum::<usize>() + self.from.0.memory()
     }
 
     /// Builds the lists, for sums in registers `L`.
@@ -138,10 +237,9 @@ impl Lists {
         &mut self,
         machine: L::Machine,
         from: Surroundings,
-        points: &Points<L::Record>,
+        points: &Places,
     ) where
         L::Machine: Machine,
-        L::Record: Default,
     {
         let n_chunks = from.receivers.len().div_ceil(CHUNK);
         if self.chunks.len() < n_chunks {
@@ -150,21 +248,18 @@ impl Lists {
         self.chunks[..n_chunks]
             .par_iter_mut()
             .enumerate()
-            .for_each(|(chunk, lists)| {
+            .for_each_init(Scratch::default, |scratch, (chunk, lists)| {
                 machine.run(Listing::<L> {
                     machine,
                     from,
-                    receivers: from.receivers.chunk(chunk * CHUNK),
+                    first: chunk * CHUNK,
                     points,
+                    largest: self.largest_window,
+                    scratch,
                     lists,
                 });
             });
         self.n_receivers = self.chunks[..n_chunks].iter().map(|c| c.n_receivers).sum();
-        self.from.0.clear();
-        if from.receivers.chosen.is_none() {
-            self.from.0.extend_from_slice(from.receivers.positions);
-        }
-        self.from.1 = from.radius;
         self.is_made = true;
         self.generation += 1;
     }
@@ -192,10 +287,10 @@ impl Lists {
             Chosen::Occluded => may_be_occluded(sources, receivers),
         };
         out.par_chunks_mut(CHUNK)
-            .zip(&self.chunks)
+            .zip(&self.chunks[receivers.first_chunk()..])
             .enumerate()
             .filter(|(chunk, _)| is_chosen(receivers.chunk(chunk * CHUNK)))
-            .map(|(chunk, (out, lists))| {
+            .map_init(Window::default, |window, (chunk, (out, lists))| {
                 let mut n_found = 0;
                 let work = Work {
                     machine,
@@ -203,6 +298,7 @@ impl Lists {
                     sources,
                     receivers: receivers.chunk(chunk * CHUNK),
                     lists,
+                    window,
                     out,
                     n_found: &mut n_found,
                 };
@@ -234,6 +330,17 @@ fn may_be_occluded<R>(sources: &Sources<R>, receivers: ReceiverChunk) -> bool {
 }
 
 impl Span {
+    /// The only span of a receiver without neighbors.
+    fn nothing(end: u32) -> Self {
+        Self {
+            end,
+            n_in_last: 0,
+            image: OWN_IMAGE,
+            planes: 0,
+            is_last: true,
+        }
+    }
+
     /// Position of a receiver relative to a span; m.
     #[inline(always)]
     fn seen_from<R>(&self, sources: &Sources<R>, position: &Vec3) -> Vec3 {
@@ -248,146 +355,6 @@ impl Span {
     }
 }
 
-/// Making the lists of a chunk.
-struct Listing<'a, L: Lanes> {
-    machine: L::Machine,
-    from: Surroundings<'a>,
-    receivers: ReceiverChunk<'a>,
-    points: &'a Points<L::Record>,
-    lists: &'a mut ChunkLists,
-}
-
-impl<L: Lanes> Task for Listing<'_, L>
-where
-    L::Machine: Machine,
-    L::Record: Default,
-{
-    #[inline(always)]
-    fn run(self) {
-        let Self {
-            machine,
-            from,
-            receivers,
-            points,
-            lists:
-                ChunkLists {
-                    ends,
-                    n_receivers,
-                    spans,
-                    ids,
-                },
-        } = self;
-        let scale = from.frame.quantum().map(|q| q as f32);
-        let radius2 = (from.radius * from.radius * FILTER_MARGIN) as f32;
-        let mut images = [Image::default(); MOST_IMAGES];
-        let mut runs = [Run::default(); MAX_RUNS];
-        ends.clear();
-        spans.clear();
-        *n_receivers = 0;
-        let mut listed = Listed::<L> {
-            machine,
-            points,
-            ids,
-            n: 0,
-        };
-        for k in 0..receivers.len() {
-            let (a, position) = receivers.at(k);
-            let rest = from.rests.get(a).copied().unwrap_or_default();
-            if rest == Rest::Asleep {
-                ends.push(spans.len() as u32);
-                continue;
-            }
-            let before = (spans.len(), listed.n);
-            let n_images = from
-                .mirrors
-                .images_within(position, from.reach, &mut images);
-            for image in &images[..n_images] {
-                let n_runs = from
-                    .grid
-                    .runs_within(&image.position, from.reach, &mut runs);
-                let runs = &mut runs[..n_runs];
-                // rows that cross a periodic side have both of its images: one span for each
-                if runs.iter().any(|run| run.image != OWN_IMAGE) {
-                    runs.sort_unstable_by_key(|run| (run.image, run.start));
-                }
-                for runs in runs.chunk_by(|a, b| a.image == b.image) {
-                    let shift = from.grid.image_shift(runs[0].image);
-                    let sphere = FilterSphere {
-                        place: from.frame.place(&(image.position - shift)).quanta,
-                        scale,
-                        radius2,
-                    };
-                    if let Some((end, n_in_last)) = listed.add_within(&sphere, runs) {
-                        spans.push(Span {
-                            end,
-                            n_in_last,
-                            image: runs[0].image,
-                            planes: image.planes,
-                        });
-                    }
-                }
-            }
-            let mut found = listed.ids[before.1..listed.n].iter();
-            if rest == Rest::Beside && !found.any(|&b| is_awake(from.rests, b)) {
-                spans.truncate(before.0);
-                listed.n = before.1;
-            }
-            *n_receivers += u64::from(before.0 < spans.len());
-            ends.push(spans.len() as u32);
-        }
-    }
-}
-
-/// Ids of a chunk while it is listed.
-struct Listed<'a, L: Lanes> {
-    machine: L::Machine,
-    points: &'a Points<L::Record>,
-    ids: &'a mut Vec<u32>,
-    /// Ids in use.
-    n: usize,
-}
-
-impl<L: Lanes> Listed<'_, L>
-where
-    L::Machine: Machine,
-    L::Record: Default,
-{
-    /// Appends the points of some runs in a sphere, padded to whole registers; returns the end of the last register and the
-    /// number of neighbors in it, `None` without any.
-    #[inline(always)]
-    fn add_within(&mut self, sphere: &FilterSphere, runs: &[Run]) -> Option<(u32, u8)> {
-        let nothing = self.points.nothing();
-        let start = self.n;
-        for run in runs {
-            let run = run.start as usize..run.end as usize;
-            // the filter writes whole registers, and the last one is padded
-            let room = self.n + run.len() + FILTER_WIDTH;
-            if self.ids.len() < room {
-                // water gathers a little more as it moves: an eighth to spare
-                let room = room + room / 8;
-                self.ids.reserve_exact(room - self.ids.len());
-                self.ids.resize(room, nothing);
-            }
-            let columns = self.points.columns();
-            self.n = self.machine.filter(columns, run, sphere, self.ids, self.n);
-        }
-        if self.n == start {
-            return None;
-        }
-        let end = start + (self.n - start).next_multiple_of(L::WIDTH);
-        self.ids[self.n..end].fill(nothing);
-        let n_in_last = (L::WIDTH - (end - self.n)) as u8;
-        self.n = end;
-        Some((end as u32, n_in_last))
-    }
-}
-
-/// Whether a neighbor is an awake particle, not padding.
-#[inline(always)]
-fn is_awake(rests: &[Rest], id: u32) -> bool {
-    rests.get(id as usize) == Some(&Rest::Awake)
-}
-
 /// The sums of a chunk.
 struct Work<'a, L: Lanes, T: Term<L>> {
     machine: L::Machine,
@@ -395,6 +362,7 @@ struct Work<'a, L: Lanes, T: Term<L>> {
     sources: &'a Sources<'a, L::Record>,
     receivers: ReceiverChunk<'a>,
     lists: &'a ChunkLists,
+    window: &'a mut Window<L::Record>,
     out: &'a mut [T::Out],
     n_found: &'a mut u64,
 }
@@ -418,25 +386,50 @@ where
             sources,
             receivers,
             lists,
+            window,
             out,
             n_found: total,
         } = self.0;
         let occlusion = (sources.occlusion.as_ref())
             .filter(|_| OCCLUDED && may_be_occluded(sources, receivers));
         let ChunkLists {
-            ends, spans, ids, ..
+            spans,
+            slots,
+            pages,
+            ..
         } = lists;
+        let has_ids = T::READS_IDS || occlusion.is_some();
+        let (mut pages, mut part) = (pages.iter().peekable(), None);
         let radius2 = sources.support_radius * sources.support_radius * FILTER_MARGIN;
         let support2 = L::splat(machine, radius2);
         let quanta = splat3(machine, sources.frame.quantum());
         let (mut kept, mut shares) = ([0; BUFFER], [1.0; BUFFER]);
-        let (mut span, mut start) = (0, 0);
-        for (k, (out, &end)) in out.iter_mut().zip(ends).enumerate() {
+        let (mut next, mut start) = (0, 0);
+        for (k, out) in out.iter_mut().enumerate() {
             let (a, position) = receivers.at(k);
             let own = term.own(machine, a);
             let mut sums = term.zero(machine);
             let mut n_found = 0;
-            for span in &spans[span..end as usize] {
+            loop {
+                let span = &spans[next];
+                while let Some(page) = pages.next_if(|page| page.first_span as usize <= next) {
+                    part = match &page.points {
+                        PagePoints::Part(part) => Some(part.start as usize..part.end as usize),
+                        PagePoints::Runs(runs) => {
+                            window.load(runs, sources.points, has_ids);
+                            None
+                        }
+                    };
+                }
+                next += 1;
+                let records = match &part {
+                    Some(part) => &sources.points.records()[part.clone()],
+                    None => window.records(),
+                };
+                let id = |slot: u16| match &part {
+                    Some(part) => (part.start + slot.index()) as u32,
+                    None => window.ids()[slot.index()],
+                };
                 let mut own = own;
                 if 0 < span.planes {
                     // the image of the receiver uses the points themselves, see `mirror`
@@ -446,11 +439,13 @@ where
                 }
                 let place = span.seen_from(sources, position);
                 let receiver = Receiver::<L>::new(machine, &sources.frame.place(&place), quanta);
-                let ids = &ids[start..span.end as usize];
+                let slots = &slots[start..span.end as usize];
                 match occlusion {
                     Some(occlusion) if OCCLUDED && occlusion.may_hide(sources.grid, &place) => {
-                        let listed = &ids[..ids.len() - L::WIDTH + usize::from(span.n_in_last)];
+                        let padding = (L::WIDTH - usize::from(span.n_in_last)) % L::WIDTH;
+                        let listed = &slots[..slots.len() - padding];
                         for listed in listed.chunks(BUFFER) {
+                            let listed = listed.iter().map(|&slot| id(slot));
                             let near = (a, &place, radius2);
                             let into = (&mut kept, &mut shares);
                             let n = keep(occlusion, sources.grid, near, listed, into);
@@ -467,11 +462,17 @@ where
                     }
                     _ => {
                         let mut near = 0;
-                        for ids in ids.chunks_exact(L::WIDTH) {
-                            let pair = receiver.pair(sources.points.records(), ids);
+                        let mut ids = [0; MOST_LANES];
+                        for slots in slots.chunks_exact(L::WIDTH) {
+                            let pair = receiver.pair(records, slots);
                             near = pair.r2.below(support2);
                             n_found += near.count_ones();
-                            term.add(&own, &pair, ids, &mut sums);
+                            if T::READS_IDS {
+                                for (number, &slot) in ids.iter_mut().zip(slots) {
+                                    *number = id(slot);
+                                }
+                            }
+                            term.add(&own, &pair, &ids, &mut sums);
                         }
                         // padding of the last register is infinitely far
                         n_found -= (near >> span.n_in_last).count_ones();
@@ -481,8 +482,10 @@ where
                     term.mirror(&mut sums, &splat3(machine, signs_in(span.planes)));
                 }
                 start = span.end as usize;
+                if span.is_last {
+                    break;
+                }
             }
-            span = end as usize;
             term.finish(a, sums, n_found, out);
             *total += u64::from(n_found);
         }
@@ -496,11 +499,11 @@ fn keep(
     occlusion: &Occlusion,
     grid: &CellGrid,
     (a, place, radius2): (usize, &Vec3, f64),
-    listed: &[u32],
+    listed: impl Iterator<Item = u32>,
     (kept, shares): (&mut [u32; BUFFER], &mut [f64; BUFFER]),
 ) -> usize {
     let mut n = 0;
-    for &id in listed {
+    for id in listed {
         if (occlusion.positions[id as usize] - place).norm_squared() < radius2 {
             kept[n] = id;
             n += 1;
@@ -589,7 +592,7 @@ mod tests {
     fn all_sums(fluid: &mut Fluid) -> Result<(Vec<Vec<f64>>, Vec<u32>), FluidError> {
         fluid.update_rates();
         fluid.update_pressure()?;
-        sums::forces(fluid);
+        sums::forces(fluid, |_, _, _| {});
         sums::strains(fluid);
         sums::concentrations(fluid);
         let scratch = &fluid.scratch;
@@ -731,13 +734,71 @@ mod tests {
         Ok(())
     }
 
+    /// Windows of some hundred points: several pages for each chunk, and receivers with candidates of more than one.
+    #[test]
+    fn sums_through_many_windows_are_those_of_the_sweep() -> Result<(), FluidError> {
+        let case = Case {
+            extent: [0.8, 0.3, 0.8],
+            periodic: [true, true, false],
+            symmetry: [[false; 2], [false; 2], [true, false]],
+            ..CLOSED
+        };
+        let mut fluid = cloud(case)?;
+        for largest in [300, 40] {
+            fluid.lists = Lists {
+                largest_window: largest,
+                ..Lists::default()
+            };
+            let (sums, counts) = difference(&mut fluid)?;
+            assert!(sums < 1e-12 && counts == 0, "{largest}: {sums} {counts}");
+            assert!(fluid.lists.chunks.iter().any(|lists| 2 < lists.pages.len()));
+        }
+        Ok(())
+    }
+
+    /// A block of 32 x 32 x 32 particles on a cubic lattice, with lists of 113 neighbors within it.
+    #[test]
+    fn lists_are_two_bytes_a_neighbor() -> Result<(), FluidError> {
+        let spacing = 0.05;
+        let mut fluid = cloud(Case {
+            extent: [32.0 * spacing; 3],
+            ..CLOSED
+        })?;
+        let mut settings = fluid.settings.clone();
+        settings.particle_spacing = [spacing; 3];
+        settings.smoothing_length = 1.3 * spacing;
+        let place = |a: usize| [a % 32, a / 32 % 32, a / 1024].map(|k| (k as f64 + 0.5) * spacing);
+        let positions: Vec<Vec3> = (0..32_768).map(|a| Vec3::from(place(a))).collect();
+        let start = Start {
+            velocities: vec![Vec3::zeros(); positions.len()],
+            pressures: Vec::new(),
+            positions,
+        };
+        fluid = Fluid::new(start, settings)?;
+        fluid.refresh();
+        fluid.update_rates();
+        let n = fluid.particles.len() as f64;
+        let n_listed: usize = (fluid.lists.chunks.iter())
+            .map(|lists| lists.slots.len())
+            .sum();
+        let per_particle = fluid.list_memory() as f64 / n;
+        // neighbors, with itself, within 1.1 supports of 2.6 spacings, fewer at the faces
+        assert!(85.0 * n < n_listed as f64, "{n_listed}");
+        // an entry takes 2 bytes and a sixteenth to spare; a span 8 and a half, the place listed from 12, a chunk and its page 2
+        let most = 2.0 * (1.0 + 1.0 / 16.0) * n_listed as f64 / n + 23.0;
+        assert!(per_particle < most, "{per_particle} of {most}");
+        // and with padding no more than that altogether
+        assert!(per_particle < 240.0, "{per_particle}");
+        Ok(())
+    }
+
     #[test]
     fn a_shorter_list_loses_neighbors() -> Result<(), FluidError> {
         let mut fluid = cloud(CLOSED)?;
         fluid.update_pressure()?;
-        let points = std::mem::take(&mut fluid.scratch.points);
-        fluid.list_within(RADIUS + 0.8 * fluid.skin(), &points);
-        fluid.scratch.points = points;
+        let mut places = Places::default();
+        places.pack(&fluid.frame, &fluid.particles.position);
+        fluid.list_within(RADIUS + 0.8 * fluid.skin(), places);
         approach(&mut fluid);
         let (sums, counts) = difference(&mut fluid)?;
         // what is lost is near the edge of the support, where kernels are small

@@ -49,6 +49,16 @@ impl Frame {
         self.quantum
     }
 
+    /// A position with these quanta; m.
+    #[inline(always)]
+    pub(crate) fn position(&self, quanta: [i32; 3]) -> Vec3 {
+        Vec3::from_fn(|axis, _| {
+            // the middle of what is rounded to them, towards zero
+            let middle = f64::from(quanta[axis]) + 0.5 * f64::from(quanta[axis].signum());
+            self.origin[axis] + middle * self.quantum[axis]
+        })
+    }
+
     /// A position in both forms.
     #[inline(always)]
     pub(crate) fn place(&self, x: &Vec3) -> Place {
@@ -62,11 +72,78 @@ impl Frame {
     }
 }
 
-/// Points sorted by cell: coordinates for the filter, records for the sums.
+/// Places of points sorted by cell, from which lists are made.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Points<R> {
+pub(crate) struct Places {
     /// Quanta along each axis, padded so that a whole register may be read at the end.
     columns: [Vec<i32>; 3],
+}
+
+impl Places {
+    /// Writes the places of all points.
+    pub(crate) fn pack(&mut self, frame: &Frame, positions: &[Vec3]) {
+        let n = positions.len();
+        for column in &mut self.columns {
+            column.resize(n + FILTER_WIDTH, 0);
+        }
+        let [x, y, z] = &mut self.columns;
+        x[..n]
+            .par_chunks_mut(CHUNK)
+            .zip(y[..n].par_chunks_mut(CHUNK))
+            .zip(z[..n].par_chunks_mut(CHUNK))
+            .zip(positions.par_chunks(CHUNK))
+            .for_each(|(((x, y), z), positions)| {
+                for (k, position) in positions.iter().enumerate() {
+                    [x[k], y[k], z[k]] = frame.place(position).quanta;
+                }
+            });
+    }
+
+    /// Number of points.
+    pub(crate) fn len(&self) -> usize {
+        self.columns[0].len().saturating_sub(FILTER_WIDTH)
+    }
+
+    /// Quanta of a point.
+    #[inline(always)]
+    pub(crate) fn of(&self, point: usize) -> [i32; 3] {
+        let [x, y, z] = &self.columns;
+        [x[point], y[point], z[point]]
+    }
+
+    /// Columns of quanta.
+    pub(crate) fn columns(&self) -> [&[i32]; 3] {
+        let [x, y, z] = &self.columns;
+        [x, y, z]
+    }
+
+    /// Memory held; bytes.
+    pub(crate) fn memory(&self) -> usize {
+        self.columns
+            .iter()
+            .map(|x| size_of::<i32>() * x.capacity())
+            .sum()
+    }
+
+    /// Quanta of all points.
+    pub(crate) fn iter(&self) -> impl ExactSizeIterator<Item = [i32; 3]> + Clone + '_ {
+        (0..self.len()).map(|point| self.of(point))
+    }
+
+    /// Places from quanta.
+    pub(crate) fn from_quanta(quanta: &[[i32; 3]]) -> Self {
+        let padding = [0; FILTER_WIDTH];
+        Self {
+            columns: std::array::from_fn(|axis| {
+                quanta.iter().map(|q| q[axis]).chain(padding).collect()
+            }),
+        }
+    }
+}
+
+/// Points sorted by cell, as sums read them.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Points<R> {
     /// One per point, and one that adds nothing to any sum.
     records: Vec<R>,
 }
@@ -82,24 +159,16 @@ impl<R: Record + Default> Points<R> {
         values: impl Fn(usize) -> [f64; 5] + Sync,
     ) {
         let n = positions.len();
-        for column in &mut self.columns {
-            column.resize(n + FILTER_WIDTH, 0);
-        }
         self.records.resize(n + 1, R::default());
         self.records[n] = R::default();
-        let [x, y, z] = &mut self.columns;
         self.records[..n]
             .par_chunks_mut(CHUNK)
-            .zip(x[..n].par_chunks_mut(CHUNK))
-            .zip(y[..n].par_chunks_mut(CHUNK))
-            .zip(z[..n].par_chunks_mut(CHUNK))
             .zip(positions.par_chunks(CHUNK))
             .enumerate()
             .filter(|(chunk, _)| !still.has(*chunk))
-            .for_each(|(chunk, ((((records, x), y), z), positions))| {
+            .for_each(|(chunk, (records, positions))| {
                 for (k, position) in positions.iter().enumerate() {
                     let place = frame.place(position);
-                    [x[k], y[k], z[k]] = place.quanta;
                     records[k] = R::pack(&place, values(chunk * CHUNK + k));
                 }
             });
@@ -117,11 +186,6 @@ impl<R: Record + Default> Points<R> {
                     *record = R::of_values(values(chunk * CHUNK + k));
                 }
             });
-    }
-
-    /// Columns of quanta.
-    pub(crate) fn columns(&self) -> &[Vec<i32>; 3] {
-        &self.columns
     }
 
     /// Records; the last belongs to no point.

@@ -15,7 +15,7 @@ use crate::neighbors::rest::Still;
 use crate::neighbors::thin_solids::{Facet, ThinSolids};
 use crate::scheme::Precision;
 use crate::simd::lanes::{
-    FILTER_WIDTH, FilterSphere, Lanes, Machine, Place, Portable, RECORD, Record, Task,
+    FILTER_WIDTH, FilterSphere, Index, Lanes, Machine, Place, Portable, RECORD, Record, Task,
 };
 use crate::simd::lanes3::{Lanes3, splat3};
 use crate::{CHUNK, Vec3};
@@ -44,12 +44,14 @@ pub(crate) trait Term<L: Lanes>: Sync {
     type Sums;
     /// Result of the sum.
     type Out: Send;
+    /// Whether [`Self::add`] reads the indices of neighbors.
+    const READS_IDS: bool;
 
     /// Values of receiver `a`.
     fn own(&self, machine: L::Machine, a: usize) -> Self::Own;
     /// Sums of nothing.
     fn zero(&self, machine: L::Machine) -> Self::Sums;
-    /// Adds a register of neighbors; `ids` are their indices.
+    /// Adds a register of neighbors; `ids` are their indices, anything where they are not read.
     fn add(&self, own: &Self::Own, pair: &Pair<L>, ids: &[u32], sums: &mut Self::Sums);
     /// Values of the receiver's mirror image: `signs` are −1 along axes that are reversed, 1 along others.
     fn mirrored(&self, own: &Self::Own, signs: &Lanes3<L>) -> Self::Own;
@@ -158,20 +160,45 @@ pub(crate) struct Receivers<'a> {
     pub positions: &'a [Vec3],
     /// Indices of the receivers; all particles when absent.
     pub chosen: Option<&'a [u32]>,
+    /// Chunks before the first receiver, and the number of receivers from it on.
+    part: (usize, usize),
 }
 
 impl Receivers<'_> {
     pub(crate) fn len(&self) -> usize {
-        self.chosen.map_or(self.positions.len(), <[u32]>::len)
+        self.part.1
+    }
+
+    /// Chunks before the first one.
+    pub(crate) fn first_chunk(&self) -> usize {
+        self.part.0
     }
 
     #[inline(always)]
     fn index(&self, k: usize) -> usize {
+        let k = self.part.0 * CHUNK + k;
         self.chosen.map_or(k, |chosen| chosen[k] as usize)
     }
 }
 
 impl<'a> Receivers<'a> {
+    /// All of some positions (m), or those chosen.
+    pub(crate) fn new(positions: &'a [Vec3], chosen: Option<&'a [u32]>) -> Self {
+        Self {
+            positions,
+            chosen,
+            part: (0, chosen.map_or(positions.len(), <[u32]>::len)),
+        }
+    }
+
+    /// A number of receivers after the first chunks.
+    pub(crate) fn part(self, n_chunks: usize, n: usize) -> Self {
+        Self {
+            part: (self.part.0 + n_chunks, n),
+            ..self
+        }
+    }
+
     /// The [`CHUNK`] of them that begins with the receiver of a number.
     pub(crate) fn chunk(self, first: usize) -> ReceiverChunk<'a> {
         ReceiverChunk {
@@ -278,6 +305,7 @@ where
             reach,
             radius2,
             runs: [Run::default(); MAX_RUNS],
+            candidates: [[0; BUFFER]; 3],
             found: [0; BUFFER],
             shares: [1.0; BUFFER],
         };
@@ -322,6 +350,8 @@ struct Search<'a, L: Lanes, T: Term<L>, const OCCLUDED: bool> {
     reach: f64,
     radius2: f32,
     runs: [Run; MAX_RUNS],
+    /// Places of candidates; quanta.
+    candidates: [[i32; BUFFER]; 3],
     found: [u32; BUFFER],
     /// Their visible fraction past thin solids.
     shares: [f64; BUFFER],
@@ -346,6 +376,7 @@ where
             reach,
             radius2,
             ref mut runs,
+            ref mut candidates,
             ref mut found,
             ref mut shares,
         } = *self;
@@ -391,7 +422,16 @@ where
                         break;
                     }
                     let stop = end.min(start + room);
-                    n = machine.filter(points.columns(), start..stop, &sphere, found, n);
+                    for (k, record) in points.records()[start..stop].iter().enumerate() {
+                        let quanta =
+                            record.quanta(|&[x, y, z]| frame.place(&Vec3::new(x, y, z)).quanta);
+                        for (column, quanta) in candidates.iter_mut().zip(quanta) {
+                            column[k] = quanta;
+                        }
+                    }
+                    let columns = candidates.each_ref().map(|column| column.as_slice());
+                    let range = (0..stop - start, start as u32);
+                    n = machine.filter(columns, range, &sphere, found, n);
                     start = stop;
                     if start == end {
                         from += 1;
@@ -436,7 +476,7 @@ where
 
     /// The receiver and a register of points.
     #[inline(always)]
-    pub(crate) fn pair(&self, records: &[L::Record], ids: &[u32]) -> Pair<L> {
+    pub(crate) fn pair<I: Index>(&self, records: &[L::Record], ids: &[I]) -> Pair<L> {
         let [x, y, z, b0, b1, b2, b3, b4]: [L; RECORD] = L::gather(self.machine, records, ids);
         let offset = [
             self.place[0].separation(x, self.quanta[0]),

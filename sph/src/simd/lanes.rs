@@ -16,6 +16,8 @@ pub(crate) use avx2::Avx2;
 
 /// Values of a record: place (three), and what a sum reads of a neighbor (five).
 pub(crate) const RECORD: usize = 8;
+/// Most numbers of a register.
+pub(crate) const MOST_LANES: usize = 8;
 /// Candidates that the filter tests together; columns are padded by as many.
 pub(crate) const FILTER_WIDTH: usize = 8;
 
@@ -27,6 +29,8 @@ pub(crate) trait Record: Copy + Send + Sync {
     fn of_values(values: [f64; RECORD]) -> Self;
     /// A value as it is stored.
     fn value(&self, which: usize) -> f64;
+    /// Quanta of the place, by those of a position (m).
+    fn quanta(&self, of: impl Fn(&[f64; 3]) -> [i32; 3]) -> [i32; 3];
 }
 
 /// A position twice: in meters, and in the integers of the frame.
@@ -62,6 +66,12 @@ impl Record for Single {
     fn value(&self, which: usize) -> f64 {
         f64::from(self.0[which])
     }
+
+    #[inline(always)]
+    fn quanta(&self, _: impl Fn(&[f64; 3]) -> [i32; 3]) -> [i32; 3] {
+        let [x, y, z, ..] = self.0;
+        [x, y, z].map(|bits| bits.to_bits() as i32)
+    }
 }
 
 impl Record for Double {
@@ -77,6 +87,32 @@ impl Record for Double {
 
     fn value(&self, which: usize) -> f64 {
         self.0[which]
+    }
+
+    #[inline(always)]
+    fn quanta(&self, of: impl Fn(&[f64; 3]) -> [i32; 3]) -> [i32; 3] {
+        let [x, y, z, ..] = self.0;
+        of(&[x, y, z])
+    }
+}
+
+/// Number of a record, in as many bits as a list has for it.
+pub(crate) trait Index: Copy {
+    /// Place among the records.
+    fn index(self) -> usize;
+}
+
+impl Index for u16 {
+    #[inline(always)]
+    fn index(self) -> usize {
+        usize::from(self)
+    }
+}
+
+impl Index for u32 {
+    #[inline(always)]
+    fn index(self) -> usize {
+        self as usize
     }
 }
 
@@ -116,7 +152,11 @@ pub(crate) trait Lanes:
     /// Sum over the lanes, in a fixed order.
     fn sum(self) -> f64;
     /// The records of `WIDTH` particles, one register per value.
-    fn gather(machine: Self::Machine, records: &[Self::Record], ids: &[u32]) -> [Self; RECORD];
+    fn gather<I: Index>(
+        machine: Self::Machine,
+        records: &[Self::Record],
+        ids: &[I],
+    ) -> [Self; RECORD];
     /// One coordinate of a place, ready for [`Self::separation`].
     fn coordinate(machine: Self::Machine, place: &Place, axis: usize) -> Self;
     /// `self − other` for coordinates; `scale` is the quantum in meters.
@@ -133,12 +173,12 @@ pub(crate) trait Machine: Copy + Send + Sync {
     /// Runs `task` compiled for this machine; everything in it must be inlined.
     fn run<T: Task>(self, task: T);
 
-    /// Appends the particles of `start..end` closer than the radius to `found`, from `n` on; returns
+    /// Appends the particles of `start..end` closer than the radius to `found`, from `n` on, numbered from a given number; returns
     /// the new end. Room for `FILTER_WIDTH` more must be left.
     fn filter(
         self,
-        columns: &[Vec<i32>; 3],
-        range: std::ops::Range<usize>,
+        columns: [&[i32]; 3],
+        candidates: (std::ops::Range<usize>, u32),
         from: &FilterSphere,
         found: &mut [u32],
         n: usize,
@@ -232,9 +272,9 @@ macro_rules! portable {
             }
 
             #[inline(always)]
-            fn gather(_: Portable, records: &[$record], ids: &[u32]) -> [Self; RECORD] {
+            fn gather<I: Index>(_: Portable, records: &[$record], ids: &[I]) -> [Self; RECORD] {
                 std::array::from_fn(|value| {
-                    Self(std::array::from_fn(|lane| records[ids[lane] as usize].0[value]))
+                    Self(std::array::from_fn(|lane| records[ids[lane].index()].0[value]))
                 })
             }
 
@@ -291,19 +331,19 @@ impl Machine for Portable {
     #[inline(always)]
     fn filter(
         self,
-        [x, y, z]: &[Vec<i32>; 3],
-        range: std::ops::Range<usize>,
+        [x, y, z]: [&[i32]; 3],
+        (range, first): (std::ops::Range<usize>, u32),
         from: &FilterSphere,
         found: &mut [u32],
         mut n: usize,
     ) -> usize {
-        for b in range {
+        for (b, number) in range.zip(first..) {
             let offset = |axis: usize, column: &[i32]| {
                 from.place[axis].wrapping_sub(column[b]) as f32 * from.scale[axis]
             };
             let (dx, dy, dz) = (offset(0, x), offset(1, y), offset(2, z));
             // written first and counted afterward: no branch on the distance
-            found[n] = b as u32;
+            found[n] = number;
             n += usize::from(dx * dx + dy * dy + dz * dz < from.radius2);
         }
         n

@@ -42,6 +42,7 @@ impl<L: Lanes, K: PairKernel<L>> Term<L> for ConcentrationTerm<L, K> {
     type Own = ();
     type Sums = (Lanes3<L>, L);
     type Out = Concentration;
+    const READS_IDS: bool = false;
 
     #[inline(always)]
     fn own(&self, _: L::Machine, _: usize) {}

@@ -60,6 +60,7 @@ impl<L: Lanes, K: PairKernel<L>, D: Diffusion<L>> Term<L> for Continuity<'_, L, 
     type Own = (Lanes3<L>, L, D::Own);
     type Sums = [L; 2];
     type Out = Rate;
+    const READS_IDS: bool = D::READS_IDS;
 
     #[inline(always)]
     fn own(&self, machine: L::Machine, a: usize) -> Self::Own {
@@ -115,6 +116,8 @@ impl<L: Lanes, K: PairKernel<L>, D: Diffusion<L>> Term<L> for Continuity<'_, L, 
 pub(crate) trait Diffusion<L: Lanes>: Sync {
     /// Values of the receiver.
     type Own: Copy;
+    /// Whether [`Self::psi`] reads the indices of neighbors.
+    const READS_IDS: bool = false;
     /// Those of receiver `a`.
     fn own(&self, machine: L::Machine, a: usize) -> Self::Own;
     /// Those of the receiver's mirror image, as in [`Term::mirrored`].
@@ -224,6 +227,7 @@ impl<'a, L: Lanes> GradientDiffusion<'a, L> {
 
 impl<L: Lanes> Diffusion<L> for GradientDiffusion<'_, L> {
     type Own = Lanes3<L>;
+    const READS_IDS: bool = true;
 
     #[inline(always)]
     fn own(&self, machine: L::Machine, a: usize) -> Lanes3<L> {
@@ -260,6 +264,7 @@ pub(crate) enum AnyDiffusion<'a, L: Lanes> {
 impl<L: Lanes> Diffusion<L> for AnyDiffusion<'_, L> {
     /// Gradient of density, where it is used.
     type Own = Lanes3<L>;
+    const READS_IDS: bool = true;
 
     #[inline(always)]
     fn own(&self, machine: L::Machine, a: usize) -> Lanes3<L> {

@@ -59,6 +59,7 @@ impl<L: Lanes, K: PairKernel<L>, const SLOPED: bool> Term<L> for Extrapolation<L
     type Own = ();
     type Sums = ExtrapolationSums<L>;
     type Out = Extrapolated;
+    const READS_IDS: bool = false;
 
     #[inline(always)]
     fn own(&self, _: L::Machine, _: usize) {}

@@ -81,6 +81,7 @@ impl<L: Lanes, K: PairKernel<L>> Term<L> for Gradient<'_, L, K> {
     type Own = L;
     type Sums = ([L; 6], Lanes3<L>);
     type Out = [f64; 3];
+    const READS_IDS: bool = false;
 
     #[inline(always)]
     fn own(&self, machine: L::Machine, a: usize) -> L {
@@ -177,6 +178,7 @@ impl<L: Lanes, K: PairKernel<L>> Term<L> for Strain<'_, L, K> {
     type Own = Lanes3<L>;
     type Sums = ([L; 6], [Lanes3<L>; 3]);
     type Out = StrainSums;
+    const READS_IDS: bool = false;
 
     #[inline(always)]
     fn own(&self, machine: L::Machine, a: usize) -> Lanes3<L> {

@@ -74,11 +74,14 @@ where
     type Own = (Lanes3<L>, L, V::Own);
     type Sums = [Lanes3<L>; 2];
     type Out = ForceDensity;
+    const READS_IDS: bool = V::READS_IDS;
 
     #[inline(always)]
     fn own(&self, machine: L::Machine, a: usize) -> Self::Own {
+        // walls at rest have none
+        let velocity = self.own.velocity.get(a);
         (
-            splat3(machine, self.own.velocity[a].into()),
+            splat3(machine, velocity.copied().unwrap_or_default().into()),
             L::splat(machine, self.own.pressure[a]),
             self.viscosity.own(machine, a),
         )
@@ -201,6 +204,8 @@ pub(crate) struct Sheared<'a, L> {
 pub(crate) trait PairViscosity<L: Lanes>: Sync {
     /// Values of the receiver; scalars, the same for its mirror image.
     type Own: Copy;
+    /// Whether [`Self::add`] reads the indices of neighbors.
+    const READS_IDS: bool = false;
     /// Those of receiver `a`.
     fn own(&self, machine: L::Machine, a: usize) -> Self::Own;
     /// Adds the force per volume of the receiver.
@@ -324,6 +329,7 @@ impl<L: Lanes, const OF_RECEIVER: bool, const OF_NEIGHBOR: bool> PairViscosity<L
     for VariableShear<'_, L, OF_RECEIVER, OF_NEIGHBOR>
 {
     type Own = L;
+    const READS_IDS: bool = OF_NEIGHBOR;
 
     #[inline(always)]
     fn own(&self, machine: L::Machine, a: usize) -> L {

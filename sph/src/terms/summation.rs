@@ -26,6 +26,7 @@ impl<L: Lanes, K: PairKernel<L>> Term<L> for Summation<L, K> {
     type Own = ();
     type Sums = L;
     type Out = f64;
+    const READS_IDS: bool = false;
 
     #[inline(always)]
     fn own(&self, _: L::Machine, _: usize) {}

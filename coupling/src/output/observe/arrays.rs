@@ -20,10 +20,12 @@ pub(crate) fn scalars(name: &str, values: Vec<f32>) -> Array {
 
 /// Array of a vector per point or cell.
 pub(crate) fn vectors<'a>(name: &str, values: impl Iterator<Item = &'a Vec3>) -> Array {
+    // collected as vectors, whose number is known, and not grown number by number
+    let values: Vec<[f32; 3]> = values.map(single).collect();
     Array {
         name: name.to_owned(),
         components: 3,
-        values: Values::F32(values.flat_map(single).collect()),
+        values: Values::F32(values.into_flattened()),
     }
 }
 

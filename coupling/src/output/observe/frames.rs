@@ -175,39 +175,37 @@ impl Observer for Frames {
 /// Particles in order of id, so that a particle has the same index in all frames.
 fn water_points(water: &Water, fields: &[WaterField]) -> PolyData {
     let particles = water.fluid.particles();
-    let mut order: Vec<usize> = (0..particles.len()).collect();
-    order.sort_unstable_by_key(|&a| particles.id[a]);
-    let column = |values: &[f64]| order.iter().map(|&a| values[a] as f32).collect();
+    let mut order: Vec<u32> = (0..particles.len() as u32).collect();
+    order.sort_unstable_by_key(|&a| particles.id[a as usize]);
+    let order = order.iter().map(|&a| a as usize);
+    let column = |values: &[f64]| order.clone().map(|a| values[a] as f32).collect();
     let point_data = fields
         .iter()
         .map(|field| match field {
             WaterField::Velocity => {
-                vectors("Velocity", order.iter().map(|&a| &particles.velocity[a]))
+                vectors("Velocity", order.clone().map(|a| &particles.velocity[a]))
             }
             WaterField::Density => scalars("Density", column(&particles.density)),
             WaterField::Pressure => scalars("Pressure", column(&particles.pressure)),
             WaterField::Viscosity => {
-                let of = |&a: &usize| water.fluid.apparent_viscosity(a) as f32;
-                scalars("Viscosity", order.iter().map(of).collect())
+                let of = |a| water.fluid.apparent_viscosity(a) as f32;
+                scalars("Viscosity", order.clone().map(of).collect())
             }
             WaterField::Yielded => {
-                let of = |&a: &usize| i32::from(water.fluid.is_yielded(a));
-                integers("Yielded", order.iter().map(of).collect())
+                let of = |a| i32::from(water.fluid.is_yielded(a));
+                integers("Yielded", order.clone().map(of).collect())
             }
             WaterField::Id => integers(
                 "Id",
                 order
-                    .iter()
-                    .map(|&a| u32::from(particles.id[a]) as i32)
+                    .clone()
+                    .map(|a| u32::from(particles.id[a]) as i32)
                     .collect(),
             ),
         })
         .collect();
     PolyData {
-        points: order
-            .iter()
-            .map(|&a| single(&particles.position[a]))
-            .collect(),
+        points: order.map(|a| single(&particles.position[a])).collect(),
         point_data,
         ..PolyData::default()
     }

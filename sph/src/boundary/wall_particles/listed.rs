@@ -2,7 +2,6 @@
 
 use crate::fluid::wall_sums::SortedPoints;
 use crate::neighbors::lists::Lists;
-use crate::neighbors::sweep::AnyPoints;
 use crate::{Fluid, Vec3};
 
 /// Lists of both directions.
@@ -12,7 +11,6 @@ pub(super) struct Listed {
     of_particles: OneWay,
     /// Particles near points.
     of_points: OneWay,
-    packed: AnyPoints,
 }
 
 /// Lists of one direction.
@@ -78,17 +76,15 @@ impl Listed {
         walls: &SortedPoints,
         particles: &[u32],
     ) {
-        let packed = &mut self.packed;
         self.of_particles.update(fluid, particles, |lists| {
-            fluid.list_walls(walls, particles, (lists, packed))
+            fluid.list_walls(walls, particles, lists)
         });
     }
 
     /// Lists the particles near some points at their positions when sorted (m), unless it is done.
     pub(super) fn update_points(&mut self, fluid: &Fluid, positions: &[Vec3], points: &[u32]) {
-        let packed = &mut self.packed;
         self.of_points.update(fluid, points, |lists| {
-            fluid.list_by_walls((positions, points), (lists, packed))
+            fluid.list_by_walls((positions, points), lists)
         });
     }
 }

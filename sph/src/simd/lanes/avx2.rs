@@ -6,7 +6,9 @@ use std::ops::{Add, Div, Mul, Sub};
 use pulp::x86::V3;
 use pulp::{NullaryFnOnce, cast};
 
-use super::{Double, FILTER_WIDTH, FilterSphere, Lanes, Machine, Place, RECORD, Single, Task};
+use super::{
+    Double, FILTER_WIDTH, FilterSphere, Index, Lanes, Machine, Place, RECORD, Single, Task,
+};
 
 /// A processor with AVX2 and fused multiply-add.
 #[derive(Clone, Copy, Debug)]
@@ -97,7 +99,7 @@ impl Lanes for F32x8 {
     }
 
     #[inline(always)]
-    fn gather(machine: Avx2, records: &[Single], ids: &[u32]) -> [Self; RECORD] {
+    fn gather<I: Index>(machine: Avx2, records: &[Single], ids: &[I]) -> [Self; RECORD] {
         let [a, b, c, d] = transposed_single(machine, records, ids, 0);
         let [e, f, g, h] = transposed_single(machine, records, ids, 4);
         let m = machine.0;
@@ -177,7 +179,7 @@ impl Lanes for F64x4 {
     }
 
     #[inline(always)]
-    fn gather(machine: Avx2, records: &[Double], ids: &[u32]) -> [Self; RECORD] {
+    fn gather<I: Index>(machine: Avx2, records: &[Double], ids: &[I]) -> [Self; RECORD] {
         let [a, b, c, d] = transposed_double(machine, records, ids, 0);
         let [e, f, g, h] = transposed_double(machine, records, ids, 4);
         let m = machine.0;
@@ -207,7 +209,12 @@ impl Lanes for F64x4 {
 /// Four values of eight records, from value `first` on. Functions and not closures: closures are
 /// not inlined here, and intrinsics that are called cost more than all the rest.
 #[inline(always)]
-fn transposed_single(machine: Avx2, records: &[Single], ids: &[u32], first: usize) -> [__m256; 4] {
+fn transposed_single<I: Index>(
+    machine: Avx2,
+    records: &[Single],
+    ids: &[I],
+    first: usize,
+) -> [__m256; 4] {
     let avx = machine.0.avx;
     // lanes 0..4 in the low halves, 4..8 in the high ones: two 4 x 4 transposes at once
     let rows = [
@@ -229,11 +236,16 @@ fn transposed_single(machine: Avx2, records: &[Single], ids: &[u32], first: usiz
 }
 
 #[inline(always)]
-fn pair_of_rows(machine: Avx2, records: &[Single], [low, high]: [u32; 2], first: usize) -> __m256 {
+fn pair_of_rows<I: Index>(
+    machine: Avx2,
+    records: &[Single],
+    [low, high]: [I; 2],
+    first: usize,
+) -> __m256 {
     let avx = machine.0.avx;
     avx._mm256_insertf128_ps::<1>(
-        avx._mm256_castps128_ps256(quad(&records[low as usize], first)),
-        quad(&records[high as usize], first),
+        avx._mm256_castps128_ps256(quad(&records[low.index()], first)),
+        quad(&records[high.index()], first),
     )
 }
 
@@ -245,13 +257,18 @@ fn quad(record: &Single, first: usize) -> __m128 {
 
 /// Four values of four records, from value `first` on.
 #[inline(always)]
-fn transposed_double(machine: Avx2, records: &[Double], ids: &[u32], first: usize) -> [__m256d; 4] {
+fn transposed_double<I: Index>(
+    machine: Avx2,
+    records: &[Double],
+    ids: &[I],
+    first: usize,
+) -> [__m256d; 4] {
     let avx = machine.0.avx;
     let rows = [
-        row(&records[ids[0] as usize], first),
-        row(&records[ids[1] as usize], first),
-        row(&records[ids[2] as usize], first),
-        row(&records[ids[3] as usize], first),
+        row(&records[ids[0].index()], first),
+        row(&records[ids[1].index()], first),
+        row(&records[ids[2].index()], first),
+        row(&records[ids[3].index()], first),
     ];
     let low01 = avx._mm256_unpacklo_pd(rows[0], rows[1]);
     let high01 = avx._mm256_unpackhi_pd(rows[0], rows[1]);
@@ -358,8 +375,8 @@ impl Machine for Avx2 {
     #[inline(always)]
     fn filter(
         self,
-        columns: &[Vec<i32>; 3],
-        range: std::ops::Range<usize>,
+        columns: [&[i32]; 3],
+        (range, mut first): (std::ops::Range<usize>, u32),
         from: &FilterSphere,
         found: &mut [u32],
         mut n: usize,
@@ -373,7 +390,6 @@ impl Machine for Avx2 {
             &y[range.start..end],
             &z[range.start..end],
         );
-        let mut first = range.start as u32;
         let blocks = x[..whole]
             .chunks_exact(FILTER_WIDTH)
             .zip(y[..whole].chunks_exact(FILTER_WIDTH))

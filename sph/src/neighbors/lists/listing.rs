@@ -1,0 +1,326 @@
+//! Making the lists of a chunk: first the runs of candidates of all receivers, and from these the windows; then the filter.
+
+use std::ops::Range;
+
+use super::window::{Runs, fill_ids};
+use super::{ChunkLists, Page, PagePoints, Span, Surroundings};
+use crate::CHUNK;
+use crate::neighbors::cells::{MAX_RUNS, OWN_IMAGE, Run};
+use crate::neighbors::mirror::{Image, MOST_IMAGES};
+use crate::neighbors::points::Places;
+use crate::neighbors::rest::Rest;
+use crate::neighbors::sweep::FILTER_MARGIN;
+use crate::simd::lanes::{FILTER_WIDTH, FilterSphere, Lanes, Machine, Task};
+
+/// Room that lists keep for water that gathers a little more as it moves; 1/ROOM of their length.
+const ROOM: usize = 16;
+
+/// Memory of the making of lists, kept from chunk to chunk.
+#[derive(Debug, Default)]
+pub(super) struct Scratch {
+    candidates: Vec<Range<u32>>,
+    groups: Vec<Group>,
+    /// Windows of the pages.
+    windows: Vec<PageWindow>,
+    found: Vec<u32>,
+    slots: Vec<u16>,
+    spans: Vec<Span>,
+    /// Points of a window, where water may sleep.
+    ids: Vec<u32>,
+}
+
+/// Window of the groups up to one past its last.
+#[derive(Debug, Default)]
+struct PageWindow {
+    runs: Runs,
+    end: usize,
+    is_part: bool,
+}
+
+/// Candidates of a receiver that are seen from one place.
+#[derive(Clone, Copy, Debug)]
+struct Group {
+    /// One past its last run of candidates.
+    end: usize,
+    receiver: usize,
+    /// Place from which they are seen; quanta.
+    place: [i32; 3],
+    image: u8,
+    planes: u8,
+    /// Slot that adds nothing.
+    padding: u16,
+}
+
+/// Making the lists of a chunk.
+pub(super) struct Listing<'a, L: Lanes> {
+    pub machine: L::Machine,
+    pub from: Surroundings<'a>,
+    /// First of the receivers.
+    pub first: usize,
+    pub points: &'a Places,
+    /// Most points of a window.
+    pub largest: usize,
+    pub scratch: &'a mut Scratch,
+    pub lists: &'a mut ChunkLists,
+}
+
+impl<L: Lanes> Task for Listing<'_, L>
+where
+    L::Machine: Machine,
+{
+    #[inline(always)]
+    fn run(self) {
+        let Self {
+            machine,
+            from,
+            first,
+            points,
+            largest,
+            scratch,
+            lists,
+        } = self;
+        let receivers = first..from.receivers.len().min(first + CHUNK);
+        scratch.find_candidates(&from, receivers.clone(), largest);
+        scratch.number(&from, points, largest);
+        let Scratch {
+            candidates,
+            groups,
+            windows,
+            found,
+            slots,
+            spans,
+            ids,
+        } = scratch;
+        slots.clear();
+        spans.clear();
+        lists.pages.clear();
+        lists.n_receivers = 0;
+        let scale = from.frame.quantum().map(|q| q as f32);
+        let radius2 = (from.radius * from.radius * FILTER_MARGIN) as f32;
+        let (mut group, mut candidate, mut page) = (0, 0, 0);
+        for k in receivers {
+            let a = from.receivers.index(k);
+            let rest = from.rests.get(a).copied().unwrap_or_default();
+            let before = (spans.len(), slots.len());
+            let mut has_awake = rest != Rest::Beside;
+            while let Some(of) = groups.get(group).filter(|of| of.receiver == k) {
+                if lists.pages.is_empty() || windows[page].end <= group {
+                    page += usize::from(!lists.pages.is_empty());
+                    let PageWindow { runs, is_part, .. } = &windows[page];
+                    lists.pages.push(Page {
+                        first_span: spans.len() as u32,
+                        points: match is_part {
+                            true => PagePoints::Part(runs.whole()),
+                            false => PagePoints::Runs(runs.as_slice().into()),
+                        },
+                    });
+                    if !from.rests.is_empty() {
+                        match is_part {
+                            true => {
+                                ids.clear();
+                                ids.extend(runs.whole());
+                            }
+                            false => fill_ids(runs.as_slice(), points.len() as u32, ids),
+                        }
+                    }
+                }
+                let sphere = FilterSphere {
+                    place: of.place,
+                    scale,
+                    radius2,
+                };
+                let (mut n, mut hint) = (0, 0);
+                for run in &candidates[candidate..of.end] {
+                    let slot = windows[page].runs.slot(run.start, &mut hint);
+                    hint += 1;
+                    let run = run.start as usize..run.end as usize;
+                    // the filter writes whole registers
+                    let room = n + run.len() + FILTER_WIDTH;
+                    if found.len() < room {
+                        found.resize(room, 0);
+                    }
+                    n = machine.filter(points.columns(), (run, slot), &sphere, found, n);
+                }
+                (group, candidate) = (group + 1, of.end);
+                if n == 0 {
+                    continue;
+                }
+                has_awake = has_awake
+                    || found[..n].iter().any(|&slot| {
+                        from.rests.get(ids[slot as usize] as usize) == Some(&Rest::Awake)
+                    });
+                slots.extend(found[..n].iter().map(|&slot| slot as u16));
+                let end = slots.len().next_multiple_of(L::WIDTH);
+                let n_in_last = (L::WIDTH - (end - slots.len())) as u8;
+                slots.resize(end, of.padding);
+                spans.push(Span {
+                    end: end as u32,
+                    n_in_last,
+                    image: of.image,
+                    planes: of.planes,
+                    is_last: false,
+                });
+            }
+            if !has_awake {
+                spans.truncate(before.0);
+                slots.truncate(before.1);
+                for page in &mut lists.pages {
+                    page.first_span = page.first_span.min(before.0 as u32);
+                }
+            }
+            lists.n_receivers += u64::from(before.0 < spans.len());
+            match spans[before.0..].last_mut() {
+                Some(last) => last.is_last = true,
+                None => spans.push(Span::nothing(slots.len() as u32)),
+            }
+        }
+        take(slots, &mut lists.slots);
+        take(spans, &mut lists.spans);
+    }
+}
+
+impl Scratch {
+    /// Finds the candidates of all receivers, group by group, and windows that hold them.
+    #[inline(always)]
+    fn find_candidates(&mut self, from: &Surroundings, receivers: Range<usize>, largest: usize) {
+        self.candidates.clear();
+        self.groups.clear();
+        let mut n_windows = 0;
+        let mut images = [Image::default(); MOST_IMAGES];
+        let mut runs = [Run::default(); MAX_RUNS];
+        let mut hints = [0; MAX_RUNS];
+        for k in receivers {
+            let a = from.receivers.index(k);
+            if from.rests.get(a) == Some(&Rest::Asleep) {
+                continue;
+            }
+            let position = from.receivers.position(from.frame, a);
+            let n_images = from
+                .mirrors
+                .images_within(&position, from.reach, &mut images);
+            for image in &images[..n_images] {
+                let n_runs = from
+                    .grid
+                    .runs_within(&image.position, from.reach, &mut runs);
+                let runs = &mut runs[..n_runs];
+                // rows that cross a periodic side have both of its images: one group for each
+                if runs.iter().any(|run| run.image != OWN_IMAGE) {
+                    runs.sort_unstable_by_key(|run| (run.image, run.start));
+                }
+                for runs in runs.chunk_by(|a, b| a.image == b.image) {
+                    let shift = from.grid.image_shift(runs[0].image);
+                    let mut group = Group {
+                        end: 0,
+                        receiver: k,
+                        place: from.frame.place(&(image.position - shift)).quanta,
+                        image: runs[0].image,
+                        planes: image.planes,
+                        padding: 0,
+                    };
+                    let mut room = largest;
+                    let mut first = self.candidates.len();
+                    for run in runs {
+                        let mut run = run.start..run.end;
+                        // more than a window holds become groups of their own
+                        while room < run.len() {
+                            let cut = run.start + room as u32;
+                            if 0 < room {
+                                self.candidates.push(run.start..cut);
+                            }
+                            run.start = cut;
+                            group.end = self.candidates.len();
+                            self.add_group(group, first, (&mut n_windows, &mut hints, largest));
+                            (room, first) = (largest, self.candidates.len());
+                        }
+                        room -= run.len();
+                        self.candidates.push(run);
+                    }
+                    group.end = self.candidates.len();
+                    self.add_group(group, first, (&mut n_windows, &mut hints, largest));
+                }
+            }
+        }
+        self.windows.truncate(n_windows);
+    }
+
+    /// Gives the points of all windows their slots, and finds padding for all groups.
+    fn number(&mut self, from: &Surroundings, points: &Places, largest: usize) {
+        let quantum = from.frame.quantum();
+        let radius2 = from.radius * from.radius * FILTER_MARGIN * FILTER_MARGIN;
+        let is_far = |group: &Group, point: u32| {
+            let place = points.of(point as usize);
+            let square = |axis: usize| {
+                let way = group.place[axis].wrapping_sub(place[axis]);
+                (f64::from(way) * quantum[axis]).powi(2)
+            };
+            radius2 < (0..3).map(square).sum::<f64>()
+        };
+        let mut first = 0;
+        for window in &mut self.windows {
+            let whole = window.runs.whole();
+            let groups = &mut self.groups[first..window.end];
+            first = window.end;
+            // lists hold as long as what is far stays beyond the support
+            let padding = |group: &Group| {
+                [whole.start, whole.end - 1]
+                    .into_iter()
+                    .find(|&point| is_far(group, point))
+                    .map(|point| (point - whole.start) as u16)
+            };
+            window.is_part = whole.len() <= largest && groups.iter().all(|g| padding(g).is_some());
+            if window.is_part {
+                for group in groups {
+                    group.padding = padding(group).unwrap_or(0);
+                }
+                window.runs.number_whole();
+            } else {
+                window.runs.number();
+            }
+        }
+    }
+
+    /// Adds a group, whose candidates begin with `first`, to the present window, or to a new one where that is full.
+    #[inline(always)]
+    fn add_group(
+        &mut self,
+        group: Group,
+        first: usize,
+        (n_windows, hints, largest): (&mut usize, &mut [usize; MAX_RUNS], usize),
+    ) {
+        let candidates = &self.candidates[first..group.end];
+        let include = |runs: &mut Runs, hints: &mut [usize; MAX_RUNS]| {
+            for (run, hint) in candidates.iter().zip(hints) {
+                runs.include(run, hint);
+            }
+        };
+        let is_full = |runs: &Runs| {
+            let most = runs.len() + candidates.iter().map(Range::len).sum::<usize>();
+            largest < most && {
+                let mut with = runs.clone();
+                include(&mut with, &mut hints.clone());
+                largest < with.len()
+            }
+        };
+        if *n_windows == 0 || is_full(&self.windows[*n_windows - 1].runs) {
+            if self.windows.len() == *n_windows {
+                self.windows.push(Default::default());
+            }
+            self.windows[*n_windows].runs.clear();
+            *n_windows += 1;
+        }
+        self.groups.push(group);
+        let window = &mut self.windows[*n_windows - 1];
+        include(&mut window.runs, hints);
+        window.end = self.groups.len();
+    }
+}
+
+/// Copies a column into memory that is kept unless it is much too large.
+fn take<T: Copy>(column: &[T], into: &mut Vec<T>) {
+    into.clear();
+    let wanted = column.len() + column.len() / ROOM;
+    if into.capacity() < column.len() || wanted + wanted / 4 < into.capacity() {
+        *into = Vec::with_capacity(wanted);
+    }
+    into.extend_from_slice(column);
+}
