@@ -266,7 +266,7 @@ fn any_number_of_threads_gives_the_same_bits_with_walls() {
                 bits.extend(water.wall_force.iter().map(|f| f.to_bits()));
                 water.fluid.visit_state(|x| bits.push(x.to_bits()));
                 let Water { fluid, walls, .. } = &mut water;
-                walls.visit_reactions(fluid, |_, forces| {
+                walls.visit_reactions(fluid, |_, _, forces| {
                     bits.extend(forces.iter().flatten().map(|f| f.to_bits()));
                 });
                 bits

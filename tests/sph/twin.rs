@@ -184,7 +184,7 @@ impl Crowd {
         fluid.update_accelerations();
         let total = walls.add_forces(&mut fluid);
         let mut reactions = vec![Vec3::zeros(); n_walls];
-        walls.visit_reactions(&fluid, |w, [pressure, viscous]| {
+        walls.visit_reactions(&fluid, |w, _, [pressure, viscous]| {
             reactions[w] = pressure + viscous
         });
         let sum: Vec3 = reactions.iter().sum();

@@ -29,19 +29,103 @@ pub(super) struct Scratch {
     ids: Vec<u32>,
 }
 
-/// Window of the groups up to one past its last.
-#[derive(Debug, Default)]
+/// Window of some groups, one after the other.
+#[derive(Debug)]
 struct PageWindow {
-    runs: Runs,
-    end: usize,
+    groups: Range<usize>,
+    /// From the first candidate to the last.
+    whole: Range<u32>,
+    /// Whether it is this part of the points.
     is_part: bool,
+    /// Candidates, merged, where it is not.
+    runs: Runs,
+    hints: [usize; MAX_RUNS],
+}
+
+/// No candidates.
+const NONE: Range<u32> = u32::MAX..0;
+
+impl Default for PageWindow {
+    fn default() -> Self {
+        Self {
+            groups: 0..0,
+            whole: NONE,
+            is_part: true,
+            runs: Runs::default(),
+            hints: [0; MAX_RUNS],
+        }
+    }
+}
+
+impl PageWindow {
+    /// Starts over at a group, with the memory that there is.
+    fn open(&mut self, group: usize) {
+        self.groups = group..group;
+        self.whole = NONE;
+        self.is_part = true;
+        self.runs.clear();
+    }
+
+    fn include(&mut self, candidates: &[Range<u32>]) {
+        for (run, hint) in candidates.iter().zip(&mut self.hints) {
+            self.runs.include(run, hint);
+        }
+    }
+
+    /// Merges the candidates of its groups.
+    #[inline(never)]
+    fn merge(&mut self, groups: &[Group], candidates: &[Range<u32>]) {
+        self.is_part = false;
+        for g in self.groups.clone() {
+            self.include(&candidates[groups[g].candidates.clone()]);
+        }
+    }
+
+    /// Whether those of another group, too, are more than a window holds.
+    #[inline(never)]
+    fn is_full(&self, candidates: &[Range<u32>], largest: usize) -> bool {
+        let most = self.runs.len() + candidates.iter().map(Range::len).sum::<usize>();
+        largest < most && {
+            let (mut with, mut hints) = (self.runs.clone(), self.hints);
+            for (run, hint) in candidates.iter().zip(&mut hints) {
+                with.include(run, hint);
+            }
+            largest < with.len()
+        }
+    }
+
+    /// Slot of the first point of a run; `hint` as in [`Runs::slot`].
+    #[inline(always)]
+    fn slot(&self, run: &Range<u32>, hint: &mut usize) -> u32 {
+        match self.is_part {
+            true => run.start - self.whole.start,
+            false => self.runs.slot(run.start, hint),
+        }
+    }
+
+    /// Its points for sums.
+    fn points(&self) -> PagePoints {
+        match self.is_part {
+            true => PagePoints::Part(self.whole.start.min(self.whole.end)..self.whole.end),
+            false => PagePoints::Runs(self.runs.as_slice().into()),
+        }
+    }
+}
+
+/// From the first point of some runs to the last.
+fn hull(runs: &[Range<u32>]) -> Range<u32> {
+    (runs.iter().filter(|run| !run.is_empty())).fold(NONE, |a, b| union(&a, b))
+}
+
+fn union(a: &Range<u32>, b: &Range<u32>) -> Range<u32> {
+    a.start.min(b.start)..a.end.max(b.end)
 }
 
 /// Candidates of a receiver that are seen from one place.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 struct Group {
-    /// One past its last run of candidates.
-    end: usize,
+    /// Their runs.
+    candidates: Range<usize>,
     receiver: usize,
     /// Place from which they are seen; quanta.
     place: [i32; 3],
@@ -81,7 +165,7 @@ where
         } = self;
         let receivers = first..from.receivers.len().min(first + CHUNK);
         scratch.find_candidates(&from, receivers.clone(), largest);
-        scratch.number(&from, points, largest);
+        scratch.number(&from, points);
         let Scratch {
             candidates,
             groups,
@@ -97,32 +181,29 @@ where
         lists.n_receivers = 0;
         let scale = from.frame.quantum().map(|q| q as f32);
         let radius2 = (from.radius * from.radius * FILTER_MARGIN) as f32;
-        let (mut group, mut candidate, mut page) = (0, 0, 0);
+        let (mut group, mut page) = (0, 0);
         for k in receivers {
             let a = from.receivers.index(k);
             let rest = from.rests.get(a).copied().unwrap_or_default();
             let before = (spans.len(), slots.len());
             let mut has_awake = rest != Rest::Beside;
             while let Some(of) = groups.get(group).filter(|of| of.receiver == k) {
-                if lists.pages.is_empty() || windows[page].end <= group {
+                if lists.pages.is_empty() || windows[page].groups.end <= group {
                     page += usize::from(!lists.pages.is_empty());
-                    let PageWindow { runs, is_part, .. } = &windows[page];
-                    lists.pages.push(Page {
-                        first_span: spans.len() as u32,
-                        points: match is_part {
-                            true => PagePoints::Part(runs.whole()),
-                            false => PagePoints::Runs(runs.as_slice().into()),
-                        },
-                    });
+                    let points_of = windows[page].points();
                     if !from.rests.is_empty() {
-                        match is_part {
-                            true => {
+                        match &points_of {
+                            PagePoints::Part(part) => {
                                 ids.clear();
-                                ids.extend(runs.whole());
+                                ids.extend(part.clone());
                             }
-                            false => fill_ids(runs.as_slice(), points.len() as u32, ids),
+                            PagePoints::Runs(runs) => fill_ids(runs, points.len() as u32, ids),
                         }
                     }
+                    lists.pages.push(Page {
+                        first_span: spans.len() as u32,
+                        points: points_of,
+                    });
                 }
                 let sphere = FilterSphere {
                     place: of.place,
@@ -130,8 +211,8 @@ where
                     radius2,
                 };
                 let (mut n, mut hint) = (0, 0);
-                for run in &candidates[candidate..of.end] {
-                    let slot = windows[page].runs.slot(run.start, &mut hint);
+                for run in &candidates[of.candidates.clone()] {
+                    let slot = windows[page].slot(run, &mut hint);
                     hint += 1;
                     let run = run.start as usize..run.end as usize;
                     // the filter writes whole registers
@@ -141,7 +222,7 @@ where
                     }
                     n = machine.filter(points.columns(), (run, slot), &sphere, found, n);
                 }
-                (group, candidate) = (group + 1, of.end);
+                group += 1;
                 if n == 0 {
                     continue;
                 }
@@ -188,7 +269,6 @@ impl Scratch {
         let mut n_windows = 0;
         let mut images = [Image::default(); MOST_IMAGES];
         let mut runs = [Run::default(); MAX_RUNS];
-        let mut hints = [0; MAX_RUNS];
         for k in receivers {
             let a = from.receivers.index(k);
             if from.rests.get(a) == Some(&Rest::Asleep) {
@@ -209,8 +289,8 @@ impl Scratch {
                 }
                 for runs in runs.chunk_by(|a, b| a.image == b.image) {
                     let shift = from.grid.image_shift(runs[0].image);
-                    let mut group = Group {
-                        end: 0,
+                    let group = |candidates| Group {
+                        candidates,
                         receiver: k,
                         place: from.frame.place(&(image.position - shift)).quanta,
                         image: runs[0].image,
@@ -228,15 +308,15 @@ impl Scratch {
                                 self.candidates.push(run.start..cut);
                             }
                             run.start = cut;
-                            group.end = self.candidates.len();
-                            self.add_group(group, first, (&mut n_windows, &mut hints, largest));
+                            let full = first..self.candidates.len();
+                            self.add_group(group(full), (&mut n_windows, largest));
                             (room, first) = (largest, self.candidates.len());
                         }
                         room -= run.len();
                         self.candidates.push(run);
                     }
-                    group.end = self.candidates.len();
-                    self.add_group(group, first, (&mut n_windows, &mut hints, largest));
+                    let rest = first..self.candidates.len();
+                    self.add_group(group(rest), (&mut n_windows, largest));
                 }
             }
         }
@@ -244,7 +324,7 @@ impl Scratch {
     }
 
     /// Gives the points of all windows their slots, and finds padding for all groups.
-    fn number(&mut self, from: &Surroundings, points: &Places, largest: usize) {
+    fn number(&mut self, from: &Surroundings, points: &Places) {
         let quantum = from.frame.quantum();
         let radius2 = from.radius * from.radius * FILTER_MARGIN * FILTER_MARGIN;
         let is_far = |group: &Group, point: u32| {
@@ -255,64 +335,77 @@ impl Scratch {
             };
             radius2 < (0..3).map(square).sum::<f64>()
         };
-        let mut first = 0;
         for window in &mut self.windows {
-            let whole = window.runs.whole();
-            let groups = &mut self.groups[first..window.end];
-            first = window.end;
+            let whole = window.whole.clone();
             // lists hold as long as what is far stays beyond the support
             let padding = |group: &Group| {
-                [whole.start, whole.end - 1]
+                [whole.start, whole.end.saturating_sub(1)]
                     .into_iter()
-                    .find(|&point| is_far(group, point))
+                    .find(|&point| whole.contains(&point) && is_far(group, point))
                     .map(|point| (point - whole.start) as u16)
             };
-            window.is_part = whole.len() <= largest && groups.iter().all(|g| padding(g).is_some());
             if window.is_part {
-                for group in groups {
-                    group.padding = padding(group).unwrap_or(0);
+                for group in &mut self.groups[window.groups.clone()] {
+                    match padding(group) {
+                        Some(slot) => group.padding = slot,
+                        None => window.is_part = false,
+                    }
                 }
-                window.runs.number_whole();
-            } else {
-                window.runs.number();
+                if window.is_part {
+                    continue;
+                }
+                for group in &mut self.groups[window.groups.clone()] {
+                    group.padding = 0;
+                }
+                window.merge(&self.groups, &self.candidates);
             }
+            window.runs.number();
         }
     }
 
-    /// Adds a group, whose candidates begin with `first`, to the present window, or to a new one where that is full.
+    /// Adds a group to the present window, or to a new one where that is full.
     #[inline(always)]
-    fn add_group(
-        &mut self,
-        group: Group,
-        first: usize,
-        (n_windows, hints, largest): (&mut usize, &mut [usize; MAX_RUNS], usize),
-    ) {
-        let candidates = &self.candidates[first..group.end];
-        let include = |runs: &mut Runs, hints: &mut [usize; MAX_RUNS]| {
-            for (run, hint) in candidates.iter().zip(hints) {
-                runs.include(run, hint);
-            }
-        };
-        let is_full = |runs: &Runs| {
-            let most = runs.len() + candidates.iter().map(Range::len).sum::<usize>();
-            largest < most && {
-                let mut with = runs.clone();
-                include(&mut with, &mut hints.clone());
-                largest < with.len()
-            }
-        };
-        if *n_windows == 0 || is_full(&self.windows[*n_windows - 1].runs) {
-            if self.windows.len() == *n_windows {
-                self.windows.push(Default::default());
-            }
-            self.windows[*n_windows].runs.clear();
-            *n_windows += 1;
+    fn add_group(&mut self, group: Group, (n_windows, largest): (&mut usize, usize)) {
+        let Self {
+            candidates,
+            groups,
+            windows,
+            ..
+        } = self;
+        let own = &candidates[group.candidates.clone()];
+        let whole = hull(own);
+        if *n_windows == 0 {
+            next_window(windows, n_windows, groups.len());
         }
-        self.groups.push(group);
-        let window = &mut self.windows[*n_windows - 1];
-        include(&mut window.runs, hints);
-        window.end = self.groups.len();
+        let mut window = &mut windows[*n_windows - 1];
+        let fits = |window: &PageWindow| {
+            let whole = union(&window.whole, &whole);
+            whole.end.saturating_sub(whole.start) as usize <= largest
+        };
+        if window.is_part && !fits(window) {
+            window.merge(groups, candidates);
+        }
+        if !window.is_part && window.is_full(own, largest) {
+            next_window(windows, n_windows, groups.len());
+            window = &mut windows[*n_windows - 1];
+            window.is_part = fits(window);
+        }
+        if !window.is_part {
+            window.include(own);
+        }
+        window.whole = union(&window.whole, &whole);
+        groups.push(group);
+        window.groups.end = groups.len();
     }
+}
+
+/// Opens a window that begins with a group.
+fn next_window(windows: &mut Vec<PageWindow>, n_windows: &mut usize, group: usize) {
+    if windows.len() == *n_windows {
+        windows.push(PageWindow::default());
+    }
+    windows[*n_windows].open(group);
+    *n_windows += 1;
 }
 
 /// Copies a column into memory that is kept unless it is much too large.

@@ -64,20 +64,6 @@ impl Runs {
         first
     }
 
-    /// From the first point to the last.
-    pub(super) fn whole(&self) -> Range<u32> {
-        let start = self.runs.first().map_or(0, |run| run.start);
-        start..self.runs.last().map_or(start, |run| run.end)
-    }
-
-    /// Gives every point its slot in a window that is a part of the points.
-    pub(super) fn number_whole(&mut self) {
-        let start = self.whole().start;
-        self.slots.clear();
-        self.slots
-            .extend(self.runs.iter().map(|run| run.start - start));
-    }
-
     /// Gives every point its slot in a window of the runs alone.
     pub(super) fn number(&mut self) {
         let mut next = 1;
