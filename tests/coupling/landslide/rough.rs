@@ -185,6 +185,9 @@ fn sixty_rough_valleys_come_down() {
 }
 
 /// Ten valleys with a lake, for twenty seconds.
+///
+/// Missed by valley 24 at the whole step: 3.8 % of the slide's energy, all in the first two seconds, in which the lake sinks into
+/// its rough bed of 30 m cells and gives off seventeen times that energy, of which 0.2 % are unexplained; 1.0 % at half the step.
 #[test]
 #[ignore = "25 min of one core"]
 fn slides_of_ten_rough_valleys_run_into_lakes() {
