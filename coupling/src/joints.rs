@@ -103,7 +103,7 @@ struct Jointed {
     faces: Vec<FacePoints>,
 }
 
-/// Joints of all free and prescribed blocks.
+/// Joints of all free blocks, and of those with prescribed motion whose forces are recorded: water in a joint does not move these.
 #[derive(Clone, Debug)]
 pub struct JointWater {
     spacing: f64,
@@ -112,7 +112,10 @@ pub struct JointWater {
     is_jointed: Vec<bool>,
     /// Whether its joints are closed to water until they open; one per block.
     is_sealed: Vec<bool>,
+    /// Those of free blocks first.
     points: Vec<Point>,
+    /// Number of points of free blocks.
+    n_of_free: usize,
     /// Neighbors of each point in its face, with the squares of the spacing over their distances.
     neighbors: Vec<Vec<(u32, f64)>>,
     /// Last position of each point; m.
@@ -153,12 +156,12 @@ struct Scratch {
 }
 
 impl JointWater {
-    /// Joints of the free and prescribed blocks in their initial positions.
+    /// Joints of the blocks in their initial positions; those of prescribed ones where their forces are recorded.
     pub fn new(
         definitions: &[BlockDefinition],
         blocks: &Blocks,
         fluid: &Fluid,
-        is_sealed: impl Fn(usize) -> bool,
+        (is_sealed, is_recorded): (impl Fn(usize) -> bool, impl Fn(usize) -> bool),
     ) -> Self {
         let settings = fluid.settings();
         let (spacing, middle) = face_lattice(fluid);
@@ -169,6 +172,7 @@ impl JointWater {
             is_jointed: vec![false; blocks.n_blocks()],
             is_sealed: vec![false; blocks.n_blocks()],
             points: Vec::new(),
+            n_of_free: 0,
             neighbors: Vec::new(),
             places: Vec::new(),
             pressure: Vec::new(),
@@ -177,7 +181,10 @@ impl JointWater {
             loads: vec![Load::default(); blocks.n_blocks()],
             scratch: Scratch::default(),
         };
-        for b in (0..definitions.len()).filter(|&b| !blocks.is_fixed(b)) {
+        let free = (0..definitions.len()).filter(|&b| blocks.is_free(b));
+        let is_prescribed = |b: &usize| !blocks.is_fixed(*b) && !blocks.is_free(*b);
+        let prescribed = (0..definitions.len()).filter(|b| is_prescribed(b) && is_recorded(*b));
+        for b in free.chain(prescribed) {
             let parts: Vec<Part> = parts(&definitions[b].shape)
                 .iter()
                 .filter_map(|part| clipped_by_symmetry(part, &planes))
@@ -209,6 +216,9 @@ impl JointWater {
             joints.is_jointed[b] = true;
             joints.is_sealed[b] = is_sealed(b);
             joints.blocks.push(Jointed { block: b, faces });
+            if blocks.is_free(b) {
+                joints.n_of_free = joints.points.len();
+            }
         }
         joints.pressure = vec![0.0; joints.points.len()];
         joints.places = vec![Vec3::zeros(); joints.points.len()];
@@ -279,12 +289,23 @@ impl JointWater {
     /// Restores a saved state.
     pub(crate) fn read<'a>(&mut self, bytes: &'a [u8]) -> Read<'a> {
         let (field, rest);
-        let lengths = (self.points.len(), self.loads.len());
+        let n_blocks = self.loads.len();
         ((field, self.found_at, self.loads), rest) = postcard::take_from_bytes(bytes)?;
         (self.places, self.pressure, self.full) = field;
-        let columns = [self.places.len(), self.pressure.len(), self.full.len()];
-        if columns != [lengths.0; 3] || self.loads.len() != lengths.1 {
+        let n = self.places.len();
+        let is_whole = [n, n] == [self.pressure.len(), self.full.len()] && self.n_of_free <= n;
+        if !is_whole || self.loads.len() != n_blocks {
             return Err(postcard::Error::DeserializeBadEncoding);
+        }
+        if n != self.points.len() {
+            // a run taken further may record other blocks with prescribed motion
+            let (kept, all) = (self.n_of_free, self.points.len());
+            self.places.truncate(kept);
+            self.places.resize(all, Vec3::zeros());
+            for column in [&mut self.pressure, &mut self.full] {
+                column.truncate(kept);
+                column.resize(all, 0.0);
+            }
         }
         Ok(rest)
     }

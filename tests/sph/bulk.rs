@@ -203,7 +203,9 @@ fn momentum_stays_and_walls_answer_with_what_they_get() {
         let largest = largest.fold(0.0_f64, |q, x| q.max(x.abs()));
         let mut answer = Vec3::zeros();
         let Water { fluid, walls, .. } = &mut water;
-        walls.visit_reactions(fluid, |_, _, [pressure, viscous]| answer += pressure + viscous);
+        walls.visit_reactions(fluid, |_, _, [pressure, viscous]| {
+            answer += pressure + viscous
+        });
         let off = (answer + water.wall_force).norm() / water.wall_force.norm();
         println!("{stepping:?}: bulk pressure {largest:.0} Pa, walls answer but for {off:.1e}");
         // a tenth of the weight of the water is no trifle

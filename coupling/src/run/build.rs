@@ -68,8 +68,10 @@ fn water(water: &FluidScene, scene: &Scene, blocks: &Blocks) -> Result<Water, Ru
     }
     let walls = Walls::new(water.wall_method, &scene.blocks, blocks, &fluid, water.slip);
     let is_sealed = |b: usize| scene.is_sealed[b];
+    let recorded = recorded(scene);
+    let is_recorded = |b: usize| recorded.contains(&b);
     let boundaries = WaterBoundaries {
-        joints: JointWater::new(&scene.blocks, blocks, &fluid, is_sealed),
+        joints: JointWater::new(&scene.blocks, blocks, &fluid, (is_sealed, is_recorded)),
         penalty: water.walls,
         walls,
         openings: water.openings.clone(),

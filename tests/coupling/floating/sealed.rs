@@ -137,7 +137,8 @@ fn a_half_ellipse_on_a_bend_is_not_held_down() {
          shape: Extrusion(axis: Y, from: 0, to: 0.1, polygon: [{outline}])), {pieces}\n\
          {} {}],\n\
          fluid: (resolution: Spacing({spacing:?}),\n\
-         regions: [(name: \"water\", shape: Below(level: {level:?}, seed: (0.0, 0.05, 0.5)))]), {CALM} time: (duration: 10.0))",
+         regions: [(name: \"water\", shape: Below(level: {level:?}, seed: (0.0, 0.05, 0.5)))]), {CALM}\n\
+         gauges: [BlockForce(name: \"body\", block: \"body\")], time: (duration: 10.0))",
         cuboid(
             "left",
             "material: \"m\", motion: Fixed",

@@ -7,7 +7,7 @@ use super::boxes::Grid;
 use super::{Amount, FillError, Lattice, Pouring, amounts, basin, boxes, spacings};
 use crate::scene::error::Problem;
 use crate::scene::file::{
-    DimensionsFile, DomainFile, FluidFile, RegionFile, RegionShapeFile, vec3,
+    DimensionsFile, DomainFile, FluidFile, RegionFile, RegionShapeFile, ResolutionFile, vec3,
 };
 
 /// Smallest distance of particles of two regions; closer ones would blow apart; × spacing.
@@ -132,7 +132,10 @@ fn all_filled(
     let fitting = basins.iter().flatten().flatten();
     let fitting = fitting.filter_map(|poured| poured.fitting_height).next();
     let basins = match fitting {
-        Some(height) if basins.len() == 1 => {
+        // a wanted number of particles comes before rows that fit
+        Some(height)
+            if basins.len() == 1 && !matches!(fluid.resolution, ResolutionFile::Count(_)) =>
+        {
             spacing[2] = height;
             basins_at((fluid, domain, spacing), solids, pouring)
         }
