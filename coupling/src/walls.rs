@@ -22,7 +22,6 @@ use riprap_sph::{Dimensions, Fluid, Vec3};
 use serde::{Deserialize, Serialize};
 
 use crate::saved::{Read, Saved};
-use crate::world::accounts::Account;
 use added_mass::Movers;
 pub(crate) use cutting::clipped_by_symmetry;
 use integral::IntegralWalls;
@@ -97,26 +96,19 @@ impl Walls {
         of_walls!(self, walls => walls.loads())
     }
 
-    /// Sets the loads on accounted blocks that never move to those of the last evaluation. Integrals treat all fixed solids
-    /// as one body: the load on a single one is unknown, NaN.
-    pub(crate) fn account_fixed(
+    /// Calls `visit` with the block, place (m) and forces of pressure and viscosity (N) of every point of a block that never
+    /// moves, at the last evaluation; false if these are unknown, as in integrals, which treat all fixed solids as one body.
+    pub fn visit_fixed(
         &mut self,
         fluid: &Fluid,
-        blocks: &Blocks,
-        accounts: &mut [Account],
-    ) {
+        visit: impl FnMut(usize, &Vec3, [Vec3; 2]),
+    ) -> bool {
         match self {
-            Self::Particles(walls) => walls.account_fixed(fluid, blocks, accounts),
-            Self::Integral(_) => {
-                for account in accounts {
-                    if blocks.is_fixed(account.block) {
-                        account.on_fixed = [Load {
-                            force: Vec3::repeat(f64::NAN),
-                            torque: Vec3::repeat(f64::NAN),
-                        }; 2];
-                    }
-                }
+            Self::Particles(walls) => {
+                walls.visit_fixed(fluid, visit);
+                true
             }
+            Self::Integral(_) => false,
         }
     }
 

@@ -6,4 +6,5 @@ pub(crate) mod kinematics;
 pub(crate) mod path;
 pub(crate) mod prescribed;
 pub(crate) mod rigid;
+mod table;
 pub(crate) mod update;

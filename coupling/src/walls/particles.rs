@@ -24,7 +24,6 @@ use super::added_mass::{Acceleration, AddedMass, Movers, largest_ratio};
 use super::sampler::Sampler;
 use super::thin_solids::ThinSolids;
 use crate::saved::{Read, Saved};
-use crate::world::accounts::Account;
 use buried::Buried;
 use points::Solids;
 
@@ -189,30 +188,11 @@ impl ParticleWalls {
         load
     }
 
-    /// Sets the loads on accounted blocks that never move to those of the last evaluation.
-    pub(crate) fn account_fixed(
-        &mut self,
-        fluid: &Fluid,
-        blocks: &Blocks,
-        accounts: &mut [Account],
-    ) {
-        let is_fixed = |account: &&mut Account| blocks.is_fixed(account.block);
-        for account in accounts.iter_mut().filter(is_fixed) {
-            account.on_fixed = [Load::default(); 2];
-        }
-        if !(accounts.iter()).any(|account| blocks.is_fixed(account.block)) {
-            return;
-        }
+    /// Calls `visit` with the block, place (m) and forces of pressure and viscosity (N) of every wet fixed point.
+    pub fn visit_fixed(&mut self, fluid: &Fluid, mut visit: impl FnMut(usize, &Vec3, [Vec3; 2])) {
         let block_of = &self.fixed_block;
         self.fixed.visit_reactions(fluid, |w, x, forces| {
-            let block = block_of[w] as usize;
-            let Ok(k) = accounts.binary_search_by_key(&block, |account| account.block) else {
-                return;
-            };
-            let arm = x - blocks.centroid(block);
-            for (load, force) in accounts[k].on_fixed.iter_mut().zip(&forces) {
-                load.add(force, &arm);
-            }
+            visit(block_of[w] as usize, x, forces);
         });
     }
 

@@ -1,9 +1,11 @@
 //! Accounts of chosen blocks: impulses of the fluid by source.
 
-use riprap_dda::Load;
+use riprap_dda::{Blocks, Load, Vec3};
+use riprap_sph::Fluid;
 use serde::{Deserialize, Serialize};
 
 use crate::joints::JointWater;
+use crate::walls::Walls;
 use crate::walls::penalty::Interface;
 
 /// Impulses of the fluid on a block since accounts of it are kept, moments about its centroid; N s, N m s.
@@ -66,5 +68,42 @@ impl Account {
         impulses.shear += shear.times(dt);
         impulses.shear += shear_on_fixed;
         impulses.joint_water += joint.times(dt);
+    }
+}
+
+/// Sets the loads on accounted blocks that never move to those of the last evaluation; NaN where these are unknown.
+pub(super) fn look_at_fixed(
+    accounts: &mut [Account],
+    walls: &mut Walls,
+    (fluid, blocks): (&Fluid, &Blocks),
+) {
+    let mut has_fixed = false;
+    for account in accounts.iter_mut() {
+        if blocks.is_fixed(account.block) {
+            account.on_fixed = [Load::default(); 2];
+            has_fixed = true;
+        }
+    }
+    if !has_fixed {
+        return;
+    }
+    let are_known = walls.visit_fixed(fluid, |block, x, forces| {
+        if let Ok(k) = accounts.binary_search_by_key(&block, |account| account.block) {
+            let arm = x - blocks.centroid(block);
+            for (load, force) in accounts[k].on_fixed.iter_mut().zip(&forces) {
+                load.add(force, &arm);
+            }
+        }
+    });
+    if are_known {
+        return;
+    }
+    for account in accounts {
+        if blocks.is_fixed(account.block) {
+            account.on_fixed[0] = Load {
+                force: Vec3::repeat(f64::NAN),
+                torque: Vec3::repeat(f64::NAN),
+            };
+        }
     }
 }

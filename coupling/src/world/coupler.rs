@@ -15,6 +15,7 @@ use crate::openings::Openings;
 use crate::walls::Walls;
 use crate::walls::added_mass::Movers;
 use crate::walls::penalty::Interface;
+use crate::world::accounts::look_at_fixed;
 use crate::world::bodies::{BlockPhase, InWalls, movable};
 use crate::world::ledger::Holding;
 use crate::world::progress::Stopwatch;
@@ -270,7 +271,8 @@ impl Boundary for Coupler<'_> {
         if let Some(walls) = &mut *self.walls {
             walls.add_forces(fluid, blocks);
             self.interface.add_loads(walls.loads());
-            walls.account_fixed(fluid, blocks, &mut self.rock.bodies.accounts);
+            let accounts = &mut self.rock.bodies.accounts;
+            look_at_fixed(accounts, walls, (fluid, blocks));
         }
         if !held {
             self.joints.update(fluid, blocks, time);

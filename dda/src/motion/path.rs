@@ -3,7 +3,7 @@
 use nalgebra::Vector2;
 use thiserror::Error;
 
-use super::prescribed::table_at;
+use super::table::table_at;
 use crate::Vec3;
 
 /// Smallest distance of two points, and largest of a point from the plane of the path; × its size.
@@ -250,8 +250,7 @@ fn direction(angle: f64) -> Vector2<f64> {
 /// ```text
 /// |P(w + h) − P(w − h)| = L,   h' = −w' D·(T₊ − T₋)/D·(T₊ + T₋),   D = P(w + h) − P(w − h)
 /// ```
-/// with the way `w`, the path `P` and its tangents `T` at the ends. The way is a table, by monotone cubics as in
-/// [`Table`](super::prescribed::PrescribedMotion::Table).
+/// with the way `w`, the path `P` and its tangents `T` at the ends. The way is a table, by monotone cubics.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sliding {
     path: Path,
