@@ -43,7 +43,10 @@ struct PageWindow {
 }
 
 /// No candidates.
-const NONE: Range<u32> = u32::MAX..0;
+const NONE: Range<u32> = Range {
+    start: u32::MAX,
+    end: 0,
+};
 
 impl Default for PageWindow {
     fn default() -> Self {
