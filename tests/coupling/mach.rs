@@ -74,7 +74,7 @@ fn a_run_with_bodies_in_water_is_told_what_their_motion_may_cost() {
     let told = |name: &str| {
         let output = riprap(&["check", case(name).to_str().unwrap()]);
         let said = String::from_utf8_lossy(&output.stdout).into_owned();
-        said.contains("in which the water hardly moves: up to ")
+        said.contains("as water that bodies move costs more than in these steps")
     };
     assert!(told("piston.ron"));
     assert!(!told("still_tank.ron"));

@@ -52,7 +52,7 @@ pub(super) fn cost(scene: &Scene) -> Result<String, RunError> {
     if scene.fluid.is_some() && scene.blocks.iter().any(moves) {
         let _ = write!(
             text,
-            "\n                 in which the water hardly moves: up to {:.0} s where bodies move in it",
+            "; up to {:.0} s, as water that bodies move costs more than in these steps",
             MOVING * wall
         );
     }

@@ -6,6 +6,12 @@ use riprap_sph::Dimensions;
 use crate::scene::fill::{PASSABLE, gaps};
 use crate::scene::resolved::{FluidScene, Scene};
 
+/// Of lengths as wide as the kernel; relative.
+const ROUND_OFF: f64 = 1e-9;
+
+/// Distance within which water is at a side; × spacing.
+const BESIDE: f64 = 1.5;
+
 /// Heading and text of a line.
 type Line = (&'static str, String);
 
@@ -30,12 +36,11 @@ pub(super) fn thinnest(scene: &Scene) -> Vec<Line> {
     let bodies = scene.blocks.iter().enumerate();
     let thicknesses = bodies.filter_map(|(b, body)| {
         let thickness = thickness(&body.shape)?;
-        let has_two_sides = has_water_on_two_sides(scene, fluid, b, &thickness);
-        has_two_sides.then_some((b, thickness.size))
+        let is_thin = thickness.size < width * (1.0 - ROUND_OFF);
+        (is_thin && has_water_on_two_sides(fluid, &body.shape, &thickness))
+            .then_some((b, thickness.size))
     });
-    let body = thicknesses
-        .filter(|(_, size)| *size < width)
-        .min_by(|a, b| a.1.total_cmp(&b.1));
+    let body = thicknesses.min_by(|a, b| a.1.total_cmp(&b.1));
     let mut bottoms = vec![f64::INFINITY; fluid.regions.len()];
     for (x, &region) in fluid.lattice.positions.iter().zip(&fluid.lattice.region) {
         let bottom = &mut bottoms[region as usize];
@@ -43,7 +48,7 @@ pub(super) fn thinnest(scene: &Scene) -> Vec<Line> {
     }
     let film = (fluid.regions.iter().zip(&bottoms))
         .map(|(region, bottom)| (&region.name, region.level - bottom))
-        .filter(|(_, depth)| *depth < width)
+        .filter(|(_, depth)| *depth < width * (1.0 - ROUND_OFF))
         .min_by(|a, b| a.1.total_cmp(&b.1));
     let shapes = scene.blocks.iter().map(|block| &block.shape);
     // narrower ones have a warning
@@ -73,11 +78,11 @@ pub(super) fn thinnest(scene: &Scene) -> Vec<Line> {
     lines
 }
 
-/// Thickness of a body, with the direction across it and a place in its middle.
+/// Thickness of a body, with the direction across it and the place of its middle along that; m.
 struct Thickness {
     size: f64,
     across: Vec3,
-    middle: Vec3,
+    middle: f64,
 }
 
 /// Least width of a convex body along the normals of its faces; `None` for surfaces and for bodies of parts.
@@ -90,7 +95,7 @@ fn thickness(shape: &Shape) -> Option<Thickness> {
         Shape::Sphere { center, radius } => Some(Thickness {
             size: 2.0 * radius,
             across: Vec3::z(),
-            middle: *center,
+            middle: center.z,
         }),
         Shape::Surface(_) => None,
     }
@@ -103,13 +108,11 @@ fn thickness_of(part: &Polyhedron) -> Option<Thickness> {
         let (low, high) = heights.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| {
             (low.min(x), high.max(x))
         });
-        (high - low, across)
+        (high - low, across, 0.5 * (low + high))
     };
-    let (size, across) = (0..part.n_faces())
+    let (size, across, middle) = (0..part.n_faces())
         .map(width)
         .min_by(|a, b| a.0.total_cmp(&b.0))?;
-    let n = part.vertices().len().max(1) as f64;
-    let middle = part.vertices().iter().sum::<Vec3>() / n;
     Some(Thickness {
         size,
         across,
@@ -117,29 +120,19 @@ fn thickness_of(part: &Polyhedron) -> Option<Thickness> {
     })
 }
 
-/// Whether the places half a spacing off the two sides of a body are below the level, in the domain and in no other body; in a plane
-/// the width of the slice is not a thickness.
-fn has_water_on_two_sides(
-    scene: &Scene,
-    fluid: &FluidScene,
-    body: usize,
-    thickness: &Thickness,
-) -> bool {
-    if matches!(fluid.settings.dimensions, Dimensions::Two { .. }) && 0.5 < thickness.across.y.abs()
-    {
+/// Whether there are particles at the two sides of a body; in a plane the width of the slice is not a thickness.
+fn has_water_on_two_sides(fluid: &FluidScene, shape: &Shape, thickness: &Thickness) -> bool {
+    let is_plane = matches!(fluid.settings.dimensions, Dimensions::Two { .. });
+    if is_plane && 0.5 < thickness.across.y.abs() {
         return false;
     }
-    let off = 0.5 * thickness.size + 0.5 * fluid.settings.mean_spacing();
-    let (low, high) = fluid.settings.domain;
-    [-off, off].iter().all(|off| {
-        let mut place = thickness.middle + thickness.across * *off;
-        place.z = (place.z).min(fluid.lattice.still_water_level - fluid.settings.mean_spacing());
-        let is_inside = (0..3).all(|k| low[k] <= place[k] && place[k] <= high[k]);
-        let others = scene.blocks.iter().enumerate();
-        is_inside
-            && place.z < fluid.lattice.still_water_level
-            && others
-                .filter(|(b, _)| *b != body)
-                .all(|(_, other)| 0.0 < other.shape.signed_distance(&place).distance)
+    let reach = BESIDE * fluid.settings.mean_spacing();
+    let half = 0.5 * thickness.size;
+    [-1.0, 1.0].iter().all(|side| {
+        let is_there = |x: &&Vec3| {
+            let out = side * (thickness.across.dot(x) - thickness.middle) - half;
+            0.0 < out && out < reach && shape.signed_distance(x).distance < reach
+        };
+        fluid.lattice.positions.iter().any(|x| is_there(&x))
     })
 }
