@@ -155,6 +155,26 @@ struct Scratch {
     next: Vec<f64>,
 }
 
+impl NearFace {
+    /// Surroundings of its points, from the parts near each face and the domain (m); spacing in m.
+    fn surroundings<'a>(
+        &self,
+        (blocks, near_parts, domain): (&'a Blocks, &'a [u32], (Vec3, Vec3)),
+        is_sealed: bool,
+        spacing: f64,
+    ) -> Surroundings<'a> {
+        let [first, last] = self.parts.map(|part| part as usize);
+        Surroundings {
+            blocks,
+            block: self.block as usize,
+            near: &near_parts[first..last],
+            domain,
+            is_sealed,
+            spacing,
+        }
+    }
+}
+
 impl JointWater {
     /// Joints of the blocks in their initial positions; those of prescribed ones where their forces are recorded.
     pub fn new(
@@ -469,15 +489,8 @@ impl JointWater {
             .for_each(|((ahead, (&k, &face)), (x, normal))| {
                 let face = &near_faces[face as usize];
                 let block = face.block as usize;
-                let [first, last] = face.parts.map(|part| part as usize);
-                let surroundings = Surroundings {
-                    blocks,
-                    block,
-                    near: &near_parts[first..last],
-                    domain: fluid.settings().domain,
-                    is_sealed: is_sealed[block],
-                    spacing,
-                };
+                let around = (blocks, near_parts.as_slice(), fluid.settings().domain);
+                let surroundings = face.surroundings(around, is_sealed[block], spacing);
                 let turned = |across| blocks.orientation(block) * across;
                 let across = points[k as usize].across.map(turned);
                 *ahead = surroundings.ahead(x, normal, across);

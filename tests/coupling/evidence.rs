@@ -6,7 +6,7 @@ use std::path::Path;
 use riprap::files::table::read_table;
 use riprap::vtk::{self, PolyData, Values};
 
-use crate::support::killed::{TANK, spawn};
+use crate::support::killed::{HARD, TANK, spawn};
 use crate::support::{riprap, summary, words};
 
 /// Water thrown down at two thirds of its speed of sound: where it hits the floor it is compressed by more than it may be.
@@ -26,21 +26,6 @@ const THROWN: &str = r#"(
     gauges: [Pressure(name: "p", position: (0.3, 0.05, 0.05))],
     time: (duration: 0.3),
     output: (frame_interval: 0.02, gauge_interval: 0.002, ledger_interval: 0.002),
-)"#;
-
-/// A block that hits the floor harder than its contacts can bear, whatever the step, and one beside it that does not.
-const HARD: &str = r#"(
-    title: "Hard",
-    domain: (min: (-5, -5, -5), max: (5, 5, 5)),
-    gravity: (0, 0, 0),
-    materials: [(name: "rock", density: 2400, friction_angle_deg: 30, contact_stiffness: 1e9)],
-    blocks: [
-        (name: "floor", material: "rock", motion: Fixed, shape: Box(min: (-4, -4, -2), max: (4, 4, 0))),
-        (name: "quiet", material: "rock", shape: Box(min: (2, 2, 2), max: (3, 3, 3))),
-        (name: "cube", material: "rock", shape: Box(min: (-0.5, -0.5, 0.5), max: (0.5, 0.5, 1.5)),
-         velocity: (0, 0, -800)),
-    ],
-    time: (duration: 1.0),
 )"#;
 
 /// Runs a scene that fails; what it said.

@@ -6,7 +6,6 @@
 use riprap_dda::Blocks;
 use riprap_sph::Fluid;
 
-use super::surroundings::Surroundings;
 use super::{DRY, JointWater, Scratch};
 
 /// Largest depth of a hollow, in spacings; full pressure up to one less. Deeper ones without particles hold air.
@@ -49,16 +48,8 @@ impl JointWater {
             ..
         } = &mut self.scratch;
         let surroundings = |n: usize| {
-            let face = &near_faces[faces[n] as usize];
-            let [first, last] = face.parts.map(|part| part as usize);
-            Surroundings {
-                blocks,
-                block: face.block as usize,
-                near: &near_parts[first..last],
-                domain: fluid.settings().domain,
-                is_sealed: false,
-                spacing: self.spacing,
-            }
+            let around = (blocks, near_parts.as_slice(), fluid.settings().domain);
+            near_faces[faces[n] as usize].surroundings(around, false, self.spacing)
         };
         let Hollows { spaces, connected } = hollows;
         spaces.clear();

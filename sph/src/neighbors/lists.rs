@@ -474,7 +474,7 @@ where
                             }
                             term.add(&own, &pair, &ids, &mut sums);
                         }
-                        // padding of the last register is infinitely far
+                        // padding of the last register adds nothing, and is no neighbor
                         n_found -= (near >> span.n_in_last).count_ones();
                     }
                 }
