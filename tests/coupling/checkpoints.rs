@@ -15,7 +15,7 @@ use riprap::scene::parse::Override;
 use riprap::scene::resolve::Scene;
 use riprap::world::World;
 
-use crate::support::killed::{Files, HARD, TANK, difference, random, results, spawn};
+use crate::support::killed::{Files, TANK, difference, random, results, spawn};
 use crate::support::{self, riprap, words};
 
 /// A case with some of its fields set.
@@ -464,6 +464,21 @@ fn tables_that_became_shorter_are_not_gone_on_with() {
         "{message}"
     );
 }
+
+/// A block that hits the floor harder than its contacts can bear, whatever the step, and one beside it that does not.
+pub(crate) const HARD: &str = r#"(
+    title: "Hard",
+    domain: (min: (-5, -5, -5), max: (5, 5, 5)),
+    gravity: (0, 0, 0),
+    materials: [(name: "rock", density: 2400, friction_angle_deg: 30, contact_stiffness: 1e9)],
+    blocks: [
+        (name: "floor", material: "rock", motion: Fixed, shape: Box(min: (-4, -4, -2), max: (4, 4, 0))),
+        (name: "quiet", material: "rock", shape: Box(min: (2, 2, 2), max: (3, 3, 3))),
+        (name: "cube", material: "rock", shape: Box(min: (-0.5, -0.5, 0.5), max: (0.5, 0.5, 1.5)),
+         velocity: (0, 0, -800)),
+    ],
+    time: (duration: 1.0),
+)"#;
 
 #[test]
 fn what_no_step_helps_is_given_up_with_the_last_good_state_on_disk() {

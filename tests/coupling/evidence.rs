@@ -6,7 +6,8 @@ use std::path::Path;
 use riprap::files::table::read_table;
 use riprap::vtk::{self, PolyData, Values};
 
-use crate::support::killed::{HARD, TANK, spawn};
+use crate::checkpoints::HARD;
+use crate::support::killed::{TANK, spawn};
 use crate::support::{riprap, summary, words};
 
 /// Water thrown down at two thirds of its speed of sound: where it hits the floor it is compressed by more than it may be.

@@ -5,21 +5,6 @@ use std::fs;
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
 
-/// A block that hits the floor harder than its contacts can bear, whatever the step, and one beside it that does not.
-pub const HARD: &str = r#"(
-    title: "Hard",
-    domain: (min: (-5, -5, -5), max: (5, 5, 5)),
-    gravity: (0, 0, 0),
-    materials: [(name: "rock", density: 2400, friction_angle_deg: 30, contact_stiffness: 1e9)],
-    blocks: [
-        (name: "floor", material: "rock", motion: Fixed, shape: Box(min: (-4, -4, -2), max: (4, 4, 0))),
-        (name: "quiet", material: "rock", shape: Box(min: (2, 2, 2), max: (3, 3, 3))),
-        (name: "cube", material: "rock", shape: Box(min: (-0.5, -0.5, 0.5), max: (0.5, 0.5, 1.5)),
-         velocity: (0, 0, -800)),
-    ],
-    time: (duration: 1.0),
-)"#;
-
 /// A tank that settles, a block that falls into it, every kind of table, frames every few steps.
 pub const TANK: &str = r#"(
     title: "A block falls into a tank",
