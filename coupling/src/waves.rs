@@ -3,6 +3,7 @@
 pub mod irregular;
 pub mod regular;
 pub mod solitary;
+pub mod theory;
 
 use std::f64::consts::PI;
 
@@ -10,6 +11,10 @@ use std::f64::consts::PI;
 const MICHE: f64 = 0.142;
 /// Largest height of a solitary wave over the depth; McCowan (1894).
 const MCCOWAN: f64 = 0.78;
+/// Modes of the near field of a piston that are summed: those left out have a millionth of it.
+const NEAR_MODES: u32 = 60;
+/// Halvings of a quarter turn, to round-off.
+const BISECTIONS: u32 = 52;
 /// Steps of Newton's method for the dispersion relation; it converges in four from any depth.
 const STEPS: usize = 8;
 
@@ -29,6 +34,26 @@ pub struct Stroke {
     pub time: Vec<f64>,
     /// One for each time; m.
     pub place: Vec<f64>,
+}
+
+impl Stroke {
+    /// Place at a time (s), on straight lines between its points; m.
+    pub fn at(&self, time: f64) -> f64 {
+        between((&self.time, &self.place), time)
+    }
+}
+
+/// Value at a time on straight lines between points, the first before and the last after them; 0 without points.
+fn between((times, values): (&[f64], &[f64]), time: f64) -> f64 {
+    let next = times.partition_point(|t| *t <= time);
+    match (values.get(next.wrapping_sub(1)), values.get(next)) {
+        (Some(a), Some(b)) => {
+            let share = (time - times[next - 1]) / (times[next] - times[next - 1]);
+            a + share * (b - a)
+        }
+        (None, Some(only)) | (Some(only), None) => *only,
+        (None, None) => 0.0,
+    }
 }
 
 impl StillWater {
@@ -81,6 +106,40 @@ impl StillWater {
         // the same over cosh² kh, which does not overflow
         let tanh = kh.tanh();
         2.0 * tanh * tanh / (tanh + kh / kh.cosh().powi(2))
+    }
+
+    /// Surface at a distance (m) before a piston that does not travel, over the displacement of the piston: what decays within
+    /// some depths of it, at an angular frequency (1/s); –.
+    ///
+    /// ```text
+    /// Σ 4 sin² k_j h/(sin 2k_j h + 2 k_j h) exp(−k_j x),   ω² = −g k_j tan k_j h
+    /// ```
+    /// Source: Havelock (1929); Dean & Dalrymple (1991), eq. 6.23.
+    pub fn near_field(&self, angular_frequency: f64, distance: f64) -> f64 {
+        self.near_modes(angular_frequency)
+            .map(|(kh, share)| share * (-kh * distance / self.depth).exp())
+            .sum()
+    }
+
+    /// Modes of the near field: wave number times depth, surface over displacement at the piston.
+    fn near_modes(&self, angular_frequency: f64) -> impl Iterator<Item = (f64, f64)> {
+        let alpha = angular_frequency * angular_frequency * self.depth / self.gravity;
+        (1..=NEAR_MODES).map(move |j| {
+            // κ tan κ = −α between (j − 1/2) π and j π: with κ = jπ − δ, (jπ − δ) tan δ = α
+            let end = PI * f64::from(j);
+            let (mut low, mut high) = (0.0, 0.5 * PI);
+            for _ in 0..BISECTIONS {
+                let middle = 0.5 * (low + high);
+                if (end - middle) * middle.sin() < alpha * middle.cos() {
+                    low = middle;
+                } else {
+                    high = middle;
+                }
+            }
+            let kh = end - low;
+            let share = 4.0 * kh.sin().powi(2) / ((2.0 * kh).sin() + 2.0 * kh);
+            (kh, share)
+        })
     }
 
     /// Height at which a regular wave of a wave number (1/m) breaks on constant depth; m.
@@ -192,6 +251,23 @@ mod tests {
                 / (2.0 * step);
             // the differences are good to their square
             assert!((WATER.group_speed(k) / slope - 1.0).abs() < 1e-9, "{k}");
+        }
+    }
+
+    /// The piston displaces `S h` of water when it stands at its end; the wave that travels has `c/k` of it before the piston,
+    /// the near field the remainder. The sixty modes miss the tail of a sum over n⁻⁴.
+    #[test]
+    fn near_field_and_wave_hold_what_the_piston_displaces() {
+        for kh in [0.1, 0.5, 1.0, 2.0, 5.0] {
+            let k = kh / WATER.depth;
+            let near: f64 = (WATER.near_modes(WATER.angular_frequency(k)))
+                .map(|(kh, share)| share / kh)
+                .sum();
+            let travels = WATER.height_over_stroke(k) / kh;
+            assert!(
+                (near + travels - 1.0).abs() < 1e-5,
+                "{kh}: {near} {travels}"
+            );
         }
     }
 

@@ -9,6 +9,7 @@ pub mod ground;
 mod guards;
 pub mod ledger;
 mod penetrations;
+pub(crate) mod pistons;
 mod progress;
 pub mod time_step;
 mod water;
@@ -18,6 +19,7 @@ use riprap_dda::{Blocks, Load};
 use riprap_sph::{Stepping, Vec3};
 
 use crate::world::bodies::{BlockPhase, Bodies, InWalls, movable};
+use crate::world::pistons::AbsorbingPiston;
 use crate::world::progress::{Held, Progress, Stopwatch};
 use crate::world::time_step::TimeStep;
 
@@ -42,6 +44,7 @@ pub struct World {
     pub(crate) progress: Progress,
     pub(crate) bodies: Bodies,
     weakenings: Vec<Weakening>,
+    pistons: Vec<AbsorbingPiston>,
 }
 
 /// Numbers of a world that never change.
@@ -55,6 +58,8 @@ pub struct WorldSettings {
     pub out_of_domain: OutOfDomain,
     /// Joints whose strength degrades with time.
     pub weakenings: Vec<Weakening>,
+    /// Wave makers that absorb what comes back.
+    pub pistons: Vec<AbsorbingPiston>,
 }
 
 /// Fate of a particle or block that leaves the domain.
@@ -82,6 +87,7 @@ impl World {
             domain,
             out_of_domain,
             weakenings,
+            pistons,
         } = settings;
         let planes = water
             .iter()
@@ -94,6 +100,7 @@ impl World {
             gravity,
             progress: Progress::default(),
             weakenings,
+            pistons,
         };
         world.evaluate()?;
         world.open_ledger();
@@ -104,7 +111,8 @@ impl World {
     /// Advances blocks and fluid by a step.
     ///
     /// ```text
-    /// 1  joints weaken as their series say; water that is calm may fall asleep, from the first step of a run on
+    /// 1  joints weaken as their series say; water that is calm may fall asleep, from the first step of a run on; pistons that
+    ///    absorb are steered by the surface before them
     /// 2  the fluid's step by its stepping (the list of its phases heads each file of `riprap_sph::stepping`); at its
     ///    places the coupler moves the blocks by their sub-steps, places walls, adds the walls' parts of rates and
     ///    forces, and gives the blocks the opposite of each kick. Without fluid: the blocks' sub-steps alone
@@ -120,6 +128,7 @@ impl World {
         let dt = step.dt;
         self.weaken();
         self.begin_sleep()?;
+        self.steer_pistons(dt);
         let block_substeps = self.advance(dt, step.block_substeps)?;
         if let Some(water) = &mut self.water {
             let absorbed = water.absorb(dt);
@@ -177,6 +186,17 @@ impl World {
         };
         let from = rock.progress.clock.time;
         rock.advance(from, dt, block_substeps, InWalls::No)
+    }
+
+    fn steer_pistons(&mut self, dt: f64) {
+        let Some(water) = &self.water else { return };
+        for piston in &mut self.pistons {
+            piston.steer(
+                &water.fluid,
+                &mut self.blocks,
+                (self.progress.clock.time, dt),
+            );
+        }
     }
 
     /// Everything that follows from where fluid and blocks are now.

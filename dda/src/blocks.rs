@@ -21,6 +21,7 @@ mod rest;
 mod scratch;
 mod state;
 mod state_numbers;
+pub(crate) mod steered;
 mod strength;
 mod totals;
 mod update;

@@ -11,6 +11,7 @@
 #[path = "../support/mod.rs"]
 mod support;
 
+mod absorbing_pistons;
 mod amounts;
 mod block_forces;
 mod block_scenes;

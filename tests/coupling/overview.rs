@@ -85,6 +85,7 @@ fn record(name: &str, unit: &str, n: usize, end: f64, value: impl Fn(f64) -> f64
         unit: unit.into(),
         value: time.iter().map(|&t| value(t)).collect(),
         time,
+        ..Record::default()
     }
 }
 

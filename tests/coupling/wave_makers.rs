@@ -60,9 +60,9 @@ fn a_piston_moves_for_the_water_before_it() {
     let (found, warnings) = scene("Waves(direction: (3, 0, 0), waves: Solitary(height: 0.1))");
     let maker = &found.wave_makers[0];
     assert!(
-        (maker.water.depth - 0.5).abs() < 1e-12,
+        (maker.piston.water.depth - 0.5).abs() < 1e-12,
         "{}",
-        maker.water.depth
+        maker.piston.water.depth
     );
     let (time, place) = places(&found);
     // Goring's stroke with Rayleigh's decay, but for what tanh 4 leaves out
@@ -76,7 +76,7 @@ fn a_piston_moves_for_the_water_before_it() {
 fn a_given_depth_takes_the_place_of_the_measured_one() {
     let (found, _) =
         scene("Waves(direction: (1, 0, 0), depth: 0.4, waves: Regular(height: 0.05, period: 1.5))");
-    assert_eq!(found.wave_makers[0].water.depth, 0.4);
+    assert_eq!(found.wave_makers[0].piston.water.depth, 0.4);
     // it covers the run
     assert!((places(&found).0.last().unwrap() - 12.0).abs() < 1e-12);
 }

@@ -56,6 +56,8 @@ pub struct Record {
     pub time: Vec<f64>,
     /// A value per time; NaN in a gap.
     pub value: Vec<f64>,
+    /// The same in theory, drawn dotted; empty without one.
+    pub theory: Vec<f64>,
 }
 
 /// Curves over a variable other than time.

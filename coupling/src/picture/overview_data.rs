@@ -3,6 +3,7 @@
 mod charts;
 mod plan;
 mod side_view;
+mod theory;
 
 use std::path::{Path, PathBuf};
 
@@ -21,6 +22,7 @@ use crate::world::World;
 use crate::world::ledger::Energy;
 use charts::{bounce_heights, reached};
 use side_view::{Section, snapshot};
+use theory::Theory;
 
 /// Collects the data of `overview.svg` during a run.
 #[derive(Debug)]
@@ -31,6 +33,8 @@ pub struct OverviewData {
     noticed: Vec<Option<f64>>,
     /// Index of each gauge record in the row of gauges.
     places: Vec<usize>,
+    /// Theory of each gauge record, where there is one.
+    theories: Vec<Option<Theory>>,
     duration: f64,
 }
 
@@ -41,8 +45,7 @@ impl OverviewData {
         let record = |name: &str, unit: &str| Record {
             name: name.to_owned(),
             unit: unit.to_owned(),
-            time: Vec::new(),
-            value: Vec::new(),
+            ..Record::default()
         };
         let section = Section::of(scene);
         let noticed = noticed(scene);
@@ -70,6 +73,9 @@ impl OverviewData {
                 along: section.label(),
                 plan: plan::begun(scene, world),
             },
+            theories: (columns.iter())
+                .map(|(_, name, _)| Theory::of(scene, name))
+                .collect(),
             places: columns.iter().map(|(place, _, _)| *place).collect(),
             duration: scene.duration,
             section,
@@ -83,6 +89,11 @@ impl OverviewData {
         let places = self.places.iter().copied();
         fill(&mut self.overview.gauges, &gauges, places);
         fill(&mut self.overview.energy, &energy, 1..);
+        for (record, theory) in self.overview.gauges.iter_mut().zip(&self.theories) {
+            if let Some(theory) = theory {
+                record.theory = theory.at(&record.time);
+            }
+        }
         for record in &mut self.overview.energy {
             // losses count from the start; of what is stored only changes matter, and gravity has no zero
             let start = record.value.first().copied().unwrap_or(0.0);

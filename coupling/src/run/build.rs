@@ -9,6 +9,7 @@ use crate::joints::JointWater;
 use crate::scene::resolve::{FluidScene, Scene};
 use crate::scene::resolved::recording::Quantity;
 use crate::walls::Walls;
+use crate::world::pistons::AbsorbingPiston;
 use crate::world::{Water, WaterBoundaries, World, WorldSettings};
 
 /// Builds the world of a scene.
@@ -35,6 +36,7 @@ pub fn build(scene: &Scene) -> Result<World, RunError> {
         domain: (scene.domain.min, scene.domain.max),
         out_of_domain: scene.domain.out_of_domain,
         weakenings: scene.weakenings.clone(),
+        pistons: pistons(scene, &blocks),
     };
     let mut world = World::new(blocks, water, settings)?;
     world.keep_accounts(&recorded(scene));
@@ -52,6 +54,26 @@ fn recorded(scene: &Scene) -> Vec<usize> {
             _ => None,
         });
     by_source.chain(of_gauges).collect()
+}
+
+/// Wave makers that absorb.
+fn pistons(scene: &Scene, blocks: &Blocks) -> Vec<AbsorbingPiston> {
+    let Some(fluid) = &scene.fluid else {
+        return Vec::new();
+    };
+    let spacing = fluid.settings.mean_spacing();
+    let absorbing = scene.wave_makers.iter().filter(|maker| maker.absorbs);
+    absorbing
+        .map(|maker| {
+            let front = maker.front - blocks.centroid(maker.block);
+            AbsorbingPiston::new(
+                (maker.block, maker.direction),
+                (front, maker.half_width),
+                (maker.piston.water.depth, spacing),
+                maker.piston.control(AbsorbingPiston::reads_at(spacing)),
+            )
+        })
+        .collect()
 }
 
 /// Packed water with its walls, joints and openings.

@@ -11,6 +11,7 @@ use super::resolved::FluidScene;
 use crate::waves::irregular::{Spectrum, Waves};
 use crate::waves::regular::Regular;
 use crate::waves::solitary::Solitary;
+use crate::waves::theory::{Piston, Theory};
 use crate::waves::{StillWater, Stroke};
 
 /// Distance before a piston at which the depth is measured; × its size.
@@ -31,16 +32,20 @@ pub struct WaveMaker {
     pub block: usize,
     /// Unit vector into the water.
     pub direction: Vec3,
-    /// Still water before it.
-    pub water: StillWater,
     /// Waves as written.
     pub waves: WavesFile,
+    /// The same in theory, in the still water before the piston.
+    pub piston: Piston,
+    /// Whether it takes out waves that come back.
+    pub absorbs: bool,
+    /// Elevation of the still water before it; m.
+    level: f64,
     /// Motion along the direction.
     pub stroke: Stroke,
     /// Place before it at the start, at its middle height; m.
-    front: Vec3,
+    pub front: Vec3,
     /// Half of its extent across; m.
-    half_width: f64,
+    pub half_width: f64,
 }
 
 /// Wave maker of the block `index`, if its motion is one.
@@ -58,6 +63,7 @@ pub(super) fn wave_maker(
         waves,
         depth,
         ramp,
+        absorb,
     } = &file.blocks[index].motion
     else {
         return Ok(None);
@@ -67,22 +73,23 @@ pub(super) fn wave_maker(
     let direction = vec3(*direction).try_normalize(0.0).ok_or_else(|| {
         Problem::error(format!("{path}.direction"), "the motion has no direction")
     })?;
-    let depth = match depth {
-        Some(depth) => *depth,
-        None => depth_before(file, solids, (index, &direction))
-            .ok_or_else(|| Problem::error(format!("{path}.direction"), no_water(name)))?,
-    };
+    let found = water_before(file, solids, (index, &direction));
+    let (measured, level) =
+        found.ok_or_else(|| Problem::error(format!("{path}.direction"), no_water(name)))?;
+    let depth = depth.unwrap_or(measured);
     let water = StillWater {
         depth,
         gravity: vec3(file.gravity).norm(),
     };
-    let stroke = stroke(waves, water, (file.time.duration, *ramp));
+    let piston = piston(waves, water, (file.time.duration, *ramp));
     Ok(Some(WaveMaker {
         block: index,
         direction,
-        water,
         waves: waves.clone(),
-        stroke,
+        stroke: piston.stroke(),
+        piston,
+        absorbs: *absorb,
+        level,
         front: front(solids, (index, &direction)).unwrap_or_default(),
         half_width: half_width(solids, (index, &direction)).unwrap_or_default(),
     }))
@@ -110,54 +117,66 @@ fn front(solids: &[(String, Shape)], (index, direction): (usize, &Vec3)) -> Opti
     Some(0.5 * (min + max) + reach * direction)
 }
 
-/// Depth of the water in front of a block; m.
-fn depth_before(
+/// Depth and level of the water in front of a block, the deepest where regions meet; m.
+fn water_before(
     file: &SceneFile,
     solids: &[(String, Shape)],
     (index, direction): (usize, &Vec3),
-) -> Option<f64> {
+) -> Option<(f64, f64)> {
     let place = front(solids, (index, direction))?;
     let regions = file.fluid.iter().flat_map(|fluid| &fluid.regions);
-    let depth_in = |shape: &RegionShapeFile| match *shape {
+    let water_in = |shape: &RegionShapeFile| match *shape {
         RegionShapeFile::Box { min, max } => {
             let (low, high) = (vec3(min), vec3(max));
             let is_inside = low.x <= place.x && place.x <= high.x;
-            (is_inside && low.y <= place.y && place.y <= high.y).then_some(high.z - low.z)
+            let is_inside = is_inside && low.y <= place.y && place.y <= high.y;
+            is_inside.then_some((high.z - low.z, high.z))
         }
         RegionShapeFile::Below { level, .. } => {
-            depth_at(solids, [place.x, place.y], (file.domain.min.2, level))
+            let depth = depth_at(solids, [place.x, place.y], (file.domain.min.2, level))?;
+            Some((depth, level))
         }
     };
-    let depths = regions.filter_map(|region| depth_in(&region.shape));
-    depths.filter(|depth| 0.0 < *depth).reduce(f64::max)
+    let found = regions.filter_map(|region| water_in(&region.shape));
+    found
+        .filter(|(depth, _)| 0.0 < *depth)
+        .reduce(|a, b| if a.0 < b.0 { b } else { a })
 }
 
-fn stroke(waves: &WavesFile, water: StillWater, (duration, ramp): (f64, Option<f64>)) -> Stroke {
-    let start = |period: f64| ramp.unwrap_or(RAMP * period);
-    match *waves {
+fn piston(waves: &WavesFile, water: StillWater, (duration, ramp): (f64, Option<f64>)) -> Piston {
+    let theory = match *waves {
         WavesFile::Regular { height, period } => {
-            Regular::new(water, height, period).stroke(duration, start(period))
+            Theory::Regular(Regular::new(water, height, period))
         }
-        WavesFile::Solitary { height } => Solitary::new(water, height).stroke(),
+        WavesFile::Solitary { height } => Theory::Solitary(Solitary::new(water, height)),
         WavesFile::Irregular {
             spectrum,
             height,
             period,
             seed,
-        } => Waves::irregular(water, (spectrum.into(), height, period), (duration, seed))
-            .stroke(duration, start(period)),
+        } => Theory::Sum(Waves::irregular(
+            water,
+            (spectrum.into(), height, period),
+            (duration, seed),
+        )),
         WavesFile::Focused {
             spectrum,
             amplitude,
             period,
             distance,
             time,
-        } => Waves::focused(
+        } => Theory::Sum(Waves::focused(
             water,
             (spectrum.into(), amplitude, period),
             (distance, time),
-        )
-        .stroke(duration, start(period)),
+        )),
+        WavesFile::Still { period } => Theory::Still(period),
+    };
+    Piston {
+        water,
+        ramp: ramp.unwrap_or(RAMP * theory.period()),
+        theory,
+        duration,
     }
 }
 
@@ -197,13 +216,25 @@ impl WaveMaker {
         })
     }
 
+    /// Elevation of the surface at a place in theory, `None` behind the piston; m.
+    pub fn elevation(&self, [x, y]: [f64; 2], time: f64) -> Option<f64> {
+        let away = Vec3::new(x - self.front.x, y - self.front.y, 0.0);
+        let distance = away.dot(&self.direction);
+        (0.0 < distance).then(|| self.level + self.piston.surface(distance, time))
+    }
+
+    /// Whether it makes waves.
+    pub fn makes_waves(&self) -> bool {
+        !matches!(self.waves, WavesFile::Still { .. })
+    }
+
     /// Length of its waves; m.
     pub(super) fn wave_length(&self) -> f64 {
         self.scales().length
     }
 
     fn scales(&self) -> Scales {
-        let water = self.water;
+        let water = self.piston.water;
         let of_period = |height: f64, period: f64| {
             let wave_number = water.wave_number(2.0 * PI / period);
             Scales {
@@ -230,17 +261,18 @@ impl WaveMaker {
             WavesFile::Focused {
                 amplitude, period, ..
             } => of_period(2.0 * amplitude, period),
+            WavesFile::Still { period } => of_period(0.0, period),
         }
     }
 
     /// Waves, piston and their scales in a line.
     pub fn description(&self, spacing: Option<f64>) -> String {
-        let StillWater { depth, .. } = self.water;
+        let StillWater { depth, .. } = self.piston.water;
         let Scales { height, length, .. } = self.scales();
         let (kind, more) = match &self.waves {
             WavesFile::Regular { height, period } => {
-                let found = Regular::new(self.water, *height, *period);
-                let share = found.ursell_share(self.water);
+                let found = Regular::new(self.piston.water, *height, *period);
+                let share = found.ursell_share(self.piston.water);
                 (
                     format!("regular waves, height {height} m, period {period} s"),
                     format!(
@@ -254,7 +286,7 @@ impl WaveMaker {
                 format!("solitary wave, height {height} m"),
                 format!(
                     ", celerity {:.4} m/s",
-                    Solitary::new(self.water, *height).celerity
+                    Solitary::new(self.piston.water, *height).celerity
                 ),
             ),
             WavesFile::Irregular { height, period, .. } => (
@@ -270,13 +302,22 @@ impl WaveMaker {
                 format!("group of waves, {amplitude} m high {distance} m before it at {time} s"),
                 String::new(),
             ),
+            WavesFile::Still { period } => {
+                return format!(
+                    "no waves, absorbs those that come, best of a period of {period} s: length {length:.4} m on {depth:.4} m"
+                );
+            }
+        };
+        let absorbs = match self.absorbs {
+            true => ", absorbs what comes back",
+            false => "",
         };
         let rows = spacing.map_or(String::new(), |spacing| {
             format!(", {:.1} spacings", height / spacing)
         });
         format!(
             "{kind}, on {depth:.4} m: length {length:.4} m, kh {:.3}, highest {height:.4} m{rows}, H/h {:.3}, H/L {:.4}; \
-             stroke {:.4} m, at most {:.3} m/s{more}",
+             stroke {:.4} m, at most {:.3} m/s{more}{absorbs}",
             2.0 * PI * depth / length,
             height / depth,
             height / length,
@@ -305,12 +346,13 @@ impl WaveMaker {
                 format!(
                     "block `{name}`: waves of {:.4} m break on {:.4} m of water, by {} above {:.4} m; ask for lower or \
                      longer ones",
-                    scales.height, self.water.depth, scales.limit, scales.breaking
+                    scales.height, self.piston.water.depth, scales.limit, scales.breaking
                 ),
             ));
         }
         if let WavesFile::Regular { height, period } = self.waves {
-            let share = Regular::new(self.water, height, period).ursell_share(self.water);
+            let share =
+                Regular::new(self.piston.water, height, period).ursell_share(self.piston.water);
             if 1.0 < share {
                 problems.push(Problem::warning(
                     path(".waves"),
@@ -318,7 +360,7 @@ impl WaveMaker {
                         "block `{name}`: waves of {height} m and {period} s are too long for second order on {:.4} m, \
                          {share:.1} times H L2/h3 = 26.3: a second crest will travel behind each; ask for lower or shorter \
                          ones",
-                        self.water.depth
+                        self.piston.water.depth
                     ),
                 ));
             }
@@ -388,8 +430,11 @@ impl WaveMaker {
         else {
             return None;
         };
-        let short = self.water.wave_number(FASTEST_IN_GROUP * 2.0 * PI / period);
-        let needed = distance / self.water.group_speed(short);
+        let short = self
+            .piston
+            .water
+            .wave_number(FASTEST_IN_GROUP * 2.0 * PI / period);
+        let needed = distance / self.piston.water.group_speed(short);
         (time < needed).then(|| {
             Problem::warning(
                 format!("blocks[{}].motion.waves.time", self.block),

@@ -178,6 +178,24 @@ impl Waves {
         self.components.iter().map(of).sum()
     }
 
+    /// Amplitudes of the near field at a distance (m) before the piston, of each component; m.
+    pub fn near_amplitudes(&self, distance: f64) -> Vec<f64> {
+        let of = |one: &Component| {
+            let stroke = one.amplitude / self.water.height_over_stroke(one.wave_number);
+            stroke * self.water.near_field(one.angular_frequency, distance)
+        };
+        self.components.iter().map(of).collect()
+    }
+
+    /// Surface of the near field of some amplitudes, in phase with the piston, after a smooth start over `ramp` (s); m.
+    pub fn near_field(&self, amplitudes: &[f64], time: f64, ramp: f64) -> f64 {
+        let of = |(one, amplitude): (&Component, &f64)| {
+            amplitude * (one.angular_frequency * time + one.phase).sin()
+        };
+        let parts = self.components.iter().zip(amplitudes);
+        smooth_start(time, ramp) * parts.map(of).sum::<f64>()
+    }
+
     /// Motion of the piston for a duration (s), after a smooth start over `ramp` (s).
     ///
     /// ```text

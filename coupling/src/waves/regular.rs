@@ -58,8 +58,43 @@ impl Regular {
 
     /// Place of the piston after a smooth start over `ramp` (s); m.
     pub fn place(&self, time: f64, ramp: f64) -> f64 {
+        self.with_piston([self.first, self.second], time, ramp)
+    }
+
+    /// Surface of second order at a distance (m) from the piston at rest, after a smooth start over `ramp` (s) that travels with
+    /// the energy of the wave; m.
+    ///
+    /// ```text
+    /// η = H/2 cos θ + k H²/16 (3 coth² kh − 1) coth kh cos 2θ,   θ = ωt − kx                            [m]
+    /// ```
+    /// Source: Stokes (1847); Dean & Dalrymple (1991), eq. 11.44.
+    pub fn surface(&self, water: StillWater, (distance, time): (f64, f64), ramp: f64) -> f64 {
+        let k = self.wave_number;
+        let phase = 2.0 * PI * time / self.period - k * distance;
+        let coth = 1.0 / (k * water.depth).tanh();
+        let bound = k * self.height.powi(2) / 16.0 * (3.0 * coth * coth - 1.0) * coth;
+        let started = smooth_start(time - distance / water.group_speed(k), ramp);
+        started * (0.5 * self.height * phase.cos() + bound * (2.0 * phase).cos())
+    }
+
+    /// Amplitudes of the near field at a distance (m) before the piston, of the period and of half of it; m.
+    pub fn near_amplitudes(&self, water: StillWater, distance: f64) -> [f64; 2] {
+        let omega = 2.0 * PI / self.period;
+        [
+            self.first * water.near_field(omega, distance),
+            self.second * water.near_field(2.0 * omega, distance),
+        ]
+    }
+
+    /// Surface of the near field of some amplitudes; m.
+    pub fn near_field(&self, amplitudes: [f64; 2], time: f64, ramp: f64) -> f64 {
+        self.with_piston(amplitudes, time, ramp)
+    }
+
+    /// Sum of two amplitudes in phase with the piston, after a smooth start.
+    fn with_piston(&self, [first, second]: [f64; 2], time: f64, ramp: f64) -> f64 {
         let phase = 2.0 * PI * time / self.period;
-        smooth_start(time, ramp) * (self.first * phase.sin() + self.second * (2.0 * phase).sin())
+        smooth_start(time, ramp) * (first * phase.sin() + second * (2.0 * phase).sin())
     }
 
     /// Motion for a duration (s).

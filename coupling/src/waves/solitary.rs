@@ -56,16 +56,34 @@ impl Solitary {
     /// ```
     /// Source: Goring (1978), W. M. Keck Lab. report KH-R-38.
     pub fn stroke(&self) -> Stroke {
-        let half = 0.5 * self.stroke_length();
-        let place = |phase: f64| half * phase.tanh();
-        // the phase gives the time without iteration
-        let time = |phase: f64| (phase / self.decay + place(phase)) / self.celerity;
         let phases =
             (0..=INTERVALS).map(|k| FADE * (2.0 * f64::from(k) / f64::from(INTERVALS) - 1.0));
         let (time, place) = phases
-            .map(|phase| (time(phase) - time(-FADE), place(phase) - place(-FADE)))
+            .map(|phase| {
+                (
+                    self.time(phase) - self.time(-FADE),
+                    self.place(phase) - self.place(-FADE),
+                )
+            })
             .unzip();
         Stroke { time, place }
+    }
+
+    /// Place of the piston where the wave has a phase before it, from the middle of its way; m.
+    fn place(&self, phase: f64) -> f64 {
+        0.5 * self.stroke_length() * phase.tanh()
+    }
+
+    /// Time at which the wave has a phase before the piston, which gives it without iteration, from that of the crest; s.
+    fn time(&self, phase: f64) -> f64 {
+        (phase / self.decay + self.place(phase)) / self.celerity
+    }
+
+    /// Surface at a distance (m) from the piston at rest; m.
+    pub fn surface(&self, distance: f64, time: f64) -> f64 {
+        let (t, x) = (time + self.time(-FADE), distance + self.place(-FADE));
+        let phase = self.decay * (self.celerity * t - x);
+        self.height / phase.cosh().powi(2)
     }
 }
 

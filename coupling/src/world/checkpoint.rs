@@ -1,6 +1,7 @@
 //! The state of a world as bytes: saved in a run, read back into the world of the same scene.
 
 use super::World;
+use super::pistons::{AbsorbingPiston, State};
 use crate::saved::{Read, Saved};
 
 impl World {
@@ -16,11 +17,13 @@ impl World {
             water,
             progress,
             bodies,
+            pistons,
             // constants
             gravity: _,
             weakenings: _,
         } = self;
-        let out = postcard::to_extend(&(progress, &bodies.dry, &bodies.accounts), out)?;
+        let states: Vec<_> = pistons.iter().map(AbsorbingPiston::state).collect();
+        let out = postcard::to_extend(&(progress, &bodies.dry, &bodies.accounts, states), out)?;
         let out = blocks.save(out)?;
         let Some(water) = water else { return Ok(out) };
         let out = water.fluid.save(out)?;
@@ -43,10 +46,14 @@ impl World {
         let bodies = &mut self.bodies;
         let n_blocks = bodies.dry.len();
         let wanted: Vec<usize> = (bodies.accounts.iter()).map(|a| a.block).collect();
-        let rest;
-        ((self.progress, bodies.dry, bodies.accounts), rest) = postcard::take_from_bytes(bytes)?;
-        if bodies.dry.len() != n_blocks {
+        let (states, rest): (Vec<State>, _);
+        ((self.progress, bodies.dry, bodies.accounts, states), rest) =
+            postcard::take_from_bytes(bytes)?;
+        if bodies.dry.len() != n_blocks || states.len() != self.pistons.len() {
             return Err(postcard::Error::DeserializeBadEncoding);
+        }
+        for (piston, state) in self.pistons.iter_mut().zip(states) {
+            piston.restore(state);
         }
         let bytes = self.blocks.read(rest)?;
         // a run taken further may record other blocks

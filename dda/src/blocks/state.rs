@@ -3,6 +3,7 @@
 use super::accounts::Accounts;
 use super::attachments::Attachments;
 use super::rest::Rest;
+use super::steered::Steered;
 use super::totals::Totals;
 use crate::contact::rates::BlockRates;
 use crate::geometry::bounds::Bounds;
@@ -36,6 +37,8 @@ pub(crate) struct State {
     pub rest: Rest,
     /// Impulses on chosen blocks, by source.
     pub accounts: Accounts,
+    /// Motions added to prescribed ones; one per block that was ever steered.
+    pub steered: Vec<Steered>,
     /// Energies, impulses and counts since t = 0.
     pub totals: Totals,
     /// Contact constants of every pair of materials, row by row; changed by `weaken`.

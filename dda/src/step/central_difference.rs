@@ -70,7 +70,7 @@ impl Blocks {
         for b in 0..self.n_blocks() {
             match (self.derived.update[b], &self.constants.motion[b]) {
                 (Update::Fixed, Motion::Prescribed(path)) => {
-                    self.state.velocity[b] = path.velocity(to);
+                    self.state.velocity[b] = path.velocity(to) + self.steering(b).1;
                     let spin = path.spin(to);
                     self.set_spin(b, &spin);
                     self.set_kinematics(b);
@@ -210,14 +210,16 @@ impl Blocks {
             self.state.centroid[b] += self.state.velocity[b] * dt;
             self.turn(b, dt);
         }
+        self.drift_steered(dt);
         for b in 0..self.n_blocks() {
             if let (Update::Fixed, Motion::Prescribed(path)) =
                 (self.derived.update[b], &self.constants.motion[b])
             {
                 let (before, after) = (path.displacement(from), path.displacement(to));
-                self.state.centroid[b] = self.constants.initial_centroid[b] + after;
+                let (added, velocity) = self.steering(b);
+                self.state.centroid[b] = self.constants.initial_centroid[b] + after + added;
                 // Mean over the sub-step, as the half-step velocity of the free blocks is.
-                self.state.velocity[b] = (after - before) / dt;
+                self.state.velocity[b] = (after - before) / dt + velocity;
                 let (before, after) = (path.turn(from), path.turn(to));
                 self.state.attitude[b] = after * self.constants.principal[b];
                 self.set_spin(b, &((after * before.inverse()).scaled_axis() / dt));

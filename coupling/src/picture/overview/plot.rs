@@ -25,6 +25,9 @@ const DASHES: [&str; 3] = [
     " stroke-dasharray=\"2 2.5\"",
 ];
 
+/// Style of a record in theory.
+const THEORY: &str = "stroke-width=\"1.2\" stroke-dasharray=\"1.2 2.4\"";
+
 /// Axis labels of a plot.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Axes<'a> {
@@ -46,7 +49,8 @@ pub(super) fn draw(page: &mut Page, y: f64, axes: Axes, records: &[&Record]) -> 
         height: HEIGHT.max(legend),
     };
     let (start, end) = extent(records.iter().flat_map(|record| &record.time));
-    let (low, high) = extent(records.iter().flat_map(|record| &record.value));
+    let (low, high) =
+        extent((records.iter()).flat_map(|record| record.value.iter().chain(&record.theory)));
     let (start, end) = open_range(start, end, 1e-9);
     let (low, high) = open_range(low, high, LEAST_RANGE);
     let margin = 0.05 * (high - low);
@@ -71,10 +75,12 @@ pub(super) fn draw(page: &mut Page, y: f64, axes: Axes, records: &[&Record]) -> 
         &format!("{} [{prefix}{unit}]", axes.vertical),
     );
     let is_shown = |time: &f64| (start..=end).contains(time);
-    let note = if axes.marked.iter().any(is_shown) {
-        "; dotted: the views above"
-    } else {
-        ""
+    let has_theory = records.iter().any(|record| !record.theory.is_empty());
+    let note = match (axes.marked.iter().any(is_shown), has_theory) {
+        (true, true) => "; dotted: the views above, and theory in the color of each record",
+        (true, false) => "; dotted: the views above",
+        (false, true) => "; dotted: theory in the color of each record",
+        (false, false) => "",
     };
     page.text(
         [frame.left + frame.width / 2.0, frame.bottom() + 32.0],
@@ -88,7 +94,14 @@ pub(super) fn draw(page: &mut Page, y: f64, axes: Axes, records: &[&Record]) -> 
     }
     page.open_clipped_group(frame);
     for (i, record) in records.iter().enumerate() {
-        let path = curve(record, horizontal, vertical);
+        let theory = curve((&record.time, &record.theory), horizontal, vertical);
+        if !theory.is_empty() {
+            let color = COLORS[i % COLORS.len()];
+            page.push(&format!(
+                "<path d=\"{theory}\" fill=\"none\" stroke=\"{color}\" {THEORY}/>"
+            ));
+        }
+        let path = curve((&record.time, &record.value), horizontal, vertical);
         page.push(&format!("<path d=\"{path}\" fill=\"none\" {}/>", stroke(i)));
     }
     page.close_group();
@@ -195,12 +208,8 @@ impl Extremes {
 }
 
 /// Path of a record with as many points as the page resolves, all peaks, and a gap at every NaN.
-fn curve(record: &Record, horizontal: Axis, vertical: Axis) -> String {
-    let samples = record
-        .time
-        .iter()
-        .copied()
-        .zip(record.value.iter().copied());
+fn curve((time, value): (&[f64], &[f64]), horizontal: Axis, vertical: Axis) -> String {
+    let samples = time.iter().copied().zip(value.iter().copied());
     let point = |(t, v)| (is_number(t) && is_number(v)).then(|| [horizontal.at(t), vertical.at(v)]);
     let points: Vec<Option<[f64; 2]>> = samples.map(point).collect();
     let mut path = String::new();
@@ -244,7 +253,7 @@ mod tests {
             value: (0..n).map(value).collect(),
             ..Record::default()
         };
-        curve(&record, PIXELS, PIXELS)
+        curve((&record.time, &record.value), PIXELS, PIXELS)
     }
 
     #[test]
@@ -262,7 +271,7 @@ mod tests {
             ..Record::default()
         };
         assert_eq!(
-            curve(&stair, PIXELS, PIXELS),
+            curve((&stair.time, &stair.value), PIXELS, PIXELS),
             "M0.0 0.0L40.0 0.0L40.0 50.0L90.0 50.0"
         );
     }

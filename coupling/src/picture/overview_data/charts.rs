@@ -19,6 +19,7 @@ pub(super) fn bounce_heights(heights: &[(f64, Vec<f64>)]) -> Chart {
         unit: "m".to_owned(),
         time: heights.iter().map(|(distance, _)| *distance).collect(),
         value: passed_by(share),
+        ..Record::default()
     };
     Chart {
         label: "bounce height".to_owned(),
@@ -40,6 +41,7 @@ pub(super) fn reached(run_outs: &[f64]) -> Chart {
         unit: String::new(),
         time: vec![0.0],
         value: vec![0.0],
+        ..Record::default()
     };
     for (k, &run_out) in steps {
         stair.time.extend([run_out, run_out]);

@@ -101,6 +101,9 @@ pub enum MotionFile {
         /// Duration of the smooth start, of waves with a period; s. A period when left out.
         #[serde(default)]
         ramp: Option<f64>,
+        /// Whether the piston takes out the waves that come back to it, by the surface before it.
+        #[serde(default)]
+        absorb: bool,
     },
     /// A record: CSV with columns time (s), displacement x, y, z (m) and, for a rotating block, the rotation vector
     /// rx, ry, rz about the centroid (degrees), or in the units of its header, `x [mm]` or `x_mm`; `#` comments.

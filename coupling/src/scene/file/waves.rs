@@ -44,6 +44,11 @@ pub enum WavesFile {
         /// Time at which they meet; s.
         time: f64,
     },
+    /// None: the piston only absorbs the waves that come to it.
+    Still {
+        /// Period of those that it absorbs best; s.
+        period: f64,
+    },
 }
 
 /// Shape of a spectrum of waves.

@@ -14,6 +14,7 @@ impl Checks {
             waves,
             depth,
             ramp,
+            absorb,
         } = &block.motion
         else {
             return;
@@ -49,6 +50,12 @@ impl Checks {
         }
         self.positive(format!("{path}.depth"), &of("depth"), *depth);
         self.not_negative(format!("{path}.ramp"), &of("ramp"), *ramp);
+        if matches!(waves, WavesFile::Still { .. }) && !absorb {
+            self.refuse(
+                format!("{path}.absorb"),
+                of("a piston without waves stands still; let `absorb` be true, or the motion be Fixed"),
+            );
+        }
         self.waves(&format!("{path}.waves"), &block.name, waves);
     }
 
@@ -59,6 +66,7 @@ impl Checks {
                 (&[("height", *height), ("period", *period)], None)
             }
             WavesFile::Solitary { height } => (&[("height", *height)], None),
+            WavesFile::Still { period } => (&[("period", *period)], None),
             WavesFile::Irregular {
                 spectrum,
                 height,
