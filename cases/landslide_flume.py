@@ -2,18 +2,22 @@
 """Motion of the block of landslide_flume.ron, from a closed form; standard library only.
 
     python3 landslide_flume.py > landslide_flume_block.csv
+    python3 landslide_flume.py shape
 
 The speed of the block's middle along the bed is linear between KNOTS, fitted to the displacement measured by Sue (run
 SG3_IS5). Both ends of its base, a chord of 0.5 m, stay on the bed, so that it rotates as it leaves the ramp.
 """
 
 import math
+import sys
 
 # time, speed along the bed; s, m/s
 KNOTS = [(0, 0), (0.6, 0.792), (1.35, 1.521), (1.55, 1.091), (2.1, 1.094), (3, 0.821), (4.5, 0.215), (5.3, 0)]
 # initial position of the middle of the base, along the ramp from the shoreline; m
 START = 0.2948
-CHORD, HEIGHT, DEPTH = 0.5, 0.026, 0.435
+CHORD, DEPTH = 0.5, 0.435
+# of half an ellipse of the published volume, 2.419 l in 0.25 m; the published 0.026 m would be 5.5 % more
+HEIGHT = 2.419e-3 / 0.25 / (math.pi / 4 * CHORD)
 # the block extends below its base, into the bed: no water enters beneath it
 SKIRT = 0.045
 # ends of the pieces of the bed; m
@@ -91,7 +95,15 @@ def poses():
         yield 0.02 * row, chord(rear)
 
 
-if __name__ == "__main__":
+def shape():
+    """Corners of the block at the start, in the format of a scene."""
+    start = next(poses())[1]
+    corners = [f"({x:.5f}, {z:.5f})" for x, z in (place(corner, start) for corner in outline())]
+    return "\n".join(", ".join(corners[k:k + 5]) + "," for k in range(0, len(corners), 5))
+
+
+def motion():
+    """Prints the table of the motion."""
     middle = centroid(outline())
     first = None
     print("# run SG3_IS5: the speed along the bed is linear between")
@@ -101,3 +113,10 @@ if __name__ == "__main__":
         x, z = place(middle, pose)
         first = first or (x, z, pose[2])
         print(f"{time:.2f}, {x - first[0]:.6f}, 0, {z - first[1]:.6f}, 0, {math.degrees(pose[2] - first[2]):.4f}, 0")
+
+
+if __name__ == "__main__":
+    if sys.argv[1:] == ["shape"]:
+        print(shape())
+    else:
+        motion()

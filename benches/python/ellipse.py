@@ -54,10 +54,11 @@ MOTIONS = {
 SECTION = 2.419e-3 / 0.25
 
 
-def flume(name):
-    """Parameters and functions of landslide_flume.py, for another run."""
+def flume(name, height=None):
+    """Parameters and functions of landslide_flume.py, for another run, and another height of the block (m)."""
     module = importlib.util.module_from_spec(NUMBERS)
     NUMBERS.loader.exec_module(module)
+    module.HEIGHT = height or module.HEIGHT
     if MOTIONS[name]:
         module.START, module.KNOTS = MOTIONS[name]
     return module
@@ -88,9 +89,9 @@ def text(name, block):
     return f"// {name}, by benches/python/ellipse.py\n" + scene[:start] + block + scene[end:]
 
 
-def prescribed(name, folder):
+def prescribed(name, folder, height=None):
     """Writes scene and measured motion of one run; returns the scene's path."""
-    module = flume(name)
+    module = flume(name, height)
     start = next(module.poses())[1]
     corners = polygon(module.place(corner, start) for corner in module.outline())
     (folder / f"ellipse_{name}.csv").write_text(table(module))

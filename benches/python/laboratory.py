@@ -3,7 +3,7 @@
 
     python3 benches/python/laboratory.py [ROW ...] --riprap PATH --runs DIR --records DIR --walls Penalty,Particles,Integral
 
-Rows are ellipse, ellipse_free, falling_block, floating_block, cosine_block, cube, heave_sphere and submarine_body; their
+Rows are ellipse, ellipse_potential, ellipse_free, falling_block, floating_block, cosine_block, cube, heave_sphere and submarine_body; their
 scenes are in cases/ and benches/scenes/laboratory/, each with its source. Prints `row | required | W1 | W2 | W3` with errors and CPU
 seconds, and plots `plots/laboratory_ROW.png`: raster images, from which records of others cannot be recovered as data.
 
@@ -175,6 +175,20 @@ QUOTED = {"SG3_IS5": [((0.42, 0.0041), (0.95, -0.0226)), ((1.23, 0.0130), (1.75,
 
 def ellipse(args):
     """Eight runs of the half ellipse, each with its measured motion."""
+    return slides(args, "ellipse", "10 %, arrival 3 %")
+
+
+def ellipse_potential(args):
+    """The same with the full height of the block, for records of a potential flow, by spacing."""
+    rows = []
+    for spacing in (10, 5):
+        settings = [f"fluid.resolution=Spacing({spacing / 1000})", "output.frame_interval=5"]
+        rows += slides(args, f"ellipse_potential_{spacing}mm", "3 %, at 4.5 m 5 %", 0.026, settings)
+    return rows
+
+
+def slides(args, row, required, height=None, settings=()):
+    """Eight runs of the half ellipse of a height (m; the published volume's when left out)."""
     scenes = module("ellipse")
     folder = args.runs / "scenes"
     folder.mkdir(parents=True, exist_ok=True)
@@ -192,7 +206,8 @@ def ellipse(args):
         panels[0, column].set_title(name, fontsize=8)
         cells = {}
         for walls in args.walls:
-            ran = run(args, scenes.prescribed(name, folder), walls, f"ellipse_{name}", settled(walls, 1))
+            scene = scenes.prescribed(name, folder, height)
+            ran = run(args, scene, walls, f"{row}_{name}", [*settings, *settled(walls, 1)])
             if ran is None:
                 continue
             found = []
@@ -202,12 +217,12 @@ def ellipse(args):
                 found.append(leading(time, wave, until))
                 panel.plot(time, 1e3 * wave, color=shared.COLORS[walls], lw=0.8, label=shared.WALLS[walls])
             cells[walls] = f"{heights(found, asked, 0)}; {heights(found, asked, 1)}; {ran.note()}"
-        table.append((f"ellipse, {name}: crests; troughs at x = 0.5 to 4.5 m", "10 %, arrival 3 %", cells))
+        table.append((f"{row}, {name}: crests; troughs at x = 0.5 to 4.5 m", required, cells))
     for panel, x in zip(panels[:, 0], GAUGES):
         panel.set_ylabel(f"x = {x} m [mm]", fontsize=7)
         panel.set_xlim(0, 4.2)
     legend(panels[0, list(scenes.MOTIONS).index("SG3_IS5")])
-    save(args, made, "ellipse")
+    save(args, made, row)
     return table
 
 
@@ -514,8 +529,8 @@ def submarine_body(args):
     return [("submarine_body: troughs and crests at four gauges", "10 %, arrival 0.1 s", cells)]
 
 
-ROWS = {one.__name__: one for one in (ellipse, ellipse_free, falling_block, floating_block, cosine_block, cube, heave_sphere,
-                                      submarine_body)}
+ROWS = {one.__name__: one for one in (ellipse, ellipse_potential, ellipse_free, falling_block, floating_block, cosine_block, cube,
+                                      heave_sphere, submarine_body)}
 
 
 def main():

@@ -550,8 +550,8 @@ fn overrides_reach_any_field_through_the_same_checks() {
             "bulk viscosity must be in [0, 1], found 2",
         ),
         (
-            // the wedge is of the published scheme, whose density is a sum
-            "numerics.bulk_viscosity=0.1",
+            // the density of the published scheme is a sum
+            "numerics=(preset: Mueller2003, bulk_viscosity: 0.1)",
             "bulk viscosity acts on the rate of density",
         ),
         ("blocks.wegde.velocity=(0, 0, 0)", "no such"),

@@ -3,6 +3,7 @@
 
 mod accounts;
 mod bodies;
+mod closed_in;
 mod plates;
 mod still;
 mod whole_step;

@@ -283,7 +283,7 @@ mod tests {
     fn fluid(shape: RegionShapeFile, resolution: ResolutionFile) -> FluidFile {
         FluidFile {
             density: 1000.0,
-            dynamic_viscosity: 1.0,
+            dynamic_viscosity: Some(1.0),
             lattice: LatticeFile::Cubic,
             rheology: None,
             resolution,

@@ -20,7 +20,7 @@ use crate::walls::WallMethod;
 pub(super) use laws::flow_law;
 use laws::{laws, slow_viscosity};
 pub(super) use openings::short_absorbers;
-pub(super) use scheme::dimensions;
+pub(super) use scheme::{chosen_viscosity, dimensions};
 use walls::{WallLoads, refuse_scheme, wall_settings};
 pub(super) use walls::{refuse_shapes, wall_method};
 
@@ -51,12 +51,13 @@ pub(super) fn resolve(
     let fastest = expected_speed.max((gravity.norm() * lattice.depth).sqrt());
     let sound_speed = sound_speed(file, fastest, problems);
     let laws = laws(file, &lattice, problems);
-    let settings = settings(
+    let mut settings = settings(
         file,
         &lattice,
         domain,
         (sound_speed, laws.rheologies.first()),
     );
+    scheme::stabilize(file, &mut settings);
     problems.extend(scheme::growing_sound(&settings.scheme));
     problems.extend(scheme::bulk_without_rates(&settings.scheme));
     let wall_method = wall_method(file);

@@ -5,9 +5,11 @@ use riprap_sph::scheme::Viscosity;
 
 use super::crs::Crs;
 use super::file::{
-    AbsorberFile, ForcesFile, InterfaceFile, MapsFile, NumericsFile, OutputFile, RestingFile,
-    SceneFile, SleepingFile, StepBoundFile, TerrainFile, TrajectoriesFile, ViscosityFile,
+    AbsorberFile, FluidFile, ForcesFile, InterfaceFile, MapsFile, NumericsFile, OutputFile,
+    RestingFile, SceneFile, SleepingFile, StepBoundFile, TerrainFile, TrajectoriesFile,
+    ViscosityFile,
 };
+use super::fluid::chosen_viscosity;
 use super::parse;
 use super::resolved::recording::{Maps, Output};
 use super::resolved::{FluidScene, Scene};
@@ -43,6 +45,11 @@ impl Scene {
                 || source.absorbers.clone(),
                 |fluid| written_absorbers(&source.absorbers, fluid),
             ),
+            fluid: source.fluid.clone().map(|file| FluidFile {
+                dynamic_viscosity: fluid
+                    .map(|fluid| chosen_viscosity(&file, &fluid.settings.scheme)),
+                ..file
+            }),
             interface: fluid.map_or_else(
                 || source.interface.clone(),
                 |fluid| written_interface(&source.interface, fluid),

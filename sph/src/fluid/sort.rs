@@ -7,6 +7,10 @@ use crate::fluid::scratch::Scratch;
 use crate::particles::filter;
 use crate::{CHUNK, Dimensions, Fluid, ParticleId, Particles, Vec3};
 
+/// Distance from the domain beyond which a particle has left it; × spacing. One that passed the face of a solid where the domain
+/// ends, by up to half a spacing in a step, is put back by that face first.
+const OUTSIDE: f64 = 1.0;
+
 impl Fluid {
     /// Farthest that a particle may be from where it was when it was sorted; m.
     pub fn moved(&self) -> f64 {
@@ -45,7 +49,7 @@ impl Fluid {
     }
 
     /// Sorts the particles by cell if they have moved far enough since the last time: then sends back those that
-    /// passed a plane of symmetry, removes those that left the domain, and takes those that left through a
+    /// passed a plane of symmetry, removes those that left the domain by more than a spacing, and takes those that left through a
     /// periodic side to the other one.
     /// Returns how many were removed. Accelerations are stale after a sort.
     pub fn refresh(&mut self) -> u64 {
@@ -62,14 +66,10 @@ impl Fluid {
     }
 
     fn remove_escaped(&mut self) -> u64 {
+        let margin = OUTSIDE * self.settings.mean_spacing();
         let keep = &mut self.scratch.keep;
         keep.clear();
-        keep.extend(
-            self.particles
-                .position
-                .iter()
-                .map(|x| self.grid.contains(x)),
-        );
+        keep.extend((self.particles.position.iter()).map(|x| self.grid.contains(x, margin)));
         if keep.iter().all(|&inside| inside) {
             return 0;
         }

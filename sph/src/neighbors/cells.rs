@@ -253,11 +253,12 @@ impl CellGrid {
         }
     }
 
-    /// Whether a position is inside the domain; periodic directions have no outside.
-    pub fn contains(&self, position: &Vec3) -> bool {
+    /// Whether a position is inside the domain or at most `margin` (m) outside; periodic directions have no outside.
+    pub fn contains(&self, position: &Vec3, margin: f64) -> bool {
         (0..3).all(|axis| {
             self.periodic[axis]
-                || (self.min[axis] <= position[axis] && position[axis] <= self.max[axis])
+                || (self.min[axis] - margin <= position[axis]
+                    && position[axis] <= self.max[axis] + margin)
         })
     }
 

@@ -26,7 +26,7 @@ fn domain(min: Triple, max: Triple, periodic: &[Axis]) -> DomainFile {
 fn fluid(regions: &[(&str, RegionShapeFile)], resolution: ResolutionFile) -> FluidFile {
     FluidFile {
         density: 1000.0,
-        dynamic_viscosity: 1.0,
+        dynamic_viscosity: Some(1.0),
         lattice: LatticeFile::Cubic,
         rheology: None,
         resolution,

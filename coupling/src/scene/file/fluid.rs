@@ -11,10 +11,10 @@ pub struct FluidFile {
     /// Reference density; kg/m³.
     #[serde(default = "default_fluid_density")]
     pub density: f64,
-    /// Dynamic viscosity, for schemes with the physical viscosity; Pa s. The published scheme depends on it for
-    /// stability: see `cases/README.md`.
-    #[serde(default = "default_dynamic_viscosity")]
-    pub dynamic_viscosity: f64,
+    /// Dynamic viscosity, for schemes with the physical viscosity; Pa s. That of water at 20 degrees, 1.002e-3, when left out;
+    /// with the published viscosity, which needs it for stability, `0.012 ρ c0 H`.
+    #[serde(default)]
+    pub dynamic_viscosity: Option<f64>,
     /// Flow law, for mud; Newtonian with `dynamic_viscosity` when left out.
     #[serde(default)]
     pub rheology: Option<RheologyFile>,
@@ -149,9 +149,4 @@ pub enum RegularizationFile {
 
 fn default_fluid_density() -> f64 {
     1000.0
-}
-
-/// Water at 20 degrees; Pa s.
-fn default_dynamic_viscosity() -> f64 {
-    1.002e-3
 }

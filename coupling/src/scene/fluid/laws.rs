@@ -2,6 +2,7 @@
 
 use riprap_sph::{Regularization, Rheology, Settings};
 
+use super::scheme;
 use crate::scene::error::Problem;
 use crate::scene::file::{RegularizationFile, RheologyFile, SceneFile, ViscosityFile};
 use crate::scene::fill::Lattice;
@@ -68,7 +69,7 @@ pub(super) fn laws(file: &SceneFile, lattice: &Lattice, problems: &mut Vec<Probl
         return Laws::default();
     }
     let of_fluid = RheologyFile::Newtonian {
-        dynamic_viscosity: fluid.dynamic_viscosity,
+        dynamic_viscosity: scheme::dynamic_viscosity(fluid),
     };
     let of_fluid = flow_law(fluid.rheology.as_ref().unwrap_or(&of_fluid));
     let mut rheologies = Vec::new();

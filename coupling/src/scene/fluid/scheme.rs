@@ -1,10 +1,19 @@
 //! Scheme of the fluid: that of the preset, with the choices of the file in place of its own.
 
 use riprap_sph::scheme::{DensityDiffusion, DensityMethod, Stepping, Viscosity};
-use riprap_sph::{Dimensions, FluidError, PresetParameters, Rheology, Scheme, StateEquation};
+use riprap_sph::{
+    Dimensions, FluidError, PresetParameters, Rheology, Scheme, Settings, StateEquation,
+};
 
 use crate::scene::error::Problem;
-use crate::scene::file::{DimensionsFile, DomainFile, NumericsFile, SceneFile, ViscosityFile};
+use crate::scene::file::{
+    DimensionsFile, DomainFile, FluidFile, NumericsFile, SceneFile, ViscosityFile,
+};
+
+/// Water at 20 degrees; Pa s.
+const WATER_VISCOSITY: f64 = 1.002e-3;
+/// Dynamic viscosity at which the published scheme is stable, over `ρ c0 H`.
+const STABLE: f64 = 0.012;
 
 /// Density of the fluid (kg/m³) and its dynamic viscosity (Pa s).
 pub(super) type Water = (f64, f64);
@@ -12,8 +21,35 @@ pub(super) type Water = (f64, f64);
 /// Density and dynamic viscosity of the fluid, or those of a scene without any.
 pub(super) fn water(file: &SceneFile) -> Water {
     file.fluid.as_ref().map_or((1000.0, 0.0), |fluid| {
-        (fluid.density, fluid.dynamic_viscosity)
+        (fluid.density, dynamic_viscosity(fluid))
     })
+}
+
+/// Dynamic viscosity of the file, or that of water; Pa s.
+pub(super) fn dynamic_viscosity(fluid: &FluidFile) -> f64 {
+    fluid.dynamic_viscosity.unwrap_or(WATER_VISCOSITY)
+}
+
+/// Dynamic viscosity of the fluid under a scheme; Pa s.
+pub(in crate::scene) fn chosen_viscosity(fluid: &FluidFile, scheme: &Scheme) -> f64 {
+    match scheme.viscosity {
+        Viscosity::Published { dynamic_viscosity } => dynamic_viscosity,
+        _ => dynamic_viscosity(fluid),
+    }
+}
+
+/// Gives the published viscosity, where the file leaves it out, that which its pair of kernels needs to be stable.
+pub(super) fn stabilize(file: &SceneFile, settings: &mut Settings) {
+    let given = file
+        .fluid
+        .as_ref()
+        .and_then(|fluid| fluid.dynamic_viscosity);
+    if let (Viscosity::Published { dynamic_viscosity }, None) =
+        (&mut settings.scheme.viscosity, given)
+    {
+        let support = 2.0 * settings.smoothing_length;
+        *dynamic_viscosity = STABLE * settings.reference_density * settings.sound_speed * support;
+    }
 }
 
 /// Dimensions of the flow.
