@@ -288,7 +288,7 @@ pub fn planes_of_symmetry(sides: &[SideFile]) -> Symmetry {
     symmetry
 }
 
-/// Treatment of a particle or block that leaves the domain.
+/// Treatment of a particle or block that leaves the domain, a particle by more than a spacing.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum OutOfDomainFile {
     /// It is removed and counted; its mass, momentum and energy are booked as removed.
