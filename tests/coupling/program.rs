@@ -344,6 +344,11 @@ fn a_run_by_force_leaves_nothing_of_the_old_one() {
             r#"masses=[(name: "slide", blocks: "wedge")]"#,
             "--set",
             "maps=(interval: 0.01)",
+            // a plane has no maps
+            "--set",
+            "domain.dimensions=Three",
+            "--set",
+            "domain.periodic=[Y]",
         ],
     ];
     run(&case("sliding_wedge.ron"), &old, &all.concat());
