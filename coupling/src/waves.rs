@@ -36,13 +36,6 @@ pub struct Stroke {
     pub place: Vec<f64>,
 }
 
-impl Stroke {
-    /// Place at a time (s), on straight lines between its points; m.
-    pub fn at(&self, time: f64) -> f64 {
-        between((&self.time, &self.place), time)
-    }
-}
-
 /// Value at a time on straight lines between points, the first before and the last after them; 0 without points.
 fn between((times, values): (&[f64], &[f64]), time: f64) -> f64 {
     let next = times.partition_point(|t| *t <= time);
@@ -158,6 +151,11 @@ impl StillWater {
 }
 
 impl Stroke {
+    /// Place at a time (s), on straight lines between its points; m.
+    pub fn at(&self, time: f64) -> f64 {
+        between((&self.time, &self.place), time)
+    }
+
     /// Way between its ends; m.
     pub fn length(&self) -> f64 {
         let (low, high) = self.range();

@@ -147,25 +147,25 @@ impl Piston {
     fn expected(&self, distance: f64) -> Stroke {
         let (water, ramp) = (self.water, self.ramp);
         let stroke = self.stroke();
-        let before = |t: f64| (stroke.at(t) + distance, t);
+        let before = |t: f64| stroke.at(t) + distance;
         let interval = self.period() / POINTS;
         match &self.theory {
             Theory::Regular(wave) => {
                 let near = wave.near_amplitudes(water, distance);
                 Stroke::sampled(self.duration, interval, |t| {
-                    self.surface(before(t).0, t) + wave.near_field(near, t, ramp)
+                    self.surface(before(t), t) + wave.near_field(near, t, ramp)
                 })
             }
             Theory::Solitary(wave) => Stroke {
                 place: (stroke.time.iter())
-                    .map(|&t| wave.surface(before(t).0, t))
+                    .map(|&t| wave.surface(before(t), t))
                     .collect(),
                 time: stroke.time,
             },
             Theory::Sum(waves) => {
                 let near = waves.near_amplitudes(distance);
                 Stroke::sampled(self.duration, interval, |t| {
-                    self.surface(before(t).0, t) + waves.near_field(&near, t, ramp)
+                    self.surface(before(t), t) + waves.near_field(&near, t, ramp)
                 })
             }
             Theory::Still(_) => stroke,
