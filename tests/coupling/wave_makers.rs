@@ -77,6 +77,15 @@ fn a_given_depth_takes_the_place_of_the_measured_one() {
     let (found, _) =
         scene("Waves(direction: (1, 0, 0), depth: 0.4, waves: Regular(height: 0.05, period: 1.5))");
     assert_eq!(found.wave_makers[0].piston.water.depth, 0.4);
+    // also where no region of water reaches the piston's face, as in a box that begins two spacings before it
+    let box_of_water = "shape: Box(min: (0.1, 0, 0.13), max: (10, 1, 0.63))";
+    let text = flume("Waves(direction: (1, 0, 0), depth: 0.4, waves: Solitary(height: 0.05))")
+        .replace(
+            "shape: Below(level: 0.63, seed: (5, 0.5, 0.4))",
+            box_of_water,
+        );
+    let (apart, _) = load_text("flume.ron", &text, &[], &Access::of(Path::new("."))).unwrap();
+    assert_eq!(apart.wave_makers[0].piston.water.depth, 0.4);
     // it covers the run
     assert!((places(&found).0.last().unwrap() - 12.0).abs() < 1e-12);
 }

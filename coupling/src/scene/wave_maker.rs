@@ -38,8 +38,8 @@ pub struct WaveMaker {
     pub piston: Piston,
     /// Whether it takes out waves that come back.
     pub absorbs: bool,
-    /// Elevation of the still water before it; m.
-    level: f64,
+    /// Elevation of the still water before it, where it is found; m.
+    level: Option<f64>,
     /// Motion along the direction.
     pub stroke: Stroke,
     /// Place before it at the start, at its middle height; m.
@@ -74,9 +74,8 @@ pub(super) fn wave_maker(
         Problem::error(format!("{path}.direction"), "the motion has no direction")
     })?;
     let found = water_before(file, solids, (index, &direction));
-    let (measured, level) =
-        found.ok_or_else(|| Problem::error(format!("{path}.direction"), no_water(name)))?;
-    let depth = depth.unwrap_or(measured);
+    let depth = (depth.or(found.map(|(depth, _)| depth)))
+        .ok_or_else(|| Problem::error(format!("{path}.direction"), no_water(name)))?;
     let water = StillWater {
         depth,
         gravity: vec3(file.gravity).norm(),
@@ -89,7 +88,7 @@ pub(super) fn wave_maker(
         stroke: piston.stroke(),
         piston,
         absorbs: *absorb,
-        level,
+        level: found.map(|(_, level)| level),
         front: front(solids, (index, &direction)).unwrap_or_default(),
         half_width: half_width(solids, (index, &direction)).unwrap_or_default(),
     }))
@@ -216,11 +215,12 @@ impl WaveMaker {
         })
     }
 
-    /// Elevation of the surface at a place in theory, `None` behind the piston; m.
+    /// Elevation of the surface at a place in theory, `None` behind the piston or where no level is known; m.
     pub fn elevation(&self, [x, y]: [f64; 2], time: f64) -> Option<f64> {
         let away = Vec3::new(x - self.front.x, y - self.front.y, 0.0);
         let distance = away.dot(&self.direction);
-        (0.0 < distance).then(|| self.level + self.piston.surface(distance, time))
+        let level = self.level.filter(|_| 0.0 < distance)?;
+        Some(level + self.piston.surface(distance, time))
     }
 
     /// Whether it makes waves.

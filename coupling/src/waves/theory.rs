@@ -115,13 +115,12 @@ impl Piston {
         let expected = self.expected(distance);
         let StillWater { depth, gravity } = self.water;
         if let Theory::Solitary(wave) = &self.theory {
-            let long = 2.0 * PI * wave.celerity / wave.length();
             let total = depth + wave.height;
             return Control {
                 // the water behind a long wave moves at c η/(h + η)
                 gain: (gravity / total).sqrt(),
                 lag: distance / wave.celerity,
-                memory: MEMORY * 2.0 * PI / long,
+                memory: MEMORY * self.period(),
                 expected,
             };
         }

@@ -10,6 +10,8 @@ use crate::waves::theory::{Control, Memory};
 /// Length before the piston within which the surface is read; × spacing. Particles count less the farther they are, so that
 /// none counts at once when it comes in.
 const WINDOW: f64 = 4.0;
+/// Length behind its face within which particles count as at it; × window, one spacing.
+const BEHIND: f64 = 0.25;
 /// Mean distance of the water that is read; × window.
 const MEAN_DISTANCE: f64 = 0.5 - 2.0 / (PI * PI);
 
@@ -82,7 +84,8 @@ impl AbsorbingPiston {
         let weight = |x: &Vec3| {
             let away = x - front;
             let s = away.dot(&self.direction);
-            let is_before = -self.window < s && s < self.window;
+            // what pressed into its face counts, water behind a thin piston does not
+            let is_before = -BEHIND * self.window < s && s < self.window;
             if !is_before || (!is_plane && self.half_width < away.dot(&across).abs()) {
                 return 0.0;
             }

@@ -2,8 +2,8 @@
 
 use crate::support::scene::{advance, world};
 
-/// A column of water falls over in a tank. Its walls begin where the domain ends: a particle that passes their faces by a little
-/// is put back, none is taken for one that left. One in eight was lost before.
+/// A dam breaks in a tank whose walls begin where the domain ends: a particle that passes a face by a little is put back and does
+/// not count as gone. One in eight was lost before.
 #[test]
 fn water_stays_in_a_tank_whose_walls_begin_where_the_domain_ends() {
     let wall = |name: &str, shape: &str| {
