@@ -302,7 +302,7 @@ fn what_cannot_go_on_says_why_and_changes_nothing() {
         ),
         (
             &newer,
-            "is a checkpoint of format 5, and this riprap reads format 4",
+            "is a checkpoint of format 6, and this riprap reads format 5",
         ),
         (&b"solid cube"[..], "is not a checkpoint of riprap"),
     ] {

@@ -8,7 +8,7 @@
 //! planes.
 //!
 //! Where a moving block is inside a fixed one, such as a block drawn on into its bed, the wall is that of the fixed
-//! one: points there have no volume, and thin solids are inactive. Otherwise the bed beside the block would appear to move with
+//! one: of its points only what is outside counts, and thin solids are inactive. Otherwise the bed beside the block would appear to move with
 //! it, and drag water along.
 
 mod buried;
@@ -72,6 +72,11 @@ impl Frame {
     fn place(&self, local: &Vec3) -> Vec3 {
         self.centroid + self.gradient * local
     }
+
+    /// From the centroid to where a point acts; m.
+    fn arm(&self, (local, buried): (&Vec<Vec3>, &Buried), point: usize) -> Vec3 {
+        self.gradient * local[point] + buried.shift(point)
+    }
 }
 
 impl ParticleWalls {
@@ -112,7 +117,7 @@ impl ParticleWalls {
         };
         let placed = points.blocks.iter().zip(&points.samples);
         let mut walls = Self {
-            buried: Buried::new(&points, blocks, spacing),
+            buried: Buried::new(&points, (definitions, blocks), (&standing.inside, &sampler)),
             fixed,
             fixed_block: fixed_points.blocks.into_boxed_slice(),
             moving: points.walls(fluid, slip),
@@ -139,7 +144,7 @@ impl ParticleWalls {
     /// Appends the state to a byte buffer.
     pub(crate) fn save(&self, out: Vec<u8>) -> Saved {
         let forces = (&self.loads, self.force_on_fluid, self.power);
-        let buried = (&self.buried.is_buried, self.buried.is_any);
+        let buried = (&self.buried.cells, self.buried.is_any);
         let of_moving = (buried, self.moving.sorted_at());
         let out = postcard::to_extend(&(forces, &self.accelerations, of_moving), out)?;
         self.thin_solids.save(out)
@@ -152,10 +157,10 @@ impl ParticleWalls {
         ((forces, self.accelerations, (buried, sorted_at)), rest) =
             postcard::take_from_bytes(bytes)?;
         (self.loads, self.force_on_fluid, self.power) = forces;
-        (self.buried.is_buried, self.buried.is_any) = buried;
+        (self.buried.cells, self.buried.is_any) = buried;
         self.fixed.forget();
         self.moving.sort_again(&sorted_at);
-        if (self.loads.len(), self.buried.is_buried.len()) != lengths
+        if (self.loads.len(), self.buried.cells.len()) != lengths
             || self.accelerations.len() != lengths.0
         {
             return Err(postcard::Error::DeserializeBadEncoding);
@@ -240,10 +245,12 @@ impl ParticleWalls {
         self.find_frames(blocks);
         self.find_buried(blocks);
         let (start, block, local, frames) = (&self.start, &self.block, &self.local, &self.frames);
+        let buried = &self.buried;
         self.moving.place(|w| {
             let end = frames[block[w] as usize].place(&local[w]);
             let from = start[w][0];
-            [(from + end) * 0.5, (end - from) / dt, Vec3::zeros()]
+            let middle = (from + end) * 0.5 + buried.shift(w);
+            [middle, (end - from) / dt, Vec3::zeros()]
         });
         self.thin_solids.place_half_way(blocks);
     }
@@ -257,11 +264,13 @@ impl ParticleWalls {
         self.find_frames(blocks);
         self.find_buried(blocks);
         let (start, block, local, frames) = (&self.start, &self.block, &self.local, &self.frames);
+        let buried = &self.buried;
         self.moving.place(|w| {
             let b = block[w] as usize;
             let x = frames[b].place(&local[w]);
+            let place = x + buried.shift(w);
             let Some(dt) = dt else {
-                return [x, Vec3::zeros(), Vec3::zeros()];
+                return [place, Vec3::zeros(), Vec3::zeros()];
             };
             let v = blocks.velocity_at(b, &x);
             let a = if blocks.is_free(b) {
@@ -273,7 +282,7 @@ impl ParticleWalls {
             } else {
                 (v - start[w][1]) / dt
             };
-            [x, v, a]
+            [place, v, a]
         });
         self.thin_solids.place_at_end(blocks);
     }
@@ -332,11 +341,11 @@ impl ParticleWalls {
 
     /// Continues the pressure into points that take part in the accelerations of their blocks.
     fn follow(&mut self, fluid: &Fluid) {
-        let (block, local, frames) = (&self.block, &self.local, &self.frames);
-        let accelerations = &self.accelerations;
+        let (block, places) = (&self.block, (&self.local, &self.buried));
+        let (frames, accelerations) = (&self.frames, &self.accelerations);
         self.moving.accelerate(fluid, |w| {
             let b = block[w] as usize;
-            accelerations[b].at(&(frames[b].gradient * local[w]))
+            accelerations[b].at(&frames[b].arm(places, w))
         });
     }
 
@@ -358,14 +367,14 @@ impl ParticleWalls {
     fn find_added_mass(&mut self, blocks: &Blocks) -> bool {
         self.added.fill(AddedMass::default());
         let mut is_any = false;
-        let (block, local, frames) = (&self.block, &self.local, &self.frames);
+        let (block, places, frames) = (&self.block, (&self.local, &self.buried), &self.frames);
         let added = &mut self.added;
         self.moving.visit_added_mass(
             |w| blocks.is_free(block[w] as usize),
             |w, answer| {
                 is_any = true;
                 let b = block[w] as usize;
-                let arm = frames[b].gradient * local[w];
+                let arm = frames[b].arm(places, w);
                 added[b].add_point(&arm, &answer.lever, &answer.slope);
             },
         );
@@ -387,11 +396,11 @@ impl ParticleWalls {
         self.loads.fill(FluidLoad::default());
         self.power = 0.0;
         let (loads, block, power) = (&mut self.loads, &self.block, &mut self.power);
-        let (local, frames) = (&self.local, &self.frames);
+        let (places, frames) = ((&self.local, &self.buried), &self.frames);
         self.moving
             .visit_reactions(fluid, |w, _, [pressure, viscous]| {
                 let b = block[w] as usize;
-                let arm = frames[b].gradient * local[w];
+                let arm = frames[b].arm(places, w);
                 loads[b].add(&pressure, &viscous, &arm);
                 if !blocks.is_free(b) {
                     let x = frames[b].centroid + arm;
