@@ -107,6 +107,8 @@ pub struct Summary {
     pub openings: Vec<Passed>,
     /// Particles found inside a solid and pushed back.
     pub particles_pushed_back: u64,
+    /// Times that a particle closed in by bodies, compressed by more than a fifth at a surface, was relieved.
+    pub reliefs: u64,
     /// Blocks that left the domain.
     pub blocks_escaped: u64,
     /// Largest penetration of a particle into a solid over the spacing.

@@ -88,6 +88,7 @@ impl Run<'_> {
             fluid_mass_drawn: fluid.map_or(0.0, |fluid| drawn * fluid.settings().reference_density),
             openings: water.map_or(Vec::new(), |w| w.openings.passed().to_vec()),
             particles_pushed_back: extremes.particles_pushed_back,
+            reliefs: extremes.reliefs,
             blocks_escaped: extremes.blocks_removed,
             max_wall_penetration_over_spacing: extremes.max_wall_penetration_over_spacing,
             max_block_overlap_over_size: blocks.max_overlap_over_size(),

@@ -199,6 +199,7 @@ impl Boundary for Coupler<'_> {
         if stage == Stage::End {
             self.stop_on_the_way(fluid, dt);
             self.stop_penetrations(fluid);
+            self.relieve_crushed(fluid);
         }
         if let Some(walls) = &mut *self.walls {
             match stage {

@@ -18,6 +18,12 @@ use crate::walls::penalty::Penetration;
 use crate::walls::penalty::swept::Motion;
 use crate::world::coupler::Coupler;
 
+/// Distance from a surface within which water may be crushed, in spacings.
+const ROOM: f64 = 0.5;
+/// Density beyond which it is, over that at rest: an impact at Mach 0.2, where waves of pressure begin to be wrong, compresses by a
+/// fifth, `p = ρ c u`.
+const CRUSHED: f64 = 1.2;
+
 impl Coupler<'_> {
     /// Stops the particles that the step of `dt` (s) took through a solid, or into an opening too narrow for them, where they
     /// entered; the water must be sorted and its touches found, and is again after that. Rows that openings make have no path.
@@ -37,6 +43,24 @@ impl Coupler<'_> {
     pub(super) fn stop_penetrations(&mut self, fluid: &mut Fluid) {
         let penetrations = self.interface.penetrations(fluid, self.rock.blocks);
         self.put_back(fluid, &penetrations);
+    }
+
+    /// Relieves the particles at surfaces that are compressed beyond what any flow that the sound speed allows does to them:
+    /// water that bodies close in leaks through joints which are too narrow for particles, and takes the load off with it.
+    pub(super) fn relieve_crushed(&mut self, fluid: &mut Fluid) {
+        let room = ROOM * self.interface.settings().particle_spacing;
+        let limit = CRUSHED * fluid.settings().reference_density;
+        let (mut n_relieved, mut lost) = (0, 0.0);
+        let touches = self.interface.touches().iter();
+        for touch in touches.filter(|touch| touch.distance < room) {
+            if let Some(energy) = fluid.relieve(touch.particle as usize, limit) {
+                n_relieved += 1;
+                lost += energy;
+            }
+        }
+        let progress = &mut *self.rock.progress;
+        progress.ledger.pushed_back += lost;
+        progress.extremes.reliefs += n_relieved;
     }
 
     fn put_back(&mut self, fluid: &mut Fluid, penetrations: &[Penetration]) {

@@ -58,6 +58,8 @@ pub struct Extremes {
     pub max_wall_penetration_over_spacing: f64,
     /// Particles found inside a solid and pushed back, or stopped on their path through one or into too narrow an opening.
     pub particles_pushed_back: u64,
+    /// Times that a particle crushed at a surface was relieved.
+    pub reliefs: u64,
     /// Blocks that left the domain.
     pub blocks_removed: u64,
     /// Ordered neighbor pairs summed over all steps.

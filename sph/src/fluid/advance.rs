@@ -4,6 +4,7 @@ use rayon::prelude::*;
 
 use crate::fluid::energy::fixed_order_sum;
 use crate::neighbors::rest::Still;
+use crate::scheme::DensityMethod;
 use crate::{CHUNK, Dimensions, Fluid, Particles, Vec3};
 
 /// Smallest number of neighbors for a pressure: an isolated particle keeps the reference density.
@@ -200,6 +201,22 @@ impl Fluid {
         let lost = 0.5 * (v.norm_squared() - velocity.norm_squared());
         *v = velocity;
         lost * self.particles.mass[particle]
+    }
+
+    /// Lowers the density of a particle to a limit (kg/m³) if it is above, where densities are integrated; returns the energy
+    /// that goes with what leaks, J, or `None` if nothing changed.
+    ///
+    /// ```text
+    /// p(limit) m (1/limit − 1/ρ)     the work of its surroundings, which feel the pressure of the limit        [J]
+    /// ```
+    pub fn relieve(&mut self, particle: usize, limit: f64) -> Option<f64> {
+        let density = self.particles.density[particle];
+        if density <= limit || self.settings.scheme.density != DensityMethod::Continuity {
+            return None;
+        }
+        self.particles.density[particle] = limit;
+        let shrunk = 1.0 / limit - 1.0 / density;
+        Some(self.state.pressure(limit) * shrunk * self.particles.mass[particle])
     }
 
     /// Whether all particles are in one plane across y.

@@ -8,8 +8,9 @@ use crate::scheme::{DensityDiffusion, DensityMethod};
 use crate::terms::momentum::ForceDensity;
 use crate::{CHUNK, Fluid, FluidError, Particles, Vec3};
 
-/// Share of the reference density above which a step is not believed.
-const LARGEST_COMPRESSION: f64 = 0.3;
+/// Largest compression of a particle, in parts of the reference density: an impact at half the speed of sound compresses by a half,
+/// `p = ρ c u`. Spray over obstacles does that to single particles; what blows up does not stop there.
+const LARGEST_COMPRESSION: f64 = 0.5;
 
 /// A force on a particle.
 #[derive(Clone, Copy, Debug, PartialEq)]
