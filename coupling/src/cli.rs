@@ -5,6 +5,7 @@ mod check;
 mod compare;
 mod new;
 mod render;
+mod report;
 mod run;
 mod study;
 
@@ -49,7 +50,7 @@ Exit codes: 0 done, 1 the run failed, 2 wrong usage or scene, 130 interrupted.
 First steps:
   riprap check cases/sliding_wedge.ron
   riprap run cases/sliding_wedge.ron
-  riprap render runs/sliding_wedge"
+  riprap report runs/sliding_wedge"
 )]
 struct Arguments {
     #[command(subcommand)]
@@ -66,6 +67,8 @@ enum Command {
     Check(check::Arguments),
     /// Make pictures of a run with POV-Ray.
     Render(render::Arguments),
+    /// Make one HTML file that plays a run.
+    Report(report::Arguments),
     /// Compare a recorded column with a reference.
     Compare(compare::Arguments),
     /// Measure error against cost for settings of a scene.
@@ -80,6 +83,7 @@ pub fn main() -> ExitCode {
         Command::Run(arguments) => run::execute(&arguments),
         Command::Check(arguments) => check::execute(&arguments),
         Command::Render(arguments) => render::execute(&arguments),
+        Command::Report(arguments) => report::execute(&arguments),
         Command::Compare(arguments) => compare::execute(&arguments),
         Command::Study(arguments) => study::execute(&arguments),
     };

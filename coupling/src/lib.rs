@@ -37,7 +37,7 @@ pub mod world;
 // the paths of 0.1, for one release
 pub use files::{table, vtk};
 pub use output::{checkpoint_file as checkpoint, observe, summary};
-pub use picture::{overview, render};
+pub use picture::{overview, render, report};
 pub use run::ineffective as notice;
 pub use scene::estimate as memory;
 pub use study::{compare, trade};

@@ -5,3 +5,4 @@ pub mod observe;
 pub mod peaks;
 pub mod run_folder;
 pub mod summary;
+pub mod verdict;

@@ -1,5 +1,6 @@
-//! Pictures of a run: the overview drawn with it, and rendered frames.
+//! Pictures of a run: the overview drawn with it, rendered frames, and a page that plays it.
 
 pub mod overview;
 pub mod overview_data;
 pub mod render;
+pub mod report;

@@ -34,6 +34,7 @@ mod paths;
 mod program;
 mod random_scenes;
 mod render;
+mod report;
 mod rockfall;
 mod scene_docs;
 mod sleep;

@@ -53,6 +53,7 @@ fn a_small_sliding_wedge_runs_to_its_end_and_makes_a_wave() {
         "blocks.csv",
         "energy.csv",
         "overview.svg",
+        "report.html",
         "water.pvd",
         "water.vtp.series",
         "water_00000.vtp",

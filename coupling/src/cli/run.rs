@@ -11,6 +11,7 @@ use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
 use super::accuracy::{self, Asked, Budget, Chosen};
+use super::report;
 use super::{Exit, default_folder, files_from, load, refused, say, show, stop_on_signal};
 use crate::cli::check::describe;
 use crate::output::checkpoint_file::{self as checkpoint, Checkpoint};
@@ -67,6 +68,9 @@ pub(crate) struct Arguments {
     /// Wall time between checkpoints in seconds. Another one is written when a run is stopped or fails.
     #[arg(long, value_name = "T", default_value_t = 600.0, value_parser = seconds)]
     checkpoint_interval: f64,
+    /// No report.html, the page that plays the run.
+    #[arg(long)]
+    no_report: bool,
     /// No progress, only errors.
     #[arg(long)]
     quiet: bool,
@@ -125,6 +129,9 @@ fn choose_and_run(arguments: &Arguments) -> Result<Exit, Exit> {
     let mut line = ProgressLine::new(arguments.quiet);
     let ended = run(&mut scene, plan, &stop, &mut |event| line.tell(&event));
     line.end();
+    if !arguments.no_report {
+        write_report(&folder);
+    }
     let (summary, ending) = ended.map_err(|error| {
         say(&format!(
             "error: {error}\nearlier output is in {}{}",
@@ -148,6 +155,14 @@ fn choose_and_run(arguments: &Arguments) -> Result<Exit, Exit> {
         }
         (Ending::Completed, None) => Ok(Exit::Done),
         (Ending::Completed, Some(chosen)) => Ok(judge(chosen, &scene, &folder)),
+    }
+}
+
+/// Writes the page that plays the run, complete or not. The run does not fail with it.
+fn write_report(folder: &Path) {
+    let file = folder.join(run_folder::REPORT);
+    if let Err(message) = report::write(folder, &file, report::SIZE) {
+        say(&format!("warning: no report: {message}"));
     }
 }
 
@@ -263,7 +278,7 @@ fn compressed(summary: &Summary, scene: &Scene) -> Option<String> {
 fn closing_words(summary: &Summary, folder: &Path) -> String {
     format!(
         "{}: t = {:.4} s, {} steps in {:.1} s, {:.3e} particle-steps/s, momentum residual {:.1e}, \
-         {} particles escaped\nresults in {}: overview.svg, gauges.csv, energy.csv, water.pvd for ParaView",
+         {} particles escaped\n{}\nresults in {}: report.html for any browser, gauges.csv, energy.csv, water.pvd for ParaView",
         summary.stop_reason,
         summary.simulated_time,
         summary.steps,
@@ -271,6 +286,7 @@ fn closing_words(summary: &Summary, folder: &Path) -> String {
         summary.particle_steps_per_second,
         summary.momentum_residual,
         summary.particles_escaped,
+        summary.verdict.join("\n"),
         folder.display(),
     )
 }

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! runs/x/  case.ron, inputs of the scene          archive.rs
-//!          summary.json, accuracy.json, overview.svg
+//!          summary.json, accuracy.json, overview.svg, report.html
 //!          gauges.csv, energy.csv, ... *.asc      a name each, below; *.tif and *.prj beside *.asc
 //!          water_00000.vtp, water.pvd, ...        a stem each, below
 //!          checkpoint*.bin                        while a run is incomplete
@@ -26,6 +26,8 @@ pub const SUMMARY: &str = "summary.json";
 pub const ACCURACY: &str = "accuracy.json";
 /// The run on one page.
 pub const OVERVIEW: &str = "overview.svg";
+/// Page that plays the run.
+pub const REPORT: &str = "report.html";
 /// Gauge records.
 pub const GAUGES: &str = "gauges.csv";
 /// Energy ledger.
@@ -80,11 +82,12 @@ pub const FACE_FRAMES: &str = "faces";
 pub const FRAMES: [&str; 4] = [WATER_FRAMES, BLOCK_FRAMES, CONTACT_FRAMES, FACE_FRAMES];
 
 /// All files with a name of their own.
-const FILES: [&str; 21] = [
+const FILES: [&str; 22] = [
     CASE,
     SUMMARY,
     ACCURACY,
     OVERVIEW,
+    REPORT,
     GAUGES,
     ENERGY,
     BLOCKS,
@@ -198,6 +201,7 @@ pub fn copy_records(from: &Path, to: &Path) -> Result<(), RunFolderError> {
         SUMMARY,
         ACCURACY,
         OVERVIEW,
+        REPORT,
         OFFENDERS,
         CHECKPOINT,
         PREVIOUS_CHECKPOINT,

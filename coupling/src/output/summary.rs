@@ -121,6 +121,8 @@ pub struct Summary {
     pub energy: Energy,
     /// Largest value, its time and the arrival of the wave for each gauge with one column.
     pub gauges: Vec<Peak>,
+    /// Whether the account of energy closes, how well the waves are resolved, and what to look at.
+    pub verdict: [String; 3],
     /// Hash of the final state: equal for equal runs, whatever the number of threads.
     pub state_hash: String,
     /// Peak memory; bytes, 0 if unknown.

@@ -9,7 +9,7 @@
 
 mod axis;
 mod bar;
-mod color;
+pub(super) mod color;
 pub(crate) mod page;
 pub mod plan;
 mod plot;

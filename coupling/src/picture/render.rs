@@ -13,11 +13,11 @@
 pub mod camera;
 pub mod surface;
 
-mod body;
+pub(super) mod body;
 mod error;
 mod pov;
 mod programs;
-mod recording;
+pub(super) mod recording;
 mod survey;
 
 pub use error::RenderError;

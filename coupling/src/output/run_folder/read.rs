@@ -4,7 +4,9 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use super::{CASE, SUMMARY};
-use crate::scene::file::{ResolutionFile, SceneFile, ShapeFile, Triple};
+use riprap_dda::Vec3;
+
+use crate::scene::file::{Axis, DimensionsFile, ResolutionFile, SceneFile, ShapeFile, Triple};
 use crate::scene::resolved::recording::Viewpoint;
 
 /// Failure to read a file of a run folder.
@@ -28,6 +30,9 @@ pub enum ReadError {
     },
 }
 
+/// Width of a slab that repeats, over its length, below which it is thin.
+const THIN: f64 = 0.05;
+
 /// Parts of the archived scene that a picture needs.
 #[derive(Clone, Debug)]
 pub struct RunScene {
@@ -39,6 +44,14 @@ pub struct RunScene {
     pub is_terrain: Vec<bool>,
     /// Particle spacing as written, if it is; m.
     pub particle_spacing: Option<f64>,
+    /// Corners of the domain; m.
+    pub domain: (Vec3, Vec3),
+    /// Whether the flow is in a plane.
+    pub is_plane: bool,
+    /// Whether it is seen from the side as a whole: a plane, or a thin slab that repeats.
+    pub is_thin: bool,
+    /// Name of each block; empty without.
+    pub block_names: Vec<String>,
     /// Map coordinates of (0, 0, 0) in the scene, and the reference system as written; m.
     pub map: (Triple, Option<String>),
 }
@@ -61,9 +74,19 @@ pub fn read_scene(folder: &Path) -> Result<RunScene, ReadError> {
             })?;
     let is_terrain =
         |shape: &ShapeFile| matches!(shape, ShapeFile::Raster { .. } | ShapeFile::Terrain);
+    let corner = |(x, y, z): Triple| Vec3::new(x, y, z);
+    let is_plane = file.domain.dimensions == DimensionsFile::Two;
+    let (width, length) = (
+        file.domain.max.1 - file.domain.min.1,
+        file.domain.max.0 - file.domain.min.0,
+    );
     let map = file.terrain.as_ref().map(|t| (t.origin, t.crs.clone()));
     Ok(RunScene {
         map: map.unwrap_or_default(),
+        domain: (corner(file.domain.min), corner(file.domain.max)),
+        is_plane,
+        is_thin: is_plane || (file.domain.periodic.contains(&Axis::Y) && width < THIN * length),
+        block_names: (file.blocks.iter().map(|b| b.name.clone())).collect(),
         title: file.title,
         camera: file.camera.as_ref().map(Viewpoint::from),
         is_terrain: file.blocks.iter().map(|b| is_terrain(&b.shape)).collect(),

@@ -56,12 +56,12 @@ const LAND: [[u8; 3]; 5] = [
 pub(super) const NOT_A_NUMBER: [u8; 3] = [0xff, 0x00, 0xff];
 
 /// `n` colors, slow to fast.
-pub(super) fn map(n: usize) -> Vec<[u8; 3]> {
+pub(in crate::picture) fn map(n: usize) -> Vec<[u8; 3]> {
     along(&STOPS, n)
 }
 
 /// `2 n + 1` colors, deep trough to high crest; the one in the middle is water at rest.
-pub(super) fn elevation(n: usize) -> Vec<[u8; 3]> {
+pub(in crate::picture) fn elevation(n: usize) -> Vec<[u8; 3]> {
     let troughs = along(&TROUGH, n + 1).into_iter().rev();
     troughs
         .chain(along(&CREST, n + 1).into_iter().skip(1))

@@ -114,7 +114,8 @@ fn read_text(path: &Path) -> Result<String, RenderError> {
     })
 }
 
-fn read(path: &Path) -> Result<PolyData, RenderError> {
+/// Points and polygons of a file.
+pub(crate) fn read(path: &Path) -> Result<PolyData, RenderError> {
     vtk::read(path).map_err(|error| RenderError::BadFile {
         path: path.to_owned(),
         reason: error.to_string(),

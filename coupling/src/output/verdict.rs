@@ -1,0 +1,217 @@
+//! Verdict of a run in three lines: whether its account of energy closes, how well it resolves what it shows, and what to look at.
+
+use serde_json::Value;
+
+/// Share of the energy exchanged, unexplained or introduced at walls, up to which an account is good, and up to which it is fair.
+const GOOD: f64 = 0.02;
+const FAIR: f64 = 0.1;
+/// Energy exchanged, over what is stored, below which hardly anything moved.
+const STILL: f64 = 1e-5;
+/// Share of the height that standing waves of some spacings keep over eight periods with the default, in a plane and in space
+/// (smoothing length 1.3 times the spacing); measured, `benches/RESULTS.md`.
+const KEPT: [(f64, f64, f64); 3] = [(10.0, 0.95, 0.61), (5.0, 0.90, 0.52), (3.0, 0.70, 0.45)];
+/// Mach number of a particle above which pressures of impacts are those of sound.
+const LARGEST_MACH: f64 = 0.3;
+/// Particles pushed back over those there are, above which bodies close water in, or move too fast for it.
+const MANY_PUSHED_BACK: f64 = 0.05;
+
+/// The three lines of a run's `summary.json`.
+pub fn verdict(summary: &Value) -> [String; 3] {
+    [account(summary), resolution(summary), to_look_at(summary)]
+}
+
+fn number(value: &Value, path: &[&str]) -> f64 {
+    let found = path.iter().try_fold(value, |value, name| value.get(name));
+    found.and_then(Value::as_f64).unwrap_or(0.0)
+}
+
+fn account(summary: &Value) -> String {
+    let term = |name: &str| number(summary, &["energy", name]);
+    // all that moved from one kind of energy to another
+    let exchanged: f64 = [
+        "kinetic",
+        "friction",
+        "viscous",
+        "bulk",
+        "diffusive",
+        "damping",
+        "strain_damping",
+        "static_damping",
+        "plastic",
+        "removed",
+        "absorbed",
+        "external_work",
+    ]
+    .iter()
+    .map(|name| term(name).abs())
+    .sum();
+    let (unexplained, at_walls) = (term("residual"), term("at_walls"));
+    let wrong = unexplained.abs() + at_walls.abs() + term("pushed_back").abs();
+    let stored = term("potential").abs() + term("internal").abs();
+    if exchanged <= STILL * stored && wrong <= STILL * stored {
+        return format!(
+            "energy: nothing moved to speak of, {wrong:.2e} J unexplained or introduced at walls"
+        );
+    }
+    let share = wrong / exchanged.max(f64::MIN_POSITIVE);
+    let grade = match share {
+        share if share <= GOOD => "good",
+        share if share <= FAIR => "fair: speeds and run-up may be off by half of that share",
+        _ => "poor: refine, or take smaller steps, before you use its numbers",
+    };
+    format!(
+        "energy: of {} exchanged {:.1} % are unexplained, {:.1} % introduced at walls, {:.1} % lost by particles put back: {grade}",
+        joules(exchanged),
+        100.0 * unexplained.abs() / exchanged,
+        100.0 * at_walls.abs() / exchanged,
+        100.0 * term("pushed_back").abs() / exchanged,
+    )
+}
+
+/// An energy (J) with the prefix that suits it.
+fn joules(energy: f64) -> String {
+    let prefixes = [
+        (1e12, "TJ"),
+        (1e9, "GJ"),
+        (1e6, "MJ"),
+        (1e3, "kJ"),
+        (1.0, "J"),
+        (1e-3, "mJ"),
+    ];
+    match prefixes.iter().find(|(unit, _)| *unit <= energy) {
+        Some((unit, name)) => format!("{:.3} {name}", energy / unit),
+        None => format!("{energy:.1e} J"),
+    }
+}
+
+fn resolution(summary: &Value) -> String {
+    let spacing = number(summary, &["particle_spacing"]);
+    if number(summary, &["fluid_particles"]) == 0.0 || spacing <= 0.0 {
+        return "resolution: blocks without water; halve numerics.block_time_step_factor to see what the step changes".to_owned();
+    }
+    let gauges = summary.get("gauges").and_then(Value::as_array);
+    let rises = gauges.into_iter().flatten().filter_map(|gauge| {
+        let is_surface = gauge.get("unit")? == "m";
+        let rise = gauge.get("largest")?.as_f64()? - gauge.get("start")?.as_f64()?;
+        is_surface.then_some((rise / spacing, gauge.get("name")?.as_str()?))
+    });
+    let Some((rise, name)) = rises.max_by(|a, b| a.0.total_cmp(&b.0)) else {
+        return format!(
+            "resolution: spacing {spacing:.4} m, no gauge of the surface to compare it with; compare with a run of 0.7 times the spacing"
+        );
+    };
+    let words = match KEPT.iter().find(|(height, ..)| *height <= rise) {
+        Some((height, plane, space)) => format!(
+            "with the default, standing waves {height:.0} spacings high keep {plane:.2} of their height over eight periods in a plane, {space:.2} in space"
+        ),
+        None => {
+            "a wave below three spacings is an indication only; refine to use its height".to_owned()
+        }
+    };
+    format!("resolution: the largest rise, at `{name}`, is {rise:.1} spacings; {words}")
+}
+
+fn to_look_at(summary: &Value) -> String {
+    let count = |name: &str| number(summary, &[name]);
+    let mut points = Vec::new();
+    if summary.get("completed").and_then(Value::as_bool) == Some(false) {
+        let reason = summary
+            .get("stop_reason")
+            .and_then(Value::as_str)
+            .unwrap_or("it was stopped");
+        let first = reason.lines().next().unwrap_or(reason);
+        points.push(format!("the run did not reach its end ({first})"));
+    }
+    let particles = count("fluid_particles");
+    for (n, one, many) in [
+        (
+            count("fell_back"),
+            "step failed and was repeated with half its length",
+            "steps failed and were repeated with half their length",
+        ),
+        (
+            count("particles_escaped"),
+            "particle left the domain",
+            "particles left the domain",
+        ),
+        (
+            count("blocks_escaped"),
+            "block left the domain",
+            "blocks left the domain",
+        ),
+        (
+            count("reliefs"),
+            "particle was crushed between solids and let go",
+            "times particles were crushed between solids and let go",
+        ),
+    ] {
+        if 0.0 < n {
+            points.push(format!("{n} {}", if n == 1.0 { one } else { many }));
+        }
+    }
+    if MANY_PUSHED_BACK * particles < count("particles_pushed_back") {
+        points.push(format!(
+            "{} times particles were put back in front of a wall",
+            count("particles_pushed_back")
+        ));
+    }
+    if LARGEST_MACH < count("max_mach") {
+        points.push(format!(
+            "the fastest particle reached Mach {:.2}: peak pressures are those of sound",
+            count("max_mach")
+        ));
+    }
+    match points.is_empty() {
+        true => "to look at: nothing stands out; overview.svg and gauges.csv".to_owned(),
+        false => format!("to look at: {}", points.join("; ")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::json;
+
+    use super::*;
+
+    #[test]
+    fn a_good_run_is_called_good_and_a_bad_one_bad() {
+        let run = |residual: f64, rise: f64, escaped: u64| {
+            verdict(&json!({
+                "completed": true, "fluid_particles": 1000, "particle_spacing": 0.1, "particles_escaped": escaped,
+                "energy": {"kinetic": 40.0, "viscous": 60.0, "potential": 1e4, "residual": residual, "at_walls": -0.5},
+                "gauges": [{"name": "far", "unit": "m", "start": 1.0, "largest": 1.0 + rise},
+                           {"name": "load", "unit": "N", "start": 0.0, "largest": 1e6}],
+            }))
+        };
+        let good = run(0.5, 0.6, 0);
+        assert!(
+            good[0].ends_with("0.5 % introduced at walls, 0.0 % lost by particles put back: good"),
+            "{}",
+            good[0]
+        );
+        assert!(
+            good[1].contains(
+                "`far`, is 6.0 spacings; with the default, standing waves 5 spacings high keep 0.90"
+            ),
+            "{}",
+            good[1]
+        );
+        assert!(good[2].contains("nothing stands out"), "{}", good[2]);
+        let bad = run(-30.0, 0.1, 1);
+        assert!(
+            bad[0].contains("30.0 % are unexplained") && bad[0].contains("poor"),
+            "{}",
+            bad[0]
+        );
+        assert!(bad[1].contains("an indication only"), "{}", bad[1]);
+        assert!(
+            bad[2].ends_with("to look at: 1 particle left the domain"),
+            "{}",
+            bad[2]
+        );
+        let still = verdict(
+            &json!({"fluid_particles": 9, "particle_spacing": 0.1, "energy": {"potential": 1e6, "kinetic": 0.1}}),
+        );
+        assert!(still[0].contains("nothing moved"), "{}", still[0]);
+    }
+}

@@ -1,0 +1,303 @@
+//! A report of a run: one HTML file that plays it, without a network, made from the run folder alone.
+//!
+//! ```text
+//! RUN/case.ron, *.vtp ─render::recording→ water, shapes ─packed→ blocks of text ┐
+//!     *.csv, summary.json ─story→ gauges, events, tables                         ├ page → report.html
+//!     overview.svg, viewer.js, viewer.css ───────────────────────────────────────┘
+//! ```
+//!
+//! Particles are shown one by one in a plane and in small scenes, otherwise the height of their surface. If that is more than the file
+//! may have, frames are left out, and the page says so.
+
+mod packed;
+mod page;
+mod shapes;
+mod story;
+mod water;
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use serde_json::{Map, Value, json};
+
+use super::overview::color;
+use super::render::RenderError;
+use super::render::recording::{self, Recording};
+use crate::output::run_folder;
+use crate::output::verdict::verdict;
+use packed::{Frames, Range, in_base64};
+use shapes::PackedMesh;
+use water::{Look, Water};
+
+/// Frames are left out until a file has its size, but no more than all but every sixteenth.
+const LARGEST_STRIDE: usize = 16;
+/// Base64 has four characters for three bytes.
+const BASE64: f64 = 4.0 / 3.0;
+
+/// Outcome of a report.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ReportSummary {
+    /// The file.
+    pub path: PathBuf,
+    /// Its size; bytes.
+    pub size: u64,
+    /// What it shows of the water and the blocks.
+    pub description: String,
+}
+
+/// A named block of text in the page.
+struct Blob {
+    id: &'static str,
+    text: String,
+}
+
+/// Writes the report of a run folder to a file of about `limit` bytes at most, the shapes of very large scenes aside.
+///
+/// # Errors
+///
+/// [`RenderError`] if the frames of the run cannot be read, or the file not be written. Tables that are missing are left out.
+pub fn report(folder: &Path, file: &Path, limit: u64) -> Result<ReportSummary, RenderError> {
+    let run = recording::open(folder)?;
+    // a report can be made while the run is under way
+    let summary = run_folder::read_summary(folder)?.unwrap_or(Value::Null);
+    let overview = fs::read_to_string(folder.join(run_folder::OVERVIEW)).unwrap_or_default();
+    let scene = fs::read_to_string(folder.join(run_folder::CASE)).unwrap_or_default();
+    let mut blobs = Vec::new();
+    let mut meta = Map::new();
+    let end = (run.frames().last()).map_or(0.0, |frame| frame.time);
+    meta.insert("title".into(), json!(run.scene.title));
+    meta.insert("duration".into(), json!(end.max(1e-9)));
+    meta.insert("isThin".into(), json!(run.scene.is_thin));
+    meta.insert("colors".into(), colors());
+
+    let fixed = shapes::fixed(&run).packed();
+    if 0 < fixed.n_triangles {
+        meta.insert("fixed".into(), mesh_of(&fixed));
+        blobs.push(Blob {
+            id: "fixed",
+            text: in_base64(&fixed.bytes),
+        });
+    }
+    let mut said = Vec::new();
+    if let Some(moving) = shapes::moving(&run)? {
+        let mesh = moving.mesh.packed();
+        let names = moving
+            .ids
+            .iter()
+            .map(|&id| story::name_of(&run.scene.block_names, id));
+        meta.insert(
+            "blocks".into(),
+            json!({
+                "ids": moving.ids, "names": names.collect::<Vec<_>>(), "times": moving.times,
+                "lo": moving.ranges.map(|range| range.lo), "step": moving.ranges.map(step),
+                "mesh": mesh_of(&mesh), "checksum": checksum(&moving.poses, 1),
+            }),
+        );
+        said.push(format!(
+            "{} moving blocks in {} frames",
+            moving.ids.len(),
+            moving.times.len()
+        ));
+        blobs.push(Blob {
+            id: "shapes",
+            text: in_base64(&mesh.bytes),
+        });
+        blobs.push(Blob {
+            id: "poses",
+            text: in_base64(&moving.poses.packed(1)),
+        });
+    }
+    let water = water::water(&run)?;
+    if let Some(water) = &water {
+        let taken: usize = blobs.iter().map(|blob| blob.text.len()).sum();
+        let room = limit.saturating_sub((taken + overview.len() + scene.len()) as u64);
+        let (stride, bytes) = within(&water.frames, room as f64 / BASE64);
+        meta.insert("water".into(), water_of(water, &run, stride));
+        said.insert(0, described(water, stride));
+        blobs.push(Blob {
+            id: "water",
+            text: in_base64(&bytes),
+        });
+    }
+    meta.insert("bounds".into(), bounds(&run, water.as_ref())?);
+    let names = &run.scene.block_names;
+    meta.insert("gauges".into(), json!(story::gauges(folder)));
+    meta.insert(
+        "events".into(),
+        json!(story::events(folder, &summary, names)),
+    );
+    let description = said.join(", ");
+    let text = page::page(&page::Contents {
+        title: &run.scene.title,
+        verdict: summary.is_object().then(|| verdict(&summary)),
+        description: &description,
+        tables: &story::tables(folder, &summary, names),
+        overview: &overview,
+        scene: &scene,
+        meta: &Value::Object(meta),
+        blobs: &blobs,
+    });
+    fs::write(file, &text).map_err(|source| RenderError::Write {
+        path: file.to_owned(),
+        source,
+    })?;
+    Ok(ReportSummary {
+        path: file.to_owned(),
+        size: text.len() as u64,
+        description,
+    })
+}
+
+/// Width of a quantum.
+fn step(range: Range) -> f64 {
+    f64::from(range.hi - range.lo) / f64::from(range.absent() - 1)
+}
+
+fn mesh_of(mesh: &PackedMesh) -> Value {
+    json!({
+        "corners": mesh.n_corners, "triangles": mesh.n_triangles,
+        "lo": mesh.range.lo, "step": step(mesh.range),
+    })
+}
+
+/// Colors of water by speed and by elevation, and of the background, from 0 to 1.
+fn colors() -> Value {
+    let share = |color: &[u8; 3]| color.map(|part| (f64::from(part) / 255.0 * 1e3).round() / 1e3);
+    let all = |colors: &[[u8; 3]]| colors.iter().map(share).collect::<Vec<_>>();
+    let elevation = color::elevation(3);
+    let trough: Vec<[u8; 3]> = elevation[..4].iter().rev().copied().collect();
+    json!({
+        "speed": all(&color::map(4)), "trough": all(&trough), "crest": all(&elevation[3..]),
+        "background": [0.945, 0.957, 0.965],
+    })
+}
+
+/// The smallest stride at which the frames have at most `room` bytes, or the largest one, with their bytes.
+fn within(frames: &Frames, room: f64) -> (usize, Vec<u8>) {
+    let mut stride = 1;
+    loop {
+        let bytes = frames.packed(stride);
+        if bytes.len() as f64 <= room || LARGEST_STRIDE <= stride {
+            return (stride, bytes);
+        }
+        stride *= 2;
+    }
+}
+
+/// Sum over all codes, by which the page knows that it has read them.
+fn checksum(frames: &Frames, stride: usize) -> u32 {
+    let codes = frames.codes.iter().step_by(stride).flatten();
+    codes.fold(0_u32, |sum, &code| {
+        sum.wrapping_mul(31).wrapping_add(u32::from(code))
+    })
+}
+
+fn water_of(water: &Water, run: &Recording, stride: usize) -> Value {
+    let times: Vec<f64> = water.times.iter().step_by(stride).copied().collect();
+    let mut value = json!({
+        "items": water.frames.n_items, "times": times, "fastest": water.largest_speed,
+        "spacing": run.spacing.unwrap_or(0.0), "checksum": checksum(&water.frames, stride),
+    });
+    let more = match &water.look {
+        Look::Particles { ranges } => {
+            let axes: &[&str] = if ranges.len() == 2 {
+                &["x", "z"]
+            } else {
+                &["x", "y", "z"]
+            };
+            json!({
+                "kind": "particles", "axes": axes, "absent": ranges[0].absent(),
+                "lo": ranges.iter().map(|r| r.lo).collect::<Vec<_>>(),
+                "step": ranges.iter().map(|r| step(*r)).collect::<Vec<_>>(),
+            })
+        }
+        Look::Surface {
+            corner,
+            cell,
+            size,
+            height,
+        } => {
+            let (rest, swing) = water.swing(*height);
+            json!({
+                "kind": "surface", "axes": ["z"], "absent": height.absent(), "corner": corner, "cell": cell, "size": size,
+                "lo": [height.lo], "step": [step(*height)], "rest": rest, "swing": swing,
+            })
+        }
+    };
+    if let (Some(value), Value::Object(more)) = (value.as_object_mut(), more) {
+        value.extend(more);
+    }
+    value
+}
+
+fn described(water: &Water, stride: usize) -> String {
+    let n_frames = water.times.len().div_ceil(stride);
+    let left_out = match stride {
+        1 => String::new(),
+        stride => format!(
+            " (every {stride}. of {}, for the size of this file)",
+            water.times.len()
+        ),
+    };
+    match &water.look {
+        Look::Particles { .. } => format!(
+            "{} particles in {n_frames} frames{left_out}",
+            water.frames.n_items
+        ),
+        Look::Surface { cell, size, .. } => format!(
+            "the water's surface on {} by {} cells of {cell:.3} m in {n_frames} frames{left_out}",
+            size[0], size[1]
+        ),
+    }
+}
+
+/// Corners of a box around water and moving blocks over the whole run, or of the domain without both; m.
+fn bounds(run: &Recording, water: Option<&Water>) -> Result<Value, RenderError> {
+    let mut lo = [f64::INFINITY; 3];
+    let mut hi = [f64::NEG_INFINITY; 3];
+    let mut add = |x: [f64; 3]| {
+        for k in 0..3 {
+            if x[k].is_finite() {
+                (lo[k], hi[k]) = (lo[k].min(x[k]), hi[k].max(x[k]));
+            }
+        }
+    };
+    let (min, max) = run.scene.domain;
+    match water.map(|water| &water.look) {
+        Some(Look::Particles { ranges }) if ranges.len() == 2 => {
+            add([f64::from(ranges[0].lo), min.y, f64::from(ranges[1].lo)]);
+            add([f64::from(ranges[0].hi), max.y, f64::from(ranges[1].hi)]);
+        }
+        Some(Look::Particles { ranges }) => {
+            add([0, 1, 2].map(|k| f64::from(ranges[k].lo)));
+            add([0, 1, 2].map(|k| f64::from(ranges[k].hi)));
+        }
+        Some(Look::Surface {
+            corner,
+            cell,
+            size,
+            height,
+        }) => {
+            let far = [0, 1].map(|k| f64::from(corner[k] + cell * size[k] as f32));
+            add([
+                f64::from(corner[0]),
+                f64::from(corner[1]),
+                f64::from(height.lo),
+            ]);
+            add([far[0], far[1], f64::from(height.hi)]);
+        }
+        None => {}
+    }
+    let frames = [run.blocks.first(), run.blocks.last()];
+    for frame in frames.into_iter().flatten() {
+        for body in run.blocks_at(frame.time)?.0 {
+            for corner in &body.corners {
+                add([0, 1, 2].map(|k| corner[k].clamp(min[k], max[k])));
+            }
+        }
+    }
+    if lo[0] > hi[0] {
+        (lo, hi) = (min.into(), max.into());
+    }
+    Ok(json!([lo, hi]))
+}

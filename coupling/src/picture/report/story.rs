@@ -1,0 +1,423 @@
+//! The words and numbers of a report: records of gauges, events, and tables of peaks, blocks and the ledger.
+
+use std::path::Path;
+
+use serde_json::{Value, json};
+
+use crate::files::table::{TableData, read_table};
+use crate::output::run_folder;
+
+/// Points of a record, at most.
+const MOST_POINTS: usize = 600;
+/// Events that are told, at most.
+const MOST_EVENTS: usize = 24;
+/// Blocks in the table, at most: those that went farthest.
+const MOST_BLOCKS: usize = 30;
+/// Force of water on a block, over the largest one of the run, that counts as the first touch.
+const TOUCH: f64 = 0.01;
+
+/// A table of the page.
+pub(super) struct Table {
+    pub title: &'static str,
+    pub head: Vec<&'static str>,
+    /// Texts of each row; numbers are right-aligned but for the first column.
+    pub rows: Vec<Vec<String>>,
+    /// Remark below it; empty without.
+    pub note: String,
+}
+
+/// A table of the run; `None` if it has none, or none that is readable: a report of the rest is better than none at all.
+pub(super) fn table_of(folder: &Path, name: &str) -> Option<TableData> {
+    let table = read_table(&folder.join(name)).ok()?;
+    (table.values.first())
+        .is_some_and(|time| !time.is_empty())
+        .then_some(table)
+}
+
+/// A number for a reader: four digits.
+pub(super) fn figure(value: f64) -> String {
+    let size = value.abs();
+    if value.is_nan() {
+        "dry".to_owned()
+    } else if value == 0.0 {
+        "0".to_owned()
+    } else if (1e-3..1e6).contains(&size) {
+        let digits = (3 - size.log10().floor() as i32).clamp(0, 6) as usize;
+        format!("{value:.digits$}")
+    } else {
+        format!("{value:.3e}")
+    }
+}
+
+/// Number for the page: five digits, none if it is not finite.
+fn short(value: f64) -> Value {
+    match value.is_finite() {
+        true => format!("{value:.4e}")
+            .parse::<f64>()
+            .map_or(Value::Null, |value| json!(value)),
+        false => Value::Null,
+    }
+}
+
+/// Records of all gauges: name, unit, times and values, thinned so that lows and highs stay.
+pub(super) fn gauges(folder: &Path) -> Vec<Value> {
+    let Some(table) = table_of(folder, run_folder::GAUGES) else {
+        return Vec::new();
+    };
+    let time = &table.values[0];
+    let columns = table.columns.iter().zip(&table.values).skip(1);
+    columns
+        .map(|(column, values)| {
+            let kept = thinned(values);
+            json!({
+                "name": column.name, "unit": column.unit,
+                "t": kept.iter().map(|&k| short(time[k])).collect::<Vec<_>>(),
+                "v": kept.iter().map(|&k| short(values[k])).collect::<Vec<_>>(),
+            })
+        })
+        .collect()
+}
+
+/// Places of a record's lowest and highest values in each of its pieces, and of its ends.
+fn thinned(values: &[f64]) -> Vec<usize> {
+    if values.len() <= MOST_POINTS {
+        return (0..values.len()).collect();
+    }
+    let piece = values.len().div_ceil(MOST_POINTS / 2);
+    let mut kept = vec![0];
+    for start in (0..values.len()).step_by(piece) {
+        let places = || start..values.len().min(start + piece);
+        let finite = || places().filter(|&k| values[k].is_finite());
+        let order = |a: &usize, b: &usize| values[*a].total_cmp(&values[*b]);
+        match (finite().min_by(order), finite().max_by(order)) {
+            (Some(low), Some(high)) => kept.extend([low, high]),
+            _ => kept.push(start),
+        }
+    }
+    kept.push(values.len() - 1);
+    kept.sort_unstable();
+    kept.dedup();
+    kept
+}
+
+/// What happened when: touches of water, arrivals and crests at gauges, in order.
+pub(super) fn events(folder: &Path, summary: &Value, names: &[String]) -> Vec<Value> {
+    let mut events: Vec<(f64, String)> = Vec::new();
+    let gauges = summary.get("gauges").and_then(Value::as_array);
+    for gauge in gauges.into_iter().flatten() {
+        let name = gauge.get("name").and_then(Value::as_str).unwrap_or("gauge");
+        let time = |key: &str| gauge.get(key).and_then(Value::as_f64);
+        if let Some(at) = time("arrival") {
+            events.push((at, format!("wave at {name}")));
+        }
+        let is_wave =
+            gauge.get("unit").and_then(Value::as_str) == Some("m") && time("arrival").is_some();
+        if let Some(at) = time("time").filter(|_| is_wave) {
+            events.push((at, format!("crest at {name}")));
+        }
+    }
+    let blocks = table_of(folder, run_folder::BLOCKS);
+    for block in blocks.iter().flat_map(histories) {
+        let largest = block.forces.iter().copied().fold(0.0, f64::max);
+        let start = block.forces.first().copied().unwrap_or(0.0);
+        let touch = block
+            .forces
+            .iter()
+            .position(|&force| TOUCH * largest < force);
+        // what stands in water from the start is not touched by it later
+        if let (Some(k), true) = (touch, start <= TOUCH * largest && 0.0 < largest) {
+            events.push((
+                block.time[k],
+                format!("{} meets water", name_of(names, block.id)),
+            ));
+        }
+    }
+    events.sort_by(|a, b| a.0.total_cmp(&b.0));
+    events.truncate(MOST_EVENTS);
+    let told = events.into_iter();
+    told.map(|(t, name)| json!({"t": short(t), "name": name}))
+        .collect()
+}
+
+/// Name of a block by its number.
+pub(super) fn name_of(names: &[String], id: i32) -> String {
+    let name = usize::try_from(id).ok().and_then(|id| names.get(id));
+    name.filter(|name| !name.is_empty())
+        .map_or_else(|| format!("block {id}"), Clone::clone)
+}
+
+/// Record of a block.
+struct History {
+    id: i32,
+    time: Vec<f64>,
+    places: Vec<[f64; 3]>,
+    speeds: Vec<f64>,
+    /// Of water; N.
+    forces: Vec<f64>,
+}
+
+/// The records in `blocks.csv`, block after block.
+fn histories(table: &TableData) -> Vec<History> {
+    let all = |names: [&str; 3]| -> Option<[&[f64]; 3]> {
+        let [x, y, z] = names.map(|name| table.column(name).ok());
+        Some([x?, y?, z?])
+    };
+    let (Ok(ids), Ok(time)) = (table.column("block"), table.column("time")) else {
+        return Vec::new();
+    };
+    let (Some(x), Some(v), Some(f)) = (
+        all(["x", "y", "z"]),
+        all(["vx", "vy", "vz"]),
+        all(["fluid_fx", "fluid_fy", "fluid_fz"]),
+    ) else {
+        return Vec::new();
+    };
+    let size = |of: [&[f64]; 3], k: usize| of.iter().map(|c| c[k] * c[k]).sum::<f64>().sqrt();
+    let mut found = std::collections::BTreeMap::<i32, History>::new();
+    for k in 0..ids.len() {
+        let id = ids[k] as i32;
+        let history = found.entry(id).or_insert_with(|| History {
+            id,
+            time: Vec::new(),
+            places: Vec::new(),
+            speeds: Vec::new(),
+            forces: Vec::new(),
+        });
+        history.time.push(time[k]);
+        history.places.push([x[0][k], x[1][k], x[2][k]]);
+        history.speeds.push(size(v, k));
+        history.forces.push(size(f, k));
+    }
+    found.into_values().collect()
+}
+
+/// Largest value, and its place.
+fn largest(values: &[f64]) -> Option<(usize, f64)> {
+    let all = values
+        .iter()
+        .copied()
+        .enumerate()
+        .filter(|(_, value)| value.is_finite());
+    all.reduce(|most, one| if most.1 < one.1 { one } else { most })
+}
+
+/// Tables of a run.
+pub(super) fn tables(folder: &Path, summary: &Value, names: &[String]) -> Vec<Table> {
+    let all = [
+        peaks(summary),
+        blocks(folder, names),
+        ledger(summary),
+        numbers(summary),
+    ];
+    all.into_iter()
+        .flatten()
+        .filter(|table| !table.rows.is_empty())
+        .collect()
+}
+
+fn peaks(summary: &Value) -> Option<Table> {
+    let gauges = summary.get("gauges")?.as_array()?;
+    let row = |gauge: &Value| {
+        let number = |key: &str| gauge.get(key).and_then(Value::as_f64);
+        let text = |key: &str| {
+            gauge
+                .get(key)
+                .and_then(Value::as_str)
+                .unwrap_or_default()
+                .to_owned()
+        };
+        let told = |value: Option<f64>| value.map_or_else(|| "–".to_owned(), figure);
+        vec![
+            text("name"),
+            text("unit"),
+            told(number("start")),
+            told(number("largest")),
+            told(number("time")),
+            told(number("arrival")),
+        ]
+    };
+    Some(Table {
+        title: "Peaks at gauges",
+        head: vec![
+            "gauge",
+            "unit",
+            "at the start",
+            "largest",
+            "at, s",
+            "wave arrives, s",
+        ],
+        rows: gauges.iter().map(row).collect(),
+        note: String::new(),
+    })
+}
+
+fn blocks(folder: &Path, names: &[String]) -> Option<Table> {
+    let table = table_of(folder, run_folder::BLOCKS)?;
+    let mut all: Vec<(f64, History)> = (histories(&table).into_iter())
+        .filter_map(|history| {
+            let (from, to) = (history.places.first()?, history.places.last()?);
+            let travel = (0..3)
+                .map(|k| (to[k] - from[k]).powi(2))
+                .sum::<f64>()
+                .sqrt();
+            Some((travel, history))
+        })
+        .collect();
+    all.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.id.cmp(&b.1.id)));
+    let n = all.len();
+    all.truncate(MOST_BLOCKS);
+    let row = |(travel, history): &(f64, History)| {
+        let speed = largest(&history.speeds).unwrap_or_default();
+        let force = largest(&history.forces).unwrap_or_default();
+        let at = |(k, _): (usize, f64)| history.time.get(k).copied().unwrap_or(f64::NAN);
+        let place = history.places.last().copied().unwrap_or_default();
+        vec![
+            name_of(names, history.id),
+            figure(*travel),
+            figure(speed.1),
+            figure(at(speed)),
+            figure(force.1),
+            figure(at(force)),
+            place.map(figure).join(", "),
+        ]
+    };
+    Some(Table {
+        title: "Blocks",
+        head: vec![
+            "block",
+            "from start to end, m",
+            "largest speed, m/s",
+            "at, s",
+            "largest force of water, N",
+            "at, s",
+            "in the end at, m",
+        ],
+        rows: all.iter().map(row).collect(),
+        note: match MOST_BLOCKS < n {
+            true => format!(
+                "The {MOST_BLOCKS} of {n} blocks that went farthest; all are in blocks.csv."
+            ),
+            false => String::new(),
+        },
+    })
+}
+
+/// Terms of the energy ledger, as a reader calls them.
+const TERMS: [(&str, &str); 22] = [
+    ("kinetic", "kinetic"),
+    ("potential", "potential, from the lower side of the domain"),
+    ("elastic", "in contacts"),
+    ("strain", "strain of blocks"),
+    ("internal", "compression of water"),
+    (
+        "external_work",
+        "work done by prescribed motions and forces",
+    ),
+    ("friction", "friction of blocks"),
+    ("plastic", "yield and breakage in contacts"),
+    ("damping", "damping of contacts"),
+    ("strain_damping", "damping of strain"),
+    ("static_damping", "static damping"),
+    ("viscous", "viscosity of water"),
+    ("bulk", "bulk viscosity"),
+    ("diffusive", "diffusion of density"),
+    ("absorbed", "absorbing layers"),
+    ("pushed_back", "particles put back at walls"),
+    ("removed", "what left the domain"),
+    ("sleep_loss", "put to sleep"),
+    ("joint_water", "water in joints"),
+    ("through_openings", "through inflows and outflows"),
+    ("at_walls", "introduced at walls by the discretization"),
+    ("residual", "unexplained"),
+];
+
+fn ledger(summary: &Value) -> Option<Table> {
+    let energy = summary.get("energy")?;
+    let row = |(key, words): &(&str, &str)| {
+        let value = energy.get(*key)?.as_f64()?;
+        (value != 0.0).then(|| vec![(*words).to_owned(), figure(value)])
+    };
+    Some(Table {
+        title: "Energy at the end",
+        head: vec!["term", "J"],
+        rows: TERMS.iter().filter_map(row).collect(),
+        note: String::new(),
+    })
+}
+
+fn numbers(summary: &Value) -> Option<Table> {
+    let number = |key: &str| summary.get(key).and_then(Value::as_f64).unwrap_or(0.0);
+    let text = |key: &str| {
+        summary
+            .get(key)
+            .and_then(Value::as_str)
+            .unwrap_or_default()
+            .to_owned()
+    };
+    summary.as_object()?;
+    let row = |name: &str, value: String| vec![name.to_owned(), value];
+    let mut rows = vec![
+        row(
+            "riprap",
+            format!("{} ({})", text("version"), text("commit")),
+        ),
+        row("simulated, s", figure(number("simulated_time"))),
+        row(
+            "computed in, s",
+            format!(
+                "{} on {} threads",
+                figure(number("wall_time")),
+                number("threads")
+            ),
+        ),
+        row("steps", format!("{}", number("steps"))),
+        row("state hash", text("state_hash")),
+    ];
+    if 0.0 < number("fluid_particles") {
+        rows.insert(
+            1,
+            row(
+                "particles",
+                format!(
+                    "{} at {} m",
+                    number("fluid_particles"),
+                    figure(number("particle_spacing"))
+                ),
+            ),
+        );
+        rows.push(row(
+            "momentum residual",
+            format!("{:.1e}", number("momentum_residual")),
+        ));
+    }
+    Some(Table {
+        title: "The run",
+        head: vec!["", ""],
+        rows,
+        note: String::new(),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_thinned_record_keeps_its_peaks() {
+        let mut values: Vec<f64> = (0..10_000).map(|k| (f64::from(k) * 0.01).sin()).collect();
+        values[5003] = 7.0;
+        values[7001] = f64::NAN;
+        let kept = thinned(&values);
+        assert!(kept.len() <= MOST_POINTS + 2, "{}", kept.len());
+        assert!(kept.contains(&5003) && kept.contains(&0) && kept.contains(&9999));
+    }
+
+    #[test]
+    fn figures_have_four_digits() {
+        let told = [0.0, 0.636_12, 12_345.6, -0.001_234, 7.5e8, f64::NAN].map(figure);
+        assert_eq!(
+            told,
+            ["0", "0.6361", "12346", "-0.001234", "7.500e8", "dry"]
+        );
+    }
+}
