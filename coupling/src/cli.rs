@@ -7,6 +7,7 @@ mod new;
 mod render;
 mod report;
 mod run;
+mod shell;
 mod study;
 
 use std::fmt::Display;
@@ -16,7 +17,7 @@ use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, Parser, Subcommand};
 
 use crate::scene::access::FilesFrom;
 use crate::scene::error::SceneError;
@@ -74,6 +75,10 @@ enum Command {
     /// Measure error against cost for settings of a scene.
     #[command(alias = "trade")]
     Study(study::Arguments),
+    /// Write completions of a shell.
+    Completions(shell::Completions),
+    /// Write man pages.
+    Man(shell::Man),
 }
 
 /// Runs the program with the arguments of the process.
@@ -86,6 +91,8 @@ pub fn main() -> ExitCode {
         Command::Report(arguments) => report::execute(&arguments),
         Command::Compare(arguments) => compare::execute(&arguments),
         Command::Study(arguments) => study::execute(&arguments),
+        Command::Completions(arguments) => shell::completions(&arguments, Arguments::command()),
+        Command::Man(arguments) => shell::man(&arguments, Arguments::command()),
     };
     ExitCode::from(match exit {
         Exit::Done => 0,

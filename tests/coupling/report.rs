@@ -233,6 +233,7 @@ fn shown(chromium: &Path, page: &Path) -> String {
         "--use-angle=swiftshader",
         "--enable-unsafe-swiftshader",
         "--no-sandbox",
+        "--disable-dev-shm-usage",
         "--virtual-time-budget=20000",
         "--dump-dom",
         url.as_str(),

@@ -1,5 +1,6 @@
 //! The words and numbers of a report: records of gauges, events, and tables of peaks, blocks and the ledger.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use serde_json::{Value, json};
@@ -117,6 +118,8 @@ pub(super) fn events(folder: &Path, summary: &Value, names: &[String]) -> Vec<Va
         }
     }
     let blocks = table_of(folder, run_folder::BLOCKS);
+    // the blocks of a slide are told of together
+    let mut touches = BTreeMap::<String, f64>::new();
     for block in blocks.iter().flat_map(histories) {
         let largest = block.forces.iter().copied().fold(0.0, f64::max);
         let start = block.forces.first().copied().unwrap_or(0.0);
@@ -126,12 +129,15 @@ pub(super) fn events(folder: &Path, summary: &Value, names: &[String]) -> Vec<Va
             .position(|&force| TOUCH * largest < force);
         // what stands in water from the start is not touched by it later
         if let (Some(k), true) = (touch, start <= TOUCH * largest && 0.0 < largest) {
-            events.push((
-                block.time[k],
-                format!("{} meets water", name_of(names, block.id)),
-            ));
+            let name = name_of(names, block.id);
+            let group = name
+                .rsplit_once('.')
+                .map_or(name.as_str(), |(group, _)| group);
+            let first = touches.entry(group.to_owned()).or_insert(f64::INFINITY);
+            *first = first.min(block.time[k]);
         }
     }
+    events.extend((touches.into_iter()).map(|(name, at)| (at, format!("{name} meets water"))));
     events.sort_by(|a, b| a.0.total_cmp(&b.0));
     events.truncate(MOST_EVENTS);
     let told = events.into_iter();
@@ -173,7 +179,7 @@ fn histories(table: &TableData) -> Vec<History> {
         return Vec::new();
     };
     let size = |of: [&[f64]; 3], k: usize| of.iter().map(|c| c[k] * c[k]).sum::<f64>().sqrt();
-    let mut found = std::collections::BTreeMap::<i32, History>::new();
+    let mut found = BTreeMap::<i32, History>::new();
     for k in 0..ids.len() {
         let id = ids[k] as i32;
         let history = found.entry(id).or_insert_with(|| History {
