@@ -3,6 +3,7 @@
 mod accuracy;
 mod check;
 mod compare;
+mod inspect;
 mod new;
 mod render;
 mod report;
@@ -70,6 +71,8 @@ enum Command {
     Render(render::Arguments),
     /// Make one HTML file that plays a run.
     Report(report::Arguments),
+    /// Print who is who among the blocks of a run, where they are and how fast.
+    Inspect(inspect::Arguments),
     /// Compare a recorded column with a reference.
     Compare(compare::Arguments),
     /// Measure error against cost for settings of a scene.
@@ -89,6 +92,7 @@ pub fn main() -> ExitCode {
         Command::Check(arguments) => check::execute(&arguments),
         Command::Render(arguments) => render::execute(&arguments),
         Command::Report(arguments) => report::execute(&arguments),
+        Command::Inspect(arguments) => inspect::execute(&arguments),
         Command::Compare(arguments) => compare::execute(&arguments),
         Command::Study(arguments) => study::execute(&arguments),
         Command::Completions(arguments) => shell::completions(&arguments, Arguments::command()),

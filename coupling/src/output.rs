@@ -1,5 +1,6 @@
 //! Output of a run: observers, their files, the summary and the checkpoint.
 
+pub mod bodies;
 pub mod checkpoint_file;
 pub mod observe;
 pub mod peaks;

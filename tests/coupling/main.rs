@@ -25,6 +25,7 @@ mod files;
 mod floating;
 mod geometry;
 mod hostile;
+mod inspect;
 mod landslide;
 mod mach;
 mod mistakes;

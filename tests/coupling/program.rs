@@ -582,7 +582,10 @@ fn help_teaches() {
         "run",
         "check",
         "render",
+        "report",
+        "inspect",
         "compare",
+        "completions",
         "Exit codes",
         "cases/sliding_wedge.ron",
     ] {

@@ -26,6 +26,8 @@ pub const SUMMARY: &str = "summary.json";
 pub const ACCURACY: &str = "accuracy.json";
 /// The run on one page.
 pub const OVERVIEW: &str = "overview.svg";
+/// Numbers, names and masses of the blocks.
+pub const BODIES: &str = "bodies.csv";
 /// Page that plays the run.
 pub const REPORT: &str = "report.html";
 /// Gauge records.
@@ -82,12 +84,13 @@ pub const FACE_FRAMES: &str = "faces";
 pub const FRAMES: [&str; 4] = [WATER_FRAMES, BLOCK_FRAMES, CONTACT_FRAMES, FACE_FRAMES];
 
 /// All files with a name of their own.
-const FILES: [&str; 22] = [
+const FILES: [&str; 23] = [
     CASE,
     SUMMARY,
     ACCURACY,
     OVERVIEW,
     REPORT,
+    BODIES,
     GAUGES,
     ENERGY,
     BLOCKS,

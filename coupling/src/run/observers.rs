@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use crate::files::table::Start;
+use crate::output::bodies;
 use crate::output::observe::forces::Forces;
 use crate::output::observe::frames::Frames;
 use crate::output::observe::gauges::Gauges;
@@ -39,6 +40,9 @@ impl Observers {
         start: Start,
     ) -> Result<Self, ObserveError> {
         let ledger_interval = scene.output.ledger_interval;
+        if start == Start::New && 0 < world.blocks.n_blocks() {
+            bodies::write(folder, &scene.block_names, world)?;
+        }
         Ok(Self {
             frames: Frames::new(folder, &scene.output, world)?,
             gauges: Gauges::new(folder, scene, world, start)?,

@@ -22,7 +22,7 @@ pub struct Ledgers {
 }
 
 /// Columns of `blocks.csv`: one row per block that can move and time.
-const BLOCK_COLUMNS: [(&str, &str); 20] = [
+const BLOCK_COLUMNS: [(&str, &str); 27] = [
     ("time", "s"),
     ("block", "-"),
     ("x", "m"),
@@ -43,6 +43,14 @@ const BLOCK_COLUMNS: [(&str, &str); 20] = [
     ("gravity_fx", "N"),
     ("gravity_fy", "N"),
     ("gravity_fz", "N"),
+    // attitude: the turn since the start
+    ("qx", "-"),
+    ("qy", "-"),
+    ("qz", "-"),
+    ("qw", "-"),
+    ("roll", "rad"),
+    ("pitch", "rad"),
+    ("yaw", "rad"),
 ];
 
 impl Ledgers {
@@ -106,6 +114,10 @@ impl Observer for Ledgers {
                 ] {
                     row.extend(v.iter());
                 }
+                let attitude = blocks.orientation(b);
+                row.extend(attitude.coords.iter());
+                let (roll, pitch, yaw) = attitude.euler_angles();
+                row.extend([roll, pitch, yaw]);
                 table.row(row)?;
             }
         }
