@@ -227,6 +227,10 @@ fn prepare(
         let found = resume::find(&archived, &arguments.case, folder, Changes::Records);
         match found.map_err(refused)? {
             Found::Over => {
+                // one that was lost right at its end may lack it
+                if !arguments.no_report && !folder.join(run_folder::REPORT).exists() {
+                    write_report(folder);
+                }
                 show(&format!("{} is complete already", folder.display()));
                 return Err(Exit::Done);
             }

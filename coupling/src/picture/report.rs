@@ -23,6 +23,7 @@ use serde_json::{Map, Value, json};
 use super::overview::color;
 use super::render::RenderError;
 use super::render::recording::{self, Recording};
+use crate::files::vtk::{VtkError, replace_file};
 use crate::output::run_folder;
 use crate::output::verdict::verdict;
 use packed::{Frames, Range, in_base64};
@@ -137,9 +138,16 @@ pub fn report(folder: &Path, file: &Path, limit: u64) -> Result<ReportSummary, R
         meta: &Value::Object(meta),
         blobs: &blobs,
     });
-    fs::write(file, &text).map_err(|source| RenderError::Write {
-        path: file.to_owned(),
-        source,
+    // whole or not at all
+    replace_file(file, &[text.as_bytes()]).map_err(|error| match error {
+        VtkError::Io { cause: source, .. } => RenderError::Write {
+            path: file.to_owned(),
+            source,
+        },
+        other => RenderError::BadFile {
+            path: file.to_owned(),
+            reason: other.to_string(),
+        },
     })?;
     Ok(ReportSummary {
         path: file.to_owned(),
