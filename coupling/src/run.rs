@@ -32,6 +32,8 @@ use crate::world::time_step::TimeStep;
 use crate::world::{StepError, World};
 use blow_up::BlowUpDetector;
 pub use build::build;
+#[cfg(test)]
+pub(crate) use build::world_of;
 use counters::{Costs, Counters, Stage};
 pub use events::{Ending, Event, Progress, RunError};
 use last_good::LastGoodState;

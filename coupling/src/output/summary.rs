@@ -10,6 +10,7 @@ use crate::openings::Passed;
 use crate::output::observe::ObserveError;
 use crate::output::peaks::Peak;
 use crate::output::run_folder;
+use crate::output::verdict::verdict;
 use crate::world::ledger::Energy;
 use crate::world::time_step::Cause;
 
@@ -157,6 +158,14 @@ pub struct TimeByPhase {
 }
 
 impl Summary {
+    /// With the verdict of its numbers, under the names that the file has, as for runs of which only that is left.
+    pub fn judged(mut self) -> Self {
+        if let Ok(numbers) = serde_json::to_value(&self) {
+            self.verdict = verdict(&numbers);
+        }
+        self
+    }
+
     /// Writes `summary.json` under a temporary name and renames it.
     ///
     /// # Errors

@@ -52,6 +52,71 @@ struct Blob {
     text: String,
 }
 
+/// What a page plays, as far as it is put together.
+#[derive(Default)]
+struct Played {
+    /// For the script, by name.
+    meta: Map<String, Value>,
+    blobs: Vec<Blob>,
+    /// What is shown.
+    said: Vec<String>,
+}
+
+impl Played {
+    fn tell(&mut self, name: &str, value: Value) {
+        self.meta.insert(name.to_owned(), value);
+    }
+
+    fn add_blob(&mut self, id: &'static str, bytes: &[u8]) {
+        let text = in_base64(bytes);
+        self.blobs.push(Blob { id, text });
+    }
+
+    fn add_fixed(&mut self, run: &Recording) {
+        let fixed = shapes::fixed(run).packed();
+        if 0 < fixed.n_triangles {
+            self.tell("fixed", mesh_of(&fixed));
+            self.add_blob("fixed", &fixed.bytes);
+        }
+    }
+
+    fn add_moving(&mut self, run: &Recording) -> Result<(), RenderError> {
+        let Some(moving) = shapes::moving(run)? else {
+            return Ok(());
+        };
+        let mesh = moving.mesh.packed();
+        let name = |&id: &i32| story::name_of(&run.scene.block_names, id);
+        let names: Vec<String> = moving.ids.iter().map(name).collect();
+        self.tell(
+            "blocks",
+            json!({
+                "ids": moving.ids, "names": names, "times": moving.times,
+                "lo": moving.ranges.map(|range| range.lo), "step": moving.ranges.map(Range::quantum),
+                "mesh": mesh_of(&mesh), "checksum": checksum(&moving.poses, 1),
+            }),
+        );
+        let blocks = if names.len() == 1 { "block" } else { "blocks" };
+        self.said.push(format!(
+            "{} moving {blocks} in {} frames",
+            names.len(),
+            moving.times.len()
+        ));
+        self.add_blob("shapes", &mesh.bytes);
+        self.add_blob("poses", &moving.poses.packed(1));
+        Ok(())
+    }
+
+    /// Adds the water in what `limit` bytes leave of room.
+    fn add_water(&mut self, water: &Water, run: &Recording, limit: u64) {
+        let taken: usize = self.blobs.iter().map(|blob| blob.text.len()).sum();
+        let room = limit.saturating_sub(taken as u64);
+        let (stride, bytes) = within(&water.frames, room as f64 / BASE64);
+        self.tell("water", water_of(water, run, stride));
+        self.said.insert(0, described(water, stride));
+        self.add_blob("water", &bytes);
+    }
+}
+
 /// Writes the report of a run folder to a file of about `limit` bytes at most, the shapes of very large scenes aside.
 ///
 /// # Errors
@@ -63,71 +128,26 @@ pub fn report(folder: &Path, file: &Path, limit: u64) -> Result<ReportSummary, R
     let summary = run_folder::read_summary(folder)?.unwrap_or(Value::Null);
     let overview = fs::read_to_string(folder.join(run_folder::OVERVIEW)).unwrap_or_default();
     let scene = fs::read_to_string(folder.join(run_folder::CASE)).unwrap_or_default();
-    let mut blobs = Vec::new();
-    let mut meta = Map::new();
-    let end = (run.frames().last()).map_or(0.0, |frame| frame.time);
-    meta.insert("title".into(), json!(run.scene.title));
-    meta.insert("duration".into(), json!(end.max(1e-9)));
-    meta.insert("isThin".into(), json!(run.scene.is_thin));
-    meta.insert("colors".into(), colors());
-
-    let fixed = shapes::fixed(&run).packed();
-    if 0 < fixed.n_triangles {
-        meta.insert("fixed".into(), mesh_of(&fixed));
-        blobs.push(Blob {
-            id: "fixed",
-            text: in_base64(&fixed.bytes),
-        });
-    }
-    let mut said = Vec::new();
-    if let Some(moving) = shapes::moving(&run)? {
-        let mesh = moving.mesh.packed();
-        let names = moving
-            .ids
-            .iter()
-            .map(|&id| story::name_of(&run.scene.block_names, id));
-        meta.insert(
-            "blocks".into(),
-            json!({
-                "ids": moving.ids, "names": names.collect::<Vec<_>>(), "times": moving.times,
-                "lo": moving.ranges.map(|range| range.lo), "step": moving.ranges.map(step),
-                "mesh": mesh_of(&mesh), "checksum": checksum(&moving.poses, 1),
-            }),
-        );
-        said.push(format!(
-            "{} moving blocks in {} frames",
-            moving.ids.len(),
-            moving.times.len()
-        ));
-        blobs.push(Blob {
-            id: "shapes",
-            text: in_base64(&mesh.bytes),
-        });
-        blobs.push(Blob {
-            id: "poses",
-            text: in_base64(&moving.poses.packed(1)),
-        });
-    }
-    let water = water::water(&run)?;
-    if let Some(water) = &water {
-        let taken: usize = blobs.iter().map(|blob| blob.text.len()).sum();
-        let room = limit.saturating_sub((taken + overview.len() + scene.len()) as u64);
-        let (stride, bytes) = within(&water.frames, room as f64 / BASE64);
-        meta.insert("water".into(), water_of(water, &run, stride));
-        said.insert(0, described(water, stride));
-        blobs.push(Blob {
-            id: "water",
-            text: in_base64(&bytes),
-        });
-    }
-    meta.insert("bounds".into(), bounds(&run, water.as_ref())?);
     let names = &run.scene.block_names;
-    meta.insert("gauges".into(), json!(story::gauges(folder)));
-    meta.insert(
-        "events".into(),
-        json!(story::events(folder, &summary, names)),
-    );
-    let description = said.join(", ");
+    let end = (run.frames().last()).map_or(0.0, |frame| frame.time);
+    let water = water::water(&run)?;
+
+    let mut played = Played::default();
+    played.tell("title", json!(run.scene.title));
+    played.tell("duration", json!(end.max(1e-9)));
+    played.tell("isThin", json!(run.scene.is_thin));
+    played.tell("colors", colors());
+    played.tell("bounds", bounds(&run, water.as_ref())?);
+    played.tell("gauges", json!(story::gauges(folder)));
+    played.tell("events", json!(story::events(folder, &summary, names)));
+    played.add_fixed(&run);
+    played.add_moving(&run)?;
+    if let Some(water) = &water {
+        let text = (overview.len() + scene.len()) as u64;
+        played.add_water(water, &run, limit.saturating_sub(text));
+    }
+
+    let description = played.said.join(", ");
     let text = page::page(&page::Contents {
         title: &run.scene.title,
         verdict: summary.is_object().then(|| verdict(&summary)),
@@ -135,10 +155,19 @@ pub fn report(folder: &Path, file: &Path, limit: u64) -> Result<ReportSummary, R
         tables: &story::tables(folder, &summary, names),
         overview: &overview,
         scene: &scene,
-        meta: &Value::Object(meta),
-        blobs: &blobs,
+        meta: &Value::Object(played.meta),
+        blobs: &played.blobs,
     });
-    // whole or not at all
+    write_whole(file, &text)?;
+    Ok(ReportSummary {
+        path: file.to_owned(),
+        size: text.len() as u64,
+        description,
+    })
+}
+
+/// Writes a file whole or not at all.
+fn write_whole(file: &Path, text: &str) -> Result<(), RenderError> {
     replace_file(file, &[text.as_bytes()]).map_err(|error| match error {
         VtkError::Io { cause: source, .. } => RenderError::Write {
             path: file.to_owned(),
@@ -148,23 +177,13 @@ pub fn report(folder: &Path, file: &Path, limit: u64) -> Result<ReportSummary, R
             path: file.to_owned(),
             reason: other.to_string(),
         },
-    })?;
-    Ok(ReportSummary {
-        path: file.to_owned(),
-        size: text.len() as u64,
-        description,
     })
-}
-
-/// Width of a quantum.
-fn step(range: Range) -> f64 {
-    f64::from(range.hi - range.lo) / f64::from(range.absent() - 1)
 }
 
 fn mesh_of(mesh: &PackedMesh) -> Value {
     json!({
         "corners": mesh.n_corners, "triangles": mesh.n_triangles,
-        "lo": mesh.range.lo, "step": step(mesh.range),
+        "lo": mesh.range.lo, "step": mesh.range.quantum(),
     })
 }
 
@@ -216,7 +235,7 @@ fn water_of(water: &Water, run: &Recording, stride: usize) -> Value {
             json!({
                 "kind": "particles", "axes": axes, "absent": ranges[0].absent(),
                 "lo": ranges.iter().map(|r| r.lo).collect::<Vec<_>>(),
-                "step": ranges.iter().map(|r| step(*r)).collect::<Vec<_>>(),
+                "step": ranges.iter().map(|r| r.quantum()).collect::<Vec<_>>(),
             })
         }
         Look::Surface {
@@ -228,7 +247,7 @@ fn water_of(water: &Water, run: &Recording, stride: usize) -> Value {
             let (rest, swing) = water.swing(*height);
             json!({
                 "kind": "surface", "axes": ["z"], "absent": height.absent(), "corner": corner, "cell": cell, "size": size,
-                "lo": [height.lo], "step": [step(*height)], "rest": rest, "swing": swing,
+                "lo": [height.lo], "step": [height.quantum()], "rest": rest, "swing": swing,
             })
         }
     };

@@ -102,3 +102,14 @@ fn water(water: &FluidScene, scene: &Scene, blocks: &Blocks) -> Result<Water, Ru
     };
     Ok(Water::new(fluid, boundaries, blocks)?)
 }
+
+/// World of a scene's text, for the unit tests of what is in it.
+#[cfg(test)]
+#[expect(
+    clippy::unwrap_used,
+    reason = "a test stops at the first thing that is wrong"
+)]
+pub(crate) fn world_of(text: &str) -> World {
+    let file = crate::scene::parse::read(text).unwrap();
+    build(&Scene::resolve(file, std::path::Path::new(".")).unwrap()).unwrap()
+}

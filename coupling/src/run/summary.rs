@@ -9,7 +9,6 @@ use super::{Ending, Run, RunError};
 use crate::build_info::COMMIT;
 use crate::output::peaks::peaks;
 use crate::output::summary::{Summary, TimeByPhase, peak_memory};
-use crate::output::verdict::verdict;
 use crate::scene::resolve::Scene;
 use crate::walls::Walls;
 use crate::world::time_step::{CAUSES, Cause};
@@ -31,7 +30,7 @@ impl Run<'_> {
             |test: &dyn Fn(usize) -> bool| (0..blocks.n_blocks()).filter(|&b| test(b)).count();
         let ratio = |part: u64, whole: u64| part as f64 / whole.max(1) as f64;
         let per_second = |n: u64| n as f64 / running;
-        let mut summary = Summary {
+        Summary {
             case: self.scene.title.clone(),
             version: env!("CARGO_PKG_VERSION").to_owned(),
             commit: COMMIT.to_owned(),
@@ -100,11 +99,8 @@ impl Run<'_> {
             verdict: <[String; 3]>::default(),
             state_hash: world.state_hash(),
             peak_memory: peak_memory(),
-        };
-        // of the numbers under the names that the file has, as for runs of which only that is left
-        summary.verdict =
-            serde_json::to_value(&summary).map_or(summary.verdict, |value| verdict(&value));
-        summary
+        }
+        .judged()
     }
 
     /// Fraction of the steps by the cause that limited them.

@@ -151,14 +151,10 @@ mod tests {
         reason = "a test stops at the first thing that is wrong"
     )]
 
-    use std::path::Path;
-
     use riprap_sph::Vec3;
 
     use super::{Acceleration, Movers};
-    use crate::run::build;
-    use crate::scene::parse;
-    use crate::scene::resolve::Scene;
+    use crate::run::world_of;
     use crate::walls::Walls;
     use crate::world::World;
 
@@ -195,8 +191,7 @@ mod tests {
             slice.unwrap_or_default(),
             blocks.concat(),
         );
-        let scene = Scene::resolve(parse::read(&text).unwrap(), Path::new("."));
-        build(&scene.unwrap()).unwrap()
+        world_of(&text)
     }
 
     /// The acceleration of the body that follows from walls that take it to be `assumed`.

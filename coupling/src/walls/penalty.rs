@@ -702,12 +702,8 @@ fn add_nearest(
     reason = "a test stops at the first thing that is wrong"
 )]
 mod tests {
-    use std::path::Path;
-
     use super::*;
-    use crate::run::build;
-    use crate::scene::parse;
-    use crate::scene::resolve::Scene;
+    use crate::run::world_of;
 
     /// At the toe of a slope on a floor two spacings thick the way through either face ends in the other solid, and the
     /// next one leads out below the floor.
@@ -724,8 +720,7 @@ mod tests {
             fluid: (resolution: Spacing(0.05),
                     regions: [(name: \"water\", shape: Box(min: (0, 0, 0), max: (0.4, 0.4, 0.4)))]),
             time: (duration: 1))";
-        let scene = Scene::resolve(parse::read(text).unwrap(), Path::new(".")).unwrap();
-        let world = build(&scene).unwrap();
+        let world = world_of(text);
         let water = world.water.as_ref().unwrap();
         let clearance = PUSH_BACK_DISTANCE * 0.05;
         for y in [0.5, 0.001] {

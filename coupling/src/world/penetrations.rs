@@ -145,12 +145,8 @@ impl Coupler<'_> {
     reason = "a test stops at the first thing that is wrong"
 )]
 mod tests {
-    use std::path::Path;
-
     use super::*;
-    use crate::run::build;
-    use crate::scene::parse;
-    use crate::scene::resolve::Scene;
+    use crate::run::world_of;
     use crate::world::World;
 
     const DP: f64 = 0.1;
@@ -168,8 +164,7 @@ mod tests {
              interface: (walls: {walls}),
              numerics: (sound_speed: {SOUND}, time_step_factor: 1.0), time: (duration: 1))"
         );
-        let scene = Scene::resolve(parse::read(&text).unwrap(), Path::new(".")).unwrap();
-        let world = build(&scene).unwrap();
+        let world = world_of(&text);
         assert_eq!(world.water.as_ref().unwrap().fluid.particles().len(), 1);
         world
     }

@@ -34,9 +34,8 @@ impl Range {
     }
 
     /// Width of a quantum.
-    #[cfg(test)]
-    pub fn quantum(self) -> f32 {
-        (self.hi - self.lo) / f32::from(self.absent() - 1)
+    pub fn quantum(self) -> f64 {
+        f64::from(self.hi - self.lo) / f64::from(self.absent() - 1)
     }
 
     /// Code of a value, the nearest one inside of the range; that of what is absent for NaN.
@@ -181,9 +180,12 @@ mod tests {
         };
         for k in 0..1000_i16 {
             let value = -3.0 + 0.01 * f32::from(k);
-            let back = range.lo + f32::from(range.code(value)) * range.quantum();
+            let back = f64::from(range.lo) + f64::from(range.code(value)) * range.quantum();
             // half a quantum, and round-off
-            assert!((back - value).abs() <= 0.501 * range.quantum(), "{value}");
+            assert!(
+                (back - f64::from(value)).abs() <= 0.501 * range.quantum(),
+                "{value}"
+            );
         }
         assert_eq!(range.code(f32::NAN), range.absent());
         assert_eq!(range.code(1e9), range.absent() - 1);

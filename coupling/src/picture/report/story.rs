@@ -35,6 +35,12 @@ pub(super) fn table_of(folder: &Path, name: &str) -> Option<TableData> {
         .then_some(table)
 }
 
+/// Text of a field of the summary; empty without.
+fn text_of(value: &Value, key: &str) -> String {
+    let text = value.get(key).and_then(Value::as_str);
+    text.unwrap_or_default().to_owned()
+}
+
 /// A number for a reader: four digits.
 pub(super) fn figure(value: f64) -> String {
     let size = value.abs();
@@ -225,13 +231,7 @@ fn peaks(summary: &Value) -> Option<Table> {
     let gauges = summary.get("gauges")?.as_array()?;
     let row = |gauge: &Value| {
         let number = |key: &str| gauge.get(key).and_then(Value::as_f64);
-        let text = |key: &str| {
-            gauge
-                .get(key)
-                .and_then(Value::as_str)
-                .unwrap_or_default()
-                .to_owned()
-        };
+        let text = |key: &str| text_of(gauge, key);
         let told = |value: Option<f64>| value.map_or_else(|| "–".to_owned(), figure);
         vec![
             text("name"),
@@ -353,13 +353,7 @@ fn ledger(summary: &Value) -> Option<Table> {
 
 fn numbers(summary: &Value) -> Option<Table> {
     let number = |key: &str| summary.get(key).and_then(Value::as_f64).unwrap_or(0.0);
-    let text = |key: &str| {
-        summary
-            .get(key)
-            .and_then(Value::as_str)
-            .unwrap_or_default()
-            .to_owned()
-    };
+    let text = |key: &str| text_of(summary, key);
     summary.as_object()?;
     let row = |name: &str, value: String| vec![name.to_owned(), value];
     let mut rows = vec![

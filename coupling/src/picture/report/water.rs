@@ -81,10 +81,7 @@ impl Particles {
 impl Water {
     /// Level at rest, the middle of the first heights, and the largest departure from it that one height in two hundred exceeds; m.
     pub fn swing(&self, height: Range) -> (f64, f64) {
-        let value = |code: u16| {
-            let step = f64::from(height.hi - height.lo) / f64::from(height.absent() - 1);
-            f64::from(height.lo) + f64::from(code) * step
-        };
+        let value = |code: u16| f64::from(height.lo) + f64::from(code) * height.quantum();
         let of = |codes: &[u16]| -> Vec<f64> {
             let wet = codes.iter().filter(|&&code| code < height.absent());
             wet.map(|&code| value(code)).collect()

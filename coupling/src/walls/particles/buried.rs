@@ -246,12 +246,8 @@ impl Solid {
     reason = "a test stops at the first thing that is wrong"
 )]
 mod tests {
-    use std::path::Path;
-
     use super::*;
-    use crate::run::build;
-    use crate::scene::parse;
-    use crate::scene::resolve::Scene;
+    use crate::run::world_of;
     use crate::walls::Walls;
     use crate::world::World;
 
@@ -275,8 +271,7 @@ mod tests {
              numerics: (sound_speed: 20), time: (duration: 1))",
             foot + 0.4,
         );
-        let scene = Scene::resolve(parse::read(&text).unwrap(), Path::new(".")).unwrap();
-        build(&scene).unwrap()
+        world_of(&text)
     }
 
     /// Volume and first moment of the points of moving blocks; m³, m⁴.
