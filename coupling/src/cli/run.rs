@@ -17,15 +17,13 @@ use crate::cli::check::describe;
 use crate::output::checkpoint_file::{self as checkpoint, Checkpoint};
 use crate::output::run_folder::{self, ArchivedScene, Existing};
 use crate::output::summary::Summary;
+use crate::output::verdict::LARGEST_MACH;
 use crate::run::{Ending, Plan, RunError, run};
 use crate::scene::further::Changes;
 use crate::scene::parse::Override;
 use crate::scene::resolve::Scene;
 use progress::ProgressLine;
 use resume::Found;
-
-/// Mach number of a particle above which the end of a run warns.
-const LARGEST_MACH: f64 = 0.3;
 
 /// Run a scene into a folder.
 #[derive(Debug, clap::Args)]

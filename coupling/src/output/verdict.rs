@@ -2,7 +2,8 @@
 
 use serde_json::Value;
 
-/// Share of the energy exchanged, unexplained or introduced at walls, up to which an account is good, and up to which it is fair.
+/// Share of the energy exchanged, unexplained, introduced at walls or lost by particles put back, up to which an account is good, and
+/// up to which it is fair: chosen, so that speeds and run-up, which go with the root of an energy, are within 1 and 5 %.
 const GOOD: f64 = 0.02;
 const FAIR: f64 = 0.1;
 /// Energy exchanged, over what is stored, below which hardly anything moved.
@@ -11,7 +12,7 @@ const STILL: f64 = 1e-5;
 /// (smoothing length 1.3 times the spacing); measured, `benches/RESULTS.md`.
 const KEPT: [(f64, f64, f64); 3] = [(10.0, 0.95, 0.61), (5.0, 0.90, 0.52), (3.0, 0.70, 0.45)];
 /// Mach number of a particle above which pressures of impacts are those of sound.
-const LARGEST_MACH: f64 = 0.3;
+pub const LARGEST_MACH: f64 = 0.3;
 /// Particles pushed back over those there are, above which bodies close water in, or move too fast for it.
 const MANY_PUSHED_BACK: f64 = 0.05;
 

@@ -82,12 +82,12 @@ impl Buried {
             let solids = disjoint(standing.iter().map(endless).collect());
             solids.iter().map(Solid::of).collect()
         };
-        let of_block = |definition: &BlockDefinition| -> Vec<Solid> {
+        let of_block = |definition: &BlockDefinition| -> Vec<Part> {
             let parts = parts(&definition.shape).into_iter();
             let parts = parts.filter_map(|part| clipped_by_symmetry(&part, &sampler.symmetry));
-            parts.map(|part| Solid::of(&endless(&part))).collect()
+            parts.map(|part| endless(&part)).collect()
         };
-        let own: Vec<Vec<Solid>> = (definitions.iter().enumerate())
+        let own: Vec<Vec<Part>> = (definitions.iter().enumerate())
             .map(|(b, definition)| match blocks.is_fixed(b) {
                 true => Vec::new(),
                 false => of_block(definition),
@@ -95,7 +95,8 @@ impl Buried {
             .collect();
         let depth = |b: usize, x: &Vec3| match &definitions[b].shape {
             Shape::Sphere { center, radius } => radius - (x - center).norm(),
-            _ => (own[b].iter().map(|part| -part.height(x))).fold(0.0, f64::max),
+            _ => (own[b].iter().filter_map(|part| part.nearest_plane(x)))
+                .fold(0.0, |depth, (_, height)| f64::max(depth, -height)),
         };
         let placed = points.blocks.iter().zip(&points.samples);
         let half_widths = placed.zip(&points.facets).map(|((&b, sample), &facet)| {
@@ -199,12 +200,6 @@ impl Solid {
             planes: planes.collect(),
             aabb: part.aabb(),
         }
-    }
-
-    /// Height of a point (m) above the plane that it is farthest outside of, in m.
-    fn height(&self, x: &Vec3) -> f64 {
-        let heights = self.planes.iter().map(|(n, offset)| n.dot(x) - offset);
-        heights.fold(f64::NEG_INFINITY, f64::max)
     }
 
     /// Share of a cell that is inside, and the first moment (m) of the rest, in cells, about the point.
