@@ -22,6 +22,7 @@ mod build_info;
 pub mod cli;
 pub mod files;
 pub mod joints;
+pub mod messages;
 pub mod openings;
 pub mod output;
 pub mod picture;

@@ -41,6 +41,8 @@ use parse::Override;
 use placed::Placed;
 use resolved::Scene;
 
+use crate::messages::Code;
+
 /// Largest size of a scene; bytes.
 const LARGEST_SCENE: u64 = 200_000_000;
 
@@ -65,7 +67,11 @@ pub fn load_from(
 ) -> Result<(Scene, SceneError), SceneError> {
     let name = path.display().to_string();
     let written = text_of(path).map_err(|message| {
-        SceneError::from_problems(&name, "", vec![Problem::error("", message)])
+        SceneError::from_problems(
+            &name,
+            "",
+            vec![Problem::error(Code::FileNotReadable, "", message)],
+        )
     })?;
     let access = Access {
         files,
@@ -99,8 +105,7 @@ pub fn load_text(
 ) -> Result<(Scene, SceneError), SceneError> {
     let text = parse::overridden(written, overrides)
         .map_err(|problem| SceneError::from_problems(name, written, vec![problem]))?;
-    let file = parse::read(&text)
-        .map_err(|error| SceneError::at_span(name, &text, error.span, error.message))?;
+    let file = parse::read(&text).map_err(|error| SceneError::of_text(name, &text, error))?;
     let Placed {
         file,
         written,

@@ -22,6 +22,7 @@ const COUPLING: &[&[&str]] = &[
     &["joints"],
     &["walls", "openings"],
     &["files", "saved", "series", "waves", "build_info"],
+    &["messages"],
 ];
 
 /// Wings of the water.

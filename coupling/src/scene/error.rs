@@ -1,8 +1,12 @@
 //! Errors of a scene, with their location.
 
+use crate::messages::Code;
+
 /// A fault or doubtful point of a scene, found after the text was read.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Problem {
+    /// Cause, as the guide explains it.
+    pub code: Code,
     /// Path of the field, e.g. `blocks[1].shape.min`, as `--set` takes it.
     pub path: String,
     /// Value found and values allowed; lowercase, no full stop.
@@ -22,8 +26,9 @@ pub enum Severity {
 
 impl Problem {
     /// Error, which stops the scene.
-    pub fn error(path: impl Into<String>, message: impl Into<String>) -> Self {
+    pub fn error(code: Code, path: impl Into<String>, message: impl Into<String>) -> Self {
         Self {
+            code,
             path: path.into(),
             message: message.into(),
             severity: Severity::Error,
@@ -31,8 +36,9 @@ impl Problem {
     }
 
     /// Warning.
-    pub fn warning(path: impl Into<String>, message: impl Into<String>) -> Self {
+    pub fn warning(code: Code, path: impl Into<String>, message: impl Into<String>) -> Self {
         Self {
+            code,
             path: path.into(),
             message: message.into(),
             severity: Severity::Warning,
@@ -45,6 +51,7 @@ use std::ops::Range;
 use miette::{Diagnostic, LabeledSpan, NamedSource, SourceCode};
 
 use super::locate::{Place, line_column, locate};
+use super::parse::TextError;
 
 /// Problems of a scene, located in its text.
 #[derive(Debug)]
@@ -57,6 +64,8 @@ pub struct SceneError {
 /// A located problem.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Located {
+    /// Cause, as the guide explains it.
+    pub code: Code,
     /// Fault.
     pub message: String,
     /// Location in the text; bytes.
@@ -77,6 +86,7 @@ impl SceneError {
             .map(|problem| {
                 let Place { span, line, column } = locate(text, &problem.path);
                 Located {
+                    code: problem.code,
                     message: problem.message,
                     span,
                     line,
@@ -89,11 +99,12 @@ impl SceneError {
     }
 
     /// Error of reading a text.
-    pub fn at_span(file: &str, text: &str, span: Range<usize>, message: String) -> Self {
-        let (line, column) = line_column(text, span.start);
+    pub fn of_text(file: &str, text: &str, error: TextError) -> Self {
+        let (line, column) = line_column(text, error.span.start);
         let located = Located {
-            message,
-            span,
+            code: error.code,
+            message: error.message,
+            span: error.span,
             line,
             column,
             severity: Severity::Error,

@@ -6,6 +6,7 @@
 use riprap_dda::{Motion, Polyhedron, Shape};
 use riprap_sph::{Dimensions, Vec3};
 
+use crate::messages::Code;
 pub use crate::scene::access::{Available, available};
 use crate::scene::error::Problem;
 use crate::scene::resolved::{FluidScene, Scene};
@@ -85,6 +86,7 @@ impl Estimate {
             ("blocks", "take fewer or simpler blocks")
         };
         Some(Problem::error(
+            Code::NotEnoughMemory,
             path,
             format!(
                 "the run needs {}; the machine has {:.3} GB: {remedy}",

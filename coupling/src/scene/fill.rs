@@ -17,6 +17,7 @@ use riprap_sph::Dimensions;
 use super::error::Problem;
 use super::file::vec3;
 use super::file::{Axis, DimensionsFile, DomainFile, FluidFile, LatticeFile, ResolutionFile};
+use crate::messages::Code;
 pub use amounts::{Amount, misfits};
 pub(super) use drawn::depth_at;
 pub use gaps::{PASSABLE, gaps, narrow_gaps};
@@ -174,6 +175,21 @@ enum FillError {
         .at.x, .at.y, .at.z
     )]
     InRegion { other: String, at: Vec3 },
+}
+
+impl FillError {
+    fn code(&self) -> Code {
+        match self {
+            Self::TooManyNodes { .. } | Self::NoMemory { .. } => Code::NotEnoughMemory,
+            Self::InBlock { .. } | Self::InRegion { .. } => Code::OverlappingRegion,
+            Self::TooThin { .. } | Self::NoRow { .. } => Code::NoParticleFits,
+            Self::LevelAboveDomain { .. } => Code::OutsideDomain,
+            Self::SeedOutside { .. } | Self::SeedInBlock { .. } | Self::SeedTooNarrow { .. } => {
+                Code::SeedMisplaced
+            }
+            Self::Leak { .. } => Code::LeakingBasin,
+        }
+    }
 }
 
 /// Initial water among the given solids. Regions in basins are to be packed against the walls, with a mould of

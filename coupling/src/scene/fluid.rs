@@ -16,6 +16,7 @@ use super::file::{
 };
 use super::fill::{Lattice, proportions};
 use super::resolved::{Domain, FluidScene, Region};
+use crate::messages::Code;
 use crate::walls::WallMethod;
 pub(super) use laws::flow_law;
 use laws::{laws, slow_viscosity};
@@ -167,6 +168,7 @@ fn sound_speed(file: &SceneFile, fastest: f64, problems: &mut Vec<Problem>) -> f
         .min(SOUND_SPEED_RATIO);
     if given < 0.999 * ratio * fastest {
         problems.push(Problem::warning(
+            Code::LowSoundSpeed,
             "numerics.sound_speed",
             format!(
                 "{given:.3} m/s is less than {ratio} times the fastest expected speed of \

@@ -8,6 +8,7 @@ use super::file::MotionFile;
 use super::file::vec3;
 use crate::files::separator::Separator;
 use crate::files::units::{Quantity, split};
+use crate::messages::Code;
 
 /// Columns of a record of displacement, and where it turns.
 const DISPLACEMENT: Columns = Columns {
@@ -63,7 +64,11 @@ pub fn motion(file: &MotionFile, path: &str, access: &Access) -> Result<Motion, 
             ramp,
         } => {
             let direction = vec3(*direction).try_normalize(0.0).ok_or_else(|| {
-                Problem::error(format!("{path}.direction"), "the motion has no direction")
+                Problem::error(
+                    Code::UnusableDirection,
+                    format!("{path}.direction"),
+                    "the motion has no direction",
+                )
             })?;
             Ok(Motion::Prescribed(PrescribedMotion::Sinusoid {
                 direction,
@@ -74,16 +79,18 @@ pub fn motion(file: &MotionFile, path: &str, access: &Access) -> Result<Motion, 
             }))
         }
         MotionFile::Waves { .. } => Err(Problem::error(
+            Code::IncompatibleOptions,
             path,
             "a wave maker takes its motion from the water of its scene",
         )),
         MotionFile::Path { .. } => Err(Problem::error(
+            Code::IncompatibleOptions,
             path,
             "a motion along a path needs the shape of its block",
         )),
         MotionFile::Table { file: name } | MotionFile::Shaking { file: name, .. } => {
             let text = text_of(access, name)
-                .map_err(|message| Problem::error(format!("{path}.file"), message))?;
+                .map_err(|(code, message)| Problem::error(code, format!("{path}.file"), message))?;
             recorded(file, path, &text)
         }
     }
@@ -110,7 +117,11 @@ pub fn recorded(file: &MotionFile, path: &str, text: &str) -> Result<Motion, Pro
         }
         MotionFile::Shaking { direction, file } => {
             let direction = vec3(*direction).try_normalize(0.0).ok_or_else(|| {
-                Problem::error(format!("{path}.direction"), "the shaking has no direction")
+                Problem::error(
+                    Code::UnusableDirection,
+                    format!("{path}.direction"),
+                    "the shaking has no direction",
+                )
             })?;
             let rows = rows(file, text, path, ACCELERATION)?;
             let interval = rows[1][0] - rows[0][0];
@@ -120,6 +131,7 @@ pub fn recorded(file: &MotionFile, path: &str, text: &str) -> Result<Motion, Pro
                 .find(|(k, row)| (row[0] - *k as f64 * interval).abs() > 1e-3 * interval);
             if let Some((_, row)) = uneven {
                 return Err(Problem::error(
+                    Code::UnusableFile,
                     format!("{path}.file"),
                     format!(
                         "`{file}`: times must go from 0 in equal steps of {interval} s; {} s does not fit",
@@ -135,9 +147,11 @@ pub fn recorded(file: &MotionFile, path: &str, text: &str) -> Result<Motion, Pro
         | MotionFile::Fixed
         | MotionFile::Sinusoid { .. }
         | MotionFile::Path { .. }
-        | MotionFile::Waves { .. } => {
-            Err(Problem::error(path, "the motion is not read from a record"))
-        }
+        | MotionFile::Waves { .. } => Err(Problem::error(
+            Code::IncompatibleOptions,
+            path,
+            "the motion is not read from a record",
+        )),
     }
 }
 
@@ -147,8 +161,8 @@ pub fn recorded(file: &MotionFile, path: &str, text: &str) -> Result<Motion, Pro
 ///
 /// A [`Problem`] that names the record and its line.
 pub(super) fn ways(name: &str, path: &str, access: &Access) -> Result<Vec<[f64; 2]>, Problem> {
-    let text =
-        text_of(access, name).map_err(|message| Problem::error(format!("{path}.file"), message))?;
+    let text = text_of(access, name)
+        .map_err(|(code, message)| Problem::error(code, format!("{path}.file"), message))?;
     let rows = rows(name, &text, path, WAY)?;
     Ok(rows.iter().map(|row| [row[0], row[1]]).collect())
 }
@@ -158,19 +172,25 @@ fn vec3_of(numbers: &[f64]) -> Vec3 {
 }
 
 /// The text of a record that the scene names.
-fn text_of(access: &Access, file: &str) -> Result<String, String> {
+fn text_of(access: &Access, file: &str) -> Result<String, (Code, String)> {
     access
         .read(file)
-        .map_err(|fault| format!("`{file}`: {fault}"))
+        .map_err(|fault| (fault.code(), format!("`{file}`: {fault}")))
         .and_then(|bytes| {
-            String::from_utf8(bytes).map_err(|error| format!("`{file}` is not text: {error}"))
+            String::from_utf8(bytes)
+                .map_err(|error| (Code::UnusableFile, format!("`{file}` is not text: {error}")))
         })
 }
 
 /// The rows of a record that the scene names at `path`, with columns as for [`record`].
 fn rows(file: &str, text: &str, path: &str, columns: Columns) -> Result<Vec<Vec<f64>>, Problem> {
-    record(text, columns)
-        .map_err(|found| Problem::error(format!("{path}.file"), format!("`{file}` {found}")))
+    record(text, columns).map_err(|found| {
+        Problem::error(
+            Code::UnusableFile,
+            format!("{path}.file"),
+            format!("`{file}` {found}"),
+        )
+    })
 }
 
 /// Rows of a record: one of the allowed counts of numbers on every line, the first an increasing time; `#` comments, one optional

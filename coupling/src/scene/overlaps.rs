@@ -7,6 +7,7 @@ use riprap_dda::{BlockId, Blocks, DeepOverlap, Vec3};
 use super::error::Problem;
 use super::file::Triple;
 use super::resolved::Scene;
+use crate::messages::Code;
 
 /// Pairs of blocks of which a report gives the names.
 const LISTED: usize = 5;
@@ -28,7 +29,11 @@ pub(super) fn refused_by_first_step(scene: &Scene) -> Vec<Problem> {
         let (a, b) = (overlap.blocks.0.index(), overlap.blocks.1.index());
         let mover = if blocks.is_free(a) { a } else { b };
         let message = format!("{}; move them apart", in_words(overlap, scene));
-        Problem::error(format!("blocks[{mover}].placement"), message)
+        Problem::error(
+            Code::OverlappingBlocks,
+            format!("blocks[{mover}].placement"),
+            message,
+        )
     };
     let found = deepest_of_blocks(blocks.deep_overlaps());
     listed(found.iter().map(problem).collect(), "than a step allows")
@@ -56,7 +61,7 @@ pub(super) fn listed(mut problems: Vec<Problem>, limit: &str) -> Vec<Problem> {
     if let Some(last) = problems.last().filter(|_| 0 < n_more) {
         let pairs = if n_more == 1 { "pair" } else { "pairs" };
         let message = format!("{n_more} more {pairs} of blocks overlap deeper {limit}");
-        problems.push(Problem::error(last.path.clone(), message));
+        problems.push(Problem::error(last.code, last.path.clone(), message));
     }
     problems
 }

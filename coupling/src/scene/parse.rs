@@ -13,6 +13,7 @@ use super::file::SceneFile;
 use super::locate::offset;
 use super::locate::path::FieldPath;
 use super::locate::tree::{NodeKind, Tree};
+use crate::messages::Code;
 
 /// A field set from the command line: `PATH=VALUE`.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -44,6 +45,8 @@ impl std::str::FromStr for Override {
 /// Error of parsing a scene.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct TextError {
+    /// Cause, as the guide explains it.
+    pub code: Code,
     /// Value found and values allowed.
     pub message: String,
     /// Location in the text; bytes.
@@ -74,7 +77,11 @@ pub fn read_as<T: DeserializeOwned>(text: &str) -> Result<T, TextError> {
         let end = offset(text, error.span.end.line, error.span.end.col).max(start);
         let (message, span) = words::mistake(text, &error.code, start)
             .unwrap_or_else(|| (explain(&error.code), start..end));
-        TextError { message, span }
+        TextError {
+            code: code(&error.code),
+            message,
+            span,
+        }
     })?;
     // RON reads inf and NaN as numbers; a scene has no use for either
     let tree = Tree::new(text);
@@ -84,6 +91,7 @@ pub fn read_as<T: DeserializeOwned>(text: &str) -> Result<T, TextError> {
             && matches!(word.trim_start_matches(['-', '+']), "inf" | "NaN")
         {
             return Err(TextError {
+                code: Code::NumberNotFinite,
                 message: format!("`{path}` is {word}; a number must be finite"),
                 span: node.span.clone(),
             });
@@ -91,6 +99,7 @@ pub fn read_as<T: DeserializeOwned>(text: &str) -> Result<T, TextError> {
         // a literal such as 1e999 reads as infinity too
         if matches!(node.kind, NodeKind::Word) && word.parse::<f64>().is_ok_and(f64::is_infinite) {
             return Err(TextError {
+                code: Code::NumberNotFinite,
                 message: format!("`{path}` is {word}, more than a number can hold"),
                 span: node.span.clone(),
             });
@@ -113,7 +122,13 @@ pub fn overridden(text: &str, overrides: &[Override]) -> Result<String, Problem>
 }
 
 fn with_field(text: &str, change: &Override) -> Result<String, Problem> {
-    let refuse = |message: String| Problem::error("", format!("--set {}: {message}", change.path));
+    let refuse = |message: String| {
+        Problem::error(
+            Code::UnusableOverride,
+            "",
+            format!("--set {}: {message}", change.path),
+        )
+    };
     let path = FieldPath::parse(&change.path).map_err(|error| refuse(error.to_string()))?;
     let tree = Tree::new(text);
     match tree.walk(&path) {
@@ -151,6 +166,17 @@ fn with_field(text: &str, change: &Override) -> Result<String, Problem> {
         Err(_) => Err(refuse(
             "no such field; see cases/README.md for all paths".to_owned(),
         )),
+    }
+}
+
+/// Cause of an error of RON.
+fn code(error: &ron::Error) -> Code {
+    match error {
+        ron::Error::NoSuchStructField { .. } => Code::UnknownField,
+        ron::Error::NoSuchEnumVariant { .. } => Code::UnknownKind,
+        ron::Error::MissingStructField { .. } => Code::MissingField,
+        ron::Error::DuplicateStructField { .. } => Code::WrittenTwice,
+        _ => Code::SceneSyntax,
     }
 }
 

@@ -9,6 +9,7 @@ use super::geometry::crs::{Content, Crs};
 use super::geometry::features;
 use super::resolved::Scene;
 use crate::files::features::{Feature, Form};
+use crate::messages::Code;
 
 /// A scene with all gauges in its own coordinates.
 pub(super) struct Placed {
@@ -69,6 +70,7 @@ pub(super) fn placed(mut file: SceneFile, access: &Access) -> Result<Placed, Vec
     let origin = file.terrain.as_ref().map(|terrain| terrain.origin);
     let (mut gauges, mut written) = (Vec::new(), Vec::new());
     let (mut systems, mut problems) = (Vec::new(), Vec::new());
+    let at = |index: usize| format!("gauges[{index}]");
     for (index, gauge) in std::mem::take(&mut file.gauges).into_iter().enumerate() {
         match gauge {
             GaugeFile::OnMap(inner) => match (origin, from_map(*inner, origin)) {
@@ -76,11 +78,13 @@ pub(super) fn placed(mut file: SceneFile, access: &Access) -> Result<Placed, Vec
                     gauges.push(gauge);
                     written.push(Origin::OnMap(index));
                 }
-                (None, _) => problems.push(Problem::error(
-                    format!("gauges[{index}]"),
-                    "the scene has no terrain and no map; write the gauge without OnMap, from (0, 0, 0) of the scene",
-                )),
-                (_, Err(what)) => problems.push(Problem::error(format!("gauges[{index}]"), what)),
+                (None, _) => {
+                    let what = "the scene has no terrain and no map; write the gauge without OnMap, from (0, 0, 0) of the scene";
+                    problems.push(Problem::error(Code::TerrainBlock, at(index), what));
+                }
+                (_, Err(what)) => {
+                    problems.push(Problem::error(Code::IncompatibleOptions, at(index), what));
+                }
             },
             GaugeFile::FromFile { file, kind } => {
                 let path = format!("gauges[{index}].file");
@@ -90,7 +94,7 @@ pub(super) fn placed(mut file: SceneFile, access: &Access) -> Result<Placed, Vec
                         gauges.extend(found);
                         systems.extend(crs.map(|crs| FileSystem { path, file, crs }));
                     }
-                    Err(what) => problems.push(Problem::error(path, what)),
+                    Err(what) => problems.push(Problem::error(Code::UnusableFile, path, what)),
                 }
             }
             plain => {
@@ -120,7 +124,7 @@ pub(super) fn other_system(systems: &[FileSystem], scene: &Scene) -> Option<Prob
         other.crs,
         Content::Features.projected_to(map)
     );
-    Some(Problem::error(&other.path, what))
+    Some(Problem::error(Code::UnusableMapSystem, &other.path, what))
 }
 
 /// A gauge of the map in the coordinates of the scene.
@@ -325,7 +329,7 @@ mod tests {
         let gauges = r#"SurfaceElevation(name: "a", x: 1, y: 2), FromFile(file: "two.csv", kind: SurfaceElevation), OnMap(SurfaceElevation(name: "b", x: 412001, y: 6904002))"#;
         let written = found(MAP, gauges, &files).unwrap().written;
         let path = |path: &str| {
-            written.located(vec![Problem::error(path, "")])[0]
+            written.located(vec![Problem::error(Code::DryGauge, path, "")])[0]
                 .path
                 .clone()
         };

@@ -5,6 +5,7 @@ use riprap_sph::{Settings, Sleeping};
 
 use super::error::Problem;
 use super::file::{SceneFile, vec3};
+use crate::messages::Code;
 use crate::walls::WallMethod;
 
 /// Mean displacement that wakes the tiles around, over the spacing. At 0.01 the crest near a block that falls into six rows of
@@ -33,7 +34,11 @@ pub(super) fn resting(
     let resting = file.numerics.resting?;
     if gravity == 0.0 {
         let what = "blocks cannot rest without gravity; leave `numerics.resting` out";
-        problems.push(Problem::error("numerics.resting", what));
+        problems.push(Problem::error(
+            Code::IncompatibleOptions,
+            "numerics.resting",
+            what,
+        ));
     }
     let free = blocks.iter().filter(|b| matches!(b.motion, Motion::Free));
     let largest = free.map(|b| b.shape.volume().cbrt()).fold(0.0, f64::max);
@@ -55,6 +60,7 @@ pub(super) fn sleeping(
 ) -> Option<Sleeping> {
     let mut refuse = |found: &str| {
         problems.push(Problem::error(
+            Code::WaterCannotSleep,
             "numerics.sleeping",
             format!("water cannot sleep with {found}"),
         ));
@@ -77,7 +83,11 @@ pub(super) fn sleeping(
         time: sleeping.time.unwrap_or(TIME * depth / wave_speed),
     };
     if let Err(error) = settings.check_sleep() {
-        problems.push(Problem::error("numerics.sleeping", error.to_string()));
+        problems.push(Problem::error(
+            Code::WaterCannotSleep,
+            "numerics.sleeping",
+            error.to_string(),
+        ));
     }
     Some(chosen)
 }

@@ -6,6 +6,7 @@ use super::access::Access;
 use super::error::Problem;
 use super::file::{MotionFile, SceneFile, vec3};
 use super::motion::ways;
+use crate::messages::Code;
 
 /// Distance of a way beyond the path that is round-off; × length.
 const ROUND_OFF: f64 = 1e-9;
@@ -40,7 +41,11 @@ pub(super) fn sliding(
                 at(&format!("points[{k}]"))
             }
         };
-        Problem::error(place, format!("block `{}`: {fault}", block.name))
+        Problem::error(
+            Code::UnusablePath,
+            place,
+            format!("block `{}`: {fault}", block.name),
+        )
     })?;
     let rows = ways(record, &format!("blocks[{index}].motion"), access)?;
     let centroid = shape.map_or_else(Vec3::zeros, |shape| shape.mass_properties().centroid);
@@ -56,6 +61,7 @@ pub(super) fn sliding(
                 ),
             };
             return Err(Problem::error(
+                Code::UnusablePath,
                 at("file"),
                 format!("`{record}`: the way {way} m at {time} s {what}"),
             ));
@@ -90,6 +96,7 @@ pub(super) fn warn_about_bends(
     for cut in sliding.path().cuts() {
         if cut.radius < reach {
             problems.push(Problem::warning(
+                Code::TightBend,
                 path(cut.point),
                 format!(
                     "block `{name}` reaches {reach:.4} m from its path, more than the radius of {:.4} m of this bend: its inner side \
@@ -100,6 +107,7 @@ pub(super) fn warn_about_bends(
         }
         if spacing.is_some_and(|spacing| spacing < cut.distance) {
             problems.push(Problem::warning(
+                Code::TightBend,
                 path(cut.point),
                 format!(
                     "the path of block `{name}` passes this corner at a distance of {:.4} m, more than a particle spacing; give it a \

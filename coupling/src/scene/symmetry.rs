@@ -7,6 +7,7 @@ use super::error::Problem;
 use super::file::vec3;
 use super::file::{DomainFile, LatticeFile, SceneFile, SideFile};
 use super::fill::Lattice;
+use crate::messages::Code;
 use crate::world::TOUCH;
 
 /// Displacement across a plane, over the size of the domain, above which a prescribed motion is not along it.
@@ -59,6 +60,7 @@ pub(super) fn refuse_blocks(
                 }
             };
             problems.push(Problem::error(
+                Code::BlockAtSymmetryPlane,
                 format!("blocks[{index}].motion"),
                 format!("block `{name}` {what} ({side:?})"),
             ));
@@ -102,6 +104,7 @@ pub(super) fn warn_about_rows(
         // farther off there is no water at the plane
         if nearest < 1.5 && ROW_SLACK < (nearest - first).abs() {
             problems.push(Problem::warning(
+                Code::WaterOffSymmetryPlane,
                 "domain.symmetry",
                 format!(
                     "{side:?}: the first row of water is {nearest:.2} spacings from the plane of symmetry, not \

@@ -17,6 +17,7 @@ mod waves;
 
 use super::error::Problem;
 use super::file::SceneFile;
+use crate::messages::Code;
 use checks::Checks;
 use gauges::gauge_name;
 
@@ -60,6 +61,7 @@ pub fn values(scene: &SceneFile) -> Vec<Problem> {
         !(scene.blocks.is_empty() && scene.rock_masses.is_empty() && scene.grains.is_empty());
     if !has_blocks && scene.fluid.is_none() {
         check.refuse(
+            Code::EmptyList,
             "",
             "the scene has neither blocks nor fluid; add one of them".to_owned(),
         );

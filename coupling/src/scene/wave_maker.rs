@@ -8,6 +8,7 @@ use super::error::Problem;
 use super::file::{MotionFile, RegionShapeFile, SceneFile, SpectrumFile, WavesFile, vec3};
 use super::fill::depth_at;
 use super::resolved::FluidScene;
+use crate::messages::Code;
 use crate::waves::irregular::{Spectrum, Waves};
 use crate::waves::regular::Regular;
 use crate::waves::solitary::Solitary;
@@ -71,11 +72,20 @@ pub(super) fn wave_maker(
     let path = format!("blocks[{index}].motion");
     let name = &file.blocks[index].name;
     let direction = vec3(*direction).try_normalize(0.0).ok_or_else(|| {
-        Problem::error(format!("{path}.direction"), "the motion has no direction")
+        Problem::error(
+            Code::UnusableDirection,
+            format!("{path}.direction"),
+            "the motion has no direction",
+        )
     })?;
     let found = water_before(file, solids, (index, &direction));
-    let depth = (depth.or(found.map(|(depth, _)| depth)))
-        .ok_or_else(|| Problem::error(format!("{path}.direction"), no_water(name)))?;
+    let depth = (depth.or(found.map(|(depth, _)| depth))).ok_or_else(|| {
+        Problem::error(
+            Code::PaddleWithoutWater,
+            format!("{path}.direction"),
+            no_water(name),
+        )
+    })?;
     let water = StillWater {
         depth,
         gravity: vec3(file.gravity).norm(),
@@ -337,11 +347,16 @@ impl WaveMaker {
         let path = |field: &str| format!("blocks[{}].motion{field}", self.block);
         let mut problems = Vec::new();
         if !self.is_wet(fluid) {
-            problems.push(Problem::error(path(".direction"), no_water(name)));
+            problems.push(Problem::error(
+                Code::PaddleWithoutWater,
+                path(".direction"),
+                no_water(name),
+            ));
         }
         let scales = self.scales();
         if scales.breaking < scales.height {
             problems.push(Problem::warning(
+                Code::BreakingWaves,
                 path(".waves"),
                 format!(
                     "block `{name}`: waves of {:.4} m break on {:.4} m of water, by {} above {:.4} m; ask for lower or \
@@ -355,6 +370,7 @@ impl WaveMaker {
                 Regular::new(self.piston.water, height, period).ursell_share(self.piston.water);
             if 1.0 < share {
                 problems.push(Problem::warning(
+                    Code::SecondCrest,
                     path(".waves"),
                     format!(
                         "block `{name}`: waves of {height} m and {period} s are too long for second order on {:.4} m, \
@@ -370,6 +386,7 @@ impl WaveMaker {
         let sound = fluid.settings.sound_speed;
         if MACH * sound < fastest {
             problems.push(Problem::warning(
+                Code::LowSoundSpeed,
                 path(".waves"),
                 format!(
                     "block `{name}`: the piston moves at {fastest:.3} m/s, more than a tenth of the speed of sound of \
@@ -391,6 +408,7 @@ impl WaveMaker {
             });
             if let Some(axis) = out {
                 problems.push(Problem::warning(
+                    Code::StrokeLeavesDomain,
                     path(".waves"),
                     format!(
                         "block `{name}`: its stroke goes {:.4} m {way}, out of the domain; let domain.{} reach {:.4} m \
@@ -437,6 +455,7 @@ impl WaveMaker {
         let needed = distance / self.piston.water.group_speed(short);
         (time < needed).then(|| {
             Problem::warning(
+                Code::FocusTooEarly,
                 format!("blocks[{}].motion.waves.time", self.block),
                 format!(
                     "block `{name}`: waves of half the period take {needed:.2} s to the focus, which is at {time} s: they \

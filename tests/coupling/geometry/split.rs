@@ -3,6 +3,7 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
+use riprap::messages::Code;
 use riprap::run::build;
 use riprap::scene::access::Access;
 use riprap::scene::error::{Problem, Severity};
@@ -395,6 +396,7 @@ fn errors_of_a_split_are_stated_warned_of_and_refused() {
     assert!(deviation.center < 1e-9); // by symmetry
     let [
         Problem {
+            code: Code::MeshNotConvex,
             path,
             message,
             severity: Severity::Warning,

@@ -4,6 +4,8 @@ use std::path::PathBuf;
 
 use riprap_dda::{PolyhedronError, SurfaceError, Vec3};
 
+use crate::messages::Code;
+
 /// Most triangles of one shell: the checks of a hull cost faces × corners.
 pub(in crate::scene) const MOST_TRIANGLES_OF_A_SHELL: usize = 20_000;
 
@@ -164,4 +166,27 @@ pub enum Fault {
         /// Its reason.
         source: PolyhedronError,
     },
+}
+
+impl Fault {
+    /// Cause, as the guide explains it.
+    pub(in crate::scene) fn code(&self) -> Code {
+        match self {
+            Self::LeavesFolder { .. } => Code::FileOutsideFolder,
+            Self::Unreadable(_) | Self::NoFile => Code::FileNotReadable,
+            Self::TooLarge { .. } | Self::TooManyTriangles | Self::TooFine { .. } => {
+                Code::FileTooLarge
+            }
+            Self::UnknownKind | Self::Format(_) | Self::NotFinite { .. } | Self::Empty => {
+                Code::UnusableFile
+            }
+            Self::Degrees { .. } => Code::UnusableMapSystem,
+            Self::Open { .. } | Self::Unoriented { .. } | Self::InsideOut { .. } => {
+                Code::MeshNotClosed
+            }
+            Self::NotConvex { .. } => Code::MeshNotConvex,
+            Self::Overlapping { .. } => Code::OverlappingShells,
+            Self::NoSurface(_) | Self::NoHull { .. } => Code::InvalidShape,
+        }
+    }
 }

@@ -8,6 +8,7 @@
 use riprap_dda::Vec3;
 
 use super::Lattice;
+use crate::messages::Code;
 use crate::scene::error::Problem;
 use crate::scene::file::{
     DimensionsFile, DomainFile, FluidFile, RegionFile, RegionShapeFile, ResolutionFile, vec3,
@@ -83,7 +84,7 @@ pub fn misfits(fluid: &FluidFile, lattice: &Lattice, dimensions: DimensionsFile)
             };
             let message = message.or_else(|| misfit(region, amount, wanted))?;
             let path = format!("fluid.regions[{index}].shape");
-            Some(Problem::warning(path, message))
+            Some(Problem::warning(Code::SpacingMisfit, path, message))
         })
         .collect()
 }

@@ -3,6 +3,7 @@
 use std::cell::Cell;
 
 use super::{Lattice, Room};
+use crate::messages::Code;
 use crate::scene::error::Problem;
 use crate::scene::file::vec3;
 use crate::scene::file::{DomainFile, FluidFile, RegionShapeFile};
@@ -30,8 +31,13 @@ pub(super) fn spacing(
     let wanted = f64::from(count);
     let n_of = |lattice: &Lattice| lattice.positions.len() as f64;
     let miss = |lattice: &Lattice| (n_of(lattice) / wanted - 1.0).abs();
-    room.holds(wanted)
-        .map_err(|error| vec![Problem::error("fluid.resolution", format!("fluid {error}"))])?;
+    room.holds(wanted).map_err(|error| {
+        vec![Problem::error(
+            error.code(),
+            "fluid.resolution",
+            format!("fluid {error}"),
+        )]
+    })?;
     let volume = largest_volume(fluid, domain);
     let guess = (volume / wanted).cbrt();
     // all fills together look at no more nodes than one may
@@ -92,7 +98,11 @@ pub(super) fn spacing(
         "no spacing gives {count} particles within 10 %; the nearest is {}; ask for that, or give a spacing",
         best.positions.len()
     );
-    Err(vec![Problem::error("fluid.resolution", message)])
+    Err(vec![Problem::error(
+        Code::SpacingMisfit,
+        "fluid.resolution",
+        message,
+    )])
 }
 
 /// First successful fill, from the guess downward; m.

@@ -4,6 +4,7 @@ use riprap_dda::{Shape, Vec3, separating_axes};
 
 use super::Lattice;
 use super::obstacles::{Part, parts_of};
+use crate::messages::Code;
 use crate::scene::error::Problem;
 use crate::scene::file::DimensionsFile;
 
@@ -90,6 +91,7 @@ pub fn narrow_gaps(
         n => format!(" and {n} more gaps like it"),
     };
     Some(Problem::warning(
+        Code::GapNarrowerThanSpacing,
         "fluid.resolution",
         format!(
             "the gap of {narrowest:.3} m between blocks `{}` and `{}`{others} below the water level is narrower than \

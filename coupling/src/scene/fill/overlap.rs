@@ -3,6 +3,7 @@
 use riprap_dda::{Motion, Polyhedron, Shape, Vec3, separating_axes};
 
 use super::obstacles::{Part, height, parts};
+use crate::messages::Code;
 use crate::scene::error::Problem;
 use crate::scene::file::Triple;
 use crate::scene::overlaps::{listed, on_the_map};
@@ -55,7 +56,7 @@ pub fn overlaps_on(
     let refused = refused.iter().map(|pair| {
         let limit = 100.0 * REFUSED;
         let remedy = format!("; allowed are {limit} %: move them apart");
-        Problem::error(path(pair), message(pair) + &remedy)
+        Problem::error(Code::OverlappingBlocks, path(pair), message(pair) + &remedy)
     });
     let mut problems = listed(refused.collect(), "than allowed");
     problems.extend(noticed.first().map(|pair| {
@@ -64,7 +65,7 @@ pub fn overlaps_on(
             n => format!(", and {n} more pairs less"),
         };
         let words = message(pair) + &others + ": they will push each other apart";
-        Problem::warning(path(pair), words)
+        Problem::warning(Code::OverlappingBlocks, path(pair), words)
     }));
     problems
 }

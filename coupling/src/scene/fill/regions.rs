@@ -5,6 +5,7 @@ use riprap_dda::{Shape, Vec3};
 use super::basin::Poured;
 use super::boxes::Grid;
 use super::{Amount, FillError, Lattice, Pouring, amounts, basin, boxes, spacings};
+use crate::messages::Code;
 use crate::scene::error::Problem;
 use crate::scene::file::{
     DimensionsFile, DomainFile, FluidFile, RegionFile, RegionShapeFile, ResolutionFile, vec3,
@@ -31,7 +32,11 @@ pub(super) fn at_spacing(
     let spacing = spacings(fluid, domain, wanted);
     if !spacing.iter().all(|s| s.is_finite() && *s > 0.0) {
         let message = format!("fluid: spacing must be finite and > 0, got {wanted}");
-        return Err(vec![Problem::error("fluid.resolution", message)]);
+        return Err(vec![Problem::error(
+            Code::ValueOutOfRange,
+            "fluid.resolution",
+            message,
+        )]);
     }
     let (filled, volume) = all_filled((fluid, domain, spacing), solids, pouring);
     let mut lattice = Lattice {
@@ -92,6 +97,7 @@ pub(super) fn at_spacing(
     lattice.spacing = amounts::stretched(lattice.spacing, volume, domain);
     if lattice.positions.is_empty() && problems.is_empty() {
         problems.push(Problem::error(
+            Code::NoParticleFits,
             "fluid.regions",
             "no particle fits in any region; refine `fluid.resolution` or enlarge the regions",
         ));
@@ -199,7 +205,11 @@ fn region_problem(index: usize, region: &RegionFile, error: &FillError) -> Probl
         }
         _ => format!("fluid.regions[{index}].shape{}", blamed(error)),
     };
-    Problem::error(path, format!("fluid region `{}` {error}", region.name))
+    Problem::error(
+        error.code(),
+        path,
+        format!("fluid region `{}` {error}", region.name),
+    )
 }
 
 /// The field of a region that an error refers to, with its dot.

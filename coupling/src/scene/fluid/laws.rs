@@ -3,6 +3,7 @@
 use riprap_sph::{Regularization, Rheology, Settings};
 
 use super::scheme;
+use crate::messages::Code;
 use crate::scene::error::Problem;
 use crate::scene::file::{RegularizationFile, RheologyFile, SceneFile, ViscosityFile};
 use crate::scene::fill::Lattice;
@@ -63,6 +64,7 @@ pub(super) fn laws(file: &SceneFile, lattice: &Lattice, problems: &mut Vec<Probl
     }
     if asked.is_some_and(|viscosity| viscosity != ViscosityFile::Rheological) {
         problems.push(Problem::warning(
+            Code::OptionWithoutEffect,
             "numerics.viscosity",
             "the flow laws of the fluid have no effect with this viscosity; leave it out, or set it to Rheological",
         ));
@@ -84,6 +86,7 @@ pub(super) fn laws(file: &SceneFile, lattice: &Lattice, problems: &mut Vec<Probl
     }
     if MOST_LAWS < rheologies.len() {
         problems.push(Problem::error(
+            Code::ValueOutOfRange,
             "fluid.regions",
             format!("{} flow laws are more than {MOST_LAWS}", rheologies.len()),
         ));
@@ -119,6 +122,7 @@ pub(super) fn slow_viscosity(
             "fluid.rheology"
         };
         Problem::warning(
+            Code::ViscosityLimitsStep,
             path,
             format!(
                 "a viscosity of {viscosity:.3e} Pa s limits the step to {viscous:.2e} s, {ratio:.0} times shorter than \

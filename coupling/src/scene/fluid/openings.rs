@@ -6,6 +6,7 @@ use riprap_sph::Absorber;
 use riprap_sph::scheme::DensityMethod;
 use riprap_sph::{Dimensions, Settings};
 
+use crate::messages::Code;
 use crate::openings::{Drive, Inflow, Openings, Outflow, Passage};
 use crate::scene::error::Problem;
 use crate::scene::file::{
@@ -77,6 +78,7 @@ pub(in crate::scene) fn short_absorbers(
         let length = vec3(layer.max)[axis] - vec3(layer.min)[axis];
         (axis < 2 && length < longest * LONG_ENOUGH).then(|| {
             Problem::warning(
+                Code::AbsorberTooShort,
                 format!("absorbers[{index}]"),
                 format!(
                     "absorber `{}` is {length:.3} m long, {:.2} of a wave of {longest:.3} m: it sends back much of it, where a \
@@ -126,6 +128,7 @@ pub(super) fn openings(
     let has_openings = !(file.inflows.is_empty() && file.outflows.is_empty());
     if settings.scheme.density == DensityMethod::Summation && has_openings {
         problems.push(Problem::error(
+            Code::IncompatibleOptions,
             "numerics.density",
             "an inflow or outflow imposes densities, which Summation does not know; choose Continuity or the \
              Standard preset",
@@ -174,6 +177,7 @@ fn inflow_refusals(
     let least = support + lattice.spacing[passage.axis];
     if passage.length() < (1.0 - ROUNDING) * least {
         found.push(Problem::error(
+            Code::UnusableOpening,
             &path,
             format!(
                 "inflow `{name}` is {} m long; water must see {least:.4} m of it: move `min` or `max`, or \
@@ -184,6 +188,7 @@ fn inflow_refusals(
     }
     if lattice.positions.iter().any(|x| passage.contains(x, 0.0)) {
         found.push(Problem::error(
+            Code::UnusableOpening,
             &path,
             format!(
                 "inflow `{name}` fills its own box, and a fluid region reaches into it; end the region at \
@@ -204,6 +209,7 @@ fn outflow_refusals(
     let mut found = Vec::new();
     if passage.length() < (1.0 - ROUNDING) * support {
         found.push(Problem::error(
+            Code::UnusableOpening,
             &path,
             format!(
                 "outflow `{name}` is {} m long; water must see {support:.4} m of it: move `min` or `max`, or \
@@ -222,6 +228,7 @@ fn outflow_refusals(
     // a particle beyond the face must still be inside when it is removed, or it counts as lost
     if room < 0.5 * spacing {
         found.push(Problem::error(
+            Code::UnusableOpening,
             &path,
             format!(
                 "outflow `{name}` ends {room} m before the end of the domain; leave a spacing between, or enlarge \

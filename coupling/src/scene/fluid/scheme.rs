@@ -5,6 +5,7 @@ use riprap_sph::{
     Dimensions, FluidError, PresetParameters, Rheology, Scheme, Settings, StateEquation,
 };
 
+use crate::messages::Code;
 use crate::scene::error::Problem;
 use crate::scene::file::{
     DimensionsFile, DomainFile, FluidFile, NumericsFile, SceneFile, ViscosityFile,
@@ -139,6 +140,7 @@ pub(super) fn bulk_without_rates(scheme: &Scheme) -> Option<Problem> {
     let is_refused = 0.0 < scheme.bulk_viscosity && scheme.density == DensityMethod::Summation;
     is_refused.then(|| {
         Problem::error(
+            Code::IncompatibleOptions,
             "numerics.bulk_viscosity",
             "bulk viscosity acts on the rate of density, which `Summation` does not have; use `Continuity`, or leave it out",
         )
@@ -149,11 +151,14 @@ pub(super) fn bulk_without_rates(scheme: &Scheme) -> Option<Problem> {
 pub(super) fn growing_sound(scheme: &Scheme) -> Option<Problem> {
     let path = "numerics.stepping";
     match (scheme.stepping, scheme.density, scheme.diffusion) {
-        (Stepping::SymplecticEuler, DensityMethod::Continuity, _) => {
-            Some(Problem::error(path, FluidError::GrowingSound.to_string()))
-        }
+        (Stepping::SymplecticEuler, DensityMethod::Continuity, _) => Some(Problem::error(
+            Code::GrowingSound,
+            path,
+            FluidError::GrowingSound.to_string(),
+        )),
         (Stepping::PredictorCorrector, DensityMethod::Continuity, DensityDiffusion::None) => {
             Some(Problem::warning(
+                Code::GrowingSound,
                 path,
                 "without density diffusion the predictor-corrector lets sound of frequency ω grow by (ω dt)⁴/8 a step, \
              which viscosity has to take; set `numerics.density_diffusion`, or use `KickDriftKick`",

@@ -4,6 +4,7 @@ use riprap_dda::{Polyhedron, Shape};
 use riprap_sph::scheme::DensityMethod;
 use riprap_sph::{KernelChoice, Scheme, Settings};
 
+use crate::messages::Code;
 use crate::scene::error::Problem;
 use crate::scene::file::{DimensionsFile, InterfaceFile, Preset, SceneFile, vec3};
 use crate::walls::WallMethod;
@@ -92,6 +93,7 @@ pub(super) fn refuse_scheme(
 ) {
     let mut refuse = |found: &str, other: &str| {
         problems.push(Problem::error(
+            Code::UnusableWalls,
             "interface.walls",
             format!("{method:?} {found}; use {other}"),
         ));
@@ -158,6 +160,7 @@ pub(in crate::scene) fn refuse_shapes(
         n => format!(" and {n} more like it"),
     };
     problems.push(Problem::error(
+        Code::UnusableWalls,
         format!("blocks[{index}].shape"),
         format!(
             "block `{name}`{others}: {what} has no walls of {method:?} here, and water would run through it; set \
@@ -182,6 +185,7 @@ fn refuse_ends(file: &SceneFile, solids: &[(String, Shape)], problems: &mut Vec<
             };
             if parts.iter().any(ends) {
                 problems.push(Problem::error(
+                    Code::UnusableWalls,
                     format!("blocks[{index}].shape"),
                     format!(
                         "interface.walls: in a domain periodic along {axis:?} Integral sees only blocks that extend through the \

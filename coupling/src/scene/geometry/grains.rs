@@ -4,6 +4,7 @@ use std::collections::HashSet;
 
 use riprap_dda::{Random, Vec3};
 
+use crate::messages::Code;
 use crate::scene::error::Problem;
 use crate::scene::file::vec3;
 use crate::scene::file::{
@@ -50,15 +51,15 @@ pub fn blocks_of_grains(
     let mut problems = Vec::new();
     let (mut made, mut reports) = (Vec::<BlockFile>::new(), Vec::new());
     for (index, grains) in lists.iter().enumerate() {
-        let refused = |field: &str, what: String| {
+        let refused = |(code, field, what): Refusal| {
             let message = format!("grains `{}`: {what}", grains.name);
-            Problem::error(format!("grains[{index}].{field}"), message)
+            Problem::error(code, format!("grains[{index}].{field}"), message)
         };
         let most = most.saturating_sub(blocks.len() + made.len()).min(MOST);
         let spheres = match spheres_of(grains, most) {
             Ok(spheres) => spheres,
-            Err((field, what)) => {
-                problems.push(refused(field, what));
+            Err(refusal) => {
+                problems.push(refused(refusal));
                 continue;
             }
         };
@@ -66,7 +67,7 @@ pub fn blocks_of_grains(
         let is_taken = |block: &&BlockFile| names.contains(block.name.as_str());
         if let Some(block) = blocks.iter().chain(&made).find(is_taken) {
             let what = format!("its sphere `{}` has the name of a block", block.name);
-            problems.push(refused("name", what));
+            problems.push(refused((Code::UnusableName, "name", what)));
             continue;
         }
         // validation has verified that the name exists
@@ -99,22 +100,25 @@ fn report(grains: &GrainsFile, density: f64, blocks: &[BlockFile]) -> GrainsRepo
     }
 }
 
-/// The spheres, or the faulty field and the reason.
-fn spheres_of(grains: &GrainsFile, most: usize) -> Result<Vec<BlockFile>, (&'static str, String)> {
+/// The cause, the faulty field and the reason.
+type Refusal = (Code, &'static str, String);
+
+/// The spheres.
+fn spheres_of(grains: &GrainsFile, most: usize) -> Result<Vec<BlockFile>, Refusal> {
     let wanted = grains.count.map(|count| count as usize);
     if wanted.is_some_and(|count| count > most) {
         let what = format!(
             "{} spheres are more than {most}, which is what fits in the memory or in a list",
             wanted.unwrap_or(0)
         );
-        return Err(("count", what));
+        return Err((Code::TooManyBlocks, "count", what));
     }
     let (min, max) = bounds(&grains.region);
     let spacing = grains.spacing.unwrap_or(grains.least_spacing());
     let layer = (max - min).xy().product() / (spacing * spacing);
     if !(layer <= most as f64) {
         let what = format!("a layer of the region takes more than {most} spheres; make it smaller");
-        return Err(("region", what));
+        return Err((Code::TooManyBlocks, "region", what));
     }
     let places: Vec<Vec3> = places(grains).take(wanted.unwrap_or(most + 1)).collect();
     match wanted {
@@ -123,15 +127,15 @@ fn spheres_of(grains: &GrainsFile, most: usize) -> Result<Vec<BlockFile>, (&'sta
                 "{count} spheres do not fit, only {} do, {spacing} m apart; enlarge the region or lower count",
                 places.len()
             );
-            return Err(("count", what));
+            return Err((Code::GrainsDoNotFit, "count", what));
         }
         None if places.is_empty() => {
             let what = "the region is too small for a single sphere; enlarge it".to_owned();
-            return Err(("region", what));
+            return Err((Code::GrainsDoNotFit, "region", what));
         }
         None if places.len() > most => {
             let what = format!("the region takes more than {most} spheres; give their count");
-            return Err(("region", what));
+            return Err((Code::TooManyBlocks, "region", what));
         }
         _ => {}
     }
@@ -336,8 +340,8 @@ mod tests {
 
     #[test]
     fn a_count_that_does_not_fit_says_how_many_do() {
-        let (field, what) = spheres_of(&grains(BOX, Some(301)), MOST).unwrap_err();
-        assert_eq!(field, "count");
+        let (code, field, what) = spheres_of(&grains(BOX, Some(301)), MOST).unwrap_err();
+        assert_eq!((code, field), (Code::GrainsDoNotFit, "count"));
         assert!(
             what.contains("301 spheres do not fit, only 300 do"),
             "{what}"
@@ -346,16 +350,16 @@ mod tests {
             min: (0.0, 0.0, 0.0),
             max: (0.1, 0.1, 0.1),
         };
-        let (_, what) = spheres_of(&grains(tiny, None), MOST).unwrap_err();
+        let (_, _, what) = spheres_of(&grains(tiny, None), MOST).unwrap_err();
         assert!(what.contains("too small for a single sphere"), "{what}");
         let huge = GrainRegionFile::Cylinder {
             base: (0.0, 0.0, 0.0),
             radius: 1e9,
             height: 1e9,
         };
-        let (_, what) = spheres_of(&grains(BOX, Some(2_000_000)), MOST).unwrap_err();
+        let (_, _, what) = spheres_of(&grains(BOX, Some(2_000_000)), MOST).unwrap_err();
         assert!(what.contains("more than 1000000"), "{what}");
-        let (_, what) = spheres_of(&grains(huge, Some(10)), MOST).unwrap_err();
+        let (_, _, what) = spheres_of(&grains(huge, Some(10)), MOST).unwrap_err();
         assert!(what.contains("a layer of the region takes more"), "{what}");
     }
 }

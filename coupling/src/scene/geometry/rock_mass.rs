@@ -9,6 +9,7 @@ use riprap_dda::{
 
 use super::mesh;
 use super::shape::solid;
+use crate::messages::Code;
 use crate::scene::access::Access;
 use crate::scene::error::Problem;
 use crate::scene::file::vec3;
@@ -148,15 +149,15 @@ fn shape_of(block: &[Polyhedron]) -> ShapeFile {
 
 fn cut_mass(mass: &RockMassFile, index: usize, access: &Access) -> Result<Cut, Vec<Problem>> {
     let path = format!("rock_masses[{index}]");
-    let refused = |field: &str, what: String| {
+    let refused = |(code, field, what): Refusal| {
         let message = format!("rock mass `{}`: {what}", mass.name);
-        vec![Problem::error(format!("{path}.{field}"), message)]
+        vec![Problem::error(code, format!("{path}.{field}"), message)]
     };
-    let bodies = bodies(mass, access).map_err(|what| refused("boundary", what))?;
+    let bodies =
+        bodies(mass, access).map_err(|(code, what)| refused((code, "boundary".into(), what)))?;
     let volume: f64 = bodies.iter().map(|parts| volume_of(parts)).sum();
     let sets: Vec<JointSet> = mass.joint_sets.iter().map(joint_set).collect();
-    let failed = |error: JointError| refused(&blamed(&error), error.to_string());
-    let cut = cut_of(bodies, &sets, mass).map_err(failed)?;
+    let cut = cut_of(bodies, &sets, mass).map_err(|error| refused(refusal(&error)))?;
     let cleaning = Cleaning {
         name: &mass.name,
         merge_slivers: mass.merge_slivers.as_ref(),
@@ -164,9 +165,7 @@ fn cut_mass(mass: &RockMassFile, index: usize, access: &Access) -> Result<Cut, V
         minimum_volume: Some(mass.minimum_volume),
         volume,
     };
-    let (blocks, report) = cleaning
-        .clean(cut)
-        .map_err(|(field, what)| refused(&field, what))?;
+    let (blocks, report) = cleaning.clean(cut).map_err(refused)?;
     let report = RockMassReport {
         split_error: split_error(mass, volume, access),
         ..report
@@ -183,20 +182,22 @@ fn split_error(mass: &RockMassFile, volume: f64, access: &Access) -> f64 {
 }
 
 /// The bodies of a mass before it is cut, of convex parts each: the shells of a mesh, or a single body of every other part.
-fn bodies(mass: &RockMassFile, access: &Access) -> Result<Vec<Vec<Polyhedron>>, String> {
+fn bodies(mass: &RockMassFile, access: &Access) -> Result<Vec<Vec<Polyhedron>>, (Code, String)> {
     if let ShapeFile::Mesh { file, scale, split } = &mass.boundary {
         let found = mesh::solids(access, file, *scale, (*split).into());
-        return found.map_err(|error| error.to_string());
+        return found.map_err(|error| (error.fault.code(), error.to_string()));
     }
     let whole = template(mass).block(0, mass.boundary.clone());
     let shape = solid(&whole, 0, access).map_err(|found| {
+        let code = found.first().map_or(Code::InvalidShape, |first| first.code);
         let texts: Vec<String> = found.into_iter().map(|problem| problem.message).collect();
-        texts.join("; ")
+        (code, texts.join("; "))
     })?;
     match shape {
         Shape::Polyhedra(parts) => Ok(parts.into_iter().map(|part| vec![part]).collect()),
         Shape::Sphere { .. } | Shape::Surface(_) => {
-            Err("a sphere or a surface cannot be cut by joints".into())
+            let what = "a sphere or a surface cannot be cut by joints";
+            Err((Code::InvalidShape, what.into()))
         }
     }
 }
@@ -229,8 +230,17 @@ fn cut_of(
 /// Blocks of convex parts, and the report of the mass.
 pub(super) type Cut = (Vec<Vec<Polyhedron>>, RockMassReport);
 
-/// The faulty field of a mass, and the reason.
-pub(super) type Refusal = (String, String);
+/// The cause, the faulty field of a mass, and the reason.
+pub(super) type Refusal = (Code, String, String);
+
+/// Refusal of joints or slivers.
+pub(super) fn refusal(error: &JointError) -> Refusal {
+    let code = match error {
+        JointError::Set { .. } | JointError::Slivers { .. } => Code::ValueOutOfRange,
+        JointError::TooMany { .. } => Code::TooManyBlocks,
+    };
+    (code, blamed(error), error.to_string())
+}
 
 /// Treatment of slivers and small blocks of a mass.
 pub(super) struct Cleaning<'a> {
@@ -260,8 +270,7 @@ impl Cleaning<'_> {
                     volume_share: file.volume_share,
                     aspect: file.aspect,
                 };
-                merge_union_slivers(blocks, &limits)
-                    .map_err(|error| (blamed(&error), error.to_string()))?
+                merge_union_slivers(blocks, &limits).map_err(|error| refusal(&error))?
             }
             None => MergedMass {
                 blocks,
@@ -291,7 +300,7 @@ impl Cleaning<'_> {
         if blocks.is_empty() {
             let what =
                 format!("all {n_cut} blocks are smaller than {minimum} m3; lower minimum_volume");
-            return Err(("minimum_volume".into(), what));
+            return Err((Code::NoBlockLeft, "minimum_volume".into(), what));
         }
         let report = RockMassReport {
             n_uncut,
@@ -335,7 +344,7 @@ fn negligible(blocks: &[Vec<Polyhedron>]) -> f64 {
 }
 
 /// The field of a rock mass that an error refers to.
-pub(super) fn blamed(error: &JointError) -> String {
+fn blamed(error: &JointError) -> String {
     match error {
         JointError::Set { set, field, .. } => match *field {
             "dip" | "dip_direction" | "scatter" => format!("joint_sets[{set}].{field}_deg"),

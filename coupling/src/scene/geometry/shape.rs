@@ -6,6 +6,7 @@ use riprap_dda::{Isometry, Polyhedron, PolyhedronError, Shape, Vec3};
 use super::mesh;
 use super::raster;
 use super::terrain::Terrain;
+use crate::messages::Code;
 use crate::scene::access::Access;
 use crate::scene::access::fault::MeshError;
 use crate::scene::error::Problem;
@@ -32,17 +33,30 @@ pub fn solid_on(
     access: &Access,
     terrain: Option<&Terrain>,
 ) -> Result<Shape, Vec<Problem>> {
-    let refused = |field: &str, found: String| {
+    let refused = |code: Code, field: &str, found: String| {
         let message = format!("block `{}`: {found}", block.name);
-        vec![Problem::error(format!("blocks[{index}].{field}"), message)]
+        vec![Problem::error(
+            code,
+            format!("blocks[{index}].{field}"),
+            message,
+        )]
     };
-    let placement = placement(&block.placement)
-        .ok_or_else(|| refused("placement.rotate.axis", "the axis has no direction".into()))?;
+    let placement = placement(&block.placement).ok_or_else(|| {
+        refused(
+            Code::UnusableDirection,
+            "placement.rotate.axis",
+            "the axis has no direction".into(),
+        )
+    })?;
     match build(&block.shape, access, terrain) {
         Ok(shape) => Ok(shape.transformed(&placement)),
         Err(found) => {
             let field = blamed(&block.shape, &found);
-            Err(refused(&format!("shape{field}"), found.to_string()))
+            Err(refused(
+                found.code(),
+                &format!("shape{field}"),
+                found.to_string(),
+            ))
         }
     }
 }
@@ -60,6 +74,17 @@ enum ShapeError {
     NoTerrain,
     #[error("scale must be finite and > 0, got {0}")]
     Scale(f64),
+}
+
+impl ShapeError {
+    fn code(&self) -> Code {
+        match self {
+            Self::Polyhedron(_) => Code::InvalidShape,
+            Self::Mesh(error) => error.fault.code(),
+            Self::Radius(_) | Self::Scale(_) => Code::ValueOutOfRange,
+            Self::NoTerrain => Code::TerrainBlock,
+        }
+    }
 }
 
 fn build(

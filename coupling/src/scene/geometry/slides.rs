@@ -2,7 +2,7 @@
 
 use riprap_dda::{JointSet, cut_union_by_joints};
 
-use super::rock_mass::{BlockTemplate, Cleaning, Cut, Refusal, RockMassReport, blamed, joint_set};
+use super::rock_mass::{BlockTemplate, Cleaning, Cut, Refusal, RockMassReport, joint_set, refusal};
 use super::terrain::Rock;
 use crate::scene::error::Problem;
 use crate::scene::file::{BlockFile, FailureSurfaceFile, SlideFile};
@@ -33,7 +33,8 @@ pub fn blocks_of_slides(
                 };
                 blocks.extend(template.blocks(&parts));
             }
-            Err((field, what)) => problems.push(Problem::error(
+            Err((code, field, what)) => problems.push(Problem::error(
+                code,
                 format!("slides[{index}].{field}"),
                 format!("slide `{}`: {what}", slide.name),
             )),
@@ -50,7 +51,7 @@ fn cut(slide: &SlideFile, rock: &Rock) -> Result<Cut, Refusal> {
     let sets: Vec<JointSet> = slide.joint_sets.iter().map(joint_set).collect();
     let limit = slide.maximum_blocks as usize;
     let cut = cut_union_by_joints(rock.bodies.clone(), &sets, slide.seed, limit)
-        .map_err(|error| (blamed(&error), error.to_string()))?;
+        .map_err(|error| refusal(&error))?;
     let chosen = match slide.failure_surface {
         FailureSurfaceFile::Plane { .. } => CONVEX_WITHIN.0,
         FailureSurfaceFile::Raster { .. } => CONVEX_WITHIN.1,

@@ -15,6 +15,7 @@ use std::time::{Duration, Instant};
 
 use riprap_dda::{Polyhedron, Surface};
 
+use crate::messages::Code;
 use crate::scene::access::Access;
 use crate::scene::error::Problem;
 use crate::scene::file::{
@@ -144,7 +145,11 @@ pub fn resolve(file: &SceneFile, access: &Access) -> Result<Option<Terrain>, Vec
         (terrain.spacing).unwrap_or_else(|| chosen_spacing(&sources, file.fluid.as_ref()));
     if !(spacing.is_finite() && spacing > 0.0) {
         let what = "a survey has no points at a regular distance; give the spacing of the terrain";
-        return Err(vec![Problem::error("terrain.spacing", what)]);
+        return Err(vec![Problem::error(
+            Code::UnusableTerrainSpacing,
+            "terrain.spacing",
+            what,
+        )]);
     }
     let Merged { grid, n_filled } = merge(terrain, &sources, spacing).map_err(|p| vec![p])?;
     let mut warnings = plausible::warnings(&grid, terrain);
@@ -208,6 +213,7 @@ fn sources_of(terrain: &TerrainFile, access: &Access) -> Result<Vec<Source>, Vec
         match Source::read(source, terrain.origin, access) {
             Ok(source) => sources.push(source),
             Err(error) => problems.push(Problem::error(
+                error.fault.code(),
                 format!("terrain.sources[{k}].file"),
                 error.to_string(),
             )),
@@ -229,7 +235,7 @@ fn steps(sources: &[Source]) -> Vec<Problem> {
                 "`{}`: has points one above the other at {} places, at ({:.2}, {:.2}) {:.3} m apart; the median is taken: are all points of the ground?",
                 source.file, steps.n, steps.at[0], steps.at[1], steps.largest
             );
-            Problem::warning(format!("terrain.sources[{k}].file"), what)
+            Problem::warning(Code::SuspiciousTerrain, format!("terrain.sources[{k}].file"), what)
         })
     });
     told.collect()
@@ -307,7 +313,7 @@ fn hole(
     let origin = terrain.origin;
     let drawn = outline;
     let (outline, crs) = Outline::read(drawn, origin, access)
-        .map_err(|what| Problem::error(format!("{path}.outline"), what))?;
+        .map_err(|what| Problem::error(Code::UnusableOutline, format!("{path}.outline"), what))?;
     let system = match (drawn, crs) {
         (OutlineFile::File(file), Some(crs)) => Some(Named {
             path: format!("{path}.outline"),
@@ -345,7 +351,11 @@ fn hole(
                 cell: None,
             };
             let source = Source::read(&heights, origin, access).map_err(|error| {
-                Problem::error(format!("{path}.failure_surface.file"), error.to_string())
+                Problem::error(
+                    error.fault.code(),
+                    format!("{path}.failure_surface.file"),
+                    error.to_string(),
+                )
             })?;
             Base::Raster(source)
         }
@@ -371,7 +381,11 @@ fn excavate(grid: &Grid, holes: &[Hole], tolerance: f64) -> Result<Ground, Vec<P
         .collect();
     let height = |hole: usize, place| holes[hole].2.height(place).unwrap_or(f64::NAN);
     let of_outline = |outline: usize, error: &TrianglesError| {
-        Problem::error(format!("{}.outline", holes[outline].0), error.to_string())
+        Problem::error(
+            Code::UnusableOutline,
+            format!("{}.outline", holes[outline].0),
+            error.to_string(),
+        )
     };
     let triangles: Triangles =
         triangulated(grid, &outlines, height, tolerance).map_err(|error| {
@@ -379,7 +393,9 @@ fn excavate(grid: &Grid, holes: &[Hole], tolerance: f64) -> Result<Ground, Vec<P
                 TrianglesError::Crossing { outline, .. }
                 | TrianglesError::Overlap { outline, .. }
                 | TrianglesError::Outside { outline, .. } => of_outline(*outline, &error),
-                TrianglesError::Place(_) => Problem::error("terrain", error.to_string()),
+                TrianglesError::Place(_) => {
+                    Problem::error(Code::UnusableFile, "terrain", error.to_string())
+                }
             }]
         })?;
     for (corners, outline) in triangles.corners.iter().zip(&triangles.outline) {
@@ -394,7 +410,11 @@ fn excavate(grid: &Grid, holes: &[Hole], tolerance: f64) -> Result<Ground, Vec<P
                     x.x, x.y
                 );
                 let path = format!("{}.failure_surface", holes[hole].0);
-                return Err(vec![Problem::error(path, what)]);
+                return Err(vec![Problem::error(
+                    Code::FailureSurfaceMisplaced,
+                    path,
+                    what,
+                )]);
             }
         }
     }
@@ -410,7 +430,11 @@ fn excavate(grid: &Grid, holes: &[Hole], tolerance: f64) -> Result<Ground, Vec<P
     for (((path, ..), volume), lost) in holes.iter().zip(&volumes).zip(&lost) {
         if !(*volume > *lost) {
             let what = "the failure surface is nowhere below the terrain within the outline; lower it, or move the outline";
-            problems.push(Problem::error(format!("{path}.failure_surface"), what));
+            problems.push(Problem::error(
+                Code::FailureSurfaceMisplaced,
+                format!("{path}.failure_surface"),
+                what,
+            ));
         }
     }
     if !problems.is_empty() {
@@ -418,6 +442,7 @@ fn excavate(grid: &Grid, holes: &[Hole], tolerance: f64) -> Result<Ground, Vec<P
     }
     let surface = Surface::new(points, triangles).map_err(|error| {
         vec![Problem::error(
+            Code::UnusableFile,
             "terrain",
             format!("is not a valid surface: {error}"),
         )]

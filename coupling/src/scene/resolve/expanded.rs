@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use super::places::failures_into_the_hill;
+use crate::messages::Code;
 use crate::scene::access::Access;
 use crate::scene::error::Problem;
 use crate::scene::estimate;
@@ -80,7 +81,7 @@ fn uncut(
             "`{}` is a single block: no joint crosses it, the closest spacing is {closest} m; lengths are in meters",
             report.name
         );
-        Problem::warning(format!("{list}[{index}].joint_sets"), what)
+        Problem::warning(Code::NoJointCrosses, format!("{list}[{index}].joint_sets"), what)
     })
 }
 

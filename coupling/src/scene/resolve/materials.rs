@@ -5,6 +5,7 @@ use std::ops::Range;
 use riprap_dda::{Elastic, Material, Shape};
 
 use super::solids::Solids;
+use crate::messages::Code;
 use crate::scene::error::Problem;
 use crate::scene::file::{MaterialFile, SceneFile, vec3};
 
@@ -117,6 +118,7 @@ pub(super) fn no_strength(materials: &[Material], solids: &Solids, gravity: f64)
         ] {
             if 0.0 < strength && strength < NO_STRENGTH * pressure {
                 found.push(Problem::warning(
+                    Code::StrengthWithoutEffect,
                     format!("materials[{index}].{field}"),
                     format!(
                         "a {what} of {strength} Pa has no effect: block `{}` weighs {pressure:.1e} Pa on its face; {strength} kPa are {} Pa",
@@ -152,6 +154,7 @@ pub(super) fn soft_contacts(materials: &[Material], solids: &Solids, gravity: f6
             && share > NOTICED_STATIC_OVERLAP
         {
             found.push(Problem::warning(
+                Code::SoftContacts,
                 format!("materials[{index}].contact_stiffness"),
                 format!(
                     "at rest block `{name}` overlaps another of its kind by {:.1} % of its size; a stiffness of {:.1e} N/m \

@@ -3,6 +3,7 @@
 use riprap_dda::Shape;
 
 use super::solids::Solids;
+use crate::messages::Code;
 use crate::scene::access::Access;
 use crate::scene::error::Problem;
 use crate::scene::file::{BlockFile, ShapeFile};
@@ -50,5 +51,5 @@ pub(super) fn much_volume_added(source: &MeshSource) -> Option<Problem> {
         source.file
     );
     let path = format!("blocks[{}].shape.file", source.block);
-    Some(Problem::warning(path, what))
+    Some(Problem::warning(Code::MeshNotConvex, path, what))
 }

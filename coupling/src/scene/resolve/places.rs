@@ -6,6 +6,7 @@ use std::cell::OnceCell;
 use riprap_dda::{Motion, Polyhedron, Shape, Vec3};
 
 use super::solids::Solids;
+use crate::messages::Code;
 use crate::scene::error::Problem;
 use crate::scene::file::{
     FailureSurfaceFile, GaugeFile, RegionShapeFile, SceneFile, ShapeFile, SlideFile, vec3,
@@ -86,6 +87,7 @@ pub(super) fn empty_domain(file: &SceneFile, solids: &Solids) -> Option<Problem>
     let content = (high - low).max();
     (room.max() > EMPTIEST * content).then(|| {
         Problem::warning(
+            Code::SuspiciousUnits,
             "domain",
             format!(
                 "domain is {} m long, all that is in it {} m; lengths are in meters, not millimeters",
@@ -129,14 +131,14 @@ impl Body<'_> {
             };
             let message = say(right);
             return Some(if is_free {
-                Problem::error(path, message)
+                Problem::error(Code::SuspiciousUnits, path, message)
             } else {
-                Problem::warning(path, message)
+                Problem::warning(Code::SuspiciousUnits, path, message)
             });
         }
         let scale = scale.filter(|_| size < SMALLEST_MESH * room)?;
         let right = format!("a mesh in meters has scale: 1, found {scale}");
-        Some(Problem::warning(path, say(right)))
+        Some(Problem::warning(Code::SuspiciousUnits, path, say(right)))
     }
 
     fn outside(&self, (low, high): (Vec3, Vec3), motion: &Motion) -> Option<Problem> {
@@ -154,11 +156,17 @@ impl Body<'_> {
         );
         match (motion, self.shape) {
             (Motion::Fixed, Some(ShapeFile::Terrain)) => Some(Problem::error(
+                Code::OutsideDomain,
                 "terrain.origin",
                 format!("{message}; set terrain.origin to the map coordinates of (0, 0, 0)"),
             )),
-            (Motion::Free, _) => Some(Problem::error(format!("{}.shape", self.path), message)),
+            (Motion::Free, _) => Some(Problem::error(
+                Code::OutsideDomain,
+                format!("{}.shape", self.path),
+                message,
+            )),
             (Motion::Fixed, _) => Some(Problem::warning(
+                Code::OutsideDomain,
                 format!("{}.shape", self.path),
                 format!("{message}; it has no effect"),
             )),
@@ -181,7 +189,11 @@ pub(super) fn dry_gauges(file: &SceneFile, solids: &Solids, lattice: &Lattice) -
                 if let Some(ground) = land.high_ground(&[[*x, *y]]) {
                     let right = format!("it stays dry{}", land.nearest_water([*x, *y]));
                     let message = land.dry(name, ground, &right);
-                    found.push(Problem::warning(format!("gauges[{index}].x"), message));
+                    found.push(Problem::warning(
+                        Code::DryGauge,
+                        format!("gauges[{index}].x"),
+                        message,
+                    ));
                 }
             }
             GaugeFile::RunUp { name, from, to } | GaugeFile::Front { name, from, to } => {
@@ -193,13 +205,18 @@ pub(super) fn dry_gauges(file: &SceneFile, solids: &Solids, lattice: &Lattice) -
                     let near = land.nearest_water([from.0, from.1]);
                     let right = format!("start the line in the water{near}");
                     let message = land.dry(name, ground, &right);
-                    found.push(Problem::warning(format!("gauges[{index}].from"), message));
+                    found.push(Problem::warning(
+                        Code::DryGauge,
+                        format!("gauges[{index}].from"),
+                        message,
+                    ));
                 }
             }
             GaugeFile::Pressure { name, position, .. } | GaugeFile::Velocity { name, position } => {
                 if let Some(block) = land.block_around(&vec3(*position)) {
                     let near = land.nearest_water([position.0, position.1]);
                     found.push(Problem::warning(
+                        Code::DryGauge,
                         format!("gauges[{index}].position"),
                         format!(
                             "gauge `{name}` at {position:?} is inside block `{block}`; move it into the water{near}"
@@ -349,6 +366,7 @@ pub(super) fn failures_into_the_hill(slides: &[SlideFile], terrain: &Terrain) ->
                 FailureSurfaceFile::Raster { .. } => ("file", "surface"),
             };
             found.push(Problem::warning(
+                Code::FailureSurfaceMisplaced,
                 format!("slides[{index}].failure_surface.{field}"),
                 format!(
                     "slide `{}`: the failure {what} dips into the hill, toward {:.0} degrees; the ground falls toward {:.0}",

@@ -1,6 +1,7 @@
 //! Checks of loads, supports and rock bolts.
 
 use super::checks::Checks;
+use crate::messages::Code;
 use crate::scene::file::{AttachmentFile, SceneFile};
 
 impl Checks {
@@ -41,12 +42,14 @@ impl Checks {
                 known("to", to);
                 if from == to {
                     self.refuse(
+                        Code::UnusableAttachment,
                         path("to"),
                         format!("rock bolt: both ends are in `{to}`; it needs two blocks"),
                     );
                 }
                 if from_point == to_point {
                     self.refuse(
+                        Code::UnusableAttachment,
                         path("to_point"),
                         "rock bolt: its ends must be apart".to_owned(),
                     );
@@ -55,6 +58,7 @@ impl Checks {
                 self.positive(path("yield_force"), "rock bolt: yield force", *yield_force);
                 if pretension.abs() > *yield_force {
                     self.refuse(
+                        Code::UnusableAttachment,
                         path("pretension"),
                         format!(
                             "rock bolt: pretension {pretension} N exceeds its yield force {yield_force} N"

@@ -1,6 +1,7 @@
 //! Checks of single blocks: material, motion, deformability and constraints.
 
 use super::checks::{Checks, is_zero};
+use crate::messages::Code;
 use crate::scene::file::{
     BlockFile, DeformableFile, HoldFile, MotionFile, SceneFile, ShapeFile, TurningFile,
 };
@@ -20,6 +21,7 @@ impl Checks {
         );
         if is_surface && !matches!(block.motion, MotionFile::Fixed) {
             self.refuse(
+                Code::IncompatibleOptions,
                 at.path("motion"),
                 at.of("motion must be Fixed: a surface has no mass"),
             );
@@ -64,6 +66,7 @@ impl Checks {
         let starts_at_rest = is_zero(block.velocity) && is_zero(block.angular_velocity);
         if !starts_at_rest && !at.is_free() {
             self.warn(
+                Code::OptionWithoutEffect,
                 at.path("velocity"),
                 at.of("an initial velocity has no effect on a block that is not free"),
             );
@@ -75,6 +78,7 @@ impl Checks {
         let material = scene.materials.iter().find(|m| m.name == *name);
         if material.is_some_and(|m| m.elastic.is_none()) {
             self.refuse(
+                Code::UnusableDeformable,
                 at.path("deformable"),
                 format!(
                     "{} needs a material with elastic moduli; give `{name}` its `elastic`",
@@ -84,12 +88,14 @@ impl Checks {
         }
         if !at.is_free() || matches!(at.block.shape, ShapeFile::Sphere { .. }) {
             self.refuse(
+                Code::UnusableDeformable,
                 at.path("deformable"),
                 at.of("it must be a free block of polyhedra; leave deformable out"),
             );
         }
         if deformable.strain_mass_factor < 1.0 {
             self.refuse(
+                Code::ValueOutOfRange,
                 at.path("deformable.strain_mass_factor"),
                 format!(
                     "{} must be at least 1, found {}",
@@ -103,12 +109,14 @@ impl Checks {
     fn hold(&mut self, at: &At, hold: &HoldFile) {
         if !at.is_free() {
             self.refuse(
+                Code::NeedsFreeBlock,
                 at.path("hold"),
                 at.of("only a free block can be held; leave hold out"),
             );
         }
         if at.block.deformable.is_some() && hold.turning != TurningFile::Free {
             self.refuse(
+                Code::IncompatibleOptions,
                 at.path("hold.turning"),
                 at.of("the turning of a deformable block cannot be held"),
             );

@@ -1,6 +1,7 @@
 //! Checks of rock masses and grains.
 
 use super::checks::Checks;
+use crate::messages::Code;
 use crate::scene::file::{GrainRegionFile, GrainsFile, RockMassFile, SceneFile, ShapeFile};
 
 impl Checks {
@@ -11,6 +12,7 @@ impl Checks {
         // the shells of a mesh are blocks by themselves
         if mass.joint_sets.is_empty() && !matches!(mass.boundary, ShapeFile::Mesh { .. }) {
             self.refuse(
+                Code::EmptyList,
                 path("joint_sets"),
                 of("no joint set; add one, or make it a block"),
             );
@@ -34,6 +36,7 @@ impl Checks {
         self.positive(path("diameter"), &of("diameter"), smallest);
         if largest < smallest {
             self.refuse(
+                Code::ValuesOutOfOrder,
                 path("diameter"),
                 format!(
                     "{} ({smallest}, {largest}): give the smallest, then the largest",
@@ -47,6 +50,7 @@ impl Checks {
             && spacing < least
         {
             self.refuse(
+                Code::ValueOutOfRange,
                 path("spacing"),
                 format!(
                     "{} must be at least {least} m, the largest diameter times (1 + 2 jitter), found {spacing}",
@@ -55,7 +59,11 @@ impl Checks {
             );
         }
         if grains.count == Some(0) {
-            self.refuse(path("count"), of("count must be > 0"));
+            self.refuse(
+                Code::ValueOutOfRange,
+                path("count"),
+                of("count must be > 0"),
+            );
         }
         match grains.region {
             GrainRegionFile::Box { min, max } => self.extent(&path("region"), &who, (min, max)),

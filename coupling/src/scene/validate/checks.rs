@@ -2,6 +2,7 @@
 //!
 //! Each takes the path of the checked value and its name in messages. Numbers left out pass.
 
+use crate::messages::Code;
 use crate::scene::error::Problem;
 use crate::scene::file::{SceneFile, Triple};
 use crate::scene::parse::suggestion;
@@ -13,19 +14,23 @@ pub(super) struct Checks {
 }
 
 impl Checks {
-    pub fn refuse(&mut self, path: impl Into<String>, message: String) {
-        self.problems.push(Problem::error(path, message));
+    pub fn refuse(&mut self, code: Code, path: impl Into<String>, message: String) {
+        self.problems.push(Problem::error(code, path, message));
     }
 
-    pub fn warn(&mut self, path: impl Into<String>, message: String) {
-        self.problems.push(Problem::warning(path, message));
+    pub fn warn(&mut self, code: Code, path: impl Into<String>, message: String) {
+        self.problems.push(Problem::warning(code, path, message));
     }
 
     pub fn positive(&mut self, path: impl Into<String>, what: &str, value: impl Into<Option<f64>>) {
         if let Some(value) = value.into()
             && value <= 0.0
         {
-            self.refuse(path, format!("{what} must be > 0, found {value}"));
+            self.refuse(
+                Code::ValueOutOfRange,
+                path,
+                format!("{what} must be > 0, found {value}"),
+            );
         }
     }
 
@@ -38,7 +43,11 @@ impl Checks {
         if let Some(value) = value.into()
             && value < 0.0
         {
-            self.refuse(path, format!("{what} must be >= 0, found {value}"));
+            self.refuse(
+                Code::ValueOutOfRange,
+                path,
+                format!("{what} must be >= 0, found {value}"),
+            );
         }
     }
 
@@ -48,6 +57,7 @@ impl Checks {
             && !(0.0 < value && value <= 1.0)
         {
             self.refuse(
+                Code::ValueOutOfRange,
                 path,
                 format!("{what} must be above 0 and at most 1, found {value}"),
             );
@@ -57,7 +67,11 @@ impl Checks {
     /// Check of a direction: any length but zero.
     pub fn direction(&mut self, path: impl Into<String>, what: &str, value: Triple) {
         if is_zero(value) {
-            self.refuse(path, format!("{what} has no direction"));
+            self.refuse(
+                Code::UnusableDirection,
+                path,
+                format!("{what} has no direction"),
+            );
         }
     }
 
@@ -65,6 +79,7 @@ impl Checks {
     pub fn extent(&mut self, path: &str, what: &str, (min, max): (Triple, Triple)) {
         if !is_ordered(min, max) {
             self.refuse(
+                Code::ValuesOutOfOrder,
                 format!("{path}.max"),
                 format!("{what}: max {max:?} must exceed min {min:?} in every direction"),
             );
@@ -79,7 +94,7 @@ impl Checks {
         (list, index): (&[T], usize),
     ) {
         if list[..index].contains(&list[index]) {
-            self.refuse(path, format!("{what} is listed twice"));
+            self.refuse(Code::WrittenTwice, path, format!("{what} is listed twice"));
         }
     }
 
@@ -88,6 +103,7 @@ impl Checks {
         let names: Vec<&str> = scene.materials.iter().map(|m| m.name.as_str()).collect();
         if !names.contains(&name) {
             self.refuse(
+                Code::UnknownName,
                 path,
                 format!(
                     "{what} `{name}` is not in materials{}",
@@ -102,6 +118,7 @@ impl Checks {
         let names: Vec<&str> = scene.blocks.iter().map(|b| b.name.as_str()).collect();
         if !names.contains(&name) {
             self.refuse(
+                Code::UnknownName,
                 path,
                 format!(
                     "{what}: there is no block `{name}`{}",
@@ -117,16 +134,18 @@ impl Checks {
         for (index, name) in names.enumerate() {
             let path = format!("{list}[{index}]");
             if name.is_empty() {
-                self.refuse(&path, "the name is empty".to_owned());
+                self.refuse(Code::UnusableName, &path, "the name is empty".to_owned());
             }
             if name.contains([',', '"', '\n', '\r']) {
                 self.refuse(
+                    Code::UnusableName,
                     &path,
                     format!("the name `{name}` has a comma, quote or line break"),
                 );
             }
             if seen.contains(&name) {
                 self.refuse(
+                    Code::UnusableName,
                     &path,
                     format!("the name `{name}` is taken; names in {list} must differ"),
                 );

@@ -1,6 +1,7 @@
 //! Checks of the fluid: resolution, regions, initial flow.
 
 use super::checks::{Checks, is_inside, is_ordered};
+use crate::messages::Code;
 use crate::scene::file::{
     FlowFile, FluidFile, LatticeFile, RegionFile, RegionShapeFile, ResolutionFile, RheologyFile,
     SceneFile, SlipFile,
@@ -24,6 +25,7 @@ impl Checks {
             && !(0.0..90.0).contains(&angle)
         {
             self.refuse(
+                Code::ValueOutOfRange,
                 "interface.slip",
                 format!(
                     "interface: friction angle must be from 0 to below 90 degrees, found {angle}"
@@ -36,6 +38,7 @@ impl Checks {
             }
             ResolutionFile::Count(0) => {
                 self.refuse(
+                    Code::ValueOutOfRange,
                     "fluid.resolution",
                     "fluid: count must be > 0, found 0".to_owned(),
                 );
@@ -44,6 +47,7 @@ impl Checks {
         }
         if fluid.regions.is_empty() {
             self.refuse(
+                Code::EmptyList,
                 "fluid.regions",
                 "fluid: no region; add one, or leave fluid out".to_owned(),
             );
@@ -81,12 +85,14 @@ impl Checks {
         }
         if !crest.is_finite() {
             self.refuse(
+                Code::ValueOutOfRange,
                 format!("{path}.crest"),
                 format!("{who}: crest must be finite, found {crest}"),
             );
         }
         if 0.0 < scene.time.settle {
             self.refuse(
+                Code::IncompatibleOptions,
                 "time.settle",
                 format!(
                     "{who}: settling would stop the flow it starts with; leave one of them out"
@@ -114,6 +120,7 @@ impl Checks {
             return;
         };
         self.refuse(
+            Code::IncompatibleOptions,
             "fluid.lattice",
             format!("a staggered lattice is packed against its walls: {why_not}, or take Cubic"),
         );
@@ -125,22 +132,29 @@ impl Checks {
             RegionShapeFile::Box { min, max } => {
                 if !is_ordered(*min, *max) {
                     self.refuse(
+                        Code::ValuesOutOfOrder,
                         format!("{path}.max"),
                         format!("{who}: max {max:?} must exceed min {min:?}"),
                     );
                 } else if !(is_inside(*min, scene) && is_inside(*max, scene)) {
-                    self.refuse(path, format!("{who} reaches out of the domain"));
+                    self.refuse(
+                        Code::OutsideDomain,
+                        path,
+                        format!("{who} reaches out of the domain"),
+                    );
                 }
             }
             RegionShapeFile::Below { level, seed } => {
                 if !is_inside(*seed, scene) {
                     self.refuse(
+                        Code::SeedMisplaced,
                         format!("{path}.seed"),
                         format!("{who}: the seed {seed:?} is outside of the domain"),
                     );
                 }
                 if *level <= seed.2 {
                     self.refuse(
+                        Code::SeedMisplaced,
                         format!("{path}.level"),
                         format!(
                             "{who}: the level {level} m must be above the seed at {} m",
@@ -154,7 +168,7 @@ impl Checks {
 
     fn rheology(&mut self, path: &str, rheology: Option<&RheologyFile>) {
         if let Some(Err(error)) = rheology.map(|law| flow_law(law).check()) {
-            self.refuse(path, error.to_string());
+            self.refuse(Code::ValueOutOfRange, path, error.to_string());
         }
     }
 }

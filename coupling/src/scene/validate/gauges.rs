@@ -1,6 +1,7 @@
 //! Checks of gauges, tracked blocks, maps and the camera.
 
 use super::checks::{Checks, is_inside};
+use crate::messages::Code;
 use crate::scene::file::{
     BlockFile, CameraFile, DimensionsFile, ForcesFile, GaugeFile, MapsFile, MassFile, MotionFile,
     SceneFile, TrajectoriesFile, Triple,
@@ -48,6 +49,7 @@ impl Checks {
         let mut inside = |field: &str, x: Triple| {
             if !is_inside(x, scene) {
                 self.refuse(
+                    Code::OutsideDomain,
                     path(field),
                     format!("{who} at {x:?} is outside of the domain"),
                 );
@@ -66,7 +68,7 @@ impl Checks {
                 for (field, value) in [("diameter", diameter), ("averaging_time", averaging_time)] {
                     if !(0.0 <= *value && value.is_finite()) {
                         let what = format!("{who}: {field} must be finite and >= 0, got {value}");
-                        self.refuse(path(field), what);
+                        self.refuse(Code::ValueOutOfRange, path(field), what);
                     }
                 }
             }
@@ -76,10 +78,14 @@ impl Checks {
             }
             GaugeFile::Overtopping { from, to, .. } => {
                 if from == to {
-                    self.refuse(path("to"), format!("{who} has a line of no length"));
+                    self.refuse(
+                        Code::ValuesOutOfOrder,
+                        path("to"),
+                        format!("{who} has a line of no length"),
+                    );
                 } else if !meets_the_plan(*from, *to, scene) {
                     let what = format!("{who}: its line from {from:?} to {to:?} misses the domain");
-                    self.refuse(path("from"), what);
+                    self.refuse(Code::OutsideDomain, path("from"), what);
                 }
             }
             GaugeFile::BlockForce { block, .. } => {
@@ -106,6 +112,7 @@ impl Checks {
         );
         if scene.fluid.is_none() && !is_dry {
             self.warn(
+                Code::NeedsWater,
                 format!("gauges[{index}]"),
                 format!("{who} measures water, but the scene has none"),
             );
@@ -132,13 +139,16 @@ impl Checks {
         }
         stems.sort_unstable();
         stems.dedup();
-        let message = if stems.is_empty() {
-            format!("{who}: no block is free to move; leave the gauge out")
+        let (code, message) = if stems.is_empty() {
+            let message = format!("{who}: no block is free to move; leave the gauge out");
+            (Code::NeedsFreeBlock, message)
         } else {
             let names = suggestion(prefix, &stems);
-            format!("{who}: no free block has a name that begins with `{prefix}`{names}")
+            let message =
+                format!("{who}: no free block has a name that begins with `{prefix}`{names}");
+            (Code::UnknownName, message)
         };
-        self.refuse(path, message);
+        self.refuse(code, path, message);
     }
 
     pub(super) fn forces(&mut self, forces: &ForcesFile, scene: &SceneFile) {
@@ -170,6 +180,7 @@ impl Checks {
             let path = format!("{what}.blocks[{index}]");
             if !names.contains(&name.as_str()) {
                 self.refuse(
+                    Code::UnknownName,
                     &path,
                     format!(
                         "{what}: `{name}` is not a {kind} of `blocks`{}",
@@ -185,6 +196,7 @@ impl Checks {
         let are_none = scene.rock_masses.is_empty() && scene.slides.is_empty();
         if are_none && !scene.blocks.iter().any(is_free) {
             self.refuse(
+                Code::NeedsFreeBlock,
                 what,
                 format!("{what}: no block is free to move; leave {what} out"),
             );
@@ -198,12 +210,14 @@ impl Checks {
         self.positive("maps.arrival_threshold", what, maps.arrival_threshold);
         if scene.fluid.is_none() {
             self.refuse(
+                Code::NeedsWater,
                 "maps",
                 "maps are of water, but the scene has none".to_owned(),
             );
         }
         if scene.domain.dimensions == DimensionsFile::Two {
             self.refuse(
+                Code::IncompatibleOptions,
                 "maps",
                 "a flow in a plane has no plan to map; use gauges".to_owned(),
             );
@@ -227,6 +241,7 @@ impl Checks {
         self.needs_free_blocks("trajectories", scene);
         if scene.blocks.iter().all(is_free) {
             self.warn(
+                Code::OptionWithoutEffect,
                 "trajectories",
                 "trajectories: no block is fixed, so there is no ground to measure heights from"
                     .to_owned(),
@@ -237,6 +252,7 @@ impl Checks {
     pub(super) fn camera(&mut self, camera: &CameraFile) {
         if camera.position == camera.look_at {
             self.refuse(
+                Code::UnusableDirection,
                 "camera.look_at",
                 "camera looks at itself; move position or look_at".to_owned(),
             );
@@ -244,6 +260,7 @@ impl Checks {
         let angle = camera.field_of_view_deg;
         if !(0.0 < angle && angle < 170.0) {
             self.refuse(
+                Code::ValueOutOfRange,
                 "camera.field_of_view_deg",
                 format!("camera: field of view must be between 0 and 170 degrees, found {angle}"),
             );

@@ -3,6 +3,7 @@
 use riprap_dda::{Interval, Property, PropertyRange};
 
 use super::checks::Checks;
+use crate::messages::Code;
 use crate::scene::file::{JointFile, MaterialFile, SceneFile};
 
 /// Range of densities without a warning; kg/m³.
@@ -49,6 +50,7 @@ impl Checks {
                 interval => interval.to_string(),
             };
             self.refuse(
+                Code::ValueOutOfRange,
                 path(field),
                 format!("{} must be {allowed}, found {found}", of(words)),
             );
@@ -67,7 +69,7 @@ impl Checks {
             (a, b) == (first, second) || (b, a) == (first, second)
         };
         if scene.joints[..index].iter().any(is_same) {
-            self.refuse(path("between"), of("is listed twice"));
+            self.refuse(Code::WrittenTwice, path("between"), of("is listed twice"));
         }
         for (field, ramp) in [
             ("friction_ramp", &joint.friction_ramp),
@@ -75,12 +77,14 @@ impl Checks {
         ] {
             if let Some(row) = ramp.iter().find(|row| row.1 < 0.0) {
                 self.refuse(
+                    Code::ValueOutOfRange,
                     path(field),
                     format!("{} has a share of {}, must be >= 0", of(field), row.1),
                 );
             }
             if let Some(rows) = ramp.windows(2).find(|rows| rows[1].0 <= rows[0].0) {
                 self.refuse(
+                    Code::ValuesOutOfOrder,
                     path(field),
                     format!(
                         "{}: times must increase, found {} s after {} s",

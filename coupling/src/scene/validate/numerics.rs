@@ -3,6 +3,7 @@
 use riprap_sph::scheme::LARGEST_BULK_VISCOSITY;
 
 use super::checks::Checks;
+use crate::messages::Code;
 use crate::scene::file::{NumericsFile, SceneFile, StaticDampingFile};
 
 impl Checks {
@@ -64,6 +65,7 @@ impl Checks {
             && !(0.0..=LARGEST_BULK_VISCOSITY).contains(&alpha)
         {
             self.refuse(
+                Code::ValueOutOfRange,
                 "numerics.bulk_viscosity",
                 format!(
                     "bulk viscosity must be in [0, {LARGEST_BULK_VISCOSITY}], found {alpha}: customary is 0.05 to 0.2, \
@@ -75,6 +77,7 @@ impl Checks {
             && !(1.0..=3.0).contains(&ratio)
         {
             self.refuse(
+                Code::ValueOutOfRange,
                 "numerics.smoothing_length_ratio",
                 format!("smoothing length over spacing must be in [1, 3], found {ratio}: fewer neighbors than 30 or more than 900"),
             );
@@ -94,6 +97,7 @@ impl Checks {
                 && duration < value
             {
                 self.warn(
+                    Code::OptionWithoutEffect,
                     format!("output.{field}"),
                     format!(
                         "{} is {value} s, longer than the run of {duration} s",
@@ -153,6 +157,7 @@ impl Checks {
             StaticDampingFile::Local(value) => {
                 if !(0.0..1.0).contains(&value) {
                     self.refuse(
+                        Code::ValueOutOfRange,
                         path,
                         format!("local damping must be in [0, 1), found {value}"),
                     );
@@ -161,6 +166,7 @@ impl Checks {
             StaticDampingFile::Kinetic(value) => self.share(path, "kinetic damping", value),
         }
         self.warn(
+            Code::DampedForRest,
             path,
             "blocks are damped for a search for rest: their motion means nothing".to_owned(),
         );

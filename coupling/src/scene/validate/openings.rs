@@ -1,6 +1,7 @@
 //! Checks of absorbers, inflows and outflows.
 
 use super::checks::Checks;
+use crate::messages::Code;
 use crate::scene::file::{DimensionsFile, SceneFile, SideFile, Triple};
 
 /// Common fields of absorbers, inflows and outflows.
@@ -27,6 +28,7 @@ impl Checks {
             let what = format!("inflow `{}`", inflow.name);
             if inflow.velocity.is_empty() == inflow.discharge.is_empty() {
                 self.refuse(
+                    Code::IncompatibleOptions,
                     &path,
                     format!("{what}: give either velocity or discharge, as [(time, value), ...]"),
                 );
@@ -52,6 +54,7 @@ impl Checks {
         self.unique("outflows", scene.outflows.iter().map(|o| o.name.as_str()));
         if 0.0 < scene.time.settle && !(scene.inflows.is_empty() && scene.outflows.is_empty()) {
             self.refuse(
+                Code::IncompatibleOptions,
                 "time.settle",
                 "time: water that flows in or out does not settle; leave settle out".to_owned(),
             );
@@ -69,6 +72,7 @@ impl Checks {
         self.extent(path, what, *extent);
         if scene.fluid.is_none() {
             self.refuse(
+                Code::NeedsWater,
                 path,
                 format!("{what} needs water; add `fluid` or leave it out"),
             );
@@ -77,6 +81,7 @@ impl Checks {
         let (axis, _) = towards.axis();
         if axis == 2 && !is_absorber || axis == 1 && is_plane {
             self.refuse(
+                Code::UnusableOpening,
                 format!("{path}.towards"),
                 format!("{what}: water cannot go to {towards:?} here; choose XMin or XMax, or in space YMin or YMax"),
             );
@@ -88,6 +93,7 @@ impl Checks {
         for (k, &(time, value)) in rows.iter().enumerate() {
             if k > 0 && !(rows[k - 1].0 < time) {
                 self.refuse(
+                    Code::ValuesOutOfOrder,
                     format!("{path}[{k}]"),
                     format!(
                         "{what}: times must increase, found {time} s after {} s",
@@ -97,6 +103,7 @@ impl Checks {
             }
             if !(0.0..=most).contains(&value) {
                 self.refuse(
+                    Code::ValueOutOfRange,
                     format!("{path}[{k}]"),
                     format!("{what}: must be in [0, {most}], found {value}"),
                 );

@@ -1,6 +1,7 @@
 //! Checks of the geometry of blocks that need the file alone.
 
 use super::checks::Checks;
+use crate::messages::Code;
 use crate::scene::file::{ShapeFile, SplitFile};
 
 impl Checks {
@@ -23,6 +24,7 @@ impl Checks {
             ShapeFile::Hull { points } => {
                 if points.len() < 4 {
                     self.refuse(
+                        Code::InvalidShape,
                         at("points"),
                         format!(
                             "{} needs at least four points, found {}",
@@ -37,7 +39,11 @@ impl Checks {
             }
             ShapeFile::Polyhedra { parts } => {
                 if parts.is_empty() {
-                    self.refuse(at("parts"), of("no part; give at least one polyhedron"));
+                    self.refuse(
+                        Code::EmptyList,
+                        at("parts"),
+                        of("no part; give at least one polyhedron"),
+                    );
                 }
                 for (k, part) in parts.iter().enumerate() {
                     let path = at(&format!("parts[{k}]"));
@@ -49,6 +55,7 @@ impl Checks {
             } => {
                 if polygon.len() < 3 {
                     self.refuse(
+                        Code::InvalidShape,
                         at("polygon"),
                         format!(
                             "{} needs at least three corners, found {}",
@@ -59,6 +66,7 @@ impl Checks {
                 }
                 if from >= to {
                     self.refuse(
+                        Code::ValuesOutOfOrder,
                         at("to"),
                         format!("{} {to} must exceed from {from}", of("to")),
                     );
@@ -76,7 +84,11 @@ impl Checks {
             }
             ShapeFile::Raster { origin, .. } => {
                 if !(origin.0.is_finite() && origin.1.is_finite()) {
-                    self.refuse(at("origin"), of("origin must be finite"));
+                    self.refuse(
+                        Code::ValueOutOfRange,
+                        at("origin"),
+                        of("origin must be finite"),
+                    );
                 }
             }
             ShapeFile::Terrain => {}
@@ -91,6 +103,7 @@ impl Checks {
         );
         if split.most_parts == 0 {
             self.refuse(
+                Code::ValueOutOfRange,
                 format!("{path}.most_parts"),
                 format!("{who}: most parts must be at least 1"),
             );
@@ -101,6 +114,7 @@ impl Checks {
         for (k, face) in faces.iter().enumerate() {
             if let Some(v) = face.iter().find(|&&v| v as usize >= n_vertices) {
                 self.refuse(
+                    Code::InvalidShape,
                     format!("{path}.faces[{k}]"),
                     format!(
                         "block `{name}`: face {k} names vertex {v}, but there are {n_vertices}"

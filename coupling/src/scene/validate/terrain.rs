@@ -2,6 +2,7 @@
 
 use super::checks::Checks;
 use super::units::the_same_plane;
+use crate::messages::Code;
 use crate::scene::file::{
     FailureSurfaceFile, GapsFile, OutlineFile, PlacementFile, SceneFile, ShapeFile, SlideFile,
     TerrainFile,
@@ -18,6 +19,7 @@ impl Checks {
         let first = of_terrain.next();
         if let Some((index, block)) = of_terrain.next() {
             self.refuse(
+                Code::TerrainBlock,
                 format!("blocks[{index}].shape"),
                 format!(
                     "block `{}`: there is one terrain, and another block has it",
@@ -28,6 +30,7 @@ impl Checks {
         let Some(terrain) = &scene.terrain else {
             if let Some((index, block)) = first {
                 self.refuse(
+                    Code::TerrainBlock,
                     format!("blocks[{index}].shape"),
                     format!(
                         "block `{}`: the scene has no terrain; say with `terrain` where its heights come from",
@@ -37,6 +40,7 @@ impl Checks {
             }
             if !scene.slides.is_empty() {
                 self.refuse(
+                    Code::TerrainBlock,
                     "slides[0]",
                     "there is no terrain to slide off; add `terrain`".into(),
                 );
@@ -45,10 +49,12 @@ impl Checks {
         };
         match first {
             None => self.refuse(
+                Code::TerrainBlock,
                 "terrain",
                 "no block is made of the terrain; add one with `shape: Terrain, motion: Fixed`".into(),
             ),
             Some((index, block)) if block.placement != PlacementFile::default() => self.refuse(
+                Code::TerrainBlock,
                 format!("blocks[{index}].placement"),
                 format!(
                     "block `{}`: the terrain is where its map has it; shift it with `terrain.origin`",
@@ -74,6 +80,7 @@ impl Checks {
     fn heights(&mut self, terrain: &TerrainFile) {
         if terrain.sources.is_empty() {
             self.refuse(
+                Code::EmptyList,
                 "terrain.sources",
                 "terrain needs at least one raster or survey".into(),
             );
@@ -88,6 +95,7 @@ impl Checks {
                 && !(low < high)
             {
                 self.refuse(
+                    Code::ValuesOutOfOrder,
                     path("heights"),
                     format!(
                         "heights of `{}` are from {low} to {high} m; the second must be the larger",
@@ -106,6 +114,7 @@ impl Checks {
             && !(min.0 < max.0 && min.1 < max.1)
         {
             self.refuse(
+                Code::ValuesOutOfOrder,
                 "terrain.clip",
                 format!(
                     "clip: the second corner {max:?} must exceed the first {min:?} along x and y"
@@ -122,6 +131,7 @@ impl Checks {
             && corners.len() < 3
         {
             self.refuse(
+                Code::UnusableOutline,
                 format!("{path}.outline"),
                 format!(
                     "an outline needs at least three corners, found {}",
@@ -139,6 +149,7 @@ impl Checks {
                 if !(0.0..90.0).contains(dip_deg) {
                     let right = the_same_plane(*dip_deg, *dip_direction_deg);
                     self.refuse(
+                        Code::ValueOutOfRange,
                         format!("{path}.dip_deg"),
                         format!("dip must be in [0, 90) degrees, found {dip_deg}{right}"),
                     );
@@ -174,6 +185,7 @@ impl Checks {
         );
         if slide.maximum_blocks == 0 {
             self.refuse(
+                Code::ValueOutOfRange,
                 at("maximum_blocks"),
                 of("maximum_blocks must be at least 1"),
             );

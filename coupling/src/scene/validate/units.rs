@@ -4,6 +4,7 @@
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use super::checks::Checks;
+use crate::messages::Code;
 use crate::scene::file::{JointSetFile, MotionFile, SceneFile, SlipFile};
 
 /// Acceleration of gravity of the Earth; m/s².
@@ -54,6 +55,7 @@ impl Checks {
             {
                 let modulus = elastic.young_modulus;
                 self.warn(
+                    Code::SuspiciousUnits,
                     path("elastic.young_modulus"),
                     format!(
                         "{} is {modulus} Pa, softer than foam; {modulus} GPa are {modulus}e9 Pa",
@@ -92,6 +94,7 @@ impl Checks {
         let size = x.hypot(y).hypot(z);
         if z > 0.0 {
             self.refuse(
+                Code::UnexpectedGravity,
                 "gravity",
                 format!(
                     "gravity acts upward, found {z} along z; z is up: write {}",
@@ -100,6 +103,7 @@ impl Checks {
             );
         } else if z == 0.0 && EARTHLY.contains(&size) {
             self.warn(
+                Code::UnexpectedGravity,
                 "gravity",
                 format!("gravity acts along the horizon, found ({x}, {y}, {z}); z is up: write (0, 0, -{size})"),
             );
@@ -107,6 +111,7 @@ impl Checks {
         for (factor, unit) in [(100.0, "cm/s2"), (1000.0, "mm/s2")] {
             if (size / factor / EARTH - 1.0).abs() < 0.01 {
                 self.warn(
+                    Code::UnexpectedGravity,
                     "gravity",
                     format!("gravity is {size} m/s2, as if in {unit}; the Earth's is {EARTH} m/s2"),
                 );
@@ -129,7 +134,7 @@ impl Checks {
             let (path, density) = (format!("materials[{index}].density"), material.density);
             let who = format!("material `{}`: density", material.name);
             if is_si && IN_TONS.contains(&density) && moving.contains(&material.name.as_str()) {
-                self.refuse(path, in_tons(&who, density));
+                self.refuse(Code::SuspiciousUnits, path, in_tons(&who, density));
             } else if is_si
                 && (UNIT_WEIGHT.contains(&density) || UNIT_WEIGHT.contains(&(density / 1000.0)))
             {
@@ -139,6 +144,7 @@ impl Checks {
                     density
                 };
                 self.warn(
+                    Code::SuspiciousUnits,
                     path,
                     format!(
                         "{who} is {density} kg/m3; a unit weight of {in_kn} kN/m3 is {:.0} kg/m3",
@@ -147,6 +153,7 @@ impl Checks {
                 );
             } else if density > 0.0 && !super::materials::USUAL_DENSITY.contains(&density) {
                 self.warn(
+                    Code::SuspiciousUnits,
                     path,
                     format!("{who} is {density} kg/m3; rock has 2000 to 3000"),
                 );
@@ -156,7 +163,11 @@ impl Checks {
             && is_si
             && WATER_IN_TONS.contains(&fluid.density)
         {
-            self.refuse("fluid.density", in_tons("fluid: density", fluid.density));
+            self.refuse(
+                Code::SuspiciousUnits,
+                "fluid.density",
+                in_tons("fluid: density", fluid.density),
+            );
         }
         if let Some(fluid) = &scene.fluid
             && is_si
@@ -164,6 +175,7 @@ impl Checks {
         {
             let density = fluid.density;
             self.warn(
+                Code::SuspiciousUnits,
                 "fluid.density",
                 format!(
                     "fluid: density is {density} kg/m3; a unit weight of {density} N/m3 is {:.0} kg/m3",
@@ -179,6 +191,7 @@ impl Checks {
             && looks_like_radians(angle, 1.0)
         {
             self.warn(
+                Code::SuspiciousUnits,
                 path,
                 format!(
                     "{what} is {angle} degrees, hardly any; {angle} rad are {:.1} degrees, a tangent of {angle} is {:.1}",
@@ -193,6 +206,7 @@ impl Checks {
     pub(super) fn dip(&mut self, path: &str, what: &str, (dip, direction): (f64, f64)) {
         if looks_like_radians(dip, 0.5) {
             self.warn(
+                Code::SuspiciousUnits,
                 format!("{path}.dip_deg"),
                 format!(
                     "{what}: dip is {dip} degrees, nearly level; {dip} rad are {:.1} degrees",
@@ -202,6 +216,7 @@ impl Checks {
         }
         if !(-360.0..=360.0).contains(&direction) {
             self.warn(
+                Code::SuspiciousUnits,
                 format!("{path}.dip_direction_deg"),
                 format!(
                     "{what}: dip direction is {direction} degrees, more than a full turn; 400 gon are 360 degrees"
@@ -221,6 +236,7 @@ impl Checks {
             if !(0.0..=90.0).contains(&dip) {
                 let right = the_same_plane(dip, direction);
                 self.refuse(
+                    Code::ValueOutOfRange,
                     at("dip_deg"),
                     format!(
                         "{} must be in [0, 90] degrees, found {dip}{right}",
@@ -238,6 +254,7 @@ impl Checks {
                 if !(0.0..=most).contains(&value) {
                     let what = of(&field.replace('_', " "));
                     self.refuse(
+                        Code::ValueOutOfRange,
                         at(field),
                         format!("{what} must be in [0, {most}], found {value}"),
                     );
@@ -258,6 +275,7 @@ impl Checks {
             if degrees != 0.0 && is_round && angle.abs() < 2.1 * PI && (2.0 * angle).fract() != 0.0
             {
                 self.warn(
+                    Code::SuspiciousUnits,
                     format!("blocks[{index}].placement.rotate.angle_deg"),
                     format!(
                         "block `{}`: it is turned by {angle} degrees; {angle} rad are {degrees} degrees",
@@ -298,6 +316,7 @@ impl Checks {
             let speed = x.hypot(y).hypot(z);
             if FASTEST < speed {
                 self.warn(
+                    Code::SuspiciousUnits,
                     format!("{path}.velocity"),
                     format!("{who}: it starts at {speed} m/s, faster than sound in air; velocities are in m/s"),
                 );

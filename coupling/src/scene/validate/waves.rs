@@ -1,6 +1,7 @@
 //! Checks of wave makers.
 
 use super::checks::Checks;
+use crate::messages::Code;
 use crate::scene::file::{BlockFile, MotionFile, SceneFile, SpectrumFile, WavesFile};
 
 /// Range of the peak enhancement of JONSWAP that is observed; –.
@@ -24,6 +25,7 @@ impl Checks {
         self.direction(format!("{path}.direction"), &of("motion"), *direction);
         if direction.2 != 0.0 {
             self.refuse(
+                Code::UnusableDirection,
                 format!("{path}.direction"),
                 format!(
                     "{} must be horizontal, found {direction:?}; let its z be 0",
@@ -33,6 +35,7 @@ impl Checks {
         }
         if scene.fluid.is_none() {
             self.refuse(
+                Code::NeedsWater,
                 path.clone(),
                 of("there is no water to make waves in; add `fluid`, or let the motion be Sinusoid"),
             );
@@ -40,6 +43,7 @@ impl Checks {
         let (x, y, z) = scene.gravity;
         if !(x == 0.0 && y == 0.0 && z < 0.0) {
             self.refuse(
+                Code::UnexpectedGravity,
                 "gravity",
                 format!(
                     "{} needs gravity along -z, found {:?}",
@@ -52,6 +56,7 @@ impl Checks {
         self.not_negative(format!("{path}.ramp"), &of("ramp"), *ramp);
         if matches!(waves, WavesFile::Still { .. }) && !absorb {
             self.refuse(
+                Code::IncompatibleOptions,
                 format!("{path}.absorb"),
                 of("a piston without waves stands still; let `absorb` be true, or the motion be Fixed"),
             );
@@ -98,6 +103,7 @@ impl Checks {
             && !(least..=most).contains(enhancement)
         {
             self.refuse(
+                Code::ValueOutOfRange,
                 format!("{path}.spectrum"),
                 format!(
                     "{} must be from {least} to {most}, found {enhancement}",

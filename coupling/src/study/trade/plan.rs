@@ -7,6 +7,7 @@ use super::file::{DesignFile, KnobFile, StudyFile, TruthFile};
 use super::outcome::Outcome;
 use super::search;
 use crate::build_info::COMMIT;
+use crate::messages::Code;
 use crate::scene;
 use crate::scene::error::{Problem, SceneError, Severity};
 use crate::scene::estimate::Estimate;
@@ -107,7 +108,9 @@ impl Study {
         for choice in choices {
             match planned(&self.file, &case, &choice) {
                 Ok(run) => self.runs.push(run),
-                Err((path, message)) => problems.push(Problem::error(path, message)),
+                Err((path, message)) => {
+                    problems.push(Problem::error(Code::UnusableStudy, path, message))
+                }
             }
         }
         if problems.is_empty() {
@@ -149,7 +152,11 @@ pub fn read(path: &Path) -> Result<(StudyFile, String), SceneError> {
     let name = path.display().to_string();
     let text = std::fs::read_to_string(path).map_err(|error| {
         let message = format!("cannot read the study: {error}");
-        SceneError::from_problems(&name, "", vec![Problem::error("", message)])
+        SceneError::from_problems(
+            &name,
+            "",
+            vec![Problem::error(Code::FileNotReadable, "", message)],
+        )
     })?;
     Ok((read_text(&name, &text)?, text))
 }
@@ -160,8 +167,8 @@ pub fn read(path: &Path) -> Result<(StudyFile, String), SceneError> {
 ///
 /// As [`read`].
 pub fn read_text(name: &str, text: &str) -> Result<StudyFile, SceneError> {
-    let file: StudyFile = parse::read_as(text)
-        .map_err(|error| SceneError::at_span(name, text, error.span, error.message))?;
+    let file: StudyFile =
+        parse::read_as(text).map_err(|error| SceneError::of_text(name, text, error))?;
     let problems = problems(&file);
     if problems.is_empty() {
         Ok(file)
@@ -182,7 +189,7 @@ fn problems(study: &StudyFile) -> Vec<Problem> {
             true => "the reference is a record, which uses the whole column: omit `take`",
             false => "give an evaluation of the column, such as take: Maximum(from: 0, to: 5)",
         };
-        found.push(Problem::error("output", message));
+        found.push(Problem::error(Code::UnusableStudy, "output", message));
     }
     let n_runs = match study.design {
         DesignFile::OneAtATime => 1,
@@ -194,19 +201,21 @@ fn problems(study: &StudyFile) -> Vec<Problem> {
     };
     if MOST_RUNS < n_runs {
         let message = format!("{n_runs} runs; at most {MOST_RUNS}");
-        found.push(Problem::error("design", message));
+        found.push(Problem::error(Code::UnusableStudy, "design", message));
     }
     found
 }
 
 fn override_problem(path: String, text: &str) -> Option<Problem> {
     let message = Override::from_str(text).err()?;
-    Some(Problem::error(path, message))
+    Some(Problem::error(Code::UnusableOverride, path, message))
 }
 
 fn knob_problems(study: &StudyFile) -> Vec<Problem> {
     let mut found = Vec::new();
-    let mut refuse = |path: String, message: String| found.push(Problem::error(path, message));
+    let mut refuse = |path: String, message: String| {
+        found.push(Problem::error(Code::UnusableStudy, path, message))
+    };
     if study.knobs.is_empty() {
         refuse("knobs".into(), "a study needs at least one knob".into());
     }
@@ -256,7 +265,7 @@ fn truth_problem(study: &StudyFile) -> Option<Problem> {
         TruthFile::Closed { form, scale } => ("truth", no_scale(form.value(), *scale)),
         TruthFile::Record { .. } => ("truth", None),
     };
-    Some(Problem::error(path, message?))
+    Some(Problem::error(Code::UnusableStudy, path, message?))
 }
 
 /// Problem if errors cannot be relative to a reference value or its scale.

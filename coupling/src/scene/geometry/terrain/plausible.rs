@@ -1,6 +1,7 @@
 //! Plausibility of terrain: feet or degrees instead of meters, elevations beyond any on earth.
 
 use super::grid::Grid;
+use crate::messages::Code;
 use crate::scene::error::Problem;
 use crate::scene::file::TerrainFile;
 
@@ -19,7 +20,13 @@ const SMALL_CELL: f64 = 0.02;
 /// Warnings about the elevations of a scene.
 pub(super) fn warnings(grid: &Grid, file: &TerrainFile) -> Vec<Problem> {
     let mut found = Vec::new();
-    let mut ask = |what: String| found.push(Problem::warning("terrain.sources", what));
+    let mut ask = |what: String| {
+        found.push(Problem::warning(
+            Code::SuspiciousTerrain,
+            "terrain.sources",
+            what,
+        ))
+    };
     let [west, south] = [
         grid.corner[0] + file.origin.0,
         grid.corner[1] + file.origin.1,

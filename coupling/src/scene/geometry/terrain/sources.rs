@@ -5,6 +5,7 @@ use std::path::Path;
 use riprap_dda::{Shape, Vec3};
 
 use super::grid::Grid;
+use crate::messages::Code;
 use crate::scene::access::Access;
 use crate::scene::access::fault::{Fault, MeshError};
 use crate::scene::error::Problem;
@@ -243,6 +244,7 @@ pub struct Merged {
 pub fn merge(file: &TerrainFile, sources: &[Source], spacing: f64) -> Result<Merged, Problem> {
     let Some(first) = sources.first() else {
         return Err(Problem::error(
+            Code::EmptyList,
             "terrain.sources",
             "the terrain has no source; name a raster or a survey",
         ));
@@ -282,7 +284,11 @@ fn lattice(file: &TerrainFile, first: &Source, spacing: f64) -> Result<Grid, Pro
             } else {
                 "spacing"
             };
-            return Err(Problem::error(format!("terrain.{field}"), what));
+            return Err(Problem::error(
+                Code::UnusableTerrainSpacing,
+                format!("terrain.{field}"),
+                what,
+            ));
         }
         n[axis] = count as usize;
     }
@@ -291,7 +297,11 @@ fn lattice(file: &TerrainFile, first: &Source, spacing: f64) -> Result<Grid, Pro
             "{} x {} points of terrain are more than {MOST_POINTS:.0}; raise the spacing above {spacing} m, or clip what is not needed",
             n[0], n[1]
         );
-        return Err(Problem::error("terrain.spacing", what));
+        return Err(Problem::error(
+            Code::UnusableTerrainSpacing,
+            "terrain.spacing",
+            what,
+        ));
     }
     Ok(Grid {
         n,
@@ -352,7 +362,7 @@ fn fill_gaps(grid: &mut Grid, file: &TerrainFile) -> Result<usize, Problem> {
              `gaps: Filled(width)`",
             described(grid, first)
         );
-        return Err(Problem::error("terrain.sources", what));
+        return Err(Problem::error(Code::TerrainGap, "terrain.sources", what));
     };
     // from the rim inward, each the mean of those beside it that are known
     let mut rounds = 0.0;
@@ -364,7 +374,7 @@ fn fill_gaps(grid: &mut Grid, file: &TerrainFile) -> Result<usize, Problem> {
                 "the gap at {} is wider than {width} m from its rim; cover it with a source, or allow wider gaps",
                 described(grid, point)
             );
-            return Err(Problem::error("terrain.gaps", what));
+            return Err(Problem::error(Code::TerrainGap, "terrain.gaps", what));
         }
         let found: Vec<Option<f64>> = open.iter().map(|&p| mean_beside(grid, p)).collect();
         for (&point, height) in open.iter().zip(&found) {

@@ -1,5 +1,6 @@
 //! One reference system for all files of a terrain.
 
+use crate::messages::Code;
 use crate::scene::error::Problem;
 use crate::scene::file::TerrainFile;
 use crate::scene::geometry::crs::{Content, Crs};
@@ -24,7 +25,7 @@ pub(super) struct Named {
 pub(super) fn common(file: &TerrainFile, named: &[Named]) -> Result<Option<Crs>, Problem> {
     let mut known: Option<(String, Crs)> = None;
     if let Some(written) = &file.crs {
-        let refuse = |what: String| Problem::error("terrain.crs", what);
+        let refuse = |what: String| Problem::error(Code::UnusableMapSystem, "terrain.crs", what);
         let crs: Crs = (written.parse()).map_err(|error| refuse(format!("{error}")))?;
         if crs.is_in_degrees() || crs.odd_unit().is_some() {
             let what = format!(
@@ -45,7 +46,7 @@ pub(super) fn common(file: &TerrainFile, named: &[Named]) -> Result<Option<Crs>,
                     other.crs,
                     other.content.projected_to(first)
                 );
-                return Err(Problem::error(&other.path, what));
+                return Err(Problem::error(Code::UnusableMapSystem, &other.path, what));
             }
         }
     }
