@@ -5,12 +5,14 @@ mod check;
 mod compare;
 mod inspect;
 mod new;
+mod program;
 mod render;
 mod report;
 mod run;
 mod shell;
 mod study;
 
+use std::ffi::OsString;
 use std::fmt::Display;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
@@ -24,6 +26,7 @@ use crate::scene::access::FilesFrom;
 use crate::scene::error::SceneError;
 use crate::scene::parse::Override;
 use crate::scene::{self, resolve::Scene};
+pub use program::Program;
 
 /// Exit status of a command.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -86,24 +89,44 @@ enum Command {
 
 /// Runs the program with the arguments of the process.
 pub fn main() -> ExitCode {
-    let exit = match Arguments::parse().command {
+    ExitCode::from(execute(std::env::args_os(), &Program::ThisExecutable))
+}
+
+/// Runs the program with some arguments, the first of which is its name; returns its exit code.
+pub fn execute(arguments: impl IntoIterator<Item = OsString>, program: &Program) -> u8 {
+    let exit = match Arguments::try_parse_from(arguments) {
+        Ok(arguments) => command(arguments.command, program),
+        Err(error) => {
+            // help and version come this way, too
+            let _ = error.print();
+            if error.use_stderr() {
+                Exit::BadInput
+            } else {
+                Exit::Done
+            }
+        }
+    };
+    match exit {
+        Exit::Done => 0,
+        Exit::Failed => 1,
+        Exit::BadInput => 2,
+        Exit::Interrupted => 130,
+    }
+}
+
+fn command(command: Command, program: &Program) -> Exit {
+    match command {
         Command::New(arguments) => new::execute(&arguments),
-        Command::Run(arguments) => run::execute(&arguments),
+        Command::Run(arguments) => run::execute(&arguments, program),
         Command::Check(arguments) => check::execute(&arguments),
         Command::Render(arguments) => render::execute(&arguments),
         Command::Report(arguments) => report::execute(&arguments),
         Command::Inspect(arguments) => inspect::execute(&arguments),
         Command::Compare(arguments) => compare::execute(&arguments),
-        Command::Study(arguments) => study::execute(&arguments),
+        Command::Study(arguments) => study::execute(&arguments, program),
         Command::Completions(arguments) => shell::completions(&arguments, Arguments::command()),
         Command::Man(arguments) => shell::man(&arguments, Arguments::command()),
-    };
-    ExitCode::from(match exit {
-        Exit::Done => 0,
-        Exit::Failed => 1,
-        Exit::BadInput => 2,
-        Exit::Interrupted => 130,
-    })
+    }
 }
 
 /// A line for the user on standard error, separate from results.

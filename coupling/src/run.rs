@@ -14,6 +14,7 @@ mod last_good;
 pub(crate) mod named;
 mod observers;
 mod packing;
+pub mod preparation;
 mod step_reduction;
 mod summary;
 
@@ -95,7 +96,8 @@ pub struct Run<'a> {
     /// Hash of the scene text.
     scene_hash: [u8; 32],
     world: World,
-    observers: Observers,
+    /// `None` for a run in memory.
+    observers: Option<Observers>,
     counters: Counters,
     costs: Costs,
     last_good: Option<LastGoodState>,
@@ -113,13 +115,32 @@ impl<'a> Run<'a> {
     pub fn start(scene: &'a mut Scene, plan: Plan) -> Result<Self, RunError> {
         // of an earlier end, which is not that of this run
         let _ = std::fs::remove_file(plan.folder.join(run_folder::OFFENDERS));
-        let world = build(scene)?;
-        scene.release_start();
-        let scene: &Scene = scene;
         let start = match plan.from {
             None => Start::New,
             Some(_) => Start::Resume,
         };
+        let mut run = Self::in_memory(scene)?;
+        run.folder = plan.folder.to_path_buf();
+        run.scene_hash = plan.scene_hash;
+        run.checkpoint_interval = plan.checkpoint_interval;
+        run.observers = Some(Observers::new(run.scene, plan.folder, &run.world, start)?);
+        match plan.from {
+            None if !run.is_settling() => run.observe()?,
+            None => {}
+            Some(checkpoint) => run.restore(&checkpoint)?,
+        }
+        Ok(run)
+    }
+
+    /// Builds the world of a run without a folder: nothing is recorded, and the steps are those of a run with one. The scene
+    /// loses its initial particles.
+    ///
+    /// # Errors
+    ///
+    /// [`RunError`] when the world cannot be built.
+    pub fn in_memory(scene: &'a mut Scene) -> Result<Self, RunError> {
+        let world = build(scene)?;
+        scene.release_start();
         let settles = world.water.is_some() && 0.0 < scene.settle;
         let stage = match settles {
             true => Stage::Settling {
@@ -130,29 +151,46 @@ impl<'a> Run<'a> {
         };
         let mut run = Self {
             scene,
-            folder: plan.folder.to_path_buf(),
-            scene_hash: plan.scene_hash,
-            observers: Observers::new(scene, plan.folder, &world, start)?,
+            folder: PathBuf::new(),
+            scene_hash: [0; 32],
+            observers: None,
             counters: Counters::new(&world, stage),
             world,
             costs: Costs::default(),
             last_good: None,
             started: Instant::now(),
-            checkpoint_interval: plan.checkpoint_interval,
+            checkpoint_interval: Duration::MAX,
             last_checkpoint: Instant::now(),
         };
-        match plan.from {
-            None if !settles => {
-                run.begin();
-                run.observe()?;
-            }
-            None => {}
-            Some(checkpoint) => {
-                run.read(&checkpoint.state)?;
-                run.costs.n_resumed += 1;
-            }
+        if !settles {
+            run.begin();
         }
         Ok(run)
+    }
+
+    /// Continues from a checkpoint of the same scene; a run in memory also from that of a run with a folder.
+    ///
+    /// # Errors
+    ///
+    /// [`RunError`] when the checkpoint belongs to another scene. The run can then not be continued.
+    pub fn restore(&mut self, checkpoint: &Checkpoint) -> Result<(), RunError> {
+        self.read(&checkpoint.state)?;
+        self.costs.n_resumed += 1;
+        Ok(())
+    }
+
+    /// Writes the present state to a checkpoint file of its own, for [`Run::restore`]; returns its size in bytes.
+    ///
+    /// # Errors
+    ///
+    /// [`ObserveError`] names the file.
+    pub fn write_state(&self, path: &Path, scene_hash: [u8; 32]) -> Result<u64, ObserveError> {
+        LastGoodState::new(self.save_bare(Vec::new())?, self.place()).write_to(path, scene_hash)
+    }
+
+    /// Scene of the run, without its initial particles.
+    pub fn scene(&self) -> &'a Scene {
+        self.scene
     }
 
     /// World of the run.
@@ -259,13 +297,17 @@ impl<'a> Run<'a> {
     }
 
     fn observe(&mut self) -> Result<(), ObserveError> {
+        let Some(observers) = &mut self.observers else {
+            return Ok(());
+        };
         let start = Instant::now();
-        let observed = self.observers.observe(&self.world);
+        let observed = observers.observe(&self.world);
         self.costs.output += start.elapsed().as_secs_f64();
         observed
     }
 
-    fn is_settling(&self) -> bool {
+    /// Whether the water is still coming to rest before t = 0.
+    pub fn is_settling(&self) -> bool {
         self.counters.stage != Stage::Running
     }
 
@@ -315,10 +357,13 @@ impl<'a> Run<'a> {
     /// Writes the last good state to disk, unless it is there.
     fn write_checkpoint(&mut self) -> Result<(), ObserveError> {
         let start = Instant::now();
+        let Some(observers) = &self.observers else {
+            return Ok(());
+        };
         let Some(good) = self.last_good.as_mut().filter(|good| good.is_unwritten()) else {
             return Ok(());
         };
-        self.observers.sync()?;
+        observers.sync()?;
         self.costs.checkpoint_size = good.write(&self.folder, self.scene_hash)?;
         self.last_checkpoint = Instant::now();
         self.costs.n_checkpoints += 1;
@@ -359,21 +404,27 @@ impl<'a> Run<'a> {
 
     /// Appends the state of the run to a byte buffer.
     fn save(&self, out: Vec<u8>) -> Saved {
+        let Some(observers) = &self.observers else {
+            return self.save_bare(out);
+        };
         let costs = Costs {
             before: self.wall_time(),
             ..self.costs
         };
         let out = postcard::to_extend(&(&self.counters, costs), out)?;
         let out = self.world.save(out)?;
-        self.observers.save(out)
+        observers.save(out)
     }
 
     /// Restores a saved state.
     fn read(&mut self, state: &[u8]) -> Result<(), RunError> {
+        let Some(observers) = &mut self.observers else {
+            return self.go_back(state);
+        };
         let rest;
         ((self.counters, self.costs), rest) = postcard::take_from_bytes(state)?;
         let rest = self.world.read(rest)?;
-        let rest = self.observers.read(rest)?;
+        let rest = observers.read(rest)?;
         match rest.is_empty() {
             true => Ok(()),
             false => Err(postcard::Error::DeserializeBadEncoding.into()),
@@ -432,19 +483,22 @@ impl<'a> Run<'a> {
         } else {
             // before anything else is written, which the checkpoint does not know of
             let kept = self.write_checkpoint();
-            // the run ends with its own error; that the last frame could not be written either
-            // must not hide it
-            let _ = self.observers.frames.observe_last(&self.world);
-            let _ = self.observers.gauges.observe_last(&self.world);
-            let _ = self.observers.ledgers.observe_last(&self.world);
+            if let Some(observers) = &mut self.observers {
+                observers.observe_last(&self.world);
+            }
             kept
         };
         let ending = ending.map_err(|failure| self.with_evidence(failure));
         let summary = self.summary(&ending);
         let subtitle = summary::subtitle(&summary);
-        let drawn = self.observers.finish(&self.folder, &self.world, subtitle);
-        // the summary is written even if the picture fails
-        let written = summary.write(&self.folder).and(drawn);
+        let written = match &mut self.observers {
+            None => Ok(()),
+            Some(observers) => {
+                let drawn = observers.finish(&self.folder, &self.world, subtitle);
+                // the summary is written even if the picture fails
+                summary.write(&self.folder).and(drawn)
+            }
+        };
         let ending = ending?;
         kept?;
         written?;

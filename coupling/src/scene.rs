@@ -37,6 +37,7 @@ use std::path::Path;
 use access::{Access, FilesFrom};
 use error::{Problem, SceneError, Severity};
 use estimate::Estimate;
+use file::SceneFile;
 use parse::Override;
 use placed::Placed;
 use resolved::Scene;
@@ -66,13 +67,7 @@ pub fn load_from(
     files: FilesFrom,
 ) -> Result<(Scene, SceneError), SceneError> {
     let name = path.display().to_string();
-    let written = text_of(path).map_err(|message| {
-        SceneError::from_problems(
-            &name,
-            "",
-            vec![Problem::error(Code::FileNotReadable, "", message)],
-        )
-    })?;
+    let written = text_of(path)?;
     let access = Access {
         files,
         ..Access::of(path.parent().unwrap_or(Path::new(".")))
@@ -80,14 +75,29 @@ pub fn load_from(
     load_text(&name, &written, overrides, &access)
 }
 
-fn text_of(path: &Path) -> Result<String, String> {
+/// Text of the scene in a file, unread.
+///
+/// # Errors
+///
+/// [`SceneError`] when the file cannot be read or is too large.
+pub fn text_of(path: &Path) -> Result<String, SceneError> {
+    let refused = |message: String| {
+        let name = path.display().to_string();
+        SceneError::from_problems(
+            &name,
+            "",
+            vec![Problem::error(Code::FileNotReadable, "", message)],
+        )
+    };
     let mut text = String::new();
     // a device may have no end
     File::open(path)
         .and_then(|file| file.take(LARGEST_SCENE + 1).read_to_string(&mut text))
-        .map_err(|error| format!("cannot read the scene: {error}"))?;
+        .map_err(|error| refused(format!("cannot read the scene: {error}")))?;
     if text.len() as u64 > LARGEST_SCENE {
-        return Err(format!("the scene has more than {LARGEST_SCENE} bytes"));
+        return Err(refused(format!(
+            "the scene has more than {LARGEST_SCENE} bytes"
+        )));
     }
     Ok(text)
 }
@@ -103,9 +113,7 @@ pub fn load_text(
     overrides: &[Override],
     access: &Access,
 ) -> Result<(Scene, SceneError), SceneError> {
-    let text = parse::overridden(written, overrides)
-        .map_err(|problem| SceneError::from_problems(name, written, vec![problem]))?;
-    let file = parse::read(&text).map_err(|error| SceneError::of_text(name, &text, error))?;
+    let (text, file) = read_text(name, written, overrides)?;
     let Placed {
         file,
         written,
@@ -137,6 +145,23 @@ pub fn load_text(
     scene.warnings.splice(0..0, problems);
     let warnings = refused(name, &text, scene.warnings.clone());
     Ok((scene, warnings))
+}
+
+/// The text of a scene with overrides, called `name` in messages, once it is read: its fields and variants exist, its values
+/// and files are not checked yet.
+///
+/// # Errors
+///
+/// [`SceneError`] with the first problem.
+pub fn read_text(
+    name: &str,
+    written: &str,
+    overrides: &[Override],
+) -> Result<(String, SceneFile), SceneError> {
+    let text = parse::overridden(written, overrides)
+        .map_err(|problem| SceneError::from_problems(name, written, vec![problem]))?;
+    let file = parse::read(&text).map_err(|error| SceneError::of_text(name, &text, error))?;
+    Ok((text, file))
 }
 
 fn refused(name: &str, text: &str, problems: Vec<Problem>) -> SceneError {

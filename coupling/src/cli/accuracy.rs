@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use std::str::FromStr;
 use std::sync::atomic::AtomicBool;
 
-use super::{Exit, refused};
+use super::{Exit, Program, refused};
 use crate::scene::parse::Override;
 use crate::scene::resolve::Scene;
 use crate::study::trade::file::StudyFile;
@@ -50,6 +50,8 @@ pub(super) struct Asked<'a> {
     pub(super) overrides: &'a [Override],
     /// Folder of the run; coarse runs are in subfolders.
     pub(super) folder: &'a Path,
+    /// Starts the coarse runs.
+    pub(super) program: &'a Program,
     /// Number of concurrent coarse runs.
     pub(super) jobs: Option<usize>,
 }

@@ -1,9 +1,6 @@
 //! `riprap run`.
 
-mod from;
-mod further;
 mod progress;
-mod resume;
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -12,18 +9,17 @@ use std::time::Duration;
 
 use super::accuracy::{self, Asked, Budget, Chosen};
 use super::report;
-use super::{Exit, default_folder, files_from, load, refused, say, show, stop_on_signal};
+use super::{Exit, Program, default_folder, files_from, load, refused, say, show, stop_on_signal};
 use crate::cli::check::describe;
 use crate::output::checkpoint_file::{self as checkpoint, Checkpoint};
 use crate::output::run_folder::{self, ArchivedScene, Existing};
 use crate::output::summary::Summary;
 use crate::output::verdict::LARGEST_MACH;
+use crate::run::preparation::{self, Beginning, Prepared};
 use crate::run::{Ending, Plan, RunError, run};
-use crate::scene::further::Changes;
 use crate::scene::parse::Override;
 use crate::scene::resolve::Scene;
 use progress::ProgressLine;
-use resume::Found;
 
 /// Run a scene into a folder.
 #[derive(Debug, clap::Args)]
@@ -74,14 +70,14 @@ pub(crate) struct Arguments {
     quiet: bool,
 }
 
-pub(crate) fn execute(arguments: &Arguments) -> Exit {
-    match choose_and_run(arguments) {
+pub(crate) fn execute(arguments: &Arguments, program: &Program) -> Exit {
+    match choose_and_run(arguments, program) {
         Ok(exit) | Err(exit) => exit,
     }
 }
 
 /// Chooses the settings, prepares the folder, runs and reports.
-fn choose_and_run(arguments: &Arguments) -> Result<Exit, Exit> {
+fn choose_and_run(arguments: &Arguments, program: &Program) -> Result<Exit, Exit> {
     // before the scene, whose triangles are made on all of them
     start_threads(arguments.threads)?;
     let overrides = overrides(arguments);
@@ -103,6 +99,7 @@ fn choose_and_run(arguments: &Arguments) -> Result<Exit, Exit> {
                 of: arguments.of.as_deref(),
                 overrides: &overrides,
                 folder: &folder,
+                program,
                 jobs: arguments.threads,
             };
             let chosen = accuracy::plan(&asked, &scene, &stop)?;
@@ -220,40 +217,31 @@ fn prepare(
     scene: &Scene,
     folder: &Path,
 ) -> Result<Option<Checkpoint>, Exit> {
-    if arguments.resume {
-        let archived = ArchivedScene::of(scene).map_err(refused)?;
-        let found = resume::find(&archived, &arguments.case, folder, Changes::Records);
-        match found.map_err(refused)? {
-            Found::Over => {
-                // one that was lost right at its end may lack it
-                if !arguments.no_report && !folder.join(run_folder::REPORT).exists() {
-                    write_report(folder);
-                }
-                show(&format!("{} is complete already", folder.display()));
-                return Err(Exit::Done);
-            }
-            Found::Checkpoint(checkpoint) => return Ok(Some(checkpoint)),
-            Found::Further(checkpoint) => {
-                further::begin(&archived, &checkpoint, &arguments.case, folder).map_err(refused)?;
-                return Ok(Some(checkpoint));
-            }
-            Found::Nothing => say(&format!(
-                "{} contains no checkpoint: the run starts from the beginning",
-                folder.display()
-            )),
-        }
-    }
-    let existing = match arguments.force || arguments.resume {
+    let existing = match arguments.force {
         true => Existing::Replace,
         false => Existing::Keep,
     };
-    if let Some(other) = &arguments.from {
-        let archived = ArchivedScene::of(scene).map_err(refused)?;
-        let begun = from::begin(&archived, &arguments.case, other, (folder, existing));
-        return begun.map(Some).map_err(refused);
+    let beginning = match &arguments.from {
+        Some(other) => Beginning::From(other, existing),
+        None if arguments.resume => Beginning::Resumed,
+        None => Beginning::New(existing),
+    };
+    match preparation::prepare(scene, &arguments.case, folder, beginning).map_err(refused)? {
+        Prepared::Ready { from, notes } => {
+            for note in notes {
+                say(&note);
+            }
+            Ok(from)
+        }
+        Prepared::Complete => {
+            // one that was lost right at its end may lack it
+            if !arguments.no_report && !folder.join(run_folder::REPORT).exists() {
+                write_report(folder);
+            }
+            show(&format!("{} is complete already", folder.display()));
+            Err(Exit::Done)
+        }
     }
-    run_folder::create(folder, existing).map_err(refused)?;
-    Ok(None)
 }
 
 /// A wall time.

@@ -2,12 +2,11 @@
 
 use std::io;
 use std::path::{Path, PathBuf};
-use std::process::Command;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
-use super::{Exit, report_scene_error, say, show, stop_on_signal};
+use super::{Exit, Program, report_scene_error, say, show, stop_on_signal};
 use crate::scene::estimate as memory;
 use crate::study::trade::execute::{Ended, Executor, Means, Progress, execute as run_all};
 use crate::study::trade::outcome::Outcome;
@@ -33,7 +32,7 @@ pub(crate) struct Arguments {
     jobs: Option<usize>,
 }
 
-pub(crate) fn execute(arguments: &Arguments) -> Exit {
+pub(crate) fn execute(arguments: &Arguments, program: &Program) -> Exit {
     let mut study = match Study::load(&arguments.study) {
         Ok(study) => study,
         Err(error) => {
@@ -57,7 +56,7 @@ pub(crate) fn execute(arguments: &Arguments) -> Exit {
         ));
     };
     let (ended, all) = loop {
-        let runner = |run: &Planned, folder: &Path| spawn(&case, run, folder);
+        let runner = |run: &Planned, folder: &Path| spawn((program, &case), run, folder);
         let executor = Executor {
             means,
             stop: &stop,
@@ -118,9 +117,13 @@ fn write_all(study: &Study, all: &[Outcome], folder: &Path) -> Result<(), String
 }
 
 /// A run as a separate process, so that a failure or lack of memory affects no other run.
-pub(super) fn spawn(case: &Path, run: &Planned, folder: &Path) -> io::Result<Option<Ended>> {
+pub(super) fn spawn(
+    (program, case): (&Program, &Path),
+    run: &Planned,
+    folder: &Path,
+) -> io::Result<Option<Ended>> {
     let started = Instant::now();
-    let mut command = Command::new(std::env::current_exe()?);
+    let mut command = program.command()?;
     command.arg("run").arg(case).arg("-o").arg(folder);
     command.args(["--force", "--quiet", "--threads", "1"]);
     for set in &run.overrides {

@@ -125,8 +125,25 @@ pub fn scene_hash(text: &str) -> [u8; HASH] {
 ///
 /// [`VtkError::Io`] names the file; existing checkpoints are preserved.
 pub fn write(folder: &Path, header: &Header, state: &[u8]) -> Result<u64, VtkError> {
+    let (path, previous) = (folder.join(FILE), folder.join(PREVIOUS));
+    // complete under a third name first: a full disk affects neither of the two existing ones
+    let new = folder.join(NEW);
+    let size = write_to(&new, header, state)?;
+    if path.exists() {
+        fs::rename(&path, &previous).map_err(VtkError::io("rename", &path))?;
+    }
+    fs::rename(&new, &path).map_err(VtkError::io("rename", &new))?;
+    Ok(size)
+}
+
+/// Writes a checkpoint to a file, which is replaced as a whole; returns its size in bytes.
+///
+/// # Errors
+///
+/// [`VtkError::Io`] names the file.
+pub fn write_to(path: &Path, header: &Header, state: &[u8]) -> Result<u64, VtkError> {
     let head =
-        head(header).map_err(|_| VtkError::io("write", folder)(io::ErrorKind::Other.into()))?;
+        head(header).map_err(|_| VtkError::io("write", path)(io::ErrorKind::Other.into()))?;
     let length = (state.len() as u64).to_le_bytes();
     let mut hasher = blake3::Hasher::new();
     for part in [&head, length.as_slice(), state] {
@@ -134,14 +151,7 @@ pub fn write(folder: &Path, header: &Header, state: &[u8]) -> Result<u64, VtkErr
     }
     let hash = hasher.finalize();
     let parts = [&head, length.as_slice(), state, hash.as_bytes()];
-    let (path, previous) = (folder.join(FILE), folder.join(PREVIOUS));
-    // complete under a third name first: a full disk affects neither of the two existing ones
-    let new = folder.join(NEW);
-    replace_file(&new, &parts)?;
-    if path.exists() {
-        fs::rename(&path, &previous).map_err(VtkError::io("rename", &path))?;
-    }
-    fs::rename(&new, &path).map_err(VtkError::io("rename", &new))?;
+    replace_file(path, &parts)?;
     Ok(parts.iter().map(|part| part.len() as u64).sum())
 }
 

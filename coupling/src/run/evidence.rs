@@ -93,13 +93,13 @@ impl Run<'_> {
     }
 
     /// Appends the state without that of the observers.
-    fn save_bare(&self, out: Vec<u8>) -> Saved {
+    pub(super) fn save_bare(&self, out: Vec<u8>) -> Saved {
         let out = postcard::to_extend(&(&self.counters, self.costs), out)?;
         self.world.save(out)
     }
 
     /// Restores a state but for the observers, whose files stay as they are.
-    fn go_back(&mut self, state: &[u8]) -> Result<(), RunError> {
+    pub(super) fn go_back(&mut self, state: &[u8]) -> Result<(), RunError> {
         let rest;
         ((self.counters, self.costs), rest) = postcard::take_from_bytes(state)?;
         self.world.read(rest)?;

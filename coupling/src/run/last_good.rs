@@ -45,22 +45,34 @@ impl LastGoodState {
         !self.is_on_disk
     }
 
-    /// Writes the checkpoint; returns its size in bytes.
+    /// Writes the checkpoint of a run folder; returns its size in bytes.
     pub fn write(&mut self, folder: &Path, scene_hash: [u8; 32]) -> Result<u64, ObserveError> {
+        let size = checkpoint::write(folder, &self.header(scene_hash), &self.state)?;
+        self.is_on_disk = true;
+        Ok(size)
+    }
+
+    /// Writes a checkpoint file of its own; returns its size in bytes.
+    pub fn write_to(&self, path: &Path, scene_hash: [u8; 32]) -> Result<u64, ObserveError> {
+        Ok(checkpoint::write_to(
+            path,
+            &self.header(scene_hash),
+            &self.state,
+        )?)
+    }
+
+    fn header(&self, scene: [u8; 32]) -> Header {
         let Place {
             is_settling,
             time,
             steps,
         } = self.place;
-        let header = Header {
+        Header {
             build: checkpoint::build(),
-            scene: scene_hash,
+            scene,
             is_settling,
             time,
             steps,
-        };
-        let size = checkpoint::write(folder, &header, &self.state)?;
-        self.is_on_disk = true;
-        Ok(size)
+        }
     }
 }

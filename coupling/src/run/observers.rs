@@ -121,6 +121,14 @@ impl Observers {
         Ok(())
     }
 
+    /// Records the last state of a run that ends early.
+    pub fn observe_last(&mut self, world: &World) {
+        // the run ends with its own error; that the last frame could not be written either must not hide it
+        let _ = self.frames.observe_last(world);
+        let _ = self.gauges.observe_last(world);
+        let _ = self.ledgers.observe_last(world);
+    }
+
     /// Writes the final output.
     pub fn finish(
         &mut self,

@@ -127,7 +127,7 @@ fn run_levels(
         Exit::BadInput
     })?;
     let folder = asked.folder.join(COARSE_RUNS);
-    let runner = |run: &Planned, folder: &Path| spawn(asked.case, run, folder);
+    let runner = |run: &Planned, folder: &Path| spawn((asked.program, asked.case), run, folder);
     let tell = |progress: Progress| say(&format!("  {} of {} runs", progress.ended, progress.all));
     let failed = |message: String| {
         say(&format!("error: {message}"));

@@ -1,5 +1,7 @@
 //! Gauges as in a laboratory: free surface, pressure, velocity, force, run-up, displaced blocks.
 
+mod present;
+
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -16,6 +18,7 @@ use crate::saved::Saved;
 use crate::scene::resolve::Scene;
 use crate::scene::resolved::recording::{Gauge, PlanLine, Quantity};
 use crate::world::World;
+pub use present::{PresentGauges, Reading};
 
 /// Distance from the ground, in spacings, within which water touches it.
 const TOUCHING_DISTANCE: f64 = 1.5;

@@ -1,21 +1,21 @@
-//! The start of `riprap run --from`: the last good state and the records of another run, in a folder of its own.
+//! The start of a run from another one: the last good state and the records of another run, in a folder of its own.
 
 use std::fs;
 use std::path::Path;
 
-use super::{further, resume};
+use super::further;
+use super::resume::{self, Found, Notes};
 use crate::output::checkpoint_file::Checkpoint;
 use crate::output::run_folder::{self, ArchivedScene, Existing};
 use crate::scene::further::Changes;
-use resume::Found;
 
 /// Makes a run folder that continues the run of another folder, which stays as it is.
-pub(super) fn begin(
+pub fn begin(
     scene: &ArchivedScene,
     case: &Path,
     other: &Path,
     (folder, existing): (&Path, Existing),
-) -> Result<Checkpoint, String> {
+) -> Result<(Checkpoint, Notes), String> {
     let place = |folder: &Path| fs::canonicalize(folder).ok();
     if place(other).is_some() && place(other) == place(folder) {
         return Err(format!(
@@ -23,8 +23,10 @@ pub(super) fn begin(
             folder.display()
         ));
     }
-    let checkpoint = match resume::find(scene, case, other, Changes::Numerics)? {
-        Found::Checkpoint(checkpoint) | Found::Further(checkpoint) => checkpoint,
+    let (checkpoint, notes) = match resume::find(scene, case, other, Changes::Numerics)? {
+        Found::Checkpoint(checkpoint, notes) | Found::Further(checkpoint, notes) => {
+            (checkpoint, notes)
+        }
         Found::Over => return Err(format!("{} is complete already", other.display())),
         Found::Nothing => {
             return Err(format!(
@@ -36,5 +38,5 @@ pub(super) fn begin(
     run_folder::create(folder, existing).map_err(|error| error.to_string())?;
     run_folder::copy_records(other, folder).map_err(|error| error.to_string())?;
     further::begin(scene, &checkpoint, case, folder)?;
-    Ok(checkpoint)
+    Ok((checkpoint, notes))
 }

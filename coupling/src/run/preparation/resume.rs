@@ -1,27 +1,29 @@
-//! Starting point of `riprap run --resume` and `--from`.
+//! Starting point of a run that is resumed, or continued from another one.
 
 use std::fs;
 use std::path::Path;
 
-use crate::cli::say;
 use crate::output::checkpoint_file::{self as checkpoint, Checkpoint};
 use crate::output::run_folder::{self, ArchivedScene};
 use crate::scene::further::{self, Changes};
 
+/// Lines for the user.
+pub type Notes = Vec<String>;
+
 /// Contents of a run folder.
-pub(super) enum Found {
+pub enum Found {
     /// No run to resume.
     Nothing,
     /// A completed run.
     Over,
     /// An incomplete run.
-    Checkpoint(Checkpoint),
+    Checkpoint(Checkpoint, Notes),
     /// A run of another scene, which this one takes further.
-    Further(Checkpoint),
+    Further(Checkpoint, Notes),
 }
 
 /// Examines the state of the run of a scene in a run folder, without changing it.
-pub(super) fn find(
+pub fn find(
     scene: &ArchivedScene,
     case: &Path,
     folder: &Path,
@@ -71,19 +73,17 @@ pub(super) fn find(
     match checkpoint::newest(folder, &checkpoint::scene_hash(&before)) {
         Err(error) => Err(error.to_string()),
         Ok(Some((checkpoint, refused))) => {
-            if let Some(refused) = refused {
-                say(&format!("warning: {refused}"));
-            }
+            let mut notes: Notes = refused.iter().map(|r| format!("warning: {r}")).collect();
             let header = &checkpoint.header;
-            say(&format!(
+            notes.push(format!(
                 "resumes from {}t = {:.6} s, step {}",
                 if header.is_settling { "settling, " } else { "" },
                 header.time,
                 header.steps
             ));
             Ok(match is_same {
-                true => Found::Checkpoint(checkpoint),
-                false => Found::Further(checkpoint),
+                true => Found::Checkpoint(checkpoint, notes),
+                false => Found::Further(checkpoint, notes),
             })
         }
         Ok(None) if has_ended => Err(format!(

@@ -9,7 +9,7 @@ use crate::output::run_folder::{self, ArchivedScene};
 /// Makes a run folder one of the scene that takes its run further.
 ///
 /// The checkpoint comes first: it is then of either scene, whenever the program is killed.
-pub(super) fn begin(
+pub fn begin(
     scene: &ArchivedScene,
     checkpoint: &Checkpoint,
     case: &Path,
