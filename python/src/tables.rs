@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use numpy::{PyArray1, PyArrayMethods as _};
+use numpy::PyArray1;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use riprap::scene::geometry::terrain::sources::is_surface;
@@ -35,12 +35,13 @@ pub fn read_table(py: Python<'_>, path: PathBuf) -> PyResult<Vec<Column<'_>>> {
 #[pyfunction]
 pub fn compare_files(
     py: Python<'_>,
-    (computed, reference): (PathBuf, PathBuf),
+    files: (PathBuf, PathBuf),
     column: Option<String>,
     shift: f64,
     window: (Option<f64>, Option<f64>),
     cell: Option<f64>,
 ) -> PyResult<(bool, String)> {
+    let (computed, reference) = files;
     let is_surface = |path: &PathBuf| path.is_dir() || is_surface(&path.to_string_lossy());
     if is_surface(&computed) || is_surface(&reference) {
         let found = for_work(py, move || {
