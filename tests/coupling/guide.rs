@@ -51,7 +51,7 @@ fn its_scenes_run() {
             assert!(warnings.located().is_empty(), "{name}: {warnings}");
             let mut world = build(&scene).unwrap();
             for _ in 0..STEPS {
-                let step = world.next_step(scene.time.duration).unwrap();
+                let step = world.next_step(scene.duration).unwrap();
                 world.step(step).unwrap_or_else(|e| panic!("{name}: {e}"));
             }
             n_scenes += 1;
