@@ -30,8 +30,6 @@ class Run:
         self.is_complete = row["stable"] == "1" and row["error [-]"] not in ("", "NaN")
         self.error = float(row["error [-]"]) if self.is_complete else float("nan")
         self.work = float(row["work [pairs]"])
-        settings = ", ".join(f"{knob} {value}" for knob, value in self.changed.items())
-        self.name = settings or "as it is"
         is_published = any(value.startswith("published") for value in self.changed.values())
         self.kind = "default" if not self.changed else "published" if is_published else "ours"
 
@@ -107,7 +105,7 @@ def case_page(name, folder):
 ![Error against work in {settings} runs]({name}.svg)
 
 Each dot is one run. The line joins the runs that no other run beats in both error and work. The star is the scene as it is; orange
-dots are the published scheme. Point at a dot to see its settings.
+dots are the published scheme.
 
 ## One setting at a time
 
@@ -206,9 +204,9 @@ def index_page(folder, results, further):
     text = (Path(__file__).parent / "accuracy_intro.txt").read_text()
     for group, rows in groups.items():
         text += f"\n## {group}\n\n" + table(["comparison", "`Preview`", "as it is", "`Reference`"], rows) + "\n"
-    text += "\n## All tests\n\nThe tables below list every requirement, with those that are missed.\n"
-    text += "\n```{toctree}\n:maxdepth: 1\n\n" + "\n".join(further) + "\n```\n"
     text += "\n```{toctree}\n:hidden:\n\n" + "\n".join(results) + "\n```\n"
+    text += "\n## All tests\n\nThese tables list every requirement, with those that are missed.\n"
+    text += "\n```{toctree}\n:maxdepth: 1\n\n" + "\n".join(further) + "\n```\n"
     shutil.copy(PLOTS / "trade_schemes.png", folder)
     (folder / "index.md").write_text(text)
 

@@ -1,7 +1,6 @@
 """Error against work of a study as an SVG figure, without any library."""
 
 import math
-from html import escape
 
 WIDTH, HEIGHT = 720, 420
 LEFT, RIGHT, TOP, BOTTOM = 84, 20, 20, 64
@@ -48,16 +47,16 @@ def figure(runs, front):
         out.append(f'<text x="{LEFT - 8}" y="{at + 4:.1f}" text-anchor="end">{label(exponent, True)}</text>')
     line = " ".join(f"{x(run.work):.1f},{y(run.error):.1f}" for run in front if 0 < run.error)
     out.append(f'<polyline points="{line}" fill="none" stroke="{BLUE}" stroke-width="2"/>')
-    for run in shown:
+    # those on the front last, so that none is hidden
+    for run in sorted(shown, key=lambda run: (run in front, run.kind == "default")):
         color = ORANGE if run.kind == "published" else BLUE if run in front else GRAY
-        title = f"<title>{escape(run.name)}: {100 * run.error:.2g} %</title>"
         at = f"{x(run.work):.1f}", f"{y(run.error):.1f}"
         if run.kind == "default":
             out.append(
-                f'<text x="{at[0]}" y="{float(at[1]) + 9:.1f}" text-anchor="middle" font-size="26" fill="{INK}">★{title}</text>'
+                f'<text x="{at[0]}" y="{float(at[1]) + 9:.1f}" text-anchor="middle" font-size="26" fill="{INK}">★</text>'
             )
         else:
-            out.append(f'<circle cx="{at[0]}" cy="{at[1]}" r="4.5" fill="{color}" fill-opacity="0.85">{title}</circle>')
+            out.append(f'<circle cx="{at[0]}" cy="{at[1]}" r="4.5" fill="{color}" fill-opacity="0.85"/>')
     middle = (LEFT + WIDTH - RIGHT) / 2
     out.append(f'<text x="{middle:.0f}" y="{HEIGHT - 22}" text-anchor="middle">work (pairs of neighbors and contacts evaluated)</text>')
     out.append(f'<text x="20" y="{HEIGHT / 2:.0f}" text-anchor="middle" transform="rotate(-90 20 {HEIGHT / 2:.0f})">error</text>')
