@@ -127,7 +127,8 @@ riprap study benches/trade/{name}.ron
 
 
 def plain(text):
-    """Text of the tables of results without names that only the sources know."""
+    """Text of the tables of results without names and marks that only the sources know."""
+    text = re.sub(r" \((?:W[123]|r|i|r, i)\)", "", text).replace("see above", "see Water against closed forms")
     for name, word in WALLS.items():
         text = re.sub(rf"\b{name}\b", word, text)
     text = INTERNAL.sub("", text)

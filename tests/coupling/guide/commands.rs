@@ -3,6 +3,7 @@
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
+use clap::error::ErrorKind;
 use clap::{Arg, ArgAction, Command};
 use riprap::cli;
 use riprap::scene::parse::Override;
@@ -51,7 +52,24 @@ fn commands_in_the_guide_are_taken() {
                 assert!(fault.exit_code() == 0, "{}: `{line}`: {fault}", page.name);
             }
         }
-        for span in page.code_spans() {
+        let spans = page.code_spans();
+        for span in spans
+            .iter()
+            .filter(|span| span.starts_with("riprap ") && !span.contains("COMMAND"))
+        {
+            let taken = cli::command().try_get_matches_from(words(span));
+            // words of a text leave out what a command needs
+            let fault = taken.err().filter(|fault| {
+                fault.exit_code() != 0 && fault.kind() != ErrorKind::MissingRequiredArgument
+            });
+            assert!(
+                fault.is_none(),
+                "{}: `{span}`: {}",
+                page.name,
+                fault.unwrap()
+            );
+        }
+        for span in spans {
             if let Some(option) = span.strip_prefix("--") {
                 let name = option.split([' ', '=']).next().unwrap();
                 assert!(
