@@ -87,6 +87,11 @@ enum Command {
     Man(shell::Man),
 }
 
+/// The command line with all its commands and options, for completions, man pages and the guide.
+pub fn command() -> clap::Command {
+    Arguments::command()
+}
+
 /// Runs the program with the arguments of the process.
 pub fn main() -> ExitCode {
     ExitCode::from(execute(std::env::args_os(), &Program::ThisExecutable))
@@ -95,7 +100,7 @@ pub fn main() -> ExitCode {
 /// Runs the program with some arguments, the first of which is its name; returns its exit code.
 pub fn execute(arguments: impl IntoIterator<Item = OsString>, program: &Program) -> u8 {
     let exit = match Arguments::try_parse_from(arguments) {
-        Ok(arguments) => command(arguments.command, program),
+        Ok(arguments) => run_command(arguments.command, program),
         Err(error) => {
             // help and version come this way, too
             let _ = error.print();
@@ -114,8 +119,8 @@ pub fn execute(arguments: impl IntoIterator<Item = OsString>, program: &Program)
     }
 }
 
-fn command(command: Command, program: &Program) -> Exit {
-    match command {
+fn run_command(asked: Command, program: &Program) -> Exit {
+    match asked {
         Command::New(arguments) => new::execute(&arguments),
         Command::Run(arguments) => run::execute(&arguments, program),
         Command::Check(arguments) => check::execute(&arguments),
@@ -124,8 +129,8 @@ fn command(command: Command, program: &Program) -> Exit {
         Command::Inspect(arguments) => inspect::execute(&arguments),
         Command::Compare(arguments) => compare::execute(&arguments),
         Command::Study(arguments) => study::execute(&arguments, program),
-        Command::Completions(arguments) => shell::completions(&arguments, Arguments::command()),
-        Command::Man(arguments) => shell::man(&arguments, Arguments::command()),
+        Command::Completions(arguments) => shell::completions(&arguments, command()),
+        Command::Man(arguments) => shell::man(&arguments, command()),
     }
 }
 

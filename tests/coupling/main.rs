@@ -24,6 +24,7 @@ mod extremes;
 mod files;
 mod floating;
 mod geometry;
+mod guide;
 mod hostile;
 mod inspect;
 mod landslide;
