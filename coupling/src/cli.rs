@@ -3,6 +3,7 @@
 mod accuracy;
 mod check;
 mod compare;
+mod explain;
 mod inspect;
 mod new;
 mod render;
@@ -10,8 +11,8 @@ mod report;
 mod run;
 mod shell;
 mod study;
+mod told;
 
-use std::fmt::Display;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -20,10 +21,12 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use clap::{CommandFactory, Parser, Subcommand};
 
+use crate::messages::{Code, Message};
 use crate::scene::access::FilesFrom;
 use crate::scene::error::SceneError;
 use crate::scene::parse::Override;
 use crate::scene::{self, resolve::Scene};
+pub(crate) use told::{failed, refused, warn};
 
 /// Exit status of a command.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -78,6 +81,8 @@ enum Command {
     /// Measure error against cost for settings of a scene.
     #[command(alias = "trade")]
     Study(study::Arguments),
+    /// Explain errors and warnings by the codes behind them.
+    Explain(explain::Arguments),
     /// Write completions of a shell.
     Completions(shell::Completions),
     /// Write man pages.
@@ -86,7 +91,9 @@ enum Command {
 
 /// Runs the program with the arguments of the process.
 pub fn main() -> ExitCode {
-    let exit = match Arguments::parse().command {
+    let command = Arguments::parse().command;
+    let is_quiet = matches!(&command, Command::Run(arguments) if arguments.is_quiet());
+    let exit = match command {
         Command::New(arguments) => new::execute(&arguments),
         Command::Run(arguments) => run::execute(&arguments),
         Command::Check(arguments) => check::execute(&arguments),
@@ -95,9 +102,13 @@ pub fn main() -> ExitCode {
         Command::Inspect(arguments) => inspect::execute(&arguments),
         Command::Compare(arguments) => compare::execute(&arguments),
         Command::Study(arguments) => study::execute(&arguments),
+        Command::Explain(arguments) => explain::execute(&arguments),
         Command::Completions(arguments) => shell::completions(&arguments, Arguments::command()),
         Command::Man(arguments) => shell::man(&arguments, Arguments::command()),
     };
+    if let Some(line) = told::way_on().filter(|_| !is_quiet) {
+        say(&line);
+    }
     ExitCode::from(match exit {
         Exit::Done => 0,
         Exit::Failed => 1,
@@ -110,12 +121,6 @@ pub fn main() -> ExitCode {
 pub(crate) fn say(line: &str) {
     // a closed pipe, as with `| head`, is not a failure
     let _ = writeln!(std::io::stderr(), "{line}");
-}
-
-/// Reports wrong usage or input.
-pub(crate) fn refused(fault: impl Display) -> Exit {
-    say(&format!("error: {fault}"));
-    Exit::BadInput
 }
 
 /// A result on standard output.
@@ -134,7 +139,10 @@ pub(crate) fn stop_on_signal(stop: &Arc<AtomicBool>) {
     };
     // without a handler a signal ends the program in the default way
     if ctrlc::set_handler(handler).is_err() {
-        say("warning: signals cannot be caught; Ctrl-C will lose the last records");
+        warn(Message::new(
+            Code::SignalsNotCaught,
+            "signals cannot be caught; Ctrl-C will lose the last records",
+        ));
     }
 }
 
@@ -143,7 +151,7 @@ pub(crate) fn load(case: &Path, overrides: &[Override], files: FilesFrom) -> Res
     match scene::load_from(case, overrides, files) {
         Ok((scene, warnings)) => {
             if !warnings.located().is_empty() {
-                say(&warnings.to_string());
+                told::problems(&warnings);
             }
             Ok(scene)
         }
@@ -168,8 +176,7 @@ pub(crate) fn report_scene_error(error: &SceneError) {
     use miette::{GraphicalReportHandler, GraphicalTheme};
     let mut frame = String::new();
     let handler = GraphicalReportHandler::new_themed(GraphicalTheme::unicode_nocolor());
-    let lines = error.to_string();
-    say(&lines);
+    told::problems(error);
     if handler.render_report(&mut frame, error).is_ok() {
         // the handler repeats the message above its frame; only the frame is new
         let frame: Vec<&str> = frame

@@ -12,8 +12,11 @@ use std::time::Duration;
 
 use super::accuracy::{self, Asked, Budget, Chosen};
 use super::report;
-use super::{Exit, default_folder, files_from, load, refused, say, show, stop_on_signal};
+use super::{
+    Exit, default_folder, failed, files_from, load, refused, say, show, stop_on_signal, told, warn,
+};
 use crate::cli::check::describe;
+use crate::messages::{Code, Coded, Message};
 use crate::output::checkpoint_file::{self as checkpoint, Checkpoint};
 use crate::output::run_folder::{self, ArchivedScene, Existing};
 use crate::output::summary::Summary;
@@ -74,6 +77,13 @@ pub(crate) struct Arguments {
     quiet: bool,
 }
 
+impl Arguments {
+    /// Whether only errors are printed.
+    pub(super) fn is_quiet(&self) -> bool {
+        self.quiet
+    }
+}
+
 pub(crate) fn execute(arguments: &Arguments) -> Exit {
     match choose_and_run(arguments) {
         Ok(exit) | Err(exit) => exit,
@@ -132,7 +142,8 @@ fn choose_and_run(arguments: &Arguments) -> Result<Exit, Exit> {
     }
     let (summary, ending) = ended.map_err(|error| {
         say(&format!(
-            "error: {error}\nearlier output is in {}{}",
+            "error: {}\nearlier output is in {}{}",
+            told::coded(&error),
             folder.display(),
             way_on(&error, arguments, &folder)
         ));
@@ -140,9 +151,10 @@ fn choose_and_run(arguments: &Arguments) -> Result<Exit, Exit> {
     })?;
     if !arguments.quiet {
         show(&closing_words(&summary, &folder));
-        if let Some(words) = compressed(&summary, &scene) {
-            say(&words);
+        if let Some(doubt) = compressed(&summary, &scene) {
+            warn(doubt);
         }
+        summary.doubts().into_iter().for_each(told::keep);
     }
     match (ending, chosen) {
         (Ending::Interrupted, _) => {
@@ -160,7 +172,10 @@ fn choose_and_run(arguments: &Arguments) -> Result<Exit, Exit> {
 fn write_report(folder: &Path) {
     let file = folder.join(run_folder::REPORT);
     if let Err(message) = report::write(folder, &file, report::SIZE) {
-        say(&format!("warning: no report: {message}"));
+        warn(Message::new(
+            message.code(),
+            format!("no report: {message}"),
+        ));
     }
 }
 
@@ -197,7 +212,10 @@ fn start_threads(threads: Option<usize>) -> Result<(), Exit> {
     rayon::ThreadPoolBuilder::new()
         .num_threads(threads)
         .build_global()
-        .map_err(|error| refused(format!("cannot start {threads} threads: {error}")))
+        .map_err(|error| {
+            let message = format!("cannot start {threads} threads: {error}");
+            refused(Message::new(Code::UnusableArgument, message))
+        })
 }
 
 /// Compares the result with the error budget.
@@ -208,8 +226,8 @@ fn judge(chosen: Chosen, scene: &Scene, folder: &Path) -> Exit {
             Exit::Done
         }
         Err(message) => {
-            say(&format!("error: the run cannot be evaluated: {message}"));
-            Exit::Failed
+            let message = format!("the run cannot be evaluated: {message}");
+            failed(Message::new(Code::NoErrorEstimate, message))
         }
     }
 }
@@ -265,15 +283,16 @@ fn seconds(text: &str) -> Result<f64, String> {
 }
 
 /// Warning of water that was so fast that its sound is felt.
-fn compressed(summary: &Summary, scene: &Scene) -> Option<String> {
+fn compressed(summary: &Summary, scene: &Scene) -> Option<Message> {
     let fluid = scene.fluid.as_ref()?;
     let fastest = summary.max_mach * fluid.settings.sound_speed;
     (LARGEST_MACH < summary.max_mach).then(|| {
-        format!(
-            "warning: the fastest particle reached {fastest:.3} m/s, Mach {:.2}: pressures of impacts are those of sound, rho c u; \
+        let words = format!(
+            "the fastest particle reached {fastest:.3} m/s, Mach {:.2}: pressures of impacts are those of sound, rho c u; \
              where they matter let numerics.expected_speed be {fastest:.2}",
             summary.max_mach
-        )
+        );
+        Message::new(Code::WaterNearSoundSpeed, words)
     })
 }
 

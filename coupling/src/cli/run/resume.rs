@@ -3,7 +3,8 @@
 use std::fs;
 use std::path::Path;
 
-use crate::cli::say;
+use crate::cli::{say, warn};
+use crate::messages::{Code, Message};
 use crate::output::checkpoint_file::{self as checkpoint, Checkpoint};
 use crate::output::run_folder::{self, ArchivedScene};
 use crate::scene::further::{self, Changes};
@@ -26,7 +27,7 @@ pub(super) fn find(
     case: &Path,
     folder: &Path,
     changes: Changes,
-) -> Result<Found, String> {
+) -> Result<Found, Message> {
     let Some(before) = read(&folder.join(run_folder::CASE))? else {
         return Ok(Found::Nothing);
     };
@@ -46,19 +47,19 @@ pub(super) fn find(
                 further::NUMERICS
             ),
         };
-        return Err(format!(
+        return Err(other_scene(format!(
             "{}, line {line}: the run had `{before}`, and now it would be `{now}`; {remedy}",
             folder.join(run_folder::CASE).display()
-        ));
+        )));
     }
     let source = case.parent().unwrap_or(Path::new("."));
     for (file, name) in &scene.names {
         let (before, now) = (fs::read(folder.join(name)), fs::read(source.join(file)));
         if before.ok() != now.ok() {
-            return Err(format!(
+            return Err(other_scene(format!(
                 "`{file}` has changed since the start of the run, see {}; start over with --force",
                 folder.join(name).display()
-            ));
+            )));
         }
     }
     let summary = read(&folder.join(run_folder::SUMMARY))?;
@@ -69,10 +70,10 @@ pub(super) fn find(
         return Ok(Found::Over);
     }
     match checkpoint::newest(folder, &checkpoint::scene_hash(&before)) {
-        Err(error) => Err(error.to_string()),
+        Err(error) => Err(Message::of(error)),
         Ok(Some((checkpoint, refused))) => {
             if let Some(refused) = refused {
-                say(&format!("warning: {refused}"));
+                warn(refused);
             }
             let header = &checkpoint.header;
             say(&format!(
@@ -86,21 +87,31 @@ pub(super) fn find(
                 false => Found::Further(checkpoint),
             })
         }
-        Ok(None) if has_ended => Err(format!(
-            "{} contains a run that ended without a checkpoint; start over with --force",
-            folder.display()
-        )),
+        Ok(None) if has_ended => {
+            let what = format!(
+                "{} contains a run that ended without a checkpoint; start over with --force",
+                folder.display()
+            );
+            Err(Message::new(Code::NoCheckpoint, what))
+        }
         // killed before its first checkpoint
         Ok(None) => Ok(Found::Nothing),
     }
 }
 
+fn other_scene(what: String) -> Message {
+    Message::new(Code::CheckpointMismatch, what)
+}
+
 /// A file as text, if it exists.
-fn read(path: &Path) -> Result<Option<String>, String> {
+fn read(path: &Path) -> Result<Option<String>, Message> {
     match fs::read_to_string(path) {
         Ok(text) => Ok(Some(text)),
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(None),
-        Err(error) => Err(format!("cannot read {}: {error}", path.display())),
+        Err(error) => {
+            let what = format!("cannot read {}: {error}", path.display());
+            Err(Message::new(Code::FileNotReadable, what))
+        }
     }
 }
 
