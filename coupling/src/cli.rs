@@ -3,6 +3,7 @@
 mod accuracy;
 mod check;
 mod compare;
+mod explain;
 mod inspect;
 mod new;
 mod program;
@@ -11,9 +12,9 @@ mod report;
 mod run;
 mod shell;
 mod study;
+mod told;
 
 use std::ffi::OsString;
-use std::fmt::Display;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -22,11 +23,13 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use clap::{CommandFactory, Parser, Subcommand};
 
+use crate::messages::{Code, Message};
 use crate::scene::access::FilesFrom;
 use crate::scene::error::SceneError;
 use crate::scene::parse::Override;
 use crate::scene::{self, resolve::Scene};
 pub use program::Program;
+pub(crate) use told::{failed, refused, warn};
 
 /// Exit status of a command.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -81,6 +84,8 @@ enum Command {
     /// Measure error against cost for settings of a scene.
     #[command(alias = "trade")]
     Study(study::Arguments),
+    /// Explain errors and warnings by the codes behind them.
+    Explain(explain::Arguments),
     /// Write completions of a shell.
     Completions(shell::Completions),
     /// Write man pages.
@@ -100,7 +105,15 @@ pub fn main() -> ExitCode {
 /// Runs the program with some arguments, the first of which is its name; returns its exit code.
 pub fn execute(arguments: impl IntoIterator<Item = OsString>, program: &Program) -> u8 {
     let exit = match Arguments::try_parse_from(arguments) {
-        Ok(arguments) => run_command(arguments.command, program),
+        Ok(arguments) => {
+            let is_quiet =
+                matches!(&arguments.command, Command::Run(arguments) if arguments.is_quiet());
+            let exit = run_command(arguments.command, program);
+            if let Some(line) = told::way_on().filter(|_| !is_quiet) {
+                say(&line);
+            }
+            exit
+        }
         Err(error) => {
             // help and version come this way, too
             let _ = error.print();
@@ -129,6 +142,7 @@ fn run_command(asked: Command, program: &Program) -> Exit {
         Command::Inspect(arguments) => inspect::execute(&arguments),
         Command::Compare(arguments) => compare::execute(&arguments),
         Command::Study(arguments) => study::execute(&arguments, program),
+        Command::Explain(arguments) => explain::execute(&arguments),
         Command::Completions(arguments) => shell::completions(&arguments, command()),
         Command::Man(arguments) => shell::man(&arguments, command()),
     }
@@ -138,12 +152,6 @@ fn run_command(asked: Command, program: &Program) -> Exit {
 pub(crate) fn say(line: &str) {
     // a closed pipe, as with `| head`, is not a failure
     let _ = writeln!(std::io::stderr(), "{line}");
-}
-
-/// Reports wrong usage or input.
-pub(crate) fn refused(fault: impl Display) -> Exit {
-    say(&format!("error: {fault}"));
-    Exit::BadInput
 }
 
 /// A result on standard output.
@@ -162,7 +170,10 @@ pub(crate) fn stop_on_signal(stop: &Arc<AtomicBool>) {
     };
     // without a handler a signal ends the program in the default way
     if ctrlc::set_handler(handler).is_err() {
-        say("warning: signals cannot be caught; Ctrl-C will lose the last records");
+        warn(Message::new(
+            Code::SignalsNotCaught,
+            "signals cannot be caught; Ctrl-C will lose the last records",
+        ));
     }
 }
 
@@ -171,7 +182,7 @@ pub(crate) fn load(case: &Path, overrides: &[Override], files: FilesFrom) -> Res
     match scene::load_from(case, overrides, files) {
         Ok((scene, warnings)) => {
             if !warnings.located().is_empty() {
-                say(&warnings.to_string());
+                told::problems(&warnings);
             }
             Ok(scene)
         }
@@ -196,8 +207,7 @@ pub(crate) fn report_scene_error(error: &SceneError) {
     use miette::{GraphicalReportHandler, GraphicalTheme};
     let mut frame = String::new();
     let handler = GraphicalReportHandler::new_themed(GraphicalTheme::unicode_nocolor());
-    let lines = error.to_string();
-    say(&lines);
+    told::problems(error);
     if handler.render_report(&mut frame, error).is_ok() {
         // the handler repeats the message above its frame; only the frame is new
         let frame: Vec<&str> = frame

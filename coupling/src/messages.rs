@@ -1,6 +1,12 @@
 //! Codes of errors and warnings: one for each cause and remedy, printed behind the message and explained in
 //! `docs/troubleshooting.md`.
 
+pub mod guide;
+mod solvers;
+
+use std::fmt::{self, Display, Formatter};
+use std::io::{Error, ErrorKind};
+
 /// Writes the list of codes once: as an enum, as text, and as a list of all.
 macro_rules! codes {
     ($($(#[$doc:meta])* $name:ident = $text:literal,)+) => {
@@ -181,13 +187,123 @@ codes! {
     /// Walls of a kind that does not work with the scheme or with a shape.
     UnusableWalls = "unusable-walls",
 
+    // time step and stability
+    /// A particle whose position, velocity or density is not finite.
+    ParticleNan = "particle-nan",
+    /// A particle far denser than water.
+    WaterCompressed = "water-compressed",
+    /// A particle faster than sound.
+    FasterThanSound = "faster-than-sound",
+    /// A block whose position or velocity is not finite.
+    BlockNan = "block-nan",
+    /// Blocks that penetrate each other deeper than a step allows.
+    PenetrationTooDeep = "penetration-too-deep",
+    /// A deformable block strained beyond its stress law.
+    BlockCrushed = "block-crushed",
+    /// A step too small to get anywhere.
+    TimeStepCollapsed = "time-step-collapsed",
+    /// Energy that rose without a source.
+    EnergyFromNowhere = "energy-from-nowhere",
+    /// A step that failed and was repeated with half its length.
+    StepRepeated = "step-repeated",
+    /// Water or blocks that left the domain.
+    LeftDomain = "left-domain",
+
+    // running
+    /// An argument of the command line that cannot be used.
+    UnusableArgument = "unusable-argument",
+    /// A file or run folder that would be overwritten.
+    WouldOverwrite = "would-overwrite",
+    /// A checkpoint that cannot be read by this program.
+    CheckpointUnusable = "checkpoint-unusable",
+    /// A checkpoint of another scene.
+    CheckpointMismatch = "checkpoint-mismatch",
+    /// A run folder without a checkpoint to continue from.
+    NoCheckpoint = "no-checkpoint",
+    /// Signals that the system does not let the program catch.
+    SignalsNotCaught = "signals-not-caught",
+
     // records and output
+    /// A file that cannot be written.
+    CannotWrite = "cannot-write",
+    /// A disk without space.
+    DiskFull = "disk-full",
+    /// A file of a run that cannot be read.
+    UnusableRunFolder = "unusable-run-folder",
+    /// An account of energy that does not close.
+    EnergyAccount = "energy-account",
+    /// A wave lower than three spacings.
+    WaveUnresolved = "wave-unresolved",
+    /// Particles crushed between solids, or put back in front of walls too often.
+    ParticlesCrushed = "particles-crushed",
+    /// Tables or surfaces with nothing to compare.
+    NothingToCompare = "nothing-to-compare",
+    /// A run without anything to draw.
+    NothingToDraw = "nothing-to-draw",
+    /// A program that riprap calls and that failed.
+    ProgramFailed = "program-failed",
+    /// An error budget for which there is no estimate.
+    NoErrorEstimate = "no-error-estimate",
     /// A study that cannot be run as it is written.
     UnusableStudy = "unusable-study",
 }
 
-impl std::fmt::Display for Code {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+impl Display for Code {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         f.write_str(self.as_str())
+    }
+}
+
+/// An error or a warning with its code.
+pub trait Coded: Display {
+    /// Its cause, as the guide explains it.
+    fn code(&self) -> Code;
+}
+
+/// An error or a warning in words.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Message {
+    code: Code,
+    text: String,
+}
+
+impl Message {
+    /// A message; lowercase, no full stop.
+    pub fn new(code: Code, text: impl Into<String>) -> Self {
+        let text = text.into();
+        Self { code, text }
+    }
+
+    /// The words and the code of an error.
+    pub fn of(error: impl Coded) -> Self {
+        Self::new(error.code(), error.to_string())
+    }
+}
+
+impl Display for Message {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.text)
+    }
+}
+
+impl Coded for Message {
+    fn code(&self) -> Code {
+        self.code
+    }
+}
+
+/// A text with a code at the end of its first line.
+pub fn with_code(text: &str, code: Code) -> String {
+    match text.split_once('\n') {
+        Some((first, rest)) => format!("{first} [{code}]\n{rest}"),
+        None => format!("{text} [{code}]"),
+    }
+}
+
+/// Cause of an error of writing.
+pub(crate) fn of_writing(error: &Error) -> Code {
+    match error.kind() {
+        ErrorKind::StorageFull | ErrorKind::QuotaExceeded => Code::DiskFull,
+        _ => Code::CannotWrite,
     }
 }

@@ -240,6 +240,7 @@ fn files_of_a_scene_stay_in_its_folder_unless_allowed() {
                 "{said}"
             );
             assert!(said.contains("--allow-outside"), "{said}");
+            assert!(said.contains(" [file-outside-folder]\n"), "{said}");
         }
         let output = riprap(&["check", path, "--allow-outside"]);
         assert!(output.status.success(), "{}", words(&output));

@@ -29,6 +29,7 @@ mod hostile;
 mod inspect;
 mod landslide;
 mod mach;
+mod messages;
 mod mistakes;
 mod new;
 mod overview;

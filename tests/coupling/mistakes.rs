@@ -5,6 +5,7 @@ mod clouds;
 use std::fmt::Write as _;
 use std::path::Path;
 
+use riprap::messages::guide;
 use riprap::scene::access::Access;
 use riprap::scene::crs::Crs;
 use riprap::scene::error::{Located, Severity};
@@ -364,6 +365,7 @@ fn check(folder: &Path, right: &str, rows: &[Row]) -> Vec<String> {
         let is_answered = matches!(found.as_slice(), [one] if one.severity == severity
             && one.message.starts_with(words)
             && one.message.chars().count() <= TWO_LINES
+            && guide::paragraphs(one.code).len() > 2
             && text[one.span.clone()].starts_with(at));
         if !is_answered {
             let said = found.iter().map(|one| {

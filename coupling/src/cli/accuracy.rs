@@ -9,6 +9,7 @@ use std::str::FromStr;
 use std::sync::atomic::AtomicBool;
 
 use super::{Exit, Program, refused};
+use crate::messages::{Code, Message};
 use crate::scene::parse::Override;
 use crate::scene::resolve::Scene;
 use crate::study::trade::file::StudyFile;
@@ -84,8 +85,13 @@ enum Basis {
 
 /// Chooses settings and reports them with the reason.
 pub(super) fn plan(asked: &Asked, scene: &Scene, stop: &AtomicBool) -> Result<Chosen, Exit> {
-    match by_study::study_of(asked).map_err(refused)? {
+    match by_study::study_of(asked).map_err(|what| refused(no_estimate(what)))? {
         Some((path, file)) => by_study::choose(asked, path, file),
         None => by_refinement::choose(asked, scene, stop),
     }
+}
+
+/// Why there is no estimate of an error.
+fn no_estimate(what: String) -> Message {
+    Message::new(Code::NoErrorEstimate, what)
 }

@@ -9,7 +9,7 @@ mod water;
 
 use std::path::PathBuf;
 
-use super::{Exit, files_from, load, say, show};
+use super::{Exit, failed, files_from, load, show, told};
 use crate::run::ineffective::ineffective_options;
 use crate::scene::parse::Override;
 use cost::cost;
@@ -40,16 +40,13 @@ pub(crate) fn execute(arguments: &Arguments) -> Exit {
         show(&format!("  no effect at this resolution: {one}"));
     }
     if let Some(warning) = mach::warning(&scene) {
-        show(&warning);
+        show(&told::coded(&warning));
     }
     match cost(&scene) {
         Ok(text) => {
             show(&text);
             Exit::Done
         }
-        Err(error) => {
-            say(&format!("error: {error}"));
-            Exit::Failed
-        }
+        Err(error) => failed(error),
     }
 }

@@ -2,8 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
-use super::{Exit, refused, say, show};
+use super::{Exit, failed, refused, show};
 use crate::files::vtk::replace_file;
+use crate::messages::{Code, Message};
 use crate::scene::geometry::terrain::sources::is_surface;
 use crate::study::compare::surfaces::{self, compare_surfaces, load};
 use crate::study::compare::{Options, compare_files, json, text};
@@ -85,8 +86,7 @@ fn surfaces(arguments: &Arguments) -> Exit {
     };
     let file = (arguments.output.clone()).unwrap_or_else(|| table_of(&arguments.gauges));
     if let Err(error) = replace_file(&file, &[surfaces::table(&found).as_bytes()]) {
-        say(&format!("error: {error}"));
-        return Exit::Failed;
+        return failed(error);
     }
     if arguments.json {
         return shown(surfaces::json(&found));
@@ -116,9 +116,6 @@ fn shown(text: Result<String, serde_json::Error>) -> Exit {
             show(&text);
             Exit::Done
         }
-        Err(error) => {
-            say(&format!("error: {error}"));
-            Exit::Failed
-        }
+        Err(error) => failed(Message::new(Code::CannotWrite, error.to_string())),
     }
 }

@@ -2,8 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
-use super::{Exit, say, show};
+use super::{Exit, failed, show};
 use crate::files::table::{TableData, read_table};
+use crate::messages::{Code, Message};
 use crate::output::bodies::{self, BodyRow};
 use crate::output::run_folder;
 
@@ -29,10 +30,7 @@ pub(crate) fn execute(arguments: &Arguments) -> Exit {
             show(&lines.join("\n"));
             Exit::Done
         }
-        Err(message) => {
-            say(&format!("error: {message}"));
-            Exit::Failed
-        }
+        Err(message) => failed(message),
     }
 }
 
@@ -49,11 +47,12 @@ struct State {
 /// A line of the list: block, way from its start (m), and where it is; `None` for fixed ones.
 type Entry<'a> = (&'a BodyRow, f64, Option<State>);
 
-fn listed(arguments: &Arguments) -> Result<Vec<String>, String> {
+fn listed(arguments: &Arguments) -> Result<Vec<String>, Message> {
     let folder = &arguments.run;
-    let summary = run_folder::read_summary(folder).map_err(|error| error.to_string())?;
-    let scene = run_folder::read_scene(folder).map_err(|error| error.to_string())?;
-    let bodies = bodies::read(folder)?;
+    let summary = run_folder::read_summary(folder).map_err(Message::of)?;
+    let scene = run_folder::read_scene(folder).map_err(Message::of)?;
+    let bodies =
+        bodies::read(folder).map_err(|message| Message::new(Code::UnusableRunFolder, message))?;
     let records = records(folder)?;
     let mut all: Vec<Entry> = bodies
         .iter()
@@ -131,14 +130,12 @@ fn line((body, way, state): &Entry, width: usize) -> String {
 }
 
 /// The table of the blocks that can move, if there is one.
-fn records(folder: &Path) -> Result<Option<TableData>, String> {
+fn records(folder: &Path) -> Result<Option<TableData>, Message> {
     let path = folder.join(run_folder::BLOCKS);
     if !path.exists() {
         return Ok(None);
     }
-    read_table(&path)
-        .map(Some)
-        .map_err(|error| error.to_string())
+    read_table(&path).map(Some).map_err(Message::of)
 }
 
 /// The last row of a block until a time (s).

@@ -12,7 +12,8 @@ use std::fs::OpenOptions;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
-use super::{Exit, refused, report_scene_error, say};
+use super::{Exit, refused, report_scene_error, say, told};
+use crate::messages::{Code, Message, of_writing};
 use crate::scene::access::Access;
 use crate::scene::error::SceneError;
 use crate::scene::load_text;
@@ -82,24 +83,29 @@ pub(crate) fn execute(arguments: &Arguments) -> Exit {
         Kind::Rockfall(options) => rockfall::draft(options, &path),
         Kind::Barrier(options) => barrier::draft(options),
     };
+    let draft = draft.map_err(|fault| Message::new(Code::UnusableArgument, fault));
     match draft.and_then(|draft| write(&draft, &path, target).map(|()| draft)) {
         Ok(draft) => report(&draft, &path),
         Err(fault) => refused(fault),
     }
 }
 
-fn exists(path: &Path) -> String {
-    format!(
+fn exists(path: &Path) -> Message {
+    let what = format!(
         "`{}` exists; choose another name with --out, or --force to overwrite it",
         path.display()
-    )
+    );
+    Message::new(Code::WouldOverwrite, what)
 }
 
 /// Writes the scene and the files beside it.
-fn write(draft: &Draft, path: &Path, target: &Target) -> Result<(), String> {
+fn write(draft: &Draft, path: &Path, target: &Target) -> Result<(), Message> {
     let folder = folder_of(path);
-    let failed = |path: &Path, error| format!("cannot write `{}`: {error}", path.display());
-    std::fs::create_dir_all(folder).map_err(|error| failed(folder, error))?;
+    let failed = |path: &Path, error: &std::io::Error| {
+        let what = format!("cannot write `{}`: {error}", path.display());
+        Message::new(of_writing(error), what)
+    };
+    std::fs::create_dir_all(folder).map_err(|error| failed(folder, &error))?;
     let beside = draft.beside.iter();
     let files = beside.map(|(name, content)| (folder.join(name), content));
     for (path, content) in files.chain([(path.to_owned(), &draft.scene)]) {
@@ -112,7 +118,7 @@ fn write(draft: &Draft, path: &Path, target: &Target) -> Result<(), String> {
         file.and_then(|mut file| file.write_all(content.as_bytes()))
             .map_err(|error| match error.kind() {
                 std::io::ErrorKind::AlreadyExists => exists(&path),
-                _ => failed(&path, error),
+                _ => failed(&path, &error),
             })?;
     }
     Ok(())
@@ -127,7 +133,7 @@ fn report(draft: &Draft, path: &Path) -> Exit {
     match checked(&draft.scene, path) {
         Ok((_, warnings)) => {
             if !warnings.located().is_empty() {
-                say(&warnings.to_string());
+                told::problems(&warnings);
             }
             say(&format!(
                 "wrote {shown}; next: riprap check {shown}, riprap run {shown}"

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use super::{Exit, say};
+use super::{Exit, failed, say};
 use crate::picture::render::{RenderOptions, WaterLook, render};
 
 /// Render pictures of a run with POV-Ray.
@@ -46,10 +46,7 @@ pub(crate) fn execute(arguments: &Arguments) -> Exit {
             ));
             Exit::Done
         }
-        Err(error) => {
-            say(&format!("error: {error}"));
-            Exit::Failed
-        }
+        Err(error) => failed(error),
     }
 }
 

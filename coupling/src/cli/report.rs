@@ -2,8 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
-use super::{Exit, say, show};
+use super::{Exit, failed, show};
 use crate::output::run_folder;
+use crate::picture::render::RenderError;
 use crate::picture::report::report;
 
 /// Largest size of a report unless one is asked for; bytes.
@@ -30,16 +31,13 @@ pub(crate) fn execute(arguments: &Arguments) -> Exit {
             show(&words);
             Exit::Done
         }
-        Err(message) => {
-            say(&format!("error: {message}"));
-            Exit::Failed
-        }
+        Err(error) => failed(error),
     }
 }
 
 /// Writes a report; returns a line that says what it shows.
-pub(crate) fn write(run: &Path, file: &Path, size: u64) -> Result<String, String> {
-    let made = report(run, file, size).map_err(|error| error.to_string())?;
+pub(crate) fn write(run: &Path, file: &Path, size: u64) -> Result<String, RenderError> {
+    let made = report(run, file, size)?;
     Ok(format!(
         "{}: {:.1} MB, {}",
         made.path.display(),

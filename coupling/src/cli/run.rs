@@ -9,13 +9,17 @@ use std::time::Duration;
 
 use super::accuracy::{self, Asked, Budget, Chosen};
 use super::report;
-use super::{Exit, Program, default_folder, files_from, load, refused, say, show, stop_on_signal};
+use super::{
+    Exit, Program, default_folder, failed, files_from, load, refused, say, show, stop_on_signal,
+    told, warn,
+};
 use crate::cli::check::describe;
+use crate::messages::{Code, Coded, Message};
 use crate::output::checkpoint_file::{self as checkpoint, Checkpoint};
 use crate::output::run_folder::{self, ArchivedScene, Existing};
 use crate::output::summary::Summary;
 use crate::output::verdict::LARGEST_MACH;
-use crate::run::preparation::{self, Beginning, Prepared};
+use crate::run::preparation::{self, Beginning, Note, Prepared};
 use crate::run::{Ending, Plan, RunError, run};
 use crate::scene::parse::Override;
 use crate::scene::resolve::Scene;
@@ -68,6 +72,13 @@ pub(crate) struct Arguments {
     /// No progress, only errors.
     #[arg(long)]
     quiet: bool,
+}
+
+impl Arguments {
+    /// Whether only errors are printed.
+    pub(super) fn is_quiet(&self) -> bool {
+        self.quiet
+    }
 }
 
 pub(crate) fn execute(arguments: &Arguments, program: &Program) -> Exit {
@@ -129,7 +140,8 @@ fn choose_and_run(arguments: &Arguments, program: &Program) -> Result<Exit, Exit
     }
     let (summary, ending) = ended.map_err(|error| {
         say(&format!(
-            "error: {error}\nearlier output is in {}{}",
+            "error: {}\nearlier output is in {}{}",
+            told::coded(&error),
             folder.display(),
             way_on(&error, arguments, &folder)
         ));
@@ -137,9 +149,10 @@ fn choose_and_run(arguments: &Arguments, program: &Program) -> Result<Exit, Exit
     })?;
     if !arguments.quiet {
         show(&closing_words(&summary, &folder));
-        if let Some(words) = compressed(&summary, &scene) {
-            say(&words);
+        if let Some(doubt) = compressed(&summary, &scene) {
+            warn(doubt);
         }
+        summary.doubts().into_iter().for_each(told::keep);
     }
     match (ending, chosen) {
         (Ending::Interrupted, _) => {
@@ -157,7 +170,10 @@ fn choose_and_run(arguments: &Arguments, program: &Program) -> Result<Exit, Exit
 fn write_report(folder: &Path) {
     let file = folder.join(run_folder::REPORT);
     if let Err(message) = report::write(folder, &file, report::SIZE) {
-        say(&format!("warning: no report: {message}"));
+        warn(Message::new(
+            message.code(),
+            format!("no report: {message}"),
+        ));
     }
 }
 
@@ -194,7 +210,10 @@ fn start_threads(threads: Option<usize>) -> Result<(), Exit> {
     rayon::ThreadPoolBuilder::new()
         .num_threads(threads)
         .build_global()
-        .map_err(|error| refused(format!("cannot start {threads} threads: {error}")))
+        .map_err(|error| {
+            let message = format!("cannot start {threads} threads: {error}");
+            refused(Message::new(Code::UnusableArgument, message))
+        })
 }
 
 /// Compares the result with the error budget.
@@ -205,8 +224,8 @@ fn judge(chosen: Chosen, scene: &Scene, folder: &Path) -> Exit {
             Exit::Done
         }
         Err(message) => {
-            say(&format!("error: the run cannot be evaluated: {message}"));
-            Exit::Failed
+            let message = format!("the run cannot be evaluated: {message}");
+            failed(Message::new(Code::NoErrorEstimate, message))
         }
     }
 }
@@ -229,7 +248,10 @@ fn prepare(
     match preparation::prepare(scene, &arguments.case, folder, beginning).map_err(refused)? {
         Prepared::Ready { from, notes } => {
             for note in notes {
-                say(&note);
+                match note {
+                    Note::Information(line) => say(&line),
+                    Note::Warning(doubt) => warn(doubt),
+                }
             }
             Ok(from)
         }
@@ -253,15 +275,16 @@ fn seconds(text: &str) -> Result<f64, String> {
 }
 
 /// Warning of water that was so fast that its sound is felt.
-fn compressed(summary: &Summary, scene: &Scene) -> Option<String> {
+fn compressed(summary: &Summary, scene: &Scene) -> Option<Message> {
     let fluid = scene.fluid.as_ref()?;
     let fastest = summary.max_mach * fluid.settings.sound_speed;
     (LARGEST_MACH < summary.max_mach).then(|| {
-        format!(
-            "warning: the fastest particle reached {fastest:.3} m/s, Mach {:.2}: pressures of impacts are those of sound, rho c u; \
+        let words = format!(
+            "the fastest particle reached {fastest:.3} m/s, Mach {:.2}: pressures of impacts are those of sound, rho c u; \
              where they matter let numerics.expected_speed be {fastest:.2}",
             summary.max_mach
-        )
+        );
+        Message::new(Code::WaterNearSoundSpeed, words)
     })
 }
 

@@ -5,7 +5,8 @@ use std::path::PathBuf;
 use clap::Command;
 use clap_complete::Shell;
 
-use super::{Exit, say, show};
+use super::{Exit, failed, show};
+use crate::messages::{Message, of_writing};
 
 /// Write completions of a shell to standard output.
 #[derive(Debug, clap::Args)]
@@ -35,11 +36,8 @@ pub(crate) fn man(arguments: &Man, program: Command) -> Exit {
     match written {
         Ok(()) => Exit::Done,
         Err(error) => {
-            say(&format!(
-                "error: cannot write to {}: {error}",
-                folder.display()
-            ));
-            Exit::Failed
+            let message = format!("cannot write to {}: {error}", folder.display());
+            failed(Message::new(of_writing(&error), message))
         }
     }
 }

@@ -6,7 +6,8 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
-use super::{Exit, Program, report_scene_error, say, show, stop_on_signal};
+use super::{Exit, Program, failed, report_scene_error, say, show, stop_on_signal};
+use crate::messages::{Code, Coded, Message, of_writing};
 use crate::scene::estimate as memory;
 use crate::study::trade::execute::{Ended, Executor, Means, Progress, execute as run_all};
 use crate::study::trade::outcome::Outcome;
@@ -91,17 +92,17 @@ pub(crate) fn execute(arguments: &Arguments, program: &Program) -> Exit {
             ));
             return Exit::Interrupted;
         }
-        (Err(error), _) => error.to_string(),
+        (Err(error), _) => Message::of(error),
         (_, Err(message)) => message,
     };
-    say(&format!("error: {message}"));
-    Exit::Failed
+    failed(message)
 }
 
 /// Writes tables and plots; reports failures.
-fn write_all(study: &Study, all: &[Outcome], folder: &Path) -> Result<(), String> {
+fn write_all(study: &Study, all: &[Outcome], folder: &Path) -> Result<(), Message> {
     let svg = plot::svg(study, all);
-    let png = picture::png(&svg).map_err(|error| error.to_string());
+    let png =
+        picture::png(&svg).map_err(|error| Message::new(Code::NothingToDraw, error.to_string()));
     let files = [
         ("trade.csv", Ok(table(study, all).into_bytes())),
         ("front.csv", Ok(front_table(study, all).into_bytes())),
@@ -110,9 +111,14 @@ fn write_all(study: &Study, all: &[Outcome], folder: &Path) -> Result<(), String
     ];
     files.into_iter().try_for_each(|(name, bytes)| {
         let path = folder.join(name);
-        bytes
-            .and_then(|bytes| write(&path, &bytes).map_err(|error| error.to_string()))
-            .map_err(|error| format!("cannot write {}: {error}", path.display()))
+        let bytes = bytes.map_err(|message| {
+            let words = format!("cannot write {}: {message}", path.display());
+            Message::new(message.code(), words)
+        })?;
+        write(&path, &bytes).map_err(|error| {
+            let words = format!("cannot write {}: {error}", path.display());
+            Message::new(of_writing(&error), words)
+        })
     })
 }
 

@@ -20,6 +20,7 @@ use super::run_folder;
 use crate::build_info::COMMIT;
 use crate::files::vtk::VtkError;
 use crate::files::vtk::replace_file;
+use crate::messages::{Code, Coded};
 use crate::saved::Saved;
 
 /// The newest checkpoint of a run.
@@ -259,5 +260,18 @@ pub fn read(path: &Path, bytes: &[u8], scene: &[u8; HASH]) -> Result<Checkpoint,
             })
         }
         _ => Err(damaged("its state is not as long as it says")),
+    }
+}
+
+impl Coded for CheckpointError {
+    fn code(&self) -> Code {
+        match self {
+            Self::Scene { .. } => Code::CheckpointMismatch,
+            Self::Io { .. }
+            | Self::Foreign { .. }
+            | Self::Format { .. }
+            | Self::Damaged { .. }
+            | Self::Build { .. } => Code::CheckpointUnusable,
+        }
     }
 }

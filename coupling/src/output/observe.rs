@@ -15,6 +15,7 @@ mod transducer;
 
 use crate::files::table::TableError;
 use crate::files::vtk::VtkError;
+use crate::messages::{Code, Coded, of_writing};
 use crate::saved::Saved;
 use crate::world::World;
 use serde::{Deserialize, Serialize};
@@ -144,6 +145,17 @@ impl Schedule {
     pub fn done(&mut self, time: f64) {
         self.last = Some(time);
         self.n_done = (time / self.interval + 1e-9).floor() as u64 + 1;
+    }
+}
+
+impl Coded for ObserveError {
+    fn code(&self) -> Code {
+        match self {
+            Self::Vtk(error) => error.code(),
+            Self::Table(error) => error.code(),
+            Self::State(_) => Code::CheckpointMismatch,
+            Self::Write { source, .. } => of_writing(source),
+        }
     }
 }
 

@@ -15,6 +15,8 @@ mod read;
 use std::io;
 use std::path::{Path, PathBuf};
 
+use crate::messages::{Code, Coded, of_writing};
+
 pub use archive::ArchivedScene;
 pub use read::{ReadError, RunScene, read_scene, read_summary};
 
@@ -264,6 +266,16 @@ fn is_written_by_runs(name: &str) -> bool {
         || FRAMES.iter().any(|stem| is_frame(stem))
         || MAP_RASTERS.iter().any(|grid| is_map(grid))
         || FILES.contains(&name)
+}
+
+impl Coded for RunFolderError {
+    fn code(&self) -> Code {
+        match self {
+            Self::Used { .. } => Code::WouldOverwrite,
+            Self::Io { source, .. } | Self::Copy { source, .. } => of_writing(source),
+            Self::Scene(_) => Code::CannotWrite,
+        }
+    }
 }
 
 #[cfg(test)]

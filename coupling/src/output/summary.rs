@@ -6,11 +6,12 @@ use std::path::Path;
 use serde::Serialize;
 
 use crate::files::vtk::replace_file;
+use crate::messages::Code;
 use crate::openings::Passed;
 use crate::output::observe::ObserveError;
 use crate::output::peaks::Peak;
 use crate::output::run_folder;
-use crate::output::verdict::verdict;
+use crate::output::verdict::{doubts, verdict};
 use crate::world::ledger::Energy;
 use crate::world::time_step::Cause;
 
@@ -164,6 +165,11 @@ impl Summary {
             self.verdict = verdict(&numbers);
         }
         self
+    }
+
+    /// Codes of the doubts in its verdict.
+    pub fn doubts(&self) -> Vec<Code> {
+        serde_json::to_value(self).map_or_else(|_| Vec::new(), |numbers| doubts(&numbers))
     }
 
     /// Writes `summary.json` under a temporary name and renames it.

@@ -2,6 +2,8 @@
 
 use serde_json::Value;
 
+use crate::messages::Code;
+
 /// Share of the energy exchanged, unexplained, introduced at walls or lost by particles put back, up to which an account is good, and
 /// up to which it is fair: chosen, so that speeds and run-up, which go with the root of an energy, are within 1 and 5 %.
 const GOOD: f64 = 0.02;
@@ -16,9 +18,25 @@ pub const LARGEST_MACH: f64 = 0.3;
 /// Particles pushed back over those there are, above which bodies close water in, or move too fast for it.
 const MANY_PUSHED_BACK: f64 = 0.05;
 
+/// A finding in words, with its code where it is a doubt.
+type Finding = (Option<Code>, String);
+
 /// The three lines of a run's `summary.json`.
 pub fn verdict(summary: &Value) -> [String; 3] {
-    [account(summary), resolution(summary), to_look_at(summary)]
+    [
+        account(summary).1,
+        resolution(summary).1,
+        to_look_at(&points(summary)),
+    ]
+}
+
+/// Codes of the doubts in the three lines.
+pub fn doubts(summary: &Value) -> Vec<Code> {
+    [account(summary), resolution(summary)]
+        .into_iter()
+        .chain(points(summary))
+        .filter_map(|(code, _)| code)
+        .collect()
 }
 
 fn number(value: &Value, path: &[&str]) -> f64 {
@@ -26,7 +44,7 @@ fn number(value: &Value, path: &[&str]) -> f64 {
     found.and_then(Value::as_f64).unwrap_or(0.0)
 }
 
-fn account(summary: &Value) -> String {
+fn account(summary: &Value) -> Finding {
     let term = |name: &str| number(summary, &["energy", name]);
     // all that moved from one kind of energy to another
     let exchanged: f64 = [
@@ -50,9 +68,10 @@ fn account(summary: &Value) -> String {
     let wrong = unexplained.abs() + at_walls.abs() + term("pushed_back").abs();
     let stored = term("potential").abs() + term("internal").abs();
     if exchanged <= STILL * stored && wrong <= STILL * stored {
-        return format!(
+        let words = format!(
             "energy: nothing moved to speak of, {wrong:.2e} J unexplained or introduced at walls"
         );
+        return (None, words);
     }
     let share = wrong / exchanged.max(f64::MIN_POSITIVE);
     let grade = match share {
@@ -60,13 +79,14 @@ fn account(summary: &Value) -> String {
         share if share <= FAIR => "fair: speeds and run-up may be off by half of that share",
         _ => "poor: refine, or take smaller steps, before you use its numbers",
     };
-    format!(
+    let words = format!(
         "energy: of {} exchanged {:.1} % are unexplained, {:.1} % introduced at walls, {:.1} % lost by particles put back: {grade}",
         joules(exchanged),
         100.0 * unexplained.abs() / exchanged,
         100.0 * at_walls.abs() / exchanged,
         100.0 * term("pushed_back").abs() / exchanged,
-    )
+    );
+    ((GOOD < share).then_some(Code::EnergyAccount), words)
 }
 
 /// An energy (J) with the prefix that suits it.
@@ -85,10 +105,11 @@ fn joules(energy: f64) -> String {
     }
 }
 
-fn resolution(summary: &Value) -> String {
+fn resolution(summary: &Value) -> Finding {
     let spacing = number(summary, &["particle_spacing"]);
     if number(summary, &["fluid_particles"]) == 0.0 || spacing <= 0.0 {
-        return "resolution: blocks without water; halve numerics.block_time_step_factor to see what the step changes".to_owned();
+        let words = "resolution: blocks without water; halve numerics.block_time_step_factor to see what the step changes";
+        return (None, words.to_owned());
     }
     let gauges = summary.get("gauges").and_then(Value::as_array);
     let rises = gauges.into_iter().flatten().filter_map(|gauge| {
@@ -97,11 +118,13 @@ fn resolution(summary: &Value) -> String {
         is_surface.then_some((rise / spacing, gauge.get("name")?.as_str()?))
     });
     let Some((rise, name)) = rises.max_by(|a, b| a.0.total_cmp(&b.0)) else {
-        return format!(
+        let words = format!(
             "resolution: spacing {spacing:.4} m, no gauge of the surface to compare it with; compare with a run of 0.7 times the spacing"
         );
+        return (None, words);
     };
-    let words = match KEPT.iter().find(|(height, ..)| *height <= rise) {
+    let kept = KEPT.iter().find(|(height, ..)| *height <= rise);
+    let words = match kept {
         Some((height, plane, space)) => format!(
             "with the default, standing waves {height:.0} spacings high keep {plane:.2} of their height over eight periods in a plane, {space:.2} in space"
         ),
@@ -109,10 +132,13 @@ fn resolution(summary: &Value) -> String {
             "a wave below three spacings is an indication only; refine to use its height".to_owned()
         }
     };
-    format!("resolution: the largest rise, at `{name}`, is {rise:.1} spacings; {words}")
+    let words =
+        format!("resolution: the largest rise, at `{name}`, is {rise:.1} spacings; {words}");
+    (kept.is_none().then_some(Code::WaveUnresolved), words)
 }
 
-fn to_look_at(summary: &Value) -> String {
+/// What stands out in a run.
+fn points(summary: &Value) -> Vec<Finding> {
     let count = |name: &str| number(summary, &[name]);
     let mut points = Vec::new();
     if summary.get("completed").and_then(Value::as_bool) == Some(false) {
@@ -121,50 +147,62 @@ fn to_look_at(summary: &Value) -> String {
             .and_then(Value::as_str)
             .unwrap_or("it was stopped");
         let first = reason.lines().next().unwrap_or(reason);
-        points.push(format!("the run did not reach its end ({first})"));
+        points.push((None, format!("the run did not reach its end ({first})")));
     }
     let particles = count("fluid_particles");
-    for (n, one, many) in [
+    for (code, n, one, many) in [
         (
+            Code::StepRepeated,
             count("fell_back"),
             "step failed and was repeated with half its length",
             "steps failed and were repeated with half their length",
         ),
         (
+            Code::LeftDomain,
             count("particles_escaped"),
             "particle left the domain",
             "particles left the domain",
         ),
         (
+            Code::LeftDomain,
             count("blocks_escaped"),
             "block left the domain",
             "blocks left the domain",
         ),
         (
+            Code::ParticlesCrushed,
             count("reliefs"),
             "particle was crushed between solids and let go",
             "times particles were crushed between solids and let go",
         ),
     ] {
         if 0.0 < n {
-            points.push(format!("{n} {}", if n == 1.0 { one } else { many }));
+            let words = format!("{n} {}", if n == 1.0 { one } else { many });
+            points.push((Some(code), words));
         }
     }
     if MANY_PUSHED_BACK * particles < count("particles_pushed_back") {
-        points.push(format!(
+        let words = format!(
             "{} times particles were put back in front of a wall",
             count("particles_pushed_back")
-        ));
+        );
+        points.push((Some(Code::ParticlesCrushed), words));
     }
     if LARGEST_MACH < count("max_mach") {
-        points.push(format!(
+        let words = format!(
             "the fastest particle reached Mach {:.2}: peak pressures are those of sound",
             count("max_mach")
-        ));
+        );
+        points.push((Some(Code::WaterNearSoundSpeed), words));
     }
+    points
+}
+
+fn to_look_at(points: &[Finding]) -> String {
+    let words: Vec<&str> = points.iter().map(|(_, words)| words.as_str()).collect();
     match points.is_empty() {
         true => "to look at: nothing stands out; overview.svg and gauges.csv".to_owned(),
-        false => format!("to look at: {}", points.join("; ")),
+        false => format!("to look at: {}", words.join("; ")),
     }
 }
 

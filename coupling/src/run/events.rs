@@ -1,5 +1,6 @@
 //! Events of a run: progress, recovery from a failed step, end and failure.
 
+use crate::messages::{Code, Coded};
 use crate::output::observe::ObserveError;
 use crate::world::StepError;
 
@@ -85,4 +86,17 @@ pub enum RunError {
     /// State of a checkpoint that does not belong to this scene.
     #[error("the state of the checkpoint does not fit the scene: {0}; start over with --force")]
     State(#[from] postcard::Error),
+}
+
+impl Coded for RunError {
+    fn code(&self) -> Code {
+        match self {
+            Self::Blocks(error) => error.code(),
+            Self::Fluid(error) => error.code(),
+            Self::Step(error) | Self::Unstable { error, .. } => error.code(),
+            Self::Examined { failure, .. } => failure.code(),
+            Self::Observe(error) => error.code(),
+            Self::State(_) => Code::CheckpointMismatch,
+        }
+    }
 }

@@ -6,6 +6,7 @@ mod resume;
 
 use std::path::Path;
 
+use crate::messages::Message;
 use crate::output::checkpoint_file::Checkpoint;
 use crate::output::run_folder::{self, ArchivedScene, Existing};
 use crate::scene::further::Changes;
@@ -23,6 +24,15 @@ pub enum Beginning<'a> {
     From(&'a Path, Existing),
 }
 
+/// Remark on how a run begins.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Note {
+    /// A fact, as a line.
+    Information(String),
+    /// A doubt.
+    Warning(Message),
+}
+
 /// State of a run folder.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Prepared {
@@ -32,8 +42,8 @@ pub enum Prepared {
     Ready {
         /// Checkpoint to continue from; without one the folder is empty, and waits for the scene.
         from: Option<Checkpoint>,
-        /// Lines for the user.
-        notes: Vec<String>,
+        /// Told to the user.
+        notes: Vec<Note>,
     },
 }
 
@@ -47,9 +57,9 @@ pub fn prepare(
     case: &Path,
     folder: &Path,
     beginning: Beginning,
-) -> Result<Prepared, String> {
+) -> Result<Prepared, Message> {
     let mut notes = Vec::new();
-    let archived = || ArchivedScene::of(scene).map_err(|error| error.to_string());
+    let archived = || ArchivedScene::of(scene).map_err(Message::of);
     let existing = match beginning {
         Beginning::New(existing) => existing,
         Beginning::From(other, existing) => {
@@ -70,14 +80,14 @@ pub fn prepare(
                     let from = Some(checkpoint);
                     return Ok(Prepared::Ready { from, notes });
                 }
-                Found::Nothing => notes.push(format!(
+                Found::Nothing => notes.push(Note::Information(format!(
                     "{} contains no checkpoint: the run starts from the beginning",
                     folder.display()
-                )),
+                ))),
             }
             Existing::Replace
         }
     };
-    run_folder::create(folder, existing).map_err(|error| error.to_string())?;
+    run_folder::create(folder, existing).map_err(Message::of)?;
     Ok(Prepared::Ready { from: None, notes })
 }

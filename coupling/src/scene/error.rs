@@ -1,6 +1,6 @@
 //! Errors of a scene, with their location.
 
-use crate::messages::Code;
+use crate::messages::{Code, with_code};
 
 /// A fault or doubtful point of a scene, found after the text was read.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -138,8 +138,10 @@ impl std::fmt::Display for SceneError {
                 line,
                 column,
                 message,
+                code,
                 ..
             } = problem;
+            let message = with_code(message, *code);
             let end = if index == 0 { "" } else { "\n" };
             write!(f, "{end}{}:{line}:{column}: {kind}: {message}", self.file)?;
         }

@@ -4,6 +4,7 @@
 use riprap_dda::BlockId;
 use riprap_sph::{FluidError, ParticleId};
 
+use crate::messages::{Code, Coded};
 use crate::world::time_step::Cause;
 
 /// Failure of a step: there is no new state.
@@ -165,6 +166,22 @@ impl StepError {
             | Self::Left { .. }
             | Self::AtPlane { .. }
             | Self::Stalled { .. } => false,
+        }
+    }
+}
+
+impl Coded for StepError {
+    fn code(&self) -> Code {
+        match self {
+            Self::Fluid { source, .. } => source.code(),
+            Self::Blocks { source, .. } => source.code(),
+            Self::Overlap { .. } => Code::PenetrationTooDeep,
+            Self::Left { .. } | Self::Drained { .. } => Code::LeftDomain,
+            Self::AtPlane { .. } => Code::BlockAtSymmetryPlane,
+            Self::NoVelocity { .. } => Code::ParticleNan,
+            Self::Supersonic { .. } => Code::FasterThanSound,
+            Self::EnergyFromNowhere { .. } => Code::EnergyFromNowhere,
+            Self::Stalled { .. } => Code::TimeStepCollapsed,
         }
     }
 }

@@ -5,9 +5,9 @@ use std::str::FromStr;
 use std::sync::atomic::AtomicBool;
 
 use super::verification::Report;
-use super::{Asked, Basis, Budget, Chosen};
+use super::{Asked, Basis, Budget, Chosen, no_estimate};
 use crate::cli::study::{means, spawn};
-use crate::cli::{Exit, refused, report_scene_error, say};
+use crate::cli::{Exit, failed, refused, report_scene_error, say};
 use crate::scene::parse::Override;
 use crate::scene::resolve::Scene;
 use crate::study::trade::execute::{Executor, Progress, execute as run_all};
@@ -23,11 +23,11 @@ const COARSE_RUNS: &str = "refinement";
 /// Runs three coarse levels and chooses the spacing by extrapolation.
 pub(super) fn choose(asked: &Asked, scene: &Scene, stop: &AtomicBool) -> Result<Chosen, Exit> {
     let Some(fluid) = &scene.fluid else {
-        return Err(refused(
-            "a scene without water has no spacing to refine: write a study of it, see benches/trade/README.md",
-        ));
+        return Err(refused(no_estimate(
+            "a scene without water has no spacing to refine: write a study of it, see benches/trade/README.md".to_owned(),
+        )));
     };
-    let reading = reading(asked.of, scene).map_err(refused)?;
+    let reading = reading(asked.of, scene).map_err(|what| refused(no_estimate(what)))?;
     let Budget(budget) = asked.budget;
     let (depth, rows) = (
         fluid.lattice.depth,
@@ -49,7 +49,7 @@ pub(super) fn choose(asked: &Asked, scene: &Scene, stop: &AtomicBool) -> Result<
     let resolution = format!("fluid.resolution=Spacing({spacing:?})");
     Ok(Chosen {
         overrides: Override::from_str(&resolution)
-            .map_err(refused)
+            .map_err(|what| refused(no_estimate(what)))
             .into_iter()
             .collect(),
         report: Report {
@@ -129,10 +129,7 @@ fn run_levels(
     let folder = asked.folder.join(COARSE_RUNS);
     let runner = |run: &Planned, folder: &Path| spawn((asked.program, asked.case), run, folder);
     let tell = |progress: Progress| say(&format!("  {} of {} runs", progress.ended, progress.all));
-    let failed = |message: String| {
-        say(&format!("error: {message}"));
-        Exit::Failed
-    };
+    let without = |message: String| failed(no_estimate(message));
     let executor = Executor {
         means: means(asked.jobs),
         stop,
@@ -140,7 +137,7 @@ fn run_levels(
         tell: &tell,
     };
     let ended = run_all(&study, &folder, executor);
-    if !ended.map_err(|error| failed(error.to_string()))? {
+    if !ended.map_err(failed)? {
         return Err(Exit::Interrupted);
     }
     let all = collect(&study, &folder);
@@ -149,7 +146,7 @@ fn run_levels(
         found.and_then(|found| found.value).ok_or_else(|| {
             let message = found.map_or("it is gone", |found| &found.message);
             let name = &reading.output.name;
-            failed(format!(
+            without(format!(
                 "the run with {:.4} m has no {name}: {message}",
                 spacings[k]
             ))

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
 use super::verification::Report;
-use super::{Asked, Basis, Budget, Chosen};
+use super::{Asked, Basis, Budget, Chosen, no_estimate};
 use crate::cli::{Exit, refused, say};
 use crate::scene::parse::Override;
 use crate::study::trade::budget::{self, Expected, candidates};
@@ -88,17 +88,17 @@ struct FromStudy {
 
 /// Chooses the cheapest settings that meet the budget, or the most accurate ones.
 pub(super) fn choose(asked: &Asked, path: PathBuf, file: StudyFile) -> Result<Chosen, Exit> {
-    let (table, known) = measured(&path, &file).map_err(refused)?;
+    let (table, known) = measured(&path, &file).map_err(|what| refused(no_estimate(what)))?;
     let Budget(budget) = asked.budget;
     let found = budget::choose(&file, &known, &candidates(&file, &known), budget);
     let (expected, is_within) = match found {
         Ok(expected) => (expected, true),
         Err(Some(best)) => (best, false),
         Err(None) => {
-            return Err(refused(format!(
+            return Err(refused(no_estimate(format!(
                 "no run in {} has an error",
                 table.display()
-            )));
+            ))));
         }
     };
     // frames and gauges are left to the user
@@ -110,7 +110,7 @@ pub(super) fn choose(asked: &Asked, path: PathBuf, file: StudyFile) -> Result<Ch
         .iter()
         .map(|set| Override::from_str(set))
         .collect::<Result<Vec<Override>, String>>()
-        .map_err(|message| refused(format!("{}: {message}", path.display())))?;
+        .map_err(|message| refused(no_estimate(format!("{}: {message}", path.display()))))?;
     let chosen = FromStudy {
         file,
         table,

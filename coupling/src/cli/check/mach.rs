@@ -1,5 +1,6 @@
 //! Compressibility of the water at the speeds that it may reach.
 
+use crate::messages::{Code, Message};
 use crate::scene::resolved::Scene;
 
 /// Mach number above which `check` warns: density changes by half of its square.
@@ -8,16 +9,17 @@ const LARGEST_MACH: f64 = 0.2;
 const ROUND_OFF: f64 = 1e-9;
 
 /// Warning of water that may become so fast that its sound is felt.
-pub(super) fn warning(scene: &Scene) -> Option<String> {
+pub(super) fn warning(scene: &Scene) -> Option<Message> {
     let fluid = scene.fluid.as_ref()?;
     let (speed, sound) = (scene.fastest_flow, fluid.settings.sound_speed);
     let mach = speed / sound;
     (LARGEST_MACH * (1.0 + ROUND_OFF) < mach).then(|| {
-        format!(
+        let words = format!(
             "  warning        the water may reach {speed:.2} m/s, Mach {mach:.2} of the speed of sound of {sound:.2} m/s (at most {LARGEST_MACH} \
              is advised): its density changes by {:.0} % and impacts are those of sound, rho c u; where they matter let \
              numerics.expected_speed be {speed:.2}",
             50.0 * mach * mach
-        )
+        );
+        Message::new(Code::WaterNearSoundSpeed, words)
     })
 }

@@ -4,6 +4,8 @@ use std::io::{IsTerminal, Write as _};
 use std::time::{Duration, Instant};
 
 use crate::cli::say;
+use crate::cli::told::{coded, keep};
+use crate::messages::Code;
 use crate::run::{Event, Progress};
 
 /// Progress: one line updated in place on a terminal, occasional lines in a log.
@@ -34,8 +36,10 @@ impl ProgressLine {
             Event::Step(progress) => self.show(progress),
             Event::FellBack { error, to, share } => {
                 self.end();
+                keep(Code::StepRepeated);
                 say(&format!(
-                    "warning: {error}\nthe run returns to t = {to:.6} s and continues with {share} of the step for a while"
+                    "warning: {}\nthe run returns to t = {to:.6} s and continues with {share} of the step for a while",
+                    coded(error)
                 ));
             }
         }

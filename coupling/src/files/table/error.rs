@@ -3,6 +3,8 @@
 use std::io;
 use std::path::{Path, PathBuf};
 
+use crate::messages::{Code, Coded, of_writing};
+
 /// Error of writing or reading a table.
 #[derive(Debug, thiserror::Error)]
 pub enum TableError {
@@ -109,4 +111,19 @@ pub enum LineFault {
         /// The cell.
         text: String,
     },
+}
+
+impl Coded for TableError {
+    fn code(&self) -> Code {
+        match self {
+            Self::Io {
+                operation: "read", ..
+            } => Code::FileNotReadable,
+            Self::Io { cause, .. } => of_writing(cause),
+            Self::Count { .. } | Self::Line { .. } => Code::UnusableRunFolder,
+            Self::Name { .. } => Code::UnusableName,
+            Self::Short { .. } => Code::CheckpointMismatch,
+            Self::NoColumn { .. } => Code::NothingToCompare,
+        }
+    }
 }

@@ -1,6 +1,7 @@
 //! Requirements of polygon data, and errors of a file.
 
 use super::{Array, PolyData, Polygons};
+use crate::messages::{Code, Coded, of_writing};
 use std::io;
 use std::path::{Path, PathBuf};
 
@@ -221,4 +222,16 @@ fn check_arrays(arrays: &[Array], n_tuples: usize) -> Result<(), Fault> {
         }
     }
     Ok(())
+}
+
+impl Coded for VtkError {
+    fn code(&self) -> Code {
+        match self {
+            Self::Io {
+                operation: "read", ..
+            } => Code::FileNotReadable,
+            Self::Io { cause, .. } => of_writing(cause),
+            Self::Data { .. } => Code::UnusableRunFolder,
+        }
+    }
 }

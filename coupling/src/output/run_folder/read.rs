@@ -4,6 +4,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use super::{CASE, SUMMARY};
+use crate::messages::{Code, Coded};
 use riprap_dda::Vec3;
 
 use crate::scene::file::{Axis, DimensionsFile, ResolutionFile, SceneFile, ShapeFile, Triple};
@@ -119,4 +120,13 @@ fn text_of(path: &Path) -> Result<String, ReadError> {
         path: path.to_owned(),
         source,
     })
+}
+
+impl Coded for ReadError {
+    fn code(&self) -> Code {
+        match self {
+            Self::Io { .. } => Code::FileNotReadable,
+            Self::BadFile { .. } => Code::UnusableRunFolder,
+        }
+    }
 }

@@ -4,6 +4,7 @@ use std::io;
 use std::ops::Range;
 use std::path::PathBuf;
 
+use crate::messages::{Code, Coded, of_writing};
 use crate::output::run_folder::ReadError;
 
 /// Error of rendering.
@@ -99,6 +100,21 @@ impl From<ReadError> for RenderError {
         match error {
             ReadError::Io { path, source } => Self::Read { path, source },
             ReadError::BadFile { path, reason } => Self::BadFile { path, reason },
+        }
+    }
+}
+
+impl Coded for RenderError {
+    fn code(&self) -> Code {
+        match self {
+            Self::Read { .. } | Self::BadFile { .. } => Code::UnusableRunFolder,
+            Self::NoFrames { .. } | Self::NothingToSee { .. } | Self::Surface { .. } => {
+                Code::NothingToDraw
+            }
+            Self::NoSuchFrames { .. } | Self::BadOption { .. } => Code::UnusableArgument,
+            Self::BadCamera { .. } => Code::UnusableDirection,
+            Self::Write { source, .. } => of_writing(source),
+            Self::Program { .. } => Code::ProgramFailed,
         }
     }
 }

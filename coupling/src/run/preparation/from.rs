@@ -3,8 +3,9 @@
 use std::fs;
 use std::path::Path;
 
-use super::further;
-use super::resume::{self, Found, Notes};
+use super::resume::{self, Found};
+use super::{Note, further};
+use crate::messages::{Code, Message};
 use crate::output::checkpoint_file::Checkpoint;
 use crate::output::run_folder::{self, ArchivedScene, Existing};
 use crate::scene::further::Changes;
@@ -15,28 +16,33 @@ pub fn begin(
     case: &Path,
     other: &Path,
     (folder, existing): (&Path, Existing),
-) -> Result<(Checkpoint, Notes), String> {
+) -> Result<(Checkpoint, Vec<Note>), Message> {
     let place = |folder: &Path| fs::canonicalize(folder).ok();
     if place(other).is_some() && place(other) == place(folder) {
-        return Err(format!(
+        let what = format!(
             "{} is the folder of the run to continue from; name another one with -o",
             folder.display()
-        ));
+        );
+        return Err(Message::new(Code::WouldOverwrite, what));
     }
     let (checkpoint, notes) = match resume::find(scene, case, other, Changes::Numerics)? {
         Found::Checkpoint(checkpoint, notes) | Found::Further(checkpoint, notes) => {
             (checkpoint, notes)
         }
-        Found::Over => return Err(format!("{} is complete already", other.display())),
+        Found::Over => {
+            let what = format!("{} is complete already", other.display());
+            return Err(Message::new(Code::NoCheckpoint, what));
+        }
         Found::Nothing => {
-            return Err(format!(
+            let what = format!(
                 "{} contains no checkpoint to continue from",
                 other.display()
-            ));
+            );
+            return Err(Message::new(Code::NoCheckpoint, what));
         }
     };
-    run_folder::create(folder, existing).map_err(|error| error.to_string())?;
-    run_folder::copy_records(other, folder).map_err(|error| error.to_string())?;
+    run_folder::create(folder, existing).map_err(Message::of)?;
+    run_folder::copy_records(other, folder).map_err(Message::of)?;
     further::begin(scene, &checkpoint, case, folder)?;
     Ok((checkpoint, notes))
 }

@@ -3,6 +3,7 @@
 use std::fs;
 use std::path::Path;
 
+use crate::messages::{Code, Message};
 use crate::output::checkpoint_file::{self as checkpoint, Checkpoint, Header};
 use crate::output::run_folder::{self, ArchivedScene};
 
@@ -14,18 +15,19 @@ pub fn begin(
     checkpoint: &Checkpoint,
     case: &Path,
     folder: &Path,
-) -> Result<(), String> {
+) -> Result<(), Message> {
     let header = Header {
         scene: checkpoint::scene_hash(&scene.text),
         ..checkpoint.header.clone()
     };
-    checkpoint::write(folder, &header, &checkpoint.state).map_err(|error| error.to_string())?;
+    checkpoint::write(folder, &header, &checkpoint.state).map_err(Message::of)?;
     let summary = folder.join(run_folder::SUMMARY);
     match fs::remove_file(&summary) {
         Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
-            return Err(format!("cannot remove {}: {error}", summary.display()));
+            let what = format!("cannot remove {}: {error}", summary.display());
+            return Err(Message::new(Code::CannotWrite, what));
         }
         _ => {}
     }
-    scene.write(case, folder).map_err(|error| error.to_string())
+    scene.write(case, folder).map_err(Message::of)
 }

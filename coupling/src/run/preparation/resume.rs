@@ -3,12 +3,11 @@
 use std::fs;
 use std::path::Path;
 
+use super::Note;
+use crate::messages::{Code, Message};
 use crate::output::checkpoint_file::{self as checkpoint, Checkpoint};
 use crate::output::run_folder::{self, ArchivedScene};
 use crate::scene::further::{self, Changes};
-
-/// Lines for the user.
-pub type Notes = Vec<String>;
 
 /// Contents of a run folder.
 pub enum Found {
@@ -17,9 +16,9 @@ pub enum Found {
     /// A completed run.
     Over,
     /// An incomplete run.
-    Checkpoint(Checkpoint, Notes),
+    Checkpoint(Checkpoint, Vec<Note>),
     /// A run of another scene, which this one takes further.
-    Further(Checkpoint, Notes),
+    Further(Checkpoint, Vec<Note>),
 }
 
 /// Examines the state of the run of a scene in a run folder, without changing it.
@@ -28,7 +27,7 @@ pub fn find(
     case: &Path,
     folder: &Path,
     changes: Changes,
-) -> Result<Found, String> {
+) -> Result<Found, Message> {
     let Some(before) = read(&folder.join(run_folder::CASE))? else {
         return Ok(Found::Nothing);
     };
@@ -48,19 +47,19 @@ pub fn find(
                 further::NUMERICS
             ),
         };
-        return Err(format!(
+        return Err(other_scene(format!(
             "{}, line {line}: the run had `{before}`, and now it would be `{now}`; {remedy}",
             folder.join(run_folder::CASE).display()
-        ));
+        )));
     }
     let source = case.parent().unwrap_or(Path::new("."));
     for (file, name) in &scene.names {
         let (before, now) = (fs::read(folder.join(name)), fs::read(source.join(file)));
         if before.ok() != now.ok() {
-            return Err(format!(
+            return Err(other_scene(format!(
                 "`{file}` has changed since the start of the run, see {}; start over with --force",
                 folder.join(name).display()
-            ));
+            )));
         }
     }
     let summary = read(&folder.join(run_folder::SUMMARY))?;
@@ -71,36 +70,48 @@ pub fn find(
         return Ok(Found::Over);
     }
     match checkpoint::newest(folder, &checkpoint::scene_hash(&before)) {
-        Err(error) => Err(error.to_string()),
+        Err(error) => Err(Message::of(error)),
         Ok(Some((checkpoint, refused))) => {
-            let mut notes: Notes = refused.iter().map(|r| format!("warning: {r}")).collect();
+            let mut notes: Vec<Note> = (refused.into_iter())
+                .map(|r| Note::Warning(Message::of(r)))
+                .collect();
             let header = &checkpoint.header;
-            notes.push(format!(
+            notes.push(Note::Information(format!(
                 "resumes from {}t = {:.6} s, step {}",
                 if header.is_settling { "settling, " } else { "" },
                 header.time,
                 header.steps
-            ));
+            )));
             Ok(match is_same {
                 true => Found::Checkpoint(checkpoint, notes),
                 false => Found::Further(checkpoint, notes),
             })
         }
-        Ok(None) if has_ended => Err(format!(
-            "{} contains a run that ended without a checkpoint; start over with --force",
-            folder.display()
-        )),
+        Ok(None) if has_ended => {
+            let what = format!(
+                "{} contains a run that ended without a checkpoint; start over with --force",
+                folder.display()
+            );
+            Err(Message::new(Code::NoCheckpoint, what))
+        }
         // killed before its first checkpoint
         Ok(None) => Ok(Found::Nothing),
     }
 }
 
+fn other_scene(what: String) -> Message {
+    Message::new(Code::CheckpointMismatch, what)
+}
+
 /// A file as text, if it exists.
-fn read(path: &Path) -> Result<Option<String>, String> {
+fn read(path: &Path) -> Result<Option<String>, Message> {
     match fs::read_to_string(path) {
         Ok(text) => Ok(Some(text)),
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(None),
-        Err(error) => Err(format!("cannot read {}: {error}", path.display())),
+        Err(error) => {
+            let what = format!("cannot read {}: {error}", path.display());
+            Err(Message::new(Code::FileNotReadable, what))
+        }
     }
 }
 

@@ -2,6 +2,7 @@
 
 use super::{Comparison, Options, Series, compare};
 use crate::files::table::{Column, TableData, TableError, read_table};
+use crate::messages::{Code, Coded};
 use serde::Serialize;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -256,6 +257,16 @@ pub enum CompareError {
         /// Columns of the reference.
         reference: String,
     },
+}
+
+impl Coded for CompareError {
+    fn code(&self) -> Code {
+        match self {
+            Self::Table(error) => error.code(),
+            Self::Time { .. } => Code::ValuesOutOfOrder,
+            Self::Unit { .. } | Self::NothingShared { .. } => Code::NothingToCompare,
+        }
+    }
 }
 
 #[cfg(test)]

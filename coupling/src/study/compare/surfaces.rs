@@ -6,6 +6,7 @@ mod report;
 
 use serde::Serialize;
 
+use crate::messages::{Code, Coded};
 use crate::scene::geometry::terrain::grid::Grid;
 use crate::scene::geometry::terrain::sources::Source;
 
@@ -333,5 +334,16 @@ fn positive_part(d: [f64; 3]) -> f64 {
         tip(high, middle, low)
     } else {
         (low + middle + high) / 3.0 + tip(-low, -middle, -high)
+    }
+}
+
+impl Coded for SurfaceError {
+    fn code(&self) -> Code {
+        match self {
+            Self::Unreadable(_) => Code::FileNotReadable,
+            Self::Systems { .. } => Code::UnusableMapSystem,
+            Self::Apart { .. } => Code::NothingToCompare,
+            Self::TooFine { .. } => Code::UnusableArgument,
+        }
     }
 }

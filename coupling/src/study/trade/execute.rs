@@ -13,6 +13,7 @@ use std::sync::{Condvar, Mutex, PoisonError};
 use serde::{Deserialize, Serialize};
 
 use super::plan::{Planned, Study};
+use crate::messages::{Code, Coded, of_writing};
 
 /// Result of a completed run, as written.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -250,5 +251,12 @@ impl<'a> Queue<'a> {
                 None
             }
         }
+    }
+}
+
+impl Coded for ExecuteError {
+    fn code(&self) -> Code {
+        let Self::Io { source, .. } = self;
+        of_writing(source)
     }
 }
