@@ -8,7 +8,7 @@ use pyo3::prelude::*;
 use riprap::output::checkpoint_file::{self, Checkpoint};
 use riprap::output::run_folder::{self, ArchivedScene, Existing};
 use riprap::picture::report;
-use riprap::run::preparation::{Beginning, Prepared, prepare};
+use riprap::run::preparation::{Beginning, Note, Prepared, prepare};
 use riprap::scene::access::{Access, FilesFrom};
 use riprap::scene::error::SceneError;
 use riprap::scene::parse::Override;
@@ -186,9 +186,11 @@ impl Scene {
         let (resolved, _) = scene.resolved(py)?;
         let archived = archived(py, &resolved)?;
         let prepared = prepare(&resolved, &scene.case, &folder, beginning);
-        if let Prepared::Ready { from, notes } = prepared.map_err(PyOSError::new_err)? {
-            for note in notes.iter().filter(|note| note.starts_with("warning")) {
-                warn(py, note)?;
+        if let Prepared::Ready { from, notes } = prepared.map_err(|error| PyOSError::new_err(error.to_string()))? {
+            for note in &notes {
+                if let Note::Warning(doubt) = note {
+                    warn(py, &doubt.to_string())?;
+                }
             }
             if from.is_none() {
                 let written = archived.write(&scene.case, &folder);
