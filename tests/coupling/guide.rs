@@ -11,8 +11,10 @@ use riprap::scene::access::Access;
 use riprap::scene::load_text;
 use riprap::scene::parse::Override;
 
-use crate::support::case;
-use pages::{Page, pages};
+use riprap::world::ledger::Energy;
+
+use crate::support::{case, killed, run};
+use pages::{Page, docs, pages};
 
 /// Steps of each scene.
 const STEPS: usize = 3;
@@ -144,4 +146,44 @@ fn files_that_it_names_exist() {
         n_paths > 20,
         "{n_paths} paths: the reader of the pages lost its way"
     );
+}
+
+/// Text of a page.
+fn page(name: &str) -> String {
+    std::fs::read_to_string(docs().join(name)).unwrap()
+}
+
+/// Every column of `energy.csv` has its line.
+#[test]
+fn columns_of_the_account_of_energy_are_explained() {
+    let text = page("concepts/verdict.md");
+    for term in Energy::TERMS {
+        assert!(text.contains(&format!("`{term}`")), "{term}");
+    }
+}
+
+/// Every file of a run that writes nearly all of them is listed; the first of numbered ones stands for the others.
+#[test]
+fn files_of_a_run_are_listed() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = folder.path().join("tank.ron");
+    std::fs::write(&scene, killed::TANK).unwrap();
+    let out = folder.path().join("run");
+    run(
+        &scene,
+        &out,
+        &["--until", "0.01", "--set", "time.settle=0.01"],
+    );
+    let text = page("reference/files.md");
+    let mut n_files = 0;
+    for entry in std::fs::read_dir(&out).unwrap() {
+        let name = entry.unwrap().file_name().into_string().unwrap();
+        let is_numbered = name.contains("_0000");
+        n_files += 1;
+        assert!(
+            is_numbered || text.contains(&format!("`{name}`")),
+            "{name} is not listed"
+        );
+    }
+    assert!(n_files > 15, "{n_files} files");
 }
