@@ -16,6 +16,8 @@ class Problem(NamedTuple):
     """`error` or `warning`."""
     message: str
     """Value found and values allowed."""
+    code: str
+    """Cause, as `riprap explain CODE` tells."""
 
 
 class SceneError(ValueError):
@@ -23,7 +25,7 @@ class SceneError(ValueError):
 
     problems: list[Problem]
 
-    def __init__(self, message: str, problems: Iterable[tuple[int, int, str, str]] = ()) -> None:
+    def __init__(self, message: str, problems: Iterable[tuple[int, int, str, str, str]] = ()) -> None:
         super().__init__(message)
         self.problems = [Problem(*problem) for problem in problems]
 
@@ -33,3 +35,13 @@ class SceneError(ValueError):
 
 class RunError(RuntimeError):
     """A run that failed; the message names what failed, when, and what to change."""
+
+    code: str
+    """Cause, as `riprap explain CODE` tells; empty where there is none."""
+
+    def __init__(self, message: str, code: str = "") -> None:
+        super().__init__(message)
+        self.code = code
+
+    def __reduce__(self) -> tuple[type[RunError], tuple[str, str]]:
+        return type(self), (str(self), self.code)

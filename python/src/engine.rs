@@ -9,6 +9,7 @@ use std::time::Duration;
 
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
+use riprap::messages::{Coded, Message};
 use riprap::output::checkpoint_file::Checkpoint;
 use riprap::output::observe::gauges::PresentGauges;
 use riprap::run::{Ending, Event, Plan, Run};
@@ -21,8 +22,28 @@ use crate::wait::{STACK, for_reply};
 /// Work for the engine.
 type Job = Box<dyn FnOnce(&mut Engine<'_>) + Send>;
 
-/// Message of a failure.
-pub type Failure = String;
+/// Failure of the engine.
+#[derive(Clone, Debug)]
+pub enum Failure {
+    /// The run failed.
+    Run(Message),
+    /// The run is over, and its world gone.
+    Ended,
+}
+
+impl Failure {
+    fn of(error: impl Coded) -> Self {
+        Self::Run(Message::of(error))
+    }
+
+    /// `riprap.RunError`.
+    fn raised(&self, py: Python<'_>) -> PyErr {
+        match self {
+            Self::Run(message) => run_error(py, &message.to_string(), message.code().as_str()),
+            Self::Ended => run_error(py, "the run has ended; riprap.open reads its folder", ""),
+        }
+    }
+}
 
 /// Beginning of a run and its records.
 #[derive(Debug)]
@@ -94,7 +115,7 @@ impl<'s> Engine<'s> {
                 Ok(run)
             }),
         };
-        let run = run.map_err(|error| error.to_string())?;
+        let run = run.map_err(Failure::of)?;
         let mut gauges = PresentGauges::new(run.scene(), run.world());
         if !run.is_settling() {
             gauges.follow(run.world());
@@ -109,7 +130,7 @@ impl<'s> Engine<'s> {
 
     /// The run.
     pub fn run(&self) -> Result<&Run<'s>, Failure> {
-        (self.run.as_ref()).ok_or_else(|| "the run has ended; riprap.open reads its folder".into())
+        self.run.as_ref().ok_or(Failure::Ended)
     }
 
     /// The world.
@@ -129,7 +150,7 @@ impl<'s> Engine<'s> {
 
     /// Takes steps until the goal, the end of a run with records, or a stop.
     pub fn advance(&mut self, goal: Goal, stop: &AtomicBool) -> Result<Advanced, Failure> {
-        let run = self.run.as_mut().ok_or("the run has ended")?;
+        let run = self.run.as_mut().ok_or(Failure::Ended)?;
         let (mut steps, mut notes) = (0, Vec::new());
         loop {
             let has_arrived = match goal {
@@ -147,12 +168,14 @@ impl<'s> Engine<'s> {
                     "{error}; the run returns to t = {to:.6} s and continues with {share} of the step for a while"
                 )),
                 Err(error) if self.has_records => {
-                    let run = self.run.take().ok_or("the run has ended")?;
+                    let run = self.run.take().ok_or(Failure::Ended)?;
                     // with what grew first
-                    let ended = run.finish(Err(error));
-                    return Err(ended.err().map_or_else(String::new, |e| e.to_string()));
+                    return match run.finish(Err(error)) {
+                        Err(error) => Err(Failure::of(error)),
+                        Ok(_) => Err(Failure::Ended),
+                    };
                 }
-                Err(error) => return Err(error.to_string()),
+                Err(error) => return Err(Failure::of(error)),
             }
             if !run.is_settling() {
                 self.gauges.follow(run.world());
@@ -162,19 +185,19 @@ impl<'s> Engine<'s> {
 
     /// Ends a run with records, and writes its last ones.
     pub fn finish(&mut self) -> Result<Ending, Failure> {
-        let run = self.run.take().ok_or("the run has ended")?;
+        let run = self.run.take().ok_or(Failure::Ended)?;
         let ending = match run.is_over() {
             true => Ending::Completed,
             false => Ending::Interrupted,
         };
         let finished = run.finish(Ok(ending));
-        finished.map_or_else(|error| Err(error.to_string()), |(_, ending)| Ok(ending))
+        finished.map(|(_, ending)| ending).map_err(Failure::of)
     }
 
     /// Writes the present state to a file.
     pub fn write_state(&self, path: &Path) -> Result<u64, Failure> {
         let written = self.run()?.write_state(path, self.scene_hash);
-        written.map_err(|error| error.to_string())
+        written.map_err(Failure::of)
     }
 }
 
@@ -205,7 +228,7 @@ impl Handle {
                 None => live(),
             }
         })?;
-        for_reply(py, reply, None)?.map_err(|failure| run_error(py, &failure))?;
+        for_reply(py, reply, None)?.map_err(|failure| failure.raised(py))?;
         Ok(Self { jobs })
     }
 
@@ -215,7 +238,7 @@ impl Handle {
         py: Python<'_>,
         question: impl FnOnce(&mut Engine<'_>) -> Result<T, Failure> + Send + 'static,
     ) -> PyResult<T> {
-        for_reply(py, self.send(question), None)?.map_err(|failure| run_error(py, &failure))
+        for_reply(py, self.send(question), None)?.map_err(|failure| failure.raised(py))
     }
 
     /// Advances the engine; a signal stops it after the present step.
@@ -223,7 +246,7 @@ impl Handle {
         let stop = Arc::new(AtomicBool::new(false));
         let theirs = Arc::clone(&stop);
         let reply = self.send(move |engine| engine.advance(goal, &theirs));
-        for_reply(py, reply, Some(&stop))?.map_err(|failure| run_error(py, &failure))
+        for_reply(py, reply, Some(&stop))?.map_err(|failure| failure.raised(py))
     }
 
     fn send<T: Send + 'static>(

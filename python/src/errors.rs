@@ -3,17 +3,17 @@
 use pyo3::prelude::*;
 use riprap::scene::error::{SceneError, Severity};
 
-/// Line, column, severity and message of a problem.
-type ProblemRow = (usize, usize, &'static str, String);
+/// Line, column, severity, message and code of a problem.
+type ProblemRow = (usize, usize, &'static str, String, &'static str);
 
 /// `riprap.SceneError` with its problems.
 pub fn scene_error(py: Python<'_>, error: &SceneError) -> PyErr {
     made(py, "SceneError", (error.to_string(), rows(error)))
 }
 
-/// `riprap.RunError`.
-pub fn run_error(py: Python<'_>, message: &str) -> PyErr {
-    made(py, "RunError", (message,))
+/// `riprap.RunError` with its code.
+pub fn run_error(py: Python<'_>, message: &str, code: &str) -> PyErr {
+    made(py, "RunError", (message, code))
 }
 
 /// Problems of a scene as `riprap.Problem`.
@@ -37,6 +37,7 @@ fn rows(error: &SceneError) -> Vec<ProblemRow> {
             problem.column,
             severity,
             problem.message.clone(),
+            problem.code.as_str(),
         )
     };
     error.located().iter().map(row).collect()

@@ -5,6 +5,7 @@ use std::time::Duration;
 
 use pyo3::exceptions::{PyFileNotFoundError, PyOSError, PyUserWarning, PyValueError};
 use pyo3::prelude::*;
+use riprap::messages::Coded as _;
 use riprap::output::checkpoint_file::{self, Checkpoint};
 use riprap::output::run_folder::{self, ArchivedScene, Existing};
 use riprap::picture::report;
@@ -186,10 +187,11 @@ impl Scene {
         let (resolved, _) = scene.resolved(py)?;
         let archived = archived(py, &resolved)?;
         let prepared = prepare(&resolved, &scene.case, &folder, beginning);
-        if let Prepared::Ready { from, notes } = prepared.map_err(|error| PyOSError::new_err(error.to_string()))? {
-            for note in &notes {
-                if let Note::Warning(doubt) = note {
-                    warn(py, &doubt.to_string())?;
+        let prepared = prepared.map_err(|message| PyOSError::new_err(message.to_string()))?;
+        if let Prepared::Ready { from, notes } = prepared {
+            for note in notes {
+                if let Note::Warning(message) = note {
+                    warn(py, &message.to_string())?;
                 }
             }
             if from.is_none() {
@@ -260,14 +262,15 @@ impl Scene {
 }
 
 fn archived(py: Python<'_>, scene: &resolve::Scene) -> PyResult<ArchivedScene> {
-    ArchivedScene::of(scene).map_err(|error| run_error(py, &error.to_string()))
+    ArchivedScene::of(scene)
+        .map_err(|error| run_error(py, &error.to_string(), error.code().as_str()))
 }
 
 fn checkpoint(py: Python<'_>, path: &Path, scene_hash: &[u8; 32]) -> PyResult<Checkpoint> {
     let bytes = std::fs::read(path)
         .map_err(|error| PyOSError::new_err(format!("cannot read {}: {error}", path.display())))?;
     let read = checkpoint_file::read(path, &bytes, scene_hash);
-    read.map_err(|error| run_error(py, &error.to_string()))
+    read.map_err(|error| run_error(py, &error.to_string(), error.code().as_str()))
 }
 
 /// Writes the page that plays the run, complete or not. The run does not fail with it.

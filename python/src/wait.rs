@@ -7,8 +7,6 @@ use std::time::Duration;
 
 use pyo3::prelude::*;
 
-use crate::errors::run_error;
-
 /// Wall time between two looks for signals.
 const INTERVAL: Duration = Duration::from_millis(50);
 /// Stack of a thread that does the work of a main thread; bytes.
@@ -25,7 +23,7 @@ pub fn for_reply<T: Send>(
         (received, reply) = py.detach(move || (reply.recv_timeout(INTERVAL), reply));
         match received {
             Ok(value) => return Ok(value),
-            Err(RecvTimeoutError::Disconnected) => return Err(lost(py)),
+            Err(RecvTimeoutError::Disconnected) => return Err(lost()),
             Err(RecvTimeoutError::Timeout) => {}
         }
         if let Err(signal) = py.check_signals() {
@@ -51,9 +49,8 @@ pub fn for_work<T: Send + 'static>(
 }
 
 /// A thread ended without an answer: it panicked.
-fn lost(py: Python<'_>) -> PyErr {
-    run_error(
-        py,
-        "riprap failed by an error of its own; the message above says where, please report it",
-    )
+fn lost() -> PyErr {
+    let what =
+        "riprap failed by an error of its own; the message above says where, please report it";
+    pyo3::exceptions::PyRuntimeError::new_err(what)
 }

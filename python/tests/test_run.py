@@ -128,7 +128,7 @@ def test_a_run_ended_by_its_call_resumes(scene: riprap.Scene, tmp_path: Path) ->
 
 
 def test_the_world_of_a_run_that_is_over_says_so(scene: riprap.Scene, tmp_path: Path) -> None:
-    worlds = []
+    worlds: "list[riprap.World]" = []
     scene.run(tmp_path / "run", until=0.02, call=worlds.append, report=False)
     with pytest.raises(riprap.RunError, match="has ended"):
         worlds[0].time

@@ -20,7 +20,7 @@ def test_a_typo_is_reported_with_line_and_column(tmp_path: Path) -> None:
     line = next(k for k, text in enumerate(BOX.splitlines(), 1) if "density: 2400" in text)
     column = BOX.splitlines()[line - 1].index("density") + 1
     assert (problem.line, problem.column, problem.severity) == (line, column, "error")
-    assert "did you mean `density`" in problem.message
+    assert "did you mean `density`" in problem.message and problem.code == "unknown-field"
     assert f"typo.ron:{line}:{column}: error: " in str(caught.value)
     assert isinstance(caught.value, ValueError)
 

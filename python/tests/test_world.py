@@ -105,8 +105,9 @@ def test_a_checkpoint_continues_to_the_same_bits(scene: riprap.Scene, tmp_path: 
     assert not again.is_settling and 0.08 <= again.time < 0.09
     again.run(until=0.15)
     assert again.state_hash == world.state_hash
-    with pytest.raises(riprap.RunError, match="another scene"):
+    with pytest.raises(riprap.RunError, match="another scene") as caught:
         scene.set("time.duration", 1).world(resume=tmp_path / "a.bin")
+    assert caught.value.code == "checkpoint-mismatch"
 
 
 def test_an_exception_of_a_call_comes_out(scene: riprap.Scene, tmp_path: Path) -> None:

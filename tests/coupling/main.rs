@@ -26,6 +26,7 @@ mod floating;
 mod geometry;
 mod guide;
 mod hostile;
+mod in_memory;
 mod inspect;
 mod landslide;
 mod mach;
