@@ -185,11 +185,20 @@ impl Summary {
 
 /// Peak memory of this process; bytes, 0 if unknown.
 pub fn peak_memory() -> u64 {
-    // Linux: "VmHWM:     12345 kB"
+    of_status("VmHWM:")
+}
+
+/// Memory of this process; bytes, 0 if unknown.
+pub fn memory() -> u64 {
+    of_status("VmRSS:")
+}
+
+/// A line of Linux such as "VmHWM:     12345 kB"; bytes.
+fn of_status(name: &str) -> u64 {
     std::fs::read_to_string("/proc/self/status")
         .ok()
         .and_then(|status| {
-            let line = status.lines().find(|line| line.starts_with("VmHWM:"))?;
+            let line = status.lines().find(|line| line.starts_with(name))?;
             line.split_whitespace().nth(1)?.parse::<u64>().ok()
         })
         .map_or(0, |kib| kib * 1024)

@@ -44,7 +44,8 @@ use std::ops::Range;
 
 use miette::{Diagnostic, LabeledSpan, NamedSource, SourceCode};
 
-use super::locate::{Place, line_column, locate};
+use super::locate::tree::Tree;
+use super::locate::{Place, line_column, locate, path_at};
 
 /// Problems of a scene, located in its text.
 #[derive(Debug)]
@@ -57,6 +58,10 @@ pub struct SceneError {
 /// A located problem.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Located {
+    /// Path of the field, of a text that cannot be read the one that the fault is in; empty for the scene as a whole.
+    pub path: String,
+    /// The first line of the text there.
+    pub found: String,
     /// Fault.
     pub message: String,
     /// Location in the text; bytes.
@@ -77,6 +82,8 @@ impl SceneError {
             .map(|problem| {
                 let Place { span, line, column } = locate(text, &problem.path);
                 Located {
+                    found: first_line(text, &span),
+                    path: problem.path,
                     message: problem.message,
                     span,
                     line,
@@ -92,6 +99,8 @@ impl SceneError {
     pub fn at_span(file: &str, text: &str, span: Range<usize>, message: String) -> Self {
         let (line, column) = line_column(text, span.start);
         let located = Located {
+            path: path_at(&Tree::new(text), span.start),
+            found: first_line(text, &span),
             message,
             span,
             line,
@@ -109,10 +118,21 @@ impl SceneError {
         }
     }
 
+    /// The file, as it was named.
+    pub fn file(&self) -> &str {
+        &self.file
+    }
+
     /// The problems in the order they were found.
     pub fn located(&self) -> &[Located] {
         &self.located
     }
+}
+
+/// The first line of a span.
+fn first_line(text: &str, span: &Range<usize>) -> String {
+    let found = text.get(span.clone()).unwrap_or_default();
+    found.lines().next().unwrap_or_default().to_owned()
 }
 
 /// A line per problem: `file:line:column: error: what`.
