@@ -46,8 +46,8 @@ use observers::Observers;
 use pace::Pace;
 use status::Status;
 use step_reduction::StepReduction;
-pub use wall_limit::WallLimit;
 use wall_limit::Reserve;
+pub use wall_limit::WallLimit;
 
 /// Damping rate of settling times its duration: initial motion decays to `e⁻²⁰` at the end.
 const SETTLING_DECAY: f64 = 20.0;

@@ -212,7 +212,9 @@ fn conclude(
         json::end(summary, folder, exit);
     } else if !arguments.quiet {
         show(&closing_words(summary, folder));
-        warning.iter().for_each(|words| say(&format!("warning: {words}")));
+        warning
+            .iter()
+            .for_each(|words| say(&format!("warning: {words}")));
         if ending != Ending::Completed {
             show("to continue: the same command with --resume");
         }

@@ -51,14 +51,20 @@ mod tests {
             pace.add(0.1, 1e-3);
         }
         let left = pace.left(2.0);
-        assert!(left.is_some_and(|left| (left - 200.0).abs() < 1e-6), "{left:?}");
+        assert!(
+            left.is_some_and(|left| (left - 200.0).abs() < 1e-6),
+            "{left:?}"
+        );
         assert!((pace.steps_per_second() - 10.0).abs() < 1e-6);
         // steps become four times shorter: after a few memories only they count
         for _ in 0..2000 {
             pace.add(0.1, 0.25e-3);
         }
         let left = pace.left(1.0);
-        assert!(left.is_some_and(|left| (left / 400.0 - 1.0).abs() < 0.05), "{left:?}");
+        assert!(
+            left.is_some_and(|left| (left / 400.0 - 1.0).abs() < 0.05),
+            "{left:?}"
+        );
     }
 
     #[test]

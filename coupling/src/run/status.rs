@@ -78,7 +78,11 @@ impl Run<'_> {
     }
 
     pub(super) fn write_progress_when_due(&mut self) {
-        if self.status.written.is_none_or(|at| INTERVAL <= at.elapsed()) {
+        if self
+            .status
+            .written
+            .is_none_or(|at| INTERVAL <= at.elapsed())
+        {
             self.write_progress(None);
         }
     }
@@ -110,9 +114,7 @@ impl Run<'_> {
             dt_s: last.map(|last| last.dt),
             dt_limited_by: last.map(|last| last.cause),
             steps_per_s: last.map(|last| last.steps_per_second),
-            eta_s: last
-                .filter(|_| ending.is_none())
-                .and_then(|last| last.left),
+            eta_s: last.filter(|_| ending.is_none()).and_then(|last| last.left),
             wall_time_s: self.wall_time(),
             particles: last.map_or(self.counters.particles_at_start, |last| last.particles),
             blocks: self.world.blocks.n_blocks(),

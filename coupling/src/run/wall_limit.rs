@@ -72,8 +72,9 @@ mod tests {
             started,
             limit: Duration::from_secs(1000),
         };
-        let is_reached =
-            |after: u64, reserve: &Reserve| limit.is_reached(started + Duration::from_secs(after), reserve);
+        let is_reached = |after: u64, reserve: &Reserve| {
+            limit.is_reached(started + Duration::from_secs(after), reserve)
+        };
         let mut reserve = Reserve::default();
         // 10 s of margin
         assert!(!is_reached(989, &reserve) && is_reached(990, &reserve));

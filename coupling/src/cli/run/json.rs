@@ -61,7 +61,10 @@ impl JsonEvents {
             Some(checkpoint) => checkpoint.header.is_settling,
         };
         if is_settling {
-            emit("settle", json!({ "state": "started", "settle_s": scene.settle }));
+            emit(
+                "settle",
+                json!({ "state": "started", "settle_s": scene.settle }),
+            );
         }
         Self {
             last: None,
@@ -72,7 +75,9 @@ impl JsonEvents {
     pub fn tell(&mut self, event: &Event) {
         match event {
             Event::Step(progress) => self.step(progress),
-            Event::Frame { time, files } => emit("frame", json!({ "time_s": time, "files": files })),
+            Event::Frame { time, files } => {
+                emit("frame", json!({ "time_s": time, "files": files }))
+            }
             Event::Checkpoint(written) => emit("checkpoint", json!(written)),
             Event::FellBack { error, to, share } => emit(
                 "fallback",
@@ -90,7 +95,11 @@ impl JsonEvents {
             return;
         }
         self.last = Some(Instant::now());
-        let stage = if progress.is_settling { "settling" } else { "running" };
+        let stage = if progress.is_settling {
+            "settling"
+        } else {
+            "running"
+        };
         emit(
             "progress",
             json!({
@@ -120,7 +129,10 @@ pub(super) fn tell_problems(error: &SceneError) {
 
 /// A warning of the run.
 pub(super) fn warn(message: &str) {
-    emit("warning", json!({ "severity": "warning", "message": message }));
+    emit(
+        "warning",
+        json!({ "severity": "warning", "message": message }),
+    );
 }
 
 /// The last event of a run that has a folder.
@@ -150,7 +162,10 @@ pub(super) fn end_failed(message: &str, folder: &Path) {
 
 /// The last event of a run that did not start, for reasons on standard error.
 pub(super) fn end_unstarted(exit: Exit) {
-    emit("end", json!({ "state": state(exit), "exit_code": exit.code() }));
+    emit(
+        "end",
+        json!({ "state": state(exit), "exit_code": exit.code() }),
+    );
 }
 
 fn state(exit: Exit) -> &'static str {

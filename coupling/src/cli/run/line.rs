@@ -143,7 +143,10 @@ mod tests {
             line(&progress(), 79),
             "t 1.2000 of 6.0000 s (20 %) | step 12000 | dt 1.00e-4 s | left 2:44"
         );
-        assert_eq!(line(&progress(), 42), "t 1.2000 of 6.0000 s (20 %) | left 2:44");
+        assert_eq!(
+            line(&progress(), 42),
+            "t 1.2000 of 6.0000 s (20 %) | left 2:44"
+        );
         assert_eq!(line(&progress(), 10), "t 1.2000 o");
     }
 
@@ -174,7 +177,10 @@ mod tests {
                 assert!(!line.contains('\n'));
             }
             let line = line(&extreme, 79);
-            assert!(line.starts_with("settling t ") && line.contains("left "), "{line}");
+            assert!(
+                line.starts_with("settling t ") && line.contains("left "),
+                "{line}"
+            );
         }
         let long = Progress {
             steps: 10_000_000,

@@ -12,7 +12,9 @@ pub(super) fn wall_time(text: &str) -> Result<Duration, String> {
         false => units(text),
     };
     match seconds {
-        Some(seconds) if 0.0 < seconds && seconds <= LARGEST => Ok(Duration::from_secs_f64(seconds)),
+        Some(seconds) if 0.0 < seconds && seconds <= LARGEST => {
+            Ok(Duration::from_secs_f64(seconds))
+        }
         _ => Err(format!(
             "`{text}` is no wall time above 0; write 5400, 90min, 1h30m or 1:30:00"
         )),
@@ -84,7 +86,8 @@ mod tests {
             assert_eq!(wall_time(text), Ok(Duration::from_secs(seconds)), "{text}");
         }
         for text in [
-            "", "0", "-5", "h", "3x", "30m3h", "3h3h", "5 6", "1:75:00", "1:2:3:4", ":30", "1:-2", "inf", "NaN", "1e400", "2e9s",
+            "", "0", "-5", "h", "3x", "30m3h", "3h3h", "5 6", "1:75:00", "1:2:3:4", ":30", "1:-2",
+            "inf", "NaN", "1e400", "2e9s",
         ] {
             assert!(wall_time(text).is_err(), "{text}");
         }

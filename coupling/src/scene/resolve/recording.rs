@@ -3,7 +3,8 @@
 use riprap_sph::Dimensions;
 
 use crate::scene::file::{
-    BlockFile, BoxFile, FramesFile, GaugeFile, MapsFile, MotionFile, OutputFile, SceneFile, WaterField, vec3,
+    BlockFile, BoxFile, FramesFile, GaugeFile, MapsFile, MotionFile, OutputFile, SceneFile,
+    WaterField, vec3,
 };
 use crate::scene::names::Names;
 use crate::scene::resolved::FluidScene;

@@ -133,7 +133,12 @@ impl Checks {
         }
         for (kind, switch, is_on, frames) in [
             ("contact_frames", "contacts", output.contacts, contacts),
-            ("face_frames", "face_pressures", output.face_pressures, faces),
+            (
+                "face_frames",
+                "face_pressures",
+                output.face_pressures,
+                faces,
+            ),
         ] {
             if !is_on && *frames != FramesFile::default() {
                 self.warn(
