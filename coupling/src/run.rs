@@ -260,8 +260,8 @@ impl<'a> Run<'a> {
     /// Whether the wall time that is left is needed for the end of the run.
     fn is_out_of_time(&self) -> bool {
         let limit = self.wall_limit.as_ref();
-        // a first checkpoint shows what the last one costs
-        let knows = self.reserve.knows_checkpoint();
+        // a first checkpoint shows what the last one costs; a resumed run has one anyway
+        let knows = self.reserve.knows_checkpoint() || 0 < self.costs.n_resumed;
         limit.is_some_and(|limit| knows && limit.is_reached(Instant::now(), &self.reserve))
     }
 
