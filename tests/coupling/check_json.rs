@@ -55,7 +55,7 @@ fn the_numbers_are_those_of_the_words_and_of_the_run() {
         format!(
             "{:.2} m/s, {:.1} times",
             number(&water["sound_speed_m_per_s"]),
-            7.0
+            number(&water["sound_speed_m_per_s"]) / number(&water["expected_speed_m_per_s"])
         ),
         format!(
             "{} free, {} prescribed, {} fixed",

@@ -37,8 +37,11 @@ fn a_run_ends_before_its_limit_and_goes_on_to_the_same_files() {
             break;
         }
         assert_eq!(code, Some(4));
-        // twice over: the machine of a test is shared
-        assert!(wall.as_secs_f64() < duration, "{wall:?} of {limit}");
+        // what cannot be measured before the end, on a machine that does other things, too
+        assert!(
+            wall.as_secs_f64() < 0.5 * duration + 2.0,
+            "{wall:?} of {limit}"
+        );
         let summary = support::summary(&parts);
         assert_eq!(summary["stop_reason"], "stopped at its wall limit");
         let progress = fs::read_to_string(parts.join("progress.json")).unwrap();
