@@ -76,7 +76,9 @@ impl JsonEvents {
         match event {
             Event::Step(progress) => self.step(progress),
             Event::Frame { time, files } => {
-                emit("frame", json!({ "time_s": time, "files": files }))
+                // the first frame is that of t = 0
+                self.settle(false);
+                emit("frame", json!({ "time_s": time, "files": files }));
             }
             Event::Checkpoint(written) => emit("checkpoint", json!(written)),
             Event::FellBack { error, to, share } => emit(
@@ -86,11 +88,16 @@ impl JsonEvents {
         }
     }
 
-    fn step(&mut self, progress: &Progress) {
-        if self.is_settling && !progress.is_settling {
+    /// Notes whether the water settles now.
+    fn settle(&mut self, is_settling: bool) {
+        if self.is_settling && !is_settling {
             self.is_settling = false;
             emit("settle", json!({ "state": "ended" }));
         }
+    }
+
+    fn step(&mut self, progress: &Progress) {
+        self.settle(progress.is_settling);
         if self.last.is_some_and(|last| last.elapsed() < INTERVAL) {
             return;
         }
