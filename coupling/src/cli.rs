@@ -6,6 +6,7 @@ mod compare;
 mod explain;
 mod inspect;
 mod new;
+mod problems;
 mod program;
 mod render;
 mod report;
@@ -40,6 +41,8 @@ pub(crate) enum Exit {
     Failed,
     /// 2: wrong usage or scene.
     BadInput,
+    /// 4: stopped before the wall limit, with a checkpoint to resume from.
+    OutOfTime,
     /// 130: stopped by Ctrl-C or SIGTERM.
     Interrupted,
 }
@@ -53,7 +56,7 @@ pub(crate) enum Exit {
     name = "riprap",
     version,
     after_help = "\
-Exit codes: 0 done, 1 the run failed, 2 wrong usage or scene, 130 interrupted.
+Exit codes: 0 done, 1 the run failed, 2 wrong usage or scene, 4 stopped at the wall limit (resume), 130 interrupted.
 
 First steps:
   riprap check cases/sliding_wedge.ron
@@ -124,11 +127,19 @@ pub fn execute(arguments: impl IntoIterator<Item = OsString>, program: &Program)
             }
         }
     };
-    match exit {
-        Exit::Done => 0,
-        Exit::Failed => 1,
-        Exit::BadInput => 2,
-        Exit::Interrupted => 130,
+    exit.code()
+}
+
+impl Exit {
+    /// Exit status of the process.
+    pub(crate) fn code(self) -> u8 {
+        match self {
+            Self::Done => 0,
+            Self::Failed => 1,
+            Self::BadInput => 2,
+            Self::OutOfTime => 4,
+            Self::Interrupted => 130,
+        }
     }
 }
 
@@ -176,6 +187,18 @@ pub(crate) fn stop_on_signal(stop: &Arc<AtomicBool>) {
         ));
     }
 }
+
+/// SIGUSR1 asks for a checkpoint; the run goes on. Other systems have no such signal.
+#[cfg(unix)]
+pub(crate) fn checkpoint_on_signal(wanted: &Arc<AtomicBool>) {
+    let signal = signal_hook::consts::SIGUSR1;
+    if signal_hook::flag::register(signal, Arc::clone(wanted)).is_err() {
+        say("warning: SIGUSR1 cannot be caught; it ends this run");
+    }
+}
+
+#[cfg(not(unix))]
+pub(crate) fn checkpoint_on_signal(_wanted: &Arc<AtomicBool>) {}
 
 /// Loads a scene; reports its warnings or errors.
 pub(crate) fn load(case: &Path, overrides: &[Override], files: FilesFrom) -> Result<Scene, Exit> {

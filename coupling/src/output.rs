@@ -4,6 +4,7 @@ pub mod bodies;
 pub mod checkpoint_file;
 pub mod observe;
 pub mod peaks;
+pub mod progress_file;
 pub mod run_folder;
 pub mod summary;
 pub mod verdict;

@@ -13,18 +13,22 @@ pub mod ineffective;
 mod last_good;
 pub(crate) mod named;
 mod observers;
+mod pace;
 mod packing;
 pub mod preparation;
+mod status;
 mod step_reduction;
 mod summary;
+mod wall_limit;
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use crate::files::table::Start;
-use crate::output::checkpoint_file::{self as checkpoint, Checkpoint};
-use crate::output::observe::ObserveError;
+use crate::output::checkpoint_file::{self as checkpoint, Checkpoint, Written};
+use crate::output::observe::{ObserveError, Observer};
 use crate::output::run_folder;
 use crate::output::summary::Summary;
 use crate::saved::Saved;
@@ -40,7 +44,11 @@ pub use events::{Ending, Event, Progress, RunError};
 use last_good::LastGoodState;
 use named::named;
 use observers::Observers;
+use pace::Pace;
+use status::Status;
 use step_reduction::StepReduction;
+use wall_limit::Reserve;
+pub use wall_limit::WallLimit;
 
 /// Damping rate of settling times its duration: initial motion decays to `e⁻²⁰` at the end.
 const SETTLING_DECAY: f64 = 20.0;
@@ -58,6 +66,24 @@ pub struct Plan<'a> {
     pub scene_hash: [u8; 32],
     /// Wall time from one checkpoint to the next.
     pub checkpoint_interval: Duration,
+    /// Wall time that the run may take; `None`: any.
+    pub wall_limit: Option<WallLimit>,
+    /// Set from outside when a checkpoint is wanted at once, and reset when it is written.
+    pub checkpoint_wanted: Arc<AtomicBool>,
+}
+
+impl<'a> Plan<'a> {
+    /// A run from its beginning, of a scene without a text, with a checkpoint every ten minutes.
+    pub fn new(folder: &'a Path) -> Self {
+        Self {
+            folder,
+            from: None,
+            scene_hash: Default::default(),
+            checkpoint_interval: Duration::from_secs(600),
+            wall_limit: None,
+            checkpoint_wanted: Arc::default(),
+        }
+    }
 }
 
 /// Runs a scene; `stop` ends it after the current step. The scene loses its initial particles, see [`Scene::release_start`].
@@ -104,6 +130,13 @@ pub struct Run<'a> {
     started: Instant,
     checkpoint_interval: Duration,
     last_checkpoint: Instant,
+    wall_limit: Option<WallLimit>,
+    checkpoint_wanted: Arc<AtomicBool>,
+    pace: Pace,
+    reserve: Reserve,
+    status: Status,
+    /// Events since the last step that was told.
+    notices: Vec<Event>,
 }
 
 impl<'a> Run<'a> {
@@ -123,12 +156,15 @@ impl<'a> Run<'a> {
         run.folder = plan.folder.to_path_buf();
         run.scene_hash = plan.scene_hash;
         run.checkpoint_interval = plan.checkpoint_interval;
+        run.wall_limit = plan.wall_limit;
+        run.checkpoint_wanted = plan.checkpoint_wanted;
         run.observers = Some(Observers::new(run.scene, plan.folder, &run.world, start)?);
         match plan.from {
             None if !run.is_settling() => run.observe()?,
             None => {}
             Some(checkpoint) => run.restore(&checkpoint)?,
         }
+        run.write_progress(None);
         Ok(run)
     }
 
@@ -161,6 +197,12 @@ impl<'a> Run<'a> {
             started: Instant::now(),
             checkpoint_interval: Duration::MAX,
             last_checkpoint: Instant::now(),
+            wall_limit: None,
+            checkpoint_wanted: Arc::default(),
+            pace: Pace::default(),
+            reserve: Reserve::default(),
+            status: Status::default(),
+            notices: Vec::new(),
         };
         if !settles {
             run.begin();
@@ -209,14 +251,30 @@ impl<'a> Run<'a> {
     ///
     /// [`RunError`] when neither is possible; the run is then to be finished with it.
     pub fn step(&mut self) -> Result<Event, RunError> {
+        let (start, before) = (Instant::now(), self.position());
         if self.is_good_due() {
             self.keep_good()?;
         }
-        match self.take_step() {
-            Ok(dt) => Ok(Event::Step(self.progress(dt))),
-            Err(RunError::Step(error)) => self.fall_back(named(error, self.scene)),
-            Err(error) => Err(error),
+        if self.checkpoint_wanted.swap(false, Ordering::Relaxed) {
+            self.write_checkpoint()?;
         }
+        let event = match self.take_step() {
+            Ok(step) => Ok(step),
+            Err(RunError::Step(error)) => Err(self.fall_back(named(error, self.scene))?),
+            Err(error) => return Err(error),
+        };
+        let wall = start.elapsed().as_secs_f64();
+        self.pace.add(wall, self.position() - before);
+        self.reserve.add_step(wall);
+        Ok(match event {
+            Ok(step) => {
+                let progress = self.progress(step);
+                self.status.last = Some(progress);
+                self.write_progress_when_due();
+                Event::Step(progress)
+            }
+            Err(fallen) => fallen,
+        })
     }
 
     /// Takes steps until the end.
@@ -229,18 +287,31 @@ impl<'a> Run<'a> {
             if stop.load(Ordering::Relaxed) {
                 return Ok(Ending::Interrupted);
             }
-            tell(self.step()?);
+            if self.is_out_of_time() {
+                return Ok(Ending::OutOfTime);
+            }
+            let event = self.step();
+            self.notices.drain(..).for_each(&mut *tell);
+            tell(event?);
         }
         Ok(Ending::Completed)
     }
 
-    /// Step of the present stage with its records; returns its size, s.
-    fn take_step(&mut self) -> Result<f64, RunError> {
-        let dt = self.advance()?;
+    /// Whether the wall time that is left is needed for the end of the run.
+    fn is_out_of_time(&self) -> bool {
+        let limit = self.wall_limit.as_ref();
+        // a first checkpoint shows what the last one costs; a resumed run has one anyway
+        let knows = self.reserve.knows_checkpoint() || 0 < self.costs.n_resumed;
+        limit.is_some_and(|limit| knows && limit.is_reached(Instant::now(), &self.reserve))
+    }
+
+    /// Step of the present stage with its records.
+    fn take_step(&mut self) -> Result<TimeStep, RunError> {
+        let step = self.advance()?;
         if !self.is_settling() {
             self.observe()?;
         }
-        Ok(dt)
+        Ok(step)
     }
 
     /// The step that the state asks for, within the present share.
@@ -249,8 +320,8 @@ impl<'a> Run<'a> {
         self.world.next_step_within(self.scene.duration, share)
     }
 
-    /// Step of the present stage; returns its size, s.
-    fn advance(&mut self) -> Result<f64, StepError> {
+    /// Step of the present stage.
+    fn advance(&mut self) -> Result<TimeStep, StepError> {
         let (settle, step) = (self.scene.settle, self.next_step()?);
         match &mut self.counters.stage {
             Stage::Settling { time, steps } => {
@@ -275,7 +346,7 @@ impl<'a> Run<'a> {
                 self.check_stability()?;
             }
         }
-        Ok(step.dt)
+        Ok(step)
     }
 
     /// t = 0.
@@ -302,7 +373,14 @@ impl<'a> Run<'a> {
         };
         let start = Instant::now();
         let observed = observers.observe(&self.world);
-        self.costs.output += start.elapsed().as_secs_f64();
+        let files = observers.frames.take_new();
+        let wall = start.elapsed().as_secs_f64();
+        self.costs.output += wall;
+        self.reserve.add_output(wall);
+        if !files.is_empty() {
+            let time = self.world.time();
+            self.notices.push(Event::Frame { time, files });
+        }
         observed
     }
 
@@ -348,7 +426,8 @@ impl<'a> Run<'a> {
         state.clear();
         self.last_good = Some(LastGoodState::new(self.save(state)?, self.place()));
         self.costs.guards += start.elapsed().as_secs_f64();
-        if self.checkpoint_interval <= self.last_checkpoint.elapsed() {
+        let is_first = self.wall_limit.is_some() && !self.reserve.knows_checkpoint();
+        if is_first || self.checkpoint_interval <= self.last_checkpoint.elapsed() {
             self.write_checkpoint()?;
         }
         Ok(())
@@ -365,9 +444,24 @@ impl<'a> Run<'a> {
         };
         observers.sync()?;
         self.costs.checkpoint_size = good.write(&self.folder, self.scene_hash)?;
+        let Place {
+            is_settling,
+            time,
+            steps,
+        } = good.place;
+        let written = Written {
+            is_settling,
+            time,
+            steps,
+            size: self.costs.checkpoint_size,
+        };
+        let wall = start.elapsed().as_secs_f64();
         self.last_checkpoint = Instant::now();
         self.costs.n_checkpoints += 1;
-        self.costs.checkpoints += start.elapsed().as_secs_f64();
+        self.costs.checkpoints += wall;
+        self.reserve.add_checkpoint(wall);
+        self.status.checkpoint = Some(written);
+        self.notices.push(Event::Checkpoint(written));
         Ok(())
     }
 
@@ -436,34 +530,6 @@ impl<'a> Run<'a> {
         self.costs.before + self.started.elapsed().as_secs_f64()
     }
 
-    fn progress(&self, dt: f64) -> Progress {
-        let world = &self.world;
-        let blocks = &world.blocks;
-        let fastest_block = (0..blocks.n_blocks())
-            .filter(|&b| blocks.is_free(b))
-            .map(|b| blocks.velocity(b).norm())
-            .fold(0.0, f64::max);
-        let fastest_particle = world.water.as_ref().map_or(0.0, |w| w.fluid.max_speed());
-        let Place {
-            is_settling,
-            time,
-            steps,
-        } = self.place();
-        Progress {
-            is_settling,
-            steps,
-            time,
-            end: if is_settling {
-                self.scene.settle
-            } else {
-                self.scene.duration
-            },
-            dt,
-            contacts: blocks.n_contacts(),
-            fastest: fastest_block.max(fastest_particle),
-        }
-    }
-
     /// Writes the overview and the summary; the checkpoint, and of an incomplete run the last state, too.
     ///
     /// # Errors
@@ -499,6 +565,7 @@ impl<'a> Run<'a> {
                 summary.write(&self.folder).and(drawn)
             }
         };
+        self.write_progress(Some(&ending));
         let ending = ending?;
         kept?;
         written?;
@@ -541,10 +608,8 @@ mod tests {
 
     fn plan(folder: &Path) -> Plan<'_> {
         Plan {
-            folder,
-            from: None,
-            scene_hash: [0; 32],
             checkpoint_interval: Duration::MAX,
+            ..Plan::new(folder)
         }
     }
 
@@ -555,7 +620,7 @@ mod tests {
         let (stop, mut told) = (AtomicBool::new(false), Vec::new());
         let mut tell = |event: Event| match event {
             Event::Step(progress) if progress.steps == 60 => stop.store(true, Ordering::Relaxed),
-            Event::Step(_) => {}
+            Event::Step(_) | Event::Frame { .. } | Event::Checkpoint(_) => {}
             Event::FellBack { error, .. } => told.push(error.to_string()),
         };
         assert_eq!(run.until(&stop, &mut tell).unwrap(), Ending::Interrupted);

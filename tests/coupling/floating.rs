@@ -13,7 +13,7 @@ use crate::support::scene::{advance, resolved, resolved_in, world};
 use riprap::observe::Observer;
 use riprap::observe::frames::Frames;
 use riprap::run::build;
-use riprap::scene::resolved::recording::Output;
+use riprap::scene::resolved::recording::{Output, Sampling};
 use riprap::time_step::TimeStep;
 use riprap::vtk::{self, Values};
 use riprap::world::World;

@@ -303,10 +303,8 @@ fn fifty_steps(text: &str) -> Result<bool, TestCaseError> {
     let stop = AtomicBool::new(false);
     let mut fastest = 0.0;
     let plan = Plan {
-        folder: folder.path(),
-        from: None,
-        scene_hash: [0; 32],
         checkpoint_interval: Duration::ZERO,
+        ..Plan::new(folder.path())
     };
     let ended = run(&mut scene, plan, &stop, &mut |event| {
         let Event::Step(progress) = event else {

@@ -43,7 +43,9 @@ fn schema_fields(source: &str) -> BTreeSet<String> {
                 .strip_prefix("pub ")
                 .and_then(|rest| rest.split_once(": "))
             {
-                fields.insert(format!("{owner}.{}", field.0));
+                // a field with the name of a word of Rust
+                let name = field.0.trim_start_matches("r#");
+                fields.insert(format!("{owner}.{name}"));
             } else if indent == 4 && text.chars().next().is_some_and(char::is_uppercase) {
                 let name: String = text.chars().take_while(|c| c.is_alphanumeric()).collect();
                 fields.insert(format!("{owner}.{name}"));

@@ -2,6 +2,9 @@
 
 mod cost;
 mod describe;
+mod disk;
+mod facts;
+mod json;
 mod kernel;
 mod landslide;
 mod mach;
@@ -27,10 +30,16 @@ pub(crate) struct Arguments {
     /// Allow the scene to name files outside of its folder.
     #[arg(long)]
     allow_outside: bool,
+    /// Print one JSON object: problems, model, step, cost, memory and disk, with units in the names; errors of the scene, too.
+    #[arg(long)]
+    json: bool,
 }
 
 pub(crate) fn execute(arguments: &Arguments) -> Exit {
     let files = files_from(arguments.allow_outside);
+    if arguments.json {
+        return json::report(&arguments.case, &arguments.set, files);
+    }
     let scene = match load(&arguments.case, &arguments.set, files) {
         Ok(scene) => scene,
         Err(exit) => return exit,
@@ -40,11 +49,11 @@ pub(crate) fn execute(arguments: &Arguments) -> Exit {
         show(&format!("  no effect at this resolution: {one}"));
     }
     if let Some(warning) = mach::warning(&scene) {
-        show(&told::coded(&warning));
+        show(&format!("  warning        {}", told::coded(&warning)));
     }
     match cost(&scene) {
-        Ok(text) => {
-            show(&text);
+        Ok(cost) => {
+            show(&cost.to_string());
             Exit::Done
         }
         Err(error) => failed(error),

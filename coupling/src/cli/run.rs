@@ -1,17 +1,20 @@
 //! `riprap run`.
 
+mod json;
+mod line;
 mod progress;
+mod wall_time;
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use super::accuracy::{self, Asked, Budget, Chosen};
 use super::report;
 use super::{
-    Exit, Program, default_folder, failed, files_from, load, refused, say, show, stop_on_signal,
-    told, warn,
+    Exit, Program, checkpoint_on_signal, default_folder, failed, files_from, load, refused, say,
+    show, stop_on_signal, told, warn,
 };
 use crate::cli::check::describe;
 use crate::messages::{Code, Coded, Message};
@@ -20,10 +23,13 @@ use crate::output::run_folder::{self, ArchivedScene, Existing};
 use crate::output::summary::Summary;
 use crate::output::verdict::LARGEST_MACH;
 use crate::run::preparation::{self, Beginning, Note, Prepared};
-use crate::run::{Ending, Plan, RunError, run};
+use crate::run::{Ending, Plan, RunError, WallLimit, run};
+use crate::scene::access::FilesFrom;
 use crate::scene::parse::Override;
-use crate::scene::resolve::Scene;
-use progress::ProgressLine;
+use crate::scene::{self, resolve::Scene};
+use json::JsonEvents;
+use progress::{ProgressLine, Teller};
+use wall_time::wall_time;
 
 /// Run a scene into a folder.
 #[derive(Debug, clap::Args)]
@@ -66,12 +72,19 @@ pub(crate) struct Arguments {
     /// Wall time between checkpoints in seconds. Another one is written when a run is stopped or fails.
     #[arg(long, value_name = "T", default_value_t = 600.0, value_parser = seconds)]
     checkpoint_interval: f64,
+    /// Wall time, e.g. 5400, 90min, 3h30m or 1:30:00, before the end of which the run stops with a checkpoint and exit code 4; the
+    /// same command with --resume continues it.
+    #[arg(long, value_name = "T", value_parser = wall_time)]
+    wall_limit: Option<Duration>,
     /// No report.html, the page that plays the run.
     #[arg(long)]
     no_report: bool,
     /// No progress, only errors.
     #[arg(long)]
     quiet: bool,
+    /// Events for programs on standard output, a JSON object a line, instead of progress and closing words.
+    #[arg(long, conflicts_with = "error")]
+    json: bool,
 }
 
 impl Arguments {
@@ -82,18 +95,27 @@ impl Arguments {
 }
 
 pub(crate) fn execute(arguments: &Arguments, program: &Program) -> Exit {
-    match choose_and_run(arguments, program) {
-        Ok(exit) | Err(exit) => exit,
+    match choose_and_run(arguments, (program, Instant::now())) {
+        Ok(exit) => exit,
+        Err(exit) => {
+            if arguments.json {
+                json::end_unstarted(exit);
+            }
+            exit
+        }
     }
 }
 
-/// Chooses the settings, prepares the folder, runs and reports.
-fn choose_and_run(arguments: &Arguments, program: &Program) -> Result<Exit, Exit> {
+/// Chooses the settings, prepares the folder, runs and reports. `Err` before the run.
+fn choose_and_run(
+    arguments: &Arguments,
+    (program, started): (&Program, Instant),
+) -> Result<Exit, Exit> {
     // before the scene, whose triangles are made on all of them
     start_threads(arguments.threads)?;
     let overrides = overrides(arguments);
     let files = files_from(arguments.allow_outside);
-    let scene = load(&arguments.case, &overrides, files)?;
+    let scene = load_told(arguments, &overrides, files)?;
     let folder = arguments
         .output
         .clone()
@@ -101,6 +123,8 @@ fn choose_and_run(arguments: &Arguments, program: &Program) -> Result<Exit, Exit
     let from = prepare(arguments, &scene, &folder)?;
     let stop = Arc::new(AtomicBool::new(false));
     stop_on_signal(&stop);
+    let checkpoint_wanted = Arc::new(AtomicBool::new(false));
+    checkpoint_on_signal(&checkpoint_wanted);
     let (mut scene, chosen) = match arguments.error {
         None => (scene, None),
         Some(budget) => {
@@ -123,47 +147,103 @@ fn choose_and_run(arguments: &Arguments, program: &Program) -> Result<Exit, Exit
     if from.is_none() {
         archived.write(&arguments.case, &folder).map_err(refused)?;
     }
-    if !arguments.quiet {
+    if !(arguments.quiet || arguments.json) {
         say(&describe(&scene));
     }
+    let mut teller = match arguments.json {
+        true => Teller::Json(JsonEvents::begin(&scene, &folder, from.as_ref())),
+        false => Teller::Line(ProgressLine::new(arguments.quiet)),
+    };
     let plan = Plan {
-        folder: &folder,
         from,
         scene_hash: checkpoint::scene_hash(&archived.text),
         checkpoint_interval: Duration::from_secs_f64(arguments.checkpoint_interval),
+        wall_limit: wall_limit(arguments, &scene).map(|limit| WallLimit { started, limit }),
+        checkpoint_wanted,
+        ..Plan::new(&folder)
     };
-    let mut line = ProgressLine::new(arguments.quiet);
-    let ended = run(&mut scene, plan, &stop, &mut |event| line.tell(&event));
-    line.end();
-    if !arguments.no_report {
+    let ended = run(&mut scene, plan, &stop, &mut |event| teller.tell(&event));
+    teller.end();
+    // a page takes time that a run at its limit does not have
+    let is_out_of_time = matches!(ended, Ok((_, Ending::OutOfTime)));
+    if !(arguments.no_report || is_out_of_time) {
         write_report(&folder);
     }
-    let (summary, ending) = ended.map_err(|error| {
-        say(&format!(
-            "error: {}\nearlier output is in {}{}",
-            told::coded(&error),
-            folder.display(),
-            way_on(&error, arguments, &folder)
-        ));
-        Exit::Failed
-    })?;
-    if !arguments.quiet {
-        show(&closing_words(&summary, &folder));
-        if let Some(doubt) = compressed(&summary, &scene) {
-            warn(doubt);
+    Ok(match ended {
+        Ok((summary, ending)) => conclude(arguments, &scene, (&summary, ending, chosen), &folder),
+        Err(error) => fail(arguments, &error, &folder),
+    })
+}
+
+/// Loads the scene; its problems are told as asked for.
+fn load_told(
+    arguments: &Arguments,
+    overrides: &[Override],
+    files: FilesFrom,
+) -> Result<Scene, Exit> {
+    if !arguments.json {
+        return load(&arguments.case, overrides, files);
+    }
+    match scene::load_from(&arguments.case, overrides, files) {
+        Ok((scene, warnings)) => {
+            json::tell_problems(&warnings);
+            Ok(scene)
         }
+        Err(error) => {
+            json::tell_problems(&error);
+            Err(Exit::BadInput)
+        }
+    }
+}
+
+/// Wall time that the run may take: that of the command line, or else of the scene.
+fn wall_limit(arguments: &Arguments, scene: &Scene) -> Option<Duration> {
+    let of_scene = || scene.wall_limit.map(Duration::from_secs_f64);
+    arguments.wall_limit.or_else(of_scene)
+}
+
+/// Tells the end of a run, and judges its error if there is a budget.
+fn conclude(
+    arguments: &Arguments,
+    scene: &Scene,
+    (summary, ending, chosen): (&Summary, Ending, Option<Chosen>),
+    folder: &Path,
+) -> Exit {
+    let exit = match ending {
+        Ending::Completed => Exit::Done,
+        Ending::Interrupted => Exit::Interrupted,
+        Ending::OutOfTime => Exit::OutOfTime,
+    };
+    let warning = compressed(summary, scene);
+    if arguments.json {
+        warning.iter().for_each(json::warn);
+        json::end(summary, folder, exit);
+    } else if !arguments.quiet {
+        show(&closing_words(summary, folder));
+        warning.into_iter().for_each(warn);
         summary.doubts().into_iter().for_each(told::keep);
+        if ending != Ending::Completed {
+            show("to continue: the same command with --resume");
+        }
     }
     match (ending, chosen) {
-        (Ending::Interrupted, _) => {
-            if !arguments.quiet {
-                show("to continue: the same command with --resume");
-            }
-            Ok(Exit::Interrupted)
-        }
-        (Ending::Completed, None) => Ok(Exit::Done),
-        (Ending::Completed, Some(chosen)) => Ok(judge(chosen, &scene, &folder)),
+        (Ending::Completed, Some(chosen)) => judge(chosen, scene, folder),
+        _ => exit,
     }
+}
+
+/// Tells the failure of a run.
+fn fail(arguments: &Arguments, error: &RunError, folder: &Path) -> Exit {
+    let way_on = way_on(error, arguments, folder);
+    say(&format!(
+        "error: {}\nearlier output is in {}{way_on}",
+        told::coded(error),
+        folder.display()
+    ));
+    if arguments.json {
+        json::end_failed(error, folder);
+    }
+    Exit::Failed
 }
 
 /// Writes the page that plays the run, complete or not. The run does not fail with it.
@@ -260,7 +340,11 @@ fn prepare(
             if !arguments.no_report && !folder.join(run_folder::REPORT).exists() {
                 write_report(folder);
             }
-            show(&format!("{} is complete already", folder.display()));
+            let words = format!("{} is complete already", folder.display());
+            match arguments.json {
+                true => say(&words),
+                false => show(&words),
+            }
             Err(Exit::Done)
         }
     }
@@ -291,7 +375,7 @@ fn compressed(summary: &Summary, scene: &Scene) -> Option<Message> {
 fn closing_words(summary: &Summary, folder: &Path) -> String {
     format!(
         "{}: t = {:.4} s, {} steps in {:.1} s, {:.3e} particle-steps/s, momentum residual {:.1e}, \
-         {} particles escaped\n{}\nresults in {}: report.html for any browser, gauges.csv, energy.csv, water.pvd for ParaView",
+         {} particles escaped\n{}\nresults in {}: {}gauges.csv, energy.csv, water.pvd for ParaView",
         summary.stop_reason,
         summary.simulated_time,
         summary.steps,
@@ -301,5 +385,10 @@ fn closing_words(summary: &Summary, folder: &Path) -> String {
         summary.particles_escaped,
         summary.verdict.join("\n"),
         folder.display(),
+        if folder.join(run_folder::REPORT).exists() {
+            "report.html for any browser, "
+        } else {
+            ""
+        }
     )
 }

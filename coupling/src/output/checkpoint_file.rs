@@ -61,6 +61,22 @@ pub struct Checkpoint {
     pub state: Vec<u8>,
 }
 
+/// A checkpoint on disk, for messages.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Written {
+    /// Whether the water was still settling.
+    pub is_settling: bool,
+    /// Time of that stage; s.
+    #[serde(rename = "time_s")]
+    pub time: f64,
+    /// Steps of that stage.
+    #[serde(rename = "step")]
+    pub steps: u64,
+    /// Size of the file; bytes.
+    #[serde(rename = "size_bytes")]
+    pub size: u64,
+}
+
 /// Reason why a run cannot resume from a checkpoint.
 #[derive(Debug, thiserror::Error)]
 pub enum CheckpointError {

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! runs/x/  case.ron, inputs of the scene          archive.rs
-//!          summary.json, accuracy.json, overview.svg, report.html
+//!          summary.json, progress.json, accuracy.json, overview.svg, report.html
 //!          gauges.csv, energy.csv, ... *.asc      a name each, below; *.tif and *.prj beside *.asc
 //!          water_00000.vtp, water.pvd, ...        a stem each, below
 //!          checkpoint*.bin                        while a run is incomplete
@@ -24,6 +24,8 @@ pub use read::{ReadError, RunScene, read_scene, read_summary};
 pub const CASE: &str = "case.ron";
 /// Figures of the whole run.
 pub const SUMMARY: &str = "summary.json";
+/// Where a run is, for programs that watch it.
+pub const PROGRESS: &str = "progress.json";
 /// Error and cost of a run that was given a budget.
 pub const ACCURACY: &str = "accuracy.json";
 /// The run on one page.
@@ -86,9 +88,10 @@ pub const FACE_FRAMES: &str = "faces";
 pub const FRAMES: [&str; 4] = [WATER_FRAMES, BLOCK_FRAMES, CONTACT_FRAMES, FACE_FRAMES];
 
 /// All files with a name of their own.
-const FILES: [&str; 23] = [
+const FILES: [&str; 24] = [
     CASE,
     SUMMARY,
+    PROGRESS,
     ACCURACY,
     OVERVIEW,
     REPORT,
@@ -204,6 +207,7 @@ pub fn copy_records(from: &Path, to: &Path) -> Result<(), RunFolderError> {
     let of_that_run = [
         CASE,
         SUMMARY,
+        PROGRESS,
         ACCURACY,
         OVERVIEW,
         REPORT,

@@ -189,13 +189,37 @@ impl Summary {
     }
 }
 
-/// Peak memory of this process; bytes, 0 if unknown.
+/// Peak memory of this process; bytes, 0 if unknown: other systems than Linux do not tell.
 pub fn peak_memory() -> u64 {
-    // Linux: "VmHWM:     12345 kB"
+    of_status("VmHWM:")
+}
+
+/// Memory of this process; bytes, 0 if unknown.
+#[cfg(target_os = "linux")]
+pub fn memory() -> u64 {
+    of_status("VmRSS:")
+}
+
+/// Memory of this process; bytes, 0 if unknown.
+#[cfg(not(target_os = "linux"))]
+pub fn memory() -> u64 {
+    use sysinfo::{ProcessRefreshKind, ProcessesToUpdate, System, get_current_pid};
+    let Ok(pid) = get_current_pid() else {
+        return 0;
+    };
+    let mut system = System::new();
+    let only = ProcessesToUpdate::Some(&[pid]);
+    let kind = ProcessRefreshKind::nothing().with_memory();
+    system.refresh_processes_specifics(only, true, kind);
+    system.process(pid).map_or(0, sysinfo::Process::memory)
+}
+
+/// A line of Linux such as "VmHWM:     12345 kB"; bytes.
+fn of_status(name: &str) -> u64 {
     std::fs::read_to_string("/proc/self/status")
         .ok()
         .and_then(|status| {
-            let line = status.lines().find(|line| line.starts_with("VmHWM:"))?;
+            let line = status.lines().find(|line| line.starts_with(name))?;
             line.split_whitespace().nth(1)?.parse::<u64>().ok()
         })
         .map_or(0, |kib| kib * 1024)

@@ -129,7 +129,7 @@ pub fn report(folder: &Path, file: &Path, limit: u64) -> Result<ReportSummary, R
     let overview = fs::read_to_string(folder.join(run_folder::OVERVIEW)).unwrap_or_default();
     let scene = fs::read_to_string(folder.join(run_folder::CASE)).unwrap_or_default();
     let names = &run.scene.block_names;
-    let end = (run.frames().last()).map_or(0.0, |frame| frame.time);
+    let end = run.end();
     let water = water::water(&run)?;
 
     let mut played = Played::default();

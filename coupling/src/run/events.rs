@@ -1,8 +1,10 @@
 //! Events of a run: progress, recovery from a failed step, end and failure.
 
 use crate::messages::{Code, Coded};
+use crate::output::checkpoint_file::Written;
 use crate::output::observe::ObserveError;
 use crate::world::StepError;
+use crate::world::time_step::Cause;
 
 /// Progress of a run.
 #[derive(Clone, Copy, Debug)]
@@ -17,17 +19,36 @@ pub struct Progress {
     pub end: f64,
     /// Last step; s.
     pub dt: f64,
+    /// Limit that governed it.
+    pub cause: Cause,
     /// Contact points between blocks.
     pub contacts: usize,
     /// Fastest particle or block; m/s.
     pub fastest: f64,
+    /// Particles of water.
+    pub particles: usize,
+    /// Fraction of the whole run, settling included.
+    pub share: f64,
+    /// Recent steps per second of wall time; 1/s.
+    pub steps_per_second: f64,
+    /// Wall time left of the whole run at the recent pace; s. `None` before there is a pace.
+    pub left: Option<f64>,
 }
 
-/// Result of [`Run::step`](super::Run::step).
+/// Event of a run.
 #[derive(Debug)]
 pub enum Event {
     /// Completed step.
     Step(Progress),
+    /// Files of a frame, by their names in the run folder.
+    Frame {
+        /// s.
+        time: f64,
+        /// Names.
+        files: Vec<String>,
+    },
+    /// Checkpoint on disk.
+    Checkpoint(Written),
     /// Failed step: the run resumes from the last good state with a shorter step.
     FellBack {
         /// Error of the step.
@@ -46,6 +67,8 @@ pub enum Ending {
     Completed,
     /// It was asked to stop.
     Interrupted,
+    /// Its wall time was about to be used up.
+    OutOfTime,
 }
 
 /// Failure of a run.

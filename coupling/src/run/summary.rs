@@ -133,6 +133,7 @@ fn stop_reason(ending: &Result<Ending, RunError>) -> String {
     match ending {
         Ok(Ending::Completed) => "completed".to_owned(),
         Ok(Ending::Interrupted) => "interrupted".to_owned(),
+        Ok(Ending::OutOfTime) => "stopped at its wall limit".to_owned(),
         Err(error) => error.to_string(),
     }
 }

@@ -106,15 +106,6 @@ pub struct Available {
 /// Memory that the system could give to this process: free memory, or the limit of its control group where that is
 /// lower. `None` where the system does not tell.
 pub fn available() -> Option<Available> {
-    // Linux: "MemAvailable:   12345 kB"
-    let free = std::fs::read_to_string("/proc/meminfo")
-        .ok()
-        .and_then(|text| {
-            let line = text
-                .lines()
-                .find(|line| line.starts_with("MemAvailable:"))?;
-            line.split_whitespace().nth(1)?.parse::<u64>().ok()
-        });
     // second, then first version of control groups; "max" is NaN and no limit
     let limits = [
         "/sys/fs/cgroup/memory.max",
@@ -130,9 +121,30 @@ pub fn available() -> Option<Available> {
                 .ok()
         })
         .min();
-    free.map(|kib| kib.saturating_mul(1024))
+    free()
         .into_iter()
         .chain(limit)
         .min()
         .map(|bytes| Available { bytes })
+}
+
+/// Free memory of the system; bytes.
+#[cfg(target_os = "linux")]
+fn free() -> Option<u64> {
+    // "MemAvailable:   12345 kB"
+    let text = std::fs::read_to_string("/proc/meminfo").ok()?;
+    let line = text
+        .lines()
+        .find(|line| line.starts_with("MemAvailable:"))?;
+    let kib = line.split_whitespace().nth(1)?.parse::<u64>().ok()?;
+    Some(kib.saturating_mul(1024))
+}
+
+/// Free memory of the system; bytes.
+#[cfg(not(target_os = "linux"))]
+fn free() -> Option<u64> {
+    let mut system = sysinfo::System::new();
+    system.refresh_memory();
+    // 0 where it does not tell
+    Some(system.available_memory()).filter(|bytes| 0 < *bytes)
 }

@@ -50,7 +50,8 @@ use std::ops::Range;
 
 use miette::{Diagnostic, LabeledSpan, NamedSource, SourceCode};
 
-use super::locate::{Place, line_column, locate};
+use super::locate::tree::Tree;
+use super::locate::{Place, line_column, locate, path_at};
 use super::parse::TextError;
 
 /// Problems of a scene, located in its text.
@@ -66,6 +67,10 @@ pub struct SceneError {
 pub struct Located {
     /// Cause, as the guide explains it.
     pub code: Code,
+    /// Path of the field, of a text that cannot be read the one that the fault is in; empty for the scene as a whole.
+    pub path: String,
+    /// The first line of the text there.
+    pub found: String,
     /// Fault.
     pub message: String,
     /// Location in the text; bytes.
@@ -87,6 +92,8 @@ impl SceneError {
                 let Place { span, line, column } = locate(text, &problem.path);
                 Located {
                     code: problem.code,
+                    found: first_line(text, &span),
+                    path: problem.path,
                     message: problem.message,
                     span,
                     line,
@@ -103,6 +110,8 @@ impl SceneError {
         let (line, column) = line_column(text, error.span.start);
         let located = Located {
             code: error.code,
+            path: path_at(&Tree::new(text), error.span.start),
+            found: first_line(text, &error.span),
             message: error.message,
             span: error.span,
             line,
@@ -120,10 +129,21 @@ impl SceneError {
         }
     }
 
+    /// The file, as it was named.
+    pub fn file(&self) -> &str {
+        &self.file
+    }
+
     /// The problems in the order they were found.
     pub fn located(&self) -> &[Located] {
         &self.located
     }
+}
+
+/// The first line of a span.
+fn first_line(text: &str, span: &Range<usize>) -> String {
+    let found = text.get(span.clone()).unwrap_or_default();
+    found.lines().next().unwrap_or_default().to_owned()
 }
 
 /// A line per problem: `file:line:column: error: what`.

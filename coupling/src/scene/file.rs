@@ -43,7 +43,9 @@ pub use numerics::{
     SleepingFile, StateEquationFile, StaticDampingFile, StepBoundFile, SteppingFile, ViscosityFile,
 };
 pub use openings::{AbsorberFile, InflowFile, OutflowFile};
-pub use output::{BlockField, CameraFile, OutputFile, WaterField};
+pub use output::{
+    BlockField, BoxFile, CameraFile, FramesFile, OutputFile, WaterField, WaterFramesFile,
+};
 pub use shapes::{PartFile, ShapeFile, SplitFile};
 pub use terrain::{
     ExcavationFile, FailureSurfaceFile, GapsFile, HeightsFile, OutlineFile, SlideFile, TerrainFile,
@@ -329,6 +331,10 @@ pub struct TimeFile {
     /// the records and the energy ledger.
     #[serde(default)]
     pub settle: f64,
+    /// Wall time from the start of the program, before the end of which a run stops with a checkpoint to resume from; s. The
+    /// option `--wall-limit` of `riprap run` takes precedence. No limit when left out.
+    #[serde(default)]
+    pub wall_limit: Option<f64>,
 }
 
 fn standard_gravity() -> Triple {

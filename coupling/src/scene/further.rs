@@ -54,6 +54,7 @@ fn keep_records(before: &SceneFile, now: &mut SceneFile) {
     if before.time.duration < now.time.duration {
         now.time.duration = before.time.duration;
     }
+    now.time.wall_limit = before.time.wall_limit;
     // records of a gauge that is left out or moved would be lost
     if before.gauges.iter().all(|gauge| now.gauges.contains(gauge)) {
         now.gauges.clone_from(&before.gauges);
@@ -63,6 +64,10 @@ fn keep_records(before: &SceneFile, now: &mut SceneFile) {
     output.frame_interval = other.frame_interval;
     output.gauge_interval = other.gauge_interval;
     output.ledger_interval = other.ledger_interval;
+    output.water.clone_from(&other.water);
+    output.blocks.clone_from(&other.blocks);
+    output.contact_frames.clone_from(&other.contact_frames);
+    output.face_frames.clone_from(&other.face_frames);
     if let (Some(now), Some(before)) = (&mut now.forces, &before.forces) {
         now.interval = before.interval;
     }

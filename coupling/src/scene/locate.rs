@@ -41,6 +41,13 @@ pub fn span_of(tree: &Tree<'_>, path: &str) -> Range<usize> {
     }
 }
 
+/// Path of the innermost value that has a byte of the text; empty outside of all.
+pub fn path_at(tree: &Tree<'_>, at: usize) -> String {
+    let around = (tree.paths().into_iter()).filter(|(_, node)| node.span.contains(&at));
+    let innermost = around.min_by_key(|(_, node)| node.span.len());
+    innermost.map_or_else(String::new, |(path, _)| path.to_string())
+}
+
 /// Line and column, both from 1, of the byte `at`; columns count characters.
 pub fn line_column(text: &str, at: usize) -> (usize, usize) {
     let before = text.get(..at).unwrap_or(text);

@@ -128,6 +128,7 @@ impl Scene {
             domain,
             duration: file.time.duration,
             settle: file.time.settle,
+            wall_limit: file.time.wall_limit,
             expected_speed,
             fastest_flow: expected_speed.max(front_speed),
             block_names: file.blocks.iter().map(|b| b.name.clone()).collect(),

@@ -34,6 +34,8 @@ pub struct Scene {
     pub duration: f64,
     /// Duration before t = 0 in which the water comes to rest; s.
     pub settle: f64,
+    /// Wall time that a run may take; s.
+    pub wall_limit: Option<f64>,
     /// Fastest motion expected, from which sound speed and stiffnesses follow; m/s.
     pub expected_speed: f64,
     /// Fastest motion expected, fronts of water that nothing holds at the start included; m/s.

@@ -115,6 +115,10 @@ fn pressures_on_faces_are_those_of_still_water() {
     let folder = tempfile::tempdir().unwrap();
     let output = Output {
         frame_interval: f64::INFINITY,
+        water: Sampling::every(f64::INFINITY),
+        blocks: Sampling::every(f64::INFINITY),
+        contact_frames: Sampling::every(f64::INFINITY),
+        face_frames: Sampling::every(f64::INFINITY),
         gauge_interval: f64::INFINITY,
         ledger_interval: f64::INFINITY,
         water_fields: Vec::new(),

@@ -1,10 +1,12 @@
 //! Cost of a run, from its first steps.
 
-use std::fmt::Write as _;
+use std::fmt;
 use std::time::{Duration, Instant};
 
 use riprap_dda::{BlockDefinition, Motion};
+use serde::Serialize;
 
+use super::disk::Disk;
 use crate::run::named::named;
 use crate::run::{RunError, build};
 use crate::scene::resolve::Scene;
@@ -20,43 +22,108 @@ const MOVING: f64 = 1.6;
 const PROBE_STEPS: u32 = 50;
 
 /// Step limits, steps, disk and wall time from a timed probe.
-pub(super) fn cost(scene: &Scene) -> Result<String, RunError> {
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub(super) struct Cost {
+    pub step: Step,
+    /// Steps of a run that all are as long as the first.
+    pub steps: f64,
+    pub disk: Disk,
+    pub wall_time: WallTime,
+}
+
+/// The first step and its limits.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub(super) struct Step {
+    pub dt_s: f64,
+    /// The limit that governs it.
+    pub limited_by: Cause,
+    /// Steps of the blocks inside it.
+    pub block_substeps: u32,
+    pub limits: Vec<Limit>,
+    /// The block that sets the step of the contacts.
+    pub set_by_block: Option<GoverningBlock>,
+}
+
+/// A limit of the step.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub(super) struct Limit {
+    pub cause: Cause,
+    /// With its safety factor; `null`: no limit.
+    pub dt_s: Option<f64>,
+    /// Stability limit, where it is known.
+    pub stable_to_s: Option<f64>,
+}
+
+/// The block that sets the step of the contacts.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub(super) struct GoverningBlock {
+    pub name: String,
+    pub volume_m3: f64,
+    pub without_small: Option<WithoutSmall>,
+}
+
+/// A rock mass without its small blocks, which hold a hundredth of it.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub(super) struct WithoutSmall {
+    pub smallest_volume_m3: f64,
+    pub blocks_left_out: usize,
+    pub blocks: usize,
+    pub share_of_rock: f64,
+    /// The step over that with them.
+    pub step_ratio: f64,
+}
+
+/// Predicted wall time.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub(super) struct WallTime {
+    /// With all water awake.
+    pub predicted_s: f64,
+    /// With the initial sleep, where water may sleep.
+    pub with_sleep_s: Option<f64>,
+    /// Where bodies move water, which then costs more than in the first steps.
+    pub up_to_s: Option<f64>,
+    pub threads: usize,
+    /// Steps that were timed.
+    pub timed_steps: u32,
+}
+
+/// Cost of a run of a scene.
+pub(super) fn cost(scene: &Scene) -> Result<Cost, RunError> {
     let mut world = build(scene)?;
-    let step = world.next_step(scene.duration)?;
-    let mut text = step_limits(&world, step);
-    text += &governing_block(&world, scene);
-    let steps = n_steps(scene, step);
-    let _ = writeln!(
-        text,
-        "  steps          about {steps:.0}, {} block sub-steps in each",
-        step.block_substeps
-    );
-    text += &disk(scene);
-    let (taken, mut wall) = wall_time(&mut world, scene, steps)?;
+    let first = world.next_step(scene.duration)?;
+    let step = Step {
+        dt_s: first.dt,
+        limited_by: first.cause,
+        block_substeps: first.block_substeps,
+        limits: step_limits(&world),
+        set_by_block: governing_block(&world, scene),
+    };
+    let steps = n_steps(scene, first);
+    let (timed_steps, wall) = wall_time(&mut world, scene, steps)?;
     drop(world);
-    let mut asleep = String::new();
+    let (mut predicted_s, mut with_sleep_s) = (wall, None);
     if scene.fluid.as_ref().is_some_and(|f| f.sleeping.is_some()) {
         let mut awake = scene.clone();
         if let Some(fluid) = &mut awake.fluid {
             fluid.sleeping = None;
         }
-        asleep = format!(" with all water awake, {wall:.0} s with the initial sleep,");
-        wall = wall_time(&mut build(&awake)?, &awake, steps)?.1;
+        with_sleep_s = Some(wall);
+        predicted_s = wall_time(&mut build(&awake)?, &awake, steps)?.1;
     }
-    let _ = write!(
-        text,
-        "  wall time      about {wall:.0} s{asleep} with {} threads, from {taken} steps on this machine",
-        rayon::current_num_threads(),
-    );
     let moves = |block: &BlockDefinition| !matches!(block.motion, Motion::Fixed);
-    if scene.fluid.is_some() && scene.blocks.iter().any(moves) {
-        let _ = write!(
-            text,
-            "; up to {:.0} s, as water that bodies move costs more than in these steps",
-            MOVING * wall
-        );
-    }
-    Ok(text)
+    let is_moved = scene.fluid.is_some() && scene.blocks.iter().any(moves);
+    Ok(Cost {
+        step,
+        steps,
+        disk: Disk::of(scene),
+        wall_time: WallTime {
+            predicted_s,
+            with_sleep_s,
+            up_to_s: is_moved.then_some(MOVING * predicted_s),
+            threads: rayon::current_num_threads(),
+            timed_steps,
+        },
+    })
 }
 
 /// Wall time of a run predicted from its first steps; s.
@@ -76,30 +143,20 @@ fn n_steps(scene: &Scene, first: TimeStep) -> f64 {
     ((scene.duration + settle) / first.dt).ceil()
 }
 
-/// Every limit of the step, its cause and its stability limit; the one that governs is marked.
-fn step_limits(world: &World, step: TimeStep) -> String {
-    let mut text = "  step limits\n".to_owned();
+/// Every limit of the step, its cause and its stability limit.
+fn step_limits(world: &World) -> Vec<Limit> {
     let Limits { common, blocks } = world.limits();
     let stability = world.stability();
-    for (cause, limit) in common.into_iter().chain([(Cause::Contact, blocks)]) {
-        let value = if limit.is_finite() {
-            format!("{limit:.3e} s")
-        } else {
-            "no limit".into()
-        };
-        let governs = if cause == step.cause {
-            "  <- governs"
-        } else {
-            ""
-        };
-        let stable = stability
+    let all = common.into_iter().chain([(Cause::Contact, blocks)]);
+    all.map(|(cause, dt)| Limit {
+        cause,
+        dt_s: Some(dt).filter(|dt| dt.is_finite()),
+        stable_to_s: stability
             .iter()
             .find(|(other, _)| *other == cause)
-            .map_or(String::new(), |(_, dt)| format!(", stable to {dt:.3e} s"));
-        let name = format!("{cause:?}").to_lowercase();
-        let _ = writeln!(text, "    {name:<12} {value}{stable}{governs}");
-    }
-    text
+            .map(|(_, dt)| *dt),
+    })
+    .collect()
 }
 
 /// Share of the volume of free blocks in those that a cheaper run would leave out; –.
@@ -108,16 +165,9 @@ const CHEAPER: f64 = 0.01;
 /// The block that sets the step of the contacts, and the longer step without the small blocks that hold a hundredth of the rock.
 ///
 /// The step of a contact goes with the square root of the mass, `dt ∝ √(m/K)`.
-fn governing_block(world: &World, scene: &Scene) -> String {
-    let Some(block) = world.blocks.critical_time_step().block else {
-        return String::new();
-    };
+fn governing_block(world: &World, scene: &Scene) -> Option<GoverningBlock> {
+    let block = world.blocks.critical_time_step().block?;
     let volume = |b: usize| world.blocks.volume(b);
-    let mut text = format!(
-        "    set by       block `{}`, {:.3e} m3\n",
-        scene.block_names[block],
-        volume(block)
-    );
     let mut volumes: Vec<f64> = (0..scene.blocks.len())
         .filter(|&b| world.blocks.is_free(b))
         .map(volume)
@@ -130,34 +180,18 @@ fn governing_block(world: &World, scene: &Scene) -> String {
         left_out <= CHEAPER * all
     });
     let n = small.count();
-    if !scene.rock_masses.is_empty() && 0 < n && volume(block) < volumes[n] {
-        let share: f64 = volumes[..n].iter().sum::<f64>() / all;
-        let _ = writeln!(
-            text,
-            "                 a smallest volume of {:.1e} m3 leaves out {n} of {} blocks, {:.1} % of the rock: a step about {:.1} times \
-             as long",
-            volumes[n],
-            volumes.len(),
-            100.0 * share,
-            (volumes[n] / volume(block)).sqrt()
-        );
-    }
-    text
-}
-
-/// Disk space of the frames and gauge records.
-fn disk(scene: &Scene) -> String {
-    let duration = scene.duration;
-    let fluid = scene.fluid.as_ref();
-    let n = fluid.map_or(0, |f| f.lattice.positions.len()) as f64;
-    let output = &scene.output;
-    let frames = duration / output.frame_interval;
-    // measured: about 30 bytes a particle and frame, compressed
-    let bytes = frames * n * 30.0 + duration / output.gauge_interval * 500.0;
-    format!(
-        "  disk           about {:.0} MB in {frames:.0} frames\n",
-        bytes / 1e6
-    )
+    let is_cheaper = !scene.rock_masses.is_empty() && 0 < n && volume(block) < volumes[n];
+    Some(GoverningBlock {
+        name: scene.block_names[block].clone(),
+        volume_m3: volume(block),
+        without_small: is_cheaper.then(|| WithoutSmall {
+            smallest_volume_m3: volumes[n],
+            blocks_left_out: n,
+            blocks: volumes.len(),
+            share_of_rock: volumes[..n].iter().sum::<f64>() / all,
+            step_ratio: (volumes[n] / volume(block)).sqrt(),
+        }),
+    })
 }
 
 /// Takes some steps; returns their number, and the predicted wall time of a run, s.
@@ -177,4 +211,91 @@ fn probe(world: &mut World, scene: &Scene) -> Result<(u32, Duration), RunError> 
         taken += 1;
     }
     Ok((taken, start.elapsed()))
+}
+
+/// The lines of the report.
+impl fmt::Display for Cost {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}", self.step)?;
+        writeln!(
+            f,
+            "  steps          about {:.0}, {} block sub-steps in each",
+            self.steps, self.step.block_substeps
+        )?;
+        writeln!(f, "  disk           {}", self.disk)?;
+        write!(f, "  wall time      {}", self.wall_time)
+    }
+}
+
+impl fmt::Display for Step {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(f, "  step limits")?;
+        for limit in &self.limits {
+            let value = match limit.dt_s {
+                Some(dt) => format!("{dt:.3e} s"),
+                None => "no limit".to_owned(),
+            };
+            let stable = match limit.stable_to_s {
+                Some(dt) => format!(", stable to {dt:.3e} s"),
+                None => String::new(),
+            };
+            let governs = match limit.cause == self.limited_by {
+                true => "  <- governs",
+                false => "",
+            };
+            let name = format!("{:?}", limit.cause).to_lowercase();
+            writeln!(f, "    {name:<12} {value}{stable}{governs}")?;
+        }
+        let Some(block) = &self.set_by_block else {
+            return Ok(());
+        };
+        writeln!(
+            f,
+            "    set by       block `{}`, {:.3e} m3",
+            block.name, block.volume_m3
+        )?;
+        let Some(cheaper) = &block.without_small else {
+            return Ok(());
+        };
+        writeln!(
+            f,
+            "                 a smallest volume of {:.1e} m3 leaves out {} of {} blocks, {:.1} % of the rock: a step about {:.1} times \
+             as long",
+            cheaper.smallest_volume_m3,
+            cheaper.blocks_left_out,
+            cheaper.blocks,
+            100.0 * cheaper.share_of_rock,
+            cheaper.step_ratio
+        )
+    }
+}
+
+impl fmt::Display for WallTime {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self {
+            predicted_s,
+            with_sleep_s,
+            up_to_s,
+            threads,
+            timed_steps,
+        } = self;
+        write!(f, "about {predicted_s:.0} s")?;
+        if let Some(wall) = with_sleep_s {
+            write!(
+                f,
+                " with all water awake, {wall:.0} s with the initial sleep,"
+            )?;
+        }
+        write!(
+            f,
+            " with {threads} threads, from {timed_steps} steps on this machine"
+        )?;
+        match up_to_s {
+            Some(wall) => write!(
+                f,
+                "; up to {wall:.0} s, as water that bodies move costs more than in these steps"
+            ),
+            None => Ok(()),
+        }
+    }
 }

@@ -2,8 +2,7 @@
 
 use std::fmt::Write as _;
 
-use riprap_dda::{Motion, Shape};
-
+use super::facts::{Blocks, Water};
 use super::{kernel, landslide, water};
 use crate::scene::estimate::Estimate;
 use crate::scene::resolved::{FluidScene, MeshSource, Scene};
@@ -12,7 +11,7 @@ use crate::scene::terrain::triangles::Quality;
 use crate::walls::WallMethod;
 
 /// Heading and text of a line.
-type Line = (&'static str, String);
+pub(super) type Line = (&'static str, String);
 
 /// Subjects of the report, in order.
 const SUBJECTS: [fn(&Scene) -> Vec<Line>; 14] = [
@@ -32,10 +31,15 @@ const SUBJECTS: [fn(&Scene) -> Vec<Line>; 14] = [
     borders,
 ];
 
+/// Lines of the report.
+pub(super) fn lines(scene: &Scene) -> impl Iterator<Item = Line> + '_ {
+    (SUBJECTS.iter().flat_map(|subject| subject(scene)))
+        .chain([time(scene), ("memory", Estimate::of(scene).to_string())])
+}
+
 /// Report of the modeled and the neglected effects, with reasons.
 pub(crate) fn describe(scene: &Scene) -> String {
-    let lines = (SUBJECTS.iter().flat_map(|subject| subject(scene)))
-        .chain([time(scene), ("memory", Estimate::of(scene).to_string())]);
+    let lines = lines(scene);
     let mut text = scene.title.clone();
     for (heading, value) in lines {
         let _ = write!(text, "\n  {heading:<14} {value}");
@@ -43,30 +47,17 @@ pub(crate) fn describe(scene: &Scene) -> String {
     text
 }
 
-fn count(scene: &Scene, test: fn(&Motion) -> bool) -> usize {
-    scene.blocks.iter().filter(|b| test(&b.motion)).count()
-}
-
-fn n_free(scene: &Scene) -> usize {
-    count(scene, |motion| matches!(motion, Motion::Free))
-}
-
-fn n_prescribed(scene: &Scene) -> usize {
-    count(scene, |motion| matches!(motion, Motion::Prescribed(_)))
-}
-
 fn blocks(scene: &Scene) -> Vec<Line> {
-    let (free, prescribed) = (n_free(scene), n_prescribed(scene));
-    let fixed = count(scene, |motion| matches!(motion, Motion::Fixed));
-    let parts = scene.blocks.iter().map(|b| match &b.shape {
-        Shape::Polyhedra(parts) => parts.len(),
-        Shape::Sphere { .. } => 1,
-        Shape::Surface(_) => 0,
-    });
-    let parts: usize = parts.sum();
+    let Blocks {
+        free,
+        prescribed,
+        fixed,
+        convex_parts,
+        triangles: _,
+    } = Blocks::of(scene);
     vec![(
         "blocks",
-        format!("{free} free, {prescribed} prescribed, {fixed} fixed; {parts} convex parts"),
+        format!("{free} free, {prescribed} prescribed, {fixed} fixed; {convex_parts} convex parts"),
     )]
 }
 
@@ -134,18 +125,17 @@ fn fit(terrain: &Terrain) -> String {
 }
 
 fn surfaces(scene: &Scene) -> Vec<Line> {
-    let triangles = scene.blocks.iter().map(|b| match &b.shape {
-        Shape::Surface(surface) => surface.triangles().len(),
-        Shape::Polyhedra(_) | Shape::Sphere { .. } => 0,
-    });
-    match triangles.sum::<usize>() {
+    match Blocks::of(scene).triangles {
         0 => Vec::new(),
         n => vec![("surfaces", format!("{n} triangles"))],
     }
 }
 
 fn block_motion(scene: &Scene) -> Vec<Line> {
-    let text = match (n_free(scene), n_prescribed(scene)) {
+    let Blocks {
+        free, prescribed, ..
+    } = Blocks::of(scene);
+    let text = match (free, prescribed) {
         (0, 0) => "none: fixed blocks only, so no block dynamics and no contact search".into(),
         (0, _) => "prescribed only: no block dynamics, no contact search between walls".into(),
         _ => kinematics(scene),
@@ -223,15 +213,13 @@ fn fluid(scene: &Scene) -> Vec<Line> {
         return vec![("fluid", "none: no fluid is modeled".into())];
     };
     let s = &fluid.settings;
+    let water = Water::of(fluid, scene);
     let mut lines = vec![
         (
             "fluid",
             format!(
                 "{} particles, spacing {:.4} m, {:.1} rows in {:.3} m of depth",
-                fluid.lattice.positions.len(),
-                fluid.walls.particle_spacing,
-                fluid.lattice.depth / s.particle_spacing[2],
-                fluid.lattice.depth
+                water.particles, water.spacing_m, water.rows_in_depth, water.depth_m
             ),
         ),
         (
@@ -240,7 +228,7 @@ fn fluid(scene: &Scene) -> Vec<Line> {
                 "{:?}: {:?} kernel, support {:.4} m, {:?} density, {:?}, {:?}, bulk viscosity {}, {:?} stepping, {:?} precision",
                 fluid.preset,
                 s.scheme.kernel,
-                s.support_radius(),
+                water.support_m,
                 s.scheme.density,
                 s.scheme.diffusion,
                 s.scheme.viscosity,
@@ -253,9 +241,9 @@ fn fluid(scene: &Scene) -> Vec<Line> {
             "sound speed",
             format!(
                 "{:.2} m/s, {:.1} times the fastest expected {:.2} m/s",
-                s.sound_speed,
-                s.sound_speed / scene.expected_speed.max(1e-300),
-                scene.expected_speed
+                water.sound_speed_m_per_s,
+                water.sound_speed_m_per_s / water.expected_speed_m_per_s.max(1e-300),
+                water.expected_speed_m_per_s
             ),
         ),
     ];

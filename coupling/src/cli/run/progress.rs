@@ -1,39 +1,61 @@
-//! Progress of a run on standard error.
+//! Progress of a run: a line on standard error for people, or events on standard output for programs.
 
 use std::io::{IsTerminal, Write as _};
 use std::time::{Duration, Instant};
 
+use super::json::JsonEvents;
+use super::line::line;
 use crate::cli::say;
 use crate::cli::told::{coded, keep};
 use crate::messages::Code;
 use crate::run::{Event, Progress};
+
+/// Width of a terminal that does not tell; columns.
+const WIDTH: usize = 80;
+
+/// Where progress goes.
+pub(super) enum Teller {
+    Line(ProgressLine),
+    Json(JsonEvents),
+}
+
+impl Teller {
+    pub fn tell(&mut self, event: &Event) {
+        match self {
+            Self::Line(line) => line.tell(event),
+            Self::Json(events) => events.tell(event),
+        }
+    }
+
+    pub fn end(&self) {
+        if let Self::Line(line) = self {
+            line.end();
+        }
+    }
+}
 
 /// Progress: one line updated in place on a terminal, occasional lines in a log.
 pub(super) struct ProgressLine {
     is_quiet: bool,
     is_terminal: bool,
     started: Instant,
-    stage_started: Instant,
-    was_settling: bool,
     last: Option<Instant>,
 }
 
 impl ProgressLine {
     pub fn new(is_quiet: bool) -> Self {
-        let now = Instant::now();
         Self {
             is_quiet,
             is_terminal: std::io::stderr().is_terminal(),
-            started: now,
-            stage_started: now,
-            was_settling: false,
+            started: Instant::now(),
             last: None,
         }
     }
 
-    pub fn tell(&mut self, event: &Event) {
+    fn tell(&mut self, event: &Event) {
         match event {
             Event::Step(progress) => self.show(progress),
+            Event::Frame { .. } | Event::Checkpoint(_) => {}
             Event::FellBack { error, to, share } => {
                 self.end();
                 keep(Code::StepRepeated);
@@ -46,51 +68,30 @@ impl ProgressLine {
     }
 
     fn show(&mut self, progress: &Progress) {
-        if self.was_settling != progress.is_settling {
-            self.was_settling = progress.is_settling;
-            self.stage_started = Instant::now();
-        }
         let interval = Duration::from_secs(if self.is_terminal { 1 } else { 30 });
         if self.is_quiet || self.last.is_some_and(|last| last.elapsed() < interval) {
             return;
         }
         self.last = Some(Instant::now());
-        let share = (progress.time / progress.end).min(1.0);
-        let left = self.stage_started.elapsed().as_secs_f64() * (1.0 / share.max(1e-6) - 1.0);
-        let line = format!(
-            "{}step {} | t {:.4} of {:.4} s ({:.0} %) | dt {:.2e} s | contacts {} | v max {:.2} m/s | left {}:{:02}",
-            if progress.is_settling {
-                "settling: "
-            } else {
-                ""
-            },
-            progress.steps,
-            progress.time,
-            progress.end,
-            100.0 * share,
-            progress.dt,
-            progress.contacts,
-            progress.fastest,
-            left as u64 / 60,
-            left as u64 % 60,
-        );
-        self.write(&line);
-    }
-
-    fn write(&self, line: &str) {
         if self.is_terminal {
+            // a character in the last column makes some terminals wrap
+            let line = line(progress, columns().saturating_sub(1));
             let _ = write!(std::io::stderr(), "\r\x1b[K{line}");
         } else {
-            say(&format!(
-                "[{:6.0} s] {line}",
-                self.started.elapsed().as_secs_f64()
-            ));
+            let elapsed = self.started.elapsed().as_secs_f64();
+            say(&format!("[{elapsed:6.0} s] {}", line(progress, usize::MAX)));
         }
     }
 
-    pub fn end(&self) {
+    fn end(&self) {
         if self.is_terminal && self.last.is_some() {
             say("");
         }
     }
+}
+
+/// Width of the terminal now; columns.
+fn columns() -> usize {
+    terminal_size::terminal_size_of(std::io::stderr())
+        .map_or(WIDTH, |(width, _)| usize::from(width.0))
 }

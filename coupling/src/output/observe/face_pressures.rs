@@ -7,6 +7,7 @@ use riprap_sph::fluid::ContinuedPressure;
 
 use super::arrays::{integers, scalars, single};
 use crate::files::vtk::PolyData;
+use crate::scene::resolved::recording::Sampling;
 use crate::walls::face_lattice;
 use crate::world::Water;
 
@@ -14,7 +15,7 @@ use crate::world::Water;
 const DRY: f64 = 0.05;
 
 /// Wet tiles, about a spacing wide, of the faces of all blocks, with the pressure extrapolated to the center of each.
-pub(super) fn face_pressures(water: &Water, blocks: &Blocks) -> PolyData {
+pub(super) fn face_pressures(water: &Water, blocks: &Blocks, sampling: &Sampling) -> PolyData {
     let (spacing, middle) = face_lattice(&water.fluid);
     let (mut outlines, mut places, mut owner) = (Vec::new(), Vec::new(), Vec::new());
     for block in (0..blocks.n_blocks()).filter(|&b| !blocks.is_removed(b)) {
@@ -34,6 +35,9 @@ pub(super) fn face_pressures(water: &Water, blocks: &Blocks) -> PolyData {
             };
             for (outline, mut place) in tiles(&face, spacing) {
                 place.y = middle.unwrap_or(place.y);
+                if !sampling.holds(&place) {
+                    continue;
+                }
                 outlines.push(outline);
                 places.push(place);
                 owner.push(block as i32);

@@ -10,21 +10,71 @@ use super::{ObserveError, Observer, Schedule};
 use crate::files::vtk::{self, Array, Collection, PolyData, Polygons, Values};
 use crate::output::run_folder;
 use crate::saved::Saved;
-use crate::scene::resolved::recording::{BlockField, Output, WaterField};
+use crate::scene::resolved::recording::{BlockField, Output, Sampling, WaterField};
 use crate::world::{Water, World};
 
-/// Writes `water_00000.vtp`, `blocks_00000.vtp`, ... and their collections.
+/// A kind of frames.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Kind {
+    Water,
+    Blocks,
+    Contacts,
+    Faces,
+}
+
+/// All kinds, in the order of their names in the run folder.
+const KINDS: [Kind; 4] = [Kind::Water, Kind::Blocks, Kind::Contacts, Kind::Faces];
+
+/// Frames of one kind, at times of their own.
+#[derive(Debug)]
+struct Stream {
+    kind: Kind,
+    sampling: Sampling,
+    schedule: Schedule,
+    collection: Collection,
+}
+
+impl Stream {
+    fn stem(&self) -> &'static str {
+        run_folder::FRAMES[self.kind as usize]
+    }
+
+    /// Number of the next frame.
+    fn next(&self) -> u32 {
+        self.collection.frames().len() as u32
+    }
+
+    /// Removes later frames, which the run will write again.
+    fn remove_later_frames(&self, folder: &Path) -> Result<(), ObserveError> {
+        for number in self.next().. {
+            let path = folder.join(run_folder::frame(self.stem(), number));
+            match std::fs::remove_file(&path) {
+                Ok(()) => {}
+                Err(error) if error.kind() == std::io::ErrorKind::NotFound => break,
+                Err(source) => {
+                    return Err(ObserveError::Write {
+                        path: path.display().to_string(),
+                        source,
+                    });
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Writes `water_00000.vtp`, `blocks_00000.vtp`, ... and their collections, each kind at its own times.
 #[derive(Debug)]
 pub struct Frames {
     folder: PathBuf,
-    schedule: Schedule,
     water_fields: Vec<WaterField>,
     block_fields: Vec<BlockField>,
-    water: Option<Collection>,
-    blocks: Option<Collection>,
-    contacts: Option<Collection>,
-    faces: Option<Collection>,
-    n_written: u32,
+    /// Kinds that the world has and the scene asks for, in order.
+    streams: Vec<Stream>,
+    /// Of a world without any.
+    none: Schedule,
+    /// Files since they were last asked for.
+    new: Vec<String>,
 }
 
 impl Frames {
@@ -40,108 +90,105 @@ impl Frames {
             .collect();
         if !fixed.is_empty() {
             let data = block_polygons(world, &fixed, &[]);
-            vtk::write(&folder.join(run_folder::FIXED_BLOCKS), &data)?;
+            let time = world.time();
+            let path = folder.join(run_folder::FIXED_BLOCKS);
+            vtk::write(&path, &PolyData { time, ..data })?;
         }
         let has_movers = fixed.len() < blocks.n_blocks();
-        let collection = |stem: &str| Collection::new(folder, stem);
+        let has_water = world.water.is_some();
+        let asked = KINDS.map(|kind| match kind {
+            Kind::Water => (has_water, output.water),
+            Kind::Blocks => (has_movers, output.blocks),
+            Kind::Contacts => (output.contacts, output.contact_frames),
+            Kind::Faces => (output.face_pressures && has_water, output.face_frames),
+        });
+        let streams = KINDS.into_iter().zip(asked);
+        let streams = streams.filter(|(_, (is_asked, _))| *is_asked);
         Ok(Self {
             folder: folder.to_path_buf(),
-            schedule: Schedule::every(output.frame_interval),
             water_fields: output.water_fields.clone(),
             block_fields: output.block_fields.clone(),
-            water: world
-                .water
-                .is_some()
-                .then(|| collection(run_folder::WATER_FRAMES)),
-            blocks: has_movers.then(|| collection(run_folder::BLOCK_FRAMES)),
-            contacts: output
-                .contacts
-                .then(|| collection(run_folder::CONTACT_FRAMES)),
-            faces: (output.face_pressures && world.water.is_some())
-                .then(|| collection(run_folder::FACE_FRAMES)),
-            n_written: 0,
+            streams: streams
+                .map(|(kind, (_, sampling))| Stream {
+                    kind,
+                    sampling,
+                    schedule: Schedule::every(sampling.interval),
+                    collection: Collection::new(folder, run_folder::FRAMES[kind as usize]),
+                })
+                .collect(),
+            none: Schedule::every(output.frame_interval),
+            new: Vec::new(),
         })
     }
-}
 
-impl Frames {
-    fn collections(&self) -> [Option<&Collection>; 4] {
-        [&self.water, &self.blocks, &self.contacts, &self.faces].map(Option::as_ref)
+    /// Names of the files written since the last call.
+    pub fn take_new(&mut self) -> Vec<String> {
+        std::mem::take(&mut self.new)
     }
 
-    /// Removes later frames, which the run will write again.
-    fn remove_later_frames(&self) -> Result<(), ObserveError> {
-        for number in self.n_written.. {
-            let mut is_any = false;
-            for stem in run_folder::FRAMES {
-                let path = self.folder.join(run_folder::frame(stem, number));
-                match std::fs::remove_file(&path) {
-                    Ok(()) => is_any = true,
-                    Err(error) if error.kind() == std::io::ErrorKind::NotFound => {}
-                    Err(source) => {
-                        return Err(ObserveError::Write {
-                            path: path.display().to_string(),
-                            source,
-                        });
-                    }
+    /// Writes a frame of each kind for which `is_wanted`.
+    fn write(
+        &mut self,
+        world: &World,
+        is_wanted: impl Fn(&Schedule) -> bool,
+    ) -> Result<(), ObserveError> {
+        let time = world.time();
+        let (water_fields, block_fields) = (&self.water_fields, &self.block_fields);
+        for stream in &mut self.streams {
+            if !is_wanted(&stream.schedule) {
+                continue;
+            }
+            let sampling = &stream.sampling;
+            let data = match (stream.kind, &world.water) {
+                (Kind::Water, Some(water)) => water_points(water, water_fields, sampling),
+                (Kind::Faces, Some(water)) => face_pressures(water, &world.blocks, sampling),
+                (Kind::Water | Kind::Faces, None) => PolyData::default(),
+                (Kind::Blocks, _) => {
+                    block_polygons(world, &moving_blocks(world, sampling), block_fields)
                 }
-            }
-            if !is_any {
-                break;
-            }
+                (Kind::Contacts, _) => contact_points(world, sampling),
+            };
+            let name = run_folder::frame(stream.stem(), stream.next());
+            vtk::write(&self.folder.join(&name), &PolyData { time, ..data })?;
+            stream.collection.push(time, name.clone())?;
+            stream.schedule.done(time);
+            self.new.push(name);
         }
         Ok(())
     }
 }
 
 impl Observer for Frames {
+    /// The schedule of the kind that is due next.
     fn schedule(&self) -> &Schedule {
-        &self.schedule
+        let schedules = self.streams.iter().map(|stream| &stream.schedule);
+        schedules
+            .min_by(|a, b| a.next_due().total_cmp(&b.next_due()))
+            .unwrap_or(&self.none)
+    }
+
+    fn is_due(&self, world: &World) -> bool {
+        let time = world.time();
+        let mut streams = self.streams.iter();
+        streams.any(|stream| stream.schedule.is_due(time))
     }
 
     fn observe(&mut self, world: &World) -> Result<(), ObserveError> {
-        let number = self.n_written;
-        let folder = &self.folder;
-        let write = |collection: &mut Collection, stem: &str, data: &PolyData| {
-            let name = run_folder::frame(stem, number);
-            vtk::write(&folder.join(&name), data)?;
-            collection.push(data.time, name)
-        };
-        if let (Some(collection), Some(water)) = (&mut self.water, &world.water) {
-            let mut data = water_points(water, &self.water_fields);
-            data.time = world.time();
-            write(collection, run_folder::WATER_FRAMES, &data)?;
-        }
-        if let Some(collection) = &mut self.blocks {
-            let movers: Vec<usize> = (0..world.blocks.n_blocks())
-                .filter(|&b| !world.is_fixed(b) && !world.blocks.is_removed(b))
-                .collect();
-            write(
-                collection,
-                run_folder::BLOCK_FRAMES,
-                &block_polygons(world, &movers, &self.block_fields),
-            )?;
-        }
-        if let Some(collection) = &mut self.contacts {
-            write(
-                collection,
-                run_folder::CONTACT_FRAMES,
-                &contact_points(world),
-            )?;
-        }
-        if let (Some(collection), Some(water)) = (&mut self.faces, &world.water) {
-            let mut data = face_pressures(water, &world.blocks);
-            data.time = world.time();
-            write(collection, run_folder::FACE_FRAMES, &data)?;
-        }
-        self.n_written += 1;
-        self.schedule.done(world.time());
-        Ok(())
+        let time = world.time();
+        self.write(world, |schedule| schedule.is_due(time))
+    }
+
+    fn observe_last(&mut self, world: &World) -> Result<(), ObserveError> {
+        let time = world.time();
+        self.write(world, |schedule| schedule.last() != Some(time))
     }
 
     fn save(&self, out: Vec<u8>) -> Saved {
-        let frames = self.collections().map(|c| c.map(Collection::frames));
-        postcard::to_extend(&(self.schedule, self.n_written, frames), out)
+        let saved = KINDS.map(|kind| {
+            let stream = self.streams.iter().find(|stream| stream.kind == kind);
+            stream.map(|stream| (stream.schedule, stream.collection.frames()))
+        });
+        postcard::to_extend(&saved, out)
     }
 
     fn sync(&self) -> Result<(), ObserveError> {
@@ -150,32 +197,38 @@ impl Observer for Frames {
     }
 
     fn read<'a>(&mut self, bytes: &'a [u8]) -> Result<&'a [u8], ObserveError> {
-        type Listed = [Option<Vec<(f64, String)>>; 4];
-        let (schedule, listed, rest);
-        ((schedule, self.n_written, listed), rest) = postcard::take_from_bytes(bytes)?;
-        self.schedule.resume(schedule);
-        let listed: Listed = listed;
-        let Self {
-            water,
-            blocks,
-            contacts,
-            faces,
-            ..
-        } = self;
-        for (collection, frames) in [water, blocks, contacts, faces].into_iter().zip(listed) {
-            if let (Some(collection), Some(frames)) = (collection, frames) {
-                collection.go_back(frames)?;
+        type Listed = [Option<(Schedule, Vec<(f64, String)>)>; 4];
+        let (listed, rest) = postcard::take_from_bytes::<Listed>(bytes)?;
+        for (kind, saved) in KINDS.into_iter().zip(listed) {
+            let stream = self.streams.iter_mut().find(|stream| stream.kind == kind);
+            if let (Some(stream), Some((schedule, frames))) = (stream, saved) {
+                stream.schedule.resume(schedule);
+                stream.collection.go_back(frames)?;
+                stream.remove_later_frames(&self.folder)?;
             }
         }
-        self.remove_later_frames()?;
         Ok(rest)
     }
 }
 
-/// Particles in order of id, so that a particle has the same index in all frames.
-fn water_points(water: &Water, fields: &[WaterField]) -> PolyData {
+/// Blocks that move and are in the domain and the box.
+fn moving_blocks(world: &World, sampling: &Sampling) -> Vec<usize> {
+    let blocks = &world.blocks;
+    (0..blocks.n_blocks())
+        .filter(|&b| !world.is_fixed(b) && !blocks.is_removed(b))
+        .filter(|&b| sampling.holds(&blocks.centroid(b)))
+        .collect()
+}
+
+/// Particles in order of id, so that a particle has the same index in all frames that are not of a box.
+fn water_points(water: &Water, fields: &[WaterField], sampling: &Sampling) -> PolyData {
     let particles = water.fluid.particles();
-    let mut order: Vec<u32> = (0..particles.len() as u32).collect();
+    let is_shown = |&a: &u32| {
+        let a = a as usize;
+        u32::from(particles.id[a]).is_multiple_of(sampling.stride.max(1))
+            && sampling.holds(&particles.position[a])
+    };
+    let mut order: Vec<u32> = (0..particles.len() as u32).filter(is_shown).collect();
     order.sort_unstable_by_key(|&a| particles.id[a as usize]);
     let order = order.iter().map(|&a| a as usize);
     let column = |values: &[f64]| order.clone().map(|a| values[a] as f32).collect();
@@ -214,10 +267,7 @@ fn water_points(water: &Water, fields: &[WaterField]) -> PolyData {
 /// Faces of blocks, with the values of the block on each face.
 fn block_polygons(world: &World, which: &[usize], fields: &[BlockField]) -> PolyData {
     let blocks = &world.blocks;
-    let mut data = PolyData {
-        time: world.time(),
-        ..PolyData::default()
-    };
+    let mut data = PolyData::default();
     let mut owner = Vec::new();
     let Polygons {
         connectivity,
@@ -275,8 +325,9 @@ fn block_polygons(world: &World, which: &[usize], fields: &[BlockField]) -> Poly
 }
 
 /// Contact points with normal, forces and state.
-fn contact_points(world: &World) -> PolyData {
-    let contacts = world.blocks.contacts();
+fn contact_points(world: &World, sampling: &Sampling) -> PolyData {
+    let mut contacts = world.blocks.contacts();
+    contacts.retain(|contact| sampling.holds(&contact.point));
     PolyData {
         points: contacts.iter().map(|c| single(&c.point)).collect(),
         point_data: vec![
@@ -300,7 +351,6 @@ fn contact_points(world: &World) -> PolyData {
             ),
             integers("State", contacts.iter().map(|c| c.state as i32).collect()),
         ],
-        time: world.time(),
         ..PolyData::default()
     }
 }

@@ -45,6 +45,8 @@ pub struct RunScene {
     pub is_terrain: Vec<bool>,
     /// Particle spacing as written, if it is; m.
     pub particle_spacing: Option<f64>,
+    /// Mean distance of the particles in frames over the spacing: above 1 where they are thinned out; –.
+    pub thinning: f64,
     /// Corners of the domain; m.
     pub domain: (Vec3, Vec3),
     /// Whether the flow is in a plane.
@@ -86,6 +88,10 @@ pub fn read_scene(folder: &Path) -> Result<RunScene, ReadError> {
         map: map.unwrap_or_default(),
         domain: (corner(file.domain.min), corner(file.domain.max)),
         is_plane,
+        thinning: {
+            let stride = file.output.water.stride.unwrap_or(1).max(1);
+            f64::from(stride).powf(if is_plane { 1.0 / 2.0 } else { 1.0 / 3.0 })
+        },
         is_thin: is_plane || (file.domain.periodic.contains(&Axis::Y) && width < THIN * length),
         block_names: (file.blocks.iter().map(|b| b.name.clone())).collect(),
         title: file.title,

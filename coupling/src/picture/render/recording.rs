@@ -17,7 +17,7 @@ pub(crate) struct Recording {
     pub blocks: Vec<Timed>,
     /// Walls and slopes.
     pub fixed: Vec<Body>,
-    /// Particle spacing from `summary.json` or the scene; m.
+    /// Mean distance of the particles in the frames, from the spacing in `summary.json` or the scene; m.
     pub spacing: Option<f64>,
     /// Faces left out because a corner is not finite.
     pub skipped_faces: usize,
@@ -64,7 +64,7 @@ pub(crate) fn open(folder: &Path) -> Result<Recording, RenderError> {
         let block = usize::try_from(body.id).ok();
         body.is_terrain = block.is_some_and(|b| scene.is_terrain.get(b) == Some(&true));
     }
-    let spacing = spacing(folder, &scene)?;
+    let spacing = spacing(folder, &scene)?.map(|spacing| scene.thinning * spacing);
     Ok(Recording {
         scene,
         water,
@@ -76,6 +76,12 @@ pub(crate) fn open(folder: &Path) -> Result<Recording, RenderError> {
 }
 
 impl Recording {
+    /// Time of the last file of any kind; s.
+    pub fn end(&self) -> f64 {
+        let last = |files: &[Timed]| files.last().map_or(0.0, |file| file.time);
+        last(&self.water).max(last(&self.blocks))
+    }
+
     /// The files that define the frame numbers: the water, or without it the blocks.
     pub fn frames(&self) -> &[Timed] {
         if self.water.is_empty() {

@@ -30,6 +30,18 @@ pub struct OutputFile {
     /// their sides on each.
     #[serde(default)]
     pub face_pressures: bool,
+    /// Water files that differ from all frames: interval, thinning, box.
+    #[serde(default)]
+    pub water: WaterFramesFile,
+    /// Block files that differ from all frames: interval, box. Walls, which are written once, are always whole.
+    #[serde(default)]
+    pub blocks: FramesFile,
+    /// Contact files that differ from all frames: interval, box.
+    #[serde(default)]
+    pub contact_frames: FramesFile,
+    /// Files of pressures on faces that differ from all frames: interval, box.
+    #[serde(default)]
+    pub face_frames: FramesFile,
 }
 
 impl Default for OutputFile {
@@ -42,8 +54,50 @@ impl Default for OutputFile {
             block_fields: all_block_fields(),
             contacts: false,
             face_pressures: false,
+            water: WaterFramesFile::default(),
+            blocks: FramesFile::default(),
+            contact_frames: FramesFile::default(),
+            face_frames: FramesFile::default(),
         }
     }
+}
+
+/// Frames of the water.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct WaterFramesFile {
+    /// Interval; s. `frame_interval` when left out.
+    #[serde(default)]
+    pub interval: Option<f64>,
+    /// Every nth particle: those with a number (`Id`) that is a multiple of n; –. All particles when left out.
+    #[serde(default)]
+    pub stride: Option<u32>,
+    /// Box outside of which no particle is written; m. All particles when left out.
+    #[serde(default)]
+    pub r#box: Option<BoxFile>,
+}
+
+/// Frames of blocks, contacts or pressures on faces.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FramesFile {
+    /// Interval; s. `frame_interval` when left out.
+    #[serde(default)]
+    pub interval: Option<f64>,
+    /// Box outside of which nothing is written; m. It has to hold the centroid of a block, the point of a contact or the middle of a
+    /// tile of a face. All of them when left out.
+    #[serde(default)]
+    pub r#box: Option<BoxFile>,
+}
+
+/// A box along the axes.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct BoxFile {
+    /// Lower corner; m.
+    pub min: Triple,
+    /// Upper corner; m.
+    pub max: Triple,
 }
 
 /// An array in the water files.

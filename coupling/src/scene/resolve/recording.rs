@@ -3,12 +3,14 @@
 use riprap_sph::Dimensions;
 
 use crate::scene::file::{
-    BlockFile, GaugeFile, MapsFile, MotionFile, OutputFile, SceneFile, WaterField, vec3,
+    BlockFile, BoxFile, FramesFile, GaugeFile, MapsFile, MotionFile, OutputFile, SceneFile,
+    WaterField, vec3,
 };
 use crate::scene::names::Names;
 use crate::scene::resolved::FluidScene;
 use crate::scene::resolved::recording::{
-    Gauge, Maps, NOTICED_RISE, Output, PlanLine, PressureGauge, Quantity, TrackedMass, Tracking,
+    Gauge, Maps, NOTICED_RISE, Output, PlanLine, PressureGauge, Quantity, Sampling, TrackedMass,
+    Tracking,
 };
 
 /// Number of frames in a run.
@@ -37,8 +39,21 @@ pub(super) fn output(file: &OutputFile, duration: f64, fluid: Option<&FluidScene
         }
         fields
     };
+    let frame_interval = file.frame_interval.unwrap_or(duration / FRAMES);
+    let sampling = |interval: Option<f64>, within: Option<BoxFile>| Sampling {
+        within: within.map(|corners| [vec3(corners.min), vec3(corners.max)]),
+        ..Sampling::every(interval.unwrap_or(frame_interval))
+    };
+    let of = |frames: &FramesFile| sampling(frames.interval, frames.r#box);
     Output {
-        frame_interval: file.frame_interval.unwrap_or(duration / FRAMES),
+        frame_interval,
+        water: Sampling {
+            stride: file.water.stride.unwrap_or(1),
+            ..sampling(file.water.interval, file.water.r#box)
+        },
+        blocks: of(&file.blocks),
+        contact_frames: of(&file.contact_frames),
+        face_frames: of(&file.face_frames),
         gauge_interval,
         ledger_interval: file.ledger_interval.unwrap_or(gauge_interval),
         water_fields: file.water_fields.clone().unwrap_or_else(chosen_fields),

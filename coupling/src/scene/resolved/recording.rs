@@ -8,11 +8,47 @@ use crate::scene::file::{CameraFile, vec3};
 /// Rise of the water that counts as arrival unless a scene says otherwise; × particle spacing.
 pub(crate) const NOTICED_RISE: f64 = 0.25;
 
+/// What is written into the frames of one kind.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sampling {
+    /// s.
+    pub interval: f64,
+    /// Every nth particle, by number; 1 for all else.
+    pub stride: u32,
+    /// Corners of the box outside of which nothing is written; m.
+    pub within: Option<[Vec3; 2]>,
+}
+
+impl Sampling {
+    /// All of it at an interval (s).
+    pub fn every(interval: f64) -> Self {
+        Self {
+            interval,
+            stride: 1,
+            within: None,
+        }
+    }
+
+    /// Whether a place is in the box.
+    pub fn holds(&self, x: &Vec3) -> bool {
+        self.within
+            .is_none_or(|[min, max]| (0..3).all(|k| min[k] <= x[k] && x[k] <= max[k]))
+    }
+}
+
 /// Output files and intervals.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Output {
-    /// Interval of VTK frames; s.
+    /// Interval of VTK frames unless a kind has its own; s.
     pub frame_interval: f64,
+    /// Frames of the water.
+    pub water: Sampling,
+    /// Frames of moving blocks.
+    pub blocks: Sampling,
+    /// Frames of contacts.
+    pub contact_frames: Sampling,
+    /// Frames of pressures on faces.
+    pub face_frames: Sampling,
     /// Interval of rows in `gauges.csv`; s.
     pub gauge_interval: f64,
     /// Interval of rows in `blocks.csv`, `energy.csv` and `masses.csv`; s.

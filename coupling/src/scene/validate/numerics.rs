@@ -4,7 +4,7 @@ use riprap_sph::scheme::LARGEST_BULK_VISCOSITY;
 
 use super::checks::Checks;
 use crate::messages::Code;
-use crate::scene::file::{NumericsFile, SceneFile, StaticDampingFile};
+use crate::scene::file::{FramesFile, NumericsFile, OutputFile, SceneFile, StaticDampingFile};
 
 impl Checks {
     pub(super) fn numbers(&mut self, scene: &SceneFile) {
@@ -37,10 +37,12 @@ impl Checks {
                 output.ledger_interval,
             ),
             ("time.duration", "duration", Some(time.duration)),
+            ("time.wall_limit", "wall limit", time.wall_limit),
         ] {
             self.positive(path, what, value);
         }
         self.rare_outputs(scene);
+        self.frames(output);
         self.sleep(numerics);
         self.not_negative(
             "interface.penalty_damping",
@@ -91,6 +93,10 @@ impl Checks {
             ("frame_interval", output.frame_interval),
             ("gauge_interval", output.gauge_interval),
             ("ledger_interval", output.ledger_interval),
+            ("water.interval", output.water.interval),
+            ("blocks.interval", output.blocks.interval),
+            ("contact_frames.interval", output.contact_frames.interval),
+            ("face_frames.interval", output.face_frames.interval),
         ] {
             if let Some(value) = value
                 && 0.0 < duration
@@ -101,8 +107,48 @@ impl Checks {
                     format!("output.{field}"),
                     format!(
                         "{} is {value} s, longer than the run of {duration} s",
-                        field.replace('_', " ")
+                        field.replace(['_', '.'], " ")
                     ),
+                );
+            }
+        }
+    }
+
+    /// Frames of each kind.
+    fn frames(&mut self, output: &OutputFile) {
+        let (water, blocks) = (&output.water, &output.blocks);
+        let (contacts, faces) = (&output.contact_frames, &output.face_frames);
+        for (kind, interval, corners) in [
+            ("water", water.interval, water.r#box),
+            ("blocks", blocks.interval, blocks.r#box),
+            ("contact_frames", contacts.interval, contacts.r#box),
+            ("face_frames", faces.interval, faces.r#box),
+        ] {
+            let path = format!("output.{kind}");
+            self.positive(format!("{path}.interval"), "interval of frames", interval);
+            if let Some(corners) = corners {
+                let path = format!("{path}.box");
+                self.extent(&path, "box of frames", (corners.min, corners.max));
+            }
+        }
+        if water.stride == Some(0) {
+            let message = "stride must be 1 or more, found 0".to_owned();
+            self.refuse(Code::ValueOutOfRange, "output.water.stride", message);
+        }
+        for (kind, switch, is_on, frames) in [
+            ("contact_frames", "contacts", output.contacts, contacts),
+            (
+                "face_frames",
+                "face_pressures",
+                output.face_pressures,
+                faces,
+            ),
+        ] {
+            if !is_on && *frames != FramesFile::default() {
+                self.warn(
+                    Code::OptionWithoutEffect,
+                    format!("output.{kind}"),
+                    format!("nothing is written without `output.{switch}: true`"),
                 );
             }
         }
