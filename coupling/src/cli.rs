@@ -8,6 +8,7 @@ mod new;
 mod render;
 mod report;
 mod run;
+mod schema;
 mod shell;
 mod study;
 
@@ -78,6 +79,8 @@ enum Command {
     /// Measure error against cost for settings of a scene.
     #[command(alias = "trade")]
     Study(study::Arguments),
+    /// Print the JSON schema of scenes or studies.
+    Schema(schema::Arguments),
     /// Write completions of a shell.
     Completions(shell::Completions),
     /// Write man pages.
@@ -95,6 +98,7 @@ pub fn main() -> ExitCode {
         Command::Inspect(arguments) => inspect::execute(&arguments),
         Command::Compare(arguments) => compare::execute(&arguments),
         Command::Study(arguments) => study::execute(&arguments),
+        Command::Schema(arguments) => schema::execute(&arguments),
         Command::Completions(arguments) => shell::completions(&arguments, Arguments::command()),
         Command::Man(arguments) => shell::man(&arguments, Arguments::command()),
     };

@@ -19,6 +19,7 @@ pub mod parse;
 mod placed;
 pub mod resolve;
 pub mod resolved;
+pub mod schema;
 mod sleep;
 mod sliding;
 pub(crate) mod symmetry;
@@ -37,6 +38,7 @@ use std::path::Path;
 use access::{Access, FilesFrom};
 use error::{Problem, SceneError, Severity};
 use estimate::Estimate;
+use locate::Syntax;
 use parse::Override;
 use placed::Placed;
 use resolved::Scene;
@@ -86,7 +88,7 @@ fn text_of(path: &Path) -> Result<String, String> {
     Ok(text)
 }
 
-/// Checks and resolves the scene written in a text, called `name` in messages.
+/// Checks and resolves the scene written in a text, called `name` in messages; in the language of that name's ending.
 ///
 /// # Errors
 ///
@@ -97,9 +99,10 @@ pub fn load_text(
     overrides: &[Override],
     access: &Access,
 ) -> Result<(Scene, SceneError), SceneError> {
-    let text = parse::overridden(written, overrides)
+    let syntax = Syntax::of(name);
+    let text = parse::overridden(written, syntax, overrides)
         .map_err(|problem| SceneError::from_problems(name, written, vec![problem]))?;
-    let file = parse::read(&text)
+    let file = parse::read_in(&text, syntax)
         .map_err(|error| SceneError::at_span(name, &text, error.span, error.message))?;
     let Placed {
         file,

@@ -27,6 +27,7 @@ mod geometry;
 mod hostile;
 mod inspect;
 mod landslide;
+mod languages;
 mod mach;
 mod mistakes;
 mod new;

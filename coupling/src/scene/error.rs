@@ -44,7 +44,8 @@ use std::ops::Range;
 
 use miette::{Diagnostic, LabeledSpan, NamedSource, SourceCode};
 
-use super::locate::{Place, line_column, locate};
+use super::locate::tree::Tree;
+use super::locate::{Place, Syntax, line_column, locate};
 
 /// Problems of a scene, located in its text.
 #[derive(Debug)]
@@ -70,12 +71,13 @@ pub struct Located {
 }
 
 impl SceneError {
-    /// Problems found in a text that was read.
+    /// Problems found in a text that was read, in the language that the name of its file tells.
     pub fn from_problems(file: &str, text: &str, problems: Vec<Problem>) -> Self {
+        let tree = Tree::of(text, Syntax::of(file));
         let located = problems
             .into_iter()
             .map(|problem| {
-                let Place { span, line, column } = locate(text, &problem.path);
+                let Place { span, line, column } = locate(&tree, &problem.path);
                 Located {
                     message: problem.message,
                     span,

@@ -22,6 +22,7 @@ mod waves;
 
 use riprap_dda::Vec3;
 use riprap_sph::Symmetry;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 pub use attachments::AttachmentFile;
@@ -61,7 +62,7 @@ pub fn vec3((x, y, z): Triple) -> Vec3 {
 }
 
 /// A complete scene.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SceneFile {
     /// One line that names the experiment.
@@ -71,6 +72,7 @@ pub struct SceneFile {
     pub description: String,
     /// Acceleration of gravity; m/s².
     #[serde(default = "standard_gravity")]
+    #[schemars(extend("x-unit" = "m/s²"))]
     pub gravity: Triple,
     /// The box outside of which nothing is modeled.
     pub domain: DomainFile,
@@ -201,12 +203,14 @@ impl SceneFile {
 }
 
 /// The modeled box.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct DomainFile {
     /// Lower corner; m.
+    #[schemars(extend("x-unit" = "m"))]
     pub min: Triple,
     /// Upper corner; m.
+    #[schemars(extend("x-unit" = "m"))]
     pub max: Triple,
     /// Periodic directions of the fluid, with the box as the period. A slab several spacings wide and periodic across
     /// is a 2-D flume at 2-D cost.
@@ -226,7 +230,7 @@ pub struct DomainFile {
 }
 
 /// A coordinate direction.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub enum Axis {
     /// Along x.
     X,
@@ -248,7 +252,7 @@ impl Axis {
 }
 
 /// A side of an axis-aligned box.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub enum SideFile {
     /// The side of lowest x.
     XMin,
@@ -289,7 +293,7 @@ pub fn planes_of_symmetry(sides: &[SideFile]) -> Symmetry {
 }
 
 /// Treatment of a particle or block that leaves the domain, a particle by more than a spacing.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub enum OutOfDomainFile {
     /// It is removed and counted; its mass, momentum and energy are booked as removed.
     #[default]
@@ -310,7 +314,7 @@ impl From<OutOfDomainFile> for OutOfDomain {
 }
 
 /// Dimensions of the flow.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub enum DimensionsFile {
     /// In a vertical plane.
     Two,
@@ -320,14 +324,16 @@ pub enum DimensionsFile {
 }
 
 /// Duration.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TimeFile {
     /// Simulated time, after settling; s.
+    #[schemars(extend("x-unit" = "s"))]
     pub duration: f64,
     /// Duration before t = 0 in which the water comes to rest: blocks are held, the fluid is damped; s. Excluded from
     /// the records and the energy ledger.
     #[serde(default)]
+    #[schemars(extend("x-unit" = "s"))]
     pub settle: f64,
 }
 

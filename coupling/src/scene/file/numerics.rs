@@ -1,9 +1,10 @@
 //! Schemes and their numbers, of the fluid and of the blocks.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Numerical schemes and parameters.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[derive(Default)]
 pub struct NumericsFile {
@@ -28,6 +29,7 @@ pub struct NumericsFile {
     /// Coefficient of bulk viscosity over `ρ₀ c₀ h`, from 0 to 1, with density by `Continuity`: damps sound and leaves
     /// waves alone.
     #[serde(default)]
+    #[schemars(extend("x-unit" = "-"))]
     pub bulk_viscosity: Option<f64>,
     /// Particle shifting.
     #[serde(default)]
@@ -40,16 +42,20 @@ pub struct NumericsFile {
     pub precision: Option<PrecisionFile>,
     /// Ratio of smoothing length to particle spacing; the support radius is twice the smoothing length.
     #[serde(default)]
+    #[schemars(extend("x-unit" = "-"))]
     pub smoothing_length_ratio: Option<f64>,
     /// Numerical speed of sound; m/s. Seven times the fastest expected speed when left out, five with `Preview`,
     /// fourteen with `Reference`, ten with `Mueller2003`.
     #[serde(default)]
+    #[schemars(extend("x-unit" = "m/s"))]
     pub sound_speed: Option<f64>,
     /// Fastest expected flow, from which the speed of sound follows; m/s.
     #[serde(default)]
+    #[schemars(extend("x-unit" = "m/s"))]
     pub expected_speed: Option<f64>,
     /// Time step over the fluid's stability limit, above 0 and at most 1.
     #[serde(default)]
+    #[schemars(extend("x-unit" = "-"))]
     pub time_step_factor: Option<f64>,
     /// Treatment of negative pressures.
     #[serde(default)]
@@ -59,6 +65,7 @@ pub struct NumericsFile {
     pub sleeping: Option<SleepingFile>,
     /// Sub-step over the blocks' stability limit, above 0 and at most 1.
     #[serde(default)]
+    #[schemars(extend("x-unit" = "-"))]
     pub block_time_step_factor: Option<f64>,
     /// Bound of the blocks' sub-step: `Eigenvalues` in a scene with slides, else `Compliances`.
     #[serde(default)]
@@ -81,7 +88,7 @@ pub struct NumericsFile {
 }
 
 /// A fluid scheme with its parameters.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub enum Preset {
     /// Density by summation and Mueller's kernels, as published, misprints corrected.
     Mueller2003,
@@ -97,7 +104,7 @@ pub enum Preset {
 }
 
 /// A smoothing kernel.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub enum KernelFile {
     /// Poly6 for density, spiky for pressure.
     Mueller,
@@ -108,7 +115,7 @@ pub enum KernelFile {
 }
 
 /// Computation of density.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub enum DensityFile {
     /// By a sum over neighbors: underestimated near surfaces and walls.
     Summation,
@@ -117,7 +124,7 @@ pub enum DensityFile {
 }
 
 /// Pressure from density.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub enum StateEquationFile {
     /// `p = c₀² (ρ − ρ₀)`.
     Linear,
@@ -126,21 +133,24 @@ pub enum StateEquationFile {
 }
 
 /// Density diffusion, with its coefficient.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub enum DensityDiffusionFile {
     /// None.
     #[serde(alias = "None")]
     Off,
     /// Acts on the hydrostatic gradient, too: wrong near free surfaces.
+    #[schemars(extend("x-unit" = "-"))]
     MolteniColagrossi(f64),
     /// Preserves the hydrostatic gradient.
+    #[schemars(extend("x-unit" = "-"))]
     Fourtakas(f64),
     /// Preserves every linear gradient; requires one more sum.
+    #[schemars(extend("x-unit" = "-"))]
     Antuono(f64),
 }
 
 /// Viscosity model. All but the artificial one use the viscosity of the fluid.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub enum ViscosityFile {
     /// None.
     #[serde(alias = "None")]
@@ -148,6 +158,7 @@ pub enum ViscosityFile {
     /// The published form.
     Published,
     /// Monaghan's artificial viscosity, with its coefficient, 0.01 to 0.1.
+    #[schemars(extend("x-unit" = "-"))]
     Artificial(f64),
     /// Along the line of centers: conserves angular momentum.
     Laminar,
@@ -158,21 +169,23 @@ pub enum ViscosityFile {
     Rheological,
     /// Smagorinsky's model of eddies smaller than the spacing, with its coefficient, customarily 0.12, in addition to
     /// the viscosity of the fluid; only where the spacing resolves the flow.
+    #[schemars(extend("x-unit" = "-"))]
     SubParticleScale(f64),
 }
 
 /// Particle shifting.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub enum ShiftingFile {
     /// None.
     #[serde(alias = "None")]
     Off,
     /// Toward lower particle concentration, with its coefficient, customarily 2.
+    #[schemars(extend("x-unit" = "-"))]
     Fickian(f64),
 }
 
 /// Time integration.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub enum SteppingFile {
     /// Half kick, drift with the density advanced half way, half kick: second order, one evaluation per step.
     KickDriftKick,
@@ -183,7 +196,7 @@ pub enum SteppingFile {
 }
 
 /// Floating-point precision of the sums over neighbors; everything else is in double precision.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub enum PrecisionFile {
     /// 7 digits, twice as fast.
     Single,
@@ -192,7 +205,7 @@ pub enum PrecisionFile {
 }
 
 /// Treatment of negative pressures.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub enum NegativePressure {
     /// Set to zero: water carries no tension.
     Clamped,
@@ -202,39 +215,45 @@ pub enum NegativePressure {
 
 /// Water at rest sleeps in tiles of three support radii: it is not updated until water beside it has moved or a block
 /// approaches.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SleepingFile {
     /// Mean horizontal displacement of the water in a tile, over the particle spacing, that wakes the tiles around
     /// it.
     #[serde(default)]
+    #[schemars(extend("x-unit" = "-"))]
     pub displacement: Option<f64>,
     /// Root mean square speed in a tile below which it is at rest; m/s. A thousandth of the speed of long waves when
     /// left out.
     #[serde(default)]
+    #[schemars(extend("x-unit" = "m/s"))]
     pub speed: Option<f64>,
     /// Time at rest before it is put to sleep; s. Ten times `√(depth/g)` when left out.
     #[serde(default)]
+    #[schemars(extend("x-unit" = "s"))]
     pub time: Option<f64>,
 }
 
 /// Blocks at rest sleep, with their contacts, until their load changes.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RestingFile {
     /// Largest displacement within `time` of a block at rest, over its size. 0.001 when left out.
     #[serde(default)]
+    #[schemars(extend("x-unit" = "-"))]
     pub displacement: Option<f64>,
     /// Time at rest before it is put to sleep; s. Twice `√(size/g)` of the largest free block when left out.
     #[serde(default)]
+    #[schemars(extend("x-unit" = "s"))]
     pub time: Option<f64>,
     /// Change of its load that wakes it, over its weight. 0.2 when left out.
     #[serde(default)]
+    #[schemars(extend("x-unit" = "-"))]
     pub load: Option<f64>,
 }
 
 /// Bound of the blocks' sub-step, never above the stability limit.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub enum StepBoundFile {
     /// From the compliances of a block in all directions at all its contacts, added up: two to four times below the limit, which
     /// resolves impacts.
@@ -245,7 +264,7 @@ pub enum StepBoundFile {
 }
 
 /// Detection of the common plane of two blocks.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub enum ContactDetectionFile {
     /// Verified by the separating-axis test: every overlap is found.
     #[default]
@@ -255,7 +274,7 @@ pub enum ContactDetectionFile {
 }
 
 /// Normal contact law of spheres.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub enum NormalLawFile {
     /// Linear spring with the material's `contact_stiffness`.
     #[default]
@@ -265,7 +284,7 @@ pub enum NormalLawFile {
 }
 
 /// Angular velocity that rolling resistance of spheres acts on.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub enum RollingLawFile {
     /// Relative angular velocity of the two: equal and opposite torques.
     #[default]
@@ -276,12 +295,15 @@ pub enum RollingLawFile {
 }
 
 /// Damping for statics. The energy it dissipates is in the ledger.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub enum StaticDampingFile {
     /// Force per mass opposite to the velocity; 1/s.
+    #[schemars(extend("x-unit" = "1/s"))]
     MassProportional(f64),
     /// Fraction of each component of force and torque, opposite to its velocity, in [0, 1).
+    #[schemars(extend("x-unit" = "-"))]
     Local(f64),
     /// Factor on velocities after each block step, above 0 and at most 1.
+    #[schemars(extend("x-unit" = "-"))]
     Kinetic(f64),
 }

@@ -1,12 +1,15 @@
 //! Structure of a scene text: its values and their locations. Tolerant: every text has a tree.
 
+use std::borrow::Cow;
+use std::collections::BTreeMap;
 use std::ops::Range;
 
 use super::path::{FieldPath, Step};
 use super::token::{Token, TokenKind, tokens};
+use super::{Syntax, json, yaml};
 
 /// Depth below which nesting is left flat. A scene needs 8; the limit keeps hostile text off the call stack.
-const DEEPEST: usize = 64;
+pub(super) const DEEPEST: usize = 64;
 
 /// A value and its location.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -24,23 +27,23 @@ pub enum NodeKind {
     Word,
     /// A string or character.
     Text,
-    /// `(a: 1, b: 2)` or `Name(a: 1)`; also `()`.
+    /// `(a: 1, b: 2)` or `Name(a: 1)`; also `()`. In JSON and YAML `{"a": 1, "b": 2}` or `{"Name": {"a": 1}}`.
     Record {
         /// The name before the parenthesis.
         name: Option<Range<usize>>,
-        /// The byte behind the opening parenthesis.
+        /// The byte behind the opening parenthesis or brace; of a YAML block its first name.
         inside: usize,
         /// In the order of the text.
         fields: Vec<Field>,
     },
-    /// `(1, 2)` or `Name(1)`.
+    /// `(1, 2)` or `Name(1)`; in JSON and YAML `{"Name": 1}`.
     Tuple {
         /// The name before the parenthesis.
         name: Option<Range<usize>>,
         /// In the order of the text.
         items: Vec<Node>,
     },
-    /// `[1, 2]`, and `{...}`, which no scene needs.
+    /// `[1, 2]`, in JSON and YAML points, too; in RON also `{...}`, which no scene needs.
     List {
         /// In the order of the text.
         items: Vec<Node>,
@@ -74,10 +77,33 @@ pub struct Tree<'a> {
     pub root: Option<Node>,
     /// The first flaw of form.
     pub flaw: Option<Flaw>,
+    /// Language of the text.
+    pub syntax: Syntax,
+    /// Texts that are written otherwise than they read, by their first byte; of YAML.
+    pub(super) decoded: BTreeMap<usize, String>,
 }
 
 impl<'a> Tree<'a> {
-    /// Reads `text`.
+    /// Reads `text` in a language.
+    pub fn of(text: &'a str, syntax: Syntax) -> Self {
+        match syntax {
+            Syntax::Ron => Self::new(text),
+            Syntax::Json => json::tree(text),
+            Syntax::Yaml => yaml::tree(text),
+        }
+    }
+
+    pub(super) fn empty(text: &'a str, syntax: Syntax) -> Self {
+        Self {
+            text,
+            root: None,
+            flaw: None,
+            syntax,
+            decoded: BTreeMap::new(),
+        }
+    }
+
+    /// Reads `text` as RON.
     pub fn new(text: &'a str) -> Self {
         let (tokens, unclosed) = tokens(text);
         let mut reader = Reader {
@@ -94,15 +120,55 @@ impl<'a> Tree<'a> {
             reader.note(token.span, "unexpected text after the end of the value");
         }
         Self {
-            text,
             root,
             flaw: reader.flaw,
+            ..Self::empty(text, Syntax::Ron)
         }
     }
 
     /// The text of a span.
     pub fn slice(&self, span: &Range<usize>) -> &'a str {
         self.text.get(span.clone()).unwrap_or_default()
+    }
+
+    /// Name of a field.
+    pub fn key(&self, field: &Field) -> Cow<'_, str> {
+        self.name(&field.name)
+    }
+
+    /// A name at a place of the text.
+    pub fn name(&self, span: &Range<usize>) -> Cow<'_, str> {
+        let written = self.slice(span);
+        match self.syntax {
+            Syntax::Ron => plain_name(written).into(),
+            Syntax::Json if written.contains('\\') => {
+                let read = serde_json::from_str(&format!("\"{written}\""));
+                read.map_or(written.into(), Cow::Owned)
+            }
+            Syntax::Json => written.into(),
+            Syntax::Yaml => self.as_decoded(span),
+        }
+    }
+
+    /// Content of a word or a text in quotes, `None` for a group.
+    pub fn content(&self, node: &Node) -> Option<Cow<'_, str>> {
+        let written = self.slice(&node.span);
+        match (&node.kind, self.syntax) {
+            (NodeKind::Word, Syntax::Ron | Syntax::Json) => Some(written.into()),
+            // escapes are rare: the readers of each language resolve them
+            (NodeKind::Text, Syntax::Ron) => ron::from_str(written).ok().map(Cow::Owned),
+            (NodeKind::Text, Syntax::Json) => serde_json::from_str(written).ok().map(Cow::Owned),
+            (NodeKind::Word | NodeKind::Text, Syntax::Yaml) => Some(self.as_decoded(&node.span)),
+            _ => None,
+        }
+    }
+
+    fn as_decoded(&self, span: &Range<usize>) -> Cow<'_, str> {
+        match self.decoded.get(&span.start) {
+            // a value that is left out stands where the next one begins
+            Some(text) if !span.is_empty() => text.into(),
+            _ => self.slice(span).into(),
+        }
     }
 
     /// Follows `path`. `Err` holds the last value reached and the number of steps to it.
@@ -125,7 +191,7 @@ impl<'a> Tree<'a> {
         match (&node.kind, step) {
             (NodeKind::Record { fields, .. }, Step::Name(name)) => fields
                 .iter()
-                .find(|field| plain_name(self.slice(&field.name)) == name)
+                .find(|field| self.key(field) == name.as_str())
                 .map(|field| &field.value),
             (NodeKind::List { items }, Step::Name(name)) => items
                 .iter()
@@ -140,8 +206,7 @@ impl<'a> Tree<'a> {
     /// Value of the field `name` of a record, for list elements that have one.
     pub fn name_of(&self, node: &Node) -> Option<String> {
         let node = self.child(self.without_some(node), &Step::Name("name".to_owned()))?;
-        // Escapes are rare in names; RON itself resolves them.
-        ron::from_str(self.slice(&node.span)).ok()
+        self.content(node).map(Cow::into_owned)
     }
 
     /// `Some(x)` stands for `x`, as everywhere in a scene.
@@ -177,8 +242,7 @@ impl<'a> Tree<'a> {
             NodeKind::Word | NodeKind::Text => Vec::new(),
             NodeKind::Record { fields, .. } => fields
                 .iter()
-                .map(|field| (plain_name(self.slice(&field.name)), &field.value))
-                .map(|(name, value)| (Step::Name(name.to_owned()), value))
+                .map(|field| (Step::Name(self.key(field).into_owned()), &field.value))
                 .collect(),
             NodeKind::Tuple { items, .. } | NodeKind::List { items } => {
                 let indices = (0..).map(Step::Index);
@@ -193,8 +257,52 @@ impl<'a> Tree<'a> {
     }
 }
 
+/// A record of JSON or YAML: of one field in capitals it is the kind that the field names.
+pub(super) fn of_kind(text: &str, span: Range<usize>, inside: usize, fields: Vec<Field>) -> Node {
+    let is_kind = |name: &Range<usize>| {
+        let name = text.get(name.clone()).unwrap_or_default();
+        name.starts_with(|c: char| c.is_ascii_uppercase())
+    };
+    let kind = match <[Field; 1]>::try_from(fields) {
+        Ok([Field { name, value }]) if is_kind(&name) => match value.kind {
+            NodeKind::Record {
+                name: None,
+                inside,
+                fields,
+            } => NodeKind::Record {
+                name: Some(name),
+                inside,
+                fields,
+            },
+            _ => NodeKind::Tuple {
+                name: Some(name),
+                items: vec![value],
+            },
+        },
+        Ok([field]) => NodeKind::Record {
+            name: None,
+            inside,
+            fields: vec![field],
+        },
+        Err(fields) => NodeKind::Record {
+            name: None,
+            inside,
+            fields,
+        },
+    };
+    Node { span, kind }
+}
+
+/// The flaw of a text that is nested deeper than any scene.
+pub(super) fn too_deep(span: Range<usize>) -> Flaw {
+    Flaw {
+        message: format!("nested more than {DEEPEST} deep; a scene needs 8"),
+        span,
+    }
+}
+
 /// `r#type` names the field `type`.
-pub fn plain_name(name: &str) -> &str {
+fn plain_name(name: &str) -> &str {
     name.strip_prefix("r#").unwrap_or(name)
 }
 

@@ -40,6 +40,12 @@ const KIND_WITH_FIELDS: &[(&str, &str)] = &[
     ),
 ];
 
+/// Kind that a bare number means in a field that takes several.
+pub(super) fn kind_of_number(field: &str) -> Option<&'static str> {
+    let kind = KIND_OF_NUMBER.iter().find(|(name, _)| *name == field);
+    kind.map(|(_, kind)| *kind)
+}
+
 /// Message and location of a common mistake where RON stopped with `error` at the byte `at`; `None` for any other.
 pub(super) fn mistake(text: &str, error: &ron::Error, at: usize) -> Option<(String, Range<usize>)> {
     let here = Here::new(text, at);
