@@ -39,6 +39,7 @@ mod render;
 mod report;
 mod rockfall;
 mod scene_docs;
+mod schema;
 mod sleep;
 mod starts;
 mod stepping;

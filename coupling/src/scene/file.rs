@@ -1,9 +1,10 @@
-//! The scene as it is written: the RON schema, nothing checked beyond types.
+//! The scene as it is written, in RON, JSON or YAML: the schema, nothing checked beyond types.
 //!
 //! Units are SI; angles are in degrees, and a field that is not SI says so in its name. A field of
 //! type `Option` has no fixed default: `None` means "riprap chooses", and the choice is written
 //! into the run folder's `case.ron`, so that a scene read from there leaves nothing open.
-//! `cases/README.md` documents every field; a test holds that table against these types.
+//! The comments here are the scene reference, `docs/reference/scene`, and the JSON schema; a number names its unit twice, in its
+//! comment and as `x-unit`, by which quantities such as "25 mm" are converted. A test holds all of that together.
 
 mod attachments;
 mod blocks;
@@ -328,12 +329,12 @@ pub enum DimensionsFile {
 #[serde(deny_unknown_fields)]
 pub struct TimeFile {
     /// Simulated time, after settling; s.
-    #[schemars(extend("x-unit" = "s"))]
+    #[schemars(extend("x-unit" = "s", "exclusiveMinimum" = 0))]
     pub duration: f64,
     /// Duration before t = 0 in which the water comes to rest: blocks are held, the fluid is damped; s. Excluded from
     /// the records and the energy ledger.
     #[serde(default)]
-    #[schemars(extend("x-unit" = "s"))]
+    #[schemars(extend("x-unit" = "s", "minimum" = 0))]
     pub settle: f64,
 }
 

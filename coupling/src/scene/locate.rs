@@ -6,6 +6,7 @@
 
 mod json;
 pub mod path;
+mod ron;
 mod syntax;
 mod token;
 pub mod tree;

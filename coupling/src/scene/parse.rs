@@ -131,13 +131,28 @@ fn explain(error: &ron::Error) -> String {
 ///
 /// None in practice: every scene can be written.
 pub fn write(scene: &SceneFile) -> Result<String, ron::Error> {
+    write_noted(scene, "")
+}
+
+/// As [`write`](fn@write), with comment lines under the title.
+///
+/// # Errors
+///
+/// Those of [`write`](fn@write).
+pub fn write_noted(scene: &SceneFile, note: &str) -> Result<String, ron::Error> {
     let style = ron::ser::PrettyConfig::new()
         .extensions(Extensions::IMPLICIT_SOME)
         .depth_limit(6);
     Ok(format!(
-        "// {} as riprap {} ran it, every default written out.\n{}\n",
+        "// {} as riprap {} ran it, every default written out.\n{note}{}\n",
         scene.title.replace('\n', " "),
         env!("CARGO_PKG_VERSION"),
         dialect().to_string_pretty(scene, style)?
     ))
+}
+
+/// Comment lines under the title of a text that [`write_noted`] wrote.
+pub(crate) fn note(text: &str) -> String {
+    let lines = text.split_inclusive('\n').skip(1);
+    lines.take_while(|line| line.starts_with("//")).collect()
 }

@@ -65,7 +65,7 @@ fn with_quantities(schema: &mut Value, unit: &str) {
     }
 }
 
-/// A number, or a text that begins with one.
+/// A number, or a text that begins with one and goes on with a unit.
 fn or_text(number: &mut Map<String, Value>) {
     let types = match number.get("type") {
         Some(Value::Array(types)) => types.clone(),
@@ -74,6 +74,6 @@ fn or_text(number: &mut Map<String, Value>) {
     };
     let types: Vec<Value> = types.into_iter().chain([json!("string")]).collect();
     number.insert("type".to_owned(), types.into());
-    let pattern = r"^\s*[+-]?[0-9._]+([eE][+-]?[0-9]+)?\s*\S.*$";
+    let pattern = r"^\s*[+-]?[0-9._]+([eE][+-]?[0-9]+)?(\s+1/|\s*[^\s0-9.,_+-]).*$";
     number.insert("pattern".to_owned(), pattern.into());
 }

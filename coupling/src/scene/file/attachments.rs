@@ -16,7 +16,7 @@ pub enum AttachmentFile {
         /// Point of application; m.
         #[schemars(extend("x-unit" = "m"))]
         point: Triple,
-        /// N.
+        /// Force; N.
         #[schemars(extend("x-unit" = "N"))]
         force: Triple,
     },
@@ -24,7 +24,7 @@ pub enum AttachmentFile {
     BodyLoad {
         /// Name of the block.
         block: String,
-        /// m/s².
+        /// Acceleration; m/s².
         #[schemars(extend("x-unit" = "m/s²"))]
         acceleration: Triple,
     },
@@ -46,8 +46,8 @@ pub enum AttachmentFile {
         /// Position; m.
         #[schemars(extend("x-unit" = "m"))]
         point: Triple,
-        /// N/m.
-        #[schemars(extend("x-unit" = "N/m"))]
+        /// Stiffness; N/m.
+        #[schemars(extend("x-unit" = "N/m", "exclusiveMinimum" = 0))]
         stiffness: f64,
     },
     /// Elastic-plastic bar between points of two blocks.
@@ -63,14 +63,14 @@ pub enum AttachmentFile {
         #[schemars(extend("x-unit" = "m"))]
         to_point: Triple,
         /// Young's modulus times cross section over length; N/m.
-        #[schemars(extend("x-unit" = "N/m"))]
+        #[schemars(extend("x-unit" = "N/m", "exclusiveMinimum" = 0))]
         stiffness: f64,
         /// Tension at t = 0; N.
         #[serde(default)]
         #[schemars(extend("x-unit" = "N"))]
         pretension: f64,
         /// Yield force, the largest tension; N.
-        #[schemars(extend("x-unit" = "N"))]
+        #[schemars(extend("x-unit" = "N", "exclusiveMinimum" = 0))]
         yield_force: f64,
     },
 }

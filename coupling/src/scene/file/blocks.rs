@@ -87,10 +87,10 @@ pub enum MotionFile {
         #[schemars(extend("x-unit" = "-"))]
         direction: Triple,
         /// Half the stroke; m.
-        #[schemars(extend("x-unit" = "m"))]
+        #[schemars(extend("x-unit" = "m", "minimum" = 0))]
         amplitude: f64,
         /// Period; s.
-        #[schemars(extend("x-unit" = "s"))]
+        #[schemars(extend("x-unit" = "s", "exclusiveMinimum" = 0))]
         period: f64,
         /// Phase; degrees.
         #[serde(default)]
@@ -98,7 +98,7 @@ pub enum MotionFile {
         phase_deg: f64,
         /// Duration of the smooth start; s.
         #[serde(default)]
-        #[schemars(extend("x-unit" = "s"))]
+        #[schemars(extend("x-unit" = "s", "minimum" = 0))]
         ramp: f64,
     },
     /// Motion of a piston that makes waves in the still water before it.
@@ -110,11 +110,11 @@ pub enum MotionFile {
         waves: WavesFile,
         /// Depth of the still water; m. As it is before the piston when left out.
         #[serde(default)]
-        #[schemars(extend("x-unit" = "m"))]
+        #[schemars(extend("x-unit" = "m", "exclusiveMinimum" = 0))]
         depth: Option<f64>,
         /// Duration of the smooth start, of waves with a period; s. A period when left out.
         #[serde(default)]
-        #[schemars(extend("x-unit" = "s"))]
+        #[schemars(extend("x-unit" = "s", "minimum" = 0))]
         ramp: Option<f64>,
         /// Whether the piston takes out the waves that come back to it, by the surface before it.
         #[serde(default)]
@@ -133,12 +133,12 @@ pub enum MotionFile {
         points: Vec<Triple>,
         /// Radius of the arcs; as large as half of the shorter piece beside a bend allows when left out or too large; m.
         #[serde(default)]
-        #[schemars(extend("x-unit" = "m"))]
+        #[schemars(extend("x-unit" = "m", "exclusiveMinimum" = 0))]
         bend_radius: Option<f64>,
         /// Length of the base of the block, both of whose ends stay on the path; the block follows the direction at one point
         /// when 0; m.
         #[serde(default)]
-        #[schemars(extend("x-unit" = "m"))]
+        #[schemars(extend("x-unit" = "m", "minimum" = 0))]
         base: f64,
         /// Path of a record, relative to the scene file: CSV with columns time (s) and way (m), or in the units of its header,
         /// `way [mm]`; `#` comments. The way is that of the point, or of the middle between the ends of the base, along the path

@@ -26,7 +26,7 @@ pub struct RockMassFile {
     pub merge_slivers: Option<SliversFile>,
     /// Smaller blocks are removed after slivers are merged, and counted; m³.
     #[serde(default)]
-    #[schemars(extend("x-unit" = "m³"))]
+    #[schemars(extend("x-unit" = "m³", "minimum" = 0))]
     pub minimum_volume: f64,
     /// More blocks are rejected.
     #[serde(default = "default_maximum_blocks")]
@@ -59,13 +59,13 @@ pub struct SliversFile {
 #[serde(deny_unknown_fields)]
 pub struct JointSetFile {
     /// Dip, down from the horizontal, 0 to 90; degrees.
-    #[schemars(extend("x-unit" = "degrees"))]
+    #[schemars(extend("x-unit" = "degrees", "minimum" = 0, "maximum" = 90))]
     pub dip_deg: f64,
     /// Dip direction, clockwise from north (+y); degrees.
     #[schemars(extend("x-unit" = "degrees"))]
     pub dip_direction_deg: f64,
     /// Spacing of the joints; m.
-    #[schemars(extend("x-unit" = "m"))]
+    #[schemars(extend("x-unit" = "m", "exclusiveMinimum" = 0))]
     pub spacing: f64,
     /// A point on one of the joints; m.
     #[serde(default)]
@@ -73,16 +73,16 @@ pub struct JointSetFile {
     pub origin: Triple,
     /// Probability that a joint cuts a block in its path, 0 to 1.
     #[serde(default = "one")]
-    #[schemars(extend("x-unit" = "-"))]
+    #[schemars(extend("x-unit" = "-", "minimum" = 0, "maximum" = 1))]
     pub persistence: f64,
     /// Standard deviation of the tilt of a joint about each of two axes; tilts beyond three standard deviations are
     /// redrawn; degrees.
     #[serde(default)]
-    #[schemars(extend("x-unit" = "degrees"))]
+    #[schemars(extend("x-unit" = "degrees", "minimum" = 0))]
     pub scatter_deg: f64,
     /// Largest offset of a joint from its regular position, as a fraction of the spacing, 0 to 0.5.
     #[serde(default)]
-    #[schemars(extend("x-unit" = "-"))]
+    #[schemars(extend("x-unit" = "-", "minimum" = 0, "maximum" = 0.5))]
     pub spacing_scatter: f64,
 }
 
@@ -109,7 +109,7 @@ pub struct GrainsFile {
     pub spacing: Option<f64>,
     /// Largest offset of a sphere from its lattice site along each axis, as a fraction of the largest diameter.
     #[serde(default = "default_jitter")]
-    #[schemars(extend("x-unit" = "-"))]
+    #[schemars(extend("x-unit" = "-", "minimum" = 0))]
     pub jitter: f64,
     /// Seed of the random numbers for sizes and positions.
     #[serde(default)]
@@ -139,10 +139,10 @@ pub enum GrainRegionFile {
         #[schemars(extend("x-unit" = "m"))]
         base: Triple,
         /// Radius; m.
-        #[schemars(extend("x-unit" = "m"))]
+        #[schemars(extend("x-unit" = "m", "exclusiveMinimum" = 0))]
         radius: f64,
         /// Height; m.
-        #[schemars(extend("x-unit" = "m"))]
+        #[schemars(extend("x-unit" = "m", "exclusiveMinimum" = 0))]
         height: f64,
     },
 }

@@ -11,10 +11,11 @@ use super::Triple;
 pub struct FluidFile {
     /// Reference density; kg/m³.
     #[serde(default = "default_fluid_density")]
-    #[schemars(extend("x-unit" = "kg/m³"))]
+    #[schemars(extend("x-unit" = "kg/m³", "exclusiveMinimum" = 0))]
     pub density: f64,
     /// Dynamic viscosity, for schemes with the physical viscosity; Pa s. That of water at 20 degrees, 1.002e-3, when left out;
-    /// with the published viscosity, which needs it for stability, `0.012 ρ c0 H`.
+    /// with the published viscosity, which needs it for stability, `0.012 ρ c0 H`: with less, short waves grow whatever the time
+    /// step.
     #[serde(default)]
     #[schemars(extend("x-unit" = "Pa s"))]
     pub dynamic_viscosity: Option<f64>,

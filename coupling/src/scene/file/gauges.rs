@@ -13,10 +13,10 @@ pub enum GaugeFile {
     SurfaceElevation {
         /// Column name in `gauges.csv`.
         name: String,
-        /// m.
+        /// Position along x, in plan view; m.
         #[schemars(extend("x-unit" = "m"))]
         x: f64,
-        /// m.
+        /// Position along y, in plan view; m.
         #[schemars(extend("x-unit" = "m"))]
         y: f64,
     },
@@ -25,7 +25,7 @@ pub enum GaugeFile {
     Pressure {
         /// Column name.
         name: String,
-        /// m.
+        /// Position; m.
         #[schemars(extend("x-unit" = "m"))]
         position: Triple,
         /// Diameter of the disc, ≥ 0; m.
@@ -41,7 +41,7 @@ pub enum GaugeFile {
     Velocity {
         /// Column name.
         name: String,
-        /// m.
+        /// Position; m.
         #[schemars(extend("x-unit" = "m"))]
         position: Triple,
     },
@@ -139,7 +139,7 @@ pub struct ForcesFile {
     pub blocks: Vec<String>,
     /// Averaging interval of the forces; s. `output.gauge_interval` when left out.
     #[serde(default)]
-    #[schemars(extend("x-unit" = "s"))]
+    #[schemars(extend("x-unit" = "s", "exclusiveMinimum" = 0))]
     pub interval: Option<f64>,
 }
 
@@ -150,16 +150,16 @@ pub struct ForcesFile {
 pub struct MapsFile {
     /// Spacing of their points; two particle spacings when left out; m.
     #[serde(default)]
-    #[schemars(extend("x-unit" = "m"))]
+    #[schemars(extend("x-unit" = "m", "exclusiveMinimum" = 0))]
     pub spacing: Option<f64>,
     /// Sampling interval; extremes are those of the samples; s. A two-hundredth of the duration when left out.
     #[serde(default)]
-    #[schemars(extend("x-unit" = "s"))]
+    #[schemars(extend("x-unit" = "s", "exclusiveMinimum" = 0))]
     pub interval: Option<f64>,
     /// Change of the surface, or depth on dry land, that counts as arrival: beyond all that the still water at the same
     /// place did before a wave could have come; a quarter of a particle spacing when left out; m.
     #[serde(default)]
-    #[schemars(extend("x-unit" = "m"))]
+    #[schemars(extend("x-unit" = "m", "exclusiveMinimum" = 0))]
     pub arrival_threshold: Option<f64>,
 }
 
@@ -182,6 +182,6 @@ pub struct TrajectoriesFile {
     pub blocks: Vec<String>,
     /// Sampling interval; extremes are those of the samples; s. A thousandth of the duration when left out.
     #[serde(default)]
-    #[schemars(extend("x-unit" = "s"))]
+    #[schemars(extend("x-unit" = "s", "exclusiveMinimum" = 0))]
     pub interval: Option<f64>,
 }

@@ -13,13 +13,14 @@ pub struct InterfaceFile {
     /// Slip of the fluid along walls; penalty walls always have free slip.
     #[serde(default)]
     pub slip: SlipFile,
-    /// Spring `K_S` between a particle and a surface; N/m.
+    /// Spring `K_S` between a particle and a surface; N/m. When left out, chosen for a penetration of a tenth of a spacing by the
+    /// first row of still water and of a quarter by a particle at the expected speed.
     #[serde(default)]
     #[schemars(extend("x-unit" = "N/m"))]
     pub penalty_stiffness: Option<f64>,
-    /// Dashpot `K_D` between a particle and a surface; N s/m.
+    /// Dashpot `K_D` between a particle and a surface; N s/m. A damping ratio of 0.5 when left out.
     #[serde(default)]
-    #[schemars(extend("x-unit" = "N s/m"))]
+    #[schemars(extend("x-unit" = "N s/m", "minimum" = 0))]
     pub penalty_damping: Option<f64>,
 }
 

@@ -21,7 +21,7 @@ pub struct AbsorberFile {
     pub towards: SideFile,
     /// Damping rate there; chosen from depth and length when left out; 1/s.
     #[serde(default)]
-    #[schemars(extend("x-unit" = "1/s"))]
+    #[schemars(extend("x-unit" = "1/s", "exclusiveMinimum" = 0))]
     pub rate: Option<f64>,
 }
 

@@ -11,15 +11,15 @@ use super::Triple;
 pub struct OutputFile {
     /// Interval of VTK frames; s. A fiftieth of the duration when left out.
     #[serde(default)]
-    #[schemars(extend("x-unit" = "s"))]
+    #[schemars(extend("x-unit" = "s", "exclusiveMinimum" = 0))]
     pub frame_interval: Option<f64>,
     /// Interval of rows in `gauges.csv`; s. A five-hundredth of the duration when left out.
     #[serde(default)]
-    #[schemars(extend("x-unit" = "s"))]
+    #[schemars(extend("x-unit" = "s", "exclusiveMinimum" = 0))]
     pub gauge_interval: Option<f64>,
     /// Interval of rows in `blocks.csv` and `energy.csv`; s. `gauge_interval` when left out.
     #[serde(default)]
-    #[schemars(extend("x-unit" = "s"))]
+    #[schemars(extend("x-unit" = "s", "exclusiveMinimum" = 0))]
     pub ledger_interval: Option<f64>,
     /// Arrays in the water files. The first four when left out, all for a fluid with flow laws.
     #[serde(default)]

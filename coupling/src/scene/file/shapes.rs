@@ -22,13 +22,13 @@ pub enum ShapeFile {
     /// width.
     Wedge {
         /// Leg along x; m.
-        #[schemars(extend("x-unit" = "m"))]
+        #[schemars(extend("x-unit" = "m", "exclusiveMinimum" = 0))]
         length: f64,
         /// Leg along z; m.
-        #[schemars(extend("x-unit" = "m"))]
+        #[schemars(extend("x-unit" = "m", "exclusiveMinimum" = 0))]
         height: f64,
         /// Along y; m.
-        #[schemars(extend("x-unit" = "m"))]
+        #[schemars(extend("x-unit" = "m", "exclusiveMinimum" = 0))]
         width: f64,
     },
     /// The convex hull of points.
@@ -71,7 +71,7 @@ pub enum ShapeFile {
         #[schemars(extend("x-unit" = "m"))]
         center: Triple,
         /// Radius; m.
-        #[schemars(extend("x-unit" = "m"))]
+        #[schemars(extend("x-unit" = "m", "exclusiveMinimum" = 0))]
         radius: f64,
     },
     /// A closed triangle mesh, STL, OBJ, PLY or VTK. A connected shell that is not convex is split into convex parts; several
@@ -80,7 +80,7 @@ pub enum ShapeFile {
         /// Path, relative to the scene file.
         file: String,
         /// Size of the unit of the file: 0.001 for millimeters; m.
-        #[schemars(extend("x-unit" = "m"))]
+        #[schemars(extend("x-unit" = "m", "exclusiveMinimum" = 0))]
         scale: f64,
         /// Limits of the split of a shell that is not convex.
         #[serde(default)]
@@ -92,7 +92,7 @@ pub enum ShapeFile {
         /// Path, relative to the scene file.
         file: String,
         /// Size of the unit of the file: 0.001 for millimeters; m.
-        #[schemars(extend("x-unit" = "m"))]
+        #[schemars(extend("x-unit" = "m", "exclusiveMinimum" = 0))]
         scale: f64,
     },
     /// Terrain of a fixed block from an ESRI ASCII grid; each cell is split along its shorter diagonal.
@@ -108,7 +108,8 @@ pub enum ShapeFile {
     Terrain,
 }
 
-/// Limits of the split of a mesh into convex parts, which touch but do not overlap: it ends at either.
+/// Limits of the split of a mesh into convex parts, which touch but do not overlap: it ends at either. `check` states the errors
+/// of volume, center of mass and moments of inertia.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SplitFile {

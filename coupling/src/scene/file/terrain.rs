@@ -28,13 +28,13 @@ pub struct TerrainFile {
     /// Spacing of the sampled points where sources are averaged or interpolated; when left out that of the first
     /// raster, but at least a fifth of the spacing of the water; m.
     #[serde(default)]
-    #[schemars(extend("x-unit" = "m"))]
+    #[schemars(extend("x-unit" = "m", "exclusiveMinimum" = 0))]
     pub spacing: Option<f64>,
     /// Largest distance of the triangles from the points, for fewer triangles where the ground is plane within it;
     /// when left out, 0.03 particle spacings or distances of joints, whichever is less, up to 0.1 of it where three times the
     /// noise of the points are more, but no less than 0.01 spacings of the terrain; m.
     #[serde(default)]
-    #[schemars(extend("x-unit" = "m"))]
+    #[schemars(extend("x-unit" = "m", "exclusiveMinimum" = 0))]
     pub tolerance: Option<f64>,
     /// Treatment of locations without a source.
     #[serde(default)]
@@ -53,7 +53,7 @@ pub struct HeightsFile {
     pub file: String,
     /// Size of the unit of its elevations: 0.3048 for feet; m.
     #[serde(default = "one")]
-    #[schemars(extend("x-unit" = "m"))]
+    #[schemars(extend("x-unit" = "m", "exclusiveMinimum" = 0))]
     pub height_scale: f64,
     /// Added to its elevations, to change the datum; m.
     #[serde(default)]
@@ -67,7 +67,7 @@ pub struct HeightsFile {
     /// Spacing of the points that a cloud is interpolated at; when left out the median of the spacings of its points. Places
     /// farther than three of these spacings and than one cell from any point have no elevation; m.
     #[serde(default)]
-    #[schemars(extend("x-unit" = "m"))]
+    #[schemars(extend("x-unit" = "m", "exclusiveMinimum" = 0))]
     pub cell: Option<f64>,
 }
 
@@ -174,7 +174,7 @@ pub enum FailureSurfaceFile {
         file: String,
         /// Size of the unit of its elevations: 0.3048 for feet; m.
         #[serde(default = "one")]
-        #[schemars(extend("x-unit" = "m"))]
+        #[schemars(extend("x-unit" = "m", "exclusiveMinimum" = 0))]
         height_scale: f64,
         /// Added to its elevations; m.
         #[serde(default)]

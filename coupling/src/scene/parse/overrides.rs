@@ -84,7 +84,7 @@ fn with_field(text: &str, syntax: Syntax, change: &Override) -> Result<String, P
                 .ok_or_else(|| refuse("there is no such element".to_owned()))
         }
         Err(_) => Err(refuse(
-            "no such field; see cases/README.md for all paths".to_owned(),
+            "no such field; see docs/reference/scene for all paths".to_owned(),
         )),
     }
 }
