@@ -144,6 +144,8 @@ pub(crate) fn answers(name: &str, text: &str, set: &[(&str, &str)]) -> Vec<Locat
 
 #[test]
 fn right_scenes_pass_without_a_word() {
+    let for_editors = JSON.replacen('{', "{\"$schema\": \"scene.schema.json\",", 1);
+    assert_eq!(answers("scene.json", &for_editors, &[]), []);
     for (name, text) in TANKS {
         assert_eq!(answers(name, text, &[]), [], "{name}");
         // as editors of Windows save it

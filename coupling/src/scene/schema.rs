@@ -19,6 +19,11 @@ pub const UNIT: &str = "x-unit";
 pub fn of_scenes() -> Value {
     let mut schema = generated::<SceneFile>();
     with_quantities(&mut schema, "");
+    if let Some(Value::Object(fields)) = schema.get_mut("properties") {
+        let said = "Place of this schema, for editors; a scene in JSON alone has it.";
+        let for_editors = json!({"type": "string", "description": said});
+        fields.insert("$schema".to_owned(), for_editors);
+    }
     titled(schema, "riprap scene")
 }
 

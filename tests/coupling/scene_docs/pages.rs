@@ -64,7 +64,8 @@ fn index(schema: &Value, types: &[&str]) -> String {
         "{HEAD}(scene-reference)=\n# Scene reference\n\n\
          A scene is one file in RON, JSON or YAML. Its outermost type is [`SceneFile`](scene.md). Numbers are in the unit of their \
          field; a number with a unit is written as a text, `\"25 mm\"`, see [units](../units.md). Unknown fields are rejected. \
-         `riprap schema` prints all of this as a JSON schema, with which editors complete and check scenes.\n\n\
+         `riprap schema` prints all of this as a JSON schema, with which editors complete and check scenes: `riprap schema > scene.schema.json`, \
+         then `\"$schema\": \"scene.schema.json\"` in a scene in JSON, or `# yaml-language-server: $schema=scene.schema.json` above one in YAML.\n\n\
          In JSON and YAML a kind with a value or fields is an object of one entry: `Spacing(0.1)` is `{{\"Spacing\": 0.1}}`, \
          `Box(min: (0, 0, 0), max: (1, 1, 1))` is `{{\"Box\": {{\"min\": [0, 0, 0], \"max\": [1, 1, 1]}}}}`, `Fixed` is `\"Fixed\"`.\n\n\
          | type | content |\n|---|---|\n"
@@ -141,7 +142,11 @@ impl Page<'_> {
             let found = self.order.iter().position(|one| *one == path);
             found.unwrap_or_else(|| panic!("{path} is not in the source"))
         };
-        let mut names: Vec<&String> = fields.keys().collect();
+        // `$schema` is for editors
+        let mut names: Vec<&String> = fields
+            .keys()
+            .filter(|name| !name.starts_with('$'))
+            .collect();
         names.sort_by_key(|name| rank(name));
         let required = of_type["required"].as_array().cloned().unwrap_or_default();
         for name in names {

@@ -7,6 +7,9 @@ use serde::de::IgnoredAny;
 use super::token::{Token, TokenKind, tokens};
 use super::tree::{DEEPEST, Field, Flaw, Node, NodeKind, Tree, of_kind, too_deep};
 
+/// Name of the field by which editors find the schema of a text.
+const SCHEMA: &str = "$schema";
+
 /// Structure of a JSON text; of a broken one only the flaw.
 pub(super) fn tree(text: &str) -> Tree<'_> {
     let mut tree = Tree::empty(text, super::Syntax::Json);
@@ -123,7 +126,11 @@ impl Reader<'_> {
                     self.at += 1;
                     let name = token.span.start + 1..token.span.end - 1;
                     let value = self.value(depth + 1)?;
-                    fields.push(Field { name, value });
+                    // for editors, which find the schema by it
+                    let is_for_editors = depth == 0 && self.text.get(name.clone()) == Some(SCHEMA);
+                    if !is_for_editors {
+                        fields.push(Field { name, value });
+                    }
                 }
             }
         }
