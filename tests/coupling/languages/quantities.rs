@@ -145,6 +145,14 @@ fn places_behind_quantities_are_those_of_the_text() {
             "\"fast\"",
         ),
         ("\"50 %\"", "\"50 %\", 3", "(\"1 h\", \"50 %\", 3)"),
+        ("time: (", "time (", "("),
+        ("joints: [", "joints: [[", "[["),
+        ("force: (0, 0, ", "force: (NaN, 0, ", "NaN"),
+        (
+            "dynamic_viscosity: ",
+            "dynamic_viscosit: ",
+            "dynamic_viscosit",
+        ),
     ] {
         assert!(RON.contains(from), "{from}");
         let text = RON.replacen(from, to, 1);

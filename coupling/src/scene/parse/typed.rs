@@ -34,9 +34,12 @@ pub(super) fn read<T: DeserializeOwned>(tree: &Tree<'_>) -> (Result<T, ReadError
         quantities: RefCell::default(),
     };
     let found = match (&tree.flaw, &tree.root) {
-        (Some(flaw), _) => Err(ReadError::other(&flaw.message).at(&flaw.span)),
-        (None, None) => Err(ReadError::other("the text is empty").at(&(0..0))),
-        (None, Some(root)) => T::deserialize(Reader {
+        // its own reader tells the flaws of RON; quantities before them are found all the same
+        (Some(flaw), _) if tree.syntax != Syntax::Ron => {
+            Err(ReadError::other(&flaw.message).at(&flaw.span))
+        }
+        (_, None) => Err(ReadError::other("the text is empty").at(&(0..0))),
+        (_, Some(root)) => T::deserialize(Reader {
             text: &text,
             node: tree.without_some(root),
             slot: Slot::default(),
@@ -146,12 +149,10 @@ impl<'t> Reader<'t> {
         let content = self.tree().content(self.node);
         let content = content.ok_or_else(|| self.takes("a number"))?;
         let is_word = matches!(self.node.kind, NodeKind::Word);
-        let digits = match self.tree().syntax {
-            Syntax::Ron => content.replace('_', ""),
-            Syntax::Json | Syntax::Yaml => content.to_string(),
-        };
-        let number = digits.parse::<f64>().ok();
+        let number = content.parse::<f64>().ok();
         match number {
+            // its own reader judges the numbers of RON
+            _ if is_word && self.tree().syntax == Syntax::Ron => Ok(number.unwrap_or_default()),
             Some(number) if is_word && number.is_finite() => Ok(number),
             Some(_) if is_word => Err(self.refuse(format!(
                 "`{}` is {content}; a number must be finite",
@@ -190,8 +191,11 @@ impl<'t> Reader<'t> {
         let content = self.tree().content(self.node);
         match (&self.node.kind, content) {
             (NodeKind::Word, Some(word)) => {
-                let number = word.replace('_', "").parse();
-                number.map_err(|_| self.takes("a whole number from 0"))
+                let number = word.parse();
+                match self.tree().syntax {
+                    Syntax::Ron => Ok(number.unwrap_or_default()),
+                    _ => number.map_err(|_| self.takes("a whole number from 0")),
+                }
             }
             _ => Err(self.takes("a whole number from 0")),
         }
