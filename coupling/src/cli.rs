@@ -11,6 +11,7 @@ mod program;
 mod render;
 mod report;
 mod run;
+mod schema;
 mod shell;
 mod study;
 mod told;
@@ -89,6 +90,8 @@ enum Command {
     Study(study::Arguments),
     /// Explain errors and warnings by the codes behind them.
     Explain(explain::Arguments),
+    /// Print the JSON schema of scenes or studies.
+    Schema(schema::Arguments),
     /// Write completions of a shell.
     Completions(shell::Completions),
     /// Write man pages.
@@ -154,6 +157,7 @@ fn run_command(asked: Command, program: &Program) -> Exit {
         Command::Compare(arguments) => compare::execute(&arguments),
         Command::Study(arguments) => study::execute(&arguments, program),
         Command::Explain(arguments) => explain::execute(&arguments),
+        Command::Schema(arguments) => schema::execute(&arguments),
         Command::Completions(arguments) => shell::completions(&arguments, command()),
         Command::Man(arguments) => shell::man(&arguments, command()),
     }

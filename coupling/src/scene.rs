@@ -19,6 +19,7 @@ pub mod parse;
 mod placed;
 pub mod resolve;
 pub mod resolved;
+pub mod schema;
 mod sleep;
 mod sliding;
 pub(crate) mod symmetry;
@@ -38,6 +39,7 @@ use access::{Access, FilesFrom};
 use error::{Problem, SceneError, Severity};
 use estimate::Estimate;
 use file::SceneFile;
+use locate::Syntax;
 use parse::Override;
 use placed::Placed;
 use resolved::Scene;
@@ -102,7 +104,7 @@ pub fn text_of(path: &Path) -> Result<String, SceneError> {
     Ok(text)
 }
 
-/// Checks and resolves the scene written in a text, called `name` in messages.
+/// Checks and resolves the scene written in a text, called `name` in messages; in the language of that name's ending.
 ///
 /// # Errors
 ///
@@ -158,9 +160,11 @@ pub fn read_text(
     written: &str,
     overrides: &[Override],
 ) -> Result<(String, SceneFile), SceneError> {
-    let text = parse::overridden(written, overrides)
+    let syntax = Syntax::of(name);
+    let text = parse::overridden(written, syntax, overrides)
         .map_err(|problem| SceneError::from_problems(name, written, vec![problem]))?;
-    let file = parse::read(&text).map_err(|error| SceneError::of_text(name, &text, error))?;
+    let file =
+        parse::read_in(&text, syntax).map_err(|error| SceneError::of_text(name, &text, error))?;
     Ok((text, file))
 }
 

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use crate::support::{riprap, run, table, words};
+use riprap::output::run_folder;
 
 /// A scene with the given blocks and further fields.
 fn scene(folder: &Path, blocks: &str, further: &str) -> std::path::PathBuf {
@@ -182,9 +183,10 @@ fn rock_mass_cut_by_joints() {
     let out = folder.path().join("out");
     let summary = run(&path, &out, &[]);
     assert_eq!(summary["free_blocks"], 24);
-    // case.ron holds the blocks and runs alike
+    // case.ron makes the same blocks and runs alike
     let again = run(&out.join("case.ron"), &folder.path().join("again"), &[]);
     assert_eq!(summary["state_hash"], again["state_hash"]);
+    can_be_edited(&out);
     let close = further.replace(
         "dip_deg: 0, dip_direction_deg: 0, spacing: 1",
         "dip_deg: 0, dip_direction_deg: 0, spacing: 1e-5",
@@ -331,6 +333,27 @@ fn displaced_blocks_are_counted() {
     }
 }
 
+/// The scene of a run keeps its rock mass as written, and names the blocks that follow from it; other joints make others.
+fn can_be_edited(out: &Path) {
+    let path = out.join("case.ron");
+    let kept = std::fs::read_to_string(&path).unwrap();
+    assert!(!kept.contains("mass.0001"), "{kept}");
+    let note = kept.lines().nth(1).unwrap();
+    assert!(note.starts_with("// 24 blocks follow from"), "{note}");
+    let edited = kept.replacen("spacing: 1.0", "spacing: 0.5", 1);
+    assert_ne!(edited, kept);
+    let other = out.with_file_name("edited.ron");
+    std::fs::write(&other, edited).unwrap();
+    let output = riprap(&["check", other.to_str().unwrap()]);
+    let said = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert!(said.contains("`mass`: 48 blocks of"), "{said}");
+    // pictures and reports have the names of all blocks, without `bodies.csv` those that the scene lists
+    let names = || run_folder::read_scene(out).unwrap().block_names;
+    assert_eq!((names().len(), names()[1].as_str()), (25, "mass.0001"));
+    std::fs::remove_file(out.join("bodies.csv")).unwrap();
+    assert_eq!(names(), ["floor"]);
+}
+
 /// Spheres of a lattice are blocks like others.
 #[test]
 fn grains_become_balls() {
@@ -348,9 +371,14 @@ fn grains_become_balls() {
     let out = folder.path().join("out");
     let summary = run(&path, &out, &[]);
     assert_eq!(summary["free_blocks"], 81);
-    // case.ron holds the spheres and runs alike
+    // case.ron makes the same spheres and runs alike
     let again = run(&out.join("case.ron"), &folder.path().join("again"), &[]);
     assert_eq!(summary["state_hash"], again["state_hash"]);
+    let kept = std::fs::read_to_string(out.join("case.ron")).unwrap();
+    assert!(
+        kept.contains("jitter: 0.05") && !kept.contains("bead_0001"),
+        "{kept}"
+    );
     for (change, expected) in [
         (
             ("count: 81", "count: 325"),

@@ -89,7 +89,8 @@ const WRITING: &[Row] = &[
     ("Spacing(0.1)", "Spacing(0.1 m)", "m", Error, "`0.1` is followed by `m`; write 0.1 alone"),
     ("Spacing(0.1)", "Count(1000.5)", "1000.5", Error, "`Count` takes a whole number, found 1000.5"),
     ("density: 2650", "density: \"2650\"", "\"2650\"", Error, "`density` takes a number, found \"2650\" in quotes; write 2650"),
-    ("density: 2650", "density: \"2650 kg/m3\"", "\"2650 kg/m3\"", Error, "`density` takes a number without a unit, found \"2650 kg/m3\" in quotes; write 2650"),
+    ("density: 2650", "density: \"2650 kg\"", "\"2650 kg\"", Error, "`density`: found \"2650 kg\"; write a density in kg/m3, g/cm3, t/m3, lb/ft3"),
+    ("Spacing(0.1)", "\"0.1 m\"", "\"0.1 m\"", Error, "`resolution` does not say what \"0.1 m\" is; write Spacing(\"0.1 m\")"),
     ("density: 2650", "density: 2650 kg/m3", "kg", Error, "`2650` is followed by `kg`; write 2650 alone"),
     ("density: 2650", "density: 2 650", "650", Error, "found `2 650`; a comma goes between numbers, nothing between thousands"),
     ("density: 2650", "density: 2'650", "'", Error, "found `2'650`; a comma goes between numbers, nothing between thousands"),
@@ -428,6 +429,7 @@ fn right_scenes_pass_without_a_word() {
         (TANK, "domain: (", "gravity: (1.5, 0, -9.7), domain: ("),
         (TANK, "density: 2650", "density: 500"),
         (TANK, "density: 2650", "density: 2_650"),
+        (TANK, "density: 2650", "density: \"2650 kg/m3\""),
         (
             TANK,
             CUBE,

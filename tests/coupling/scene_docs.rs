@@ -1,14 +1,21 @@
-//! `cases/README.md` documents every field of scenes, `benches/trade/README.md` every field of studies, and nothing else.
+//! `docs/reference/scene` documents every field of scenes, `benches/trade/README.md` every field of studies, and nothing else.
+//!
+//! The pages of scenes are generated from the schema: `RIPRAP_UPDATE=1 cargo test --release --test coupling scene_docs` writes them.
+
+mod examples;
+mod pages;
 
 use std::collections::BTreeSet;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Source of the schema: `scene/file.rs` and what is in the folder of that name.
 fn schema_source() -> String {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("src/scene/file");
-    let parts = std::fs::read_dir(&root)
+    let mut parts: Vec<PathBuf> = std::fs::read_dir(&root)
         .unwrap()
-        .map(|entry| entry.unwrap().path());
+        .map(|entry| entry.unwrap().path())
+        .collect();
+    parts.sort();
     std::iter::once(root.with_extension("rs"))
         .chain(parts)
         .map(|path| std::fs::read_to_string(path).unwrap())
@@ -23,9 +30,9 @@ fn study_source() -> String {
         .concat()
 }
 
-/// Fields of a schema as `Struct.field`, read from its source: what the derive sees.
-fn schema_fields(source: &str) -> BTreeSet<String> {
-    let mut fields = BTreeSet::new();
+/// Fields of a schema as `Struct.field`, read from its source in its order: what the derive sees.
+fn fields_in_order(source: &str) -> Vec<String> {
+    let mut fields = Vec::new();
     let (mut owner, mut variant) = (None::<String>, None::<String>);
     for line in source.lines() {
         let text = line.trim();
@@ -45,30 +52,33 @@ fn schema_fields(source: &str) -> BTreeSet<String> {
             {
                 // a field with the name of a word of Rust
                 let name = field.0.trim_start_matches("r#");
-                fields.insert(format!("{owner}.{name}"));
+                fields.push(format!("{owner}.{name}"));
             } else if indent == 4 && text.chars().next().is_some_and(char::is_uppercase) {
                 let name: String = text.chars().take_while(|c| c.is_alphanumeric()).collect();
-                fields.insert(format!("{owner}.{name}"));
+                fields.push(format!("{owner}.{name}"));
                 variant = text.ends_with('{').then_some(name);
             } else if let (Some(variant), 8) = (&variant, indent)
                 && let Some((field, _)) = text.split_once(": ")
                 && field.chars().all(|c| c.is_lowercase() || c == '_')
             {
-                fields.insert(format!("{owner}.{variant}.{field}"));
+                fields.push(format!("{owner}.{variant}.{field}"));
             }
         }
     }
     fields
 }
 
-/// First cells of the tables, under headings that name the struct: "### `DomainFile` ...".
-fn documented_fields(file: &str) -> BTreeSet<String> {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("..").join(file);
-    let text = std::fs::read_to_string(path).unwrap();
+/// A file or folder of the repository.
+fn at(path: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("..").join(path)
+}
+
+/// First cells of the tables, under headings that name the struct: "### `DomainFile` ..." or "# `DomainFile`".
+fn documented_fields(text: &str) -> BTreeSet<String> {
     let mut fields = BTreeSet::new();
     let mut owner = String::new();
     for line in text.lines() {
-        if let Some(heading) = line.strip_prefix("### ") {
+        if let Some(heading) = line.strip_prefix("### ").or(line.strip_prefix("# ")) {
             owner = heading.split('`').nth(1).unwrap_or_default().to_owned();
         } else if let Some(cell) = line.strip_prefix("| `")
             && !owner.is_empty()
@@ -79,13 +89,31 @@ fn documented_fields(file: &str) -> BTreeSet<String> {
     fields
 }
 
+/// The committed pages of scenes, one after the other.
+fn pages_of_scenes() -> String {
+    let entries = at("docs/reference/scene").read_dir().unwrap();
+    entries
+        .map(|entry| std::fs::read_to_string(entry.unwrap().path()).unwrap())
+        .collect()
+}
+
 #[test]
 fn the_tables_and_the_schemas_are_the_same() {
-    for (source, file, least) in [
-        (schema_source(), "cases/README.md", 80),
-        (study_source(), "benches/trade/README.md", 40),
+    if std::env::var_os("RIPRAP_UPDATE").is_some() {
+        return;
+    }
+    let studies = std::fs::read_to_string(at("benches/trade/README.md")).unwrap();
+    for (source, file, text, least) in [
+        (
+            schema_source(),
+            "docs/reference/scene",
+            pages_of_scenes(),
+            80,
+        ),
+        (study_source(), "benches/trade/README.md", studies, 40),
     ] {
-        let (schema, documented) = (schema_fields(&source), documented_fields(file));
+        let schema: BTreeSet<String> = fields_in_order(&source).into_iter().collect();
+        let documented = documented_fields(&text);
         assert!(
             schema.len() > least,
             "the reader of the schema lost its way: {schema:?}"
@@ -98,6 +126,42 @@ fn the_tables_and_the_schemas_are_the_same() {
             "{file} has what the schema lacks: {invented:#?}"
         );
     }
+}
+
+/// The committed pages are what the schema says now; with `RIPRAP_UPDATE` they are written.
+#[test]
+fn the_pages_are_up_to_date() {
+    let order = fields_in_order(&schema_source());
+    let folder = at("docs/reference/scene");
+    let pages = pages::of_scenes(&order);
+    let units = at("docs/reference/units.md");
+    if std::env::var_os("RIPRAP_UPDATE").is_some() {
+        if folder.exists() {
+            std::fs::remove_dir_all(&folder).unwrap();
+        }
+        std::fs::create_dir_all(&folder).unwrap();
+        for (name, text) in &pages {
+            std::fs::write(folder.join(name), text).unwrap();
+        }
+        std::fs::write(&units, pages::of_units()).unwrap();
+        return;
+    }
+    let remedy = "run RIPRAP_UPDATE=1 cargo test --release --test coupling scene_docs";
+    for (name, text) in &pages {
+        let found = std::fs::read_to_string(folder.join(name)).unwrap_or_default();
+        assert!(found == *text, "{name} is not up to date: {remedy}");
+    }
+    let n_found = folder.read_dir().unwrap().count();
+    assert_eq!(
+        n_found,
+        pages.len(),
+        "pages of types that are gone: {remedy}"
+    );
+    let found = std::fs::read_to_string(units).unwrap_or_default();
+    assert!(
+        found == pages::of_units(),
+        "units.md is not up to date: {remedy}"
+    );
 }
 
 #[test]

@@ -22,7 +22,7 @@ pub(crate) use describe::describe;
 /// Check a scene and report its model and cost.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Arguments {
-    /// The scene, a RON file; see cases/README.md.
+    /// The scene, a RON, JSON or YAML file; see docs/reference/scene.
     case: PathBuf,
     /// Set a field of the scene, e.g. --set fluid.resolution="Count(5000)"; may be repeated.
     #[arg(long = "set", value_name = "PATH=VALUE")]

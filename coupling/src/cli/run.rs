@@ -34,7 +34,7 @@ use wall_time::wall_time;
 /// Run a scene into a folder.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Arguments {
-    /// The scene, a RON file; see cases/README.md.
+    /// The scene, a RON, JSON or YAML file; see docs/reference/scene.
     case: PathBuf,
     /// Run folder; runs/NAME when left out.
     #[arg(short, long, value_name = "DIR")]

@@ -51,7 +51,7 @@ use std::ops::Range;
 use miette::{Diagnostic, LabeledSpan, NamedSource, SourceCode};
 
 use super::locate::tree::Tree;
-use super::locate::{Place, line_column, locate, path_at};
+use super::locate::{Place, Syntax, line_column, locate, path_at};
 use super::parse::TextError;
 
 /// Problems of a scene, located in its text.
@@ -84,12 +84,13 @@ pub struct Located {
 }
 
 impl SceneError {
-    /// Problems found in a text that was read.
+    /// Problems found in a text that was read, in the language that the name of its file tells.
     pub fn from_problems(file: &str, text: &str, problems: Vec<Problem>) -> Self {
+        let tree = Tree::of(text, Syntax::of(file));
         let located = problems
             .into_iter()
             .map(|problem| {
-                let Place { span, line, column } = locate(text, &problem.path);
+                let Place { span, line, column } = locate(&tree, &problem.path);
                 Located {
                     code: problem.code,
                     found: first_line(text, &span),
@@ -110,7 +111,7 @@ impl SceneError {
         let (line, column) = line_column(text, error.span.start);
         let located = Located {
             code: error.code,
-            path: path_at(&Tree::new(text), error.span.start),
+            path: path_at(&Tree::of(text, Syntax::of(file)), error.span.start),
             found: first_line(text, &error.span),
             message: error.message,
             span: error.span,

@@ -1,9 +1,10 @@
-//! The scene as it is written: the RON schema, nothing checked beyond types.
+//! The scene as it is written, in RON, JSON or YAML: the schema, nothing checked beyond types.
 //!
 //! Units are SI; angles are in degrees, and a field that is not SI says so in its name. A field of
 //! type `Option` has no fixed default: `None` means "riprap chooses", and the choice is written
 //! into the run folder's `case.ron`, so that a scene read from there leaves nothing open.
-//! `cases/README.md` documents every field; a test holds that table against these types.
+//! The comments here are the scene reference, `docs/reference/scene`, and the JSON schema; a number names its unit twice, in its
+//! comment and as `x-unit`, by which quantities such as "25 mm" are converted. A test holds all of that together.
 
 mod attachments;
 mod blocks;
@@ -22,6 +23,7 @@ mod waves;
 
 use riprap_dda::Vec3;
 use riprap_sph::Symmetry;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 pub use attachments::AttachmentFile;
@@ -63,7 +65,7 @@ pub fn vec3((x, y, z): Triple) -> Vec3 {
 }
 
 /// A complete scene.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SceneFile {
     /// One line that names the experiment.
@@ -73,6 +75,7 @@ pub struct SceneFile {
     pub description: String,
     /// Acceleration of gravity; m/s².
     #[serde(default = "standard_gravity")]
+    #[schemars(extend("x-unit" = "m/s²"))]
     pub gravity: Triple,
     /// The box outside of which nothing is modeled.
     pub domain: DomainFile,
@@ -203,12 +206,14 @@ impl SceneFile {
 }
 
 /// The modeled box.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct DomainFile {
     /// Lower corner; m.
+    #[schemars(extend("x-unit" = "m"))]
     pub min: Triple,
     /// Upper corner; m.
+    #[schemars(extend("x-unit" = "m"))]
     pub max: Triple,
     /// Periodic directions of the fluid, with the box as the period. A slab several spacings wide and periodic across
     /// is a 2-D flume at 2-D cost.
@@ -228,7 +233,7 @@ pub struct DomainFile {
 }
 
 /// A coordinate direction.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub enum Axis {
     /// Along x.
     X,
@@ -250,7 +255,7 @@ impl Axis {
 }
 
 /// A side of an axis-aligned box.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub enum SideFile {
     /// The side of lowest x.
     XMin,
@@ -291,7 +296,7 @@ pub fn planes_of_symmetry(sides: &[SideFile]) -> Symmetry {
 }
 
 /// Treatment of a particle or block that leaves the domain, a particle by more than a spacing.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub enum OutOfDomainFile {
     /// It is removed and counted; its mass, momentum and energy are booked as removed.
     #[default]
@@ -312,7 +317,7 @@ impl From<OutOfDomainFile> for OutOfDomain {
 }
 
 /// Dimensions of the flow.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub enum DimensionsFile {
     /// In a vertical plane.
     Two,
@@ -322,14 +327,16 @@ pub enum DimensionsFile {
 }
 
 /// Duration.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TimeFile {
     /// Simulated time, after settling; s.
+    #[schemars(extend("x-unit" = "s", "exclusiveMinimum" = 0))]
     pub duration: f64,
     /// Duration before t = 0 in which the water comes to rest: blocks are held, the fluid is damped; s. Excluded from
     /// the records and the energy ledger.
     #[serde(default)]
+    #[schemars(extend("x-unit" = "s", "minimum" = 0))]
     pub settle: f64,
     /// Wall time from the start of the program, before the end of which a run stops with a checkpoint to resume from; s. The
     /// option `--wall-limit` of `riprap run` takes precedence. No limit when left out.

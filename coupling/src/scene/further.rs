@@ -42,12 +42,13 @@ pub(crate) fn reason_to_stay(line: &str) -> &'static str {
 ///
 /// Two scenes differ in nothing else if this is the text of the scene before. `None` where a text is no scene.
 pub(crate) fn as_before(before: &str, now: &str, changes: Changes) -> Option<String> {
+    let note = parse::note(now);
     let (before, mut now) = (parse::read(before).ok()?, parse::read(now).ok()?);
     keep_records(&before, &mut now);
     if changes == Changes::Numerics {
         keep_numerics(&before, &mut now);
     }
-    parse::write(&now).ok()
+    parse::write_noted(&now, &note).ok()
 }
 
 fn keep_records(before: &SceneFile, now: &mut SceneFile) {

@@ -1,15 +1,21 @@
 //! Location of a field in the text, from its path.
 //!
 //! RON keeps no locations once a scene is read, and its own errors end at the first. So the text is read a second time by
-//! a small reader that minds only brackets, names and commas, and therefore works on broken text, too.
+//! a small reader that minds only brackets, names and commas, and therefore works on broken text, too. JSON and YAML become the same
+//! tree, which paths, checks and overrides then treat alike.
 
+mod json;
 pub mod path;
+mod ron;
+mod syntax;
 mod token;
 pub mod tree;
+mod yaml;
 
 use std::ops::Range;
 
 use path::FieldPath;
+pub use syntax::Syntax;
 use tree::Tree;
 
 /// A location in a text.
@@ -23,10 +29,11 @@ pub struct Place {
     pub column: usize,
 }
 
-/// Location of the value of `path` in `text`. A value without text, such as a default, is
+/// Location of the value of `path` in a text. A value without text, such as a default, is
 /// located at the nearest enclosing value with text.
-pub fn locate(text: &str, path: &str) -> Place {
-    let span = span_of(&Tree::new(text), path);
+pub fn locate(tree: &Tree<'_>, path: &str) -> Place {
+    let text = tree.text;
+    let span = span_of(tree, path);
     let (line, column) = line_column(text, span.start);
     Place { span, line, column }
 }

@@ -33,10 +33,12 @@ pub use super::file::vec3;
 use super::file::{BlockFile, DomainFile, SceneFile, StepBoundFile, TerrainFile};
 use super::fill::{Lattice, Room, lattice_within, misfits, narrow_gaps, overlaps_on};
 use super::flow::with_flow;
+use super::geometry::rock_mass::RockMassReport;
+use super::geometry::slides;
 use super::names::Names;
 use super::placed::placed;
 use super::resolved::Domain;
-pub use super::resolved::{FluidScene, Scene};
+pub use super::resolved::{FluidScene, Made, Scene};
 use super::sliding::warn_about_bends;
 use super::{estimate, fluid, sleep, symmetry};
 use expanded::expand;
@@ -61,8 +63,8 @@ impl Scene {
     ///
     /// All problems of the geometry together.
     pub fn resolve_within(file: SceneFile, access: &Access) -> Result<Self, Vec<Problem>> {
-        let file = placed(file, access)?.file;
-        let expanded = expand(file, access)?;
+        let source = placed(file, access)?.file;
+        let expanded = expand(source.clone(), access)?;
         let (file, terrain) = (&expanded.file, expanded.terrain.as_ref());
         let mut problems = terrain.map_or_else(Vec::new, |terrain| terrain.warnings.clone());
         problems.extend(expanded.warnings.iter().cloned());
@@ -121,6 +123,8 @@ impl Scene {
         let blocks = solids.definitions(file);
         let resting = sleep::resting(file, &blocks, &mut problems);
         let warnings = without_errors(problems)?;
+        let made = made(&source, file);
+        let source = chosen_cuts(source, &expanded.rock_masses);
         let output = recording::output(&file.output, file.time.duration, fluid.as_ref());
         Ok(Self {
             title: file.title.clone(),
@@ -153,9 +157,30 @@ impl Scene {
             rock_masses: expanded.rock_masses,
             grains: expanded.grains,
             wave_makers,
-            source: expanded.file,
+            made,
+            source,
         })
     }
+}
+
+/// Blocks that the scene does not list, if it has any.
+fn made(source: &SceneFile, expanded: &SceneFile) -> Option<Made> {
+    let n_made = expanded.blocks.len() - source.blocks.len();
+    let bytes = postcard::to_stdvec(&expanded.blocks).unwrap_or_default();
+    (0 < n_made).then(|| Made {
+        n_blocks: n_made,
+        hash: blake3::hash(&bytes).to_hex().to_string(),
+    })
+}
+
+/// The scene with the limits that its slides chose; reports are of rock masses, then of slides.
+fn chosen_cuts(mut source: SceneFile, reports: &[RockMassReport]) -> SceneFile {
+    let of_slides = reports.iter().skip(source.rock_masses.len());
+    for (slide, report) in source.slides.iter_mut().zip(of_slides) {
+        slide.convex_within = Some(slides::convex_within(slide));
+        slide.minimum_volume = Some(report.minimum_volume);
+    }
+    source
 }
 
 /// The problems, if none of them stops the scene.

@@ -84,7 +84,9 @@ pub struct Scene {
     pub masses: Vec<TrackedMass>,
     /// Doubtful points that do not stop the scene.
     pub warnings: Vec<Problem>,
-    /// The scene as written, with blocks in place of rock masses, slides and grains.
+    /// Blocks of rock masses, slides and grains; `None` without.
+    pub made: Option<Made>,
+    /// The scene as written, with rock masses, slides and grains as they are.
     pub(super) source: SceneFile,
 }
 
@@ -98,6 +100,15 @@ impl Scene {
             (fluid.pressures, fluid.kinds) = (Vec::new(), Vec::new());
         }
     }
+}
+
+/// Blocks that a scene does not list one by one.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Made {
+    /// Their number.
+    pub n_blocks: usize,
+    /// BLAKE3 of all blocks of the scene: equal hashes are equal blocks, to the bit.
+    pub hash: String,
 }
 
 /// Modeled box.

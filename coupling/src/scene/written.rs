@@ -22,7 +22,18 @@ impl Scene {
     ///
     /// Those of [`parse::write`].
     pub fn to_text(&self) -> Result<String, ron::Error> {
-        parse::write(&self.to_file())
+        parse::write_noted(&self.to_file(), &self.note())
+    }
+
+    /// Comment under the title of the text: the blocks that follow from it, so that a run is not taken further with others, as
+    /// another version of riprap may make.
+    pub fn note(&self) -> String {
+        self.made.as_ref().map_or_else(String::new, |made| {
+            format!(
+                "// {} blocks follow from slides, rock_masses and grains; BLAKE3 of all blocks: {}\n",
+                made.n_blocks, made.hash
+            )
+        })
     }
 
     /// Files that the scene names, relative to its folder.

@@ -27,7 +27,7 @@ impl ArchivedScene {
         let mut file = scene.to_file();
         let names = archived_names(&file.referenced_files());
         file.rename_files(|file| names.get(file).cloned().unwrap_or_else(|| file.to_owned()));
-        let text = parse::write(&file)?;
+        let text = parse::write_noted(&file, &scene.note())?;
         Ok(Self { names, text })
     }
 

@@ -7,6 +7,7 @@ use super::{CASE, SUMMARY};
 use crate::messages::{Code, Coded};
 use riprap_dda::Vec3;
 
+use crate::output::bodies;
 use crate::scene::file::{Axis, DimensionsFile, ResolutionFile, SceneFile, ShapeFile, Triple};
 use crate::scene::resolved::recording::Viewpoint;
 
@@ -41,7 +42,7 @@ pub struct RunScene {
     pub title: String,
     /// Camera, if the scene sets one.
     pub camera: Option<Viewpoint>,
-    /// Whether each block is terrain.
+    /// Whether each block that the scene lists is terrain; blocks of slides, rock masses and grains follow and are not.
     pub is_terrain: Vec<bool>,
     /// Particle spacing as written, if it is; m.
     pub particle_spacing: Option<f64>,
@@ -83,6 +84,13 @@ pub fn read_scene(folder: &Path) -> Result<RunScene, ReadError> {
         file.domain.max.1 - file.domain.min.1,
         file.domain.max.0 - file.domain.min.0,
     );
+    // the scene lists single blocks alone
+    let listed = || file.blocks.iter().map(|b| b.name.clone()).collect();
+    let bodies = bodies::read(folder).unwrap_or_default();
+    let block_names = match bodies.is_empty() {
+        true => listed(),
+        false => bodies.into_iter().map(|row| row.name).collect(),
+    };
     let map = file.terrain.as_ref().map(|t| (t.origin, t.crs.clone()));
     Ok(RunScene {
         map: map.unwrap_or_default(),
@@ -93,7 +101,7 @@ pub fn read_scene(folder: &Path) -> Result<RunScene, ReadError> {
             f64::from(stride).powf(if is_plane { 1.0 / 2.0 } else { 1.0 / 3.0 })
         },
         is_thin: is_plane || (file.domain.periodic.contains(&Axis::Y) && width < THIN * length),
-        block_names: (file.blocks.iter().map(|b| b.name.clone())).collect(),
+        block_names,
         title: file.title,
         camera: file.camera.as_ref().map(Viewpoint::from),
         is_terrain: file.blocks.iter().map(|b| is_terrain(&b.shape)).collect(),

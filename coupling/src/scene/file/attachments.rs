@@ -1,11 +1,12 @@
 //! Loads, supports and rock bolts.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::Triple;
 
 /// A load, support or rock bolt. Points are positions at t = 0 and move with their block.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub enum AttachmentFile {
     /// Constant force at a point of a block.
@@ -13,15 +14,18 @@ pub enum AttachmentFile {
         /// Name of the block.
         block: String,
         /// Point of application; m.
+        #[schemars(extend("x-unit" = "m"))]
         point: Triple,
-        /// N.
+        /// Force; N.
+        #[schemars(extend("x-unit" = "N"))]
         force: Triple,
     },
     /// Constant force per mass on a block, in addition to gravity.
     BodyLoad {
         /// Name of the block.
         block: String,
-        /// m/s².
+        /// Acceleration; m/s².
+        #[schemars(extend("x-unit" = "m/s²"))]
         acceleration: Triple,
     },
     /// Pressure on the face of a block whose normal is closest to a direction; it follows the face.
@@ -29,8 +33,10 @@ pub enum AttachmentFile {
         /// Name of the block.
         block: String,
         /// Outward direction of the face at t = 0.
+        #[schemars(extend("x-unit" = "-"))]
         face: Triple,
         /// Positive inward; Pa.
+        #[schemars(extend("x-unit" = "Pa"))]
         pressure: f64,
     },
     /// Spring that holds a point of a block in position.
@@ -38,8 +44,10 @@ pub enum AttachmentFile {
         /// Name of the block.
         block: String,
         /// Position; m.
+        #[schemars(extend("x-unit" = "m"))]
         point: Triple,
-        /// N/m.
+        /// Stiffness; N/m.
+        #[schemars(extend("x-unit" = "N/m", "exclusiveMinimum" = 0))]
         stiffness: f64,
     },
     /// Elastic-plastic bar between points of two blocks.
@@ -47,17 +55,22 @@ pub enum AttachmentFile {
         /// Name of the block at one end.
         from: String,
         /// Position of that end; m.
+        #[schemars(extend("x-unit" = "m"))]
         from_point: Triple,
         /// Name of the block at the other end.
         to: String,
         /// Position of that end; m.
+        #[schemars(extend("x-unit" = "m"))]
         to_point: Triple,
         /// Young's modulus times cross section over length; N/m.
+        #[schemars(extend("x-unit" = "N/m", "exclusiveMinimum" = 0))]
         stiffness: f64,
         /// Tension at t = 0; N.
         #[serde(default)]
+        #[schemars(extend("x-unit" = "N"))]
         pretension: f64,
         /// Yield force, the largest tension; N.
+        #[schemars(extend("x-unit" = "N", "exclusiveMinimum" = 0))]
         yield_force: f64,
     },
 }

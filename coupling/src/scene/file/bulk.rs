@@ -1,11 +1,12 @@
 //! Blocks made in number: rock masses cut by joints, and spheres in bulk.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::{DeformableFile, ShapeFile, Triple, one};
 
 /// A body cut into free blocks, named `name.0001` and so on, by joint sets, one after the other.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RockMassFile {
     /// Unique name.
@@ -25,6 +26,7 @@ pub struct RockMassFile {
     pub merge_slivers: Option<SliversFile>,
     /// Smaller blocks are removed after slivers are merged, and counted; m³.
     #[serde(default)]
+    #[schemars(extend("x-unit" = "m³", "minimum" = 0))]
     pub minimum_volume: f64,
     /// More blocks are rejected.
     #[serde(default = "default_maximum_blocks")]
@@ -39,44 +41,53 @@ pub struct RockMassFile {
 
 /// Definition of slivers in a rock mass: blocks beyond either limit. The smallest is merged first, until no block
 /// with a neighbor is a sliver; a union that is not convex is a block of several parts. The volume is preserved.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SliversFile {
     /// Volume below this fraction of the median volume, 0 to 1.
     #[serde(default = "default_volume_share")]
+    #[schemars(extend("x-unit" = "-"))]
     pub volume_share: f64,
     /// Length above this multiple of the smallest thickness, at least 2.
     #[serde(default = "default_aspect")]
+    #[schemars(extend("x-unit" = "-"))]
     pub aspect: f64,
 }
 
 /// Joints of one orientation.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct JointSetFile {
     /// Dip, down from the horizontal, 0 to 90; degrees.
+    #[schemars(extend("x-unit" = "degrees", "minimum" = 0, "maximum" = 90))]
     pub dip_deg: f64,
     /// Dip direction, clockwise from north (+y); degrees.
+    #[schemars(extend("x-unit" = "degrees"))]
     pub dip_direction_deg: f64,
     /// Spacing of the joints; m.
+    #[schemars(extend("x-unit" = "m", "exclusiveMinimum" = 0))]
     pub spacing: f64,
     /// A point on one of the joints; m.
     #[serde(default)]
+    #[schemars(extend("x-unit" = "m"))]
     pub origin: Triple,
     /// Probability that a joint cuts a block in its path, 0 to 1.
     #[serde(default = "one")]
+    #[schemars(extend("x-unit" = "-", "minimum" = 0, "maximum" = 1))]
     pub persistence: f64,
     /// Standard deviation of the tilt of a joint about each of two axes; tilts beyond three standard deviations are
     /// redrawn; degrees.
     #[serde(default)]
+    #[schemars(extend("x-unit" = "degrees", "minimum" = 0))]
     pub scatter_deg: f64,
     /// Largest offset of a joint from its regular position, as a fraction of the spacing, 0 to 0.5.
     #[serde(default)]
+    #[schemars(extend("x-unit" = "-", "minimum" = 0, "maximum" = 0.5))]
     pub spacing_scatter: f64,
 }
 
 /// Free spheres, named `name_0001` and so on, on a cubic lattice, placed from below without initial overlap.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct GrainsFile {
     /// Unique name.
@@ -86,6 +97,7 @@ pub struct GrainsFile {
     /// Initial region; no sphere extends beyond it.
     pub region: GrainRegionFile,
     /// Smallest and largest diameter, equal for a single size; uniform distribution between them; m.
+    #[schemars(extend("x-unit" = "m"))]
     pub diameter: (f64, f64),
     /// Number of spheres; as many as fit when left out.
     #[serde(default)]
@@ -93,36 +105,44 @@ pub struct GrainsFile {
     /// Spacing of the lattice; the smallest without overlap when left out: the largest diameter times (1 + 2 jitter);
     /// m.
     #[serde(default)]
+    #[schemars(extend("x-unit" = "m"))]
     pub spacing: Option<f64>,
     /// Largest offset of a sphere from its lattice site along each axis, as a fraction of the largest diameter.
     #[serde(default = "default_jitter")]
+    #[schemars(extend("x-unit" = "-", "minimum" = 0))]
     pub jitter: f64,
     /// Seed of the random numbers for sizes and positions.
     #[serde(default)]
     pub seed: u64,
     /// Initial velocity; m/s.
     #[serde(default)]
+    #[schemars(extend("x-unit" = "m/s"))]
     pub velocity: Triple,
 }
 
 /// Initial region of spheres.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub enum GrainRegionFile {
     /// An axis-aligned box.
     Box {
         /// Lower corner; m.
+        #[schemars(extend("x-unit" = "m"))]
         min: Triple,
         /// Upper corner; m.
+        #[schemars(extend("x-unit" = "m"))]
         max: Triple,
     },
     /// An upright cylinder.
     Cylinder {
         /// Center of its lower end; m.
+        #[schemars(extend("x-unit" = "m"))]
         base: Triple,
         /// Radius; m.
+        #[schemars(extend("x-unit" = "m", "exclusiveMinimum" = 0))]
         radius: f64,
         /// Height; m.
+        #[schemars(extend("x-unit" = "m", "exclusiveMinimum" = 0))]
         height: f64,
     },
 }

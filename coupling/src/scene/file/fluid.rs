@@ -1,19 +1,23 @@
 //! The water: how fine it is, where it stands, how it flows.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::Triple;
 
 /// The water.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct FluidFile {
     /// Reference density; kg/m³.
     #[serde(default = "default_fluid_density")]
+    #[schemars(extend("x-unit" = "kg/m³", "exclusiveMinimum" = 0))]
     pub density: f64,
     /// Dynamic viscosity, for schemes with the physical viscosity; Pa s. That of water at 20 degrees, 1.002e-3, when left out;
-    /// with the published viscosity, which needs it for stability, `0.012 ρ c0 H`.
+    /// with the published viscosity, which needs it for stability, `0.012 ρ c0 H`: with less, short waves grow whatever the time
+    /// step.
     #[serde(default)]
+    #[schemars(extend("x-unit" = "Pa s"))]
     pub dynamic_viscosity: Option<f64>,
     /// Flow law, for mud; Newtonian with `dynamic_viscosity` when left out.
     #[serde(default)]
@@ -28,16 +32,17 @@ pub struct FluidFile {
 }
 
 /// Resolution of the fluid.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub enum ResolutionFile {
     /// Particle spacing; m.
+    #[schemars(extend("x-unit" = "m"))]
     Spacing(f64),
     /// Target number of particles, matched as closely as whole rows allow; a deviation of more than 10 % is rejected.
     Count(u32),
 }
 
 /// Initial arrangement of particles.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub enum LatticeFile {
     /// In rows directly above each other, which fit boxes. Deep water settles off this lattice once it is disturbed,
     /// and disturbs itself by that: its surface drops by a hundredth of the depth for a while.
@@ -49,7 +54,7 @@ pub enum LatticeFile {
 }
 
 /// An initial body of water.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RegionFile {
     /// Name, for messages.
@@ -58,6 +63,7 @@ pub struct RegionFile {
     pub shape: RegionShapeFile,
     /// Initial velocity; m/s.
     #[serde(default)]
+    #[schemars(extend("x-unit" = "m/s"))]
     pub velocity: Triple,
     /// Initial flow, in addition to `velocity`.
     #[serde(default)]
@@ -68,57 +74,68 @@ pub struct RegionFile {
 }
 
 /// Extent of a body of water.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub enum RegionShapeFile {
     /// A box; it must not overlap a block.
     Box {
         /// Lower corner; m.
+        #[schemars(extend("x-unit" = "m"))]
         min: Triple,
         /// Upper corner; m.
+        #[schemars(extend("x-unit" = "m"))]
         max: Triple,
     },
     /// Everything below a level that is connected to `seed`; blocks and walls must close the basin.
     Below {
         /// Still-water level, a height along z; m.
+        #[schemars(extend("x-unit" = "m"))]
         level: f64,
         /// A wet point; m.
+        #[schemars(extend("x-unit" = "m"))]
         seed: Triple,
     },
 }
 
 /// Initial flow of the water.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub enum FlowFile {
     /// A standing wave along x of small height on constant depth, at the instant of a level surface; the surface
     /// first rises at `crest`.
     StandingWave {
         /// From trough to crest; m.
+        #[schemars(extend("x-unit" = "m"))]
         height: f64,
         /// Wave length, twice that of the shortest basin that holds it; m.
+        #[schemars(extend("x-unit" = "m"))]
         length: f64,
         /// Water depth, below the region's top; m.
+        #[schemars(extend("x-unit" = "m"))]
         depth: f64,
         /// x of a crest; m.
+        #[schemars(extend("x-unit" = "m"))]
         crest: f64,
     },
 }
 
 /// Flow law: stress as a function of the shear rate.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub enum RheologyFile {
     /// Proportional.
     Newtonian {
         /// Dynamic viscosity; Pa s.
+        #[schemars(extend("x-unit" = "Pa s"))]
         dynamic_viscosity: f64,
     },
     /// Linear above a yield stress.
     Bingham {
         /// Plastic viscosity; Pa s.
+        #[schemars(extend("x-unit" = "Pa s"))]
         dynamic_viscosity: f64,
         /// Yield stress; Pa.
+        #[schemars(extend("x-unit" = "Pa"))]
         yield_stress: f64,
         /// Creep below the yield stress.
         regularization: RegularizationFile,
@@ -126,10 +143,13 @@ pub enum RheologyFile {
     /// A power law above a yield stress.
     HerschelBulkley {
         /// Consistency; Pa sⁿ.
+        #[schemars(extend("x-unit" = "Pa sⁿ"))]
         consistency: f64,
         /// Exponent n, above 0; below 1 for a shear-thinning fluid.
+        #[schemars(extend("x-unit" = "-"))]
         exponent: f64,
         /// Yield stress; Pa.
+        #[schemars(extend("x-unit" = "Pa"))]
         yield_stress: f64,
         /// Creep below the yield stress.
         regularization: RegularizationFile,
@@ -138,12 +158,14 @@ pub enum RheologyFile {
 
 /// Creep of a fluid below its yield stress. A stopped layer of thickness H on a slope still moves at `ρ g sin θ H²/(2
 /// η)`, where η is its viscosity at rest; the step is proportional to 1/η.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub enum RegularizationFile {
     /// Papanastasiou's exponential with its time constant, 100 to 1000 s for mud; the viscosity at rest is the
     /// plastic one plus yield stress times time constant; s.
+    #[schemars(extend("x-unit" = "s"))]
     Papanastasiou(f64),
     /// Largest viscosity, 100 to 1000 times the plastic one; Pa s.
+    #[schemars(extend("x-unit" = "Pa s"))]
     Bilinear(f64),
 }
 

@@ -1,21 +1,25 @@
 //! Schema of output files, intervals and camera.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::Triple;
 
 /// Output files and intervals.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct OutputFile {
     /// Interval of VTK frames; s. A fiftieth of the duration when left out.
     #[serde(default)]
+    #[schemars(extend("x-unit" = "s", "exclusiveMinimum" = 0))]
     pub frame_interval: Option<f64>,
     /// Interval of rows in `gauges.csv`; s. A five-hundredth of the duration when left out.
     #[serde(default)]
+    #[schemars(extend("x-unit" = "s", "exclusiveMinimum" = 0))]
     pub gauge_interval: Option<f64>,
     /// Interval of rows in `blocks.csv` and `energy.csv`; s. `gauge_interval` when left out.
     #[serde(default)]
+    #[schemars(extend("x-unit" = "s", "exclusiveMinimum" = 0))]
     pub ledger_interval: Option<f64>,
     /// Arrays in the water files. The first four when left out, all for a fluid with flow laws.
     #[serde(default)]
@@ -101,7 +105,7 @@ pub struct BoxFile {
 }
 
 /// An array in the water files.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub enum WaterField {
     /// m/s.
     Velocity,
@@ -118,7 +122,7 @@ pub enum WaterField {
 }
 
 /// An array in the block files.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub enum BlockField {
     /// Of the centroid; m/s.
     Velocity,
@@ -131,15 +135,18 @@ pub enum BlockField {
 }
 
 /// Camera of `riprap render`.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CameraFile {
     /// Position; m.
+    #[schemars(extend("x-unit" = "m"))]
     pub position: Triple,
     /// Target point; m.
+    #[schemars(extend("x-unit" = "m"))]
     pub look_at: Triple,
     /// Horizontal angle of view; degrees.
     #[serde(default = "default_field_of_view")]
+    #[schemars(extend("x-unit" = "degrees"))]
     pub field_of_view_deg: f64,
 }
 

@@ -1,38 +1,46 @@
 //! Geometry of blocks.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::{Axis, Triple};
 
 /// Geometry of a block.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub enum ShapeFile {
     /// An axis-aligned box.
     Box {
         /// Lower corner; m.
+        #[schemars(extend("x-unit" = "m"))]
         min: Triple,
         /// Upper corner; m.
+        #[schemars(extend("x-unit" = "m"))]
         max: Triple,
     },
     /// A right-triangular prism: corners (0,0), (length,0), (0,height) in the x-z plane, extruded from y = 0 to y =
     /// width.
     Wedge {
         /// Leg along x; m.
+        #[schemars(extend("x-unit" = "m", "exclusiveMinimum" = 0))]
         length: f64,
         /// Leg along z; m.
+        #[schemars(extend("x-unit" = "m", "exclusiveMinimum" = 0))]
         height: f64,
         /// Along y; m.
+        #[schemars(extend("x-unit" = "m", "exclusiveMinimum" = 0))]
         width: f64,
     },
     /// The convex hull of points.
     Hull {
         /// At least four points, not coplanar; m.
+        #[schemars(extend("x-unit" = "m"))]
         points: Vec<Triple>,
     },
     /// A closed polyhedron; faces counter-clockwise seen from outside.
     Polyhedron {
         /// Corners; m.
+        #[schemars(extend("x-unit" = "m"))]
         vertices: Vec<Triple>,
         /// Corner numbers of each face.
         faces: Vec<Vec<u32>>,
@@ -46,19 +54,24 @@ pub enum ShapeFile {
     Extrusion {
         /// Corners in the plane across the axis, in the order of the remaining axes (for `Y`: x, z); either sense of
         /// rotation; m.
+        #[schemars(extend("x-unit" = "m"))]
         polygon: Vec<(f64, f64)>,
         /// Direction of the extrusion.
         axis: Axis,
         /// Start along the axis; m.
+        #[schemars(extend("x-unit" = "m"))]
         from: f64,
         /// End along the axis; m.
+        #[schemars(extend("x-unit" = "m"))]
         to: f64,
     },
     /// A sphere.
     Sphere {
         /// Center; m.
+        #[schemars(extend("x-unit" = "m"))]
         center: Triple,
         /// Radius; m.
+        #[schemars(extend("x-unit" = "m", "exclusiveMinimum" = 0))]
         radius: f64,
     },
     /// A closed triangle mesh, STL, OBJ, PLY or VTK. A connected shell that is not convex is split into convex parts; several
@@ -66,7 +79,8 @@ pub enum ShapeFile {
     Mesh {
         /// Path, relative to the scene file.
         file: String,
-        /// Meters per unit of the file.
+        /// Size of the unit of the file: 0.001 for millimeters; m.
+        #[schemars(extend("x-unit" = "m", "exclusiveMinimum" = 0))]
         scale: f64,
         /// Limits of the split of a shell that is not convex.
         #[serde(default)]
@@ -77,7 +91,8 @@ pub enum ShapeFile {
     Surface {
         /// Path, relative to the scene file.
         file: String,
-        /// Meters per unit of the file.
+        /// Size of the unit of the file: 0.001 for millimeters; m.
+        #[schemars(extend("x-unit" = "m", "exclusiveMinimum" = 0))]
         scale: f64,
     },
     /// Terrain of a fixed block from an ESRI ASCII grid; each cell is split along its shorter diagonal.
@@ -86,14 +101,16 @@ pub enum ShapeFile {
         file: String,
         /// Map coordinates of x = y = 0; m.
         #[serde(default)]
+        #[schemars(extend("x-unit" = "m"))]
         origin: (f64, f64),
     },
     /// The scene's `terrain`, of a fixed block.
     Terrain,
 }
 
-/// Limits of the split of a mesh into convex parts, which touch but do not overlap: it ends at either.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+/// Limits of the split of a mesh into convex parts, which touch but do not overlap: it ends at either. `check` states the errors
+/// of volume, center of mass and moments of inertia.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SplitFile {
     /// Largest number of parts of a shell; contacts cost time by the part.
@@ -102,6 +119,7 @@ pub struct SplitFile {
     /// Volume that the parts may have more than the shell, over its volume; an error above 3 % is a warning, one above 10 % is
     /// rejected.
     #[serde(default = "default_volume_error")]
+    #[schemars(extend("x-unit" = "-"))]
     pub volume_error: f64,
 }
 
@@ -123,10 +141,11 @@ impl Default for SplitFile {
 }
 
 /// A closed convex polyhedron; faces counter-clockwise seen from outside.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PartFile {
     /// Corners; m.
+    #[schemars(extend("x-unit" = "m"))]
     pub vertices: Vec<Triple>,
     /// Corner numbers of each face.
     pub faces: Vec<Vec<u32>>,

@@ -47,19 +47,24 @@ pub fn blocks_of_slides(
     }
 }
 
-fn cut(slide: &SlideFile, rock: &Rock) -> Result<Cut, Refusal> {
-    let sets: Vec<JointSet> = slide.joint_sets.iter().map(joint_set).collect();
-    let limit = slide.maximum_blocks as usize;
-    let cut = cut_union_by_joints(rock.bodies.clone(), &sets, slide.seed, limit)
-        .map_err(|error| refusal(&error))?;
+/// Gain of volume within which the blocks of a slide become convex; –.
+pub fn convex_within(slide: &SlideFile) -> f64 {
     let chosen = match slide.failure_surface {
         FailureSurfaceFile::Plane { .. } => CONVEX_WITHIN.0,
         FailureSurfaceFile::Raster { .. } => CONVEX_WITHIN.1,
     };
+    slide.convex_within.unwrap_or(chosen)
+}
+
+fn cut(slide: &SlideFile, rock: &Rock) -> Result<Cut, Refusal> {
+    let sets: Vec<JointSet> = slide.joint_sets.iter().map(joint_set).collect();
+    let limit = slide.maximum_blocks as usize;
+    let cut = cut_union_by_joints(rock.bodies.clone(), &sets, slide.seed, limit)
+        .map_err(|error| (blamed(&error), error.to_string()))?;
     let cleaning = Cleaning {
         name: &slide.name,
         merge_slivers: slide.merge_slivers.as_ref(),
-        convex_within: slide.convex_within.unwrap_or(chosen),
+        convex_within: convex_within(slide),
         minimum_volume: slide.minimum_volume,
         volume: rock.volume,
     };

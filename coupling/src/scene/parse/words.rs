@@ -40,6 +40,12 @@ const KIND_WITH_FIELDS: &[(&str, &str)] = &[
     ),
 ];
 
+/// Kind that a bare number means in a field that takes several.
+pub(super) fn kind_of_number(field: &str) -> Option<&'static str> {
+    let kind = KIND_OF_NUMBER.iter().find(|(name, _)| *name == field);
+    kind.map(|(_, kind)| *kind)
+}
+
 /// Message and location of a common mistake where RON stopped with `error` at the byte `at`; `None` for any other.
 pub(super) fn mistake(text: &str, error: &ron::Error, at: usize) -> Option<(String, Range<usize>)> {
     let here = Here::new(text, at);
@@ -169,7 +175,7 @@ impl Here<'_> {
         }
         let kind = KIND_OF_NUMBER.iter().find(|(name, _)| *name == field);
         let right = kind.map_or_else(
-            || "write one of the words in cases/README.md".to_owned(),
+            || "write one of the words in docs/reference/scene".to_owned(),
             |(_, kind)| format!("write {kind}({word})"),
         );
         Some((
@@ -204,7 +210,11 @@ impl Here<'_> {
             "a word"
         };
         let first = inside.split_whitespace().next().unwrap_or_default();
-        let message = if kind.is_none() && !is_number(inside) && is_number(first) {
+        let message = if let (Some((_, kind)), true) =
+            (kind, is_number(first) && !is_number(inside))
+        {
+            format!("`{field}` does not say what \"{inside}\" is; write {kind}(\"{inside}\")")
+        } else if kind.is_none() && !is_number(inside) && is_number(first) {
             format!(
                 "`{field}` takes a number without a unit, found \"{inside}\" in quotes; write {first}"
             )
@@ -228,7 +238,7 @@ impl Here<'_> {
         let right = match (number, fields) {
             (Some((_, kind)), _) if is_number(inside) => format!("write {kind}({inside})"),
             (_, Some((_, example))) => format!("such as {example}"),
-            _ => "see cases/README.md".to_owned(),
+            _ => "see docs/reference/scene".to_owned(),
         };
         Some((
             format!(
@@ -326,7 +336,7 @@ impl Here<'_> {
                 )
             }
             _ if first.is_alphabetic() || "°%".contains(first) => format!(
-                "`{number}` is followed by `{behind}`; write {number} alone, in the unit of cases/README.md"
+                "`{number}` is followed by `{behind}`; write {number} alone, or number and unit in quotes, \"{number} {behind}\""
             ),
             _ => return None,
         };

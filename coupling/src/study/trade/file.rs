@@ -1,12 +1,13 @@
 //! Schema of a study: RON, unknown fields rejected.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::quantity::Take;
 use crate::output::run_folder;
 
 /// A study: one case, one quantity with its reference value, and knobs with values.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct StudyFile {
     /// Title in tables and plots.
@@ -28,7 +29,7 @@ pub struct StudyFile {
 }
 
 /// A quantity evaluated from a table of the run.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct OutputFile {
     /// Name in tables and plots.
@@ -49,7 +50,7 @@ fn gauges() -> String {
 }
 
 /// Reference value. Errors are relative to it, or to `scale`.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub enum TruthFile {
     /// A number and its source.
@@ -86,7 +87,7 @@ pub enum TruthFile {
 }
 
 /// Closed-form reference values; SI units.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub enum ClosedForm {
     /// Pressure of water at rest, ρ g z; Pa.
@@ -158,7 +159,7 @@ impl ClosedForm {
 }
 
 /// A parameter: a field with values, or values that set several fields each.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct KnobFile {
     /// Name in tables and plots.
@@ -168,7 +169,7 @@ pub struct KnobFile {
 }
 
 /// A value of a knob.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ValueFile {
     /// Name in tables and plots.
@@ -181,7 +182,7 @@ pub struct ValueFile {
 }
 
 /// Design of a study: the combinations of values that are run.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub enum DesignFile {
     /// One knob varied at a time, the others at their first values.

@@ -1,12 +1,13 @@
 //! Quantity of a study, evaluated from a record of a run.
 
 use nalgebra::{Matrix4, Vector4};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::study::compare::Series;
 
 /// Evaluation of a column. A record that is too short or contains only gaps has no value.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub enum Take {
     /// Time mean over a window.
