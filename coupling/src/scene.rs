@@ -41,7 +41,7 @@ use parse::Override;
 use placed::Placed;
 use resolved::Scene;
 
-use crate::messages::Code;
+use crate::messages::{Code, Message};
 
 /// Largest size of a scene; bytes.
 const LARGEST_SCENE: u64 = 200_000_000;
@@ -105,7 +105,10 @@ pub fn load_text(
 ) -> Result<(Scene, SceneError), SceneError> {
     let text = parse::overridden(written, overrides)
         .map_err(|problem| SceneError::from_problems(name, written, vec![problem]))?;
-    let file = parse::read(&text).map_err(|error| SceneError::of_text(name, &text, error))?;
+    let file = parse::read(&text).map_err(|error| {
+        let message = Message::new(error.code, error.message);
+        SceneError::at_span(name, &text, error.span, &message)
+    })?;
     let Placed {
         file,
         written,

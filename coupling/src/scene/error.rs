@@ -1,6 +1,6 @@
 //! Errors of a scene, with their location.
 
-use crate::messages::{Code, with_code};
+use crate::messages::{Code, Coded, Message, with_code};
 
 /// A fault or doubtful point of a scene, found after the text was read.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -51,7 +51,6 @@ use std::ops::Range;
 use miette::{Diagnostic, LabeledSpan, NamedSource, SourceCode};
 
 use super::locate::{Place, line_column, locate};
-use super::parse::TextError;
 
 /// Problems of a scene, located in its text.
 #[derive(Debug)]
@@ -99,12 +98,12 @@ impl SceneError {
     }
 
     /// Error of reading a text.
-    pub fn of_text(file: &str, text: &str, error: TextError) -> Self {
-        let (line, column) = line_column(text, error.span.start);
+    pub fn at_span(file: &str, text: &str, span: Range<usize>, message: &Message) -> Self {
+        let (line, column) = line_column(text, span.start);
         let located = Located {
-            code: error.code,
-            message: error.message,
-            span: error.span,
+            code: message.code(),
+            message: message.to_string(),
+            span,
             line,
             column,
             severity: Severity::Error,
