@@ -44,7 +44,7 @@ use parse::Override;
 use placed::Placed;
 use resolved::Scene;
 
-use crate::messages::Code;
+use crate::messages::{Code, Message};
 
 /// Largest size of a scene; bytes.
 const LARGEST_SCENE: u64 = 200_000_000;
@@ -163,8 +163,10 @@ pub fn read_text(
     let syntax = Syntax::of(name);
     let text = parse::overridden(written, syntax, overrides)
         .map_err(|problem| SceneError::from_problems(name, written, vec![problem]))?;
-    let file =
-        parse::read_in(&text, syntax).map_err(|error| SceneError::of_text(name, &text, error))?;
+    let file = parse::read_in(&text, syntax).map_err(|error| {
+        let message = Message::new(error.code, error.message);
+        SceneError::at_span(name, &text, error.span, &message)
+    })?;
     Ok((text, file))
 }
 

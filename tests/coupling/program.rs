@@ -585,6 +585,7 @@ fn help_teaches() {
         "report",
         "inspect",
         "compare",
+        "explain",
         "completions",
         "Exit codes",
         "cases/sliding_wedge.ron",

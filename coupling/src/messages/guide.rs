@@ -10,9 +10,12 @@ const WIDTH: usize = 80;
 
 /// Codes of the entries of the guide, in its order.
 pub fn entries() -> impl Iterator<Item = &'static str> {
-    GUIDE
-        .lines()
-        .filter_map(|line| line.strip_prefix('(')?.strip_suffix(")="))
+    GUIDE.lines().filter_map(anchor)
+}
+
+/// The code in an anchor.
+fn anchor(line: &str) -> Option<&str> {
+    line.strip_prefix('(')?.strip_suffix(")=")
 }
 
 /// Paragraphs of the entry of a code.
@@ -22,7 +25,7 @@ pub fn paragraphs(code: Code) -> Vec<String> {
     // the next entry begins with its anchor, the next group with its heading
     let lines = entry
         .lines()
-        .take_while(|line| !line.starts_with(['(', '#']));
+        .take_while(|line| anchor(line).is_none() && !line.starts_with('#'));
     let lines: Vec<&str> = lines.collect();
     lines
         .split(|line| line.is_empty())

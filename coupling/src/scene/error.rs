@@ -1,6 +1,6 @@
 //! Errors of a scene, with their location.
 
-use crate::messages::{Code, with_code};
+use crate::messages::{Code, Coded, Message, with_code};
 
 /// A fault or doubtful point of a scene, found after the text was read.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -52,7 +52,6 @@ use miette::{Diagnostic, LabeledSpan, NamedSource, SourceCode};
 
 use super::locate::tree::Tree;
 use super::locate::{Place, Syntax, line_column, locate, path_at};
-use super::parse::TextError;
 
 /// Problems of a scene, located in its text.
 #[derive(Debug)]
@@ -107,14 +106,14 @@ impl SceneError {
     }
 
     /// Error of reading a text.
-    pub fn of_text(file: &str, text: &str, error: TextError) -> Self {
-        let (line, column) = line_column(text, error.span.start);
+    pub fn at_span(file: &str, text: &str, span: Range<usize>, message: &Message) -> Self {
+        let (line, column) = line_column(text, span.start);
         let located = Located {
-            code: error.code,
-            path: path_at(&Tree::of(text, Syntax::of(file)), error.span.start),
-            found: first_line(text, &error.span),
-            message: error.message,
-            span: error.span,
+            code: message.code(),
+            path: path_at(&Tree::of(text, Syntax::of(file)), span.start),
+            found: first_line(text, &span),
+            message: message.to_string(),
+            span,
             line,
             column,
             severity: Severity::Error,

@@ -7,7 +7,7 @@ use super::file::{DesignFile, KnobFile, StudyFile, TruthFile};
 use super::outcome::Outcome;
 use super::search;
 use crate::build_info::COMMIT;
-use crate::messages::Code;
+use crate::messages::{Code, Message};
 use crate::scene;
 use crate::scene::error::{Problem, SceneError, Severity};
 use crate::scene::estimate::Estimate;
@@ -167,8 +167,10 @@ pub fn read(path: &Path) -> Result<(StudyFile, String), SceneError> {
 ///
 /// As [`read`].
 pub fn read_text(name: &str, text: &str) -> Result<StudyFile, SceneError> {
-    let file: StudyFile =
-        parse::read_as(text).map_err(|error| SceneError::of_text(name, text, error))?;
+    let file: StudyFile = parse::read_as(text).map_err(|error| {
+        let message = Message::new(error.code, error.message);
+        SceneError::at_span(name, text, error.span, &message)
+    })?;
     let problems = problems(&file);
     if problems.is_empty() {
         Ok(file)
