@@ -8,9 +8,11 @@ use super::arrays::{integers, scalars, single, vectors};
 use super::face_pressures::face_pressures;
 use super::{ObserveError, Observer, Schedule};
 use crate::files::vtk::{self, Array, Collection, PolyData, Polygons, Values};
+use crate::output::observe::labels::Labels;
 use crate::output::run_folder;
 use crate::saved::Saved;
-use crate::scene::resolved::recording::{BlockField, Output, WaterField};
+use crate::scene::resolve::Scene;
+use crate::scene::resolved::recording::{BlockField, WaterField};
 use crate::world::{Water, World};
 
 /// Writes `water_00000.vtp`, `blocks_00000.vtp`, ... and their collections.
@@ -20,6 +22,7 @@ pub struct Frames {
     schedule: Schedule,
     water_fields: Vec<WaterField>,
     block_fields: Vec<BlockField>,
+    labels: Labels,
     water: Option<Collection>,
     blocks: Option<Collection>,
     contacts: Option<Collection>,
@@ -33,13 +36,14 @@ impl Frames {
     /// # Errors
     ///
     /// [`ObserveError`] when the folder cannot be written.
-    pub fn new(folder: &Path, output: &Output, world: &World) -> Result<Self, ObserveError> {
-        let blocks = &world.blocks;
+    pub fn new(folder: &Path, scene: &Scene, world: &World) -> Result<Self, ObserveError> {
+        let (blocks, output) = (&world.blocks, &scene.output);
+        let labels = Labels::of(scene);
         let fixed: Vec<usize> = (0..blocks.n_blocks())
             .filter(|&b| world.is_fixed(b))
             .collect();
         if !fixed.is_empty() {
-            let data = block_polygons(world, &fixed, &[]);
+            let data = block_polygons(world, &fixed, &[], &labels);
             vtk::write(&folder.join(run_folder::FIXED_BLOCKS), &data)?;
         }
         let has_movers = fixed.len() < blocks.n_blocks();
@@ -49,6 +53,7 @@ impl Frames {
             schedule: Schedule::every(output.frame_interval),
             water_fields: output.water_fields.clone(),
             block_fields: output.block_fields.clone(),
+            labels,
             water: world
                 .water
                 .is_some()
@@ -119,7 +124,7 @@ impl Observer for Frames {
             write(
                 collection,
                 run_folder::BLOCK_FRAMES,
-                &block_polygons(world, &movers, &self.block_fields),
+                &block_polygons(world, &movers, &self.block_fields, &self.labels),
             )?;
         }
         if let Some(collection) = &mut self.contacts {
@@ -212,13 +217,18 @@ fn water_points(water: &Water, fields: &[WaterField]) -> PolyData {
 }
 
 /// Faces of blocks, with the values of the block on each face.
-fn block_polygons(world: &World, which: &[usize], fields: &[BlockField]) -> PolyData {
+fn block_polygons(
+    world: &World,
+    which: &[usize],
+    fields: &[BlockField],
+    labels: &Labels,
+) -> PolyData {
     let blocks = &world.blocks;
     let mut data = PolyData {
         time: world.time(),
         ..PolyData::default()
     };
-    let mut owner = Vec::new();
+    let (mut owner, mut numbers) = (Vec::new(), Vec::new());
     let Polygons {
         connectivity,
         offsets,
@@ -227,20 +237,18 @@ fn block_polygons(world: &World, which: &[usize], fields: &[BlockField]) -> Poly
         let (vertices, faces) = blocks.world_polygons(block);
         let first = data.points.len() as i32;
         data.points.extend(vertices.iter().map(single));
-        for face in &faces {
+        for (number, face) in faces.iter().enumerate() {
             connectivity.extend(face.iter().map(|&v| first + v as i32));
             offsets.push(connectivity.len() as i32);
             owner.push(block);
+            numbers.push(number);
         }
     }
     let per_face = |name: &str, value: &dyn Fn(usize) -> Vec3| {
         let values: Vec<Vec3> = owner.iter().map(|&block| value(block)).collect();
         vectors(name, values.iter())
     };
-    data.cell_data.push(integers(
-        "BlockId",
-        owner.iter().map(|&block| block as i32).collect(),
-    ));
+    labels.add_to(&mut data, &owner, &numbers);
     if which.iter().any(|&b| blocks.is_deformable(b)) {
         // xx yy zz yz zx xy, tension positive; a rigid block has none
         let stress = owner

@@ -155,6 +155,8 @@ fn spheres_of(grains: &GrainsFile, most: usize) -> Result<Vec<BlockFile>, (&'sta
             deformable: None,
             hold: None,
             sealed: false,
+            group: Some(grains.name.clone()),
+            joint_faces: Vec::new(),
         }
     };
     Ok(places
