@@ -46,6 +46,31 @@ const ACCELERATIONS: [(&str, f64); 8] = [
     ("g", STANDARD_GRAVITY),
 ];
 
+/// Units of pressure; Pa.
+const PRESSURES: [(&str, f64); 9] = [
+    ("pa", 1.0),
+    ("hpa", 1e2),
+    ("kpa", 1e3),
+    ("mbar", 1e2),
+    ("bar", 1e5),
+    ("n/m2", 1.0),
+    ("kn/m2", 1e3),
+    ("n/mm2", 1e6),
+    // of the yard and the pound: 4.448 221 615 260 5 N over (0.0254 m)²
+    ("psi", 6_894.757_293_168),
+];
+/// Units of force; N.
+const FORCES: [(&str, f64); 2] = [("n", 1.0), ("kn", 1e3)];
+/// Units of speed; m/s.
+const SPEEDS: [(&str, f64); 6] = [
+    ("m/s", 1.0),
+    ("cm/s", 1e-2),
+    ("mm/s", 1e-3),
+    ("km/h", 1.0 / 3.6),
+    ("ft/s", 0.3048),
+    ("ms-1", 1.0),
+];
+
 /// Quantity of a column.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Quantity {
@@ -57,15 +82,40 @@ pub enum Quantity {
     Angle,
     /// m/s².
     Acceleration,
+    /// Pa.
+    Pressure,
+    /// N.
+    Force,
+    /// m/s.
+    Speed,
 }
 
 impl Quantity {
+    /// All quantities whose units are known.
+    pub const ALL: [Self; 7] = [
+        Self::Length,
+        Self::Time,
+        Self::Angle,
+        Self::Acceleration,
+        Self::Pressure,
+        Self::Force,
+        Self::Speed,
+    ];
+
+    /// The quantity of a unit.
+    pub fn of(unit: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|q| q.unit(unit).is_some())
+    }
+
     fn units(self) -> &'static [(&'static str, f64)] {
         match self {
             Self::Length => &LENGTHS,
             Self::Time => &TIMES,
             Self::Angle => &ANGLES,
             Self::Acceleration => &ACCELERATIONS,
+            Self::Pressure => &PRESSURES,
+            Self::Force => &FORCES,
+            Self::Speed => &SPEEDS,
         }
     }
 
@@ -83,6 +133,9 @@ impl Quantity {
             Self::Time => "s, ms, min",
             Self::Angle => "deg, rad, mrad",
             Self::Acceleration => "m/s2, cm/s2, gal, g",
+            Self::Pressure => "Pa, hPa, kPa, mbar, bar, psi",
+            Self::Force => "N, kN",
+            Self::Speed => "m/s, cm/s, mm/s, km/h, ft/s",
         }
     }
 }

@@ -30,6 +30,8 @@ pub const OVERVIEW: &str = "overview.svg";
 pub const BODIES: &str = "bodies.csv";
 /// Page that plays the run.
 pub const REPORT: &str = "report.html";
+/// Script that opens the run in ParaView.
+pub const PARAVIEW: &str = "open_in_paraview.py";
 /// Gauge records.
 pub const GAUGES: &str = "gauges.csv";
 /// Energy ledger.
@@ -84,12 +86,13 @@ pub const FACE_FRAMES: &str = "faces";
 pub const FRAMES: [&str; 4] = [WATER_FRAMES, BLOCK_FRAMES, CONTACT_FRAMES, FACE_FRAMES];
 
 /// All files with a name of their own.
-const FILES: [&str; 23] = [
+const FILES: [&str; 24] = [
     CASE,
     SUMMARY,
     ACCURACY,
     OVERVIEW,
     REPORT,
+    PARAVIEW,
     BODIES,
     GAUGES,
     ENERGY,

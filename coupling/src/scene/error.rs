@@ -1,5 +1,7 @@
 //! Errors of a scene, with their location.
 
+mod condensed;
+
 /// A fault or doubtful point of a scene, found after the text was read.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Problem {
@@ -45,6 +47,7 @@ use std::ops::Range;
 use miette::{Diagnostic, LabeledSpan, NamedSource, SourceCode};
 
 use super::locate::{Place, line_column, locate};
+use condensed::condensed;
 
 /// Problems of a scene, located in its text.
 #[derive(Debug)]
@@ -70,9 +73,9 @@ pub struct Located {
 }
 
 impl SceneError {
-    /// Problems found in a text that was read.
+    /// Problems found in a text that was read. Of many of one kind the first are told, and the others counted.
     pub fn from_problems(file: &str, text: &str, problems: Vec<Problem>) -> Self {
-        let located = problems
+        let located = condensed(problems)
             .into_iter()
             .map(|problem| {
                 let Place { span, line, column } = locate(text, &problem.path);

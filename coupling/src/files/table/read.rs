@@ -37,6 +37,15 @@ impl TableData {
         Ok(&self.columns[index].unit)
     }
 
+    /// Name of the column `name`, without its unit.
+    ///
+    /// # Errors
+    /// As for [`Self::column`].
+    pub fn name(&self, name: &str) -> Result<&str, TableError> {
+        let index = self.index(name)?;
+        Ok(&self.columns[index].name)
+    }
+
     /// Text of the column `name`, if there is one.
     pub fn text(&self, name: &str) -> Option<&[String]> {
         let found = self.texts.iter().find(|(other, _)| other == name);
