@@ -242,6 +242,41 @@ fn under_headers(headers: &[String], text: &str, until: f64) -> String {
 mod tests {
     use super::*;
 
+    /// A table of an earlier version is continued under its own columns; one of a later version is not.
+    #[test]
+    fn a_table_is_continued_under_its_own_columns() -> Result<(), Box<dyn std::error::Error>> {
+        let folder = tempfile::tempdir()?;
+        let path = folder.path().join("blocks.csv");
+        let [time, block, x, name] = [("time", "s"), ("block", "-"), ("x", "m"), ("name", "")]
+            .map(|(name, unit)| Column::new(name, unit));
+        let mut old = Table::create(&path, &[time.clone(), x.clone(), block.clone()])?;
+        old.row(&[0.0, 2.5, 7.0])?;
+        let length = old.length();
+        old.row(&[1.0, 3.5, 7.0])?;
+        let columns = [time, block, x, name];
+        let mut new = Table::open(&path, &columns, Start::Resume)?;
+        new.cut(length)?;
+        let row = [
+            Cell::Number(1.0),
+            Cell::Whole(7),
+            Cell::Number(4.5),
+            Cell::Text("slide.0007"),
+        ];
+        new.cells(&row)?;
+        assert_eq!(
+            fs::read_to_string(&path)?,
+            "time [s],x [m],block [-]\n0.0,2.5,7.0\n1.0,4.5,7\n"
+        );
+        let foreign = Table::open(&path, &columns[..2], Start::Resume);
+        let told = foreign.err().map(|error| error.to_string());
+        assert!(
+            told.as_ref()
+                .is_some_and(|told| told.contains("column `x [m]` is not one of this version")),
+            "{told:?}"
+        );
+        Ok(())
+    }
+
     #[test]
     fn rows_are_kept_under_more_columns() {
         let text = "time [s],g1 [m]\n0.0,1.5\n0.1,2e-7\n0.2,3.0\n0.3,4";

@@ -52,6 +52,12 @@ pub struct RunScene {
     pub is_thin: bool,
     /// Name of each block; empty without.
     pub block_names: Vec<String>,
+    /// Group of each block; empty without one.
+    pub groups: Vec<String>,
+    /// Name of the material of each block.
+    pub materials: Vec<String>,
+    /// Size of the acceleration of gravity; m/s².
+    pub gravity: f64,
     /// Map coordinates of (0, 0, 0) in the scene, and the reference system as written; m.
     pub map: (Triple, Option<String>),
 }
@@ -87,6 +93,11 @@ pub fn read_scene(folder: &Path) -> Result<RunScene, ReadError> {
         is_plane,
         is_thin: is_plane || (file.domain.periodic.contains(&Axis::Y) && width < THIN * length),
         block_names: (file.blocks.iter().map(|b| b.name.clone())).collect(),
+        groups: (file.blocks.iter())
+            .map(|b| b.group.clone().unwrap_or_default())
+            .collect(),
+        materials: (file.blocks.iter().map(|b| b.material.clone())).collect(),
+        gravity: corner(file.gravity).norm(),
         title: file.title,
         camera: file.camera.as_ref().map(Viewpoint::from),
         is_terrain: file.blocks.iter().map(|b| is_terrain(&b.shape)).collect(),
