@@ -24,7 +24,7 @@ const JOINTED: &str = r#"(
         (dip_deg: 90, dip_direction_deg: 90, spacing: 1),
     ])],
     grains: [(name: "beads", material: "glass", region: Box(min: (0, 3, 0), max: (1, 4, 1)), diameter: (0.2, 0.2), count: 2)],
-    forces: (blocks: ["mass.0002"], interval: 0.005),
+    forces: (blocks: ["stone"], interval: 0.005),
     time: (duration: 0.02),
     output: (ledger_interval: 0.005, frame_interval: 0.02),
 )"#;
@@ -88,7 +88,7 @@ fn tables_have_names_groups_materials_and_joint_sets() {
             .text("name")
             .unwrap()
             .iter()
-            .all(|name| name == "mass.0002")
+            .all(|name| name == "stone")
     );
     let contacts = fs::read_to_string(out.join("contacts.csv")).unwrap();
     assert!(

@@ -82,7 +82,7 @@ impl TableData {
 /// Renamed columns, old and new name; each is found under both for one release.
 const RENAMED: [(&str, &str); 1] = [("laid_to_rest", "sleep_loss")];
 
-fn present_name(name: &str) -> &str {
+pub(super) fn present_name(name: &str) -> &str {
     let renamed = RENAMED.iter().find(|(old, _)| *old == name);
     renamed.map_or(name, |(_, new)| new)
 }

@@ -4,6 +4,7 @@ use std::fs::{self, File};
 use std::io::{BufRead, BufReader, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
+use super::read::present_name;
 use super::{Column, TableError};
 
 /// A table during writing; each row is on disk before the next one, so that a killed run keeps its data.
@@ -206,7 +207,15 @@ fn kept_columns(path: &Path, headers: &[String]) -> Result<Option<Vec<usize>>, T
     if found.iter().eq(headers.iter()) {
         return Ok(None);
     }
-    let place = |header: &&str| headers.iter().position(|other| other == header);
+    let present = |header: &str| {
+        let Column { name, unit } = Column::parse(header);
+        (present_name(&name).to_owned(), unit)
+    };
+    let present_headers: Vec<_> = headers.iter().map(|header| present(header)).collect();
+    let place = |header: &&str| {
+        let wanted = present(header);
+        present_headers.iter().position(|other| *other == wanted)
+    };
     match found.iter().find(|header| place(header).is_none()) {
         Some(header) => Err(TableError::Foreign {
             path: path.to_owned(),
