@@ -6,6 +6,7 @@ mod compare;
 mod explain;
 mod inspect;
 mod new;
+mod paraview;
 mod problems;
 mod program;
 mod render;
@@ -81,6 +82,8 @@ enum Command {
     Render(render::Arguments),
     /// Make one HTML file that plays a run.
     Report(report::Arguments),
+    /// Write a Python script that opens a run in ParaView.
+    Paraview(paraview::Arguments),
     /// Print who is who among the blocks of a run, where they are and how fast.
     Inspect(inspect::Arguments),
     /// Compare a recorded column with a reference.
@@ -153,6 +156,7 @@ fn run_command(asked: Command, program: &Program) -> Exit {
         Command::Check(arguments) => check::execute(&arguments),
         Command::Render(arguments) => render::execute(&arguments),
         Command::Report(arguments) => report::execute(&arguments),
+        Command::Paraview(arguments) => paraview::execute(&arguments),
         Command::Inspect(arguments) => inspect::execute(&arguments),
         Command::Compare(arguments) => compare::execute(&arguments),
         Command::Study(arguments) => study::execute(&arguments, program),

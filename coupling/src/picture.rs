@@ -1,6 +1,7 @@
-//! Pictures of a run: the overview drawn with it, rendered frames, and a page that plays it.
+//! Pictures of a run: the overview drawn with it, rendered frames, a page that plays it, and a script that opens it in ParaView.
 
 pub mod overview;
 pub mod overview_data;
+pub mod paraview;
 pub mod render;
 pub mod report;

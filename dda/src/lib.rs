@@ -120,8 +120,8 @@ pub use motion::prescribed::{Accelerogram, Motion, PrescribedMotion};
 pub use random::Random;
 pub use ranges::{Interval, Property, PropertyRange};
 pub use rock_mass::joint_sets::{
-    JointError, JointSet, JointedMass, JointedUnion, MergedMass, SliverLimits, cut_by_joints,
-    cut_union_by_joints, hull_within, merge_slivers, merge_union_slivers,
+    Joint, JointError, JointSet, JointedMass, JointedUnion, MergedMass, SliverLimits,
+    cut_by_joints, cut_union_by_joints, hull_within, merge_slivers, merge_union_slivers,
 };
 pub use step::phase::Phase;
 pub use step::step_bound::CriticalStep;

@@ -57,6 +57,114 @@ fn compare_gives_figures_and_json() {
     );
 }
 
+/// A reference of a laboratory: its own names, separators and units, or none.
+#[test]
+fn a_reference_has_columns_of_its_own() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = |name: &str, text: &str| {
+        let path = folder.path().join(name);
+        std::fs::write(&path, text).unwrap();
+        path.to_str().unwrap().to_owned()
+    };
+    let wave = |t: f64| 0.1 * t.sin();
+    let table = |head: &str, row: &dyn Fn(f64) -> String| -> String {
+        let rows = (0..200).map(|i| row(0.05 * f64::from(i)) + "\n");
+        head.to_owned() + &rows.collect::<String>()
+    };
+    let run = file(
+        "gauges.csv",
+        &table("time [s],g1 [m],p1 [Pa]\n", &|t| {
+            format!("{t},{},{}", 1.1 * wave(t), 9810.0 * wave(t))
+        }),
+    );
+    let compared = |reference: &str, more: &[&str]| {
+        riprap(&[&["compare", &run, reference, "--json"], more].concat())
+    };
+    let peak = |reference: &str, more: &[&str]| -> f64 {
+        let output = compared(reference, more);
+        assert!(output.status.success(), "{reference}: {}", words(&output));
+        let found: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+        found[0]["peak_error"].as_f64().unwrap()
+    };
+    // crests of 0.11 and 0.1 m, sampled every 0.05 s; in the unit of the run, whatever that of the reference
+    let close = |found: f64| assert!((found - 0.01).abs() < 1e-4, "{found}");
+    let own = file(
+        "own.csv",
+        &table("# tank 3\nt [ms],x [m],eta [mm]\n", &|t| {
+            format!("{},7,{}", 1e3 * t, 1e3 * wave(t))
+        }),
+    );
+    let column = ["--column", "g1", "--reference-column"];
+    let with = |more: &[&'static str]| [&column[..], more].concat();
+    close(peak(&own, &with(&["eta"])));
+    close(peak(&own, &with(&["ETA [mm]", "--reference-time", "t"])));
+    close(peak(&own, &with(&["3", "--reference-time", "1"])));
+    // German spreadsheet, and a line of units
+    let comma = |x: f64| format!("{x:.6}").replace('.', ",");
+    let semicolons = file(
+        "messung.csv",
+        &table("\u{feff}Zeit;Auslenkung\ns;cm\n", &|t| {
+            format!("{};{}", comma(t), comma(100.0 * wave(t)))
+        }),
+    );
+    close(peak(
+        &semicolons,
+        &with(&["Auslenkung", "--reference-time", "Zeit"]),
+    ));
+    let tabs = file(
+        "lab.tsv",
+        &table("time (s)\teta (m)\n", &|t| format!("{t}\t{}", wave(t))),
+    );
+    close(peak(&tabs, &with(&["eta"])));
+    let bare = file(
+        "bare.txt",
+        &table("", &|t| format!("  {t}   {}  NaN", wave(t))),
+    );
+    close(peak(&bare, &with(&["2"])));
+    let pressure = file(
+        "p.csv",
+        &table("t [s],PT1 (kPa)\n", &|t| format!("{t},{}", 9.81 * wave(t))),
+    );
+    let found = peak(&pressure, &["--column", "p1", "--reference-column", "PT1"]);
+    assert!(found.abs() < 1e-6, "{found}");
+
+    for (reference, more, expected) in [
+        (
+            &own,
+            with(&["etta"]),
+            "no column `etta`, or several; its columns: 1 `t [ms]`, 2 `x [m]`, 3 `eta [mm]`",
+        ),
+        (&bare, with(&["eta"]), "its columns: 1, 2, 3"),
+        (
+            &pressure,
+            with(&["PT1"]),
+            "column `PT1 (kPa)` is in kPa, and the run in m; convertible are m, mm",
+        ),
+        (
+            &own,
+            vec!["--reference-column", "eta"],
+            "name a column of the run with --column; its columns: time [s], g1 [m], p1 [Pa]",
+        ),
+        (&own, vec!["--column", "g1"], "--reference-column"),
+        (
+            &semicolons,
+            with(&["Auslenkung", "--reference-time", "4"]),
+            "no column `4`",
+        ),
+    ] {
+        let output = compared(reference, &more);
+        assert_eq!(output.status.code(), Some(2));
+        assert!(
+            words(&output).contains(expected),
+            "{expected}: {}",
+            words(&output)
+        );
+    }
+    let broken = file("broken.csv", "t,eta\n0,1\n1,wet\n");
+    let told = words(&compared(&broken, &with(&["eta"])));
+    assert!(told.contains("line 3: `wet` is not a number"), "{told}");
+}
+
 /// Raster of 41 x 31 points 2 m apart about the map's (412000, 6904000).
 fn raster(path: &Path, height: impl Fn(f64, f64) -> f64) {
     let mut text =

@@ -127,7 +127,22 @@ fn the_vtk_library_reads_what_was_written() {
     let [water, blocks, empty] =
         ["water.vtp", "blocks.vtp", "empty.vtp"].map(|name| folder.path().join(name));
     vtk::write(&water, &cloud(40_000)).unwrap();
-    vtk::write(&blocks, &boxes()).unwrap();
+    let list = |name: &str, list: Vec<String>| vtk::Names {
+        name: name.to_owned(),
+        list,
+    };
+    // longer than a compressed block, beside a name of no letter and one of many bytes each
+    let many: Vec<String> = (0..5000).map(|k| format!("slide.{k:04}")).collect();
+    let few = ["", "Fels & \"Geröll\"", "岩"].map(str::to_owned).to_vec();
+    let named = PolyData {
+        names: vec![
+            list("BlockNames", many.clone()),
+            list("GroupNames", few.clone()),
+        ],
+        ..boxes()
+    };
+    assert_eq!(round_trip(&named), named);
+    vtk::write(&blocks, &named).unwrap();
     vtk::write(&empty, &cloud(0)).unwrap();
     let Some(found) = read_back(&[&water, &blocks, &empty]) else {
         return;
@@ -151,6 +166,10 @@ fn the_vtk_library_reads_what_was_written() {
     assert_eq!(
         water["active_point"],
         serde_json::json!(["Pressure", "Velocity"])
+    );
+    assert_eq!(
+        blocks["names"],
+        serde_json::json!({"BlockNames": many, "GroupNames": few})
     );
     assert_eq!(blocks["polygons"], 12);
     assert_eq!(blocks["vertices"], 0);

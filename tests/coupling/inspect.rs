@@ -70,6 +70,33 @@ fn blocks_have_names_and_attitudes() {
         "{line}"
     );
     assert!(!told.contains("post") && inspect(&["--all"]).contains("old post"));
+    assert!(
+        line.contains("rock") && line.contains("moves"),
+        "group, material and state: {line}"
+    );
+    let history = inspect(&["--block", "cube"]);
+    let rows: Vec<&str> = history.lines().skip(2).collect();
+    assert!(
+        history.starts_with("block 1 `cube`, free: 1.600e2 kg") && rows.len() == 6,
+        "{history}"
+    );
+    assert!(rows[5].trim_start().starts_with("0.5") && rows[5].contains("0.050"));
+    let wrong = riprap(&["inspect", out.to_str().unwrap(), "--block", "cub"]);
+    assert_eq!(wrong.status.code(), Some(1));
+    assert!(words(&wrong).contains("`cube`"), "{}", words(&wrong));
+    // a run under way: its last row is not complete
+    let rows = fs::read_to_string(out.join("blocks.csv")).unwrap();
+    fs::write(out.join("blocks.csv"), rows.clone() + "0.6,1,0.06").unwrap();
+    fs::remove_file(out.join("summary.json")).unwrap();
+    assert!(inspect(&[]).contains("; at t = 0.5"));
+    // a run of an earlier version: no list of bodies, no names in the table
+    fs::remove_file(out.join("bodies.csv")).unwrap();
+    let shorter = |line: &str| line.rsplitn(3, ',').last().unwrap_or_default().to_owned();
+    let old: Vec<String> = rows.lines().map(shorter).collect();
+    fs::write(out.join("blocks.csv"), old.join("\n") + "\n").unwrap();
+    let told = inspect(&["--all"]);
+    let line = told.lines().find(|line| line.contains("cube")).unwrap();
+    assert!(line.contains("moving") && line.contains("0.050"), "{told}");
     let before = inspect(&["--at", "0.25"]);
     assert!(before.contains("at t = 0.2"), "{before}");
     let nothing = riprap(&["inspect", folder.path().join("none").to_str().unwrap()]);
@@ -81,7 +108,7 @@ fn blocks_have_names_and_attitudes() {
 fn shells_and_man_know_every_command() {
     let folder = tempfile::tempdir().unwrap();
     let commands = [
-        "new", "run", "check", "render", "report", "inspect", "compare", "study",
+        "new", "run", "check", "render", "report", "paraview", "inspect", "compare", "study",
     ];
     let bash = riprap(&["completions", "bash"]);
     let bash = String::from_utf8_lossy(&bash.stdout).into_owned();

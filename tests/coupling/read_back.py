@@ -57,6 +57,16 @@ def volumes(data):
     return found
 
 
+def names(fields):
+    """Lists of names among the field data."""
+    found = {}
+    for i in range(fields.GetNumberOfArrays()):
+        array = fields.GetAbstractArray(i)
+        if isinstance(array, vtk.vtkStringArray) and array.GetName() != "Source":
+            found[array.GetName()] = [array.GetValue(k) for k in range(array.GetNumberOfValues())]
+    return found
+
+
 def describe(path):
     """Everything about one file."""
     errors = []
@@ -77,6 +87,7 @@ def describe(path):
         "bounds": data.GetBounds(),
         "time": time.GetValue(0) if time else None,
         "source": source.GetValue(0) if source else None,
+        "names": names(fields),
         "point_arrays": arrays(data.GetPointData()),
         "cell_arrays": arrays(data.GetCellData()),
         "active_point": active(data.GetPointData()),

@@ -47,11 +47,19 @@ pub fn words(output: &Output) -> String {
     String::from_utf8_lossy(&output.stderr).into_owned()
 }
 
-/// A table without its heading.
+/// Numbers of a table without its heading. Names, which come last, are left out.
 pub fn table(path: &Path) -> Vec<Vec<f64>> {
     let text = std::fs::read_to_string(path).unwrap();
-    text.lines()
-        .skip(1)
-        .map(|line| line.split(',').map(|x| x.parse().unwrap()).collect())
-        .collect()
+    let is_text = |header: &&str| matches!(*header, "name" | "partner_name");
+    let heading = text.lines().next().unwrap_or_default();
+    let n = heading
+        .split(',')
+        .take_while(|header| !is_text(header))
+        .count();
+    let numbers = |line: &str| -> Vec<f64> {
+        (line.split(',').take(n))
+            .map(|x| x.parse().unwrap())
+            .collect()
+    };
+    text.lines().skip(1).map(numbers).collect()
 }

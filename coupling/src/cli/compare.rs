@@ -3,11 +3,14 @@
 use std::path::{Path, PathBuf};
 
 use super::{Exit, failed, refused, show};
+use crate::files::table::TableError;
 use crate::files::vtk::replace_file;
-use crate::messages::{Code, Message};
+use crate::messages::{Code, Coded, Message};
 use crate::scene::geometry::terrain::sources::is_surface;
 use crate::study::compare::surfaces::{self, compare_surfaces, load};
-use crate::study::compare::{Options, compare_files, json, text};
+use crate::study::compare::{
+    CompareError, Options, ReferenceColumns, compare_files, compare_with, json, text,
+};
 
 /// Compare a recorded column with a reference, or a deposit with a survey.
 ///
@@ -17,11 +20,19 @@ use crate::study::compare::{Options, compare_files, json, text};
 pub(crate) struct Arguments {
     /// A table of a run, such as runs/NAME/gauges.csv; or a surface, such as runs/NAME.
     gauges: PathBuf,
-    /// The reference: CSV with time and value, `#` comments; or a surface.
+    /// The reference: CSV with time and value, `#` comments; or a surface. With --reference-column or --reference-time a table of
+    /// any columns, separated by commas, semicolons, tabs or spaces, with or without a heading, in other units.
     reference: PathBuf,
     /// Column of the run; all common columns when left out.
     #[arg(long)]
     column: Option<String>,
+    /// Column of the reference, by its heading, with or without its unit, or its number from 1; that of --column when left out.
+    /// Its unit is converted by its heading: "eta [mm]", "p (kPa)", or a line of units below.
+    #[arg(long, value_name = "NAME")]
+    reference_column: Option<String>,
+    /// Column of the times of the reference, likewise; `time` or `t`, or else the first one, when left out.
+    #[arg(long, value_name = "NAME")]
+    reference_time: Option<String>,
     /// Added to the times of the run; s.
     #[arg(long, default_value_t = 0.0, allow_negative_numbers = true)]
     shift: f64,
@@ -61,19 +72,38 @@ pub(crate) fn execute(arguments: &Arguments) -> Exit {
         to: arguments.to,
         ..Options::default()
     };
-    let reports = compare_files(
-        &arguments.gauges,
-        &arguments.reference,
-        arguments.column.as_deref(),
-        options,
-    );
+    let columns = ReferenceColumns {
+        value: arguments.reference_column.clone(),
+        time: arguments.reference_time.clone(),
+    };
+    let (run, reference) = (&arguments.gauges, &arguments.reference);
+    let column = arguments.column.as_deref();
+    let reports = match columns.are_given() {
+        true => compare_with(run, reference, (column, &columns), options),
+        false => compare_files(run, reference, column, options),
+    };
     match reports {
         Ok(reports) if arguments.json => shown(json(&reports)),
         Ok(reports) => {
             show(text(&reports).trim_end());
             Exit::Done
         }
-        Err(error) => refused(error),
+        Err(error) => {
+            let has_other_names = matches!(
+                error,
+                CompareError::NothingShared { .. }
+                    | CompareError::Table(TableError::NoColumn { .. })
+            );
+            match has_other_names && !columns.are_given() {
+                true => refused(Message::new(
+                    error.code(),
+                    format!(
+                        "{error}; a column of another name in the reference: --reference-column"
+                    ),
+                )),
+                false => refused(error),
+            }
+        }
     }
 }
 

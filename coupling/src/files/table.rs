@@ -1,7 +1,7 @@
 //! Tables of numbers over time: gauges, energies, reference records.
 //!
 //! Comma-separated text with one header line, `time [s],g1 [m]`, and a number per column and line, with enough digits to
-//! restore the same bits. A gap is `NaN`. Input tables may also have comment lines, which start with `#`, blank
+//! restore the same bits. A gap is `NaN`. Columns `name` and `partner_name`, the last ones of tables of blocks, are text. Input tables may also have comment lines, which start with `#`, blank
 //! lines, and empty cells, which are gaps.
 
 mod error;
@@ -10,7 +10,10 @@ mod write;
 
 pub use error::{LineFault, TableError};
 pub use read::{TableData, read_table, table_from};
-pub use write::{Start, Table};
+pub use write::{Cell, Start, Table};
+
+/// Columns of text, without a unit: names of blocks.
+pub(crate) const TEXTS: [&str; 2] = ["name", "partner_name"];
 
 /// Header of a column.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -17,9 +17,31 @@ pub enum Quantity {
     Angle,
     /// m/s².
     Acceleration,
+    /// Pa.
+    Pressure,
+    /// N.
+    Force,
+    /// m/s.
+    Speed,
 }
 
 impl Quantity {
+    /// All quantities whose units are known.
+    pub const ALL: [Self; 7] = [
+        Self::Length,
+        Self::Time,
+        Self::Angle,
+        Self::Acceleration,
+        Self::Pressure,
+        Self::Force,
+        Self::Speed,
+    ];
+
+    /// The quantity of a unit.
+    pub fn of(unit: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|q| q.unit(unit).is_some())
+    }
+
     /// Unit of its values.
     fn unit_of_values(self) -> &'static str {
         match self {
@@ -27,6 +49,9 @@ impl Quantity {
             Self::Time => "s",
             Self::Angle => "degrees",
             Self::Acceleration => "m/s²",
+            Self::Pressure => "Pa",
+            Self::Force => "N",
+            Self::Speed => "m/s",
         }
     }
 
@@ -45,6 +70,9 @@ impl Quantity {
             Self::Time => "s, ms, min",
             Self::Angle => "deg, rad, mrad",
             Self::Acceleration => "m/s2, cm/s2, gal, g",
+            Self::Pressure => "Pa, hPa, kPa, mbar, bar, psi",
+            Self::Force => "N, kN",
+            Self::Speed => "m/s, cm/s, mm/s, km/h, ft/s",
         }
     }
 }

@@ -36,6 +36,8 @@ pub struct PolyData {
     pub point_data: Vec<Array>,
     /// Arrays with a value per polygon, or per line.
     pub cell_data: Vec<Array>,
+    /// Lists of names that integer arrays refer to by position, as string arrays among the field data.
+    pub names: Vec<Names>,
     /// Simulated time; s.
     pub time: f64,
 }
@@ -47,6 +49,15 @@ pub struct Polygons {
     pub connectivity: Vec<i32>,
     /// End of each polygon in `connectivity`.
     pub offsets: Vec<i32>,
+}
+
+/// A list of names.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Names {
+    /// Name of the list, e.g. `BlockNames`.
+    pub name: String,
+    /// Names without null characters.
+    pub list: Vec<String>,
 }
 
 /// A named array.

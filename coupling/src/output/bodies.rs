@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::output::observe::ObserveError;
 use crate::output::run_folder;
+use crate::scene::resolve::Scene;
 use crate::world::World;
 
 /// A block of a run at its start.
@@ -34,6 +35,15 @@ pub struct BodyRow {
     /// Centroid; m.
     #[serde(rename = "z [m]")]
     pub z: f64,
+    /// Group: the rock mass, slide or grains that it is of, or the one that the scene gives; empty without.
+    #[serde(default)]
+    pub group: String,
+    /// Name of its material.
+    #[serde(default)]
+    pub material: String,
+    /// Names of the joint sets that bound it, ` + ` between them.
+    #[serde(default)]
+    pub joint_sets: String,
 }
 
 /// Writes the blocks of a world under their names.
@@ -41,13 +51,13 @@ pub struct BodyRow {
 /// # Errors
 ///
 /// [`ObserveError::Write`] names the file.
-pub fn write(folder: &Path, names: &[String], world: &World) -> Result<(), ObserveError> {
+pub fn write(folder: &Path, scene: &Scene, world: &World) -> Result<(), ObserveError> {
     let path = folder.join(run_folder::BODIES);
     let failed = |source| ObserveError::Write {
         path: path.display().to_string(),
         source,
     };
-    let blocks = &world.blocks;
+    let (blocks, register) = (&world.blocks, &scene.register);
     let mut table = Writer::from_path(&path).map_err(|error| failed(error.into()))?;
     for b in 0..blocks.n_blocks() {
         let kind = match blocks.motion(b) {
@@ -58,13 +68,16 @@ pub fn write(folder: &Path, names: &[String], world: &World) -> Result<(), Obser
         let place = blocks.centroid(b);
         let row = BodyRow {
             block: b,
-            name: names.get(b).cloned().unwrap_or_default(),
+            name: scene.block_names.get(b).cloned().unwrap_or_default(),
             kind: kind.to_owned(),
             mass: blocks.mass(b),
             volume: blocks.volume(b),
             x: place.x,
             y: place.y,
             z: place.z,
+            group: register.group_name(b).to_owned(),
+            material: register.material_name(b).to_owned(),
+            joint_sets: register.joint_set_names(b).collect::<Vec<_>>().join(" + "),
         };
         table.serialize(row).map_err(|error| failed(error.into()))?;
     }

@@ -7,6 +7,7 @@ mod face_pressures;
 pub mod forces;
 pub mod frames;
 pub mod gauges;
+mod labels;
 pub mod ledgers;
 pub mod maps;
 pub mod masses;

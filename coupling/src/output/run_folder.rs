@@ -34,6 +34,8 @@ pub const OVERVIEW: &str = "overview.svg";
 pub const BODIES: &str = "bodies.csv";
 /// Page that plays the run.
 pub const REPORT: &str = "report.html";
+/// Script that opens the run in ParaView.
+pub const PARAVIEW: &str = "open_in_paraview.py";
 /// Gauge records.
 pub const GAUGES: &str = "gauges.csv";
 /// Energy ledger.
@@ -95,6 +97,7 @@ const FILES: [&str; 24] = [
     ACCURACY,
     OVERVIEW,
     REPORT,
+    PARAVIEW,
     BODIES,
     GAUGES,
     ENERGY,

@@ -18,7 +18,7 @@ mod error;
 mod pov;
 mod programs;
 pub(super) mod recording;
-mod survey;
+pub(super) mod survey;
 
 pub use error::RenderError;
 pub use programs::Film;

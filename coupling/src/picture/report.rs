@@ -139,7 +139,7 @@ pub fn report(folder: &Path, file: &Path, limit: u64) -> Result<ReportSummary, R
     played.tell("colors", colors());
     played.tell("bounds", bounds(&run, water.as_ref())?);
     played.tell("gauges", json!(story::gauges(folder)));
-    played.tell("events", json!(story::events(folder, &summary, names)));
+    played.tell("events", json!(story::events(folder, &summary, &run.scene)));
     played.add_fixed(&run);
     played.add_moving(&run)?;
     if let Some(water) = &water {

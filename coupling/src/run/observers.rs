@@ -39,17 +39,19 @@ impl Observers {
         world: &World,
         start: Start,
     ) -> Result<Self, ObserveError> {
-        let ledger_interval = scene.output.ledger_interval;
         if start == Start::New && 0 < world.blocks.n_blocks() {
-            bodies::write(folder, &scene.block_names, world)?;
+            bodies::write(folder, scene, world)?;
         }
         Ok(Self {
-            frames: Frames::new(folder, &scene.output, world)?,
+            frames: Frames::new(folder, scene, world)?,
             gauges: Gauges::new(folder, scene, world, start)?,
-            ledgers: Ledgers::new(folder, ledger_interval, world, start)?,
+            ledgers: Ledgers::new(folder, scene, world, start)?,
             forces: match &scene.forces {
                 None => None,
-                Some(asked) => Some(Forces::new(folder, asked, world, start)?),
+                Some(asked) => {
+                    let asked = (asked, scene.block_names.as_slice());
+                    Some(Forces::new(folder, asked, world, start)?)
+                }
             },
             trajectories: match &scene.trajectories {
                 None => None,
@@ -59,7 +61,7 @@ impl Observers {
             masses: if scene.masses.is_empty() {
                 None
             } else {
-                Some(Masses::new(folder, scene, world, ledger_interval, start)?)
+                Some(Masses::new(folder, scene, world, start)?)
             },
             overview: OverviewData::new(scene, world),
         })

@@ -1,5 +1,7 @@
 //! Errors of a scene, with their location.
 
+mod condensed;
+
 use crate::messages::{Code, Coded, Message, with_code};
 
 /// A fault or doubtful point of a scene, found after the text was read.
@@ -52,6 +54,7 @@ use miette::{Diagnostic, LabeledSpan, NamedSource, SourceCode};
 
 use super::locate::tree::Tree;
 use super::locate::{Place, Syntax, line_column, locate, path_at};
+use condensed::condensed;
 
 /// Problems of a scene, located in its text.
 #[derive(Debug)]
@@ -83,10 +86,11 @@ pub struct Located {
 }
 
 impl SceneError {
-    /// Problems found in a text that was read, in the language that the name of its file tells.
+    /// Problems found in a text that was read, in the language that the name of its file tells. Of many of one kind the first
+    /// are told, and the others counted.
     pub fn from_problems(file: &str, text: &str, problems: Vec<Problem>) -> Self {
         let tree = Tree::of(text, Syntax::of(file));
-        let located = problems
+        let located = condensed(problems)
             .into_iter()
             .map(|problem| {
                 let Place { span, line, column } = locate(&tree, &problem.path);

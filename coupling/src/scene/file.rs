@@ -28,8 +28,8 @@ use serde::{Deserialize, Serialize};
 
 pub use attachments::AttachmentFile;
 pub use blocks::{
-    BlockFile, DeformableFile, DeformableModelFile, HoldFile, MotionFile, PlacementFile,
-    RotationFile, TurningFile,
+    BlockFile, DeformableFile, DeformableModelFile, HoldFile, JointFacesFile, MotionFile,
+    PlacementFile, RotationFile, TurningFile,
 };
 pub use bulk::{GrainRegionFile, GrainsFile, JointSetFile, RockMassFile, SliversFile};
 pub use fluid::{

@@ -61,6 +61,11 @@ fn keep_records(before: &SceneFile, now: &mut SceneFile) {
         now.gauges.clone_from(&before.gauges);
     }
     now.camera.clone_from(&before.camera);
+    // labels, which runs of earlier versions lack; the shapes are compared by themselves
+    for (now, before) in now.blocks.iter_mut().zip(&before.blocks) {
+        now.group.clone_from(&before.group);
+        now.joint_faces.clone_from(&before.joint_faces);
+    }
     let (output, other) = (&mut now.output, &before.output);
     output.frame_interval = other.frame_interval;
     output.gauge_interval = other.gauge_interval;

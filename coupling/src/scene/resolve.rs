@@ -38,6 +38,7 @@ use super::geometry::slides;
 use super::names::Names;
 use super::placed::placed;
 use super::resolved::Domain;
+use super::resolved::register::Register;
 pub use super::resolved::{FluidScene, Made, Scene};
 use super::sliding::warn_about_bends;
 use super::{estimate, fluid, sleep, symmetry};
@@ -136,6 +137,7 @@ impl Scene {
             expected_speed,
             fastest_flow: expected_speed.max(front_speed),
             block_names: file.blocks.iter().map(|b| b.name.clone()).collect(),
+            register: Register::of(file),
             is_sealed: file.blocks.iter().map(|b| b.sealed).collect(),
             meshes,
             attachments: attachments(file, &names, &blocks),

@@ -1,6 +1,7 @@
 //! A scene that can run: geometry, initial water, and every number chosen.
 
 pub mod recording;
+pub mod register;
 
 use riprap_dda::{Attachment, BlockDefinition, Hold, JointOverride, Material, Vec3};
 use riprap_sph::boundary::wall_particles::Slip;
@@ -20,6 +21,7 @@ use crate::walls::WallMethod;
 use crate::walls::penalty::WallSettings;
 use crate::world::{OutOfDomain, Weakening};
 use recording::{Gauge, Maps, Output, TrackedMass, Tracking};
+use register::Register;
 
 /// A scene that can run; constant during the run.
 #[derive(Clone, Debug)]
@@ -44,6 +46,8 @@ pub struct Scene {
     pub blocks: Vec<BlockDefinition>,
     /// Name of each block.
     pub block_names: Vec<String>,
+    /// Groups, materials and joint sets of the blocks by name.
+    pub register: Register,
     /// Sealing of the narrow joints of each block against water.
     pub is_sealed: Vec<bool>,
     /// Mesh files among the shapes of blocks.

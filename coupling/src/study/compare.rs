@@ -9,10 +9,12 @@
 //! Samples that are NaN in either series are skipped, without interpolation across them. Undefined results, such as an
 //! error relative to a range of zero, are `None`, never NaN.
 
+mod reference;
 mod report;
 pub mod surfaces;
 
-pub use report::{CompareError, Report, compare_files, json, text};
+pub use reference::ReferenceColumns;
+pub use report::{CompareError, Report, compare_files, compare_with, json, text};
 use serde::Serialize;
 
 /// A quantity over time.

@@ -42,6 +42,14 @@ pub enum StepError {
         /// Names, place and depth.
         words: String,
     },
+    /// Another error of a block, with its name.
+    #[error("{words}")]
+    Named {
+        /// The error.
+        error: Box<StepError>,
+        /// Its text with the name.
+        words: String,
+    },
     /// Something left the domain of a scene in which nothing may.
     #[error(
         "at t = {time:.6} s, step {step}: {count} {what} left the domain; enlarge `domain`, close it with walls, or set `domain.leaving` to Remove"
@@ -156,6 +164,7 @@ impl StepError {
     /// Whether a shorter step may help.
     pub fn is_of_the_step(&self) -> bool {
         match self {
+            Self::Named { error, .. } => error.is_of_the_step(),
             Self::Fluid { .. }
             | Self::Blocks { .. }
             | Self::Overlap { .. }

@@ -140,6 +140,11 @@ impl Blocks {
         }
     }
 
+    /// Whether it sleeps: a block at rest that is not advanced until its load changes.
+    pub fn is_asleep(&self, b: usize) -> bool {
+        self.state.rest.has(b)
+    }
+
     /// Does it deform?
     pub fn is_deformable(&self, b: usize) -> bool {
         self.constants.deformable_of[b].is_some()

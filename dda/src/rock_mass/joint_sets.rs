@@ -89,6 +89,17 @@ pub struct JointedMass {
     pub blocks: Vec<Polyhedron>,
     /// Cuts that were not made, because a piece would have been too thin to be a polyhedron.
     pub n_uncut: usize,
+    /// Joints that cut a block, in the order in which they did.
+    pub joints: Vec<Joint>,
+}
+
+/// One joint of a set.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Joint {
+    /// Position of its set.
+    pub set: usize,
+    /// Its plane.
+    pub plane: Plane,
 }
 
 impl JointSet {
@@ -206,8 +217,12 @@ pub fn cut_by_joints(
         check(sets)?;
         return Err(too_many(sets, max_blocks, expected.about));
     }
-    let (blocks, n_uncut) = cut_bodies(bodies, sets, seed, (max_blocks, expected.about))?;
-    Ok(JointedMass { blocks, n_uncut })
+    let cut = cut_bodies(bodies, sets, seed, (max_blocks, expected.about))?;
+    Ok(JointedMass {
+        blocks: cut.bodies,
+        n_uncut: cut.n_uncut,
+        joints: cut.joints,
+    })
 }
 
 fn check(sets: &[JointSet]) -> Result<(), JointError> {
@@ -252,19 +267,28 @@ impl Body for Polyhedron {
     }
 }
 
-/// Cuts bodies by all joints; at most so many blocks, where so many are expected. Returns the blocks and how many cuts were not made.
+/// Bodies after the cuts.
+struct CutBodies<B> {
+    bodies: Vec<B>,
+    /// Cuts that were not made.
+    n_uncut: usize,
+    /// Joints that cut a body.
+    joints: Vec<Joint>,
+}
+
+/// Cuts bodies by all joints; at most so many blocks, where so many are expected.
 fn cut_bodies<B: Body>(
     bodies: Vec<B>,
     sets: &[JointSet],
     seed: u64,
     (max_blocks, expected): (usize, f64),
-) -> Result<(Vec<B>, usize), JointError> {
+) -> Result<CutBodies<B>, JointError> {
     check(sets)?;
     let mut random = Random::new(seed);
     // Separate from the joints' numbers: the blocks cut by a joint do not affect the position of the next one.
     let mut chance = Random::new(!seed);
     let mut blocks = bodies;
-    let mut n_uncut = 0;
+    let (mut n_uncut, mut joints) = (0, Vec::new());
     for (number, set) in sets.iter().enumerate() {
         let corners = || blocks.iter().flat_map(Body::corners);
         let (low, high) = span(corners(), &set.normal());
@@ -284,9 +308,11 @@ fn cut_bodies<B: Body>(
         for k in numbers {
             let plane = set.plane(k, &middle, &mut random);
             let mut next = Vec::with_capacity(blocks.len() + 16);
+            let mut is_open = false;
             for body in blocks {
                 match body.whole().cut(&plane) {
                     Ok(Some((below, above))) if chance.uniform() < set.persistence => {
+                        is_open = true;
                         next.extend(body.divided([below, above], &plane, &mut n_uncut));
                     }
                     Ok(_) => next.push(body),
@@ -297,6 +323,9 @@ fn cut_bodies<B: Body>(
                 }
             }
             blocks = next;
+            if is_open {
+                joints.push(Joint { set: number, plane });
+            }
             if blocks.len() > max_blocks {
                 return Err(too_many(
                     sets,
@@ -306,7 +335,11 @@ fn cut_bodies<B: Body>(
             }
         }
     }
-    Ok((blocks, n_uncut))
+    Ok(CutBodies {
+        bodies: blocks,
+        n_uncut,
+        joints,
+    })
 }
 
 /// Expected number of blocks from joints.

@@ -111,9 +111,10 @@ fn pressures_on_faces_are_those_of_still_water() {
     );
     // ten times long waves: the column is 0.5 % heavier at the bottom
     let output = "numerics: (sound_speed: 24.3), output: (face_pressures: true),";
-    let world = world(&basin(1.0, 0.9, level, spacing, &body, output));
+    let mut scene = resolved(&basin(1.0, 0.9, level, spacing, &body, output)).unwrap();
+    let world = build(&scene).unwrap();
     let folder = tempfile::tempdir().unwrap();
-    let output = Output {
+    scene.output = Output {
         frame_interval: f64::INFINITY,
         water: Sampling::every(f64::INFINITY),
         blocks: Sampling::every(f64::INFINITY),
@@ -126,7 +127,7 @@ fn pressures_on_faces_are_those_of_still_water() {
         contacts: false,
         face_pressures: true,
     };
-    let mut frames = Frames::new(folder.path(), &output, &world).unwrap();
+    let mut frames = Frames::new(folder.path(), &scene, &world).unwrap();
     frames.observe(&world).unwrap();
     let data = vtk::read(&folder.path().join("faces_00000.vtp")).unwrap();
     let (blocks, pressures) = match (&data.cell_data[0].values, &data.cell_data[1].values) {

@@ -20,6 +20,8 @@ fn block(shape: ShapeFile, placement: PlacementFile) -> BlockFile {
         deformable: None,
         hold: None,
         sealed: false,
+        group: None,
+        joint_faces: Vec::new(),
     }
 }
 

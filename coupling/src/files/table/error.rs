@@ -36,6 +36,14 @@ pub enum TableError {
         /// Columns of the table.
         expected: usize,
     },
+    /// A table to be continued has a column that this program does not write.
+    #[error("{}: column `{column}` is not one of this version: the run was made by another one, and cannot be continued by this; start over with --force", path.display())]
+    Foreign {
+        /// The file.
+        path: PathBuf,
+        /// Header of the column.
+        column: String,
+    },
     /// A table to be continued is shorter than it was.
     #[error("{}: {found} bytes, but the run had written {expected}: it was changed since and cannot be continued", path.display())]
     Short {

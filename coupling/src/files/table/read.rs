@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use super::{Column, LineFault, TableError};
+use super::{Column, LineFault, TEXTS, TableError};
 
 /// A table read from a file.
 #[derive(Clone, Debug, PartialEq)]
@@ -14,6 +14,8 @@ pub struct TableData {
     pub columns: Vec<Column>,
     /// Values of each column; all of the same length.
     pub values: Vec<Vec<f64>>,
+    /// Columns of text by their names, which are not among the others.
+    pub texts: Vec<(String, Vec<String>)>,
 }
 
 impl TableData {
@@ -33,6 +35,21 @@ impl TableData {
     pub fn unit(&self, name: &str) -> Result<&str, TableError> {
         let index = self.index(name)?;
         Ok(&self.columns[index].unit)
+    }
+
+    /// Name of the column `name`, without its unit.
+    ///
+    /// # Errors
+    /// As for [`Self::column`].
+    pub fn name(&self, name: &str) -> Result<&str, TableError> {
+        let index = self.index(name)?;
+        Ok(&self.columns[index].name)
+    }
+
+    /// Text of the column `name`, if there is one.
+    pub fn text(&self, name: &str) -> Option<&[String]> {
+        let found = self.texts.iter().find(|(other, _)| other == name);
+        found.map(|(_, cells)| cells.as_slice())
     }
 
     fn index(&self, name: &str) -> Result<usize, TableError> {
@@ -65,7 +82,7 @@ impl TableData {
 /// Renamed columns, old and new name; each is found under both for one release.
 const RENAMED: [(&str, &str); 1] = [("laid_to_rest", "sleep_loss")];
 
-fn present_name(name: &str) -> &str {
+pub(super) fn present_name(name: &str) -> &str {
     let renamed = RENAMED.iter().find(|(old, _)| *old == name);
     renamed.map_or(name, |(_, new)| new)
 }
@@ -109,13 +126,21 @@ fn parse(path: &Path, text: &str) -> Result<TableData, (usize, LineFault)> {
     }
 
     let mut values = vec![Vec::new(); columns.len()];
+    let mut texts: Vec<Option<Vec<String>>> = (columns.iter())
+        .map(|column| is_text(column).then(Vec::new))
+        .collect();
     for (number, line) in lines {
         let found = cells(line).count();
         if found != columns.len() {
             let expected = columns.len();
             return Err((number, LineFault::Count { found, expected }));
         }
-        for ((cell, column), values) in cells(line).zip(&columns).zip(&mut values) {
+        let all = cells(line).zip(&columns).zip(&mut values).zip(&mut texts);
+        for (((cell, column), values), text) in all {
+            if let Some(text) = text {
+                text.push(cell.to_owned());
+                continue;
+            }
             let value = if cell.is_empty() {
                 Ok(f64::NAN)
             } else {
@@ -130,11 +155,27 @@ fn parse(path: &Path, text: &str) -> Result<TableData, (usize, LineFault)> {
             })?);
         }
     }
-    Ok(TableData {
+    let mut table = TableData {
         path: path.to_owned(),
-        columns,
-        values,
-    })
+        columns: Vec::new(),
+        values: Vec::new(),
+        texts: Vec::new(),
+    };
+    for ((column, values), text) in columns.into_iter().zip(values).zip(texts) {
+        match text {
+            Some(text) => table.texts.push((column.name, text)),
+            None => {
+                table.columns.push(column);
+                table.values.push(values);
+            }
+        }
+    }
+    Ok(table)
+}
+
+/// Whether the cells of a column are names.
+fn is_text(column: &Column) -> bool {
+    column.unit.is_empty() && TEXTS.contains(&column.name.as_str())
 }
 
 /// Cells of a line, without enclosing quotes; commas inside quotes are not supported.

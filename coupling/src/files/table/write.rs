@@ -1,9 +1,10 @@
 //! Writing of tables, row by row.
 
 use std::fs::{self, File};
-use std::io::{Seek, SeekFrom, Write};
+use std::io::{BufRead, BufReader, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
+use super::read::present_name;
 use super::{Column, TableError};
 
 /// A table during writing; each row is on disk before the next one, so that a killed run keeps its data.
@@ -12,8 +13,32 @@ pub struct Table {
     path: PathBuf,
     file: File,
     headers: Vec<String>,
+    /// Columns of the file, by their places in a row, where it is continued and has fewer: of an earlier version.
+    kept: Option<Vec<usize>>,
     /// Length written so far; bytes.
     length: u64,
+}
+
+/// Cell of a row.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Cell<'a> {
+    /// A quantity, with all of its bits.
+    Number(f64),
+    /// A number of an object.
+    Whole(usize),
+    /// A name, in a column whose values are text.
+    Text(&'a str),
+}
+
+impl Cell<'_> {
+    fn written(&self) -> String {
+        match self {
+            // `{:?}`: the shortest digits that restore the same bits, with an exponent where that is shorter.
+            Self::Number(value) => format!("{value:?}"),
+            Self::Whole(number) => number.to_string(),
+            Self::Text(text) => (*text).to_owned(),
+        }
+    }
 }
 
 /// Start or continuation of the files of a run.
@@ -37,7 +62,8 @@ impl Table {
     /// Creates the file, or opens it to continue.
     ///
     /// # Errors
-    /// As for [`Self::create`]; also [`TableError::Io`] if there is no file to continue.
+    /// As for [`Self::create`]; also [`TableError::Io`] if there is no file to continue, [`TableError::Foreign`] if it has columns
+    /// of which this program knows nothing.
     pub fn open(path: &Path, columns: &[Column], start: Start) -> Result<Self, TableError> {
         let headers: Vec<String> = columns.iter().map(Column::header).collect();
         let breaks = |header: &&String| {
@@ -49,17 +75,22 @@ impl Table {
                 name: header.clone(),
             });
         }
-        let file = match start {
-            Start::New => File::create(path).map_err(TableError::io("create", path))?,
-            Start::Resume => File::options()
-                .write(true)
-                .open(path)
-                .map_err(TableError::io("continue", path))?,
+        let (file, kept) = match start {
+            Start::New => (
+                File::create(path).map_err(TableError::io("create", path))?,
+                None,
+            ),
+            Start::Resume => {
+                let kept = kept_columns(path, &headers)?;
+                let file = File::options().write(true).open(path);
+                (file.map_err(TableError::io("continue", path))?, kept)
+            }
         };
         let mut table = Self {
             path: path.to_owned(),
             file,
             headers,
+            kept,
             length: 0,
         };
         if start == Start::New {
@@ -121,6 +152,7 @@ impl Table {
         fs::rename(&partial, &self.path).map_err(failed())?;
         let file = File::options().write(true).open(&self.path);
         self.file = file.map_err(failed())?;
+        self.kept = None;
         self.cut(kept.len() as u64)
     }
 
@@ -129,16 +161,27 @@ impl Table {
     /// # Errors
     /// [`TableError::Count`] if there is not one value per column, [`TableError::Io`] if writing fails.
     pub fn row(&mut self, values: &[f64]) -> Result<(), TableError> {
-        if values.len() != self.headers.len() {
+        let cells: Vec<Cell> = values.iter().copied().map(Cell::Number).collect();
+        self.cells(&cells)
+    }
+
+    /// Writes one row of cells and flushes it; of a file of an earlier version, those of its columns.
+    ///
+    /// # Errors
+    /// As for [`Self::row`].
+    pub fn cells(&mut self, cells: &[Cell]) -> Result<(), TableError> {
+        if cells.len() != self.headers.len() {
             return Err(TableError::Count {
                 path: self.path.clone(),
-                found: values.len(),
+                found: cells.len(),
                 expected: self.headers.len(),
             });
         }
-        // `{:?}`: the shortest digits that restore the same bits, with an exponent where that is shorter.
-        let cells: Vec<String> = values.iter().map(|value| format!("{value:?}")).collect();
-        self.line(&cells)
+        let written: Vec<String> = match &self.kept {
+            None => cells.iter().map(Cell::written).collect(),
+            Some(places) => places.iter().map(|&k| cells[k].written()).collect(),
+        };
+        self.line(&written)
     }
 
     /// One write per line, directly to the file: a killed run loses no buffer.
@@ -149,6 +192,36 @@ impl Table {
             .map_err(TableError::io("write", &self.path))?;
         self.length += line.len() as u64;
         Ok(())
+    }
+}
+
+/// Places of the columns of a file among headers, where it does not have them all; in the order of the file.
+fn kept_columns(path: &Path, headers: &[String]) -> Result<Option<Vec<usize>>, TableError> {
+    let failed = || TableError::io("continue", path);
+    let mut first = String::new();
+    let file = File::open(path).map_err(failed())?;
+    BufReader::new(file)
+        .read_line(&mut first)
+        .map_err(failed())?;
+    let found: Vec<&str> = first.trim_end().split(',').collect();
+    if found.iter().eq(headers.iter()) {
+        return Ok(None);
+    }
+    let present = |header: &str| {
+        let Column { name, unit } = Column::parse(header);
+        (present_name(&name).to_owned(), unit)
+    };
+    let present_headers: Vec<_> = headers.iter().map(|header| present(header)).collect();
+    let place = |header: &&str| {
+        let wanted = present(header);
+        present_headers.iter().position(|other| *other == wanted)
+    };
+    match found.iter().find(|header| place(header).is_none()) {
+        Some(header) => Err(TableError::Foreign {
+            path: path.to_owned(),
+            column: (*header).to_owned(),
+        }),
+        None => Ok(Some(found.iter().filter_map(place).collect())),
     }
 }
 
@@ -177,6 +250,41 @@ fn under_headers(headers: &[String], text: &str, until: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// A table of an earlier version is continued under its own columns; one of a later version is not.
+    #[test]
+    fn a_table_is_continued_under_its_own_columns() -> Result<(), Box<dyn std::error::Error>> {
+        let folder = tempfile::tempdir()?;
+        let path = folder.path().join("blocks.csv");
+        let [time, block, x, name] = [("time", "s"), ("block", "-"), ("x", "m"), ("name", "")]
+            .map(|(name, unit)| Column::new(name, unit));
+        let mut old = Table::create(&path, &[time.clone(), x.clone(), block.clone()])?;
+        old.row(&[0.0, 2.5, 7.0])?;
+        let length = old.length();
+        old.row(&[1.0, 3.5, 7.0])?;
+        let columns = [time, block, x, name];
+        let mut new = Table::open(&path, &columns, Start::Resume)?;
+        new.cut(length)?;
+        let row = [
+            Cell::Number(1.0),
+            Cell::Whole(7),
+            Cell::Number(4.5),
+            Cell::Text("slide.0007"),
+        ];
+        new.cells(&row)?;
+        assert_eq!(
+            fs::read_to_string(&path)?,
+            "time [s],x [m],block [-]\n0.0,2.5,7.0\n1.0,4.5,7\n"
+        );
+        let foreign = Table::open(&path, &columns[..2], Start::Resume);
+        let told = foreign.err().map(|error| error.to_string());
+        assert!(
+            told.as_ref()
+                .is_some_and(|told| told.contains("column `x [m]` is not one of this version")),
+            "{told:?}"
+        );
+        Ok(())
+    }
 
     #[test]
     fn rows_are_kept_under_more_columns() {

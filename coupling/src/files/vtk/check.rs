@@ -1,6 +1,6 @@
 //! Requirements of polygon data, and errors of a file.
 
-use super::{Array, PolyData, Polygons};
+use super::{Array, Names, PolyData, Polygons};
 use crate::messages::{Code, Coded, of_writing};
 use std::io;
 use std::path::{Path, PathBuf};
@@ -137,6 +137,13 @@ impl PolyData {
         let found = self.points.len().max(corners[0]).max(corners[1]);
         if i32::try_from(found).is_err() {
             return Err(Fault::TooMany { found });
+        }
+        for (k, Names { name, list }) in self.names.iter().enumerate() {
+            let is_repeated = self.names[..k].iter().any(|other| other.name == *name);
+            let is_broken = list.iter().any(|entry| entry.contains('\0'));
+            if name.is_empty() || is_repeated || is_broken || name.contains(char::is_control) {
+                return Err(Fault::Name { name: name.clone() });
+            }
         }
         let n_cells = self.lines.len() + self.polygons.len();
         check_arrays(&self.point_data, self.points.len())?;

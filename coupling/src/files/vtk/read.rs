@@ -4,7 +4,7 @@
 //! decompressed if the compressed bytes present could hold it.
 
 use super::write::escape;
-use super::{Array, Fault, PolyData, Values, VtkError};
+use super::{Array, Fault, Names, PolyData, Values, VtkError};
 use flate2::{Decompress, FlushDecompress, Status};
 use rayon::prelude::*;
 use std::fs;
@@ -48,6 +48,7 @@ fn parse(bytes: &[u8]) -> Result<PolyData, Fault> {
             "DataArray" if section == "FieldData" => {
                 has_time |= file.read_field(&tag)?;
             }
+            "Array" if section == "FieldData" => file.read_names(&tag)?,
             "DataArray" => file.read_array(section, &tag)?,
             _ => {}
         }
@@ -116,6 +117,28 @@ impl File<'_> {
             value: text.to_owned(),
         })?;
         Ok(true)
+    }
+
+    /// Reads a list of names; the note about the source, which is text in the header, is none.
+    fn read_names(&mut self, tag: &Tag<'_>) -> Result<(), Fault> {
+        if tag.text("format")? != "appended" {
+            return Ok(());
+        }
+        let name = tag.text("Name")?;
+        let damaged = || Fault::Compressed { name: name.clone() };
+        let bytes = unpack(self.appended, tag.number("offset")?).ok_or_else(damaged)?;
+        let text = String::from_utf8(bytes).map_err(|_| damaged())?;
+        let list: Vec<String> = text.split_terminator('\0').map(str::to_owned).collect();
+        let (found, expected) = (list.len() as u64, tag.number("NumberOfTuples")?);
+        if found != expected {
+            return Err(Fault::Length {
+                name,
+                found,
+                expected,
+            });
+        }
+        self.data.names.push(Names { name, list });
+        Ok(())
     }
 
     fn read_array(&mut self, section: &str, tag: &Tag<'_>) -> Result<(), Fault> {

@@ -1,6 +1,6 @@
 //! Writing of polygon data.
 
-use super::{Array, Fault, PolyData, Values, VtkError};
+use super::{Array, Fault, Names, PolyData, Values, VtkError};
 use flate2::Compression;
 use flate2::write::ZlibEncoder;
 use rayon::prelude::*;
@@ -95,6 +95,7 @@ impl Document {
             polygons,
             point_data,
             cell_data,
+            names,
             time,
         } = data;
         self.xml += "  <PolyData>\n    <FieldData>\n";
@@ -110,6 +111,9 @@ impl Document {
                 .collect::<Vec<_>>()
                 .join(" ")
         );
+        for Names { name, list } in names {
+            self.names(name, list)?;
+        }
         let is_cloud = polygons.is_empty() && lines.is_empty();
         let n_vertices = if is_cloud { points.len() } else { 0 };
         self.xml += &format!(
@@ -169,6 +173,21 @@ impl Document {
         Ok(())
     }
 
+    /// Strings with a zero after each.
+    fn names(&mut self, name: &str, list: &[String]) -> io::Result<()> {
+        self.xml += &format!(
+            "      <Array type=\"String\" Name=\"{}\" NumberOfTuples=\"{}\" format=\"appended\" offset=\"{}\"/>\n",
+            escape(name),
+            list.len(),
+            self.appended.len()
+        );
+        let bytes = list.iter().flat_map(|entry| entry.bytes().chain([0]));
+        append(
+            &mut self.appended,
+            Numbers::Bytes(&bytes.collect::<Vec<u8>>()),
+        )
+    }
+
     fn array(&mut self, name: &str, components: usize, numbers: Numbers<'_>) -> io::Result<()> {
         self.xml += &format!(
             "        <DataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{components}\" format=\"appended\" offset=\"{}\"/>\n",
@@ -195,6 +214,7 @@ enum Numbers<'a> {
     F32(&'a [f32]),
     F64(&'a [f64]),
     I32(&'a [i32]),
+    Bytes(&'a [u8]),
 }
 
 impl<'a> Numbers<'a> {
@@ -211,6 +231,7 @@ impl<'a> Numbers<'a> {
             Self::F32(_) => "Float32",
             Self::F64(_) => "Float64",
             Self::I32(_) => "Int32",
+            Self::Bytes(_) => "UInt8",
         }
     }
 
@@ -219,6 +240,7 @@ impl<'a> Numbers<'a> {
             Self::F32(values) => compressed_blocks(values, |value| value.to_le_bytes()),
             Self::F64(values) => compressed_blocks(values, |value| value.to_le_bytes()),
             Self::I32(values) => compressed_blocks(values, |value| value.to_le_bytes()),
+            Self::Bytes(values) => compressed_blocks(values, |value| [value]),
         }
     }
 
@@ -227,6 +249,7 @@ impl<'a> Numbers<'a> {
             Self::F32(values) => size_of_val(values),
             Self::F64(values) => size_of_val(values),
             Self::I32(values) => size_of_val(values),
+            Self::Bytes(values) => size_of_val(values),
         }
     }
 }

@@ -11,7 +11,7 @@ use std::path::Path;
 use riprap_dda::{Impulses, Load, Vec3};
 
 use super::{ObserveError, Observer, Schedule};
-use crate::files::table::{Column, Start, Table};
+use crate::files::table::{Cell, Column, Start, Table};
 use crate::output::run_folder;
 use crate::saved::Saved;
 use crate::scene::resolved::recording::Tracking;
@@ -39,7 +39,8 @@ pub struct Forces {
     forces: Table,
     contacts: Table,
     tracks: Vec<Track>,
-    row: Vec<f64>,
+    /// Name of each block.
+    names: Vec<String>,
 }
 
 /// A block at its last row.
@@ -97,6 +98,10 @@ fn less(a: Load, b: Load) -> Load {
     }
 }
 
+fn name_of(names: &[String], block: usize) -> &str {
+    names.get(block).map_or("", String::as_str)
+}
+
 fn columns(names: impl Iterator<Item = String>) -> Vec<Column> {
     let mut columns = vec![Column::new("time", "s"), Column::new("block", "-")];
     for name in names {
@@ -107,6 +112,7 @@ fn columns(names: impl Iterator<Item = String>) -> Vec<Column> {
             columns.push(Column::new(format!("{name}_m{axis}"), "N m"));
         }
     }
+    columns.push(Column::new("name", ""));
     columns
 }
 
@@ -118,13 +124,14 @@ impl Forces {
     /// [`ObserveError`] when a table cannot be created.
     pub fn new(
         folder: &Path,
-        asked: &Tracking,
+        (asked, block_names): (&Tracking, &[String]),
         world: &World,
         start: Start,
     ) -> Result<Self, ObserveError> {
         let names = SOURCES.iter().chain(&["gained", "residual"]);
         let mut of_contacts = columns(["contact".to_owned()].into_iter());
         of_contacts.insert(2, Column::new("partner", "-"));
+        of_contacts.push(Column::new("partner_name", ""));
         Ok(Self {
             schedule: Schedule::every(asked.interval),
             forces: Table::open(
@@ -134,7 +141,7 @@ impl Forces {
             )?,
             contacts: Table::open(&folder.join(run_folder::CONTACTS), &of_contacts, start)?,
             tracks: asked.blocks.iter().map(|&b| Track::of(b, world)).collect(),
-            row: Vec::new(),
+            names: block_names.to_vec(),
         })
     }
 
@@ -163,11 +170,15 @@ impl Forces {
             if load == Load::default() {
                 continue;
             }
-            self.row.clear();
-            self.row
-                .extend([world.time(), block as f64, partner as f64]);
-            self.row.extend(load.force.iter().chain(load.torque.iter()));
-            self.contacts.row(&self.row)?;
+            let mut row = vec![
+                Cell::Number(world.time()),
+                Cell::Whole(block),
+                Cell::Whole(partner),
+            ];
+            let force = load.force.iter().chain(load.torque.iter());
+            row.extend(force.copied().map(Cell::Number));
+            row.extend([block, partner].map(|b| Cell::Text(name_of(&self.names, b))));
+            self.contacts.cells(&row)?;
         }
         Ok(())
     }
@@ -193,13 +204,13 @@ impl Observer for Forces {
                         sources.iter().fold(gained, |rest, load| less(rest, *load));
                 }
                 let unexplained = sources.iter().fold(gained, |rest, load| less(rest, *load));
-                self.row.clear();
-                self.row.extend([now.time, now.block as f64]);
+                let mut row = vec![Cell::Number(now.time), Cell::Whole(now.block)];
                 for load in sources.iter().chain(&[gained, unexplained]) {
                     let mean = load.force.iter().chain(load.torque.iter());
-                    self.row.extend(mean.map(|impulse| impulse / time));
+                    row.extend(mean.map(|impulse| Cell::Number(impulse / time)));
                 }
-                self.forces.row(&self.row)?;
+                row.push(Cell::Text(name_of(&self.names, now.block)));
+                self.forces.cells(&row)?;
             }
             *track = now;
         }

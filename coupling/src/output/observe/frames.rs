@@ -8,9 +8,11 @@ use super::arrays::{integers, scalars, single, vectors};
 use super::face_pressures::face_pressures;
 use super::{ObserveError, Observer, Schedule};
 use crate::files::vtk::{self, Array, Collection, PolyData, Polygons, Values};
+use crate::output::observe::labels::Labels;
 use crate::output::run_folder;
 use crate::saved::Saved;
-use crate::scene::resolved::recording::{BlockField, Output, Sampling, WaterField};
+use crate::scene::resolve::Scene;
+use crate::scene::resolved::recording::{BlockField, Sampling, WaterField};
 use crate::world::{Water, World};
 
 /// A kind of frames.
@@ -69,6 +71,7 @@ pub struct Frames {
     folder: PathBuf,
     water_fields: Vec<WaterField>,
     block_fields: Vec<BlockField>,
+    labels: Labels,
     /// Kinds that the world has and the scene asks for, in order.
     streams: Vec<Stream>,
     /// Of a world without any.
@@ -83,13 +86,14 @@ impl Frames {
     /// # Errors
     ///
     /// [`ObserveError`] when the folder cannot be written.
-    pub fn new(folder: &Path, output: &Output, world: &World) -> Result<Self, ObserveError> {
-        let blocks = &world.blocks;
+    pub fn new(folder: &Path, scene: &Scene, world: &World) -> Result<Self, ObserveError> {
+        let (blocks, output) = (&world.blocks, &scene.output);
+        let labels = Labels::of(scene);
         let fixed: Vec<usize> = (0..blocks.n_blocks())
             .filter(|&b| world.is_fixed(b))
             .collect();
         if !fixed.is_empty() {
-            let data = block_polygons(world, &fixed, &[]);
+            let data = block_polygons(world, &fixed, &[], &labels);
             let time = world.time();
             let path = folder.join(run_folder::FIXED_BLOCKS);
             vtk::write(&path, &PolyData { time, ..data })?;
@@ -108,6 +112,7 @@ impl Frames {
             folder: folder.to_path_buf(),
             water_fields: output.water_fields.clone(),
             block_fields: output.block_fields.clone(),
+            labels,
             streams: streams
                 .map(|(kind, (_, sampling))| Stream {
                     kind,
@@ -134,6 +139,7 @@ impl Frames {
     ) -> Result<(), ObserveError> {
         let time = world.time();
         let (water_fields, block_fields) = (&self.water_fields, &self.block_fields);
+        let labels = &self.labels;
         for stream in &mut self.streams {
             if !is_wanted(&stream.schedule) {
                 continue;
@@ -144,7 +150,7 @@ impl Frames {
                 (Kind::Faces, Some(water)) => face_pressures(water, &world.blocks, sampling),
                 (Kind::Water | Kind::Faces, None) => PolyData::default(),
                 (Kind::Blocks, _) => {
-                    block_polygons(world, &moving_blocks(world, sampling), block_fields)
+                    block_polygons(world, &moving_blocks(world, sampling), block_fields, labels)
                 }
                 (Kind::Contacts, _) => contact_points(world, sampling),
             };
@@ -265,10 +271,18 @@ fn water_points(water: &Water, fields: &[WaterField], sampling: &Sampling) -> Po
 }
 
 /// Faces of blocks, with the values of the block on each face.
-fn block_polygons(world: &World, which: &[usize], fields: &[BlockField]) -> PolyData {
+fn block_polygons(
+    world: &World,
+    which: &[usize],
+    fields: &[BlockField],
+    labels: &Labels,
+) -> PolyData {
     let blocks = &world.blocks;
-    let mut data = PolyData::default();
-    let mut owner = Vec::new();
+    let mut data = PolyData {
+        time: world.time(),
+        ..PolyData::default()
+    };
+    let (mut owner, mut numbers) = (Vec::new(), Vec::new());
     let Polygons {
         connectivity,
         offsets,
@@ -277,20 +291,18 @@ fn block_polygons(world: &World, which: &[usize], fields: &[BlockField]) -> Poly
         let (vertices, faces) = blocks.world_polygons(block);
         let first = data.points.len() as i32;
         data.points.extend(vertices.iter().map(single));
-        for face in &faces {
+        for (number, face) in faces.iter().enumerate() {
             connectivity.extend(face.iter().map(|&v| first + v as i32));
             offsets.push(connectivity.len() as i32);
             owner.push(block);
+            numbers.push(number);
         }
     }
     let per_face = |name: &str, value: &dyn Fn(usize) -> Vec3| {
         let values: Vec<Vec3> = owner.iter().map(|&block| value(block)).collect();
         vectors(name, values.iter())
     };
-    data.cell_data.push(integers(
-        "BlockId",
-        owner.iter().map(|&block| block as i32).collect(),
-    ));
+    labels.add_to(&mut data, &owner, &numbers);
     if which.iter().any(|&b| blocks.is_deformable(b)) {
         // xx yy zz yz zx xy, tension positive; a rigid block has none
         let stress = owner

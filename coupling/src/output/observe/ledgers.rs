@@ -5,9 +5,10 @@ use std::path::Path;
 use riprap_dda::Vec3;
 
 use super::{ObserveError, Observer, Schedule};
-use crate::files::table::{Column, Start, Table};
+use crate::files::table::{Cell, Column, Start, Table};
 use crate::output::run_folder;
 use crate::saved::Saved;
+use crate::scene::resolve::Scene;
 use crate::world::World;
 use crate::world::ledger::Energy;
 
@@ -18,11 +19,13 @@ pub struct Ledgers {
     energy: Table,
     /// `None` if no block can move.
     blocks: Option<Table>,
+    /// Name of each block.
+    names: Vec<String>,
     row: Vec<f64>,
 }
 
 /// Columns of `blocks.csv`: one row per block that can move and time.
-const BLOCK_COLUMNS: [(&str, &str); 27] = [
+const BLOCK_COLUMNS: [(&str, &str); 29] = [
     ("time", "s"),
     ("block", "-"),
     ("x", "m"),
@@ -51,20 +54,23 @@ const BLOCK_COLUMNS: [(&str, &str); 27] = [
     ("roll", "rad"),
     ("pitch", "rad"),
     ("yaw", "rad"),
+    ("asleep", "-"),
+    ("name", ""),
 ];
 
 impl Ledgers {
-    /// Tables in `folder`, with a row per `interval` seconds.
+    /// Tables in `folder`, with a row per interval of the scene.
     ///
     /// # Errors
     ///
     /// [`ObserveError`] when a table cannot be created.
     pub fn new(
         folder: &Path,
-        interval: f64,
+        scene: &Scene,
         world: &World,
         start: Start,
     ) -> Result<Self, ObserveError> {
+        let interval = scene.output.ledger_interval;
         let mut columns = vec![Column::new("time", "s")];
         columns.extend(Energy::TERMS.iter().map(|term| Column::new(*term, "J")));
         let has_movers = (0..world.blocks.n_blocks()).any(|b| !world.is_fixed(b));
@@ -78,6 +84,7 @@ impl Ledgers {
             schedule: Schedule::every(interval),
             energy: Table::open(&folder.join(run_folder::ENERGY), &columns, start)?,
             blocks,
+            names: scene.block_names.clone(),
             row: Vec::new(),
         })
     }
@@ -102,8 +109,8 @@ impl Observer for Ledgers {
                     .water
                     .as_ref()
                     .map_or(Vec3::zeros(), |water| water.interface.loads()[b].force);
+                let mut cells = vec![Cell::Number(world.time()), Cell::Whole(b)];
                 row.clear();
-                row.extend([world.time(), b as f64]);
                 for v in [
                     blocks.centroid(b),
                     blocks.velocity(b),
@@ -118,7 +125,10 @@ impl Observer for Ledgers {
                 row.extend(attitude.coords.iter());
                 let (roll, pitch, yaw) = attitude.euler_angles();
                 row.extend([roll, pitch, yaw]);
-                table.row(row)?;
+                cells.extend(row.iter().copied().map(Cell::Number));
+                cells.push(Cell::Whole(usize::from(blocks.is_asleep(b))));
+                cells.push(Cell::Text(self.names.get(b).map_or("", String::as_str)));
+                table.cells(&cells)?;
             }
         }
         self.schedule.done(world.time());

@@ -41,7 +41,7 @@ const COLUMNS: [(&str, &str); 11] = [
 const WATER_COLUMNS: [&str; 3] = ["water.kinetic", "water.potential", "water.work"];
 
 impl Masses {
-    /// A table in `folder` with the columns of the scene's masses; rows every `interval` (s).
+    /// A table in `folder` with the columns of the scene's masses; a row per interval of `blocks.csv`.
     ///
     /// # Errors
     ///
@@ -50,7 +50,6 @@ impl Masses {
         folder: &Path,
         scene: &Scene,
         world: &World,
-        interval: f64,
         start: Start,
     ) -> Result<Self, ObserveError> {
         let mut columns = vec![Column::new("time", "s")];
@@ -65,7 +64,7 @@ impl Masses {
             columns.extend(WATER_COLUMNS.map(|c| Column::new(c, "J")));
         }
         Ok(Self {
-            schedule: Schedule::every(interval),
+            schedule: Schedule::every(scene.output.ledger_interval),
             table: Table::open(&folder.join(run_folder::MASSES), &columns, start)?,
             members,
             level: scene

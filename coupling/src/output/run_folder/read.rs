@@ -56,6 +56,12 @@ pub struct RunScene {
     pub is_thin: bool,
     /// Name of each block; empty without.
     pub block_names: Vec<String>,
+    /// Group of each block; empty without one.
+    pub groups: Vec<String>,
+    /// Name of the material of each block.
+    pub materials: Vec<String>,
+    /// Size of the acceleration of gravity; m/s².
+    pub gravity: f64,
     /// Map coordinates of (0, 0, 0) in the scene, and the reference system as written; m.
     pub map: (Triple, Option<String>),
 }
@@ -84,13 +90,7 @@ pub fn read_scene(folder: &Path) -> Result<RunScene, ReadError> {
         file.domain.max.1 - file.domain.min.1,
         file.domain.max.0 - file.domain.min.0,
     );
-    // the scene lists single blocks alone
-    let listed = || file.blocks.iter().map(|b| b.name.clone()).collect();
-    let bodies = bodies::read(folder).unwrap_or_default();
-    let block_names = match bodies.is_empty() {
-        true => listed(),
-        false => bodies.into_iter().map(|row| row.name).collect(),
-    };
+    let bodies = bodies_of(folder, &file);
     let map = file.terrain.as_ref().map(|t| (t.origin, t.crs.clone()));
     Ok(RunScene {
         map: map.unwrap_or_default(),
@@ -101,7 +101,10 @@ pub fn read_scene(folder: &Path) -> Result<RunScene, ReadError> {
             f64::from(stride).powf(if is_plane { 1.0 / 2.0 } else { 1.0 / 3.0 })
         },
         is_thin: is_plane || (file.domain.periodic.contains(&Axis::Y) && width < THIN * length),
-        block_names,
+        block_names: bodies.iter().map(|row| row.name.clone()).collect(),
+        groups: bodies.iter().map(|row| row.group.clone()).collect(),
+        materials: bodies.into_iter().map(|row| row.material).collect(),
+        gravity: corner(file.gravity).norm(),
         title: file.title,
         camera: file.camera.as_ref().map(Viewpoint::from),
         is_terrain: file.blocks.iter().map(|b| is_terrain(&b.shape)).collect(),
@@ -110,6 +113,32 @@ pub fn read_scene(folder: &Path) -> Result<RunScene, ReadError> {
             ResolutionFile::Count(_) => None,
         }),
     })
+}
+
+/// Name, group and material of each block.
+struct Label {
+    name: String,
+    group: String,
+    material: String,
+}
+
+/// Labels of all blocks; without `bodies.csv`, as in older folders, of those that the scene lists, which were all then.
+fn bodies_of(folder: &Path, file: &SceneFile) -> Vec<Label> {
+    let bodies = bodies::read(folder).unwrap_or_default();
+    if bodies.is_empty() {
+        let listed = file.blocks.iter().map(|block| Label {
+            name: block.name.clone(),
+            group: block.group.clone().unwrap_or_default(),
+            material: block.material.clone(),
+        });
+        return listed.collect();
+    }
+    let labels = bodies.into_iter().map(|row| Label {
+        name: row.name,
+        group: row.group,
+        material: row.material,
+    });
+    labels.collect()
 }
 
 /// Reads `summary.json`; absent before the end of a run.

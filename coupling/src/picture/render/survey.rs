@@ -29,6 +29,8 @@ pub(crate) struct Survey {
     pub ground: f64,
     pub spacing: f64,
     pub speed_range: f64,
+    /// Elevations of the water, but for a few drops; m.
+    pub elevations: [f64; 2],
     /// Report to the user.
     pub description: String,
 }
@@ -69,7 +71,7 @@ pub(crate) fn survey(
     options: &RenderOptions,
 ) -> Result<Survey, RenderError> {
     let mut samples = Vec::new();
-    let mut speeds = Vec::new();
+    let (mut speeds, mut heights) = (Vec::new(), Vec::new());
     let mut depth = None;
     let mut spacing = run.spacing;
     let looked_at = evenly(numbers, FRAMES);
@@ -79,6 +81,7 @@ pub(crate) fn survey(
             spacing = guessed_spacing(&cloud.points);
         }
         depth = depth.or_else(|| bounds(&cloud.points).map(|(low, high)| (high - low).z));
+        heights.extend(evenly(&cloud.points, POINTS).into_iter().map(|p| p[2]));
         samples.extend(evenly(&cloud.points, POINTS).into_iter().copied());
         speeds.extend(cloud.speeds.unwrap_or_default());
         let time = run.frames().get(number).map_or(0.0, |f| f.time);
@@ -131,6 +134,7 @@ pub(crate) fn survey(
         ground,
         spacing,
         speed_range,
+        elevations: most_of(&mut heights),
         description,
     })
 }
@@ -208,8 +212,19 @@ fn guessed_spacing(points: &[[f32; 3]]) -> Option<f64> {
     distances.get(distances.len() / 2).copied()
 }
 
+/// Range of all but a few heights; 0 to 1 without any; m.
+fn most_of(heights: &mut [f32]) -> [f64; 2] {
+    heights.sort_by(f32::total_cmp);
+    let few = (FASTEST * heights.len() as f64) as usize;
+    let last = heights.len().saturating_sub(1 + few);
+    match (heights.get(few), heights.get(last)) {
+        (Some(low), Some(high)) if low < high => [f64::from(*low), f64::from(*high)],
+        _ => [0.0, 1.0],
+    }
+}
+
 /// Round number exceeded by few speeds; m/s.
-fn upper_end(speeds: &mut [f32]) -> f64 {
+pub(crate) fn upper_end(speeds: &mut [f32]) -> f64 {
     speeds.sort_by(f32::total_cmp);
     let at = ((1.0 - FASTEST) * speeds.len() as f64) as usize;
     let fast = speeds

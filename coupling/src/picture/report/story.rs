@@ -6,7 +6,7 @@ use std::path::Path;
 use serde_json::{Value, json};
 
 use crate::files::table::{TableData, read_table};
-use crate::output::run_folder;
+use crate::output::run_folder::{self, RunScene};
 
 /// Points of a record, at most.
 const MOST_POINTS: usize = 600;
@@ -108,7 +108,7 @@ fn thinned(values: &[f64]) -> Vec<usize> {
 }
 
 /// What happened when: touches of water, arrivals and crests at gauges, in order.
-pub(super) fn events(folder: &Path, summary: &Value, names: &[String]) -> Vec<Value> {
+pub(super) fn events(folder: &Path, summary: &Value, scene: &RunScene) -> Vec<Value> {
     let mut events: Vec<(f64, String)> = Vec::new();
     let gauges = summary.get("gauges").and_then(Value::as_array);
     for gauge in gauges.into_iter().flatten() {
@@ -124,7 +124,7 @@ pub(super) fn events(folder: &Path, summary: &Value, names: &[String]) -> Vec<Va
         }
     }
     let blocks = table_of(folder, run_folder::BLOCKS);
-    // the blocks of a slide are told of together
+    // the blocks of a group are told of together
     let mut touches = BTreeMap::<String, f64>::new();
     for block in blocks.iter().flat_map(histories) {
         let largest = block.forces.iter().copied().fold(0.0, f64::max);
@@ -135,11 +135,9 @@ pub(super) fn events(folder: &Path, summary: &Value, names: &[String]) -> Vec<Va
             .position(|&force| TOUCH * largest < force);
         // what stands in water from the start is not touched by it later
         if let (Some(k), true) = (touch, start <= TOUCH * largest && 0.0 < largest) {
-            let name = name_of(names, block.id);
-            let group = name
-                .rsplit_once('.')
-                .map_or(name.as_str(), |(group, _)| group);
-            let first = touches.entry(group.to_owned()).or_insert(f64::INFINITY);
+            let first = touches
+                .entry(group_of(scene, block.id))
+                .or_insert(f64::INFINITY);
             *first = first.min(block.time[k]);
         }
     }
@@ -156,6 +154,19 @@ pub(super) fn name_of(names: &[String], id: i32) -> String {
     let name = usize::try_from(id).ok().and_then(|id| names.get(id));
     name.filter(|name| !name.is_empty())
         .map_or_else(|| format!("block {id}"), Clone::clone)
+}
+
+/// Group of a block by its number, or its name without one; of a run of an earlier version what its name begins with.
+fn group_of(scene: &RunScene, id: i32) -> String {
+    let group = usize::try_from(id).ok().and_then(|id| scene.groups.get(id));
+    match group.filter(|group| !group.is_empty()) {
+        Some(group) => group.clone(),
+        None => {
+            let name = name_of(&scene.block_names, id);
+            let begin = name.rsplit_once('.').map(|(begin, _)| begin.to_owned());
+            begin.unwrap_or(name)
+        }
+    }
 }
 
 /// Record of a block.

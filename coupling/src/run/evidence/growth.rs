@@ -215,6 +215,7 @@ fn named_by(error: &StepError) -> Vec<Object> {
             }
             riprap_dda::StepError::TimeStep { .. } => Vec::new(),
         },
+        StepError::Named { error, .. } => named_by(error),
         StepError::Fluid { .. }
         | StepError::Overlap { .. }
         | StepError::Left { .. }

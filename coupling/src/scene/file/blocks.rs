@@ -40,6 +40,23 @@ pub struct BlockFile {
     /// open.
     #[serde(default)]
     pub sealed: bool,
+    /// Name of the blocks that it belongs to, for tables, messages and VTK files: the rock mass, the slide or the grains that it was
+    /// made of; none when left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub group: Option<String>,
+    /// Faces on joints, of a block that is a `Polyhedron` or `Polyhedra`; as cut by the joint sets of a rock mass or a slide.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub joint_faces: Vec<JointFacesFile>,
+}
+
+/// Faces of a block on the joints of one set.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct JointFacesFile {
+    /// Name of the joint set.
+    pub set: String,
+    /// Numbers of the faces from 0, part after part.
+    pub faces: Vec<u32>,
 }
 
 /// A rotation about an axis through a point, then a translation.

@@ -58,6 +58,9 @@ pub struct SliversFile {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct JointSetFile {
+    /// Name of the set, for tables and VTK files; `set 1`, `set 2` and so on when left out.
+    #[serde(default)]
+    pub name: Option<String>,
     /// Dip, down from the horizontal, 0 to 90; degrees.
     #[schemars(extend("x-unit" = "degrees", "minimum" = 0, "maximum" = 90))]
     pub dip_deg: f64,

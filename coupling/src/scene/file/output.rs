@@ -24,7 +24,7 @@ pub struct OutputFile {
     /// Arrays in the water files. The first four when left out, all for a fluid with flow laws.
     #[serde(default)]
     pub water_fields: Option<Vec<WaterField>>,
-    /// Arrays in the block files in addition to `BlockId`.
+    /// Arrays in the block files in addition to the numbers of block, group, material and joint set.
     #[serde(default = "all_block_fields")]
     pub block_fields: Vec<BlockField>,
     /// Output of contact points.

@@ -159,6 +159,8 @@ fn spheres_of(grains: &GrainsFile, most: usize) -> Result<Vec<BlockFile>, Refusa
             deformable: None,
             hold: None,
             sealed: false,
+            group: Some(grains.name.clone()),
+            joint_faces: Vec::new(),
         }
     };
     Ok(places

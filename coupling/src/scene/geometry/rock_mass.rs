@@ -1,12 +1,14 @@
 //! Rock masses: bodies cut into blocks by joint sets.
 
+pub(super) mod joint_faces;
 mod report;
 
 use riprap_dda::{
-    BlockQuality, JointError, JointSet, JointedMass, JointedUnion, MergedMass, Polyhedron, Shape,
-    SliverLimits, cut_by_joints, cut_union_by_joints, hull_within, merge_union_slivers,
+    BlockQuality, Joint, JointError, JointSet, JointedMass, JointedUnion, MergedMass, Polyhedron,
+    Shape, SliverLimits, cut_by_joints, cut_union_by_joints, hull_within, merge_union_slivers,
 };
 
+use self::joint_faces::joint_faces;
 use super::mesh;
 use super::shape::solid;
 use crate::messages::Code;
@@ -71,9 +73,9 @@ pub fn blocks_of_masses(
     let (mut blocks, mut reports) = (Vec::new(), Vec::new());
     for (index, mass) in masses.iter().enumerate() {
         match cut_mass(mass, index, access) {
-            Ok((cut, report)) => {
-                reports.push(report);
+            Ok(cut) => {
                 blocks.extend(template(mass).blocks(&cut));
+                reports.push(cut.report);
             }
             Err(found) => problems.extend(found),
         }
@@ -91,6 +93,7 @@ pub(super) struct BlockTemplate<'a> {
     pub(super) material: &'a str,
     pub(super) deformable: Option<&'a DeformableFile>,
     pub(super) sealed: bool,
+    pub(super) joint_sets: &'a [JointSetFile],
 }
 
 impl BlockTemplate<'_> {
@@ -106,16 +109,18 @@ impl BlockTemplate<'_> {
             deformable: self.deformable.cloned(),
             hold: None,
             sealed: self.sealed,
+            group: Some(self.name.to_owned()),
+            joint_faces: Vec::new(),
         }
     }
 
     /// Entries of the list of blocks, of convex parts each.
-    pub(super) fn blocks<'a>(
-        &'a self,
-        cut: &'a [Vec<Polyhedron>],
-    ) -> impl Iterator<Item = BlockFile> + 'a {
-        let numbered = cut.iter().enumerate();
-        numbered.map(|(k, parts)| self.block(k, shape_of(parts)))
+    pub(super) fn blocks<'a>(&'a self, cut: &'a Cut) -> impl Iterator<Item = BlockFile> + 'a {
+        let numbered = cut.blocks.iter().enumerate();
+        numbered.map(|(k, parts)| BlockFile {
+            joint_faces: joint_faces(parts, &cut.joints, self.joint_sets),
+            ..self.block(k, shape_of(parts))
+        })
     }
 }
 
@@ -125,6 +130,7 @@ fn template(mass: &RockMassFile) -> BlockTemplate<'_> {
         material: &mass.material,
         deformable: mass.deformable.as_ref(),
         sealed: mass.sealed,
+        joint_sets: &mass.joint_sets,
     }
 }
 
@@ -165,12 +171,9 @@ fn cut_mass(mass: &RockMassFile, index: usize, access: &Access) -> Result<Cut, V
         minimum_volume: Some(mass.minimum_volume),
         volume,
     };
-    let (blocks, report) = cleaning.clean(cut).map_err(refused)?;
-    let report = RockMassReport {
-        split_error: split_error(mass, volume, access),
-        ..report
-    };
-    Ok((blocks, report))
+    let mut cut = cleaning.clean(cut).map_err(refused)?;
+    cut.report.split_error = split_error(mass, volume, access);
+    Ok(cut)
 }
 
 /// Volume (m³) that the convex parts of a mesh have more than its shells, over theirs.
@@ -211,24 +214,39 @@ fn cut_of(
     let limit = mass.maximum_blocks as usize;
     if bodies.iter().all(|parts| parts.len() == 1) {
         let bodies = bodies.into_iter().flatten().collect();
-        let JointedMass { blocks, n_uncut } = cut_by_joints(bodies, sets, mass.seed, limit)?;
-        let blocks = blocks.into_iter().map(|block| vec![block]).collect();
-        return Ok(JointedUnion { blocks, n_uncut });
+        let JointedMass {
+            blocks,
+            n_uncut,
+            joints,
+        } = cut_by_joints(bodies, sets, mass.seed, limit)?;
+        return Ok(JointedUnion {
+            blocks: blocks.into_iter().map(|block| vec![block]).collect(),
+            n_uncut,
+            joints,
+        });
     }
     let mut all = JointedUnion {
         blocks: Vec::new(),
         n_uncut: 0,
+        joints: Vec::new(),
     };
     for parts in bodies {
         let cut = cut_union_by_joints(parts, sets, mass.seed, limit)?;
         all.blocks.extend(cut.blocks);
         all.n_uncut += cut.n_uncut;
+        all.joints.extend(cut.joints);
     }
     Ok(all)
 }
 
-/// Blocks of convex parts, and the report of the mass.
-pub(super) type Cut = (Vec<Vec<Polyhedron>>, RockMassReport);
+/// A mass cut into blocks.
+pub(super) struct Cut {
+    /// Blocks of convex parts.
+    pub(super) blocks: Vec<Vec<Polyhedron>>,
+    /// Joints that cut it.
+    pub(super) joints: Vec<Joint>,
+    pub(super) report: RockMassReport,
+}
 
 /// The cause, the faulty field of a mass, and the reason.
 pub(super) type Refusal = (Code, String, String);
@@ -258,7 +276,11 @@ impl Cleaning<'_> {
     /// Blocks without slivers and small ones, and a report of them; or the faulty field and the reason.
     pub(super) fn clean(
         &self,
-        JointedUnion { blocks, n_uncut }: JointedUnion,
+        JointedUnion {
+            blocks,
+            n_uncut,
+            joints,
+        }: JointedUnion,
     ) -> Result<Cut, Refusal> {
         let MergedMass {
             mut blocks,
@@ -313,7 +335,11 @@ impl Cleaning<'_> {
             removed_share: removed / self.volume,
             ..report(self.name, &blocks)
         };
-        Ok((blocks, report))
+        Ok(Cut {
+            blocks,
+            joints,
+            report,
+        })
     }
 }
 

@@ -23,15 +23,16 @@ pub fn blocks_of_slides(
     let (mut blocks, mut reports) = (Vec::new(), Vec::new());
     for (index, (slide, rock)) in slides.iter().zip(rock).enumerate() {
         match cut(slide, rock) {
-            Ok((parts, report)) => {
-                reports.push(report);
+            Ok(cut) => {
                 let template = BlockTemplate {
                     name: &slide.name,
                     material: &slide.material,
                     deformable: slide.deformable.as_ref(),
                     sealed: slide.sealed,
+                    joint_sets: &slide.joint_sets,
                 };
-                blocks.extend(template.blocks(&parts));
+                blocks.extend(template.blocks(&cut));
+                reports.push(cut.report);
             }
             Err((code, field, what)) => problems.push(Problem::error(
                 code,

@@ -55,7 +55,7 @@ pub struct Output {
     pub ledger_interval: f64,
     /// Arrays in the water files.
     pub water_fields: Vec<WaterField>,
-    /// Arrays in the block files in addition to `BlockId`.
+    /// Arrays in the block files in addition to the numbers of block, group, material and joint set.
     pub block_fields: Vec<BlockField>,
     /// Output of contact points.
     pub contacts: bool,

@@ -63,6 +63,7 @@ impl Checks {
             }
             self.not_negative(at.path("motion.base"), &at.of("base"), *base);
         }
+        self.labels(&at);
         let starts_at_rest = is_zero(block.velocity) && is_zero(block.angular_velocity);
         if !starts_at_rest && !at.is_free() {
             self.warn(
@@ -70,6 +71,34 @@ impl Checks {
                 at.path("velocity"),
                 at.of("an initial velocity has no effect on a block that is not free"),
             );
+        }
+    }
+
+    /// Checks of the group and of the faces on joints.
+    fn labels(&mut self, at: &At) {
+        let group = at.block.group.iter().map(|name| (at.path("group"), name));
+        let sets = at.block.joint_faces.iter().enumerate();
+        let sets = sets.map(|(k, of)| (at.path(&format!("joint_faces[{k}].set")), &of.set));
+        for (path, name) in group.chain(sets) {
+            self.label(path, name);
+        }
+        let n_faces = match &at.block.shape {
+            ShapeFile::Polyhedron { faces, .. } => faces.len(),
+            ShapeFile::Polyhedra { parts } => parts.iter().map(|part| part.faces.len()).sum(),
+            _ => 0,
+        };
+        for (k, of) in at.block.joint_faces.iter().enumerate() {
+            if let Some(face) = of.faces.iter().find(|face| n_faces <= **face as usize) {
+                self.refuse(
+                    at.path(&format!("joint_faces[{k}].faces")),
+                    at.of(&match n_faces {
+                        0 => {
+                            "only the faces of a Polyhedron or of Polyhedra are numbered".to_owned()
+                        }
+                        _ => format!("there is no face {face}: it has {n_faces}, numbered from 0"),
+                    }),
+                );
+            }
         }
     }
 

@@ -128,6 +128,16 @@ impl Checks {
         }
     }
 
+    /// Check of a name that others may share, for a table separated by commas.
+    pub fn label(&mut self, path: impl Into<String>, name: &str) {
+        if name.trim().is_empty() {
+            self.refuse(path, "the name is empty".to_owned());
+        } else if name.contains([',', '"', '\n', '\r']) {
+            let what = format!("the name `{name}` has a comma, quote or line break");
+            self.refuse(path, what);
+        }
+    }
+
     /// Check that names of a list are unique and fit a table separated by commas.
     pub fn unique<'a>(&mut self, list: &str, names: impl Iterator<Item = &'a str>) {
         let mut seen: Vec<&str> = Vec::new();

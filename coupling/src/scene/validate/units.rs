@@ -233,6 +233,9 @@ impl Checks {
             let at = |field: &str| format!("{path}.{field}");
             let of = |what: &str| format!("{who}: {what}");
             let (dip, direction) = (set.dip_deg, set.dip_direction_deg);
+            if let Some(name) = &set.name {
+                self.label(at("name"), name);
+            }
             if !(0.0..=90.0).contains(&dip) {
                 let right = the_same_plane(dip, direction);
                 self.refuse(

@@ -1,5 +1,6 @@
 //! Comparison of two tables, as text and as JSON.
 
+use super::reference::{Reference, ReferenceColumns};
 use super::{Comparison, Options, Series, compare};
 use crate::files::table::{Column, TableData, TableError, read_table};
 use crate::messages::{Code, Coded};
@@ -65,6 +66,46 @@ pub fn compare_files(
         .collect()
 }
 
+/// Compares a column of the table `computed` with columns of a reference that has names of its own, or none.
+///
+/// Units of the reference are converted by its headings. Without `column` the table must have one column beside the time.
+///
+/// # Errors
+/// [`CompareError`] if a file cannot be read, a column is missing, a unit is unknown, or times do not ascend.
+pub fn compare_with(
+    computed: &Path,
+    reference: &Path,
+    (column, columns): (Option<&str>, &ReferenceColumns),
+    options: Options,
+) -> Result<Vec<Report>, CompareError> {
+    let computed = read_table(computed)?;
+    let values: Vec<&Column> = (computed.columns.iter())
+        .filter(|column| !is_time(&column.name))
+        .collect();
+    let name = match (column, values.as_slice()) {
+        (Some(name), _) => name.to_owned(),
+        (None, [only]) => only.header(),
+        _ => {
+            return Err(CompareError::WhichColumn {
+                path: computed.path.clone(),
+                present: headers(&computed),
+            });
+        }
+    };
+    let unit = computed.unit(&name)?.to_owned();
+    let series = Reference::read(reference)?.series((&name, &unit), columns)?;
+    let comparison = compare(&Series::from_table(&computed, &name)?, &series, options);
+    Ok(vec![Report {
+        column: computed.name(&name)?.to_owned(),
+        unit,
+        comparison,
+    }])
+}
+
+fn is_time(name: &str) -> bool {
+    matches!(name, "time" | "t")
+}
+
 /// The series of a file with two columns, time and value, of any name; the heading is optional,
 /// `#` starts a comment. `None` for any other file, which is then read as a table,
 /// with the errors of a table.
@@ -117,7 +158,7 @@ impl Series {
 fn shared_columns(computed: &TableData, reference: &TableData) -> Vec<String> {
     let names = reference.columns.iter().map(|column| &column.name);
     names
-        .filter(|name| !matches!(name.as_str(), "time" | "t"))
+        .filter(|name| !is_time(name))
         .filter(|name| computed.columns.iter().any(|column| column.name == **name))
         .cloned()
         .collect()
@@ -248,6 +289,56 @@ pub enum CompareError {
         computed: String,
         /// Its unit in the reference.
         reference: String,
+    },
+    /// A reference that cannot be opened.
+    #[error("cannot read {}: {cause}", path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// Error of the operating system.
+        cause: std::io::Error,
+    },
+    /// A faulty line of a reference.
+    #[error("{}, line {line}: {what}", path.display())]
+    Reference {
+        /// The file.
+        path: PathBuf,
+        /// Number of the line; the first is 1.
+        line: usize,
+        /// Value found and what is expected.
+        what: String,
+    },
+    /// A named column that a reference does not have.
+    #[error("{}: no column `{name}`, or several; its columns: {present}; name one with --reference-column, by its heading or its number, and the times with --reference-time", path.display())]
+    NoReferenceColumn {
+        /// The file.
+        path: PathBuf,
+        /// Name asked for.
+        name: String,
+        /// Columns that it has.
+        present: String,
+    },
+    /// A unit that cannot be converted to that of the run.
+    #[error("{}: column `{column}` is in {found}, and the run in {wanted}; convertible are {known}", path.display())]
+    ReferenceUnit {
+        /// The file.
+        path: PathBuf,
+        /// Its column.
+        column: String,
+        /// Its unit.
+        found: String,
+        /// Unit of the run.
+        wanted: String,
+        /// Units of the same quantity.
+        known: String,
+    },
+    /// A table with several columns, of which none was named.
+    #[error("{}: name a column of the run with --column; its columns: {present}", path.display())]
+    WhichColumn {
+        /// The file.
+        path: PathBuf,
+        /// Columns that it has.
+        present: String,
     },
     /// No common column.
     #[error("no column common to both tables; computed: {computed}; reference: {reference}")]

@@ -1,7 +1,7 @@
 //! Rock masses of any shape: convex bodies that adjoin, cut as one.
 
 use super::slivers::{shared_area, united};
-use super::{Body, JointError, JointSet, cut_bodies, expected_blocks};
+use super::{Body, Joint, JointError, JointSet, cut_bodies, expected_blocks};
 use crate::{Plane, Polyhedron, Vec3, volume};
 
 /// A rock mass of any shape cut by joints.
@@ -11,6 +11,8 @@ pub struct JointedUnion {
     pub blocks: Vec<Vec<Polyhedron>>,
     /// Cuts of parts that were not made, because a piece would have been too thin to be a polyhedron.
     pub n_uncut: usize,
+    /// Joints that cut a block, in the order in which they did.
+    pub joints: Vec<Joint>,
 }
 
 /// Cuts one body, of adjoining convex parts, by all joints of all sets, in their order: like [`super::cut_by_joints`], but parts
@@ -36,18 +38,21 @@ pub fn cut_union_by_joints(
         return Ok(JointedUnion {
             blocks: Vec::new(),
             n_uncut: 0,
+            joints: Vec::new(),
         });
     };
     let filled = parts.iter().map(volume).sum::<f64>() / volume(&whole);
     let expected = expected_blocks(std::slice::from_ref(&whole), sets).about * filled;
     let mass = Compound { whole, parts };
-    let (compounds, n_uncut) = cut_bodies(vec![mass], sets, seed, (max_blocks, expected))?;
-    let pieces = compounds
+    let cut = cut_bodies(vec![mass], sets, seed, (max_blocks, expected))?;
+    let pieces = cut
+        .bodies
         .into_iter()
         .flat_map(|compound| connected(compound.parts));
     Ok(JointedUnion {
         blocks: pieces.map(united).collect(),
-        n_uncut,
+        n_uncut: cut.n_uncut,
+        joints: cut.joints,
     })
 }
 
