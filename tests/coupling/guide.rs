@@ -44,10 +44,11 @@ fn variants(page: &Page) -> Vec<(String, Vec<Override>)> {
 #[test]
 fn its_scenes_run() {
     let mut n_scenes = 0;
+    let cases = case("");
     for page in pages().iter().filter(|page| !page.is_generated()) {
         for (text, overrides) in variants(page) {
             let name = page.name.as_str();
-            let access = Access::of(&case(""));
+            let access = Access::of(&cases);
             let (scene, warnings) = load_text(name, &text, &overrides, &access)
                 .unwrap_or_else(|e| panic!("{name}: {e}"));
             assert!(warnings.located().is_empty(), "{name}: {warnings}");
