@@ -153,7 +153,6 @@ impl Scene {
     /// run in good order, with a checkpoint from which `resume=True` continues to the same bits.
     #[expect(
         clippy::too_many_arguments,
-        clippy::fn_params_excessive_bools,
         reason = "keywords of a function of Python, as options of the command line"
     )]
     fn run(
