@@ -9,6 +9,8 @@
 //! Particles are shown one by one in a plane and in small scenes, otherwise the height of their surface. If that is more than the file
 //! may have, frames are left out, and the page says so.
 
+mod forces;
+mod maps;
 mod packed;
 mod page;
 mod shapes;
@@ -21,6 +23,7 @@ use std::path::{Path, PathBuf};
 use serde_json::{Map, Value, json};
 
 use super::overview::color;
+use super::overview_data::theory::Theories;
 use super::render::RenderError;
 use super::render::recording::{self, Recording};
 use crate::files::vtk::{VtkError, replace_file};
@@ -75,7 +78,9 @@ impl Played {
     fn add_fixed(&mut self, run: &Recording) {
         let fixed = shapes::fixed(run).packed();
         if 0 < fixed.n_triangles {
-            self.tell("fixed", mesh_of(&fixed));
+            let mut told = mesh_of(&fixed);
+            told["walls"] = json!(run.fixed.iter().any(|body| !body.is_terrain));
+            self.tell("fixed", told);
             self.add_blob("fixed", &fixed.bytes);
         }
     }
@@ -130,6 +135,7 @@ pub fn report(folder: &Path, file: &Path, limit: u64) -> Result<ReportSummary, R
     let scene = fs::read_to_string(folder.join(run_folder::CASE)).unwrap_or_default();
     let names = &run.scene.block_names;
     let end = (run.frames().last()).map_or(0.0, |frame| frame.time);
+    let maps = maps::maps(folder, run.scene.map.0.2, limit);
     let water = water::water(&run)?;
 
     let mut played = Played::default();
@@ -138,21 +144,29 @@ pub fn report(folder: &Path, file: &Path, limit: u64) -> Result<ReportSummary, R
     played.tell("isThin", json!(run.scene.is_thin));
     played.tell("colors", colors());
     played.tell("bounds", bounds(&run, water.as_ref())?);
-    played.tell("gauges", json!(story::gauges(folder)));
+    played.tell("relief", relief(&run, water.as_ref()));
+    played.tell(
+        "gauges",
+        json!(story::gauges(folder, &Theories::of_folder(folder))),
+    );
     played.tell("events", json!(story::events(folder, &summary, names)));
     played.add_fixed(&run);
     played.add_moving(&run)?;
     if let Some(water) = &water {
-        let text = (overview.len() + scene.len()) as u64;
+        let text = (overview.len() + scene.len() + maps.html.len()) as u64;
         played.add_water(water, &run, limit.saturating_sub(text));
     }
 
+    played
+        .said
+        .extend(Some(maps.said).filter(|said| !said.is_empty()));
     let description = played.said.join(", ");
     let text = page::page(&page::Contents {
         title: &run.scene.title,
         verdict: summary.is_object().then(|| verdict(&summary)),
         description: &description,
-        tables: &story::tables(folder, &summary, names),
+        tables: &story::tables(folder, &summary, &run.scene),
+        maps: &maps.html,
         overview: &overview,
         scene: &scene,
         meta: &Value::Object(played.meta),
@@ -187,7 +201,7 @@ fn mesh_of(mesh: &PackedMesh) -> Value {
     })
 }
 
-/// Colors of water by speed and by elevation, and of the background, from 0 to 1.
+/// Colors of water by speed and by elevation, of land and of the background, from 0 to 1.
 fn colors() -> Value {
     let share = |color: &[u8; 3]| color.map(|part| (f64::from(part) / 255.0 * 1e3).round() / 1e3);
     let all = |colors: &[[u8; 3]]| colors.iter().map(share).collect::<Vec<_>>();
@@ -195,8 +209,25 @@ fn colors() -> Value {
     let trough: Vec<[u8; 3]> = elevation[..4].iter().rev().copied().collect();
     json!({
         "speed": all(&color::map(4)), "trough": all(&trough), "crest": all(&elevation[3..]),
-        "background": [0.945, 0.957, 0.965],
+        "land": all(&color::land(5)), "bed": share(&color::BED), "background": [0.945, 0.957, 0.965],
     })
+}
+
+/// Heights between which the colors of land go, from the shore up, or from the lowest ground; null without terrain; m.
+fn relief(run: &Recording, water: Option<&Water>) -> Value {
+    let terrain = run.fixed.iter().filter(|body| body.is_terrain);
+    let heights = terrain.flat_map(|body| body.corners.iter().map(|corner| corner[2]));
+    let (low, high) = heights.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), z| {
+        (low.min(z), high.max(z))
+    });
+    if low >= high {
+        return Value::Null;
+    }
+    let rest = water.and_then(|water| match water.look {
+        Look::Surface { height, .. } => Some(water.swing(height).0),
+        Look::Particles { .. } => None,
+    });
+    json!([rest.unwrap_or(low).min(high - 1e-6 * (high - low)), high])
 }
 
 /// The smallest stride at which the frames have at most `room` bytes, or the largest one, with their bytes.

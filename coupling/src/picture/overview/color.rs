@@ -11,7 +11,7 @@ const STOPS: [[u8; 3]; 4] = [
     [0xf7, 0xc5, 0x3b],
 ];
 /// Bed of the water, without elevation tint: the water above has its own colors.
-pub(super) const BED: [u8; 3] = [0xc4, 0xcd, 0xd2];
+pub(in crate::picture) const BED: [u8; 3] = [0xc4, 0xcd, 0xd2];
 /// Water at its rest level: almost white.
 const AT_REST: [u8; 3] = [0xee, 0xf2, 0xf3];
 /// From water at rest down to the deepest trough.
@@ -79,7 +79,7 @@ pub(super) fn arrival(n: usize) -> Vec<[u8; 3]> {
 }
 
 /// `n` colors, from the shore up.
-pub(super) fn land(n: usize) -> Vec<[u8; 3]> {
+pub(in crate::picture) fn land(n: usize) -> Vec<[u8; 3]> {
     along(&LAND, n)
 }
 
@@ -115,7 +115,7 @@ fn along(stops: &[[u8; 3]], n: usize) -> Vec<[u8; 3]> {
 }
 
 /// `#rrggbb`.
-pub(super) fn hex([r, g, b]: [u8; 3]) -> String {
+pub(in crate::picture) fn hex([r, g, b]: [u8; 3]) -> String {
     format!("#{r:02x}{g:02x}{b:02x}")
 }
 

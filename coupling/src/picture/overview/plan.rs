@@ -8,6 +8,7 @@ mod layout;
 mod lines;
 mod marks;
 mod panels;
+pub(in crate::picture) mod picture;
 mod relief;
 mod sheet;
 

@@ -5,8 +5,10 @@ use std::path::Path;
 
 use serde_json::{Value, json};
 
+use super::forces;
 use crate::files::table::{TableData, read_table};
-use crate::output::run_folder;
+use crate::output::run_folder::{self, RunScene};
+use crate::picture::overview_data::theory::Theories;
 
 /// Points of a record, at most.
 const MOST_POINTS: usize = 600;
@@ -20,7 +22,7 @@ const TOUCH: f64 = 0.01;
 /// A table of the page.
 pub(super) struct Table {
     pub title: &'static str,
-    pub head: Vec<&'static str>,
+    pub head: Vec<String>,
     /// Texts of each row; numbers are right-aligned but for the first column.
     pub rows: Vec<Vec<String>>,
     /// Remark below it; empty without.
@@ -39,6 +41,20 @@ pub(super) fn table_of(folder: &Path, name: &str) -> Option<TableData> {
 fn text_of(value: &Value, key: &str) -> String {
     let text = value.get(key).and_then(Value::as_str);
     text.unwrap_or_default().to_owned()
+}
+
+/// Heads of columns.
+pub(super) fn heads(names: &[&str]) -> Vec<String> {
+    names.iter().map(|name| (*name).to_owned()).collect()
+}
+
+/// Size of the unit, with a prefix for thousands, in which the largest of some values is told, and its name.
+pub(super) fn scaled(values: impl Iterator<Item = f64>, unit: &str) -> (f64, String) {
+    let largest = values.filter(|value| value.is_finite()).fold(0.0, f64::max);
+    let prefixes = [(1e12, "T"), (1e9, "G"), (1e6, "M"), (1e3, "k")];
+    let found = prefixes.into_iter().find(|(size, _)| *size <= largest);
+    let (size, prefix) = found.unwrap_or((1.0, ""));
+    (size, format!("{prefix}{unit}"))
 }
 
 /// A number for a reader: four digits.
@@ -66,8 +82,8 @@ fn short(value: f64) -> Value {
     }
 }
 
-/// Records of all gauges: name, unit, times and values, thinned so that lows and highs stay.
-pub(super) fn gauges(folder: &Path) -> Vec<Value> {
+/// Records of all gauges: name, unit, times, values and their theory, thinned so that lows and highs stay.
+pub(super) fn gauges(folder: &Path, theories: &Theories) -> Vec<Value> {
     let Some(table) = table_of(folder, run_folder::GAUGES) else {
         return Vec::new();
     };
@@ -76,11 +92,16 @@ pub(super) fn gauges(folder: &Path) -> Vec<Value> {
     columns
         .map(|(column, values)| {
             let kept = thinned(values);
-            json!({
+            let times: Vec<f64> = kept.iter().map(|&k| time[k]).collect();
+            let mut gauge = json!({
                 "name": column.name, "unit": column.unit,
-                "t": kept.iter().map(|&k| short(time[k])).collect::<Vec<_>>(),
+                "t": times.iter().map(|&t| short(t)).collect::<Vec<_>>(),
                 "v": kept.iter().map(|&k| short(values[k])).collect::<Vec<_>>(),
-            })
+            });
+            if let Some(theory) = theories.of(&column.name) {
+                gauge["theory"] = theory.at(&times).into_iter().map(short).collect();
+            }
+            gauge
         })
         .collect()
 }
@@ -214,9 +235,12 @@ fn largest(values: &[f64]) -> Option<(usize, f64)> {
 }
 
 /// Tables of a run.
-pub(super) fn tables(folder: &Path, summary: &Value, names: &[String]) -> Vec<Table> {
+pub(super) fn tables(folder: &Path, summary: &Value, scene: &RunScene) -> Vec<Table> {
+    let names = &scene.block_names;
     let all = [
         peaks(summary),
+        forces::by_source(folder, names),
+        forces::on_faces(folder, scene),
         blocks(folder, names),
         ledger(summary),
         numbers(summary),
@@ -244,14 +268,14 @@ fn peaks(summary: &Value) -> Option<Table> {
     };
     Some(Table {
         title: "Peaks at gauges",
-        head: vec![
+        head: heads(&[
             "gauge",
             "unit",
             "at the start",
             "largest",
             "at, s",
             "wave arrives, s",
-        ],
+        ]),
         rows: gauges.iter().map(row).collect(),
         note: String::new(),
     })
@@ -272,6 +296,8 @@ fn blocks(folder: &Path, names: &[String]) -> Option<Table> {
     all.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.id.cmp(&b.1.id)));
     let n = all.len();
     all.truncate(MOST_BLOCKS);
+    let forces = all.iter().flat_map(|(_, history)| &history.forces);
+    let newton = scaled(forces.copied(), "N");
     let row = |(travel, history): &(f64, History)| {
         let speed = largest(&history.speeds).unwrap_or_default();
         let force = largest(&history.forces).unwrap_or_default();
@@ -282,22 +308,22 @@ fn blocks(folder: &Path, names: &[String]) -> Option<Table> {
             figure(*travel),
             figure(speed.1),
             figure(at(speed)),
-            figure(force.1),
+            figure(force.1 / newton.0),
             figure(at(force)),
             place.map(figure).join(", "),
         ]
     };
     Some(Table {
         title: "Blocks",
-        head: vec![
+        head: heads(&[
             "block",
             "from start to end, m",
             "largest speed, m/s",
             "at, s",
-            "largest force of water, N",
+            &format!("largest force of water, {}", newton.1),
             "at, s",
             "in the end at, m",
-        ],
+        ]),
         rows: all.iter().map(row).collect(),
         note: match MOST_BLOCKS < n {
             true => format!(
@@ -339,13 +365,18 @@ const TERMS: [(&str, &str); 22] = [
 
 fn ledger(summary: &Value) -> Option<Table> {
     let energy = summary.get("energy")?;
+    let value = |key: &str| energy.get(key).and_then(Value::as_f64);
+    let joule = scaled(
+        TERMS.iter().filter_map(|(key, _)| value(key).map(f64::abs)),
+        "J",
+    );
     let row = |(key, words): &(&str, &str)| {
-        let value = energy.get(*key)?.as_f64()?;
-        (value != 0.0).then(|| vec![(*words).to_owned(), figure(value)])
+        let value = value(key)?;
+        (value != 0.0).then(|| vec![(*words).to_owned(), figure(value / joule.0)])
     };
     Some(Table {
         title: "Energy at the end",
-        head: vec!["term", "J"],
+        head: heads(&["term", &joule.1]),
         rows: TERMS.iter().filter_map(row).collect(),
         note: String::new(),
     })
@@ -392,7 +423,7 @@ fn numbers(summary: &Value) -> Option<Table> {
     }
     Some(Table {
         title: "The run",
-        head: vec!["", ""],
+        head: heads(&["", ""]),
         rows,
         note: String::new(),
     })

@@ -100,7 +100,7 @@ pub(super) fn outlines(chart: Chart, panels: &[Panel<'_>]) -> Vec<[String; 2]> {
 }
 
 /// Path of a contour (m) within a tolerance (px); lines of a few pixels are omitted.
-fn path_of_level(chart: Chart, ground: &Grid, level: f64, tolerance: f64) -> String {
+pub(super) fn path_of_level(chart: Chart, ground: &Grid, level: f64, tolerance: f64) -> String {
     let mut path = String::new();
     for line in contour::lines(ground, level) {
         let line: Vec<[f64; 2]> = line.into_iter().map(|place| chart.pixel(place)).collect();

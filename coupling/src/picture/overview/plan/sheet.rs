@@ -40,6 +40,17 @@ impl Scale {
         Self::of(color::arrival(N_SHADES), range, times)
     }
 
+    /// For depths of water on land; m.
+    pub fn of_depths(depths: &[f64]) -> Self {
+        let range = (0.0, round_top(depths.to_vec()));
+        Self::of(color::highest(N_SHADES), range, depths)
+    }
+
+    /// Ends of its range, and whether there are values below and above it.
+    pub fn ends(&self) -> ((f64, f64), (bool, bool)) {
+        (self.range, self.is_exceeded)
+    }
+
     fn of(shades: Vec<[u8; 3]>, range: (f64, f64), values: &[f64]) -> Self {
         // bounds of the range are rounded to tenths of its steps
         let tolerance = 1e-6 * (range.1 - range.0);
