@@ -7,7 +7,7 @@
 //! Particles are drawn as a raster image inside the page, everything else as vector graphics. The page stays below 500 kB:
 //! images reduce their resolution, curves keep two points (lowest and highest) per column of pixels.
 
-mod axis;
+pub(in crate::picture) mod axis;
 mod bar;
 pub(super) mod color;
 pub(crate) mod page;

@@ -51,7 +51,7 @@ impl Axis {
 }
 
 /// Smallest of 1, 2, 2.5, 5 times a power of ten that is not below `value`.
-pub(super) fn nice_up(value: f64) -> f64 {
+pub(in crate::picture) fn nice_up(value: f64) -> f64 {
     let power = 10f64.powf(value.log10().floor());
     let nice = [1.0, 2.0, 2.5, 5.0, 10.0]
         .into_iter()
