@@ -18,6 +18,7 @@ use crate::output::checkpoint_file::{self as checkpoint, Checkpoint};
 use crate::output::run_folder::{self, ArchivedScene, Existing};
 use crate::output::summary::Summary;
 use crate::output::verdict::LARGEST_MACH;
+use crate::picture::color::ColorMap;
 use crate::run::{Ending, Plan, RunError, run};
 use crate::scene::further::Changes;
 use crate::scene::parse::Override;
@@ -159,7 +160,7 @@ fn choose_and_run(arguments: &Arguments) -> Result<Exit, Exit> {
 /// Writes the page that plays the run, complete or not. The run does not fail with it.
 fn write_report(folder: &Path) {
     let file = folder.join(run_folder::REPORT);
-    if let Err(message) = report::write(folder, &file, report::SIZE) {
+    if let Err(message) = report::write(folder, &file, (report::SIZE, ColorMap::default())) {
         say(&format!("warning: no report: {message}"));
     }
 }

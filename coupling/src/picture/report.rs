@@ -22,7 +22,7 @@ use std::path::{Path, PathBuf};
 
 use serde_json::{Map, Value, json};
 
-use super::overview::color;
+use super::color::{self, ColorMap};
 use super::overview_data::theory::Theories;
 use super::render::RenderError;
 use super::render::recording::{self, Recording};
@@ -35,6 +35,8 @@ use water::{Look, Water};
 
 /// Frames are left out until a file has its size, but no more than all but every sixteenth.
 const LARGEST_STRIDE: usize = 16;
+/// Colors of speeds, between which the page interpolates.
+const N_SPEEDS: usize = 9;
 /// Base64 has four characters for three bytes.
 const BASE64: f64 = 4.0 / 3.0;
 
@@ -128,6 +130,20 @@ impl Played {
 ///
 /// [`RenderError`] if the frames of the run cannot be read, or the file not be written. Tables that are missing are left out.
 pub fn report(folder: &Path, file: &Path, limit: u64) -> Result<ReportSummary, RenderError> {
+    report_in(folder, file, limit, ColorMap::default())
+}
+
+/// Writes a report as [`report`] does, with the colors of a map for speeds and for what the maps show.
+///
+/// # Errors
+///
+/// As [`report`].
+pub fn report_in(
+    folder: &Path,
+    file: &Path,
+    limit: u64,
+    color_map: ColorMap,
+) -> Result<ReportSummary, RenderError> {
     let run = recording::open(folder)?;
     // a report can be made while the run is under way
     let summary = run_folder::read_summary(folder)?.unwrap_or(Value::Null);
@@ -135,14 +151,14 @@ pub fn report(folder: &Path, file: &Path, limit: u64) -> Result<ReportSummary, R
     let scene = fs::read_to_string(folder.join(run_folder::CASE)).unwrap_or_default();
     let names = &run.scene.block_names;
     let end = (run.frames().last()).map_or(0.0, |frame| frame.time);
-    let maps = maps::maps(folder, run.scene.map.0.2, limit);
+    let maps = maps::maps(folder, run.scene.map.0.2, (limit, color_map));
     let water = water::water(&run)?;
 
     let mut played = Played::default();
     played.tell("title", json!(run.scene.title));
     played.tell("duration", json!(end.max(1e-9)));
     played.tell("isThin", json!(run.scene.is_thin));
-    played.tell("colors", colors());
+    played.tell("colors", colors(color_map));
     played.tell("bounds", bounds(&run, water.as_ref())?);
     played.tell("relief", relief(&run, water.as_ref()));
     played.tell(
@@ -202,13 +218,13 @@ fn mesh_of(mesh: &PackedMesh) -> Value {
 }
 
 /// Colors of water by speed and by elevation, of land and of the background, from 0 to 1.
-fn colors() -> Value {
+fn colors(color_map: ColorMap) -> Value {
     let share = |color: &[u8; 3]| color.map(|part| (f64::from(part) / 255.0 * 1e3).round() / 1e3);
     let all = |colors: &[[u8; 3]]| colors.iter().map(share).collect::<Vec<_>>();
     let elevation = color::elevation(3);
     let trough: Vec<[u8; 3]> = elevation[..4].iter().rev().copied().collect();
     json!({
-        "speed": all(&color::map(4)), "trough": all(&trough), "crest": all(&elevation[3..]),
+        "speed": all(&color_map.speeds(N_SPEEDS)), "trough": all(&trough), "crest": all(&elevation[3..]),
         "land": all(&color::land(5)), "bed": share(&color::BED), "background": [0.945, 0.957, 0.965],
     })
 }

@@ -14,8 +14,8 @@ mod sheet;
 
 use serde::{Deserialize, Serialize};
 
-use super::page::{Anchor, Frame, INK, LEFT, Page};
 use crate::output::observe::maps::MapExtremes;
+use crate::picture::chart::page::{Anchor, Frame, INK, LEFT, Page};
 use crate::scene::terrain::grid::Grid;
 use layout::{Chart, Layout};
 use lines::Lines;

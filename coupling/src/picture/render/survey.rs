@@ -6,6 +6,7 @@ use super::pov::Setting;
 use super::recording::Recording;
 use super::{RenderError, RenderOptions};
 use crate::output::run_folder;
+use crate::picture::color::ColorMap;
 use nalgebra::Vector3;
 use std::path::Path;
 
@@ -29,6 +30,7 @@ pub(crate) struct Survey {
     pub ground: f64,
     pub spacing: f64,
     pub speed_range: f64,
+    pub colors: ColorMap,
     /// Report to the user.
     pub description: String,
 }
@@ -45,6 +47,7 @@ impl Survey {
             ground,
             spacing,
             speed_range,
+            colors,
             ..
         } = self;
         Setting {
@@ -57,6 +60,7 @@ impl Survey {
             ground: *ground,
             spacing: *spacing,
             speed_range: *speed_range,
+            colors: *colors,
         }
     }
 }
@@ -131,6 +135,7 @@ pub(crate) fn survey(
         ground,
         spacing,
         speed_range,
+        colors: options.colors,
         description,
     })
 }

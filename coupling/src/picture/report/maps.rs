@@ -5,8 +5,8 @@ use std::path::Path;
 
 use crate::files::vtk::{self, PolyData, Values};
 use crate::output::run_folder;
-use crate::picture::overview::axis::nice_up;
-use crate::picture::overview::color;
+use crate::picture::chart::axis::nice_up;
+use crate::picture::color::{self, ColorMap};
 use crate::picture::overview::plan::picture::{MapPicture, MapPictures, Mapped, Mapping};
 use crate::scene::terrain::grid::Grid;
 
@@ -60,19 +60,25 @@ pub(super) struct Maps {
     pub said: String,
 }
 
-/// Maps of a run folder whose heights are `raise` m higher in the map than in the scene, in a file of `limit` bytes.
+/// Maps of a run folder whose heights are `raise` m higher in the map than in the scene, with a size of the whole file (bytes)
+/// and a map of colors.
 ///
 /// A run without maps has none, and one with a file that cannot be read, too: a report of the rest is better than none at all.
-pub(super) fn maps(folder: &Path, raise: f64, limit: u64) -> Maps {
+pub(super) fn maps(folder: &Path, raise: f64, looks: (u64, ColorMap)) -> Maps {
     let data = vtk::read(&folder.join(run_folder::MAPS)).ok();
     let drawn = data.and_then(|data| {
         let ground = grid(&data)?;
-        drawn(&data, &ground, raise, limit)
+        drawn(&data, &ground, raise, looks)
     });
     drawn.unwrap_or_default()
 }
 
-fn drawn(data: &PolyData, ground: &Grid, raise: f64, limit: u64) -> Option<Maps> {
+fn drawn(
+    data: &PolyData,
+    ground: &Grid,
+    raise: f64,
+    (limit, color_map): (u64, ColorMap),
+) -> Option<Maps> {
     let values = |kind: &Kind| array(data, kind.array, ground);
     let [highest, arrival, depth] = KINDS.each_ref().map(values);
     let (highest, depth) = (highest?, depth?);
@@ -100,6 +106,7 @@ fn drawn(data: &PolyData, ground: &Grid, raise: f64, limit: u64) -> Option<Maps>
             ..ground.clone()
         },
         still_level: level,
+        color_map,
     };
     let budget = BUDGET.min((SHARE * limit as f64) as usize);
     let pictures = MapPictures::draw(&mapping, &maps, budget)?;

@@ -113,7 +113,10 @@ fn verdict(lines: Option<&[String; 3]>) -> String {
         .find(|grade| lines[0].contains(&format!(": {grade}")));
     let lines: String = lines
         .iter()
-        .map(|line| format!("<p>{}</p>", escape(line)))
+        .map(|line| match line.split_once(": ") {
+            Some((about, rest)) => format!("<p><b>{}: </b>{}</p>", escape(about), escape(rest)),
+            None => format!("<p>{}</p>", escape(line)),
+        })
         .collect();
     format!(
         "<div id=\"verdict\" class=\"{}\">{lines}</div>",

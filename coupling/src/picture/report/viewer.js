@@ -87,46 +87,48 @@ const parallel = (w, h, near, far) =>
 // ---------- what is drawn ----------
 
 const colorFunctions = `
-uniform vec3 stops[4]; uniform vec3 low[4]; uniform vec3 high[4];
-vec3 along(vec3 c[4], float s) { s = clamp(s, 0., 1.) * 3.; return s < 1. ? mix(c[0], c[1], s) : s < 2. ? mix(c[1], c[2], s - 1.) : mix(c[2], c[3], s - 2.); }`;
+uniform vec3 stops[9]; uniform vec3 low[4]; uniform vec3 high[4];
+vec3 ofSpeed(float s) { s = clamp(s, 0., 1.) * 8.; int i = int(min(s, 7.)); return mix(stops[i], stops[i + 1], s - float(i)); }
+vec3 ofRise(float s) { float t = min(abs(s), 1.) * 3.; int i = int(min(t, 2.)); return s < 0. ? mix(low[i], low[i + 1], t - float(i)) : mix(high[i], high[i + 1], t - float(i)); }`;
 const light = `
 vec3 lit(vec3 color, vec3 n, vec3 toEye) { if (dot(n, toEye) < 0.) n = -n; float d = max(dot(n, normalize(vec3(-.4, -.55, .75))), 0.); return color * (.58 + .47 * d); }`;
 const sources = {
   points: [`#version 300 es
     in float x0, y0, z0, s0, x1, y1, z1, s1;
     uniform mat4 camera; uniform vec3 lo, step_; uniform float absent, share, size; uniform bool isPlane; uniform float largest;
-    out float speed;
+    flat out vec3 own; flat out float side; ${colorFunctions}
     void main() {
       vec3 a = vec3(x0, y0, z0), b = vec3(x1, y1, z1);
       bool isA = x0 < absent, isB = x1 < absent;
-      if (!isA && !isB) { gl_Position = vec4(2., 2., 2., 1.); gl_PointSize = 1.; speed = 0.; return; }
+      if (!isA && !isB) { gl_Position = vec4(2., 2., 2., 1.); gl_PointSize = 1.; own = vec3(0.); side = 1.; return; }
       vec3 code = !isA ? b : !isB ? a : mix(a, b, share);
       // a particle that crossed a periodic side did not fly through the domain
       if (isA && isB && any(greaterThan(abs(a - b), vec3(absent * .5)))) code = share < .5 ? a : b;
       vec3 x = lo + code * step_;
-      speed = mix(s0, s1, share) / 255.;
+      own = ofSpeed(mix(s0, s1, share) / 255.);
       gl_Position = camera * vec4(x, 1.);
-      gl_PointSize = max(size / gl_Position.w, 1.5);
+      gl_PointSize = side = max(size / gl_Position.w, 1.5);
     }`, `#version 300 es
-    precision highp float; in float speed; out vec4 color; ${colorFunctions}
-    void main() { vec2 p = gl_PointCoord * 2. - 1.; float r = dot(p, p); if (1. < r) discard; color = vec4(along(stops, speed) * (1. - .28 * r), 1.); }`],
+    precision highp float; flat in vec3 own; flat in float side; out vec4 color;
+    // between small discs the background would show as a pattern
+    void main() { vec2 p = gl_PointCoord * 2. - 1.; float r = side < 7. ? 0. : dot(p, p); if (1. < r) discard; color = vec4(own * (1. - .28 * r), 1.); }`],
   surface: [`#version 300 es
     in float z0, s0, z1, s1;
     uniform mat4 camera; uniform vec2 corner; uniform float cell, lo, step_, absent, share; uniform int width;
-    out vec3 place; out float speed, wet;
+    uniform float rest, swing; uniform bool isBySpeed;
+    out vec3 place, own; out float wet; ${colorFunctions}
     void main() {
       bool isA = z0 < absent, isB = z1 < absent;
       float code = !isA ? z1 : !isB ? z0 : mix(z0, z1, share);
       wet = (isA && isB) || (isA && share < .5) || (isB && .5 <= share) ? 1. : 0.;
       vec2 at = corner + (vec2(float(gl_VertexID % width), float(gl_VertexID / width)) + .5) * cell;
-      place = vec3(at, lo + code * step_); speed = mix(s0, s1, share) / 255.;
+      place = vec3(at, lo + code * step_);
+      own = isBySpeed ? ofSpeed(mix(s0, s1, share) / 255.) : ofRise((place.z - rest) / swing);
       gl_Position = camera * vec4(place, 1.);
     }`, `#version 300 es
-    precision highp float; in vec3 place; in float speed, wet; out vec4 color; uniform float rest, swing; uniform vec3 eye; uniform bool isBySpeed; ${colorFunctions}${light}
+    precision highp float; in vec3 place, own; in float wet; out vec4 color; uniform vec3 eye; ${light}
     void main() {
       if (wet < .999) discard;
-      float rise = (place.z - rest) / swing;
-      vec3 own = isBySpeed ? along(stops, speed) : rise < 0. ? along(low, -rise) : along(high, rise);
       color = vec4(lit(own, normalize(cross(dFdx(place), dFdy(place))), eye - place), 1.);
     }`],
   solids: [`#version 300 es
@@ -185,10 +187,19 @@ function program(gl, [vertex, fragment]) {
   };
 }
 
+function isDrawnBySoftware() {
+  const gl = document.createElement('canvas').getContext('webgl2');
+  const info = gl && gl.getExtension('WEBGL_debug_renderer_info');
+  const name = info ? gl.getParameter(info.UNMASKED_RENDERER_WEBGL) : '';
+  const lose = gl && gl.getExtension('WEBGL_lose_context');
+  if (lose) lose.loseContext();
+  return /swiftshader|llvmpipe|softpipe|software|basic render/i.test(name);
+}
+
 class Scene {
   constructor(canvas, data) {
     // without a graphics processor smooth edges cost more than they are worth
-    const gl = canvas.getContext('webgl2', { antialias: true, failIfMajorPerformanceCaveat: true }) || canvas.getContext('webgl2', { antialias: false });
+    const gl = canvas.getContext('webgl2', { antialias: !isDrawnBySoftware() });
     if (!gl) throw new Error('this browser has no WebGL 2');
     Object.assign(this, { canvas, gl, data, view: meta.isThin ? 'section' : 'orbit', bySpeed: false, isCoarse: false });
     this.programs = Object.fromEntries(Object.entries(sources).map(([name, text]) => [name, program(gl, text)]));

@@ -7,7 +7,7 @@ use super::contour;
 use super::layout::Chart;
 use super::panels::Panel;
 use super::{Footprint, Plan};
-use crate::picture::overview::axis::nice_up;
+use crate::picture::chart::axis::nice_up;
 use crate::scene::terrain::grid::Grid;
 
 /// Budgets of contour lines and of outlines of blocks; bytes of text.
@@ -166,7 +166,7 @@ fn tenths(pixel: f64, multiple: i32) -> i32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::picture::overview::page::Frame;
+    use crate::picture::chart::page::Frame;
 
     /// 0.5 px/m.
     const CHART: Chart = Chart {

@@ -3,9 +3,10 @@
 use super::layout::Chart;
 use super::lines::path_of_level;
 use super::relief::Relief;
-use super::sheet::{self, Scale, Sheet};
-use crate::picture::overview::axis::{Axis, Tick};
-use crate::picture::overview::page::Frame;
+use super::sheet::{self, N_SHADES, Scale, Sheet};
+use crate::picture::chart::axis::{self, Axis, Tick};
+use crate::picture::chart::page::Frame;
+use crate::picture::color::ColorMap;
 use crate::picture::overview::raster::{self, Window};
 use crate::scene::terrain::grid::Grid;
 
@@ -39,6 +40,8 @@ pub(in crate::picture) struct Mapping<'a> {
     pub highest: &'a Grid,
     /// Level of still water; m.
     pub still_level: Option<f64>,
+    /// Colors of the maps.
+    pub color_map: ColorMap,
 }
 
 /// Pictures of the land, which all maps share, and of the maps.
@@ -144,6 +147,10 @@ fn sheet_of(mapping: &Mapping<'_>, quantity: Mapped, values: &[f64]) -> Sheet {
         Mapped::Arrival => Scale::of_arrivals(&finite),
         Mapped::Depth => Scale::of_depths(&finite),
     };
+    let scale = match mapping.color_map.published(N_SHADES) {
+        Some(shades) => scale.with(shades),
+        None => scale,
+    };
     Sheet {
         values: Grid {
             heights: values.to_vec(),
@@ -160,6 +167,7 @@ fn numbers(scale: &Scale) -> Vec<(f64, String)> {
     let axis = Axis {
         min,
         max,
+        scale: axis::Scale::Linear,
         from: 0.0,
         to: 1.0,
     };
@@ -201,9 +209,11 @@ mod tests {
             ground: &ground,
             highest: &highest,
             still_level: Some(0.0),
+            color_map: ColorMap::Viridis,
         };
         let arrival: Vec<f64> = ground.heights.iter().map(|z| -0.2 * z).collect();
         let drawn = MapPictures::draw(&mapping, &[(Mapped::Arrival, arrival)], 1 << 20).unwrap();
+        assert_eq!(drawn.maps[0].shades.len(), N_SHADES);
         assert_eq!(drawn.size, [520.0, 260.0]);
         assert_eq!(drawn.scale, 520.0 / 200.0);
         assert!(drawn.land.starts_with("data:image/png;base64,"));
