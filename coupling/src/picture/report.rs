@@ -15,6 +15,7 @@ mod packed;
 mod page;
 mod shapes;
 mod story;
+mod table;
 mod water;
 
 use std::fs;
@@ -92,7 +93,7 @@ impl Played {
             return Ok(());
         };
         let mesh = moving.mesh.packed();
-        let name = |&id: &i32| story::name_of(&run.scene.block_names, id);
+        let name = |&id: &i32| table::name_of(&run.scene.block_names, id);
         let names: Vec<String> = moving.ids.iter().map(name).collect();
         self.tell(
             "blocks",

@@ -206,9 +206,8 @@ pub(crate) fn curve((time, value): (&[f64], &[f64]), horizontal: Axis, vertical:
 
 #[cfg(test)]
 mod tests {
-    use super::super::axis::Scale;
     use super::*;
-    use crate::picture::overview::Record;
+    use crate::picture::chart::axis::Scale;
 
     const PIXELS: Axis = Axis {
         min: 0.0,
@@ -219,12 +218,9 @@ mod tests {
     };
 
     fn path(value: impl Fn(usize) -> f64, n: usize) -> String {
-        let record = Record {
-            time: (0..n).map(|i| 100.0 * i as f64 / n as f64).collect(),
-            value: (0..n).map(value).collect(),
-            ..Record::default()
-        };
-        curve((&record.time, &record.value), PIXELS, PIXELS)
+        let time: Vec<f64> = (0..n).map(|i| 100.0 * i as f64 / n as f64).collect();
+        let value: Vec<f64> = (0..n).map(value).collect();
+        curve((&time, &value), PIXELS, PIXELS)
     }
 
     #[test]
@@ -236,13 +232,9 @@ mod tests {
 
     #[test]
     fn a_stair_goes_straight_up() {
-        let stair = Record {
-            time: vec![0.0, 40.0, 40.0, 90.0],
-            value: vec![0.0, 0.0, 50.0, 50.0],
-            ..Record::default()
-        };
+        let (time, value) = ([0.0, 40.0, 40.0, 90.0], [0.0, 0.0, 50.0, 50.0]);
         assert_eq!(
-            curve((&stair.time, &stair.value), PIXELS, PIXELS),
+            curve((&time, &value), PIXELS, PIXELS),
             "M0.0 0.0L40.0 0.0L40.0 50.0L90.0 50.0"
         );
     }

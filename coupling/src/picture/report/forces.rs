@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use super::story::{Table, figure, heads, name_of, scaled, table_of};
+use super::table::{Table, figure, heads, name_of, scaled, table_of};
 use crate::files::table::TableData;
 use crate::files::vtk::{PolyData, Values};
 use crate::output::run_folder::{self, RunScene};

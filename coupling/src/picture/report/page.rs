@@ -3,7 +3,7 @@
 use serde_json::Value;
 
 use super::Blob;
-use super::story::Table;
+use super::table::Table;
 use crate::files::vtk::escape;
 
 const SCRIPT: &str = include_str!("viewer.js");
