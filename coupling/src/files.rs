@@ -2,7 +2,7 @@
 
 pub mod features;
 pub mod points;
-pub(crate) mod separator;
+pub(crate) mod rows;
 pub mod table;
 pub mod units;
 pub mod vtk;

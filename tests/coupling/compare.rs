@@ -165,6 +165,53 @@ fn a_reference_has_columns_of_its_own() {
     assert!(told.contains("line 3: `wet` is not a number"), "{told}");
 }
 
+/// A reference from a spreadsheet with decimal commas is the same reference, and a bad line is named.
+#[test]
+fn a_reference_is_the_same_in_every_dialect() {
+    let folder = tempfile::tempdir().unwrap();
+    let place = |name: &str| folder.path().join(name).display().to_string();
+    let write = |name: &str, text: &str| {
+        std::fs::write(folder.path().join(name), text).unwrap();
+        place(name)
+    };
+    let rows = |columns: &str, comma: &str, end: &str| -> String {
+        let number = |x: f64| format!("{x:?}").replace('.', comma);
+        let row = |k: i32| {
+            let t = 0.25 * f64::from(k);
+            format!("{}{columns}{}{end}", number(t), number(0.5 * t * t))
+        };
+        (0..9).map(row).collect()
+    };
+    let computed = write(
+        "a.csv",
+        &format!("time [s],g1 [m]\n{}", rows(",", ".", "\n")),
+    );
+    let compared = |reference: &str| {
+        let output = riprap(&["compare", &computed, reference, "--json"]);
+        assert!(output.status.success(), "{}", words(&output));
+        output.stdout
+    };
+    let expected = compared(&computed);
+    for text in [
+        format!("\u{feff}time [s];g1 [m]\r\n{}", rows(";", ",", "\r\n")),
+        format!(
+            "# from a figure\ntime [s]\tg1 [m]\n{}",
+            rows("\t", ",", "\n")
+        ),
+        format!("time [s]   g1 [m]\n\n{}", rows("   ", ".", "\n")),
+        format!("\"time [s]\",\"g1 [m]\"\n{}", rows(",", ".", "\n")),
+    ] {
+        assert!(compared(&write("b.csv", &text)) == expected, "{text}");
+    }
+    let bad = write("c.csv", "time [s];g1 [m]\n0;0,5\n# gap\n1;0,5;3\n");
+    let output = riprap(&["compare", &computed, &bad]);
+    assert!(
+        words(&output).contains("line 4: 3 values, expected 2"),
+        "{}",
+        words(&output)
+    );
+}
+
 /// Raster of 41 x 31 points 2 m apart about the map's (412000, 6904000).
 fn raster(path: &Path, height: impl Fn(f64, f64) -> f64) {
     let mut text =

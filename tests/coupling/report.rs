@@ -10,8 +10,8 @@ use std::process::Command;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use flate2::read::ZlibDecoder;
-use riprap::report::report;
-use riprap::vtk;
+use riprap::report::{report, report_in};
+use riprap::vtk::{self, Array, PolyData, Values};
 use serde_json::Value;
 
 use crate::support::synthetic_run::{self, Experiment, Result};
@@ -206,6 +206,249 @@ fn frames_are_left_out_until_it_fits_and_the_page_says_so() {
         assert!(off.abs() < 1.0 * 0.014, "{x} {off}");
     }
     assert!(n_wet * 10 > 5 * n, "{n_wet} of {n}");
+}
+
+/// Maps of a shore at x = 100 m on ground that rises by one in ten: a wave of 3 m, and land flooded for 20 m.
+fn maps() -> PolyData {
+    let points: Vec<[f32; 3]> = (0..30 * 20)
+        .map(|k| [(5 * (k % 30)) as f32, (5 * (k / 30)) as f32, 0.0])
+        .map(|[x, y, _]| [x, y, 0.1 * (x - 100.0)])
+        .collect();
+    let at = |value: fn(f32) -> f32| points.iter().map(|x| value(x[0])).collect();
+    let array = |name: &str, values: Vec<f32>| Array {
+        name: name.into(),
+        components: 1,
+        values: Values::F32(values),
+    };
+    let dry = f32::NAN;
+    PolyData {
+        point_data: vec![
+            array(
+                "MaximumElevation",
+                at(|x| {
+                    if x <= 120.0 {
+                        3.0 * (x / 120.0)
+                    } else {
+                        f32::NAN
+                    }
+                }),
+            ),
+            array(
+                "FirstArrival",
+                at(|x| if x <= 120.0 { 0.1 * x } else { f32::NAN }),
+            ),
+            array(
+                "InundationDepth",
+                at(|x| {
+                    if (101.0..=120.0).contains(&x) {
+                        2.0
+                    } else {
+                        f32::NAN
+                    }
+                }),
+            ),
+            array("Empty", vec![dry; 600]),
+        ],
+        points,
+        ..PolyData::default()
+    }
+}
+
+#[test]
+fn maps_are_pictures_with_a_legend_over_the_land() {
+    let (folder, page) = made(&synthetic_run::tank(0.1), LIMIT).unwrap();
+    assert!(!page.contains("id=\"maps\""));
+    let file = folder.path().join("report.html");
+    let again = |data: &PolyData, limit: u64| {
+        vtk::write(&folder.path().join("maps.vtp"), data).unwrap();
+        let summary = report(folder.path(), &file, limit).unwrap();
+        (fs::read_to_string(&file).unwrap(), summary)
+    };
+    let (page, summary) = again(&maps(), LIMIT);
+    assert_eq!(page.matches("<figure>").count(), 3);
+    for words in [
+        "<b>Highest water</b> <span class=\"soft\">elevation, m</span>",
+        "<b>First arrival of the wave</b>",
+        "<b>Inundation depth</b>",
+        "maximum_elevation.tif",
+        "id=\"map-shore\" d=\"M",
+        // of 150 m
+        "</i>20 m</div>",
+    ] {
+        assert!(page.contains(words), "{words}");
+    }
+    assert!(
+        summary
+            .description
+            .ends_with("maps of highest water, first arrival of the wave, inundation depth")
+    );
+    // legends: arrivals from 0 to 12 s
+    let (_, key) = page.split_once("<b>First arrival").unwrap();
+    let (key, _) = key.split_once("</figure>").unwrap();
+    assert!(
+        key.contains("left:0.0%\">0<") && key.contains("left:100.0%\">12<"),
+        "{key}"
+    );
+    assert_eq!(again(&maps(), LIMIT).0, page);
+    // where nothing was flooded, the page says so; and a small file has small pictures
+    let mut calm = maps();
+    calm.point_data[2].values = Values::F32(vec![f32::NAN; 600]);
+    let (page, _) = again(&calm, LIMIT);
+    assert!(page.contains("No water came to land") && page.matches("<figure>").count() == 2);
+    let (small, summary) = again(&maps(), 150_000);
+    assert!(
+        small.len() < page.len() && summary.size <= 150_000,
+        "{}",
+        summary.size
+    );
+    // in other colors
+    let other = folder.path().join("turbo.html");
+    report_in(folder.path(), &other, LIMIT, "turbo".parse().unwrap()).unwrap();
+    let other = fs::read_to_string(other).unwrap();
+    assert!(other.contains("#30123b") && other.contains("#7a0403"));
+}
+
+/// A tile of 2 m² that looks along an axis, with its normal in the direction of the sign.
+fn tile(data: &mut PolyData, x: f32, is_reversed: bool) {
+    let first = data.points.len() as i32;
+    data.points
+        .extend([[x, 0.0, 0.0], [x, 1.0, 0.0], [x, 1.0, 2.0], [x, 0.0, 2.0]]);
+    let mut corners = vec![first, first + 1, first + 2, first + 3];
+    if is_reversed {
+        corners.reverse();
+    }
+    data.polygons.connectivity.extend(corners);
+    data.polygons.offsets.push(data.points.len() as i32);
+}
+
+#[test]
+fn forces_are_told_by_body_source_and_face() {
+    let folder = tempfile::tempdir().unwrap();
+    synthetic_run::write(folder.path(), &synthetic_run::tank(0.1), "", 0).unwrap();
+    let sources = [
+        "pressure",
+        "shear",
+        "joint_water",
+        "pushed_back",
+        "contact",
+        "attached",
+        "restrained",
+        "gravity",
+        "gained",
+        "residual",
+    ];
+    let axes = [
+        "fx [N]", "fy [N]", "fz [N]", "mx [N m]", "my [N m]", "mz [N m]",
+    ];
+    let columns = sources
+        .iter()
+        .flat_map(|s| axes.iter().map(move |a| format!("{s}_{a}")));
+    let head: Vec<String> = ["time [s]", "block [-]"]
+        .map(str::to_owned)
+        .into_iter()
+        .chain(columns)
+        .collect();
+    let row = |time: f64, force: f64| {
+        let zeros = vec!["0.0"; 54].join(",");
+        format!("{time},3,{force},0,-500,0,25.5,0,{zeros}\n")
+    };
+    let text = format!(
+        "{}\n{}{}{}",
+        head.join(","),
+        row(0.1, 10.0),
+        row(0.2, -12_000.0),
+        row(0.3, 7.0)
+    );
+    fs::write(folder.path().join("forces.csv"), text).unwrap();
+    let mut frames = vtk::Collection::new(folder.path(), "faces");
+    for (k, pressure) in [1000.0, 4000.0, 2000.0].into_iter().enumerate() {
+        let mut data = PolyData::default();
+        tile(&mut data, 0.0, true);
+        tile(&mut data, 1.0, false);
+        let array = |name: &str, values| Array {
+            name: name.into(),
+            components: 1,
+            values,
+        };
+        data.cell_data = vec![
+            array("BlockId", Values::I32(vec![3, 3])),
+            array("Pressure", Values::F32(vec![pressure, 0.5 * pressure])),
+        ];
+        let name = format!("faces_{k:05}.vtp");
+        vtk::write(&folder.path().join(&name), &data).unwrap();
+        frames.push(0.1 * k as f64, name).unwrap();
+    }
+    let file = folder.path().join("report.html");
+    report(folder.path(), &file, LIMIT).unwrap();
+    let page = fs::read_to_string(file).unwrap();
+    let row = |cells: &[&str]| {
+        let cells: String = cells
+            .iter()
+            .map(|cell| format!("<td>{cell}</td>"))
+            .collect();
+        format!("<tr>{cells}</tr>")
+    };
+    for cells in [
+        // √(12² + 0.5²) kN
+        &[
+            "block 3",
+            "pressure of water",
+            "12.01",
+            "0.2000",
+            "-12.00",
+            "0",
+            "-0.5000",
+            "25.50",
+            "0.1000",
+        ][..],
+        &[
+            "block 3", "−x", "8.000", "0.1000", "2.000", "4.000", "4.000", "0.1000",
+        ],
+        &[
+            "block 3", "+x", "4.000", "0.1000", "2.000", "2.000", "2.000", "0.1000",
+        ],
+    ] {
+        assert!(page.contains(&row(cells)), "{cells:?}");
+    }
+    assert!(
+        page.contains("<th>largest force, kN</th>")
+            && page.contains("<th>largest pressure, kPa</th>")
+    );
+    assert!(page.contains("Means over 0.1000 s"));
+}
+
+const FLUME: &str = r#"(
+    title: "flume",
+    domain: (min: (-1, 0, -0.5), max: (11, 1, 2), dimensions: Two),
+    materials: [(name: "rock", density: 2600, friction_angle_deg: 35)],
+    blocks: [
+        (name: "paddle", material: "rock", shape: Box(min: (-0.4, 0, 0), max: (0, 1, 1.5)),
+         motion: Waves(direction: (1, 0, 0), waves: Solitary(height: 0.1))),
+        (name: "floor", material: "rock", motion: Fixed, shape: Box(min: (-1, 0, -0.5), max: (11, 1, 0.13))),
+        (name: "end", material: "rock", motion: Fixed, shape: Box(min: (10, 0, 0.13), max: (11, 1, 1.5))),
+    ],
+    fluid: (resolution: Spacing(0.125), regions: [(name: "flume", shape: Below(level: 0.63, seed: (5, 0.5, 0.4)))]),
+    gauges: [SurfaceElevation(name: "before", x: 1, y: 0.5), SurfaceElevation(name: "behind", x: -0.7, y: 0.5)],
+    time: (duration: 0.2),
+)"#;
+
+#[test]
+fn gauges_before_a_wave_maker_have_their_theory() {
+    let folder = tempfile::tempdir().unwrap();
+    let case = folder.path().join("flume.ron");
+    fs::write(&case, FLUME).unwrap();
+    let out = folder.path().join("out");
+    run(&case, &out, &[]);
+    let page = fs::read_to_string(out.join("report.html")).unwrap();
+    let gauges = meta(&page)["gauges"].clone();
+    let theory = numbers(&gauges[0]["theory"]);
+    assert_eq!(theory.len(), gauges[0]["t"].as_array().unwrap().len());
+    // still water, and the foot of a wave of 0.1 m
+    assert!(
+        theory.iter().all(|z| (0.629..0.73).contains(z)),
+        "{theory:?}"
+    );
+    assert!(gauges[1]["theory"].is_null());
 }
 
 /// Chromium; `None` where it may be absent.

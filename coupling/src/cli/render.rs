@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use super::{Exit, failed, say};
+use crate::picture::color::ColorMap;
 use crate::picture::render::{RenderOptions, WaterLook, render};
 
 /// Render pictures of a run with POV-Ray.
@@ -22,6 +23,9 @@ pub(crate) struct Arguments {
     /// Water as spheres colored by speed.
     #[arg(long)]
     particles: bool,
+    /// Colors of the speed of particles: viridis, cividis, turbo or riprap.
+    #[arg(long, value_name = "MAP", default_value = "viridis")]
+    colors: ColorMap,
 }
 
 pub(crate) fn execute(arguments: &Arguments) -> Exit {
@@ -34,6 +38,7 @@ pub(crate) fn execute(arguments: &Arguments) -> Exit {
             (_, true) => WaterLook::Particles,
             _ => default.water,
         },
+        colors: arguments.colors,
         ..default
     };
     match render(&arguments.run, &options, &mut |line| say(line)) {

@@ -4,8 +4,9 @@ use std::path::{Path, PathBuf};
 
 use super::{Exit, failed, show};
 use crate::output::run_folder;
+use crate::picture::color::ColorMap;
 use crate::picture::render::RenderError;
-use crate::picture::report::report;
+use crate::picture::report::report_in;
 
 /// Largest size of a report unless one is asked for; bytes.
 pub(crate) const SIZE: u64 = 8_000_000;
@@ -21,12 +22,15 @@ pub(crate) struct Arguments {
     /// Largest size, e.g. 4MB: frames are left out until it fits.
     #[arg(long, value_name = "SIZE", default_value = "8MB", value_parser = size)]
     size: u64,
+    /// Colors of speeds and maps: riprap, viridis, cividis or turbo.
+    #[arg(long, value_name = "MAP", default_value = "riprap")]
+    colors: ColorMap,
 }
 
 pub(crate) fn execute(arguments: &Arguments) -> Exit {
     let output = arguments.output.clone();
     let file = output.unwrap_or_else(|| arguments.run.join(run_folder::REPORT));
-    match write(&arguments.run, &file, arguments.size) {
+    match write(&arguments.run, &file, (arguments.size, arguments.colors)) {
         Ok(words) => {
             show(&words);
             Exit::Done
@@ -36,8 +40,12 @@ pub(crate) fn execute(arguments: &Arguments) -> Exit {
 }
 
 /// Writes a report; returns a line that says what it shows.
-pub(crate) fn write(run: &Path, file: &Path, size: u64) -> Result<String, RenderError> {
-    let made = report(run, file, size)?;
+pub(crate) fn write(
+    run: &Path,
+    file: &Path,
+    (size, colors): (u64, ColorMap),
+) -> Result<String, RenderError> {
+    let made = report_in(run, file, size, colors)?;
     Ok(format!(
         "{}: {:.1} MB, {}",
         made.path.display(),

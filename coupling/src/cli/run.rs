@@ -22,6 +22,7 @@ use crate::output::checkpoint_file::{self as checkpoint, Checkpoint};
 use crate::output::run_folder::{self, ArchivedScene, Existing};
 use crate::output::summary::Summary;
 use crate::output::verdict::LARGEST_MACH;
+use crate::picture::color::ColorMap;
 use crate::run::preparation::{self, Beginning, Note, Prepared};
 use crate::run::{Ending, Plan, RunError, WallLimit, run};
 use crate::scene::access::FilesFrom;
@@ -249,7 +250,7 @@ fn fail(arguments: &Arguments, error: &RunError, folder: &Path) -> Exit {
 /// Writes the page that plays the run, complete or not. The run does not fail with it.
 fn write_report(folder: &Path) {
     let file = folder.join(run_folder::REPORT);
-    if let Err(message) = report::write(folder, &file, report::SIZE) {
+    if let Err(message) = report::write(folder, &file, (report::SIZE, ColorMap::default())) {
         warn(Message::new(
             message.code(),
             format!("no report: {message}"),

@@ -6,7 +6,7 @@
 
 mod columns;
 
-use super::separator::Separator;
+use super::rows::{Comments, Row, RowFault, Rows};
 use columns::Columns;
 
 /// Points and their names.
@@ -70,29 +70,28 @@ fn read(
     text: &str,
     mut wanted: impl FnMut(&mut Columns) -> Result<(), String>,
 ) -> Result<Points, PointFault> {
-    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-    let mut lines = (1..).zip(text.lines()).filter(|(_, line)| is_content(line));
     let refuse = |line: usize, what: String| PointFault { line, what };
-    let Some((first, head)) = lines.next() else {
+    let mut rows = Rows::of(text, Comments::Lines);
+    let separator = rows.separator();
+    let Some(head) = rows.next()? else {
         return Err(refuse(
             1,
             "has no points; needed are columns x, y and, for terrain, z".into(),
         ));
     };
-    let separator = Separator::of(head);
-    let cells: Vec<&str> = separator.cells(head).collect();
-    let mut columns = Columns::of(&cells, separator).map_err(|what| refuse(first, what))?;
+    let first = head.line;
+    let mut columns = Columns::of(&head, separator).map_err(|what| refuse(first, what))?;
     wanted(&mut columns).map_err(|what| refuse(first, what))?;
     let mut points = Points::default();
-    let mut row = Vec::new();
-    let rest = lines;
-    let head = (!columns.has_header).then_some((first, head));
-    for (line, text) in head.into_iter().chain(rest) {
-        row.clear();
-        row.extend(separator.cells(text));
-        columns
-            .point(&row, &mut points)
-            .map_err(|what| refuse(line, what))?;
+    let mut add = |row: &Row<'_>| {
+        let added = columns.point(row, &mut points);
+        added.map_err(|what| refuse(row.line, what))
+    };
+    if !columns.has_header {
+        add(&head)?;
+    }
+    while let Some(row) = rows.next()? {
+        add(&row)?;
     }
     if points.positions.is_empty() {
         return Err(refuse(first, "has a header and no points below it".into()));
@@ -100,9 +99,10 @@ fn read(
     Ok(points)
 }
 
-fn is_content(line: &str) -> bool {
-    let line = line.trim_start();
-    !line.is_empty() && !line.starts_with('#')
+impl From<RowFault> for PointFault {
+    fn from(RowFault { line, what }: RowFault) -> Self {
+        Self { line, what }
+    }
 }
 
 #[cfg(test)]

@@ -1,15 +1,18 @@
 //! Tables of numbers over time: gauges, energies, reference records.
 //!
 //! Comma-separated text with one header line, `time [s],g1 [m]`, and a number per column and line, with enough digits to
-//! restore the same bits. A gap is `NaN`. Columns `name` and `partner_name`, the last ones of tables of blocks, are text. Input tables may also have comment lines, which start with `#`, blank
-//! lines, and empty cells, which are gaps.
+//! restore the same bits. A gap is `NaN`. Columns `name` and `partner_name`, the last ones of tables of blocks, are text. Input
+//! tables may also have other separators, decimal commas, comment lines, which start with `#`, blank lines, and empty cells, which
+//! are gaps. A table of texts has them beside numbers.
 
 mod error;
 mod read;
+mod text;
 mod write;
 
 pub use error::{LineFault, TableError};
 pub use read::{TableData, read_table, table_from};
+pub(crate) use text::{TextRow, TextTable, texts};
 pub use write::{Cell, Start, Table};
 
 /// Columns of text, without a unit: names of blocks.
@@ -124,6 +127,23 @@ mod tests {
     }
 
     #[test]
+    fn one_table_in_every_dialect() {
+        for text in [
+            "time [s],\"g; 1 [m]\"\n0.5,1.25\n1.0,\n",
+            "time [s];\"g; 1 [m]\";\r\n0,5;1,25;\r\n1,0;;\r\n",
+            "time [s]\tg; 1 [m]\n0,5\t1.25\n# lost\n1\tnan\n",
+            "time [s] \"g; 1\" [m]\n 0.5   1.25\n 1.0\tNaN\n",
+        ] {
+            let data = parsed(text).unwrap();
+            assert_eq!(data.column("time [s]").unwrap(), [0.5, 1.0], "{text}");
+            let gauge = data.column("g; 1 [m]").unwrap();
+            assert!(gauge[0] == 1.25 && gauge[1].is_nan(), "{text}");
+        }
+        let one = parsed("wave height [m]\n0.5\n").unwrap();
+        assert_eq!(one.column("wave height [m]").unwrap(), [0.5]);
+    }
+
+    #[test]
     fn errors_name_file_line_and_column() {
         let cases = [
             (
@@ -142,6 +162,10 @@ mod tests {
             (
                 "time [s],g1 [m]\n0,1;5\n",
                 "x.csv, line 2: `1;5` in column `g1 [m]` is not a number",
+            ),
+            (
+                "time [s],g1 [m]\n0,1\n# b\n1,\"2\n2,3\n",
+                "x.csv, line 4: a quote opens here and does not close on the line",
             ),
         ];
         for (text, message) in cases {

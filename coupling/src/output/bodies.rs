@@ -1,18 +1,18 @@
 //! `bodies.csv`: who is who among the blocks of a run.
 
+use std::fs;
 use std::path::Path;
 
-use csv::{Reader, Writer};
 use riprap_dda::Motion;
-use serde::{Deserialize, Serialize};
 
+use crate::files::table::{TableError, TextRow, TextTable, texts};
 use crate::output::observe::ObserveError;
 use crate::output::run_folder;
 use crate::scene::resolve::Scene;
 use crate::world::World;
 
 /// A block of a run at its start.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct BodyRow {
     /// Number, as in `blocks.csv` and in `BlockId` of the VTK files.
     pub block: usize,
@@ -21,29 +21,75 @@ pub struct BodyRow {
     /// `free`, `fixed` or `prescribed`.
     pub kind: String,
     /// kg.
-    #[serde(rename = "mass [kg]")]
     pub mass: f64,
     /// m³.
-    #[serde(rename = "volume [m3]")]
     pub volume: f64,
     /// Centroid; m.
-    #[serde(rename = "x [m]")]
     pub x: f64,
     /// Centroid; m.
-    #[serde(rename = "y [m]")]
     pub y: f64,
     /// Centroid; m.
-    #[serde(rename = "z [m]")]
     pub z: f64,
     /// Group: the rock mass, slide or grains that it is of, or the one that the scene gives; empty without.
-    #[serde(default)]
     pub group: String,
     /// Name of its material.
-    #[serde(default)]
     pub material: String,
     /// Names of the joint sets that bound it, ` + ` between them.
-    #[serde(default)]
     pub joint_sets: String,
+}
+
+/// Headers of the columns, in the order of the fields of a [`BodyRow`].
+const HEADS: [&str; 11] = [
+    "block",
+    "name",
+    "kind",
+    "mass [kg]",
+    "volume [m3]",
+    "x [m]",
+    "y [m]",
+    "z [m]",
+    "group",
+    "material",
+    "joint_sets",
+];
+
+impl BodyRow {
+    fn cells(self) -> Vec<String> {
+        let Self {
+            block,
+            name,
+            kind,
+            mass,
+            volume,
+            x,
+            y,
+            z,
+            group,
+            material,
+            joint_sets,
+        } = self;
+        let numbers = [mass, volume, x, y, z].map(|number| format!("{number:?}"));
+        let texts = [block.to_string(), name, kind];
+        let labels = [group, material, joint_sets];
+        texts.into_iter().chain(numbers).chain(labels).collect()
+    }
+
+    fn of(row: &TextRow<'_>) -> Result<Self, TableError> {
+        Ok(Self {
+            block: row.number("block")? as usize,
+            name: row.text("name")?.to_owned(),
+            kind: row.text("kind")?.to_owned(),
+            mass: row.number("mass [kg]")?,
+            volume: row.number("volume [m3]")?,
+            x: row.number("x [m]")?,
+            y: row.number("y [m]")?,
+            z: row.number("z [m]")?,
+            // folders of earlier versions do not have them
+            group: row.text("group").unwrap_or_default().to_owned(),
+            material: row.text("material").unwrap_or_default().to_owned(),
+            joint_sets: row.text("joint_sets").unwrap_or_default().to_owned(),
+        })
+    }
 }
 
 /// Writes the blocks of a world under their names.
@@ -53,13 +99,8 @@ pub struct BodyRow {
 /// [`ObserveError::Write`] names the file.
 pub fn write(folder: &Path, scene: &Scene, world: &World) -> Result<(), ObserveError> {
     let path = folder.join(run_folder::BODIES);
-    let failed = |source| ObserveError::Write {
-        path: path.display().to_string(),
-        source,
-    };
     let (blocks, register) = (&world.blocks, &scene.register);
-    let mut table = Writer::from_path(&path).map_err(|error| failed(error.into()))?;
-    for b in 0..blocks.n_blocks() {
+    let row = |b: usize| {
         let kind = match blocks.motion(b) {
             _ if world.is_fixed(b) => "fixed",
             Motion::Prescribed(_) => "prescribed",
@@ -79,9 +120,17 @@ pub fn write(folder: &Path, scene: &Scene, world: &World) -> Result<(), ObserveE
             material: register.material_name(b).to_owned(),
             joint_sets: register.joint_set_names(b).collect::<Vec<_>>().join(" + "),
         };
-        table.serialize(row).map_err(|error| failed(error.into()))?;
-    }
-    table.flush().map_err(failed)
+        row.cells()
+    };
+    let rows: Vec<Vec<String>> = (0..blocks.n_blocks()).map(row).collect();
+    let text = match rows.is_empty() {
+        true => String::new(),
+        false => texts(&HEADS.map(str::to_owned), &rows),
+    };
+    fs::write(&path, text).map_err(|source| ObserveError::Write {
+        path: path.display().to_string(),
+        source,
+    })
 }
 
 /// Reads the blocks of a run folder; none where it has no such file, as folders of earlier versions.
@@ -91,10 +140,14 @@ pub fn write(folder: &Path, scene: &Scene, world: &World) -> Result<(), ObserveE
 /// A line that names the file and its fault.
 pub fn read(folder: &Path) -> Result<Vec<BodyRow>, String> {
     let path = folder.join(run_folder::BODIES);
-    if !path.exists() {
+    let is_empty = |file: fs::Metadata| file.len() == 0;
+    if fs::metadata(&path).map_or(true, is_empty) {
         return Ok(Vec::new());
     }
-    let told = |error: csv::Error| format!("{}: {error}", path.display());
-    let mut table = Reader::from_path(&path).map_err(told)?;
-    table.deserialize().map(|row| row.map_err(told)).collect()
+    let told = |error: TableError| error.to_string();
+    let table = TextTable::read(&path).map_err(told)?;
+    table
+        .rows()
+        .map(|row| BodyRow::of(&row).map_err(told))
+        .collect()
 }

@@ -7,10 +7,7 @@
 //! Particles are drawn as a raster image inside the page, everything else as vector graphics. The page stays below 500 kB:
 //! images reduce their resolution, curves keep two points (lowest and highest) per column of pixels.
 
-mod axis;
 mod bar;
-pub(super) mod color;
-pub(crate) mod page;
 pub mod plan;
 mod plot;
 mod raster;
@@ -18,7 +15,7 @@ mod table;
 mod view;
 
 use crate::output::peaks::Peak;
-use page::{Anchor, Page, WIDTH};
+use crate::picture::chart::page::{Anchor, Page, WIDTH};
 use plan::Plan;
 use plot::Axes;
 use serde::{Deserialize, Serialize};

@@ -3,7 +3,7 @@
 mod charts;
 mod plan;
 mod side_view;
-mod theory;
+pub(in crate::picture) mod theory;
 
 use std::path::{Path, PathBuf};
 

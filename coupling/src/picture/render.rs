@@ -24,6 +24,7 @@ pub use error::RenderError;
 pub use programs::Film;
 
 use crate::output::run_folder;
+use crate::picture::color::ColorMap;
 use camera::Camera;
 use recording::{Cloud, Recording};
 use std::fs;
@@ -50,6 +51,8 @@ pub struct RenderOptions {
     pub size: (u32, u32),
     /// Drawing style of the water.
     pub water: WaterLook,
+    /// Colors of the speed of particles.
+    pub colors: ColorMap,
     /// Name or path of POV-Ray.
     pub povray: PathBuf,
     /// Name or path of ffmpeg.
@@ -62,6 +65,7 @@ impl Default for RenderOptions {
             every: 1,
             frames: None,
             size: (960, 540),
+            colors: ColorMap::Viridis,
             water: if cfg!(feature = "surface") {
                 WaterLook::Surface
             } else {

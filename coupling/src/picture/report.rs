@@ -9,10 +9,13 @@
 //! Particles are shown one by one in a plane and in small scenes, otherwise the height of their surface. If that is more than the file
 //! may have, frames are left out, and the page says so.
 
+mod forces;
+mod maps;
 mod packed;
 mod page;
 mod shapes;
 mod story;
+mod table;
 mod water;
 
 use std::fs;
@@ -20,7 +23,8 @@ use std::path::{Path, PathBuf};
 
 use serde_json::{Map, Value, json};
 
-use super::overview::color;
+use super::color::{self, ColorMap};
+use super::overview_data::theory::Theories;
 use super::render::RenderError;
 use super::render::recording::{self, Recording};
 use crate::files::vtk::{VtkError, replace_file};
@@ -32,6 +36,8 @@ use water::{Look, Water};
 
 /// Frames are left out until a file has its size, but no more than all but every sixteenth.
 const LARGEST_STRIDE: usize = 16;
+/// Colors of speeds, between which the page interpolates.
+const N_SPEEDS: usize = 9;
 /// Base64 has four characters for three bytes.
 const BASE64: f64 = 4.0 / 3.0;
 
@@ -75,7 +81,9 @@ impl Played {
     fn add_fixed(&mut self, run: &Recording) {
         let fixed = shapes::fixed(run).packed();
         if 0 < fixed.n_triangles {
-            self.tell("fixed", mesh_of(&fixed));
+            let mut told = mesh_of(&fixed);
+            told["walls"] = json!(run.fixed.iter().any(|body| !body.is_terrain));
+            self.tell("fixed", told);
             self.add_blob("fixed", &fixed.bytes);
         }
     }
@@ -85,7 +93,7 @@ impl Played {
             return Ok(());
         };
         let mesh = moving.mesh.packed();
-        let name = |&id: &i32| story::name_of(&run.scene.block_names, id);
+        let name = |&id: &i32| table::name_of(&run.scene.block_names, id);
         let names: Vec<String> = moving.ids.iter().map(name).collect();
         self.tell(
             "blocks",
@@ -123,6 +131,20 @@ impl Played {
 ///
 /// [`RenderError`] if the frames of the run cannot be read, or the file not be written. Tables that are missing are left out.
 pub fn report(folder: &Path, file: &Path, limit: u64) -> Result<ReportSummary, RenderError> {
+    report_in(folder, file, limit, ColorMap::default())
+}
+
+/// Writes a report as [`report`] does, with the colors of a map for speeds and for what the maps show.
+///
+/// # Errors
+///
+/// As [`report`].
+pub fn report_in(
+    folder: &Path,
+    file: &Path,
+    limit: u64,
+    color_map: ColorMap,
+) -> Result<ReportSummary, RenderError> {
     let run = recording::open(folder)?;
     // a report can be made while the run is under way
     let summary = run_folder::read_summary(folder)?.unwrap_or(Value::Null);
@@ -130,29 +152,38 @@ pub fn report(folder: &Path, file: &Path, limit: u64) -> Result<ReportSummary, R
     let scene = fs::read_to_string(folder.join(run_folder::CASE)).unwrap_or_default();
     let names = &run.scene.block_names;
     let end = run.end();
+    let maps = maps::maps(folder, run.scene.map.0.2, (limit, color_map));
     let water = water::water(&run)?;
 
     let mut played = Played::default();
     played.tell("title", json!(run.scene.title));
     played.tell("duration", json!(end.max(1e-9)));
     played.tell("isThin", json!(run.scene.is_thin));
-    played.tell("colors", colors());
+    played.tell("colors", colors(color_map));
     played.tell("bounds", bounds(&run, water.as_ref())?);
-    played.tell("gauges", json!(story::gauges(folder)));
+    played.tell("relief", relief(&run, water.as_ref()));
+    played.tell(
+        "gauges",
+        json!(story::gauges(folder, &Theories::of_folder(folder))),
+    );
     played.tell("events", json!(story::events(folder, &summary, &run.scene)));
     played.add_fixed(&run);
     played.add_moving(&run)?;
     if let Some(water) = &water {
-        let text = (overview.len() + scene.len()) as u64;
+        let text = (overview.len() + scene.len() + maps.html.len()) as u64;
         played.add_water(water, &run, limit.saturating_sub(text));
     }
 
+    played
+        .said
+        .extend(Some(maps.said).filter(|said| !said.is_empty()));
     let description = played.said.join(", ");
     let text = page::page(&page::Contents {
         title: &run.scene.title,
         verdict: summary.is_object().then(|| verdict(&summary)),
         description: &description,
-        tables: &story::tables(folder, &summary, names),
+        tables: &story::tables(folder, &summary, &run.scene),
+        maps: &maps.html,
         overview: &overview,
         scene: &scene,
         meta: &Value::Object(played.meta),
@@ -187,16 +218,33 @@ fn mesh_of(mesh: &PackedMesh) -> Value {
     })
 }
 
-/// Colors of water by speed and by elevation, and of the background, from 0 to 1.
-fn colors() -> Value {
+/// Colors of water by speed and by elevation, of land and of the background, from 0 to 1.
+fn colors(color_map: ColorMap) -> Value {
     let share = |color: &[u8; 3]| color.map(|part| (f64::from(part) / 255.0 * 1e3).round() / 1e3);
     let all = |colors: &[[u8; 3]]| colors.iter().map(share).collect::<Vec<_>>();
     let elevation = color::elevation(3);
     let trough: Vec<[u8; 3]> = elevation[..4].iter().rev().copied().collect();
     json!({
-        "speed": all(&color::map(4)), "trough": all(&trough), "crest": all(&elevation[3..]),
-        "background": [0.945, 0.957, 0.965],
+        "speed": all(&color_map.speeds(N_SPEEDS)), "trough": all(&trough), "crest": all(&elevation[3..]),
+        "land": all(&color::land(5)), "bed": share(&color::BED), "background": [0.945, 0.957, 0.965],
     })
+}
+
+/// Heights between which the colors of land go, from the shore up, or from the lowest ground; null without terrain; m.
+fn relief(run: &Recording, water: Option<&Water>) -> Value {
+    let terrain = run.fixed.iter().filter(|body| body.is_terrain);
+    let heights = terrain.flat_map(|body| body.corners.iter().map(|corner| corner[2]));
+    let (low, high) = heights.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), z| {
+        (low.min(z), high.max(z))
+    });
+    if low >= high {
+        return Value::Null;
+    }
+    let rest = water.and_then(|water| match water.look {
+        Look::Surface { height, .. } => Some(water.swing(height).0),
+        Look::Particles { .. } => None,
+    });
+    json!([rest.unwrap_or(low).min(high - 1e-6 * (high - low)), high])
 }
 
 /// The smallest stride at which the frames have at most `room` bytes, or the largest one, with their bytes.

@@ -6,7 +6,7 @@ use super::access::Access;
 use super::error::Problem;
 use super::file::MotionFile;
 use super::file::vec3;
-use crate::files::separator::Separator;
+use crate::files::rows::{Comments, Rows};
 use crate::files::units::{Quantity, split};
 use crate::messages::Code;
 
@@ -196,24 +196,18 @@ fn rows(file: &str, text: &str, path: &str, columns: Columns) -> Result<Vec<Vec<
 /// Rows of a record: one of the allowed counts of numbers on every line, the first an increasing time; `#` comments, one optional
 /// heading, whose units scale the numbers. Columns are separated as in a list of points.
 fn record(text: &str, columns: Columns) -> Result<Vec<Vec<f64>>, String> {
-    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let mut rows: Vec<Vec<f64>> = Vec::new();
     let mut units: Vec<f64> = Vec::new();
     let mut heading_allowed = true;
-    let mut separator = None;
-    for (index, line) in text.lines().enumerate() {
-        let line = line.split('#').next().unwrap_or_default().trim();
-        if line.is_empty() {
-            continue;
-        }
-        let separator = *separator.get_or_insert_with(|| Separator::of(line));
-        let cells: Vec<&str> = separator.cells(line).collect();
-        let numbers: Vec<Option<f64>> = cells.iter().map(|cell| separator.number(cell)).collect();
-        let at = |what: String| format!("line {}: {what}", index + 1);
+    let mut lines = Rows::of(text, Comments::BehindCells);
+    while let Some(row) = lines.next().map_err(|fault| fault.to_string())? {
+        let (number, line) = (row.line, row.text);
+        let numbers: Vec<Option<f64>> = row.numbers().collect();
+        let at = |what: String| format!("line {number}: {what}");
         match numbers.iter().copied().collect::<Option<Vec<f64>>>() {
             // a heading has no number in it; a first row with one wrong letter has others
             None if heading_allowed && numbers.iter().all(Option::is_none) => {
-                units = columns.units(&cells).map_err(at)?;
+                units = columns.units(&row.heading()).map_err(at)?;
             }
             None => {
                 return Err(at(format!(
@@ -248,8 +242,8 @@ impl Columns {
     }
 
     /// Size of the unit of each column by the cells of a heading; s, m, degrees and m/s².
-    fn units(&self, cells: &[&str]) -> Result<Vec<f64>, String> {
-        let size = |(cell, quantity): (&&str, &Quantity)| match split(cell, *quantity) {
+    fn units(&self, cells: &[String]) -> Result<Vec<f64>, String> {
+        let size = |(cell, quantity): (&String, &Quantity)| match split(cell, *quantity) {
             (_, "") => Ok(1.0),
             (name, unit) => quantity.unit(unit).ok_or_else(|| {
                 let known = quantity.known();

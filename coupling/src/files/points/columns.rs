@@ -1,7 +1,7 @@
 //! Meaning of the columns of a list of points.
 
 use super::Points;
-use crate::files::separator::Separator;
+use crate::files::rows::{Row, Separator};
 use crate::files::units::{Quantity, split};
 
 /// Names of the columns of a coordinate, in lower case; the first is that of messages.
@@ -48,16 +48,14 @@ pub(super) struct Columns {
 
 impl Columns {
     /// Columns by the cells of the first line, which may be a header.
-    pub(super) fn of(cells: &[&str], separator: Separator) -> Result<Self, String> {
-        let numbers: Vec<bool> = (cells.iter())
-            .map(|cell| separator.number(cell).is_some())
-            .collect();
+    pub(super) fn of(head: &Row<'_>, separator: Separator) -> Result<Self, String> {
+        let numbers: Vec<bool> = head.numbers().map(|number| number.is_some()).collect();
         if numbers.iter().filter(|is_number| **is_number).count() >= 2 {
             Ok(Self::by_place(&numbers, separator))
         } else if numbers == [true] {
             Err("found one number, needed are x and y".into())
         } else {
-            Self::by_name(cells, separator)
+            Self::by_name(&head.heading(), separator)
         }
     }
 
@@ -74,7 +72,7 @@ impl Columns {
         }
     }
 
-    fn by_name(cells: &[&str], separator: Separator) -> Result<Self, String> {
+    fn by_name(cells: &[String], separator: Separator) -> Result<Self, String> {
         let split: Vec<(String, &str)> = (cells.iter())
             .map(|cell| split(cell, Quantity::Length))
             .map(|(name, unit)| (name.to_lowercase(), unit))
@@ -85,7 +83,7 @@ impl Columns {
         };
         let degrees = listed(&DEGREES);
         if !degrees.is_empty() {
-            let found: Vec<&str> = degrees.iter().map(|k| cells[*k]).collect();
+            let found: Vec<&str> = degrees.iter().map(|k| cells[*k].as_str()).collect();
             return Err(format!(
                 "columns {} are in degrees; project them: x, y in meters",
                 found.join(", ")
@@ -128,24 +126,29 @@ impl Columns {
     }
 
     /// Appends the point of a line.
-    pub(super) fn point(&self, cells: &[&str], points: &mut Points) -> Result<(), String> {
-        if cells.len() != self.n {
-            return Err(self.other_count(cells.len()));
+    pub(super) fn point(&self, row: &Row<'_>, points: &mut Points) -> Result<(), String> {
+        let n = row.cells().count();
+        if n != self.n {
+            return Err(self.other_count(n));
         }
         let mut position = [f64::NAN; 3];
-        for (axis, place) in self.axes.iter().enumerate() {
-            let Some((k, unit)) = *place else { continue };
-            let value = self.separator.number(cells[k]);
+        for (k, cell) in row.cells().enumerate() {
+            if self.name == Some(k) {
+                points.names.push(cell.to_owned());
+            }
+            let of_axis = |axis: &usize| self.axes[*axis].is_some_and(|(place, _)| place == k);
+            let Some(axis) = (0..3).find(of_axis) else {
+                continue;
+            };
+            let unit = self.axes[axis].map_or(1.0, |(_, unit)| unit);
+            let value = self.separator.number(cell);
             let value = value.filter(|value| value.is_finite()).ok_or_else(|| {
                 let name = ["x", "y", "z"][axis];
-                format!("{name} is `{}`, needed is a number", cells[k])
+                format!("{name} is `{cell}`, needed is a number")
             })?;
             position[axis] = if unit == 1.0 { value } else { unit * value };
         }
         points.positions.push(position);
-        if let Some(k) = self.name {
-            points.names.push(cells[k].to_owned());
-        }
         Ok(())
     }
 

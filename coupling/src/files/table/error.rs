@@ -95,6 +95,12 @@ pub enum LineFault {
     /// The file is empty.
     #[error("no header; the first line must name the columns, e.g. `time [s],g1 [m]`")]
     NoHeader,
+    /// Cells cannot be told apart.
+    #[error("{what}")]
+    Cells {
+        /// The fault.
+        what: String,
+    },
     /// A header cell is empty, a number, or a duplicate.
     #[error(
         "`{name}` is not a column name, or is a duplicate; the first line must name the columns, e.g. `time [s],g1 [m]`"

@@ -4,6 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use super::{Column, LineFault, TEXTS, TableError};
+use crate::files::rows::{Comments, Row, RowFault, Rows};
 
 /// A table read from a file.
 #[derive(Clone, Debug, PartialEq)]
@@ -109,49 +110,34 @@ pub fn table_from(path: &Path, text: &str) -> Result<TableData, TableError> {
 }
 
 fn parse(path: &Path, text: &str) -> Result<TableData, (usize, LineFault)> {
-    // Spreadsheets put a byte-order mark before the first name.
-    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-    let mut lines = (1..)
-        .zip(text.lines().map(str::trim))
-        .filter(|(_, line)| !line.is_empty() && !line.starts_with('#'));
-
-    let (number, header) = lines.next().ok_or((1, LineFault::NoHeader))?;
-    let columns: Vec<Column> = cells(header).map(Column::parse).collect();
-    for (i, column) in columns.iter().enumerate() {
-        let is_number = column.header().parse::<f64>().is_ok();
-        if column.name.is_empty() || is_number || columns[..i].contains(column) {
-            let name = column.header();
-            return Err((number, LineFault::Header { name }));
-        }
-    }
-
+    let told = |RowFault { line, what }| (line, LineFault::Cells { what });
+    let mut rows = Rows::of(text, Comments::Lines);
+    let head = rows.next().map_err(told)?;
+    let head = head.ok_or((1, LineFault::NoHeader))?;
+    let columns = columns_of(&head).map_err(|fault| (head.line, fault))?;
     let mut values = vec![Vec::new(); columns.len()];
     let mut texts: Vec<Option<Vec<String>>> = (columns.iter())
         .map(|column| is_text(column).then(Vec::new))
         .collect();
-    for (number, line) in lines {
-        let found = cells(line).count();
-        if found != columns.len() {
-            let expected = columns.len();
-            return Err((number, LineFault::Count { found, expected }));
+    while let Some(row) = rows.next().map_err(told)? {
+        let (found, expected) = (row.cells().count(), columns.len());
+        if found != expected {
+            return Err((row.line, LineFault::Count { found, expected }));
         }
-        let all = cells(line).zip(&columns).zip(&mut values).zip(&mut texts);
-        for (((cell, column), values), text) in all {
+        let cells = row.cells().zip(row.numbers());
+        let places = columns.iter().zip(&mut values).zip(&mut texts);
+        for ((cell, number), ((column, values), text)) in cells.zip(places) {
             if let Some(text) = text {
                 text.push(cell.to_owned());
                 continue;
             }
-            let value = if cell.is_empty() {
-                Ok(f64::NAN)
-            } else {
-                cell.parse()
-            };
-            values.push(value.map_err(|_| {
+            let gap = cell.is_empty().then_some(f64::NAN);
+            values.push(number.or(gap).ok_or_else(|| {
                 let fault = LineFault::Number {
                     column: column.header(),
                     text: cell.to_owned(),
                 };
-                (number, fault)
+                (row.line, fault)
             })?);
         }
     }
@@ -178,8 +164,15 @@ fn is_text(column: &Column) -> bool {
     column.unit.is_empty() && TEXTS.contains(&column.name.as_str())
 }
 
-/// Cells of a line, without enclosing quotes; commas inside quotes are not supported.
-fn cells(line: &str) -> impl Iterator<Item = &str> {
-    line.split(',')
-        .map(|cell| cell.trim().trim_matches('"').trim())
+fn columns_of(head: &Row<'_>) -> Result<Vec<Column>, LineFault> {
+    let names = head.heading();
+    let columns: Vec<Column> = names.iter().map(|name| Column::parse(name)).collect();
+    for (i, column) in columns.iter().enumerate() {
+        let is_number = column.header().parse::<f64>().is_ok();
+        if column.name.is_empty() || is_number || columns[..i].contains(column) {
+            let name = column.header();
+            return Err(LineFault::Header { name });
+        }
+    }
+    Ok(columns)
 }

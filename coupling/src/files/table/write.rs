@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 
 use super::read::present_name;
 use super::{Column, TableError};
+use crate::files::rows::{Comments, Rows};
 
 /// A table during writing; each row is on disk before the next one, so that a killed run keeps its data.
 #[derive(Debug)]
@@ -227,15 +228,16 @@ fn kept_columns(path: &Path, headers: &[String]) -> Result<Option<Vec<usize>>, T
 
 /// The rows of a table until a time, cell by cell under other headers. A last line without an end is dropped.
 fn under_headers(headers: &[String], text: &str, until: f64) -> String {
-    let lines = text.split_inclusive('\n');
-    let mut lines = lines.filter_map(|line| line.strip_suffix('\n'));
-    let found: Vec<&str> = lines.next().unwrap_or_default().split(',').collect();
+    let whole = text.rfind('\n').map_or("", |end| &text[..=end]);
+    let mut rows = Rows::of(whole, Comments::Lines);
+    let found = rows.next().ok().flatten();
+    let found = found.map_or_else(Vec::new, |head| head.heading());
     let place = |header: &String| found.iter().position(|other| other == header);
     let places: Vec<Option<usize>> = headers.iter().map(place).collect();
     let mut kept = headers.join(",") + "\n";
-    for line in lines {
-        let cells: Vec<&str> = line.split(',').collect();
-        let time = cells.first().and_then(|cell| cell.parse::<f64>().ok());
+    while let Ok(Some(row)) = rows.next() {
+        let cells: Vec<&str> = row.cells().collect();
+        let time = row.numbers().next().flatten();
         if !time.is_some_and(|time| time <= until) {
             break;
         }

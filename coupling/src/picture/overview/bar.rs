@@ -1,8 +1,8 @@
 //! Color bars, and the round ends of their ranges.
 
-use super::axis::{Axis, Tick, nice_up, open_range};
-use super::color;
-use super::page::{Anchor, Frame, INK, Page};
+use crate::picture::chart::axis::{Axis, Scale, Tick, nice_up, open_range};
+use crate::picture::chart::page::{Anchor, Frame, INK, Page};
+use crate::picture::color;
 
 /// Fraction of the values below the top of a color bar: a few drops must not darken all others.
 const BELOW_TOP: f64 = 0.995;
@@ -48,6 +48,7 @@ impl Bar<'_> {
         let axis = Axis {
             min,
             max,
+            scale: Scale::Linear,
             from: frame.bottom(),
             to: frame.top,
         };

@@ -8,13 +8,14 @@ mod layout;
 mod lines;
 mod marks;
 mod panels;
+pub(in crate::picture) mod picture;
 mod relief;
 mod sheet;
 
 use serde::{Deserialize, Serialize};
 
-use super::page::{Anchor, Frame, INK, LEFT, Page};
 use crate::output::observe::maps::MapExtremes;
+use crate::picture::chart::page::{Anchor, Frame, INK, LEFT, Page};
 use crate::scene::terrain::grid::Grid;
 use layout::{Chart, Layout};
 use lines::Lines;

@@ -1,6 +1,6 @@
 //! Particles as a raster image.
 
-use super::color;
+use crate::picture::color;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 

@@ -1,7 +1,7 @@
 //! Table of the peaks of gauges.
 
-use super::page::{Anchor, INK, LEFT, Page, shortened};
 use crate::output::peaks::Peak;
+use crate::picture::chart::page::{Anchor, INK, LEFT, Page, shortened};
 
 /// Left edge of the names and right edges of the columns of numbers; px.
 const COLUMNS: [f64; 5] = [LEFT, LEFT + 330.0, LEFT + 450.0, LEFT + 570.0, LEFT + 690.0];

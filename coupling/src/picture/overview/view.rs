@@ -1,11 +1,11 @@
 //! Side views of the scene, with axes and a color bar.
 
-use super::axis::{self, Axis, Labels, nice_up, open_range};
 use super::bar::{self, Bar};
-use super::color;
-use super::page::{Anchor, Frame, INK, LABEL, LEFT, Page, RIGHT};
 use super::raster::{self, N_SHADES, Water, Window};
 use super::{Outline, Snapshot};
+use crate::picture::chart::axis::{self, Axis, Labels, Scale, nice_up, open_range};
+use crate::picture::chart::page::{Anchor, Frame, INK, LABEL, LEFT, Page, RIGHT};
+use crate::picture::color;
 
 /// Scenes taller than this part of their width are shown side by side, others below each other.
 const TALL: f64 = 0.6;
@@ -164,6 +164,7 @@ impl Layout {
         Axis {
             min: self.min[0],
             max: self.max[0],
+            scale: Scale::Linear,
             from: frame.left,
             to: frame.right(),
         }
@@ -173,6 +174,7 @@ impl Layout {
         Axis {
             min: self.min[1],
             max: self.max[1],
+            scale: Scale::Linear,
             from: frame.bottom(),
             to: frame.top,
         }

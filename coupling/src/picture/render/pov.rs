@@ -3,6 +3,7 @@
 use super::body::{Body, Stage, in_panel};
 use super::camera::{Camera, Lens, Panel};
 use super::surface::Surface;
+use crate::picture::color::ColorMap;
 use nalgebra::{Matrix3, Vector3};
 use std::fmt::{Display, Write};
 
@@ -18,6 +19,8 @@ pub const INCLUDES: [(&str, &str); 3] = [
 
 /// Colors in `materials.inc`.
 const SPEED_COLORS: usize = 64;
+/// Stops between which `materials.inc` interpolates them.
+const SPEED_STOPS: usize = 9;
 
 /// Declarations shared by all frames.
 pub(crate) struct Setting<'a> {
@@ -36,6 +39,7 @@ pub(crate) struct Setting<'a> {
     pub spacing: f64,
     /// Speed at the upper end of the colors; m/s.
     pub speed_range: f64,
+    pub colors: ColorMap,
 }
 
 /// Water as drawn.
@@ -136,6 +140,20 @@ fn string(text: &str) -> String {
     format!("\"{}\"", text.chars().map(plain).collect::<String>())
 }
 
+/// Declares the colors of speeds before `materials.inc`, which has viridis.
+fn speed_colors(pov: &mut Pov, colors: ColorMap) {
+    if colors == ColorMap::Viridis {
+        return;
+    }
+    let part = |value: u8| number((f64::from(value) / 255.0 * 1e3).round() / 1e3);
+    let stops = colors.speeds(SPEED_STOPS).into_iter();
+    let stops = stops.map(|[r, g, b]| format!("srgb <{}, {}, {}>", part(r), part(g), part(b)));
+    pov.line(format!(
+        "#declare Riprap_Speed_Colors = array[{SPEED_STOPS}] {{ {} }}",
+        stops.collect::<Vec<_>>().join(", ")
+    ));
+}
+
 fn head(pov: &mut Pov, setting: &Setting<'_>, time: f64) {
     let camera = setting.camera;
     let axes = camera.axes();
@@ -179,6 +197,7 @@ fn head(pov: &mut Pov, setting: &Setting<'_>, time: f64) {
     ] {
         pov.line(format!("#declare Riprap_{name} = {};", vector(value)));
     }
+    speed_colors(pov, setting.colors);
     for (name, _) in INCLUDES {
         pov.line(format!("#include \"{name}\""));
     }

@@ -177,7 +177,7 @@ fn cloud(data: &PolyData) -> Cloud {
 /// The files of a ParaView collection; empty when it does not exist.
 ///
 /// Supports only the format of riprap's own writer: one `DataSet` element per file.
-fn collection(path: &Path) -> Result<Vec<Timed>, RenderError> {
+pub(crate) fn collection(path: &Path) -> Result<Vec<Timed>, RenderError> {
     if !path.exists() {
         return Ok(Vec::new());
     }

@@ -6,6 +6,7 @@ use super::pov::Setting;
 use super::recording::Recording;
 use super::{RenderError, RenderOptions};
 use crate::output::run_folder;
+use crate::picture::color::ColorMap;
 use nalgebra::Vector3;
 use std::path::Path;
 
@@ -31,6 +32,7 @@ pub(crate) struct Survey {
     pub speed_range: f64,
     /// Elevations of the water, but for a few drops; m.
     pub elevations: [f64; 2],
+    pub colors: ColorMap,
     /// Report to the user.
     pub description: String,
 }
@@ -47,6 +49,7 @@ impl Survey {
             ground,
             spacing,
             speed_range,
+            colors,
             ..
         } = self;
         Setting {
@@ -59,6 +62,7 @@ impl Survey {
             ground: *ground,
             spacing: *spacing,
             speed_range: *speed_range,
+            colors: *colors,
         }
     }
 }
@@ -135,6 +139,7 @@ pub(crate) fn survey(
         spacing,
         speed_range,
         elevations: most_of(&mut heights),
+        colors: options.colors,
         description,
     })
 }

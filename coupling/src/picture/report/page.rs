@@ -3,11 +3,14 @@
 use serde_json::Value;
 
 use super::Blob;
-use super::story::Table;
+use super::table::Table;
 use crate::files::vtk::escape;
 
 const SCRIPT: &str = include_str!("viewer.js");
 const STYLE: &str = include_str!("viewer.css");
+
+/// Columns of a table that may stand beside another one.
+const MOST_COLUMNS_BESIDE: usize = 6;
 
 /// What a page shows.
 pub(super) struct Contents<'a> {
@@ -16,6 +19,8 @@ pub(super) struct Contents<'a> {
     pub verdict: Option<[String; 3]>,
     pub description: &'a str,
     pub tables: &'a [Table],
+    /// Pictures; empty if there are none.
+    pub maps: &'a str,
     /// SVG; empty if there is none.
     pub overview: &'a str,
     /// The scene as run.
@@ -49,7 +54,7 @@ pub(super) fn page(contents: &Contents<'_>) -> String {
         ),
         None => String::new(),
     };
-    let scene = escape(contents.scene);
+    let (scene, maps) = (escape(contents.scene), contents.maps);
     format!(
         r#"<!DOCTYPE html>
 <html lang="en">
@@ -76,7 +81,7 @@ pub(super) fn page(contents: &Contents<'_>) -> String {
 <select id="pace" aria-label="pace"><option value="0.1">1/10 of real time</option><option value="0.25">1/4</option><option value="1" selected>real time</option><option value="4">4 times</option><option value="16">16 times</option></select>
 <button id="orbit" aria-pressed="false">space</button><button id="top" aria-pressed="false">from above</button><button id="section" aria-pressed="false">from the side</button>
 <span id="colors" hidden><select id="color" aria-label="color of the water"><option value="elevation">color: elevation</option><option value="speed">color: speed</option></select></span>
-<span class="soft">space: play; arrows: frames; 1, 2, 3: views; drag, wheel</span>
+<span class="soft keys">space: play; arrows: frames; 1, 2, 3: views; drag, wheel</span>
 </div>
 <div id="events"></div>
 </section>
@@ -84,7 +89,8 @@ pub(super) fn page(contents: &Contents<'_>) -> String {
 <p class="soft">Shown: {description}. Blocks are drawn rigid.</p>
 <div id="stills"></div>
 <section id="gauges"><h2>Gauges</h2><div class="bar"><select id="gauge" aria-label="gauge"></select></div><div id="chart"></div></section>
-{tables}
+{maps}<div class="tables">
+{tables}</div>
 {overview}
 <details><summary>The scene as run, case.ron</summary><pre>{scene}</pre></details>
 </main>
@@ -107,7 +113,10 @@ fn verdict(lines: Option<&[String; 3]>) -> String {
         .find(|grade| lines[0].contains(&format!(": {grade}")));
     let lines: String = lines
         .iter()
-        .map(|line| format!("<p>{}</p>", escape(line)))
+        .map(|line| match line.split_once(": ") {
+            Some((about, rest)) => format!("<p><b>{}: </b>{}</p>", escape(about), escape(rest)),
+            None => format!("<p>{}</p>", escape(line)),
+        })
         .collect();
     format!(
         "<div id=\"verdict\" class=\"{}\">{lines}</div>",
@@ -127,14 +136,19 @@ fn table(table: &Table) -> String {
         .collect();
     let head = match table.head.iter().all(|cell| cell.is_empty()) {
         true => String::new(),
-        false => cells("th", &mut table.head.iter().copied()),
+        false => cells("th", &mut table.head.iter().map(String::as_str)),
     };
     let note = match table.note.is_empty() {
         true => String::new(),
         false => format!("<p class=\"soft\">{}</p>", escape(&table.note)),
     };
+    let class = if MOST_COLUMNS_BESIDE < table.head.len() {
+        " class=\"whole\""
+    } else {
+        ""
+    };
     format!(
-        "<h2>{}</h2>\n<div class=\"wide\"><table>\n{head}{rows}</table></div>{note}\n",
+        "<section{class}><h2>{}</h2>\n<div class=\"wide\" tabindex=\"0\"><table>\n{head}{rows}</table></div>{note}</section>\n",
         table.title
     )
 }

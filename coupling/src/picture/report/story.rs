@@ -5,8 +5,11 @@ use std::path::Path;
 
 use serde_json::{Value, json};
 
-use crate::files::table::{TableData, read_table};
+use super::forces;
+use super::table::{Table, figure, heads, name_of, scaled, table_of};
+use crate::files::table::TableData;
 use crate::output::run_folder::{self, RunScene};
+use crate::picture::overview_data::theory::Theories;
 
 /// Points of a record, at most.
 const MOST_POINTS: usize = 600;
@@ -17,43 +20,10 @@ const MOST_BLOCKS: usize = 30;
 /// Force of water on a block, over the largest one of the run, that counts as the first touch.
 const TOUCH: f64 = 0.01;
 
-/// A table of the page.
-pub(super) struct Table {
-    pub title: &'static str,
-    pub head: Vec<&'static str>,
-    /// Texts of each row; numbers are right-aligned but for the first column.
-    pub rows: Vec<Vec<String>>,
-    /// Remark below it; empty without.
-    pub note: String,
-}
-
-/// A table of the run; `None` if it has none, or none that is readable: a report of the rest is better than none at all.
-pub(super) fn table_of(folder: &Path, name: &str) -> Option<TableData> {
-    let table = read_table(&folder.join(name)).ok()?;
-    (table.values.first())
-        .is_some_and(|time| !time.is_empty())
-        .then_some(table)
-}
-
 /// Text of a field of the summary; empty without.
 fn text_of(value: &Value, key: &str) -> String {
     let text = value.get(key).and_then(Value::as_str);
     text.unwrap_or_default().to_owned()
-}
-
-/// A number for a reader: four digits.
-pub(super) fn figure(value: f64) -> String {
-    let size = value.abs();
-    if value.is_nan() {
-        "dry".to_owned()
-    } else if value == 0.0 {
-        "0".to_owned()
-    } else if (1e-3..1e6).contains(&size) {
-        let digits = (3 - size.log10().floor() as i32).clamp(0, 6) as usize;
-        format!("{value:.digits$}")
-    } else {
-        format!("{value:.3e}")
-    }
 }
 
 /// Number for the page: five digits, none if it is not finite.
@@ -66,8 +36,8 @@ fn short(value: f64) -> Value {
     }
 }
 
-/// Records of all gauges: name, unit, times and values, thinned so that lows and highs stay.
-pub(super) fn gauges(folder: &Path) -> Vec<Value> {
+/// Records of all gauges: name, unit, times, values and their theory, thinned so that lows and highs stay.
+pub(super) fn gauges(folder: &Path, theories: &Theories) -> Vec<Value> {
     let Some(table) = table_of(folder, run_folder::GAUGES) else {
         return Vec::new();
     };
@@ -76,11 +46,16 @@ pub(super) fn gauges(folder: &Path) -> Vec<Value> {
     columns
         .map(|(column, values)| {
             let kept = thinned(values);
-            json!({
+            let times: Vec<f64> = kept.iter().map(|&k| time[k]).collect();
+            let mut gauge = json!({
                 "name": column.name, "unit": column.unit,
-                "t": kept.iter().map(|&k| short(time[k])).collect::<Vec<_>>(),
+                "t": times.iter().map(|&t| short(t)).collect::<Vec<_>>(),
                 "v": kept.iter().map(|&k| short(values[k])).collect::<Vec<_>>(),
-            })
+            });
+            if let Some(theory) = theories.of(&column.name) {
+                gauge["theory"] = theory.at(&times).into_iter().map(short).collect();
+            }
+            gauge
         })
         .collect()
 }
@@ -147,13 +122,6 @@ pub(super) fn events(folder: &Path, summary: &Value, scene: &RunScene) -> Vec<Va
     let told = events.into_iter();
     told.map(|(t, name)| json!({"t": short(t), "name": name}))
         .collect()
-}
-
-/// Name of a block by its number.
-pub(super) fn name_of(names: &[String], id: i32) -> String {
-    let name = usize::try_from(id).ok().and_then(|id| names.get(id));
-    name.filter(|name| !name.is_empty())
-        .map_or_else(|| format!("block {id}"), Clone::clone)
 }
 
 /// Group of a block by its number, or its name without one; of a run of an earlier version what its name begins with.
@@ -225,9 +193,12 @@ fn largest(values: &[f64]) -> Option<(usize, f64)> {
 }
 
 /// Tables of a run.
-pub(super) fn tables(folder: &Path, summary: &Value, names: &[String]) -> Vec<Table> {
+pub(super) fn tables(folder: &Path, summary: &Value, scene: &RunScene) -> Vec<Table> {
+    let names = &scene.block_names;
     let all = [
         peaks(summary),
+        forces::by_source(folder, names),
+        forces::on_faces(folder, scene),
         blocks(folder, names),
         ledger(summary),
         numbers(summary),
@@ -255,14 +226,14 @@ fn peaks(summary: &Value) -> Option<Table> {
     };
     Some(Table {
         title: "Peaks at gauges",
-        head: vec![
+        head: heads(&[
             "gauge",
             "unit",
             "at the start",
             "largest",
             "at, s",
             "wave arrives, s",
-        ],
+        ]),
         rows: gauges.iter().map(row).collect(),
         note: String::new(),
     })
@@ -283,6 +254,8 @@ fn blocks(folder: &Path, names: &[String]) -> Option<Table> {
     all.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.id.cmp(&b.1.id)));
     let n = all.len();
     all.truncate(MOST_BLOCKS);
+    let forces = all.iter().flat_map(|(_, history)| &history.forces);
+    let newton = scaled(forces.copied(), "N");
     let row = |(travel, history): &(f64, History)| {
         let speed = largest(&history.speeds).unwrap_or_default();
         let force = largest(&history.forces).unwrap_or_default();
@@ -293,22 +266,22 @@ fn blocks(folder: &Path, names: &[String]) -> Option<Table> {
             figure(*travel),
             figure(speed.1),
             figure(at(speed)),
-            figure(force.1),
+            figure(force.1 / newton.0),
             figure(at(force)),
             place.map(figure).join(", "),
         ]
     };
     Some(Table {
         title: "Blocks",
-        head: vec![
+        head: heads(&[
             "block",
             "from start to end, m",
             "largest speed, m/s",
             "at, s",
-            "largest force of water, N",
+            &format!("largest force of water, {}", newton.1),
             "at, s",
             "in the end at, m",
-        ],
+        ]),
         rows: all.iter().map(row).collect(),
         note: match MOST_BLOCKS < n {
             true => format!(
@@ -350,13 +323,18 @@ const TERMS: [(&str, &str); 22] = [
 
 fn ledger(summary: &Value) -> Option<Table> {
     let energy = summary.get("energy")?;
+    let value = |key: &str| energy.get(key).and_then(Value::as_f64);
+    let joule = scaled(
+        TERMS.iter().filter_map(|(key, _)| value(key).map(f64::abs)),
+        "J",
+    );
     let row = |(key, words): &(&str, &str)| {
-        let value = energy.get(*key)?.as_f64()?;
-        (value != 0.0).then(|| vec![(*words).to_owned(), figure(value)])
+        let value = value(key)?;
+        (value != 0.0).then(|| vec![(*words).to_owned(), figure(value / joule.0)])
     };
     Some(Table {
         title: "Energy at the end",
-        head: vec!["term", "J"],
+        head: heads(&["term", &joule.1]),
         rows: TERMS.iter().filter_map(row).collect(),
         note: String::new(),
     })
@@ -403,7 +381,7 @@ fn numbers(summary: &Value) -> Option<Table> {
     }
     Some(Table {
         title: "The run",
-        head: vec!["", ""],
+        head: heads(&["", ""]),
         rows,
         note: String::new(),
     })
@@ -421,14 +399,5 @@ mod tests {
         let kept = thinned(&values);
         assert!(kept.len() <= MOST_POINTS + 2, "{}", kept.len());
         assert!(kept.contains(&5003) && kept.contains(&0) && kept.contains(&9999));
-    }
-
-    #[test]
-    fn figures_have_four_digits() {
-        let told = [0.0, 0.636_12, 12_345.6, -0.001_234, 7.5e8, f64::NAN].map(figure);
-        assert_eq!(
-            told,
-            ["0", "0.6361", "12346", "-0.001234", "7.500e8", "dry"]
-        );
     }
 }

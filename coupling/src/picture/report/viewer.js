@@ -87,46 +87,48 @@ const parallel = (w, h, near, far) =>
 // ---------- what is drawn ----------
 
 const colorFunctions = `
-uniform vec3 stops[4]; uniform vec3 low[4]; uniform vec3 high[4];
-vec3 along(vec3 c[4], float s) { s = clamp(s, 0., 1.) * 3.; return s < 1. ? mix(c[0], c[1], s) : s < 2. ? mix(c[1], c[2], s - 1.) : mix(c[2], c[3], s - 2.); }`;
+uniform vec3 stops[9]; uniform vec3 low[4]; uniform vec3 high[4];
+vec3 ofSpeed(float s) { s = clamp(s, 0., 1.) * 8.; int i = int(min(s, 7.)); return mix(stops[i], stops[i + 1], s - float(i)); }
+vec3 ofRise(float s) { float t = min(abs(s), 1.) * 3.; int i = int(min(t, 2.)); return s < 0. ? mix(low[i], low[i + 1], t - float(i)) : mix(high[i], high[i + 1], t - float(i)); }`;
 const light = `
 vec3 lit(vec3 color, vec3 n, vec3 toEye) { if (dot(n, toEye) < 0.) n = -n; float d = max(dot(n, normalize(vec3(-.4, -.55, .75))), 0.); return color * (.58 + .47 * d); }`;
 const sources = {
   points: [`#version 300 es
     in float x0, y0, z0, s0, x1, y1, z1, s1;
     uniform mat4 camera; uniform vec3 lo, step_; uniform float absent, share, size; uniform bool isPlane; uniform float largest;
-    out float speed;
+    flat out vec3 own; flat out float side; ${colorFunctions}
     void main() {
       vec3 a = vec3(x0, y0, z0), b = vec3(x1, y1, z1);
       bool isA = x0 < absent, isB = x1 < absent;
-      if (!isA && !isB) { gl_Position = vec4(2., 2., 2., 1.); gl_PointSize = 1.; speed = 0.; return; }
+      if (!isA && !isB) { gl_Position = vec4(2., 2., 2., 1.); gl_PointSize = 1.; own = vec3(0.); side = 1.; return; }
       vec3 code = !isA ? b : !isB ? a : mix(a, b, share);
       // a particle that crossed a periodic side did not fly through the domain
       if (isA && isB && any(greaterThan(abs(a - b), vec3(absent * .5)))) code = share < .5 ? a : b;
       vec3 x = lo + code * step_;
-      speed = mix(s0, s1, share) / 255.;
+      own = ofSpeed(mix(s0, s1, share) / 255.);
       gl_Position = camera * vec4(x, 1.);
-      gl_PointSize = max(size / gl_Position.w, 1.5);
+      gl_PointSize = side = max(size / gl_Position.w, 1.5);
     }`, `#version 300 es
-    precision highp float; in float speed; out vec4 color; ${colorFunctions}
-    void main() { vec2 p = gl_PointCoord * 2. - 1.; float r = dot(p, p); if (1. < r) discard; color = vec4(along(stops, speed) * (1. - .28 * r), 1.); }`],
+    precision highp float; flat in vec3 own; flat in float side; out vec4 color;
+    // between small discs the background would show as a pattern
+    void main() { vec2 p = gl_PointCoord * 2. - 1.; float r = side < 7. ? 0. : dot(p, p); if (1. < r) discard; color = vec4(own * (1. - .28 * r), 1.); }`],
   surface: [`#version 300 es
     in float z0, s0, z1, s1;
     uniform mat4 camera; uniform vec2 corner; uniform float cell, lo, step_, absent, share; uniform int width;
-    out vec3 place; out float speed, wet;
+    uniform float rest, swing; uniform bool isBySpeed;
+    out vec3 place, own; out float wet; ${colorFunctions}
     void main() {
       bool isA = z0 < absent, isB = z1 < absent;
       float code = !isA ? z1 : !isB ? z0 : mix(z0, z1, share);
       wet = (isA && isB) || (isA && share < .5) || (isB && .5 <= share) ? 1. : 0.;
       vec2 at = corner + (vec2(float(gl_VertexID % width), float(gl_VertexID / width)) + .5) * cell;
-      place = vec3(at, lo + code * step_); speed = mix(s0, s1, share) / 255.;
+      place = vec3(at, lo + code * step_);
+      own = isBySpeed ? ofSpeed(mix(s0, s1, share) / 255.) : ofRise((place.z - rest) / swing);
       gl_Position = camera * vec4(place, 1.);
     }`, `#version 300 es
-    precision highp float; in vec3 place; in float speed, wet; out vec4 color; uniform float rest, swing; uniform vec3 eye; uniform bool isBySpeed; ${colorFunctions}${light}
+    precision highp float; in vec3 place, own; in float wet; out vec4 color; uniform vec3 eye; ${light}
     void main() {
       if (wet < .999) discard;
-      float rise = (place.z - rest) / swing;
-      vec3 own = isBySpeed ? along(stops, speed) : rise < 0. ? along(low, -rise) : along(high, rise);
       color = vec4(lit(own, normalize(cross(dFdx(place), dFdy(place))), eye - place), 1.);
     }`],
   solids: [`#version 300 es
@@ -147,7 +149,8 @@ const sources = {
       gl_Position = camera * vec4(place, 1.);
     }`, `#version 300 es
     precision highp float; in vec3 place; flat in float number; out vec4 color;
-    uniform bool isMoving, isGlassPass, isOpaque; uniform vec3 eye, towards, low, high; uniform bool isParallel; ${light}
+    uniform bool isMoving, isGlassPass, isOpaque; uniform vec3 eye, towards, low, high; uniform bool isParallel; uniform vec3 land[5], bed; uniform vec2 relief; ${light}
+    vec3 tint(float z) { float s = (z - relief.x) / (relief.y - relief.x) * 4.; return s < 0. ? bed : s < 1. ? mix(land[0], land[1], s) : s < 2. ? mix(land[1], land[2], s - 1.) : s < 3. ? mix(land[2], land[3], s - 2.) : mix(land[3], land[4], min(s - 3., 1.)); }
     void main() {
       vec3 n = normalize(cross(dFdx(place), dFdy(place)));
       vec3 toEye = isParallel ? -towards : normalize(eye - place);
@@ -160,7 +163,7 @@ const sources = {
       bool isGlass = isWall && n.z < .3 && isBefore;
       if (isGlass != isGlassPass) discard;
       float shade = fract(number * .618034) - .5;
-      vec3 own = isMoving ? vec3(.60, .43, .31) + .10 * shade : isTerrain ? vec3(.80, .77, .66) : vec3(.78, .78, .76);
+      vec3 own = isMoving ? vec3(.60, .43, .31) + .10 * shade : isTerrain ? tint(place.z) : vec3(.78, .78, .76);
       color = vec4(lit(own, n, toEye), isGlass ? .09 : 1.);
     }`],
 };
@@ -184,11 +187,21 @@ function program(gl, [vertex, fragment]) {
   };
 }
 
+function isDrawnBySoftware() {
+  const gl = document.createElement('canvas').getContext('webgl2');
+  const info = gl && gl.getExtension('WEBGL_debug_renderer_info');
+  const name = info ? gl.getParameter(info.UNMASKED_RENDERER_WEBGL) : '';
+  const lose = gl && gl.getExtension('WEBGL_lose_context');
+  if (lose) lose.loseContext();
+  return /swiftshader|llvmpipe|softpipe|software|basic render/i.test(name);
+}
+
 class Scene {
   constructor(canvas, data) {
-    const gl = canvas.getContext('webgl2', { antialias: true, preserveDrawingBuffer: true });
+    // without a graphics processor smooth edges cost more than they are worth
+    const gl = canvas.getContext('webgl2', { antialias: !isDrawnBySoftware() });
     if (!gl) throw new Error('this browser has no WebGL 2');
-    Object.assign(this, { canvas, gl, data, view: meta.isThin ? 'section' : 'orbit', bySpeed: false });
+    Object.assign(this, { canvas, gl, data, view: meta.isThin ? 'section' : 'orbit', bySpeed: false, isCoarse: false });
     this.programs = Object.fromEntries(Object.entries(sources).map(([name, text]) => [name, program(gl, text)]));
     gl.enable(gl.DEPTH_TEST);
     const [lo, hi] = meta.bounds;
@@ -240,17 +253,21 @@ class Scene {
     this.waterVao = gl.createVertexArray();
     this.slots = [0, 1].map(() => ({ codes: gl.createBuffer(), speeds: gl.createBuffer(), frame: -1 }));
     if (w.kind !== 'surface') return;
-    const [nx, ny] = w.size, corners = new Uint32Array(6 * (nx - 1) * (ny - 1));
+    this.triangles = [1, 2].map((every) => this.trianglesOf(w.size, every));
+  }
+
+  /** Triangles of the surface between every first or every second row and column. */
+  trianglesOf([nx, ny], every) {
+    const { gl } = this, columns = Math.floor((nx - 1) / every), rows = Math.floor((ny - 1) / every);
+    const corners = new Uint32Array(6 * columns * rows), up = nx * every;
     let k = 0;
-    for (let j = 0; j + 1 < ny; j++) for (let i = 0; i + 1 < nx; i++) {
-      const a = i + nx * j;
-      corners.set([a, a + 1, a + nx, a + 1, a + nx + 1, a + nx], k);
+    for (let j = 0; j < rows; j++) for (let i = 0; i < columns; i++) {
+      const a = every * (i + nx * j);
+      corners.set([a, a + every, a + up, a + every, a + every + up, a + up], k);
       k += 6;
     }
-    gl.bindVertexArray(this.waterVao);
-    this.buffer(corners, gl.ELEMENT_ARRAY_BUFFER);
     gl.bindVertexArray(null);
-    this.waterCount = corners.length;
+    return { buffer: this.buffer(corners, gl.ELEMENT_ARRAY_BUFFER), count: corners.length };
   }
 
   loadFrame(slot, number) {
@@ -290,7 +307,7 @@ class Scene {
     if (this.fixed) this.drawSolids(camera, this.fixed, false, false);
     if (this.shapes) { this.loadPoses(t); this.drawSolids(camera, this.shapes, true, false); }
     if (this.data.water) this.drawWater(camera, t);
-    if (this.fixed && !meta.isThin) {
+    if (this.fixed && this.fixed.info.walls && !meta.isThin) {
       gl.enable(gl.BLEND); gl.blendFunc(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA); gl.depthMask(false);
       this.drawSolids(camera, this.fixed, false, true);
       gl.disable(gl.BLEND); gl.depthMask(true);
@@ -307,6 +324,7 @@ class Scene {
     gl.uniform1i(p.at('isOpaque'), meta.isThin ? 1 : 0); gl.uniform1i(p.at('isParallel'), this.isParallel ? 1 : 0);
     gl.uniform3fv(p.at('eye'), this.eye); gl.uniform3fv(p.at('towards'), this.towards);
     gl.uniform3fv(p.at('low'), meta.bounds[0]); gl.uniform3fv(p.at('high'), meta.bounds[1]);
+    gl.uniform3fv(p.at('land'), meta.colors.land.flat()); gl.uniform3fv(p.at('bed'), meta.colors.bed); gl.uniform2fv(p.at('relief'), meta.relief || [0, 1]);
     if (isMoving) { gl.activeTexture(gl.TEXTURE0); gl.bindTexture(gl.TEXTURE_2D, this.poses); gl.uniform1i(p.at('poses'), 0); }
     gl.bindVertexArray(mesh.vao);
     gl.drawElements(gl.TRIANGLES, mesh.count, gl.UNSIGNED_INT, 0);
@@ -360,7 +378,9 @@ class Scene {
       gl.uniform1f(p.at('lo'), w.lo[0]); gl.uniform1f(p.at('step_'), w.step[0]);
       gl.uniform1f(p.at('rest'), w.rest); gl.uniform1f(p.at('swing'), w.swing);
       gl.uniform1i(p.at('isBySpeed'), this.bySpeed ? 1 : 0); gl.uniform3fv(p.at('eye'), this.eye);
-      gl.drawElements(gl.TRIANGLES, this.waterCount, gl.UNSIGNED_INT, 0);
+      const { buffer, count } = this.triangles[this.isCoarse ? 1 : 0];
+      gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, buffer);
+      gl.drawElements(gl.TRIANGLES, count, gl.UNSIGNED_INT, 0);
     } else {
       const three = (values, missing) => w.axes.length === 3 ? values : [values[0], missing, values[1]];
       gl.uniform3fv(p.at('lo'), three(w.lo, this.middle[1])); gl.uniform3fv(p.at('step_'), three(w.step, 0));
@@ -376,26 +396,31 @@ class Scene {
 
 const label = (x) => (x === null || x === undefined || Number.isNaN(x) ? '' : Math.abs(x) >= 1e5 || (x !== 0 && Math.abs(x) < 1e-3) ? x.toExponential(3) : String(+x.toPrecision(4)));
 
+const escaped = (text) => text.replace(/[&<>"]/g, (c) => `&#${c.charCodeAt(0)};`);
+
 function chart(gauge) {
-  const W = 900, H = 220, L = 64, R = 12, T = 14, B = 34;
-  const known = gauge.v.filter((v) => v !== null);
+  const W = Math.min(Math.max($('chart').clientWidth || 900, 260), 1120), H = W < 560 ? 200 : 230, L = 58, R = 14, T = 22, B = 36;
+  const known = [...gauge.v, ...(gauge.theory || [])].filter((v) => v !== null);
   if (!known.length) return { svg: '<p>dry</p>', at: () => 0 };
   let lo = Math.min(...known), hi = Math.max(...known);
   const pad = 0.06 * (hi - lo) || Math.abs(hi) * 0.1 || 1;
   lo -= pad; hi += pad;
   const end = meta.duration || 1;
   const X = (t) => L + (W - L - R) * t / end, Y = (v) => T + (H - T - B) * (hi - v) / (hi - lo);
-  let path = '', isDown = false;
-  gauge.t.forEach((t, k) => {
-    const v = gauge.v[k];
-    path += v === null ? '' : `${isDown ? 'L' : 'M'}${X(t).toFixed(1)},${Y(v).toFixed(1)}`;
-    isDown = v !== null;
-  });
-  const nice = (span) => { const p = 10 ** Math.floor(Math.log10(span / 5)); return p * ([1, 2, 5, 10].find((m) => m * p >= span / 5)); };
+  const path = (values) => {
+    let text = '', isDown = false;
+    gauge.t.forEach((t, k) => {
+      const v = values[k];
+      text += v === null ? '' : `${isDown ? 'L' : 'M'}${X(t).toFixed(1)},${Y(v).toFixed(1)}`;
+      isDown = v !== null;
+    });
+    return text;
+  };
+  const nice = (span, n) => { const p = 10 ** Math.floor(Math.log10(span / n)); return p * ([1, 2, 5, 10].find((m) => m * p >= span / n)); };
   let grid = '';
-  for (let d = nice(hi - lo), v = Math.ceil(lo / d) * d; v <= hi; v += d) grid += `<path d="M${L},${Y(v)}H${W - R}" class="grid"/><text x="${L - 6}" y="${Y(v) + 4}" text-anchor="end">${label(Math.abs(v) < d * 1e-6 ? 0 : v)}</text>`;
-  for (let d = nice(end), t = 0; t <= end * 1.0001; t += d) grid += `<path d="M${X(t)},${T}V${H - B}" class="grid"/><text x="${X(t)}" y="${H - B + 16}" text-anchor="middle">${label(t)}</text>`;
-  const svg = `<svg viewBox="0 0 ${W} ${H}" role="img" aria-label="${gauge.name} over time">${grid}<text x="${W - R}" y="${H - 4}" text-anchor="end">time, s</text><text x="${L}" y="${T - 3}">${gauge.name}, ${gauge.unit}</text><path d="${path}" class="curve"/><path id="now" d="" class="now"/></svg>`;
+  for (let d = nice(hi - lo, 5), v = Math.ceil(lo / d) * d; v <= hi; v += d) grid += `<path d="M${L},${Y(v)}H${W - R}" class="grid"/><text x="${L - 6}" y="${Y(v) + 4}" text-anchor="end">${label(Math.abs(v) < d * 1e-6 ? 0 : v)}</text>`;
+  for (let d = nice(end, W < 560 ? 5 : 10), t = 0; t <= end * 1.0001; t += d) grid += `<path d="M${X(t)},${T}V${H - B}" class="grid"/><text x="${X(t)}" y="${H - B + 16}" text-anchor="middle">${label(t)}</text>`;
+  const svg = `<svg viewBox="0 0 ${W} ${H}" role="img" aria-label="${escaped(gauge.name)} over time">${grid}<text x="${W - R}" y="${H - 4}" text-anchor="end">time, s</text><text x="${L}" y="${T - 8}">${escaped(gauge.name)}, ${escaped(gauge.unit)}${gauge.theory ? '; dotted: theory' : ''}</text>${gauge.theory ? `<path d="${path(gauge.theory)}" class="theory"/>` : ''}<path d="${path(gauge.v)}" class="curve"/><path id="now" d="" class="now"/></svg>`;
   return { svg, at: (t) => `M${X(t).toFixed(1)},${T}V${H - B}` };
 }
 
@@ -412,6 +437,15 @@ async function main() {
   const canvas = $('canvas'), slider = $('time');
   const scene = new Scene(canvas, data);
   let now = 0, isPlaying = false, last = 0;
+  // a slow computer plays with fewer pixels and a coarser surface, and shows all of them when it stops
+  const steps_ = [[1, false], [0.75, false], [0.75, true], [0.5, true]];
+  let ease = 0, slow = 0;
+  const watch = (passed) => {
+    slow = 0.85 * slow + 0.15 * Math.min(passed, 250);
+    if (slow < 38 || ease + 1 === steps_.length) return;
+    ease += 1; slow = 0;
+    resize();
+  };
 
   let curve = null;
   const showGauge = (k) => {
@@ -431,7 +465,9 @@ async function main() {
     // a flume is long and low
     const [ex, , ez] = scene.extent;
     if (meta.isThin) canvas.style.height = `${Math.round(Math.min(Math.max(canvas.clientWidth * ez / ex * 1.35, 220), 0.58 * Math.max(window.innerHeight, 400)))}px`;
-    const ratio = Math.min(window.devicePixelRatio || 1, 2);
+    const [share, isCoarse] = steps_[isPlaying ? ease : 0];
+    const ratio = share * Math.min(window.devicePixelRatio || 1, 2);
+    scene.isCoarse = isCoarse;
     canvas.width = Math.round(canvas.clientWidth * ratio);
     canvas.height = Math.round(canvas.clientHeight * ratio);
     draw();
@@ -441,11 +477,14 @@ async function main() {
     isPlaying = is;
     $('play').textContent = is ? '❚❚' : '▶';
     $('play').setAttribute('aria-label', is ? 'pause' : 'play');
-    if (is) { if (now >= meta.duration) now = 0; last = performance.now(); requestAnimationFrame(tick); }
+    if (is && now >= meta.duration) now = 0;
+    if (0 < ease) resize();
+    if (is) { last = performance.now(); slow = 0; requestAnimationFrame(tick); }
   };
   const tick = (at) => {
     if (!isPlaying) return;
-    now += (at - last) / 1000 * Number($('pace').value); last = at;
+    watch(at - last);
+    now += Math.max(at - last, 0) / 1000 * Number($('pace').value); last = at;
     if (now >= meta.duration) { now = meta.duration; play(false); }
     draw();
     requestAnimationFrame(tick);
@@ -532,6 +571,8 @@ async function main() {
     meta.gauges.forEach((gauge, k) => $('gauge').add(new Option(`${gauge.name} (${gauge.unit})`, k)));
     $('gauge').addEventListener('change', () => showGauge(Number($('gauge').value)));
     showGauge(0);
+    let width = 0;
+    window.addEventListener('resize', () => { if (width !== window.innerWidth) { width = window.innerWidth; showGauge(Number($('gauge').value)); } });
   } else $('gauges').hidden = true;
 
   window.addEventListener('beforeprint', () => {

@@ -146,7 +146,10 @@ pub(super) fn water(run: &Recording) -> Result<Option<Water>, RenderError> {
     if extent.first.is_empty() {
         return Ok(None);
     }
-    let is_particles = run.scene.is_plane || extent.first.len() <= MOST_PARTICLES;
+    // over terrain a surface shows the wave, and particles do not
+    let has_terrain = run.fixed.iter().any(|body| body.is_terrain);
+    let is_few = extent.first.len() <= MOST_PARTICLES && !has_terrain;
+    let is_particles = run.scene.is_plane || is_few;
     let water = if is_particles {
         particles(&run.water, &extent, run.scene.is_plane)
     } else {

@@ -2,6 +2,7 @@
 
 use super::reference::{Reference, ReferenceColumns};
 use super::{Comparison, Options, Series, compare};
+use crate::files::rows::{Comments, Rows};
 use crate::files::table::{Column, TableData, TableError, read_table};
 use crate::messages::{Code, Coded};
 use serde::Serialize;
@@ -113,18 +114,15 @@ fn two_columns(path: &Path) -> Option<Series> {
     let text = std::fs::read_to_string(path).ok()?;
     let mut series = Series::default();
     let mut heading_allowed = true;
-    for line in text.lines() {
-        let line = line.split('#').next().unwrap_or_default().trim();
-        if line.is_empty() {
-            continue;
-        }
-        let (time, value) = line.split_once(',')?;
-        match (time.trim().parse::<f64>(), value.trim().parse::<f64>()) {
-            (Ok(time), Ok(value)) if series.time.last().is_none_or(|&last| last < time) => {
+    let mut rows = Rows::of(&text, Comments::BehindCells);
+    while let Some(row) = rows.next().ok()? {
+        let numbers: Vec<Option<f64>> = row.numbers().collect();
+        match numbers[..] {
+            [Some(time), Some(value)] if series.time.last().is_none_or(|&last| last < time) => {
                 series.time.push(time);
                 series.value.push(value);
             }
-            (Err(_), Err(_)) if heading_allowed && !value.contains(',') => {}
+            [None, None] if heading_allowed => {}
             _ => return None,
         }
         heading_allowed = false;

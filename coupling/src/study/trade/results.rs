@@ -8,7 +8,7 @@ use super::file::{StudyFile, TruthFile};
 use super::front::{Point, error_per_doubling, front};
 use super::outcome::{Cost, CostOf, Outcome, point};
 use super::plan::{Planned, Skipped, Study, finest};
-use crate::files::table::{TableData, TableError, read_table};
+use crate::files::table::{TableData, TableError, TextRow, TextTable, read_table, texts};
 use crate::output::run_folder;
 use crate::study::compare::{Options, Series, compare_files};
 
@@ -230,46 +230,46 @@ const HEADS: [&str; 14] = [
 ];
 
 fn lines(study: &Study, all: &[Outcome], fronts: &Fronts, rows: &[usize]) -> String {
-    let mut writer = csv::Writer::from_writer(Vec::new());
-    let knobs = study.file.knobs.iter().map(|knob| knob.name.as_str());
-    // writing to memory cannot fail, and rows are equally long
-    let _ = writer.write_record(knobs.chain(HEADS));
-    for &row in rows {
-        let found = &all[row];
-        let chosen = study.file.knobs.iter().zip(&found.choice);
-        let mut cells: Vec<String> = chosen
-            .map(|(knob, &value)| knob.values[value].name.clone())
-            .collect();
-        let number = |x: Option<f64>| x.map_or("NaN".to_owned(), |x| format!("{x:?}"));
-        let flag = |is: bool| u8::from(is).to_string();
-        let Cost {
-            wall_time,
-            peak_memory,
-            steps,
-            particle_steps,
-            pair_interactions,
-            contact_updates,
-        } = found.cost;
-        cells.extend([
-            number(found.value),
-            number(found.error),
-            flag(found.is_stable),
-            number(Some(wall_time)),
-            number(Some(found.cost.work())),
-            number(Some(steps)),
-            number(Some(particle_steps)),
-            number(Some(pair_interactions)),
-            number(Some(contact_updates)),
-            number(Some(peak_memory)),
-            flag(fronts.by_time.contains(&row)),
-            flag(fronts.by_work.contains(&row)),
-            found.key.clone(),
-            found.message.replace(['\n', '\r'], " "),
-        ]);
-        let _ = writer.write_record(&cells);
-    }
-    let bytes = writer.into_inner().unwrap_or_default();
-    String::from_utf8_lossy(&bytes).into_owned()
+    let knobs = study.file.knobs.iter().map(|knob| knob.name.clone());
+    let heads: Vec<String> = knobs.chain(HEADS.map(str::to_owned)).collect();
+    let rows: Vec<Vec<String>> = (rows.iter())
+        .map(|&row| cells(study, &all[row], fronts, row))
+        .collect();
+    texts(&heads, &rows)
+}
+
+fn cells(study: &Study, found: &Outcome, fronts: &Fronts, row: usize) -> Vec<String> {
+    let chosen = study.file.knobs.iter().zip(&found.choice);
+    let mut cells: Vec<String> = chosen
+        .map(|(knob, &value)| knob.values[value].name.clone())
+        .collect();
+    let number = |x: Option<f64>| x.map_or("NaN".to_owned(), |x| format!("{x:?}"));
+    let flag = |is: bool| u8::from(is).to_string();
+    let Cost {
+        wall_time,
+        peak_memory,
+        steps,
+        particle_steps,
+        pair_interactions,
+        contact_updates,
+    } = found.cost;
+    cells.extend([
+        number(found.value),
+        number(found.error),
+        flag(found.is_stable),
+        number(Some(wall_time)),
+        number(Some(found.cost.work())),
+        number(Some(steps)),
+        number(Some(particle_steps)),
+        number(Some(pair_interactions)),
+        number(Some(contact_updates)),
+        number(Some(peak_memory)),
+        flag(fronts.by_time.contains(&row)),
+        flag(fronts.by_work.contains(&row)),
+        found.key.clone(),
+        found.message.clone(),
+    ]);
+    cells
 }
 
 /// Reads `trade.csv`. Rows with values no longer in the study are skipped.
@@ -278,49 +278,44 @@ fn lines(study: &Study, all: &[Outcome], fronts: &Fronts, rows: &[usize]) -> Str
 ///
 /// A message if the file cannot be read or is not a table of this study.
 pub fn read(study: &StudyFile, path: &Path) -> Result<Vec<Outcome>, String> {
-    let failed = |error: csv::Error| format!("cannot read {}: {error}", path.display());
-    let mut reader = csv::Reader::from_path(path).map_err(failed)?;
-    let heads = reader.headers().map_err(failed)?.clone();
-    let place = |name: &str| {
-        let found = heads.iter().position(|head| head == name);
-        found.ok_or_else(|| format!("{} has no column `{name}`", path.display()))
-    };
-    let places: Result<Vec<usize>, String> =
-        study.knobs.iter().map(|knob| place(&knob.name)).collect();
-    let (places, columns) = (places?, HEADS.map(place));
-    let mut all = Vec::new();
-    for record in reader.records() {
-        let record = record.map_err(failed)?;
-        let values = study.knobs.iter().zip(&places).map(|(knob, &place)| {
-            let mut values = knob.values.iter();
-            values.position(|value| Some(value.name.as_str()) == record.get(place))
-        });
-        let Some(choice) = values.collect::<Option<Vec<usize>>>() else {
-            continue;
-        };
-        let text = |name: usize| match &columns[name] {
-            Ok(place) => Ok(record.get(*place).unwrap_or_default()),
-            Err(message) => Err(message.clone()),
-        };
-        let number = |name: usize| text(name).map(|text| text.parse().unwrap_or(f64::NAN));
-        all.push(Outcome {
-            choice,
-            value: Some(number(0)?).filter(|x| x.is_finite()),
-            error: Some(number(1)?).filter(|x| x.is_finite()),
-            is_stable: text(2)? == "1",
-            cost: Cost {
-                wall_time: number(3)?,
-                steps: number(5)?,
-                particle_steps: number(6)?,
-                pair_interactions: number(7)?,
-                contact_updates: number(8)?,
-                peak_memory: number(9)?,
-            },
-            key: text(12)?.to_owned(),
-            message: text(13)?.to_owned(),
-        });
+    let table = TextTable::read(path).map_err(|error| error.to_string())?;
+    for knob in &study.knobs {
+        table.place(&knob.name).map_err(|error| error.to_string())?;
     }
-    Ok(all)
+    let outcomes = table.rows().map(|row| outcome(study, &row));
+    outcomes
+        .filter_map(Result::transpose)
+        .collect::<Result<_, _>>()
+        .map_err(|error| error.to_string())
+}
+
+/// Outcome in a row; `None` where a value is no longer in the study.
+fn outcome(study: &StudyFile, row: &TextRow<'_>) -> Result<Option<Outcome>, TableError> {
+    let mut choice = Vec::new();
+    for knob in &study.knobs {
+        let text = row.text(&knob.name)?;
+        let Some(place) = knob.values.iter().position(|value| value.name == text) else {
+            return Ok(None);
+        };
+        choice.push(place);
+    }
+    let number = |head: &str| row.number(head);
+    Ok(Some(Outcome {
+        choice,
+        value: Some(number("value")?).filter(|x| x.is_finite()),
+        error: Some(number("error [-]")?).filter(|x| x.is_finite()),
+        is_stable: row.text("stable")? == "1",
+        cost: Cost {
+            wall_time: number("wall_time [s]")?,
+            steps: number("steps")?,
+            particle_steps: number("particle_steps")?,
+            pair_interactions: number("pair_interactions")?,
+            contact_updates: number("contact_updates")?,
+            peak_memory: number("peak_memory [B]")?,
+        },
+        key: row.text("run")?.to_owned(),
+        message: row.text("message")?.to_owned(),
+    }))
 }
 
 /// Writes a file under a temporary name and renames it.

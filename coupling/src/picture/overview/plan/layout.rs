@@ -1,7 +1,7 @@
 //! Layout of the plans in the page, and labels at their edges.
 
-use crate::picture::overview::axis::{self, Axis, Labels, nice_up, open_range};
-use crate::picture::overview::page::{Anchor, Frame, INK, LEFT, Page, RIGHT, WIDTH, shortened};
+use crate::picture::chart::axis::{self, Axis, Labels, Scale, nice_up, open_range};
+use crate::picture::chart::page::{Anchor, Frame, INK, LEFT, Page, RIGHT, WIDTH, shortened};
 
 /// Plans with a larger ratio of width to height are shown below each other, others side by side.
 const WIDE: f64 = 2.2;
@@ -35,6 +35,7 @@ impl Chart {
         let axis = |k: usize, from, to| Axis {
             min: min[k],
             max: max[k],
+            scale: Scale::Linear,
             from,
             to,
         };

@@ -7,7 +7,7 @@ use super::contour;
 use super::layout::Chart;
 use super::panels::Panel;
 use super::{Footprint, Plan};
-use crate::picture::overview::axis::nice_up;
+use crate::picture::chart::axis::nice_up;
 use crate::scene::terrain::grid::Grid;
 
 /// Budgets of contour lines and of outlines of blocks; bytes of text.
@@ -100,7 +100,7 @@ pub(super) fn outlines(chart: Chart, panels: &[Panel<'_>]) -> Vec<[String; 2]> {
 }
 
 /// Path of a contour (m) within a tolerance (px); lines of a few pixels are omitted.
-fn path_of_level(chart: Chart, ground: &Grid, level: f64, tolerance: f64) -> String {
+pub(super) fn path_of_level(chart: Chart, ground: &Grid, level: f64, tolerance: f64) -> String {
     let mut path = String::new();
     for line in contour::lines(ground, level) {
         let line: Vec<[f64; 2]> = line.into_iter().map(|place| chart.pixel(place)).collect();
@@ -166,7 +166,7 @@ fn tenths(pixel: f64, multiple: i32) -> i32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::picture::overview::page::Frame;
+    use crate::picture::chart::page::Frame;
 
     /// 0.5 px/m.
     const CHART: Chart = Chart {

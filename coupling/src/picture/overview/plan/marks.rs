@@ -2,7 +2,7 @@
 
 use super::layout::Chart;
 use super::{Mark, SECTION};
-use crate::picture::overview::page::{Anchor, Frame, INK, Page, shortened};
+use crate::picture::chart::page::{Anchor, Frame, INK, Page, shortened};
 
 /// Height of the letters of names, and the mean width of one; px.
 const LETTERS: f64 = 10.5;

@@ -3,8 +3,8 @@
 use std::f64::consts::FRAC_1_SQRT_2;
 
 use super::sheet;
-use crate::picture::overview::axis::nice_up;
-use crate::picture::overview::color;
+use crate::picture::chart::axis::nice_up;
+use crate::picture::color;
 use crate::picture::overview::raster::CLEAR;
 use crate::scene::terrain::grid::Grid;
 

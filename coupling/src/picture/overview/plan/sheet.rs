@@ -1,7 +1,7 @@
 //! Quantities in plan view as raster images.
 
+use crate::picture::color;
 use crate::picture::overview::bar::{Bar, round_range, round_top};
-use crate::picture::overview::color;
 use crate::picture::overview::raster::{CLEAR, Window};
 use crate::scene::terrain::grid::Grid;
 
@@ -9,7 +9,7 @@ use crate::scene::terrain::grid::Grid;
 const OPACITY: f64 = 0.8;
 /// Number of colors on each side of water at rest, and of a one-sided scale.
 const N_SIDE: usize = 40;
-const N_SHADES: usize = 64;
+pub(super) const N_SHADES: usize = 64;
 
 /// Colors of a quantity.
 #[derive(Clone, Debug)]
@@ -38,6 +38,22 @@ impl Scale {
     pub fn of_arrivals(times: &[f64]) -> Self {
         let range = round_range(times.to_vec());
         Self::of(color::arrival(N_SHADES), range, times)
+    }
+
+    /// For depths of water on land; m.
+    pub fn of_depths(depths: &[f64]) -> Self {
+        let range = (0.0, round_top(depths.to_vec()));
+        Self::of(color::highest(N_SHADES), range, depths)
+    }
+
+    /// The scale in other colors, from low to high.
+    pub fn with(self, shades: Vec<[u8; 3]>) -> Self {
+        Self { shades, ..self }
+    }
+
+    /// Ends of its range, and whether there are values below and above it.
+    pub fn ends(&self) -> ((f64, f64), (bool, bool)) {
+        (self.range, self.is_exceeded)
     }
 
     fn of(shades: Vec<[u8; 3]>, range: (f64, f64), values: &[f64]) -> Self {

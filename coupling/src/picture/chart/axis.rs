@@ -2,9 +2,20 @@
 
 use super::page::{Anchor, Frame, INK, Page};
 
-/// A linear scale from values to pixels.
+/// Scale of an axis.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Scale {
+    /// Equal distances for equal differences.
+    Linear,
+    /// Equal distances for equal ratios; values are > 0.
+    Logarithmic,
+}
+
+/// A scale from values to pixels.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Axis {
+pub(crate) struct Axis {
+    /// Scale.
+    pub scale: Scale,
     /// Value at the start.
     pub min: f64,
     /// Value at the end.
@@ -17,19 +28,49 @@ pub(super) struct Axis {
 
 /// A mark on an axis.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Tick {
+pub(crate) struct Tick {
     pub value: f64,
     pub label: String,
 }
 
 impl Axis {
-    /// Pixel of `value`.
-    pub fn at(self, value: f64) -> f64 {
-        self.from + (value - self.min) / (self.max - self.min) * (self.to - self.from)
+    /// A logarithmic axis over the values that are > 0 with a margin on both sides, a twelfth of the range and at least a tenth of a
+    /// decade; `None` without such values.
+    pub fn over_decades(values: impl Iterator<Item = f64>, [from, to]: [f64; 2]) -> Option<Self> {
+        let logs = values.filter(|x| x.is_finite() && 0.0 < *x).map(f64::log10);
+        let (low, high) = logs.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| {
+            (low.min(x), high.max(x))
+        });
+        let margin = ((high - low) / 12.0).max(0.1);
+        low.is_finite().then(|| Self {
+            scale: Scale::Logarithmic,
+            min: 10f64.powf(low - margin),
+            max: 10f64.powf(high + margin),
+            from,
+            to,
+        })
     }
 
-    /// Round values with a mark every `distance` pixels or a little more; labels count in `unit`s.
+    /// Pixel of `value`.
+    pub fn at(self, value: f64) -> f64 {
+        let share = match self.scale {
+            Scale::Linear => (value - self.min) / (self.max - self.min),
+            Scale::Logarithmic => (value / self.min).log10() / (self.max / self.min).log10(),
+        };
+        self.from + share * (self.to - self.from)
+    }
+
+    /// Whether a value has a place on the axis or beyond its ends.
+    pub fn has_place_for(self, value: f64) -> bool {
+        value.is_finite() && (self.scale == Scale::Linear || 0.0 < value)
+    }
+
+    /// Round values with a mark every `distance` pixels or a little more; labels count in `unit`s. On a logarithmic axis the number of
+    /// decades decides.
     pub fn ticks(self, distance: f64, unit: f64) -> Vec<Tick> {
+        if self.scale == Scale::Logarithmic {
+            return self.decades(unit);
+        }
         let (min, max) = (self.min / unit, self.max / unit);
         let wanted = (max - min) * distance / (self.to - self.from).abs();
         let step = nice_up(wanted);
@@ -50,8 +91,36 @@ impl Axis {
     }
 }
 
+impl Axis {
+    /// Round numbers: several per decade for a short range, powers of ten alone for a long one.
+    fn decades(self, unit: f64) -> Vec<Tick> {
+        let (low, high) = ((self.min / unit).log10(), (self.max / unit).log10());
+        let factors: &[f64] = match high - low {
+            decades if decades < 1.0 => &[1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0],
+            decades if decades < 3.0 => &[1.0, 2.0, 5.0],
+            _ => &[1.0],
+        };
+        let powers = low.floor() as i32..=high.ceil() as i32;
+        let all = powers.flat_map(|power| factors.iter().map(move |f| f * 10f64.powi(power)));
+        all.filter(|value| (low..=high).contains(&value.log10()))
+            .map(|value| Tick {
+                value: value * unit,
+                label: short(value),
+            })
+            .collect()
+    }
+}
+
+/// A number with few digits.
+fn short(value: f64) -> String {
+    match (1e-3..1e5).contains(&value) {
+        true => format!("{value}"),
+        false => format!("{value:e}").replace('-', "−"),
+    }
+}
+
 /// Smallest of 1, 2, 2.5, 5 times a power of ten that is not below `value`.
-pub(super) fn nice_up(value: f64) -> f64 {
+pub(crate) fn nice_up(value: f64) -> f64 {
     let power = 10f64.powf(value.log10().floor());
     let nice = [1.0, 2.0, 2.5, 5.0, 10.0]
         .into_iter()
@@ -61,7 +130,7 @@ pub(super) fn nice_up(value: f64) -> f64 {
 
 /// Interval shown for values between `min` and `max`: finite, and at least the fraction `least` of their size, so that
 /// the digits of the labels fit.
-pub(super) fn open_range(min: f64, max: f64, least: f64) -> (f64, f64) {
+pub(crate) fn open_range(min: f64, max: f64, least: f64) -> (f64, f64) {
     if !((max - min).is_finite() && min <= max) {
         return (0.0, 1.0);
     }
@@ -75,7 +144,7 @@ pub(super) fn open_range(min: f64, max: f64, least: f64) -> (f64, f64) {
 }
 
 /// Power of a thousand that scales the labels of numbers up to `largest`, and its name before the unit.
-pub(super) fn thousands(largest: f64) -> (f64, String) {
+pub(crate) fn thousands(largest: f64) -> (f64, String) {
     if (1e-2..1e4).contains(&largest) || !(1e-290..=f64::MAX).contains(&largest) {
         return (1.0, String::new());
     }
@@ -99,7 +168,7 @@ pub(super) fn thousands(largest: f64) -> (f64, String) {
 }
 
 /// Draws the marks and numbers below `frame`, and a grid inside it if wanted.
-pub(super) fn draw_horizontal(
+pub(crate) fn draw_horizontal(
     page: &mut Page,
     frame: Frame,
     ticks: &[Tick],
@@ -120,7 +189,7 @@ pub(super) fn draw_horizontal(
 }
 
 /// Draws the marks and numbers left of `frame`.
-pub(super) fn draw_vertical(
+pub(crate) fn draw_vertical(
     page: &mut Page,
     frame: Frame,
     ticks: &[Tick],
@@ -142,12 +211,13 @@ pub(super) fn draw_vertical(
 
 /// Whether the marks of an axis carry numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Labels {
+pub(crate) enum Labels {
     Shown,
     Hidden,
 }
 
 #[cfg(test)]
+#[expect(clippy::unwrap_used, reason = "a test may fail")]
 mod tests {
     use super::*;
 
@@ -155,6 +225,7 @@ mod tests {
         let axis = Axis {
             min,
             max,
+            scale: Scale::Linear,
             from: 0.0,
             to: pixels,
         };
@@ -187,6 +258,30 @@ mod tests {
             "no room, no tick: {:?}",
             labels(3.1, 3.4, 40.0)
         );
+    }
+
+    #[test]
+    fn decades_have_round_marks() {
+        let axis = |values: [f64; 2]| Axis::over_decades(values.into_iter(), [0.0, 300.0]);
+        let told = |axis: Option<Axis>| -> Vec<String> {
+            let ticks = axis.map(|axis| axis.ticks(60.0, 1.0)).unwrap_or_default();
+            ticks.into_iter().map(|tick| tick.label).collect()
+        };
+        assert_eq!(
+            told(axis([0.01, 0.5])),
+            ["0.01", "0.02", "0.05", "0.1", "0.2", "0.5"]
+        );
+        assert_eq!(
+            told(axis([1e-6, 1.0])).first().map(String::as_str),
+            Some("1e−6")
+        );
+        assert!(axis([0.0, f64::NAN]).is_none());
+        // equal ratios have equal distances
+        let axis = axis([1.0, 100.0]).unwrap();
+        let [a, b, c] = [1.0, 10.0, 100.0].map(|value| axis.at(value));
+        // round-off
+        assert!((b - a - (c - b)).abs() < 1e-9 && 0.0 < a && c < 300.0);
+        assert!(!axis.has_place_for(0.0));
     }
 
     #[test]

@@ -1,7 +1,73 @@
-//! Color maps: speed, from deep blue at rest to amber, and the quantities of plan views.
+//! Color maps: those with usual names, speed from deep blue at rest to amber, and the quantities of plan views.
 //!
-//! The maps are perceptually uniform: they have a constant rate in OKLab, a color space with perceptual distances (Ottosson
+//! The project's own maps are perceptually uniform: they have a constant rate in OKLab, a color space with perceptual distances (Ottosson
 //! 2020), and monotonic lightness, which suits gray printing and the common forms of color blindness.
+
+mod tables;
+
+use std::str::FromStr;
+
+/// A map from small to large values by its usual name.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum ColorMap {
+    /// The project's own for each quantity: speed from deep blue to amber.
+    #[default]
+    Riprap,
+    /// Dark violet over teal to yellow; evenly spaced in lightness.
+    Viridis,
+    /// Dark blue over gray to yellow; alike for all readers, with and without color blindness.
+    Cividis,
+    /// The colors of the rainbow with smooth lightness; details stand out, but not in gray.
+    Turbo,
+}
+
+impl ColorMap {
+    /// All of them, with their names.
+    pub const ALL: [(Self, &'static str); 4] = [
+        (Self::Riprap, "riprap"),
+        (Self::Viridis, "viridis"),
+        (Self::Cividis, "cividis"),
+        (Self::Turbo, "turbo"),
+    ];
+
+    /// `n` colors, slow to fast.
+    pub fn speeds(self, n: usize) -> Vec<[u8; 3]> {
+        self.published(n).unwrap_or_else(|| map(n))
+    }
+
+    /// `n` colors of the published map, between its entries linear in sRGB; `None` for the project's own.
+    pub(in crate::picture) fn published(self, n: usize) -> Option<Vec<[u8; 3]>> {
+        let table = match self {
+            Self::Riprap => return None,
+            Self::Viridis => tables::VIRIDIS,
+            Self::Cividis => tables::CIVIDIS,
+            Self::Turbo => tables::TURBO,
+        };
+        let entries = tables::entries(table);
+        let last = entries.len().saturating_sub(1);
+        let at = |i: usize| {
+            let place = last as f64 * i as f64 / (n.max(2) - 1) as f64;
+            let below = (place as usize).min(last.saturating_sub(1));
+            over(entries[below + 1], place - below as f64, entries[below])
+        };
+        Some((0..n).map(at).collect())
+    }
+}
+
+impl FromStr for ColorMap {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let found = Self::ALL.into_iter().find(|(_, name)| *name == text);
+        found.map(|(map, _)| map).ok_or_else(|| {
+            let names = Self::ALL.map(|(_, name)| name);
+            format!(
+                "`{text}` is not a color map; known are {}",
+                names.join(", ")
+            )
+        })
+    }
+}
 
 /// Vertices of the path through the color space, as sRGB.
 const STOPS: [[u8; 3]; 4] = [
@@ -11,7 +77,7 @@ const STOPS: [[u8; 3]; 4] = [
     [0xf7, 0xc5, 0x3b],
 ];
 /// Bed of the water, without elevation tint: the water above has its own colors.
-pub(super) const BED: [u8; 3] = [0xc4, 0xcd, 0xd2];
+pub(in crate::picture) const BED: [u8; 3] = [0xc4, 0xcd, 0xd2];
 /// Water at its rest level: almost white.
 const AT_REST: [u8; 3] = [0xee, 0xf2, 0xf3];
 /// From water at rest down to the deepest trough.
@@ -53,7 +119,7 @@ const LAND: [[u8; 3]; 5] = [
 ];
 
 /// Particles with a NaN speed, highlighted.
-pub(super) const NOT_A_NUMBER: [u8; 3] = [0xff, 0x00, 0xff];
+pub(in crate::picture) const NOT_A_NUMBER: [u8; 3] = [0xff, 0x00, 0xff];
 
 /// `n` colors, slow to fast.
 pub(in crate::picture) fn map(n: usize) -> Vec<[u8; 3]> {
@@ -69,22 +135,22 @@ pub(in crate::picture) fn elevation(n: usize) -> Vec<[u8; 3]> {
 }
 
 /// `n` colors, low to high.
-pub(super) fn highest(n: usize) -> Vec<[u8; 3]> {
+pub(in crate::picture) fn highest(n: usize) -> Vec<[u8; 3]> {
     along(&HIGHEST, n)
 }
 
 /// `n` colors, early to late.
-pub(super) fn arrival(n: usize) -> Vec<[u8; 3]> {
+pub(in crate::picture) fn arrival(n: usize) -> Vec<[u8; 3]> {
     along(&ARRIVAL, n)
 }
 
 /// `n` colors, from the shore up.
-pub(super) fn land(n: usize) -> Vec<[u8; 3]> {
+pub(in crate::picture) fn land(n: usize) -> Vec<[u8; 3]> {
     along(&LAND, n)
 }
 
 /// A color (opacity 0 to 1) composited over another.
-pub(super) fn over(top: [u8; 3], opacity: f64, below: [u8; 3]) -> [u8; 3] {
+pub(in crate::picture) fn over(top: [u8; 3], opacity: f64, below: [u8; 3]) -> [u8; 3] {
     std::array::from_fn(|k| {
         let (top, below) = (f64::from(top[k]), f64::from(below[k]));
         (below + opacity * (top - below)).round().clamp(0.0, 255.0) as u8
@@ -115,7 +181,7 @@ fn along(stops: &[[u8; 3]], n: usize) -> Vec<[u8; 3]> {
 }
 
 /// `#rrggbb`.
-pub(super) fn hex([r, g, b]: [u8; 3]) -> String {
+pub(in crate::picture) fn hex([r, g, b]: [u8; 3]) -> String {
     format!("#{r:02x}{g:02x}{b:02x}")
 }
 
@@ -169,6 +235,36 @@ fn srgb([lightness, a, b]: [f64; 3]) -> [u8; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn published_maps_have_their_published_colors() {
+        // first, middle and last entries of matplotlib 3
+        for (map, first, last) in [
+            (ColorMap::Viridis, "#440154", "#fde725"),
+            (ColorMap::Cividis, "#00224e", "#fee838"),
+            (ColorMap::Turbo, "#30123b", "#7a0403"),
+        ] {
+            let colors = map.published(256).unwrap_or_default();
+            assert_eq!(colors.len(), 256);
+            assert_eq!(
+                (hex(colors[0]), hex(colors[255])),
+                (first.to_owned(), last.to_owned())
+            );
+            let few = map.speeds(9);
+            assert_eq!((few[0], few[8]), (colors[0], colors[255]));
+        }
+        for name in ["viridis", "cividis"] {
+            let map: ColorMap = name.parse().unwrap_or_default();
+            let lightness: Vec<f64> = map.speeds(33).into_iter().map(|c| oklab(c)[0]).collect();
+            assert!(lightness.windows(2).all(|pair| pair[0] < pair[1]), "{name}");
+        }
+        assert_eq!(ColorMap::Riprap.speeds(5), map(5));
+        let message = "jet".parse::<ColorMap>().err().unwrap_or_default();
+        assert_eq!(
+            message,
+            "`jet` is not a color map; known are riprap, viridis, cividis, turbo"
+        );
+    }
 
     #[test]
     fn steps_look_equal_and_lightness_rises() {
