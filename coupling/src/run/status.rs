@@ -113,7 +113,7 @@ impl Run<'_> {
             time_s: time,
             settle_s: self.settling(),
             duration_s: self.scene.duration,
-            share: self.position() / (self.settling() + self.scene.duration),
+            share: (self.position() / (self.settling() + self.scene.duration)).min(1.0),
             dt_s: last.map(|last| last.dt),
             dt_limited_by: last.map(|last| last.cause),
             steps_per_s: last.map(|last| last.steps_per_second),

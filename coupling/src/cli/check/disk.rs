@@ -111,7 +111,8 @@ fn corners(scene: &Scene) -> f64 {
 
 impl fmt::Display for Disk {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "about {:.0} MB", self.total_bytes / 1e6)?;
+        let digits = if self.total_bytes < 1e7 { 1 } else { 0 };
+        write!(f, "about {:.digits$} MB", self.total_bytes / 1e6)?;
         let kinds = [
             ("water", self.water),
             ("blocks", self.blocks),
