@@ -28,7 +28,7 @@ use std::time::{Duration, Instant};
 
 use crate::files::table::Start;
 use crate::output::checkpoint_file::{self as checkpoint, Checkpoint, Written};
-use crate::output::observe::{ObserveError, Observer};
+use crate::output::observe::ObserveError;
 use crate::output::run_folder;
 use crate::output::summary::Summary;
 use crate::saved::Saved;

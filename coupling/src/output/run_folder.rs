@@ -90,7 +90,7 @@ pub const FACE_FRAMES: &str = "faces";
 pub const FRAMES: [&str; 4] = [WATER_FRAMES, BLOCK_FRAMES, CONTACT_FRAMES, FACE_FRAMES];
 
 /// All files with a name of their own.
-const FILES: [&str; 24] = [
+const FILES: [&str; 25] = [
     CASE,
     SUMMARY,
     PROGRESS,

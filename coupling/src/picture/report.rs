@@ -150,7 +150,6 @@ pub fn report_in(
     let summary = run_folder::read_summary(folder)?.unwrap_or(Value::Null);
     let overview = fs::read_to_string(folder.join(run_folder::OVERVIEW)).unwrap_or_default();
     let scene = fs::read_to_string(folder.join(run_folder::CASE)).unwrap_or_default();
-    let names = &run.scene.block_names;
     let end = run.end();
     let maps = maps::maps(folder, run.scene.map.0.2, (limit, color_map));
     let water = water::water(&run)?;

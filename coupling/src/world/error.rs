@@ -184,6 +184,7 @@ impl Coded for StepError {
         match self {
             Self::Fluid { source, .. } => source.code(),
             Self::Blocks { source, .. } => source.code(),
+            Self::Named { error, .. } => error.code(),
             Self::Overlap { .. } => Code::PenetrationTooDeep,
             Self::Left { .. } | Self::Drained { .. } => Code::LeftDomain,
             Self::AtPlane { .. } => Code::BlockAtSymmetryPlane,

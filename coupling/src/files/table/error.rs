@@ -136,7 +136,7 @@ impl Coded for TableError {
             Self::Io { cause, .. } => of_writing(cause),
             Self::Count { .. } | Self::Line { .. } => Code::UnusableRunFolder,
             Self::Name { .. } => Code::UnusableName,
-            Self::Short { .. } => Code::CheckpointMismatch,
+            Self::Foreign { .. } | Self::Short { .. } => Code::CheckpointMismatch,
             Self::NoColumn { .. } => Code::NothingToCompare,
         }
     }

@@ -50,7 +50,7 @@ pub struct BlockFile {
 }
 
 /// Faces of a block on the joints of one set.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct JointFacesFile {
     /// Name of the joint set.

@@ -67,14 +67,16 @@ impl Default for OutputFile {
 }
 
 /// Frames of the water.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct WaterFramesFile {
     /// Interval; s. `frame_interval` when left out.
     #[serde(default)]
+    #[schemars(extend("x-unit" = "s", "exclusiveMinimum" = 0))]
     pub interval: Option<f64>,
     /// Every nth particle: those with a number (`Id`) that is a multiple of n; –. All particles when left out.
     #[serde(default)]
+    #[schemars(extend("minimum" = 1))]
     pub stride: Option<u32>,
     /// Box outside of which no particle is written; m. All particles when left out.
     #[serde(default)]
@@ -82,11 +84,12 @@ pub struct WaterFramesFile {
 }
 
 /// Frames of blocks, contacts or pressures on faces.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct FramesFile {
     /// Interval; s. `frame_interval` when left out.
     #[serde(default)]
+    #[schemars(extend("x-unit" = "s", "exclusiveMinimum" = 0))]
     pub interval: Option<f64>,
     /// Box outside of which nothing is written; m. It has to hold the centroid of a block, the point of a contact or the middle of a
     /// tile of a face. All of them when left out.
@@ -95,12 +98,14 @@ pub struct FramesFile {
 }
 
 /// A box along the axes.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct BoxFile {
     /// Lower corner; m.
+    #[schemars(extend("x-unit" = "m"))]
     pub min: Triple,
     /// Upper corner; m.
+    #[schemars(extend("x-unit" = "m"))]
     pub max: Triple,
 }
 

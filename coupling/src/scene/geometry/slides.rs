@@ -61,7 +61,7 @@ fn cut(slide: &SlideFile, rock: &Rock) -> Result<Cut, Refusal> {
     let sets: Vec<JointSet> = slide.joint_sets.iter().map(joint_set).collect();
     let limit = slide.maximum_blocks as usize;
     let cut = cut_union_by_joints(rock.bodies.clone(), &sets, slide.seed, limit)
-        .map_err(|error| (blamed(&error), error.to_string()))?;
+        .map_err(|error| refusal(&error))?;
     let cleaning = Cleaning {
         name: &slide.name,
         merge_slivers: slide.merge_slivers.as_ref(),

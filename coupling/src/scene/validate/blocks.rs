@@ -90,6 +90,7 @@ impl Checks {
         for (k, of) in at.block.joint_faces.iter().enumerate() {
             if let Some(face) = of.faces.iter().find(|face| n_faces <= **face as usize) {
                 self.refuse(
+                    Code::UnknownName,
                     at.path(&format!("joint_faces[{k}].faces")),
                     at.of(&match n_faces {
                         0 => {

@@ -131,10 +131,10 @@ impl Checks {
     /// Check of a name that others may share, for a table separated by commas.
     pub fn label(&mut self, path: impl Into<String>, name: &str) {
         if name.trim().is_empty() {
-            self.refuse(path, "the name is empty".to_owned());
+            self.refuse(Code::UnusableName, path, "the name is empty".to_owned());
         } else if name.contains([',', '"', '\n', '\r']) {
             let what = format!("the name `{name}` has a comma, quote or line break");
-            self.refuse(path, what);
+            self.refuse(Code::UnusableName, path, what);
         }
     }
 

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use super::{CompareError, Series};
-use crate::files::separator::Separator;
+use crate::files::rows::{Comments, RowFault, Rows};
 use crate::files::units::{Quantity, split};
 
 /// Columns of a reference, each by its name, with or without unit, or by its number from 1.
@@ -46,51 +46,55 @@ impl Reference {
             cause,
         })?;
         let text = String::from_utf8_lossy(&text);
-        let text = text.strip_prefix('\u{feff}').unwrap_or(&text);
-        let plain = |line: &str| line.split('#').next().unwrap_or_default().trim().to_owned();
-        let lines = (1..).zip(text.lines().map(plain));
-        let lines: Vec<(usize, String)> = lines.filter(|(_, line)| !line.is_empty()).collect();
         let fault = |line: usize, what: String| CompareError::Reference {
             path: path.to_owned(),
             line,
             what,
         };
-        let is_data = |line: &str| {
-            let separator = Separator::of(line);
-            let mut cells = separator.cells(line);
-            cells.any(|cell| separator.number(cell).is_some_and(f64::is_finite))
-        };
-        let Some(first) = lines.iter().position(|(_, line)| is_data(line)) else {
-            return Err(fault(1, "no line with numbers".to_owned()));
-        };
-        let separator = Separator::of(&lines[first].1);
-        let cells =
-            |line: &str| -> Vec<String> { separator.cells(line).map(str::to_owned).collect() };
-        let n = separator.cells(&lines[first].1).count();
-        // spaces may be in a heading of columns, too: then it has another number of cells
-        let above = |k: usize| lines[..first].get(k).map(|(_, line)| cells(line));
-        let headings = above(0).filter(|cells| cells.len() == n);
-        let units = above(1).filter(|cells| cells.len() == n);
-        let mut this = Self {
-            path: path.to_owned(),
-            headings: headings.unwrap_or_else(|| vec![String::new(); n]),
-            units: units.unwrap_or_else(|| vec![String::new(); n]),
-            values: vec![Vec::new(); n],
-        };
-        for (number, line) in &lines[first..] {
-            let found = separator.cells(line).count();
-            if found != n {
-                return Err(fault(*number, format!("{found} values, expected {n}")));
+        let mut rows = Rows::of(&text, Comments::BehindCells);
+        let mut above: Vec<Vec<String>> = Vec::new();
+        let mut this: Option<Self> = None;
+        loop {
+            let row = match rows.next() {
+                Ok(Some(row)) => row,
+                Ok(None) => break,
+                Err(RowFault { line, what }) => return Err(fault(line, what)),
+            };
+            let is_data = row.numbers().flatten().any(f64::is_finite);
+            if this.is_none() && !is_data {
+                above.push(row.heading());
+                continue;
             }
-            for (cell, values) in separator.cells(line).zip(&mut this.values) {
+            let found = row.cells().count();
+            let this = this.get_or_insert_with(|| Self::headed(path, &above, found));
+            let expected = this.values.len();
+            if found != expected {
+                return Err(fault(
+                    row.line,
+                    format!("{found} values, expected {expected}"),
+                ));
+            }
+            for ((cell, number), values) in row.cells().zip(row.numbers()).zip(&mut this.values) {
                 let is_gap = GAPS.contains(&cell.to_lowercase().as_str());
-                let value = separator.number(cell).or(is_gap.then_some(f64::NAN));
+                let value = number.or(is_gap.then_some(f64::NAN));
                 values.push(
-                    value.ok_or_else(|| fault(*number, format!("`{cell}` is not a number")))?,
+                    value.ok_or_else(|| fault(row.line, format!("`{cell}` is not a number")))?,
                 );
             }
         }
-        Ok(this)
+        this.ok_or_else(|| fault(1, "no line with numbers".to_owned()))
+    }
+
+    /// A reference without rows, by the lines above them: a heading, and units below it. In a heading separated by blanks names
+    /// may have some, too: then it has another number of cells, and tells nothing.
+    fn headed(path: &Path, above: &[Vec<String>], n: usize) -> Self {
+        let line = |k: usize| above.get(k).filter(|cells| cells.len() == n).cloned();
+        Self {
+            path: path.to_owned(),
+            headings: line(0).unwrap_or_else(|| vec![String::new(); n]),
+            units: line(1).unwrap_or_else(|| vec![String::new(); n]),
+            values: vec![Vec::new(); n],
+        }
     }
 
     /// The series of a run's column, which has a unit, in that unit and in seconds.

@@ -352,8 +352,14 @@ impl Coded for CompareError {
     fn code(&self) -> Code {
         match self {
             Self::Table(error) => error.code(),
+            Self::Read { .. } => Code::FileNotReadable,
+            Self::Reference { .. } => Code::UnusableFile,
             Self::Time { .. } => Code::ValuesOutOfOrder,
-            Self::Unit { .. } | Self::NothingShared { .. } => Code::NothingToCompare,
+            Self::Unit { .. }
+            | Self::NoReferenceColumn { .. }
+            | Self::ReferenceUnit { .. }
+            | Self::WhichColumn { .. }
+            | Self::NothingShared { .. } => Code::NothingToCompare,
         }
     }
 }
