@@ -44,9 +44,9 @@ def test_looking_changes_nothing(scene: riprap.Scene) -> None:
     watched.run(until=0.1, every=0.02, call=look)
     assert watched.state_hash == plain.state_hash
     assert times[0] == 0.0 and len(times) == 6
-    # at the first step at or after the due time
+    # at the first step at or after the due time; steps are 7 ms
     for k, time in enumerate(times):
-        assert 0.02 * k - 1e-9 <= time < 0.02 * k + 0.005
+        assert 0.02 * k - 1e-9 <= time < 0.02 * k + 0.01
 
 
 def test_columns_are_copies_in_shapes_of_their_own(scene: riprap.Scene) -> None:
