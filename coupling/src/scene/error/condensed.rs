@@ -140,7 +140,7 @@ mod tests {
 
     #[test]
     fn kinds_differ_by_their_words_and_severity() {
-        let words = |what: &str, n: usize| {
+        let words = |what: &'static str, n: usize| {
             (0..n).map(move |_| Problem::error(Code::ValueOutOfRange, "a", what))
         };
         let (five, six) = (5, 6);
