@@ -12,6 +12,9 @@ const STYLE: &str = include_str!("viewer.css");
 /// Columns of a table that may stand beside another one.
 const MOST_COLUMNS_BESIDE: usize = 6;
 
+/// Rows of a table that are shown without scrolling.
+const MOST_ROWS: usize = 16;
+
 /// What a page shows.
 pub(super) struct Contents<'a> {
     pub title: &'a str,
@@ -147,8 +150,13 @@ fn table(table: &Table) -> String {
     } else {
         ""
     };
+    let long = if MOST_ROWS < table.rows.len() {
+        " long"
+    } else {
+        ""
+    };
     format!(
-        "<section{class}><h2>{}</h2>\n<div class=\"wide\" tabindex=\"0\"><table>\n{head}{rows}</table></div>{note}</section>\n",
+        "<section{class}><h2>{}</h2>\n<div class=\"wide{long}\" tabindex=\"0\"><table>\n{head}{rows}</table></div>{note}</section>\n",
         table.title
     )
 }

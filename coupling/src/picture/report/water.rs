@@ -79,7 +79,7 @@ impl Particles {
 }
 
 impl Water {
-    /// Level at rest, the middle of the first heights, and the largest departure from it that one height in two hundred exceeds; m.
+    /// Level at rest, the middle of the first heights, and the largest change that one height in two hundred exceeds; m.
     pub fn swing(&self, height: Range) -> (f64, f64) {
         let value = |code: u16| f64::from(height.lo) + f64::from(code) * height.quantum();
         let of = |codes: &[u16]| -> Vec<f64> {
@@ -90,8 +90,14 @@ impl Water {
         let mut first = first.unwrap_or_default();
         first.sort_by(f64::total_cmp);
         let rest = first.get(first.len() / 2).copied().unwrap_or(0.0);
+        // over what was there first: at a steep shore a cell may hold deep water alone
         let swing = self.frames.codes.iter().map(|codes| {
-            let mut rises: Vec<f64> = of(codes).iter().map(|z| (z - rest).abs()).collect();
+            let wet = |code: &u16| *code < height.absent();
+            let both = self.frames.codes.first().into_iter().flatten().zip(codes);
+            let both = both.filter(|(first, now)| wet(first) && wet(now));
+            let mut rises: Vec<f64> = both
+                .map(|(&first, &now)| (value(now) - value(first)).abs())
+                .collect();
             rises.sort_by(f64::total_cmp);
             let place = rises.len().saturating_sub(1 + rises.len() / 200);
             rises.get(place).copied().unwrap_or(0.0)

@@ -20,6 +20,8 @@ const RESOLUTIONS: [f64; 4] = [1.5, 1.0, 0.7, 0.5];
 const TOLERANCE: f64 = 0.3;
 /// Distance of the numbers of a color bar of unit length.
 const BETWEEN_NUMBERS: f64 = 0.22;
+/// Room for the number at an end of it.
+const BESIDE_AN_END: f64 = 0.13;
 
 /// Quantity of a map, which chooses its colors.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -171,17 +173,19 @@ fn numbers(scale: &Scale) -> Vec<(f64, String)> {
         from: 0.0,
         to: 1.0,
     };
+    // the ends always have their numbers, and room for them
+    let is_inside = |place: f64| BESIDE_AN_END < place && place < 1.0 - BESIDE_AN_END;
+    let end = |place: f64, value: f64, sign: &str| {
+        // a whole number of tenths, but for round-off
+        let number = (value * 1e9).round() / 1e9;
+        (place, format!("{sign}{number}").replace('-', "−"))
+    };
     let ticks = axis.ticks(BETWEEN_NUMBERS, 1.0).into_iter();
-    let told = ticks.map(|Tick { value, label }| {
-        let place = axis.at(value);
-        let sign = match (place < 1e-6, 1.0 - 1e-6 < place) {
-            (true, _) if is_exceeded.0 => "≤ ",
-            (_, true) if is_exceeded.1 => "≥ ",
-            _ => "",
-        };
-        (place, format!("{sign}{label}"))
-    });
-    told.collect()
+    let ticks = ticks.map(|Tick { value, label }| (axis.at(value), label));
+    let mut told = vec![end(0.0, min, if is_exceeded.0 { "≤ " } else { "" })];
+    told.extend(ticks.filter(|(place, _)| is_inside(*place)));
+    told.push(end(1.0, max, if is_exceeded.1 { "≥ " } else { "" }));
+    told
 }
 
 #[cfg(test)]
