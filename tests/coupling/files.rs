@@ -29,6 +29,7 @@ fn cloud(n: usize) -> PolyData {
             array("Id", 1, Values::I32((0..n as i32).collect())),
         ],
         cell_data: Vec::new(),
+        names: Vec::new(),
         time: 0.1 + 0.2,
     }
 }
