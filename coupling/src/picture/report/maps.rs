@@ -5,7 +5,6 @@ use std::path::Path;
 
 use crate::files::vtk::{self, PolyData, Values};
 use crate::output::run_folder;
-use crate::picture::chart::axis::nice_up;
 use crate::picture::color::{self, ColorMap};
 use crate::picture::overview::plan::picture::{MapPicture, MapPictures, Mapped, Mapping};
 use crate::scene::terrain::grid::Grid;
@@ -216,8 +215,12 @@ fn figure(pictures: &MapPictures, kind: &Kind, picture: &MapPicture) -> String {
 /// Length of the scale bar over the width of a map, and its name.
 fn scale_bar(pictures: &MapPictures) -> (f64, String) {
     let whole = pictures.size[0] / pictures.scale;
-    // the next smaller round length
-    let length = 1.0 / nice_up(1.0 / (LONGEST_BAR * whole));
+    let longest = LONGEST_BAR * whole;
+    let power = 10f64.powf(longest.log10().floor());
+    let round = [5.0, 2.0]
+        .into_iter()
+        .find(|factor| factor * power <= longest);
+    let length = round.unwrap_or(1.0) * power;
     let name = match 1000.0 <= length {
         true => format!("{} km", length / 1000.0),
         false => format!("{length} m"),

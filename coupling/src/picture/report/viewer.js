@@ -438,11 +438,11 @@ async function main() {
   const scene = new Scene(canvas, data);
   let now = 0, isPlaying = false, last = 0;
   // a slow computer plays with fewer pixels and a coarser surface, and shows all of them when it stops
-  const steps_ = [[1, false], [0.75, false], [0.75, true], [0.5, true]];
+  const qualities = [[1, false], [0.75, false], [0.75, true], [0.5, true]];
   let ease = 0, slow = 0;
   const watch = (passed) => {
     slow = 0.85 * slow + 0.15 * Math.min(passed, 250);
-    if (slow < 38 || ease + 1 === steps_.length) return;
+    if (slow < 38 || ease + 1 === qualities.length) return;
     ease += 1; slow = 0;
     resize();
   };
@@ -465,7 +465,8 @@ async function main() {
     // a flume is long and low
     const [ex, , ez] = scene.extent;
     if (meta.isThin) canvas.style.height = `${Math.round(Math.min(Math.max(canvas.clientWidth * ez / ex * 1.35, 220), 0.58 * Math.max(window.innerHeight, 400)))}px`;
-    const [share, isCoarse] = steps_[isPlaying ? ease : 0];
+    if (!canvas.clientWidth) return; // on paper
+    const [share, isCoarse] = qualities[isPlaying ? ease : 0];
     const ratio = share * Math.min(window.devicePixelRatio || 1, 2);
     scene.isCoarse = isCoarse;
     canvas.width = Math.round(canvas.clientWidth * ratio);
@@ -576,7 +577,9 @@ async function main() {
   } else $('gauges').hidden = true;
 
   window.addEventListener('beforeprint', () => {
-    const kept = now;
+    const kept = now, ratio = canvas.clientHeight / canvas.clientWidth || 0.5;
+    canvas.width = 1200; canvas.height = Math.round(1200 * ratio);
+    scene.isCoarse = false;
     $('stills').innerHTML = '';
     for (const share of [0, 1 / 3, 2 / 3, 1]) {
       now = share * meta.duration; draw();
@@ -584,7 +587,7 @@ async function main() {
       figure.innerHTML = `<img alt="" src="${canvas.toDataURL('image/png')}"><figcaption>${now.toFixed(2)} s</figcaption>`;
       $('stills').append(figure);
     }
-    now = kept; draw();
+    now = kept; resize();
   });
   window.addEventListener('resize', resize);
   setView(scene.view);
