@@ -7,8 +7,10 @@ use riprap_dda::Motion;
 use serde::{Deserialize, Serialize};
 
 use crate::output::observe::ObserveError;
-use crate::output::run_folder;
 use crate::world::World;
+
+/// Name of the table in a run folder.
+pub const FILE: &str = "bodies.csv";
 
 /// A block of a run at its start.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -42,7 +44,7 @@ pub struct BodyRow {
 ///
 /// [`ObserveError::Write`] names the file.
 pub fn write(folder: &Path, names: &[String], world: &World) -> Result<(), ObserveError> {
-    let path = folder.join(run_folder::BODIES);
+    let path = folder.join(FILE);
     let failed = |source| ObserveError::Write {
         path: path.display().to_string(),
         source,
@@ -77,7 +79,7 @@ pub fn write(folder: &Path, names: &[String], world: &World) -> Result<(), Obser
 ///
 /// A line that names the file and its fault.
 pub fn read(folder: &Path) -> Result<Vec<BodyRow>, String> {
-    let path = folder.join(run_folder::BODIES);
+    let path = folder.join(FILE);
     if !path.exists() {
         return Ok(Vec::new());
     }

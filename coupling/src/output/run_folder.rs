@@ -15,6 +15,7 @@ mod read;
 use std::io;
 use std::path::{Path, PathBuf};
 
+use super::bodies;
 pub use archive::ArchivedScene;
 pub use read::{ReadError, RunScene, read_scene, read_summary};
 
@@ -27,7 +28,7 @@ pub const ACCURACY: &str = "accuracy.json";
 /// The run on one page.
 pub const OVERVIEW: &str = "overview.svg";
 /// Numbers, names and masses of the blocks.
-pub const BODIES: &str = "bodies.csv";
+pub const BODIES: &str = bodies::FILE;
 /// Page that plays the run.
 pub const REPORT: &str = "report.html";
 /// Gauge records.
