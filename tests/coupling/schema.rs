@@ -141,7 +141,8 @@ fn collect(
         };
         if has_double(field) {
             let unit = of["x-unit"].as_str().map(str::to_owned);
-            let description = of["description"].as_str().unwrap_or_default().to_owned();
+            let description = of["description"].as_str().unwrap_or_default();
+            let description = description.split_whitespace().collect::<Vec<_>>().join(" ");
             found.push((path, unit, description));
         }
     }

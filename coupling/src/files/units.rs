@@ -120,7 +120,7 @@ pub fn value(text: &str, unit: &str) -> Result<f64, QuantityError> {
             )),
             Some(other) => refuse(format!(
                 "found \"{text}\"{}; write {allowed}",
-                name_of(other).map_or_else(String::new, |name| format!(", which is {}", one(name)))
+                meant(other, unit)
             )),
         },
     }
@@ -132,6 +132,17 @@ pub fn allowed(unit: &str) -> String {
         Some(kind) if kind.unit == "-" => "a plain number, or one in %".to_owned(),
         Some(kind) => format!("{} in {}", one(kind.name), kind.examples.join(", ")),
         None => format!("a number in {unit}"),
+    }
+}
+
+/// What a quantity of another dimension is.
+fn meant(found: &Composed, unit: &str) -> String {
+    match name_of(found) {
+        Some("stiffness per area") if unit == "kg/m³" => {
+            ", which is a unit weight, to be divided by gravity".to_owned()
+        }
+        Some(name) => format!(", which is {}", one(name)),
+        None => String::new(),
     }
 }
 

@@ -7,9 +7,11 @@ use riprap_dda::Motion;
 
 use crate::files::table::{TableError, TextRow, TextTable, texts};
 use crate::output::observe::ObserveError;
-use crate::output::run_folder;
 use crate::scene::resolve::Scene;
 use crate::world::World;
+
+/// Name of the table in a run folder.
+pub const FILE: &str = "bodies.csv";
 
 /// A block of a run at its start.
 #[derive(Clone, Debug, PartialEq)]
@@ -98,7 +100,7 @@ impl BodyRow {
 ///
 /// [`ObserveError::Write`] names the file.
 pub fn write(folder: &Path, scene: &Scene, world: &World) -> Result<(), ObserveError> {
-    let path = folder.join(run_folder::BODIES);
+    let path = folder.join(FILE);
     let (blocks, register) = (&world.blocks, &scene.register);
     let row = |b: usize| {
         let kind = match blocks.motion(b) {
@@ -139,7 +141,7 @@ pub fn write(folder: &Path, scene: &Scene, world: &World) -> Result<(), ObserveE
 ///
 /// A line that names the file and its fault.
 pub fn read(folder: &Path) -> Result<Vec<BodyRow>, String> {
-    let path = folder.join(run_folder::BODIES);
+    let path = folder.join(FILE);
     let is_empty = |file: fs::Metadata| file.len() == 0;
     if fs::metadata(&path).map_or(true, is_empty) {
         return Ok(Vec::new());

@@ -15,8 +15,8 @@ mod read;
 use std::io;
 use std::path::{Path, PathBuf};
 
+use super::bodies;
 use crate::messages::{Code, Coded, of_writing};
-
 pub use archive::ArchivedScene;
 pub use read::{ReadError, RunScene, read_scene, read_summary};
 
@@ -31,7 +31,7 @@ pub const ACCURACY: &str = "accuracy.json";
 /// The run on one page.
 pub const OVERVIEW: &str = "overview.svg";
 /// Numbers, names and masses of the blocks.
-pub const BODIES: &str = "bodies.csv";
+pub const BODIES: &str = bodies::FILE;
 /// Page that plays the run.
 pub const REPORT: &str = "report.html";
 /// Script that opens the run in ParaView.

@@ -87,7 +87,7 @@ fn other_dimensions_are_refused_in_their_place() {
         (
             "\"2.65 t/m3\"",
             "\"26 kN/m3\"",
-            "`density`: found \"26 kN/m3\"; write a density in",
+            "`density`: found \"26 kN/m3\", which is a unit weight, to be divided by gravity; write a density in",
         ),
         (
             "\"0.5 rad\"",

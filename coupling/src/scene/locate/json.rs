@@ -43,16 +43,46 @@ fn flaw(body: &str, skipped: usize, error: &serde_json::Error) -> Flaw {
     let rest = body.get(at..).unwrap_or_default();
     let said = error.to_string();
     let said = said.split(" at line ").next().unwrap_or_default();
+    if matches!(said, "expected ident" | "expected value") {
+        return no_value(body, skipped, at);
+    }
     let found = match rest.chars().next() {
         _ if error.is_eof() => String::new(),
         Some('/' | '#') => "; JSON has no comments".to_owned(),
         Some(c) if !c.is_whitespace() => format!(", found `{c}`"),
         _ => String::new(),
     };
+    let said = match rest.chars().next() {
+        Some('}') if said == "key must be a string" => "trailing comma",
+        _ => said,
+    };
     let length = rest.chars().next().map_or(0, char::len_utf8);
     Flaw {
-        message: format!("{}{found}", said.to_lowercase()),
+        message: format!("{}{found}", said.replace("EOF", "end of the text")),
         span: skipped + at..skipped + at + length,
+    }
+}
+
+/// A word, a sign or a comment in place of a value.
+fn no_value(body: &str, skipped: usize, at: usize) -> Flaw {
+    let is_of_word = |c: char| c.is_alphanumeric() || "_.+-".contains(c);
+    let before = body.get(..at).unwrap_or_default();
+    let start = before.trim_end_matches(is_of_word).len();
+    let rest = body.get(start..).unwrap_or_default();
+    let word = rest.get(..rest.find(|c| !is_of_word(c)).unwrap_or(rest.len()));
+    let sign = rest.chars().next().map_or(0, char::len_utf8);
+    let found = word
+        .filter(|word| !word.is_empty())
+        .or(rest.get(..sign))
+        .unwrap_or_default();
+    let advice = match found.chars().next() {
+        Some('/' | '#') => "; JSON has no comments",
+        Some(c) if c.is_alphabetic() => "; a text stands in double quotes",
+        _ => "",
+    };
+    Flaw {
+        message: format!("expected a value, found `{found}`{advice}"),
+        span: skipped + start..skipped + start + found.len(),
     }
 }
 

@@ -58,12 +58,16 @@ impl<'a> Reader<'_, 'a> {
     }
 
     fn flaw(&self, error: &ScanError) -> Flaw {
-        let at = self.byte(error.marker().index());
+        let mut at = self.byte(error.marker().index());
+        let mut message = error.info().to_lowercase();
+        let before = self.tree.text.get(..=at).unwrap_or(self.tree.text);
+        if message.contains("tab")
+            && let Some(tab) = before.rfind('\t')
+        {
+            at = tab;
+            "YAML is indented with spaces, found a tab".clone_into(&mut message);
+        }
         let rest = self.tree.text.get(at..).unwrap_or_default();
-        let message = match rest.chars().next() {
-            Some('\t') => "YAML is indented with spaces, found a tab".to_owned(),
-            _ => error.info().to_lowercase(),
-        };
         let length = rest.chars().next().map_or(0, char::len_utf8);
         Flaw {
             message,

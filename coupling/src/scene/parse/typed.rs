@@ -313,7 +313,8 @@ impl<'t> Deserializer<'t> for Reader<'t> {
             ))
         };
         let items = self.items().ok_or_else(several)?;
-        if items.len() != n {
+        // quantities of a row that is too long or too short are found before its reader of RON refuses it
+        if items.len() != n && self.tree().syntax != Syntax::Ron {
             let (found, n_found) = (self.tree().slice(&self.node.span), items.len());
             let fault = if n_found < n {
                 "are missing"
