@@ -101,7 +101,9 @@ impl Axis {
             _ => &[1.0],
         };
         let powers = low.floor() as i32..=high.ceil() as i32;
-        let all = powers.flat_map(|power| factors.iter().map(move |f| f * 10f64.powi(power)));
+        // six tenths as they are written, which six times a tenth is not
+        let round = |factor: &f64, power: i32| format!("{factor}e{power}").parse::<f64>().ok();
+        let all = powers.flat_map(|power| factors.iter().filter_map(move |f| round(f, power)));
         all.filter(|value| (low..=high).contains(&value.log10()))
             .map(|value| Tick {
                 value: value * unit,
@@ -275,6 +277,8 @@ mod tests {
             told(axis([1e-6, 1.0])).first().map(String::as_str),
             Some("1e−6")
         );
+        let short_range = told(axis([0.55, 0.75]));
+        assert_eq!(short_range, ["0.5", "0.6", "0.7", "0.8"]);
         assert!(axis([0.0, f64::NAN]).is_none());
         // equal ratios have equal distances
         let axis = axis([1.0, 100.0]).unwrap();
