@@ -128,7 +128,7 @@ mod tests {
 
     #[test]
     fn kinds_differ_by_their_words_and_severity() {
-        let words = |what: &str, n: usize| (0..n).map(move |_| Problem::error("a", what));
+        let words = |what: &'static str, n: usize| (0..n).map(move |_| Problem::error("a", what));
         let (five, six) = (5, 6);
         let all = words("must be > 0, found -1", five).chain(words("must be > 0, found 2e-7", 1));
         assert_eq!(condensed(all.collect()).len(), 6);
