@@ -54,7 +54,7 @@ fn a_script_has_the_scales_and_the_camera_of_the_run() {
     assert_eq!(setting(&script, "COLOR"), "\"Elevation\"");
     let [low, high]: [f64; 2] = serde_json::from_str(setting(&script, "ELEVATIONS")).unwrap();
     assert!(
-        0.0 <= low && low < 0.1 && 0.3 < high && high < 0.45,
+        (0.0..0.1).contains(&low) && (0.3..0.45).contains(&high),
         "{low} {high}"
     );
 
