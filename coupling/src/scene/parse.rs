@@ -1,8 +1,8 @@
 //! Scene text ↔ [`SceneFile`], with overrides from the command line spliced into the text so that
 //! they pass the same reader and the same checks.
 //!
-//! RON is read by its own crate, whose errors [`words`] explains; JSON and YAML are read from the tree that locates fields, by
-//! [`typed`]. Quantities with units are found by the latter in all three.
+//! RON is read by its own crate, whose errors `words` explains; JSON and YAML are read from the tree that locates fields, by
+//! `typed`. Quantities with units are found by the latter in all three.
 
 mod json_of;
 mod overrides;

@@ -145,8 +145,8 @@ fn places_behind_quantities_are_those_of_the_text() {
             "\"fast\"",
         ),
         ("\"50 %\"", "\"50 %\", 3", "(\"1 h\", \"50 %\", 3)"),
-        ("time: (", "time (", "("),
-        ("joints: [", "joints: [[", "[["),
+        ("time: (", "time (", " "),
+        ("joints: [", "joints: [[", "["),
         ("force: (0, 0, ", "force: (NaN, 0, ", "NaN"),
         (
             "dynamic_viscosity: ",

@@ -60,9 +60,13 @@ impl<'a> Reader<'_, 'a> {
     fn flaw(&self, error: &ScanError) -> Flaw {
         let mut at = self.byte(error.marker().index());
         let mut message = error.info().to_lowercase();
-        let before = self.tree.text.get(..=at).unwrap_or(self.tree.text);
+        let (before, behind) = self.tree.text.split_at_checked(at).unwrap_or_default();
+        let tab = behind
+            .find('\t')
+            .map(|tab| at + tab)
+            .or_else(|| before.rfind('\t'));
         if message.contains("tab")
-            && let Some(tab) = before.rfind('\t')
+            && let Some(tab) = tab
         {
             at = tab;
             "YAML is indented with spaces, found a tab".clone_into(&mut message);
