@@ -54,6 +54,7 @@ examples! {
 (between: ("granite", "shale"), friction_angle_deg: 24, friction_ramp: [(0, 1), (10, 0.6)])"#;
     BlockFile: r#"(name: "wedge", material: "rock", shape: Wedge(length: 2, height: 1, width: 1),
  placement: (translate: (0.5, 0, 0.2)), velocity: (1, 0, 0))"#;
+    JointFacesFile: r#"(set: "bedding", faces: [0, 3])"#;
     PlacementFile: "(rotate: (axis: (0, 1, 0), angle_deg: 30), translate: (0, 0, 2))";
     RotationFile: "(axis: (0, 0, 1), angle_deg: 45, about: (1, 1, 0))";
     MotionFile: "// a piston\nSinusoid(direction: (1, 0, 0), amplitude: 0.05, period: 2, ramp: 4)";
@@ -114,6 +115,9 @@ examples! {
  velocity: [(0, 0), (2, 0.5)], depth: [(0, 0.2)])"#;
     OutflowFile: r#"(name: "sea", min: (9, 0, 0), max: (10, 2, 1), towards: XMax, depth: [(0, 0.2)])"#;
     OutputFile: "(frame_interval: 0.1, gauge_interval: 0.01, face_pressures: true)";
+    WaterFramesFile: "// a quarter of the water near the wall\n(interval: 0.5, stride: 4, box: (min: (8, 0, 0), max: (10, 2, 3)))";
+    FramesFile: "(interval: 0.02)";
+    BoxFile: "(min: (8, 0, 0), max: (10, 2, 3))";
     WaterField: "Pressure";
     BlockField: "ForceFluid";
     CameraFile: "(position: (5, -20, 8), look_at: (5, 0, 1), field_of_view_deg: 35)";
