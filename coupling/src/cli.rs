@@ -201,7 +201,10 @@ pub(crate) fn stop_on_signal(stop: &Arc<AtomicBool>) {
 pub(crate) fn checkpoint_on_signal(wanted: &Arc<AtomicBool>) {
     let signal = signal_hook::consts::SIGUSR1;
     if signal_hook::flag::register(signal, Arc::clone(wanted)).is_err() {
-        say("warning: SIGUSR1 cannot be caught; it ends this run");
+        warn(Message::new(
+            Code::SignalsNotCaught,
+            "SIGUSR1 cannot be caught; it ends this run",
+        ));
     }
 }
 

@@ -32,7 +32,7 @@ const BOX: &str = r#"(
         Velocity(name: "flow", position: (0.45, 0.05, 0.2)),
         RunUp(name: "run_up", from: (0.35, 0.05), to: (0.65, 0.05)),
         Overtopping(name: "passed", from: (0.4, 0), to: (0.4, 0.1)),
-        Displaced(name: "moved", blocks: ["cube"], farther_than: 0.05),
+        Displaced(name: "moved", blocks: "cube", farther_than: 0.05),
     ],
     time: (duration: 0.3, settle: 0.05),
     output: (frame_interval: 0.1, gauge_interval: 1e-9),

@@ -73,7 +73,7 @@ fn cubes_drawn_into_each_other_are_named_and_cubes_face_to_face_are_not() {
         refusal(folder, &row(2, 0.7)),
         [
             "start.ron:5:14: error: block `cube0` overlaps block `cube1` by 3.000e-1 m, 30.00 % of the smaller size, near \
-         (0.850, 0.500, 0.500) m; allowed are 1 %: move them apart"
+         (0.850, 0.500, 0.500) m; allowed are 1 %: move them apart [overlapping-blocks]"
         ]
     );
 }
@@ -83,7 +83,8 @@ fn of_many_overlaps_five_are_named_and_the_others_counted() {
     let lines = refusal(Path::new("."), &row(9, 0.9));
     assert_eq!(lines.len(), 6, "{lines:?}");
     assert!(
-        lines[5].ends_with("3 more pairs of blocks overlap deeper than allowed"),
+        lines[5]
+            .ends_with("3 more pairs of blocks overlap deeper than allowed [overlapping-blocks]"),
         "{lines:?}"
     );
 }

@@ -341,6 +341,7 @@ pub struct TimeFile {
     /// Wall time from the start of the program, before the end of which a run stops with a checkpoint to resume from; s. The
     /// option `--wall-limit` of `riprap run` takes precedence. No limit when left out.
     #[serde(default)]
+    #[schemars(extend("x-unit" = "s", "exclusiveMinimum" = 0))]
     pub wall_limit: Option<f64>,
 }
 

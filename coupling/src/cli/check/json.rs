@@ -10,7 +10,8 @@ use super::facts::{Memory, Model};
 use super::mach;
 use crate::build_info::COMMIT;
 use crate::cli::problems::{Problem, problems};
-use crate::cli::{Exit, say, show};
+use crate::cli::{Exit, failed, show};
+use crate::messages::{Code, Message};
 use crate::run::ineffective::ineffective_options;
 use crate::scene::access::FilesFrom;
 use crate::scene::parse::Override;
@@ -81,10 +82,7 @@ pub(super) fn report(case: &Path, overrides: &[Override], files: FilesFrom) -> E
             show(&text);
             exit
         }
-        Err(error) => {
-            say(&format!("error: {error}"));
-            Exit::Failed
-        }
+        Err(error) => failed(Message::new(Code::CannotWrite, error.to_string())),
     }
 }
 
