@@ -296,12 +296,11 @@ fn maps_are_pictures_with_a_legend_over_the_land() {
     calm.point_data[2].values = Values::F32(vec![f32::NAN; 600]);
     let (page, _) = again(&calm, LIMIT);
     assert!(page.contains("No water came to land") && page.matches("<figure>").count() == 2);
-    let (small, summary) = again(&maps(), 150_000);
-    assert!(
-        small.len() < whole && summary.size <= 150_000,
-        "{} of {whole}",
-        summary.size
-    );
+    let (_, summary) = again(&maps(), 150_000);
+    assert!(summary.size <= 150_000, "{}", summary.size);
+    // a quarter of the file is theirs, less than the 20 kB that they would take
+    let (small, _) = again(&maps(), 40_000);
+    assert!(small.len() < whole, "{} of {whole}", small.len());
     // in other colors
     let other = folder.path().join("turbo.html");
     report_in(folder.path(), &other, LIMIT, "turbo".parse().unwrap()).unwrap();

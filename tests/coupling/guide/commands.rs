@@ -110,7 +110,7 @@ pub fn runs_a_file_of_the_reader(line: &str) -> bool {
         && !words.iter().any(|word| word.starts_with("cases/"))
 }
 
-/// Words of a line as a shell splits them; a comment ends it.
+/// Words of a line as a shell splits them; a comment, a redirection or a pipe ends it.
 fn words(line: &str) -> Vec<String> {
     let mut words = Vec::new();
     let (mut word, mut quote, mut is_word) = (String::new(), None, false);
@@ -119,7 +119,7 @@ fn words(line: &str) -> Vec<String> {
             (c, Some(q)) if c == q => quote = None,
             (c, Some(_)) => word.push(c),
             ('"' | '\'', None) => (quote, is_word) = (Some(c), true),
-            ('#', None) if !is_word => break,
+            ('#' | '>' | '|', None) if !is_word => break,
             (' ', None) => {
                 if is_word {
                     words.push(std::mem::take(&mut word));

@@ -7,7 +7,6 @@ use riprap_sph::Dimensions;
 use serde::Serialize;
 
 use crate::scene::estimate::{Estimate, available};
-use crate::scene::file::Triple;
 use crate::scene::resolved::{FluidScene, Scene};
 use crate::walls::WallMethod;
 
@@ -21,9 +20,9 @@ pub(super) struct Model {
     /// 2 or 3.
     pub dimensions: u32,
     /// Lower corner of the domain.
-    pub domain_min_m: Triple,
+    pub domain_min_m: [f64; 3],
     /// Upper corner of the domain.
-    pub domain_max_m: Triple,
+    pub domain_max_m: [f64; 3],
     pub blocks: Blocks,
     /// `null` without water.
     pub water: Option<Water>,
