@@ -80,8 +80,8 @@ impl Model {
                 Dimensions::Two { .. } => 2,
                 Dimensions::Three => 3,
             },
-            domain_min_m: triple(scene.domain.min),
-            domain_max_m: triple(scene.domain.max),
+            domain_min_m: scene.domain.min.into(),
+            domain_max_m: scene.domain.max.into(),
             blocks: Blocks::of(scene),
             water: scene.fluid.as_ref().map(|fluid| Water::of(fluid, scene)),
         }
