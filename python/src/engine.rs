@@ -102,10 +102,10 @@ impl<'s> Engine<'s> {
             Some(records) => Run::start(
                 scene,
                 Plan {
-                    folder: &records.folder,
                     from: start.from,
                     scene_hash,
                     checkpoint_interval: records.checkpoint_interval,
+                    ..Plan::new(&records.folder)
                 },
             ),
             None => Run::in_memory(scene).and_then(|mut run| {

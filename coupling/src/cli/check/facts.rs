@@ -69,7 +69,6 @@ pub(super) struct Water {
 
 impl Model {
     pub fn of(scene: &Scene) -> Self {
-        let triple = |x: riprap_dda::Vec3| (x.x, x.y, x.z);
         Self {
             duration_s: scene.duration,
             settle_s: match scene.fluid {
