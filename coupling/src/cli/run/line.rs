@@ -125,7 +125,7 @@ mod tests {
             dt: 1e-4,
             cause: Cause::Sound,
             contacts: 412,
-            fastest: 3.14,
+            fastest: 3.25,
             particles: 25_000,
             share: 0.2,
             steps_per_second: 83.14,
@@ -137,7 +137,7 @@ mod tests {
     fn a_wide_line_has_everything_and_one_of_80_columns_the_most_important() {
         assert_eq!(
             line(&progress(), 200),
-            "t 1.2000 of 6.0000 s (20 %) | step 12000 | dt 1.00e-4 s | contacts 412 | v max 3.14 m/s | 83.1 steps/s | left 2:44"
+            "t 1.2000 of 6.0000 s (20 %) | step 12000 | dt 1.00e-4 s | contacts 412 | v max 3.25 m/s | 83.1 steps/s | left 2:44"
         );
         assert_eq!(
             line(&progress(), 79),
