@@ -83,12 +83,13 @@ fn paraview_draws_the_run() {
             .success()
     );
     let picture = folder.path().join("picture.png");
-    // builds for a window system need one, if only a virtual one
+    // builds for a window system need one, if only a virtual one; a server that resets when its last client leaves turns
+    // away the window that comes right after pvbatch's first, short connection
     let mut command = match std::env::var_os("DISPLAY") {
         Some(_) => Command::new("pvbatch"),
         None => {
             let mut command = Command::new("xvfb-run");
-            command.args(["-a", "pvbatch"]);
+            command.args(["-a", "-s", "-screen 0 1280x1024x24 -noreset", "pvbatch"]);
             command
         }
     };
