@@ -233,6 +233,11 @@ impl Interface {
         self.slab_axis
     }
 
+    /// Whether a surface with this normal closes a plane flow at its sides.
+    pub fn is_across_plane(&self, normal: &Vec3) -> bool {
+        self.is_plane && 0.5 < normal[ACROSS].abs()
+    }
+
     /// Finds the particles near bodies; the fluid must be sorted.
     pub fn find(&mut self, fluid: &Fluid, blocks: &Blocks) {
         update(
@@ -403,7 +408,7 @@ impl Interface {
             })
         };
         // a slice is cut from prisms without ends: nothing leaves a plane flow across it
-        let leads_out = |way: &SurfacePoint| !(self.is_plane && 0.5 < way.normal[ACROSS].abs());
+        let leads_out = |way: &SurfacePoint| !self.is_across_plane(&way.normal);
         let mut ways: Vec<(u32, SurfacePoint)> = near(x)
             .flat_map(|part| {
                 let block = blocks.block_of_part(part) as u32;
@@ -456,7 +461,7 @@ impl Interface {
         let planes: Vec<(Vec3, f64)> = parts
             .iter()
             .flat_map(|&part| blocks.planes_within(part, x, dp))
-            .filter(|(normal, _)| !(self.is_plane && 0.5 < normal[ACROSS].abs()))
+            .filter(|(normal, _)| !self.is_across_plane(normal))
             .collect();
         let stands_clear = |to: &Vec3| {
             !parts.iter().any(|&part| {

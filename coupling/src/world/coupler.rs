@@ -200,6 +200,7 @@ impl Boundary for Coupler<'_> {
             self.stop_on_the_way(fluid, dt);
             self.stop_penetrations(fluid);
             self.relieve_crushed(fluid);
+            self.drag_in_gaps(fluid, dt);
         }
         if let Some(walls) = &mut *self.walls {
             match stage {
