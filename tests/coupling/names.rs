@@ -100,6 +100,44 @@ fn tables_have_names_groups_materials_and_joint_sets() {
     );
 }
 
+/// Blocks of rock masses and grains are recorded by the names that they get.
+#[test]
+fn made_blocks_are_recorded_by_name() {
+    let folder = tempfile::tempdir().unwrap();
+    let case = folder.path().join("names.ron");
+    let asked = "trajectories: (blocks: [\"stone\", \"mass.0003\"], interval: 0.01),
+        gauges: [BlockForce(name: \"bead\", block: \"beads_0002\")], forces: (blocks: [\"mass.0002\"]";
+    fs::write(
+        &case,
+        JOINTED.replace("forces: (blocks: [\"stone\"]", asked),
+    )
+    .unwrap();
+    let out = folder.path().join("out");
+    run(&case, &out, &["--no-report"]);
+    let last_cells = |file: &str| -> Vec<String> {
+        let text = fs::read_to_string(out.join(file)).unwrap();
+        let rows = text.lines().skip(1);
+        rows.map(|row| row.rsplit(',').next().unwrap().to_owned())
+            .collect()
+    };
+    assert_eq!(last_cells("rockfall.csv"), ["stone", "mass.0003"]);
+    assert_eq!(last_cells("trajectories.csv")[..2], ["stone", "mass.0003"]);
+    assert!(
+        last_cells("forces.csv")
+            .iter()
+            .all(|name| name == "mass.0002")
+    );
+    let gauges = fs::read_to_string(out.join("gauges.csv")).unwrap();
+    assert!(
+        gauges
+            .lines()
+            .next()
+            .unwrap()
+            .contains("bead.contact_fx [N]"),
+        "{gauges}"
+    );
+}
+
 fn integers<'a>(data: &'a PolyData, name: &str) -> &'a [i32] {
     match &data
         .cell_data
@@ -176,6 +214,16 @@ fn labels_are_checked() {
             "has a comma, quote or line break",
         ),
         ("name: \"bedding\"", "name: \"\"", "the name is empty"),
+        (
+            "forces: (blocks: [\"stone\"]",
+            "forces: (blocks: [\"stone\", \"mass.0007\"]",
+            "no block is called `mass.0007`, did you mean `mass.0001`?",
+        ),
+        (
+            "forces: (blocks: [\"stone\"]",
+            "trajectories: (blocks: [\"mass.0003\", \"stne\"]), forces: (blocks: [\"stone\"]",
+            "`stne` is not a free block of `blocks`, did you mean `stone`?",
+        ),
         (
             "group: \"armor\"",
             "joint_faces: [(set: \"bedding\", faces: [0])]",

@@ -14,7 +14,7 @@ pub mod masses;
 pub mod trajectories;
 mod transducer;
 
-use crate::files::table::TableError;
+use crate::files::table::{Cell, TableError};
 use crate::files::vtk::VtkError;
 use crate::messages::{Code, Coded, of_writing};
 use crate::saved::Saved;
@@ -41,6 +41,11 @@ pub enum ObserveError {
         /// Error of the operating system.
         source: std::io::Error,
     },
+}
+
+/// Name of a block as the last cell of its row, empty where there is none.
+fn name_of(names: &[String], block: usize) -> Cell<'_> {
+    Cell::Text(names.get(block).map_or("", String::as_str))
 }
 
 /// Samples the world and records it.

@@ -55,7 +55,10 @@ impl Observers {
             },
             trajectories: match &scene.trajectories {
                 None => None,
-                Some(asked) => Some(Trajectories::new(folder, asked, world, start)?),
+                Some(asked) => {
+                    let asked = (asked, scene.block_names.as_slice());
+                    Some(Trajectories::new(folder, asked, world, start)?)
+                }
             },
             maps: (scene.maps.as_ref()).map(|asked| Maps::new(folder, asked, scene, world)),
             masses: if scene.masses.is_empty() {

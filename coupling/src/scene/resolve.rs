@@ -69,6 +69,7 @@ impl Scene {
         let (file, terrain) = (&expanded.file, expanded.terrain.as_ref());
         let mut problems = terrain.map_or_else(Vec::new, |terrain| terrain.warnings.clone());
         problems.extend(expanded.warnings.iter().cloned());
+        problems.extend(recording::unknown_blocks(file));
         let names = Names::of(file);
         let solids = match Solids::of(file, &names, access, terrain) {
             Ok(solids) => solids,

@@ -10,7 +10,7 @@ use std::path::Path;
 
 use riprap_dda::{Impulses, Load, Vec3};
 
-use super::{ObserveError, Observer, Schedule};
+use super::{ObserveError, Observer, Schedule, name_of};
 use crate::files::table::{Cell, Column, Start, Table};
 use crate::output::run_folder;
 use crate::saved::Saved;
@@ -98,10 +98,6 @@ fn less(a: Load, b: Load) -> Load {
     }
 }
 
-fn name_of(names: &[String], block: usize) -> &str {
-    names.get(block).map_or("", String::as_str)
-}
-
 fn columns(names: impl Iterator<Item = String>) -> Vec<Column> {
     let mut columns = vec![Column::new("time", "s"), Column::new("block", "-")];
     for name in names {
@@ -177,7 +173,7 @@ impl Forces {
             ];
             let force = load.force.iter().chain(load.torque.iter());
             row.extend(force.copied().map(Cell::Number));
-            row.extend([block, partner].map(|b| Cell::Text(name_of(&self.names, b))));
+            row.extend([block, partner].map(|b| name_of(&self.names, b)));
             self.contacts.cells(&row)?;
         }
         Ok(())
@@ -209,7 +205,7 @@ impl Observer for Forces {
                     let mean = load.force.iter().chain(load.torque.iter());
                     row.extend(mean.map(|impulse| Cell::Number(impulse / time)));
                 }
-                row.push(Cell::Text(name_of(&self.names, now.block)));
+                row.push(name_of(&self.names, now.block));
                 self.forces.cells(&row)?;
             }
             *track = now;

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use riprap_dda::Vec3;
 
-use super::{ObserveError, Observer, Schedule};
+use super::{ObserveError, Observer, Schedule, name_of};
 use crate::files::table::{Cell, Column, Start, Table};
 use crate::output::run_folder;
 use crate::saved::Saved;
@@ -127,7 +127,7 @@ impl Observer for Ledgers {
                 row.extend([roll, pitch, yaw]);
                 cells.extend(row.iter().copied().map(Cell::Number));
                 cells.push(Cell::Whole(usize::from(blocks.is_asleep(b))));
-                cells.push(Cell::Text(self.names.get(b).map_or("", String::as_str)));
+                cells.push(name_of(&self.names, b));
                 table.cells(&cells)?;
             }
         }

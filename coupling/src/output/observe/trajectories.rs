@@ -8,8 +8,8 @@ use std::path::Path;
 
 use riprap_dda::Vec3;
 
-use super::{ObserveError, Observer, Schedule};
-use crate::files::table::{Column, Start, Table};
+use super::{ObserveError, Observer, Schedule, name_of};
+use crate::files::table::{Cell, Column, Start, Table};
 use crate::output::run_folder;
 use crate::saved::Saved;
 use crate::scene::resolved::recording::Tracking;
@@ -21,7 +21,7 @@ use crate::world::ground::Ground;
 const STRETCHES: f64 = 200.0;
 
 /// Columns of `trajectories.csv`: one row per block and time.
-const SAMPLE_COLUMNS: [(&str, &str); 9] = [
+const SAMPLE_COLUMNS: [(&str, &str); 10] = [
     ("time", "s"),
     ("block", "-"),
     ("x", "m"),
@@ -31,10 +31,11 @@ const SAMPLE_COLUMNS: [(&str, &str); 9] = [
     ("distance", "m"),
     ("height", "m"),
     ("kinetic_energy", "J"),
+    ("name", ""),
 ];
 
 /// Columns of `rockfall.csv`: one row per block.
-const BLOCK_COLUMNS: [(&str, &str); 17] = [
+const BLOCK_COLUMNS: [(&str, &str); 18] = [
     ("block", "-"),
     ("mass", "kg"),
     ("start_x", "m"),
@@ -52,6 +53,7 @@ const BLOCK_COLUMNS: [(&str, &str); 17] = [
     ("bounce_height", "m"),
     ("max_speed", "m/s"),
     ("max_kinetic_energy", "J"),
+    ("name", ""),
 ];
 
 /// Tracks blocks and writes both tables.
@@ -62,9 +64,10 @@ pub struct Trajectories {
     samples: Table,
     blocks: Table,
     tracks: Vec<Track>,
+    /// Of all blocks, by their numbers.
+    names: Vec<String>,
     /// Width of a bin of horizontal distance; m.
     stretch: f64,
-    row: Vec<f64>,
 }
 
 /// Trajectory of a block; extremes are those of the samples.
@@ -97,7 +100,7 @@ impl Trajectories {
     /// [`ObserveError`] when a table cannot be created.
     pub fn new(
         folder: &Path,
-        asked: &Tracking,
+        (asked, block_names): (&Tracking, &[String]),
         world: &World,
         start: Start,
     ) -> Result<Self, ObserveError> {
@@ -115,8 +118,8 @@ impl Trajectories {
             samples: table(run_folder::TRAJECTORIES, &SAMPLE_COLUMNS)?,
             blocks: table(run_folder::ROCKFALL, &BLOCK_COLUMNS)?,
             tracks,
+            names: block_names.to_vec(),
             stretch: extent.norm() / STRETCHES,
-            row: Vec::new(),
         })
     }
 
@@ -130,11 +133,9 @@ impl Trajectories {
         for track in &self.tracks {
             let run_out = track.run_out();
             let drop = track.start.z - track.end.z;
-            self.row.clear();
-            self.row
-                .extend([track.block as f64, world.blocks.mass(track.block)]);
-            self.row.extend(track.start.iter().chain(track.end.iter()));
-            self.row.extend([
+            let mass = [world.blocks.mass(track.block)];
+            let places = track.start.iter().chain(track.end.iter()).copied();
+            let measures = [
                 track.end_time,
                 track.end_speed,
                 track.path_length,
@@ -144,8 +145,12 @@ impl Trajectories {
                 track.bounce_height,
                 track.max_speed,
                 track.max_kinetic_energy,
-            ]);
-            self.blocks.row(&self.row)?;
+            ];
+            let numbers = mass.into_iter().chain(places).chain(measures);
+            let cells = std::iter::once(Cell::Whole(track.block))
+                .chain(numbers.map(Cell::Number))
+                .chain(std::iter::once(name_of(&self.names, track.block)));
+            self.blocks.cells(&cells.collect::<Vec<_>>())?;
         }
         Ok(())
     }
@@ -193,12 +198,18 @@ impl Observer for Trajectories {
             track.max_speed = track.max_speed.max(track.end_speed);
             track.max_kinetic_energy = track.max_kinetic_energy.max(kinetic_energy);
             track.record_height(height, self.stretch);
-            self.row.clear();
-            self.row
-                .extend([world.time(), track.block as f64, x.x, x.y, x.z]);
-            self.row
-                .extend([track.path_length, track.run_out(), height, kinetic_energy]);
-            self.samples.row(&self.row)?;
+            self.samples.cells(&[
+                Cell::Number(world.time()),
+                Cell::Whole(track.block),
+                Cell::Number(x.x),
+                Cell::Number(x.y),
+                Cell::Number(x.z),
+                Cell::Number(track.path_length),
+                Cell::Number(track.run_out()),
+                Cell::Number(height),
+                Cell::Number(kinetic_energy),
+                name_of(&self.names, track.block),
+            ])?;
         }
         self.schedule.done(world.time());
         Ok(())

@@ -2,11 +2,14 @@
 
 use riprap_sph::Dimensions;
 
+use crate::messages::Code;
+use crate::scene::error::Problem;
 use crate::scene::file::{
     BlockFile, BoxFile, FramesFile, GaugeFile, MapsFile, MotionFile, OutputFile, SceneFile,
     WaterField, vec3,
 };
 use crate::scene::names::Names;
+use crate::scene::parse::suggestion;
 use crate::scene::resolved::FluidScene;
 use crate::scene::resolved::recording::{
     Gauge, Maps, NOTICED_RISE, Output, PlanLine, PressureGauge, Quantity, Sampling, TrackedMass,
@@ -120,6 +123,37 @@ pub(super) fn gauges(file: &SceneFile, names: &Names) -> Vec<Gauge> {
         })
     };
     file.gauges.iter().filter_map(gauge).collect()
+}
+
+/// Recorded blocks that neither the file nor its rock masses, slides and grains have.
+pub(super) fn unknown_blocks(file: &SceneFile) -> Vec<Problem> {
+    let all: Vec<&str> = file.blocks.iter().map(|b| b.name.as_str()).collect();
+    let gauges = file.gauges.iter().enumerate();
+    let of_gauges = gauges.filter_map(|(k, gauge)| match gauge {
+        GaugeFile::BlockForce { name, block } => Some((
+            format!("gauges[{k}].block"),
+            format!("gauge `{name}`"),
+            block,
+        )),
+        _ => None,
+    });
+    let forces = file.forces.iter().map(|asked| ("forces", &asked.blocks));
+    let paths = (file.trajectories.iter()).map(|asked| ("trajectories", &asked.blocks));
+    let followed = forces.chain(paths).flat_map(|(what, blocks)| {
+        let blocks = blocks.iter().enumerate();
+        blocks.map(move |(k, block)| (format!("{what}.blocks[{k}]"), what.to_owned(), block))
+    });
+    of_gauges
+        .chain(followed)
+        .filter(|(_, _, block)| !all.contains(&block.as_str()))
+        .map(|(path, who, block)| {
+            let what = format!(
+                "{who}: no block is called `{block}`{}",
+                suggestion(block, &all)
+            );
+            Problem::error(Code::UnknownName, path, what)
+        })
+        .collect()
 }
 
 /// Numbers of the free blocks whose name fits.

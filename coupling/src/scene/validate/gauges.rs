@@ -88,6 +88,7 @@ impl Checks {
                     self.refuse(Code::OutsideDomain, path("from"), what);
                 }
             }
+            GaugeFile::BlockForce { block, .. } if is_made_later(scene, block) => {}
             GaugeFile::BlockForce { block, .. } => {
                 self.block_exists(path("block"), &who, block, scene);
             }
@@ -123,12 +124,8 @@ impl Checks {
     fn free_blocks_begin_with(&mut self, path: &str, who: &str, prefix: &str, scene: &SceneFile) {
         let free = scene.blocks.iter().filter(|block| is_free(block));
         let mut stems: Vec<&str> = free.map(|block| block.name.as_str()).collect();
-        let made: Vec<&str> = (scene.rock_masses.iter().map(|mass| mass.name.as_str()))
-            .chain(scene.slides.iter().map(|slide| slide.name.as_str()))
-            .chain(scene.grains.iter().map(|grains| grains.name.as_str()))
-            .collect();
-        let is_made = made.iter().any(|name| prefix.starts_with(name));
-        stems.extend(made);
+        let is_made = makers(scene).any(|name| prefix.starts_with(name));
+        stems.extend(makers(scene));
         if is_made || stems.iter().any(|name| name.starts_with(prefix)) {
             return;
         }
@@ -155,7 +152,7 @@ impl Checks {
         let ForcesFile { blocks, interval } = forces;
         let all = scene.blocks.iter().map(|block| block.name.as_str());
         self.followed(
-            "forces",
+            ("forces", scene),
             (blocks, *interval),
             ("block", &all.collect::<Vec<_>>()),
         );
@@ -164,10 +161,10 @@ impl Checks {
         }
     }
 
-    /// Check of blocks by name, sampled every `interval` seconds; `names` are those of their kind.
+    /// Check of blocks by name, sampled every `interval` seconds; `names` are those of their kind in `blocks`.
     fn followed(
         &mut self,
-        what: &str,
+        (what, scene): (&str, &SceneFile),
         (blocks, interval): (&[String], Option<f64>),
         (kind, names): (&str, &[&str]),
     ) {
@@ -178,7 +175,7 @@ impl Checks {
         );
         for (index, name) in blocks.iter().enumerate() {
             let path = format!("{what}.blocks[{index}]");
-            if !names.contains(&name.as_str()) {
+            if !names.contains(&name.as_str()) && !is_made_later(scene, name) {
                 self.refuse(
                     Code::UnknownName,
                     &path,
@@ -234,7 +231,7 @@ impl Checks {
         let free = scene.blocks.iter().filter(|block| is_free(block));
         let names: Vec<&str> = free.map(|block| block.name.as_str()).collect();
         self.followed(
-            "trajectories",
+            ("trajectories", scene),
             (&trajectories.blocks, trajectories.interval),
             ("free block", &names),
         );
@@ -270,4 +267,17 @@ impl Checks {
 
 fn is_free(block: &BlockFile) -> bool {
     matches!(block.motion, MotionFile::Free)
+}
+
+/// Names of what makes blocks.
+fn makers(scene: &SceneFile) -> impl Iterator<Item = &str> {
+    (scene.rock_masses.iter().map(|mass| mass.name.as_str()))
+        .chain(scene.slides.iter().map(|slide| slide.name.as_str()))
+        .chain(scene.grains.iter().map(|grains| grains.name.as_str()))
+}
+
+/// Whether a name is that of a block of a rock mass, a slide or grains, which are not made yet.
+fn is_made_later(scene: &SceneFile, block: &str) -> bool {
+    makers(scene)
+        .any(|name| (block.strip_prefix(name)).is_some_and(|rest| rest.starts_with(['.', '_'])))
 }
