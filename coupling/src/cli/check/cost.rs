@@ -18,14 +18,14 @@ const PROBE_TIME: Duration = Duration::from_secs(2);
 /// Wall time of a run with moving walls over that predicted from its first steps, where everything is still close to rest and
 /// lists of neighbors last: measured 1.57 in a flume with a piston.
 const MOVING: f64 = 1.6;
-/// Largest number of steps of the probe.
+/// Largest number of steps of the probe with water, where all are as long as the first and cost about as much.
 const PROBE_STEPS: u32 = 50;
 
 /// Step limits, steps, disk and wall time from a timed probe.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub(super) struct Cost {
     pub step: Step,
-    /// Steps of a run that all are as long as the first.
+    /// With water those of a run whose steps all are as long as the first.
     pub steps: f64,
     pub disk: Disk,
     pub wall_time: WallTime,
@@ -98,30 +98,29 @@ pub(super) fn cost(scene: &Scene) -> Result<Cost, RunError> {
         limits: step_limits(&world),
         set_by_block: governing_block(&world, scene),
     };
-    let steps = n_steps(scene, first);
-    let (timed_steps, wall) = wall_time(&mut world, scene, steps)?;
+    let whole = predicted(&mut world, scene, first)?;
     drop(world);
-    let (mut predicted_s, mut with_sleep_s) = (wall, None);
+    let (mut predicted_s, mut with_sleep_s) = (whole.wall_s, None);
     if scene.fluid.as_ref().is_some_and(|f| f.sleeping.is_some()) {
         let mut awake = scene.clone();
         if let Some(fluid) = &mut awake.fluid {
             fluid.sleeping = None;
         }
-        with_sleep_s = Some(wall);
-        predicted_s = wall_time(&mut build(&awake)?, &awake, steps)?.1;
+        with_sleep_s = Some(whole.wall_s);
+        predicted_s = predicted(&mut build(&awake)?, &awake, first)?.wall_s;
     }
     let moves = |block: &BlockDefinition| !matches!(block.motion, Motion::Fixed);
     let is_moved = scene.fluid.is_some() && scene.blocks.iter().any(moves);
     Ok(Cost {
         step,
-        steps,
+        steps: whole.steps,
         disk: Disk::of(scene),
         wall_time: WallTime {
             predicted_s,
             with_sleep_s,
             up_to_s: is_moved.then_some(MOVING * predicted_s),
             threads: rayon::current_num_threads(),
-            timed_steps,
+            timed_steps: whole.timed_steps,
         },
     })
 }
@@ -129,18 +128,73 @@ pub(super) fn cost(scene: &Scene) -> Result<Cost, RunError> {
 /// Wall time of a run predicted from its first steps; s.
 pub(crate) fn wall_seconds(scene: &Scene) -> Result<f64, RunError> {
     let mut world = build(scene)?;
-    let step = world.next_step(scene.duration)?;
-    Ok(wall_time(&mut world, scene, n_steps(scene, step))?.1)
+    let first = world.next_step(scene.duration)?;
+    Ok(predicted(&mut world, scene, first)?.wall_s)
 }
 
-/// Steps of a run that all are as long as the first.
-fn n_steps(scene: &Scene, first: TimeStep) -> f64 {
-    let settle = if scene.fluid.is_some() {
-        scene.settle
-    } else {
-        0.0
-    };
-    ((scene.duration + settle) / first.dt).ceil()
+/// A whole run as its first steps predict it.
+struct Predicted {
+    timed_steps: u32,
+    steps: f64,
+    wall_s: f64,
+}
+
+/// Takes the first steps of a run and measures their time.
+fn predicted(world: &mut World, scene: &Scene, first: TimeStep) -> Result<Predicted, RunError> {
+    match scene.fluid {
+        Some(_) => with_water(world, scene, first),
+        None => of_blocks(world, scene),
+    }
+}
+
+/// The prediction from steps that all are as long and as costly as the first ones.
+fn with_water(world: &mut World, scene: &Scene, first: TimeStep) -> Result<Predicted, RunError> {
+    let start = Instant::now();
+    let mut taken = 0;
+    while taken < PROBE_STEPS && start.elapsed() < PROBE_TIME {
+        advance(world, scene)?;
+        taken += 1;
+    }
+    let steps = ((scene.duration + scene.settle) / first.dt).ceil();
+    Ok(Predicted {
+        timed_steps: taken,
+        steps,
+        wall_s: start.elapsed().as_secs_f64() / f64::from(taken) * steps,
+    })
+}
+
+/// The prediction for blocks alone, whose first steps may be of free flight, long and without contacts: the second half of the
+/// probe stands for the rest of the run, unless it came to its end.
+fn of_blocks(world: &mut World, scene: &Scene) -> Result<Predicted, RunError> {
+    let start = Instant::now();
+    let mut taken = 0;
+    let mut half = None;
+    while world.time() < scene.duration && start.elapsed() < PROBE_TIME {
+        advance(world, scene)?;
+        taken += 1;
+        if half.is_none() && PROBE_TIME / 2 <= start.elapsed() {
+            half = Some((world.time(), taken, start.elapsed()));
+        }
+    }
+    let wall = start.elapsed();
+    // a step of more than half of the probe has nothing behind it
+    let half = half.filter(|(time, ..)| *time < world.time());
+    let (from, taken_by_half, wall_at_half) = half.unwrap_or((0.0, 0, Duration::ZERO));
+    let rest = (scene.duration - world.time()).max(0.0) / (world.time() - from);
+    Ok(Predicted {
+        timed_steps: taken,
+        steps: rest
+            .mul_add(f64::from(taken - taken_by_half), f64::from(taken))
+            .ceil(),
+        wall_s: rest.mul_add((wall - wall_at_half).as_secs_f64(), wall.as_secs_f64()),
+    })
+}
+
+fn advance(world: &mut World, scene: &Scene) -> Result<(), RunError> {
+    let step = world.next_step(scene.duration)?;
+    let stepped = world.step(step);
+    stepped.map_err(|error| named(error, scene))?;
+    Ok(())
 }
 
 /// Every limit of the step, its cause and its stability limit.
@@ -192,25 +246,6 @@ fn governing_block(world: &World, scene: &Scene) -> Option<GoverningBlock> {
             step_ratio: (volumes[n] / volume(block)).sqrt(),
         }),
     })
-}
-
-/// Takes some steps; returns their number, and the predicted wall time of a run, s.
-fn wall_time(world: &mut World, scene: &Scene, steps: f64) -> Result<(u32, f64), RunError> {
-    let (taken, wall) = probe(world, scene)?;
-    Ok((taken, wall.as_secs_f64() / f64::from(taken) * steps))
-}
-
-/// Takes some steps and measures their time.
-fn probe(world: &mut World, scene: &Scene) -> Result<(u32, Duration), RunError> {
-    let start = Instant::now();
-    let mut taken = 0;
-    while taken < PROBE_STEPS && start.elapsed() < PROBE_TIME {
-        let step = world.next_step(scene.duration)?;
-        let stepped = world.step(step);
-        stepped.map_err(|error| named(error, scene))?;
-        taken += 1;
-    }
-    Ok((taken, start.elapsed()))
 }
 
 /// The lines of the report.
