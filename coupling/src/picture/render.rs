@@ -25,6 +25,7 @@ pub use programs::Film;
 
 use crate::output::run_folder;
 use crate::picture::color::ColorMap;
+use body::GroundBelow;
 use camera::Camera;
 use recording::{Cloud, Recording};
 use std::fs;
@@ -269,7 +270,11 @@ fn scene_text(
                 let same = points.iter().zip(&is_stray).filter(|&(_, &s)| s == stray);
                 same.map(|(p, _)| *p).collect::<Vec<_>>()
             };
-            let spray = of_kind(true);
+            let mut spray = of_kind(true);
+            // what is left behind on a shore wets it; drawn as spheres it would be a string of pearls
+            let terrain = &survey.stage.terrain;
+            let ground = GroundBelow::new(terrain, f64::max(survey.spacing, 1e-3 * survey.size));
+            spray.retain(|drop| !ground.is_near(drop, survey.spacing));
             summary.spray += spray.len();
             let surface = surface::surface(&of_kind(false), spacing).map_err(|reason| {
                 RenderError::Surface {

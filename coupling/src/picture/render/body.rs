@@ -13,6 +13,9 @@ const HIDING_SHARE: f64 = 0.03;
 /// the floor does not hide it.
 const SHORT_OF_END: f64 = 2e-3;
 
+/// Cosine of the sharpest crease of the ground that is drawn round; 60 degrees.
+const ROUND: f64 = 0.5;
+
 /// A block or wall.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Body {
@@ -85,6 +88,30 @@ impl Body {
         self.faces.iter().map(|face| self.polygon(face))
     }
 
+    /// The faces, with a normal at each corner: the mean over the faces there, by area, but for those beyond a sharp crease.
+    fn rounded(&self) -> Vec<RoundFace> {
+        let areas: Vec<_> = self.polygons().map(|p| area_vector(&p)).collect();
+        let mut faces_at = vec![Vec::new(); self.corners.len()];
+        for (face, corners) in self.faces.iter().enumerate() {
+            for &corner in corners {
+                faces_at[corner].push(face);
+            }
+        }
+        let normal = |face: usize, corner: usize| {
+            let own = areas[face];
+            let near = faces_at[corner].iter().map(|&other| areas[other]);
+            let alike = near.filter(|area| ROUND * own.norm() * area.norm() <= own.dot(area));
+            alike.sum::<Vector3<f64>>().normalize()
+        };
+        (self.faces.iter().enumerate())
+            .filter(|&(face, _)| 0.0 < areas[face].norm())
+            .map(|(face, corners)| RoundFace {
+                corners: self.polygon(corners),
+                normals: corners.iter().map(|&c| normal(face, c)).collect(),
+            })
+            .collect()
+    }
+
     /// Rotation and translation that move `reference`, the same body at another time, onto this one.
     /// `None` when the two have different corners or all corners are collinear.
     pub fn motion_from(&self, reference: &Self) -> Option<(Matrix3<f64>, Vector3<f64>)> {
@@ -109,13 +136,22 @@ impl Body {
     }
 }
 
+/// A face with a normal at each corner.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct RoundFace {
+    /// m.
+    pub corners: Vec<Vector3<f64>>,
+    /// Unit vectors.
+    pub normals: Vec<Vector3<f64>>,
+}
+
 /// Fixed bodies cut open toward the camera.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Stage {
     /// Faces of walls that are drawn.
     pub drawn: Vec<Vec<Vector3<f64>>>,
     /// Faces of the terrain.
-    pub terrain: Vec<Vec<Vector3<f64>>>,
+    pub terrain: Vec<RoundFace>,
     /// Faces that would hide the scene; only their outlines are drawn.
     pub cut: Vec<Vec<Vector3<f64>>>,
     /// Fraction of sampled lines of sight blocked by a wall.
@@ -163,7 +199,7 @@ pub(crate) fn stage(fixed: &[Body], camera: &Camera, samples: &[[f32; 3]]) -> St
             }
         }
         if body.is_terrain {
-            stage.terrain.extend(body.polygons());
+            stage.terrain.extend(body.rounded());
         }
         let area =
             |faces: &[Vec<Vector3<f64>>]| faces.iter().map(|f| area_vector(f).norm()).sum::<f64>();
@@ -175,6 +211,78 @@ pub(crate) fn stage(fixed: &[Body], camera: &Camera, samples: &[[f32; 3]]) -> St
     let hidden = is_hidden.iter().filter(|&&h| h).count();
     stage.hidden_share = hidden as f64 / rays.len().max(1) as f64;
     stage
+}
+
+/// The ground from above, in squares.
+pub(crate) struct GroundBelow<'a> {
+    side: f64,
+    /// Upward faces that reach into each square.
+    squares: BTreeMap<[i64; 2], Vec<&'a [Vector3<f64>]>>,
+}
+
+/// The side from which the sun lights more of the terrain that the camera sees: 1 the viewer's right, -1 the left; 0 without
+/// terrain.
+pub(crate) fn sunny_side(terrain: &[RoundFace], camera: &Camera) -> f64 {
+    let ahead = camera.axes().forward;
+    let level = Vector3::new(ahead.x, ahead.y, 0.0).normalize();
+    let right = level.cross(&Vector3::z());
+    let seen = terrain.iter().map(|face| &face.corners);
+    let areas: Vec<_> = (seen.filter(|face| faces_eye(face, camera)))
+        .map(|face| area_vector(face))
+        .collect();
+    // as in scene.inc
+    let lit = |side: f64| {
+        let sun = -0.25 * level + 0.85 * side * right + 0.62 * Vector3::z();
+        areas
+            .iter()
+            .map(|area| area.dot(&sun).max(0.0))
+            .sum::<f64>()
+    };
+    match areas.is_empty() {
+        true => 0.0,
+        false if lit(-1.0) < lit(1.0) => 1.0,
+        false => -1.0,
+    }
+}
+
+impl<'a> GroundBelow<'a> {
+    /// In squares of a side, m.
+    pub fn new(terrain: &'a [RoundFace], side: f64) -> Self {
+        let mut squares: BTreeMap<_, Vec<_>> = BTreeMap::new();
+        let corners = terrain.iter().map(|face| face.corners.as_slice());
+        for face in corners.filter(|face| 0.0 < area_vector(face).z) {
+            let ends = |k: usize| {
+                let along = || face.iter().map(move |p| p[k] / side);
+                let (low, high) = (
+                    along().fold(f64::MAX, f64::min),
+                    along().fold(f64::MIN, f64::max),
+                );
+                low.floor() as i64..=high.floor() as i64
+            };
+            for (i, j) in ends(0).flat_map(|i| ends(1).map(move |j| (i, j))) {
+                squares.entry([i, j]).or_default().push(face);
+            }
+        }
+        Self { side, squares }
+    }
+
+    /// Whether a point is less than `reach` (m) above the ground, or below it.
+    pub fn is_near(&self, point: &[f32; 3], reach: f64) -> bool {
+        let x = Vector3::from(point.map(f64::from));
+        let square = [x.x, x.y].map(|along| (along / self.side).floor() as i64);
+        let faces = self.squares.get(&square).into_iter().flatten();
+        let height = |face: &[Vector3<f64>]| {
+            let (normal, first) = (area_vector(face), face[0]);
+            let is_over = (0..face.len()).all(|i| {
+                let (p, q) = (face[i], face[(i + 1) % face.len()]);
+                (q - p).cross(&(x - p)).z >= 0.0
+            });
+            is_over.then(|| (x - first).dot(&normal) / normal.z)
+        };
+        faces
+            .filter_map(|face| height(face))
+            .any(|height| height < reach)
+    }
 }
 
 /// Area times unit normal; m².
@@ -270,6 +378,68 @@ mod tests {
             assert!(stage.cut.is_empty());
             assert_eq!(stage.drawn.len(), 3);
         }
+    }
+
+    /// A roof of two faces at 90 degrees keeps its ridge, one at 20 degrees is drawn round.
+    #[test]
+    fn gentle_creases_are_round_and_sharp_ones_stay() {
+        for (half_deg, is_round) in [(45.0_f64, false), (10.0, true)] {
+            let drop = half_deg.to_radians().tan();
+            let corners = [[-1.0, 0.0, -drop], [0.0, 0.0, 0.0], [1.0, 0.0, -drop]];
+            let body = Body {
+                corners: (corners.iter().chain(&corners).enumerate())
+                    .map(|(k, &[x, y, z])| Vector3::new(x, y + if k < 3 { 0.0 } else { 1.0 }, z))
+                    .collect(),
+                faces: vec![vec![0, 1, 4, 3], vec![1, 2, 5, 4]],
+                is_terrain: true,
+                ..Body::default()
+            };
+            let ridge = body.rounded()[0].normals[1];
+            assert_eq!(
+                (ridge - Vector3::z()).norm() < 1e-12,
+                is_round,
+                "{half_deg}"
+            );
+        }
+    }
+
+    /// Seen from the south, a slope that falls to the east is lit from the right.
+    #[test]
+    fn the_sun_stands_where_the_slope_faces() {
+        let samples = [[0.0_f32; 3], [4.0, 4.0, 2.0]];
+        let camera = &Camera::fitted(&samples, 1.5)[0];
+        for (west, east, side) in [(2.0, 0.0, 1.0), (0.0, 2.0, -1.0)] {
+            let corners = [
+                [0.0, 0.0, west],
+                [4.0, 0.0, east],
+                [4.0, 4.0, east],
+                [0.0, 4.0, west],
+            ];
+            let slope = [RoundFace {
+                corners: corners.map(Vector3::from).to_vec(),
+                normals: Vec::new(),
+            }];
+            assert_eq!(sunny_side(&slope, camera), side);
+        }
+        assert_eq!(sunny_side(&[], camera), 0.0);
+    }
+
+    #[test]
+    fn points_close_above_the_ground_are_known() {
+        let slope = [
+            [0.0, 0.0, 0.0],
+            [4.0, 0.0, 2.0],
+            [4.0, 4.0, 2.0],
+            [0.0, 4.0, 0.0],
+        ];
+        let slope = [RoundFace {
+            corners: slope.map(Vector3::from).to_vec(),
+            normals: Vec::new(),
+        }];
+        let ground = GroundBelow::new(&slope, 0.7);
+        let near = |p: [f32; 3]| ground.is_near(&p, 0.5);
+        assert!(near([2.0, 1.0, 1.4]) && near([2.0, 1.0, 0.3]));
+        assert!(!near([2.0, 1.0, 1.6]) && !near([5.0, 1.0, 1.0]));
     }
 
     #[test]

@@ -13,6 +13,10 @@ const ELEVATION_DEG: f64 = 22.0;
 const TURN_DEG: f64 = 28.0;
 /// Horizontal angle of view of a fitted camera; degrees. Narrow enough that parallel lines look parallel.
 const FIELD_OF_VIEW_DEG: f64 = 30.0;
+/// Ratio of width to height below which a scene is a section, seen straight across.
+const THIN: f64 = 0.2;
+/// Elevation of the camera over a section: the edge of the floor just shows; degrees.
+const SECTION_ELEVATION_DEG: f64 = 4.0;
 /// Elevation of the camera over strips; degrees. Low, since a strip shows a section.
 const STRIP_ELEVATION_DEG: f64 = 9.0;
 /// Largest fraction of the picture filled by a fitted scene.
@@ -130,8 +134,8 @@ impl Camera {
         }
     }
 
-    /// Two cameras with all of `points` in view, rotated toward either end of the scene; one for a long scene.
-    /// The choice depends on the walls in the line of sight. Empty without points.
+    /// Two cameras with all of `points` in view, rotated toward either end of the scene; one for a long scene and for a
+    /// thin one. The choice depends on the walls in the line of sight. Empty without points.
     pub fn fitted(points: &[[f32; 3]], aspect: f64) -> Vec<Self> {
         let Some((low, high)) = bounds(points) else {
             return Vec::new();
@@ -143,8 +147,15 @@ impl Camera {
         if extent[long] > LONG * extent.z.max(extent[1 - long]) {
             return vec![strips(low, high, long, square_deg, aspect)];
         }
+        if extent[1 - long] < THIN * extent.z {
+            return vec![perspective(
+                points,
+                (square_deg, SECTION_ELEVATION_DEG),
+                aspect,
+            )];
+        }
         [TURN_DEG, -TURN_DEG]
-            .map(|turn| perspective(points, square_deg + turn, aspect))
+            .map(|turn| perspective(points, (square_deg + turn, ELEVATION_DEG), aspect))
             .to_vec()
     }
 
@@ -221,8 +232,12 @@ fn direction(azimuth_deg: f64, elevation_deg: f64) -> Vector3<f64> {
 /// Four planes bound the view. Along the picture's x, with t = tan(angle/2), a point at (x, depth)
 /// from the target is inside when |x - x_eye| <= t (depth + distance): the two extremes of
 /// x ± t depth determine the camera's x and its distance. Likewise for y; the larger distance governs.
-fn perspective(points: &[[f32; 3]], azimuth_deg: f64, aspect: f64) -> Camera {
-    let axes = Axes::looking(-direction(azimuth_deg, ELEVATION_DEG));
+fn perspective(
+    points: &[[f32; 3]],
+    (azimuth_deg, elevation_deg): (f64, f64),
+    aspect: f64,
+) -> Camera {
+    let axes = Axes::looking(-direction(azimuth_deg, elevation_deg));
     let tan_x = FILL * (0.5 * FIELD_OF_VIEW_DEG.to_radians()).tan();
     let fit = |axis: Vector3<f64>, tan: f64| {
         let (mut least, mut most) = (f64::INFINITY, f64::NEG_INFINITY);

@@ -1,6 +1,6 @@
 //! POV-Ray file of a frame.
 
-use super::body::{Body, Stage, in_panel};
+use super::body::{Body, RoundFace, Stage, in_panel, sunny_side};
 use super::camera::{Camera, Lens, Panel};
 use super::surface::Surface;
 use crate::picture::color::ColorMap;
@@ -183,6 +183,7 @@ fn head(pov: &mut Pov, setting: &Setting<'_>, time: f64) {
         ("Clear", pov.unit * setting.clear),
         ("Ground", pov.unit * setting.ground),
         ("Strips", strips as f64),
+        ("Sunny_Side", sunny_side(&setting.stage.terrain, camera)),
         ("Label_Distance", pov.unit * label_distance),
         ("Half_Width", pov.unit * half_width),
     ] {
@@ -224,12 +225,15 @@ fn head(pov: &mut Pov, setting: &Setting<'_>, time: f64) {
 /// Writes walls and terrain, and the outlines of cut walls.
 fn fixed(pov: &mut Pov, setting: &Setting<'_>, panel: &Panel) {
     let Stage { drawn, terrain, .. } = setting.stage;
-    for (faces, look) in [
-        (drawn, "texture { Riprap_Wall_Texture } no_shadow"),
-        (terrain, "texture { Riprap_Terrain_Texture }"),
-    ] {
-        let faces: Vec<_> = faces.iter().map(|p| in_panel(p, panel)).collect();
-        flat_mesh(pov, &faces, look);
+    let cut = |faces: &mut dyn Iterator<Item = &Vec<Vector3<f64>>>| -> Vec<_> {
+        faces.map(|p| in_panel(p, panel)).collect()
+    };
+    let walls = cut(&mut drawn.iter());
+    flat_mesh(pov, &walls, "texture { Riprap_Wall_Texture } no_shadow");
+    let look = "texture { Riprap_Terrain_Texture }";
+    match *panel == Panel::WHOLE {
+        true => round_mesh(pov, terrain, look),
+        false => flat_mesh(pov, &cut(&mut terrain.iter().map(|f| &f.corners)), look),
     }
     let radius = 0.0012 * setting.size;
     for polygon in &setting.stage.cut {
@@ -290,27 +294,48 @@ fn rock(pov: &mut Pov, setting: &Setting<'_>, body: &Body, panel: &Panel) {
 /// Convex polygons as fans of triangles, without normals: edges stay sharp.
 fn flat_mesh(pov: &mut Pov, polygons: &[Vec<Vector3<f64>>], texture: &str) {
     let solid: Vec<_> = polygons.iter().filter(|p| 3 <= p.len()).collect();
-    if solid.is_empty() {
+    fans(pov, solid.iter().map(|p| p.as_slice()), None, texture);
+}
+
+/// The same with normals, so that light changes gradually across edges.
+fn round_mesh(pov: &mut Pov, faces: &[RoundFace], texture: &str) {
+    let normals = faces.iter().flat_map(|face| &face.normals);
+    let normals: Vec<String> = normals
+        .map(|n| format!("<{:.4}, {:.4}, {:.4}>", n.x, n.y, n.z))
+        .collect();
+    let polygons = faces.iter().map(|face| face.corners.as_slice());
+    fans(pov, polygons, Some(normals), texture);
+}
+
+fn fans<'a>(
+    pov: &mut Pov,
+    polygons: impl Iterator<Item = &'a [Vector3<f64>]> + Clone,
+    normals: Option<Vec<String>>,
+    texture: &str,
+) {
+    let n_vertices: usize = polygons.clone().map(<[_]>::len).sum();
+    if n_vertices == 0 {
         return;
     }
-    let n_vertices: usize = solid.iter().map(|p| p.len()).sum();
     pov.line(format!("mesh2 {{\n vertex_vectors {{ {n_vertices},"));
-    let corners = solid.iter().flat_map(|p| p.iter());
+    let corners = polygons.clone().flatten();
     let corners: Vec<String> = corners.map(|&p| pov.place(p)).collect();
     pov.line(corners.join(",\n"));
-    pov.line(format!(
-        " }}\n face_indices {{ {},",
-        n_vertices - 2 * solid.len()
-    ));
+    if let Some(normals) = normals {
+        pov.line(format!(" }}\n normal_vectors {{ {},", normals.len()));
+        pov.line(normals.join(",\n"));
+    }
     let mut first = 0;
-    let mut fans = Vec::new();
-    for polygon in solid {
-        fans.extend(
-            (1..polygon.len() - 1).map(|i| format!("<{first}, {}, {}>", first + i, first + i + 1)),
+    let mut triangles = Vec::new();
+    for polygon in polygons {
+        // left-handed, as in POV-Ray, which computes its own normals where those of all corners are equal
+        triangles.extend(
+            (1..polygon.len() - 1).map(|i| format!("<{first}, {}, {}>", first + i + 1, first + i)),
         );
         first += polygon.len();
     }
-    pov.line(fans.join(",\n"));
+    pov.line(format!(" }}\n face_indices {{ {},", triangles.len()));
+    pov.line(triangles.join(",\n"));
     pov.line(format!(" }}\n {texture}\n}}"));
 }
 

@@ -116,8 +116,8 @@ pub(crate) fn survey(
         (camera.look_at - camera.eye).norm()
     };
     let spacing = spacing.unwrap_or(0.01 * size);
-    let drawn = stage.drawn.iter().chain(&stage.terrain).flatten();
-    let drawn = drawn.map(|p| p.z);
+    let terrain = stage.terrain.iter().map(|face| &face.corners);
+    let drawn = stage.drawn.iter().chain(terrain).flatten().map(|p| p.z);
     let ground = drawn.fold(low.z - 0.5 * spacing, f64::min);
     let speed_range = upper_end(&mut speeds);
     let view = match &camera.lens {
