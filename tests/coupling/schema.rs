@@ -79,13 +79,20 @@ fn wrong_scenes_are_not_valid() {
     }
 }
 
-/// The same question to an implementation by other hands, where Python has one.
+/// The same question to an implementation by other hands, where Python has one; RIPRAP_REQUIRE_JSONSCHEMA=1 makes its absence
+/// a failure.
 #[test]
 fn another_validator_agrees() {
     let has = Command::new("python3")
         .args(["-c", "import jsonschema"])
         .output();
     if !has.is_ok_and(|output| output.status.success()) {
+        let is_required =
+            std::env::var("RIPRAP_REQUIRE_JSONSCHEMA").is_ok_and(|value| value == "1");
+        assert!(
+            !is_required,
+            "no jsonschema, and RIPRAP_REQUIRE_JSONSCHEMA=1"
+        );
         println!("python3 has no jsonschema: not asked");
         return;
     }
