@@ -78,9 +78,14 @@ impl Coupler<'_> {
         progress.extremes.reliefs += n_relieved;
     }
 
-    /// Drags the particles in gaps along with the nearest wall, over a step of `dt` (s).
+    /// Drags the particles in gaps along with the nearest wall, over a step of `dt` (s); not those on springs, which have a step
+    /// and dashpots of their own.
     pub(super) fn drag_in_gaps(&mut self, fluid: &mut Fluid, dt: f64) {
-        let spacing = self.interface.settings().particle_spacing;
+        let settings = self.interface.settings();
+        if 0.0 < settings.stiffness {
+            return;
+        }
+        let spacing = settings.particle_spacing;
         // the sides of a plane flow, half a spacing from its particles, hold nothing
         let counts = |touch: &WallContact| !self.interface.is_across_plane(&touch.normal);
         let of_particles = (self.interface.touches()).chunk_by(|a, b| a.particle == b.particle);
