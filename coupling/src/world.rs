@@ -25,6 +25,7 @@ use crate::world::time_step::TimeStep;
 
 pub use accounts::FluidImpulses;
 pub use error::StepError;
+pub use guards::Holder;
 pub use progress::{Clock, Extremes, PhaseTimes};
 pub use water::{Water, WaterBoundaries};
 pub use weakening::Weakening;

@@ -153,6 +153,15 @@ fn progress_json_is_whole_at_every_moment_and_tells_of_a_stop() {
                 progress["eta_s"].is_f64() && progress["dt_limited_by"].is_string(),
                 "{progress}"
             );
+            // of a still tank under sound: the fastest particle, or none while the step grows
+            let holder = &progress["dt_held_by"];
+            match progress["dt_limited_by"].as_str() {
+                Some("sound") => assert!(holder["particle"]["id"].is_u64(), "{progress}"),
+                _ => assert!(
+                    holder.is_null() || holder["particle"]["id"].is_u64(),
+                    "{progress}"
+                ),
+            }
             #[cfg(target_os = "linux")]
             assert!(1_000_000 < progress["memory_bytes"].as_u64().unwrap());
         }

@@ -5,6 +5,7 @@ use std::io;
 use std::path::Path;
 use std::time::{SystemTime, UNIX_EPOCH};
 
+use riprap_sph::ParticleId;
 use serde::Serialize;
 
 use super::checkpoint_file::Written;
@@ -25,6 +26,21 @@ pub enum State {
     Interrupted,
     /// It stopped before its wall limit, and can be resumed.
     WallLimit,
+}
+
+/// A particle or block that sets a limit of the step.
+#[derive(Clone, Debug, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum HeldBy {
+    /// A particle.
+    Particle {
+        /// Its number, `Id` in frames.
+        id: ParticleId,
+        /// Its place; m.
+        at_m: [f64; 3],
+    },
+    /// A block by its name.
+    Block(String),
 }
 
 /// Content of `progress.json`.
@@ -52,6 +68,8 @@ pub struct ProgressFile {
     pub dt_s: Option<f64>,
     /// Limit that governed it, as in `summary.json`.
     pub dt_limited_by: Option<Cause>,
+    /// The particle or block by which that limit is as short as it is now.
+    pub dt_held_by: Option<HeldBy>,
     /// Recent steps per second of wall time; 1/s.
     pub steps_per_s: Option<f64>,
     /// Wall time left of the whole run; s.

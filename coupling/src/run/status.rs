@@ -4,9 +4,10 @@ use std::time::{Duration, Instant};
 
 use super::{Ending, Place, Progress, Run, RunError};
 use crate::output::checkpoint_file::Written;
-use crate::output::progress_file::{ProgressFile, State};
+use crate::output::progress_file::{HeldBy, ProgressFile, State};
 use crate::output::summary::{memory, peak_memory};
-use crate::world::time_step::TimeStep;
+use crate::world::Holder;
+use crate::world::time_step::{Cause, TimeStep};
 
 /// Wall time between two versions of `progress.json`.
 const INTERVAL: Duration = Duration::from_secs(1);
@@ -87,6 +88,16 @@ impl Run<'_> {
         }
     }
 
+    fn held_by(&self, cause: Cause) -> Option<HeldBy> {
+        self.world.holder(cause).map(|holder| match holder {
+            Holder::Particle(id, at) => HeldBy::Particle {
+                id,
+                at_m: at.into(),
+            },
+            Holder::Block(block) => HeldBy::Block(self.scene.block_names[block].clone()),
+        })
+    }
+
     /// Writes `progress.json`, unless the run is in memory. It is no result: a run goes on without it where it cannot be written.
     pub(super) fn write_progress(&mut self, ending: Option<&Result<Ending, RunError>>) {
         if self.observers.is_none() {
@@ -116,6 +127,7 @@ impl Run<'_> {
             share: (self.position() / (self.settling() + self.scene.duration)).min(1.0),
             dt_s: last.map(|last| last.dt),
             dt_limited_by: last.map(|last| last.cause),
+            dt_held_by: last.and_then(|last| self.held_by(last.cause)),
             steps_per_s: last.map(|last| last.steps_per_second),
             eta_s: last.filter(|_| ending.is_none()).and_then(|last| last.left),
             wall_time_s: self.wall_time(),

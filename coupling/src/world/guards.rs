@@ -1,6 +1,6 @@
 //! Guards of a step: its limits, and states that no step may leave behind.
 
-use riprap_sph::{ParticleId, Vec3};
+use riprap_sph::{ParticleId, Particles, Vec3};
 
 use crate::world::time_step::{Cause, Limits, TimeStep};
 use crate::world::{StepError, World};
@@ -10,6 +10,15 @@ const LARGEST_MACH: f64 = 1.0;
 
 /// The part of the duration below which a step is refused.
 const SMALLEST_STEP_SHARE: f64 = 1e-9;
+
+/// A particle or block that sets a limit of the step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Holder {
+    /// A particle, and where it is; m.
+    Particle(ParticleId, Vec3),
+    /// A block by its number.
+    Block(usize),
+}
 
 impl World {
     /// Limits of the step at the present state.
@@ -28,6 +37,22 @@ impl World {
         Limits {
             common,
             blocks: self.blocks.critical_time_step().dt,
+        }
+    }
+
+    /// The particle or block by which a limit is as short as it is now, where it is a single one.
+    pub fn holder(&self, cause: Cause) -> Option<Holder> {
+        let of_particles = |size: fn(&Particles, usize) -> f64| {
+            let particles = self.water.as_ref()?.fluid.particles();
+            let sizes = (0..particles.len()).map(|a| (size(particles, a), a));
+            let (_, a) = sizes.max_by(|one, other| one.0.total_cmp(&other.0))?;
+            Some(Holder::Particle(particles.id[a], particles.position[a]))
+        };
+        match cause {
+            Cause::Sound => of_particles(|particles, a| particles.velocity[a].norm_squared()),
+            Cause::Force => of_particles(|particles, a| particles.acceleration[a].norm_squared()),
+            Cause::Contact => self.blocks.critical_time_step().block.map(Holder::Block),
+            Cause::Viscosity | Cause::Wall | Cause::Duration | Cause::Growth => None,
         }
     }
 
