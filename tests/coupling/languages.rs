@@ -6,6 +6,7 @@ mod quantities;
 use std::fmt::Write as _;
 use std::path::PathBuf;
 
+use proptest::prelude::*;
 use riprap::scene::access::Access;
 use riprap::scene::error::{Located, Severity};
 use riprap::scene::file::SceneFile;
@@ -68,6 +69,30 @@ fn cases_read_alike_in_every_language() {
         ] {
             let read = parse::read_in(text, syntax);
             assert_eq!(read.as_ref(), Ok(&scene), "{path:?} {syntax:?}\n{text}");
+        }
+    }
+}
+
+proptest! {
+    /// Whatever is typed into a scene, it is read or refused at a place inside of it.
+    #[test]
+    fn a_damaged_scene_is_refused_at_its_place(
+        place in 0.0..1.0f64,
+        length in 0..6usize,
+        typed in "[-:{}\\[\\],\"'&*!|>%@#~ \\n\\t0-9a-zé]{0,4}",
+        language in 0..3usize,
+    ) {
+        let wedge = std::fs::read_to_string(crate::support::case("sliding_wedge.ron")).unwrap();
+        let languages = [(Syntax::Json, JSON), (Syntax::Yaml, YAML), (Syntax::Ron, &wedge)];
+        let (syntax, whole) = languages[language];
+        let letters: Vec<char> = whole.chars().collect();
+        let from = (letters.len() as f64 * place) as usize;
+        let rest = letters.iter().skip(from + length);
+        let text: String = letters[..from].iter().chain(&typed.chars().collect::<Vec<_>>()).chain(rest).collect();
+        if let Err(error) = parse::read_in(&text, syntax) {
+            prop_assert!(!error.message.is_empty());
+            prop_assert!(error.span.start <= error.span.end && error.span.end <= text.len(), "{:?} of {}", error.span, text.len());
+            prop_assert!(text.is_char_boundary(error.span.start) && text.is_char_boundary(error.span.end));
         }
     }
 }
