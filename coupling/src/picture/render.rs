@@ -266,22 +266,25 @@ fn scene_text(
         WaterLook::Surface => {
             let spacing = survey.spacing as f32;
             let is_stray = surface::strays(&points, spacing);
-            let of_kind = |stray: bool| {
-                let same = points.iter().zip(&is_stray).filter(|&(_, &s)| s == stray);
-                same.map(|(p, _)| *p).collect::<Vec<_>>()
-            };
-            let mut spray = of_kind(true);
-            // what is left behind on a shore wets it; drawn as spheres it would be a string of pearls
+            let of_water = points.iter().zip(&is_stray).filter(|&(_, &stray)| !stray);
+            let of_water: Vec<[f32; 3]> = of_water.map(|(p, _)| *p).collect();
             let terrain = &survey.stage.terrain;
             let ground = GroundBelow::new(terrain, f64::max(survey.spacing, 1e-3 * survey.size));
-            spray.retain(|drop| !ground.is_near(drop, survey.spacing));
+            // what is left behind on a shore wets it; drawn as spheres it would be a string of pearls
+            let is_left = |a: usize| {
+                let is_slow = speeds
+                    .as_ref()
+                    .is_some_and(|speeds| speeds[a] < slow(spacing));
+                is_slow && ground.is_near(&points[a], survey.spacing)
+            };
+            let strays = (0..points.len()).filter(|&a| is_stray[a] && !is_left(a));
+            let spray: Vec<[f32; 3]> = strays.map(|a| points[a]).collect();
             summary.spray += spray.len();
-            let surface = surface::surface(&of_kind(false), spacing).map_err(|reason| {
-                RenderError::Surface {
+            let surface =
+                surface::surface(&of_water, spacing).map_err(|reason| RenderError::Surface {
                     frame: number,
                     reason,
-                }
-            })?;
+                })?;
             pov::Water::Surface(surface, spray)
         }
     };
@@ -291,6 +294,11 @@ fn scene_text(
         &water,
         &bodies,
     ))
+}
+
+/// Speed of water that is left behind on a shore: up to half of that of waves as shallow as a particle; m/s.
+fn slow(spacing: f32) -> f32 {
+    0.5 * (9.81 * spacing).sqrt()
 }
 
 /// Mean time between frames; `None` for a single one.
