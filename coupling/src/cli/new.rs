@@ -135,8 +135,9 @@ fn report(draft: &Draft, path: &Path) -> Exit {
             if !warnings.located().is_empty() {
                 told::problems(&warnings);
             }
+            let typed = as_typed(path);
             say(&format!(
-                "wrote {shown}; next: riprap check {shown}, riprap run {shown}"
+                "wrote {shown}; next: riprap check {typed}, riprap run {typed}"
             ));
             Exit::Done
         }
@@ -145,6 +146,16 @@ fn report(draft: &Draft, path: &Path) -> Exit {
             report_scene_error(&error);
             Exit::BadInput
         }
+    }
+}
+
+/// A path as a shell takes it, in quotes where it needs them.
+fn as_typed(path: &Path) -> String {
+    let shown = path.display().to_string();
+    let is_plain = |c: char| c.is_alphanumeric() || "._-+/\\:".contains(c);
+    match shown.chars().all(is_plain) {
+        true => shown,
+        false => format!("\"{shown}\""),
     }
 }
 
@@ -193,6 +204,12 @@ fn name_beside(file: &Path, path: &Path) -> Result<String, String> {
 #[expect(clippy::unwrap_used, reason = "a test may fail")]
 mod tests {
     use super::*;
+
+    #[test]
+    fn paths_with_blanks_are_quoted() {
+        assert_eq!(as_typed(Path::new("runs/my-1.ron")), "runs/my-1.ron");
+        assert_eq!(as_typed(Path::new("my scene.ron")), "\"my scene.ron\"");
+    }
 
     #[test]
     fn files_are_named_from_the_folder_of_the_scene() {

@@ -400,12 +400,9 @@ mod tests {
         crowd(&mut world, 8, Vec3::new(0.1, 0.2, 0.02), VELOCITY);
         let (before, momentum) = (world.energy().kinetic, world.momentum());
         drag(&mut world, DT);
-        assert!(
-            motion(&world)
-                .0
-                .iter()
-                .all(|v| v.norm() < 0.1 * VELOCITY.norm())
-        );
+        // e^-2.6 is 0.07, and the plate, twenty times as heavy as the water, moves along
+        let slowed = |v: &Vec3| v.norm() < 0.2 * VELOCITY.norm();
+        assert!(motion(&world).0.iter().all(slowed));
         let change = (world.momentum() - momentum).norm();
         assert!(change < 1e-14 * momentum.norm(), "{change}");
         let (lost, booked) = (before - world.energy().kinetic, world.energy().pushed_back);
