@@ -22,6 +22,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+from walls import print_walls
+
 CASES = Path(__file__).resolve().parents[2] / "cases"
 G = 9.81
 ROWS = ["still", "masses", "spacings", "sleeping", "energy"]
@@ -61,6 +63,7 @@ def run(args, name, case, *settings):
             sys.exit(f"{name}: {done.stderr}")
         used = after.children_user + after.children_system - before.children_user - before.children_system
         (folder / "ended").write_text(f"{used:.1f}\n")
+    print_walls(name, folder)
     return Run(folder)
 
 

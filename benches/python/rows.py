@@ -13,6 +13,7 @@ import matplotlib
 
 matplotlib.use("svg")
 import matplotlib.pyplot as plt  # noqa: E402
+from walls import print_walls  # noqa: E402
 
 WALLS = {"Penalty": "W1", "Particles": "W2", "Integral": "W3"}
 COLORS = {"Penalty": "tab:orange", "Particles": "tab:blue", "Integral": "tab:green"}
@@ -90,7 +91,10 @@ def run(args, case, walls, name, settings=()):
             print(f"{name} {WALLS[walls]}: refused, see {folder}.log", file=sys.stderr)
             return None
         done.write_text(f"{os.waitstatus_to_exitcode(status)} {used.ru_utime + used.ru_stime:.2f}\n")
-    return Run(folder) if done.exists() else None
+    if not done.exists():
+        return None
+    print_walls(f"{name} {WALLS[walls]}", folder)
+    return Run(folder)
 
 
 def figure(n_panels, height=1.6):

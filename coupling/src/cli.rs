@@ -24,6 +24,7 @@ use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use clap::error::ErrorKind;
 use clap::{CommandFactory, Parser, Subcommand};
 
 use crate::messages::{Code, Message};
@@ -123,15 +124,18 @@ pub fn execute(arguments: impl IntoIterator<Item = OsString>, program: &Program)
             }
             exit
         }
-        Err(error) => {
-            // help and version come this way, too
+        // help and version come this way, too
+        Err(error)
+            if !error.use_stderr()
+                || error.kind() == ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand =>
+        {
             let _ = error.print();
-            if error.use_stderr() {
-                Exit::BadInput
-            } else {
-                Exit::Done
+            match error.use_stderr() {
+                true => Exit::BadInput,
+                false => Exit::Done,
             }
         }
+        Err(error) => told::misused(&error),
     };
     exit.code()
 }

@@ -7,6 +7,7 @@
 pub mod added_mass;
 mod cutting;
 mod endless;
+pub mod gap;
 pub mod integral;
 pub(crate) mod part_table;
 pub mod particles;

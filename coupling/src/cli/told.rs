@@ -29,6 +29,15 @@ pub(crate) fn refused(fault: impl Coded) -> Exit {
     Exit::BadInput
 }
 
+/// Reports arguments that cannot be used, with those that can be.
+pub(crate) fn misused(fault: &clap::Error) -> Exit {
+    let text = fault.render().to_string();
+    keep(Code::UnusableArgument);
+    say(&with_code(text.trim_end(), Code::UnusableArgument));
+    way_on().iter().for_each(|line| say(line));
+    Exit::BadInput
+}
+
 /// Reports a failure.
 pub(crate) fn failed(fault: impl Coded) -> Exit {
     say(&format!("error: {}", coded(&fault)));

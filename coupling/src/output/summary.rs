@@ -115,6 +115,8 @@ pub struct Summary {
     pub blocks_escaped: u64,
     /// Largest penetration of a particle into a solid over the spacing.
     pub max_wall_penetration_over_spacing: f64,
+    /// Gap between walls and the first row of particles at the end over the spacing; `None` without water at walls.
+    pub wall_gap_over_spacing: Option<f64>,
     /// Largest overlap of blocks over their size.
     pub max_block_overlap_over_size: f64,
     /// Unexplained momentum over the momentum exchanged.

@@ -11,6 +11,7 @@ use crate::output::peaks::peaks;
 use crate::output::summary::{Summary, TimeByPhase, peak_memory};
 use crate::scene::resolve::Scene;
 use crate::walls::Walls;
+use crate::walls::gap::gap_over_spacing;
 use crate::world::time_step::{CAUSES, Cause};
 
 impl Run<'_> {
@@ -91,6 +92,9 @@ impl Run<'_> {
             reliefs: extremes.reliefs,
             blocks_escaped: extremes.blocks_removed,
             max_wall_penetration_over_spacing: extremes.max_wall_penetration_over_spacing,
+            wall_gap_over_spacing: water.and_then(|water| {
+                gap_over_spacing(water.interface.settings(), blocks, &water.fluid)
+            }),
             max_block_overlap_over_size: blocks.max_overlap_over_size(),
             momentum_residual: world.momentum_residual(),
             energy: world.energy(),

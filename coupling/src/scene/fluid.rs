@@ -172,7 +172,7 @@ fn sound_speed(file: &SceneFile, fastest: f64, problems: &mut Vec<Problem>) -> f
             "numerics.sound_speed",
             format!(
                 "{given:.3} m/s is less than {ratio} times the fastest expected speed of \
-                 {fastest:.3} m/s: density will vary by {:.1} %; raise it to {:.1} m/s",
+                 {fastest:.3} m/s: density will vary by up to {:.1} %; raise it to {:.1} m/s",
                 100.0 * (fastest / given).powi(2),
                 ratio * fastest,
             ),

@@ -175,8 +175,8 @@ fn page() -> String {
     }
     text.push_str(
         "\nEvery command has `--help`, in short `-h`; `riprap --version`, in short `-V`, prints the version.\n\n\
-         Exit codes, of every command: 0 done, 1 the run failed, 2 wrong usage or scene, 130 interrupted. Ctrl-C finishes \
-         the step and writes all output first.\n",
+         Exit codes, of every command: 0 done, 1 the run failed, 2 wrong usage or scene, 4 stopped at the wall limit, 130 \
+         interrupted. Ctrl-C finishes the step and writes all output first.\n",
     );
     for command in visible(&program) {
         describe(command, "riprap", 2, &mut text);

@@ -17,7 +17,7 @@ pub(super) fn warning(scene: &Scene) -> Option<Message> {
     (LARGEST_MACH * (1.0 + ROUND_OFF) < mach).then(|| {
         let words = format!(
             "the water may reach {speed:.2} m/s, Mach {mach:.2} of the speed of sound of {sound:.2} m/s (at most {LARGEST_MACH} \
-             is advised): its density changes by {:.0} % and impacts are those of sound, rho c u; where they matter let \
+             is advised): its density rises by {:.0} % where it is stopped, and impacts are those of sound, rho c u; where they matter let \
              numerics.expected_speed be {speed:.2}",
             50.0 * mach * mach
         );

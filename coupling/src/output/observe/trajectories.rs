@@ -21,7 +21,7 @@ use crate::world::ground::Ground;
 const STRETCHES: f64 = 200.0;
 
 /// Columns of `trajectories.csv`: one row per block and time.
-const SAMPLE_COLUMNS: [(&str, &str); 10] = [
+const SAMPLE_COLUMNS: [(&str, &str); 14] = [
     ("time", "s"),
     ("block", "-"),
     ("x", "m"),
@@ -31,6 +31,11 @@ const SAMPLE_COLUMNS: [(&str, &str); 10] = [
     ("distance", "m"),
     ("height", "m"),
     ("kinetic_energy", "J"),
+    // attitude: the turn since the start
+    ("qx", "-"),
+    ("qy", "-"),
+    ("qz", "-"),
+    ("qw", "-"),
     ("name", ""),
 ];
 
@@ -198,18 +203,14 @@ impl Observer for Trajectories {
             track.max_speed = track.max_speed.max(track.end_speed);
             track.max_kinetic_energy = track.max_kinetic_energy.max(kinetic_energy);
             track.record_height(height, self.stretch);
-            self.samples.cells(&[
-                Cell::Number(world.time()),
-                Cell::Whole(track.block),
-                Cell::Number(x.x),
-                Cell::Number(x.y),
-                Cell::Number(x.z),
-                Cell::Number(track.path_length),
-                Cell::Number(track.run_out()),
-                Cell::Number(height),
-                Cell::Number(kinetic_energy),
-                name_of(&self.names, track.block),
-            ])?;
+            let turn = blocks.orientation(track.block).coords;
+            let numbers = [track.path_length, track.run_out(), height, kinetic_energy];
+            let numbers = x.iter().chain(&numbers).chain(turn.iter()).copied();
+            let cells = [Cell::Number(world.time()), Cell::Whole(track.block)]
+                .into_iter()
+                .chain(numbers.map(Cell::Number))
+                .chain(std::iter::once(name_of(&self.names, track.block)));
+            self.samples.cells(&cells.collect::<Vec<_>>())?;
         }
         self.schedule.done(world.time());
         Ok(())

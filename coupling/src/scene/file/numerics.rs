@@ -47,8 +47,8 @@ pub struct NumericsFile {
     #[schemars(extend("x-unit" = "-"))]
     pub smoothing_length_ratio: Option<f64>,
     /// Numerical speed of sound; m/s. Seven times the fastest expected speed when left out, five with `Preview`, fourteen with
-    /// `Reference`, ten with `Mueller2003`. The time step is proportional to its inverse, and density changes by about the square
-    /// of the flow's speed over it.
+    /// `Reference`, ten with `Mueller2003`. The time step is proportional to its inverse, and density changes by half to all of
+    /// the square of the flow's speed over it.
     #[serde(default)]
     #[schemars(extend("x-unit" = "m/s"))]
     pub sound_speed: Option<f64>,
@@ -57,7 +57,8 @@ pub struct NumericsFile {
     #[serde(default)]
     #[schemars(extend("x-unit" = "m/s", "exclusiveMinimum" = 0))]
     pub expected_speed: Option<f64>,
-    /// Time step over the fluid's stability limit, above 0 and at most 1. When left out, 1.0, with `Mueller2003` 0.5.
+    /// Time step over the longest that the scheme takes, which is 0.65 of the fluid's stability limit and with `Mueller2003` all of it;
+    /// above 0 and at most 1. When left out, 1.0, with `Mueller2003` 0.5.
     #[serde(default)]
     #[schemars(extend("x-unit" = "-", "exclusiveMinimum" = 0, "maximum" = 1))]
     pub time_step_factor: Option<f64>,
@@ -67,7 +68,7 @@ pub struct NumericsFile {
     /// Sleep of water at rest until it is disturbed; all water is computed when left out.
     #[serde(default)]
     pub sleeping: Option<SleepingFile>,
-    /// Sub-step over the blocks' stability limit, above 0 and at most 1. 0.8 when left out.
+    /// Sub-step over a bound that is never above the blocks' stability limit, above 0 and at most 1. 0.8 when left out.
     #[serde(default)]
     #[schemars(extend("x-unit" = "-", "exclusiveMinimum" = 0, "maximum" = 1))]
     pub block_time_step_factor: Option<f64>,

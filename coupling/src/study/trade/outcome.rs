@@ -43,6 +43,10 @@ pub struct Cost {
     pub pair_interactions: f64,
     /// Contact points evaluated.
     pub contact_updates: f64,
+    /// Deepest particle in a solid over the spacing; `None` in records of older runs.
+    pub max_wall_penetration_over_spacing: Option<f64>,
+    /// Gap between walls and water over the spacing; `None` without such water, and in records of older runs.
+    pub wall_gap_over_spacing: Option<f64>,
 }
 
 /// One of the costs of a run.

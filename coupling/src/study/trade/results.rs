@@ -211,8 +211,12 @@ pub fn front_table(study: &Study, all: &[Outcome]) -> String {
     lines(study, all, &fronts, &rows)
 }
 
+/// Heads of columns that older tables do not have.
+const PENETRATION: &str = "max_wall_penetration [dp]";
+const WALL_GAP: &str = "wall_gap [dp]";
+
 /// Heads of the columns that follow those of the knobs.
-const HEADS: [&str; 14] = [
+const HEADS: [&str; 16] = [
     "value",
     "error [-]",
     "stable",
@@ -223,6 +227,8 @@ const HEADS: [&str; 14] = [
     "pair_interactions",
     "contact_updates",
     "peak_memory [B]",
+    PENETRATION,
+    WALL_GAP,
     "on_front_by_time",
     "on_front_by_work",
     "run",
@@ -252,6 +258,8 @@ fn cells(study: &Study, found: &Outcome, fronts: &Fronts, row: usize) -> Vec<Str
         particle_steps,
         pair_interactions,
         contact_updates,
+        max_wall_penetration_over_spacing,
+        wall_gap_over_spacing,
     } = found.cost;
     cells.extend([
         number(found.value),
@@ -264,6 +272,8 @@ fn cells(study: &Study, found: &Outcome, fronts: &Fronts, row: usize) -> Vec<Str
         number(Some(pair_interactions)),
         number(Some(contact_updates)),
         number(Some(peak_memory)),
+        number(max_wall_penetration_over_spacing),
+        number(wall_gap_over_spacing),
         flag(fronts.by_time.contains(&row)),
         flag(fronts.by_work.contains(&row)),
         found.key.clone(),
@@ -300,6 +310,7 @@ fn outcome(study: &StudyFile, row: &TextRow<'_>) -> Result<Option<Outcome>, Tabl
         choice.push(place);
     }
     let number = |head: &str| row.number(head);
+    let if_there = |head: &str| number(head).ok().filter(|x| x.is_finite());
     Ok(Some(Outcome {
         choice,
         value: Some(number("value")?).filter(|x| x.is_finite()),
@@ -312,6 +323,8 @@ fn outcome(study: &StudyFile, row: &TextRow<'_>) -> Result<Option<Outcome>, Tabl
             pair_interactions: number("pair_interactions")?,
             contact_updates: number("contact_updates")?,
             peak_memory: number("peak_memory [B]")?,
+            max_wall_penetration_over_spacing: if_there(PENETRATION),
+            wall_gap_over_spacing: if_there(WALL_GAP),
         },
         key: row.text("run")?.to_owned(),
         message: row.text("message")?.to_owned(),
