@@ -449,7 +449,8 @@ fn both_figures_and_the_field_are_told_where_a_machine_is_too_small() {
     let said = on(needed as u64 - 1).unwrap_err();
     let both = format!("the run needs up to {:.0} MB: water", (needed / 1e6).ceil());
     assert!(said.contains(&both), "{said}");
-    assert!(said.contains("the machine has 0.02"), "{said}");
+    let there = format!("the machine has {:.3} GB", needed / 1e9);
+    assert!(said.contains(&there), "{said}");
     assert!(said.contains("coarsen `fluid.resolution`"), "{said}");
     // before the water is filled in
     let said = on(500_000).unwrap_err();
