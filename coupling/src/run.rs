@@ -127,6 +127,8 @@ pub struct Run<'a> {
     counters: Counters,
     costs: Costs,
     last_good: Option<LastGoodState>,
+    /// States kept since the program started.
+    n_kept: u64,
     started: Instant,
     checkpoint_interval: Duration,
     last_checkpoint: Instant,
@@ -194,6 +196,7 @@ impl<'a> Run<'a> {
             world,
             costs: Costs::default(),
             last_good: None,
+            n_kept: 0,
             started: Instant::now(),
             checkpoint_interval: Duration::MAX,
             last_checkpoint: Instant::now(),
@@ -412,7 +415,8 @@ impl<'a> Run<'a> {
             .last_good
             .as_ref()
             .is_some_and(|good| (good.place.is_settling, good.place.steps) == (is_settling, steps));
-        let is_due = LastGoodState::is_due(steps, &self.world);
+        // a run that was stopped between two of them resumes there, and needs one to fall back to
+        let is_due = self.last_good.is_none() || LastGoodState::is_due(steps, &self.world);
         is_due && !is_known && !self.counters.reduction.is_on(time)
     }
 
@@ -425,12 +429,25 @@ impl<'a> Run<'a> {
             .map_or_else(Vec::new, |good| good.state);
         state.clear();
         self.last_good = Some(LastGoodState::new(self.save(state)?, self.place()));
+        self.n_kept += 1;
         self.costs.guards += start.elapsed().as_secs_f64();
         let is_first = self.wall_limit.is_some() && !self.reserve.knows_checkpoint();
         if is_first || self.checkpoint_interval <= self.last_checkpoint.elapsed() {
             self.write_checkpoint()?;
         }
         Ok(())
+    }
+
+    /// Keeps the present state of a run that stops before it has kept another than the one it began with: a job that is shorter than
+    /// the interval of these would begin there again, and the next one, too.
+    fn keep_progress(&mut self, ending: &Result<Ending, RunError>) -> Result<(), RunError> {
+        let is_reduced = self.counters.reduction.is_on(self.place().time);
+        match ending {
+            Ok(Ending::Interrupted | Ending::OutOfTime) if self.n_kept <= 1 && !is_reduced => {
+                self.keep_good()
+            }
+            _ => Ok(()),
+        }
     }
 
     /// Writes the last good state to disk, unless it is there.
@@ -542,13 +559,14 @@ impl<'a> Run<'a> {
         let completed = matches!(ending, Ok(Ending::Completed));
         let kept = if completed {
             // from here the run may be taken further
-            let kept = self.write_checkpoint();
+            let kept = self.write_checkpoint().map_err(RunError::from);
             // a leftover file of a completed run is harmless
             let _ = checkpoint::remove_previous(&self.folder);
             kept
         } else {
             // before anything else is written, which the checkpoint does not know of
-            let kept = self.write_checkpoint();
+            let kept = self.keep_progress(&ending);
+            let kept = kept.and(self.write_checkpoint().map_err(RunError::from));
             if let Some(observers) = &mut self.observers {
                 observers.observe_last(&self.world);
             }
@@ -684,6 +702,40 @@ mod tests {
             );
         }
         assert!(!folder.path().join(run_folder::frame("water", 6)).exists());
+    }
+
+    /// Jobs of seven steps, each resumed where the one before it stopped.
+    #[test]
+    fn jobs_shorter_than_the_interval_of_states_get_on() {
+        let whole = {
+            let mut scene = scene();
+            let mut run = Run::in_memory(&mut scene).unwrap();
+            (0..21).for_each(|_| drop(run.step().unwrap()));
+            run.world.state_hash()
+        };
+        let folder = tempfile::tempdir().unwrap();
+        let mut hash = String::new();
+        for job in 1..=3 {
+            let from = checkpoint::newest(folder.path(), &Default::default()).unwrap();
+            let mut scene = scene();
+            let plan = Plan {
+                from: from.map(|(checkpoint, _)| checkpoint),
+                ..plan(folder.path())
+            };
+            let mut run = Run::start(&mut scene, plan).unwrap();
+            let stop = AtomicBool::new(false);
+            let ending = run.until(&stop, &mut |event| match event {
+                Event::Step(progress) if progress.steps == 7 * job => {
+                    stop.store(true, Ordering::Relaxed);
+                }
+                _ => {}
+            });
+            let (summary, ending) = run.finish(ending).unwrap();
+            assert_eq!(ending, Ending::Interrupted);
+            assert_eq!((summary.steps, summary.resumed), (7 * job, job - 1));
+            hash = summary.state_hash;
+        }
+        assert_eq!(hash, whole);
     }
 
     #[test]
