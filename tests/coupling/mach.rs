@@ -40,11 +40,11 @@ fn warning(text: &str) -> Option<String> {
 
 #[test]
 fn a_dam_break_is_told_its_mach_number_and_still_water_is_not() {
-    // front at 2 sqrt(g H), sound at 7 sqrt(g H) where it is chosen: 2/7; density by half of its square, 4 %
+    // front at 2 sqrt(g H), sound at 7 sqrt(g H) where it is chosen: 2/7; density, where it is stopped, by half of its square, 4 %
     let broken = warning(&tank(0.6, "")).unwrap();
     println!("{broken}");
     assert!(
-        broken.contains("may reach 4.43 m/s, Mach 0.29") && broken.contains("changes by 4 %"),
+        broken.contains("may reach 4.43 m/s, Mach 0.29") && broken.contains("rises by 4 %"),
         "{broken}"
     );
     // what it advises is enough: 1/7
