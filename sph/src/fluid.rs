@@ -107,6 +107,8 @@ pub struct Fluid {
     from_walls: f64,
     /// Energy of compression taken by density diffusion since the ledger was opened; J.
     pub(crate) diffusive_loss: f64,
+    /// Energy of compression withheld from crowded particles since the ledger was opened; J.
+    withheld_loss: f64,
     removed: Removed,
     /// Force of the planes of symmetry at the last evaluation; N.
     pub(crate) plane_force: Vec3,
@@ -186,6 +188,7 @@ impl Fluid {
             bulk_loss: 0.0,
             from_walls: 0.0,
             diffusive_loss: 0.0,
+            withheld_loss: 0.0,
             removed: Removed::default(),
             plane_force: Vec3::zeros(),
             reflected: Vec3::zeros(),

@@ -7,6 +7,7 @@
 
 mod bulk;
 mod conservation;
+mod crowding;
 mod drops;
 mod flow;
 mod invariants;

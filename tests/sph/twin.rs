@@ -322,12 +322,13 @@ impl Twin {
         let gradients = twin_gradients(crowd, fluid, &kernel);
         for a in 0..n {
             let (mut spread, mut divergence) = (Vec3::zeros(), 0.0);
+            let (mut flow, mut diffusion) = (0.0, 0.0);
             for (b, d, r) in crowd.near(p.position[a], &p.position) {
                 let jump = p.velocity[a] - p.velocity[b];
                 let joint = p.pressure[a] + p.pressure[b];
                 twin.acceleration[a] += pair(&d, r, joint, &jump) * (volume(b) / p.density[a]);
                 let w = volume(b) * kernel.gradient_factor(r);
-                twin.rate[a] += p.density[a] * w * jump.dot(&d);
+                flow += p.density[a] * w * jump.dot(&d);
                 let rise = p.density[b] - p.density[a];
                 let part = -2.0 * r * r / (r * r + 0.01 * H * H);
                 let (delta, psi) = match s.scheme.diffusion {
@@ -340,7 +341,7 @@ impl Twin {
                         (delta, part * rise - (gradients[a] + gradients[b]).dot(&d))
                     }
                 };
-                twin.rate[a] += delta * H * C0 * w * psi;
+                diffusion += delta * H * C0 * w * psi;
                 spread += d * w;
                 divergence -= w * r * r;
                 twin.n_found[a] += 1;
@@ -351,11 +352,14 @@ impl Twin {
                 twin.acceleration[a] += force * (volumes[b] / p.density[a]);
                 twin.reaction[b] -= force * (volumes[b] * volume(a));
                 let w = volumes[b] * kernel.gradient_factor(r);
-                twin.rate[a] += p.density[a] * w * (p.velocity[a] - walls[b][1]).dot(&d);
+                flow += p.density[a] * w * (p.velocity[a] - walls[b][1]).dot(&d);
                 spread += d * w;
                 divergence -= w * r * r;
                 twin.n_found[a] += 1;
             }
+            // crowded water
+            let sound = (1.25 * dims / divergence.max(1.25 * dims)).powf(1.5);
+            twin.rate[a] = sound * (sound * flow + diffusion);
             let none = if dims == 2.0 { 1.5 } else { 2.75 };
             let fade = ((divergence - none) / (dims - none)).clamp(0.0, 1.0);
             twin.shift[a] = spread * (-2.0 * H * fade);

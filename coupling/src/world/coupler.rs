@@ -34,8 +34,6 @@ pub(super) struct Coupler<'a> {
     substeps_taken: u32,
     /// Time over which blocks have the loads at the start in advance, in a predicted middle; s.
     in_advance: Option<f64>,
-    /// Time over which particles crowded in gaps are still to be dragged; s.
-    drag_due: f64,
 }
 
 /// End of a step without a new state.
@@ -93,7 +91,6 @@ impl World {
             block_substeps,
             substeps_taken: 0,
             in_advance: None,
-            drag_due: 0.0,
         };
         match part(fluid, &mut coupler) {
             Ok(()) => Ok(coupler.substeps_taken),
@@ -203,7 +200,6 @@ impl Boundary for Coupler<'_> {
             self.stop_on_the_way(fluid, dt);
             self.stop_penetrations(fluid);
             self.relieve_crushed(fluid);
-            self.drag_due = dt;
         }
         if let Some(walls) = &mut *self.walls {
             match stage {
@@ -248,8 +244,6 @@ impl Boundary for Coupler<'_> {
     }
 
     fn continue_pressure(&mut self, fluid: &mut Fluid) {
-        let drag_due = std::mem::take(&mut self.drag_due);
-        self.drag_in_gaps(fluid, drag_due);
         if let Some(walls) = &mut *self.walls {
             walls.extrapolate(fluid, movers(&self.rock, self.interface));
         }

@@ -284,6 +284,7 @@ impl World {
             }
             energy.bulk = fluid.bulk;
             energy.diffusive = fluid.diffusive;
+            energy.pushed_back += water.fluid.withheld_loss();
             energy.removed += fluid.removed;
             energy.elastic += water.interface.elastic_energy();
         }

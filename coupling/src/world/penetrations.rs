@@ -10,22 +10,12 @@
 //! J = −min(0, (v_a − v_wall)·n)/(1/m_a + w)     along n on the particle, against it on the body at the foot point
 //! ```
 //! `w` is the compliance of the body there: particle and body meet without rebound, one after the other.
-//!
-//! Where blocks close a gap narrower than a particle on water, they leave its particles crowded, at twice the concentration of their
-//! density, and these answer faster than the step of a lattice allows: density alternates from step to step, and they rattle
-//! between the walls with growing speed. Crowded water in such gaps moves with the nearest wall, but for what leaks, within the time
-//! in which sound crosses half a spacing:
-//!
-//! ```text
-//! J = −(1 − e^{−2 c₀ dt/dp}) (v_a − v_wall)/(1/m_a + w)
-//! ```
 
 use riprap_dda::Load;
-use riprap_sph::fluid::ContinuedPressure;
 use riprap_sph::{Fluid, Vec3};
 
+use crate::walls::penalty::Penetration;
 use crate::walls::penalty::swept::Motion;
-use crate::walls::penalty::{Penetration, WallContact};
 use crate::world::coupler::Coupler;
 
 /// Distance from a surface within which water may be crushed, in spacings.
@@ -33,15 +23,6 @@ const ROOM: f64 = 0.5;
 /// Density beyond which it is, over that at rest: an impact at Mach 0.2, where waves of pressure begin to be wrong, compresses by a
 /// fifth, `p = ρ c u`.
 const CRUSHED: f64 = 1.2;
-/// Width below which there is a gap between two surfaces, in spacings: a row of particles as wide as itself is none.
-const GAP: f64 = 0.9;
-/// Cosine between their normals below which they close a gap: not the corner of a tank.
-const FACING: f64 = -0.2;
-/// Fluid fraction of the support of a particle in a gap above which it is crowded: that of a row between two walls is 0.6, of open
-/// water 1.
-const CROWDED: f64 = 1.0;
-/// Rate at which crowded water in a gap follows its wall, in `c₀/dp`.
-const DRAG: f64 = 2.0;
 
 impl Coupler<'_> {
     /// Stops the particles that the step of `dt` (s) took through a solid, or into an opening too narrow for them, where they
@@ -80,73 +61,6 @@ impl Coupler<'_> {
         let progress = &mut *self.rock.progress;
         progress.ledger.pushed_back += lost;
         progress.extremes.reliefs += n_relieved;
-    }
-
-    /// Drags the particles crowded in gaps along with the nearest wall, over a step of `dt` (s); the densities must be known. Not
-    /// those on springs, which have a step and dashpots of their own.
-    pub(super) fn drag_in_gaps(&mut self, fluid: &mut Fluid, dt: f64) {
-        let settings = self.interface.settings();
-        if 0.0 < settings.stiffness || dt <= 0.0 {
-            return;
-        }
-        let spacing = settings.particle_spacing;
-        let walls = self.walls_of_gaps(spacing);
-        if walls.is_empty() {
-            return;
-        }
-        let positions = &fluid.particles().position;
-        let places: Vec<Vec3> = (walls.iter())
-            .map(|wall| positions[wall.particle as usize])
-            .collect();
-        let mut around = ContinuedPressure::default();
-        around.find(fluid, &places);
-        let share = -(-DRAG * fluid.settings().sound_speed * dt / spacing).exp_m1();
-        for (wall, [fluid_fraction, _]) in walls.iter().zip(around.found()) {
-            if CROWDED < fluid_fraction {
-                self.drag(fluid, wall, share);
-            }
-        }
-    }
-
-    /// The nearest wall of each particle in a gap.
-    fn walls_of_gaps(&self, spacing: f64) -> Vec<WallContact> {
-        // the sides of a plane flow, half a spacing from its particles, hold nothing
-        let counts = |touch: &WallContact| !self.interface.is_across_plane(&touch.normal);
-        let closes = |one: &WallContact, other: &WallContact| {
-            one.distance + other.distance < GAP * spacing
-                && one.normal.dot(&other.normal) < FACING
-                && counts(one)
-                && counts(other)
-        };
-        let is_gap = |touches: &&[WallContact]| {
-            let others = |k: usize| touches[..k].iter();
-            (touches.iter().enumerate()).any(|(k, one)| others(k).any(|other| closes(one, other)))
-        };
-        let nearest = |touches: &[WallContact]| {
-            let touches = touches.iter().copied().filter(counts);
-            touches.min_by(|a, b| a.distance.total_cmp(&b.distance))
-        };
-        let of_particles = (self.interface.touches()).chunk_by(|a, b| a.particle == b.particle);
-        of_particles.filter(is_gap).filter_map(nearest).collect()
-    }
-
-    /// Takes a share of the velocity of a particle relative to a wall.
-    fn drag(&mut self, fluid: &mut Fluid, wall: &WallContact, share: f64) {
-        let (a, block) = (wall.particle as usize, wall.block as usize);
-        let slip = self.wall_velocity(block, &wall.point) - fluid.particles().velocity[a];
-        let Some(along) = slip.try_normalize(0.0) else {
-            return;
-        };
-        let mass = fluid.particles().mass[a];
-        let compliance = self.compliance(block, &wall.point, &along);
-        let push = Push {
-            particle: a,
-            block,
-            point: wall.point,
-            impulse: slip * (share / (1.0 / mass + compliance)),
-            to: None,
-        };
-        self.give(fluid, &push);
     }
 
     fn put_back(&mut self, fluid: &mut Fluid, penetrations: &[Penetration]) {
@@ -304,109 +218,6 @@ mod tests {
                 Ok(())
             })
             .unwrap();
-    }
-
-    /// The same with a second block around a drop of eight particles.
-    fn gap(second: &str, base: &str) -> World {
-        let first = format!(
-            "motion: Fixed, shape: Box({second})), (name: \"base\", material: \"m\", {base}"
-        );
-        let text =
-            plate_text("Particles", &first).replace("(0.05, 0.05, 0.6)", "(0.15, 0.15, 0.7)");
-        let world = world_of(&text);
-        assert_eq!(world.water.as_ref().unwrap().fluid.particles().len(), 8);
-        world
-    }
-
-    /// Puts some particles at a place (m), with a velocity (m/s), and opens the ledger.
-    fn crowd(world: &mut World, n: usize, at: Vec3, velocity: Vec3) {
-        let fluid = &mut world.water.as_mut().unwrap().fluid;
-        for a in 0..n {
-            fluid.relocate(a, at + Vec3::x() * (0.01 * DP * a as f64), velocity);
-            fluid.set_velocity(a, velocity);
-        }
-        fluid.refresh();
-        world.open_ledger();
-    }
-
-    fn drag(world: &mut World, dt: f64) {
-        world
-            .coupled(0, |fluid, coupler| {
-                coupler.interface.find(fluid, coupler.rock.blocks);
-                fluid.update_pressure()?;
-                coupler.drag_in_gaps(fluid, dt);
-                Ok(())
-            })
-            .unwrap();
-    }
-
-    /// Velocities and energy of motion; m/s, J.
-    fn motion(world: &World) -> (Vec<Vec3>, f64) {
-        let particles = world.water.as_ref().unwrap().fluid.particles();
-        let energies = particles.velocity.iter().zip(&particles.mass);
-        let energy = energies.map(|(v, m)| 0.5 * m * v.norm_squared()).sum();
-        (particles.velocity.clone(), energy)
-    }
-
-    const ABOVE: &str = "min: (-1, -1, 0.08), max: (1, 1, 0.2)";
-    const AT: Vec3 = Vec3::new(0.2, 0.1, 0.04);
-    const VELOCITY: Vec3 = Vec3::new(1.5, -0.5, 0.4);
-    const DT: f64 = 1.3 * DP / SOUND;
-
-    /// Over a time particles crowded in a gap come to the velocity of its wall as the law says, in one step or in ten.
-    #[test]
-    fn water_crowded_in_a_gap_follows_its_wall() {
-        let left = (-DRAG * SOUND * DT / DP).exp();
-        for n in [1, 10] {
-            let mut world = gap(ABOVE, "motion: Fixed,");
-            crowd(&mut world, 8, AT, VELOCITY);
-            let before = motion(&world).1;
-            for _ in 0..n {
-                drag(&mut world, DT / f64::from(n));
-            }
-            let (velocities, after) = motion(&world);
-            for v in velocities {
-                // round-off of n factors
-                assert!(
-                    (v - VELOCITY * left).norm() < 1e-14 * VELOCITY.norm(),
-                    "{v:?}"
-                );
-            }
-            let booked = world.progress.ledger.pushed_back;
-            assert!(((before - after) / booked - 1.0).abs() < 1e-13, "{booked}");
-        }
-    }
-
-    /// Three particles are not crowded, and a corner, or room as wide as a particle, is no gap.
-    #[test]
-    fn other_water_is_not_dragged() {
-        for (second, n) in [
-            (ABOVE, 3),
-            ("min: (-1, -1, 0.1), max: (1, 1, 0.2)", 8),
-            ("min: (0.3, -1, 0), max: (1, 1, 0.2)", 8),
-        ] {
-            let mut world = gap(second, "motion: Fixed,");
-            crowd(&mut world, n, AT, VELOCITY);
-            let before = motion(&world);
-            drag(&mut world, DT);
-            assert_eq!(motion(&world), before, "{second} {n}");
-        }
-    }
-
-    /// A free plate that closes a gap takes the momentum that its water gives up.
-    #[test]
-    fn a_free_wall_of_a_gap_takes_what_its_water_loses() {
-        let mut world = gap("min: (-1, -1, 0.06), max: (1, 1, 0.2)", "");
-        crowd(&mut world, 8, Vec3::new(0.1, 0.2, 0.02), VELOCITY);
-        let (before, momentum) = (world.energy().kinetic, world.momentum());
-        drag(&mut world, DT);
-        // e^-2.6 is 0.07, and the plate, twenty times as heavy as the water, moves along
-        let slowed = |v: &Vec3| v.norm() < 0.2 * VELOCITY.norm();
-        assert!(motion(&world).0.iter().all(slowed));
-        let change = (world.momentum() - momentum).norm();
-        assert!(change < 1e-14 * momentum.norm(), "{change}");
-        let (lost, booked) = (before - world.energy().kinetic, world.energy().pushed_back);
-        assert!((lost - booked).abs() < 1e-14 * before, "{lost} {booked}");
     }
 
     /// Shots at 100 angles and 20 speeds up to half of the speed of sound, each over a step of 1.3 dp/(c₀ + v) that ends past

@@ -513,6 +513,7 @@ impl WallParticles {
             sum.flow += rate.flow;
             sum.by_walls += rate.flow;
             sum.n_found += rate.n_found;
+            sum.crowding += rate.crowding;
         }
         self.scratch.rates = rates;
     }

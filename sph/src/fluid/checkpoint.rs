@@ -35,6 +35,7 @@ impl Fluid {
             bulk_loss,
             from_walls,
             diffusive_loss,
+            withheld_loss,
             removed,
             plane_force,
             reflected,
@@ -57,7 +58,8 @@ impl Fluid {
         let listed = lists.made_from().filter(|_| self.is_sorted());
         let listed = listed.map(|(places, radius)| (Quanta(places), radius));
         let out = postcard::to_extend(&listed, out)?;
-        let energies = (viscous_loss, bulk_loss, from_walls, diffusive_loss);
+        let losses = (viscous_loss, bulk_loss, diffusive_loss, withheld_loss);
+        let energies = (losses, from_walls);
         let momenta = (removed, plane_force, reflected);
         let rest = (moved, skin, max_speed, n_pairs, energies, momenta);
         let out = postcard::to_extend(&rest, out)?;
@@ -106,9 +108,10 @@ impl Fluid {
         if !(self.skin).is_of(self.settings.support_radius(), self.widest_skin) {
             return bad;
         }
-        let (viscous, bulk, from_walls, diffusive) = energies;
+        let ((viscous, bulk, diffusive, withheld), from_walls) = energies;
         (self.viscous_loss, self.bulk_loss) = (viscous, bulk);
-        (self.from_walls, self.diffusive_loss) = (from_walls, diffusive);
+        (self.diffusive_loss, self.withheld_loss) = (diffusive, withheld);
+        self.from_walls = from_walls;
         (self.removed, self.plane_force, self.reflected) = momenta;
         let (last, bytes) = postcard::take_from_bytes(bytes)?;
         (self.scratch.pushes, self.scratch.rates, self.sleep) = last;

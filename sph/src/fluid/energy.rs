@@ -100,6 +100,11 @@ impl Fluid {
         self.diffusive_loss
     }
 
+    /// Energy of compression withheld from crowded particles since the ledger was opened; J.
+    pub fn withheld_loss(&self) -> f64 {
+        self.withheld_loss
+    }
+
     /// Energy that the fluid has from the pressure of walls since the ledger was opened, where density is advanced: of
     /// motion by their forces and of compression by their part of the rates; J.
     pub fn energy_from_walls(&self) -> f64 {
@@ -112,6 +117,7 @@ impl Fluid {
         self.bulk_loss = 0.0;
         self.from_walls = 0.0;
         self.diffusive_loss = 0.0;
+        self.withheld_loss = 0.0;
         self.removed = Removed::default();
         self.reflected = Vec3::zeros();
     }

@@ -20,6 +20,8 @@ pub(crate) struct Rate {
     pub diffusion: f64,
     /// Neighbors found, the particle itself among them.
     pub n_found: u32,
+    /// Concentration of neighbors times the number of dimensions, `−Σ V_b x·∇W`: in open water that number.
+    pub crowding: f64,
 }
 
 /// Receivers of the rate, one slot per particle.
@@ -58,7 +60,7 @@ impl<'a, L: Lanes, K: PairKernel<L>, D: Diffusion<L>> Continuity<'a, L, K, D> {
 
 impl<L: Lanes, K: PairKernel<L>, D: Diffusion<L>> Term<L> for Continuity<'_, L, K, D> {
     type Own = (Lanes3<L>, L, D::Own);
-    type Sums = [L; 2];
+    type Sums = [L; 3];
     type Out = Rate;
     const READS_IDS: bool = D::READS_IDS;
 
@@ -72,8 +74,8 @@ impl<L: Lanes, K: PairKernel<L>, D: Diffusion<L>> Term<L> for Continuity<'_, L, 
     }
 
     #[inline(always)]
-    fn zero(&self, _: L::Machine) -> [L; 2] {
-        [self.zero; 2]
+    fn zero(&self, _: L::Machine) -> [L; 3] {
+        [self.zero; 3]
     }
 
     #[inline(always)]
@@ -82,7 +84,7 @@ impl<L: Lanes, K: PairKernel<L>, D: Diffusion<L>> Term<L> for Continuity<'_, L, 
         (velocity, density, own): &Self::Own,
         pair: &Pair<L>,
         ids: &[u32],
-        sums: &mut [L; 2],
+        sums: &mut [L; 3],
     ) {
         let [vx, vy, vz, excess, volume] = pair.b;
         let weight = volume * self.kernel.gradient_factor(pair.r2);
@@ -90,6 +92,7 @@ impl<L: Lanes, K: PairKernel<L>, D: Diffusion<L>> Term<L> for Continuity<'_, L, 
         sums[0] = weight.mul_add(approach, sums[0]);
         let psi = self.diffusion.psi(own, pair, excess - *density, ids);
         sums[1] = weight.mul_add(psi, sums[1]);
+        sums[2] = weight.mul_add(pair.r2, sums[2]);
     }
 
     #[inline(always)]
@@ -99,15 +102,16 @@ impl<L: Lanes, K: PairKernel<L>, D: Diffusion<L>> Term<L> for Continuity<'_, L, 
     }
 
     #[inline(always)]
-    fn mirror(&self, _: &mut [L; 2], _: &Lanes3<L>) {}
+    fn mirror(&self, _: &mut [L; 3], _: &Lanes3<L>) {}
 
     #[inline(always)]
-    fn finish(&self, a: usize, [flow, diffusion]: [L; 2], n_found: u32, out: &mut Rate) {
+    fn finish(&self, a: usize, [flow, diffusion, crowding]: [L; 3], n_found: u32, out: &mut Rate) {
         *out = Rate {
             flow: self.own.density[a] * flow.sum(),
             by_walls: 0.0,
             diffusion: self.diffusion.strength() * diffusion.sum(),
             n_found,
+            crowding: -crowding.sum(),
         };
     }
 }
