@@ -56,7 +56,7 @@ mod tests {
 
     const DP: f64 = 0.1;
 
-    /// A tank, and a slab of water drawn off its floor by some spacings; `walls` as in a scene.
+    /// A tank, and a slab of water drawn off its floor by some spacings.
     fn tank(off: f64) -> World {
         let from = off * DP;
         world_of(&format!(
