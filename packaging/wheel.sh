@@ -15,6 +15,13 @@ test "$(stat --format=%s target/wheels/*.whl)" -lt 20000000
 
 empty="$(mktemp -d)"
 trap 'rm -rf "$empty"' EXIT
+# the sdist has every file that the sources of the program include
+"$environment/bin/maturin" sdist --out "$empty/sdist"
+tar -xzf "$empty"/sdist/*.tar.gz --strip-components 1 -C "$empty/sdist"
+grep -rHoE 'include_(str|bytes)!\("[^"]+' "$empty"/sdist/*/src | while IFS=: read -r source text; do
+    included="$(dirname "$source")/${text#*\"}"
+    test -f "$included" || { echo "the sdist lacks $included" >&2; exit 1; }
+done
 python3 -m venv "$empty/python"
 export PATH="$empty/python/bin:$PATH"
 pip install --quiet numpy
