@@ -2,6 +2,7 @@
 //!
 //! The estimate uses the checked scene alone, before its world is built. The numbers are measured peaks of short runs
 //! (see `tests/coupling/hostile.rs`), each rounded up, so that the sum is an upper bound.
+//! The report that follows a run, when most of this is free again, is not in it.
 
 use riprap_dda::{Motion, Polyhedron, Shape};
 use riprap_sph::{Dimensions, Vec3};
