@@ -6,7 +6,8 @@
 Rows are still_tank, piston_05, piston_1, piston_2, solitary, dam_break, dam_break_pressure and dam_break_wall, each the case of
 that name in cases/ (kd of the piston after its name) with its source; standing_3, standing_5, standing_10 and wave_train are cases
 of benches/trade/cases, the former 3, 5 and 10 spacings high. Prints `row | required | Standard | ...` with errors and CPU seconds.
-`Artificial` is the default of old: artificial viscosity, half the step, ten times the fastest flow.
+`Artificial` is the default of old: artificial viscosity, half the step, ten times the fastest flow. `Rough` and `NoSlip` are the
+default with smooth walls by the law of the wall and with walls where the water sticks.
 
 Definitions. Pressure and speed in the still tank: root mean square over the gauges and of all particles after 8 s, over rho g H
 and sqrt(g H). Height of the piston's waves: mean of sines fitted from x = 2.5 to 8 m, over linear theory; length: from the slope of
@@ -35,6 +36,8 @@ SCHEMES = {
     "Artificial": ["numerics=(viscosity: Artificial(0.02), time_step_factor: 0.5, sound_speed: {c10})"],
     "Preview": ["numerics=(preset: Preview)"],
     "Reference": ["numerics=(preset: Reference)"],
+    "Rough": ["interface.slip=Rough(0)"],
+    "NoSlip": ["interface.slip=None"],
 }
 PISTON = "Sinusoid(direction: (1, 0, 0), amplitude: {0}, period: {1}, ramp: {2})"
 FRONT = '[Front(name: "front", from: (0, 0.005), to: (0.44, 0.005))]'

@@ -4,13 +4,13 @@
 pub mod integral;
 pub mod sampling;
 pub mod wall_integrals;
+pub mod wall_law;
 pub mod wall_particles;
 
 #[cfg(test)]
 mod solids;
 
 pub use crate::neighbors::thin_solids;
-pub use thin_solids as screens;
 
 use crate::{Fluid, FluidError};
 

@@ -224,7 +224,12 @@ fn numerics() -> impl Strategy<Value = String> {
             "walls: Integral, ",
             "walls: Particles, ",
         ]),
-        choice(&["", "", "slip: None, ", "slip: Friction(20), "]),
+        choice(&[
+            "",
+            "slip: Rough(0.002), ",
+            "slip: None, ",
+            "slip: Friction(20), ",
+        ]),
     )
         .prop_map(|(preset, scheme, contact, walls, slip)| {
             format!("interface: ({walls}{slip}), numerics: (preset: {preset}, {scheme}{contact}),")
@@ -392,6 +397,7 @@ fn a_random_scene_is_refused_with_words_or_runs() {
 fn water_rubs_along_a_free_block() {
     for (rheology, slip) in [
         ("", "Friction(20)"),
+        ("", "Rough(0.001)"),
         ("rheology: Newtonian(dynamic_viscosity: 2), ", "None"),
         (
             "rheology: Newtonian(dynamic_viscosity: 2), ",

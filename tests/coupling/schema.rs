@@ -41,6 +41,7 @@ fn wrong_scenes_are_not_valid() {
         ("/domain/max/2", json!("2 m"), true),
         ("/fluid/resolution", json!({"Spacing": "10 cm"}), true),
         ("/interface", json!({"slip": {"Friction": "20 deg"}}), true),
+        ("/interface", json!({"slip": {"Rough": "2 mm"}}), true),
         ("/camera", json!(null), true),
         ("/materials/0/densty", json!(2650), false),
         ("/materials/0/density", json!(true), false),

@@ -174,6 +174,81 @@ fn half_a_tank_is_half_the_tank() {
     assert!(a.velocity.y.abs() < 1e-9 && (a.velocity - b.velocity).norm() < 1e-6);
 }
 
+/// Two dam breaks that run against each other, or one of them against a plane of symmetry; as a plane, or as a slab of five
+/// spacings.
+fn bores(is_half: bool, is_slab: bool) -> World {
+    let dp = DP;
+    let (width, kind) = match is_slab {
+        true => (5.0 * DP, "periodic: [Y]"),
+        false => (DP, "dimensions: Two"),
+    };
+    let (end, symmetry) = match is_half {
+        true => (0.0, "symmetry: [XMax]"),
+        false => (1.3, ""),
+    };
+    let (right, mirrored) = match is_half {
+        true => (String::new(), ""),
+        false => (
+            String::from(
+                "(name: \"right\", material: \"m\", motion: Fixed, shape: Box(min: (1, -1, -0.1), max: (1.3, 2, 0.9))),",
+            ),
+            "(name: \"other\", shape: Box(min: (0.6, 0, 0), max: (1, 0.5, 0.4))),",
+        ),
+    };
+    let mirrored = mirrored.replace("0.5", &width.to_string());
+    world(&format!(
+        "(title: \"bores\",
+        domain: (min: (-1.3, 0, -0.1), max: ({end:?}, {width:?}, 1.2), {kind}, {symmetry}),
+        materials: [(name: \"m\", density: 2400, friction_angle_deg: 30)],
+        blocks: [
+            (name: \"floor\", material: \"m\", motion: Fixed, shape: Box(min: (-1.3, -1, -0.1), max: (1.3, 2, 0))),
+            (name: \"left\", material: \"m\", motion: Fixed, shape: Box(min: (-1.3, -1, -0.1), max: (-1, 2, 0.9))),
+            {right}
+        ],
+        fluid: (resolution: Spacing({dp:?}), regions: [
+            (name: \"column\", shape: Box(min: (-1, 0, 0), max: (-0.6, {width:?}, 0.4))), {mirrored}
+        ]),
+        time: (duration: 2.0))"
+    ))
+}
+
+/// Flow that converges on a plane of symmetry goes on, and is half of the whole flow: energies, in shares of that of the start, and
+/// momentum, in shares of its largest, until the jet that the bores throw up breaks. After it the two halves of the whole differ from
+/// each other, too.
+#[test]
+fn bores_that_meet_on_a_plane_are_half_of_two() {
+    for is_slab in [false, true] {
+        let [mut whole, mut half] = [false, true].map(|is_half| bores(is_half, is_slab));
+        let stored = half.energy().potential;
+        let (mut momenta, mut off) = (Vec::new(), [0.0_f64; 2]);
+        for k in 1..=12 {
+            let time = 0.08 * f64::from(k);
+            let [a, b] = [&mut whole, &mut half].map(|world| {
+                while world.time() < time {
+                    let step = world.next_step(time).unwrap();
+                    world.step(step).unwrap();
+                }
+                let p = world.water.as_ref().unwrap().fluid.particles();
+                let left = (0..p.len()).filter(|&i| p.position[i].x < 0.0);
+                let momentum: f64 = left.map(|i| p.mass[i] * p.velocity[i].x).sum();
+                (world.energy(), momentum)
+            });
+            off[0] = off[0].max((0.5 * a.0.kinetic - b.0.kinetic).abs() / stored);
+            off[0] = off[0].max((0.5 * a.0.potential - b.0.potential).abs() / stored);
+            momenta.push((a.1, b.1));
+        }
+        let largest = momenta.iter().fold(0.0_f64, |m, (a, _)| m.max(a.abs()));
+        off[1] = momenta
+            .iter()
+            .fold(0.0, |m, (a, b)| m.max((a - b).abs() / largest));
+        println!(
+            "slab {is_slab}: energies {:.2e}, momentum {:.2e}",
+            off[0], off[1]
+        );
+        assert!(off.iter().all(|&off| off < 0.02), "{off:?}");
+    }
+}
+
 /// Water poured into half a basin.
 #[test]
 fn a_plane_of_symmetry_closes_a_basin() {

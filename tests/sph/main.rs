@@ -17,6 +17,7 @@ mod support;
 mod surface;
 mod symmetry;
 mod twin;
+mod wall_law;
 mod walls;
 mod water;
 mod waves;

@@ -5,15 +5,12 @@ mod openings;
 mod scheme;
 mod walls;
 
-use riprap_sph::boundary::wall_particles::Slip;
 use riprap_sph::preset::SOUND_SPEED_RATIO;
 use riprap_sph::state_equation::State;
 use riprap_sph::{Rheology, Settings};
 
 use super::error::Problem;
-use super::file::{
-    LatticeFile, NumericsFile, RegionFile, RegionShapeFile, SceneFile, SlipFile, vec3,
-};
+use super::file::{LatticeFile, NumericsFile, RegionFile, RegionShapeFile, SceneFile, vec3};
 use super::fill::{Lattice, proportions};
 use super::resolved::{Domain, FluidScene, Region};
 use crate::messages::Code;
@@ -81,11 +78,8 @@ pub(super) fn resolve(
         smoothing_length_ratio: scheme::smoothing_length_ratio(file),
         walls: wall_settings(wall_method, &file.interface, &settings, &loads),
         wall_method,
-        slip: match file.interface.slip {
-            SlipFile::Free => Slip::Free,
-            SlipFile::None => Slip::None,
-            SlipFile::Friction(angle_deg) => Slip::Friction(angle_deg.to_radians().tan()),
-        },
+        slip: walls::slip(file, wall_method, &settings, problems),
+        molecular_viscosity: walls::molecular_viscosity(file),
         pressures: hydrostatic(&lattice, &regions, &settings),
         rheologies: laws.rheologies,
         kinds: laws.kinds,

@@ -176,6 +176,8 @@ pub struct FluidScene {
     pub wall_method: WallMethod,
     /// Slip along walls.
     pub slip: Slip,
+    /// Molecular kinematic viscosity of the fluid, which that of the scheme may exceed; m²/s.
+    pub molecular_viscosity: f64,
     /// Initial pressure of each particle of the lattice; Pa.
     pub pressures: Vec<f64>,
     /// Flow laws; none for water.

@@ -8,6 +8,7 @@
 //! dρ_a/dt += ρ_a (v_a − v_w)·∇λ                                                 [kg/(m³ s)]
 //! F_a = −V_a [ (p_a + max(p_a, 0)) ∇λ + ρ_a Qᵀ (g − a_w) ]                               [N]
 //! no slip   F_a += m_a ν 2 (v_a − v_w)_t φ(d) λ/λ_plane(d)      φ of `viscous_factor`
+//! rough     F_a −= m_a ω τ/(ρ δ) (v_a − v_w)_t/|(v_a − v_w)_t|   of `riprap_sph::boundary::wall_law`
 //! approach  F_a += V_a² ρ_0 α c_0 h (v_ab·x_ab)/(r² + 0.01 h²) ∇W      mirror particle at r = 2d
 //! ```
 //!
@@ -27,6 +28,7 @@ use riprap_sph::boundary::integral::{
     LayerTable, WallIntegral, integrate, plane_share, viscous_factor,
 };
 use riprap_sph::boundary::wall_integrals::WallForce;
+use riprap_sph::boundary::wall_law::WallLaw;
 use riprap_sph::boundary::wall_particles::Slip;
 use riprap_sph::kernel::{Kernel, PointKernel};
 use riprap_sph::scheme::{ALPHA, Viscosity};
@@ -523,15 +525,33 @@ impl IntegralWalls {
             Some(inward) => {
                 let approach = jump.dot(&inward);
                 let mut force = inward * -self.damping(approach, sight.distance, volume, fluid);
-                if self.slip == Slip::None {
-                    let (distance, radius) = (sight.distance, self.support_radius);
-                    let share = integral.lambda / plane_share(distance, radius, self.dimensions);
-                    let factor = 2.0
-                        * settings.kinematic_viscosity()
-                        * viscous_factor(distance, radius, self.dimensions)
-                        * share;
-                    force += (jump - inward * approach) * (particles.mass[a] * factor);
-                }
+                let along = jump - inward * approach;
+                force += match self.slip {
+                    Slip::None => {
+                        let (distance, radius) = (sight.distance, self.support_radius);
+                        let share =
+                            integral.lambda / plane_share(distance, radius, self.dimensions);
+                        let factor = 2.0
+                            * settings.kinematic_viscosity()
+                            * viscous_factor(distance, radius, self.dimensions)
+                            * share;
+                        along * (particles.mass[a] * factor)
+                    }
+                    Slip::Rough {
+                        roughness,
+                        kinematic_viscosity,
+                    } => {
+                        let law = WallLaw {
+                            height: settings.mean_spacing(),
+                            kinematic_viscosity,
+                            roughness,
+                        };
+                        let deceleration = law.deceleration(along.norm(), sight.distance);
+                        along.try_normalize(0.0).unwrap_or_default()
+                            * (-particles.mass[a] * deceleration)
+                    }
+                    Slip::Free | Slip::Friction(_) => Vec3::zeros(),
+                };
                 force
             }
         };

@@ -22,6 +22,13 @@
 //! ```
 //! The normal is the direction of the wall's pressure on the particle; a particle under tension slides.
 //!
+//! Along a rough wall the shear of a particle is scaled to what the law of the wall says for its speed relative to the wall and its
+//! distance, both from the sums over the wall points:
+//!
+//! ```text
+//! n |g| = Σ_w V_w ∇W,   v_a − v_w = −Σ_w V_w (v_w − v_a) (∇W·n)/|g|,   distance from −Σ_w V_w x·∇W
+//! ```
+//!
 //! At planes of symmetry points are mirrored like the fluid: no point may be beyond one.
 //!
 //! Points keep the order of their cells, and their neighbors are listed from where they were sorted, until one of them has moved
@@ -31,6 +38,7 @@ mod listed;
 
 use rayon::prelude::*;
 
+use super::wall_law::{PlaneDistances, WallLaw};
 use crate::fluid::wall_sums::{self, Near, SortedPoints};
 use crate::neighbors::cells::CellGrid;
 use crate::neighbors::sweep::{AnyPoints, PairKind};
@@ -56,7 +64,29 @@ pub enum Slip {
     /// No slip up to this ratio of tangential to normal force, the coefficient of friction
     /// `μ_w`; >= 0. Shear is that of Morris with the viscosity of the particle, or of the fluid.
     Friction(f64),
+    /// The law of the wall of a turbulent boundary layer; see [`wall_law`](super::wall_law).
+    Rough {
+        /// Equivalent sand roughness `k_s`; m, >= 0.
+        roughness: f64,
+        /// Molecular one of the fluid, which that of the scheme may exceed; m²/s, >= 0.
+        kinematic_viscosity: f64,
+    },
 }
+
+impl Slip {
+    /// Whether the fluid sees walls that move against it: no slip, or none up to a limit.
+    fn sticks(self) -> bool {
+        matches!(self, Self::None | Self::Friction(_))
+    }
+
+    /// Whether shear is summed first, and scaled then.
+    fn is_scaled(self) -> bool {
+        matches!(self, Self::Friction(_) | Self::Rough { .. })
+    }
+}
+
+/// Viscosity with which shear along rough walls is summed, before it is scaled to the law of the wall; Pa s.
+const UNIT_VISCOSITY: f64 = 1.0;
 
 /// Response of the fluid force on a point to the point's acceleration `a`: an increment of `(L·a) slope`.
 ///
@@ -87,6 +117,8 @@ pub struct WallParticles {
     /// Velocity used in viscous forces; empty where it is zero; m/s.
     seen_velocity: Vec<Vec3>,
     slip: Slip,
+    /// Distances of particles from rough walls.
+    distances: PlaneDistances,
     /// Viscosities of the fluid towards walls with friction.
     viscosities: AnyPoints,
     /// Cells with the points near fluid, in the order of [`WetPoints::all`], and the present places of these.
@@ -147,8 +179,10 @@ struct Scratch {
     extrapolated: Vec<Extrapolated>,
     concentrations: Vec<Concentration>,
     strains: Vec<StrainSums>,
-    /// Share of its viscous force that each particle keeps.
+    /// Share of its viscous force that each particle keeps; above 1 where a unit viscosity was summed.
     kept: Vec<f64>,
+    /// The same for the particles near walls.
+    shares: Vec<f64>,
 }
 
 impl WallParticles {
@@ -164,6 +198,11 @@ impl WallParticles {
             pressure: vec![0.0; n],
             seen_velocity: Vec::new(),
             slip,
+            distances: PlaneDistances::new(
+                fluid.settings.scheme.kernel,
+                fluid.settings.support_radius(),
+                fluid.settings.dimensions,
+            ),
             viscosities: AnyPoints::default(),
             grid: fluid.grid().without_particles(),
             sorted: Vec::new(),
@@ -569,11 +608,9 @@ impl WallParticles {
         self.known_at = fluid.changes_of_rest();
         self.seen_velocity.clear();
         self.seen_velocity.extend_from_slice(&self.velocity);
-        if self.slip != Slip::Free {
+        if self.slip.sticks() {
             self.seen_velocity
                 .resize(self.position.len(), Vec3::zeros());
-        }
-        if self.slip != Slip::Free {
             for (&w, sum) in self.wet.updated().iter().zip(&self.scratch.extrapolated) {
                 if 0.0 < sum.weight {
                     let w = w as usize;
@@ -643,10 +680,10 @@ impl WallParticles {
         }
     }
 
-    /// Adds the walls to the sums of the velocity gradient, after [`Self::extrapolate`]. A free-slip wall
-    /// does not contribute to shear.
+    /// Adds the walls to the sums of the velocity gradient, after [`Self::extrapolate`]. Walls along which the fluid slides
+    /// do not contribute to shear.
     pub fn add_strains(&mut self, fluid: &mut Fluid) {
-        if self.nearby_particles.is_empty() || self.slip == Slip::Free {
+        if self.nearby_particles.is_empty() || !self.slip.sticks() {
             return;
         }
         self.list_points(fluid);
@@ -669,28 +706,98 @@ impl WallParticles {
         match self.slip {
             Slip::Free => Shearing::Uniform(Viscosity::None),
             Slip::None => fluid.shearing(),
-            Slip::Friction(_) => Shearing::OfParticles(&self.viscosities),
+            Slip::Friction(_) | Slip::Rough { .. } => Shearing::OfParticles(&self.viscosities),
         }
     }
 
-    /// Assumes full sticking, to evaluate the forces on the walls before [`Self::add_forces`] limits
-    /// them.
+    /// Evaluates forces on the walls before [`Self::add_forces`] knows how much of the shear stays: all of it where Coulomb
+    /// friction limits it, none of it along rough walls, where it is small beside the pressure.
     pub fn stick(&mut self, fluid: &Fluid) {
-        if let Slip::Friction(_) = self.slip {
-            self.scratch.kept.clear();
-            self.scratch.kept.resize(fluid.particles.len(), 1.0);
-            self.pack_viscosities(fluid);
+        match self.slip {
+            Slip::Free | Slip::None => {}
+            Slip::Friction(_) => self.keep(fluid, 1.0),
+            Slip::Rough { .. } => self.keep(fluid, 0.0),
         }
     }
 
-    /// Writes the viscosities of the fluid times the share that each particle keeps.
+    fn keep(&mut self, fluid: &Fluid, share: f64) {
+        self.scratch.kept.clear();
+        self.scratch.kept.resize(fluid.particles.len(), share);
+        self.pack_viscosities(fluid);
+    }
+
+    /// Writes the viscosities towards the walls times the share that each particle keeps.
     fn pack_viscosities(&mut self, fluid: &Fluid) {
         let kept = &self.scratch.kept;
+        let is_rough = matches!(self.slip, Slip::Rough { .. });
         self.viscosities
             .pack_values(fluid.settings.scheme.precision, kept.len(), |a| {
-                let viscosity = fluid.apparent_viscosity(a) * kept[a];
-                [viscosity, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]
+                let viscosity = match is_rough {
+                    true => UNIT_VISCOSITY,
+                    false => fluid.apparent_viscosity(a),
+                };
+                [viscosity * kept[a], 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]
             });
+    }
+
+    /// Scales the forces of a unit viscosity to the law of the wall.
+    fn roughen(&mut self, fluid: &Fluid, law: WallLaw, forces: &mut [ForceDensity]) {
+        let near = &self.nearby_particles;
+        let mut concentrations = std::mem::take(&mut self.scratch.concentrations);
+        concentrations.resize(near.len(), Concentration::default());
+        wall_sums::concentrations(
+            fluid,
+            self.neighborhood(fluid),
+            self.near_points(fluid),
+            &mut concentrations,
+        );
+        let mut strains = std::mem::take(&mut self.scratch.strains);
+        let are_still = self.velocity.is_empty();
+        if !are_still {
+            strains.resize(near.len(), StrainSums::default());
+            wall_sums::strains(
+                fluid,
+                self.neighborhood(fluid),
+                self.near_points(fluid),
+                &mut strains,
+            );
+        }
+        let particles = &fluid.particles;
+        let mut shares = std::mem::take(&mut self.scratch.shares);
+        (forces, near, &concentrations)
+            .into_par_iter()
+            .with_min_len(CHUNK)
+            .enumerate()
+            .map(|(k, (force, &a, concentration))| {
+                let weight = law.weight(self.distances.at(concentration.divergence));
+                let gradient = Vec3::from(concentration.gradient);
+                let size = gradient.norm();
+                let share = if 0.0 < weight && 0.0 < size {
+                    let normal = gradient / size;
+                    let across = |v: Vec3| (v - normal * normal.dot(&v)).norm();
+                    let relative = match are_still {
+                        true => particles.velocity[a as usize],
+                        false => strains[k].difference_along(&normal) / size,
+                    };
+                    let stress =
+                        particles.density[a as usize] * law.stress_over_density(across(relative));
+                    let found = across(Vec3::from(force.viscous));
+                    let wanted = weight * stress / law.height;
+                    if 0.0 < found { wanted / found } else { 0.0 }
+                } else {
+                    0.0
+                };
+                force.viscous = force.viscous.map(|f| f * share);
+                share
+            })
+            .collect_into_vec(&mut shares);
+        for (&a, &share) in near.iter().zip(&shares) {
+            self.scratch.kept[a as usize] = share;
+        }
+        self.scratch.concentrations = concentrations;
+        self.scratch.strains = strains;
+        self.scratch.shares = shares;
+        self.pack_viscosities(fluid);
     }
 
     /// Scales viscous forces down to the friction limit.
@@ -718,7 +825,9 @@ impl WallParticles {
             return Vec3::zeros();
         }
         self.list_points(fluid);
-        self.stick(fluid);
+        if self.slip.is_scaled() {
+            self.keep(fluid, 1.0);
+        }
         let mut forces = std::mem::take(&mut self.scratch.forces);
         forces.resize(self.nearby_particles.len(), ForceDensity::default());
         wall_sums::forces(
@@ -728,8 +837,20 @@ impl WallParticles {
             self.shearing(fluid),
             &mut forces,
         );
-        if let Slip::Friction(coefficient) = self.slip {
-            self.limit(fluid, coefficient, &mut forces);
+        match self.slip {
+            Slip::Free | Slip::None => {}
+            Slip::Friction(coefficient) => self.limit(fluid, coefficient, &mut forces),
+            Slip::Rough {
+                roughness,
+                kinematic_viscosity,
+            } => {
+                let law = WallLaw {
+                    height: fluid.settings.mean_spacing(),
+                    kinematic_viscosity,
+                    roughness,
+                };
+                self.roughen(fluid, law, &mut forces);
+            }
         }
         let mut total = Vec3::zeros();
         let particles = &mut fluid.particles;

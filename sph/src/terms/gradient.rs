@@ -140,6 +140,11 @@ impl std::ops::AddAssign for StrainSums {
 }
 
 impl StrainSums {
+    /// `Σ V_b (v_b − v_a) (∇W·n)` for a direction `n`; 1/s.
+    pub(crate) fn difference_along(&self, direction: &Vec3) -> Vec3 {
+        Vec3::from(self.velocity.map(|row| Vec3::from(row).dot(direction)))
+    }
+
     /// `γ̇ = √(2 D:D)`, D the symmetric part of the renormalized gradient; 1/s.
     pub(crate) fn shear_rate(&self, dimensions: Dimensions) -> f64 {
         let inverse = renormalization(&self.moments, dimensions);

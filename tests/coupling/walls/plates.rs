@@ -163,7 +163,7 @@ fn a_plate_between_two_levels_comes_to_rest() {
 
 #[test]
 #[ignore = "a report beside: a thick plate, and penalty springs, which have no thin solids; 1 min"]
-fn c16_report_of_walls_without_screens() {
+fn c16_report_of_walls_without_thin_solids() {
     share_of_the_push("Particles", 4.0);
     share_of_the_push("Penalty", 1.0);
 }

@@ -9,6 +9,9 @@ use crate::scene::resolved::{FluidScene, MeshSource, Scene};
 use crate::scene::terrain::Terrain;
 use crate::scene::terrain::triangles::Quality;
 use crate::walls::WallMethod;
+use riprap_sph::boundary::wall_law::WallLaw;
+use riprap_sph::boundary::wall_particles::Slip;
+use riprap_sph::scheme::Viscosity;
 
 /// Heading and text of a line.
 pub(super) type Line = (&'static str, String);
@@ -257,7 +260,44 @@ fn fluid(scene: &Scene) -> Vec<Line> {
         ));
     }
     lines.push(("walls", walls(fluid)));
+    lines.push(("friction", friction(fluid, scene.fastest_flow)));
     lines
+}
+
+/// Friction of the walls, and how far a film of one spacing goes before the law of the wall has halved its speed (m/s).
+fn friction(fluid: &FluidScene, speed: f64) -> String {
+    let settings = &fluid.settings;
+    let is_mud = matches!(settings.scheme.viscosity, Viscosity::Rheological { .. });
+    let halved = |roughness, kinematic_viscosity| {
+        let law = WallLaw {
+            height: settings.mean_spacing(),
+            kinematic_viscosity,
+            roughness,
+        };
+        let per_length = law.stress_over_density(speed) / (speed * speed * law.height);
+        format!(
+            "a film of one spacing at {speed:.2} m/s halves its speed within {:.3} m",
+            std::f64::consts::LN_2 / per_length
+        )
+    };
+    match fluid.slip {
+        Slip::Free if is_mud || speed <= 0.0 => "none".to_owned(),
+        Slip::Free => format!(
+            "none; by the law of the wall, `slip: Rough(0)` for smooth walls, {}",
+            halved(0.0, fluid.molecular_viscosity)
+        ),
+        Slip::None => "no slip, with the viscosity of the scheme".to_owned(),
+        Slip::Friction(coefficient) => {
+            format!("no slip up to Coulomb friction of {coefficient:.3}")
+        }
+        Slip::Rough {
+            roughness,
+            kinematic_viscosity,
+        } => format!(
+            "law of the wall, sand roughness {roughness} m; {}",
+            halved(roughness, kinematic_viscosity)
+        ),
+    }
 }
 
 fn walls(fluid: &FluidScene) -> String {

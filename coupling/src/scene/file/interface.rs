@@ -27,8 +27,8 @@ pub struct InterfaceFile {
 /// Wall method.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub enum WallMethodFile {
-    /// A spring and a dashpot between each particle and each surface, as published: cheap, with errors of about a
-    /// tenth in forces.
+    /// A spring and a dashpot between each particle and each surface, as published: cheap, with errors from a tenth to a half in
+    /// forces on bodies.
     Penalty,
     /// Particles inside the walls, with pressures extrapolated from the fluid. Thin and sharp bodies separate the
     /// water on their two sides.
@@ -50,4 +50,8 @@ pub enum SlipFile {
     /// No slip up to Coulomb friction with this angle, from 0 to below 90; degrees.
     #[schemars(extend("x-unit" = "degrees"))]
     Friction(f64),
+    /// Turbulent friction by the law of the wall, with this equivalent sand roughness, from 0 for a smooth wall to a particle spacing. For
+    /// beds and walls whose boundary layer is thinner than a spacing; m.
+    #[schemars(extend("x-unit" = "m"))]
+    Rough(f64),
 }

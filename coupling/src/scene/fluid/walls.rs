@@ -1,12 +1,14 @@
 //! Walls of the fluid: method, penalty springs, and refusals.
 
 use riprap_dda::{Polyhedron, Shape};
-use riprap_sph::scheme::DensityMethod;
+use riprap_sph::boundary::wall_particles::Slip;
+use riprap_sph::scheme::{DensityMethod, Viscosity};
 use riprap_sph::{KernelChoice, Scheme, Settings};
 
+use super::scheme::dynamic_viscosity;
 use crate::messages::Code;
 use crate::scene::error::Problem;
-use crate::scene::file::{DimensionsFile, InterfaceFile, Preset, SceneFile, vec3};
+use crate::scene::file::{DimensionsFile, InterfaceFile, Preset, SceneFile, SlipFile, vec3};
 use crate::walls::WallMethod;
 use crate::walls::integral::CLOSEST;
 use crate::walls::penalty::{DAMPING_RATIO, STANDOFF, WallSettings};
@@ -23,6 +25,60 @@ pub(in crate::scene) fn wall_method(file: &SceneFile) -> WallMethod {
         Preset::Preview | Preset::Standard | Preset::Reference => WallMethod::Particles,
     };
     file.interface.walls.map_or(of_preset, Into::into)
+}
+
+/// Slip along the walls of a method, with a warning where the method has no such slip.
+pub(super) fn slip(
+    file: &SceneFile,
+    method: WallMethod,
+    settings: &Settings,
+    problems: &mut Vec<Problem>,
+) -> Slip {
+    let path = "interface.slip";
+    let slides = match (method, file.interface.slip) {
+        (WallMethod::Penalty, SlipFile::None | SlipFile::Friction(_) | SlipFile::Rough(_)) => true,
+        (WallMethod::Integral, SlipFile::Friction(_)) => true,
+        (WallMethod::Penalty | WallMethod::Particles | WallMethod::Integral, _) => false,
+    };
+    if slides {
+        problems.push(Problem::warning(
+            Code::OptionWithoutEffect,
+            path,
+            format!("the fluid slides freely along walls of the method {method:?}, which has no such slip; `walls: Particles` has all kinds"),
+        ));
+    }
+    match file.interface.slip {
+        SlipFile::Free => Slip::Free,
+        SlipFile::None => Slip::None,
+        SlipFile::Friction(angle_deg) => Slip::Friction(angle_deg.to_radians().tan()),
+        SlipFile::Rough(roughness) => {
+            let spacing = settings.mean_spacing();
+            if spacing < roughness {
+                problems.push(Problem::warning(
+                    Code::ValueOutOfRange,
+                    path,
+                    format!("a sand roughness of {roughness} m is larger than the particle spacing, {spacing:.4} m, over which the law of the wall is averaged; draw such a bed, or use a larger spacing"),
+                ));
+            }
+            if let Viscosity::Rheological { .. } = settings.scheme.viscosity {
+                problems.push(Problem::error(
+                    Code::IncompatibleOptions,
+                    path,
+                    "the law of the wall is that of water; with flow laws use `slip: None` or `slip: Friction(20)`".to_owned(),
+                ));
+            }
+            Slip::Rough {
+                roughness,
+                kinematic_viscosity: molecular_viscosity(file),
+            }
+        }
+    }
+}
+
+/// Kinematic viscosity of the fluid itself; m²/s.
+pub(super) fn molecular_viscosity(file: &SceneFile) -> f64 {
+    let fluid = file.fluid.as_ref();
+    fluid.map_or(0.0, |f| dynamic_viscosity(f) / f.density)
 }
 
 /// Loads of the fluid on penalty springs.

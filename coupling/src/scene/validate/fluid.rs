@@ -32,6 +32,9 @@ impl Checks {
                 ),
             );
         }
+        if let SlipFile::Rough(roughness) = scene.interface.slip {
+            self.not_negative("interface.slip", "interface: sand roughness", roughness);
+        }
         match fluid.resolution {
             ResolutionFile::Spacing(spacing) => {
                 self.positive("fluid.resolution", "fluid: spacing", spacing);
