@@ -98,6 +98,9 @@ def fit(spacings, impulses):
         print(f"no order: differences {far - mid:+.3f}, {mid - near:+.3f} N s, {100 * (mid / near - 1):+.1f} % of the finest")
         return
     p = orders[int(np.argmin(off))]
+    if p in (orders[0], orders[-1]):
+        print(f"no order: differences {far - mid:+.3f}, {mid - near:+.3f} N s")
+        return
     limit = near - (mid - near) * c**p / (b**p - c**p)
     print(f"order {p:.1f}, limit {limit:.3f} N s, the finest {100 * (near / limit - 1):+.1f} % off it")
 

@@ -2,6 +2,7 @@
 
 pub(crate) mod context;
 pub(crate) mod detection;
+pub mod dynamics;
 pub(crate) mod penalty;
 pub(crate) mod rates;
 pub(crate) mod report;

@@ -11,6 +11,7 @@ mod bonds;
 mod conservation;
 mod constraints;
 mod contact;
+mod contact_dynamics;
 mod deformable;
 mod determinism;
 mod geometry;

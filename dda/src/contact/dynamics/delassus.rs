@@ -1,0 +1,387 @@
+//! The Delassus operator `W = H M⁻¹ Hᵀ`, from impulses to velocities: of bodies, without a matrix, or of a matrix in blocks.
+
+use crate::Vec3;
+use nalgebra::Matrix3;
+
+/// From impulses at contacts to velocities there, in local frames (n, t1, t2).
+pub trait Delassus: Sync {
+    /// Velocities that impulses give, as they are summed: of bodies, or of contacts.
+    type Velocities: Clone + Send + Sync;
+
+    /// Number of contacts.
+    fn n_contacts(&self) -> usize;
+
+    /// `W_aa`; 1/kg.
+    fn diagonal(&self, a: usize) -> &Matrix3<f64>;
+
+    /// Velocities without impulses.
+    fn at_rest(&self) -> Self::Velocities;
+
+    /// `(W R)_a` of the impulses summed; m/s.
+    fn velocity(&self, velocities: &Self::Velocities, a: usize) -> Vec3;
+
+    /// Adds an impulse (N s) at a contact.
+    fn add(&self, velocities: &mut Self::Velocities, a: usize, impulse: &Vec3);
+
+    /// Contacts in colors: those of a color do not act on each other directly. Greedy, in the order of the contacts.
+    fn colors(&self) -> Vec<Vec<u32>>;
+
+    /// Velocities of all impulses (N s).
+    fn product(&self, impulses: &[Vec3]) -> Self::Velocities {
+        let mut velocities = self.at_rest();
+        for (a, impulse) in impulses.iter().enumerate() {
+            self.add(&mut velocities, a, impulse);
+        }
+        velocities
+    }
+}
+
+/// Sorts contacts into the first color that none of their partners has.
+fn greedy(n: usize, mut color_of: impl FnMut(usize) -> u32) -> Vec<Vec<u32>> {
+    let mut colors: Vec<Vec<u32>> = Vec::new();
+    for a in 0..n {
+        let color = color_of(a) as usize;
+        if colors.len() <= color {
+            colors.resize(color + 1, Vec::new());
+        }
+        colors[color].push(a as u32);
+    }
+    colors
+}
+
+/// First bit that is not set.
+fn first_free(taken: &[u64]) -> u32 {
+    let word = taken.iter().position(|&word| word != u64::MAX);
+    let word = word.unwrap_or(taken.len());
+    64 * word as u32 + taken.get(word).map_or(0, |bits| bits.trailing_ones())
+}
+
+fn mark(taken: &mut Vec<u64>, color: u32) {
+    let word = color as usize / 64;
+    if taken.len() <= word {
+        taken.resize(word + 1, 0);
+    }
+    taken[word] |= 1 << (color % 64);
+}
+
+/// A rigid body that impulses move; what does not move is no body.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Body {
+    /// 1/kg.
+    pub inverse_mass: f64,
+    /// `J⁻¹` in world axes; 1/(kg m²).
+    pub inverse_inertia: Matrix3<f64>,
+}
+
+/// Body on one side of a contact, and the point from its centroid (m).
+pub type Arm = Option<(u32, Vec3)>;
+
+/// A contact point of two bodies.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Point {
+    /// Columns n, t1, t2 in world axes; n from A to B.
+    pub frame: Matrix3<f64>,
+    /// Bodies A and B; none where it does not move.
+    pub arms: [Arm; 2],
+}
+
+impl Point {
+    /// A point of normal `n`, from A to B; the tangents follow from `n` alone.
+    pub fn new(normal: Vec3, arms: [Arm; 2]) -> Self {
+        let axis = normal.iamin();
+        let first = Vec3::ith(axis, 1.0).cross(&normal).normalize();
+        let second = normal.cross(&first);
+        Self {
+            frame: Matrix3::from_columns(&[normal, first, second]),
+            arms,
+        }
+    }
+}
+
+/// Contacts of rigid bodies.
+///
+/// ```text
+/// W_aa = Σ_bodies Nᵀ (1/m 1 − [r]× J⁻¹ [r]×) N                                            [1/kg]
+/// ```
+#[derive(Clone, Debug, Default)]
+pub struct BodyContacts {
+    bodies: Vec<Body>,
+    points: Vec<Point>,
+    diagonal: Vec<Matrix3<f64>>,
+}
+
+impl BodyContacts {
+    /// Points between bodies; those of `points` are numbers in `bodies`.
+    pub fn new(bodies: Vec<Body>, points: Vec<Point>) -> Self {
+        let block = |point: &Point| {
+            let sum: Matrix3<f64> = (point.arms.iter().flatten())
+                .map(|(body, arm)| {
+                    let Body {
+                        inverse_mass,
+                        inverse_inertia,
+                    } = bodies[*body as usize];
+                    let cross = arm.cross_matrix();
+                    Matrix3::identity() * inverse_mass - cross * inverse_inertia * cross
+                })
+                .sum();
+            point.frame.tr_mul(&(sum * point.frame))
+        };
+        let diagonal = points.iter().map(block).collect();
+        Self {
+            bodies,
+            points,
+            diagonal,
+        }
+    }
+
+    /// Velocity of B seen from A at each point, from velocity and spin of every body (m/s, rad/s) and of what does not answer to impulses;
+    /// m/s.
+    pub fn relative_velocities(&self, of_body: impl Fn(u32) -> [Vec3; 2]) -> Vec<Vec3> {
+        let side = |arm: &Arm| {
+            arm.map_or(Vec3::zeros(), |(body, arm)| {
+                let [velocity, spin] = of_body(body);
+                velocity + spin.cross(&arm)
+            })
+        };
+        let of = |point: &Point| {
+            let [a, b] = &point.arms;
+            point.frame.tr_mul(&(side(b) - side(a)))
+        };
+        self.points.iter().map(of).collect()
+    }
+}
+
+impl Delassus for BodyContacts {
+    /// Velocity and spin; one per body.
+    type Velocities = Vec<[Vec3; 2]>;
+
+    fn n_contacts(&self) -> usize {
+        self.points.len()
+    }
+
+    fn diagonal(&self, a: usize) -> &Matrix3<f64> {
+        &self.diagonal[a]
+    }
+
+    fn at_rest(&self) -> Self::Velocities {
+        vec![[Vec3::zeros(); 2]; self.bodies.len()]
+    }
+
+    fn velocity(&self, velocities: &Self::Velocities, a: usize) -> Vec3 {
+        let Point { frame, arms } = &self.points[a];
+        let side = |arm: &Arm| {
+            arm.map_or(Vec3::zeros(), |(body, arm)| {
+                let [velocity, spin] = velocities[body as usize];
+                velocity + spin.cross(&arm)
+            })
+        };
+        frame.tr_mul(&(side(&arms[1]) - side(&arms[0])))
+    }
+
+    fn add(&self, velocities: &mut Self::Velocities, a: usize, impulse: &Vec3) {
+        let Point { frame, arms } = &self.points[a];
+        let on_b = frame * impulse;
+        for (arm, impulse) in arms.iter().zip([-on_b, on_b]) {
+            if let Some((body, arm)) = arm {
+                let Body {
+                    inverse_mass,
+                    inverse_inertia,
+                } = &self.bodies[*body as usize];
+                let [velocity, spin] = &mut velocities[*body as usize];
+                *velocity += impulse * *inverse_mass;
+                *spin += inverse_inertia * arm.cross(&impulse);
+            }
+        }
+    }
+
+    fn colors(&self) -> Vec<Vec<u32>> {
+        let mut taken_at = vec![Vec::new(); self.bodies.len()];
+        let mut taken: Vec<u64> = Vec::new();
+        greedy(self.points.len(), |a| {
+            taken.clear();
+            let bodies = self.points[a].arms.iter().flatten();
+            for (body, _) in bodies.clone() {
+                let of_body: &Vec<u64> = &taken_at[*body as usize];
+                taken.resize(taken.len().max(of_body.len()), 0);
+                for (bits, more) in taken.iter_mut().zip(of_body) {
+                    *bits |= more;
+                }
+            }
+            let color = first_free(&taken);
+            for (body, _) in bodies {
+                mark(&mut taken_at[*body as usize], color);
+            }
+            color
+        })
+    }
+}
+
+/// A matrix in blocks of 3 x 3, which need not be symmetric: a problem from elsewhere.
+#[derive(Clone, Debug, Default)]
+pub struct BlockMatrix {
+    diagonal: Vec<Matrix3<f64>>,
+    /// Rows that a column has beside the diagonal, with their blocks.
+    columns: Vec<Vec<(u32, Matrix3<f64>)>>,
+}
+
+impl BlockMatrix {
+    /// From (row, column, block) for `n` contacts; blocks of one place are added. `None` if a number is not below `n`.
+    pub fn new(
+        n: usize,
+        blocks: impl IntoIterator<Item = (usize, usize, Matrix3<f64>)>,
+    ) -> Option<Self> {
+        let mut found = Self {
+            diagonal: vec![Matrix3::zeros(); n],
+            columns: vec![Vec::new(); n],
+        };
+        for (row, column, block) in blocks {
+            if n <= row || n <= column {
+                return None;
+            }
+            if row == column {
+                found.diagonal[row] += block;
+                continue;
+            }
+            let rows = &mut found.columns[column];
+            match rows.iter_mut().find(|(r, _)| *r as usize == row) {
+                Some((_, sum)) => *sum += block,
+                None => rows.push((row as u32, block)),
+            }
+        }
+        Some(found)
+    }
+}
+
+impl Delassus for BlockMatrix {
+    /// Of the contacts.
+    type Velocities = Vec<Vec3>;
+
+    fn n_contacts(&self) -> usize {
+        self.diagonal.len()
+    }
+
+    fn diagonal(&self, a: usize) -> &Matrix3<f64> {
+        &self.diagonal[a]
+    }
+
+    fn at_rest(&self) -> Self::Velocities {
+        vec![Vec3::zeros(); self.diagonal.len()]
+    }
+
+    fn velocity(&self, velocities: &Self::Velocities, a: usize) -> Vec3 {
+        velocities[a]
+    }
+
+    fn add(&self, velocities: &mut Self::Velocities, a: usize, impulse: &Vec3) {
+        velocities[a] += self.diagonal[a] * impulse;
+        for (row, block) in &self.columns[a] {
+            velocities[*row as usize] += block * impulse;
+        }
+    }
+
+    fn colors(&self) -> Vec<Vec<u32>> {
+        let n = self.diagonal.len();
+        let mut partners = vec![Vec::new(); n];
+        for (column, rows) in self.columns.iter().enumerate() {
+            for (row, _) in rows {
+                partners[column].push(*row as usize);
+                partners[*row as usize].push(column);
+            }
+        }
+        let mut color_of = vec![None; n];
+        greedy(n, |a| {
+            let mut taken = Vec::new();
+            for color in partners[a].iter().filter_map(|&b| color_of[b]) {
+                mark(&mut taken, color);
+            }
+            let color = first_free(&taken);
+            color_of[a] = Some(color);
+            color
+        })
+    }
+}
+
+#[cfg(test)]
+#[expect(clippy::unwrap_used, reason = "a test may fail")]
+mod tests {
+    use super::*;
+    use crate::Random;
+
+    /// Two bodies on a third and on what does not move.
+    fn contacts() -> BodyContacts {
+        let mut random = Random::new(3);
+        let bodies = (0..3)
+            .map(|k| Body {
+                inverse_mass: 0.5 + f64::from(k),
+                inverse_inertia: Matrix3::from_diagonal(&Vec3::new(1.0, 2.0, 3.0)),
+            })
+            .collect();
+        let mut vector = || Vec3::from_fn(|_, _| random.uniform() - 0.5);
+        let points = [
+            (None, Some(0)),
+            (Some(0), Some(1)),
+            (Some(0), Some(2)),
+            (Some(1), None),
+        ]
+        .map(|(a, b): (Option<u32>, Option<u32>)| {
+            let normal = vector().normalize();
+            Point::new(normal, [a, b].map(|body| body.map(|body| (body, vector()))))
+        });
+        BodyContacts::new(bodies, points.to_vec())
+    }
+
+    /// The operator of bodies is symmetric, and its diagonal is what it does to a contact's own impulse.
+    #[test]
+    fn the_operator_of_bodies_is_symmetric() {
+        let contacts = contacts();
+        let block = |a: usize, b: usize| {
+            let columns = [0, 1, 2].map(|axis| {
+                let mut velocities = contacts.at_rest();
+                contacts.add(&mut velocities, b, &Vec3::ith(axis, 1.0));
+                contacts.velocity(&velocities, a)
+            });
+            Matrix3::from_columns(&columns)
+        };
+        for a in 0..4 {
+            assert!((block(a, a) - contacts.diagonal(a)).norm() < 1e-14);
+            for b in 0..4 {
+                assert!(
+                    (block(a, b) - block(b, a).transpose()).norm() < 1e-14,
+                    "{a} {b}"
+                );
+            }
+        }
+        assert_eq!(block(2, 3), Matrix3::zeros(), "no body in common");
+    }
+
+    /// The same blocks as a matrix do the same, in the same colors.
+    #[test]
+    fn a_matrix_of_its_blocks_is_the_same_operator() {
+        let contacts = contacts();
+        let blocks = (0..4).flat_map(|b| {
+            let columns = [0, 1, 2].map(|axis| {
+                let mut velocities = contacts.at_rest();
+                contacts.add(&mut velocities, b, &Vec3::ith(axis, 1.0));
+                [0, 1, 2, 3].map(|a| contacts.velocity(&velocities, a))
+            });
+            (0..4).map(move |a| {
+                (
+                    a,
+                    b,
+                    Matrix3::from_columns(&columns.map(|column| column[a])),
+                )
+            })
+        });
+        let blocks: Vec<_> = blocks.filter(|(.., block)| block.norm() > 0.0).collect();
+        let matrix = BlockMatrix::new(4, blocks).unwrap();
+        let impulses = [1.0, 2.0, -1.0, 0.5].map(|s| Vec3::new(s, 1.0 - s, s * s));
+        let (of_bodies, of_matrix) = (contacts.product(&impulses), matrix.product(&impulses));
+        for a in 0..4 {
+            let off = contacts.velocity(&of_bodies, a) - matrix.velocity(&of_matrix, a);
+            assert!(off.norm() < 1e-14);
+        }
+        assert_eq!(contacts.colors(), matrix.colors());
+        assert_eq!(contacts.colors(), [vec![0, 3], vec![1], vec![2]]);
+        assert!(BlockMatrix::new(1, [(0, 1, Matrix3::zeros())]).is_none());
+    }
+}
