@@ -10,8 +10,9 @@
 //!
 //! **Reading order.** `geometry` ([`Polyhedron`], [`mass_properties`], [`Shape`]), `material`
 //! ([`Material`] and the joint of two materials), `blocks` ([`Blocks`], the state), then the step:
-//! [`Blocks::advance`] with an [`Integrator`] (`step::central_difference`), `contact::detection` (broad phase,
-//! manifolds of polyhedra, spheres and terrain), `contact::penalty` (the law on them), `step::sums`. In addition
+//! [`Blocks::advance`] with an [`Integrator`] (`step::central_difference`, or `step::mid_step` with [`contact_dynamics`]),
+//! `contact::detection` (broad phase, manifolds of polyhedra, spheres and terrain), `contact::penalty` (the law on them),
+//! `step::sums`. In addition
 //! `motion` (deformation, holds, prescribed motion), `step::attachments` and `step::damping`, and
 //! `rock_mass` ([`cut_by_joints`], [`merge_slivers`]), which makes blocks of a rock mass.
 //!
@@ -89,11 +90,14 @@ pub type Isometry = nalgebra::Isometry3<f64>;
 pub use blocks::accounts::Impulses;
 pub use blocks::attachments::Attachment;
 pub use blocks::energy::Energies;
-pub use blocks::{BlockDefinition, Blocks, Integrator, Resting, Settings, StaticDamping};
+pub use blocks::{
+    BlockDefinition, Blocks, ContactDynamics, Integrator, Resting, Settings, StaticDamping,
+};
 pub use contact::detection::common_plane::{
     Axis, AxisKind, ContactDetection, SeparatingAxes, fast_common_plane, gap_along, separating_axes,
 };
 pub use contact::dynamics as contact_dynamics;
+pub use contact::dynamics::kept::ContactSolution;
 pub use contact::rates::StepBound;
 pub use contact::report::{Contact, ContactState};
 pub use error::{BlockError, DeepOverlap, StepError};

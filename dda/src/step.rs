@@ -8,6 +8,7 @@ pub(crate) mod damping;
 mod eigenvalues;
 pub(crate) mod guards;
 pub(crate) mod impulses;
+pub(crate) mod mid_step;
 pub(crate) mod phase;
 pub(crate) mod sleep;
 mod springs;

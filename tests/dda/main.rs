@@ -17,6 +17,7 @@ mod determinism;
 mod geometry;
 mod joint_springs;
 mod joints;
+mod mid_step;
 mod motion;
 mod paths;
 mod rest;

@@ -102,6 +102,7 @@ impl Blocks {
             plastic: self.state.attachments.plastic.total(),
             friction: self.state.totals.friction.total(),
             damping: self.state.totals.damping.total(),
+            overlap_removal: self.state.totals.overlap_removal.total(),
             external_work: self.state.totals.external_work.total()
                 + self.state.attachments.work.total(),
             ..Energies::default()

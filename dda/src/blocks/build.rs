@@ -9,8 +9,8 @@ use crate::material::Joint;
 use crate::motion::deformation::Deformable;
 use crate::motion::kinematics::{Kinematics, LeverArm};
 use crate::{
-    BlockDefinition, BlockError, Blocks, Isometry, JointOverride, Load, Material, Motion,
-    NormalLaw, Settings, Shape, Vec3,
+    BlockDefinition, BlockError, Blocks, Integrator, Isometry, JointOverride, Load, Material,
+    Motion, NormalLaw, Settings, Shape, Vec3,
 };
 use nalgebra::Matrix3;
 
@@ -60,9 +60,45 @@ impl Blocks {
         this.mark_movable_parts();
         this.place_parts(true);
         this.find_candidates();
-        this.bond_pairs();
-        this.evaluate_contacts(0.0, &mut |_| {});
+        match settings.integrator {
+            Integrator::CentralDifference => {
+                this.bond_pairs();
+                this.evaluate_contacts(0.0, &mut |_| {});
+            }
+            Integrator::ContactDynamics(_) => this.check_contact_dynamics()?,
+        }
         Ok(this)
+    }
+
+    /// Refuses what contact dynamics does not model.
+    fn check_contact_dynamics(&self) -> Result<(), BlockError> {
+        let refuse = |rule| {
+            Err(BlockError::Setting {
+                field: "integrator",
+                value: f64::NAN,
+                rule,
+            })
+        };
+        let joints = &self.constants.initial_joints;
+        if !self.state.deformables.is_empty() {
+            return refuse("contact dynamics moves rigid blocks only");
+        }
+        if self.constants.reference.iter().any(Part::is_surface) {
+            return refuse("contact dynamics has no contact with terrain");
+        }
+        if joints
+            .iter()
+            .any(|j| j.cohesion > 0.0 || j.tensile_strength > 0.0)
+        {
+            return refuse("contact dynamics has no cohesion and no tensile strength");
+        }
+        if joints.iter().any(|j| j.spheres.rolling_friction > 0.0) {
+            return refuse("contact dynamics has no rolling resistance");
+        }
+        if joints.iter().any(|j| j.residual_friction != j.friction) {
+            return refuse("contact dynamics has one angle of friction");
+        }
+        Ok(())
     }
 
     fn push(

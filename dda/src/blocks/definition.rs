@@ -70,11 +70,32 @@ impl Default for Settings {
 }
 
 /// Time integrator of the blocks.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Integrator {
     /// Explicit central differences with penalty contact, see `step::central_difference`.
     #[default]
     CentralDifference,
+    /// Drift, kick with all contacts solved together, drift: steps limited by motion alone, see `step::mid_step`. For free rigid blocks
+    /// without cohesion, rolling resistance, holds, attachments, sleep or static damping, and not on terrain.
+    ContactDynamics(ContactDynamics),
+}
+
+/// Parameters of contact dynamics.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ContactDynamics {
+    /// Residual of the laws of contact at which a step is solved, above 0. Default 1e-4; –.
+    pub tolerance: f64,
+    /// Sweeps and iterations of a step at most, at least 1. Default 300.
+    pub n_iterations: usize,
+}
+
+impl Default for ContactDynamics {
+    fn default() -> Self {
+        Self {
+            tolerance: 1e-4,
+            n_iterations: 300,
+        }
+    }
 }
 
 /// Criteria for putting blocks to sleep and waking them.
@@ -100,11 +121,36 @@ pub enum StaticDamping {
     Kinetic(f64),
 }
 
+fn check_dynamics(dynamics: &ContactDynamics, settings: &Settings) -> Result<(), BlockError> {
+    let refuse = |field, value, rule| Err(BlockError::Setting { field, value, rule });
+    let ContactDynamics {
+        tolerance,
+        n_iterations,
+    } = *dynamics;
+    if !(tolerance > 0.0 && tolerance.is_finite()) {
+        return refuse("integrator.tolerance", tolerance, "must be above 0");
+    }
+    if n_iterations == 0 {
+        return refuse("integrator.n_iterations", 0.0, "must be at least 1");
+    }
+    if settings.resting.is_some() {
+        return refuse(
+            "resting",
+            f64::NAN,
+            "contact dynamics puts no block to sleep",
+        );
+    }
+    if settings.static_damping.is_some() {
+        return refuse("static_damping", f64::NAN, "contact dynamics has none");
+    }
+    Ok(())
+}
+
 pub(super) fn check_settings(settings: &Settings) -> Result<(), BlockError> {
     let refuse = |field, value, rule| Err(BlockError::Setting { field, value, rule });
     let Settings {
         gravity,
-        integrator: _,
+        integrator,
         time_step_factor,
         step_bound: _,
         shear_damping_ratio,
@@ -117,6 +163,9 @@ pub(super) fn check_settings(settings: &Settings) -> Result<(), BlockError> {
     } = *settings;
     if let Some(&value) = gravity.iter().find(|c| !c.is_finite()) {
         return refuse("gravity", value, "must be finite");
+    }
+    if let Integrator::ContactDynamics(dynamics) = integrator {
+        check_dynamics(&dynamics, settings)?;
     }
     if !(time_step_factor > 0.0 && time_step_factor <= 1.0) {
         return refuse(

@@ -6,7 +6,8 @@ use serde::{Deserialize, Serialize};
 ///
 /// ```text
 /// kinetic + potential + elastic + strain
-///     + friction + damping + strain_damping + static_damping + sleep_loss + plastic − external_work = constant
+///     + friction + damping + strain_damping + static_damping + sleep_loss + plastic
+///     − overlap_removal − external_work = constant
 /// ```
 /// up to the error of the time step and of contact patches that change shape.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -33,6 +34,8 @@ pub struct Energies {
     pub sleep_loss: f64,
     /// Lost in bolts that yield; cumulative.
     pub plastic: f64,
+    /// Given by the removal of overlap in contact dynamics; cumulative.
+    pub overlap_removal: f64,
     /// Work of prescribed blocks and of given loads on free blocks; cumulative. The work of impulses of
     /// `apply_impulse` is booked by the caller.
     pub external_work: f64,
@@ -53,6 +56,7 @@ impl Energies {
             static_damping,
             sleep_loss,
             plastic,
+            overlap_removal,
             external_work,
         } = *self;
         kinetic
@@ -65,6 +69,7 @@ impl Energies {
             + static_damping
             + sleep_loss
             + plastic
+            - overlap_removal
             - external_work
     }
 }

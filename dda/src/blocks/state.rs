@@ -5,6 +5,7 @@ use super::attachments::Attachments;
 use super::rest::Rest;
 use super::steered::Steered;
 use super::totals::Totals;
+use crate::contact::dynamics::kept::{ContactSolution, KeptImpulse};
 use crate::contact::rates::BlockRates;
 use crate::geometry::bounds::Bounds;
 use crate::material::Joint;
@@ -57,6 +58,10 @@ pub(crate) struct State {
     pub rates: Vec<BlockRates>,
     /// Deepest overlap at the last evaluation, × the overlap allowed, with its parts.
     pub worst_overlap: (f64, (u32, u32)),
+    /// Impulses of the last step of contact dynamics, by parts and key.
+    pub impulses: Vec<KeptImpulse>,
+    /// Contacts of that step.
+    pub solution: ContactSolution,
     /// Axis-aligned boxes around the parts; one per part; m.
     pub boxes: Vec<Bounds>,
     /// Boxes with their margin, with which the candidate pairs were found; one per part; m.

@@ -17,6 +17,8 @@ pub(crate) struct Totals {
     pub static_damping: Account,
     /// Kinetic energy of blocks when they were put to sleep; J.
     pub sleep_loss: Account,
+    /// Given by the removal of overlap that contact dynamics leaves; J.
+    pub overlap_removal: Account,
     /// Work of prescribed blocks; J.
     pub external_work: Account,
     /// Impulse of gravity and of fixed and prescribed blocks on free ones; N s.
@@ -27,6 +29,8 @@ pub(crate) struct Totals {
     pub rolling_impulse: Vec3,
     /// Force evaluations of pairs of parts.
     pub n_contact_updates: u64,
+    /// Steps of contact dynamics that were not solved.
+    pub n_unsolved: u64,
     /// Bonds broken.
     pub n_broken_bonds: u64,
     /// Full separating-axis tests.

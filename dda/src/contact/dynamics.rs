@@ -20,6 +20,7 @@ mod cone;
 pub mod delassus;
 pub mod gauss_seidel;
 pub mod gradient;
+pub(crate) mod kept;
 pub mod one_contact;
 pub mod solver;
 

@@ -127,6 +127,8 @@ pub(crate) struct Joint {
     pub residual_cohesion: f64,
     /// `T`; Pa.
     pub tensile_strength: f64,
+    /// `e` of normal impacts; –.
+    pub restitution: f64,
     /// `ξ_n`, from the restitution; –.
     pub damping_ratio: f64,
     /// Joint properties if one of the two is a sphere.
@@ -221,6 +223,7 @@ impl Joint {
             cohesion: strength.cohesion,
             residual_cohesion: strength.residual_cohesion,
             tensile_strength: strength.tensile_strength,
+            restitution: strength.restitution,
             damping_ratio: damping_ratio(strength.restitution),
             spheres: SphereJoint::between(first, second, strength, law),
         }

@@ -123,6 +123,7 @@ impl Blocks {
     ) -> Result<(), StepError> {
         match self.constants.settings.integrator {
             Integrator::CentralDifference => self.central_difference((from, to), dt, ended),
+            Integrator::ContactDynamics(dynamics) => self.mid_step((from, to), &dynamics, ended),
         }
     }
 

@@ -66,7 +66,7 @@ impl Blocks {
     }
 
     /// Velocities at the end of the step; those of paths are their own.
-    fn set_velocities(&mut self, to: f64) {
+    pub(crate) fn set_velocities(&mut self, to: f64) {
         for b in 0..self.n_blocks() {
             match (self.derived.update[b], &self.constants.motion[b]) {
                 (Update::Fixed, Motion::Prescribed(path)) => {
@@ -204,7 +204,7 @@ impl Blocks {
         }
     }
 
-    fn drift(&mut self, from: f64, to: f64, dt: f64) {
+    pub(crate) fn drift(&mut self, from: f64, to: f64, dt: f64) {
         for k in 0..self.derived.constrained.len() {
             let b = self.derived.constrained[k] as usize;
             self.state.centroid[b] += self.state.velocity[b] * dt;

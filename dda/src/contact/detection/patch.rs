@@ -228,6 +228,62 @@ impl Patch {
         }
     }
 
+    /// Points of two bodies that are near each other, with the common plane `axis`: the corners of the faces that look at each other,
+    /// clipped to what both cover, whatever their overlap; at most four of a face. All have the weight 1.
+    pub fn find_outline(&mut self, a: &Polyhedron, b: &Polyhedron, axis: &Axis) {
+        self.manifold.points.clear();
+        self.manifold.normal = axis.normal;
+        let (of_a, of_b) = (
+            Side { body: a, mark: 0 },
+            Side {
+                body: b,
+                mark: OF_B,
+            },
+        );
+        let facing = match axis.kind {
+            AxisKind::FaceA(face) => Facing::of(of_a, face, of_b),
+            AxisKind::FaceB(face) => Facing::of(of_b, face, of_a),
+            AxisKind::Edges(edge_a, edge_b) => {
+                let key = (edge_a & 0x3fff) << 16 | (edge_b & 0x3fff) | u32::from(OF_B);
+                self.push_single(key, edge_contact(a, edge_a, b, edge_b), 1.0, -axis.gap);
+                return;
+            }
+            AxisKind::Other => return,
+        };
+        for (facet, incident) in facing.pieces() {
+            self.clip_by_sides(&facing, facet, incident);
+            self.keep_widest(&facing.normal);
+            let plane = facing.plane(facet);
+            self.push_outline(&plane, facing.key_offset(facet, incident));
+        }
+        if self.manifold.points.is_empty() && axis.gap <= 0.0 {
+            let key = u32::from(WATERLINE);
+            self.push_single(key, deepest_corners(a, b, axis), 1.0, -axis.gap);
+        }
+    }
+
+    /// Keeps the four corners of the polygon in the buffer that lose least of its area.
+    fn keep_widest(&mut self, normal: &Vec3) {
+        while self.corners.len() > 4
+            && let Some((k, _)) = self.least_corner(normal)
+        {
+            self.corners.remove(k);
+        }
+    }
+
+    fn push_outline(&mut self, (n, offset): &(Vec3, f64), key_offset: u32) {
+        let count = self.corners.len();
+        if count < 3 {
+            return;
+        }
+        for k in 0..count {
+            let (before, here) = (self.corners[(k + count - 1) % count], self.corners[k]);
+            let key = corner_key(before, here).wrapping_add(key_offset);
+            let point = ManifoldPoint::on_face(key, (here.x, n), 1.0, offset - n.dot(&here.x));
+            self.manifold.points.push(point);
+        }
+    }
+
     /// Corners of the patch last found, if it was a bonded one.
     pub fn bonded_outline(&self) -> impl Iterator<Item = Vec3> + Clone + '_ {
         self.corners.iter().map(|corner| corner.x)

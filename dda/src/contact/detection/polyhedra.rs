@@ -18,6 +18,9 @@ pub(crate) struct NarrowPhase<'a> {
 /// Parts nearer than this at the start are bonded; × size of the smaller part.
 const BOND_REACH: f64 = 1e-4;
 
+/// Lead of two edges over a face below which bodies that are near each other count as face to face; × size of the smaller part.
+const FLAT: f64 = 1e-4;
+
 impl NarrowPhase<'_> {
     /// Leaves the manifold of overlapping bodies in `patch`; false if they are apart.
     pub fn find(&self, cache: &mut AxisCache, patch: &mut Patch) -> bool {
@@ -26,6 +29,29 @@ impl NarrowPhase<'_> {
             return false;
         };
         patch.find(a, b, &axis, self.scaling, false);
+        !patch.manifold.points.is_empty()
+    }
+
+    /// Leaves the points at which the bodies overlap or are nearer than `reach` (m) in `patch`; false if there are none.
+    pub fn find_near(&self, cache: &mut AxisCache, patch: &mut Patch, reach: f64) -> bool {
+        let (a, b) = self.bodies;
+        let axis = match cache.overlapping(a, b, self.detection, &self.gravity) {
+            Some(axis) => axis,
+            None => {
+                let is_near = |axis: &Axis| 0.0 < axis.gap && axis.gap <= reach;
+                if !cache.axis.as_ref().is_some_and(is_near) {
+                    return false;
+                }
+                let axes = crate::separating_axes(a, b);
+                let (best, face) = (axes.best(), axes.preferred_face(a, b, &self.gravity));
+                let is_of_edges = FLAT * a.size().min(b.size()) < best.gap - face.gap;
+                if is_of_edges { best } else { face }
+            }
+        };
+        if reach < axis.gap {
+            return false;
+        }
+        patch.find_outline(a, b, &axis);
         !patch.manifold.points.is_empty()
     }
 

@@ -21,6 +21,19 @@ pub(crate) fn of_two((a, r): (&Vec3, f64), (b, s): (&Vec3, f64)) -> Option<Point
     Some(PointManifold::single(normal, position, overlap))
 }
 
+/// Point between two spheres of center and radius (m), the normal from the first to the second, and the gap; m.
+pub(crate) fn between((a, r): (&Vec3, f64), (b, s): (&Vec3, f64)) -> (Vec3, Vec3, f64) {
+    let offset = b - a;
+    let distance = offset.norm();
+    let normal = if distance > 0.0 {
+        offset / distance
+    } else {
+        Vec3::z()
+    };
+    let gap = distance - r - s;
+    (a + normal * (r + 0.5 * gap), normal, gap)
+}
+
 /// Contact of a sphere of a radius (m) with the nearest point of a body; `normal` from i to j.
 pub(crate) fn with_body(nearest: &SurfacePoint, normal: Vec3, radius: f64) -> PointManifold {
     let overlap = radius - nearest.distance;

@@ -1,0 +1,158 @@
+//! Points of all pairs that touch or are near.
+
+use crate::contact::detection::manifold::ManifoldPoint;
+use crate::contact::detection::patch::Patch;
+use crate::contact::detection::polyhedra::NarrowPhase;
+use crate::contact::detection::spheres::between;
+use crate::contact::penalty::polyhedra::Pair;
+use crate::geometry::parts::Part;
+use crate::{Blocks, Polyhedron, Vec3};
+use rayon::prelude::*;
+
+/// Pairs that one thread takes at a time.
+const CHUNK: usize = 16;
+
+/// A point of two parts.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Touch {
+    pub parts: (u32, u32),
+    pub blocks: [u32; 2],
+    /// Unit, from the first to the second.
+    pub normal: Vec3,
+    /// In the middle of the gap; m.
+    pub position: Vec3,
+    /// Below 0 for overlap; m.
+    pub gap: f64,
+    pub friction: f64,
+    pub restitution: f64,
+}
+
+impl Blocks {
+    /// Points of all pairs that could close their gap within `dt` (s), in the order of the pairs; records the overlap.
+    pub(super) fn touches(&mut self, dt: f64) -> Vec<Touch> {
+        let mut found = self.touches_of_polyhedra(dt);
+        self.add_touches_of_spheres(dt, &mut found);
+        let limits = self.constants.overlap_limits();
+        let mut worst = (0.0, (0, 0));
+        let mut deepest: f64 = 0.0;
+        for touch in &found {
+            let over_allowed = -touch.gap / limits.of(touch.parts);
+            deepest = deepest.max(-touch.gap / limits.size_of(touch.parts));
+            if worst.0 < over_allowed {
+                worst = (over_allowed, touch.parts);
+            }
+        }
+        let totals = &mut self.state.totals;
+        totals.max_overlap_over_size = totals.max_overlap_over_size.max(deepest);
+        self.state.worst_overlap = worst;
+        found
+    }
+
+    /// Distance by which two blocks may come closer within `dt` (s); m.
+    fn approach(&self, (a, b): (u32, u32), dt: f64) -> f64 {
+        let speed = |block: u32| {
+            let b = block as usize;
+            let body = &self.state.kinematics[b];
+            body.velocity.norm() + body.spin.norm() * self.constants.radius[b]
+        };
+        (speed(a) + speed(b) + self.constants.settings.gravity.norm() * dt) * dt
+    }
+
+    fn touches_of_polyhedra(&mut self, dt: f64) -> Vec<Touch> {
+        let mut pairs = std::mem::take(&mut self.contacts.pairs);
+        let this = &*self;
+        let found = (pairs.par_iter_mut().with_min_len(CHUNK))
+            .map_init(Patch::default, |patch, pair| {
+                this.touches_of(pair, patch, dt)
+            })
+            .flatten_iter()
+            .collect();
+        self.contacts.pairs = pairs;
+        found
+    }
+
+    fn touches_of(&self, pair: &mut Pair, patch: &mut Patch, dt: f64) -> Vec<Touch> {
+        let bodies = self.polyhedra(pair.parts);
+        let joint = self.joint(pair.parts);
+        let reach = self.approach(pair.blocks, dt);
+        let is_near = |(a, b): &(&Polyhedron, &Polyhedron)| {
+            let narrow = NarrowPhase {
+                bodies: (a, b),
+                detection: self.constants.settings.contact_detection,
+                gravity: self.constants.settings.gravity,
+                scaling: joint.scaling,
+            };
+            narrow.find_near(&mut pair.axis, patch, reach)
+        };
+        if !bodies.as_ref().is_some_and(is_near) {
+            return Vec::new();
+        }
+        let of = |point: &ManifoldPoint| Touch {
+            parts: pair.parts,
+            blocks: [pair.blocks.0, pair.blocks.1],
+            normal: patch.manifold.normal,
+            position: point.position,
+            gap: -point.overlap,
+            friction: joint.friction,
+            restitution: joint.restitution,
+        };
+        patch.manifold.points.iter().map(of).collect()
+    }
+
+    fn polyhedra(&self, parts: (u32, u32)) -> Option<(&Polyhedron, &Polyhedron)> {
+        let part = |part: u32| &self.derived.parts[part as usize];
+        match (part(parts.0), part(parts.1)) {
+            (Part::Polyhedron(a), Part::Polyhedron(b)) => Some((a, b)),
+            _ => None,
+        }
+    }
+
+    fn joint(&self, parts: (u32, u32)) -> &crate::material::Joint {
+        let material = |part: u32| self.constants.material_of_part[part as usize] as usize;
+        &self.state.joints[material(parts.0) * self.constants.n_materials + material(parts.1)]
+    }
+
+    fn add_touches_of_spheres(&self, dt: f64, found: &mut Vec<Touch>) {
+        for pair in &self.contacts.sphere_pairs {
+            let reach = self.approach(pair.blocks, dt);
+            let part = |part: u32| &self.derived.parts[part as usize];
+            let at_body = |body: &Polyhedron, center: &Vec3, radius: f64| {
+                let at = body.touch_point_within(center, radius + reach)?;
+                let gap = at.distance - radius;
+                Some((at.point + at.normal * (0.5 * gap), at.normal, gap))
+            };
+            let near = match (part(pair.parts.0), part(pair.parts.1)) {
+                (
+                    Part::Sphere {
+                        center: x,
+                        radius: r,
+                    },
+                    Part::Sphere {
+                        center: y,
+                        radius: s,
+                    },
+                ) => Some(between((x, *r), (y, *s))),
+                (Part::Sphere { center, radius }, Part::Polyhedron(body)) => {
+                    at_body(body, center, *radius).map(|(x, normal, gap)| (x, -normal, gap))
+                }
+                (Part::Polyhedron(body), Part::Sphere { center, radius }) => {
+                    at_body(body, center, *radius)
+                }
+                _ => None,
+            };
+            let Some((position, normal, gap)) = near.filter(|(.., gap)| *gap <= reach) else {
+                continue;
+            };
+            let joint = self.joint(pair.parts);
+            found.push(Touch {
+                parts: pair.parts,
+                blocks: [pair.blocks.0, pair.blocks.1],
+                normal,
+                position,
+                gap,
+                friction: joint.spheres.static_friction,
+                restitution: joint.restitution,
+            });
+        }
+    }
+}
