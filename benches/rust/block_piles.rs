@@ -2,7 +2,7 @@
 //!
 //! `cargo bench -p riprap-dda` settles 125 and 1000 of each, then times steps on one and on all threads.
 //! `cargo bench -p riprap-dda -- N` does it for about N bodies, `-- N hulls` and `-- N cubes` for one kind of them, `-- eigenvalues`
-//! with that bound of the step.
+//! with that bound of the step, `-- dynamics` with contact dynamics and steps of 5 ms.
 #![expect(clippy::print_stdout, reason = "a benchmark reports")]
 
 mod piles;

@@ -3,8 +3,8 @@
 use std::time::{Duration, Instant};
 
 use riprap_dda::{
-    BlockDefinition, Blocks, Material, Motion, Phase, Polyhedron, Random, Settings, Shape,
-    StepBound, Vec3,
+    BlockDefinition, Blocks, ContactDynamics, Integrator, Material, Motion, Phase, Polyhedron,
+    Random, Settings, Shape, StepBound, Vec3,
 };
 
 pub type Failure = Box<dyn std::error::Error>;
@@ -33,6 +33,18 @@ fn step_bound() -> StepBound {
         StepBound::Eigenvalues
     } else {
         StepBound::Compliances
+    }
+}
+
+fn is_dynamics() -> bool {
+    std::env::args().any(|argument| argument == "dynamics")
+}
+
+/// Step of contact dynamics if the command line asks for it, else the longest one within the bound; s.
+fn step_of(blocks: &Blocks) -> f64 {
+    match is_dynamics() {
+        true => 5e-3,
+        false => blocks.critical_time_step().dt,
     }
 }
 
@@ -92,6 +104,10 @@ impl Pile {
             push(body(center, &mut random)?, Motion::Free);
         }
         let settings = Settings {
+            integrator: match is_dynamics() {
+                true => Integrator::ContactDynamics(ContactDynamics::default()),
+                false => Integrator::CentralDifference,
+            },
             step_bound: step_bound(),
             ..Settings::default()
         };
@@ -104,7 +120,7 @@ pub fn settle(blocks: &mut Blocks, duration: f64) -> Result<(), Failure> {
     let mut time = 0.0;
     let before = blocks.energies().balance();
     while time < duration {
-        let dt = blocks.critical_time_step().dt;
+        let dt = step_of(blocks);
         blocks.advance(time, dt, 1)?;
         time += dt;
     }
@@ -144,6 +160,13 @@ pub fn report(blocks: &mut Blocks, what: &str, steps: u32) -> Result<(), Failure
         let ratio = *baseline.get_or_insert(timing.step) / timing.step;
         println!("{what}, {timing}, x {ratio:.2}");
         println!("    {}", timing.by_phase());
+        if is_dynamics() {
+            println!(
+                "    last step: {:?}, {} steps unsolved so far",
+                blocks.contact_solution(),
+                blocks.unsolved_steps()
+            );
+        }
     }
     Ok(())
 }
@@ -182,7 +205,7 @@ impl Timing {
                 last = now;
             };
             for _ in 0..steps {
-                dt = blocks.critical_time_step().dt;
+                dt = step_of(blocks);
                 book(4);
                 blocks.advance_watched(0.0, dt, 1, &mut |phase| {
                     book(match phase {

@@ -377,3 +377,55 @@ fn a_floor_that_moves_takes_a_block_along() {
     assert_close("heat", energies.friction, 0.5 * blocks.mass(1), 1e-6);
     assert_below("account", energies.balance().abs() / blocks.mass(1), 1.0);
 }
+
+/// N21: cubes that have fallen into a bin lie as high by contact dynamics as by springs.
+#[test]
+fn a_pile_is_as_high_as_by_springs() {
+    let side = 4;
+    let pile = |integrator: Integrator| {
+        let mut random = Random::new(1);
+        let width = 1.45 * f64::from(side);
+        let wall = |from: [f64; 3], to: [f64; 3]| block(cuboid(from, to), Motion::Fixed);
+        let far = width + 1.0;
+        let mut definitions = vec![
+            wall([-1.0, -1.0, -1.0], [far, far, 0.0]),
+            wall([-1.0, -1.0, 0.0], [0.0, far, 9.0]),
+            wall([width, -1.0, 0.0], [far, far, 9.0]),
+            wall([0.0, -1.0, 0.0], [width, 0.0, 9.0]),
+            wall([0.0, width, 0.0], [width, far, 9.0]),
+        ];
+        for k in 0..side * side * side {
+            let place = Vec3::from([k % side, k / side % side, k / side / side].map(f64::from));
+            let center = (place + Vec3::repeat(0.5)) * 1.45 + Vec3::z() * 0.2;
+            let cube = cuboid([-0.5; 3], [0.5; 3]);
+            let turned = cube.transformed(&Isometry::new(center, random.vector() * 0.3));
+            definitions.push(block(turned, Motion::Free));
+        }
+        let settings = Settings {
+            integrator,
+            ..Settings::default()
+        };
+        Blocks::new(definitions, vec![joint(0.5, 0.3)], settings).unwrap()
+    };
+    let height = |blocks: &Blocks| {
+        let n = blocks.n_blocks();
+        (5..n).map(|b| blocks.centroid(b).z).sum::<f64>() / (n - 5) as f64
+    };
+    let mut by_springs = pile(Integrator::CentralDifference);
+    crate::setup::run(&mut by_springs, 3.0, 1.0, 1e-2);
+    let dynamics = Integrator::ContactDynamics(ContactDynamics::default());
+    let mut together = pile(dynamics);
+    run(&mut together, (0.0, 3.0), 0.005);
+    let energies = together.energies();
+    let lost = energies.friction + energies.damping;
+    println!(
+        "overlap {:.1e} sizes, removal of overlap {:+.1e} of what is lost, {:?}, {} unsolved",
+        together.max_overlap_over_size(),
+        energies.overlap_removal / lost,
+        together.contact_solution(),
+        together.unsolved_steps()
+    );
+    // asked 2 %
+    assert_close("height", height(&together), height(&by_springs), 0.02);
+    assert!(together.unsolved_steps() == 0 && energies.kinetic < 1e-3 * lost);
+}
