@@ -40,7 +40,6 @@ use touches::Touch;
 const UNSOLVED: f64 = 1e-2;
 /// Impact speed below which there is no restitution, over `g dt`.
 const SLOW: f64 = 5.0;
-
 /// Gap up to which parts touch, × size of the smaller one. Without it the corners of a column at rest close gaps of round-off in turn, and a
 /// step takes three times the iterations.
 const TOUCHING: f64 = 1e-6;
@@ -114,13 +113,8 @@ impl Blocks {
 
     /// Points of which the gap is closed or closes within the step, by the law of impact and of gaps.
     fn closing(&self, touches: Vec<Touch>, dt: f64) -> Closing {
-        let gravity = self.constants.settings.gravity;
-        let fall = |block: u32| match self.derived.update[block as usize] {
-            Update::Rigid => gravity * dt,
-            _ => Vec3::zeros(),
-        };
         let limits = self.constants.overlap_limits();
-        let slow = SLOW * gravity.norm() * dt;
+        let slow = SLOW * self.constants.settings.gravity.norm() * dt;
         let mut closing = Closing {
             touches: Vec::new(),
             points: Vec::new(),
@@ -139,10 +133,7 @@ impl Blocks {
             let point = Point::new(touch.normal, touch.blocks.map(arm));
             let relative = b.velocity_at(&touch.position) - a.velocity_at(&touch.position);
             let before = point.frame.tr_mul(&relative);
-            let mut free = before
-                + point
-                    .frame
-                    .tr_mul(&(fall(touch.blocks[1]) - fall(touch.blocks[0])));
+            let mut free = before + self.fallen(&point, dt);
             let closes = touch.gap + dt * free.x < 0.0;
             let open = touch.gap - TOUCHING * limits.size_of(touch.parts);
             free.x += if before.x < -slow && closes {
