@@ -1,8 +1,8 @@
 //! Blocks by contact dynamics: N02 to N05, N07, N08, N10, N14 and N23 of contact dynamics.
 
 use riprap_dda::{
-    BlockDefinition, BlockError, Blocks, ContactDynamics, Integrator, Isometry, Material, Motion,
-    PrescribedMotion, Settings, Vec3,
+    BlockDefinition, BlockError, Blocks, ContactDynamics, ContactState, Integrator, Isometry,
+    Material, Motion, PrescribedMotion, Settings, Vec3,
 };
 
 use crate::setup::{
@@ -226,6 +226,12 @@ fn a_column_of_fifty_stands() {
     assert_below("drift in 20 s", drift, 1e-4);
     assert_close("reaction", reaction, weight, 1e-6);
     assert_eq!(blocks.unsolved_steps(), 0);
+    let contacts = blocks.contacts();
+    let at_foot = contacts.iter().filter(|c| c.blocks.0.index() == 0);
+    let sum: f64 = at_foot.map(|c| c.normal_force).sum();
+    assert_close("points at the foot", sum, weight, 1e-6);
+    assert_eq!(contacts.len(), blocks.n_contacts());
+    assert!(contacts.iter().all(|c| c.state == ContactState::Stick));
 }
 
 /// N10: an arch of 27 voussoirs stands for thicknesses above 0.10711 of its radius (Milankovitch 1907, Heyman 1969).

@@ -1,11 +1,11 @@
 //! Balances of the whole system: contacts, energies, momentum, counts.
 
 use crate::material::{Joint, SphereJoint};
-use crate::{BlockId, Blocks, Contact, Energies, PartId, Vec3};
+use crate::{BlockId, Blocks, Contact, ContactState, Energies, PartId, Vec3};
 
 impl Blocks {
     /// Contact points of the last step, sorted by parts; those of spheres after the others,
-    /// those on surfaces last, the surface second.
+    /// those on surfaces last, the surface second. Of contact dynamics those that bear an impulse, all sorted by parts.
     pub fn contacts(&self) -> Vec<Contact> {
         let blocks = |pair: (u32, u32)| (BlockId::from(pair.0), BlockId::from(pair.1));
         let parts = |pair: (u32, u32)| (PartId::from(pair.0), PartId::from(pair.1));
@@ -44,6 +44,11 @@ impl Blocks {
         for pair in &self.contacts.surface_pairs {
             pair.for_each_contact(&mut |contact| contacts.push(contact));
         }
+        for of_parts in self.state.impulses.chunk_by(|a, b| a.parts == b.parts) {
+            let kept = of_parts.iter().zip(0..);
+            let bear = kept.filter(|(kept, _)| kept.state != ContactState::Open);
+            contacts.extend(bear.map(|(kept, key)| kept.contact(key)));
+        }
         contacts
     }
 
@@ -60,7 +65,9 @@ impl Blocks {
             .surface_pairs
             .iter()
             .map(|pair| pair.n_contacts());
-        of_pairs + self.touching_spheres().count() + of_surfaces.sum::<usize>()
+        let kept = self.state.impulses.iter();
+        let solved = kept.filter(|kept| kept.state != ContactState::Open).count();
+        of_pairs + self.touching_spheres().count() + of_surfaces.sum::<usize>() + solved
     }
 
     /// Force evaluations of pairs of parts so far.

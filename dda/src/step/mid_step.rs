@@ -32,6 +32,7 @@ use crate::contact::dynamics::delassus::{Arm, Body, BodyContacts, Delassus, Poin
 use crate::contact::dynamics::gauss_seidel::Until;
 use crate::contact::dynamics::kept::{ContactSolution, KeptImpulse};
 use crate::contact::dynamics::solver;
+use crate::contact::report::ContactState;
 use crate::step::phase::Phase;
 use crate::{Blocks, Load, Motion, StepError, Vec3};
 use touches::Touch;
@@ -40,6 +41,8 @@ use touches::Touch;
 const UNSOLVED: f64 = 1e-2;
 /// Impact speed below which there is no restitution, over `g dt`.
 const SLOW: f64 = 5.0;
+/// Distance from the friction bound within which a point slides, × the bound.
+const AT_THE_BOUND: f64 = 1e-9;
 /// Gap up to which parts touch, × size of the smaller one. Without it the corners of a column at rest close gaps of round-off in turn, and a
 /// step takes three times the iterations.
 const TOUCHING: f64 = 1e-6;
@@ -52,6 +55,18 @@ struct Closing {
     before: Vec<Vec3>,
     /// `b`, with the shift; m/s.
     free: Vec<Vec3>,
+}
+
+/// State of a point with an impulse in its frame.
+fn state_of(friction: f64, impulse: &Vec3) -> ContactState {
+    let bound = friction * impulse.x;
+    if impulse.x <= 0.0 {
+        ContactState::Open
+    } else if impulse.y.hypot(impulse.z) < bound * (1.0 - AT_THE_BOUND) {
+        ContactState::Stick
+    } else {
+        ContactState::Slide
+    }
 }
 
 impl Blocks {
@@ -237,9 +252,13 @@ impl Blocks {
             .impulses
             .extend(rows.map(|((touch, point), impulse)| KeptImpulse {
                 parts: touch.parts,
+                blocks: touch.blocks.into(),
                 position: touch.position,
+                normal: touch.normal,
+                gap: touch.gap,
                 impulse: point.frame * impulse,
                 dt,
+                state: state_of(touch.friction, impulse),
             }));
         self.state.impulses.sort_by_key(|kept| kept.parts);
     }

@@ -1,18 +1,44 @@
 //! State that contact dynamics keeps from step to step.
 
-use crate::Vec3;
+use crate::contact::report::{Contact, ContactState};
+use crate::{BlockId, PartId, Vec3};
 use serde::{Deserialize, Serialize};
 
 /// Impulse at a point of two parts, from which the next step starts.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct KeptImpulse {
     pub parts: (u32, u32),
+    pub blocks: (u32, u32),
     /// World; m.
     pub position: Vec3,
+    /// Unit, from the first to the second.
+    pub normal: Vec3,
+    /// Below 0 for overlap; m.
+    pub gap: f64,
     /// On the second; N s.
     pub impulse: Vec3,
     /// Of the step; s.
     pub dt: f64,
+    pub state: ContactState,
+}
+
+impl KeptImpulse {
+    /// The point as reported, with its mean force in the step; `key` names it among those of its parts.
+    pub fn contact(&self, key: u32) -> Contact {
+        let force = self.impulse / self.dt;
+        let normal_force = force.dot(&self.normal);
+        Contact {
+            blocks: (BlockId::from(self.blocks.0), BlockId::from(self.blocks.1)),
+            parts: (PartId::from(self.parts.0), PartId::from(self.parts.1)),
+            key,
+            point: self.position,
+            normal: self.normal,
+            normal_force,
+            shear_force: force - self.normal * normal_force,
+            overlap: -self.gap,
+            state: self.state,
+        }
+    }
 }
 
 /// Contacts of the last step of contact dynamics, and how far their impulses are from the laws.
