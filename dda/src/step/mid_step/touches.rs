@@ -73,7 +73,7 @@ impl Blocks {
 
     fn touches_of(&self, pair: &mut Pair, patch: &mut Patch, dt: f64) -> Vec<Touch> {
         let bodies = self.polyhedra(pair.parts);
-        let joint = self.joint(pair.parts);
+        let joint = self.joint_between(pair.parts);
         let reach = self.approach(pair.blocks, dt);
         let is_near = |(a, b): &(&Polyhedron, &Polyhedron)| {
             let narrow = NarrowPhase {
@@ -107,11 +107,6 @@ impl Blocks {
         }
     }
 
-    fn joint(&self, parts: (u32, u32)) -> &crate::material::Joint {
-        let material = |part: u32| self.constants.material_of_part[part as usize] as usize;
-        &self.state.joints[material(parts.0) * self.constants.n_materials + material(parts.1)]
-    }
-
     fn add_touches_of_spheres(&self, dt: f64, found: &mut Vec<Touch>) {
         for pair in &self.contacts.sphere_pairs {
             let reach = self.approach(pair.blocks, dt);
@@ -143,7 +138,7 @@ impl Blocks {
             let Some((position, normal, gap)) = near.filter(|(.., gap)| *gap <= reach) else {
                 continue;
             };
-            let joint = self.joint(pair.parts);
+            let joint = self.joint_between(pair.parts);
             found.push(Touch {
                 parts: pair.parts,
                 blocks: [pair.blocks.0, pair.blocks.1],
