@@ -80,11 +80,6 @@ impl Blocks {
         }
     }
 
-    fn has_contact_dynamics(&self) -> bool {
-        let integrator = self.constants.settings.integrator;
-        matches!(integrator, Integrator::ContactDynamics(_))
-    }
-
     pub(crate) fn hold_of(&self, block: usize) -> Option<&Hold> {
         self.constants.holds.get(block).and_then(Option::as_ref)
     }
@@ -99,12 +94,6 @@ impl Blocks {
             return Err(BlockError::Hold {
                 block,
                 reason: "it is not a free block",
-            });
-        }
-        if self.has_contact_dynamics() {
-            return Err(BlockError::Hold {
-                block,
-                reason: "contact dynamics has no holds",
             });
         }
         if self.constants.deformable_of[block].is_some() && hold.turning != Turning::Free {
@@ -132,12 +121,6 @@ impl Blocks {
     ///
     /// [`BlockError::Attachment`] names the first that is unusable.
     pub fn attach(&mut self, attachments: &[Attachment]) -> Result<(), BlockError> {
-        if self.has_contact_dynamics() && !attachments.is_empty() {
-            return Err(BlockError::Attachment {
-                attachment: 0,
-                reason: "contact dynamics has no attachments",
-            });
-        }
         let bodies = Bodies {
             centroid: &self.state.centroid,
             mass: &self.constants.mass,

@@ -149,6 +149,21 @@ pub enum StepError {
         /// Time of the sub-step; s.
         time: f64,
     },
+    /// Contact dynamics did not find the impulses of contacts in several steps running.
+    #[error(
+        "the contacts of {n_steps} steps running were not solved up to t = {time:.6} s: a residual of {residual:.1e} after \
+         {n_iterations} sweeps; allow more sweeps, shorten the step, or look for blocks that are jammed or overlap at the start"
+    )]
+    Unsolved {
+        /// Steps running.
+        n_steps: u32,
+        /// Residual of the laws of contact in the last one; –.
+        residual: f64,
+        /// Sweeps and iterations in it.
+        n_iterations: usize,
+        /// Time of the last one; s.
+        time: f64,
+    },
     /// A time step cannot be used.
     #[error("time step {dt} s at t = {time} s; it must be finite and > 0")]
     TimeStep {

@@ -24,6 +24,7 @@ fn settings(gravity: Vec3, tolerance: f64) -> Settings {
         integrator: Integrator::ContactDynamics(ContactDynamics {
             tolerance,
             n_iterations: 2000,
+            ..ContactDynamics::default()
         }),
         ..Settings::default()
     }

@@ -65,7 +65,10 @@ impl Blocks {
                 this.bond_pairs();
                 this.evaluate_contacts(0.0, &mut |_| {});
             }
-            Integrator::ContactDynamics(_) => this.check_contact_dynamics()?,
+            Integrator::ContactDynamics(_) => {
+                this.check_contact_dynamics()?;
+                this.state.outside = vec![Load::default(); this.n_blocks()];
+            }
         }
         Ok(this)
     }

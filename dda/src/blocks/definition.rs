@@ -75,14 +75,17 @@ pub enum Integrator {
     /// Explicit central differences with penalty contact, see `step::central_difference`.
     #[default]
     CentralDifference,
-    /// Drift, kick with all contacts solved together, drift: steps limited by motion alone, see `step::mid_step`. For free rigid blocks
-    /// without cohesion, rolling resistance, holds, attachments, sleep or static damping, and not on terrain.
+    /// Drift, kick with all contacts solved together, drift: steps limited by motion alone, see `step::mid_step`. For rigid blocks
+    /// without cohesion, rolling resistance, sleep or static damping, and not on terrain.
     ContactDynamics(ContactDynamics),
 }
 
 /// Parameters of contact dynamics.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContactDynamics {
+    /// Step, above 0. Shorter where a block moves by more than a fifth of its size in it, turns by more than 0.1 rad, or hangs on a
+    /// stiff support or bolt. Default 5e-3; s.
+    pub time_step: f64,
     /// Residual of the laws of contact at which a step is solved, above 0. Default 1e-4; –.
     pub tolerance: f64,
     /// Sweeps and iterations of a step at most, at least 1. Default 300.
@@ -92,6 +95,7 @@ pub struct ContactDynamics {
 impl Default for ContactDynamics {
     fn default() -> Self {
         Self {
+            time_step: 5e-3,
             tolerance: 1e-4,
             n_iterations: 300,
         }
@@ -124,9 +128,13 @@ pub enum StaticDamping {
 fn check_dynamics(dynamics: &ContactDynamics, settings: &Settings) -> Result<(), BlockError> {
     let refuse = |field, value, rule| Err(BlockError::Setting { field, value, rule });
     let ContactDynamics {
+        time_step,
         tolerance,
         n_iterations,
     } = *dynamics;
+    if !(time_step > 0.0 && time_step.is_finite()) {
+        return refuse("integrator.time_step", time_step, "must be above 0 s");
+    }
     if !(tolerance > 0.0 && tolerance.is_finite()) {
         return refuse("integrator.tolerance", tolerance, "must be above 0");
     }

@@ -21,12 +21,12 @@ impl Blocks {
                 if self.state.is_removed[self.constants.block_of_part[part] as usize] {
                     NOWHERE
                 } else {
-                    broad_phase::grown(&self.state.boxes[part], self.constants.margin[part])
+                    broad_phase::grown(&self.state.boxes[part], self.margin_of(part))
                 };
         }
         let mut candidates = std::mem::take(&mut self.scratch.candidates);
         let (block_of, motion) = (&self.constants.block_of_part, &self.constants.motion);
-        let (parts, margin) = (&self.derived.parts, &self.constants.margin);
+        let parts = &self.derived.parts;
         // The boxes of spheres overlap at their corners long before the spheres touch.
         let may_meet = |i: usize, j: usize| match (&parts[i], &parts[j]) {
             (
@@ -40,7 +40,7 @@ impl Blocks {
                 },
             ) => {
                 // Inside its fat box a sphere moves by the margin along each axis.
-                let reach = r + s + 3.0_f64.sqrt() * (margin[i] + margin[j]);
+                let reach = r + s + 3.0_f64.sqrt() * (self.margin_of(i) + self.margin_of(j));
                 (b - a).norm_squared() < reach * reach
             }
             _ => true,
@@ -60,6 +60,11 @@ impl Blocks {
         self.keep_sphere_pairs();
         self.keep_surface_pairs();
         self.link_pairs();
+    }
+
+    /// Margin of the fat box of a part, with its reach in this step; m.
+    fn margin_of(&self, part: usize) -> f64 {
+        self.constants.margin[part] + self.scratch.reach_of(part)
     }
 
     /// List of a pair of parts.

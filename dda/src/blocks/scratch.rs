@@ -15,6 +15,15 @@ pub(crate) struct Scratch {
     pub sphere_pairs_before: Vec<SpherePairBefore>,
     /// Surface pairs of the previous step.
     pub surface_pairs_before: Vec<SurfacePair>,
+    /// Distance by which each part may come closer to others in this step of contact dynamics, empty of central differences; m.
+    pub reach: Vec<f64>,
     /// One per chunk of `pairs`, or more.
     pub workspaces: Vec<Workspace>,
+}
+
+impl Scratch {
+    /// Reach of a part in this step; m.
+    pub fn reach_of(&self, part: usize) -> f64 {
+        self.reach.get(part).copied().unwrap_or(0.0)
+    }
 }

@@ -58,6 +58,8 @@ pub(crate) struct State {
     pub rates: Vec<BlockRates>,
     /// Deepest overlap at the last evaluation, × the overlap allowed, with its parts.
     pub worst_overlap: (f64, (u32, u32)),
+    /// Impulses from outside that the next step of contact dynamics gives; one per block, empty of central differences; N s, N m s.
+    pub outside: Vec<Load>,
     /// Impulses of the last step of contact dynamics, by parts and key.
     pub impulses: Vec<KeptImpulse>,
     /// Contacts of that step.

@@ -63,6 +63,15 @@ impl Blocks {
             f(f64::from(pair.parts.1));
             pair.for_each_state_f64(f);
         }
+        for kept in &self.state.impulses {
+            f(f64::from(kept.parts.0));
+            f(f64::from(kept.parts.1));
+            kept.impulse.iter().for_each(|&c| f(c));
+        }
+        for outside in &self.state.outside {
+            let both = outside.force.iter().chain(outside.torque.iter());
+            both.for_each(|&c| f(c));
+        }
         for deformable in &self.state.deformables {
             deformable.for_each_state_f64(f);
         }

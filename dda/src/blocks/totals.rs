@@ -31,6 +31,14 @@ pub(crate) struct Totals {
     pub n_contact_updates: u64,
     /// Steps of contact dynamics that were not solved.
     pub n_unsolved: u64,
+    /// Of these, the last ones running.
+    pub n_unsolved_running: u32,
+    /// Most contacts, and most sweeps and iterations, of a step of contact dynamics; sweeps and iterations of all.
+    pub most_solved_contacts: usize,
+    pub most_iterations: usize,
+    pub n_iterations: u64,
+    /// Largest residual of a step.
+    pub largest_residual: f64,
     /// Bonds broken.
     pub n_broken_bonds: u64,
     /// Full separating-axis tests.

@@ -5,7 +5,7 @@ use crate::contact::detection::broad_phase;
 use crate::contact::detection::broad_phase::Bounds;
 use crate::contact::tally::PAIR_CHUNK;
 use crate::step::phase::Phase;
-use crate::{Blocks, Integrator, StepBound, StepError, chunks};
+use crate::{Blocks, Integrator, Settings, StepBound, StepError, chunks};
 
 /// Steps that differ by less are equal; –.
 const ROUND_OFF: f64 = 1e-9;
@@ -48,9 +48,16 @@ impl Blocks {
             return Ok(n_substeps);
         }
         chunks::in_pool(self.is_large(), || {
-            match self.constants.settings.step_bound {
-                StepBound::Compliances => self.equal_sub_steps((time, dt), n_substeps, ended),
-                StepBound::Eigenvalues => self.bounded_sub_steps((time, dt), n_substeps, ended),
+            let Settings {
+                integrator,
+                step_bound,
+                ..
+            } = self.constants.settings;
+            match (integrator, step_bound) {
+                (Integrator::CentralDifference, StepBound::Eigenvalues) => {
+                    self.bounded_sub_steps((time, dt), n_substeps, ended)
+                }
+                _ => self.equal_sub_steps((time, dt), n_substeps, ended),
             }
         })
     }
@@ -142,7 +149,9 @@ impl Blocks {
             (first..)
                 .zip(fat.iter().zip(boxes))
                 .any(|(part, (fat, bounds))| {
-                    self.derived.can_move[part] && !broad_phase::holds(fat, bounds)
+                    let reach = self.scratch.reach_of(part);
+                    self.derived.can_move[part]
+                        && !broad_phase::holds(fat, &broad_phase::grown(bounds, reach))
                 })
         };
         let columns = (self.state.fat_boxes.as_slice(), self.state.boxes.as_slice());

@@ -8,7 +8,8 @@ use nalgebra::Matrix3;
 impl Blocks {
     /// Gives every free block the impulse `loads · dt`, `v += dt M⁻¹ load`: the half kicks of a
     /// fluid. Fixed, prescribed and removed blocks ignore theirs; a deformable one receives force and
-    /// torque here, and generalized strain forces by [`Self::apply_stretch`].
+    /// torque here, and generalized strain forces by [`Self::apply_stretch`]. Contact dynamics keeps the impulse for the middle of
+    /// its next step, where contacts answer to it.
     pub fn apply_impulse(&mut self, loads: &[Load], dt: f64) {
         for (b, load) in loads.iter().enumerate().take(self.n_blocks()) {
             self.state.rest.note_outside(b, load);
@@ -31,6 +32,10 @@ impl Blocks {
     }
 
     fn push_block(&mut self, b: usize, load: &Load, dt: f64) {
+        if let Some(outside) = self.state.outside.get_mut(b) {
+            *outside += load.times(dt);
+            return;
+        }
         self.kick_centroid(b, &load.force, dt);
         let moment = Moment {
             torque: load.torque,

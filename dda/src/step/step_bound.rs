@@ -4,7 +4,7 @@ use crate::blocks::CHUNK;
 use crate::contact::rates::{BlockRates, Listed};
 use crate::motion::rigid::is_isotropic;
 use crate::step::eigenvalues::HORIZON;
-use crate::{Blocks, Motion, StepBound, chunks};
+use crate::{Blocks, Integrator, Motion, StepBound, chunks};
 
 /// Largest rotation in a step of a block whose moments of inertia differ: the energy of a free box of sides 1 : 0.6 : 0.3 then
 /// oscillates by 4e-4, and by 1e-2 at 1 rad; at 2 rad it is lost; rad.
@@ -83,8 +83,12 @@ impl Blocks {
     /// among others may also not travel more than half the margin of its candidate search, and one whose moments of
     /// inertia differ not turn by more than 0.2 rad.
     ///
-    /// With [`StepBound::Eigenvalues`] the sums over the contacts that touch are replaced by the largest eigenvalues.
+    /// With [`StepBound::Eigenvalues`] the sums over the contacts that touch are replaced by the largest eigenvalues. Contact dynamics has
+    /// a step of its own, which only motion and attachments shorten.
     pub fn critical_time_step(&self) -> CriticalStep {
+        if let Integrator::ContactDynamics(dynamics) = &self.constants.settings.integrator {
+            return self.step_of_contact_dynamics(dynamics);
+        }
         let limits = Limits {
             attached: self.attached_stiffness(),
             has_others: self.has_others(),
@@ -182,7 +186,7 @@ impl Blocks {
     }
 
     /// Largest speed of a point of a prescribed block, zero if there is only one block; m/s.
-    fn fastest_path(&self) -> f64 {
+    pub(super) fn fastest_path(&self) -> f64 {
         let n = if self.has_others() {
             self.n_blocks()
         } else {
@@ -200,7 +204,7 @@ impl Blocks {
     }
 
     /// Stiffness of supports and bolts over the mass of each block, empty without attachments; 1/s².
-    fn attached_stiffness(&self) -> Vec<f64> {
+    pub(super) fn attached_stiffness(&self) -> Vec<f64> {
         let mut rates = Vec::new();
         if !self.state.attachments.is_empty() {
             rates.resize(self.n_blocks(), 0.0);

@@ -69,8 +69,25 @@ fn mark(taken: &mut Vec<u64>, color: u32) {
 pub struct Body {
     /// 1/kg.
     pub inverse_mass: f64,
-    /// `J⁻¹` in world axes; 1/(kg m²).
+    /// Projection on the directions in which it may move, where it is held in others.
+    pub freedom: Option<Matrix3<f64>>,
+    /// `J⁻¹` in world axes, of the rotation it is allowed; 1/(kg m²).
     pub inverse_inertia: Matrix3<f64>,
+}
+
+impl Body {
+    /// Velocity and spin by an impulse (N s) and its moment (N m s); m/s, rad/s.
+    pub fn kicked(&self, impulse: &Vec3, moment: &Vec3) -> [Vec3; 2] {
+        let free = self.freedom.map_or(*impulse, |freedom| freedom * impulse);
+        [free * self.inverse_mass, self.inverse_inertia * moment]
+    }
+
+    /// Velocity of a point at `arm` (m) by an impulse there, `1/m P − [r]× J⁻¹ [r]×`; 1/kg.
+    fn compliance(&self, arm: &Vec3) -> Matrix3<f64> {
+        let cross = arm.cross_matrix();
+        let freedom = self.freedom.unwrap_or_else(Matrix3::identity);
+        freedom * self.inverse_mass - cross * self.inverse_inertia * cross
+    }
 }
 
 /// Body on one side of a contact, and the point from its centroid (m).
@@ -96,12 +113,24 @@ impl Point {
             arms,
         }
     }
+
+    /// Velocity of B seen from A, of velocity and spin of each body (m/s, rad/s); m/s.
+    pub fn relative(&self, of_bodies: &[[Vec3; 2]]) -> Vec3 {
+        let side = |arm: &Arm| {
+            arm.map_or(Vec3::zeros(), |(body, arm)| {
+                let [velocity, spin] = of_bodies[body as usize];
+                velocity + spin.cross(&arm)
+            })
+        };
+        let [a, b] = &self.arms;
+        self.frame.tr_mul(&(side(b) - side(a)))
+    }
 }
 
 /// Contacts of rigid bodies.
 ///
 /// ```text
-/// W_aa = Σ_bodies Nᵀ (1/m 1 − [r]× J⁻¹ [r]×) N                                            [1/kg]
+/// W_aa = Σ_bodies Nᵀ (1/m P − [r]× J⁻¹ [r]×) N                                            [1/kg]
 /// ```
 #[derive(Clone, Debug, Default)]
 pub struct BodyContacts {
@@ -115,14 +144,7 @@ impl BodyContacts {
     pub fn new(bodies: Vec<Body>, points: Vec<Point>) -> Self {
         let block = |point: &Point| {
             let sum: Matrix3<f64> = (point.arms.iter().flatten())
-                .map(|(body, arm)| {
-                    let Body {
-                        inverse_mass,
-                        inverse_inertia,
-                    } = bodies[*body as usize];
-                    let cross = arm.cross_matrix();
-                    Matrix3::identity() * inverse_mass - cross * inverse_inertia * cross
-                })
+                .map(|(body, arm)| bodies[*body as usize].compliance(arm))
                 .sum();
             point.frame.tr_mul(&(sum * point.frame))
         };
@@ -134,19 +156,9 @@ impl BodyContacts {
         }
     }
 
-    /// Velocity of B seen from A at each point, from velocity and spin of every body (m/s, rad/s) and of what does not answer to impulses;
-    /// m/s.
-    pub fn relative_velocities(&self, of_body: impl Fn(u32) -> [Vec3; 2]) -> Vec<Vec3> {
-        let side = |arm: &Arm| {
-            arm.map_or(Vec3::zeros(), |(body, arm)| {
-                let [velocity, spin] = of_body(body);
-                velocity + spin.cross(&arm)
-            })
-        };
-        let of = |point: &Point| {
-            let [a, b] = &point.arms;
-            point.frame.tr_mul(&(side(b) - side(a)))
-        };
+    /// Velocity of B seen from A at each point, from velocity and spin of every body (m/s, rad/s); m/s.
+    pub fn relative_velocities(&self, of_bodies: &[[Vec3; 2]]) -> Vec<Vec3> {
+        let of = |point: &Point| point.relative(of_bodies);
         self.points.iter().map(of).collect()
     }
 }
@@ -168,14 +180,7 @@ impl Delassus for BodyContacts {
     }
 
     fn velocity(&self, velocities: &Self::Velocities, a: usize) -> Vec3 {
-        let Point { frame, arms } = &self.points[a];
-        let side = |arm: &Arm| {
-            arm.map_or(Vec3::zeros(), |(body, arm)| {
-                let [velocity, spin] = velocities[body as usize];
-                velocity + spin.cross(&arm)
-            })
-        };
-        frame.tr_mul(&(side(&arms[1]) - side(&arms[0])))
+        self.points[a].relative(velocities)
     }
 
     fn add(&self, velocities: &mut Self::Velocities, a: usize, impulse: &Vec3) {
@@ -183,13 +188,10 @@ impl Delassus for BodyContacts {
         let on_b = frame * impulse;
         for (arm, impulse) in arms.iter().zip([-on_b, on_b]) {
             if let Some((body, arm)) = arm {
-                let Body {
-                    inverse_mass,
-                    inverse_inertia,
-                } = &self.bodies[*body as usize];
+                let given = self.bodies[*body as usize].kicked(&impulse, &arm.cross(&impulse));
                 let [velocity, spin] = &mut velocities[*body as usize];
-                *velocity += impulse * *inverse_mass;
-                *spin += inverse_inertia * arm.cross(&impulse);
+                *velocity += given[0];
+                *spin += given[1];
             }
         }
     }
@@ -313,6 +315,7 @@ mod tests {
         let bodies = (0..3)
             .map(|k| Body {
                 inverse_mass: 0.5 + f64::from(k),
+                freedom: (k == 1).then(|| Matrix3::from_diagonal(&Vec3::new(1.0, 0.0, 1.0))),
                 inverse_inertia: Matrix3::from_diagonal(&Vec3::new(1.0, 2.0, 3.0)),
             })
             .collect();

@@ -48,14 +48,19 @@ impl Blocks {
         found
     }
 
+    /// Way of a block within `dt` (s) at most, weight included; m.
+    pub(super) fn approach(&self, b: usize, dt: f64) -> f64 {
+        let body = &self.state.kinematics[b];
+        let speed = body.velocity.norm() + body.spin.norm() * self.constants.radius[b];
+        match self.is_driven(b) {
+            true => (speed + self.constants.settings.gravity.norm() * dt) * dt,
+            false => speed * dt,
+        }
+    }
+
     /// Distance by which two blocks may come closer within `dt` (s); m.
-    fn approach(&self, (a, b): (u32, u32), dt: f64) -> f64 {
-        let speed = |block: u32| {
-            let b = block as usize;
-            let body = &self.state.kinematics[b];
-            body.velocity.norm() + body.spin.norm() * self.constants.radius[b]
-        };
-        (speed(a) + speed(b) + self.constants.settings.gravity.norm() * dt) * dt
+    fn approach_of(&self, (a, b): (u32, u32), dt: f64) -> f64 {
+        self.approach(a as usize, dt) + self.approach(b as usize, dt)
     }
 
     fn touches_of_polyhedra(&mut self, dt: f64) -> Vec<Touch> {
@@ -74,7 +79,7 @@ impl Blocks {
     fn touches_of(&self, pair: &mut Pair, patch: &mut Patch, dt: f64) -> Vec<Touch> {
         let bodies = self.polyhedra(pair.parts);
         let joint = self.joint_between(pair.parts);
-        let reach = self.approach(pair.blocks, dt);
+        let reach = self.approach_of(pair.blocks, dt);
         let is_near = |(a, b): &(&Polyhedron, &Polyhedron)| {
             let narrow = NarrowPhase {
                 bodies: (a, b),
@@ -109,7 +114,7 @@ impl Blocks {
 
     fn add_touches_of_spheres(&self, dt: f64, found: &mut Vec<Touch>) {
         for pair in &self.contacts.sphere_pairs {
-            let reach = self.approach(pair.blocks, dt);
+            let reach = self.approach_of(pair.blocks, dt);
             let part = |part: u32| &self.derived.parts[part as usize];
             let at_body = |body: &Polyhedron, center: &Vec3, radius: f64| {
                 let at = body.touch_point_within(center, radius + reach)?;
