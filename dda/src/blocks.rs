@@ -148,6 +148,8 @@ impl Blocks {
         self.sort_by_update();
         self.mark_movable_parts();
         self.contacts.remove_block(b as u32);
+        let is_left = |(first, second): (u32, u32)| first as usize != b && second as usize != b;
+        self.state.impulses.retain(|kept| is_left(kept.blocks));
         self.link_pairs();
         self.state.contact_load[b] = Load::default();
         self.state.velocity[b] = Vec3::zeros();

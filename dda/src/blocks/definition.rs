@@ -76,7 +76,7 @@ pub enum Integrator {
     #[default]
     CentralDifference,
     /// Drift, kick with all contacts solved together, drift: steps limited by motion alone, see `step::mid_step`. For rigid blocks
-    /// without cohesion, rolling resistance, sleep or static damping, and not on terrain.
+    /// without cohesion, rolling resistance or static damping, and not on terrain.
     ContactDynamics(ContactDynamics),
 }
 
@@ -140,13 +140,6 @@ fn check_dynamics(dynamics: &ContactDynamics, settings: &Settings) -> Result<(),
     }
     if n_iterations == 0 {
         return refuse("integrator.n_iterations", 0.0, "must be at least 1");
-    }
-    if settings.resting.is_some() {
-        return refuse(
-            "resting",
-            f64::NAN,
-            "contact dynamics puts no block to sleep",
-        );
     }
     if settings.static_damping.is_some() {
         return refuse("static_damping", f64::NAN, "contact dynamics has none");

@@ -57,7 +57,7 @@ impl Blocks {
     /// 2. pairs that may meet within the step, and their points;
     /// 3. kick by weight, attachments, impulses from outside and contacts, with their accounts;
     /// 4. overlap is removed;
-    /// 5. half a drift, velocities at the end of the step, guards.
+    /// 5. half a drift, sleep, velocities at the end of the step, guards.
     pub(crate) fn mid_step(
         &mut self,
         (from, to): (f64, f64),
@@ -71,12 +71,14 @@ impl Blocks {
         self.set_mean_velocities(middle, dt);
         self.evaluate_attachments(false);
         let touches = self.touches(dt);
+        self.wake_pushed(&touches, dt);
         let closing = self.closing(touches, dt);
         ended(Phase::Contacts);
         self.kick_with_contacts(closing, dynamics, dt);
         ended(Phase::Sums);
         self.drift(middle, to, 0.5 * dt);
         self.place_parts(false);
+        self.rest_or_wake(dt);
         self.set_velocities(to);
         let checked = self.check_solution(to).and_then(|()| self.check(to));
         ended(Phase::Motion);

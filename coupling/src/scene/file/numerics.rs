@@ -68,6 +68,9 @@ pub struct NumericsFile {
     /// Sleep of water at rest until it is disturbed; all water is computed when left out.
     #[serde(default)]
     pub sleeping: Option<SleepingFile>,
+    /// Time integration of the blocks, and how their contacts bear.
+    #[serde(default)]
+    pub blocks: BlockIntegratorFile,
     /// Sub-step over a bound that is never above the blocks' stability limit, above 0 and at most 1. 0.8 when left out.
     #[serde(default)]
     #[schemars(extend("x-unit" = "-", "exclusiveMinimum" = 0, "maximum" = 1))]
@@ -256,6 +259,33 @@ pub struct RestingFile {
     #[serde(default)]
     #[schemars(extend("x-unit" = "-", "exclusiveMinimum" = 0))]
     pub load: Option<f64>,
+}
+
+/// Time integration of the blocks.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub enum BlockIntegratorFile {
+    /// Explicit, with springs and dashpots at contacts: for impacts and loads of water. Steps are short fractions of the time of a contact.
+    #[default]
+    CentralDifference,
+    /// Contact dynamics: all contacts of a step are solved together, without springs, in steps of milliseconds. For walls and arches, piles
+    /// that come to rest and long runs; `contact_stiffness` has no effect. Impacts and changes between sticking and sliding are good
+    /// to the first order of the step.
+    ContactDynamics {
+        /// Step of the blocks; s. When left out, 0.03 `√(size/g)` of the smallest free block. Shorter where a block would move by more than a
+        /// fifth of its size in it, or turn by more than 0.1 rad.
+        #[serde(default)]
+        #[schemars(extend("x-unit" = "s", "exclusiveMinimum" = 0))]
+        time_step: Option<f64>,
+        /// Residual of the laws of contact at which a step is solved. 0.0001 when left out; where reactions matter, as in arches,
+        /// 0.000001.
+        #[serde(default)]
+        #[schemars(extend("x-unit" = "-", "exclusiveMinimum" = 0))]
+        tolerance: Option<f64>,
+        /// Sweeps and iterations over the contacts of a step at most. 300 when left out.
+        #[serde(default)]
+        #[schemars(extend("minimum" = 1))]
+        sweeps: Option<u32>,
+    },
 }
 
 /// Bound of the blocks' sub-step, never above the stability limit.

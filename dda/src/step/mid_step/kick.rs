@@ -4,11 +4,10 @@
 //! but for the turning of blocks: tangential work of contacts is friction, normal work damping.
 
 use super::closing::Closing;
-use super::touches::Touch;
 use crate::blocks::{ContactDynamics, Update};
 use crate::contact::dynamics::ContactProblem;
 use crate::contact::dynamics::accuracy::Scaling;
-use crate::contact::dynamics::delassus::{BodyContacts, Delassus, Point};
+use crate::contact::dynamics::delassus::{BodyContacts, Delassus};
 use crate::contact::dynamics::gauss_seidel::Until;
 use crate::contact::dynamics::kept::ContactSolution;
 use crate::contact::dynamics::solver;
@@ -69,7 +68,7 @@ impl Blocks {
         });
         let given = problem.operator.product(&impulses);
         self.keep_impulses(&touches, &points, &impulses, dt);
-        self.set_contact_loads(&touches, &points, &impulses, dt);
+        self.set_contact_loads(dt);
         let [mut friction, mut damping] = [0.0; 2];
         for (a, impulse) in impulses.iter().enumerate() {
             let kicked = problem.operator.velocity(&given, a);
@@ -101,19 +100,14 @@ impl Blocks {
     }
 
     /// Mean loads of contacts in the step, on all blocks, with the impulses and the work of those that forces do not move.
-    fn set_contact_loads(
-        &mut self,
-        touches: &[Touch],
-        points: &[Point],
-        impulses: &[Vec3],
-        dt: f64,
-    ) {
+    fn set_contact_loads(&mut self, dt: f64) {
         self.state.contact_load.fill(Load::default());
-        for ((touch, point), impulse) in touches.iter().zip(points).zip(impulses) {
-            let force = point.frame * impulse / dt;
-            for (block, force) in touch.blocks.into_iter().zip([-force, force]) {
+        for kept in &self.state.impulses {
+            let force = kept.impulse / kept.dt;
+            let (first, second) = kept.blocks;
+            for (block, force) in [(first, -force), (second, force)] {
                 let b = block as usize;
-                let arm = touch.position - self.state.kinematics[b].centroid;
+                let arm = kept.position - self.state.kinematics[b].centroid;
                 self.state.contact_load[b].add(&force, &arm);
             }
         }

@@ -50,7 +50,7 @@ impl Blocks {
         impulses
     }
 
-    /// Keeps the impulses of this step for the next one.
+    /// Keeps the impulses of this step for the next one, and those between blocks asleep.
     pub(super) fn keep_impulses(
         &mut self,
         touches: &[Touch],
@@ -58,7 +58,9 @@ impl Blocks {
         impulses: &[Vec3],
         dt: f64,
     ) {
-        self.state.impulses.clear();
+        let mut kept = std::mem::take(&mut self.state.impulses);
+        kept.retain(|kept| !self.is_solved(kept.blocks));
+        self.state.impulses = kept;
         let rows = touches.iter().zip(points).zip(impulses);
         self.state
             .impulses

@@ -6,6 +6,7 @@ use crate::contact::detection::polyhedra::NarrowPhase;
 use crate::contact::detection::spheres::between;
 use crate::contact::penalty::polyhedra::Pair;
 use crate::geometry::parts::Part;
+use crate::motion::update::Update;
 use crate::{Blocks, Polyhedron, Vec3};
 use rayon::prelude::*;
 
@@ -63,6 +64,35 @@ impl Blocks {
         self.approach(a as usize, dt) + self.approach(b as usize, dt)
     }
 
+    /// Whether the contacts of two blocks are solved in this step: one of the two moves. Those of blocks asleep keep their impulses.
+    pub(super) fn is_solved(&self, (a, b): (u32, u32)) -> bool {
+        let [a, b] = [a as usize, b as usize];
+        self.is_driven(a) || self.is_driven(b) || self.is_led(a) || self.is_led(b)
+    }
+
+    /// Whether a block is moving on its path.
+    fn is_led(&self, b: usize) -> bool {
+        let body = &self.state.kinematics[b];
+        self.derived.update[b] == Update::Fixed
+            && (body.velocity != Vec3::zeros() || body.spin != Vec3::zeros())
+    }
+
+    /// Wakes blocks that one on a path runs into.
+    pub(super) fn wake_pushed(&mut self, touches: &[Touch], dt: f64) {
+        for touch in touches {
+            let [a, b] = touch.blocks.map(|block| block as usize);
+            if self.is_driven(a) || self.is_driven(b) {
+                continue;
+            }
+            let [va, vb] =
+                [a, b].map(|block| self.state.kinematics[block].velocity_at(&touch.position));
+            if touch.gap + dt * touch.normal.dot(&(vb - va)) < 0.0 {
+                self.wake_one(a);
+                self.wake_one(b);
+            }
+        }
+    }
+
     fn touches_of_polyhedra(&mut self, dt: f64) -> Vec<Touch> {
         let mut pairs = std::mem::take(&mut self.contacts.pairs);
         let this = &*self;
@@ -77,6 +107,9 @@ impl Blocks {
     }
 
     fn touches_of(&self, pair: &mut Pair, patch: &mut Patch, dt: f64) -> Vec<Touch> {
+        if !self.is_solved(pair.blocks) {
+            return Vec::new();
+        }
         let bodies = self.polyhedra(pair.parts);
         let joint = self.joint_between(pair.parts);
         let reach = self.approach_of(pair.blocks, dt);
@@ -114,6 +147,9 @@ impl Blocks {
 
     fn add_touches_of_spheres(&self, dt: f64, found: &mut Vec<Touch>) {
         for pair in &self.contacts.sphere_pairs {
+            if !self.is_solved(pair.blocks) {
+                continue;
+            }
             let reach = self.approach_of(pair.blocks, dt);
             let part = |part: u32| &self.derived.parts[part as usize];
             let at_body = |body: &Polyhedron, center: &Vec3, radius: f64| {
