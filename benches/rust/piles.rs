@@ -164,7 +164,7 @@ pub fn report(blocks: &mut Blocks, what: &str, steps: u32) -> Result<(), Failure
             println!(
                 "    last step: {:?}, {} steps unsolved so far",
                 blocks.contact_solution(),
-                blocks.unsolved_steps()
+                blocks.solved_steps().n_unsolved
             );
         }
     }

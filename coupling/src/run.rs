@@ -54,6 +54,8 @@ pub use wall_limit::WallLimit;
 const SETTLING_DECAY: f64 = 20.0;
 /// Fraction of settling, at its end, without damping, to reveal motion suppressed by damping.
 const UNDAMPED_SHARE: f64 = 0.1;
+/// Time left at which a run is over, a sum of equal steps being off by round-off, × duration.
+const ROUND_OFF: f64 = 1e-12;
 
 /// Folder, start and checkpoints of a run.
 #[derive(Clone, Debug)]
@@ -245,7 +247,8 @@ impl<'a> Run<'a> {
 
     /// Whether the run has reached its end.
     pub fn is_over(&self) -> bool {
-        !(self.is_settling() || self.world.time() < self.scene.duration)
+        let left = self.scene.duration - self.world.time();
+        !self.is_settling() && left <= ROUND_OFF * self.scene.duration
     }
 
     /// Takes a step, or falls back to the last good state.

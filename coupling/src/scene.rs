@@ -2,6 +2,7 @@
 
 pub mod access;
 mod attachments;
+pub(crate) mod contact_dynamics;
 pub mod error;
 pub mod estimate;
 pub mod file;

@@ -97,7 +97,7 @@ pub use contact::detection::common_plane::{
     Axis, AxisKind, ContactDetection, SeparatingAxes, fast_common_plane, gap_along, separating_axes,
 };
 pub use contact::dynamics as contact_dynamics;
-pub use contact::dynamics::kept::ContactSolution;
+pub use contact::dynamics::kept::{ContactSolution, SolvedSteps};
 pub use contact::rates::StepBound;
 pub use contact::report::{Contact, ContactState};
 pub use error::{BlockError, DeepOverlap, StepError};

@@ -325,5 +325,5 @@ fn unsolved_contacts_are_an_error() {
     let error = blocks.advance(0.0, 10.0 * DT, 10).unwrap_err();
     println!("{error}");
     assert!(matches!(error, StepError::Unsolved { n_steps: 3, .. }));
-    assert_eq!(blocks.unsolved_steps(), 3);
+    assert_eq!(blocks.solved_steps().n_unsolved, 3);
 }

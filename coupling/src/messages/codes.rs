@@ -193,6 +193,8 @@ codes! {
     BlockNan = "block-nan",
     /// Blocks that penetrate each other deeper than a step allows.
     PenetrationTooDeep = "penetration-too-deep",
+    /// Contacts that contact dynamics did not solve.
+    ContactsUnsolved = "contacts-unsolved",
     /// A deformable block strained beyond its stress law.
     BlockCrushed = "block-crushed",
     /// A step too small to get anywhere.

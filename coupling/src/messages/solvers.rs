@@ -30,6 +30,7 @@ impl Coded for StepError {
             Self::NotFinite { .. } => Code::BlockNan,
             Self::Overlap { .. } => Code::PenetrationTooDeep,
             Self::Crushed { .. } => Code::BlockCrushed,
+            Self::Unsolved { .. } => Code::ContactsUnsolved,
             Self::TimeStep { .. } => Code::TimeStepCollapsed,
         }
     }

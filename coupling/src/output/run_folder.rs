@@ -42,6 +42,8 @@ pub const GAUGES: &str = "gauges.csv";
 pub const ENERGY: &str = "energy.csv";
 /// Motion of blocks.
 pub const BLOCKS: &str = "blocks.csv";
+/// Contacts of blocks as contact dynamics solved them.
+pub const CONTACT_SOLUTION: &str = "contact_solution.csv";
 /// Forces on blocks by source.
 pub const FORCES: &str = "forces.csv";
 /// Forces on blocks by partner.
@@ -90,7 +92,7 @@ pub const FACE_FRAMES: &str = "faces";
 pub const FRAMES: [&str; 4] = [WATER_FRAMES, BLOCK_FRAMES, CONTACT_FRAMES, FACE_FRAMES];
 
 /// All files with a name of their own.
-const FILES: [&str; 25] = [
+const FILES: [&str; 26] = [
     CASE,
     SUMMARY,
     PROGRESS,
@@ -102,6 +104,7 @@ const FILES: [&str; 25] = [
     GAUGES,
     ENERGY,
     BLOCKS,
+    CONTACT_SOLUTION,
     FORCES,
     CONTACTS,
     TRAJECTORIES,

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use riprap_dda::Blocks;
 use serde::Serialize;
 
 use crate::files::vtk::replace_file;
@@ -119,6 +120,8 @@ pub struct Summary {
     pub wall_gap_over_spacing: Option<f64>,
     /// Largest overlap of blocks over their size.
     pub max_block_overlap_over_size: f64,
+    /// Contacts of all steps of contact dynamics; `None` with springs.
+    pub contact_solution: Option<SolvedContacts>,
     /// Unexplained momentum over the momentum exchanged.
     pub momentum_residual: f64,
     /// The energy ledger at the end; J.
@@ -131,6 +134,41 @@ pub struct Summary {
     pub state_hash: String,
     /// Peak memory; bytes, 0 if unknown.
     pub peak_memory: u64,
+}
+
+/// Contacts of all steps of contact dynamics.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct SolvedContacts {
+    /// Steps of the blocks.
+    pub steps: u64,
+    /// Mean number of sweeps and iterations of a step.
+    pub mean_sweeps: f64,
+    /// Largest number of them.
+    pub most_sweeps: usize,
+    /// Largest number of contact points of a step.
+    pub most_contacts: usize,
+    /// Largest residual of the laws of contact.
+    pub largest_residual: f64,
+    /// Largest spurious over available energy of a step.
+    pub largest_energy_error: f64,
+    /// Steps left with a residual above 0.01.
+    pub unsolved_steps: u64,
+}
+
+impl SolvedContacts {
+    /// Those of a system of blocks, if it has any.
+    pub fn of(blocks: &Blocks) -> Option<Self> {
+        let solved = blocks.solved_steps();
+        (0 < solved.n_steps).then(|| Self {
+            steps: solved.n_steps,
+            mean_sweeps: solved.n_iterations as f64 / solved.n_steps as f64,
+            most_sweeps: solved.most_iterations,
+            most_contacts: solved.most_contacts,
+            largest_residual: solved.largest_residual,
+            largest_energy_error: solved.largest_energy_error,
+            unsolved_steps: solved.n_unsolved,
+        })
+    }
 }
 
 /// Wall time by phase; s.

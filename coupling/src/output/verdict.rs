@@ -113,8 +113,16 @@ fn joules(energy: f64) -> String {
 fn resolution(summary: &Value) -> Finding {
     let spacing = number(summary, &["particle_spacing"]);
     if number(summary, &["fluid_particles"]) == 0.0 || spacing <= 0.0 {
-        let words = "resolution: blocks without water; halve numerics.block_time_step_factor to see what the step changes";
-        return (None, words.to_owned());
+        let is_solved = summary
+            .get("contact_solution")
+            .is_some_and(Value::is_object);
+        let step = match is_solved {
+            true => "`time_step` of numerics.blocks",
+            false => "numerics.block_time_step_factor",
+        };
+        let words =
+            format!("resolution: blocks without water; halve {step} to see what the step changes");
+        return (None, words);
     }
     let gauges = summary.get("gauges").and_then(Value::as_array);
     let rises = gauges.into_iter().flatten().filter_map(|gauge| {

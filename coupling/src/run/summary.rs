@@ -8,7 +8,7 @@ use riprap_sph::{Fluid, Precision};
 use super::{Ending, Run, RunError};
 use crate::build_info::COMMIT;
 use crate::output::peaks::peaks;
-use crate::output::summary::{Summary, TimeByPhase, peak_memory};
+use crate::output::summary::{SolvedContacts, Summary, TimeByPhase, peak_memory};
 use crate::scene::resolve::Scene;
 use crate::walls::Walls;
 use crate::walls::gap::gap_over_spacing;
@@ -96,6 +96,7 @@ impl Run<'_> {
                 gap_over_spacing(water.interface.settings(), blocks, &water.fluid)
             }),
             max_block_overlap_over_size: blocks.max_overlap_over_size(),
+            contact_solution: SolvedContacts::of(blocks),
             momentum_residual: world.momentum_residual(),
             energy: world.energy(),
             // the overview reads the same table and reports what is wrong with it

@@ -40,9 +40,10 @@ pub use gauges::{ForcesFile, GaugeFile, GaugeKindFile, MapsFile, MassFile, Traje
 pub use interface::{InterfaceFile, SlipFile, WallMethodFile};
 pub use materials::{ElasticFile, JointFile, MaterialFile};
 pub use numerics::{
-    ContactDetectionFile, DensityDiffusionFile, DensityFile, KernelFile, NegativePressure,
-    NormalLawFile, NumericsFile, PrecisionFile, Preset, RestingFile, RollingLawFile, ShiftingFile,
-    SleepingFile, StateEquationFile, StaticDampingFile, StepBoundFile, SteppingFile, ViscosityFile,
+    BlockIntegratorFile, ContactDetectionFile, DensityDiffusionFile, DensityFile, KernelFile,
+    NegativePressure, NormalLawFile, NumericsFile, PrecisionFile, Preset, RestingFile,
+    RollingLawFile, ShiftingFile, SleepingFile, StateEquationFile, StaticDampingFile,
+    StepBoundFile, SteppingFile, ViscosityFile,
 };
 pub use openings::{AbsorberFile, InflowFile, OutflowFile};
 pub use output::{

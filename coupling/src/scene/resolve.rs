@@ -30,7 +30,9 @@ use super::attachments::{
 };
 use super::error::{Problem, Severity};
 pub use super::file::vec3;
-use super::file::{BlockFile, DomainFile, SceneFile, StepBoundFile, TerrainFile};
+use super::file::{
+    BlockFile, BlockIntegratorFile, DomainFile, SceneFile, StepBoundFile, TerrainFile,
+};
 use super::fill::{Lattice, Room, lattice_within, misfits, narrow_gaps, overlaps_on};
 use super::flow::with_flow;
 use super::geometry::rock_mass::RockMassReport;
@@ -41,7 +43,7 @@ use super::resolved::Domain;
 use super::resolved::register::Register;
 pub use super::resolved::{FluidScene, Made, Scene};
 use super::sliding::warn_about_bends;
-use super::{estimate, fluid, sleep, symmetry};
+use super::{contact_dynamics, estimate, fluid, sleep, symmetry};
 use expanded::expand;
 use solids::Solids;
 
@@ -94,11 +96,13 @@ impl Scene {
         let materials = materials::materials(file, &solids, &expanded.of_slides, expected_speed);
         let gravity = vec3(file.gravity);
         problems.extend(materials::no_strength(&materials, &solids, gravity.norm()));
-        problems.extend(materials::soft_contacts(
-            &materials,
-            &solids,
-            gravity.norm(),
-        ));
+        if file.numerics.blocks == BlockIntegratorFile::CentralDifference {
+            problems.extend(materials::soft_contacts(
+                &materials,
+                &solids,
+                gravity.norm(),
+            ));
+        }
         let meshes = meshes::sources(&file.blocks, &solids, access);
         problems.extend(meshes.iter().filter_map(meshes::much_volume_added));
         let domain = domain(&file.domain);
@@ -124,6 +128,7 @@ impl Scene {
         let wave_makers = solids.wave_makers.clone();
         let blocks = solids.definitions(file);
         let resting = sleep::resting(file, &blocks, &mut problems);
+        let integrator = contact_dynamics::integrator(file, &blocks, &mut problems);
         let warnings = without_errors(problems)?;
         let made = made(&source, file);
         let source = chosen_cuts(source, &expanded.rock_masses);
@@ -147,7 +152,11 @@ impl Scene {
             materials,
             joints: joints(file, &names),
             weakenings: weakenings(file, &names),
-            block_settings: block_settings(file, chosen_bound(&expanded.of_slides), resting),
+            block_settings: riprap_dda::Settings {
+                integrator,
+                resting,
+                ..block_settings(file, chosen_bound(&expanded.of_slides))
+            },
             gauges: recording::gauges(file, &names),
             forces: recording::forces(file, &output),
             output,
@@ -264,11 +273,7 @@ fn chosen_bound(of_slides: &Range<usize>) -> StepBoundFile {
     }
 }
 
-fn block_settings(
-    file: &SceneFile,
-    chosen: StepBoundFile,
-    resting: Option<riprap_dda::Resting>,
-) -> riprap_dda::Settings {
+fn block_settings(file: &SceneFile, chosen: StepBoundFile) -> riprap_dda::Settings {
     let numerics = &file.numerics;
     let factor = numerics.block_time_step_factor;
     riprap_dda::Settings {
@@ -279,7 +284,6 @@ fn block_settings(
         normal_law: normal_law(numerics.normal_law),
         rolling_law: rolling_law(numerics.rolling_law),
         static_damping: numerics.static_damping.map(static_damping),
-        resting,
         ..riprap_dda::Settings::default()
     }
 }

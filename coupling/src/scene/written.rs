@@ -1,13 +1,13 @@
 //! A resolved scene as a file: every choice written out, so that it runs again to the same bits.
 
-use riprap_dda::StepBound;
+use riprap_dda::{Integrator, StepBound};
 use riprap_sph::scheme::Viscosity;
 
 use super::crs::Crs;
 use super::file::{
-    AbsorberFile, FluidFile, ForcesFile, InterfaceFile, MapsFile, NumericsFile, OutputFile,
-    RestingFile, SceneFile, SleepingFile, StepBoundFile, TerrainFile, TrajectoriesFile,
-    ViscosityFile,
+    AbsorberFile, BlockIntegratorFile, FluidFile, ForcesFile, InterfaceFile, MapsFile,
+    NumericsFile, OutputFile, RestingFile, SceneFile, SleepingFile, StepBoundFile, TerrainFile,
+    TrajectoriesFile, ViscosityFile,
 };
 use super::fluid::chosen_viscosity;
 use super::parse;
@@ -98,6 +98,14 @@ impl Scene {
         let file = self.source.numerics.clone();
         let file = NumericsFile {
             expected_speed: Some(self.expected_speed),
+            blocks: match self.block_settings.integrator {
+                Integrator::CentralDifference => BlockIntegratorFile::CentralDifference,
+                Integrator::ContactDynamics(dynamics) => BlockIntegratorFile::ContactDynamics {
+                    time_step: Some(dynamics.time_step),
+                    tolerance: Some(dynamics.tolerance),
+                    sweeps: u32::try_from(dynamics.n_iterations).ok(),
+                },
+            },
             block_time_step_factor: Some(self.block_settings.time_step_factor),
             block_step_bound: Some(match self.block_settings.step_bound {
                 StepBound::Compliances => StepBoundFile::Compliances,

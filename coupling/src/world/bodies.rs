@@ -177,10 +177,8 @@ impl BlockPhase<'_> {
 
     fn record_velocities(&mut self) {
         for (b, dry) in self.bodies.dry.iter_mut().enumerate() {
-            *dry = Acceleration {
-                linear: self.blocks.velocity(b),
-                angular: self.blocks.angular_velocity(b),
-            };
+            let [linear, angular] = self.blocks.velocity_with_outside(b);
+            *dry = Acceleration { linear, angular };
         }
     }
 

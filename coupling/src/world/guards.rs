@@ -1,5 +1,6 @@
 //! Guards of a step: its limits, and states that no step may leave behind.
 
+use riprap_dda::Integrator;
 use riprap_sph::{ParticleId, Particles, Vec3};
 
 use crate::world::time_step::{Cause, Limits, TimeStep};
@@ -37,6 +38,15 @@ impl World {
         Limits {
             common,
             blocks: self.blocks.critical_time_step().dt,
+            cause_of_blocks: self.cause_of_blocks(),
+        }
+    }
+
+    /// What bounds the step of the blocks.
+    fn cause_of_blocks(&self) -> Cause {
+        match self.blocks.settings().integrator {
+            Integrator::CentralDifference => Cause::Contact,
+            Integrator::ContactDynamics(_) => Cause::BlockStep,
         }
     }
 
@@ -51,7 +61,9 @@ impl World {
         match cause {
             Cause::Sound => of_particles(|particles, a| particles.velocity[a].norm_squared()),
             Cause::Force => of_particles(|particles, a| particles.acceleration[a].norm_squared()),
-            Cause::Contact => self.blocks.critical_time_step().block.map(Holder::Block),
+            Cause::Contact | Cause::BlockStep => {
+                self.blocks.critical_time_step().block.map(Holder::Block)
+            }
             Cause::Viscosity | Cause::Wall | Cause::Duration | Cause::Growth => None,
         }
     }
@@ -66,8 +78,10 @@ impl World {
             let sound = settings.sound_stability();
             borne.extend(sound.map(|dt| (Cause::Sound, dt * settings.sound_speed / flow)));
         }
-        let blocks = self.blocks.stability_limit();
-        borne.extend((blocks < f64::INFINITY).then_some((Cause::Contact, blocks)));
+        if self.cause_of_blocks() == Cause::Contact {
+            let blocks = self.blocks.stability_limit();
+            borne.extend((blocks < f64::INFINITY).then_some((Cause::Contact, blocks)));
+        }
         borne
     }
 
@@ -163,6 +177,7 @@ fn remedy(cause: Cause) -> &'static str {
         Cause::Force => "something hits the water too hard: look at the last frame",
         Cause::Wall => "lower `interface.penalty_stiffness`",
         Cause::Contact => "lower `contact_stiffness` of the materials or remove slivers",
+        Cause::BlockStep => "look at the block that moves so fast",
         Cause::Duration | Cause::Growth => "look at the last frame",
     }
 }

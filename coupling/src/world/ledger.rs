@@ -67,6 +67,8 @@ energy_terms! {
     sleep_loss,
     /// Brought in by prescribed blocks and given loads.
     external_work,
+    /// Brought in by the removal of overlap that contact dynamics leaves.
+    overlap_removal,
     /// Brought in by water in joints too narrow for particles, which pushes blocks apart.
     joint_water,
     /// Energy through inflows and outflows, including the work of imposing the flow there.
@@ -268,6 +270,7 @@ impl World {
             removed: self.progress.ledger.removed_energy,
             absorbed: self.progress.ledger.absorbed,
             sleep_loss: self.progress.ledger.sleep_loss + blocks.sleep_loss,
+            overlap_removal: blocks.overlap_removal,
             joint_water: self.progress.ledger.joint_water,
             through_openings: self.progress.ledger.through_openings,
             external_work: blocks.external_work + self.progress.ledger.wall_work,
@@ -290,6 +293,7 @@ impl World {
         }
         energy.residual = energy.stored() + energy.lost()
             - energy.external_work
+            - energy.overlap_removal
             - energy.joint_water
             - energy.through_openings
             - energy.at_walls

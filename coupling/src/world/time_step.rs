@@ -19,6 +19,8 @@ pub enum Cause {
     Wall,
     /// Contacts between blocks, where no fluid sets a longer common step.
     Contact,
+    /// The step of contact dynamics: as given, or by a block that moves far in it, where no fluid sets a shorter common step.
+    BlockStep,
     /// Blocks in free flight, which need no step at all: a thousandth of the duration.
     Duration,
     /// The step may grow by no more than 5 % at a time.
@@ -26,12 +28,13 @@ pub enum Cause {
 }
 
 /// Every cause, in the order of `dt_governed_by`.
-pub const CAUSES: [Cause; 7] = [
+pub const CAUSES: [Cause; 8] = [
     Cause::Sound,
     Cause::Viscosity,
     Cause::Force,
     Cause::Wall,
     Cause::Contact,
+    Cause::BlockStep,
     Cause::Duration,
     Cause::Growth,
 ];
@@ -54,6 +57,8 @@ pub struct Limits {
     pub common: Vec<(Cause, f64)>,
     /// Limit of the blocks, obeyed by sub-steps when there is fluid.
     pub blocks: f64,
+    /// Its cause.
+    pub cause_of_blocks: Cause,
 }
 
 impl Limits {
@@ -70,11 +75,12 @@ impl Limits {
     /// The step that obeys the limits after a step of `previous` seconds.
     ///
     /// With fluid, blocks that need a shorter step take several inside the common one. `ceiling`
-    /// bounds the step of blocks alone, which in free flight have no limit of their own.
+    /// bounds the step of blocks alone, which in free flight have no limit of their own but that of contact dynamics.
     pub fn choose(&self, has_fluid: bool, previous: Option<f64>, ceiling: f64) -> TimeStep {
-        let ceiling = if has_fluid { f64::INFINITY } else { ceiling };
+        let has_step = has_fluid || self.cause_of_blocks == Cause::BlockStep;
+        let ceiling = if has_step { f64::INFINITY } else { ceiling };
         let mut chosen = (Cause::Duration, ceiling);
-        let contact = (Cause::Contact, self.blocks);
+        let contact = (self.cause_of_blocks, self.blocks);
         let candidates = self.common.iter().chain((!has_fluid).then_some(&contact));
         for &(cause, limit) in candidates {
             if limit < chosen.1 {
@@ -104,6 +110,7 @@ mod tests {
         Limits {
             common: vec![(Cause::Sound, 2e-3), (Cause::Wall, 5e-3)],
             blocks: 3e-4,
+            cause_of_blocks: Cause::Contact,
         }
     }
 
@@ -134,12 +141,24 @@ mod tests {
         let free = Limits {
             common: Vec::new(),
             blocks: f64::INFINITY,
+            cause_of_blocks: Cause::Contact,
         };
         let step = free.choose(false, None, 0.01);
         assert_eq!(
             (step.cause, step.dt, step.block_substeps),
             (Cause::Duration, 0.01, 1)
         );
+    }
+
+    #[test]
+    fn contact_dynamics_takes_its_step_however_short_the_run() {
+        let given = Limits {
+            common: Vec::new(),
+            blocks: 5e-3,
+            cause_of_blocks: Cause::BlockStep,
+        };
+        let step = given.choose(false, None, 1e-3);
+        assert_eq!((step.cause, step.dt), (Cause::BlockStep, 5e-3));
     }
 
     #[test]

@@ -2,6 +2,7 @@
 
 use super::energy::Account;
 use crate::Vec3;
+use crate::contact::dynamics::kept::SolvedSteps;
 use serde::{Deserialize, Serialize};
 
 /// Sums over the steps since t = 0.
@@ -29,16 +30,8 @@ pub(crate) struct Totals {
     pub rolling_impulse: Vec3,
     /// Force evaluations of pairs of parts.
     pub n_contact_updates: u64,
-    /// Steps of contact dynamics that were not solved.
-    pub n_unsolved: u64,
-    /// Of these, the last ones running.
-    pub n_unsolved_running: u32,
-    /// Most contacts, and most sweeps and iterations, of a step of contact dynamics; sweeps and iterations of all.
-    pub most_solved_contacts: usize,
-    pub most_iterations: usize,
-    pub n_iterations: u64,
-    /// Largest residual of a step.
-    pub largest_residual: f64,
+    /// Contacts of all steps of contact dynamics.
+    pub solved: SolvedSteps,
     /// Bonds broken.
     pub n_broken_bonds: u64,
     /// Full separating-axis tests.

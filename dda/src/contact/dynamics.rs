@@ -27,6 +27,9 @@ pub mod solver;
 use crate::Vec3;
 use delassus::Delassus;
 
+/// Residual above which a step counts as unsolved; –.
+pub const UNSOLVED: f64 = 1e-2;
+
 /// The contacts of a step; vectors in the local frames (n, t1, t2).
 #[derive(Clone, Debug)]
 pub struct ContactProblem<D> {

@@ -31,6 +31,19 @@ impl Blocks {
         }
     }
 
+    /// Velocity and angular velocity of a block with what acted on it from outside since its last step of contact dynamics; m/s, rad/s.
+    pub fn velocity_with_outside(&self, b: usize) -> [Vec3; 2] {
+        let now = [self.velocity(b), self.angular_velocity(b)];
+        match self.state.outside.get(b).filter(|_| self.is_free(b)) {
+            None => now,
+            Some(outside) => {
+                let inverse = self.state.kinematics[b].inverse_inertia;
+                let given = outside.force / self.constants.mass[b];
+                [now[0] + given, now[1] + inverse * outside.torque]
+            }
+        }
+    }
+
     fn push_block(&mut self, b: usize, load: &Load, dt: f64) {
         if let Some(outside) = self.state.outside.get_mut(b) {
             *outside += load.times(dt);

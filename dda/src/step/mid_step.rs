@@ -33,7 +33,7 @@ mod time_step;
 mod touches;
 
 use crate::blocks::{ContactDynamics, Update};
-use crate::contact::dynamics::kept::ContactSolution;
+use crate::contact::dynamics::kept::{ContactSolution, SolvedSteps};
 use crate::step::phase::Phase;
 use crate::{Blocks, Motion, StepError};
 
@@ -46,9 +46,9 @@ impl Blocks {
         self.state.solution
     }
 
-    /// Steps of contact dynamics whose contacts were left with a residual above 1e-2, since t = 0.
-    pub fn unsolved_steps(&self) -> u64 {
-        self.state.totals.n_unsolved
+    /// Contacts of all steps of contact dynamics since t = 0.
+    pub fn solved_steps(&self) -> &SolvedSteps {
+        &self.state.totals.solved
     }
 
     /// One step from `from` to `to` (s):
@@ -108,7 +108,7 @@ impl Blocks {
 
     /// Refuses to go on from contacts that were left unsolved too often.
     fn check_solution(&self, time: f64) -> Result<(), StepError> {
-        let n_steps = self.state.totals.n_unsolved_running;
+        let n_steps = self.state.totals.solved.n_unsolved_running;
         if n_steps < TOO_MANY_UNSOLVED {
             return Ok(());
         }

@@ -3,12 +3,13 @@
 use std::fmt;
 use std::time::{Duration, Instant};
 
-use riprap_dda::{BlockDefinition, Motion};
+use riprap_dda::{BlockDefinition, Integrator, Motion};
 use serde::Serialize;
 
 use super::disk::Disk;
 use crate::run::named::named;
 use crate::run::{RunError, build};
+use crate::scene::contact_dynamics;
 use crate::scene::resolve::Scene;
 use crate::world::World;
 use crate::world::time_step::{Cause, Limits, TimeStep};
@@ -29,6 +30,17 @@ pub(super) struct Cost {
     pub steps: f64,
     pub disk: Disk,
     pub wall_time: WallTime,
+    /// The same blocks by the other integrator; `null` with water, without free blocks, and where that has no model for them.
+    pub otherwise: Option<Otherwise>,
+}
+
+/// Step and wall time by the integrator that the scene does not take.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub(super) struct Otherwise {
+    /// Contact dynamics, or springs.
+    pub is_contact_dynamics: bool,
+    pub dt_s: f64,
+    pub predicted_s: f64,
 }
 
 /// The first step and its limits.
@@ -122,6 +134,30 @@ pub(super) fn cost(scene: &Scene) -> Result<Cost, RunError> {
             threads: rayon::current_num_threads(),
             timed_steps: whole.timed_steps,
         },
+        otherwise: otherwise(scene),
+    })
+}
+
+/// Cost by the other integrator, for blocks alone.
+fn otherwise(scene: &Scene) -> Option<Otherwise> {
+    let is_free = |block: &BlockDefinition| matches!(block.motion, Motion::Free);
+    if scene.fluid.is_some() || !scene.blocks.iter().any(is_free) {
+        return None;
+    }
+    let is_contact_dynamics = scene.block_settings.integrator == Integrator::CentralDifference;
+    let mut other = scene.clone();
+    other.block_settings.integrator = match is_contact_dynamics {
+        true => contact_dynamics::suitable(&scene.blocks, &scene.gravity, scene.duration),
+        false => Integrator::CentralDifference,
+    };
+    // not an error of this scene
+    let mut world = build(&other).ok()?;
+    let first = world.next_step(scene.duration).ok()?;
+    let whole = predicted(&mut world, &other, first).ok()?;
+    Some(Otherwise {
+        is_contact_dynamics,
+        dt_s: scene.duration / whole.steps,
+        predicted_s: whole.wall_s,
     })
 }
 
@@ -199,9 +235,13 @@ fn advance(world: &mut World, scene: &Scene) -> Result<(), RunError> {
 
 /// Every limit of the step, its cause and its stability limit.
 fn step_limits(world: &World) -> Vec<Limit> {
-    let Limits { common, blocks } = world.limits();
+    let Limits {
+        common,
+        blocks,
+        cause_of_blocks,
+    } = world.limits();
     let stability = world.stability();
-    let all = common.into_iter().chain([(Cause::Contact, blocks)]);
+    let all = common.into_iter().chain([(cause_of_blocks, blocks)]);
     all.map(|(cause, dt)| Limit {
         cause,
         dt_s: Some(dt).filter(|dt| dt.is_finite()),
@@ -258,7 +298,29 @@ impl fmt::Display for Cost {
             self.steps, self.step.block_substeps
         )?;
         writeln!(f, "  disk           {}", self.disk)?;
-        write!(f, "  wall time      {}", self.wall_time)
+        write!(f, "  wall time      {}", self.wall_time)?;
+        match &self.otherwise {
+            Some(otherwise) => write!(f, "\n  otherwise      {otherwise}"),
+            None => Ok(()),
+        }
+    }
+}
+
+impl fmt::Display for Otherwise {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self {
+            is_contact_dynamics,
+            dt_s,
+            predicted_s,
+        } = self;
+        let integrator = match is_contact_dynamics {
+            true => "contact dynamics (`numerics.blocks: ContactDynamics()`)",
+            false => "springs (`numerics.blocks: CentralDifference`)",
+        };
+        write!(
+            f,
+            "by {integrator} about {predicted_s:.0} s, in steps of {dt_s:.1e} s"
+        )
     }
 }
 
@@ -278,7 +340,10 @@ impl fmt::Display for Step {
                 true => "  <- governs",
                 false => "",
             };
-            let name = format!("{:?}", limit.cause).to_lowercase();
+            let name = match limit.cause {
+                Cause::BlockStep => "block step".to_owned(),
+                cause => format!("{cause:?}").to_lowercase(),
+            };
             writeln!(f, "    {name:<12} {value}{stable}{governs}")?;
         }
         let Some(block) = &self.set_by_block else {

@@ -9,6 +9,7 @@ use crate::scene::resolved::{FluidScene, MeshSource, Scene};
 use crate::scene::terrain::Terrain;
 use crate::scene::terrain::triangles::Quality;
 use crate::walls::WallMethod;
+use riprap_dda::{ContactDynamics, Integrator};
 use riprap_sph::boundary::wall_law::WallLaw;
 use riprap_sph::boundary::wall_particles::Slip;
 use riprap_sph::scheme::Viscosity;
@@ -153,6 +154,9 @@ fn kinematics(scene: &Scene) -> String {
         0 => "rigid, no deformable model in this scene".to_owned(),
         n => format!("{n} deformable, the others rigid"),
     };
+    if let Integrator::ContactDynamics(dynamics) = scene.block_settings.integrator {
+        return format!("{kind}; {}", in_contact_dynamics(&dynamics));
+    }
     let stiffest =
         |of: fn(&riprap_dda::Material) -> f64| scene.materials.iter().map(of).fold(0.0, f64::max);
     if scene.materials.iter().all(|m| m.joint_stiffness.is_some()) {
@@ -169,6 +173,18 @@ fn kinematics(scene: &Scene) -> String {
             scene.expected_speed
         )
     }
+}
+
+fn in_contact_dynamics(dynamics: &ContactDynamics) -> String {
+    let ContactDynamics {
+        time_step,
+        tolerance,
+        n_iterations,
+    } = dynamics;
+    format!(
+        "contacts solved together to {tolerance:.0e} in at most {n_iterations} sweeps, without springs, in steps of {time_step:.2e} s; impacts \
+         and changes between sticking and sliding are good to the first order of the step"
+    )
 }
 
 /// Largest overlaps of the free blocks over their size, at rest `m g/(K L)` and in a hit on something fixed `v √(m/K)/L`; –.

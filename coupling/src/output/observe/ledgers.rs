@@ -1,8 +1,8 @@
-//! `energy.csv` and `blocks.csv`.
+//! `energy.csv`, `blocks.csv` and `contact_solution.csv`.
 
 use std::path::Path;
 
-use riprap_dda::Vec3;
+use riprap_dda::{Integrator, Vec3};
 
 use super::{ObserveError, Observer, Schedule, name_of};
 use crate::files::table::{Cell, Column, Start, Table};
@@ -19,6 +19,8 @@ pub struct Ledgers {
     energy: Table,
     /// `None` if no block can move.
     blocks: Option<Table>,
+    /// `None` without contact dynamics.
+    solution: Option<Table>,
     /// Name of each block.
     names: Vec<String>,
     row: Vec<f64>,
@@ -58,6 +60,17 @@ const BLOCK_COLUMNS: [(&str, &str); 29] = [
     ("name", ""),
 ];
 
+/// Columns of `contact_solution.csv`: the last step of the blocks at each time.
+const SOLUTION_COLUMNS: [(&str, &str); 7] = [
+    ("time", "s"),
+    ("contacts", "-"),
+    ("sweeps", "-"),
+    ("residual", "-"),
+    ("energy_error", "-"),
+    ("max_overlap_over_size", "-"),
+    ("unsolved_steps", "-"),
+];
+
 impl Ledgers {
     /// Tables in `folder`, with a row per interval of the scene.
     ///
@@ -80,10 +93,21 @@ impl Ledgers {
                 Table::open(&folder.join(run_folder::BLOCKS), &columns, start)
             })
             .transpose()?;
+        let is_solved = matches!(
+            world.blocks.settings().integrator,
+            Integrator::ContactDynamics(_)
+        );
+        let solution = (has_movers && is_solved)
+            .then(|| {
+                let columns = SOLUTION_COLUMNS.map(|(name, unit)| Column::new(name, unit));
+                Table::open(&folder.join(run_folder::CONTACT_SOLUTION), &columns, start)
+            })
+            .transpose()?;
         Ok(Self {
             schedule: Schedule::every(interval),
             energy: Table::open(&folder.join(run_folder::ENERGY), &columns, start)?,
             blocks,
+            solution,
             names: scene.block_names.clone(),
             row: Vec::new(),
         })
@@ -131,30 +155,49 @@ impl Observer for Ledgers {
                 table.cells(&cells)?;
             }
         }
+        if let Some(table) = &mut self.solution {
+            let blocks = &world.blocks;
+            let (last, all) = (blocks.contact_solution(), blocks.solved_steps());
+            table.row(&[
+                world.time(),
+                last.n_contacts as f64,
+                last.n_iterations as f64,
+                last.residual,
+                last.energy_error,
+                blocks.max_overlap_over_size(),
+                all.n_unsolved as f64,
+            ])?;
+        }
         self.schedule.done(world.time());
         Ok(())
     }
 
     fn save(&self, out: Vec<u8>) -> Saved {
-        let blocks = self.blocks.as_ref().map(Table::length);
-        postcard::to_extend(&(self.schedule, self.energy.length(), blocks), out)
+        let length = |table: &Option<Table>| table.as_ref().map(Table::length);
+        let lengths = [length(&self.blocks), length(&self.solution)];
+        postcard::to_extend(&(self.schedule, self.energy.length(), lengths), out)
     }
 
     fn sync(&self) -> Result<(), ObserveError> {
         self.energy.sync()?;
-        if let Some(table) = &self.blocks {
-            table.sync()?;
-        }
+        let others = [&self.blocks, &self.solution];
+        others.into_iter().flatten().try_for_each(Table::sync)?;
         Ok(())
     }
 
     fn read<'a>(&mut self, bytes: &'a [u8]) -> Result<&'a [u8], ObserveError> {
-        let (schedule, energy, blocks, rest);
-        ((schedule, energy, blocks), rest) = postcard::take_from_bytes(bytes)?;
+        let (schedule, energy, lengths, rest);
+        ((schedule, energy, lengths), rest) = postcard::take_from_bytes(bytes)?;
         self.schedule.resume(schedule);
         self.energy.cut(energy)?;
-        if let (Some(table), Some(length)) = (&mut self.blocks, blocks) {
-            table.cut(length)?;
+        let lengths: [Option<_>; 2] = lengths;
+        for (table, length) in [&mut self.blocks, &mut self.solution]
+            .into_iter()
+            .zip(lengths)
+        {
+            if let (Some(table), Some(length)) = (table, length) {
+                table.cut(length)?;
+            }
         }
         Ok(rest)
     }

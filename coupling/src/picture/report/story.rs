@@ -293,7 +293,7 @@ fn blocks(folder: &Path, names: &[String]) -> Option<Table> {
 }
 
 /// Terms of the energy ledger, as a reader calls them.
-const TERMS: [(&str, &str); 22] = [
+const TERMS: [(&str, &str); 23] = [
     ("kinetic", "kinetic"),
     ("potential", "potential, from the lower side of the domain"),
     ("elastic", "in contacts"),
@@ -315,6 +315,7 @@ const TERMS: [(&str, &str); 22] = [
     ("pushed_back", "particles put back at walls"),
     ("removed", "what left the domain"),
     ("sleep_loss", "put to sleep"),
+    ("overlap_removal", "removal of overlap of blocks"),
     ("joint_water", "water in joints"),
     ("through_openings", "through inflows and outflows"),
     ("at_walls", "introduced at walls by the discretization"),

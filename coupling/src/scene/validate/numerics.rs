@@ -4,7 +4,10 @@ use riprap_sph::scheme::LARGEST_BULK_VISCOSITY;
 
 use super::checks::Checks;
 use crate::messages::Code;
-use crate::scene::file::{FramesFile, NumericsFile, OutputFile, SceneFile, StaticDampingFile};
+use crate::scene::file::{
+    BlockIntegratorFile, FramesFile, NumericsFile, OutputFile, SceneFile, StaticDampingFile,
+};
+use riprap_dda::contact_dynamics::UNSOLVED;
 
 impl Checks {
     pub(super) fn numbers(&mut self, scene: &SceneFile) {
@@ -63,6 +66,7 @@ impl Checks {
         if let Some(damping) = numerics.static_damping {
             self.static_damping(damping);
         }
+        self.block_integrator(numerics.blocks);
         if let Some(alpha) = numerics.bulk_viscosity
             && !(0.0..=LARGEST_BULK_VISCOSITY).contains(&alpha)
         {
@@ -191,6 +195,37 @@ impl Checks {
             ),
         ] {
             self.positive(path, what, value);
+        }
+    }
+
+    fn block_integrator(&mut self, blocks: BlockIntegratorFile) {
+        let BlockIntegratorFile::ContactDynamics {
+            time_step,
+            tolerance,
+            sweeps,
+        } = blocks
+        else {
+            return;
+        };
+        self.positive("numerics.blocks.time_step", "step of the blocks", time_step);
+        self.positive("numerics.blocks.tolerance", "tolerance", tolerance);
+        if let Some(tolerance) = tolerance
+            && UNSOLVED <= tolerance
+        {
+            self.refuse(
+                Code::ValueOutOfRange,
+                "numerics.blocks.tolerance",
+                format!(
+                    "tolerance must be below {UNSOLVED}, at which a step counts as unsolved, found {tolerance}: customary is 1e-3 to 1e-6"
+                ),
+            );
+        }
+        if sweeps == Some(0) {
+            self.refuse(
+                Code::ValueOutOfRange,
+                "numerics.blocks.sweeps",
+                "sweeps must be 1 or more, found 0".to_owned(),
+            );
         }
     }
 

@@ -1,5 +1,6 @@
 //! State that contact dynamics keeps from step to step.
 
+use super::UNSOLVED;
 use crate::contact::report::{Contact, ContactState};
 use crate::{BlockId, PartId, Vec3};
 use serde::{Deserialize, Serialize};
@@ -50,4 +51,45 @@ pub struct ContactSolution {
     pub n_iterations: usize,
     /// Residual of the laws; –.
     pub residual: f64,
+    /// Spurious over available energy; –.
+    pub energy_error: f64,
+}
+
+/// Contacts of all steps of contact dynamics so far.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct SolvedSteps {
+    /// Steps.
+    pub n_steps: u64,
+    /// Steps left with a residual above [`UNSOLVED`].
+    pub n_unsolved: u64,
+    /// Of these, the last ones running.
+    pub n_unsolved_running: u32,
+    /// Sweeps and iterations of all steps.
+    pub n_iterations: u64,
+    /// Most sweeps and iterations of a step.
+    pub most_iterations: usize,
+    /// Most points of a step.
+    pub most_contacts: usize,
+    /// Largest residual of a step; –.
+    pub largest_residual: f64,
+    /// Largest spurious over available energy of a step; –.
+    pub largest_energy_error: f64,
+}
+
+impl SolvedSteps {
+    /// Counts a step.
+    pub(crate) fn count(&mut self, solution: &ContactSolution) {
+        let is_unsolved = UNSOLVED < solution.residual;
+        self.n_steps += 1;
+        self.n_unsolved += u64::from(is_unsolved);
+        self.n_unsolved_running = match is_unsolved {
+            true => self.n_unsolved_running + 1,
+            false => 0,
+        };
+        self.n_iterations += solution.n_iterations as u64;
+        self.most_iterations = self.most_iterations.max(solution.n_iterations);
+        self.most_contacts = self.most_contacts.max(solution.n_contacts);
+        self.largest_residual = self.largest_residual.max(solution.residual);
+        self.largest_energy_error = self.largest_energy_error.max(solution.energy_error);
+    }
 }

@@ -16,6 +16,8 @@ use nalgebra::{Matrix2, Matrix3, Vector2};
 
 /// Difference of both sides of the friction bound at which the root is found, × the bound.
 const ROUND_OFF: f64 = 1e-14;
+/// Entries beside the diagonal that are round-off, × the first of it.
+const DIAGONAL: f64 = 1e-14;
 /// Factor between trial values of `l` before it is bracketed.
 const WIDENING: f64 = 4.0;
 /// Limits of the search; five evaluations are usual.
@@ -34,7 +36,26 @@ pub fn impulse(w: &Matrix3<f64>, b: &Vec3, friction: f64, slip: &mut f64) -> Vec
     if friction <= 0.0 {
         return Vec3::new(-b.x / along_normal, 0.0, 0.0);
     }
+    if is_diagonal(w) {
+        return closed_form(w, b, friction);
+    }
     Tangential::of(w, b, friction).solve(slip)
+}
+
+/// Whether normal and tangents do not act on each other and both tangents are alike, to round-off: spheres.
+fn is_diagonal(w: &Matrix3<f64>) -> bool {
+    let little = DIAGONAL * w[(0, 0)];
+    let off = [(0, 1), (0, 2), (1, 0), (2, 0), (1, 2), (2, 1)];
+    off.iter().all(|&at| w[at].abs() <= little) && (w[(1, 1)] - w[(2, 2)]).abs() <= little
+}
+
+/// `R_n = −b_n/w_n`, `R_t = −b_t/w_t` cut back to `μ R_n`.
+fn closed_form(w: &Matrix3<f64>, b: &Vec3, friction: f64) -> Vec3 {
+    let normal = -b.x / w[(0, 0)];
+    let tangential = Vector2::new(b.y, b.z) * (-1.0 / w[(1, 1)]);
+    let (bound, size) = (friction * normal, tangential.norm());
+    let share = if bound < size { bound / size } else { 1.0 };
+    Vec3::new(normal, share * tangential.x, share * tangential.y)
 }
 
 /// The contact with its normal direction eliminated.
@@ -170,6 +191,10 @@ mod tests {
             let mut w = (a * a.transpose() + Matrix3::identity() * 0.05) * scale;
             if k % 4 == 0 {
                 w += Matrix3::from_fn(|_, _| 1e-3 * scale * (random.uniform() - 0.5));
+            }
+            if k % 8 == 1 {
+                // of two spheres
+                w = Matrix3::from_diagonal(&Vec3::new(1.0, 3.5, 3.5)) * scale;
             }
             let speed = 10_f64.powf(8.0 * random.uniform() - 4.0);
             let b = Vec3::from_fn(|_, _| speed * (2.0 * random.uniform() - 1.0));

@@ -19,13 +19,13 @@ pub fn solve<D: Delassus>(
     until: Until,
 ) -> Ended {
     let mut sweeps = GaussSeidel::new(&problem.operator, Order::Shuffled);
-    let trial = Until {
-        n_iterations: TRIAL.min(until.n_iterations),
-        ..until
-    };
     let mut before = f64::INFINITY;
     let mut n_taken = 0;
     loop {
+        let trial = Until {
+            n_iterations: TRIAL.min(until.n_iterations - n_taken),
+            ..until
+        };
         let ended = sweeps.solve(problem, impulses, trial);
         n_taken += ended.n_iterations;
         let is_done = ended.residual <= until.tolerance || until.n_iterations <= n_taken;

@@ -6,15 +6,12 @@
 use super::closing::Closing;
 use crate::blocks::{ContactDynamics, Update};
 use crate::contact::dynamics::ContactProblem;
-use crate::contact::dynamics::accuracy::Scaling;
+use crate::contact::dynamics::accuracy::{Scaling, energy_error};
 use crate::contact::dynamics::delassus::{BodyContacts, Delassus};
 use crate::contact::dynamics::gauss_seidel::Until;
 use crate::contact::dynamics::kept::ContactSolution;
 use crate::contact::dynamics::solver;
 use crate::{Blocks, Load, Motion, Vec3};
-
-/// Residual above which a step counts as unsolved; –.
-const UNSOLVED: f64 = 1e-2;
 
 impl Blocks {
     /// Impulse on a free block within `dt` (s) of its weight, its attachments, and of what acted from outside since the last step;
@@ -61,12 +58,14 @@ impl Blocks {
             n_iterations: dynamics.n_iterations,
         };
         let ended = solver::solve(&problem, &mut impulses, until);
-        self.note_solution(ContactSolution {
+        let given = problem.operator.product(&impulses);
+        self.state.solution = ContactSolution {
             n_contacts: touches.len(),
             n_iterations: ended.n_iterations,
             residual: ended.residual,
-        });
-        let given = problem.operator.product(&impulses);
+            energy_error: energy_error(&problem, (&impulses, &given)),
+        };
+        self.state.totals.solved.count(&self.state.solution);
         self.keep_impulses(&touches, &points, &impulses, dt);
         self.set_contact_loads(dt);
         let [mut friction, mut damping] = [0.0; 2];
@@ -82,21 +81,6 @@ impl Blocks {
         totals.n_contact_updates += touches.len() as u64;
         self.kick_bodies(&gains, &given, dt);
         self.remove_overlap(&problem, &touches);
-    }
-
-    fn note_solution(&mut self, solution: ContactSolution) {
-        self.state.solution = solution;
-        let totals = &mut self.state.totals;
-        let is_unsolved = UNSOLVED < solution.residual;
-        totals.n_unsolved += u64::from(is_unsolved);
-        totals.n_unsolved_running = match is_unsolved {
-            true => totals.n_unsolved_running + 1,
-            false => 0,
-        };
-        totals.n_iterations += solution.n_iterations as u64;
-        totals.most_iterations = totals.most_iterations.max(solution.n_iterations);
-        totals.most_solved_contacts = totals.most_solved_contacts.max(solution.n_contacts);
-        totals.largest_residual = totals.largest_residual.max(solution.residual);
     }
 
     /// Mean loads of contacts in the step, on all blocks, with the impulses and the work of those that forces do not move.

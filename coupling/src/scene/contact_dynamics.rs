@@ -1,0 +1,103 @@
+//! Contact dynamics of blocks: numbers where the file has none, and refusals.
+
+use riprap_dda::{BlockDefinition, ContactDynamics, Integrator, Motion, Vec3};
+
+use super::error::Problem;
+use super::file::{BlockIntegratorFile, NormalLawFile, SceneFile, vec3};
+use crate::messages::Code;
+
+/// Step over the time in which the smallest block falls half its size: 5 ms for 0.3 m.
+const STEP: f64 = 0.03;
+/// Longest step over the duration, where nothing else limits it.
+const SHARE_OF_DURATION: f64 = 1e-2;
+
+/// The integrator of the blocks, with problems of what it does not model.
+pub(super) fn integrator(
+    file: &SceneFile,
+    blocks: &[BlockDefinition],
+    problems: &mut Vec<Problem>,
+) -> Integrator {
+    let BlockIntegratorFile::ContactDynamics {
+        time_step,
+        tolerance,
+        sweeps,
+    } = file.numerics.blocks
+    else {
+        return Integrator::CentralDifference;
+    };
+    problems.extend(not_modeled(file));
+    problems.extend(without_effect(file));
+    let usual = ContactDynamics::default();
+    Integrator::ContactDynamics(ContactDynamics {
+        time_step: time_step
+            .unwrap_or_else(|| step_for(blocks, &vec3(file.gravity), file.time.duration)),
+        tolerance: tolerance.unwrap_or(usual.tolerance),
+        n_iterations: sweeps.map_or(usual.n_iterations, |sweeps| sweeps as usize),
+    })
+}
+
+/// Contact dynamics with the numbers that suit a scene of these blocks.
+pub(crate) fn suitable(blocks: &[BlockDefinition], gravity: &Vec3, duration: f64) -> Integrator {
+    Integrator::ContactDynamics(ContactDynamics {
+        time_step: step_for(blocks, gravity, duration),
+        ..ContactDynamics::default()
+    })
+}
+
+/// Step that suits the smallest free block; s.
+fn step_for(blocks: &[BlockDefinition], gravity: &Vec3, duration: f64) -> f64 {
+    let free = blocks.iter().filter(|b| matches!(b.motion, Motion::Free));
+    let smallest = free.map(|b| b.shape.volume().cbrt());
+    let smallest = smallest.fold(f64::INFINITY, f64::min);
+    // infinite without gravity and without free blocks
+    (STEP * (smallest / gravity.norm()).sqrt()).min(SHARE_OF_DURATION * duration)
+}
+
+/// Errors of models that only springs have.
+fn not_modeled(file: &SceneFile) -> Vec<Problem> {
+    let mut found = Vec::new();
+    let mut refuse = |path: String, message: &str| {
+        found.push(Problem::error(Code::IncompatibleOptions, path, message));
+    };
+    for (index, block) in file.blocks.iter().enumerate() {
+        if block.deformable.is_some() {
+            refuse(
+                format!("blocks[{index}].deformable"),
+                "contact dynamics moves rigid blocks; leave `deformable` out, or take `numerics.blocks: CentralDifference`",
+            );
+        }
+    }
+    if file.numerics.static_damping.is_some() {
+        refuse(
+            "numerics.static_damping".to_owned(),
+            "contact dynamics comes to rest by itself; leave `static_damping` out",
+        );
+    }
+    found
+}
+
+/// Warnings of numbers of springs.
+fn without_effect(file: &SceneFile) -> Vec<Problem> {
+    let mut found = Vec::new();
+    let mut warn = |path: String| {
+        let message = "has no effect with contact dynamics, which has no springs at contacts";
+        found.push(Problem::warning(Code::OptionWithoutEffect, path, message));
+    };
+    for (index, material) in file.materials.iter().enumerate() {
+        for (field, is_given) in [
+            ("contact_stiffness", material.contact_stiffness.is_some()),
+            ("joint_stiffness", material.joint_stiffness.is_some()),
+        ] {
+            if is_given {
+                warn(format!("materials[{index}].{field}"));
+            }
+        }
+    }
+    if file.numerics.block_step_bound.is_some() {
+        warn("numerics.block_step_bound".to_owned());
+    }
+    if file.numerics.normal_law == NormalLawFile::Hertz {
+        warn("numerics.normal_law".to_owned());
+    }
+    found
+}
