@@ -20,6 +20,7 @@ mod budget;
 mod check_json;
 mod checkpoints;
 mod compare;
+mod contact_dynamics;
 mod evidence;
 mod extremes;
 mod files;

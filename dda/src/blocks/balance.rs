@@ -163,11 +163,17 @@ impl Blocks {
         &self.joint_between(parts).spheres
     }
 
-    /// Momentum of the free blocks; N s.
+    /// Momentum of the free blocks, with what acted from outside and waits for the next step of contact dynamics; N s.
     pub fn momentum(&self) -> Vec3 {
+        let outside = |b: usize| {
+            self.state
+                .outside
+                .get(b)
+                .map_or(Vec3::zeros(), |of| of.force)
+        };
         (0..self.n_blocks())
             .filter(|&b| self.is_free(b))
-            .map(|b| self.state.velocity[b] * self.constants.mass[b])
+            .map(|b| self.state.velocity[b] * self.constants.mass[b] + outside(b))
             .sum()
     }
 

@@ -91,6 +91,7 @@ examples! {
     InterfaceFile: "(walls: Particles, slip: None)";
     WallMethodFile: "Particles";
     SlipFile: "Friction(20)";
+    BlockIntegratorFile: "ContactDynamics(time_step: 0.005, tolerance: 1e-6)";
     NumericsFile: "(preset: Reference, bulk_viscosity: 0.1, sleeping: ())";
     Preset: "Standard";
     KernelFile: "WendlandC2";
