@@ -28,7 +28,7 @@ impl Coded for StepError {
     fn code(&self) -> Code {
         match self {
             Self::NotFinite { .. } => Code::BlockNan,
-            Self::Overlap { .. } => Code::PenetrationTooDeep,
+            Self::Overlap { .. } | Self::Unsolved { .. } => Code::PenetrationTooDeep,
             Self::Crushed { .. } => Code::BlockCrushed,
             Self::TimeStep { .. } => Code::TimeStepCollapsed,
         }

@@ -32,7 +32,9 @@ fn block_of(error: &StepError) -> Option<BlockId> {
         StepError::Blocks { source, .. } => match source {
             riprap_dda::StepError::NotFinite { block, .. }
             | riprap_dda::StepError::Crushed { block, .. } => Some(*block),
-            riprap_dda::StepError::Overlap { .. } | riprap_dda::StepError::TimeStep { .. } => None,
+            riprap_dda::StepError::Overlap { .. }
+            | riprap_dda::StepError::Unsolved { .. }
+            | riprap_dda::StepError::TimeStep { .. } => None,
         },
         _ => None,
     }

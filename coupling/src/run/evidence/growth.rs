@@ -213,7 +213,9 @@ fn named_by(error: &StepError) -> Vec<Object> {
                 let (a, b) = overlap.blocks;
                 [a, b].map(|block| Object::Block(block.index())).to_vec()
             }
-            riprap_dda::StepError::TimeStep { .. } => Vec::new(),
+            riprap_dda::StepError::Unsolved { .. } | riprap_dda::StepError::TimeStep { .. } => {
+                Vec::new()
+            }
         },
         StepError::Named { error, .. } => named_by(error),
         StepError::Fluid { .. }
