@@ -12,6 +12,7 @@ pub mod ledgers;
 pub mod maps;
 pub mod masses;
 pub mod trajectories;
+mod point_motion;
 mod transducer;
 
 use crate::files::table::{Cell, TableError};

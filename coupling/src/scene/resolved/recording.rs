@@ -105,6 +105,13 @@ pub enum Quantity {
         /// Number of the block.
         block: usize,
     },
+    /// Position, displacement and velocity of a point that moves with a block; m, m, m/s.
+    PointMotion {
+        /// Number of the block.
+        block: usize,
+        /// Position of the point at t = 0; m.
+        point: Vec3,
+    },
     /// Highest wetted point along a line; m.
     RunUp(PlanLine),
     /// Position of the front of the water along a line; m from its start.

@@ -14,6 +14,7 @@ pub(super) fn gauge_name(gauge: &GaugeFile) -> &str {
         | GaugeFile::Pressure { name, .. }
         | GaugeFile::Velocity { name, .. }
         | GaugeFile::BlockForce { name, .. }
+        | GaugeFile::PointMotion { name, .. }
         | GaugeFile::RunUp { name, .. }
         | GaugeFile::Front { name, .. }
         | GaugeFile::Overtopping { name, .. }
@@ -88,9 +89,10 @@ impl Checks {
                     self.refuse(Code::OutsideDomain, path("from"), what);
                 }
             }
-            GaugeFile::BlockForce { block, .. } if is_made_later(scene, block) => {}
-            GaugeFile::BlockForce { block, .. } => {
-                self.block_exists(path("block"), &who, block, scene);
+            GaugeFile::BlockForce { block, .. } | GaugeFile::PointMotion { block, .. } => {
+                if !is_made_later(scene, block) {
+                    self.block_exists(path("block"), &who, block, scene);
+                }
             }
             GaugeFile::Displaced {
                 blocks,
@@ -109,7 +111,9 @@ impl Checks {
         }
         let is_dry = matches!(
             gauge,
-            GaugeFile::BlockForce { .. } | GaugeFile::Displaced { .. }
+            GaugeFile::BlockForce { .. }
+                | GaugeFile::PointMotion { .. }
+                | GaugeFile::Displaced { .. }
         );
         if scene.fluid.is_none() && !is_dry {
             self.warn(
