@@ -2,6 +2,7 @@
 
 pub(crate) mod arrays;
 mod block_force;
+pub mod counters;
 mod crossing;
 mod face_pressures;
 pub mod forces;
@@ -11,8 +12,9 @@ mod labels;
 pub mod ledgers;
 pub mod maps;
 pub mod masses;
-pub mod trajectories;
 mod point_motion;
+pub mod reactions;
+pub mod trajectories;
 mod transducer;
 
 use crate::files::table::{Cell, TableError};

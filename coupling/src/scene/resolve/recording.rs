@@ -163,7 +163,7 @@ pub(super) fn unknown_blocks(file: &SceneFile) -> Vec<Problem> {
 }
 
 /// Numbers of the free blocks whose name fits.
-fn free_blocks(file: &SceneFile, fits: impl Fn(&str) -> bool) -> Vec<usize> {
+pub(super) fn free_blocks(file: &SceneFile, fits: impl Fn(&str) -> bool) -> Vec<usize> {
     let is_free = |block: &BlockFile| matches!(block.motion, MotionFile::Free);
     let blocks = file.blocks.iter().enumerate();
     blocks

@@ -125,7 +125,13 @@ impl Checks {
     }
 
     /// Check that a free block has a name with a prefix; those of rock masses and grains do not exist yet.
-    fn free_blocks_begin_with(&mut self, path: &str, who: &str, prefix: &str, scene: &SceneFile) {
+    pub(super) fn free_blocks_begin_with(
+        &mut self,
+        path: &str,
+        who: &str,
+        prefix: &str,
+        scene: &SceneFile,
+    ) {
         let free = scene.blocks.iter().filter(|block| is_free(block));
         let mut stems: Vec<&str> = free.map(|block| block.name.as_str()).collect();
         let is_made = makers(scene).any(|name| prefix.starts_with(name));
@@ -141,7 +147,7 @@ impl Checks {
         stems.sort_unstable();
         stems.dedup();
         let (code, message) = if stems.is_empty() {
-            let message = format!("{who}: no block is free to move; leave the gauge out");
+            let message = format!("{who}: no block is free to move; leave it out");
             (Code::NeedsFreeBlock, message)
         } else {
             let names = suggestion(prefix, &stems);
