@@ -139,6 +139,16 @@ class Run:
         return self.table("masses.csv")
 
     @property
+    def counters(self) -> Table:
+        """Blocks that have passed planes or been in boxes, and those inside, over time."""
+        return self.table("counters.csv")
+
+    @property
+    def reactions(self) -> Table:
+        """Contact forces between two blocks or groups of blocks over time."""
+        return self.table("reactions.csv")
+
+    @property
     def blocks(self) -> BlockTables:
         """Place, motion and forces of the blocks that can move, by name."""
         return BlockTables(self.table("blocks.csv"), self._names())

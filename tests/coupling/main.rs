@@ -43,6 +43,7 @@ mod paraview;
 mod paths;
 mod program;
 mod random_scenes;
+mod records;
 mod render;
 mod report;
 mod rockfall;

@@ -182,6 +182,7 @@ fn gauge() -> impl Strategy<Value = String> {
             "Front(name: \"?\", from: ({a:?}, {b:?}), to: ({c:?}, {d:?}))"
         )),
         Just("BlockForce(name: \"?\", block: \"floor\")".to_owned()),
+        Just("PointMotion(name: \"?\", block: \"floor\", point: (0.0, 0.0, 0.0))".to_owned()),
         Just("Displaced(name: \"?\", blocks: \"\", farther_than: 0.1)".to_owned()),
     ]
 }

@@ -20,6 +20,8 @@ pub const TANK: &str = r#"(
         (name: "water", shape: Box(min: (0, 0, 0), max: (1.2, 0.1, 0.4))),
     ]),
     gauges: [SurfaceElevation(name: "g1", x: 0.2, y: 0.05)],
+    counters: [Plane(name: "surface", point: (0, 0, 0.4), normal: (0, 0, -1))],
+    reactions: [(name: "bed", between: ("floor", "cube"))],
     forces: (interval: 0.002),
     trajectories: (interval: 0.002),
     time: (duration: 0.4, settle: 0.2),
@@ -68,6 +70,8 @@ pub fn results(folder: &Path) -> Files {
         "dt_governed_by",
         "max_mach",
         "completed",
+        "counters",
+        "reactions",
     ];
     let kept: Vec<_> = kept.iter().map(|key| summary[key].to_string()).collect();
     files.insert("summary.json".to_owned(), kept.join("\n").into_bytes());

@@ -2,6 +2,7 @@
 
 pub(crate) mod arrays;
 mod block_force;
+pub mod counters;
 mod crossing;
 mod face_pressures;
 pub mod forces;
@@ -11,6 +12,8 @@ mod labels;
 pub mod ledgers;
 pub mod maps;
 pub mod masses;
+mod point_motion;
+pub mod reactions;
 pub mod trajectories;
 mod transducer;
 

@@ -54,6 +54,10 @@ pub const TRAJECTORIES: &str = "trajectories.csv";
 pub const ROCKFALL: &str = "rockfall.csv";
 /// Slides as bodies.
 pub const MASSES: &str = "masses.csv";
+/// Blocks that passed planes or are in boxes.
+pub const COUNTERS: &str = "counters.csv";
+/// Contact forces between blocks.
+pub const REACTIONS: &str = "reactions.csv";
 /// Maps of the water for ParaView.
 pub const MAPS: &str = "maps.vtp";
 /// Highest water, an ASCII grid.
@@ -92,7 +96,7 @@ pub const FACE_FRAMES: &str = "faces";
 pub const FRAMES: [&str; 4] = [WATER_FRAMES, BLOCK_FRAMES, CONTACT_FRAMES, FACE_FRAMES];
 
 /// All files with a name of their own.
-const FILES: [&str; 26] = [
+const FILES: [&str; 28] = [
     CASE,
     SUMMARY,
     PROGRESS,
@@ -110,6 +114,8 @@ const FILES: [&str; 26] = [
     TRAJECTORIES,
     ROCKFALL,
     MASSES,
+    COUNTERS,
+    REACTIONS,
     MAPS,
     MAXIMUM_ELEVATION,
     FIRST_ARRIVAL,

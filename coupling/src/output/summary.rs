@@ -10,6 +10,8 @@ use crate::files::vtk::replace_file;
 use crate::messages::Code;
 use crate::openings::Passed;
 use crate::output::observe::ObserveError;
+use crate::output::observe::counters::Counted;
+use crate::output::observe::reactions::LargestReaction;
 use crate::output::peaks::Peak;
 use crate::output::run_folder;
 use crate::output::verdict::{doubts, verdict};
@@ -128,6 +130,10 @@ pub struct Summary {
     pub energy: Energy,
     /// Largest value, its time and the arrival of the wave for each gauge with one column.
     pub gauges: Vec<Peak>,
+    /// Blocks that passed, those inside at the end, first and last time of each counter.
+    pub counters: Vec<Counted>,
+    /// Largest sum and largest single normal force of each reaction, with their times.
+    pub reactions: Vec<LargestReaction>,
     /// Whether the account of energy closes, how well the waves are resolved, and what to look at.
     pub verdict: [String; 3],
     /// Hash of the final state: equal for equal runs, whatever the number of threads.

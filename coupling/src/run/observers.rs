@@ -4,12 +4,14 @@ use std::path::Path;
 
 use crate::files::table::Start;
 use crate::output::bodies;
+use crate::output::observe::counters::{BlockCounters, Counted};
 use crate::output::observe::forces::Forces;
 use crate::output::observe::frames::Frames;
 use crate::output::observe::gauges::Gauges;
 use crate::output::observe::ledgers::Ledgers;
 use crate::output::observe::maps::Maps;
 use crate::output::observe::masses::Masses;
+use crate::output::observe::reactions::{LargestReaction, Reactions};
 use crate::output::observe::trajectories::Trajectories;
 use crate::output::observe::{ObserveError, Observer};
 use crate::picture::overview_data::OverviewData;
@@ -28,6 +30,8 @@ pub(super) struct Observers {
     trajectories: Option<Trajectories>,
     maps: Option<Maps>,
     masses: Option<Masses>,
+    counters: Option<BlockCounters>,
+    reactions: Option<Reactions>,
     overview: OverviewData,
 }
 
@@ -66,6 +70,16 @@ impl Observers {
             } else {
                 Some(Masses::new(folder, scene, world, start)?)
             },
+            counters: if scene.counters.is_empty() {
+                None
+            } else {
+                Some(BlockCounters::new(folder, scene, start)?)
+            },
+            reactions: if scene.reactions.is_empty() {
+                None
+            } else {
+                Some(Reactions::new(folder, scene, start)?)
+            },
             overview: OverviewData::new(scene, world),
         })
     }
@@ -80,15 +94,19 @@ impl Observers {
             trajectories,
             maps,
             masses,
+            counters,
+            reactions,
             overview: _,
         } = self;
-        let observers: [Option<&dyn Observer>; 7] = [
+        let observers: [Option<&dyn Observer>; 9] = [
             Some(gauges),
             Some(ledgers),
             forces.as_ref().map(|forces| forces as _),
             trajectories.as_ref().map(|trajectories| trajectories as _),
             maps.as_ref().map(|maps| maps as _),
             masses.as_ref().map(|masses| masses as _),
+            counters.as_ref().map(|counters| counters as _),
+            reactions.as_ref().map(|reactions| reactions as _),
             Some(frames),
         ];
         observers.into_iter().flatten()
@@ -103,15 +121,19 @@ impl Observers {
             trajectories,
             maps,
             masses,
+            counters,
+            reactions,
             overview: _,
         } = self;
-        let observers: [Option<&mut dyn Observer>; 7] = [
+        let observers: [Option<&mut dyn Observer>; 9] = [
             Some(gauges),
             Some(ledgers),
             forces.as_mut().map(|forces| forces as _),
             trajectories.as_mut().map(|trajectories| trajectories as _),
             maps.as_mut().map(|maps| maps as _),
             masses.as_mut().map(|masses| masses as _),
+            counters.as_mut().map(|counters| counters as _),
+            reactions.as_mut().map(|reactions| reactions as _),
             Some(frames),
         ];
         observers.into_iter().flatten()
@@ -124,6 +146,18 @@ impl Observers {
             observer.observe(world)?;
         }
         Ok(())
+    }
+
+    /// Counts of each counter so far.
+    pub fn counted(&self) -> Vec<Counted> {
+        let counters = self.counters.as_ref();
+        counters.map_or_else(Vec::new, BlockCounters::counted)
+    }
+
+    /// Largest values of each reaction so far.
+    pub fn largest_reactions(&self) -> Vec<LargestReaction> {
+        let reactions = self.reactions.as_ref();
+        reactions.map_or_else(Vec::new, Reactions::largest)
     }
 
     /// Records the last state of a run that ends early.

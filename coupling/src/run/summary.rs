@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use riprap_dda::Motion;
 use riprap_sph::{Fluid, Precision};
 
+use super::observers::Observers;
 use super::{Ending, Run, RunError};
 use crate::build_info::COMMIT;
 use crate::output::peaks::peaks;
@@ -101,6 +102,14 @@ impl Run<'_> {
             energy: world.energy(),
             // the overview reads the same table and reports what is wrong with it
             gauges: peaks(&self.folder, self.scene).unwrap_or_default(),
+            counters: self
+                .observers
+                .as_ref()
+                .map_or_else(Vec::new, Observers::counted),
+            reactions: self
+                .observers
+                .as_ref()
+                .map_or_else(Vec::new, Observers::largest_reactions),
             verdict: <[String; 3]>::default(),
             state_hash: world.state_hash(),
             peak_memory: peak_memory(),

@@ -17,6 +17,7 @@ mod materials;
 mod numerics;
 mod openings;
 mod output;
+mod records;
 mod shapes;
 mod terrain;
 mod waves;
@@ -49,6 +50,7 @@ pub use openings::{AbsorberFile, InflowFile, OutflowFile};
 pub use output::{
     BlockField, BoxFile, CameraFile, FramesFile, OutputFile, WaterField, WaterFramesFile,
 };
+pub use records::{CounterFile, ReactionFile};
 pub use shapes::{PartFile, ShapeFile, SplitFile};
 pub use terrain::{
     ExcavationFile, FailureSurfaceFile, GapsFile, HeightsFile, OutlineFile, SlideFile, TerrainFile,
@@ -139,6 +141,12 @@ pub struct SceneFile {
     /// Groups of blocks tracked as one body; those of each slide are added.
     #[serde(default)]
     pub masses: Vec<MassFile>,
+    /// Counters of blocks that pass planes or are in boxes.
+    #[serde(default)]
+    pub counters: Vec<CounterFile>,
+    /// Contact forces between two blocks or groups of blocks.
+    #[serde(default)]
+    pub reactions: Vec<ReactionFile>,
     /// Output files and intervals.
     #[serde(default)]
     pub output: OutputFile,

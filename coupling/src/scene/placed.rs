@@ -168,6 +168,15 @@ fn from_map(gauge: GaugeFile, origin: Option<Triple>) -> Result<GaugeFile, Strin
             from: plan(from),
             to: plan(to),
         },
+        GaugeFile::PointMotion {
+            name,
+            block,
+            point: at,
+        } => GaugeFile::PointMotion {
+            name,
+            block,
+            point: point(at),
+        },
         GaugeFile::BlockForce { name, .. } | GaugeFile::Displaced { name, .. } => {
             return Err(format!(
                 "gauge `{name}` has no coordinates; write it without OnMap"

@@ -15,6 +15,7 @@ mod meshes;
 mod places;
 mod recording;
 mod release;
+mod sides;
 mod solids;
 mod speed;
 
@@ -72,6 +73,7 @@ impl Scene {
         let mut problems = terrain.map_or_else(Vec::new, |terrain| terrain.warnings.clone());
         problems.extend(expanded.warnings.iter().cloned());
         problems.extend(recording::unknown_blocks(file));
+        problems.extend(sides::problems(file));
         let names = Names::of(file);
         let solids = match Solids::of(file, &names, access, terrain) {
             Ok(solids) => solids,
@@ -163,6 +165,8 @@ impl Scene {
             trajectories: recording::trajectories(file),
             maps: recording::maps(file, fluid.as_ref()),
             masses: recording::masses(file),
+            counters: sides::counters(file),
+            reactions: sides::reactions(file),
             fluid,
             warnings,
             terrain: expanded.terrain,

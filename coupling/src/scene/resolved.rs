@@ -20,7 +20,7 @@ use crate::openings::Openings;
 use crate::walls::WallMethod;
 use crate::walls::penalty::WallSettings;
 use crate::world::{OutOfDomain, Weakening};
-use recording::{Gauge, Maps, Output, TrackedMass, Tracking};
+use recording::{Counter, Gauge, Maps, Output, Reaction, TrackedMass, Tracking};
 use register::Register;
 
 /// A scene that can run; constant during the run.
@@ -86,6 +86,10 @@ pub struct Scene {
     pub maps: Option<Maps>,
     /// Groups of blocks tracked as one body.
     pub masses: Vec<TrackedMass>,
+    /// Counters of blocks in regions.
+    pub counters: Vec<Counter>,
+    /// Contact forces between sides of blocks.
+    pub reactions: Vec<Reaction>,
     /// Doubtful points that do not stop the scene.
     pub warnings: Vec<Problem>,
     /// Blocks of rock masses, slides and grains; `None` without.

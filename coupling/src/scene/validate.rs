@@ -10,13 +10,14 @@ mod gauges;
 mod materials;
 mod numerics;
 mod openings;
+mod records;
 mod shapes;
 mod terrain;
 mod units;
 mod waves;
 
 use super::error::Problem;
-use super::file::SceneFile;
+use super::file::{CounterFile, SceneFile};
 use crate::messages::Code;
 use checks::Checks;
 use gauges::gauge_name;
@@ -84,6 +85,14 @@ pub fn values(scene: &SceneFile) -> Vec<Problem> {
     if let Some(trajectories) = &scene.trajectories {
         check.trajectories(trajectories, scene);
     }
+    for (index, counter) in scene.counters.iter().enumerate() {
+        check.counter(index, counter, scene);
+    }
+    check.unique("counters", scene.counters.iter().map(CounterFile::name));
+    for (index, reaction) in scene.reactions.iter().enumerate() {
+        check.reaction(index, reaction);
+    }
+    check.unique("reactions", scene.reactions.iter().map(|r| r.name.as_str()));
     if let Some(camera) = &scene.camera {
         check.camera(camera);
     }

@@ -88,6 +88,10 @@ examples! {
     MapsFile: "(spacing: 10, arrival_threshold: 0.1)";
     MassFile: r#"// blocks slide.0001, slide.0002 and so on
 (name: "slide", blocks: "slide.")"#;
+    CounterFile: r#"// pebbles that have passed the first weir
+Plane(name: "weir_1", point: (4, 0, 0), normal: (1, 0, 0), blocks: "pebble_")"#;
+    ReactionFile: r#"// thrust of the pebbles on the wall
+(name: "thrust", between: ("pebble_*", "wall"), direction: (1, 0, 0))"#;
     InterfaceFile: "(walls: Particles, slip: None)";
     WallMethodFile: "Particles";
     SlipFile: "Friction(20)";

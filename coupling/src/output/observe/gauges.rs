@@ -1,4 +1,4 @@
-//! Gauges as in a laboratory: free surface, pressure, velocity, force, run-up, displaced blocks.
+//! Gauges as in a laboratory: free surface, pressure, velocity, force, motion of points, run-up, displaced blocks.
 
 mod present;
 
@@ -10,6 +10,7 @@ use riprap_sph::{Dimensions, Fluid, Vec3};
 
 use super::block_force::{BlockForce, Impulse};
 use super::crossing::Crossing;
+use super::point_motion::PointMotion;
 use super::transducer::{Readings, Transducer};
 use super::{ObserveError, Observer, Schedule};
 use crate::files::table::{Column, Start, Table};
@@ -48,6 +49,7 @@ enum Instrument {
     Pressure(Transducer),
     Velocity(Vec3),
     BlockForce(BlockForce),
+    PointMotion(PointMotion),
     RunUp(RunUp),
     Front(Line),
     Overtopping(Crossing),
@@ -279,6 +281,15 @@ fn columns_of(Gauge { name, quantity }: &Gauge) -> Vec<Column> {
         Quantity::Velocity { .. } => ["vx", "vy", "vz"]
             .map(|c| Column::new(format!("{name}.{c}"), "m/s"))
             .to_vec(),
+        Quantity::PointMotion { .. } => [
+            ["x", "y", "z"].map(|c| (c, "m")),
+            ["ux", "uy", "uz"].map(|c| (c, "m")),
+            ["vx", "vy", "vz"].map(|c| (c, "m/s")),
+        ]
+        .iter()
+        .flatten()
+        .map(|(c, unit)| Column::new(format!("{name}.{c}"), *unit))
+        .collect(),
         Quantity::BlockForce { .. } => ["fluid", "contact"]
             .iter()
             .flat_map(|source| {
@@ -304,6 +315,9 @@ fn instrument(gauge: &Gauge, scene: &Scene, blocks: &Blocks) -> Instrument {
         Quantity::Pressure(gauge) => Instrument::Pressure(Transducer::new(gauge, blocks)),
         Quantity::Velocity { position } => Instrument::Velocity(*position),
         Quantity::BlockForce { block } => Instrument::BlockForce(BlockForce::new(*block)),
+        Quantity::PointMotion { block, point } => {
+            Instrument::PointMotion(PointMotion::new(*block, *point, blocks))
+        }
         Quantity::RunUp(line) => Instrument::RunUp(RunUp {
             line: Line::along(*line),
             level: fluid.map_or(f64::NAN, |fluid| fluid.lattice.still_water_level),
@@ -369,6 +383,10 @@ impl Instrument {
                     row.extend(load.force.iter());
                     row.extend(load.torque.iter());
                 }
+            }
+            Self::PointMotion(point) => {
+                let motion = point.read(&world.blocks);
+                row.extend(motion.iter().flatten());
             }
             Self::RunUp(run_up) => row.push(run_up.read(fluid, world)),
             Self::Front(line) => {

@@ -92,6 +92,7 @@ fn mark(gauge: &Gauge) -> Option<Mark> {
         Quantity::Pressure(_)
         | Quantity::Velocity { .. }
         | Quantity::BlockForce { .. }
+        | Quantity::PointMotion { .. }
         | Quantity::Displaced { .. } => None,
     }
 }

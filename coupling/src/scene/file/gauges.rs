@@ -53,6 +53,17 @@ pub enum GaugeFile {
         /// Name of the block.
         block: String,
     },
+    /// Motion of a point of a block, nine columns: position and displacement since t = 0 (m), velocity (m/s). NaN once the
+    /// block has left the domain.
+    PointMotion {
+        /// Prefix of its column names.
+        name: String,
+        /// Name of the block.
+        block: String,
+        /// Position at t = 0; it moves with the block; m.
+        #[schemars(extend("x-unit" = "m"))]
+        point: Triple,
+    },
     /// Highest wetted point along a line in plan view, on ground or up a wall, single drops left out; m, NaN when dry. Water
     /// at rest at t = 0 reads its level.
     RunUp {

@@ -98,6 +98,10 @@ pub(super) fn gauges(file: &SceneFile, names: &Names) -> Vec<Gauge> {
                 let block = names.block(block);
                 (name, Quantity::BlockForce { block })
             }
+            GaugeFile::PointMotion { name, block, point } => {
+                let (block, point) = (names.block(block), vec3(*point));
+                (name, Quantity::PointMotion { block, point })
+            }
             GaugeFile::RunUp { name, from, to } => (name, Quantity::RunUp(line(*from, *to))),
             GaugeFile::Front { name, from, to } => (name, Quantity::Front(line(*from, *to))),
             GaugeFile::Overtopping { name, from, to } => {
@@ -130,11 +134,13 @@ pub(super) fn unknown_blocks(file: &SceneFile) -> Vec<Problem> {
     let all: Vec<&str> = file.blocks.iter().map(|b| b.name.as_str()).collect();
     let gauges = file.gauges.iter().enumerate();
     let of_gauges = gauges.filter_map(|(k, gauge)| match gauge {
-        GaugeFile::BlockForce { name, block } => Some((
-            format!("gauges[{k}].block"),
-            format!("gauge `{name}`"),
-            block,
-        )),
+        GaugeFile::BlockForce { name, block } | GaugeFile::PointMotion { name, block, .. } => {
+            Some((
+                format!("gauges[{k}].block"),
+                format!("gauge `{name}`"),
+                block,
+            ))
+        }
         _ => None,
     });
     let forces = file.forces.iter().map(|asked| ("forces", &asked.blocks));
@@ -157,7 +163,7 @@ pub(super) fn unknown_blocks(file: &SceneFile) -> Vec<Problem> {
 }
 
 /// Numbers of the free blocks whose name fits.
-fn free_blocks(file: &SceneFile, fits: impl Fn(&str) -> bool) -> Vec<usize> {
+pub(super) fn free_blocks(file: &SceneFile, fits: impl Fn(&str) -> bool) -> Vec<usize> {
     let is_free = |block: &BlockFile| matches!(block.motion, MotionFile::Free);
     let blocks = file.blocks.iter().enumerate();
     blocks

@@ -51,7 +51,7 @@ pub struct Output {
     pub face_frames: Sampling,
     /// Interval of rows in `gauges.csv`; s.
     pub gauge_interval: f64,
-    /// Interval of rows in `blocks.csv`, `energy.csv` and `masses.csv`; s.
+    /// Interval of rows in `blocks.csv`, `energy.csv`, `masses.csv`, `counters.csv` and `reactions.csv`; s.
     pub ledger_interval: f64,
     /// Arrays in the water files.
     pub water_fields: Vec<WaterField>,
@@ -105,6 +105,13 @@ pub enum Quantity {
         /// Number of the block.
         block: usize,
     },
+    /// Position, displacement and velocity of a point that moves with a block; m, m, m/s.
+    PointMotion {
+        /// Number of the block.
+        block: usize,
+        /// Position of the point at t = 0; m.
+        point: Vec3,
+    },
     /// Highest wetted point along a line; m.
     RunUp(PlanLine),
     /// Position of the front of the water along a line; m from its start.
@@ -156,6 +163,57 @@ pub struct TrackedMass {
     pub name: String,
     /// Numbers of the blocks.
     pub blocks: Vec<usize>,
+}
+
+/// Counter of the blocks that are or have been in a region.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Counter {
+    /// Prefix of its column names.
+    pub name: String,
+    /// Region of the centroids.
+    pub region: CountedRegion,
+    /// Numbers of the blocks.
+    pub blocks: Vec<usize>,
+}
+
+/// Region whose blocks are counted.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum CountedRegion {
+    /// Half of space beyond a plane.
+    Beyond {
+        /// m.
+        point: Vec3,
+        /// Toward the region, of any length.
+        normal: Vec3,
+    },
+    /// Box along the axes.
+    Box {
+        /// m.
+        min: Vec3,
+        /// m.
+        max: Vec3,
+    },
+}
+
+impl CountedRegion {
+    /// Whether a place is in the region: on its boundary in a box, but not beyond a plane.
+    pub fn holds(&self, x: &Vec3) -> bool {
+        match self {
+            Self::Beyond { point, normal } => 0.0 < normal.dot(&(x - point)),
+            Self::Box { min, max } => (0..3).all(|k| min[k] <= x[k] && x[k] <= max[k]),
+        }
+    }
+}
+
+/// Contact forces of the blocks of one side on those of another.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Reaction {
+    /// Prefix of its column names.
+    pub name: String,
+    /// Numbers of the blocks that act, and of those that are acted on.
+    pub between: [Vec<usize>; 2],
+    /// Unit vector along which the sum has a column of its own.
+    pub direction: Option<Vec3>,
 }
 
 /// Camera of `riprap render`.

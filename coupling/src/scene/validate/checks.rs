@@ -64,13 +64,13 @@ impl Checks {
         }
     }
 
-    /// Check of a direction: any length but zero.
+    /// Check of a direction, of any length but zero.
     pub fn direction(&mut self, path: impl Into<String>, what: &str, value: Triple) {
         if is_zero(value) {
             self.refuse(
                 Code::UnusableDirection,
                 path,
-                format!("{what} has no direction"),
+                format!("{what} has no direction: its length must be > 0, found {value:?}"),
             );
         }
     }

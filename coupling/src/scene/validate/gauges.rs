@@ -14,6 +14,7 @@ pub(super) fn gauge_name(gauge: &GaugeFile) -> &str {
         | GaugeFile::Pressure { name, .. }
         | GaugeFile::Velocity { name, .. }
         | GaugeFile::BlockForce { name, .. }
+        | GaugeFile::PointMotion { name, .. }
         | GaugeFile::RunUp { name, .. }
         | GaugeFile::Front { name, .. }
         | GaugeFile::Overtopping { name, .. }
@@ -88,9 +89,10 @@ impl Checks {
                     self.refuse(Code::OutsideDomain, path("from"), what);
                 }
             }
-            GaugeFile::BlockForce { block, .. } if is_made_later(scene, block) => {}
-            GaugeFile::BlockForce { block, .. } => {
-                self.block_exists(path("block"), &who, block, scene);
+            GaugeFile::BlockForce { block, .. } | GaugeFile::PointMotion { block, .. } => {
+                if !is_made_later(scene, block) {
+                    self.block_exists(path("block"), &who, block, scene);
+                }
             }
             GaugeFile::Displaced {
                 blocks,
@@ -109,7 +111,9 @@ impl Checks {
         }
         let is_dry = matches!(
             gauge,
-            GaugeFile::BlockForce { .. } | GaugeFile::Displaced { .. }
+            GaugeFile::BlockForce { .. }
+                | GaugeFile::PointMotion { .. }
+                | GaugeFile::Displaced { .. }
         );
         if scene.fluid.is_none() && !is_dry {
             self.warn(
@@ -121,7 +125,13 @@ impl Checks {
     }
 
     /// Check that a free block has a name with a prefix; those of rock masses and grains do not exist yet.
-    fn free_blocks_begin_with(&mut self, path: &str, who: &str, prefix: &str, scene: &SceneFile) {
+    pub(super) fn free_blocks_begin_with(
+        &mut self,
+        path: &str,
+        who: &str,
+        prefix: &str,
+        scene: &SceneFile,
+    ) {
         let free = scene.blocks.iter().filter(|block| is_free(block));
         let mut stems: Vec<&str> = free.map(|block| block.name.as_str()).collect();
         let is_made = makers(scene).any(|name| prefix.starts_with(name));
@@ -137,7 +147,7 @@ impl Checks {
         stems.sort_unstable();
         stems.dedup();
         let (code, message) = if stems.is_empty() {
-            let message = format!("{who}: no block is free to move; leave the gauge out");
+            let message = format!("{who}: no block is free to move; leave it out");
             (Code::NeedsFreeBlock, message)
         } else {
             let names = suggestion(prefix, &stems);
