@@ -86,9 +86,6 @@ impl Blocks {
         if !self.state.deformables.is_empty() {
             return refuse("contact dynamics moves rigid blocks only");
         }
-        if self.constants.reference.iter().any(Part::is_surface) {
-            return refuse("contact dynamics has no contact with terrain");
-        }
         if joints
             .iter()
             .any(|j| j.cohesion > 0.0 || j.tensile_strength > 0.0)

@@ -4,8 +4,11 @@ use crate::contact::detection::manifold::ManifoldPoint;
 use crate::contact::detection::patch::Patch;
 use crate::contact::detection::polyhedra::NarrowPhase;
 use crate::contact::detection::spheres::between;
+use crate::contact::detection::terrain::{NearFeatures, NearPoint, SurfacePoints};
 use crate::contact::penalty::polyhedra::Pair;
+use crate::contact::penalty::terrain::SurfacePair;
 use crate::geometry::parts::Part;
+use crate::geometry::surface::NearTriangles;
 use crate::{Blocks, Polyhedron, Vec3};
 use rayon::prelude::*;
 
@@ -32,6 +35,7 @@ impl Blocks {
     pub(super) fn touches(&mut self, dt: f64) -> Vec<Touch> {
         let mut found = self.touches_of_polyhedra(dt);
         self.add_touches_of_spheres(dt, &mut found);
+        found.par_extend(self.touches_on_surfaces(dt));
         let limits = self.constants.overlap_limits();
         let mut worst = (0.0, (0, 0));
         let mut deepest: f64 = 0.0;
@@ -154,5 +158,56 @@ impl Blocks {
                 restitution: joint.restitution,
             });
         }
+    }
+
+    fn touches_on_surfaces(&self, dt: f64) -> impl ParallelIterator<Item = Touch> + '_ {
+        (self.contacts.surface_pairs.par_iter().with_min_len(CHUNK))
+            .map_init(SurfacePoints::default, move |points, pair| {
+                self.touches_on_surface(pair, points, dt)
+            })
+            .flatten_iter()
+    }
+
+    /// The body first, the surface second.
+    fn touches_on_surface(
+        &self,
+        pair: &SurfacePair,
+        found: &mut SurfacePoints,
+        dt: f64,
+    ) -> Vec<Touch> {
+        let part = |part: u32| &self.derived.parts[part as usize];
+        let Part::Surface(surface) = part(pair.parts.1) else {
+            return Vec::new();
+        };
+        let ground = NearFeatures {
+            surface,
+            near: NearTriangles {
+                triangles: &pair.triangles,
+                reach: pair.reach,
+            },
+            reach: self.approach_of(pair.blocks, dt),
+        };
+        let joint = self.joint_between(pair.parts);
+        let friction = match part(pair.parts.0) {
+            Part::Polyhedron(body) => {
+                found.find(&ground, body);
+                joint.friction
+            }
+            Part::Sphere { center, radius } => {
+                found.find_sphere(&ground, (center, *radius));
+                joint.spheres.static_friction
+            }
+            Part::Surface(_) => return Vec::new(),
+        };
+        let of = |point: &NearPoint| Touch {
+            parts: pair.parts,
+            blocks: pair.blocks.into(),
+            normal: point.normal,
+            position: point.position,
+            gap: point.gap,
+            friction,
+            restitution: joint.restitution,
+        };
+        found.points.iter().map(of).collect()
     }
 }

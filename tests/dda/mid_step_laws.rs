@@ -1,0 +1,189 @@
+//! Laws of contact dynamics beyond Coulomb's between blocks: terrain.
+
+use riprap_dda::{BlockDefinition, Blocks, Hold, Isometry, Motion, Polyhedron, Turning, Vec3};
+
+use crate::mid_step::{blocks, joint, run};
+use crate::setup::{
+    G, Random, assert_below, assert_close, ball, block, cuboid, down, floor, moving, on_slope,
+};
+use crate::terrain::{ground, raster};
+
+fn flat(n: usize) -> BlockDefinition {
+    ground(raster(n, 20.0, 0.3, |_, _| 0.0))
+}
+
+fn state(blocks: &Blocks) -> Vec<Vec3> {
+    (0..blocks.n_blocks())
+        .flat_map(|b| [blocks.centroid(b), blocks.velocity(b)])
+        .collect()
+}
+
+/// Whether a piece of ground of n by n squares, or the floor, carries them does not matter to a sphere that slides and rolls and to a
+/// block that slides and stops.
+#[test]
+fn a_flat_mesh_is_a_floor() {
+    let slab = block(cuboid([-0.5, -0.5, 0.0], [0.5, 0.5, 0.2]), Motion::Free);
+    let sphere = ball(Vec3::new(0.0, 3.0, 0.5), 0.5);
+    let ends = |base: BlockDefinition| {
+        let movers = [slab.clone(), sphere.clone()].map(|body| moving(body, [2.0, 1.1, 0.0]));
+        let [slab, sphere] = movers;
+        let mut blocks = blocks(vec![base, slab, sphere], joint(0.3, 0.0), down());
+        run(&mut blocks, (0.0, 1.0), 0.005);
+        assert_eq!(blocks.unsolved_steps(), 0);
+        state(&blocks)
+    };
+    let on_floor = ends(floor());
+    assert!(on_floor[2].x > 0.5 && on_floor[4].x > 1.0);
+    for n in [1, 7, 30] {
+        let on_mesh = ends(flat(n));
+        let apart = (on_floor[2..].iter().zip(&on_mesh[2..]))
+            .map(|(a, b)| (a - b).norm())
+            .fold(0.0, f64::max);
+        // of a way of a meter, solved to 1e-8
+        assert_below(&format!("{n} squares"), apart, 1e-7);
+    }
+}
+
+/// N03 on a mesh: a cube at μ 0.58 on 30° (tan 30° = 0.577) rests, one at 0.57 gains g (sin 30° − 0.57 cos 30°) t.
+#[test]
+fn a_cube_rests_on_a_mesh_below_its_angle_of_friction() {
+    let ran = |friction: f64| {
+        let cube = block(cuboid([-0.5, -0.5, 0.0], [0.5, 0.5, 1.0]), Motion::Free);
+        let slope = on_slope(30_f64.to_radians());
+        let mut blocks = blocks(vec![flat(20), cube], joint(friction, 0.0), slope);
+        run(&mut blocks, (0.0, 2.0), 0.01);
+        blocks
+    };
+    let rests = ran(0.58);
+    let off = (rests.centroid(1) - Vec3::z() * 0.5).norm();
+    assert_below("drift in 200 steps", off, 1e-9);
+    let slides = ran(0.57);
+    let expected = G * (0.5 - 0.57 * 0.75_f64.sqrt()) * 2.0;
+    assert_close("speed", slides.velocity(1).x, expected, 1e-5);
+}
+
+/// N11: a wedge and a sphere without friction in a valley of half-angle 45° press on both sides by `m g/(2 sin 45°)`.
+#[test]
+fn bodies_in_a_valley_press_on_both_sides() {
+    let wedge = Polyhedron::extrusion(&[[0.0, 0.0], [1.0, 1.0], [-1.0, 1.0]], 1, -0.5, 0.5)
+        .unwrap()
+        .remove(0);
+    let sphere = ball(Vec3::new(0.0, 0.0, 0.5 * 2.0_f64.sqrt()), 0.5);
+    for body in [block(wedge, Motion::Free), sphere] {
+        let valley = ground(raster(4, 8.0, 0.0, |x, _| x.abs()));
+        let mut blocks = blocks(vec![valley, body], joint(0.0, 0.0), down());
+        run(&mut blocks, (0.0, 1.0), 0.01);
+        let expected = blocks.mass(1) * G / 2.0_f64.sqrt();
+        for side in [-1.0, 1.0] {
+            let contacts = blocks.contacts();
+            let own = contacts.iter().filter(|c| c.normal.x * side > 0.5);
+            let pressed: f64 = own.map(|c| c.normal_force).sum();
+            assert_close("on a side", pressed, expected, 1e-7);
+        }
+        assert_below("sideways", blocks.centroid(1).x.abs(), 1e-9);
+    }
+}
+
+/// A plate that lies across a ridge bears on it alone, and slides over it without friction as if it were a rail.
+#[test]
+fn a_plate_slides_over_a_ridge() {
+    // vertices of the mesh under the plate, and none
+    for n in [2, 16] {
+        let roof = ground(raster(n, 8.0, 0.0, |x, _| -0.36 * x.abs()));
+        let plate = block(cuboid([-1.2, -0.55, 0.0], [0.8, 0.55, 0.4]), Motion::Free);
+        let plate = moving(plate, [0.2, 0.0, 0.0]);
+        let mut blocks = blocks(vec![roof, plate], joint(0.0, 0.0), down());
+        // held level: it would tip off the ridge
+        let level = Hold {
+            turning: Turning::Held,
+            ..Hold::default()
+        };
+        blocks.hold(1, level).unwrap();
+        run(&mut blocks, (0.0, 2.0), 0.01);
+        let up: f64 = (blocks.contacts().iter())
+            .map(|c| -c.normal.z * c.normal_force)
+            .sum();
+        assert_close("weight", up, blocks.mass(1) * G, 1e-6);
+        assert_close("speed", blocks.velocity(1).x, 0.2, 1e-9);
+        assert_below("height", (blocks.centroid(1).z - 0.2).abs(), 1e-6);
+    }
+}
+
+/// Small bodies at 40 m/s on a flat sheet and on rough ground, in steps as given: none comes through, and none is in it by more than a
+/// hundredth of its size.
+#[test]
+fn nothing_falls_through_the_ground() {
+    let rough = |x: f64, y: f64| 0.3 * (2.1 * x).sin() * (1.7 * y + 0.4).cos();
+    let mut random = Random::new(4);
+    for (name, height) in [
+        ("flat", &(|_: f64, _: f64| 0.0) as &dyn Fn(f64, f64) -> f64),
+        ("rough", &rough),
+    ] {
+        let surface = raster(90, 60.0, 0.2, height);
+        let copy = surface.clone();
+        let mut definitions = vec![ground(surface)];
+        for k in 0..30 {
+            let place = Vec3::new(f64::from(k % 6), f64::from(k / 6), 0.0) * 1.7
+                - Vec3::new(4.0, 4.0, -2.5 - 0.037 * f64::from(k));
+            let turned = Isometry::new(place, random.vector() * 3.0);
+            let body = match k % 3 {
+                0 => ball(place, 0.1),
+                1 => {
+                    let plate = cuboid([-0.1, -0.1, -0.02], [0.1, 0.1, 0.02]);
+                    block(plate.transformed(&turned), Motion::Free)
+                }
+                _ => {
+                    let points: Vec<Vec3> =
+                        random.hull().vertices().iter().map(|x| x * 0.2).collect();
+                    let hull = Polyhedron::convex_hull(&points).unwrap();
+                    block(hull.transformed(&turned), Motion::Free)
+                }
+            };
+            definitions.push(moving(body, [5.0, -3.0, -40.0]));
+        }
+        let mut blocks = blocks(definitions, joint(0.5, 0.2), down());
+        let before = blocks.energies();
+        let (mut time, mut n_steps) = (0.0, 0);
+        while time < 1.0 {
+            let dt = blocks.critical_time_step().dt;
+            blocks.advance(time, dt, 1).unwrap();
+            (time, n_steps) = (time + dt, n_steps + 1);
+        }
+        let lowest = (1..blocks.n_blocks())
+            .map(|b| {
+                copy.surface_point_within(&blocks.centroid(b), 50.0)
+                    .unwrap()
+            })
+            .map(|at| at.distance)
+            .fold(f64::INFINITY, f64::min);
+        let after = blocks.energies();
+        let lost = after.friction + after.damping;
+        println!(
+            "{name}: {n_steps} steps, lowest centroid {lowest:.4} m above, overlap {:.1e} sizes, account {:+.1e}, removal {:+.1e} of \
+             what is lost",
+            blocks.max_overlap_over_size(),
+            (after.balance() - before.balance()) / lost,
+            after.overlap_removal / lost,
+        );
+        assert!(0.0 < lowest && blocks.max_overlap_over_size() < 0.01);
+        assert!((after.balance() - before.balance()).abs() < 1e-3 * lost);
+    }
+}
+
+/// A sphere that moves by two diameters in a step is caught by a sheet, and one that meets two sides of a valley at once.
+#[test]
+fn a_fast_sphere_is_caught_whatever_the_step() {
+    for slope in [0.0, 1.0] {
+        for phase in 0..10 {
+            let valley = ground(raster(10, 8.0, 0.0, |x, _| slope * x.abs()));
+            let start = Vec3::new(0.03, 0.1, 2.0 + 0.041 * f64::from(phase));
+            let fast = moving(ball(start, 0.1), [0.0, 0.0, -40.0]);
+            let mut blocks = blocks(vec![valley, fast], joint(0.5, 0.0), down());
+            run(&mut blocks, (0.0, 0.5), 0.01);
+            let x = blocks.centroid(1);
+            let above = (x.z - slope * x.x.abs()) / f64::hypot(1.0, slope);
+            // a step's way of 2e-3 m short of the ground
+            assert!(0.1 - 1e-6 < above && above < 0.11, "{above}");
+        }
+    }
+}
