@@ -342,11 +342,7 @@ fn what_contact_dynamics_does_not_model_is_refused() {
         rolling_friction: 0.1,
         ..rock()
     };
-    let residual = Material {
-        residual_friction_angle: Some(0.1),
-        ..rock()
-    };
-    for material in [cohesive, rolling, residual] {
+    for material in [cohesive, rolling] {
         assert!(refused(material, right));
     }
     assert!(refused(rock(), settings(down(), 0.0)));

@@ -1,6 +1,8 @@
-//! Laws of contact dynamics beyond Coulomb's between blocks: terrain.
+//! Laws of contact dynamics beyond Coulomb's between blocks: terrain, residual friction.
 
-use riprap_dda::{BlockDefinition, Blocks, Hold, Isometry, Motion, Polyhedron, Turning, Vec3};
+use riprap_dda::{
+    BlockDefinition, Blocks, Hold, Isometry, Material, Motion, Polyhedron, Turning, Vec3,
+};
 
 use crate::mid_step::{blocks, joint, run};
 use crate::setup::{
@@ -185,5 +187,73 @@ fn a_fast_sphere_is_caught_whatever_the_step() {
             // a step's way of 2e-3 m short of the ground
             assert!(0.1 - 1e-6 < above && above < 0.11, "{above}");
         }
+    }
+}
+
+fn residual(first: f64, residual: f64) -> Material {
+    Material {
+        residual_friction_angle: Some(residual.atan()),
+        ..joint(first, 0.0)
+    }
+}
+
+/// A block at μ 0.7 on 30° (tan 30° = 0.577) rests. Pushed down, or up, it slides by its residual 0.4 for good: it does not rest at the
+/// top of its way.
+#[test]
+fn a_block_that_has_slipped_goes_on_by_its_residual_friction() {
+    let (sin, cos) = 30_f64.to_radians().sin_cos();
+    let dt = 0.005;
+    let grounds: [fn() -> BlockDefinition; 2] = [floor, || flat(20)];
+    for base in grounds {
+        let ran = |speed: f64| {
+            let slab = block(cuboid([-0.5, -0.5, 0.0], [0.5, 0.5, 0.2]), Motion::Free);
+            let definitions = vec![base(), moving(slab, [speed, 0.0, 0.0])];
+            let mut blocks = blocks(
+                definitions,
+                residual(0.7, 0.4),
+                on_slope(30_f64.to_radians()),
+            );
+            run(&mut blocks, (0.0, 1.0), dt);
+            blocks
+        };
+        let rests = ran(0.0);
+        let drift = (rests.centroid(1) - Vec3::z() * 0.1).norm();
+        // solved to 1e-8 of what falls in a step
+        assert_below("drift", drift, 1e-9);
+        // one step of static friction
+        let late = G * cos * 0.3 * dt;
+        let pushed = ran(0.5).velocity(1).x;
+        let expected = 0.5 + G * (sin - 0.4 * cos);
+        println!("pushed down: {pushed:.6} m/s of {expected:.6}");
+        assert!((pushed - expected).abs() < late * 1.001);
+        let stop = 1.0 / (G * (sin + 0.4 * cos));
+        let expected = G * (sin - 0.4 * cos) * (1.0 - stop);
+        let back = ran(-1.0).velocity(1).x;
+        println!("pushed up: {back:.6} m/s of {expected:.6}");
+        // and one in which it stops
+        assert!((back - expected).abs() < late + G * dt);
+    }
+}
+
+/// Between 2/7 tan 30° = 0.165 lie the frictions 0.25 and 0.1 of a sphere: let go it rolls at 5/7 g sin 30°, thrown it slips at
+/// g (sin 30° − 0.1 cos 30°).
+#[test]
+fn a_sphere_that_slips_has_its_dynamic_friction() {
+    let (sin, cos) = 30_f64.to_radians().sin_cos();
+    let dt = 0.005;
+    let grounds: [fn() -> BlockDefinition; 2] = [floor, || flat(10)];
+    for base in grounds {
+        let speed = |start: f64| {
+            let sphere = moving(ball(Vec3::new(0.0, 0.3, 0.5), 0.5), [start, 0.0, 0.0]);
+            let slope = on_slope(30_f64.to_radians());
+            let mut blocks = blocks(vec![base(), sphere], residual(0.25, 0.1), slope);
+            run(&mut blocks, (0.0, 1.0), dt);
+            blocks.velocity(1).x - start
+        };
+        assert_close("rolls", speed(0.0), 5.0 / 7.0 * G * sin, 1e-9);
+        let slips = G * (sin - 0.1 * cos);
+        let off = (speed(1.0) - slips).abs();
+        // one step of static friction
+        assert_below("slips", off, G * cos * 0.15 * dt * 1.001);
     }
 }

@@ -95,9 +95,6 @@ impl Blocks {
         if joints.iter().any(|j| j.spheres.rolling_friction > 0.0) {
             return refuse("contact dynamics has no rolling resistance");
         }
-        if joints.iter().any(|j| j.residual_friction != j.friction) {
-            return refuse("contact dynamics has one angle of friction");
-        }
         Ok(())
     }
 

@@ -20,6 +20,8 @@ pub(crate) struct KeptImpulse {
     /// Of the step; s.
     pub dt: f64,
     pub state: ContactState,
+    /// Whether residual friction holds from now on; false where it is not lower.
+    pub has_slipped: bool,
 }
 
 impl KeptImpulse {

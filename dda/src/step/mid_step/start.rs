@@ -7,7 +7,7 @@ use crate::contact::report::ContactState;
 use crate::{Blocks, Vec3};
 
 /// Distance from the friction bound within which a point slides, × the bound.
-const AT_THE_BOUND: f64 = 1e-9;
+pub(super) const AT_THE_BOUND: f64 = 1e-9;
 
 /// State of a point with an impulse in its frame.
 fn state_of(friction: f64, impulse: &Vec3) -> ContactState {
@@ -71,7 +71,9 @@ impl Blocks {
                 impulse: point.frame * impulse,
                 dt,
                 state: state_of(touch.friction, impulse),
+                has_slipped: touch.has_slipped,
             }));
+        self.note_slip(touches);
         self.state.impulses.sort_by_key(|kept| kept.parts);
     }
 }

@@ -27,6 +27,8 @@ pub(crate) struct Touch {
     /// Below 0 for overlap; m.
     pub gap: f64,
     pub friction: f64,
+    /// Whether that is the residual friction; false where it is not lower.
+    pub has_slipped: bool,
     pub restitution: f64,
 }
 
@@ -36,6 +38,7 @@ impl Blocks {
         let mut found = self.touches_of_polyhedra(dt);
         self.add_touches_of_spheres(dt, &mut found);
         found.par_extend(self.touches_on_surfaces(dt));
+        self.recall_slip(&mut found);
         let limits = self.constants.overlap_limits();
         let mut worst = (0.0, (0, 0));
         let mut deepest: f64 = 0.0;
@@ -103,6 +106,7 @@ impl Blocks {
             position: point.position,
             gap: -point.overlap,
             friction: joint.friction,
+            has_slipped: false,
             restitution: joint.restitution,
         };
         patch.manifold.points.iter().map(of).collect()
@@ -155,6 +159,7 @@ impl Blocks {
                 position,
                 gap,
                 friction: joint.spheres.static_friction,
+                has_slipped: false,
                 restitution: joint.restitution,
             });
         }
@@ -206,6 +211,7 @@ impl Blocks {
             position: point.position,
             gap: point.gap,
             friction,
+            has_slipped: false,
             restitution: joint.restitution,
         };
         found.points.iter().map(of).collect()
