@@ -2,7 +2,7 @@
 
 use riprap_dda::{
     BlockDefinition, BlockError, Blocks, ContactDynamics, ContactState, Integrator, Isometry,
-    Material, Motion, PrescribedMotion, Settings, Vec3,
+    Material, Motion, PrescribedMotion, RollingLaw, Settings, Vec3,
 };
 
 use crate::setup::{
@@ -342,9 +342,12 @@ fn what_contact_dynamics_does_not_model_is_refused() {
         rolling_friction: 0.1,
         ..rock()
     };
-    for material in [cohesive, rolling] {
-        assert!(refused(material, right));
-    }
+    assert!(refused(cohesive, right));
+    let own = Settings {
+        rolling_law: RollingLaw::OwnSpin,
+        ..right
+    };
+    assert!(!refused(rolling, right) && refused(rolling, own));
     assert!(refused(rock(), settings(down(), 0.0)));
 }
 

@@ -1,10 +1,11 @@
-//! Laws of contact dynamics beyond Coulomb's between blocks: terrain, residual friction.
+//! Laws of contact dynamics beyond Coulomb's between blocks: terrain, residual friction, rolling resistance: N13 and N19.
 
 use riprap_dda::{
-    BlockDefinition, Blocks, Hold, Isometry, Material, Motion, Polyhedron, Turning, Vec3,
+    BlockDefinition, Blocks, Hold, Isometry, JointOverride, Material, Motion, Polyhedron, Turning,
+    Vec3,
 };
 
-use crate::mid_step::{blocks, joint, run};
+use crate::mid_step::{blocks, joint, run, settings};
 use crate::setup::{
     G, Random, assert_below, assert_close, ball, block, cuboid, down, floor, moving, on_slope,
 };
@@ -256,4 +257,167 @@ fn a_sphere_that_slips_has_its_dynamic_friction() {
         // one step of static friction
         assert_below("slips", off, G * cos * 0.15 * dt * 1.001);
     }
+}
+
+fn resisting(friction: f64, rolling_friction: f64) -> Material {
+    Material {
+        rolling_friction,
+        ..joint(friction, 0.0)
+    }
+}
+
+/// A sphere of radius 0.5 m on a floor or on a mesh, moving along x.
+fn on(base: BlockDefinition, material: Material, gravity: Vec3, velocity: [f64; 2]) -> Blocks {
+    let [speed, spin] = velocity;
+    let mut sphere = moving(ball(Vec3::new(0.0, 0.2, 0.5), 0.5), [speed, 0.0, 0.0]);
+    sphere.angular_velocity = Vec3::y() * spin;
+    blocks(vec![base, sphere], material, gravity)
+}
+
+const BASES: [fn() -> BlockDefinition; 2] = [floor, || flat(10)];
+
+/// G03: a sphere that slides at 2 m/s with a friction of 0.3 rolls at 10/7 m/s after 2 v/(7 μ g), 12 v²/(49 μ g) on.
+#[test]
+fn a_sliding_sphere_begins_to_roll() {
+    let (time, way) = (4.0 / (7.0 * 0.3 * G), 48.0 / (49.0 * 0.3 * G));
+    for base in BASES {
+        for dt in [0.01, 0.005, 0.0025] {
+            let mut blocks = on(base(), joint(0.3, 0.0), down(), [2.0, 0.0]);
+            run(&mut blocks, (0.0, 0.5), dt);
+            assert_close("speed", blocks.velocity(1).x, 10.0 / 7.0, 1e-9);
+            let off = blocks.centroid(1).x - way - (0.5 - time) * 10.0 / 7.0;
+            // the speed falls by μ g dt a step, and the last one is cut
+            let allowed = 0.3 * G * dt * dt;
+            println!("{off:+.2e} m off, {allowed:.1e} allowed, at {dt} s");
+            assert!(off.abs() < allowed);
+        }
+    }
+}
+
+/// G04: down 20° with μ_r 0.0678 a sphere rolls at 5/7 g (sin 20° − μ_r cos 20°); below atan μ_r = 3.88° it rests.
+#[test]
+fn a_sphere_rolls_down_or_rests_by_its_rolling_resistance() {
+    for base in BASES {
+        let ran = |angle: f64, dt: f64| {
+            let slope = on_slope(angle.to_radians());
+            let mut blocks = on(base(), resisting(0.6, 0.0678), slope, [0.0; 2]);
+            run(&mut blocks, (0.0, 1.0), dt);
+            blocks
+        };
+        let (sin, cos) = 20_f64.to_radians().sin_cos();
+        let expected = 5.0 / 7.0 * G * (sin - 0.0678 * cos);
+        assert_close("rolls", ran(20.0, 0.005).velocity(1).x, expected, 1e-7);
+        let rests = ran(3.8, 0.005);
+        assert_below(
+            "drift",
+            rests.centroid(1).x.abs() + rests.velocity(1).norm(),
+            1e-9,
+        );
+        assert!(ran(3.95, 0.005).velocity(1).x > 0.005);
+    }
+}
+
+/// G05, N19: a sphere that rolls at 1 m/s stops after v²/(2 · 5/7 μ_r g), of first order in the step.
+#[test]
+fn rolling_resistance_stops_a_sphere() {
+    for base in BASES {
+        for dt in [0.01, 0.005, 0.0025] {
+            let mut blocks = on(base(), resisting(0.5, 0.1), down(), [1.0, 2.0]);
+            let before = blocks.energies();
+            run(&mut blocks, (0.0, 2.0), dt);
+            let deceleration = 5.0 / 7.0 * 0.1 * G;
+            let off = blocks.centroid(1).x - 0.5 / deceleration;
+            let allowed = deceleration * dt * dt;
+            println!("stops {off:+.2e} m off, {allowed:.1e} allowed, at {dt} s");
+            assert!(off.abs() < allowed);
+            assert_below("speed left", blocks.velocity(1).norm(), 1e-9);
+            let after = blocks.energies();
+            assert_close("heat", after.friction, before.kinetic, 1e-6);
+            let off = (after.balance() - before.balance()).abs() / before.kinetic;
+            assert_below("account", off, 1e-9);
+        }
+    }
+}
+
+/// N13: two spheres on a floor carry a third between them, all in one plane: they stand from tan 15° between spheres and a third of it
+/// on the floor, 0.089316.
+#[test]
+fn two_spheres_carry_a_third_by_friction() {
+    let sinks = |between: f64, on_floor: f64| {
+        let height = 0.5 + 0.75_f64.sqrt();
+        let mut ground = floor();
+        ground.material = 1;
+        let places = [[-0.5, 0.5], [0.5, 0.5], [0.0, height]];
+        let spheres = places.map(|[x, z]| ball(Vec3::new(x, 0.0, z), 0.5));
+        let definitions = std::iter::once(ground).chain(spheres).collect();
+        let on_ground = JointOverride {
+            materials: (0, 1),
+            friction_angle: Some(on_floor.atan()),
+            ..JointOverride::default()
+        };
+        let materials = vec![joint(between, 0.0); 2];
+        let settings = settings(down(), 1e-8);
+        let mut blocks =
+            Blocks::with_joints(definitions, materials, &[on_ground], settings).unwrap();
+        for b in 1..4 {
+            let plane = Hold {
+                directions: vec![Vec3::y()],
+                turning: Turning::About(Vec3::y()),
+            };
+            blocks.hold(b, plane).unwrap();
+        }
+        run(&mut blocks, (0.0, 3.0), 0.005);
+        height - blocks.centroid(3).z
+    };
+    let (between, on_floor) = (15_f64.to_radians().tan(), 0.089_316);
+    let stands = sinks(1.02 * between, 1.02 * on_floor);
+    let falls = [
+        sinks(0.98 * between, 2.0 * on_floor),
+        sinks(2.0 * between, 0.98 * on_floor),
+    ];
+    println!(
+        "two per cent above: sinks by {stands:.1e} m; below between, on the floor: {falls:.3?} m"
+    );
+    assert!(stands < 1e-6 && falls.iter().all(|sunk| 0.1 < *sunk));
+}
+
+/// Spheres that hit each other and resist rolling keep momentum and angular momentum, and every joule is in its place.
+#[test]
+fn rolling_resistance_keeps_momentum_and_the_account() {
+    let mut random = Random::new(6);
+    let definitions = (0..27).map(|k| {
+        let place = Vec3::from([k % 3, k / 3 % 3, k / 9].map(f64::from)) * 1.3;
+        let mut sphere = ball(place, 0.3 + 0.2 * random.next());
+        sphere.velocity = random.vector() - (place - Vec3::repeat(1.3)) * 1.5;
+        sphere.angular_velocity = random.vector() * 4.0;
+        sphere
+    });
+    let material = Material {
+        residual_friction_angle: Some(0.2),
+        ..resisting(0.5, 0.2)
+    };
+    let mut blocks = blocks(definitions.collect(), material, Vec3::zeros());
+    let sums = |blocks: &Blocks| -> [Vec3; 2] {
+        let momentum = |b: usize| blocks.velocity(b) * blocks.mass(b);
+        let turning = |b: usize| blocks.spin_momentum(b) + blocks.centroid(b).cross(&momentum(b));
+        [(0..27).map(momentum).sum(), (0..27).map(turning).sum()]
+    };
+    let before = (sums(&blocks), blocks.energies());
+    run(&mut blocks, (0.0, 1.0), 0.002);
+    let after = (sums(&blocks), blocks.energies());
+    let size: f64 = (0..27)
+        .map(|b| blocks.velocity(b).norm() * blocks.mass(b))
+        .sum();
+    assert_below("momentum", (after.0[0] - before.0[0]).norm() / size, 1e-12);
+    // overlap is removed along the normal, at the points where it is
+    assert_below(
+        "angular momentum",
+        (after.0[1] - before.0[1]).norm() / size,
+        1e-4,
+    );
+    let lost = before.1.kinetic - after.1.kinetic;
+    assert!(0.3 * before.1.kinetic < lost, "they hit each other");
+    let off = (after.1.balance() - before.1.balance()).abs() / lost;
+    // the turning of spheres is exact
+    assert_below("account", off, 1e-9);
 }

@@ -10,7 +10,7 @@ use crate::motion::deformation::Deformable;
 use crate::motion::kinematics::{Kinematics, LeverArm};
 use crate::{
     BlockDefinition, BlockError, Blocks, Integrator, Isometry, JointOverride, Load, Material,
-    Motion, NormalLaw, Settings, Shape, Vec3,
+    Motion, NormalLaw, RollingLaw, Settings, Shape, Vec3,
 };
 use nalgebra::Matrix3;
 
@@ -92,8 +92,12 @@ impl Blocks {
         {
             return refuse("contact dynamics has no cohesion and no tensile strength");
         }
-        if joints.iter().any(|j| j.spheres.rolling_friction > 0.0) {
-            return refuse("contact dynamics has no rolling resistance");
+        if self.constants.settings.rolling_law == RollingLaw::OwnSpin
+            && joints.iter().any(|j| j.spheres.rolling_friction > 0.0)
+        {
+            return refuse(
+                "contact dynamics resists rolling between bodies, not against the world",
+            );
         }
         Ok(())
     }

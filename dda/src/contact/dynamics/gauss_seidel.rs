@@ -109,7 +109,10 @@ impl GaussSeidel {
                 let w = problem.operator.diagonal(a);
                 let others = problem.velocity(velocities, a) - w * impulses[a];
                 let mut slip = self.slips[a];
-                let found = one_contact::impulse(w, &others, problem.friction[a], &mut slip);
+                let found = match problem.rolling_bound(impulses, a) {
+                    Some(bound) => one_contact::rolling_impulse(w, &others, bound, &mut slip),
+                    None => one_contact::impulse(w, &others, problem.friction[a], &mut slip),
+                };
                 (found, slip)
             };
             let found: Vec<(Vec3, f64)> = match LARGE_COLOR <= color.len() {

@@ -17,6 +17,8 @@ pub(crate) struct KeptImpulse {
     pub gap: f64,
     /// On the second; N s.
     pub impulse: Vec3,
+    /// Of rolling resistance, on the second; N m s.
+    pub torque: Vec3,
     /// Of the step; s.
     pub dt: f64,
     pub state: ContactState,

@@ -6,12 +6,12 @@
 use super::closing::Closing;
 use super::touches::Touch;
 use crate::blocks::{ContactDynamics, Update};
-use crate::contact::dynamics::ContactProblem;
 use crate::contact::dynamics::accuracy::Scaling;
 use crate::contact::dynamics::delassus::{BodyContacts, Delassus, Point};
 use crate::contact::dynamics::gauss_seidel::Until;
 use crate::contact::dynamics::kept::ContactSolution;
 use crate::contact::dynamics::solver;
+use crate::contact::dynamics::{ContactProblem, Rolling};
 use crate::{Blocks, Load, Motion, Vec3};
 
 /// Residual above which a step counts as unsolved; –.
@@ -46,14 +46,16 @@ impl Blocks {
             gains,
             touches,
             points,
+            rolling,
             before,
             gained,
             free,
         } = closing;
-        let mut impulses = self.impulses_before(&touches, &points, dt);
+        let mut impulses = self.impulses_before(&touches, &points, &rolling, dt);
         let problem = ContactProblem {
             friction: touches.iter().map(|touch| touch.friction).collect(),
             free_velocity: free,
+            rolling,
             operator: BodyContacts::new(bodies, points.clone()),
         };
         let until = Until {
@@ -68,8 +70,9 @@ impl Blocks {
             residual: ended.residual,
         });
         let given = problem.operator.product(&impulses);
-        self.keep_impulses(&touches, &points, &impulses, dt);
-        self.set_contact_loads(&touches, &points, &impulses, dt);
+        let torques = torques(&problem.rolling, &points, &impulses);
+        self.keep_impulses(&touches, &points, &impulses, &torques, dt);
+        self.set_contact_loads(&touches, &points, &impulses, &torques, dt);
         let [mut friction, mut damping] = [0.0; 2];
         for (a, impulse) in impulses.iter().enumerate() {
             let kicked = problem.operator.velocity(&given, a);
@@ -106,6 +109,7 @@ impl Blocks {
         touches: &[Touch],
         points: &[Point],
         impulses: &[Vec3],
+        torques: &[(u32, Vec3)],
         dt: f64,
     ) {
         self.state.contact_load.fill(Load::default());
@@ -116,6 +120,11 @@ impl Blocks {
                 let arm = touch.position - self.state.kinematics[b].centroid;
                 self.state.contact_load[b].add(&force, &arm);
             }
+        }
+        for (contact, torque) in torques {
+            let [i, j] = touches[*contact as usize].blocks.map(|b| b as usize);
+            self.state.contact_load[i].torque -= torque / dt;
+            self.state.contact_load[j].torque += torque / dt;
         }
         self.account_half_kick(2.0 * dt);
         let outer = self.state.attachments.outer_force * dt;
@@ -170,4 +179,13 @@ impl Blocks {
         self.hold_velocities(b);
         self.account_restraint(b, momentum, &impulse);
     }
+}
+
+/// Contacts that resist rolling, and their torques on B (N m s), of the impulses of all rows.
+fn torques(rolling: &[Rolling], points: &[Point], impulses: &[Vec3]) -> Vec<(u32, Vec3)> {
+    let first = points.len() - rolling.len();
+    let rows = points[first..].iter().zip(&impulses[first..]);
+    (rolling.iter().zip(rows))
+        .map(|(rolling, (point, impulse))| (rolling.contact, point.frame * impulse))
+        .collect()
 }

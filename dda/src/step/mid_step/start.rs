@@ -1,6 +1,7 @@
 //! Impulses from step to step: what the last one found is where the next one starts.
 
 use super::touches::Touch;
+use crate::contact::dynamics::Rolling;
 use crate::contact::dynamics::delassus::Point;
 use crate::contact::dynamics::kept::KeptImpulse;
 use crate::contact::report::ContactState;
@@ -28,9 +29,14 @@ impl Blocks {
         &self,
         touches: &[Touch],
         points: &[Point],
+        rolling: &[Rolling],
         dt: f64,
     ) -> Vec<Vec3> {
-        let mut impulses = vec![Vec3::zeros(); touches.len()];
+        let mut impulses = vec![Vec3::zeros(); points.len()];
+        let mut row_of = vec![None; touches.len()];
+        for (row, rolling) in (touches.len()..).zip(rolling) {
+            row_of[rolling.contact as usize] = Some(row);
+        }
         let mut first = 0;
         for group in touches.chunk_by(|a, b| a.parts == b.parts) {
             let parts = group[0].parts;
@@ -43,6 +49,11 @@ impl Blocks {
                 if let Some((k, _)) = nearest {
                     let at = first + k;
                     impulses[at] += points[at].frame.tr_mul(&kept.impulse) * (dt / kept.dt);
+                    if let Some(row) = row_of[at] {
+                        let frame = &points[row].frame;
+                        let square = frame.column(1).norm_squared();
+                        impulses[row] += frame.tr_mul(&kept.torque) * (dt / (kept.dt * square));
+                    }
                 }
             }
             first += group.len();
@@ -56,6 +67,7 @@ impl Blocks {
         touches: &[Touch],
         points: &[Point],
         impulses: &[Vec3],
+        torques: &[(u32, Vec3)],
         dt: f64,
     ) {
         self.state.impulses.clear();
@@ -69,10 +81,14 @@ impl Blocks {
                 normal: touch.normal,
                 gap: touch.gap,
                 impulse: point.frame * impulse,
+                torque: Vec3::zeros(),
                 dt,
                 state: state_of(touch.friction, impulse),
                 has_slipped: touch.has_slipped,
             }));
+        for (contact, torque) in torques {
+            self.state.impulses[*contact as usize].torque = *torque;
+        }
         self.note_slip(touches);
         self.state.impulses.sort_by_key(|kept| kept.parts);
     }

@@ -30,6 +30,8 @@ pub(crate) struct Touch {
     /// Whether that is the residual friction; false where it is not lower.
     pub has_slipped: bool,
     pub restitution: f64,
+    /// Rolling resistance of a sphere; –.
+    pub rolling_friction: f64,
 }
 
 impl Blocks {
@@ -108,6 +110,7 @@ impl Blocks {
             friction: joint.friction,
             has_slipped: false,
             restitution: joint.restitution,
+            rolling_friction: 0.0,
         };
         patch.manifold.points.iter().map(of).collect()
     }
@@ -161,6 +164,7 @@ impl Blocks {
                 friction: joint.spheres.static_friction,
                 has_slipped: false,
                 restitution: joint.restitution,
+                rolling_friction: joint.spheres.rolling_friction,
             });
         }
     }
@@ -193,14 +197,15 @@ impl Blocks {
             reach: self.approach_of(pair.blocks, dt),
         };
         let joint = self.joint_between(pair.parts);
-        let friction = match part(pair.parts.0) {
+        let (friction, rolling_friction) = match part(pair.parts.0) {
             Part::Polyhedron(body) => {
                 found.find(&ground, body);
-                joint.friction
+                (joint.friction, 0.0)
             }
             Part::Sphere { center, radius } => {
                 found.find_sphere(&ground, (center, *radius));
-                joint.spheres.static_friction
+                let law = &joint.spheres;
+                (law.static_friction, law.rolling_friction)
             }
             Part::Surface(_) => return Vec::new(),
         };
@@ -213,6 +218,7 @@ impl Blocks {
             friction,
             has_slipped: false,
             restitution: joint.restitution,
+            rolling_friction,
         };
         found.points.iter().map(of).collect()
     }
