@@ -70,6 +70,7 @@ fn read(path: &str) -> Result<Problem, String> {
     let operator = BlockMatrix::new(n, blocks)
         .ok_or_else(|| format!("{path}: a block beyond the contacts"))?;
     Ok(ContactProblem {
+        rolling: Vec::new(),
         operator,
         free_velocity,
         friction,

@@ -35,6 +35,7 @@ fn falling(bodies: Vec<Body>, points: Vec<Point>, friction: f64) -> ContactProbl
     let operator = BodyContacts::new(bodies, points);
     let free_velocity = operator.relative_velocities(&falls);
     ContactProblem {
+        rolling: Vec::new(),
         operator,
         free_velocity,
         friction: vec![friction; n],
@@ -157,6 +158,7 @@ fn spheres_in_a_row_share_an_impact() {
         let before = operator.relative_velocities(&start);
         let shifted = |u: &Vec3| u + Vec3::x() * (restitution * u.x.min(0.0));
         let problem = ContactProblem {
+            rolling: Vec::new(),
             free_velocity: before.iter().map(shifted).collect(),
             friction: vec![0.3; before.len()],
             operator,
@@ -253,6 +255,7 @@ fn contacts_without_restitution_make_no_energy() {
         let operator = BodyContacts::new(bodies, points.collect());
         let start: Vec<[Vec3; 2]> = (0..8).map(|_| [vector(), vector()]).collect();
         let problem = ContactProblem {
+            rolling: Vec::new(),
             free_velocity: operator.relative_velocities(&start),
             friction: vec![friction; 16],
             operator,

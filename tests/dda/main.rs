@@ -18,6 +18,7 @@ mod geometry;
 mod joint_springs;
 mod joints;
 mod mid_step;
+mod mid_step_laws;
 mod mid_step_surroundings;
 mod motion;
 mod paths;

@@ -2,7 +2,7 @@
 
 use riprap_dda::{
     BlockDefinition, BlockError, Blocks, ContactDynamics, ContactState, Integrator, Isometry,
-    Material, Motion, PrescribedMotion, Resting, Settings, Vec3,
+    Material, Motion, PrescribedMotion, Resting, RollingLaw, Settings, Vec3,
 };
 
 use crate::setup::{
@@ -10,7 +10,7 @@ use crate::setup::{
 };
 use crate::structures::arch;
 
-fn joint(friction: f64, restitution: f64) -> Material {
+pub fn joint(friction: f64, restitution: f64) -> Material {
     Material {
         friction_angle: friction.atan(),
         restitution,
@@ -18,7 +18,7 @@ fn joint(friction: f64, restitution: f64) -> Material {
     }
 }
 
-fn settings(gravity: Vec3, tolerance: f64) -> Settings {
+pub fn settings(gravity: Vec3, tolerance: f64) -> Settings {
     Settings {
         gravity,
         integrator: Integrator::ContactDynamics(ContactDynamics {
@@ -30,12 +30,12 @@ fn settings(gravity: Vec3, tolerance: f64) -> Settings {
     }
 }
 
-fn blocks(definitions: Vec<BlockDefinition>, material: Material, gravity: Vec3) -> Blocks {
+pub fn blocks(definitions: Vec<BlockDefinition>, material: Material, gravity: Vec3) -> Blocks {
     Blocks::new(definitions, vec![material], settings(gravity, 1e-8)).unwrap()
 }
 
 /// Steps of `dt` to a time (s).
-fn run(blocks: &mut Blocks, (from, to): (f64, f64), dt: f64) {
+pub fn run(blocks: &mut Blocks, (from, to): (f64, f64), dt: f64) {
     let n = ((to - from) / dt).round() as u32;
     blocks
         .advance(from, to - from, n)
@@ -350,13 +350,12 @@ fn what_contact_dynamics_does_not_model_is_refused() {
         rolling_friction: 0.1,
         ..rock()
     };
-    let residual = Material {
-        residual_friction_angle: Some(0.1),
-        ..rock()
+    assert!(refused(cohesive, right));
+    let own = Settings {
+        rolling_law: RollingLaw::OwnSpin,
+        ..right
     };
-    for material in [cohesive, rolling, residual] {
-        assert!(refused(material, right));
-    }
+    assert!(!refused(rolling, right) && refused(rolling, own));
     assert!(refused(rock(), settings(down(), 0.0)));
 }
 

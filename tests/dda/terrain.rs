@@ -12,7 +12,7 @@ use riprap_dda::{
 };
 
 /// A surface over a grid of points, each moved in its cell, at the heights of a function.
-fn raster(n: usize, width: f64, shake: f64, height: impl Fn(f64, f64) -> f64) -> Surface {
+pub fn raster(n: usize, width: f64, shake: f64, height: impl Fn(f64, f64) -> f64) -> Surface {
     let mut random = Random::new(3);
     let at = |i: usize, j: usize| (j * (n + 1) + i) as u32;
     let mut vertices = Vec::new();
@@ -40,7 +40,7 @@ fn raster(n: usize, width: f64, shake: f64, height: impl Fn(f64, f64) -> f64) ->
     Surface::new(vertices, triangles).unwrap()
 }
 
-fn ground(surface: Surface) -> BlockDefinition {
+pub fn ground(surface: Surface) -> BlockDefinition {
     BlockDefinition {
         shape: Shape::Surface(Arc::new(surface)),
         ..block(cuboid([0.0; 3], [1.0; 3]), Motion::Fixed)

@@ -10,7 +10,7 @@ use crate::motion::deformation::Deformable;
 use crate::motion::kinematics::{Kinematics, LeverArm};
 use crate::{
     BlockDefinition, BlockError, Blocks, Integrator, Isometry, JointOverride, Load, Material,
-    Motion, NormalLaw, Settings, Shape, Vec3,
+    Motion, NormalLaw, RollingLaw, Settings, Shape, Vec3,
 };
 use nalgebra::Matrix3;
 
@@ -86,20 +86,18 @@ impl Blocks {
         if !self.state.deformables.is_empty() {
             return refuse("contact dynamics moves rigid blocks only");
         }
-        if self.constants.reference.iter().any(Part::is_surface) {
-            return refuse("contact dynamics has no contact with terrain");
-        }
         if joints
             .iter()
             .any(|j| j.cohesion > 0.0 || j.tensile_strength > 0.0)
         {
             return refuse("contact dynamics has no cohesion and no tensile strength");
         }
-        if joints.iter().any(|j| j.spheres.rolling_friction > 0.0) {
-            return refuse("contact dynamics has no rolling resistance");
-        }
-        if joints.iter().any(|j| j.residual_friction != j.friction) {
-            return refuse("contact dynamics has one angle of friction");
+        if self.constants.settings.rolling_law == RollingLaw::OwnSpin
+            && joints.iter().any(|j| j.spheres.rolling_friction > 0.0)
+        {
+            return refuse(
+                "contact dynamics resists rolling between bodies, not against the world",
+            );
         }
         Ok(())
     }

@@ -76,7 +76,7 @@ pub enum Integrator {
     #[default]
     CentralDifference,
     /// Drift, kick with all contacts solved together, drift: steps limited by motion alone, see `step::mid_step`. For rigid blocks
-    /// without cohesion, rolling resistance or static damping, and not on terrain.
+    /// without cohesion or static damping.
     ContactDynamics(ContactDynamics),
 }
 

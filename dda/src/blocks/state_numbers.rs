@@ -66,7 +66,9 @@ impl Blocks {
         for kept in &self.state.impulses {
             f(f64::from(kept.parts.0));
             f(f64::from(kept.parts.1));
-            kept.impulse.iter().for_each(|&c| f(c));
+            let both = kept.impulse.iter().chain(kept.torque.iter());
+            both.for_each(|&c| f(c));
+            f(f64::from(u8::from(kept.has_slipped)));
         }
         for outside in &self.state.outside {
             let both = outside.force.iter().chain(outside.torque.iter());

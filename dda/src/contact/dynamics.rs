@@ -8,6 +8,13 @@
 //! 0 ≤ U_n ⊥ R_n ≥ 0
 //! |R_t| ≤ μ R_n;   |R_t| < μ R_n ⇒ U_t = 0;   |R_t| = μ R_n ⇒ U_t = −λ R_t, λ ≥ 0
 //! ```
+//! Rolling resistance is a pair of torques across the normal, rows of their own after those of the contacts, with `S` the torque over the
+//! effective radius `R̃` and `V = R̃ ω_t` of the relative spin:
+//!
+//! ```text
+//! |S| ≤ μ_r R_n;   |S| < μ_r R_n ⇒ V = 0;   |S| = μ_r R_n ⇒ V = −λ S, λ ≥ 0
+//! ```
+//!
 //! With `Û = (U_n + μ|U_t|, U_t)` of De Saxcé & Feng (1998) it is one statement: `R` in the cone `K_μ`, `Û` in its dual, at right angles.
 //!
 //! Reading order: [`one_contact`] solves one contact exactly; [`delassus`] is the operator of bodies, or a matrix; [`gauss_seidel`] and
@@ -39,6 +46,17 @@ pub struct ContactProblem<D> {
     pub free_velocity: Vec<Vec3>,
     /// Coefficient of friction; one per contact; –, >= 0.
     pub friction: Vec<f64>,
+    /// Rolling resistance; rows of the operator and of the velocities after those of the contacts.
+    pub rolling: Vec<Rolling>,
+}
+
+/// Rolling resistance of a contact.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rolling {
+    /// The contact.
+    pub contact: u32,
+    /// `μ_r`; –.
+    pub coefficient: f64,
 }
 
 impl<D: Delassus> ContactProblem<D> {
@@ -50,6 +68,13 @@ impl<D: Delassus> ContactProblem<D> {
     /// Whether nothing touches.
     pub fn is_empty(&self) -> bool {
         self.friction.is_empty()
+    }
+
+    /// Bound on the impulse of a row (N s) if that is rolling resistance.
+    fn rolling_bound(&self, impulses: &[Vec3], a: usize) -> Option<f64> {
+        let row = a.checked_sub(self.len())?;
+        let of = |rolling: &Rolling| rolling.coefficient * impulses[rolling.contact as usize].x;
+        self.rolling.get(row).map(of)
     }
 
     /// Velocity `U_a` of a contact, of the velocities that all impulses give; m/s.

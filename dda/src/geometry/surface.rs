@@ -2,6 +2,7 @@
 
 mod build;
 mod closest;
+mod features;
 mod regions;
 mod topology;
 
@@ -9,6 +10,7 @@ use crate::geometry::bounds::Bounds;
 use crate::{Isometry, Vec3};
 pub use build::SurfaceError;
 pub(crate) use closest::{Checked, NearTriangles};
+pub(crate) use features::Ridge;
 use parry3d_f64::{
     bounding_volume::{Aabb, BoundingVolume},
     math::Vector,

@@ -28,6 +28,7 @@
 mod closing;
 mod kick;
 mod overlap;
+mod slip;
 mod start;
 mod time_step;
 mod touches;

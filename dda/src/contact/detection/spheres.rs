@@ -1,7 +1,18 @@
 //! Narrow phase of spheres: a point, in the middle of the overlap.
 
 use super::manifold::PointManifold;
+use crate::geometry::parts::Part;
 use crate::{SurfacePoint, Vec3};
+
+/// `R̃ = 1/(1/r_i + 1/r_j)` of two parts, a polyhedron or a surface being flat; infinite without spheres; m.
+pub(crate) fn effective_radius(parts: (&Part, &Part)) -> f64 {
+    let radius = |part: &Part| match part {
+        Part::Sphere { radius, .. } => *radius,
+        Part::Polyhedron(_) | Part::Surface(_) => f64::INFINITY,
+    };
+    let curvature = 1.0 / radius(parts.0) + 1.0 / radius(parts.1);
+    1.0 / curvature
+}
 
 /// Contact of two spheres of center and radius (m); `None` if they are apart.
 pub(crate) fn of_two((a, r): (&Vec3, f64), (b, s): (&Vec3, f64)) -> Option<PointManifold> {

@@ -20,6 +20,8 @@
 //!
 //! A sphere touches at the feet where the surface is locally nearest.
 
+mod near;
+
 use super::manifold::{Features, Manifold, ManifoldPoint};
 use super::patch::{CORNER_AREA, CORNER_SHARE};
 use crate::geometry::clip::{OnPlane, clip};
@@ -27,8 +29,14 @@ use crate::geometry::quadrature::Fan;
 use crate::geometry::surface::{Checked, NearTriangles};
 use crate::material::Scaling;
 use crate::{Polyhedron, Surface, Vec3};
+pub(crate) use near::{NearFeatures, NearPoint, SurfacePoints};
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
+
+/// Feet whose normals turn by less are one; cos 5°.
+pub(crate) const ONE_FOOT: f64 = 0.996_195;
+/// A foot goes on from one of the last step if its normal turned by less; cos 45°.
+pub(crate) const SAME_FOOT: f64 = 0.707;
 
 /// Normals into the surface and overlaps (m) of the feet of a sphere (center, radius; m) on some triangles.
 pub(crate) fn feet<'a>(

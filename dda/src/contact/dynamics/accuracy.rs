@@ -42,10 +42,16 @@ pub fn residual<D: Delassus>(
 ) -> f64 {
     let [mut off, mut free, mut pressed, mut moving] = [0.0_f64; 4];
     for (a, impulse) in impulses.iter().enumerate() {
-        let friction = problem.friction[a];
-        let scaled = impulse / scaling.of(&problem.operator, a);
+        let mass = scaling.of(&problem.operator, a);
+        let scaled = impulse / mass;
         let velocity = problem.velocity(velocities, a);
-        let image = projected(friction, &(scaled - shifted(friction, &velocity)));
+        let image = match problem.rolling_bound(impulses, a) {
+            Some(bound) => (scaled - velocity).cap_magnitude(bound.max(0.0) / mass),
+            None => {
+                let friction = problem.friction[a];
+                projected(friction, &(scaled - shifted(friction, &velocity)))
+            }
+        };
         off += (scaled - image).norm_squared();
         free += problem.free_velocity[a].norm_squared();
         pressed += scaled.norm_squared();
@@ -60,12 +66,13 @@ pub fn residual<D: Delassus>(
 /// ```text
 /// g = Σ C·W_aa⁻¹C / Σ b·W_aa⁻¹b,   C = Û + (S − P_K(S)),   S = R/ρ − Û
 /// ```
+/// Of the contacts, without rolling resistance.
 pub fn energy_error<D: Delassus>(
     problem: &ContactProblem<D>,
     (impulses, velocities): (&[Vec3], &D::Velocities),
 ) -> f64 {
     let [mut spurious, mut available] = [0.0_f64; 2];
-    for (a, impulse) in impulses.iter().enumerate() {
+    for (a, impulse) in impulses.iter().enumerate().take(problem.len()) {
         let Some(inverse) = problem.operator.diagonal(a).try_inverse() else {
             continue;
         };

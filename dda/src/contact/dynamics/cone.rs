@@ -4,7 +4,8 @@ use crate::Vec3;
 
 /// Size of the tangential part.
 pub(super) fn tangential(x: &Vec3) -> f64 {
-    x.y.hypot(x.z)
+    // no velocity is as large or as small as those for which `hypot` takes its time
+    (x.y * x.y + x.z * x.z).sqrt()
 }
 
 /// Nearest point of the cone.

@@ -93,13 +93,15 @@ impl Body {
 /// Body on one side of a contact, and the point from its centroid (m).
 pub type Arm = Option<(u32, Vec3)>;
 
-/// A contact point of two bodies.
+/// A contact point of two bodies, or a pair of torques between them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Point {
-    /// Columns n, t1, t2 in world axes; n from A to B.
+    /// Columns n, t1, t2 in world axes; n from A to B. Of a pair of torques in m: their length.
     pub frame: Matrix3<f64>,
     /// Bodies A and B; none where it does not move.
     pub arms: [Arm; 2],
+    /// Whether its impulses are torques over a length, and its velocities spins times it.
+    pub is_torque: bool,
 }
 
 impl Point {
@@ -111,6 +113,18 @@ impl Point {
         Self {
             frame: Matrix3::from_columns(&[normal, first, second]),
             arms,
+            is_torque: false,
+        }
+    }
+
+    /// Torques across the normal of a contact, as impulses at the end of a length (m).
+    pub fn rolling(contact: &Self, length: f64) -> Self {
+        let mut frame = contact.frame * length;
+        frame.set_column(0, &Vec3::zeros());
+        Self {
+            frame,
+            is_torque: true,
+            ..*contact
         }
     }
 
@@ -119,7 +133,10 @@ impl Point {
         let side = |arm: &Arm| {
             arm.map_or(Vec3::zeros(), |(body, arm)| {
                 let [velocity, spin] = of_bodies[body as usize];
-                velocity + spin.cross(&arm)
+                match self.is_torque {
+                    true => spin,
+                    false => velocity + spin.cross(&arm),
+                }
             })
         };
         let [a, b] = &self.arms;
@@ -144,7 +161,10 @@ impl BodyContacts {
     pub fn new(bodies: Vec<Body>, points: Vec<Point>) -> Self {
         let block = |point: &Point| {
             let sum: Matrix3<f64> = (point.arms.iter().flatten())
-                .map(|(body, arm)| bodies[*body as usize].compliance(arm))
+                .map(|(body, arm)| match point.is_torque {
+                    true => bodies[*body as usize].inverse_inertia,
+                    false => bodies[*body as usize].compliance(arm),
+                })
                 .sum();
             point.frame.tr_mul(&(sum * point.frame))
         };
@@ -184,11 +204,19 @@ impl Delassus for BodyContacts {
     }
 
     fn add(&self, velocities: &mut Self::Velocities, a: usize, impulse: &Vec3) {
-        let Point { frame, arms } = &self.points[a];
+        let Point {
+            frame,
+            arms,
+            is_torque,
+        } = &self.points[a];
         let on_b = frame * impulse;
         for (arm, impulse) in arms.iter().zip([-on_b, on_b]) {
             if let Some((body, arm)) = arm {
-                let given = self.bodies[*body as usize].kicked(&impulse, &arm.cross(&impulse));
+                let (impulse, moment) = match is_torque {
+                    true => (Vec3::zeros(), impulse),
+                    false => (impulse, arm.cross(&impulse)),
+                };
+                let given = self.bodies[*body as usize].kicked(&impulse, &moment);
                 let [velocity, spin] = &mut velocities[*body as usize];
                 *velocity += given[0];
                 *spin += given[1];

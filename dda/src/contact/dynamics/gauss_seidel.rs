@@ -79,19 +79,18 @@ impl GaussSeidel {
         until: Until,
     ) -> Ended {
         let mut velocities = problem.operator.product(impulses);
-        let mut ended = Ended {
-            n_iterations: 0,
-            residual: residual(problem, (impulses, &velocities), until.scaling),
-        };
-        while ended.n_iterations < until.n_iterations {
+        let mut n_iterations = 0;
+        loop {
             self.sweep(problem, impulses, &mut velocities);
-            ended.n_iterations += 1;
-            ended.residual = residual(problem, (impulses, &velocities), until.scaling);
-            if ended.residual <= until.tolerance {
-                break;
+            n_iterations += 1;
+            let residual = residual(problem, (impulses, &velocities), until.scaling);
+            if residual <= until.tolerance || until.n_iterations <= n_iterations {
+                return Ended {
+                    n_iterations,
+                    residual,
+                };
             }
         }
-        ended
     }
 
     fn sweep<D: Delassus>(
@@ -109,7 +108,10 @@ impl GaussSeidel {
                 let w = problem.operator.diagonal(a);
                 let others = problem.velocity(velocities, a) - w * impulses[a];
                 let mut slip = self.slips[a];
-                let found = one_contact::impulse(w, &others, problem.friction[a], &mut slip);
+                let found = match problem.rolling_bound(impulses, a) {
+                    Some(bound) => one_contact::rolling_impulse(w, &others, bound, &mut slip),
+                    None => one_contact::impulse(w, &others, problem.friction[a], &mut slip),
+                };
                 (found, slip)
             };
             let found: Vec<(Vec3, f64)> = match LARGE_COLOR <= color.len() {

@@ -18,9 +18,13 @@ pub(crate) struct KeptImpulse {
     pub gap: f64,
     /// On the second; N s.
     pub impulse: Vec3,
+    /// Of rolling resistance, on the second; N m s.
+    pub torque: Vec3,
     /// Of the step; s.
     pub dt: f64,
     pub state: ContactState,
+    /// Whether residual friction holds from now on; false where it is not lower.
+    pub has_slipped: bool,
 }
 
 impl KeptImpulse {

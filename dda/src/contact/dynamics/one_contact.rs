@@ -58,6 +58,24 @@ fn closed_form(w: &Matrix3<f64>, b: &Vec3, friction: f64) -> Vec3 {
     Vec3::new(normal, share * tangential.x, share * tangential.y)
 }
 
+/// Impulse (N s) of at most a bound across the normal that holds free velocity `b` (m/s) there, or slides against it; `slip` as of
+/// [`impulse`].
+pub fn rolling_impulse(w: &Matrix3<f64>, b: &Vec3, bound: f64, slip: &mut f64) -> Vec3 {
+    let matrix = w.fixed_view::<2, 2>(1, 1).into_owned();
+    if !(0.0 < bound && 0.0 < matrix.trace()) {
+        return Vec3::zeros();
+    }
+    let row = Tangential {
+        matrix,
+        velocity: Vector2::new(b.y, b.z),
+        to_normal: Vector2::zeros(),
+        normal: bound,
+        friction: 1.0,
+    };
+    let found = row.solve(slip);
+    Vec3::new(0.0, found.y, found.z)
+}
+
 /// The contact with its normal direction eliminated.
 struct Tangential {
     /// `H`; 1/kg.

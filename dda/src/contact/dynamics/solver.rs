@@ -13,6 +13,8 @@ const TIGHT: f64 = 1e-5;
 
 /// Impulses (N s) of a problem from a guess, such as those of the last step: by Gauss-Seidel, and where it does not halve its residual within
 /// twenty sweeps, or the tolerance is tight, by the gradient from there. Keeps the better of the two.
+///
+/// Rolling resistance is left to Gauss-Seidel: its bound moves with the impulse of another row, and the set of both is no cone of a contact.
 pub fn solve<D: Delassus>(
     problem: &ContactProblem<D>,
     impulses: &mut [Vec3],
@@ -35,7 +37,8 @@ pub fn solve<D: Delassus>(
                 ..ended
             };
         }
-        if until.tolerance < TIGHT || 0.5 * before < ended.residual {
+        let is_slow = until.tolerance < TIGHT || 0.5 * before < ended.residual;
+        if is_slow && problem.rolling.is_empty() {
             break;
         }
         before = ended.residual;

@@ -23,7 +23,7 @@ mod sides;
 
 use crate::contact::context::ContactContext;
 use crate::contact::detection::manifold::PointManifold;
-use crate::contact::detection::spheres::{of_two, with_body};
+use crate::contact::detection::spheres::{effective_radius, of_two, with_body};
 use crate::contact::penalty::step_bound::Springs;
 use crate::contact::rates::Rates;
 use crate::contact::tally::Tally;
@@ -81,14 +81,8 @@ pub(crate) struct Scales {
 impl Scales {
     /// Of two parts, a sphere at least one of them; the lesser of what is allowed and of their sizes.
     pub fn of(parts: (&Part, &Part), allowed_overlap: f64, size: f64) -> Self {
-        let radius = |part: &Part| match part {
-            Part::Sphere { radius, .. } => *radius,
-            Part::Polyhedron(_) | Part::Surface(_) => f64::INFINITY,
-        };
-        // 1/R̃ = 1/r_i + 1/r_j, a polyhedron being flat.
-        let curvature = 1.0 / radius(parts.0) + 1.0 / radius(parts.1);
         Self {
-            effective_radius: 1.0 / curvature,
+            effective_radius: effective_radius(parts),
             per_allowed: 1.0 / allowed_overlap,
             per_size: 1.0 / size,
         }

@@ -1,6 +1,8 @@
 //! Points that may bear an impulse in a step, with the law of impact and of gaps.
 
 use super::touches::Touch;
+use crate::contact::detection::spheres::effective_radius;
+use crate::contact::dynamics::Rolling;
 use crate::contact::dynamics::delassus::{Arm, Body, Point};
 use crate::{Blocks, Vec3};
 
@@ -16,7 +18,9 @@ pub(super) struct Closing {
     /// Velocity and spin that each body gets without contacts; m/s, rad/s.
     pub gains: Vec<[Vec3; 2]>,
     pub touches: Vec<Touch>,
+    /// Of the touches, then of rolling resistance.
     pub points: Vec<Point>,
+    pub rolling: Vec<Rolling>,
     /// `U` at the points before the kick, of all bodies; m/s.
     pub before: Vec<Vec3>,
     /// What the gains add to it; m/s.
@@ -59,14 +63,39 @@ impl Blocks {
             gained.push(more);
             free.push(after);
         }
-        Closing {
+        let mut closing = Closing {
             bodies,
             gains,
             touches,
             points,
+            rolling: Vec::new(),
             before,
             gained,
             free,
+        };
+        self.add_rolling(&mut closing);
+        closing
+    }
+
+    /// Rows of rolling resistance, after those of the touches.
+    fn add_rolling(&self, closing: &mut Closing) {
+        for (a, touch) in closing.touches.iter().enumerate() {
+            if touch.rolling_friction <= 0.0 {
+                continue;
+            }
+            let [i, j] = [touch.parts.0, touch.parts.1].map(|p| &self.derived.parts[p as usize]);
+            let point = Point::rolling(&closing.points[a], effective_radius((i, j)));
+            let [i, j] = touch.blocks.map(|b| self.state.kinematics[b as usize].spin);
+            let now = point.frame.tr_mul(&(j - i));
+            let more = point.relative(&closing.gains);
+            closing.points.push(point);
+            closing.before.push(now);
+            closing.gained.push(more);
+            closing.free.push(now + more);
+            closing.rolling.push(Rolling {
+                contact: a as u32,
+                coefficient: touch.rolling_friction,
+            });
         }
     }
 

@@ -5,12 +5,12 @@
 
 use super::closing::Closing;
 use crate::blocks::{ContactDynamics, Update};
-use crate::contact::dynamics::ContactProblem;
 use crate::contact::dynamics::accuracy::{Scaling, energy_error};
-use crate::contact::dynamics::delassus::{BodyContacts, Delassus};
+use crate::contact::dynamics::delassus::{BodyContacts, Delassus, Point};
 use crate::contact::dynamics::gauss_seidel::Until;
 use crate::contact::dynamics::kept::ContactSolution;
 use crate::contact::dynamics::solver;
+use crate::contact::dynamics::{ContactProblem, Rolling};
 use crate::{Blocks, Load, Motion, Vec3};
 
 impl Blocks {
@@ -42,14 +42,16 @@ impl Blocks {
             gains,
             touches,
             points,
+            rolling,
             before,
             gained,
             free,
         } = closing;
-        let mut impulses = self.impulses_before(&touches, &points, dt);
+        let mut impulses = self.impulses_before(&touches, &points, &rolling, dt);
         let problem = ContactProblem {
             friction: touches.iter().map(|touch| touch.friction).collect(),
             free_velocity: free,
+            rolling,
             operator: BodyContacts::new(bodies, points.clone()),
         };
         let until = Until {
@@ -66,7 +68,8 @@ impl Blocks {
             energy_error: energy_error(&problem, (&impulses, &given)),
         };
         self.state.totals.solved.count(&self.state.solution);
-        self.keep_impulses(&touches, &points, &impulses, dt);
+        let torques = torques(&problem.rolling, &points, &impulses);
+        self.keep_impulses(&touches, &points, &impulses, &torques, dt);
         self.set_contact_loads(dt);
         let [mut friction, mut damping] = [0.0; 2];
         for (a, impulse) in impulses.iter().enumerate() {
@@ -94,6 +97,9 @@ impl Blocks {
                 let arm = kept.position - self.state.kinematics[b].centroid;
                 self.state.contact_load[b].add(&force, &arm);
             }
+            let torque = kept.torque / kept.dt;
+            self.state.contact_load[first as usize].torque -= torque;
+            self.state.contact_load[second as usize].torque += torque;
         }
         self.account_half_kick(2.0 * dt);
         let outer = self.state.attachments.outer_force * dt;
@@ -148,4 +154,13 @@ impl Blocks {
         self.hold_velocities(b);
         self.account_restraint(b, momentum, &impulse);
     }
+}
+
+/// Contacts that resist rolling, and their torques on B (N m s), of the impulses of all rows.
+fn torques(rolling: &[Rolling], points: &[Point], impulses: &[Vec3]) -> Vec<(u32, Vec3)> {
+    let first = points.len() - rolling.len();
+    let rows = points[first..].iter().zip(&impulses[first..]);
+    (rolling.iter().zip(rows))
+        .map(|(rolling, (point, impulse))| (rolling.contact, point.frame * impulse))
+        .collect()
 }

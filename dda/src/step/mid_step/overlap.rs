@@ -38,12 +38,17 @@ impl Blocks {
             return;
         }
         let way = |touch: &Touch| Vec3::x() * (SHARE * room(touch)).min(touch.gap.max(0.0));
+        // rows of torques have no normal part, and take none
+        let n_rows = problem.operator.n_contacts();
+        let mut ways: Vec<Vec3> = touches.iter().map(way).collect();
+        ways.resize(n_rows, Vec3::zeros());
         let displacements = ContactProblem {
             operator: problem.operator.clone(),
-            free_velocity: touches.iter().map(way).collect(),
-            friction: vec![0.0; touches.len()],
+            free_velocity: ways,
+            friction: vec![0.0; n_rows],
+            rolling: Vec::new(),
         };
-        let mut pushes = vec![Vec3::zeros(); touches.len()];
+        let mut pushes = vec![Vec3::zeros(); n_rows];
         GaussSeidel::new(&displacements.operator, Order::Shuffled).solve(
             &displacements,
             &mut pushes,

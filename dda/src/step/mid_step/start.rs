@@ -1,13 +1,14 @@
 //! Impulses from step to step: what the last one found is where the next one starts.
 
 use super::touches::Touch;
+use crate::contact::dynamics::Rolling;
 use crate::contact::dynamics::delassus::Point;
 use crate::contact::dynamics::kept::KeptImpulse;
 use crate::contact::report::ContactState;
 use crate::{Blocks, Vec3};
 
 /// Distance from the friction bound within which a point slides, × the bound.
-const AT_THE_BOUND: f64 = 1e-9;
+pub(super) const AT_THE_BOUND: f64 = 1e-9;
 
 /// State of a point with an impulse in its frame.
 fn state_of(friction: f64, impulse: &Vec3) -> ContactState {
@@ -28,9 +29,14 @@ impl Blocks {
         &self,
         touches: &[Touch],
         points: &[Point],
+        rolling: &[Rolling],
         dt: f64,
     ) -> Vec<Vec3> {
-        let mut impulses = vec![Vec3::zeros(); touches.len()];
+        let mut impulses = vec![Vec3::zeros(); points.len()];
+        let mut row_of = vec![None; touches.len()];
+        for (row, rolling) in (touches.len()..).zip(rolling) {
+            row_of[rolling.contact as usize] = Some(row);
+        }
         let mut first = 0;
         for group in touches.chunk_by(|a, b| a.parts == b.parts) {
             let parts = group[0].parts;
@@ -43,6 +49,11 @@ impl Blocks {
                 if let Some((k, _)) = nearest {
                     let at = first + k;
                     impulses[at] += points[at].frame.tr_mul(&kept.impulse) * (dt / kept.dt);
+                    if let Some(row) = row_of[at] {
+                        let frame = &points[row].frame;
+                        let square = frame.column(1).norm_squared();
+                        impulses[row] += frame.tr_mul(&kept.torque) * (dt / (kept.dt * square));
+                    }
                 }
             }
             first += group.len();
@@ -56,24 +67,32 @@ impl Blocks {
         touches: &[Touch],
         points: &[Point],
         impulses: &[Vec3],
+        torques: &[(u32, Vec3)],
         dt: f64,
     ) {
-        let mut kept = std::mem::take(&mut self.state.impulses);
-        kept.retain(|kept| !self.is_solved(kept.blocks));
-        self.state.impulses = kept;
         let rows = touches.iter().zip(points).zip(impulses);
-        self.state
-            .impulses
-            .extend(rows.map(|((touch, point), impulse)| KeptImpulse {
+        let mut found: Vec<KeptImpulse> = rows
+            .map(|((touch, point), impulse)| KeptImpulse {
                 parts: touch.parts,
                 blocks: touch.blocks.into(),
                 position: touch.position,
                 normal: touch.normal,
                 gap: touch.gap,
                 impulse: point.frame * impulse,
+                torque: Vec3::zeros(),
                 dt,
                 state: state_of(touch.friction, impulse),
-            }));
+                has_slipped: touch.has_slipped,
+            })
+            .collect();
+        for (contact, torque) in torques {
+            found[*contact as usize].torque = *torque;
+        }
+        self.note_slip(touches, &mut found);
+        let mut kept = std::mem::take(&mut self.state.impulses);
+        kept.retain(|kept| !self.is_solved(kept.blocks));
+        kept.append(&mut found);
+        self.state.impulses = kept;
         self.state.impulses.sort_by_key(|kept| kept.parts);
     }
 }

@@ -4,8 +4,11 @@ use crate::contact::detection::manifold::ManifoldPoint;
 use crate::contact::detection::patch::Patch;
 use crate::contact::detection::polyhedra::NarrowPhase;
 use crate::contact::detection::spheres::between;
+use crate::contact::detection::terrain::{NearFeatures, NearPoint, SurfacePoints};
 use crate::contact::penalty::polyhedra::Pair;
+use crate::contact::penalty::terrain::SurfacePair;
 use crate::geometry::parts::Part;
+use crate::geometry::surface::NearTriangles;
 use crate::motion::update::Update;
 use crate::{Blocks, Polyhedron, Vec3};
 use rayon::prelude::*;
@@ -25,7 +28,11 @@ pub(crate) struct Touch {
     /// Below 0 for overlap; m.
     pub gap: f64,
     pub friction: f64,
+    /// Whether that is the residual friction; false where it is not lower.
+    pub has_slipped: bool,
     pub restitution: f64,
+    /// Rolling resistance of a sphere; –.
+    pub rolling_friction: f64,
 }
 
 impl Blocks {
@@ -33,6 +40,8 @@ impl Blocks {
     pub(super) fn touches(&mut self, dt: f64) -> Vec<Touch> {
         let mut found = self.touches_of_polyhedra(dt);
         self.add_touches_of_spheres(dt, &mut found);
+        found.par_extend(self.touches_on_surfaces(dt));
+        self.recall_slip(&mut found);
         let limits = self.constants.overlap_limits();
         let mut worst = (0.0, (0, 0));
         let mut deepest: f64 = 0.0;
@@ -132,7 +141,9 @@ impl Blocks {
             position: point.position,
             gap: -point.overlap,
             friction: joint.friction,
+            has_slipped: false,
             restitution: joint.restitution,
+            rolling_friction: 0.0,
         };
         patch.manifold.points.iter().map(of).collect()
     }
@@ -187,8 +198,67 @@ impl Blocks {
                 position,
                 gap,
                 friction: joint.spheres.static_friction,
+                has_slipped: false,
                 restitution: joint.restitution,
+                rolling_friction: joint.spheres.rolling_friction,
             });
         }
+    }
+
+    fn touches_on_surfaces(&self, dt: f64) -> impl ParallelIterator<Item = Touch> + '_ {
+        (self.contacts.surface_pairs.par_iter().with_min_len(CHUNK))
+            .map_init(SurfacePoints::default, move |points, pair| {
+                self.touches_on_surface(pair, points, dt)
+            })
+            .flatten_iter()
+    }
+
+    /// The body first, the surface second.
+    fn touches_on_surface(
+        &self,
+        pair: &SurfacePair,
+        found: &mut SurfacePoints,
+        dt: f64,
+    ) -> Vec<Touch> {
+        let part = |part: u32| &self.derived.parts[part as usize];
+        let Part::Surface(surface) = part(pair.parts.1) else {
+            return Vec::new();
+        };
+        if !self.is_solved(pair.blocks) {
+            return Vec::new();
+        }
+        let ground = NearFeatures {
+            surface,
+            near: NearTriangles {
+                triangles: &pair.triangles,
+                reach: pair.reach,
+            },
+            reach: self.approach_of(pair.blocks, dt),
+        };
+        let joint = self.joint_between(pair.parts);
+        let (friction, rolling_friction) = match part(pair.parts.0) {
+            Part::Polyhedron(body) => {
+                found.find(&ground, body);
+                (joint.friction, 0.0)
+            }
+            Part::Sphere { center, radius } => {
+                found.find_sphere(&ground, (center, *radius));
+                let law = &joint.spheres;
+                (law.static_friction, law.rolling_friction)
+            }
+            Part::Surface(_) => return Vec::new(),
+        };
+        let of = |point: &NearPoint| Touch {
+            parts: pair.parts,
+            blocks: pair.blocks.into(),
+            normal: point.normal,
+            position: point.position,
+            gap: point.gap,
+            friction,
+            has_slipped: false,
+            restitution: joint.restitution,
+            rolling_friction,
+        };
+        found.points.iter().map(of).collect()
     }
 }

@@ -8,6 +8,7 @@ use super::{
 };
 use crate::Vec3;
 use crate::contact::detection::manifold::PointManifold;
+use crate::contact::detection::terrain::{ONE_FOOT, SAME_FOOT};
 use crate::contact::tally::Tally;
 use crate::material::{RollingLaw, SphereJoint};
 use crate::motion::kinematics::{Kinematics, Load};
@@ -34,11 +35,6 @@ pub(crate) struct SurfaceLaw<'a> {
     /// s.
     pub dt: f64,
 }
-
-/// Feet whose normals turn by less are one; cos 5°.
-const ONE_FOOT: f64 = 0.996_195;
-/// A foot goes on from one of the last step if its normal turned by less; cos 45°.
-const SAME_FOOT: f64 = 0.707;
 
 impl SphereOnSurface {
     /// Forgets where the feet are, not what they remember.
