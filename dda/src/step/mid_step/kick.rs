@@ -9,13 +9,29 @@ use crate::blocks::{ContactDynamics, Update};
 use crate::contact::dynamics::accuracy::Scaling;
 use crate::contact::dynamics::delassus::{BodyContacts, Delassus, Point};
 use crate::contact::dynamics::gauss_seidel::Until;
-use crate::contact::dynamics::kept::ContactSolution;
+use crate::contact::dynamics::kept::{ContactSolution, KeptImpulse};
 use crate::contact::dynamics::solver;
 use crate::contact::dynamics::{ContactProblem, Rolling};
 use crate::{Blocks, Load, Motion, Vec3};
 
 /// Residual above which a step counts as unsolved; –.
 const UNSOLVED: f64 = 1e-2;
+
+/// Contacts and bonds of a step with their impulses.
+struct Solved {
+    problem: ContactProblem<BodyContacts>,
+    solution: ContactSolution,
+    /// One per row; N s.
+    impulses: Vec<Vec3>,
+    /// What bonds carry.
+    carried: Vec<KeptImpulse>,
+    /// As those of [`Closing`].
+    gains: Vec<[Vec3; 2]>,
+    touches: Vec<Touch>,
+    points: Vec<Point>,
+    before: Vec<Vec3>,
+    gained: Vec<Vec3>,
+}
 
 impl Blocks {
     /// Impulse on a free block within `dt` (s) of its weight, its attachments, and of what acted from outside since the last step;
@@ -34,13 +50,40 @@ impl Blocks {
         impulse
     }
 
-    /// Kick over `dt` (s).
+    /// Kick over `dt` (s); solved again if bonds break by it.
     pub(super) fn kick_with_contacts(
         &mut self,
         closing: Closing,
         dynamics: &ContactDynamics,
         dt: f64,
     ) {
+        let mut solved = self.solve(closing, dynamics, dt);
+        if solved.solution.residual <= UNSOLVED && self.break_bonds(&solved.carried) {
+            let touches = self.touches(dt);
+            solved = self.solve(self.closing(touches, dt), dynamics, dt);
+        }
+        self.note_solution(solved.solution);
+        let given = solved.problem.operator.product(&solved.impulses);
+        self.book_work(&solved, &given);
+        let Solved {
+            problem,
+            impulses,
+            touches,
+            points,
+            ..
+        } = &solved;
+        let rows = touches.len()..touches.len() + problem.rolling.len();
+        let torques = torques(&problem.rolling, &points[rows.clone()], &impulses[rows]);
+        self.keep_impulses(touches, points, impulses, &torques, dt);
+        self.sum_contact_loads(&solved, &torques, dt);
+        self.account_contact_loads(dt);
+        self.keep_carried(&solved.carried);
+        self.kick_bodies(&solved.gains, &given, dt);
+        self.remove_overlap(&solved.problem, &solved.touches);
+    }
+
+    /// Impulses of contacts and bonds.
+    fn solve(&self, closing: Closing, dynamics: &ContactDynamics, dt: f64) -> Solved {
         let Closing {
             bodies,
             gains,
@@ -64,28 +107,41 @@ impl Blocks {
             n_iterations: dynamics.n_iterations,
         };
         let ended = solver::solve(&problem, &mut impulses, until);
-        self.note_solution(ContactSolution {
-            n_contacts: touches.len(),
-            n_iterations: ended.n_iterations,
-            residual: ended.residual,
-        });
-        let given = problem.operator.product(&impulses);
-        let torques = torques(&problem.rolling, &points, &impulses);
-        self.keep_impulses(&touches, &points, &impulses, &torques, dt);
-        self.set_contact_loads(&touches, &points, &impulses, &torques, dt);
+        Solved {
+            solution: ContactSolution {
+                n_contacts: touches.len(),
+                n_iterations: ended.n_iterations,
+                residual: ended.residual,
+            },
+            carried: self.carried(&points, &impulses, dt),
+            problem,
+            impulses,
+            gains,
+            touches,
+            points,
+            before,
+            gained,
+        }
+    }
+
+    /// Work of contacts, of rolling resistance, and of bonds, which is damping.
+    fn book_work(&mut self, solved: &Solved, given: &[[Vec3; 2]]) {
+        let n_bounded = solved.touches.len() + solved.problem.rolling.len();
         let [mut friction, mut damping] = [0.0; 2];
-        for (a, impulse) in impulses.iter().enumerate() {
-            let kicked = problem.operator.velocity(&given, a);
-            let mean = before[a] + (kicked + gained[a]) * 0.5;
+        for (a, impulse) in solved.impulses.iter().enumerate() {
+            let kicked = solved.points[a].relative(given);
+            let mean = solved.before[a] + (kicked + solved.gained[a]) * 0.5;
+            if n_bounded <= a {
+                damping -= impulse.dot(&mean);
+                continue;
+            }
             damping -= impulse.x * mean.x;
             friction -= impulse.y * mean.y + impulse.z * mean.z;
         }
         let totals = &mut self.state.totals;
         totals.damping.book(damping);
         totals.friction.book(friction);
-        totals.n_contact_updates += touches.len() as u64;
-        self.kick_bodies(&gains, &given, dt);
-        self.remove_overlap(&problem, &touches);
+        totals.n_contact_updates += solved.touches.len() as u64;
     }
 
     fn note_solution(&mut self, solution: ContactSolution) {
@@ -103,29 +159,52 @@ impl Blocks {
         totals.largest_residual = totals.largest_residual.max(solution.residual);
     }
 
-    /// Mean loads of contacts in the step, on all blocks, with the impulses and the work of those that forces do not move.
-    fn set_contact_loads(
-        &mut self,
-        touches: &[Touch],
-        points: &[Point],
-        impulses: &[Vec3],
-        torques: &[(u32, Vec3)],
-        dt: f64,
-    ) {
+    /// Mean loads of contacts and bonds in the step, on all blocks.
+    fn sum_contact_loads(&mut self, solved: &Solved, torques: &[(u32, Vec3)], dt: f64) {
+        let Solved {
+            impulses,
+            carried,
+            touches,
+            points,
+            ..
+        } = solved;
         self.state.contact_load.fill(Load::default());
         for ((touch, point), impulse) in touches.iter().zip(points).zip(impulses) {
             let force = point.frame * impulse / dt;
-            for (block, force) in touch.blocks.into_iter().zip([-force, force]) {
-                let b = block as usize;
-                let arm = touch.position - self.state.kinematics[b].centroid;
-                self.state.contact_load[b].add(&force, &arm);
-            }
+            self.add_contact_load(touch.blocks, &touch.position, &force);
         }
         for (contact, torque) in torques {
-            let [i, j] = touches[*contact as usize].blocks.map(|b| b as usize);
-            self.state.contact_load[i].torque -= torque / dt;
-            self.state.contact_load[j].torque += torque / dt;
+            self.add_contact_torque(touches[*contact as usize].blocks, &(torque / dt));
         }
+        for KeptImpulse {
+            blocks,
+            position,
+            impulse,
+            torque,
+            ..
+        } in carried
+        {
+            let blocks = [blocks.0, blocks.1];
+            self.add_contact_load(blocks, position, &(impulse / dt));
+            self.add_contact_torque(blocks, &(torque / dt));
+        }
+    }
+
+    fn add_contact_load(&mut self, blocks: [u32; 2], position: &Vec3, force: &Vec3) {
+        for (block, force) in blocks.into_iter().zip([-force, *force]) {
+            let b = block as usize;
+            let arm = position - self.state.kinematics[b].centroid;
+            self.state.contact_load[b].add(&force, &arm);
+        }
+    }
+
+    fn add_contact_torque(&mut self, [i, j]: [u32; 2], torque: &Vec3) {
+        self.state.contact_load[i as usize].torque -= torque;
+        self.state.contact_load[j as usize].torque += torque;
+    }
+
+    /// Impulses of contacts on blocks that forces do not move, with their work.
+    fn account_contact_loads(&mut self, dt: f64) {
         self.account_half_kick(2.0 * dt);
         let outer = self.state.attachments.outer_force * dt;
         self.state.totals.support_impulse += outer;
@@ -181,11 +260,9 @@ impl Blocks {
     }
 }
 
-/// Contacts that resist rolling, and their torques on B (N m s), of the impulses of all rows.
+/// Contacts that resist rolling, and their torques on B (N m s), of their rows.
 fn torques(rolling: &[Rolling], points: &[Point], impulses: &[Vec3]) -> Vec<(u32, Vec3)> {
-    let first = points.len() - rolling.len();
-    let rows = points[first..].iter().zip(&impulses[first..]);
-    (rolling.iter().zip(rows))
+    (rolling.iter().zip(points.iter().zip(impulses)))
         .map(|(rolling, (point, impulse))| (rolling.contact, point.frame * impulse))
         .collect()
 }

@@ -27,7 +27,7 @@ pub(crate) struct Touch {
     /// Below 0 for overlap; m.
     pub gap: f64,
     pub friction: f64,
-    /// Whether that is the residual friction; false where it is not lower.
+    /// Whether the residual friction holds; without a bond that broke false where it is not lower.
     pub has_slipped: bool,
     pub restitution: f64,
     /// Rolling resistance of a sphere; –.
@@ -86,6 +86,9 @@ impl Blocks {
     }
 
     fn touches_of(&self, pair: &mut Pair, patch: &mut Patch, dt: f64) -> Vec<Touch> {
+        if pair.history.bond.is_some() {
+            return Vec::new();
+        }
         let bodies = self.polyhedra(pair.parts);
         let joint = self.joint_between(pair.parts);
         let reach = self.approach_of(pair.blocks, dt);
@@ -101,14 +104,18 @@ impl Blocks {
         if !bodies.as_ref().is_some_and(is_near) {
             return Vec::new();
         }
+        let friction = match pair.history.is_broken {
+            true => joint.residual_friction,
+            false => joint.friction,
+        };
         let of = |point: &ManifoldPoint| Touch {
             parts: pair.parts,
             blocks: [pair.blocks.0, pair.blocks.1],
             normal: patch.manifold.normal,
             position: point.position,
             gap: -point.overlap,
-            friction: joint.friction,
-            has_slipped: false,
+            friction,
+            has_slipped: pair.history.is_broken,
             restitution: joint.restitution,
             rolling_friction: 0.0,
         };
