@@ -4,6 +4,7 @@ pub(crate) mod accounts;
 pub(crate) mod attachments;
 mod balance;
 mod body;
+mod bonds;
 mod build;
 mod checkpoint;
 mod constants;
@@ -26,6 +27,7 @@ mod strength;
 mod totals;
 mod update;
 
+use crate::contact::dynamics::kept::KeptBond;
 use crate::geometry::bounds::Bounds;
 use crate::material::Joint;
 pub(crate) use crate::motion::update::Update;
@@ -150,6 +152,8 @@ impl Blocks {
         self.contacts.remove_block(b as u32);
         let is_left = |(first, second): (u32, u32)| first as usize != b && second as usize != b;
         self.state.impulses.retain(|kept| is_left(kept.blocks));
+        let stays = |bond: &KeptBond| bond.blocks.0 != b as u32 && bond.blocks.1 != b as u32;
+        self.state.bonds.retain(stays);
         self.link_pairs();
         self.state.contact_load[b] = Load::default();
         self.state.velocity[b] = Vec3::zeros();

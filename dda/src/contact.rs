@@ -1,5 +1,6 @@
 //! Contact: geometry by detection, forces by a law.
 
+pub(crate) mod bond;
 pub(crate) mod context;
 pub(crate) mod detection;
 pub mod dynamics;

@@ -342,15 +342,16 @@ fn what_contact_dynamics_does_not_model_is_refused() {
     };
     let right = settings(down(), 1e-4);
     assert!(!refused(rock(), right));
-    let cohesive = Material {
+    let residual = Material {
         cohesion: 1.0,
+        residual_cohesion: 1.0,
         ..rock()
     };
     let rolling = Material {
         rolling_friction: 0.1,
         ..rock()
     };
-    assert!(refused(cohesive, right));
+    assert!(refused(residual, right));
     let own = Settings {
         rolling_law: RollingLaw::OwnSpin,
         ..right

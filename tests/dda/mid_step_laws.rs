@@ -1,8 +1,9 @@
-//! Laws of contact dynamics beyond Coulomb's between blocks: terrain, residual friction, rolling resistance: N13 and N19.
+//! Laws of contact dynamics beyond Coulomb's between blocks: terrain, residual friction, rolling resistance, bonds: N13 and
+//! N19.
 
 use riprap_dda::{
-    BlockDefinition, Blocks, Hold, Isometry, JointOverride, Material, Motion, Polyhedron, Turning,
-    Vec3,
+    Attachment, BlockDefinition, Blocks, Hold, Isometry, JointOverride, Material, Motion,
+    Polyhedron, Turning, Vec3,
 };
 
 use crate::mid_step::{blocks, joint, run, settings};
@@ -420,4 +421,234 @@ fn rolling_resistance_keeps_momentum_and_the_account() {
     let off = (after.1.balance() - before.1.balance()).abs() / lost;
     // the turning of spheres is exact
     assert_below("account", off, 1e-9);
+}
+
+fn glue(tensile_strength: f64, cohesion: f64) -> Material {
+    Material {
+        tensile_strength,
+        cohesion,
+        ..residual(0.5, 0.3)
+    }
+}
+
+/// A block of 0.8 by 0.5 by 0.4 m, at z = 0, glued to the floor below it, with a force in the middle of the joint.
+fn glued(material: Material, force: Vec3) -> Blocks {
+    let stone = block(cuboid([-0.4, -0.25, 0.0], [0.4, 0.25, 0.4]), Motion::Free);
+    let mut blocks = blocks(vec![floor(), stone], material, down());
+    let load = Attachment::PointLoad {
+        block: 1,
+        point: Vec3::zeros(),
+        force,
+    };
+    blocks.attach(&[load]).unwrap();
+    blocks
+}
+
+/// A glued block bears a pull of T A and its weight, and a push of c A + m g tan φ, within 0.1 %. Past them it is gone for good, and slides
+/// by its residual friction.
+#[test]
+fn a_glued_block_holds_up_to_its_strength() {
+    let (area, weight) = (0.8 * 0.5, 2500.0 * 0.16 * G);
+    let (tension, cohesion) = (2e4, 3e4);
+    let pull = tension * area + weight;
+    let push = cohesion * area + 0.5 * weight;
+    for (material, force) in [
+        (glue(tension, cohesion), Vec3::z() * pull),
+        (glue(1e9, cohesion), Vec3::x() * push),
+    ] {
+        let mut holds = glued(material, force * 0.999);
+        run(&mut holds, (0.0, 1.0), 0.01);
+        assert_eq!(
+            (holds.broken_bonds(), holds.solved_steps().n_unsolved),
+            (0, 0)
+        );
+        let moved = holds.centroid(1) - Vec3::z() * 0.2;
+        assert_below("moved", moved.norm(), 1e-9);
+        let carried = holds.contacts();
+        assert!(carried.len() == 1 && holds.n_contacts() == 1);
+        let mut breaks = glued(material, force * 1.001);
+        let before = breaks.energies();
+        run(&mut breaks, (0.0, 1.0), 0.01);
+        assert_eq!(breaks.broken_bonds(), 1);
+        let along = force.normalize();
+        let rests_on = if along.x > 0.0 { 0.3 * weight } else { weight };
+        let expected = (1.001 * force.norm() - rests_on) / breaks.mass(1);
+        assert_close("gained", breaks.velocity(1).dot(&along), expected, 1e-6);
+        let after = breaks.energies();
+        // the work of a load is that with the velocity before each kick
+        let behind = 0.5 * 1.001 * force.norm() * breaks.velocity(1).dot(&along) * 0.01;
+        let off = (after.balance() - before.balance() - behind).abs() / after.kinetic;
+        assert_below("account", off, 1e-9);
+    }
+}
+
+/// A row of bonded cubes breaks at its root at the edge stress of a beam, σ = 6 M/(b h²) = 3 ρ g L²/h, within 0.5 %.
+#[test]
+fn a_cantilever_breaks_at_its_root_in_bending() {
+    for (n, h) in [(1, 1.0), (3, 0.5)] {
+        let length = f64::from(n) * h;
+        let stress = 3.0 * 2500.0 * G * length * length / h;
+        for (strength, n_broken) in [(1.005 * stress, 0), (0.995 * stress, 1)] {
+            let wall = block(cuboid([-1.0, -2.0, -2.0], [0.0, 2.0, 2.0]), Motion::Fixed);
+            let cubes = (0..n).map(|k| {
+                let x = f64::from(k) * h;
+                block(cuboid([x, 0.0, 0.0], [x + h, h, h]), Motion::Free)
+            });
+            let definitions = std::iter::once(wall).chain(cubes).collect();
+            let mut blocks = blocks(definitions, glue(strength, 1e9), down());
+            run(&mut blocks, (0.0, 0.3), 0.01);
+            println!(
+                "{n} cubes: {} broken, {:?}",
+                blocks.broken_bonds(),
+                blocks.contact_solution()
+            );
+            assert_eq!(
+                (blocks.broken_bonds(), blocks.solved_steps().n_unsolved),
+                (n_broken, 0)
+            );
+        }
+    }
+}
+
+/// On 60° a block is held by cohesion alone, to c A = m g (sin 60° − μ cos 60°), and then slides by its residual friction.
+#[test]
+fn cohesion_holds_a_block_on_a_slope() {
+    let (sin, cos) = 60_f64.to_radians().sin_cos();
+    let (mass, area) = (2500.0 * 0.05, 1.0);
+    let cohesion = mass * G * (sin - 0.5 * cos) / area;
+    let ran = |share: f64| {
+        let slab = block(cuboid([-0.5, -0.5, 0.0], [0.5, 0.5, 0.05]), Motion::Free);
+        let material = glue(1e9, share * cohesion);
+        let mut blocks = blocks(vec![floor(), slab], material, on_slope(60_f64.to_radians()));
+        run(&mut blocks, (0.0, 0.5), 0.01);
+        blocks
+    };
+    let holds = ran(1.001);
+    assert!(holds.broken_bonds() == 0 && holds.velocity(1).norm() < 1e-9);
+    let slides = ran(0.999);
+    assert_eq!(slides.broken_bonds(), 1);
+    let expected = G * (sin - 0.3 * cos) * 0.5;
+    assert_close("speed", slides.velocity(1).x, expected, 1e-6);
+    let energies = slides.energies();
+    let height = slides.mass(1) * G * 0.025 * cos;
+    let off = (energies.balance() - height).abs() / energies.kinetic;
+    assert_below("account", off, 1e-9);
+}
+
+/// Bonded blocks that spin freely move as the body that they are together, keep their momenta, and do not drift apart.
+#[test]
+fn bonded_blocks_fly_as_one() {
+    let halves =
+        [[-0.5, 0.0], [0.0, 0.7]].map(|[from, to]| cuboid([from, -0.3, -0.2], [to, 0.3, 0.2]));
+    let spin = Vec3::new(0.4, 1.1, 2.0);
+    let fly = |bodies: Vec<BlockDefinition>| {
+        let mut blocks = blocks(bodies, glue(1e9, 1e9), Vec3::zeros());
+        let momentum = |blocks: &Blocks| -> Vec3 {
+            (0..blocks.n_blocks())
+                .map(|b| {
+                    let linear = blocks.velocity(b) * blocks.mass(b);
+                    blocks.spin_momentum(b) + blocks.centroid(b).cross(&linear)
+                })
+                .sum()
+        };
+        let before = (momentum(&blocks), blocks.energies());
+        run(&mut blocks, (0.0, 3.0), 0.005);
+        let after = (momentum(&blocks), blocks.energies());
+        let off = (after.0 - before.0).norm() / before.0.norm();
+        let energy = (after.1.kinetic - before.1.kinetic) / before.1.kinetic;
+        let balance = (after.1.balance() - before.1.balance()) / before.1.kinetic;
+        println!("angular momentum {off:.1e}, kinetic {energy:+.1e}, account {balance:+.1e}");
+        assert!(off < 1e-6 && energy.abs() < 1e-3 && balance.abs() < 1e-3);
+        assert_eq!(blocks.broken_bonds(), 0);
+        blocks
+    };
+    let center = Vec3::x() * 0.1;
+    let spinning = |shape: &Polyhedron, centroid: f64| {
+        let mut body = block(shape.clone(), Motion::Free);
+        body.angular_velocity = spin;
+        body.velocity = spin.cross(&(Vec3::x() * centroid - center));
+        body
+    };
+    let apart = fly(vec![
+        spinning(&halves[0], -0.25),
+        spinning(&halves[1], 0.35),
+    ]);
+    let whole = fly(vec![spinning(
+        &cuboid([-0.5, -0.3, -0.2], [0.7, 0.3, 0.2]),
+        0.1,
+    )]);
+    // of second order in ω dt, after a turn of 7 rad
+    let turned = apart.orientation(0).angle_to(&whole.orientation(0));
+    assert_below("turned otherwise", turned, 1e-3);
+    let joined = |b: usize, arm: f64| apart.centroid(b) + apart.orientation(b) * (Vec3::x() * arm);
+    // one at mid-steps; half a step later to second order in ω dt
+    assert_below("apart", (joined(0, 0.25) - joined(1, -0.35)).norm(), 1e-4);
+    let between = apart.orientation(0).angle_to(&apart.orientation(1));
+    assert_below("turned apart", between, 1e-4);
+}
+
+/// The same bits with one thread and several, and through a checkpoint: bonded hulls, spheres that resist rolling and slabs fall on rough
+/// ground and come to rest.
+#[test]
+fn all_laws_have_the_same_bits_for_any_threads_and_through_a_checkpoint() {
+    let pile = || {
+        let rough = |x: f64, y: f64| 0.2 * (1.1 * x).sin() * y.cos();
+        let mut random = Random::new(9);
+        let mut definitions = vec![ground(raster(30, 24.0, 0.2, rough))];
+        for k in 0..48 {
+            let cell = Vec3::from([k % 4, k / 4 % 4, k / 16].map(f64::from));
+            let place = cell * 1.6 + Vec3::new(-2.4, -2.4, 1.2);
+            let turned = Isometry::new(place, random.vector());
+            if k % 3 == 0 {
+                definitions.push(ball(place, 0.5));
+                continue;
+            }
+            for x in [-0.4, 0.0] {
+                let half = cuboid([x, -0.4, -0.3], [x + 0.4, 0.4, 0.3]);
+                definitions.push(block(half.transformed(&turned), Motion::Free));
+            }
+        }
+        let material = Material {
+            rolling_friction: 0.1,
+            restitution: 0.1,
+            // some of the bonds break
+            ..glue(1e6, 5e5)
+        };
+        Blocks::new(definitions, vec![material], settings(down(), 1e-4)).unwrap()
+    };
+    let ran = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .build()
+            .unwrap();
+        pool.install(|| {
+            let mut blocks = pile();
+            run(&mut blocks, (0.0, 1.2), 0.005);
+            blocks
+        })
+    };
+    let one = ran(1);
+    assert!(state(&one) == state(&ran(4)));
+    let mut first = pile();
+    let before = first.energies();
+    run(&mut first, (0.0, 0.6), 0.005);
+    let bytes = first.save(Vec::new()).unwrap();
+    let mut resumed = pile();
+    assert!(resumed.read(&bytes).unwrap().is_empty());
+    run(&mut resumed, (0.6, 1.2), 0.005);
+    run(&mut first, (0.6, 1.2), 0.005);
+    assert!(state(&first) == state(&resumed));
+    assert_eq!(first.broken_bonds(), resumed.broken_bonds());
+    let after = first.energies();
+    let lost = after.friction + after.damping;
+    println!(
+        "{} bonds broken, {} unsolved, account {:+.1e}, removal of overlap {:+.1e} of what is lost, overlap {:.1e} sizes",
+        first.broken_bonds(),
+        first.solved_steps().n_unsolved,
+        (after.balance() - before.balance()) / lost,
+        after.overlap_removal / lost,
+        first.max_overlap_over_size()
+    );
+    assert!(0 < first.broken_bonds() && first.broken_bonds() < 32);
+    assert!((after.balance() - before.balance()).abs() < 1e-3 * lost);
 }

@@ -67,6 +67,8 @@ impl Blocks {
             }
             Integrator::ContactDynamics(_) => {
                 this.check_contact_dynamics()?;
+                this.bond_pairs();
+                this.fix_bonds();
                 this.state.outside = vec![Load::default(); this.n_blocks()];
             }
         }
@@ -86,11 +88,8 @@ impl Blocks {
         if !self.state.deformables.is_empty() {
             return refuse("contact dynamics moves rigid blocks only");
         }
-        if joints
-            .iter()
-            .any(|j| j.cohesion > 0.0 || j.tensile_strength > 0.0)
-        {
-            return refuse("contact dynamics has no cohesion and no tensile strength");
+        if joints.iter().any(|j| j.residual_cohesion > 0.0) {
+            return refuse("contact dynamics has no residual cohesion: its friction is a cone");
         }
         if self.constants.settings.rolling_law == RollingLaw::OwnSpin
             && joints.iter().any(|j| j.spheres.rolling_friction > 0.0)

@@ -5,7 +5,7 @@ use super::attachments::Attachments;
 use super::rest::Rest;
 use super::steered::Steered;
 use super::totals::Totals;
-use crate::contact::dynamics::kept::{ContactSolution, KeptImpulse};
+use crate::contact::dynamics::kept::{ContactSolution, KeptBond, KeptImpulse};
 use crate::contact::rates::BlockRates;
 use crate::geometry::bounds::Bounds;
 use crate::material::Joint;
@@ -62,6 +62,8 @@ pub(crate) struct State {
     pub outside: Vec<Load>,
     /// Impulses of the last step of contact dynamics, by parts and key.
     pub impulses: Vec<KeptImpulse>,
+    /// Bonds of contact dynamics that hold, by parts.
+    pub bonds: Vec<KeptBond>,
     /// Contacts of that step.
     pub solution: ContactSolution,
     /// Axis-aligned boxes around the parts; one per part; m.

@@ -70,6 +70,7 @@ impl Blocks {
             both.for_each(|&c| f(c));
             f(f64::from(u8::from(kept.has_slipped)));
         }
+        f(self.state.bonds.len() as f64);
         for outside in &self.state.outside {
             let both = outside.force.iter().chain(outside.torque.iter());
             both.for_each(|&c| f(c));

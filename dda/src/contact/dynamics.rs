@@ -15,6 +15,8 @@
 //! |S| ≤ μ_r R_n;   |S| < μ_r R_n ⇒ V = 0;   |S| = μ_r R_n ⇒ V = −λ S, λ ≥ 0
 //! ```
 //!
+//! Rows after those are fixed: `U = 0`, whatever the impulse. So are bonds, until they break.
+//!
 //! With `Û = (U_n + μ|U_t|, U_t)` of De Saxcé & Feng (1998) it is one statement: `R` in the cone `K_μ`, `Û` in its dual, at right angles.
 //!
 //! Reading order: [`one_contact`] solves one contact exactly; [`delassus`] is the operator of bodies, or a matrix; [`gauss_seidel`] and
@@ -50,6 +52,17 @@ pub struct ContactProblem<D> {
     pub rolling: Vec<Rolling>,
 }
 
+/// Law of a row.
+#[derive(Clone, Copy, Debug)]
+enum Law {
+    /// Signorini's and Coulomb's, with the coefficient of friction; –.
+    Contact(f64),
+    /// Rolling resistance with its bound; N s.
+    Rolling(f64),
+    /// `U = 0` whatever the impulse.
+    Fixed,
+}
+
 /// Rolling resistance of a contact.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rolling {
@@ -70,11 +83,17 @@ impl<D: Delassus> ContactProblem<D> {
         self.friction.is_empty()
     }
 
-    /// Bound on the impulse of a row (N s) if that is rolling resistance.
-    fn rolling_bound(&self, impulses: &[Vec3], a: usize) -> Option<f64> {
-        let row = a.checked_sub(self.len())?;
-        let of = |rolling: &Rolling| rolling.coefficient * impulses[rolling.contact as usize].x;
-        self.rolling.get(row).map(of)
+    /// Law of a row, with the normal impulses of contacts (N s).
+    fn law(&self, a: usize, pressed: impl Fn(usize) -> f64) -> Law {
+        if let Some(&friction) = self.friction.get(a) {
+            return Law::Contact(friction);
+        }
+        match self.rolling.get(a - self.len()) {
+            Some(rolling) => {
+                Law::Rolling(rolling.coefficient * pressed(rolling.contact as usize).max(0.0))
+            }
+            None => Law::Fixed,
+        }
     }
 
     /// Velocity `U_a` of a contact, of the velocities that all impulses give; m/s.

@@ -17,7 +17,6 @@
 //! 3. `impact`: bodies that meet or part within a step are pushed for the time they touched.
 //! 4. `feature_change::stiffen`: a contact that has become softer takes up what it loses.
 
-pub(crate) mod bond;
 mod feature_change;
 pub(crate) mod friction;
 pub(crate) mod history;

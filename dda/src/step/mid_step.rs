@@ -19,12 +19,16 @@
 //! Weight, loads, supports, bolts and impulses from outside act at the middle of the step with the contacts. A hold is exact: the inverse
 //! mass and inertia of its block are those of what it leaves free.
 //!
+//! Friction has two values, see [`slip`]; spheres resist rolling by torques among the contacts; parts that were bonded at the start are fixed
+//! to each other until that breaks, see [`bonds`].
+//!
 //! What overlap remains goes out as a displacement, not as a velocity, see [`overlap`]. Work of contacts is that of the mean velocity
 //! in the kick, so that the account of energy closes to round-off but for the turning of blocks: tangential work is friction, normal work
-//! damping.
+//! and that of bonds damping.
 //!
 //! Sources: Moreau (1999), Jean (1999).
 
+mod bonds;
 mod closing;
 mod kick;
 mod overlap;
@@ -56,7 +60,7 @@ impl Blocks {
     ///
     /// 1. half a drift, with the parts in place;
     /// 2. pairs that may meet within the step, and their points;
-    /// 3. kick by weight, attachments, impulses from outside and contacts, with their accounts;
+    /// 3. kick by weight, attachments, impulses from outside, contacts and bonds, with their accounts; bonds that do not bear it break;
     /// 4. overlap is removed;
     /// 5. half a drift, sleep, velocities at the end of the step, guards.
     pub(crate) fn mid_step(

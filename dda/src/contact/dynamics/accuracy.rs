@@ -1,8 +1,8 @@
 //! How far impulses are from the laws of contact.
 
-use super::ContactProblem;
 use super::cone::{projected, shifted};
 use super::delassus::Delassus;
+use super::{ContactProblem, Law};
 use crate::Vec3;
 
 /// Mass by which impulses become velocities.
@@ -45,12 +45,10 @@ pub fn residual<D: Delassus>(
         let mass = scaling.of(&problem.operator, a);
         let scaled = impulse / mass;
         let velocity = problem.velocity(velocities, a);
-        let image = match problem.rolling_bound(impulses, a) {
-            Some(bound) => (scaled - velocity).cap_magnitude(bound.max(0.0) / mass),
-            None => {
-                let friction = problem.friction[a];
-                projected(friction, &(scaled - shifted(friction, &velocity)))
-            }
+        let image = match problem.law(a, |contact| impulses[contact].x) {
+            Law::Contact(friction) => projected(friction, &(scaled - shifted(friction, &velocity))),
+            Law::Rolling(bound) => (scaled - velocity).cap_magnitude(bound / mass),
+            Law::Fixed => scaled - velocity,
         };
         off += (scaled - image).norm_squared();
         free += problem.free_velocity[a].norm_squared();
@@ -66,7 +64,7 @@ pub fn residual<D: Delassus>(
 /// ```text
 /// g = Σ C·W_aa⁻¹C / Σ b·W_aa⁻¹b,   C = Û + (S − P_K(S)),   S = R/ρ − Û
 /// ```
-/// Of the contacts, without rolling resistance.
+/// Of the contacts, without rolling resistance and fixed rows.
 pub fn energy_error<D: Delassus>(
     problem: &ContactProblem<D>,
     (impulses, velocities): (&[Vec3], &D::Velocities),

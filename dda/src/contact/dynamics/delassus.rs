@@ -117,15 +117,20 @@ impl Point {
         }
     }
 
-    /// Torques across the normal of a contact, as impulses at the end of a length (m).
-    pub fn rolling(contact: &Self, length: f64) -> Self {
-        let mut frame = contact.frame * length;
-        frame.set_column(0, &Vec3::zeros());
+    /// Torques about all axes between the bodies of a contact, as impulses at the end of a length (m).
+    pub fn turning(contact: &Self, length: f64) -> Self {
         Self {
-            frame,
+            frame: contact.frame * length,
             is_torque: true,
             ..*contact
         }
+    }
+
+    /// Torques across the normal of a contact, as impulses at the end of a length (m).
+    pub fn rolling(contact: &Self, length: f64) -> Self {
+        let mut torques = Self::turning(contact, length);
+        torques.frame.set_column(0, &Vec3::zeros());
+        torques
     }
 
     /// Velocity of B seen from A, of velocity and spin of each body (m/s, rad/s); m/s.

@@ -7,7 +7,7 @@
 
 use super::accuracy::{Scaling, residual};
 use super::delassus::Delassus;
-use super::{ContactProblem, one_contact};
+use super::{ContactProblem, Law, one_contact};
 use crate::{Random, Vec3};
 use rayon::prelude::*;
 
@@ -108,9 +108,12 @@ impl GaussSeidel {
                 let w = problem.operator.diagonal(a);
                 let others = problem.velocity(velocities, a) - w * impulses[a];
                 let mut slip = self.slips[a];
-                let found = match problem.rolling_bound(impulses, a) {
-                    Some(bound) => one_contact::rolling_impulse(w, &others, bound, &mut slip),
-                    None => one_contact::impulse(w, &others, problem.friction[a], &mut slip),
+                let found = match problem.law(a, |contact| impulses[contact].x) {
+                    Law::Contact(mu) => one_contact::impulse(w, &others, mu, &mut slip),
+                    Law::Rolling(bound) => {
+                        one_contact::rolling_impulse(w, &others, bound, &mut slip)
+                    }
+                    Law::Fixed => one_contact::fixing_impulse(w, &others),
                 };
                 (found, slip)
             };

@@ -12,11 +12,11 @@
 //!
 //! Sources: Nesterov (1983); O'Donoghue & Candès (2015) for the restart; Mazhar et al. (2015) for contacts.
 
-use super::ContactProblem;
 use super::accuracy::{contact_mass, residual};
 use super::cone::{projected, tangential};
 use super::delassus::Delassus;
 use super::gauss_seidel::{Ended, Until};
+use super::{ContactProblem, Law};
 use crate::{Random, Vec3};
 
 /// Iterations between renewals of the shift, after which the residual is looked at.
@@ -33,7 +33,7 @@ pub fn solve<D: Delassus>(
     impulses: &mut [Vec3],
     until: Until,
 ) -> Ended {
-    let scales: Vec<f64> = (0..problem.len())
+    let scales: Vec<f64> = (0..problem.operator.n_contacts())
         .map(|a| contact_mass(&problem.operator, a).sqrt())
         .collect();
     let stiffness = SAFETY * largest_eigenvalue(&problem.operator, &scales);
@@ -126,13 +126,20 @@ impl Descent {
         let mut next = Vec::with_capacity(self.x.len());
         for (a, y) in self.y.iter().enumerate() {
             let mut u = problem.velocity(&velocities, a);
-            let friction = problem.friction[a];
-            if renews {
+            let law = problem.law(a, |contact| self.y[contact].x * self.scales[contact]);
+            if let Law::Contact(friction) = law
+                && renews
+            {
                 self.shift[a] = friction * tangential(&u);
             }
             u.x += self.shift[a];
             let gradient = u * self.scales[a];
-            let moved = projected(friction, &(y - gradient * self.step_length));
+            let free = y - gradient * self.step_length;
+            let moved = match law {
+                Law::Contact(friction) => projected(friction, &free),
+                Law::Rolling(bound) => free.cap_magnitude(bound / self.scales[a]),
+                Law::Fixed => free,
+            };
             uphill += gradient.dot(&(moved - self.x[a]));
             next.push(moved);
         }

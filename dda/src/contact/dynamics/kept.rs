@@ -1,8 +1,10 @@
 //! State that contact dynamics keeps from step to step.
 
 use super::UNSOLVED;
+use crate::contact::bond::Bond;
 use crate::contact::report::{Contact, ContactState};
 use crate::{BlockId, PartId, Vec3};
+use nalgebra::UnitQuaternion;
 use serde::{Deserialize, Serialize};
 
 /// Impulse at a point of two parts, from which the next step starts.
@@ -23,7 +25,7 @@ pub(crate) struct KeptImpulse {
     /// Of the step; s.
     pub dt: f64,
     pub state: ContactState,
-    /// Whether residual friction holds from now on; false where it is not lower.
+    /// Whether the residual friction holds from now on; without a bond that broke false where it is not lower.
     pub has_slipped: bool,
 }
 
@@ -44,6 +46,22 @@ impl KeptImpulse {
             state: self.state,
         }
     }
+}
+
+/// A bond that is rigid until it breaks. Lengths and directions are those of the start.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct KeptBond {
+    pub parts: (u32, u32),
+    pub blocks: (u32, u32),
+    pub bond: Bond,
+    /// Middle of the patch from the centroid of each block, in its principal axes; m.
+    pub anchors: [Vec3; 2],
+    /// Principal axes of the second in those of the first.
+    pub attitude: UnitQuaternion<f64>,
+    /// Unit, from the first to the second, in the principal axes of the first.
+    pub normal: Vec3,
+    /// Corners of the patch from its middle, in the principal axes of the first; m.
+    pub outline: Vec<Vec3>,
 }
 
 /// Contacts of the last step of contact dynamics, and how far their impulses are from the laws.

@@ -10,10 +10,10 @@
 
 mod step;
 
-use super::bond::Bond;
 use super::friction::ShearSpring;
 use super::history::PairLoads;
 use super::law::PairLaw;
+use crate::contact::bond::Bond;
 use crate::contact::context::ContactContext;
 use crate::contact::detection::common_plane::AxisCache;
 use crate::contact::detection::manifold::Features;

@@ -18,7 +18,7 @@ pub(super) struct Closing {
     /// Velocity and spin that each body gets without contacts; m/s, rad/s.
     pub gains: Vec<[Vec3; 2]>,
     pub touches: Vec<Touch>,
-    /// Of the touches, then of rolling resistance.
+    /// Of the touches, then of rolling resistance, then of bonds.
     pub points: Vec<Point>,
     pub rolling: Vec<Rolling>,
     /// `U` at the points before the kick, of all bodies; m/s.
@@ -40,11 +40,8 @@ impl Blocks {
         let mut points = Vec::with_capacity(n);
         let [mut before, mut gained, mut free] = [(); 3].map(|()| Vec::with_capacity(n));
         for touch in &touches {
-            let arm = |block: u32| -> Arm {
-                let centroid = self.state.kinematics[block as usize].centroid;
-                (self.is_driven(block as usize)).then(|| (block, touch.position - centroid))
-            };
-            let point = Point::new(touch.normal, touch.blocks.map(arm));
+            let arms = touch.blocks.map(|block| self.arm(block, &touch.position));
+            let point = Point::new(touch.normal, arms);
             let [a, b] = touch
                 .blocks
                 .map(|block| self.state.kinematics[block as usize].velocity_at(&touch.position));
@@ -74,7 +71,14 @@ impl Blocks {
             free,
         };
         self.add_rolling(&mut closing);
+        self.add_bonds(&mut closing, dt);
         closing
+    }
+
+    /// A place from the centroid of a block; none of one that impulses do not move.
+    pub(super) fn arm(&self, block: u32, position: &Vec3) -> Arm {
+        let centroid = self.state.kinematics[block as usize].centroid;
+        (self.is_driven(block as usize)).then(|| (block, position - centroid))
     }
 
     /// Rows of rolling resistance, after those of the touches.

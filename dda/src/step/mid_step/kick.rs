@@ -4,14 +4,33 @@
 //! but for the turning of blocks: tangential work of contacts is friction, normal work damping.
 
 use super::closing::Closing;
+use super::touches::Touch;
 use crate::blocks::{ContactDynamics, Update};
 use crate::contact::dynamics::accuracy::{Scaling, energy_error};
 use crate::contact::dynamics::delassus::{BodyContacts, Delassus, Point};
 use crate::contact::dynamics::gauss_seidel::Until;
-use crate::contact::dynamics::kept::ContactSolution;
+use crate::contact::dynamics::kept::{ContactSolution, KeptImpulse};
 use crate::contact::dynamics::solver;
-use crate::contact::dynamics::{ContactProblem, Rolling};
+use crate::contact::dynamics::{ContactProblem, Rolling, UNSOLVED};
 use crate::{Blocks, Load, Motion, Vec3};
+
+/// Contacts and bonds of a step with their impulses.
+struct Solved {
+    problem: ContactProblem<BodyContacts>,
+    solution: ContactSolution,
+    /// One per row; N s.
+    impulses: Vec<Vec3>,
+    /// Velocity and spin that they give each body; m/s, rad/s.
+    given: Vec<[Vec3; 2]>,
+    /// What bonds carry.
+    carried: Vec<KeptImpulse>,
+    /// As those of [`Closing`].
+    gains: Vec<[Vec3; 2]>,
+    touches: Vec<Touch>,
+    points: Vec<Point>,
+    before: Vec<Vec3>,
+    gained: Vec<Vec3>,
+}
 
 impl Blocks {
     /// Impulse on a free block within `dt` (s) of its weight, its attachments, and of what acted from outside since the last step;
@@ -30,13 +49,40 @@ impl Blocks {
         impulse
     }
 
-    /// Kick over `dt` (s).
+    /// Kick over `dt` (s); solved again if bonds break by it.
     pub(super) fn kick_with_contacts(
         &mut self,
         closing: Closing,
         dynamics: &ContactDynamics,
         dt: f64,
     ) {
+        let mut solved = self.solve(closing, dynamics, dt);
+        if solved.solution.residual <= UNSOLVED && self.break_bonds(&solved.carried) {
+            let touches = self.touches(dt);
+            solved = self.solve(self.closing(touches, dt), dynamics, dt);
+        }
+        self.state.solution = solved.solution;
+        self.state.totals.solved.count(&solved.solution);
+        self.book_work(&solved);
+        let Solved {
+            problem,
+            impulses,
+            touches,
+            points,
+            ..
+        } = &solved;
+        let rows = touches.len()..touches.len() + problem.rolling.len();
+        let torques = torques(&problem.rolling, &points[rows.clone()], &impulses[rows]);
+        self.keep_impulses(touches, points, impulses, &torques, dt);
+        self.keep_carried(&solved.carried);
+        self.sum_contact_loads();
+        self.account_contact_loads(dt);
+        self.kick_bodies(&solved.gains, &solved.given, dt);
+        self.remove_overlap(&solved.problem, &solved.touches);
+    }
+
+    /// Impulses of contacts and bonds.
+    fn solve(&self, closing: Closing, dynamics: &ContactDynamics, dt: f64) -> Solved {
         let Closing {
             bodies,
             gains,
@@ -61,46 +107,62 @@ impl Blocks {
         };
         let ended = solver::solve(&problem, &mut impulses, until);
         let given = problem.operator.product(&impulses);
-        self.state.solution = ContactSolution {
-            n_contacts: touches.len(),
-            n_iterations: ended.n_iterations,
-            residual: ended.residual,
-            energy_error: energy_error(&problem, (&impulses, &given)),
-        };
-        self.state.totals.solved.count(&self.state.solution);
-        let torques = torques(&problem.rolling, &points, &impulses);
-        self.keep_impulses(&touches, &points, &impulses, &torques, dt);
-        self.set_contact_loads(dt);
+        Solved {
+            solution: ContactSolution {
+                n_contacts: touches.len(),
+                n_iterations: ended.n_iterations,
+                residual: ended.residual,
+                energy_error: energy_error(&problem, (&impulses, &given)),
+            },
+            given,
+            carried: self.carried(&points, &impulses, dt),
+            problem,
+            impulses,
+            gains,
+            touches,
+            points,
+            before,
+            gained,
+        }
+    }
+
+    /// Work of contacts, of rolling resistance, and of bonds, which is damping.
+    fn book_work(&mut self, solved: &Solved) {
+        let n_bounded = solved.touches.len() + solved.problem.rolling.len();
         let [mut friction, mut damping] = [0.0; 2];
-        for (a, impulse) in impulses.iter().enumerate() {
-            let kicked = problem.operator.velocity(&given, a);
-            let mean = before[a] + (kicked + gained[a]) * 0.5;
+        for (a, impulse) in solved.impulses.iter().enumerate() {
+            let kicked = solved.points[a].relative(&solved.given);
+            let mean = solved.before[a] + (kicked + solved.gained[a]) * 0.5;
+            if n_bounded <= a {
+                damping -= impulse.dot(&mean);
+                continue;
+            }
             damping -= impulse.x * mean.x;
             friction -= impulse.y * mean.y + impulse.z * mean.z;
         }
         let totals = &mut self.state.totals;
         totals.damping.book(damping);
         totals.friction.book(friction);
-        totals.n_contact_updates += touches.len() as u64;
-        self.kick_bodies(&gains, &given, dt);
-        self.remove_overlap(&problem, &touches);
+        totals.n_contact_updates += solved.touches.len() as u64;
     }
 
-    /// Mean loads of contacts in the step, on all blocks, with the impulses and the work of those that forces do not move.
-    fn set_contact_loads(&mut self, dt: f64) {
+    /// Mean loads of contacts and bonds in the step, on all blocks.
+    fn sum_contact_loads(&mut self) {
         self.state.contact_load.fill(Load::default());
         for kept in &self.state.impulses {
-            let force = kept.impulse / kept.dt;
+            let (force, torque) = (kept.impulse / kept.dt, kept.torque / kept.dt);
             let (first, second) = kept.blocks;
-            for (block, force) in [(first, -force), (second, force)] {
+            for (block, force, torque) in [(first, -force, -torque), (second, force, torque)] {
                 let b = block as usize;
                 let arm = kept.position - self.state.kinematics[b].centroid;
                 self.state.contact_load[b].add(&force, &arm);
+                self.state.contact_load[b].torque += torque;
             }
-            let torque = kept.torque / kept.dt;
-            self.state.contact_load[first as usize].torque -= torque;
-            self.state.contact_load[second as usize].torque += torque;
         }
+    }
+
+    /// Impulses of contacts on blocks that forces do not move, with their work.
+    fn account_contact_loads(&mut self, dt: f64) {
         self.account_half_kick(2.0 * dt);
         let outer = self.state.attachments.outer_force * dt;
         self.state.totals.support_impulse += outer;
@@ -156,11 +218,9 @@ impl Blocks {
     }
 }
 
-/// Contacts that resist rolling, and their torques on B (N m s), of the impulses of all rows.
+/// Contacts that resist rolling, and their torques on B (N m s), of their rows.
 fn torques(rolling: &[Rolling], points: &[Point], impulses: &[Vec3]) -> Vec<(u32, Vec3)> {
-    let first = points.len() - rolling.len();
-    let rows = points[first..].iter().zip(&impulses[first..]);
-    (rolling.iter().zip(rows))
+    (rolling.iter().zip(points.iter().zip(impulses)))
         .map(|(rolling, (point, impulse))| (rolling.contact, point.frame * impulse))
         .collect()
 }

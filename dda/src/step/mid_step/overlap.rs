@@ -9,10 +9,10 @@ use super::touches::Touch;
 use crate::Blocks;
 use crate::Vec3;
 use crate::blocks::Update;
-use crate::contact::dynamics::ContactProblem;
 use crate::contact::dynamics::accuracy::Scaling;
 use crate::contact::dynamics::delassus::{BodyContacts, Delassus};
 use crate::contact::dynamics::gauss_seidel::{GaussSeidel, Order, Until};
+use crate::contact::dynamics::{ContactProblem, Rolling};
 use nalgebra::UnitQuaternion;
 
 /// Share of the overlap that a step removes.
@@ -38,15 +38,19 @@ impl Blocks {
             return;
         }
         let way = |touch: &Touch| Vec3::x() * (SHARE * room(touch)).min(touch.gap.max(0.0));
-        // rows of torques have no normal part, and take none
+        // rolling resistance takes no part; bonds move their blocks together
+        let slack = |rolling: &Rolling| Rolling {
+            coefficient: 0.0,
+            ..*rolling
+        };
         let n_rows = problem.operator.n_contacts();
         let mut ways: Vec<Vec3> = touches.iter().map(way).collect();
         ways.resize(n_rows, Vec3::zeros());
         let displacements = ContactProblem {
             operator: problem.operator.clone(),
             free_velocity: ways,
-            friction: vec![0.0; n_rows],
-            rolling: Vec::new(),
+            friction: vec![0.0; touches.len()],
+            rolling: problem.rolling.iter().map(slack).collect(),
         };
         let mut pushes = vec![Vec3::zeros(); n_rows];
         GaussSeidel::new(&displacements.operator, Order::Shuffled).solve(

@@ -58,6 +58,7 @@ impl Blocks {
             }
             first += group.len();
         }
+        self.recall_bonds(points, &mut impulses, dt);
         impulses
     }
 

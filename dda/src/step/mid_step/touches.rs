@@ -28,7 +28,7 @@ pub(crate) struct Touch {
     /// Below 0 for overlap; m.
     pub gap: f64,
     pub friction: f64,
-    /// Whether that is the residual friction; false where it is not lower.
+    /// Whether the residual friction holds; without a bond that broke false where it is not lower.
     pub has_slipped: bool,
     pub restitution: f64,
     /// Rolling resistance of a sphere; –.
@@ -116,7 +116,7 @@ impl Blocks {
     }
 
     fn touches_of(&self, pair: &mut Pair, patch: &mut Patch, dt: f64) -> Vec<Touch> {
-        if !self.is_solved(pair.blocks) {
+        if pair.history.bond.is_some() || !self.is_solved(pair.blocks) {
             return Vec::new();
         }
         let bodies = self.polyhedra(pair.parts);
@@ -134,14 +134,18 @@ impl Blocks {
         if !bodies.as_ref().is_some_and(is_near) {
             return Vec::new();
         }
+        let friction = match pair.history.is_broken {
+            true => joint.residual_friction,
+            false => joint.friction,
+        };
         let of = |point: &ManifoldPoint| Touch {
             parts: pair.parts,
             blocks: [pair.blocks.0, pair.blocks.1],
             normal: patch.manifold.normal,
             position: point.position,
             gap: -point.overlap,
-            friction: joint.friction,
-            has_slipped: false,
+            friction,
+            has_slipped: pair.history.is_broken,
             restitution: joint.restitution,
             rolling_friction: 0.0,
         };

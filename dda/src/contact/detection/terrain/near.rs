@@ -196,7 +196,7 @@ impl SurfacePoints {
             let gap = offset.dot(&normal);
             let on_edge = offset.cross(&ridge.along).dot(&across) / (sine * sine);
             let on_ridge = offset.cross(&along).dot(&across) / (sine * sine);
-            let is_within = |share: f64| -ROUND_OFF <= share && share <= 1.0 + ROUND_OFF;
+            let is_within = |share: f64| (-ROUND_OFF..=1.0 + ROUND_OFF).contains(&share);
             let is_crossing = gap <= ground.reach && is_within(on_edge) && is_within(on_ridge);
             // the far side of something thin is behind the body, not in it
             let at = ridge.from + ridge.along * on_ridge;

@@ -34,9 +34,39 @@ impl Bond {
     ) -> bool {
         let pressed: f64 = points.iter().map(|p| p.normal_force).sum();
         let sheared: f64 = points.iter().map(|p| p.shear_force.norm()).sum();
-        sheared > joint.cohesion * self.area + pressed.max(0.0) * joint.friction
+        sheared > self.shear_strength(joint, pressed)
             || edge_tension(points, normal, outline) > joint.tensile_strength
     }
+
+    /// The same for a bond that is rigid, of the force on j (N) and its moment (N m) about the centroid of the patch: shear and twist are
+    /// spread over the section as over equal springs, `|V/A + θ n × (x − c)|` at each point.
+    pub fn is_rigidly_overloaded(
+        &self,
+        joint: &Joint,
+        (force, moment): (&Vec3, &Vec3),
+        normal: &Vec3,
+        outline: &[Vec3],
+    ) -> bool {
+        let corners = outline.iter().copied();
+        let Some(section) = Section::of(corners.clone(), normal) else {
+            return false;
+        };
+        let pressed = force.dot(normal);
+        let shear = force - normal * pressed;
+        let sheared = section.sheared(&shear, moment.dot(normal), corners.clone(), normal);
+        let tension = section.edge_tension(pressed, &normal.cross(moment), corners);
+        sheared > self.shear_strength(joint, pressed) || tension > joint.tensile_strength
+    }
+
+    /// `c A + max(F_n, 0) tan φ`; N.
+    fn shear_strength(&self, joint: &Joint, pressed: f64) -> f64 {
+        joint.cohesion * self.area + pressed.max(0.0) * joint.friction
+    }
+}
+
+/// Centroid of a convex polygon; `None` without area.
+pub(crate) fn center(outline: &[Vec3], normal: &Vec3) -> Option<Vec3> {
+    Section::of(outline.iter().copied(), normal).map(|section| section.center)
 }
 
 /// Largest tension at the outline of a patch, negative where all of it is pressed; Pa.
@@ -53,10 +83,20 @@ fn edge_tension(
         force += point.normal_force;
         moment += (point.at.position - section.center) * point.normal_force;
     }
-    let slope = section.inverse_second_moment * moment;
-    outline
-        .map(|x| -force / section.area - slope.dot(&(x - section.center)))
-        .fold(f64::NEG_INFINITY, f64::max)
+    section.edge_tension(force, &moment, outline)
+}
+
+/// Triangles of a convex polygon around its first corner: area, middle, and the two other corners.
+fn fan<'a>(
+    first: Vec3,
+    outline: impl Iterator<Item = Vec3> + Clone + 'a,
+    normal: &'a Vec3,
+) -> impl Iterator<Item = (f64, Vec3, Vec3, Vec3)> + 'a {
+    let rest = outline.clone().skip(1);
+    rest.zip(outline.skip(2)).map(move |(from, to)| {
+        let area = 0.5 * (from - first).cross(&(to - first)).dot(normal);
+        (area.abs(), (first + from + to) / 3.0, from, to)
+    })
 }
 
 /// Area, centroid and second moment of a convex polygon in its plane.
@@ -71,13 +111,7 @@ impl Section {
     /// `None` without area.
     fn of(outline: impl Iterator<Item = Vec3> + Clone, normal: &Vec3) -> Option<Self> {
         let first = outline.clone().next()?;
-        let fan = || {
-            let rest = outline.clone().skip(1);
-            rest.zip(outline.clone().skip(2)).map(move |(from, to)| {
-                let area = 0.5 * (from - first).cross(&(to - first)).dot(normal);
-                (area.abs(), (first + from + to) / 3.0, from, to)
-            })
-        };
+        let fan = || fan(first, outline.clone(), normal);
         let area: f64 = fan().map(|(area, ..)| area).sum();
         if area <= 0.0 {
             return None;
@@ -104,6 +138,38 @@ impl Section {
             center,
             inverse_second_moment: inverse - across * across.component_mul(&inverse).sum(),
         })
+    }
+
+    /// Largest tension of a force (N) and of its first moment `Σ F_k (x_k − c)` (N m), negative where all is pressed; Pa.
+    fn edge_tension(&self, force: f64, moment: &Vec3, outline: impl Iterator<Item = Vec3>) -> f64 {
+        let slope = self.inverse_second_moment * moment;
+        outline
+            .map(|x| -force / self.area - slope.dot(&(x - self.center)))
+            .fold(f64::NEG_INFINITY, f64::max)
+    }
+
+    /// Sum of the sizes of the shear forces of a shear (N) and a twisting moment (N m); N.
+    fn sheared(
+        &self,
+        shear: &Vec3,
+        twist: f64,
+        outline: impl Iterator<Item = Vec3> + Clone,
+        normal: &Vec3,
+    ) -> f64 {
+        let Some(first) = outline.clone().next() else {
+            return 0.0;
+        };
+        // exact for quadratics, as is the square of the arm
+        let integral = |of: &dyn Fn(Vec3) -> f64| -> f64 {
+            fan(first, outline.clone(), normal)
+                .map(|(share, middle, from, to)| {
+                    share * ((of(first) + of(from) + of(to)) / 12.0 + 0.75 * of(middle))
+                })
+                .sum()
+        };
+        let arm = |x: Vec3| normal.cross(&(x - self.center));
+        let polar = integral(&|x| arm(x).norm_squared());
+        integral(&|x| (shear / self.area + arm(x) * (twist / polar)).norm())
     }
 }
 
