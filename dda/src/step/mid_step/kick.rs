@@ -54,6 +54,7 @@ impl Blocks {
         let problem = ContactProblem {
             friction: touches.iter().map(|touch| touch.friction).collect(),
             free_velocity: free,
+            joints: Vec::new(),
             operator: BodyContacts::new(bodies, points.clone()),
         };
         let until = Until {

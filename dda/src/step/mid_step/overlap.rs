@@ -42,6 +42,7 @@ impl Blocks {
             operator: problem.operator.clone(),
             free_velocity: touches.iter().map(way).collect(),
             friction: vec![0.0; touches.len()],
+            joints: Vec::new(),
         };
         let mut pushes = vec![Vec3::zeros(); touches.len()];
         GaussSeidel::new(&displacements.operator, Order::Shuffled).solve(
