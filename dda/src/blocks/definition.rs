@@ -75,8 +75,8 @@ pub enum Integrator {
     /// Explicit central differences with penalty contact, see `step::central_difference`.
     #[default]
     CentralDifference,
-    /// Drift, kick with all contacts solved together, drift: steps limited by motion alone, see `step::mid_step`. For rigid blocks
-    /// without cohesion, rolling resistance, sleep or static damping, and not on terrain.
+    /// Drift, kick with all contacts and exact joints solved together, drift: steps limited by motion alone, see `step::mid_step`. For
+    /// rigid blocks without cohesion, rolling resistance, sleep or static damping, and not on terrain.
     ContactDynamics(ContactDynamics),
 }
 

@@ -17,7 +17,7 @@
 //! it touches, and the rebound would be lost.
 //!
 //! Weight, loads, supports, bolts and impulses from outside act at the middle of the step with the contacts. A hold is exact: the inverse
-//! mass and inertia of its block are those of what it leaves free.
+//! mass and inertia of its block are those of what it leaves free. Joints are rows among those of contacts, see [`joints`].
 //!
 //! What overlap remains goes out as a displacement, not as a velocity, see [`overlap`]. Work of contacts is that of the mean velocity
 //! in the kick, so that the account of energy closes to round-off but for the turning of blocks: tangential work is friction, normal work
@@ -26,6 +26,7 @@
 //! Sources: Moreau (1999), Jean (1999).
 
 mod closing;
+mod joints;
 mod kick;
 mod overlap;
 mod start;
@@ -34,6 +35,7 @@ mod touches;
 
 use crate::blocks::{ContactDynamics, Update};
 use crate::contact::dynamics::kept::ContactSolution;
+use crate::error::OpenJoint;
 use crate::step::phase::Phase;
 use crate::{Blocks, Motion, StepError};
 
@@ -55,7 +57,7 @@ impl Blocks {
     ///
     /// 1. half a drift, with the parts in place;
     /// 2. pairs that may meet within the step, and their points;
-    /// 3. kick by weight, attachments, impulses from outside and contacts, with their accounts;
+    /// 3. kick by weight, attachments, impulses from outside, joints and contacts, with their accounts;
     /// 4. overlap is removed;
     /// 5. half a drift, velocities at the end of the step, guards.
     pub(crate) fn mid_step(
@@ -71,14 +73,15 @@ impl Blocks {
         self.set_mean_velocities(middle, dt);
         self.evaluate_attachments(false);
         let touches = self.touches(dt);
-        let closing = self.closing(touches, dt);
+        let mut closing = self.closing(touches, dt);
+        let joints = self.add_joints(&mut closing, dt);
         ended(Phase::Contacts);
-        self.kick_with_contacts(closing, dynamics, dt);
+        let open = self.kick_with_contacts((closing, &joints), dynamics, dt);
         ended(Phase::Sums);
         self.drift(middle, to, 0.5 * dt);
         self.place_parts(false);
         self.set_velocities(to);
-        let checked = self.check_solution(to).and_then(|()| self.check(to));
+        let checked = self.check_solution(open, to).and_then(|()| self.check(to));
         ended(Phase::Motion);
         checked
     }
@@ -104,8 +107,8 @@ impl Blocks {
         matches!(self.derived.update[b], Update::Rigid | Update::Constrained)
     }
 
-    /// Refuses to go on from contacts that were left unsolved too often.
-    fn check_solution(&self, time: f64) -> Result<(), StepError> {
+    /// Refuses to go on from contacts and joints that were left unsolved too often.
+    fn check_solution(&self, joint: Option<OpenJoint>, time: f64) -> Result<(), StepError> {
         let n_steps = self.state.totals.n_unsolved_running;
         if n_steps < TOO_MANY_UNSOLVED {
             return Ok(());
@@ -119,6 +122,7 @@ impl Blocks {
             n_steps,
             residual,
             n_iterations,
+            joint,
             time,
         })
     }

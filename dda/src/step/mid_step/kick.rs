@@ -1,9 +1,10 @@
-//! The kick of a step: weight, attachments, impulses from outside and contacts, with their accounts.
+//! The kick of a step: weight, attachments, impulses from outside, joints and contacts, with their accounts.
 //!
 //! Work of an impulse is that with the mean of the velocities before and after the kick, so that the account of energy closes to round-off
 //! but for the turning of blocks: tangential work of contacts is friction, normal work damping.
 
 use super::closing::Closing;
+use super::joints::{JointRow, laws};
 use super::touches::Touch;
 use crate::blocks::{ContactDynamics, Update};
 use crate::contact::dynamics::ContactProblem;
@@ -12,14 +13,15 @@ use crate::contact::dynamics::delassus::{BodyContacts, Delassus, Point};
 use crate::contact::dynamics::gauss_seidel::Until;
 use crate::contact::dynamics::kept::ContactSolution;
 use crate::contact::dynamics::solver;
+use crate::error::OpenJoint;
 use crate::{Blocks, Load, Motion, Vec3};
 
 /// Residual above which a step counts as unsolved; –.
 const UNSOLVED: f64 = 1e-2;
 
 impl Blocks {
-    /// Impulse on a free block within `dt` (s) of its weight, its attachments, and of what acted from outside since the last step;
-    /// N s, N m s.
+    /// Impulse on a free block within `dt` (s) of its weight, its attachments, and of what acted from outside since the last step; that of
+    /// joints, too, once they are solved; N s, N m s.
     pub(super) fn impulse_without_contacts(&self, b: usize, dt: f64) -> Load {
         let mut impulse = Load {
             force: self.constants.settings.gravity * (self.constants.mass[b] * dt),
@@ -34,13 +36,13 @@ impl Blocks {
         impulse
     }
 
-    /// Kick over `dt` (s).
+    /// Kick over `dt` (s); tells of a joint that stays open.
     pub(super) fn kick_with_contacts(
         &mut self,
-        closing: Closing,
+        (closing, joints): (Closing, &[JointRow]),
         dynamics: &ContactDynamics,
         dt: f64,
-    ) {
+    ) -> Option<OpenJoint> {
         let Closing {
             bodies,
             gains,
@@ -50,12 +52,15 @@ impl Blocks {
             gained,
             free,
         } = closing;
+        let n_contacts = touches.len();
         let mut impulses = self.impulses_before(&touches, &points, dt);
+        impulses.extend(self.joint_impulses_before(joints, &points[n_contacts..], dt));
+        let operator = BodyContacts::new(bodies, points.clone());
         let problem = ContactProblem {
             friction: touches.iter().map(|touch| touch.friction).collect(),
             free_velocity: free,
-            joints: Vec::new(),
-            operator: BodyContacts::new(bodies, points.clone()),
+            joints: laws(joints, n_contacts, &operator),
+            operator,
         };
         let until = Until {
             tolerance: dynamics.tolerance,
@@ -63,33 +68,50 @@ impl Blocks {
             n_iterations: dynamics.n_iterations,
         };
         let ended = solver::solve(&problem, &mut impulses, until);
-        self.note_solution(ContactSolution {
-            n_contacts: touches.len(),
+        let given = problem.operator.product(&impulses);
+        let solution = ContactSolution {
+            n_contacts,
             n_iterations: ended.n_iterations,
             residual: ended.residual,
-        });
-        let given = problem.operator.product(&impulses);
+        };
+        let kicked = |a: usize| problem.operator.velocity(&given, a);
+        let of_joints = &impulses[n_contacts..];
+        let after: Vec<Vec3> = (n_contacts..problem.len())
+            .map(|a| problem.free_velocity[a] + kicked(a))
+            .collect();
+        let open = self.open_joint(joints, &problem.joints, (of_joints, &after), dt);
+        self.state.attachments.has_open_joint = open.is_some();
+        self.note_solution(solution);
+        let mean: Vec<Vec3> = (0..problem.len())
+            .map(|a| before[a] + (kicked(a) + gained[a]) * 0.5)
+            .collect();
+        let rows = (&points[n_contacts..], of_joints, &mean[n_contacts..]);
+        self.keep_joints(joints, rows, dt);
         self.keep_impulses(&touches, &points, &impulses, dt);
         self.set_contact_loads(&touches, &points, &impulses, dt);
+        self.book_contacts(&impulses[..n_contacts], &mean);
+        self.kick_bodies(&gains, &given, dt);
+        self.remove_overlap(&problem, &touches);
+        open
+    }
+
+    /// Books the work of contacts at the mean velocities of the kick.
+    fn book_contacts(&mut self, impulses: &[Vec3], mean: &[Vec3]) {
         let [mut friction, mut damping] = [0.0; 2];
-        for (a, impulse) in impulses.iter().enumerate() {
-            let kicked = problem.operator.velocity(&given, a);
-            let mean = before[a] + (kicked + gained[a]) * 0.5;
+        for (impulse, mean) in impulses.iter().zip(mean) {
             damping -= impulse.x * mean.x;
             friction -= impulse.y * mean.y + impulse.z * mean.z;
         }
         let totals = &mut self.state.totals;
         totals.damping.book(damping);
         totals.friction.book(friction);
-        totals.n_contact_updates += touches.len() as u64;
-        self.kick_bodies(&gains, &given, dt);
-        self.remove_overlap(&problem, &touches);
+        totals.n_contact_updates += impulses.len() as u64;
     }
 
     fn note_solution(&mut self, solution: ContactSolution) {
         self.state.solution = solution;
+        let is_unsolved = UNSOLVED < solution.residual || self.state.attachments.has_open_joint;
         let totals = &mut self.state.totals;
-        let is_unsolved = UNSOLVED < solution.residual;
         totals.n_unsolved += u64::from(is_unsolved);
         totals.n_unsolved_running = match is_unsolved {
             true => totals.n_unsolved_running + 1,
