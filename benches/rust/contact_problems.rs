@@ -74,6 +74,7 @@ fn read(path: &str) -> Result<Problem, String> {
         operator,
         free_velocity,
         friction,
+        joints: Vec::new(),
     })
 }
 

@@ -117,7 +117,7 @@ impl Blocks {
         Ok(())
     }
 
-    /// Attaches loads, supports and bolts, at t = 0.
+    /// Attaches loads, supports, bolts and joints, at t = 0.
     ///
     /// # Errors
     ///
@@ -128,6 +128,8 @@ impl Blocks {
             mass: &self.constants.mass,
             part_start: &self.constants.part_start,
             parts: &self.derived.parts,
+            motion: &self.constants.motion,
+            integrator: &self.constants.settings.integrator,
         };
         for (number, attachment) in attachments.iter().enumerate() {
             self.state.attachments.push(attachment, number, &bodies)?;

@@ -149,10 +149,10 @@ pub enum StepError {
         /// Time of the sub-step; s.
         time: f64,
     },
-    /// Contact dynamics did not find the impulses of contacts in several steps running.
+    /// Contact dynamics did not find the impulses of contacts and joints in several steps running.
     #[error(
-        "the contacts of {n_steps} steps running were not solved up to t = {time:.6} s: a residual of {residual:.1e} after \
-         {n_iterations} sweeps; allow more sweeps, shorten the step, or look for blocks that are jammed or overlap at the start"
+        "{n_steps} steps running were not solved up to t = {time:.6} s: {}",
+        left(.joint.as_ref(), *.residual, *.n_iterations)
     )]
     Unsolved {
         /// Steps running.
@@ -161,6 +161,8 @@ pub enum StepError {
         residual: f64,
         /// Sweeps and iterations in it.
         n_iterations: usize,
+        /// A joint that was left open in it.
+        joint: Option<OpenJoint>,
         /// Time of the last one; s.
         time: f64,
     },
@@ -172,6 +174,45 @@ pub enum StepError {
         /// The time; s.
         time: f64,
     },
+}
+
+/// Rest of unsolved steps, and the remedy.
+fn left(joint: Option<&OpenJoint>, residual: f64, n_iterations: usize) -> String {
+    match joint {
+        Some(joint) => format!(
+            "{joint}; release it, or look for a joint or a prescribed motion that contradicts it"
+        ),
+        None => format!(
+            "the contacts have a residual of {residual:.1e} after {n_iterations} sweeps; allow more sweeps, shorten the step, or look for \
+             blocks that are jammed or overlap at the start"
+        ),
+    }
+}
+
+/// An exact joint whose points a step leaves apart.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OpenJoint {
+    /// Position among the exact joints, as they were attached.
+    pub joint: usize,
+    /// Its blocks; the second one if there is one.
+    pub blocks: (BlockId, Option<BlockId>),
+    /// Distance of its points, or error of its length; m.
+    pub opening: f64,
+}
+
+impl Display for OpenJoint {
+    fn fmt(&self, f: &mut Formatter) -> fmt::Result {
+        let Self {
+            joint,
+            blocks: (first, second),
+            opening,
+        } = self;
+        match second {
+            None => write!(f, "exact joint {joint} of block {first}")?,
+            Some(second) => write!(f, "exact joint {joint} of blocks {first} and {second}")?,
+        }
+        write!(f, " stays open by {opening:.1e} m")
+    }
 }
 
 /// Overlap of two parts beside the one that a step allows.

@@ -100,7 +100,7 @@ pub use contact::dynamics as contact_dynamics;
 pub use contact::dynamics::kept::{ContactSolution, SolvedSteps};
 pub use contact::rates::StepBound;
 pub use contact::report::{Contact, ContactState};
-pub use error::{BlockError, DeepOverlap, StepError};
+pub use error::{BlockError, DeepOverlap, OpenJoint, StepError};
 pub use geometry::block_quality::BlockQuality;
 pub use geometry::clip::clipped_polygon;
 pub use geometry::cut::Plane;

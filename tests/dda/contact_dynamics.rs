@@ -39,6 +39,7 @@ fn falling(bodies: Vec<Body>, points: Vec<Point>, friction: f64) -> ContactProbl
         operator,
         free_velocity,
         friction: vec![friction; n],
+        joints: Vec::new(),
     }
 }
 
@@ -161,6 +162,7 @@ fn spheres_in_a_row_share_an_impact() {
             rolling: Vec::new(),
             free_velocity: before.iter().map(shifted).collect(),
             friction: vec![0.3; before.len()],
+            joints: Vec::new(),
             operator,
         };
         let mut impulses = vec![Vec3::zeros(); problem.len()];
@@ -258,6 +260,7 @@ fn contacts_without_restitution_make_no_energy() {
             rolling: Vec::new(),
             free_velocity: operator.relative_velocities(&start),
             friction: vec![friction; 16],
+            joints: Vec::new(),
             operator,
         };
         for by_gradient in [false, true] {

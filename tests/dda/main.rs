@@ -14,6 +14,7 @@ mod contact;
 mod contact_dynamics;
 mod deformable;
 mod determinism;
+mod exact_joints;
 mod geometry;
 mod joint_springs;
 mod joints;

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 pub struct Impulses {
     /// Of contacts.
     pub contact: Load,
-    /// Of loads, supports and bolts.
+    /// Of loads, supports, bolts and joints.
     pub attached: Load,
     /// Of constraints and static damping.
     pub restrained: Load,

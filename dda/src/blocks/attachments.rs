@@ -1,12 +1,15 @@
-//! Loads, elastic supports and rock bolts of blocks. Each acts on material points, which move and strain with their block.
+//! Loads, elastic supports, rock bolts and exact joints of blocks. Each acts on material points, which move and strain with their block.
+
+pub(crate) mod exact_joints;
 
 use super::energy::Account;
 use crate::geometry::parts::Part;
-use crate::{BlockError, Load, Vec3};
+use crate::{BlockError, Integrator, Load, Motion, Vec3};
+use exact_joints::ExactJoint;
 use nalgebra::Matrix3;
 use serde::{Deserialize, Serialize};
 
-/// A load or support. Points are world positions at t = 0.
+/// A load, a support or a joint. Points are world positions at t = 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Attachment {
     /// Constant force at a material point.
@@ -58,6 +61,30 @@ pub enum Attachment {
         /// Largest force, in tension or compression, > 0; N.
         yield_force: f64,
     },
+    /// Material point that stays where it is, exactly. Of contact dynamics only, as the two that follow.
+    HeldPoint {
+        /// A free block.
+        block: usize,
+        /// Position; m.
+        point: Vec3,
+    },
+    /// Common point of two blocks, about which they rotate freely. They touch each other elsewhere as without it.
+    BallJoint {
+        /// Two blocks, of which one may be fixed or prescribed.
+        blocks: (usize, usize),
+        /// Position; m.
+        point: Vec3,
+    },
+    /// Rigid bar without mass, of the length that it has at t = 0.
+    Rod {
+        /// Two blocks, of which one may be fixed or prescribed.
+        blocks: (usize, usize),
+        /// Ends, one in each; m.
+        points: (Vec3, Vec3),
+        /// Largest mean force of a step in tension or compression, > 0: where it is reached the rod breaks, for good. Infinite of a rod
+        /// that never does; N.
+        strength: f64,
+    },
 }
 
 /// End of an attachment: its block and the position relative to the centroid, in the initial axes.
@@ -103,7 +130,12 @@ pub(crate) struct Item {
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(crate) struct Attachments {
     pub items: Vec<Item>,
-    /// Sum of their forces on each block, empty without attachments; N, N m.
+    /// Joints of contact dynamics.
+    pub joints: Vec<ExactJoint>,
+    /// Whether the last step left one of them open. Joints that contradict each other pull as hard as iterations let them, and the next
+    /// step must not start from that.
+    pub has_open_joint: bool,
+    /// Sum of their forces on each block, empty without attachments; those of joints from the kick of a step to its end; N, N m.
     pub loads: Vec<Load>,
     /// Straining moment of their forces; one per deformable block; N m.
     pub stretch: Vec<Matrix3<f64>>,
@@ -111,10 +143,12 @@ pub(crate) struct Attachments {
     pub outer_force: Vec3,
     /// Energy of springs and bolts; J.
     pub elastic: f64,
-    /// Dissipated by bolts that yield; J.
+    /// Dissipated by bolts that yield and rods that break; J.
     pub plastic: Account,
     /// Work of forces and pressures; J.
     pub work: Account,
+    /// Given by joints as they restore positions; J.
+    pub joint_correction: Account,
 }
 
 /// Blocks at t = 0, as far as attachments need them.
@@ -127,14 +161,24 @@ pub(crate) struct Bodies<'a> {
     pub part_start: &'a [u32],
     /// Parts of all blocks.
     pub parts: &'a [Part],
+    /// Motions.
+    pub motion: &'a [Motion],
+    pub integrator: &'a Integrator,
 }
 
 /// Reason to refuse an attachment.
 type Refusal = &'static str;
 
+/// An attachment, checked.
+enum Resolved {
+    /// By its force, with its end.
+    Item(End, Kind),
+    Joint(ExactJoint),
+}
+
 impl Attachments {
     pub fn is_empty(&self) -> bool {
-        self.items.is_empty()
+        self.items.is_empty() && self.joints.is_empty()
     }
 
     /// Adds one; the error names it by its `number`.
@@ -144,19 +188,20 @@ impl Attachments {
         number: usize,
         bodies: &Bodies,
     ) -> Result<(), BlockError> {
-        let (end, kind) = bodies
-            .resolve(attachment)
-            .map_err(|reason| BlockError::Attachment {
-                attachment: number,
-                reason,
-            })?;
-        self.items.push(Item {
-            end,
-            kind,
-            plastic: 0.0,
-            force: Vec3::zeros(),
-            at: Vec3::zeros(),
-        });
+        let refuse = |reason| BlockError::Attachment {
+            attachment: number,
+            reason,
+        };
+        match bodies.resolve(attachment).map_err(refuse)? {
+            Resolved::Joint(joint) => self.joints.push(joint),
+            Resolved::Item(end, kind) => self.items.push(Item {
+                end,
+                kind,
+                plastic: 0.0,
+                force: Vec3::zeros(),
+                at: Vec3::zeros(),
+            }),
+        }
         Ok(())
     }
 
@@ -173,35 +218,39 @@ impl Attachments {
             f(item.plastic);
             item.force.iter().chain(item.at.iter()).for_each(|&c| f(c));
         }
+        f(f64::from(u8::from(self.has_open_joint)));
+        self.joints
+            .iter()
+            .for_each(|joint| joint.for_each_state_f64(f));
         f(self.plastic.total());
         f(self.work.total());
+        f(self.joint_correction.total());
     }
 }
 
 impl Bodies<'_> {
-    /// The end of an attachment and its kind, checked.
-    fn resolve(&self, attachment: &Attachment) -> Result<(End, Kind), Refusal> {
-        match *attachment {
+    fn resolve(&self, attachment: &Attachment) -> Result<Resolved, Refusal> {
+        let (end, kind) = match *attachment {
             Attachment::PointLoad {
                 block,
                 point,
                 force,
-            } => self.point_load(block, point, force),
+            } => self.point_load(block, point, force)?,
             Attachment::BodyLoad {
                 block,
                 acceleration,
-            } => self.body_load(block, acceleration),
+            } => self.body_load(block, acceleration)?,
             Attachment::FaceLoad {
                 block,
                 part,
                 face,
                 pressure,
-            } => self.face_load(block, part, face, pressure),
+            } => self.face_load(block, part, face, pressure)?,
             Attachment::FixedPoint {
                 block,
                 point,
                 stiffness,
-            } => self.fixed_point(block, point, stiffness),
+            } => self.fixed_point(block, point, stiffness)?,
             Attachment::RockBolt {
                 blocks,
                 points,
@@ -216,9 +265,21 @@ impl Bodies<'_> {
                     stiffness,
                     yield_force,
                 };
-                Ok((end, kind))
+                (end, kind)
             }
-        }
+            Attachment::HeldPoint { block, point } => {
+                return self.held_point(block, point).map(Resolved::Joint);
+            }
+            Attachment::BallJoint { blocks, point } => {
+                return self.ball_joint(blocks, point).map(Resolved::Joint);
+            }
+            Attachment::Rod {
+                blocks,
+                points,
+                strength,
+            } => return self.rod(blocks, points, strength).map(Resolved::Joint),
+        };
+        Ok(Resolved::Item(end, kind))
     }
 
     fn point_load(&self, block: usize, point: Vec3, force: Vec3) -> Result<(End, Kind), Refusal> {
@@ -300,9 +361,15 @@ impl Bodies<'_> {
     }
 
     fn end(&self, block: usize, point: Vec3) -> End {
+        let offset = point - self.centroid[block];
+        let offset_rel = match &self.motion[block] {
+            // a path may begin turned
+            Motion::Prescribed(path) => path.turn(0.0).inverse() * offset,
+            Motion::Free | Motion::Fixed => offset,
+        };
         End {
             block: block as u32,
-            offset_rel: point - self.centroid[block],
+            offset_rel,
         }
     }
 }

@@ -110,6 +110,7 @@ impl Blocks {
             friction: self.state.totals.friction.total(),
             damping: self.state.totals.damping.total(),
             overlap_removal: self.state.totals.overlap_removal.total(),
+            joint_correction: self.state.attachments.joint_correction.total(),
             external_work: self.state.totals.external_work.total()
                 + self.state.attachments.work.total(),
             ..Energies::default()
@@ -177,7 +178,7 @@ impl Blocks {
             .sum()
     }
 
-    /// Impulse that gravity, fixed and prescribed blocks, loads, holds and damping for statics gave to
+    /// Impulse that gravity, fixed and prescribed blocks, held points, loads, holds and damping for statics gave to
     /// free blocks so far; N s.
     pub fn support_impulse(&self) -> Vec3 {
         self.state.totals.support_impulse

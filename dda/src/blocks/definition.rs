@@ -75,8 +75,8 @@ pub enum Integrator {
     /// Explicit central differences with penalty contact, see `step::central_difference`.
     #[default]
     CentralDifference,
-    /// Drift, kick with all contacts solved together, drift: steps limited by motion alone, see `step::mid_step`. For rigid blocks
-    /// without residual cohesion or static damping; spheres resist rolling by [`RollingLaw::Relative`] only.
+    /// Drift, kick with all contacts and exact joints solved together, drift: steps limited by motion alone, see `step::mid_step`. For
+    /// rigid blocks without residual cohesion or static damping; spheres resist rolling by [`RollingLaw::Relative`] only.
     ContactDynamics(ContactDynamics),
 }
 

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 /// ```text
 /// kinetic + potential + elastic + strain
 ///     + friction + damping + strain_damping + static_damping + sleep_loss + plastic
-///     − overlap_removal − external_work = constant
+///     − overlap_removal − joint_correction − external_work = constant
 /// ```
 /// up to the error of the time step and of contact patches that change shape.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -32,10 +32,13 @@ pub struct Energies {
     pub static_damping: f64,
     /// Kinetic energy removed when blocks were put to sleep; cumulative.
     pub sleep_loss: f64,
-    /// Lost in bolts that yield; cumulative.
+    /// Lost in bolts that yield and rods that break; cumulative.
     pub plastic: f64,
     /// Given by the removal of overlap in contact dynamics; cumulative.
     pub overlap_removal: f64,
+    /// Given by exact joints as they restore the positions of their points, of either sign; cumulative. Zero in the mean over a smooth
+    /// motion.
+    pub joint_correction: f64,
     /// Work of prescribed blocks and of given loads on free blocks; cumulative. The work of impulses of
     /// `apply_impulse` is booked by the caller.
     pub external_work: f64,
@@ -57,6 +60,7 @@ impl Energies {
             sleep_loss,
             plastic,
             overlap_removal,
+            joint_correction,
             external_work,
         } = *self;
         kinetic
@@ -70,6 +74,7 @@ impl Energies {
             + sleep_loss
             + plastic
             - overlap_removal
+            - joint_correction
             - external_work
     }
 }

@@ -175,6 +175,13 @@ impl Blocks {
         self.state.attachments.bolts()
     }
 
+    /// Mean force of the last step on the first block of each exact joint, and whether the joint is broken, in the order they were
+    /// attached; N.
+    pub fn joint_forces(&self) -> impl Iterator<Item = (Vec3, bool)> + '_ {
+        let joints = self.state.attachments.joints.iter();
+        joints.map(|joint| (joint.force, joint.is_broken))
+    }
+
     /// Kinetic energy of a free block, without mass scaling; J.
     pub fn kinetic_energy(&self, b: usize) -> f64 {
         let p = self.state.angular_momentum[b];

@@ -15,16 +15,16 @@
 //! |S| ≤ μ_r R_n;   |S| < μ_r R_n ⇒ V = 0;   |S| = μ_r R_n ⇒ V = −λ S, λ ≥ 0
 //! ```
 //!
-//! Rows after those are fixed: `U = 0`, whatever the impulse. So are bonds, until they break.
-//!
 //! With `Û = (U_n + μ|U_t|, U_t)` of De Saxcé & Feng (1998) it is one statement: `R` in the cone `K_μ`, `Û` in its dual, at right angles.
+//! Joints are rows like contacts, with all of space or a line as their cone; so are bonds, until they break.
 //!
-//! Reading order: [`one_contact`] solves one contact exactly; [`delassus`] is the operator of bodies, or a matrix; [`gauss_seidel`] and
+//! Reading order: [`one_contact`] solves one contact exactly, [`bilateral`] a joint; [`delassus`] is the operator of bodies, or a matrix; [`gauss_seidel`] and
 //! [`gradient`] solve all of them, [`solver`] chooses; [`accuracy`] tells how far from the laws they are.
 //!
 //! Sources: Moreau (1999), Jean (1999), Acary & Brogliato (2008).
 
 pub mod accuracy;
+pub mod bilateral;
 mod cone;
 pub mod delassus;
 pub mod gauss_seidel;
@@ -34,33 +34,26 @@ pub mod one_contact;
 pub mod solver;
 
 use crate::Vec3;
+use bilateral::Bilateral;
 use delassus::Delassus;
+use nalgebra::Matrix3;
 
 /// Residual above which a step counts as unsolved; –.
 pub const UNSOLVED: f64 = 1e-2;
 
-/// The contacts of a step; vectors in the local frames (n, t1, t2).
+/// The contacts of a step, rolling resistance and joints, whose rows follow each other; vectors in the local frames (n, t1, t2).
 #[derive(Clone, Debug)]
 pub struct ContactProblem<D> {
     /// From impulses to velocities.
     pub operator: D,
-    /// Velocity of B seen from A without contacts, and the shift of its normal part; one per contact; m/s.
+    /// Velocity of B seen from A without impulses at the rows, and the shift of its normal part; one per row; m/s.
     pub free_velocity: Vec<Vec3>,
     /// Coefficient of friction; one per contact; –, >= 0.
     pub friction: Vec<f64>,
-    /// Rolling resistance; rows of the operator and of the velocities after those of the contacts.
+    /// Rolling resistance of contacts.
     pub rolling: Vec<Rolling>,
-}
-
-/// Law of a row.
-#[derive(Clone, Copy, Debug)]
-enum Law {
-    /// Signorini's and Coulomb's, with the coefficient of friction; –.
-    Contact(f64),
-    /// Rolling resistance with its bound; N s.
-    Rolling(f64),
-    /// `U = 0` whatever the impulse.
-    Fixed,
+    /// Laws of joints and bonds.
+    pub joints: Vec<Bilateral>,
 }
 
 /// Rolling resistance of a contact.
@@ -72,31 +65,112 @@ pub struct Rolling {
     pub coefficient: f64,
 }
 
+/// Kind of a row.
+enum Row<'a> {
+    /// Contact with a coefficient of friction.
+    Contact(f64),
+    Rolling(&'a Rolling),
+    Joint(&'a Bilateral),
+}
+
+impl Rolling {
+    /// Bound on its impulse, of the normal impulses of contacts; N s.
+    fn bound(&self, pressed: impl Fn(usize) -> f64) -> f64 {
+        self.coefficient * pressed(self.contact as usize).max(0.0)
+    }
+}
+
 impl<D: Delassus> ContactProblem<D> {
-    /// Number of contacts.
+    /// Number of rows.
     pub fn len(&self) -> usize {
-        self.friction.len()
+        self.friction.len() + self.rolling.len() + self.joints.len()
     }
 
-    /// Whether nothing touches.
+    /// Whether nothing touches, and nothing is joined.
     pub fn is_empty(&self) -> bool {
-        self.friction.is_empty()
+        self.len() == 0
     }
 
-    /// Law of a row, with the normal impulses of contacts (N s).
-    fn law(&self, a: usize, pressed: impl Fn(usize) -> f64) -> Law {
+    fn row(&self, a: usize) -> Row<'_> {
         if let Some(&friction) = self.friction.get(a) {
-            return Law::Contact(friction);
+            return Row::Contact(friction);
         }
-        match self.rolling.get(a - self.len()) {
-            Some(rolling) => {
-                Law::Rolling(rolling.coefficient * pressed(rolling.contact as usize).max(0.0))
-            }
-            None => Law::Fixed,
+        let a = a - self.friction.len();
+        match self.rolling.get(a) {
+            Some(rolling) => Row::Rolling(rolling),
+            None => Row::Joint(&self.joints[a - self.rolling.len()]),
         }
     }
 
-    /// Velocity `U_a` of a contact, of the velocities that all impulses give; m/s.
+    /// Impulse (N s) by which a row of free velocity `b` (m/s) obeys its law, the other rows as they are. `slip` as in [`one_contact`].
+    fn impulse(&self, a: usize, b: &Vec3, impulses: &[Vec3], slip: &mut f64) -> Vec3 {
+        let w = self.operator.diagonal(a);
+        match self.row(a) {
+            Row::Contact(friction) => one_contact::impulse(w, b, friction, slip),
+            Row::Rolling(rolling) => {
+                let bound = rolling.bound(|contact| impulses[contact].x);
+                one_contact::rolling_impulse(w, b, bound, slip)
+            }
+            Row::Joint(joint) => joint.impulse(w, b),
+        }
+    }
+
+    /// Shift of the normal velocity that makes a row one of a cone and its dual: De Saxcé's of a contact, that of the length of a rod; m/s.
+    fn shift(&self, a: usize, velocity: &Vec3) -> f64 {
+        match self.row(a) {
+            Row::Contact(friction) => friction * cone::tangential(velocity),
+            Row::Rolling(_) => 0.0,
+            Row::Joint(joint) => joint.shift(velocity),
+        }
+    }
+
+    /// Nearest point of the cone of a row, for impulses over a scale, with the normal impulses of contacts (N s).
+    fn projected(
+        &self,
+        a: usize,
+        scaled: &Vec3,
+        scale: f64,
+        pressed: impl Fn(usize) -> f64,
+    ) -> Vec3 {
+        match self.row(a) {
+            Row::Contact(friction) => cone::projected(friction, scaled),
+            Row::Rolling(rolling) => scaled.cap_magnitude(rolling.bound(pressed) / scale),
+            Row::Joint(joint) => joint.projected(scaled, scale),
+        }
+    }
+
+    /// Mass that a row feels: `3/tr W_aa`, of a rod `1/W_nn`; kg. 1 where impulses move nothing.
+    fn mass(&self, a: usize) -> f64 {
+        let w = self.operator.diagonal(a);
+        let (n, compliance) = match self.row(a) {
+            Row::Joint(Bilateral::Rod(_)) => (1.0, w[(0, 0)]),
+            _ => (3.0, w.trace()),
+        };
+        if 0.0 < compliance {
+            n / compliance
+        } else {
+            1.0
+        }
+    }
+
+    /// The part of a vector in which a row acts.
+    fn acting(&self, a: usize, v: &Vec3) -> Vec3 {
+        match self.row(a) {
+            Row::Contact(_) | Row::Rolling(_) => *v,
+            Row::Joint(joint) => joint.acting(v),
+        }
+    }
+
+    /// Inverse of `W_aa` where the row acts, if there is one; kg.
+    fn inverse(&self, a: usize) -> Option<Matrix3<f64>> {
+        let w = self.operator.diagonal(a);
+        match self.row(a) {
+            Row::Contact(_) | Row::Rolling(_) => w.try_inverse(),
+            Row::Joint(joint) => Some(joint.inverse(w)),
+        }
+    }
+
+    /// Velocity `U_a` of a row, of the velocities that all impulses give; m/s.
     fn velocity(&self, of_impulses: &D::Velocities, a: usize) -> Vec3 {
         self.free_velocity[a] + self.operator.velocity(of_impulses, a)
     }

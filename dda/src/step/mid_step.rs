@@ -17,7 +17,7 @@
 //! it touches, and the rebound would be lost.
 //!
 //! Weight, loads, supports, bolts and impulses from outside act at the middle of the step with the contacts. A hold is exact: the inverse
-//! mass and inertia of its block are those of what it leaves free.
+//! mass and inertia of its block are those of what it leaves free. Joints are rows among those of contacts, see [`joints`].
 //!
 //! Friction has two values, see [`slip`]; spheres resist rolling by torques among the contacts; parts that were bonded at the start are fixed
 //! to each other until that breaks, see [`bonds`].
@@ -30,6 +30,7 @@
 
 mod bonds;
 mod closing;
+mod joints;
 mod kick;
 mod overlap;
 mod slip;
@@ -39,6 +40,7 @@ mod touches;
 
 use crate::blocks::{ContactDynamics, Update};
 use crate::contact::dynamics::kept::{ContactSolution, SolvedSteps};
+use crate::error::OpenJoint;
 use crate::step::phase::Phase;
 use crate::{Blocks, Motion, StepError};
 
@@ -60,7 +62,8 @@ impl Blocks {
     ///
     /// 1. half a drift, with the parts in place;
     /// 2. pairs that may meet within the step, and their points;
-    /// 3. kick by weight, attachments, impulses from outside, contacts and bonds, with their accounts; bonds that do not bear it break;
+    /// 3. kick by weight, attachments, impulses from outside, contacts, bonds and joints, with their accounts; bonds and rods that do not
+    ///    bear it break;
     /// 4. overlap is removed;
     /// 5. half a drift, sleep, velocities at the end of the step, guards.
     pub(crate) fn mid_step(
@@ -77,15 +80,15 @@ impl Blocks {
         self.evaluate_attachments(false);
         let touches = self.touches(dt);
         self.wake_pushed(&touches, dt);
-        let closing = self.closing(touches, dt);
         ended(Phase::Contacts);
-        self.kick_with_contacts(closing, dynamics, dt);
+        let closing = self.closing(touches, dt);
+        let open = self.kick_with_contacts(closing, dynamics, dt);
         ended(Phase::Sums);
         self.drift(middle, to, 0.5 * dt);
         self.place_parts(false);
         self.rest_or_wake(dt);
         self.set_velocities(to);
-        let checked = self.check_solution(to).and_then(|()| self.check(to));
+        let checked = self.check_solution(open, to).and_then(|()| self.check(to));
         ended(Phase::Motion);
         checked
     }
@@ -111,8 +114,8 @@ impl Blocks {
         matches!(self.derived.update[b], Update::Rigid | Update::Constrained)
     }
 
-    /// Refuses to go on from contacts that were left unsolved too often.
-    fn check_solution(&self, time: f64) -> Result<(), StepError> {
+    /// Refuses to go on from contacts and joints that were left unsolved too often.
+    fn check_solution(&self, joint: Option<OpenJoint>, time: f64) -> Result<(), StepError> {
         let n_steps = self.state.totals.solved.n_unsolved_running;
         if n_steps < TOO_MANY_UNSOLVED {
             return Ok(());
@@ -126,6 +129,7 @@ impl Blocks {
             n_steps,
             residual,
             n_iterations,
+            joint,
             time,
         })
     }

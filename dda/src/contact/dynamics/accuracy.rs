@@ -1,32 +1,31 @@
 //! How far impulses are from the laws of contact.
 
-use super::cone::{projected, shifted};
+use super::ContactProblem;
 use super::delassus::Delassus;
-use super::{ContactProblem, Law};
 use crate::Vec3;
 
 /// Mass by which impulses become velocities.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Scaling {
-    /// `ρ_a = 3/tr W_aa`, the mass that the contact feels.
+    /// `ρ_a = 3/tr W_aa`, the mass that the contact feels; `1/W_nn` of a rod.
     ContactMass,
     /// 1 kg, as in collections of contact problems.
     Unit,
 }
 
 impl Scaling {
-    fn of<D: Delassus>(self, operator: &D, a: usize) -> f64 {
+    fn of<D: Delassus>(self, problem: &ContactProblem<D>, a: usize) -> f64 {
         match self {
-            Self::ContactMass => contact_mass(operator, a),
+            Self::ContactMass => problem.mass(a),
             Self::Unit => 1.0,
         }
     }
 }
 
-/// `ρ_a = 3/tr W_aa`; kg. 1 for a contact that impulses do not move.
-pub(super) fn contact_mass<D: Delassus>(operator: &D, a: usize) -> f64 {
-    let trace = operator.diagonal(a).trace();
-    if 0.0 < trace { 3.0 / trace } else { 1.0 }
+/// `Û`: the velocity of a row, shifted along the normal; m/s.
+fn shifted<D: Delassus>(problem: &ContactProblem<D>, a: usize, velocity: &Vec3) -> Vec3 {
+    let along = velocity + Vec3::x() * problem.shift(a, velocity);
+    problem.acting(a, &along)
 }
 
 /// Residual of the laws; –.
@@ -42,14 +41,15 @@ pub fn residual<D: Delassus>(
 ) -> f64 {
     let [mut off, mut free, mut pressed, mut moving] = [0.0_f64; 4];
     for (a, impulse) in impulses.iter().enumerate() {
-        let mass = scaling.of(&problem.operator, a);
+        let mass = scaling.of(problem, a);
         let scaled = impulse / mass;
         let velocity = problem.velocity(velocities, a);
-        let image = match problem.law(a, |contact| impulses[contact].x) {
-            Law::Contact(friction) => projected(friction, &(scaled - shifted(friction, &velocity))),
-            Law::Rolling(bound) => (scaled - velocity).cap_magnitude(bound / mass),
-            Law::Fixed => scaled - velocity,
-        };
+        let image = problem.projected(
+            a,
+            &(scaled - shifted(problem, a, &velocity)),
+            mass,
+            |contact| impulses[contact].x,
+        );
         off += (scaled - image).norm_squared();
         free += problem.free_velocity[a].norm_squared();
         pressed += scaled.norm_squared();
@@ -64,20 +64,19 @@ pub fn residual<D: Delassus>(
 /// ```text
 /// g = Σ C·W_aa⁻¹C / Σ b·W_aa⁻¹b,   C = Û + (S − P_K(S)),   S = R/ρ − Û
 /// ```
-/// Of the contacts, without rolling resistance and fixed rows.
 pub fn energy_error<D: Delassus>(
     problem: &ContactProblem<D>,
     (impulses, velocities): (&[Vec3], &D::Velocities),
 ) -> f64 {
     let [mut spurious, mut available] = [0.0_f64; 2];
-    for (a, impulse) in impulses.iter().enumerate().take(problem.len()) {
-        let Some(inverse) = problem.operator.diagonal(a).try_inverse() else {
+    for (a, impulse) in impulses.iter().enumerate() {
+        let Some(inverse) = problem.inverse(a) else {
             continue;
         };
-        let friction = problem.friction[a];
-        let moved = shifted(friction, &problem.velocity(velocities, a));
-        let s = impulse / contact_mass(&problem.operator, a) - moved;
-        let left = moved + s - projected(friction, &s);
+        let mass = problem.mass(a);
+        let moved = shifted(problem, a, &problem.velocity(velocities, a));
+        let s = impulse / mass - moved;
+        let left = moved + s - problem.projected(a, &s, mass, |contact| impulses[contact].x);
         let free = &problem.free_velocity[a];
         spurious += left.dot(&(inverse * left));
         available += free.dot(&(inverse * free));

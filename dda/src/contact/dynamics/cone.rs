@@ -22,15 +22,6 @@ pub(super) fn projected(friction: f64, x: &Vec3) -> Vec3 {
     Vec3::new(normal, share * x.y, share * x.z)
 }
 
-/// De Saxcé's `Û = (U_n + μ|U_t|, U_t)`.
-pub(super) fn shifted(friction: f64, velocity: &Vec3) -> Vec3 {
-    Vec3::new(
-        velocity.x + friction * tangential(velocity),
-        velocity.y,
-        velocity.z,
-    )
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -5,9 +5,9 @@
 //!
 //! A column of `n` equal blocks takes its error by `cos²(π/2n)` a sweep; [`super::gradient`] does not slow down so.
 
+use super::ContactProblem;
 use super::accuracy::{Scaling, residual};
 use super::delassus::Delassus;
-use super::{ContactProblem, Law, one_contact};
 use crate::{Random, Vec3};
 use rayon::prelude::*;
 
@@ -44,7 +44,7 @@ pub struct Ended {
     pub residual: f64,
 }
 
-/// Sweeps over the contacts of a problem; keeps the colors and the last slip of each contact.
+/// Sweeps over the rows of a problem; keeps the colors and the last slip of each contact.
 #[derive(Clone, Debug)]
 pub struct GaussSeidel {
     colors: Vec<Vec<u32>>,
@@ -108,13 +108,7 @@ impl GaussSeidel {
                 let w = problem.operator.diagonal(a);
                 let others = problem.velocity(velocities, a) - w * impulses[a];
                 let mut slip = self.slips[a];
-                let found = match problem.law(a, |contact| impulses[contact].x) {
-                    Law::Contact(mu) => one_contact::impulse(w, &others, mu, &mut slip),
-                    Law::Rolling(bound) => {
-                        one_contact::rolling_impulse(w, &others, bound, &mut slip)
-                    }
-                    Law::Fixed => one_contact::fixing_impulse(w, &others),
-                };
+                let found = problem.impulse(a, &others, impulses, &mut slip);
                 (found, slip)
             };
             let found: Vec<(Vec3, f64)> = match LARGE_COLOR <= color.len() {

@@ -10,13 +10,14 @@
 //! One number per contact scales it, so that its cone stays one and masses of all sizes are alike. Renewed in each iteration the shift
 //! stalls; never, a body that slides lifts off at `μ|U_t|`.
 //!
+//! Joints have their line or all of space as their cone, and rods a shift of their own.
+//!
 //! Sources: Nesterov (1983); O'Donoghue & Candès (2015) for the restart; Mazhar et al. (2015) for contacts.
 
-use super::accuracy::{contact_mass, residual};
-use super::cone::{projected, tangential};
+use super::ContactProblem;
+use super::accuracy::residual;
 use super::delassus::Delassus;
 use super::gauss_seidel::{Ended, Until};
-use super::{ContactProblem, Law};
 use crate::{Random, Vec3};
 
 /// Iterations between renewals of the shift, after which the residual is looked at.
@@ -33,10 +34,8 @@ pub fn solve<D: Delassus>(
     impulses: &mut [Vec3],
     until: Until,
 ) -> Ended {
-    let scales: Vec<f64> = (0..problem.operator.n_contacts())
-        .map(|a| contact_mass(&problem.operator, a).sqrt())
-        .collect();
-    let stiffness = SAFETY * largest_eigenvalue(&problem.operator, &scales);
+    let scales: Vec<f64> = (0..problem.len()).map(|a| problem.mass(a).sqrt()).collect();
+    let stiffness = SAFETY * largest_eigenvalue(problem, &scales);
     let velocities = problem.operator.product(impulses);
     let mut best = Ended {
         n_iterations: 0,
@@ -67,10 +66,12 @@ pub fn solve<D: Delassus>(
 }
 
 /// Largest eigenvalue of `D W D` by powers; –.
-fn largest_eigenvalue<D: Delassus>(operator: &D, scales: &[f64]) -> f64 {
+fn largest_eigenvalue<D: Delassus>(problem: &ContactProblem<D>, scales: &[f64]) -> f64 {
+    let operator = &problem.operator;
     let mut random = Random::new(SEED);
     let mut x: Vec<Vec3> = (scales.iter())
-        .map(|_| Vec3::from_fn(|_, _| random.uniform() - 0.5))
+        .enumerate()
+        .map(|(a, _)| problem.acting(a, &Vec3::from_fn(|_, _| random.uniform() - 0.5)))
         .collect();
     let mut size = 0.0;
     for _ in 0..N_POWERS {
@@ -81,7 +82,7 @@ fn largest_eigenvalue<D: Delassus>(operator: &D, scales: &[f64]) -> f64 {
         let scaled: Vec<Vec3> = x.iter().zip(scales).map(|(x, d)| x * (d / norm)).collect();
         let velocities = operator.product(&scaled);
         for (a, (x, d)) in x.iter_mut().zip(scales).enumerate() {
-            *x = operator.velocity(&velocities, a) * *d;
+            *x = problem.acting(a, &operator.velocity(&velocities, a)) * *d;
         }
         size = x.iter().map(Vec3::norm_squared).sum::<f64>().sqrt();
     }
@@ -126,20 +127,17 @@ impl Descent {
         let mut next = Vec::with_capacity(self.x.len());
         for (a, y) in self.y.iter().enumerate() {
             let mut u = problem.velocity(&velocities, a);
-            let law = problem.law(a, |contact| self.y[contact].x * self.scales[contact]);
-            if let Law::Contact(friction) = law
-                && renews
-            {
-                self.shift[a] = friction * tangential(&u);
+            if renews {
+                self.shift[a] = problem.shift(a, &u);
             }
             u.x += self.shift[a];
             let gradient = u * self.scales[a];
-            let free = y - gradient * self.step_length;
-            let moved = match law {
-                Law::Contact(friction) => projected(friction, &free),
-                Law::Rolling(bound) => free.cap_magnitude(bound / self.scales[a]),
-                Law::Fixed => free,
-            };
+            let moved = problem.projected(
+                a,
+                &(y - gradient * self.step_length),
+                self.scales[a],
+                |contact| self.y[contact].x * self.scales[contact],
+            );
             uphill += gradient.dot(&(moved - self.x[a]));
             next.push(moved);
         }

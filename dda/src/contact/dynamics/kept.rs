@@ -82,7 +82,7 @@ pub struct ContactSolution {
 pub struct SolvedSteps {
     /// Steps.
     pub n_steps: u64,
-    /// Steps left with a residual above [`UNSOLVED`].
+    /// Steps left with a residual above [`UNSOLVED`], or with a joint open.
     pub n_unsolved: u64,
     /// Of these, the last ones running.
     pub n_unsolved_running: u32,
@@ -99,9 +99,9 @@ pub struct SolvedSteps {
 }
 
 impl SolvedSteps {
-    /// Counts a step.
-    pub(crate) fn count(&mut self, solution: &ContactSolution) {
-        let is_unsolved = UNSOLVED < solution.residual;
+    /// Counts a step, with whether it left a joint open.
+    pub(crate) fn count(&mut self, solution: &ContactSolution, has_open_joint: bool) {
+        let is_unsolved = UNSOLVED < solution.residual || has_open_joint;
         self.n_steps += 1;
         self.n_unsolved += u64::from(is_unsolved);
         self.n_unsolved_running = match is_unsolved {

@@ -20,8 +20,6 @@ const ROUND_OFF: f64 = 1e-14;
 const DIAGONAL: f64 = 1e-14;
 /// Factor between trial values of `l` before it is bracketed.
 const WIDENING: f64 = 4.0;
-/// Share of its trace added to the diagonal of a fixed row: bodies that do not turn about some axis have a singular one.
-const SINGULAR: f64 = 1e-13;
 /// Limits of the search; five evaluations are usual.
 const MAX_WIDENINGS: usize = 600;
 const MAX_ITERATIONS: usize = 200;
@@ -76,13 +74,6 @@ pub fn rolling_impulse(w: &Matrix3<f64>, b: &Vec3, bound: f64, slip: &mut f64) -
     };
     let found = row.solve(slip);
     Vec3::new(0.0, found.y, found.z)
-}
-
-/// Impulse (N s) that takes free velocity `b` (m/s) away in all directions.
-pub fn fixing_impulse(w: &Matrix3<f64>, b: &Vec3) -> Vec3 {
-    let regular = w + Matrix3::identity() * (SINGULAR * w.trace());
-    let inverse = regular.try_inverse();
-    inverse.map_or(Vec3::zeros(), |inverse| -(inverse * b))
 }
 
 /// The contact with its normal direction eliminated.

@@ -78,8 +78,9 @@ impl Blocks {
     }
 
     /// Impulses of the bonds in the last step for this one.
-    pub(super) fn recall_bonds(&self, points: &[Point], impulses: &mut [Vec3], dt: f64) {
-        let first = points.len() - ROWS * self.solved_bonds().count();
+    pub(super) fn recall_bonds(&self, closing: &Closing, impulses: &mut [Vec3], dt: f64) {
+        let points = &closing.points;
+        let first = closing.touches.len() + closing.rolling.len();
         for (k, bond) in self.solved_bonds().enumerate() {
             let kept = &self.state.impulses;
             let at = kept.partition_point(|kept| kept.parts < bond.parts);
@@ -93,9 +94,13 @@ impl Blocks {
         }
     }
 
-    /// What the bonds carry within the step.
-    pub(super) fn carried(&self, points: &[Point], impulses: &[Vec3], dt: f64) -> Vec<KeptImpulse> {
-        let first = points.len() - ROWS * self.solved_bonds().count();
+    /// What the bonds carry within the step; their rows begin at `first`.
+    pub(super) fn carried(
+        &self,
+        (points, impulses): (&[Point], &[Vec3]),
+        first: usize,
+        dt: f64,
+    ) -> Vec<KeptImpulse> {
         let rows = points[first..].iter().zip(&impulses[first..]);
         let given: Vec<Vec3> = rows.map(|(point, impulse)| point.frame * impulse).collect();
         (self.solved_bonds().zip(given.chunks_exact(ROWS)))

@@ -1,5 +1,6 @@
 //! Points that may bear an impulse in a step, with the law of impact and of gaps.
 
+use super::joints::JointRow;
 use super::touches::Touch;
 use crate::contact::detection::spheres::effective_radius;
 use crate::contact::dynamics::Rolling;
@@ -18,9 +19,10 @@ pub(super) struct Closing {
     /// Velocity and spin that each body gets without contacts; m/s, rad/s.
     pub gains: Vec<[Vec3; 2]>,
     pub touches: Vec<Touch>,
-    /// Of the touches, then of rolling resistance, then of bonds.
+    /// Of the touches, then of rolling resistance, of bonds, of joints.
     pub points: Vec<Point>,
     pub rolling: Vec<Rolling>,
+    pub joints: Vec<JointRow>,
     /// `U` at the points before the kick, of all bodies; m/s.
     pub before: Vec<Vec3>,
     /// What the gains add to it; m/s.
@@ -66,12 +68,14 @@ impl Blocks {
             touches,
             points,
             rolling: Vec::new(),
+            joints: Vec::new(),
             before,
             gained,
             free,
         };
         self.add_rolling(&mut closing);
         self.add_bonds(&mut closing, dt);
+        self.add_joints(&mut closing, dt);
         closing
     }
 

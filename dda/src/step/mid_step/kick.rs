@@ -4,6 +4,7 @@
 //! but for the turning of blocks: tangential work of contacts is friction, normal work damping.
 
 use super::closing::Closing;
+use super::joints::JointRow;
 use super::touches::Touch;
 use crate::blocks::{ContactDynamics, Update};
 use crate::contact::dynamics::accuracy::{Scaling, energy_error};
@@ -12,15 +13,18 @@ use crate::contact::dynamics::gauss_seidel::Until;
 use crate::contact::dynamics::kept::{ContactSolution, KeptImpulse};
 use crate::contact::dynamics::solver;
 use crate::contact::dynamics::{ContactProblem, Rolling, UNSOLVED};
+use crate::error::OpenJoint;
 use crate::{Blocks, Load, Motion, Vec3};
 
-/// Contacts and bonds of a step with their impulses.
+/// Contacts, bonds and joints of a step with their impulses.
 struct Solved {
     problem: ContactProblem<BodyContacts>,
     solution: ContactSolution,
     /// One per row; N s.
     impulses: Vec<Vec3>,
-    /// Velocity and spin that they give each body; m/s, rad/s.
+    /// Mean velocity of each row in the kick; m/s.
+    mean: Vec<Vec3>,
+    /// Velocity and spin that the impulses give each body; m/s, rad/s.
     given: Vec<[Vec3; 2]>,
     /// What bonds carry.
     carried: Vec<KeptImpulse>,
@@ -28,13 +32,19 @@ struct Solved {
     gains: Vec<[Vec3; 2]>,
     touches: Vec<Touch>,
     points: Vec<Point>,
-    before: Vec<Vec3>,
-    gained: Vec<Vec3>,
+    joints: Vec<JointRow>,
+}
+
+impl Solved {
+    /// First row of the joints.
+    fn first_of_joints(&self) -> usize {
+        self.points.len() - self.joints.len()
+    }
 }
 
 impl Blocks {
-    /// Impulse on a free block within `dt` (s) of its weight, its attachments, and of what acted from outside since the last step;
-    /// N s, N m s.
+    /// Impulse on a free block within `dt` (s) of its weight, its attachments, and of what acted from outside since the last step; that of
+    /// joints, too, once they are solved; N s, N m s.
     pub(super) fn impulse_without_contacts(&self, b: usize, dt: f64) -> Load {
         let mut impulse = Load {
             force: self.constants.settings.gravity * (self.constants.mass[b] * dt),
@@ -49,21 +59,25 @@ impl Blocks {
         impulse
     }
 
-    /// Kick over `dt` (s); solved again if bonds break by it.
+    /// Kick over `dt` (s), solved again if bonds break by it; tells of a joint that stays open.
     pub(super) fn kick_with_contacts(
         &mut self,
         closing: Closing,
         dynamics: &ContactDynamics,
         dt: f64,
-    ) {
+    ) -> Option<OpenJoint> {
         let mut solved = self.solve(closing, dynamics, dt);
         if solved.solution.residual <= UNSOLVED && self.break_bonds(&solved.carried) {
             let touches = self.touches(dt);
             solved = self.solve(self.closing(touches, dt), dynamics, dt);
         }
+        let open = self.open_joint_of(&solved, dt);
+        self.state.attachments.has_open_joint = open.is_some();
         self.state.solution = solved.solution;
-        self.state.totals.solved.count(&solved.solution);
+        let solution = &solved.solution;
+        self.state.totals.solved.count(solution, open.is_some());
         self.book_work(&solved);
+        self.keep_joints_of(&solved, dt);
         let Solved {
             problem,
             impulses,
@@ -79,26 +93,31 @@ impl Blocks {
         self.account_contact_loads(dt);
         self.kick_bodies(&solved.gains, &solved.given, dt);
         self.remove_overlap(&solved.problem, &solved.touches);
+        open
     }
 
-    /// Impulses of contacts and bonds.
+    /// Impulses of contacts, bonds and joints.
     fn solve(&self, closing: Closing, dynamics: &ContactDynamics, dt: f64) -> Solved {
+        let mut impulses = self.impulses_before(&closing, dt);
         let Closing {
             bodies,
             gains,
             touches,
             points,
             rolling,
+            joints,
             before,
             gained,
             free,
         } = closing;
-        let mut impulses = self.impulses_before(&touches, &points, &rolling, dt);
+        let n_bounded = touches.len() + rolling.len();
+        let operator = BodyContacts::new(bodies, points.clone());
         let problem = ContactProblem {
             friction: touches.iter().map(|touch| touch.friction).collect(),
             free_velocity: free,
             rolling,
-            operator: BodyContacts::new(bodies, points.clone()),
+            joints: Self::laws(&joints, n_bounded, &operator),
+            operator,
         };
         let until = Until {
             tolerance: dynamics.tolerance,
@@ -107,6 +126,7 @@ impl Blocks {
         };
         let ended = solver::solve(&problem, &mut impulses, until);
         let given = problem.operator.product(&impulses);
+        let mean = |a: usize| before[a] + (problem.operator.velocity(&given, a) + gained[a]) * 0.5;
         Solved {
             solution: ContactSolution {
                 n_contacts: touches.len(),
@@ -114,27 +134,53 @@ impl Blocks {
                 residual: ended.residual,
                 energy_error: energy_error(&problem, (&impulses, &given)),
             },
+            mean: (0..problem.len()).map(mean).collect(),
             given,
-            carried: self.carried(&points, &impulses, dt),
+            carried: self.carried((&points, &impulses), n_bounded, dt),
             problem,
             impulses,
             gains,
             touches,
             points,
-            before,
-            gained,
+            joints,
         }
     }
 
-    /// Work of contacts, of rolling resistance, and of bonds, which is damping.
+    fn open_joint_of(&self, solved: &Solved, dt: f64) -> Option<OpenJoint> {
+        let first = solved.first_of_joints();
+        let problem = &solved.problem;
+        let after: Vec<Vec3> = (first..problem.len())
+            .map(|a| problem.free_velocity[a] + problem.operator.velocity(&solved.given, a))
+            .collect();
+        let laws = &problem.joints[problem.joints.len() - solved.joints.len()..];
+        self.open_joint(
+            &solved.joints,
+            laws,
+            (&solved.impulses[first..], &after),
+            dt,
+        )
+    }
+
+    fn keep_joints_of(&mut self, solved: &Solved, dt: f64) {
+        let first = solved.first_of_joints();
+        let Solved {
+            points,
+            impulses,
+            mean,
+            ..
+        } = solved;
+        let rows = (&points[first..], &impulses[first..], &mean[first..]);
+        self.keep_joints(&solved.joints, rows, dt);
+    }
+
+    /// Work of contacts, of rolling resistance, and of bonds, which is damping; joints book their own.
     fn book_work(&mut self, solved: &Solved) {
         let n_bounded = solved.touches.len() + solved.problem.rolling.len();
         let [mut friction, mut damping] = [0.0; 2];
-        for (a, impulse) in solved.impulses.iter().enumerate() {
-            let kicked = solved.points[a].relative(&solved.given);
-            let mean = solved.before[a] + (kicked + solved.gained[a]) * 0.5;
+        let rows = solved.impulses.iter().zip(&solved.mean).enumerate();
+        for (a, (impulse, mean)) in rows.take(solved.first_of_joints()) {
             if n_bounded <= a {
-                damping -= impulse.dot(&mean);
+                damping -= impulse.dot(mean);
                 continue;
             }
             damping -= impulse.x * mean.x;

@@ -3,13 +3,14 @@
 //! ```text
 //! z ≥ 0,   W_n z ≥ 0.2 max(0, −gap − tol),  at right angles;   q += M⁻¹ H_nᵀ z                          tol = 1e-4 L
 //! ```
-//! It gives no velocity. What it gives in height, and in energy of rotation, has a place of its own in the account.
+//! Joints stay as they are in it. It gives no velocity. What it gives in height, and in energy of rotation, has a place of its own in the account.
 
 use super::touches::Touch;
 use crate::Blocks;
 use crate::Vec3;
 use crate::blocks::Update;
 use crate::contact::dynamics::accuracy::Scaling;
+use crate::contact::dynamics::bilateral::Bilateral;
 use crate::contact::dynamics::delassus::{BodyContacts, Delassus};
 use crate::contact::dynamics::gauss_seidel::{GaussSeidel, Order, Until};
 use crate::contact::dynamics::{ContactProblem, Rolling};
@@ -38,21 +39,23 @@ impl Blocks {
             return;
         }
         let way = |touch: &Touch| Vec3::x() * (SHARE * room(touch)).min(touch.gap.max(0.0));
-        // rolling resistance takes no part; bonds move their blocks together
+        // rolling resistance takes no part; bonds and joints move their blocks together
         let slack = |rolling: &Rolling| Rolling {
             coefficient: 0.0,
             ..*rolling
         };
-        let n_rows = problem.operator.n_contacts();
         let mut ways: Vec<Vec3> = touches.iter().map(way).collect();
-        ways.resize(n_rows, Vec3::zeros());
+        ways.resize(problem.len(), Vec3::zeros());
         let displacements = ContactProblem {
             operator: problem.operator.clone(),
             free_velocity: ways,
             friction: vec![0.0; touches.len()],
             rolling: problem.rolling.iter().map(slack).collect(),
+            joints: (problem.joints.iter())
+                .map(Bilateral::of_displacements)
+                .collect(),
         };
-        let mut pushes = vec![Vec3::zeros(); n_rows];
+        let mut pushes = vec![Vec3::zeros(); problem.len()];
         GaussSeidel::new(&displacements.operator, Order::Shuffled).solve(
             &displacements,
             &mut pushes,

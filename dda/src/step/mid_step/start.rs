@@ -1,7 +1,7 @@
 //! Impulses from step to step: what the last one found is where the next one starts.
 
+use super::closing::Closing;
 use super::touches::Touch;
-use crate::contact::dynamics::Rolling;
 use crate::contact::dynamics::delassus::Point;
 use crate::contact::dynamics::kept::KeptImpulse;
 use crate::contact::report::ContactState;
@@ -25,13 +25,13 @@ fn state_of(friction: f64, impulse: &Vec3) -> ContactState {
 impl Blocks {
     /// Impulses of the last step for this one; N s. Each goes to the nearest point of its parts: corners of faces that lie on each
     /// other change their names by round-off, and their sum should not.
-    pub(super) fn impulses_before(
-        &self,
-        touches: &[Touch],
-        points: &[Point],
-        rolling: &[Rolling],
-        dt: f64,
-    ) -> Vec<Vec3> {
+    pub(super) fn impulses_before(&self, closing: &Closing, dt: f64) -> Vec<Vec3> {
+        let Closing {
+            touches,
+            points,
+            rolling,
+            ..
+        } = closing;
         let mut impulses = vec![Vec3::zeros(); points.len()];
         let mut row_of = vec![None; touches.len()];
         for (row, rolling) in (touches.len()..).zip(rolling) {
@@ -58,7 +58,8 @@ impl Blocks {
             }
             first += group.len();
         }
-        self.recall_bonds(points, &mut impulses, dt);
+        self.recall_bonds(closing, &mut impulses, dt);
+        self.recall_joints(closing, &mut impulses, dt);
         impulses
     }
 
