@@ -21,6 +21,7 @@ mod mid_step;
 mod motion;
 mod paths;
 mod rest;
+mod rocking;
 mod scenes;
 
 mod setup;
