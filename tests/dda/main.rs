@@ -24,6 +24,7 @@ mod mid_step_surroundings;
 mod motion;
 mod paths;
 mod rest;
+mod rocking;
 mod scenes;
 
 mod setup;
