@@ -44,6 +44,8 @@ pub const ENERGY: &str = "energy.csv";
 pub const BLOCKS: &str = "blocks.csv";
 /// Contacts of blocks as contact dynamics solved them.
 pub const CONTACT_SOLUTION: &str = "contact_solution.csv";
+/// Forces of exact joints.
+pub const JOINT_FORCES: &str = "joint_forces.csv";
 /// Forces on blocks by source.
 pub const FORCES: &str = "forces.csv";
 /// Forces on blocks by partner.
@@ -96,7 +98,7 @@ pub const FACE_FRAMES: &str = "faces";
 pub const FRAMES: [&str; 4] = [WATER_FRAMES, BLOCK_FRAMES, CONTACT_FRAMES, FACE_FRAMES];
 
 /// All files with a name of their own.
-const FILES: [&str; 28] = [
+const FILES: [&str; 29] = [
     CASE,
     SUMMARY,
     PROGRESS,
@@ -109,6 +111,7 @@ const FILES: [&str; 28] = [
     ENERGY,
     BLOCKS,
     CONTACT_SOLUTION,
+    JOINT_FORCES,
     FORCES,
     CONTACTS,
     TRAJECTORIES,

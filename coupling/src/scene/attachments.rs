@@ -16,72 +16,95 @@ use super::names::Names;
 use crate::series::Series;
 use crate::world::Weakening;
 
-/// Loads, supports and bolts of the file.
+/// Loads, supports, bolts and joints of the file.
 pub(super) fn attachments(
     file: &SceneFile,
     names: &Names,
     blocks: &[BlockDefinition],
 ) -> Vec<Attachment> {
-    let number = |name: &String| names.block(name);
-    file.attachments
-        .iter()
-        .map(|attachment| match attachment {
-            AttachmentFile::PointLoad {
-                block,
-                point,
-                force,
-            } => Attachment::PointLoad {
-                block: number(block),
-                point: vec3(*point),
-                force: vec3(*force),
-            },
-            AttachmentFile::BodyLoad {
-                block,
-                acceleration,
-            } => Attachment::BodyLoad {
-                block: number(block),
-                acceleration: vec3(*acceleration),
-            },
-            AttachmentFile::Pressure {
-                block,
-                face,
-                pressure,
-            } => {
-                let block = number(block);
-                let (part, face) = facing(&blocks[block].shape, &vec3(*face));
-                Attachment::FaceLoad {
-                    block,
-                    part,
-                    face,
-                    pressure: *pressure,
-                }
-            }
-            AttachmentFile::FixedPoint {
-                block,
-                point,
-                stiffness,
-            } => Attachment::FixedPoint {
-                block: number(block),
-                point: vec3(*point),
-                stiffness: *stiffness,
-            },
-            AttachmentFile::RockBolt {
-                from,
-                from_point,
-                to,
-                to_point,
-                stiffness,
-                pretension,
-                yield_force,
-            } => Attachment::RockBolt {
-                blocks: (number(from), number(to)),
-                points: (vec3(*from_point), vec3(*to_point)),
-                stiffness: *stiffness,
-                pretension: *pretension,
-                yield_force: *yield_force,
-            },
-        })
+    let attachments = file.attachments.iter();
+    attachments
+        .map(|one| attachment(one, names, blocks))
         .collect()
+}
+
+fn attachment(file: &AttachmentFile, names: &Names, blocks: &[BlockDefinition]) -> Attachment {
+    let number = |name: &String| names.block(name);
+    match file {
+        AttachmentFile::PointLoad {
+            block,
+            point,
+            force,
+        } => Attachment::PointLoad {
+            block: number(block),
+            point: vec3(*point),
+            force: vec3(*force),
+        },
+        AttachmentFile::BodyLoad {
+            block,
+            acceleration,
+        } => Attachment::BodyLoad {
+            block: number(block),
+            acceleration: vec3(*acceleration),
+        },
+        AttachmentFile::Pressure {
+            block,
+            face,
+            pressure,
+        } => {
+            let block = number(block);
+            let (part, face) = facing(&blocks[block].shape, &vec3(*face));
+            Attachment::FaceLoad {
+                block,
+                part,
+                face,
+                pressure: *pressure,
+            }
+        }
+        AttachmentFile::FixedPoint {
+            block,
+            point,
+            stiffness,
+        } => Attachment::FixedPoint {
+            block: number(block),
+            point: vec3(*point),
+            stiffness: *stiffness,
+        },
+        AttachmentFile::RockBolt {
+            from,
+            from_point,
+            to,
+            to_point,
+            stiffness,
+            pretension,
+            yield_force,
+        } => Attachment::RockBolt {
+            blocks: (number(from), number(to)),
+            points: (vec3(*from_point), vec3(*to_point)),
+            stiffness: *stiffness,
+            pretension: *pretension,
+            yield_force: *yield_force,
+        },
+        AttachmentFile::HeldPoint { block, point } => Attachment::HeldPoint {
+            block: number(block),
+            point: vec3(*point),
+        },
+        AttachmentFile::BallJoint { from, to, point } => Attachment::BallJoint {
+            blocks: (number(from), number(to)),
+            point: vec3(*point),
+        },
+        AttachmentFile::Rod {
+            from,
+            from_point,
+            to,
+            to_point,
+            strength,
+        } => Attachment::Rod {
+            blocks: (number(from), number(to)),
+            points: (vec3(*from_point), vec3(*to_point)),
+            strength: strength.unwrap_or(f64::INFINITY),
+        },
+    }
 }
 
 /// Joint properties between two materials.

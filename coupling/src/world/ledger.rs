@@ -69,6 +69,8 @@ energy_terms! {
     external_work,
     /// Brought in by the removal of overlap that contact dynamics leaves.
     overlap_removal,
+    /// Brought in by exact joints as they restore the places of their points; of either sign.
+    joint_correction,
     /// Brought in by water in joints too narrow for particles, which pushes blocks apart.
     joint_water,
     /// Energy through inflows and outflows, including the work of imposing the flow there.
@@ -271,6 +273,7 @@ impl World {
             absorbed: self.progress.ledger.absorbed,
             sleep_loss: self.progress.ledger.sleep_loss + blocks.sleep_loss,
             overlap_removal: blocks.overlap_removal,
+            joint_correction: blocks.joint_correction,
             joint_water: self.progress.ledger.joint_water,
             through_openings: self.progress.ledger.through_openings,
             external_work: blocks.external_work + self.progress.ledger.wall_work,
@@ -294,6 +297,7 @@ impl World {
         energy.residual = energy.stored() + energy.lost()
             - energy.external_work
             - energy.overlap_removal
+            - energy.joint_correction
             - energy.joint_water
             - energy.through_openings
             - energy.at_walls

@@ -1,4 +1,4 @@
-//! `energy.csv`, `blocks.csv` and `contact_solution.csv`.
+//! `energy.csv`, `blocks.csv`, `contact_solution.csv` and `joint_forces.csv`.
 
 use std::path::Path;
 
@@ -21,6 +21,8 @@ pub struct Ledgers {
     blocks: Option<Table>,
     /// `None` without contact dynamics.
     solution: Option<Table>,
+    /// `None` without exact joints.
+    joints: Option<Table>,
     /// Name of each block.
     names: Vec<String>,
     row: Vec<f64>,
@@ -71,6 +73,16 @@ const SOLUTION_COLUMNS: [(&str, &str); 7] = [
     ("unsolved_steps", "-"),
 ];
 
+/// Columns of `joint_forces.csv`: one row per exact joint and time, numbered as the scene has them.
+const JOINT_COLUMNS: [(&str, &str); 6] = [
+    ("time", "s"),
+    ("joint", "-"),
+    ("fx", "N"),
+    ("fy", "N"),
+    ("fz", "N"),
+    ("broken", "-"),
+];
+
 impl Ledgers {
     /// Tables in `folder`, with a row per interval of the scene.
     ///
@@ -103,11 +115,19 @@ impl Ledgers {
                 Table::open(&folder.join(run_folder::CONTACT_SOLUTION), &columns, start)
             })
             .transpose()?;
+        let has_joints = world.blocks.joint_forces().next().is_some();
+        let joints = has_joints
+            .then(|| {
+                let columns = JOINT_COLUMNS.map(|(name, unit)| Column::new(name, unit));
+                Table::open(&folder.join(run_folder::JOINT_FORCES), &columns, start)
+            })
+            .transpose()?;
         Ok(Self {
             schedule: Schedule::every(interval),
             energy: Table::open(&folder.join(run_folder::ENERGY), &columns, start)?,
             blocks,
             solution,
+            joints,
             names: scene.block_names.clone(),
             row: Vec::new(),
         })
@@ -168,19 +188,27 @@ impl Observer for Ledgers {
                 all.n_unsolved as f64,
             ])?;
         }
+        if let Some(table) = &mut self.joints {
+            for (number, (force, is_broken)) in world.blocks.joint_forces().enumerate() {
+                let mut cells = vec![Cell::Number(world.time()), Cell::Whole(number)];
+                cells.extend(force.iter().copied().map(Cell::Number));
+                cells.push(Cell::Whole(usize::from(is_broken)));
+                table.cells(&cells)?;
+            }
+        }
         self.schedule.done(world.time());
         Ok(())
     }
 
     fn save(&self, out: Vec<u8>) -> Saved {
         let length = |table: &Option<Table>| table.as_ref().map(Table::length);
-        let lengths = [length(&self.blocks), length(&self.solution)];
+        let lengths = [&self.blocks, &self.solution, &self.joints].map(length);
         postcard::to_extend(&(self.schedule, self.energy.length(), lengths), out)
     }
 
     fn sync(&self) -> Result<(), ObserveError> {
         self.energy.sync()?;
-        let others = [&self.blocks, &self.solution];
+        let others = [&self.blocks, &self.solution, &self.joints];
         others.into_iter().flatten().try_for_each(Table::sync)?;
         Ok(())
     }
@@ -190,11 +218,9 @@ impl Observer for Ledgers {
         ((schedule, energy, lengths), rest) = postcard::take_from_bytes(bytes)?;
         self.schedule.resume(schedule);
         self.energy.cut(energy)?;
-        let lengths: [Option<_>; 2] = lengths;
-        for (table, length) in [&mut self.blocks, &mut self.solution]
-            .into_iter()
-            .zip(lengths)
-        {
+        let lengths: [Option<_>; 3] = lengths;
+        let tables = [&mut self.blocks, &mut self.solution, &mut self.joints];
+        for (table, length) in tables.into_iter().zip(lengths) {
             if let (Some(table), Some(length)) = (table, length) {
                 table.cut(length)?;
             }

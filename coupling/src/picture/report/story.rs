@@ -293,7 +293,7 @@ fn blocks(folder: &Path, names: &[String]) -> Option<Table> {
 }
 
 /// Terms of the energy ledger, as a reader calls them.
-const TERMS: [(&str, &str); 23] = [
+const TERMS: [(&str, &str); 24] = [
     ("kinetic", "kinetic"),
     ("potential", "potential, from the lower side of the domain"),
     ("elastic", "in contacts"),
@@ -316,6 +316,10 @@ const TERMS: [(&str, &str); 23] = [
     ("removed", "what left the domain"),
     ("sleep_loss", "put to sleep"),
     ("overlap_removal", "removal of overlap of blocks"),
+    (
+        "joint_correction",
+        "exact joints as they restore their places",
+    ),
     ("joint_water", "water in joints"),
     ("through_openings", "through inflows and outflows"),
     ("at_walls", "introduced at walls by the discretization"),

@@ -73,4 +73,39 @@ pub enum AttachmentFile {
         #[schemars(extend("x-unit" = "N", "exclusiveMinimum" = 0))]
         yield_force: f64,
     },
+    /// Point of a free block that stays where it is at t = 0, while the block turns about it: exact, with contact dynamics.
+    HeldPoint {
+        /// Name of the block.
+        block: String,
+        /// Position; m.
+        #[schemars(extend("x-unit" = "m"))]
+        point: Triple,
+    },
+    /// Point that two blocks have in common, about which they turn: exact, with contact dynamics.
+    BallJoint {
+        /// Name of one block.
+        from: String,
+        /// Name of the other block, which may be fixed or prescribed.
+        to: String,
+        /// Position at t = 0; m.
+        #[schemars(extend("x-unit" = "m"))]
+        point: Triple,
+    },
+    /// Rigid bar without mass between points of two blocks, as long as they are apart at t = 0: exact, with contact dynamics.
+    Rod {
+        /// Name of the block at one end.
+        from: String,
+        /// Position of that end at t = 0; m.
+        #[schemars(extend("x-unit" = "m"))]
+        from_point: Triple,
+        /// Name of the block at the other end, which may be fixed or prescribed.
+        to: String,
+        /// Position of that end at t = 0; m.
+        #[schemars(extend("x-unit" = "m"))]
+        to_point: Triple,
+        /// Largest force in tension and compression, at which it breaks for good; N. None when left out.
+        #[serde(default)]
+        #[schemars(extend("x-unit" = "N", "exclusiveMinimum" = 0))]
+        strength: Option<f64>,
+    },
 }
