@@ -41,6 +41,9 @@ use nalgebra::Matrix3;
 /// Residual above which a step counts as unsolved; –.
 pub const UNSOLVED: f64 = 1e-2;
 
+/// Rows that one thread takes at a time.
+const ROWS_AT_A_TIME: usize = 1024;
+
 /// The contacts of a step, rolling resistance and joints, whose rows follow each other; vectors in the local frames (n, t1, t2).
 #[derive(Clone, Debug)]
 pub struct ContactProblem<D> {
@@ -91,6 +94,7 @@ impl<D: Delassus> ContactProblem<D> {
         self.len() == 0
     }
 
+    #[inline]
     fn row(&self, a: usize) -> Row<'_> {
         if let Some(&friction) = self.friction.get(a) {
             return Row::Contact(friction);
@@ -116,6 +120,7 @@ impl<D: Delassus> ContactProblem<D> {
     }
 
     /// Shift of the normal velocity that makes a row one of a cone and its dual: De Saxcé's of a contact, that of the length of a rod; m/s.
+    #[inline]
     fn shift(&self, a: usize, velocity: &Vec3) -> f64 {
         match self.row(a) {
             Row::Contact(friction) => friction * cone::tangential(velocity),
@@ -125,6 +130,7 @@ impl<D: Delassus> ContactProblem<D> {
     }
 
     /// Nearest point of the cone of a row, for impulses over a scale, with the normal impulses of contacts (N s).
+    #[inline]
     fn projected(
         &self,
         a: usize,
@@ -140,6 +146,7 @@ impl<D: Delassus> ContactProblem<D> {
     }
 
     /// Mass that a row feels: `3/tr W_aa`, of a rod `1/W_nn`; kg. 1 where impulses move nothing.
+    #[inline]
     fn mass(&self, a: usize) -> f64 {
         let w = self.operator.diagonal(a);
         let (n, compliance) = match self.row(a) {
@@ -154,6 +161,7 @@ impl<D: Delassus> ContactProblem<D> {
     }
 
     /// The part of a vector in which a row acts.
+    #[inline]
     fn acting(&self, a: usize, v: &Vec3) -> Vec3 {
         match self.row(a) {
             Row::Contact(_) | Row::Rolling(_) => *v,
@@ -171,6 +179,7 @@ impl<D: Delassus> ContactProblem<D> {
     }
 
     /// Velocity `U_a` of a row, of the velocities that all impulses give; m/s.
+    #[inline]
     fn velocity(&self, of_impulses: &D::Velocities, a: usize) -> Vec3 {
         self.free_velocity[a] + self.operator.velocity(of_impulses, a)
     }

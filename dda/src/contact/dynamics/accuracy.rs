@@ -1,8 +1,8 @@
 //! How far impulses are from the laws of contact.
 
-use super::ContactProblem;
 use super::delassus::Delassus;
-use crate::Vec3;
+use super::{ContactProblem, ROWS_AT_A_TIME};
+use crate::{Vec3, chunks};
 
 /// Mass by which impulses become velocities.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -14,6 +14,7 @@ pub enum Scaling {
 }
 
 impl Scaling {
+    #[inline]
     fn of<D: Delassus>(self, problem: &ContactProblem<D>, a: usize) -> f64 {
         match self {
             Self::ContactMass => problem.mass(a),
@@ -23,6 +24,7 @@ impl Scaling {
 }
 
 /// `Û`: the velocity of a row, shifted along the normal; m/s.
+#[inline]
 fn shifted<D: Delassus>(problem: &ContactProblem<D>, a: usize, velocity: &Vec3) -> Vec3 {
     let along = velocity + Vec3::x() * problem.shift(a, velocity);
     problem.acting(a, &along)
@@ -39,22 +41,29 @@ pub fn residual<D: Delassus>(
     (impulses, velocities): (&[Vec3], &D::Velocities),
     scaling: Scaling,
 ) -> f64 {
-    let [mut off, mut free, mut pressed, mut moving] = [0.0_f64; 4];
-    for (a, impulse) in impulses.iter().enumerate() {
-        let mass = scaling.of(problem, a);
-        let scaled = impulse / mass;
-        let velocity = problem.velocity(velocities, a);
-        let image = problem.projected(
-            a,
-            &(scaled - shifted(problem, a, &velocity)),
-            mass,
-            |contact| impulses[contact].x,
-        );
-        off += (scaled - image).norm_squared();
-        free += problem.free_velocity[a].norm_squared();
-        pressed += scaled.norm_squared();
-        moving += velocity.norm_squared();
-    }
+    let of_rows = |first: usize, rows: &[Vec3]| {
+        let mut sums = [0.0_f64; 4];
+        for (a, impulse) in (first..).zip(rows) {
+            let mass = scaling.of(problem, a);
+            let scaled = impulse / mass;
+            let velocity = problem.velocity(velocities, a);
+            let free = scaled - shifted(problem, a, &velocity);
+            let image = problem.projected(a, &free, mass, |contact| impulses[contact].x);
+            for (sum, of) in sums.iter_mut().zip([
+                &(scaled - image),
+                &problem.free_velocity[a],
+                &scaled,
+                &velocity,
+            ]) {
+                *sum += of.norm_squared();
+            }
+        }
+        sums
+    };
+    let [off, free, pressed, moving] =
+        chunks::reduce(impulses, ROWS_AT_A_TIME, &of_rows, &|a, b| {
+            [0, 1, 2, 3].map(|k| a[k] + b[k])
+        });
     let size = free.max(pressed).max(moving);
     if 0.0 < size { (off / size).sqrt() } else { 0.0 }
 }

@@ -3,12 +3,14 @@
 use crate::Vec3;
 
 /// Size of the tangential part.
+#[inline]
 pub(super) fn tangential(x: &Vec3) -> f64 {
     // no velocity is as large or as small as those for which `hypot` takes its time
     (x.y * x.y + x.z * x.z).sqrt()
 }
 
 /// Nearest point of the cone.
+#[inline]
 pub(super) fn projected(friction: f64, x: &Vec3) -> Vec3 {
     let along = tangential(x);
     if along <= friction * x.x {

@@ -1,7 +1,11 @@
 //! The Delassus operator `W = H M⁻¹ Hᵀ`, from impulses to velocities: of bodies, without a matrix, or of a matrix in blocks.
 
-use crate::Vec3;
+use super::ROWS_AT_A_TIME;
+use crate::{Vec3, chunks};
 use nalgebra::Matrix3;
+
+/// Bodies that one thread takes at a time.
+const BODIES_AT_A_TIME: usize = 64;
 
 /// From impulses at contacts to velocities there, in local frames (n, t1, t2).
 pub trait Delassus: Sync {
@@ -134,6 +138,7 @@ impl Point {
     }
 
     /// Velocity of B seen from A, of velocity and spin of each body (m/s, rad/s); m/s.
+    #[inline]
     pub fn relative(&self, of_bodies: &[[Vec3; 2]]) -> Vec3 {
         let side = |arm: &Arm| {
             arm.map_or(Vec3::zeros(), |(body, arm)| {
@@ -159,6 +164,71 @@ pub struct BodyContacts {
     bodies: Vec<Body>,
     points: Vec<Point>,
     diagonal: Vec<Matrix3<f64>>,
+    /// Where there are many points.
+    of_bodies: Option<PointsOfBodies>,
+}
+
+/// Points of each body, in their order.
+#[derive(Clone, Debug)]
+struct PointsOfBodies {
+    /// First of each body, and the number of all.
+    first: Vec<u32>,
+    sides: Vec<Side>,
+}
+
+/// A point as one of its bodies has it.
+#[derive(Clone, Copy, Debug, Default)]
+struct Side {
+    point: u32,
+    /// Whether the body is B.
+    is_b: bool,
+    is_torque: bool,
+    /// From the centroid; m.
+    arm: Vec3,
+}
+
+impl Side {
+    /// Impulse and moment on the body by an impulse on B.
+    fn load(&self, on_b: &Vec3) -> [Vec3; 2] {
+        let on_body = if self.is_b { *on_b } else { -on_b };
+        match self.is_torque {
+            true => [Vec3::zeros(), on_body],
+            false => [on_body, self.arm.cross(&on_body)],
+        }
+    }
+}
+
+impl PointsOfBodies {
+    fn new(n_bodies: usize, points: &[Point]) -> Self {
+        let mut first = vec![0_u32; n_bodies + 1];
+        for (body, _) in points.iter().flat_map(|point| point.arms).flatten() {
+            first[body as usize + 1] += 1;
+        }
+        for body in 0..n_bodies {
+            first[body + 1] += first[body];
+        }
+        let mut next = first.clone();
+        let mut sides = vec![Side::default(); first[n_bodies] as usize];
+        for (number, point) in (0..).zip(points) {
+            for (arm, is_b) in point.arms.into_iter().zip([false, true]) {
+                if let Some((body, arm)) = arm {
+                    let next = &mut next[body as usize];
+                    sides[*next as usize] = Side {
+                        point: number,
+                        is_b,
+                        is_torque: point.is_torque,
+                        arm,
+                    };
+                    *next += 1;
+                }
+            }
+        }
+        Self { first, sides }
+    }
+
+    fn of(&self, body: usize) -> &[Side] {
+        &self.sides[self.first[body] as usize..self.first[body + 1] as usize]
+    }
 }
 
 impl BodyContacts {
@@ -174,7 +244,9 @@ impl BodyContacts {
             point.frame.tr_mul(&(sum * point.frame))
         };
         let diagonal = points.iter().map(block).collect();
+        let is_large = ROWS_AT_A_TIME < points.len();
         Self {
+            of_bodies: is_large.then(|| PointsOfBodies::new(bodies.len(), &points)),
             bodies,
             points,
             diagonal,
@@ -227,6 +299,38 @@ impl Delassus for BodyContacts {
                 *spin += given[1];
             }
         }
+    }
+
+    /// By bodies where there are many points, each with its own in their order.
+    fn product(&self, impulses: &[Vec3]) -> Self::Velocities {
+        let mut velocities = self.at_rest();
+        let Some(of_bodies) = &self.of_bodies else {
+            for (a, impulse) in impulses.iter().enumerate() {
+                self.add(&mut velocities, a, impulse);
+            }
+            return velocities;
+        };
+        let mut on_b = vec![Vec3::zeros(); impulses.len()];
+        let turn = |_, (on_b, points, impulses): (&mut [Vec3], &[Point], &[Vec3])| {
+            for ((on_b, point), impulse) in on_b.iter_mut().zip(points).zip(impulses) {
+                *on_b = point.frame * impulse;
+            }
+        };
+        let rows = (on_b.as_mut_slice(), self.points.as_slice(), impulses);
+        chunks::for_each(rows, ROWS_AT_A_TIME, &turn);
+        let sum = |first: usize, velocities: &mut [[Vec3; 2]]| {
+            for (body, velocity) in (first..).zip(velocities) {
+                let [mut impulse, mut moment] = [Vec3::zeros(); 2];
+                for side in of_bodies.of(body) {
+                    let load = side.load(&on_b[side.point as usize]);
+                    impulse += load[0];
+                    moment += load[1];
+                }
+                *velocity = self.bodies[body].kicked(&impulse, &moment);
+            }
+        };
+        chunks::for_each(velocities.as_mut_slice(), BODIES_AT_A_TIME, &sum);
+        velocities
     }
 
     fn colors(&self) -> Vec<Vec<u32>> {

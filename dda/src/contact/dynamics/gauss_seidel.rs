@@ -102,26 +102,31 @@ impl GaussSeidel {
         if self.order == Order::Shuffled {
             self.shuffle();
         }
-        for color in &self.colors {
-            let solve = |&a: &u32| {
-                let a = a as usize;
+        let Self { colors, slips, .. } = self;
+        for color in colors {
+            let solve = |a: usize, (velocities, impulses, mut slip): (&_, &[Vec3], f64)| {
                 let w = problem.operator.diagonal(a);
                 let others = problem.velocity(velocities, a) - w * impulses[a];
-                let mut slip = self.slips[a];
                 let found = problem.impulse(a, &others, impulses, &mut slip);
                 (found, slip)
             };
             let found: Vec<(Vec3, f64)> = match LARGE_COLOR <= color.len() {
-                true => color.par_iter().map(solve).collect(),
-                false => color.iter().map(solve).collect(),
+                true => (color.par_iter())
+                    .map(|&a| solve(a as usize, (velocities, impulses, slips[a as usize])))
+                    .collect(),
+                // one at a time: those of a color do not see each other
+                false => Vec::new(),
             };
-            for (&a, (impulse, slip)) in color.iter().zip(found) {
+            for (k, &a) in color.iter().enumerate() {
                 let a = a as usize;
-                problem
-                    .operator
-                    .add(velocities, a, &(impulse - impulses[a]));
+                let (impulse, slip) = match found.get(k) {
+                    Some(found) => *found,
+                    None => solve(a, (velocities, impulses, slips[a])),
+                };
+                let change = impulse - impulses[a];
+                problem.operator.add(velocities, a, &change);
                 impulses[a] = impulse;
-                self.slips[a] = slip;
+                slips[a] = slip;
             }
         }
     }

@@ -14,10 +14,11 @@
 //!
 //! Sources: Nesterov (1983); O'Donoghue & Candès (2015) for the restart; Mazhar et al. (2015) for contacts.
 
-use super::ContactProblem;
 use super::accuracy::residual;
 use super::delassus::Delassus;
 use super::gauss_seidel::{Ended, Until};
+use super::{ContactProblem, ROWS_AT_A_TIME};
+use crate::chunks::{for_each, reduce};
 use crate::{Random, Vec3};
 
 /// Iterations between renewals of the shift, after which the residual is looked at.
@@ -96,6 +97,8 @@ struct Descent {
     step_length: f64,
     x: Vec<Vec3>,
     y: Vec<Vec3>,
+    /// The next `x`; before that impulses at `y`.
+    next: Vec<Vec3>,
     shift: Vec<f64>,
     theta: f64,
 }
@@ -106,6 +109,7 @@ impl Descent {
         Self {
             shift: vec![0.0; x.len()],
             y: x.clone(),
+            next: x.clone(),
             x,
             scales,
             step_length,
@@ -119,40 +123,64 @@ impl Descent {
     }
 
     fn step<D: Delassus>(&mut self, problem: &ContactProblem<D>, renews: bool) {
-        let scaled = self.y.iter().zip(&self.scales);
-        let velocities = problem
-            .operator
-            .product(&scaled.map(|(y, d)| y * *d).collect::<Vec<_>>());
-        let mut uphill = 0.0;
-        let mut next = Vec::with_capacity(self.x.len());
-        for (a, y) in self.y.iter().enumerate() {
-            let mut u = problem.velocity(&velocities, a);
-            if renews {
-                self.shift[a] = problem.shift(a, &u);
-            }
-            u.x += self.shift[a];
-            let gradient = u * self.scales[a];
-            let moved = problem.projected(
-                a,
-                &(y - gradient * self.step_length),
-                self.scales[a],
-                |contact| self.y[contact].x * self.scales[contact],
-            );
-            uphill += gradient.dot(&(moved - self.x[a]));
-            next.push(moved);
-        }
+        let (y, scales, step_length) = (&self.y, &self.scales, self.step_length);
+        for_each(
+            (self.next.as_mut_slice(), y.as_slice(), scales.as_slice()),
+            ROWS_AT_A_TIME,
+            &|_, (scaled, y, scales): (&mut [Vec3], &[Vec3], &[f64])| {
+                for ((scaled, y), d) in scaled.iter_mut().zip(y).zip(scales) {
+                    *scaled = y * *d;
+                }
+            },
+        );
+        let velocities = problem.operator.product(&self.next);
+        let move_rows =
+            |first: usize, (next, shift, x): (&mut [Vec3], &mut [f64], &[Vec3])| -> f64 {
+                let mut uphill = 0.0;
+                for (a, ((next, shift), x)) in (first..).zip(next.iter_mut().zip(shift).zip(x)) {
+                    let mut u = problem.velocity(&velocities, a);
+                    if renews {
+                        *shift = problem.shift(a, &u);
+                    }
+                    u.x += *shift;
+                    let gradient = u * scales[a];
+                    let free = y[a] - gradient * step_length;
+                    let pressed = |contact: usize| y[contact].x * scales[contact];
+                    *next = problem.projected(a, &free, scales[a], pressed);
+                    uphill += gradient.dot(&(*next - x));
+                }
+                uphill
+            };
+        let rows = (
+            self.next.as_mut_slice(),
+            self.shift.as_mut_slice(),
+            self.x.as_slice(),
+        );
+        let uphill = reduce(rows, ROWS_AT_A_TIME, &move_rows, &|a, b| a + b);
         if 0.0 < uphill {
             self.theta = 1.0;
-            self.y.copy_from_slice(&next);
+            self.y.copy_from_slice(&self.next);
         } else {
             let theta = self.theta;
             let after = 0.5 * theta * ((theta * theta + 4.0).sqrt() - theta);
             let beta = theta * (1.0 - theta) / (theta * theta + after);
-            for ((y, next), x) in self.y.iter_mut().zip(&next).zip(&self.x) {
-                *y = next + (next - x) * beta;
-            }
+            let rows = (
+                self.y.as_mut_slice(),
+                self.next.as_slice(),
+                self.x.as_slice(),
+            );
+            for_each(rows, ROWS_AT_A_TIME, &|_,
+                                             (y, next, x): (
+                &mut [Vec3],
+                &[Vec3],
+                &[Vec3],
+            )| {
+                for ((y, next), x) in y.iter_mut().zip(next).zip(x) {
+                    *y = next + (next - x) * beta;
+                }
+            });
             self.theta = after;
         }
-        self.x = next;
+        std::mem::swap(&mut self.x, &mut self.next);
     }
 }
