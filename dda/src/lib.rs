@@ -98,6 +98,7 @@ pub use contact::detection::common_plane::{
 };
 pub use contact::dynamics as contact_dynamics;
 pub use contact::dynamics::kept::{ContactSolution, SolvedSteps};
+pub use contact::dynamics::solver::ContactSolver;
 pub use contact::rates::StepBound;
 pub use contact::report::{Contact, ContactState};
 pub use error::{BlockError, DeepOverlap, OpenJoint, StepError};

@@ -42,7 +42,8 @@ fn a_scene_chooses_contact_dynamics() {
         Integrator::ContactDynamics(ContactDynamics {
             time_step: 2e-3,
             tolerance: 1e-6,
-            n_iterations: 50
+            n_iterations: 50,
+            ..ContactDynamics::default()
         })
     );
     let Integrator::ContactDynamics(chosen) = integrator("ContactDynamics()") else {
@@ -223,6 +224,63 @@ fn too_few_sweeps_end_a_run_with_a_code() {
         "{text}"
     );
     assert!(out.join("contact_solution.csv").exists());
+}
+
+/// A sphere on a rod swings with its period; a chain of ball joints bears its weight, recorded joint by joint; springs refuse both.
+#[test]
+fn scenes_have_exact_joints() {
+    let scene = |blocks: &str| {
+        format!(
+            "(title: \"joints\", domain: (min: (-9, -9, -9), max: (9, 9, 9)),\n\
+             materials: [(name: \"rock\", density: 2500, friction_angle_deg: 30)],\n\
+             blocks: [(name: \"roof\", material: \"rock\", motion: Fixed, shape: Box(min: (-1, -1, 2), max: (1, 1, 3))),\n\
+             (name: \"bob\", material: \"rock\", shape: Sphere(center: (0.5, 0, 0.1339746), radius: 0.05)),\n\
+             (name: \"upper\", material: \"rock\", shape: Box(min: (3, 0, 0), max: (3.2, 0.2, 1))),\n\
+             (name: \"lower\", material: \"rock\", shape: Box(min: (3, 0, -1.1), max: (3.2, 0.2, -0.1)))],\n\
+             attachments: [Rod(from: \"roof\", from_point: (0, 0, 1), to: \"bob\", to_point: (0.5, 0, 0.1339746)),\n\
+             HeldPoint(block: \"upper\", point: (3.1, 0.1, 1)),\n\
+             BallJoint(from: \"upper\", to: \"lower\", point: (3.1, 0.1, -0.05))],\n\
+             numerics: (blocks: {blocks}), output: (ledger_interval: 0.01), time: (duration: 2.1))"
+        )
+    };
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("joints.ron");
+    std::fs::write(&path, scene("CentralDifference")).unwrap();
+    let output = riprap(&["check", path.to_str().unwrap()]);
+    let told = words(&output);
+    assert!(
+        told.contains("requires `numerics.blocks: ContactDynamics()`"),
+        "{told}"
+    );
+    let given = "ContactDynamics(time_step: 0.001, tolerance: 1e-10)";
+    std::fs::write(&path, scene(given)).unwrap();
+    let out = folder.path().join("run");
+    let summary = run(&path, &out, &[]);
+    let energy = &summary["energy"];
+    let scale = energy["kinetic"].as_f64().unwrap().max(1.0);
+    // the start is a step with half a kick of the rod
+    assert!(
+        energy["residual"].as_f64().unwrap().abs() < 1e-6 * scale,
+        "{energy}"
+    );
+    let bob: Vec<Vec<f64>> = (table(&out.join("blocks.csv")).into_iter())
+        .filter(|row| row[1] == 1.0)
+        .collect();
+    // released at 30 degrees: a quarter of 2.040990 s to the lowest point, by interpolation
+    let past = bob.iter().position(|row| row[2] < 0.0).unwrap();
+    let (before, after) = (&bob[past - 1], &bob[past]);
+    let share = before[2] / (before[2] - after[2]);
+    let quarter = before[0] + share * (after[0] - before[0]);
+    println!("a quarter of the period {quarter} s");
+    assert!((quarter / (2.040_990 / 4.0) - 1.0).abs() < 2e-3);
+    let weight = 2500.0 * 0.04 * G;
+    let joints = table(&out.join("joint_forces.csv"));
+    for (joint, weights) in [(1.0, 2.0), (2.0, 1.0)] {
+        let last = joints.iter().rfind(|row| row[1] == joint).unwrap();
+        // on the first block: up on what is held, down by what hangs below
+        let expected = if joint == 1.0 { weights } else { -weights } * weight;
+        assert!((last[4] / expected - 1.0).abs() < 1e-6, "{last:?}");
+    }
 }
 
 /// A basin in a plane with a body; `numerics` of the scene.

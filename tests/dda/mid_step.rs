@@ -259,11 +259,11 @@ fn the_thinnest_arch() {
         let reaction = -(blocks.contact_force(27).force.z + blocks.contact_force(28).force.z);
         (crown - blocks.centroid(13).z, reaction / weight)
     };
-    let (stands, reaction) = fall(0.10711 * 1.03, 3.0);
-    println!("arch 3 % above: crown {stands:.2e} m lower, reaction {reaction:.8} weights");
+    let (stands, reaction) = fall(0.10711 * 1.01, 3.0);
+    println!("arch 1 % above: crown {stands:.2e} m lower, reaction {reaction:.8} weights");
     assert!(stands < 1e-3 && (reaction - 1.0).abs() < 1e-4);
-    let (falls, _) = fall(0.10711 * 0.97, 3.0);
-    println!("arch 3 % below: crown {falls:.2e} m lower");
+    let (falls, _) = fall(0.10711 * 0.985, 4.0);
+    println!("arch 1.5 % below: crown {falls:.2e} m lower");
     assert!(0.1 < falls);
 }
 

@@ -32,6 +32,7 @@ fn exact() -> ContactDynamics {
         time_step: DT,
         tolerance: 1e-12,
         n_iterations: 5000,
+        ..ContactDynamics::default()
     }
 }
 
@@ -314,6 +315,7 @@ fn unsolved_contacts_are_an_error() {
         time_step: DT,
         tolerance: 1e-12,
         n_iterations: 1,
+        ..ContactDynamics::default()
     };
     let cubes = (0..30).map(|k| {
         let z = f64::from(k);

@@ -238,6 +238,7 @@ fn contact_dynamics_is_housners() {
         time_step: 1e-4,
         tolerance: 1e-8,
         n_iterations: 2000,
+        ..ContactDynamics::default()
     });
     for alpha in [0.1, 0.2, 0.3] {
         for base in [Base::Flat, Base::TwoEdges] {

@@ -1,9 +1,11 @@
 //! Contact dynamics of blocks: numbers where the file has none, and refusals.
 
-use riprap_dda::{BlockDefinition, ContactDynamics, Integrator, Motion, Vec3};
+use riprap_dda::{BlockDefinition, ContactDynamics, ContactSolver, Integrator, Motion, Vec3};
 
 use super::error::Problem;
-use super::file::{BlockIntegratorFile, NormalLawFile, SceneFile, vec3};
+use super::file::{
+    BlockIntegratorFile, ContactSolverFile, NormalLawFile, RollingLawFile, SceneFile, vec3,
+};
 use crate::messages::Code;
 
 /// Step over the time in which the smallest block falls half its size: 5 ms for 0.3 m.
@@ -21,6 +23,7 @@ pub(super) fn integrator(
         time_step,
         tolerance,
         sweeps,
+        solver,
     } = file.numerics.blocks
     else {
         return Integrator::CentralDifference;
@@ -33,6 +36,11 @@ pub(super) fn integrator(
             .unwrap_or_else(|| step_for(blocks, &vec3(file.gravity), file.time.duration)),
         tolerance: tolerance.unwrap_or(usual.tolerance),
         n_iterations: sweeps.map_or(usual.n_iterations, |sweeps| sweeps as usize),
+        solver: match solver {
+            ContactSolverFile::Chosen => ContactSolver::Chosen,
+            ContactSolverFile::GaussSeidel => ContactSolver::GaussSeidel,
+            ContactSolverFile::Gradient => ContactSolver::Gradient,
+        },
     })
 }
 
@@ -66,6 +74,28 @@ fn not_modeled(file: &SceneFile) -> Vec<Problem> {
                 "contact dynamics moves rigid blocks; leave `deformable` out, or take `numerics.blocks: CentralDifference`",
             );
         }
+    }
+    let no_residual = "contact dynamics has no residual cohesion, with which friction is no cone; leave it out, or set it to 0";
+    for (index, material) in file.materials.iter().enumerate() {
+        if 0.0 < material.residual_cohesion {
+            refuse(format!("materials[{index}].residual_cohesion"), no_residual);
+        }
+    }
+    for (index, joint) in file.joints.iter().enumerate() {
+        if joint
+            .residual_cohesion
+            .is_some_and(|cohesion| 0.0 < cohesion)
+        {
+            refuse(format!("joints[{index}].residual_cohesion"), no_residual);
+        }
+    }
+    let rolls = file.materials.iter().any(|m| 0.0 < m.rolling_friction)
+        || (file.joints.iter()).any(|j| j.rolling_friction.is_some_and(|mu| 0.0 < mu));
+    if rolls && file.numerics.rolling_law == RollingLawFile::OwnSpin {
+        refuse(
+            "numerics.rolling_law".to_owned(),
+            "contact dynamics resists rolling between bodies, not against the world; take `Relative`",
+        );
     }
     if file.numerics.static_damping.is_some() {
         refuse(

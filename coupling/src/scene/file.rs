@@ -41,9 +41,9 @@ pub use gauges::{ForcesFile, GaugeFile, GaugeKindFile, MapsFile, MassFile, Traje
 pub use interface::{InterfaceFile, SlipFile, WallMethodFile};
 pub use materials::{ElasticFile, JointFile, MaterialFile};
 pub use numerics::{
-    BlockIntegratorFile, ContactDetectionFile, DensityDiffusionFile, DensityFile, KernelFile,
-    NegativePressure, NormalLawFile, NumericsFile, PrecisionFile, Preset, RestingFile,
-    RollingLawFile, ShiftingFile, SleepingFile, StateEquationFile, StaticDampingFile,
+    BlockIntegratorFile, ContactDetectionFile, ContactSolverFile, DensityDiffusionFile,
+    DensityFile, KernelFile, NegativePressure, NormalLawFile, NumericsFile, PrecisionFile, Preset,
+    RestingFile, RollingLawFile, ShiftingFile, SleepingFile, StateEquationFile, StaticDampingFile,
     StepBoundFile, SteppingFile, ViscosityFile,
 };
 pub use openings::{AbsorberFile, InflowFile, OutflowFile};

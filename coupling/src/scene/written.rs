@@ -1,13 +1,13 @@
 //! A resolved scene as a file: every choice written out, so that it runs again to the same bits.
 
-use riprap_dda::{Integrator, StepBound};
+use riprap_dda::{ContactSolver, Integrator, StepBound};
 use riprap_sph::scheme::Viscosity;
 
 use super::crs::Crs;
 use super::file::{
-    AbsorberFile, BlockIntegratorFile, FluidFile, ForcesFile, InterfaceFile, MapsFile,
-    NumericsFile, OutputFile, RestingFile, SceneFile, SleepingFile, StepBoundFile, TerrainFile,
-    TrajectoriesFile, ViscosityFile,
+    AbsorberFile, BlockIntegratorFile, ContactSolverFile, FluidFile, ForcesFile, InterfaceFile,
+    MapsFile, NumericsFile, OutputFile, RestingFile, SceneFile, SleepingFile, StepBoundFile,
+    TerrainFile, TrajectoriesFile, ViscosityFile,
 };
 use super::fluid::chosen_viscosity;
 use super::parse;
@@ -104,6 +104,11 @@ impl Scene {
                     time_step: Some(dynamics.time_step),
                     tolerance: Some(dynamics.tolerance),
                     sweeps: u32::try_from(dynamics.n_iterations).ok(),
+                    solver: match dynamics.solver {
+                        ContactSolver::Chosen => ContactSolverFile::Chosen,
+                        ContactSolver::GaussSeidel => ContactSolverFile::GaussSeidel,
+                        ContactSolver::Gradient => ContactSolverFile::Gradient,
+                    },
                 },
             },
             block_time_step_factor: Some(self.block_settings.time_step_factor),

@@ -1,8 +1,8 @@
 //! Input of a system of blocks: block definitions and solver settings.
 
 use crate::{
-    BlockError, ContactDetection, Deformability, Motion, NormalLaw, RollingLaw, Shape, StepBound,
-    Vec3,
+    BlockError, ContactDetection, ContactSolver, Deformability, Motion, NormalLaw, RollingLaw,
+    Shape, StepBound, Vec3,
 };
 
 /// Definition of a block.
@@ -90,6 +90,8 @@ pub struct ContactDynamics {
     pub tolerance: f64,
     /// Sweeps and iterations of a step at most, at least 1. Default 300.
     pub n_iterations: usize,
+    /// Solver of all contacts. Default: chosen in each step.
+    pub solver: ContactSolver,
 }
 
 impl Default for ContactDynamics {
@@ -98,6 +100,7 @@ impl Default for ContactDynamics {
             time_step: 5e-3,
             tolerance: 1e-4,
             n_iterations: 300,
+            solver: ContactSolver::default(),
         }
     }
 }
@@ -131,6 +134,7 @@ fn check_dynamics(dynamics: &ContactDynamics, settings: &Settings) -> Result<(),
         time_step,
         tolerance,
         n_iterations,
+        solver: _,
     } = *dynamics;
     if !(time_step > 0.0 && time_step.is_finite()) {
         return refuse("integrator.time_step", time_step, "must be above 0 s");

@@ -95,6 +95,7 @@ Plane(name: "weir_1", point: (4, 0, 0), normal: (1, 0, 0), blocks: "pebble_")"#;
     InterfaceFile: "(walls: Particles, slip: None)";
     WallMethodFile: "Particles";
     SlipFile: "Friction(20)";
+    ContactSolverFile: "GaussSeidel";
     BlockIntegratorFile: "ContactDynamics(time_step: 0.005, tolerance: 1e-6)";
     NumericsFile: "(preset: Reference, bulk_viscosity: 0.1, sleeping: ())";
     Preset: "Standard";

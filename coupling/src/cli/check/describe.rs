@@ -180,6 +180,7 @@ fn in_contact_dynamics(dynamics: &ContactDynamics) -> String {
         time_step,
         tolerance,
         n_iterations,
+        solver: _,
     } = dynamics;
     format!(
         "contacts solved together to {tolerance:.0e} in at most {n_iterations} sweeps, without springs, in steps of {time_step:.2e} s; impacts \

@@ -285,7 +285,22 @@ pub enum BlockIntegratorFile {
         #[serde(default)]
         #[schemars(extend("minimum" = 1))]
         sweeps: Option<u32>,
+        /// Solver of all contacts.
+        #[serde(default)]
+        solver: ContactSolverFile,
     },
+}
+
+/// Solver of all contacts in contact dynamics.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub enum ContactSolverFile {
+    /// Gauss-Seidel, and the gradient in steps where it is slow or the tolerance is tight.
+    #[default]
+    Chosen,
+    /// Gauss-Seidel sweeps alone.
+    GaussSeidel,
+    /// The accelerated projected gradient alone.
+    Gradient,
 }
 
 /// Bound of the blocks' sub-step, never above the stability limit.

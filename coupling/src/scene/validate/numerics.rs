@@ -203,6 +203,7 @@ impl Checks {
             time_step,
             tolerance,
             sweeps,
+            solver: _,
         } = blocks
         else {
             return;

@@ -1,9 +1,9 @@
 //! Points that may bear an impulse in a step, with the law of impact and of gaps.
 
-use super::joints::JointRow;
 use super::touches::Touch;
 use crate::contact::detection::spheres::effective_radius;
 use crate::contact::dynamics::Rolling;
+use crate::contact::dynamics::bilateral::Rod;
 use crate::contact::dynamics::delassus::{Arm, Body, Point};
 use crate::{Blocks, Vec3};
 
@@ -29,6 +29,17 @@ pub(super) struct Closing {
     pub gained: Vec<Vec3>,
     /// `b`, with the shift; m/s.
     pub free: Vec<Vec3>,
+}
+
+/// A joint in a step.
+pub(super) struct JointRow {
+    /// Position among the joints.
+    pub joint: usize,
+    /// The first block, and the second one or the world.
+    pub blocks: [Option<u32>; 2],
+    /// Points at which the impulse acts on them; m.
+    pub places: [Vec3; 2],
+    pub rod: Option<Rod>,
 }
 
 impl Blocks {

@@ -9,7 +9,7 @@
 //! body that turns about its joint is that of half a step later, so that the motion is of second order. Work of a joint is zero in the
 //! mean then, and what it is in a step has a place of its own in the account.
 
-use super::closing::Closing;
+use super::closing::{Closing, JointRow};
 use crate::blocks::attachments::End;
 use crate::blocks::attachments::exact_joints::{ExactJoint, Tie};
 use crate::contact::dynamics::bilateral::{Bilateral, Rod};
@@ -21,17 +21,6 @@ use crate::{BlockId, Blocks, Vec3};
 const OPEN: f64 = 1e-3;
 /// Distance from its strength within which a rod breaks, × the strength.
 const AT_STRENGTH: f64 = 1e-9;
-
-/// A joint in a step.
-pub(super) struct JointRow {
-    /// Position among the joints.
-    joint: usize,
-    /// The first block, and the second one or the world.
-    blocks: [Option<u32>; 2],
-    /// Points at which the impulse acts on them; m.
-    places: [Vec3; 2],
-    rod: Option<Rod>,
-}
 
 impl JointRow {
     /// Whether a rod bears all that it can.

@@ -3,8 +3,7 @@
 //! Work of an impulse is that with the mean of the velocities before and after the kick, so that the account of energy closes to round-off
 //! but for the turning of blocks: tangential work of contacts is friction, normal work damping.
 
-use super::closing::Closing;
-use super::joints::JointRow;
+use super::closing::{Closing, JointRow};
 use super::touches::Touch;
 use crate::blocks::{ContactDynamics, Update};
 use crate::contact::dynamics::accuracy::{Scaling, energy_error};
@@ -124,7 +123,7 @@ impl Blocks {
             scaling: Scaling::ContactMass,
             n_iterations: dynamics.n_iterations,
         };
-        let ended = solver::solve(&problem, &mut impulses, until);
+        let ended = solver::solve_by(dynamics.solver, &problem, &mut impulses, until);
         let given = problem.operator.product(&impulses);
         let mean = |a: usize| before[a] + (problem.operator.velocity(&given, a) + gained[a]) * 0.5;
         Solved {
