@@ -8,6 +8,8 @@ use riprap_dda::contact_dynamics::gauss_seidel::{GaussSeidel, Order, Until};
 use riprap_dda::contact_dynamics::{gradient, solver};
 use riprap_dda::{Random, Vec3};
 
+use crate::setup::on_threads;
+
 /// Weight times step; m/s.
 const FALL: f64 = 9.81 * 0.01;
 
@@ -303,11 +305,10 @@ fn impulses_have_the_same_bits_for_any_number_of_threads() {
         .collect();
     let problem = falling(bodies, points.collect(), 0.4);
     let solved = |threads: usize| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
         let mut impulses = vec![Vec3::zeros(); problem.len()];
-        pool.build()
-            .unwrap()
-            .install(|| solver::solve(&problem, &mut impulses, until(1e-9, 300)));
+        on_threads(threads, || {
+            solver::solve(&problem, &mut impulses, until(1e-9, 300));
+        });
         impulses
     };
     let one = solved(1);

@@ -12,11 +12,7 @@ fn bits(blocks: &Blocks) -> Vec<u64> {
 #[test]
 fn threads_do_not_change_a_bit() {
     let run_on = |n: usize| {
-        let pool = rayon::ThreadPoolBuilder::new()
-            .num_threads(n)
-            .build()
-            .unwrap();
-        pool.install(|| {
+        on_threads(n, || {
             let mut blocks = blocks(pile(50), rock(), down());
             run_steps(&mut blocks, 0.9, 3000);
             // Enough to wake the threads.

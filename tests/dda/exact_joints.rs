@@ -1,7 +1,7 @@
 //! Exact joints of contact dynamics: N17, N18 and N24 of contact dynamics, statics in closed form, breaking, contradictions.
 
 use crate::setup::{
-    Random, assert_below, assert_close, ball, block, cuboid, down, floor, moving, rock,
+    Random, assert_below, assert_close, ball, block, cuboid, down, floor, moving, on_threads, rock,
 };
 use nalgebra::{Matrix3, Rotation3};
 use riprap_dda::contact_dynamics::bilateral::{Bilateral, Rod};
@@ -807,11 +807,7 @@ fn joints_have_the_same_bits_for_any_threads_and_through_a_checkpoint() {
         bits
     };
     let ran = |threads: usize| {
-        let pool = rayon::ThreadPoolBuilder::new()
-            .num_threads(threads)
-            .build()
-            .unwrap();
-        pool.install(|| {
+        on_threads(threads, || {
             let mut blocks = dumbbells();
             run(&mut blocks, 0.0, 80, 0.005);
             blocks

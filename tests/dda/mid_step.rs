@@ -6,7 +6,8 @@ use riprap_dda::{
 };
 
 use crate::setup::{
-    Random, assert_below, assert_close, ball, block, cuboid, down, floor, moving, on_slope, rock,
+    Random, assert_below, assert_close, ball, block, cuboid, down, floor, moving, on_slope,
+    on_threads, rock,
 };
 use crate::structures::arch;
 
@@ -312,11 +313,7 @@ fn heaps_have_the_same_bits_for_any_threads_and_through_a_checkpoint() {
             .collect()
     };
     let ran = |threads: usize| {
-        let pool = rayon::ThreadPoolBuilder::new()
-            .num_threads(threads)
-            .build()
-            .unwrap();
-        pool.install(|| {
+        on_threads(threads, || {
             let mut blocks = heap();
             run(&mut blocks, (0.0, 0.8), 0.005);
             blocks

@@ -9,6 +9,7 @@ use riprap_dda::{
 use crate::mid_step::{blocks, joint, run, settings};
 use crate::setup::{
     G, Random, assert_below, assert_close, ball, block, cuboid, down, floor, moving, on_slope,
+    on_threads,
 };
 use crate::terrain::{ground, raster};
 
@@ -618,11 +619,7 @@ fn all_laws_have_the_same_bits_for_any_threads_and_through_a_checkpoint() {
         Blocks::new(definitions, vec![material], settings(down(), 1e-4)).unwrap()
     };
     let ran = |threads: usize| {
-        let pool = rayon::ThreadPoolBuilder::new()
-            .num_threads(threads)
-            .build()
-            .unwrap();
-        pool.install(|| {
+        on_threads(threads, || {
             let mut blocks = pile();
             run(&mut blocks, (0.0, 1.2), 0.005);
             blocks

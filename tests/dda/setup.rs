@@ -68,6 +68,12 @@ pub fn blocks(definitions: Vec<BlockDefinition>, material: Material, gravity: Ve
     Blocks::new(definitions, vec![material], settings).unwrap()
 }
 
+/// Runs on a number of threads.
+pub fn on_threads<T: Send>(threads: usize, run: impl FnOnce() -> T + Send) -> T {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
+    pool.build().unwrap().install(run)
+}
+
 /// Gravity on a plane that dips by `angle` towards +x, in the plane's own frame.
 pub fn on_slope(angle: f64) -> Vec3 {
     Vec3::new(angle.sin(), 0.0, -angle.cos()) * G

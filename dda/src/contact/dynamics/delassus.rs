@@ -494,6 +494,42 @@ mod tests {
         assert_eq!(block(2, 3), Matrix3::zeros(), "no body in common");
     }
 
+    /// The sum by bodies, where there are many points, is that of the points one by one, torques included.
+    #[test]
+    fn a_large_product_is_the_sum_of_its_impulses() {
+        let mut random = Random::new(5);
+        let n_bodies = 300_u32;
+        let mut vector = || Vec3::from_fn(|_, _| random.uniform() - 0.5);
+        let bodies = (0..n_bodies).map(|k| Body {
+            inverse_mass: 0.5 + f64::from(k % 3),
+            freedom: (k % 5 == 0).then(|| Matrix3::from_diagonal(&Vec3::new(1.0, 0.0, 1.0))),
+            inverse_inertia: Matrix3::from_diagonal(&Vec3::new(1.0, 2.0, 3.0)),
+        });
+        let bodies = bodies.collect();
+        let points = (0..ROWS_AT_A_TIME as u32 + 500).map(|k| {
+            let arms = [k % n_bodies, (7 * k + 1) % n_bodies].map(|body| (body, vector()));
+            let arms = [(k % 11 != 0).then_some(arms[0]), Some(arms[1])];
+            let contact = Point::new(vector().normalize(), arms);
+            match k % 4 == 0 {
+                true => Point::rolling(&contact, 0.3),
+                false => contact,
+            }
+        });
+        let contacts = BodyContacts::new(bodies, points.collect());
+        assert!(contacts.of_bodies.is_some());
+        let impulses: Vec<Vec3> = (0..contacts.n_contacts()).map(|_| vector()).collect();
+        let mut sum = contacts.at_rest();
+        for (a, impulse) in impulses.iter().enumerate() {
+            contacts.add(&mut sum, a, impulse);
+        }
+        let product = contacts.product(&impulses);
+        for (found, expected) in product.iter().zip(&sum) {
+            let off = (found[0] - expected[0]).norm() + (found[1] - expected[1]).norm();
+            // some ten terms of size 1
+            assert!(off < 1e-13, "{off}");
+        }
+    }
+
     /// The same blocks as a matrix do the same, in the same colors.
     #[test]
     fn a_matrix_of_its_blocks_is_the_same_operator() {
