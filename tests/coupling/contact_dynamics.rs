@@ -74,6 +74,11 @@ fn what_contact_dynamics_cannot_do_is_told() {
         ("blocks: ContactDynamics(tolerance: 0.1)", "", "below 0.01"),
         ("blocks: ContactDynamics(tolerance: 0)", "", "tolerance"),
         (
+            "blocks: ContactDynamics(time_stp: 0.005)",
+            "",
+            "did you mean `time_step`",
+        ),
+        (
             "blocks: ContactDynamics(sweeps: 0)",
             "",
             "1 or more, found 0",

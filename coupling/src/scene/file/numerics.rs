@@ -263,6 +263,7 @@ pub struct RestingFile {
 
 /// Time integration of the blocks.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
 pub enum BlockIntegratorFile {
     /// Explicit, with springs and dashpots at contacts: for impacts and loads of water. Steps are short fractions of the time of a contact.
     #[default]
