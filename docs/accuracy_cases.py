@@ -89,6 +89,12 @@ CASES = {
         "are springs.",
         "The result with the stiffest contacts.",
     ),
+    "wall": (
+        "Rock", "Wall of ten by ten stones",
+        "A dry wall stands under its own weight, by contact dynamics. Compared is the force that its upper five courses exert on those "
+        "below.",
+        "Weight of fifty stones.",
+    ),
     "elastic_column": (
         "Rock", "Column under its own weight",
         "A soft column comes to rest. Compared is how much it is shortened by its own weight. A rigid block is not shortened at all, "
