@@ -1,8 +1,8 @@
 //! Scenes in a line or two.
 
 use riprap_dda::{
-    BlockDefinition, Blocks, Energies, Isometry, Material, Motion, Polyhedron, Settings, Shape,
-    Vec3,
+    BlockDefinition, Blocks, ContactDynamics, Energies, Integrator, Isometry, Material, Motion,
+    Polyhedron, Settings, Shape, Vec3,
 };
 
 pub const G: f64 = 9.81;
@@ -61,11 +61,39 @@ pub fn floor() -> BlockDefinition {
 }
 
 pub fn blocks(definitions: Vec<BlockDefinition>, material: Material, gravity: Vec3) -> Blocks {
+    blocks_by(
+        Integrator::CentralDifference,
+        definitions,
+        material,
+        gravity,
+    )
+}
+
+pub fn blocks_by(
+    integrator: Integrator,
+    definitions: Vec<BlockDefinition>,
+    material: Material,
+    gravity: Vec3,
+) -> Blocks {
     let settings = Settings {
         gravity,
+        integrator,
         ..Settings::default()
     };
     Blocks::new(definitions, vec![material], settings).unwrap()
+}
+
+/// Springs, and contact dynamics to 1e-8 of what falls in a step.
+pub fn both_ways() -> [Integrator; 2] {
+    let exact = ContactDynamics {
+        tolerance: 1e-8,
+        n_iterations: 3000,
+        ..ContactDynamics::default()
+    };
+    [
+        Integrator::CentralDifference,
+        Integrator::ContactDynamics(exact),
+    ]
 }
 
 /// Runs on a number of threads.

@@ -3,8 +3,8 @@
 use crate::setup::*;
 use nalgebra::{Matrix3, Rotation3, UnitQuaternion};
 use riprap_dda::{
-    BlockDefinition, Blocks, ContactDetection, Isometry, Material, Motion, Polyhedron, Settings,
-    Vec3,
+    BlockDefinition, Blocks, ContactDetection, Integrator, Isometry, Material, Motion, Polyhedron,
+    Settings, Vec3,
 };
 
 const STIFFNESS: f64 = 1e10;
@@ -29,6 +29,12 @@ fn standing(b: f64, h: f64, slope: f64) -> BlockDefinition {
 /// Slopes of 10 to 60 degrees, friction of 0 to 60: a = g (sin θ − cos θ tan φ), or rest.
 #[test]
 fn inclines() {
+    for integrator in both_ways() {
+        inclines_by(integrator);
+    }
+}
+
+fn inclines_by(integrator: Integrator) {
     let (mut worst_slide, mut worst_creep) = (0.0_f64, 0.0_f64);
     for slope_deg in (10..=60).step_by(10) {
         for friction_deg in (0..=60).step_by(10) {
@@ -40,7 +46,7 @@ fn inclines() {
             }
             // Flat: its base stays closed on every slope.
             let definitions = vec![floor(), standing(1.0, 0.1, slope)];
-            let mut blocks = blocks(definitions, joint(friction), on_slope(slope));
+            let mut blocks = blocks_by(integrator, definitions, joint(friction), on_slope(slope));
             let start = blocks.centroid(1).x;
             if slope_deg > friction_deg {
                 run(&mut blocks, 1.0, 1.0, 1e-3);
@@ -172,10 +178,11 @@ fn chart(alpha: f64, delta: f64, phi: f64) -> (f64, Mode) {
     )
 }
 
-fn observed(alpha: f64, delta: f64, phi: f64) -> Mode {
+fn observed(integrator: Integrator, (alpha, delta, phi): (f64, f64, f64)) -> Mode {
     let h = 1.0;
     let b = delta.tan();
-    let mut blocks = blocks(
+    let mut blocks = blocks_by(
+        integrator,
         vec![floor(), standing(b, h, alpha)],
         joint(phi.tan()),
         on_slope(alpha),
@@ -205,6 +212,12 @@ fn observed(alpha: f64, delta: f64, phi: f64) -> Mode {
 /// Two hundred random blocks: all in the mode of the kinetic chart outside of a band of 1 % around its boundaries.
 #[test]
 fn modes_of_a_block_on_a_slope() {
+    for integrator in both_ways() {
+        modes_by(integrator);
+    }
+}
+
+fn modes_by(integrator: Integrator) {
     let mut random = Random::new(3);
     let (mut n, mut wrong) = (0, Vec::new());
     while n < 200 {
@@ -216,7 +229,7 @@ fn modes_of_a_block_on_a_slope() {
             continue;
         }
         n += 1;
-        let found = observed(alpha, delta, phi);
+        let found = observed(integrator, (alpha, delta, phi));
         if found != expected {
             wrong.push(format!(
                 "slope {:.2}, b/h {:.3}, friction {:.2}: expected {expected:?}, found {found:?}, boundary at {distance:.3}",
@@ -296,9 +309,9 @@ fn wedge(n1: &Vec3, n2: &Vec3) -> Vec<BlockDefinition> {
 }
 
 /// Acceleration along the line, from the speeds after 0.1 and 0.5 s (the springs have to load first), and the last speed.
-fn wedge_motion(n1: &Vec3, n2: &Vec3, friction: f64) -> (f64, f64) {
+fn wedge_motion(integrator: Integrator, (n1, n2): (&Vec3, &Vec3), friction: f64) -> (f64, f64) {
     let line = wedge_forces(n1, n2).0;
-    let mut blocks = blocks(wedge(n1, n2), joint(friction), down());
+    let mut blocks = blocks_by(integrator, wedge(n1, n2), joint(friction), down());
     run(&mut blocks, 0.1, 1.0, 1e-3);
     let early = blocks.velocity(2).dot(&line);
     run(&mut blocks, 0.4, 1.0, 1e-3);
@@ -306,14 +319,19 @@ fn wedge_motion(n1: &Vec3, n2: &Vec3, friction: f64) -> (f64, f64) {
     ((late - early) / 0.4, late)
 }
 
-fn check_wedge(name: &str, n1: &Vec3, n2: &Vec3, frictions: &[f64]) -> f64 {
+fn check_wedge(
+    integrator: Integrator,
+    name: &str,
+    (n1, n2): (&Vec3, &Vec3),
+    frictions: &[f64],
+) -> f64 {
     let (_, f1, f2, drive) = wedge_forces(n1, n2);
     assert!(f1 > 0.0 && f2 > 0.0, "{name}: rests on one plane only");
     // Strength reduction: the factor of safety is tan φ over the friction at which it just slides; that is met within 1 %
     // if 0.99 of it slides and 1.01 does not.
     let critical = drive / (f1 + f2);
-    let slides = wedge_motion(n1, n2, 0.99 * critical).1;
-    let rests = wedge_motion(n1, n2, 1.01 * critical).1;
+    let slides = wedge_motion(integrator, (n1, n2), 0.99 * critical).1;
+    let rests = wedge_motion(integrator, (n1, n2), 1.01 * critical).1;
     println!(
         "{name}: critical friction {critical:.4}; speed {slides:.2e} below, {rests:.2e} above"
     );
@@ -327,7 +345,7 @@ fn check_wedge(name: &str, n1: &Vec3, n2: &Vec3, frictions: &[f64]) -> f64 {
         .filter(|&&friction| friction < 0.98 * critical)
     {
         let expected = G * (drive - friction * (f1 + f2));
-        let error = wedge_motion(n1, n2, friction).0 / expected - 1.0;
+        let error = wedge_motion(integrator, (n1, n2), friction).0 / expected - 1.0;
         worst = worst.max(error.abs());
     }
     worst
@@ -352,8 +370,10 @@ fn wedges_on_two_planes() {
         for (found, expected) in [f1, f2, drive].into_iter().zip(forces) {
             assert!((found - expected).abs() < 5.1e-6, "{found} {expected}");
         }
-        let worst = check_wedge(&format!("wedge {k}"), &n1, &n2, &frictions);
-        assert_below("acceleration", worst, 1e-2);
+        for integrator in both_ways() {
+            let worst = check_wedge(integrator, &format!("wedge {k}"), (&n1, &n2), &frictions);
+            assert_below("acceleration", worst, 1e-2);
+        }
     }
 }
 
@@ -371,12 +391,11 @@ fn random_wedges() {
             continue;
         }
         n += 1;
-        let worst = check_wedge(
-            &format!("random wedge {n}"),
-            &n1,
-            &n2,
-            &[0.0, 0.5 * drive / (f1 + f2)],
-        );
-        assert_below("acceleration", worst, 1e-2);
+        let frictions = [0.0, 0.5 * drive / (f1 + f2)];
+        for integrator in both_ways() {
+            let name = format!("random wedge {n}");
+            let worst = check_wedge(integrator, &name, (&n1, &n2), &frictions);
+            assert_below("acceleration", worst, 1e-2);
+        }
     }
 }
