@@ -153,9 +153,7 @@ impl Coupler<'_> {
             return;
         }
         ledger.impulse += felt.force;
-        let energy = blocks.kinetic_energy(block);
-        blocks.apply_impulse_to(block, &felt);
-        ledger.pushed_back += energy - blocks.kinetic_energy(block);
+        ledger.pushed_back -= blocks.apply_impulse_to(block, &felt);
     }
 }
 

@@ -22,13 +22,22 @@ impl Blocks {
         }
     }
 
-    /// Gives a block at once the impulse of a force and a moment about its centroid; N s, N m s. Those that are not
-    /// free ignore it.
-    pub fn apply_impulse_to(&mut self, b: usize, impulse: &Load) {
-        if self.is_free(b) {
-            self.wake_one(b);
-            self.push_block(b, impulse, 1.0);
+    /// Gives a block at once the impulse of a force and a moment about its centroid (N s, N m s), and returns its work (J). Blocks that
+    /// are not free ignore it. Contact dynamics gives it in the middle of its next step; its work is that at the velocities of now.
+    pub fn apply_impulse_to(&mut self, b: usize, impulse: &Load) -> f64 {
+        if !self.is_free(b) {
+            return 0.0;
         }
+        self.wake_one(b);
+        if self.state.outside.is_empty() {
+            let before = self.kinetic_energy(b);
+            self.push_block(b, impulse, 1.0);
+            return self.kinetic_energy(b) - before;
+        }
+        let [velocity, spin] = self.velocity_with_outside(b);
+        self.push_block(b, impulse, 1.0);
+        let [pushed, turned] = self.velocity_with_outside(b);
+        0.5 * (impulse.force.dot(&(velocity + pushed)) + impulse.torque.dot(&(spin + turned)))
     }
 
     /// Velocity and angular velocity of a block with what acted on it from outside since its last step of contact dynamics; m/s, rad/s.
@@ -38,7 +47,8 @@ impl Blocks {
             None => now,
             Some(outside) => {
                 let inverse = self.state.kinematics[b].inverse_inertia;
-                let given = outside.force / self.constants.mass[b];
+                let held = self.hold_of(b).map(|hold| hold.held_part(&outside.force));
+                let given = (outside.force - held.unwrap_or_default()) / self.constants.mass[b];
                 [now[0] + given, now[1] + inverse * outside.torque]
             }
         }
