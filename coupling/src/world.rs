@@ -21,7 +21,7 @@ use riprap_sph::{Stepping, Vec3};
 use crate::world::bodies::{BlockPhase, Bodies, InWalls, movable};
 use crate::world::pistons::AbsorbingPiston;
 use crate::world::progress::{Held, Progress, Stopwatch};
-use crate::world::time_step::TimeStep;
+use crate::world::time_step::{BlockSteps, TimeStep};
 
 pub use accounts::FluidImpulses;
 pub use error::StepError;
@@ -130,7 +130,7 @@ impl World {
         self.weaken();
         self.begin_sleep()?;
         self.steer_pistons(dt);
-        let block_substeps = self.advance(dt, step.block_substeps)?;
+        let block_substeps = self.advance(dt, step.of_blocks)?;
         if let Some(water) = &mut self.water {
             let absorbed = water.absorb(dt);
             self.progress.ledger.absorb(&absorbed);
@@ -147,7 +147,7 @@ impl World {
     /// As [`Self::step`].
     pub fn settle_step(&mut self, dt: f64, rate: f64) -> Result<(), StepError> {
         self.progress.held = Held::AllBlocks;
-        self.advance(dt, 0)?;
+        self.advance(dt, BlockSteps::NONE)?;
         if let Some(water) = &mut self.water {
             water.fluid.damp((-rate * dt).exp());
         }
@@ -174,10 +174,10 @@ impl World {
         Ok(())
     }
 
-    /// Advances the media by `dt` (s); returns the sub-steps that blocks took.
-    fn advance(&mut self, dt: f64, block_substeps: u32) -> Result<u32, StepError> {
+    /// Advances the media by `dt` (s); returns the steps that blocks took.
+    fn advance(&mut self, dt: f64, of_blocks: BlockSteps) -> Result<u32, StepError> {
         if self.water.is_some() {
-            return self.coupled(block_substeps, |fluid, coupler| fluid.step(coupler, dt));
+            return self.coupled(of_blocks, |fluid, coupler| fluid.step(coupler, dt));
         }
         let mut rock = BlockPhase {
             blocks: &mut self.blocks,
@@ -186,7 +186,7 @@ impl World {
             watch: Stopwatch::start(),
         };
         let from = rock.progress.clock.time;
-        rock.advance(from, dt, block_substeps, InWalls::No)
+        rock.advance(from, dt, of_blocks, InWalls::No)
     }
 
     fn steer_pistons(&mut self, dt: f64) {
@@ -202,7 +202,9 @@ impl World {
 
     /// Everything that follows from where fluid and blocks are now.
     fn evaluate(&mut self) -> Result<(), StepError> {
-        self.coupled(0, |fluid, coupler| fluid.evaluate(coupler, 0.0))?;
+        self.coupled(BlockSteps::NONE, |fluid, coupler| {
+            fluid.evaluate(coupler, 0.0)
+        })?;
         Ok(())
     }
 

@@ -20,6 +20,7 @@ mod placement;
 mod query;
 mod rest;
 mod scratch;
+mod spanned;
 mod state;
 mod state_numbers;
 pub(crate) mod steered;
@@ -41,6 +42,7 @@ pub use definition::{
 pub(crate) use derived::Derived;
 pub(crate) use rest::Rest;
 use scratch::Scratch;
+pub(crate) use spanned::Spanned;
 pub(crate) use state::State;
 
 /// A system of blocks.

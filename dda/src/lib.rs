@@ -129,5 +129,6 @@ pub use rock_mass::joint_sets::{
     Joint, JointError, JointSet, JointedMass, JointedUnion, MergedMass, SliverLimits,
     cut_by_joints, cut_union_by_joints, hull_within, merge_slivers, merge_union_slivers,
 };
+pub use step::mid_step::Kicks;
 pub use step::phase::Phase;
 pub use step::step_bound::CriticalStep;

@@ -20,6 +20,7 @@ mod joint_springs;
 mod joints;
 mod mid_step;
 mod mid_step_laws;
+mod mid_step_spanning;
 mod mid_step_surroundings;
 mod motion;
 mod paths;

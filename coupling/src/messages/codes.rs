@@ -195,6 +195,8 @@ codes! {
     PenetrationTooDeep = "penetration-too-deep",
     /// Contacts that contact dynamics did not solve.
     ContactsUnsolved = "contacts-unsolved",
+    /// Friction with which more than one impulse obeys the laws of contact.
+    FrictionAbovePainleve = "friction-above-painleve",
     /// A deformable block strained beyond its stress law.
     BlockCrushed = "block-crushed",
     /// A step too small to get anywhere.

@@ -159,6 +159,8 @@ pub struct SolvedContacts {
     pub largest_energy_error: f64,
     /// Steps left with a residual above 0.01.
     pub unsolved_steps: u64,
+    /// Most points of a step that bear with a friction above Painlevé's limit.
+    pub most_above_painleve: usize,
 }
 
 impl SolvedContacts {
@@ -173,6 +175,7 @@ impl SolvedContacts {
             largest_residual: solved.largest_residual,
             largest_energy_error: solved.largest_energy_error,
             unsolved_steps: solved.n_unsolved,
+            most_above_painleve: solved.most_above_painleve,
         })
     }
 }

@@ -208,6 +208,13 @@ fn points(summary: &Value) -> Vec<Finding> {
         );
         points.push((Some(Code::WaterNearSoundSpeed), words));
     }
+    let ambiguous = number(summary, &["contact_solution", "most_above_painleve"]);
+    if 0.0 < ambiguous {
+        let words = format!(
+            "up to {ambiguous} contacts in a step bore with a friction above Painlevé's limit, where more than one impulse may obey the laws"
+        );
+        points.push((Some(Code::FrictionAbovePainleve), words));
+    }
     points
 }
 

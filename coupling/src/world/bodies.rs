@@ -1,12 +1,13 @@
 //! Blocks in a coupled step: their part of it, and bodies that leave the domain or reach a plane of symmetry.
 
 use nalgebra::Matrix3;
-use riprap_dda::{BlockId, Blocks, Load, Phase};
+use riprap_dda::{BlockId, Blocks, Kicks, Load, Phase};
 use riprap_sph::{SymmetryPlane, Vec3};
 
 use crate::walls::added_mass::Acceleration;
 use crate::world::accounts::Account;
 use crate::world::progress::{Held, Progress, Stopwatch};
+use crate::world::time_step::BlockSteps;
 use crate::world::{OutOfDomain, StepError, TOUCH};
 
 /// State of the coupling on the side of the blocks.
@@ -21,8 +22,12 @@ pub(crate) struct Bodies {
     kept_clear: Vec<usize>,
     /// Blocks that deform.
     pub deformable: Vec<usize>,
-    /// Acceleration of each block by everything beside the fluid, over its last sub-steps.
+    /// Acceleration of each block by everything beside the fluid, over its last steps.
     pub dry: Vec<Acceleration>,
+    /// Largest area that a free block turns to the water on both sides, over its mass; m²/kg.
+    pub largest_area_per_mass: f64,
+    /// Scratch: velocities of the blocks before their steps, with what the fluid gave them.
+    velocities_before: Vec<[Vec3; 2]>,
     /// Impulses of the fluid on the blocks of which accounts are kept, ascending.
     pub accounts: Vec<Account>,
     /// Scratch: loads of the fluid at the start of a predictor-corrector step.
@@ -60,6 +65,11 @@ impl Bodies {
                 .collect(),
             dry: (0..n_blocks).map(starting).collect(),
             accounts: Vec::new(),
+            largest_area_per_mass: (0..n_blocks)
+                .filter(|&b| blocks.is_free(b))
+                .map(|b| area(blocks, b) / blocks.mass(b))
+                .fold(0.0, f64::max),
+            velocities_before: Vec::new(),
             loads_at_start: vec![Load::default(); n_blocks],
             stretches_at_start: vec![Matrix3::zeros(); n_blocks],
             planes,
@@ -86,6 +96,16 @@ impl Bodies {
             self.accounts[k].impulses.pushed_back += felt;
         }
     }
+}
+
+/// Largest area that a block turns to the water, both sides of the largest face of the box around it; m².
+fn area(blocks: &Blocks, b: usize) -> f64 {
+    let boxes = blocks.parts_of(b).map(|part| blocks.part_aabb(part));
+    let around = boxes.reduce(|(low, high), (min, max)| (low.inf(&min), high.sup(&max)));
+    around.map_or(0.0, |(low, high)| {
+        let size = high - low;
+        2.0 * (size.x * size.y).max(size.y * size.z).max(size.z * size.x)
+    })
 }
 
 /// A plane of symmetry from which a block is less than a distance (m).
@@ -124,16 +144,16 @@ impl BlockPhase<'_> {
     }
 
     /// Advances the blocks by `dt` (s) from a time, where they are not held; `in_walls` keeps their accelerations. Returns the
-    /// number of sub-steps.
+    /// number of their steps.
     pub(super) fn advance(
         &mut self,
         from: f64,
         dt: f64,
-        n_substeps: u32,
+        steps: BlockSteps,
         in_walls: InWalls,
     ) -> Result<u32, StepError> {
         if self.are_held() {
-            return Ok(n_substeps);
+            return Ok(0);
         }
         if in_walls == InWalls::Yes {
             self.record_velocities();
@@ -153,14 +173,18 @@ impl BlockPhase<'_> {
             };
             *time += watch.lap();
         };
-        let advanced = blocks.advance_watched(from, dt, n_substeps, &mut ended);
-        let n_taken = advanced.map_err(|source| StepError::Blocks {
+        let advanced = match steps {
+            BlockSteps::Inside(n) => (blocks.advance_watched(from, dt, n, &mut ended))
+                .map(|count| Kicks { count, over: dt }),
+            BlockSteps::Spanning(period) => blocks.advance_spanning(from, dt, period, &mut ended),
+        };
+        let taken = advanced.map_err(|source| StepError::Blocks {
             time: progress.clock.time,
             step: progress.clock.steps,
             source,
         })?;
         if in_walls == InWalls::Yes {
-            self.record_accelerations(dt);
+            self.record_accelerations(taken);
         }
         let count = self.remove_escaped();
         if count > 0 && self.bodies.out_of_domain == OutOfDomain::Fail {
@@ -172,21 +196,30 @@ impl BlockPhase<'_> {
             });
         }
         self.check_planes()?;
-        Ok(n_taken)
+        Ok(taken.count)
     }
 
     fn record_velocities(&mut self) {
-        for (b, dry) in self.bodies.dry.iter_mut().enumerate() {
-            let [linear, angular] = self.blocks.velocity_with_outside(b);
-            *dry = Acceleration { linear, angular };
-        }
+        let blocks = &*self.blocks;
+        let before = &mut self.bodies.velocities_before;
+        before.clear();
+        before.extend((0..blocks.n_blocks()).map(|b| blocks.velocity_with_outside(b)));
     }
 
-    fn record_accelerations(&mut self, dt: f64) {
-        for (b, dry) in self.bodies.dry.iter_mut().enumerate() {
+    /// Of the kicks taken; those of the last ones stay where there was none.
+    fn record_accelerations(&mut self, taken: Kicks) {
+        if taken.count == 0 {
+            return;
+        }
+        let Bodies {
+            dry,
+            velocities_before,
+            ..
+        } = &mut *self.bodies;
+        for (b, (dry, [linear, angular])) in dry.iter_mut().zip(velocities_before).enumerate() {
             *dry = Acceleration {
-                linear: (self.blocks.velocity(b) - dry.linear) / dt,
-                angular: (self.blocks.angular_velocity(b) - dry.angular) / dt,
+                linear: (self.blocks.velocity(b) - *linear) / taken.over,
+                angular: (self.blocks.angular_velocity(b) - *angular) / taken.over,
             };
         }
     }

@@ -19,6 +19,7 @@ use crate::world::accounts::look_at_fixed;
 use crate::world::bodies::{BlockPhase, InWalls, movable};
 use crate::world::ledger::Holding;
 use crate::world::progress::Stopwatch;
+use crate::world::time_step::BlockSteps;
 use crate::world::{OutOfDomain, StepError, Water, World};
 
 /// Everything that holds the fluid, for the time of a step.
@@ -29,9 +30,9 @@ pub(super) struct Coupler<'a> {
     pub(super) walls: &'a mut Option<Walls>,
     joints: &'a mut JointWater,
     pub(super) openings: &'a mut Openings,
-    /// Sub-steps of the blocks in a whole step, and those already taken.
-    block_substeps: u32,
-    substeps_taken: u32,
+    /// Steps of the blocks in a whole step, and the number of those taken.
+    of_blocks: BlockSteps,
+    block_steps_taken: u32,
     /// Time over which blocks have the loads at the start in advance, in a predicted middle; s.
     in_advance: Option<f64>,
 }
@@ -52,11 +53,11 @@ impl From<FluidError> for Stopped {
 }
 
 impl World {
-    /// Runs a part of the fluid's step with blocks and walls as its boundary, where there is a fluid; returns the sub-steps
-    /// that blocks took.
+    /// Runs a part of the fluid's step with blocks and walls as its boundary, where there is a fluid; returns the steps that
+    /// blocks took.
     pub(super) fn coupled(
         &mut self,
-        block_substeps: u32,
+        of_blocks: BlockSteps,
         part: impl FnOnce(&mut Fluid, &mut Coupler) -> Result<(), Stopped>,
     ) -> Result<u32, StepError> {
         let Self {
@@ -88,12 +89,12 @@ impl World {
             walls,
             joints,
             openings,
-            block_substeps,
-            substeps_taken: 0,
+            of_blocks,
+            block_steps_taken: 0,
             in_advance: None,
         };
         match part(fluid, &mut coupler) {
-            Ok(()) => Ok(coupler.substeps_taken),
+            Ok(()) => Ok(coupler.block_steps_taken),
             Err(Stopped::Step(error)) => Err(error),
             Err(Stopped::Fluid(source)) => Err(StepError::Fluid { time, step, source }),
         }
@@ -141,11 +142,10 @@ impl Boundary for Coupler<'_> {
     type Error = Stopped;
 
     fn advance(&mut self, part: Part, dt: f64) -> Result<(), Stopped> {
-        let (from, n_substeps) = match part {
-            Part::Whole => (self.time(), self.block_substeps),
-            // one sub-step at least in each half
-            Part::FirstHalf => (self.time(), self.block_substeps.div_ceil(2)),
-            Part::SecondHalf => (self.time() + dt, self.block_substeps.div_ceil(2)),
+        let (from, of_blocks) = match part {
+            Part::Whole => (self.time(), self.of_blocks),
+            Part::FirstHalf => (self.time(), self.of_blocks.in_half()),
+            Part::SecondHalf => (self.time() + dt, self.of_blocks.in_half()),
         };
         if part != Part::SecondHalf
             && let Some(walls) = &mut *self.walls
@@ -157,8 +157,8 @@ impl Boundary for Coupler<'_> {
             Some(_) => InWalls::Yes,
             None => InWalls::No,
         };
-        let advanced = self.rock.advance(from, dt, n_substeps, in_walls);
-        self.substeps_taken += advanced.map_err(Stopped::Step)?;
+        let advanced = self.rock.advance(from, dt, of_blocks, in_walls);
+        self.block_steps_taken += advanced.map_err(Stopped::Step)?;
         if part == Part::FirstHalf {
             // the fluid half way has received the impulse of half a step, and so must the blocks there, or a
             // light block in water would be integrated by forward Euler

@@ -9,6 +9,9 @@ use crate::world::{StepError, World};
 /// Largest speed of a particle over that of sound.
 const LARGEST_MACH: f64 = 1.0;
 
+/// Share of a block's change of velocity that water before it takes within a step of the block.
+const LARGEST_RADIATION: f64 = 0.2;
+
 /// The part of the duration below which a step is refused.
 const SMALLEST_STEP_SHARE: f64 = 1e-9;
 
@@ -39,6 +42,24 @@ impl World {
             common,
             blocks: self.blocks.critical_time_step().dt,
             cause_of_blocks: self.cause_of_blocks(),
+            blocks_in_water: self.longest_step_in_water(),
+        }
+    }
+
+    /// Longest step of contact dynamics over several of the water, in which water before a block takes only a part of what a kick gives it:
+    ///
+    /// ```text
+    /// T ≤ C m/(ρ₀ c₀ A)               A: both sides of the largest face of the box around a free block               [s]
+    /// ```
+    /// 0 for springs, and between penalty walls, whose springs know no kicks.
+    fn longest_step_in_water(&self) -> f64 {
+        match &self.water {
+            Some(water) if water.walls.is_some() && self.cause_of_blocks() == Cause::BlockStep => {
+                let fluid = water.fluid.settings();
+                let impedance = fluid.reference_density * fluid.sound_speed;
+                LARGEST_RADIATION / (impedance * self.bodies.largest_area_per_mass)
+            }
+            _ => 0.0,
         }
     }
 

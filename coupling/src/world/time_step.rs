@@ -46,8 +46,31 @@ pub struct TimeStep {
     pub dt: f64,
     /// Governing limit.
     pub cause: Cause,
-    /// Steps of the blocks inside it.
-    pub block_substeps: u32,
+    /// Steps of the blocks.
+    pub of_blocks: BlockSteps,
+}
+
+/// Steps of the blocks against the common one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum BlockSteps {
+    /// Equal ones inside it.
+    Inside(u32),
+    /// Steps of contact dynamics of this length (s), each over several common ones.
+    Spanning(f64),
+}
+
+impl BlockSteps {
+    /// No steps: blocks are held.
+    pub const NONE: Self = Self::Inside(0);
+
+    /// Those in half of the step: one at least, where they are inside it.
+    #[must_use]
+    pub fn in_half(self) -> Self {
+        match self {
+            Self::Inside(n) => Self::Inside(n.div_ceil(2)),
+            Self::Spanning(period) => Self::Spanning(period),
+        }
+    }
 }
 
 /// Limits of the step at the present state, each with its safety factor; s, infinite when absent.
@@ -59,7 +82,12 @@ pub struct Limits {
     pub blocks: f64,
     /// Its cause.
     pub cause_of_blocks: Cause,
+    /// Step of the blocks that the water bears where they take one over several common steps; 0 where they do not.
+    pub blocks_in_water: f64,
 }
+
+/// Common steps from which on blocks take one step over several.
+const FEWEST_SPANNED: f64 = 2.0;
 
 impl Limits {
     /// A share of each.
@@ -69,12 +97,14 @@ impl Limits {
             *limit *= share;
         }
         self.blocks *= share;
+        self.blocks_in_water *= share;
         self
     }
 
     /// The step that obeys the limits after a step of `previous` seconds.
     ///
-    /// With fluid, blocks that need a shorter step take several inside the common one. `ceiling`
+    /// With fluid, blocks that need a shorter step take several inside the common one, and those that may take a longer one take it over
+    /// several. `ceiling`
     /// bounds the step of blocks alone, which in free flight have no limit of their own but that of contact dynamics.
     pub fn choose(&self, has_fluid: bool, previous: Option<f64>, ceiling: f64) -> TimeStep {
         let has_step = has_fluid || self.cause_of_blocks == Cause::BlockStep;
@@ -93,11 +123,16 @@ impl Limits {
         {
             (cause, dt) = (Cause::Growth, LARGEST_GROWTH * previous);
         }
+        let period = self.blocks.min(self.blocks_in_water);
+        let of_blocks = match FEWEST_SPANNED * dt <= period {
+            true => BlockSteps::Spanning(period),
+            // an infinite limit gives zero sub-steps: one is the least
+            false => BlockSteps::Inside(((dt / self.blocks).ceil() as u32).max(1)),
+        };
         TimeStep {
             dt,
             cause,
-            // an infinite limit gives zero sub-steps: one is the least
-            block_substeps: ((dt / self.blocks).ceil() as u32).max(1),
+            of_blocks,
         }
     }
 }
@@ -111,6 +146,7 @@ mod tests {
             common: vec![(Cause::Sound, 2e-3), (Cause::Wall, 5e-3)],
             blocks: 3e-4,
             cause_of_blocks: Cause::Contact,
+            blocks_in_water: 0.0,
         }
     }
 
@@ -118,8 +154,8 @@ mod tests {
     fn fluid_sets_the_step_and_blocks_fit_theirs_inside() {
         let step = limits().choose(true, None, 1.0);
         assert_eq!(
-            (step.cause, step.dt, step.block_substeps),
-            (Cause::Sound, 2e-3, 7)
+            (step.cause, step.dt, step.of_blocks),
+            (Cause::Sound, 2e-3, BlockSteps::Inside(7))
         );
     }
 
@@ -131,8 +167,8 @@ mod tests {
         };
         let step = alone.choose(false, None, 1.0);
         assert_eq!(
-            (step.cause, step.dt, step.block_substeps),
-            (Cause::Contact, 3e-4, 1)
+            (step.cause, step.dt, step.of_blocks),
+            (Cause::Contact, 3e-4, BlockSteps::Inside(1))
         );
     }
 
@@ -142,11 +178,12 @@ mod tests {
             common: Vec::new(),
             blocks: f64::INFINITY,
             cause_of_blocks: Cause::Contact,
+            blocks_in_water: 0.0,
         };
         let step = free.choose(false, None, 0.01);
         assert_eq!(
-            (step.cause, step.dt, step.block_substeps),
-            (Cause::Duration, 0.01, 1)
+            (step.cause, step.dt, step.of_blocks),
+            (Cause::Duration, 0.01, BlockSteps::Inside(1))
         );
     }
 
@@ -156,9 +193,25 @@ mod tests {
             common: Vec::new(),
             blocks: 5e-3,
             cause_of_blocks: Cause::BlockStep,
+            blocks_in_water: 0.0,
         };
         let step = given.choose(false, None, 1e-3);
         assert_eq!((step.cause, step.dt), (Cause::BlockStep, 5e-3));
+    }
+
+    #[test]
+    fn blocks_that_the_water_lets_take_one_step_over_several() {
+        let long = |blocks: f64, blocks_in_water: f64| Limits {
+            blocks,
+            cause_of_blocks: Cause::BlockStep,
+            blocks_in_water,
+            ..limits()
+        };
+        let of = |limits: Limits| limits.choose(true, None, 1.0).of_blocks;
+        assert_eq!(of(long(2e-2, 9e-3)), BlockSteps::Spanning(9e-3));
+        assert_eq!(of(long(5e-3, 9e-3)), BlockSteps::Spanning(5e-3));
+        assert_eq!(of(long(2e-2, 3e-3)), BlockSteps::Inside(1));
+        assert_eq!(of(long(1e-3, 9e-3)), BlockSteps::Inside(2));
     }
 
     #[test]

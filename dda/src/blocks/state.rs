@@ -3,6 +3,7 @@
 use super::accounts::Accounts;
 use super::attachments::Attachments;
 use super::rest::Rest;
+use super::spanned::Spanned;
 use super::steered::Steered;
 use super::totals::Totals;
 use crate::contact::dynamics::kept::{ContactSolution, KeptBond, KeptImpulse};
@@ -60,6 +61,8 @@ pub(crate) struct State {
     pub worst_overlap: (f64, (u32, u32)),
     /// Impulses from outside that the next step of contact dynamics gives; one per block, empty of central differences; N s, N m s.
     pub outside: Vec<Load>,
+    /// Place among the steps of contact dynamics, where they span several of the caller's.
+    pub spanned: Spanned,
     /// Impulses of the last step of contact dynamics, by parts and key.
     pub impulses: Vec<KeptImpulse>,
     /// Bonds of contact dynamics that hold, by parts.

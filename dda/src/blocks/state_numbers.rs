@@ -71,6 +71,7 @@ impl Blocks {
             f(f64::from(u8::from(kept.has_slipped)));
         }
         f(self.state.bonds.len() as f64);
+        f(self.state.spanned.owed);
         for outside in &self.state.outside {
             let both = outside.force.iter().chain(outside.torque.iter());
             both.for_each(|&c| f(c));

@@ -106,6 +106,13 @@ impl<D: Delassus> ContactProblem<D> {
         }
     }
 
+    /// Whether the friction of a contact is above Painlevé's limit, `μ |W_nt| > W_nn`: friction there presses the point as it slides, so that
+    /// more than one impulse may obey the laws, and one may be needed where nothing collides. Source: Génot & Brogliato (1999).
+    pub fn is_above_painleve(&self, contact: usize) -> bool {
+        let w = self.operator.diagonal(contact);
+        w[(0, 0)] < self.friction[contact] * w[(1, 0)].hypot(w[(2, 0)])
+    }
+
     /// Impulse (N s) by which a row of free velocity `b` (m/s) obeys its law, the other rows as they are. `slip` as in [`one_contact`].
     fn impulse(&self, a: usize, b: &Vec3, impulses: &[Vec3], slip: &mut f64) -> Vec3 {
         let w = self.operator.diagonal(a);

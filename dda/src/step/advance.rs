@@ -57,6 +57,11 @@ impl Blocks {
                 (Integrator::CentralDifference, StepBound::Eigenvalues) => {
                     self.bounded_sub_steps((time, dt), n_substeps, ended)
                 }
+                (Integrator::ContactDynamics(dynamics), _) if self.state.spanned.owed != 0.0 => {
+                    let period = dt / f64::from(n_substeps);
+                    self.span((time, time + dt), period, &dynamics, ended)
+                        .map(|kicks| kicks.count)
+                }
                 _ => self.equal_sub_steps((time, dt), n_substeps, ended),
             }
         })

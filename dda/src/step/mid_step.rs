@@ -34,9 +34,12 @@ mod joints;
 mod kick;
 mod overlap;
 mod slip;
+mod spanning;
 mod start;
 mod time_step;
 mod touches;
+
+pub use spanning::Kicks;
 
 use crate::blocks::{ContactDynamics, Update};
 use crate::contact::dynamics::kept::{ContactSolution, SolvedSteps};
@@ -74,16 +77,8 @@ impl Blocks {
     ) -> Result<(), StepError> {
         let (dt, middle) = (to - from, 0.5 * (from + to));
         self.drift(from, middle, 0.5 * dt);
-        self.note_reach(dt);
-        self.move_parts(ended);
-        self.set_mean_velocities(middle, dt);
-        self.evaluate_attachments(false);
-        let touches = self.touches(dt);
-        self.wake_pushed(&touches, dt);
-        ended(Phase::Contacts);
-        let closing = self.closing(touches, dt);
-        let open = self.kick_with_contacts(closing, dynamics, dt);
-        ended(Phase::Sums);
+        let open = self.kick_in_place(middle, dt, dynamics, ended);
+        self.state.spanned.period = dt;
         self.drift(middle, to, 0.5 * dt);
         self.place_parts(false);
         self.rest_or_wake(dt);
@@ -91,6 +86,27 @@ impl Blocks {
         let checked = self.check_solution(open, to).and_then(|()| self.check(to));
         ended(Phase::Motion);
         checked
+    }
+
+    /// Kick over `dt` (s) with all blocks where they are at a time, items 2 to 4 above; tells of a joint that stays open.
+    fn kick_in_place(
+        &mut self,
+        time: f64,
+        dt: f64,
+        dynamics: &ContactDynamics,
+        ended: &mut impl FnMut(Phase),
+    ) -> Option<OpenJoint> {
+        self.note_reach(dt);
+        self.move_parts(ended);
+        self.set_mean_velocities(time, dt);
+        self.evaluate_attachments(false);
+        let touches = self.touches(dt);
+        self.wake_pushed(&touches, dt);
+        ended(Phase::Contacts);
+        let closing = self.closing(touches, dt);
+        let open = self.kick_with_contacts(closing, dynamics, dt);
+        ended(Phase::Sums);
+        open
     }
 
     /// Velocities of prescribed blocks from this middle of a step to the next one.

@@ -12,7 +12,7 @@ use crate::run::{RunError, build};
 use crate::scene::contact_dynamics;
 use crate::scene::resolve::Scene;
 use crate::world::World;
-use crate::world::time_step::{Cause, Limits, TimeStep};
+use crate::world::time_step::{BlockSteps, Cause, Limits, TimeStep};
 
 /// Largest wall time of the timed probe.
 const PROBE_TIME: Duration = Duration::from_secs(2);
@@ -49,8 +49,10 @@ pub(super) struct Step {
     pub dt_s: f64,
     /// The limit that governs it.
     pub limited_by: Cause,
-    /// Steps of the blocks inside it.
+    /// Steps of the blocks inside it, 1 where one spans several.
     pub block_substeps: u32,
+    /// Step of the blocks.
+    pub block_dt_s: f64,
     pub limits: Vec<Limit>,
     /// The block that sets the step of the contacts.
     pub set_by_block: Option<GoverningBlock>,
@@ -103,10 +105,15 @@ pub(super) struct WallTime {
 pub(super) fn cost(scene: &Scene) -> Result<Cost, RunError> {
     let mut world = build(scene)?;
     let first = world.next_step(scene.duration)?;
+    let (block_substeps, block_dt_s) = match first.of_blocks {
+        BlockSteps::Inside(n) => (n, first.dt / f64::from(n)),
+        BlockSteps::Spanning(period) => (1, period),
+    };
     let step = Step {
         dt_s: first.dt,
         limited_by: first.cause,
-        block_substeps: first.block_substeps,
+        block_substeps,
+        block_dt_s,
         limits: step_limits(&world),
         set_by_block: governing_block(&world, scene),
     };
@@ -239,6 +246,7 @@ fn step_limits(world: &World) -> Vec<Limit> {
         common,
         blocks,
         cause_of_blocks,
+        blocks_in_water: _,
     } = world.limits();
     let stability = world.stability();
     let all = common.into_iter().chain([(cause_of_blocks, blocks)]);
@@ -292,11 +300,16 @@ fn governing_block(world: &World, scene: &Scene) -> Option<GoverningBlock> {
 impl fmt::Display for Cost {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}", self.step)?;
-        writeln!(
-            f,
-            "  steps          about {:.0}, {} block sub-steps in each",
-            self.steps, self.step.block_substeps
-        )?;
+        let step = &self.step;
+        write!(f, "  steps          about {:.0}, ", self.steps)?;
+        match step.dt_s < step.block_dt_s {
+            true => writeln!(
+                f,
+                "one block step in {:.1} of them",
+                step.block_dt_s / step.dt_s
+            )?,
+            false => writeln!(f, "{} block sub-steps in each", step.block_substeps)?,
+        }
         writeln!(f, "  disk           {}", self.disk)?;
         write!(f, "  wall time      {}", self.wall_time)?;
         match &self.otherwise {

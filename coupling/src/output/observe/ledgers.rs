@@ -63,7 +63,7 @@ const BLOCK_COLUMNS: [(&str, &str); 29] = [
 ];
 
 /// Columns of `contact_solution.csv`: the last step of the blocks at each time.
-const SOLUTION_COLUMNS: [(&str, &str); 7] = [
+const SOLUTION_COLUMNS: [(&str, &str); 8] = [
     ("time", "s"),
     ("contacts", "-"),
     ("sweeps", "-"),
@@ -71,6 +71,7 @@ const SOLUTION_COLUMNS: [(&str, &str); 7] = [
     ("energy_error", "-"),
     ("max_overlap_over_size", "-"),
     ("unsolved_steps", "-"),
+    ("above_painleve", "-"),
 ];
 
 /// Columns of `joint_forces.csv`: one row per exact joint and time, numbered as the scene has them.
@@ -186,6 +187,7 @@ impl Observer for Ledgers {
                 last.energy_error,
                 blocks.max_overlap_over_size(),
                 all.n_unsolved as f64,
+                last.n_above_painleve as f64,
             ])?;
         }
         if let Some(table) = &mut self.joints {

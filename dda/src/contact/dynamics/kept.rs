@@ -75,6 +75,8 @@ pub struct ContactSolution {
     pub residual: f64,
     /// Spurious over available energy; –.
     pub energy_error: f64,
+    /// Points that bear with a friction above Painlevé's limit, see [`super::ContactProblem::is_above_painleve`].
+    pub n_above_painleve: usize,
 }
 
 /// Contacts of all steps of contact dynamics so far.
@@ -96,6 +98,8 @@ pub struct SolvedSteps {
     pub largest_residual: f64,
     /// Largest spurious over available energy of a step; –.
     pub largest_energy_error: f64,
+    /// Most points of a step that bear with a friction above Painlevé's limit.
+    pub most_above_painleve: usize,
 }
 
 impl SolvedSteps {
@@ -113,5 +117,6 @@ impl SolvedSteps {
         self.most_contacts = self.most_contacts.max(solution.n_contacts);
         self.largest_residual = self.largest_residual.max(solution.residual);
         self.largest_energy_error = self.largest_energy_error.max(solution.energy_error);
+        self.most_above_painleve = self.most_above_painleve.max(solution.n_above_painleve);
     }
 }

@@ -125,6 +125,7 @@ impl Blocks {
         };
         let ended = solver::solve_by(dynamics.solver, &problem, &mut impulses, until);
         let given = problem.operator.product(&impulses);
+        let is_ambiguous = |&a: &usize| 0.0 < impulses[a].x && problem.is_above_painleve(a);
         let mean = |a: usize| before[a] + (problem.operator.velocity(&given, a) + gained[a]) * 0.5;
         Solved {
             solution: ContactSolution {
@@ -132,6 +133,7 @@ impl Blocks {
                 n_iterations: ended.n_iterations,
                 residual: ended.residual,
                 energy_error: energy_error(&problem, (&impulses, &given)),
+                n_above_painleve: (0..touches.len()).filter(is_ambiguous).count(),
             },
             mean: (0..problem.len()).map(mean).collect(),
             given,
