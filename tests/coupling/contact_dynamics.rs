@@ -321,6 +321,11 @@ fn basin(body: &str, density: f64, friction: f64) -> World {
 
 /// The same with further regions of water.
 fn basin_with(body: &str, density: f64, friction: f64, further: &str) -> World {
+    basin_by("tolerance: 1e-10", body, (density, friction), further)
+}
+
+/// The same with fields of contact dynamics.
+fn basin_by(dynamics: &str, body: &str, (density, friction): (f64, f64), further: &str) -> World {
     world(&format!(
         "(title: \"basin\", domain: (min: (-0.08, 0, -0.08), max: (1.04, 0.1, 0.7), dimensions: Two),\n\
          materials: [(name: \"m\", density: {density:?}, friction_angle_deg: {friction:?})],\n\
@@ -329,7 +334,7 @@ fn basin_with(body: &str, density: f64, friction: f64, further: &str) -> World {
          (name: \"right\", material: \"m\", motion: Fixed, shape: Box(min: (0.96, -1, 0), max: (1.04, 1, 0.7))),\n\
          (name: \"body\", material: \"m\", {body})],\n\
          fluid: (resolution: Spacing(0.02), regions: [(name: \"water\", shape: Below(level: 0.3, seed: (0.02, 0.05, 0.02))), {further}]),\n\
-         numerics: (blocks: ContactDynamics(tolerance: 1e-10)), time: (duration: 100))"
+         numerics: (blocks: ContactDynamics({dynamics})), time: (duration: 100))"
     ))
 }
 
@@ -355,6 +360,39 @@ fn a_floating_box_sinks_in_by_its_density() {
     assert!(off.abs() < 0.1 * 0.02, "{off}");
     // what water gave in the last half step is counted, too
     assert!(world.momentum_residual() < 1e-9);
+}
+
+/// A block that sinks to the bed with a kick in several steps of the water does so as with one in each, and so does its account.
+#[test]
+fn a_kick_in_several_steps_of_the_water_sinks_a_block_alike() {
+    let sinks = |step: &str| {
+        let body = "shape: Box(min: (0.3, 0, 0.06), max: (0.6, 0.1, 0.3))";
+        let mut world = basin_by(step, body, (2500.0, 30.0), "");
+        let mut heights = Vec::new();
+        advance(&mut world, 0.5, DURATION, |world| {
+            heights.push([world.time(), world.blocks.centroid(3).z]);
+        });
+        let clock = world.clock();
+        let share = clock.block_substeps as f64 / clock.steps as f64;
+        let unexplained = world.energy().residual / (0.06 * world.blocks.mass(3) * G);
+        let momentum = world.momentum_residual();
+        println!("{step}: {share:.2} kicks a step, {unexplained:+.1e}, {momentum:.1e}");
+        assert!(momentum < 1e-9 && unexplained.abs() < 0.02, "{unexplained}");
+        (share, heights)
+    };
+    let (each, expected) = sinks("time_step: 0.001");
+    let (share, found) = sinks("time_step: 0.02");
+    assert!(each >= 1.0 && share < 0.4, "{each}, {share}");
+    let height_at = |time: f64| {
+        let k = expected.partition_point(|at| at[0] < time).max(1);
+        let [a, b] = [expected[k - 1], expected[k.min(expected.len() - 1)]];
+        a[1] + (b[1] - a[1]) * ((time - a[0]) / (b[0] - a[0]).max(1e-12)).min(1.0)
+    };
+    let off = found.iter().map(|[t, z]| (z - height_at(*t)).abs());
+    let off = off.fold(0.0, f64::max);
+    println!("{:.3} of the way off", off / 0.06);
+    // of the way to the bed
+    assert!(off < 0.02 * 0.06, "{off}");
 }
 
 /// C04 and N25: a block on the bed of still water bears its weight less its buoyancy, half of it in water or all of it, and creeps by

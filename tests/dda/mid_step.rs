@@ -2,7 +2,7 @@
 
 use riprap_dda::{
     BlockDefinition, BlockError, Blocks, ContactDynamics, ContactState, Integrator, Isometry,
-    Material, Motion, PrescribedMotion, Resting, RollingLaw, Settings, Vec3,
+    Material, Motion, Polyhedron, PrescribedMotion, Resting, RollingLaw, Settings, Vec3,
 };
 
 use crate::setup::{
@@ -289,6 +289,27 @@ fn three_spheres_carry_a_fourth_by_friction() {
     let (stands, falls) = (sinks(0.325), sinks(0.31));
     println!("a sphere on three: sinks by {stands:.1e} m at 0.325, {falls:.2} m at 0.31");
     assert!(stands < 1e-3 && 0.2 < falls);
+}
+
+/// A slender double pyramid that slides on its tip, tilted by tan θ = 2: `J = m a²/10` about its middle, so that `W_nn` is 1 + 10 cos² θ = 3 and
+/// `W_nt` 10 sin θ cos θ = 4 over its mass. Friction above 3/4 is told, friction below it is not.
+#[test]
+fn friction_above_painleves_limit_is_told() {
+    let most = |friction: f64| {
+        let tilt = 2.0_f64.atan();
+        let across = [[0.01, 0.0], [0.0, 0.01], [-0.01, 0.0], [0.0, -0.01]];
+        let mut corners = vec![Vec3::x(), -Vec3::x()];
+        corners.extend(across.map(|[y, z]| Vec3::new(0.0, y, z)));
+        let spindle = Polyhedron::convex_hull(&corners).unwrap();
+        let place = Isometry::new(Vec3::z() * tilt.sin(), Vec3::y() * tilt);
+        let spindle = block(spindle.transformed(&place), Motion::Free);
+        let definitions = vec![floor(), moving(spindle, [1.0, 0.0, 0.0])];
+        let mut blocks = blocks(definitions, joint(friction, 0.0), down());
+        run(&mut blocks, (0.0, 0.01), 0.001);
+        blocks.solved_steps().most_above_painleve
+    };
+    assert_eq!(most(0.7), 0);
+    assert!(0 < most(0.8));
 }
 
 /// The same bits with one thread and several, and through a checkpoint.

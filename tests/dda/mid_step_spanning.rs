@@ -127,6 +127,38 @@ fn impulses_wait_for_the_kick() {
     assert!((bears / weight - 1.0).abs() < 0.25, "{bears}");
 }
 
+/// A free block under a force that oscillates, in steps of about a tenth of a period: off by the square of the period, and without a lag.
+#[test]
+fn forces_from_outside_act_to_second_order() {
+    let way_off = |period: f64| {
+        let cube = block(cuboid([-0.5; 3], [0.5; 3]), Motion::Free);
+        let mut blocks = blocks(vec![cube], joint(0.5, 0.0), Vec3::zeros());
+        // kicks anywhere in a step
+        let (dt, rate, mass) = (period / 10.37, 10.0, blocks.mass(0));
+        let mut worst: f64 = 0.0;
+        let push = |time: f64| Load {
+            force: Vec3::x() * (mass * (rate * time).cos()),
+            torque: Vec3::zeros(),
+        };
+        for k in 0..(2.0 / dt).round() as u32 {
+            let time = dt * f64::from(k);
+            // half kicks, as of the water
+            blocks.apply_impulse(&[push(time)], 0.5 * dt);
+            blocks
+                .advance_spanning(time, dt, period, &mut |_| {})
+                .unwrap();
+            blocks.apply_impulse(&[push(time + dt)], 0.5 * dt);
+            let expected = (1.0 - (rate * (time + dt)).cos()) / (rate * rate);
+            worst = worst.max((blocks.centroid(0).x - expected).abs());
+        }
+        worst
+    };
+    let off = [0.02, 0.01, 0.005].map(way_off);
+    let order = [off[0] / off[1], off[1] / off[2]].map(f64::log2);
+    println!("{off:?} m off, orders {order:.2?}");
+    assert!(order.iter().all(|order| (1.8..2.2).contains(order)));
+}
+
 /// A plate that is driven into a block pushes it along with its own velocity, between kicks, too.
 #[test]
 fn driven_blocks_push_between_kicks() {

@@ -268,6 +268,12 @@ mod tests {
             "{}",
             bad[2]
         );
+        let rough = verdict(&json!({"contact_solution": {"most_above_painleve": 2}}));
+        assert!(
+            rough[2].contains("up to 2 contacts in a step bore with a friction above Painlevé's"),
+            "{}",
+            rough[2]
+        );
         let still = verdict(
             &json!({"fluid_particles": 9, "particle_spacing": 0.1, "energy": {"potential": 1e6, "kinetic": 0.1}}),
         );

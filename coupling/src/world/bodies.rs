@@ -216,10 +216,11 @@ impl BlockPhase<'_> {
             velocities_before,
             ..
         } = &mut *self.bodies;
-        for (b, (dry, [linear, angular])) in dry.iter_mut().zip(velocities_before).enumerate() {
+        for (b, (dry, before)) in dry.iter_mut().zip(velocities_before).enumerate() {
+            let after = self.blocks.velocity_with_outside(b);
             *dry = Acceleration {
-                linear: (self.blocks.velocity(b) - *linear) / taken.over,
-                angular: (self.blocks.angular_velocity(b) - *angular) / taken.over,
+                linear: (after[0] - before[0]) / taken.over,
+                angular: (after[1] - before[1]) / taken.over,
             };
         }
     }

@@ -10,7 +10,7 @@ use crate::world::{StepError, World};
 const LARGEST_MACH: f64 = 1.0;
 
 /// Share of a block's change of velocity that water before it takes within a step of the block.
-const LARGEST_RADIATION: f64 = 0.2;
+const LARGEST_RADIATION: f64 = 0.5;
 
 /// The part of the duration below which a step is refused.
 const SMALLEST_STEP_SHARE: f64 = 1e-9;
