@@ -53,6 +53,7 @@ SETTINGS = {
     "2 ms": dynamics(0.002),
     "1 ms": dynamics(0.001),
     "0.3 ms": dynamics(0.0003),
+    "0.15625 ms": dynamics(0.00015625),
     "5 ms, 1e-2": dynamics(0.005, "tolerance: 0.9e-2"),
     "5 ms, 1e-3": dynamics(0.005, "tolerance: 1e-3"),
     "5 ms, 1e-6": dynamics(0.005, "tolerance: 1e-6"),
