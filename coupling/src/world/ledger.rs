@@ -224,7 +224,11 @@ impl Ledger {
                 }
             }
         }
-        impulse += joints.force_on_free_blocks(blocks);
+        let by_joints = Load {
+            force: joints.force_on_free_blocks(blocks),
+            ..Load::default()
+        };
+        impulse += interface.in_plane(by_joints).force;
         // sleeping water is supported from below
         let weight = fluid.settings().gravity * fluid.awake_mass();
         let mirrored = fluid.plane_force();
