@@ -183,8 +183,8 @@ fn left(joint: Option<&OpenJoint>, residual: f64, n_iterations: usize) -> String
             "{joint}; release it, or look for a joint or a prescribed motion that contradicts it"
         ),
         None => format!(
-            "the contacts have a residual of {residual:.1e} after {n_iterations} sweeps; allow more sweeps, shorten the step, or look for \
-             blocks that are jammed or overlap at the start"
+            "the contacts have a residual of {residual:.1e} after {n_iterations} sweeps; allow more sweeps, or look for blocks that are \
+             jammed or overlap at the start"
         ),
     }
 }
