@@ -32,7 +32,9 @@ pub use blocks::{
     BlockFile, DeformableFile, DeformableModelFile, HoldFile, JointFacesFile, MotionFile,
     PlacementFile, RotationFile, TurningFile,
 };
-pub use bulk::{GrainRegionFile, GrainsFile, JointSetFile, RockMassFile, SliversFile};
+pub use bulk::{
+    GrainRegionFile, GrainSizeFile, GrainsFile, JointSetFile, RockMassFile, SliversFile,
+};
 pub use fluid::{
     FlowFile, FluidFile, LatticeFile, RegionFile, RegionShapeFile, RegularizationFile,
     ResolutionFile, RheologyFile,

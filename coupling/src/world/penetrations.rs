@@ -178,6 +178,7 @@ mod tests {
     use super::*;
     use crate::run::world_of;
     use crate::world::World;
+    use crate::world::time_step::BlockSteps;
 
     const DP: f64 = 0.1;
     const SOUND: f64 = 20.0;
@@ -209,7 +210,7 @@ mod tests {
         fluid.set_velocity(0, velocity);
         world.open_ledger();
         world
-            .coupled(0, |fluid, coupler| {
+            .coupled(BlockSteps::NONE, |fluid, coupler| {
                 fluid.refresh();
                 coupler.interface.find(fluid, coupler.rock.blocks);
                 coupler.stop_on_the_way(fluid, dt);

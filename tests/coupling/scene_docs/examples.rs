@@ -71,7 +71,8 @@ examples! {
     SliversFile: "(volume_share: 0.05, aspect: 12)";
     JointSetFile: "(dip_deg: 60, dip_direction_deg: 90, spacing: 2, persistence: 0.8, spacing_scatter: 0.2)";
     GrainsFile: r#"(name: "gravel", material: "rock", region: Cylinder(base: (0, 0, 0), radius: 1, height: 2),
- diameter: (0.08, 0.12), seed: 3)"#;
+ diameter: (0.08, 0.12), mixed_with: [(diameter: (0.02, 0.03), volume_share: 0.3)], seed: 3)"#;
+    GrainSizeFile: "(diameter: (0.02, 0.03), volume_share: 0.3)";
     GrainRegionFile: "Box(min: (0, 0, 0), max: (1, 1, 2))";
     FluidFile: r#"(resolution: Spacing(0.05), regions: [(name: "sea", shape: Below(level: 0.6, seed: (5, 0, 0.3)))])"#;
     ResolutionFile: "Spacing(0.05)";

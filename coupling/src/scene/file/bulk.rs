@@ -102,6 +102,9 @@ pub struct GrainsFile {
     /// Smallest and largest diameter, equal for a single size; uniform distribution between them; m.
     #[schemars(extend("x-unit" = "m"))]
     pub diameter: (f64, f64),
+    /// Further sizes, mixed at random on one lattice of the largest of all.
+    #[serde(default)]
+    pub mixed_with: Vec<GrainSizeFile>,
     /// Number of spheres; as many as fit when left out.
     #[serde(default)]
     pub count: Option<u32>,
@@ -123,8 +126,20 @@ pub struct GrainsFile {
     pub velocity: Triple,
 }
 
-/// Initial region of spheres.
+/// A size of spheres in a mixture.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct GrainSizeFile {
+    /// Smallest and largest diameter, equal for a single size; uniform distribution between them; m.
+    #[schemars(extend("x-unit" = "m"))]
+    pub diameter: (f64, f64),
+    /// Share of the volume of all spheres, to the nearest sphere; the first size takes what is left.
+    #[schemars(extend("x-unit" = "-", "exclusiveMinimum" = 0, "exclusiveMaximum" = 1))]
+    pub volume_share: f64,
+}
+
+/// Initial region of spheres.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub enum GrainRegionFile {
     /// An axis-aligned box.
@@ -148,6 +163,8 @@ pub enum GrainRegionFile {
         #[schemars(extend("x-unit" = "m", "exclusiveMinimum" = 0))]
         height: f64,
     },
+    /// The inside of a closed shape.
+    Inside(ShapeFile),
 }
 
 fn default_maximum_blocks() -> u32 {

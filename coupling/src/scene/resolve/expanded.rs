@@ -54,7 +54,8 @@ pub(super) fn expand(mut file: SceneFile, access: &Access) -> Result<Expanded, V
     let file = with_scars(file, slides);
 
     let most = (access.bytes() / estimate::PER_BLOCK) as usize;
-    let (blocks, grains) = blocks_of_grains(&file.grains, &file.blocks, &file.materials, most)?;
+    let (blocks, grains) =
+        blocks_of_grains(&file.grains, &file.blocks, &file.materials, (most, access))?;
     let mut file = file;
     file.grains.clear();
     file.blocks.extend(blocks);
