@@ -3,7 +3,8 @@
 use nalgebra::{Matrix3, Rotation3};
 use riprap_dda::contact_dynamics::ContactProblem;
 use riprap_dda::contact_dynamics::accuracy::{Scaling, energy_error, residual};
-use riprap_dda::contact_dynamics::delassus::{Body, BodyContacts, Delassus, Point};
+use riprap_dda::contact_dynamics::bodies::{Body, Point};
+use riprap_dda::contact_dynamics::delassus::{BodyContacts, Delassus};
 use riprap_dda::contact_dynamics::gauss_seidel::{GaussSeidel, Order, Until};
 use riprap_dda::contact_dynamics::{gradient, solver};
 use riprap_dda::{Random, Vec3};

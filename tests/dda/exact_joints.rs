@@ -5,7 +5,8 @@ use crate::setup::{
 };
 use nalgebra::{Matrix3, Rotation3};
 use riprap_dda::contact_dynamics::bilateral::{Bilateral, Rod};
-use riprap_dda::contact_dynamics::delassus::{Body, BodyContacts, Delassus, Point};
+use riprap_dda::contact_dynamics::bodies::{Body, Point};
+use riprap_dda::contact_dynamics::delassus::{BodyContacts, Delassus};
 use riprap_dda::contact_dynamics::gauss_seidel::Until;
 use riprap_dda::contact_dynamics::{ContactProblem, accuracy::Scaling, gradient, solver};
 use riprap_dda::{

@@ -60,6 +60,8 @@ pub(crate) struct State {
     pub worst_overlap: (f64, (u32, u32)),
     /// Impulses from outside that the next step of contact dynamics gives; one per block, empty of central differences; N s, N m s.
     pub outside: Vec<Load>,
+    /// Straining moments of these impulses; one per deformable block, empty of central differences; N m s.
+    pub outside_stretch: Vec<Matrix3<f64>>,
     /// Impulses of the last step of contact dynamics, by parts and key.
     pub impulses: Vec<KeptImpulse>,
     /// Bonds of contact dynamics that hold, by parts.
