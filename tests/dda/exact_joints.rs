@@ -972,7 +972,7 @@ fn sweeps_and_gradient_find_the_same_velocities() {
     println!("{ended:?}");
     let [a, b] = [&by_sweeps, &by_gradient].map(|impulses| problem.operator.product(impulses));
     for body in 0..6 {
-        let off = [0, 1].map(|k| (a[body][k] - b[body][k]).norm());
+        let off = [0, 1].map(|k| (a.rigid[body][k] - b.rigid[body][k]).norm());
         // of 1 m/s, at a residual of 1e-11
         assert_below("velocity and spin", off[0].max(off[1]), 1e-9);
     }

@@ -81,7 +81,12 @@ fn frequencies(young_modulus: f64) -> [f64; 2] {
 #[test]
 fn a_free_block_keeps_its_spin() {
     let half = [0.5, 0.35, 0.2];
-    for (young_modulus, law) in [(1e7, LAWS[0]), (1e7, LAWS[1]), (1e10, LAWS[0]), (1e13, LAWS[0])] {
+    for (young_modulus, law) in [
+        (1e7, LAWS[0]),
+        (1e7, LAWS[1]),
+        (1e10, LAWS[0]),
+        (1e13, LAWS[0]),
+    ] {
         let mut definition = affine(half.map(|c| -c), half, law);
         definition.velocity = Vec3::new(1.0, -2.0, 3.0);
         definition.angular_velocity = Vec3::new(1.0, 5.0, 0.3);
@@ -98,7 +103,10 @@ fn a_free_block_keeps_its_spin() {
         }
         let velocity = (blocks.velocity(0) - Vec3::new(1.0, -2.0, 3.0)).norm();
         let [volume, _] = frequencies(young_modulus);
-        println!("E {young_modulus:e} {law:?}, w dt {:.2}: L {off:.1e}, v {velocity:.1e}, energy {energy:.1e}, strain {strain:.1e}", volume * dt);
+        println!(
+            "E {young_modulus:e} {law:?}, w dt {:.2}: L {off:.1e}, v {velocity:.1e}, energy {energy:.1e}, strain {strain:.1e}",
+            volume * dt
+        );
     }
 }
 
@@ -111,7 +119,11 @@ fn free_strain() {
         for wdt in [0.2, 0.1, 0.05, 100.0] {
             let mut definition = affine([-0.5; 3], [0.5; 3], law);
             let p = 1e-7 * young;
-            definition.deformability.as_mut().unwrap().initial_stress = if shape == 0 {[p, p, p, 0.0, 0.0, 0.0]} else {[p, -p, 0.0, 0.0, 0.0, 0.0]};
+            definition.deformability.as_mut().unwrap().initial_stress = if shape == 0 {
+                [p, p, p, 0.0, 0.0, 0.0]
+            } else {
+                [p, -p, 0.0, 0.0, 0.0, 0.0]
+            };
             let mut blocks = blocks(vec![definition], elastic(young, 0.0), Vec3::zeros());
             let dt = wdt / omega;
             let n = (1000.0 / wdt.min(1.0)) as u32;
@@ -126,20 +138,29 @@ fn free_strain() {
             for k in 0..n {
                 run(&mut blocks, 1, dt);
                 let e = blocks.strain(0).unwrap()[0];
-                let r = blocks.velocity_gradient(0)[(0,0)];
-                if rate_last > 0.0 && r <= 0.0 { phase_cross.push(f64::from(k) + rate_last/(rate_last - r)); }
+                let r = blocks.velocity_gradient(0)[(0, 0)];
+                if rate_last > 0.0 && r <= 0.0 {
+                    phase_cross.push(f64::from(k) + rate_last / (rate_last - r));
+                }
                 rate_last = r;
-                last = e; let _ = (last, mean);
+                last = e;
+                let _ = (last, mean);
                 largest = largest.max(e.abs());
                 let s = blocks.energies();
                 worst = worst.max((s.balance() - e0).abs());
             }
             let m = phase_cross.len();
             if m > 1 {
-            let period = (phase_cross[m-1]-phase_cross[0])/(m as f64 - 1.0)*dt;
-            println!("mode {shape} wdt {wdt}: w/w0-1 = {:.3e}", std::f64::consts::TAU/period/omega-1.0);
+                let period = (phase_cross[m - 1] - phase_cross[0]) / (m as f64 - 1.0) * dt;
+                println!(
+                    "mode {shape} wdt {wdt}: w/w0-1 = {:.3e}",
+                    std::f64::consts::TAU / period / omega - 1.0
+                );
             }
-            println!("  largest {largest:.3e}, energy {worst:.2e} start {e0:.2e} strain e {:.3e}", 1e-14*young);
+            println!(
+                "  largest {largest:.3e}, energy {worst:.2e} start {e0:.2e} strain e {:.3e}",
+                1e-14 * young
+            );
         }
     }
 }
@@ -150,11 +171,26 @@ fn rest() {
         let definition = affine([-0.5, -0.5, 0.0], [0.5, 0.5, 1.0], LAWS[0]);
         let dt = 5e-3;
         let eta = young * 2e-3;
-        let mut blocks = blocks(vec![floor(), definition], with_friction(0.0, elastic(young, eta)), down());
+        let mut blocks = blocks(
+            vec![floor(), definition],
+            with_friction(0.0, elastic(young, eta)),
+            down(),
+        );
         run(&mut blocks, 2000, dt);
         let stress = blocks.stress(1).unwrap();
-        println!("E {young:e} stress {stress:?} expected {}, strain {:?}", -2500.0*G/2.0, blocks.strain(1).unwrap());
-        let weight = blocks.mass(1)*G;
-        println!("reaction {:.3e}, z {} v {:.2e} {:?} {:?}", -blocks.contact_force(0).force.z/weight - 1.0, blocks.centroid(1).z, blocks.velocity(1).norm(), blocks.contact_solution(), blocks.energies());
+        println!(
+            "E {young:e} stress {stress:?} expected {}, strain {:?}",
+            -2500.0 * G / 2.0,
+            blocks.strain(1).unwrap()
+        );
+        let weight = blocks.mass(1) * G;
+        println!(
+            "reaction {:.3e}, z {} v {:.2e} {:?} {:?}",
+            -blocks.contact_force(0).force.z / weight - 1.0,
+            blocks.centroid(1).z,
+            blocks.velocity(1).norm(),
+            blocks.contact_solution(),
+            blocks.energies()
+        );
     }
 }

@@ -32,6 +32,7 @@ use elastic::Constants;
 pub use elastic::natural_frequencies;
 use nalgebra::{Matrix3, UnitQuaternion};
 pub use rotating::MomentCompliance;
+pub(crate) use rotating::product;
 use serde::{Deserialize, Serialize};
 
 /// Symmetric tensor in Voigt's order `xx yy zz yz zx xy`, shear entries as they stand in the

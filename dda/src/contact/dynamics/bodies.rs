@@ -7,8 +7,8 @@
 //! Most scenes have rigid bodies alone: what strain needs lies beside their columns, and is empty there.
 
 use crate::Vec3;
-use crate::motion::deformation::{MomentCompliance, axial, symmetric};
-use nalgebra::{Matrix3, SVector};
+use crate::motion::deformation::{MomentCompliance, axial, product, symmetric};
+use nalgebra::Matrix3;
 
 /// A rigid body that impulses move; what does not move is no body.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,7 +29,7 @@ impl Body {
     }
 
     /// Velocity of the centroid by an impulse, `1/m P`; 1/kg.
-    fn of_centroid(&self) -> Matrix3<f64> {
+    pub fn of_centroid(&self) -> Matrix3<f64> {
         self.freedom.unwrap_or_else(Matrix3::identity) * self.inverse_mass
     }
 
@@ -112,8 +112,7 @@ pub struct StrainingBody {
 impl StrainingBody {
     /// Velocity gradient by a first moment of impulses `Σ f ⊗ r` (N m s); 1/s.
     pub fn gradient(&self, moment: &Matrix3<f64>) -> Matrix3<f64> {
-        let moment = SVector::<f64, 9>::from_column_slice(moment.as_slice());
-        Matrix3::from_column_slice((self.compliance * moment).as_slice())
+        product(&self.compliance, moment)
     }
 
     /// Velocity of a point at `arm` (m) by an impulse there, `r·M⁻¹·r`; of the spin by a torque (1/(kg m²)); 1/kg.
@@ -164,6 +163,14 @@ pub struct BodyVelocities {
 }
 
 impl BodyVelocities {
+    /// Adds velocity (m/s) and velocity gradient (1/s) of a body, the `k`-th that strains.
+    pub fn add(&mut self, (body, k): (usize, usize), (more, gradient): (&Vec3, &Matrix3<f64>)) {
+        let [velocity, spin] = &mut self.rigid[body];
+        *velocity += more;
+        *spin += axial(gradient);
+        self.strain_rate[k] += symmetric(gradient);
+    }
+
     /// Velocity gradient `[ω]× + D` of the `k`-th body that strains; 1/s.
     pub fn gradient(&self, body: usize, k: usize) -> Matrix3<f64> {
         self.rigid[body][1].cross_matrix() + self.strain_rate[k]
@@ -190,6 +197,11 @@ impl Bodies {
     /// Mass, freedom and inertia of all bodies.
     pub fn rigid(&self) -> &[Body] {
         &self.rigid
+    }
+
+    /// Those that strain.
+    pub fn straining(&self) -> &[StrainingBody] {
+        &self.straining
     }
 
     /// Velocities of bodies at rest.
@@ -238,17 +250,15 @@ impl Bodies {
     }
 
     /// Adds an impulse (N s) and its first moment (N m s) on the `k`-th body that strains.
-    pub fn push_straining(
+    pub(super) fn push_straining(
         &self,
         (body, k): (u32, usize),
         velocities: &mut BodyVelocities,
         (impulse, moment): (&Vec3, &Matrix3<f64>),
     ) {
-        let [velocity, spin] = &mut velocities.rigid[body as usize];
-        *velocity += self.rigid[body as usize].of_centroid() * impulse;
+        let velocity = self.rigid[body as usize].of_centroid() * impulse;
         let gradient = self.straining[k].gradient(moment);
-        *spin += axial(&gradient);
-        velocities.strain_rate[k] += symmetric(&gradient);
+        velocities.add((body as usize, k), (&velocity, &gradient));
     }
 
     /// Parts the velocity gradients of bodies that strain, where there are strain rates, into spin and strain rate.

@@ -4,33 +4,41 @@
 //! F' = [ω]× F + G,    L = J ω = 2 axial(F' S₀ Fᵀ)             G: the part without angular momentum
 //! rotation    F := Q F,  G := Q G                             Q of the free rotation of the present shape, L stays
 //! strain      F := F + h G                                    L stays, and G remains without angular momentum
-//! Coriolis    G' = −2 Π [ω]× G                                without work, by Cayley's map
-//! kick        F' := F' + A F,   A = M⁻¹ (Σ f ⊗ r − dt V₀ (τ + τ_v) − dt Π [ω]×² S)                [1/s]
+//! kick        F' := F' + A F,   M A = Σ f ⊗ r − dt V₀ (τ + τ_v) − dt Π([ω]×² + 2 [ω]× Ḡ F⁻¹) S      [N m s]
 //! ```
-//! with `S = F S₀ Fᵀ`, `τ = P Fᵀ` and `Π` the projection on what carries no angular momentum. The order is rotation, strain, Coriolis,
-//! kick, Coriolis, strain, rotation: symmetric in time, of second order. Along straight lines `F + h F'` a rotating block would
-//! stretch by `(ω h)²/2`, which a stiff one turns into stress; here a rigid rotation strains nothing but by its centrifugal force.
+//! with `S = F S₀ Fᵀ`, `τ = P Fᵀ`, the projection `Π` on what carries no angular momentum, and `ω` and `Ḡ` those of the mean of the
+//! velocities before and after the kick, contacts apart. The order is rotation, strain, kick, strain, rotation: symmetric in time, of second
+//! order. Along straight lines `F + h F'` a rotating block would stretch by `(ω h)²/2`, which a stiff one turns into stress; here a rigid
+//! rotation strains nothing but by its centrifugal force.
 //!
 //! Strain is semi-implicit,
 //!
 //! ```text
-//! M A = A S + dt²/4 V₀ F C:(Fᵀ A F) Fᵀ + dt/2 V₀ 2η_s F sym(Fᵀ A F) Fᵀ                            [kg m²]
+//! M A = A S + dt²/4 V₀ F C:(Fᵀ A F) Fᵀ + dt/2 (1 + s) V₀ 2η_s F sym(Fᵀ A F) Fᵀ                    [N m s]
+//! s   = (ω_el dt)²/(4 + (ω_el dt)²)
 //! ```
-//! which for small strains is the implicit midpoint rule: stable in any step, energy kept. The added terms are symmetric in `A`, vanish for rotations
-//! and have no torque, so that angular momentum is kept to round-off. The stiffness by stress itself remains explicit, and alone bounds
-//! the step; with stiffness to infinity the block is rigid.
+//! which for small strains is the implicit midpoint rule: stable in any step, energy kept. Where a step is long against the oscillation `s` is 1,
+//! and viscosity acts after the kick: at its middle it would leave a velocity that changes its sign in every step. The added terms are
+//! symmetric in `A`, vanish for rotations and have no torque, so that angular momentum is kept to round-off. The stiffness by stress
+//! itself remains explicit, and alone bounds the step; with stiffness to infinity the block is rigid.
 //!
 //! Source of the semi-implicit mass: Koziara (2008), linearly implicit integration of pseudo-rigid bodies; the split is ours.
 
 use super::{Affine12, AffineBody, axial, green_strain, symmetric};
 use crate::Vec3;
 use crate::motion::kinematics::flushed;
-use nalgebra::{Matrix3, SMatrix, UnitQuaternion};
+use nalgebra::{Matrix3, SMatrix, SVector, UnitQuaternion};
 
 /// From first moments of impulses `Σ f ⊗ r`, column by column, to the change of the velocity gradient; 1/(kg m²).
 pub type MomentCompliance = SMatrix<f64, 9, 9>;
 
-/// Iterations of a half step at most; each gains the digits of an angle of rotation.
+/// Change of the velocity gradient by a first moment of impulses (N m s); 1/s.
+pub(crate) fn product(compliance: &MomentCompliance, moment: &Matrix3<f64>) -> Matrix3<f64> {
+    let moment = SVector::<f64, 9>::from_column_slice(moment.as_slice());
+    Matrix3::from_column_slice((compliance * moment).as_slice())
+}
+
+/// Iterations at most, of a half step or a kick; each gains the digits of an angle of rotation.
 const N_ITERATIONS: usize = 40;
 /// Change that ends an iteration; –.
 const ROUND_OFF: f64 = 1e-16;
@@ -81,22 +89,6 @@ impl<'a> Split<'a> {
         self.body.gradient += self.straining * h;
     }
 
-    /// `G₊ = G − h Π [ω]× (G + G₊)`, which keeps `tr(G S₀ Gᵀ)`.
-    fn deflect(&mut self, h: f64) {
-        let spin = (self.body.inverse_inertia() * self.momentum).cross_matrix();
-        let mut after = self.straining;
-        for _ in 0..N_ITERATIONS {
-            let force = spin * (self.straining + after) * -h;
-            let next = self.straining + self.body.without_rotation(&force);
-            let change = (next - after).norm();
-            after = next;
-            if change <= ROUND_OFF * after.norm() {
-                break;
-            }
-        }
-        self.straining = after;
-    }
-
     fn join(self) {
         let spin = self.body.inverse_inertia() * self.momentum;
         self.body.rate = spin.cross_matrix() * self.body.gradient + self.straining;
@@ -116,14 +108,12 @@ impl AffineBody {
         let mut split = Split::of(self);
         split.rotate(h);
         split.strain(h);
-        split.deflect(h);
         split.join();
     }
 
     /// Half a step of `h` (s) from its middle on.
     pub fn drift_from_middle(&mut self, h: f64) {
         let mut split = Split::of(self);
-        split.deflect(h);
         split.strain(h);
         split.rotate(h);
         split.join();
@@ -142,7 +132,8 @@ impl Affine12 {
     pub fn moment_compliance(&self, dt: f64) -> MomentCompliance {
         let gradient = &self.body.gradient;
         let second = self.body.present_second_moment();
-        let (stiff, viscous) = (0.25 * dt * dt, dt * self.elastic.viscosity);
+        let stiff = 0.25 * dt * dt;
+        let viscous = dt * (1.0 + self.lateness(dt)) * self.elastic.viscosity;
         let mut mass = MomentCompliance::zeros();
         for k in 0..9 {
             let mut rate = Matrix3::zeros();
@@ -157,27 +148,53 @@ impl Affine12 {
         factors.map_or_else(MomentCompliance::zeros, |factors| factors.inverse())
     }
 
-    /// Moment by stress and centrifugal force within a kick of `dt` (s) that outer forces give a `torque` (N m s), at the mean spin;
-    /// symmetric but for round-off of the second; N m s.
-    pub fn inner_impulse(&self, torque: &Vec3, dt: f64) -> Matrix3<f64> {
+    /// `s`: share of viscosity that acts after a kick over `dt` (s) instead of in its middle; –.
+    fn lateness(&self, dt: f64) -> f64 {
+        let square = self.elastic.largest_square * dt * dt;
+        square / (4.0 + square)
+    }
+
+    /// `A` of a kick over `dt` (s) by outer forces, of some `torque` and first moment (N m s), by stress and rotation; 1/s.
+    pub fn free_change(
+        &self,
+        compliance: &MomentCompliance,
+        (torque, outer): (&Vec3, &Matrix3<f64>),
+        dt: f64,
+    ) -> Matrix3<f64> {
         let body = &self.body;
         let viscous = self.elastic.viscous_piola(&body.gradient, &body.rate);
         let stress = (self.first_piola() + viscous) * body.gradient.transpose();
         let momentum = body.angular_momentum() + torque * 0.5;
         let spin = (body.inverse_inertia() * momentum).cross_matrix();
-        let outward = body.without_rotation(&(-spin * spin * body.gradient));
-        let centrifugal = outward * body.second_moment * body.gradient.transpose();
-        symmetric(&centrifugal) * dt - symmetric(&stress) * (body.volume * dt)
+        let given = outer - symmetric(&stress) * (body.volume * dt);
+        let centrifugal = spin * spin * body.gradient;
+        let mut mean = body.rate;
+        let mut change = Matrix3::zeros();
+        for _ in 0..N_ITERATIONS {
+            let coriolis = spin * body.without_rotation(&mean) * 2.0;
+            let inertial = body.without_rotation(&(centrifugal + coriolis));
+            // no torque but by round-off
+            let moment = inertial * body.second_moment * body.gradient.transpose();
+            let next = product(compliance, &(given - symmetric(&moment) * dt));
+            let difference = (next - change).norm();
+            change = next;
+            mean = body.rate + change * body.gradient * 0.5;
+            if difference <= ROUND_OFF * change.norm() {
+                break;
+            }
+        }
+        change
     }
 
-    /// Kick over `dt` (s) by a change of the velocity gradient (1/s); returns what viscosity takes at the mean rate; J.
+    /// Kick over `dt` (s) by a change of the velocity gradient (1/s); returns what viscosity takes; J.
     pub fn kick_by(&mut self, change: &Matrix3<f64>, dt: f64) -> f64 {
+        let late = 0.5 * self.lateness(dt);
         let body = &mut self.body;
         let gained = change * body.gradient;
         let mean = body.rate + gained * 0.5;
         body.rate += gained;
         body.rate.apply(|c| *c = flushed(*c));
-        let viscous = self.elastic.viscous_piola(&body.gradient, &mean);
+        let viscous = (self.elastic).viscous_piola(&body.gradient, &(mean + gained * late));
         dt * body.volume * viscous.dot(&mean)
     }
 

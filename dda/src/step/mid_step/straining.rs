@@ -80,8 +80,10 @@ impl Blocks {
             }
             let torque = given.torque;
             let outer = Moment { torque, stretch }.matrix();
-            let moment = outer + affine.inner_impulse(&torque, dt);
-            bodies.push_straining((b as u32, k), gains, (&given.force, &moment));
+            let compliance = &bodies.straining()[k].compliance;
+            let change = affine.free_change(compliance, (&torque, &outer), dt);
+            let velocity = bodies.rigid()[b].of_centroid() * given.force;
+            gains.add((b, k), (&velocity, &change));
         }
     }
 
