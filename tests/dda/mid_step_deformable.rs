@@ -4,7 +4,7 @@
 
 use riprap_dda::{
     Attachment, BlockDefinition, Blocks, ContactDynamics, Deformability, DeformableModel, Elastic,
-    Hold, Integrator, Isometry, Material, Motion, StressLaw, Turning, Vec3,
+    Hold, Integrator, Isometry, Material, Motion, Settings, StressLaw, Turning, Vec3,
 };
 
 use crate::setup::{
@@ -111,9 +111,9 @@ fn a_free_block_keeps_its_spin() {
             energy = energy.max((blocks.energies().balance() / start - 1.0).abs());
         }
         println!("E {young_modulus:e} {law:?}");
-        // a random walk of round-off in 1e4 steps; measured 3e-13 at most, with ω dt = 3000
+        // a random walk of round-off in 1e4 steps; measured 2e-14
         assert_below("angular momentum", off, 1e-11);
-        // of second order in (ω dt)² = 2.6e-3, measured 2.3e-6
+        // of second order in the turn of a step, 0.05 rad; measured 2.1e-6
         assert_below("energy", energy, 1e-5);
         assert_below("momentum", (blocks.velocity(0) - velocity).norm(), 1e-15);
     }
@@ -149,8 +149,8 @@ fn free_strain_oscillates_as_the_midpoint_rule_has_it() {
             }
             // the energy of the oscillation is that of the strain p/E
             let scale = 1e-14 * young_modulus;
-            // round-off, and the strain of 1e-7 that is not small; measured 4e-5
-            assert_below("energy", off / scale, 1e-3);
+            // what damping takes is booked; the rest is round-off and the strain of 1e-7, measured 2e-7
+            assert_below("energy", off / scale, 1e-5);
             if 1.0 < share {
                 continue;
             }
@@ -169,34 +169,41 @@ fn free_strain_oscillates_as_the_midpoint_rule_has_it() {
     }
 }
 
-/// A soft box that tumbles, strains and is pulled at a corner moves to the second order of the step.
+/// A soft box that tumbles, strains and is pulled at a corner moves as by central differences, to the second order of the step.
 #[test]
-fn smooth_motion_is_of_second_order() {
-    let state = |dt: f64| {
+fn smooth_motion_is_that_of_central_differences_to_the_second_order() {
+    let state = |integrator: Integrator, n: f64| {
         let mut definition = affine([-0.5, -0.35, -0.2], [0.5, 0.35, 0.2], LAWS[0]);
         definition.angular_velocity = Vec3::new(1.0, 5.0, 0.3);
-        let mut blocks = blocks(vec![definition], elastic(1e6, 1e3), Vec3::zeros());
+        let material = elastic(1e6, 1e3);
+        let mut blocks = blocks_by(integrator, vec![definition], material, Vec3::zeros());
         let pull = Attachment::PointLoad {
             block: 0,
             point: Vec3::new(0.5, 0.35, 0.2),
             force: Vec3::new(2e3, -1e3, 3e3),
         };
         blocks.attach(&[pull]).unwrap();
-        run(&mut blocks, (0.32 / dt).round() as u32, dt);
+        run(&mut blocks, n as u32, 0.32 / n);
         (blocks.gradient(0), blocks.velocity_gradient(0))
     };
-    let exact = state(0.32 / 16384.0);
+    // its own error is that of 1/32 of the shortest step
+    let exact_state = state(Integrator::CentralDifference, 16384.0);
     let errors = [128.0, 256.0, 512.0].map(|n| {
-        let (gradient, rate) = state(0.32 / n);
-        let off = [(gradient - exact.0).norm(), (rate - exact.1).norm()];
+        let (gradient, rate) = state(exact(), n);
+        let off = [
+            (gradient - exact_state.0).norm(),
+            (rate - exact_state.1).norm(),
+        ];
         println!("{n} steps: {:.2e}, {:.2e} 1/s", off[0], off[1]);
         off
     });
     for k in 0..2 {
         let order = (errors[1][k] / errors[2][k]).log2();
-        // measured 2.04 and 2.06
+        println!("order {order:.2}");
+        // the damping of unresolved strain is of the fifth order and still shows at 256 steps
         assert!((order - 2.0).abs() < 0.15, "{errors:?}");
     }
+    assert!(errors[2][0] < 1e-5, "{errors:?}");
 }
 
 /// A cube on a floor without friction: its mean stress is that of its weight, `σ_zz = −m g z_c/V`, and nothing across; the floor bears its
@@ -251,7 +258,7 @@ fn a_column_shortens_by_its_weight() {
 /// The stiffer a cube the more it moves like a rigid one: thrown at a floor, and sliding down a slope.
 #[test]
 fn stiff_blocks_move_like_rigid_ones() {
-    let thrown = |deforms: Option<(f64, f64)>| {
+    let thrown = |deforms: Option<f64>| {
         let mut cube = moving(
             block(
                 cuboid([-0.5, -0.5, -0.5], [0.5, 0.5, 0.5]).transformed(&Isometry::new(
@@ -263,13 +270,7 @@ fn stiff_blocks_move_like_rigid_ones() {
             [1.0, 0.5, -3.0],
         );
         cube.angular_velocity = Vec3::new(1.0, 2.0, -0.5);
-        let material = with_friction(
-            0.5,
-            elastic(
-                deforms.map_or(1e9, |of| of.0),
-                deforms.map_or(0.0, |of| of.0 * of.1),
-            ),
-        );
+        let material = with_friction(0.5, elastic(deforms.unwrap_or(1e9), 0.0));
         let cube = match deforms {
             Some(_) => straining(cube, LAWS[0]),
             None => cube,
@@ -280,16 +281,15 @@ fn stiff_blocks_move_like_rigid_ones() {
     };
     let rigid = thrown(None);
     assert!(0.1 < rigid.energies().damping, "it hit the floor");
-    for time in [0.0, 3e-5, 3e-4] {
-        let off = [1e10, 1e11, 1e12, 1e13].map(|young_modulus| {
-            let soft = thrown(Some((young_modulus, time)));
-            let way = (soft.centroid(1) - rigid.centroid(1)).norm();
-            let turn = soft.orientation(1).angle_to(&rigid.orientation(1));
-            println!("{time} E {young_modulus:e}: {way:.1e} m, {turn:.1e} rad off");
-            way + turn
-        });
-        println!("{off:?}");
-    }
+    let off = [1e11, 1e12, 1e13].map(|young_modulus| {
+        let soft = thrown(Some(young_modulus));
+        let way = (soft.centroid(1) - rigid.centroid(1)).norm();
+        let turn = soft.orientation(1).angle_to(&rigid.orientation(1));
+        println!("E {young_modulus:e}: {way:.1e} m, {turn:.1e} rad off");
+        way + turn
+    });
+    // as 1/E: measured 5.8e-4, 8.5e-5 and 6.9e-6
+    assert!(off[0] < 1e-3 && off[1] < 0.3 * off[0] && off[2] < 0.15 * off[1]);
     let angle: f64 = 0.6;
     let slab = block(cuboid([-0.5, -0.5, 0.0], [0.5, 0.5, 0.4]), Motion::Free);
     let slab = straining(moving(slab, [0.5, 0.0, 0.0]), LAWS[0]);
@@ -329,34 +329,38 @@ fn blocks_that_hit_each_other_keep_their_momenta() {
         let (after, end) = (momenta(&blocks), blocks.energies());
         let scale = blocks.mass(0) * 1.6;
         println!(
-            "E {young_modulus:e} {law:?}: kinetic {:.1} -> {:.1} J, strain {:.2e}, friction {:.1}, damping {:.1}, highest {highest:.3}, account {:.1e}, removal {:.1e}",
+            "E {young_modulus:e} {law:?}: kinetic {:.1} -> {:.1} J, friction {:.1}, damping {:.1}, strain {:.1} J, account {:.1e}",
             start.kinetic,
             end.kinetic,
-            end.strain,
             end.friction,
             end.damping,
-            end.balance() / start.balance() - 1.0,
-            end.overlap_removal
+            end.strain + end.strain_damping,
+            end.balance() / start.balance() - 1.0
         );
+        assert!(0.1 * start.kinetic < end.friction + end.damping, "they met");
         assert_below("momentum", (after[0] - before[0]).norm() / scale, 1e-12);
-        println!(
-            "angular momentum {:.2e}",
-            (after[1] - before[1]).norm() / scale
+        // no overlap was removed; round-off, measured 8e-14
+        assert_below("turning", (after[1] - before[1]).norm() / scale, 1e-11);
+        // strains of 1e-2 are not small; measured 7e-4 lost
+        assert_below(
+            "account",
+            (end.balance() / start.balance() - 1.0).abs(),
+            2e-3,
         );
-        assert!(0.1 < end.friction + end.damping, "they met");
-        assert!(highest < start.kinetic * (1.0 + 1e-3), "{highest}");
+        assert_below("growth", highest / start.kinetic - 1.0, 1e-6);
     }
 }
 
-/// A soft cube that falls flat on a floor and leaves it again moves as by central differences with springs a thousand times as stiff as
-/// it: centroid and strain.
+/// A soft cube that falls flat on a floor without restitution: the mass that the contact stops is `m/(1 + 12/4)`, so that the centroid
+/// goes on with 3/4 of its speed. From then on centroid and strain are those of central differences with springs ten thousand times as
+/// stiff as the cube.
 #[test]
 fn an_impact_is_that_of_central_differences() {
     let young_modulus = 1e7;
     let fall = |integrator: Integrator, dt: f64| {
         let cube = affine([-0.5, -0.5, 0.0012], [0.5, 0.5, 1.0012], LAWS[0]);
         let material = Material {
-            contact_stiffness: 1e13,
+            contact_stiffness: 1e11,
             ..with_friction(0.0, elastic(young_modulus, 1e3))
         };
         let cube = moving(cube, [0.0, 0.0, -1.0]);
@@ -369,22 +373,22 @@ fn an_impact_is_that_of_central_differences() {
         }
         history
     };
-    let springs = fall(Integrator::CentralDifference, 2.5e-7);
-    for dt in [1.25e-4, 6.25e-5] {
-        let found = fall(exact(), dt);
-        let worst = |k: usize| {
-            let pairs = found.iter().zip(&springs);
-            pairs.map(|(a, b)| (a[k] - b[k]).abs()).fold(0.0, f64::max)
-        };
-        let largest = springs.iter().map(|at| at[1].abs()).fold(0.0, f64::max);
-        println!(
-            "dt {dt:e}: velocity off by {:.2e} of 1 m/s, strain by {:.2e} of {largest:.2e}; end {:?} {:?}",
-            worst(0),
-            worst(1),
-            found[49],
-            springs[49]
-        );
-    }
+    let springs = fall(Integrator::CentralDifference, 2e-6);
+    let found = fall(exact(), 6.25e-5);
+    assert_close("speed after the blow", found[2][0], -0.75, 1e-3);
+    // dashpots at the verge of critical let the cube off once more before it stays
+    let settled = 10;
+    let largest = |k: usize, off: &dyn Fn(&[f64; 2], &[f64; 2]) -> f64| {
+        let pairs = found.iter().zip(&springs).skip(settled);
+        let worst = pairs.map(|(a, b)| off(a, b)).fold(0.0, f64::max);
+        println!("column {k}: {worst:.2e}");
+        worst
+    };
+    // two blows of the springs against one, 0.5 %; measured 4.1e-3 and 5.2e-3
+    let speed = largest(0, &|a, b| (a[0] - b[0]).abs());
+    let strain = largest(1, &|a, b| (a[1] - b[1]).abs()) / springs[30][1].abs();
+    assert_below("speed", speed, 8e-3);
+    assert_below("strain", strain, 1e-2);
 }
 
 /// The same bits on one thread and two, and through a checkpoint, with hundreds of soft cubes that fall on each other.
@@ -483,45 +487,56 @@ fn a_hold_takes_its_part() {
     assert_below("creep", blocks.centroid(1).x.abs(), 1e-12);
 }
 
-/// A soft bar hung at a corner and a second one on a ball joint below it swing with both points closed.
+/// A bar hung at a corner and a second one on a ball joint below it, which strain by 1e-4, swing with both points closed.
 #[test]
 fn joints_hold_points_that_strain() {
-    let upper = affine([-0.1, -0.1, -1.0], [0.1, 0.1, 0.0], LAWS[0]);
-    let lower = affine([-0.1, -0.1, -2.0], [0.1, 0.1, -1.0], LAWS[1]);
-    let mut blocks = blocks(vec![upper, lower], elastic(1e9, 0.0), on_slope(0.3));
-    let points = [Vec3::new(0.1, 0.1, 0.0), Vec3::new(0.1, 0.1, -1.0)];
-    let joints = [
-        Attachment::HeldPoint {
-            block: 0,
-            point: points[0],
-        },
-        Attachment::BallJoint {
-            blocks: (0, 1),
-            point: points[1],
-        },
-    ];
-    blocks.attach(&joints).unwrap();
-    let [mut open, mut off] = [0.0_f64; 2];
-    let start = blocks.energies();
-    let place =
-        |blocks: &Blocks, b: usize, from: Vec3| blocks.centroid(b) + blocks.gradient(b) * from;
-    for _ in 0..2000 {
-        run(&mut blocks, 1, 1e-3);
-        let top = place(&blocks, 0, points[0] + Vec3::z() * 0.5);
-        let [a, b] =
-            [(0, 0.5), (1, 1.5)].map(|(b, z)| place(&blocks, b, points[1] + Vec3::z() * z));
-        open = open.max((top - points[0]).norm()).max((a - b).norm());
-        off = off.max((blocks.energies().balance() - start.balance()).abs());
-    }
-    let swing = blocks.energies();
-    println!(
-        "open {open:.1e} m, account {off:.1e} J of {:.1e} J, strain {:.1e}",
-        start.potential - swing.potential,
-        swing.strain
+    let worst = |dt: f64| {
+        let upper = affine([-0.1, -0.1, -1.0], [0.1, 0.1, 0.0], LAWS[0]);
+        let lower = affine([-0.1, -0.1, -2.0], [0.1, 0.1, -1.0], LAWS[1]);
+        let material = elastic(1e9, 1e6);
+        let mut blocks = blocks(vec![upper, lower], material, on_slope(0.3));
+        let points = [Vec3::new(0.1, 0.1, 0.0), Vec3::new(0.1, 0.1, -1.0)];
+        let joints = [
+            Attachment::HeldPoint {
+                block: 0,
+                point: points[0],
+            },
+            Attachment::BallJoint {
+                blocks: (0, 1),
+                point: points[1],
+            },
+        ];
+        blocks.attach(&joints).unwrap();
+        let [mut open, mut off] = [0.0_f64; 2];
+        let start = blocks.energies();
+        for _ in 0..(2.0 / dt) as u32 {
+            run(&mut blocks, 1, dt);
+            let place = |b: usize, point: Vec3, z: f64| {
+                blocks.centroid(b) + blocks.gradient(b) * (point + Vec3::z() * z)
+            };
+            let top = place(0, points[0], 0.5) - points[0];
+            let middle = place(0, points[1], 0.5) - place(1, points[1], 1.5);
+            open = open.max(top.norm()).max(middle.norm());
+            off = off.max((blocks.energies().balance() - start.balance()).abs());
+        }
+        let fallen = start.potential - blocks.energies().potential;
+        println!("open {open:.1e} m, account {off:.1e} J, fallen by {fallen:.1} J");
+        [open, off]
+    };
+    let [coarse, fine] = [1e-3, 5e-4].map(worst);
+    // closed in the middle of a step; at its end off by a dt²/8 of the accelerations, 6.5e-5 m
+    assert!(
+        coarse[0] < 1e-4 && fine[0] < 0.5 * coarse[0],
+        "{coarse:?} {fine:?}"
+    );
+    // measured 5.1e-2 of some 100 J
+    assert!(
+        coarse[1] < 0.1 && fine[1] < 0.5 * coarse[1],
+        "{coarse:?} {fine:?}"
     );
 }
 
-/// Bonded boxes, one soft and one stiff, spin freely as the body that they are together.
+/// Bonded boxes spin freely as the body that they are together: they move apart by less than they strain.
 #[test]
 fn bonded_blocks_spin_as_one() {
     let glued = Material {
@@ -531,7 +546,7 @@ fn bonded_blocks_spin_as_one() {
     };
     let pair = [-1.0, 0.0].map(|x| {
         let body = block(cuboid([x, -0.4, -0.3], [x + 1.0, 0.4, 0.3]), Motion::Free);
-        let mut body = moving(body, [0.0, 0.0, 2.0 * -(x + 0.5)]);
+        let mut body = moving(body, [0.0, 0.0, -2.0 * (x + 0.5)]);
         body.angular_velocity = Vec3::new(0.0, 2.0, 0.0);
         straining(body, LAWS[0])
     });
@@ -544,62 +559,102 @@ fn bonded_blocks_spin_as_one() {
         apart = apart.max((place(0, 0.5) - place(1, -0.5)).norm());
     }
     let after = momenta(&blocks);
-    println!(
-        "apart {apart:.1e}, momentum {:.1e}, angular {:.1e}, energy {:.1e}, turn {:.1e}",
-        (after[0] - before[0]).norm(),
-        (after[1] - before[1]).norm() / before[1].norm(),
-        blocks.energies().balance() / start - 1.0,
-        blocks.orientation(0).angle_to(&blocks.orientation(1))
+    let scale = before[1].norm();
+    assert_below("momentum", (after[0] - before[0]).norm() / scale, 1e-12);
+    assert_below("turning", (after[1] - before[1]).norm() / scale, 1e-12);
+    assert_below(
+        "energy",
+        (blocks.energies().balance() / start - 1.0).abs(),
+        1e-6,
     );
+    // closed in the middle of a step; between, chords of the turn of 0.01 rad
+    assert_below("apart", apart, 1e-4);
+    let turn = blocks.orientation(0).angle_to(&blocks.orientation(1));
+    assert_below("twist", turn, 1e-9);
     assert_eq!(blocks.broken_bonds(), 0);
 }
 
-/// Pile
+/// A pile of stiff hulls without viscosity, in steps forty times as long as their oscillations: it comes to rest like one of rigid
+/// hulls, every joule is in its place, and none is made.
 #[test]
-fn a_pile_of_stiff_hulls() {
-    for (young_modulus, deforms) in [(1.5e10, true), (1.5e10, false), (1e8, true)] {
-        let mut random = Random::new(11);
-        let mut definitions = vec![floor()];
-        for k in 0..27 {
-            let place = Vec3::from([k % 3, k / 3 % 3, k / 9].map(f64::from)) * 1.2 + Vec3::z();
-            let hull = random
-                .hull()
-                .transformed(&Isometry::new(place, random.vector()));
-            let body = block(hull, Motion::Free);
-            definitions.push(if deforms {
-                straining(body, LAWS[0])
-            } else {
-                body
-            });
-        }
-        let material = with_friction(0.5, elastic(young_modulus, 0.0));
-        let usual = Integrator::ContactDynamics(ContactDynamics::default());
-        let mut blocks = blocks_by(usual, definitions, material, down());
-        let start = blocks.energies();
-        let (mut time, mut n, mut shortest) = (0.0, 0, 1.0_f64);
-        let mut highest = 0.0_f64;
-        let clock = std::time::Instant::now();
-        while time < 3.0 {
-            let dt = blocks.critical_time_step().dt;
-            shortest = shortest.min(dt);
-            run(&mut blocks, 1, dt);
-            time += dt;
-            n += 1;
-            let now = blocks.energies();
-            highest = highest.max(now.balance() - start.balance());
-        }
-        let end = blocks.energies();
-        println!(
-            "E {young_modulus:e} {deforms} {n} steps, shortest {shortest:.1e}, lost {:.1}, kinetic {:.2e}, strain {:.2e}, friction {:.1} damping {:.1}, account {:.2e} highest {highest:.2e}, {:?} deepest {:.1e}, {:?}",
-            start.potential - end.potential,
-            end.kinetic,
-            end.strain,
-            end.friction,
-            end.damping,
-            end.balance() - start.balance(),
-            blocks.solved_steps(),
-            blocks.max_overlap_over_size(),
-            clock.elapsed()
+fn a_pile_of_stiff_hulls_comes_to_rest() {
+    let mut random = Random::new(11);
+    let mut definitions = vec![floor()];
+    for k in 0..27 {
+        let place = Vec3::from([k % 3, k / 3 % 3, k / 9].map(f64::from)) * 1.2 + Vec3::z();
+        let hull = random
+            .hull()
+            .transformed(&Isometry::new(place, random.vector()));
+        definitions.push(straining(block(hull, Motion::Free), LAWS[k as usize % 2]));
+    }
+    let material = with_friction(0.5, elastic(1.5e10, 0.0));
+    let usual = Integrator::ContactDynamics(ContactDynamics::default());
+    let mut blocks = blocks_by(usual, definitions, material, down());
+    let start = blocks.energies();
+    let (mut time, mut n_steps, mut highest) = (0.0, 0, f64::NEG_INFINITY);
+    while time < 4.0 {
+        let dt = blocks.critical_time_step().dt;
+        run(&mut blocks, 1, dt);
+        time += dt;
+        n_steps += 1;
+        highest = highest.max(blocks.energies().balance() - start.balance());
+    }
+    let end = blocks.energies();
+    let fallen = start.potential - end.potential;
+    println!(
+        "{n_steps} steps, fallen by {fallen:.0} J, friction {:.0}, damping {:.0}, kinetic {:.1e}, strain {:.1e} J",
+        end.friction, end.damping, end.kinetic, end.strain
+    );
+    // steps of 5 ms but where hulls turn by 0.1 rad in one
+    assert!(n_steps < 1000, "{n_steps}");
+    assert_below("made", highest / fallen, 1e-5);
+    let account = end.balance() - start.balance();
+    assert_below("account", account.abs() / fallen, 1e-5);
+    assert_below("kinetic", end.kinetic / fallen, 1e-2);
+    assert_eq!(blocks.solved_steps().n_unsolved, 0);
+}
+
+/// What contact dynamics does not model is refused: classical unknowns, and an inertia of strain that is not its own.
+#[test]
+fn classical_unknowns_are_refused() {
+    for (model, strain_mass_factor) in [
+        (DeformableModel::Dda12, 1.0),
+        (DeformableModel::Affine12(LAWS[0]), 4.0),
+    ] {
+        let definition = BlockDefinition {
+            deformability: Some(Deformability {
+                model,
+                strain_mass_factor,
+                ..Deformability::default()
+            }),
+            ..block(cuboid([0.0; 3], [1.0; 3]), Motion::Free)
+        };
+        let settings = Settings {
+            integrator: exact(),
+            ..Settings::default()
+        };
+        let found = Blocks::new(vec![definition], vec![elastic(1e9, 0.0)], settings);
+        let told = found.unwrap_err().to_string();
+        assert!(told.contains("contact dynamics"), "{told}");
+    }
+}
+
+/// The step is that of rigid blocks, and no shorter for stiff ones, but where a block strains by more than 0.1 in it.
+#[test]
+fn stiffness_does_not_shorten_the_step() {
+    for young_modulus in [1e7, 1e10, 1e13] {
+        let cube = affine([-0.5; 3], [0.5; 3], LAWS[0]);
+        let mut blocks = blocks(vec![cube], elastic(young_modulus, 0.0), Vec3::zeros());
+        assert_eq!(
+            blocks.critical_time_step().dt,
+            ContactDynamics::default().time_step
         );
+        let blow = nalgebra::Matrix3::identity() * 1e5;
+        blocks.apply_stretch(0, blow, 1.0);
+        run(&mut blocks, 1, 1e-6);
+        let rate = blocks.velocity_gradient(0).norm();
+        let dt = blocks.critical_time_step().dt;
+        println!("E {young_modulus:e}: strains by {rate:.1e} 1/s, step {dt:.1e} s");
+        assert!(dt * rate <= 0.1 + 1e-12 && dt < 2e-4);
     }
 }

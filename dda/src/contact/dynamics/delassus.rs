@@ -385,8 +385,18 @@ mod tests {
     use super::super::bodies::{Body, StrainingBody};
     use super::*;
     use crate::Random;
+    use crate::motion::deformation::MomentCompliance;
 
-    /// Two bodies on a third and on what does not move.
+    /// A body that strains, by some symmetric, positive compliance.
+    fn straining(body: u32, random: &mut Random) -> StrainingBody {
+        let root = MomentCompliance::from_fn(|_, _| random.uniform() - 0.5);
+        StrainingBody {
+            body,
+            compliance: root * root.transpose() + MomentCompliance::identity() * 0.1,
+        }
+    }
+
+    /// Two bodies, one of which strains, on a third and on what does not move.
     fn contacts() -> BodyContacts {
         let mut random = Random::new(3);
         let bodies = (0..3)
@@ -407,7 +417,8 @@ mod tests {
             let normal = vector().normalize();
             Point::new(normal, [a, b].map(|body| body.map(|body| (body, vector()))))
         });
-        BodyContacts::new(bodies, points.to_vec())
+        let strains = straining(2, &mut random);
+        BodyContacts::new(Bodies::new(bodies, vec![strains]), points.to_vec())
     }
 
     /// The operator of bodies is symmetric, and its diagonal is what it does to a contact's own impulse.
@@ -445,7 +456,7 @@ mod tests {
             freedom: (k % 5 == 0).then(|| Matrix3::from_diagonal(&Vec3::new(1.0, 0.0, 1.0))),
             inverse_inertia: Matrix3::from_diagonal(&Vec3::new(1.0, 2.0, 3.0)),
         });
-        let bodies = bodies.collect();
+        let bodies: Vec<Body> = bodies.collect();
         let points = (0..ROWS_AT_A_TIME as u32 + 500).map(|k| {
             let arms = [k % n_bodies, (7 * k + 1) % n_bodies].map(|body| (body, vector()));
             let arms = [(k % 11 != 0).then_some(arms[0]), Some(arms[1])];
@@ -455,8 +466,12 @@ mod tests {
                 false => contact,
             }
         });
-        let contacts = BodyContacts::new(bodies, points.collect());
+        let points = points.collect();
+        let strain: Vec<_> = (0..n_bodies).filter(|b| b % 7 == 3).collect();
+        let strain = strain.into_iter().map(|b| straining(b, &mut random));
+        let contacts = BodyContacts::new(Bodies::new(bodies, strain.collect()), points);
         assert!(contacts.of_bodies.is_some());
+        let mut vector = || Vec3::from_fn(|_, _| random.uniform() - 0.5);
         let impulses: Vec<Vec3> = (0..contacts.n_contacts()).map(|_| vector()).collect();
         let mut sum = contacts.at_rest();
         for (a, impulse) in impulses.iter().enumerate() {
@@ -467,6 +482,11 @@ mod tests {
             let off = (found[0] - expected[0]).norm() + (found[1] - expected[1]).norm();
             // some ten terms of size 1
             assert!(off < 1e-13, "{off}");
+        }
+        let rates = product.strain_rate.iter().zip(&sum.strain_rate);
+        for (found, expected) in rates {
+            let off = (found - expected).norm();
+            assert!(off < 1e-13 * (1.0 + expected.norm()), "{off}");
         }
     }
 

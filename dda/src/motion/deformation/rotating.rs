@@ -18,7 +18,7 @@
 //! s   = (ω_el dt)²/(4 + (ω_el dt)²),    τ_n = s² dt/2
 //! ```
 //! which for small strains and `τ_n = 0` is the implicit midpoint rule: stable in any step, energy kept. Oscillations that a step does not resolve
-//! are damped by `τ_n`, which goes with the fifth power of the step and is 2 % of critical damping at `ω_el dt = 1`: a velocity that changes its sign
+//! are damped by `τ_n`, which goes with the fifth power of the step and is 1 % of critical damping at `ω_el dt = 1`: a velocity that changes its sign
 //! in every step would meet contacts and rotation with energy from nowhere. For the same reason viscosity acts after the kick where a step is
 //! long, instead of in its middle. What both take is booked as lost to strain. The added terms are symmetric in `A`, vanish for rotations and have
 //! no torque, so that angular momentum is kept to round-off. The stiffness by stress itself remains explicit, and alone bounds
