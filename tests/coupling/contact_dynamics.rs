@@ -324,9 +324,20 @@ fn basin(body: &str, density: f64, friction: f64) -> World {
     basin_with(body, density, friction, "")
 }
 
+/// A basin with a block of 2000 kg/m³ that strains on its bed, without friction, by an integrator.
+fn under_water(integrator: &str) -> World {
+    let body = "shape: Box(min: (0.4, 0, 0), max: (0.6, 0.1, 0.2)), deformable: ()";
+    let text = basin_text(body, 2000.0, 0.0, "");
+    world(&text.replace("ContactDynamics(tolerance: 1e-10)", integrator))
+}
+
 /// The same with further regions of water.
 fn basin_with(body: &str, density: f64, friction: f64, further: &str) -> World {
-    world(&format!(
+    world(&basin_text(body, density, friction, further))
+}
+
+fn basin_text(body: &str, density: f64, friction: f64, further: &str) -> String {
+    format!(
         "(title: \"basin\", domain: (min: (-0.08, 0, -0.08), max: (1.04, 0.1, 0.7), dimensions: Two),\n\
          materials: [(name: \"m\", density: {density:?}, friction_angle_deg: {friction:?}, elastic: (young_modulus: 1e8, poisson_ratio: 0.25))],\n\
          blocks: [(name: \"floor\", material: \"m\", motion: Fixed, shape: Box(min: (-0.08, -1, -0.08), max: (1.04, 1, 0))),\n\
@@ -335,7 +346,7 @@ fn basin_with(body: &str, density: f64, friction: f64, further: &str) -> World {
          (name: \"body\", material: \"m\", {body})],\n\
          fluid: (resolution: Spacing(0.02), regions: [(name: \"water\", shape: Below(level: 0.3, seed: (0.02, 0.05, 0.02))), {further}]),\n\
          numerics: (blocks: ContactDynamics(tolerance: 1e-10)), time: (duration: 100))"
-    ))
+    )
 }
 
 /// C05: a box of half the water's density, let go a spacing too high, floats with half of it under, as with springs.
@@ -425,15 +436,12 @@ fn a_pillar_shortens_under_its_load() {
         let last = rows.iter().rfind(|row| row[1] == 1.0).unwrap();
         let found = 1.0 - last[4];
         let expected = 0.5 * (1e5 + 2600.0 * G) * 2.0 / 1e9;
-        println!(
-            "{model}: {found:.6e} m lower, expected {expected:.6e}; {}",
-            summary["energy"]
-        );
+        println!("{model}: {found:.6e} m lower, expected {expected:.6e}");
         // the spread of its top under the pressure and Green's strain are of second order, 1e-4
         assert!((found / expected - 1.0).abs() < 1e-3);
-        let residual = summary["energy"]["residual"].as_f64().unwrap();
-        let work = summary["energy"]["external_work"].as_f64().unwrap();
-        println!("residual {residual:e} of {work:e}");
+        let of = |term: &str| summary["energy"][term].as_f64().unwrap();
+        // strains of 1e-4 are not linear; measured 4e-5
+        assert!(of("residual").abs() < 1e-3 * of("external_work"));
     }
 }
 
@@ -452,31 +460,30 @@ fn water_presses_on_blocks_that_strain() {
     let still_level = 0.3 + (0.24 * 0.06 - 0.24 * 0.04) / 0.96;
     let off = sum / n - still_level;
     println!(
-        "{:+.3} spacings off, momentum {:.1e}, {:?}",
+        "{:+.3} spacings off, momentum {:.1e}",
         off / 0.02,
-        floating.momentum_residual(),
-        floating.energy()
+        floating.momentum_residual()
     );
     assert!(off.abs() < 0.1 * 0.02, "{off}");
     assert!(floating.momentum_residual() < 1e-9);
-    let body = "shape: Box(min: (0.4, 0, 0), max: (0.6, 0.1, 0.2)), deformable: ()";
-    let mut lying = basin(body, 2000.0, 0.0);
-    let (mut stress, mut n) = ([0.0; 6], 0.0);
-    advance(&mut lying, 4.0, DURATION, |world| {
-        if 2.0 < world.time() {
-            let now = world.blocks.stress(3).unwrap();
-            for (sum, of) in stress.iter_mut().zip(now) {
-                *sum += of;
+    let stress = ["ContactDynamics(tolerance: 1e-10)", "CentralDifference"].map(|integrator| {
+        let mut lying = under_water(integrator);
+        let (mut sum, mut n) = ([0.0; 2], 0.0);
+        advance(&mut lying, 3.0, DURATION, |world| {
+            if 2.0 < world.time() {
+                let stress = world.blocks.stress(3).unwrap();
+                sum = [sum[0] + stress[0], sum[1] + stress[2]];
+                n += 1.0;
             }
-            n += 1.0;
-        }
+        });
+        println!("{integrator}: {sum:?} over {n}");
+        sum.map(|sum| sum / n)
     });
-    let mean = stress.map(|sum| sum / n);
-    println!(
-        "{mean:?} centroid {:?} bed {}",
-        lying.blocks.centroid(3),
-        lying.blocks.contact_force(3).force.z
-    );
+    for k in 0..2 {
+        let [found, expected] = stress.map(|of| of[k]);
+        println!("{found:.1} Pa, {expected:.1} with springs");
+        assert!((found / expected - 1.0).abs() < 0.03, "{found} {expected}");
+    }
 }
 
 /// The committed blocks of a case are those of its script.

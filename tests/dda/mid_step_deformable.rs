@@ -175,7 +175,8 @@ fn smooth_motion_is_that_of_central_differences_to_the_second_order() {
     let state = |integrator: Integrator, n: f64| {
         let mut definition = affine([-0.5, -0.35, -0.2], [0.5, 0.35, 0.2], LAWS[0]);
         definition.angular_velocity = Vec3::new(1.0, 5.0, 0.3);
-        let material = elastic(1e6, 1e3);
+        // without viscosity, which central differences let lag
+        let material = elastic(1e6, 0.0);
         let mut blocks = blocks_by(integrator, vec![definition], material, Vec3::zeros());
         let pull = Attachment::PointLoad {
             block: 0,
@@ -487,12 +488,12 @@ fn a_hold_takes_its_part() {
     assert_below("creep", blocks.centroid(1).x.abs(), 1e-12);
 }
 
-/// A bar hung at a corner and a second one on a ball joint below it, which strain by 1e-4, swing with both points closed.
+/// A bar hung at a corner and a second one on a ball joint below it, apart from it, swing with both points closed.
 #[test]
 fn joints_hold_points_that_strain() {
     let worst = |dt: f64| {
         let upper = affine([-0.1, -0.1, -1.0], [0.1, 0.1, 0.0], LAWS[0]);
-        let lower = affine([-0.1, -0.1, -2.0], [0.1, 0.1, -1.0], LAWS[1]);
+        let lower = affine([-0.1, -0.1, -2.0], [0.1, 0.1, -1.02], LAWS[1]);
         let material = elastic(1e9, 1e6);
         let mut blocks = blocks(vec![upper, lower], material, on_slope(0.3));
         let points = [Vec3::new(0.1, 0.1, 0.0), Vec3::new(0.1, 0.1, -1.0)];
@@ -515,7 +516,7 @@ fn joints_hold_points_that_strain() {
                 blocks.centroid(b) + blocks.gradient(b) * (point + Vec3::z() * z)
             };
             let top = place(0, points[0], 0.5) - points[0];
-            let middle = place(0, points[1], 0.5) - place(1, points[1], 1.5);
+            let middle = place(0, points[1], 0.5) - place(1, points[1], 1.51);
             open = open.max(top.norm()).max(middle.norm());
             off = off.max((blocks.energies().balance() - start.balance()).abs());
         }
@@ -524,16 +525,10 @@ fn joints_hold_points_that_strain() {
         [open, off]
     };
     let [coarse, fine] = [1e-3, 5e-4].map(worst);
-    // closed in the middle of a step; at its end off by a dt²/8 of the accelerations, 6.5e-5 m
-    assert!(
-        coarse[0] < 1e-4 && fine[0] < 0.5 * coarse[0],
-        "{coarse:?} {fine:?}"
-    );
-    // measured 5.1e-2 of some 100 J
-    assert!(
-        coarse[1] < 0.1 && fine[1] < 0.5 * coarse[1],
-        "{coarse:?} {fine:?}"
-    );
+    // closed in the middle of a step; at its end off by a dt²/8 of the accelerations, some 10 m/s²
+    assert!(coarse[0] < 1e-5 && fine[0] < 0.3 * coarse[0], "{coarse:?}");
+    // of the second order, of some 180 J that the bars fall by
+    assert!(coarse[1] < 0.05 && fine[1] < 0.3 * coarse[1], "{coarse:?}");
 }
 
 /// Bonded boxes spin freely as the body that they are together: they move apart by less than they strain.
