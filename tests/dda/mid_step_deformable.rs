@@ -187,9 +187,9 @@ fn smooth_motion_is_that_of_central_differences_to_the_second_order() {
         run(&mut blocks, n as u32, 0.32 / n);
         (blocks.gradient(0), blocks.velocity_gradient(0))
     };
-    // its own error is that of 1/32 of the shortest step
+    // its own error is a sixteenth of that at 4096 steps
     let exact_state = state(Integrator::CentralDifference, 16384.0);
-    let errors = [128.0, 256.0, 512.0].map(|n| {
+    let errors = [1024.0, 2048.0, 4096.0].map(|n| {
         let (gradient, rate) = state(exact(), n);
         let off = [
             (gradient - exact_state.0).norm(),
@@ -201,10 +201,11 @@ fn smooth_motion_is_that_of_central_differences_to_the_second_order() {
     for k in 0..2 {
         let order = (errors[1][k] / errors[2][k]).log2();
         println!("order {order:.2}");
-        // the damping of unresolved strain is of the fifth order and still shows at 256 steps
-        assert!((order - 2.0).abs() < 0.15, "{errors:?}");
+        // the error of the comparison, a sixteenth, makes it 2.1 at most
+        assert!((order - 2.0).abs() < 0.2, "{errors:?}");
     }
-    assert!(errors[2][0] < 1e-5, "{errors:?}");
+    // measured 1.3e-6 of a stretch by 1e-2
+    assert!(errors[2][0] < 3e-6, "{errors:?}");
 }
 
 /// A cube on a floor without friction: its mean stress is that of its weight, `σ_zz = −m g z_c/V`, and nothing across; the floor bears its
@@ -527,8 +528,8 @@ fn joints_hold_points_that_strain() {
     let [coarse, fine] = [1e-3, 5e-4].map(worst);
     // closed in the middle of a step; at its end off by a dt²/8 of the accelerations, some 10 m/s²
     assert!(coarse[0] < 1e-5 && fine[0] < 0.3 * coarse[0], "{coarse:?}");
-    // of the second order, of some 180 J that the bars fall by
-    assert!(coarse[1] < 0.05 && fine[1] < 0.3 * coarse[1], "{coarse:?}");
+    // round-off and what viscosity damps in 2 s, of 78 J that the bars fall by; measured 8e-7
+    assert!(coarse[1] < 1e-5 && fine[1] < 1e-5, "{coarse:?} {fine:?}");
 }
 
 /// Bonded boxes spin freely as the body that they are together: they move apart by less than they strain.
