@@ -209,7 +209,10 @@ impl Delassus for BodyContacts {
         for (arm, impulse) in arms.iter().zip([-on_b, on_b]) {
             if let Some((body, arm)) = arm {
                 if let Some(k) = self.bodies.straining_number(*body) {
-                    let push = (!is_torque).then_some(impulse).unwrap_or_default();
+                    let push = match is_torque {
+                        true => Vec3::zeros(),
+                        false => impulse,
+                    };
                     let moment = first_moment(&impulse, arm, *is_torque);
                     self.bodies
                         .push_straining((*body, k), velocities, (&push, &moment));
