@@ -3,7 +3,8 @@
 use nalgebra::{Matrix3, Rotation3};
 use riprap_dda::contact_dynamics::ContactProblem;
 use riprap_dda::contact_dynamics::accuracy::{Scaling, energy_error, residual};
-use riprap_dda::contact_dynamics::delassus::{Body, BodyContacts, Delassus, Point};
+use riprap_dda::contact_dynamics::bodies::{Body, Point};
+use riprap_dda::contact_dynamics::delassus::{BodyContacts, Delassus};
 use riprap_dda::contact_dynamics::gauss_seidel::{GaussSeidel, Order, Until};
 use riprap_dda::contact_dynamics::{gradient, solver};
 use riprap_dda::{Random, Vec3};
@@ -171,7 +172,7 @@ fn spheres_in_a_row_share_an_impact() {
         solver::solve(&problem, &mut impulses, until(1e-14, 100_000));
         let added = problem.operator.product(&impulses);
         for (body, expected) in (0..n).zip(expected) {
-            let [from, more] = [&start, &added].map(|of| of[body as usize][0].x);
+            let [from, more] = [&start, &added.rigid].map(|of| of[body as usize][0].x);
             let found = from + more;
             assert!(
                 (found - expected).abs() < 1e-12,

@@ -5,7 +5,8 @@ use crate::setup::{
 };
 use nalgebra::{Matrix3, Rotation3};
 use riprap_dda::contact_dynamics::bilateral::{Bilateral, Rod};
-use riprap_dda::contact_dynamics::delassus::{Body, BodyContacts, Delassus, Point};
+use riprap_dda::contact_dynamics::bodies::{Body, Point};
+use riprap_dda::contact_dynamics::delassus::{BodyContacts, Delassus};
 use riprap_dda::contact_dynamics::gauss_seidel::Until;
 use riprap_dda::contact_dynamics::{ContactProblem, accuracy::Scaling, gradient, solver};
 use riprap_dda::{
@@ -971,7 +972,7 @@ fn sweeps_and_gradient_find_the_same_velocities() {
     println!("{ended:?}");
     let [a, b] = [&by_sweeps, &by_gradient].map(|impulses| problem.operator.product(impulses));
     for body in 0..6 {
-        let off = [0, 1].map(|k| (a[body][k] - b[body][k]).norm());
+        let off = [0, 1].map(|k| (a.rigid[body][k] - b.rigid[body][k]).norm());
         // of 1 m/s, at a residual of 1e-11
         assert_below("velocity and spin", off[0].max(off[1]), 1e-9);
     }

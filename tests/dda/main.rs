@@ -19,6 +19,7 @@ mod geometry;
 mod joint_springs;
 mod joints;
 mod mid_step;
+mod mid_step_deformable;
 mod mid_step_laws;
 mod mid_step_spanning;
 mod mid_step_surroundings;

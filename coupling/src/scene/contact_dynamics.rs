@@ -4,7 +4,8 @@ use riprap_dda::{BlockDefinition, ContactDynamics, ContactSolver, Integrator, Mo
 
 use super::error::Problem;
 use super::file::{
-    BlockIntegratorFile, ContactSolverFile, NormalLawFile, RollingLawFile, SceneFile, vec3,
+    BlockIntegratorFile, ContactSolverFile, DeformableModelFile, NormalLawFile, RollingLawFile,
+    SceneFile, vec3,
 };
 use crate::messages::Code;
 
@@ -68,10 +69,19 @@ fn not_modeled(file: &SceneFile) -> Vec<Problem> {
         found.push(Problem::error(Code::IncompatibleOptions, path, message));
     };
     for (index, block) in file.blocks.iter().enumerate() {
-        if block.deformable.is_some() {
+        let Some(deformable) = &block.deformable else {
+            continue;
+        };
+        if deformable.model == DeformableModelFile::Classical {
             refuse(
-                format!("blocks[{index}].deformable"),
-                "contact dynamics moves rigid blocks; leave `deformable` out, or take `numerics.blocks: CentralDifference`",
+                format!("blocks[{index}].deformable.model"),
+                "contact dynamics has no classical unknowns, whose stress follows increments; take `Affine`, or `numerics.blocks: CentralDifference`",
+            );
+        }
+        if 1.0 < deformable.strain_mass_factor {
+            refuse(
+                format!("blocks[{index}].deformable.strain_mass_factor"),
+                "the strain of a block does not limit the step of contact dynamics; leave `strain_mass_factor` out",
             );
         }
     }

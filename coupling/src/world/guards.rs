@@ -51,10 +51,14 @@ impl World {
     /// ```text
     /// T ≤ C m/(ρ₀ c₀ A)               A: both sides of the largest face of the box around a free block               [s]
     /// ```
-    /// 0 for springs, and between penalty walls, whose springs know no kicks.
+    /// 0 for springs, between penalty walls, whose springs know no kicks, and with blocks that deform.
     fn longest_step_in_water(&self) -> f64 {
         match &self.water {
-            Some(water) if water.walls.is_some() && self.cause_of_blocks() == Cause::BlockStep => {
+            Some(water)
+                if water.walls.is_some()
+                    && self.bodies.deformable.is_empty()
+                    && self.cause_of_blocks() == Cause::BlockStep =>
+            {
                 let fluid = water.fluid.settings();
                 let impedance = fluid.reference_density * fluid.sound_speed;
                 LARGEST_RADIATION / (impedance * self.bodies.largest_area_per_mass)

@@ -70,6 +70,7 @@ impl Blocks {
                 this.bond_pairs();
                 this.fix_bonds();
                 this.state.outside = vec![Load::default(); this.n_blocks()];
+                this.state.outside_stretch = vec![Matrix3::zeros(); this.state.deformables.len()];
             }
         }
         Ok(this)
@@ -85,8 +86,17 @@ impl Blocks {
             })
         };
         let joints = &self.constants.initial_joints;
-        if !self.state.deformables.is_empty() {
-            return refuse("contact dynamics moves rigid blocks only");
+        for deformable in &self.state.deformables {
+            if deformable.affine().is_none() {
+                return refuse(
+                    "contact dynamics has no classical unknowns, whose stress follows increments: take the affine model",
+                );
+            }
+            if deformable.body().strain_mass_factor > 1.0 {
+                return refuse(
+                    "contact dynamics has no limit of the step by strain: leave the inertia of strain as it is",
+                );
+            }
         }
         if joints.iter().any(|j| j.residual_cohesion > 0.0) {
             return refuse("contact dynamics has no residual cohesion: its friction is a cone");

@@ -59,7 +59,7 @@ impl Blocks {
     }
 
     /// Lengths of the columns that never change theirs.
-    fn lengths(&self) -> [usize; 18] {
+    fn lengths(&self) -> [usize; 19] {
         let state = &self.state;
         [
             state.centroid.len(),
@@ -68,6 +68,7 @@ impl Blocks {
             state.angular_momentum.len(),
             state.is_removed.len(),
             state.deformables.len(),
+            state.outside_stretch.len(),
             state.attachments.joints.len(),
             state.attachments.loads.len(),
             state.attachments.stretch.len(),

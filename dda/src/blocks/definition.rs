@@ -76,7 +76,7 @@ pub enum Integrator {
     #[default]
     CentralDifference,
     /// Drift, kick with all contacts and exact joints solved together, drift: steps limited by motion alone, see `step::mid_step`. For
-    /// rigid blocks without residual cohesion or static damping; spheres resist rolling by [`RollingLaw::Relative`] only.
+    /// rigid and affine blocks without residual cohesion or static damping; spheres resist rolling by [`RollingLaw::Relative`] only.
     ContactDynamics(ContactDynamics),
 }
 

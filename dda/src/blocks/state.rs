@@ -63,6 +63,8 @@ pub(crate) struct State {
     pub outside: Vec<Load>,
     /// Place among the steps of contact dynamics, where they span several of the caller's.
     pub spanned: Spanned,
+    /// Straining moments of these impulses; one per deformable block, empty of central differences; N m s.
+    pub outside_stretch: Vec<Matrix3<f64>>,
     /// Impulses of the last step of contact dynamics, by parts and key.
     pub impulses: Vec<KeptImpulse>,
     /// Bonds of contact dynamics that hold, by parts.

@@ -76,6 +76,8 @@ impl Blocks {
             let both = outside.force.iter().chain(outside.torque.iter());
             both.for_each(|&c| f(c));
         }
+        let stretches = self.state.outside_stretch.iter();
+        stretches.flat_map(|of| of.iter()).for_each(|&c| f(c));
         for deformable in &self.state.deformables {
             deformable.for_each_state_f64(f);
         }

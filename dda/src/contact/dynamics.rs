@@ -18,13 +18,14 @@
 //! With `Û = (U_n + μ|U_t|, U_t)` of De Saxcé & Feng (1998) it is one statement: `R` in the cone `K_μ`, `Û` in its dual, at right angles.
 //! Joints are rows like contacts, with all of space or a line as their cone; so are bonds, until they break.
 //!
-//! Reading order: [`one_contact`] solves one contact exactly, [`bilateral`] a joint; [`delassus`] is the operator of bodies, or a matrix; [`gauss_seidel`] and
+//! Reading order: [`one_contact`] solves one contact exactly, [`bilateral`] a joint; [`delassus`] is the operator of [`bodies`], or a matrix; [`gauss_seidel`] and
 //! [`gradient`] solve all of them, [`solver`] chooses; [`accuracy`] tells how far from the laws they are.
 //!
 //! Sources: Moreau (1999), Jean (1999), Acary & Brogliato (2008).
 
 pub mod accuracy;
 pub mod bilateral;
+pub mod bodies;
 mod cone;
 pub mod delassus;
 pub mod gauss_seidel;

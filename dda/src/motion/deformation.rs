@@ -21,6 +21,7 @@
 mod affine;
 mod classical;
 mod elastic;
+mod rotating;
 
 use crate::motion::kinematics::{InternalMotion, Moment, flushed};
 use crate::{Elastic, Vec3};
@@ -30,6 +31,8 @@ pub use classical::classical_mass_matrix;
 use elastic::Constants;
 pub use elastic::natural_frequencies;
 use nalgebra::{Matrix3, UnitQuaternion};
+pub use rotating::MomentCompliance;
+pub(crate) use rotating::product;
 use serde::{Deserialize, Serialize};
 
 /// Symmetric tensor in Voigt's order `xx yy zz yz zx xy`, shear entries as they stand in the
@@ -130,6 +133,13 @@ impl AffineBody {
         self.gradient * self.second_moment * self.gradient.transpose()
     }
 
+    /// `J⁻¹`, `J = tr(S) I − S`; zero if the block has collapsed, which the check of the step reports; 1/(kg m²).
+    pub fn inverse_inertia(&self) -> Matrix3<f64> {
+        let second = self.present_second_moment();
+        let inertia = Matrix3::identity() * second.trace() - second;
+        inertia.try_inverse().unwrap_or_else(Matrix3::zeros)
+    }
+
     /// `S⁻¹`; 1/(kg m²).
     pub fn present_inverse_second_moment(&self) -> Matrix3<f64> {
         let inverse = self.inverse_gradient();
@@ -149,9 +159,7 @@ impl AffineBody {
         let mut change = force * self.inverse_second_moment;
         if self.strain_mass_factor > 1.0 {
             let torque = axial(&(force * self.gradient.transpose())) * 2.0;
-            let second = self.present_second_moment();
-            let inertia = Matrix3::identity() * second.trace() - second;
-            let turning = inertia.try_inverse().unwrap_or_else(Matrix3::zeros) * torque;
+            let turning = self.inverse_inertia() * torque;
             let rigid = turning.cross_matrix() * self.gradient;
             change = rigid + (change - rigid) / self.strain_mass_factor;
         }
@@ -169,9 +177,7 @@ impl AffineBody {
         if self.strain_mass_factor <= 1.0 {
             return 0.0;
         }
-        let second = self.present_second_moment();
-        let inertia = Matrix3::identity() * second.trace() - second;
-        let spin = inertia.try_inverse().unwrap_or_else(Matrix3::zeros) * self.angular_momentum();
+        let spin = self.inverse_inertia() * self.angular_momentum();
         let straining = self.rate - spin.cross_matrix() * self.gradient;
         0.5 * (self.strain_mass_factor - 1.0) * (straining * self.second_moment).dot(&straining)
     }
@@ -204,6 +210,22 @@ impl Deformable {
         match self {
             Self::Affine12(model) => &model.body,
             Self::Dda12(model) => &model.body,
+        }
+    }
+
+    /// The exact affine motion, if that is the model.
+    pub fn affine(&self) -> Option<&Affine12> {
+        match self {
+            Self::Affine12(model) => Some(model),
+            Self::Dda12(_) => None,
+        }
+    }
+
+    /// The exact affine motion, if that is the model.
+    pub fn affine_mut(&mut self) -> Option<&mut Affine12> {
+        match self {
+            Self::Affine12(model) => Some(model),
+            Self::Dda12(_) => None,
         }
     }
 

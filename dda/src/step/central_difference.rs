@@ -10,7 +10,7 @@ use crate::motion::rigid::Rigid6;
 use crate::motion::update::Update;
 use crate::step::damping::local_damping;
 use crate::step::phase::Phase;
-use crate::{Blocks, Load, Motion, StaticDamping, StepError, Vec3, chunks};
+use crate::{Blocks, Integrator, Load, Motion, StaticDamping, StepError, Vec3, chunks};
 use nalgebra::{Matrix3, UnitQuaternion};
 
 /// Impulses of half a kick; N s.
@@ -278,6 +278,13 @@ impl Blocks {
     /// Rotates and strains a free block.
     fn turn(&mut self, b: usize, dt: f64) {
         if let Some(k) = self.constants.deformable_of[b] {
+            if matches!(
+                self.constants.settings.integrator,
+                Integrator::ContactDynamics(_)
+            ) {
+                // has a drift of its own
+                return;
+            }
             let deformable = &mut self.state.deformables[k as usize];
             deformable.motion().drift(dt);
             self.state

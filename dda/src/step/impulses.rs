@@ -46,7 +46,10 @@ impl Blocks {
         match self.state.outside.get(b).filter(|_| self.is_free(b)) {
             None => now,
             Some(outside) => {
-                let inverse = self.state.kinematics[b].inverse_inertia;
+                let inverse = match self.constants.deformable_of[b] {
+                    None => self.state.kinematics[b].inverse_inertia,
+                    Some(k) => self.state.deformables[k as usize].body().inverse_inertia(),
+                };
                 let held = self.hold_of(b).map(|hold| hold.held_part(&outside.force));
                 let given = (outside.force - held.unwrap_or_default()) / self.constants.mass[b];
                 [now[0] + given, now[1] + inverse * outside.torque]
@@ -77,11 +80,15 @@ impl Blocks {
     }
 
     /// Gives a free deformable block the impulse of the straining part `Σ (f ⊗ r + r ⊗ f)/2` (N m) of the
-    /// moment of some forces, over `dt` (s); others ignore it.
+    /// moment of some forces, over `dt` (s); others ignore it. Contact dynamics keeps it like the impulse.
     pub fn apply_stretch(&mut self, b: usize, stretch: Matrix3<f64>, dt: f64) {
         let Some(k) = self.constants.deformable_of[b].filter(|_| self.is_free(b)) else {
             return;
         };
+        if let Some(outside) = self.state.outside_stretch.get_mut(k as usize) {
+            *outside += stretch * dt;
+            return;
+        }
         let torque = Vec3::zeros();
         self.state.deformables[k as usize].push(&Moment { torque, stretch }, dt);
         self.set_kinematics(b);

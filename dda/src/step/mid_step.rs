@@ -22,6 +22,9 @@
 //! Friction has two values, see [`slip`]; spheres resist rolling by torques among the contacts; parts that were bonded at the start are fixed
 //! to each other until that breaks, see [`bonds`].
 //!
+//! Blocks that deform have their velocity gradient among the unknowns, with a mass of strain that their stiffness is part of, see
+//! [`crate::motion::deformation`]: neither strain nor rotation limits the step.
+//!
 //! What overlap remains goes out as a displacement, not as a velocity, see [`overlap`]. Work of contacts is that of the mean velocity
 //! in the kick, so that the account of energy closes to round-off but for the turning of blocks: tangential work is friction, normal work
 //! and that of bonds damping.
@@ -36,6 +39,7 @@ mod overlap;
 mod slip;
 mod spanning;
 mod start;
+mod straining;
 mod time_step;
 mod touches;
 
@@ -46,6 +50,7 @@ use crate::contact::dynamics::kept::{ContactSolution, SolvedSteps};
 use crate::error::OpenJoint;
 use crate::step::phase::Phase;
 use crate::{Blocks, Motion, StepError};
+use straining::Half;
 
 /// Unsolved steps running at which a run ends.
 const TOO_MANY_UNSOLVED: u32 = 3;
@@ -77,9 +82,11 @@ impl Blocks {
     ) -> Result<(), StepError> {
         let (dt, middle) = (to - from, 0.5 * (from + to));
         self.drift(from, middle, 0.5 * dt);
+        self.drift_straining(Half::ToMiddle, 0.5 * dt);
         let open = self.kick_in_place(middle, dt, dynamics, ended);
         self.state.spanned.period = dt;
         self.drift(middle, to, 0.5 * dt);
+        self.drift_straining(Half::FromMiddle, 0.5 * dt);
         self.place_parts(false);
         self.rest_or_wake(dt);
         self.set_velocities(to);

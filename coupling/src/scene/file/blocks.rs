@@ -184,7 +184,8 @@ pub struct DeformableFile {
     #[serde(default)]
     #[schemars(extend("x-unit" = "Pa"))]
     pub initial_stress: (f64, f64, f64, f64, f64, f64),
-    /// Factor on the inertia of the strain modes, at least 1: a larger step for slower oscillations.
+    /// Factor on the inertia of the strain modes, at least 1: a larger step for slower oscillations. Not with contact dynamics, whose
+    /// step strain does not limit.
     #[serde(default = "one")]
     #[schemars(extend("x-unit" = "-"))]
     pub strain_mass_factor: f64,

@@ -270,10 +270,11 @@ pub enum BlockIntegratorFile {
     CentralDifference,
     /// Contact dynamics: all contacts of a step are solved together, without springs, in steps of milliseconds. For walls and arches, piles
     /// that come to rest and long runs; `contact_stiffness` has no effect. Impacts and changes between sticking and sliding are good
-    /// to the first order of the step.
+    /// to the first order of the step. Deformable blocks take the same steps as rigid ones; their oscillations are damped where a step does
+    /// not resolve them.
     ContactDynamics {
         /// Step of the blocks; s. When left out, 0.03 `√(size/g)` of the smallest free block. Shorter where a block would move by more than a
-        /// fifth of its size in it, or turn by more than 0.1 rad.
+        /// fifth of its size in it, or turn or strain by more than 0.1.
         #[serde(default)]
         #[schemars(extend("x-unit" = "s", "exclusiveMinimum" = 0))]
         time_step: Option<f64>,

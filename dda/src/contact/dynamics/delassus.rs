@@ -1,6 +1,7 @@
 //! The Delassus operator `W = H M⁻¹ Hᵀ`, from impulses to velocities: of bodies, without a matrix, or of a matrix in blocks.
 
 use super::ROWS_AT_A_TIME;
+use super::bodies::{Bodies, BodyVelocities, Point, first_moment};
 use crate::{Vec3, chunks};
 use nalgebra::Matrix3;
 
@@ -68,100 +69,14 @@ fn mark(taken: &mut Vec<u64>, color: u32) {
     taken[word] |= 1 << (color % 64);
 }
 
-/// A rigid body that impulses move; what does not move is no body.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Body {
-    /// 1/kg.
-    pub inverse_mass: f64,
-    /// Projection on the directions in which it may move, where it is held in others.
-    pub freedom: Option<Matrix3<f64>>,
-    /// `J⁻¹` in world axes, of the rotation it is allowed; 1/(kg m²).
-    pub inverse_inertia: Matrix3<f64>,
-}
-
-impl Body {
-    /// Velocity and spin by an impulse (N s) and its moment (N m s); m/s, rad/s.
-    pub fn kicked(&self, impulse: &Vec3, moment: &Vec3) -> [Vec3; 2] {
-        let free = self.freedom.map_or(*impulse, |freedom| freedom * impulse);
-        [free * self.inverse_mass, self.inverse_inertia * moment]
-    }
-
-    /// Velocity of a point at `arm` (m) by an impulse there, `1/m P − [r]× J⁻¹ [r]×`; 1/kg.
-    fn compliance(&self, arm: &Vec3) -> Matrix3<f64> {
-        let cross = arm.cross_matrix();
-        let freedom = self.freedom.unwrap_or_else(Matrix3::identity);
-        freedom * self.inverse_mass - cross * self.inverse_inertia * cross
-    }
-}
-
-/// Body on one side of a contact, and the point from its centroid (m).
-pub type Arm = Option<(u32, Vec3)>;
-
-/// A contact point of two bodies, or a pair of torques between them.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Point {
-    /// Columns n, t1, t2 in world axes; n from A to B. Of a pair of torques in m: their length.
-    pub frame: Matrix3<f64>,
-    /// Bodies A and B; none where it does not move.
-    pub arms: [Arm; 2],
-    /// Whether its impulses are torques over a length, and its velocities spins times it.
-    pub is_torque: bool,
-}
-
-impl Point {
-    /// A point of normal `n`, from A to B; the tangents follow from `n` alone.
-    pub fn new(normal: Vec3, arms: [Arm; 2]) -> Self {
-        let axis = normal.iamin();
-        let first = Vec3::ith(axis, 1.0).cross(&normal).normalize();
-        let second = normal.cross(&first);
-        Self {
-            frame: Matrix3::from_columns(&[normal, first, second]),
-            arms,
-            is_torque: false,
-        }
-    }
-
-    /// Torques about all axes between the bodies of a contact, as impulses at the end of a length (m).
-    pub fn turning(contact: &Self, length: f64) -> Self {
-        Self {
-            frame: contact.frame * length,
-            is_torque: true,
-            ..*contact
-        }
-    }
-
-    /// Torques across the normal of a contact, as impulses at the end of a length (m).
-    pub fn rolling(contact: &Self, length: f64) -> Self {
-        let mut torques = Self::turning(contact, length);
-        torques.frame.set_column(0, &Vec3::zeros());
-        torques
-    }
-
-    /// Velocity of B seen from A, of velocity and spin of each body (m/s, rad/s); m/s.
-    #[inline]
-    pub fn relative(&self, of_bodies: &[[Vec3; 2]]) -> Vec3 {
-        let side = |arm: &Arm| {
-            arm.map_or(Vec3::zeros(), |(body, arm)| {
-                let [velocity, spin] = of_bodies[body as usize];
-                match self.is_torque {
-                    true => spin,
-                    false => velocity + spin.cross(&arm),
-                }
-            })
-        };
-        let [a, b] = &self.arms;
-        self.frame.tr_mul(&(side(b) - side(a)))
-    }
-}
-
-/// Contacts of rigid bodies.
+/// Contacts of rigid bodies, and of bodies that strain.
 ///
 /// ```text
-/// W_aa = Σ_bodies Nᵀ (1/m P − [r]× J⁻¹ [r]×) N                                            [1/kg]
+/// W_aa = Σ_bodies Nᵀ (1/m P − [r]× J⁻¹ [r]×) N,   or Nᵀ (1/m P + r·M⁻¹·r) N               [1/kg]
 /// ```
 #[derive(Clone, Debug, Default)]
 pub struct BodyContacts {
-    bodies: Vec<Body>,
+    bodies: Bodies,
     points: Vec<Point>,
     diagonal: Vec<Matrix3<f64>>,
     /// Where there are many points.
@@ -195,6 +110,12 @@ impl Side {
             true => [Vec3::zeros(), on_body],
             false => [on_body, self.arm.cross(&on_body)],
         }
+    }
+
+    /// First moment `Σ f ⊗ r` on the body by an impulse on B.
+    fn first_moment(&self, on_b: &Vec3) -> Matrix3<f64> {
+        let on_body = if self.is_b { *on_b } else { -on_b };
+        first_moment(&on_body, &self.arm, self.is_torque)
     }
 }
 
@@ -233,27 +154,25 @@ impl PointsOfBodies {
 
 impl BodyContacts {
     /// Points between bodies; those of `points` are numbers in `bodies`.
-    pub fn new(bodies: Vec<Body>, points: Vec<Point>) -> Self {
+    pub fn new(bodies: impl Into<Bodies>, points: Vec<Point>) -> Self {
+        let bodies = bodies.into();
         let block = |point: &Point| {
             let sum: Matrix3<f64> = (point.arms.iter().flatten())
-                .map(|(body, arm)| match point.is_torque {
-                    true => bodies[*body as usize].inverse_inertia,
-                    false => bodies[*body as usize].compliance(arm),
-                })
+                .map(|(body, arm)| bodies.compliance(*body, arm, point.is_torque))
                 .sum();
             point.frame.tr_mul(&(sum * point.frame))
         };
         let diagonal = points.iter().map(block).collect();
         let is_large = ROWS_AT_A_TIME < points.len();
         Self {
-            of_bodies: is_large.then(|| PointsOfBodies::new(bodies.len(), &points)),
+            of_bodies: is_large.then(|| PointsOfBodies::new(bodies.rigid.len(), &points)),
             bodies,
             points,
             diagonal,
         }
     }
 
-    /// Velocity of B seen from A at each point, from velocity and spin of every body (m/s, rad/s); m/s.
+    /// Velocity of B seen from A at each point, from velocity and spin of every body without strain (m/s, rad/s); m/s.
     pub fn relative_velocities(&self, of_bodies: &[[Vec3; 2]]) -> Vec<Vec3> {
         let of = |point: &Point| point.relative(of_bodies);
         self.points.iter().map(of).collect()
@@ -261,8 +180,8 @@ impl BodyContacts {
 }
 
 impl Delassus for BodyContacts {
-    /// Velocity and spin; one per body.
-    type Velocities = Vec<[Vec3; 2]>;
+    /// Of the bodies.
+    type Velocities = BodyVelocities;
 
     fn n_contacts(&self) -> usize {
         self.points.len()
@@ -273,11 +192,11 @@ impl Delassus for BodyContacts {
     }
 
     fn at_rest(&self) -> Self::Velocities {
-        vec![[Vec3::zeros(); 2]; self.bodies.len()]
+        self.bodies.at_rest()
     }
 
     fn velocity(&self, velocities: &Self::Velocities, a: usize) -> Vec3 {
-        self.points[a].relative(velocities)
+        self.bodies.relative(&self.points[a], velocities)
     }
 
     fn add(&self, velocities: &mut Self::Velocities, a: usize, impulse: &Vec3) {
@@ -289,12 +208,22 @@ impl Delassus for BodyContacts {
         let on_b = frame * impulse;
         for (arm, impulse) in arms.iter().zip([-on_b, on_b]) {
             if let Some((body, arm)) = arm {
+                if let Some(k) = self.bodies.straining_number(*body) {
+                    let push = match is_torque {
+                        true => Vec3::zeros(),
+                        false => impulse,
+                    };
+                    let moment = first_moment(&impulse, arm, *is_torque);
+                    self.bodies
+                        .push_straining((*body, k), velocities, (&push, &moment));
+                    continue;
+                }
                 let (impulse, moment) = match is_torque {
                     true => (Vec3::zeros(), impulse),
                     false => (impulse, arm.cross(&impulse)),
                 };
-                let given = self.bodies[*body as usize].kicked(&impulse, &moment);
-                let [velocity, spin] = &mut velocities[*body as usize];
+                let given = self.bodies.rigid[*body as usize].kicked(&impulse, &moment);
+                let [velocity, spin] = &mut velocities.rigid[*body as usize];
                 *velocity += given[0];
                 *spin += given[1];
             }
@@ -326,15 +255,28 @@ impl Delassus for BodyContacts {
                     impulse += load[0];
                     moment += load[1];
                 }
-                *velocity = self.bodies[body].kicked(&impulse, &moment);
+                *velocity = self.bodies.rigid[body].kicked(&impulse, &moment);
             }
         };
-        chunks::for_each(velocities.as_mut_slice(), BODIES_AT_A_TIME, &sum);
+        chunks::for_each(velocities.rigid.as_mut_slice(), BODIES_AT_A_TIME, &sum);
+        let strain = |first: usize, rates: &mut [Matrix3<f64>]| {
+            for (body, rate) in self.bodies.straining[first..].iter().zip(rates) {
+                let sides = of_bodies.of(body.body as usize).iter();
+                let moment = sides.map(|side| side.first_moment(&on_b[side.point as usize]));
+                *rate = body.gradient(&moment.sum());
+            }
+        };
+        chunks::for_each(
+            velocities.strain_rate.as_mut_slice(),
+            BODIES_AT_A_TIME,
+            &strain,
+        );
+        self.bodies.part_gradients(&mut velocities);
         velocities
     }
 
     fn colors(&self) -> Vec<Vec<u32>> {
-        let mut taken_at = vec![Vec::new(); self.bodies.len()];
+        let mut taken_at = vec![Vec::new(); self.bodies.rigid.len()];
         let mut taken: Vec<u64> = Vec::new();
         greedy(self.points.len(), |a| {
             taken.clear();
@@ -443,10 +385,21 @@ impl Delassus for BlockMatrix {
 #[cfg(test)]
 #[expect(clippy::unwrap_used, reason = "a test may fail")]
 mod tests {
+    use super::super::bodies::{Body, StrainingBody};
     use super::*;
     use crate::Random;
+    use crate::motion::deformation::MomentCompliance;
 
-    /// Two bodies on a third and on what does not move.
+    /// A body that strains, by some symmetric, positive compliance.
+    fn straining(body: u32, random: &mut Random) -> StrainingBody {
+        let root = MomentCompliance::from_fn(|_, _| random.uniform() - 0.5);
+        StrainingBody {
+            body,
+            compliance: root * root.transpose() + MomentCompliance::identity() * 0.1,
+        }
+    }
+
+    /// Two bodies, one of which strains, on a third and on what does not move.
     fn contacts() -> BodyContacts {
         let mut random = Random::new(3);
         let bodies = (0..3)
@@ -467,7 +420,8 @@ mod tests {
             let normal = vector().normalize();
             Point::new(normal, [a, b].map(|body| body.map(|body| (body, vector()))))
         });
-        BodyContacts::new(bodies, points.to_vec())
+        let strains = straining(2, &mut random);
+        BodyContacts::new(Bodies::new(bodies, vec![strains]), points.to_vec())
     }
 
     /// The operator of bodies is symmetric, and its diagonal is what it does to a contact's own impulse.
@@ -505,7 +459,7 @@ mod tests {
             freedom: (k % 5 == 0).then(|| Matrix3::from_diagonal(&Vec3::new(1.0, 0.0, 1.0))),
             inverse_inertia: Matrix3::from_diagonal(&Vec3::new(1.0, 2.0, 3.0)),
         });
-        let bodies = bodies.collect();
+        let bodies: Vec<Body> = bodies.collect();
         let points = (0..ROWS_AT_A_TIME as u32 + 500).map(|k| {
             let arms = [k % n_bodies, (7 * k + 1) % n_bodies].map(|body| (body, vector()));
             let arms = [(k % 11 != 0).then_some(arms[0]), Some(arms[1])];
@@ -515,18 +469,27 @@ mod tests {
                 false => contact,
             }
         });
-        let contacts = BodyContacts::new(bodies, points.collect());
+        let points = points.collect();
+        let strain: Vec<_> = (0..n_bodies).filter(|b| b % 7 == 3).collect();
+        let strain = strain.into_iter().map(|b| straining(b, &mut random));
+        let contacts = BodyContacts::new(Bodies::new(bodies, strain.collect()), points);
         assert!(contacts.of_bodies.is_some());
+        let mut vector = || Vec3::from_fn(|_, _| random.uniform() - 0.5);
         let impulses: Vec<Vec3> = (0..contacts.n_contacts()).map(|_| vector()).collect();
         let mut sum = contacts.at_rest();
         for (a, impulse) in impulses.iter().enumerate() {
             contacts.add(&mut sum, a, impulse);
         }
         let product = contacts.product(&impulses);
-        for (found, expected) in product.iter().zip(&sum) {
+        for (found, expected) in product.rigid.iter().zip(&sum.rigid) {
             let off = (found[0] - expected[0]).norm() + (found[1] - expected[1]).norm();
             // some ten terms of size 1
             assert!(off < 1e-13, "{off}");
+        }
+        let rates = product.strain_rate.iter().zip(&sum.strain_rate);
+        for (found, expected) in rates {
+            let off = (found - expected).norm();
+            assert!(off < 1e-13 * (1.0 + expected.norm()), "{off}");
         }
     }
 

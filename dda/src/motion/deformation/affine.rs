@@ -39,7 +39,7 @@ impl Affine12 {
     }
 
     /// `P`, without its viscous part; Pa.
-    fn first_piola(&self) -> Matrix3<f64> {
+    pub(super) fn first_piola(&self) -> Matrix3<f64> {
         let gradient = &self.body.gradient;
         self.elastic.first_piola(self.law, gradient) + gradient * self.initial_stress
     }

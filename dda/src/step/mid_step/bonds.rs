@@ -7,11 +7,13 @@
 //! strength of the bond, see [`crate::contact::bond`]. Bonds that do not bear it are gone for good, and the step is solved again with contacts in
 //! their place.
 //!
+//! Blocks that deform keep the middle of the patch and their rotations together; their faces may strain apart around it.
+//!
 //! Rigid bodies that hit each other break their bonds by forces that go with `1/dt`. Of several bonds between the same blocks the shares are not
 //! unique.
 
 use super::closing::Closing;
-use crate::contact::dynamics::delassus::Point;
+use crate::contact::dynamics::bodies::Point;
 use crate::contact::dynamics::kept::{KeptBond, KeptImpulse};
 use crate::contact::report::ContactState;
 use crate::{Blocks, Vec3};
@@ -34,14 +36,23 @@ impl Blocks {
     fn place_bond(&self, bond: &KeptBond) -> Placed {
         let [i, j] = [bond.blocks.0, bond.blocks.1].map(|b| b as usize);
         let [q, r] = [i, j].map(|b| self.state.attitude[b]);
-        let x = self.state.centroid[i] + q * bond.anchors[0];
-        let y = self.state.centroid[j] + r * bond.anchors[1];
+        let x = self.anchor(i, &bond.anchors[0]);
+        let y = self.anchor(j, &bond.anchors[1]);
         Placed {
             position: (x + y) * 0.5,
             normal: q * bond.normal,
             gap: y - x,
             turn: (r * (q * bond.attitude).inverse()).scaled_axis(),
         }
+    }
+
+    /// Place of a material point, given from the centroid in principal axes at the start (m), in the world; m.
+    fn anchor(&self, b: usize, anchor: &Vec3) -> Vec3 {
+        let from_centroid = match self.is_deformable(b) {
+            false => self.state.attitude[b] * anchor,
+            true => self.placement_gradient(b) * (self.constants.principal[b] * anchor),
+        };
+        self.state.centroid[b] + from_centroid
     }
 
     /// Bonds of blocks that move; those between blocks asleep keep what they carry.
@@ -66,7 +77,7 @@ impl Blocks {
             ];
             for (point, rate, error) in rows {
                 let now = point.frame.tr_mul(&rate);
-                let more = point.relative(&closing.gains);
+                let more = closing.bodies.relative(&point, &closing.gains);
                 closing.before.push(now);
                 closing.gained.push(more);
                 closing

@@ -4,7 +4,7 @@ use super::touches::Touch;
 use crate::contact::detection::spheres::effective_radius;
 use crate::contact::dynamics::Rolling;
 use crate::contact::dynamics::bilateral::Rod;
-use crate::contact::dynamics::delassus::{Arm, Body, Point};
+use crate::contact::dynamics::bodies::{Arm, Bodies, Body, BodyVelocities, Point};
 use crate::{Blocks, Vec3};
 
 /// Impact speed below which there is no restitution, over `g dt`.
@@ -15,9 +15,9 @@ const TOUCHING: f64 = 1e-6;
 
 /// Points that may bear an impulse in a step.
 pub(super) struct Closing {
-    pub bodies: Vec<Body>,
-    /// Velocity and spin that each body gets without contacts; m/s, rad/s.
-    pub gains: Vec<[Vec3; 2]>,
+    pub bodies: Bodies,
+    /// Velocities that bodies get without contacts.
+    pub gains: BodyVelocities,
     pub touches: Vec<Touch>,
     /// Of the touches, then of rolling resistance, of bonds, of joints.
     pub points: Vec<Point>,
@@ -47,7 +47,7 @@ impl Blocks {
     pub(super) fn closing(&self, touches: Vec<Touch>, dt: f64) -> Closing {
         let limits = self.constants.overlap_limits();
         let slow = SLOW * self.constants.settings.gravity.norm() * dt;
-        let bodies = self.bodies();
+        let bodies = self.bodies(dt);
         let gains = self.gains(&bodies, dt);
         let n = touches.len();
         let mut points = Vec::with_capacity(n);
@@ -59,7 +59,7 @@ impl Blocks {
                 .blocks
                 .map(|block| self.state.kinematics[block as usize].velocity_at(&touch.position));
             let now = point.frame.tr_mul(&(b - a));
-            let more = point.relative(&gains);
+            let more = bodies.relative(&point, &gains);
             let mut after = now + more;
             let closes = touch.gap + dt * after.x < 0.0;
             let open = touch.gap - TOUCHING * limits.size_of(touch.parts);
@@ -106,7 +106,7 @@ impl Blocks {
             let point = Point::rolling(&closing.points[a], effective_radius((i, j)));
             let [i, j] = touch.blocks.map(|b| self.state.kinematics[b as usize].spin);
             let now = point.frame.tr_mul(&(j - i));
-            let more = point.relative(&closing.gains);
+            let more = closing.bodies.relative(&point, &closing.gains);
             closing.points.push(point);
             closing.before.push(now);
             closing.gained.push(more);
@@ -118,25 +118,35 @@ impl Blocks {
         }
     }
 
-    /// Blocks as impulses move them.
-    fn bodies(&self) -> Vec<Body> {
+    /// Blocks as impulses within `dt` (s) move them.
+    fn bodies(&self, dt: f64) -> Bodies {
         let of = |(b, kinematics): (usize, &crate::motion::kinematics::Kinematics)| Body {
             inverse_mass: kinematics.inverse_mass,
             freedom: self.hold_of(b).map(|hold| hold.freedom()[0]),
             inverse_inertia: kinematics.inverse_inertia,
         };
-        self.state.kinematics.iter().enumerate().map(of).collect()
+        let rigid = self.state.kinematics.iter().enumerate().map(of).collect();
+        Bodies::new(rigid, self.straining_bodies(dt))
     }
 
-    /// Velocity and spin that each block gets within `dt` (s) of weight, attachments and what acted from outside; m/s, rad/s.
-    fn gains(&self, bodies: &[Body], dt: f64) -> Vec<[Vec3; 2]> {
+    /// Velocities that blocks get within `dt` (s) by weight, attachments and what acted from outside; by their stress, too.
+    fn gains(&self, bodies: &Bodies, dt: f64) -> BodyVelocities {
         let of = |(b, body): (usize, &Body)| {
-            if !self.is_driven(b) {
+            if !self.is_driven(b) || self.is_deformable(b) {
                 return [Vec3::zeros(); 2];
             }
             let given = self.impulse_without_contacts(b, dt);
             body.kicked(&given.force, &given.torque)
         };
-        bodies.iter().enumerate().map(of).collect()
+        let mut gains = bodies.at_rest();
+        for (gain, body) in gains
+            .rigid
+            .iter_mut()
+            .zip(bodies.rigid().iter().enumerate())
+        {
+            *gain = of(body);
+        }
+        self.add_gains_of_straining(bodies, &mut gains, dt);
+        gains
     }
 }

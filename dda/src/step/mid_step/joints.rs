@@ -13,7 +13,8 @@ use super::closing::{Closing, JointRow};
 use crate::blocks::attachments::End;
 use crate::blocks::attachments::exact_joints::{ExactJoint, Tie};
 use crate::contact::dynamics::bilateral::{Bilateral, Rod};
-use crate::contact::dynamics::delassus::{Arm, BodyContacts, Delassus, Point};
+use crate::contact::dynamics::bodies::{Arm, Point};
+use crate::contact::dynamics::delassus::{BodyContacts, Delassus};
 use crate::error::OpenJoint;
 use crate::{BlockId, Blocks, Vec3};
 
@@ -49,7 +50,7 @@ impl Blocks {
                 })
             });
             let now = point.frame.tr_mul(&(b - a));
-            let more = point.relative(&closing.gains);
+            let more = closing.bodies.relative(&point, &closing.gains);
             closing.points.push(point);
             closing.before.push(now);
             closing.gained.push(more);

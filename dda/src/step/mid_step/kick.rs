@@ -7,13 +7,15 @@ use super::closing::{Closing, JointRow};
 use super::touches::Touch;
 use crate::blocks::{ContactDynamics, Update};
 use crate::contact::dynamics::accuracy::{Scaling, energy_error};
-use crate::contact::dynamics::delassus::{BodyContacts, Delassus, Point};
+use crate::contact::dynamics::bodies::{BodyVelocities, Point};
+use crate::contact::dynamics::delassus::{BodyContacts, Delassus};
 use crate::contact::dynamics::gauss_seidel::Until;
 use crate::contact::dynamics::kept::{ContactSolution, KeptImpulse};
 use crate::contact::dynamics::solver;
 use crate::contact::dynamics::{ContactProblem, Rolling, UNSOLVED};
 use crate::error::OpenJoint;
 use crate::{Blocks, Load, Motion, Vec3};
+use nalgebra::Matrix3;
 
 /// Contacts, bonds and joints of a step with their impulses.
 struct Solved {
@@ -23,12 +25,12 @@ struct Solved {
     impulses: Vec<Vec3>,
     /// Mean velocity of each row in the kick; m/s.
     mean: Vec<Vec3>,
-    /// Velocity and spin that the impulses give each body; m/s, rad/s.
-    given: Vec<[Vec3; 2]>,
+    /// Velocities that the impulses give bodies.
+    given: BodyVelocities,
     /// What bonds carry.
     carried: Vec<KeptImpulse>,
     /// As those of [`Closing`].
-    gains: Vec<[Vec3; 2]>,
+    gains: BodyVelocities,
     touches: Vec<Touch>,
     points: Vec<Point>,
     joints: Vec<JointRow>,
@@ -235,22 +237,26 @@ impl Blocks {
         }
     }
 
-    /// Velocities of free blocks after the kick: `gains` without contacts, `given` by them (m/s, rad/s). A hold takes its part of it.
-    fn kick_bodies(&mut self, gains: &[[Vec3; 2]], given: &[[Vec3; 2]], dt: f64) {
-        for (b, (gain, given)) in gains.iter().zip(given).enumerate() {
-            match self.derived.update[b] {
-                Update::Rigid => {
-                    self.state.velocity[b] += gain[0] + given[0];
-                    let spin = gain[1] + given[1];
+    /// Velocities of free blocks after the kick: `gains` without contacts, `given` by them. A hold takes its part of it.
+    fn kick_bodies(&mut self, gains: &BodyVelocities, given: &BodyVelocities, dt: f64) {
+        for (b, (gain, of_contacts)) in gains.rigid.iter().zip(&given.rigid).enumerate() {
+            match (self.derived.update[b], self.constants.deformable_of[b]) {
+                (Update::Rigid, _) => {
+                    self.state.velocity[b] += gain[0] + of_contacts[0];
+                    let spin = gain[1] + of_contacts[1];
                     let turned = self.state.attitude[b].inverse_transform_vector(&spin);
                     self.state.angular_momentum[b] +=
                         turned.component_mul(&self.constants.inertia[b]);
                 }
-                Update::Constrained => self.kick_held(b, dt),
-                Update::Fixed | Update::Asleep => {}
+                (Update::Constrained, None) => self.kick_held(b, dt),
+                (Update::Constrained, Some(k)) => {
+                    self.kick_straining((b, k as usize), gains, given, dt);
+                }
+                (Update::Fixed | Update::Asleep, _) => {}
             }
         }
         self.state.outside.fill(Load::default());
+        self.state.outside_stretch.fill(Matrix3::zeros());
     }
 
     fn kick_held(&mut self, b: usize, dt: f64) {

@@ -3,7 +3,7 @@
 //! ```text
 //! z ≥ 0,   W_n z ≥ 0.2 max(0, −gap − tol),  at right angles;   q += M⁻¹ H_nᵀ z                          tol = 1e-4 L
 //! ```
-//! Joints stay as they are in it. It gives no velocity. What it gives in height, and in energy of rotation, has a place of its own in the account.
+//! Joints stay as they are in it; blocks that deform keep their strain. It gives no velocity. What it gives in height, and in energy of rotation, has a place of its own in the account.
 
 use super::touches::Touch;
 use crate::Blocks;
@@ -63,17 +63,22 @@ impl Blocks {
         );
         let moved = displacements.operator.product(&pushes);
         let mut given = 0.0;
-        for (b, [way, turn]) in moved.into_iter().enumerate() {
-            if self.derived.update[b] != Update::Rigid {
+        for (b, [way, turn]) in moved.rigid.into_iter().enumerate() {
+            let strains = self.is_driven(b) && self.is_deformable(b) && self.hold_of(b).is_none();
+            if self.derived.update[b] != Update::Rigid && !strains {
                 continue;
             }
             let before = self.kinetic_energy(b);
             let spatial = self.state.attitude[b] * self.state.angular_momentum[b];
+            let turn = UnitQuaternion::from_scaled_axis(turn);
             self.state.centroid[b] += way;
-            self.state.attitude[b] =
-                UnitQuaternion::from_scaled_axis(turn) * self.state.attitude[b];
-            self.state.angular_momentum[b] =
-                self.state.attitude[b].inverse_transform_vector(&spatial);
+            if strains {
+                self.turn_straining(b, &turn);
+            } else {
+                self.state.attitude[b] = turn * self.state.attitude[b];
+                self.state.angular_momentum[b] =
+                    self.state.attitude[b].inverse_transform_vector(&spatial);
+            }
             let weight = self.constants.settings.gravity * self.constants.mass[b];
             given += self.kinetic_energy(b) - before - weight.dot(&way);
         }

@@ -34,7 +34,7 @@ pub struct Kicks {
 
 impl Blocks {
     /// Moves all blocks from `time` over `dt` (s) by contact dynamics with a kick in each `period` (s), which may be longer than `dt`. Other
-    /// integrators take one step of `dt`. `ended` as in [`Blocks::advance_watched`].
+    /// integrators take one step of `dt`, and so do systems with deformable blocks. `ended` as in [`Blocks::advance_watched`].
     ///
     /// # Errors
     ///
@@ -46,9 +46,13 @@ impl Blocks {
         period: f64,
         ended: &mut (impl FnMut(Phase) + Send),
     ) -> Result<Kicks, StepError> {
-        let Integrator::ContactDynamics(dynamics) = self.constants.settings.integrator else {
-            let count = self.advance_watched(time, dt, 1, ended)?;
-            return Ok(Kicks { count, over: dt });
+        let spans = self.state.deformables.is_empty();
+        let dynamics = match self.constants.settings.integrator {
+            Integrator::ContactDynamics(dynamics) if spans => dynamics,
+            _ => {
+                let count = self.advance_watched(time, dt, 1, ended)?;
+                return Ok(Kicks { count, over: dt });
+            }
         };
         if !(0.0 < dt && dt.is_finite() && 0.0 < period) {
             return Err(StepError::TimeStep { dt, time });

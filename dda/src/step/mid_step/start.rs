@@ -2,7 +2,7 @@
 
 use super::closing::Closing;
 use super::touches::Touch;
-use crate::contact::dynamics::delassus::Point;
+use crate::contact::dynamics::bodies::Point;
 use crate::contact::dynamics::kept::KeptImpulse;
 use crate::contact::report::ContactState;
 use crate::{Blocks, Vec3};

@@ -1,6 +1,8 @@
 //! The step of contact dynamics: as given, shorter where blocks move too far in it.
 
 use super::super::step_bound::CriticalStep;
+use crate::motion::deformation::{Affine12, Deformable};
+use crate::motion::kinematics::Kinematics;
 use crate::motion::rigid::is_isotropic;
 use crate::{Blocks, ContactDynamics};
 
@@ -16,6 +18,7 @@ impl Blocks {
     /// ```text
     /// |v| dt ≤ 0.2 L,   |ω| dt ≤ 0.1,   dt ≤ C_b 2/√Λ_K                                            [s]
     /// ```
+    /// Blocks that deform strain and turn by less than 0.1, and stay within the bound of the stiffness by their stress, which is explicit.
     pub(crate) fn step_of_contact_dynamics(&self, dynamics: &ContactDynamics) -> CriticalStep {
         let attached = self.attached_stiffness();
         let path = self.fastest_path();
@@ -33,6 +36,10 @@ impl Blocks {
             if !is_isotropic(&self.constants.inertia[b]) {
                 dt = dt.min(LARGEST_TURN / body.spin.norm());
             }
+            if let Some(k) = self.constants.deformable_of[b] {
+                let affine = &self.state.deformables[k as usize];
+                dt = dt.min(self.step_of_strain(body, affine));
+            }
             if let Some(rate) = attached.get(b).filter(|rate| 0.0 < **rate) {
                 let factor = self.constants.settings.time_step_factor;
                 dt = dt.min(factor * 2.0 / rate.sqrt());
@@ -42,6 +49,14 @@ impl Blocks {
             }
         }
         step
+    }
+
+    /// Step in which a block turns and strains by less than 0.1, and which the stiffness by its stress allows; s.
+    fn step_of_strain(&self, body: &Kinematics, deformable: &Deformable) -> f64 {
+        let strain_rate = body.strain_rate.map_or(0.0, |rate| rate.norm());
+        let stress_rate = deformable.affine().map_or(0.0, Affine12::stress_rate);
+        let stable = 2.0 * self.constants.settings.time_step_factor / stress_rate.sqrt();
+        stable.min(LARGEST_TURN / (body.spin.norm() + strain_rate))
     }
 
     /// Notes by how much a part may come closer to others within `dt` (s), which the search for pairs must cover.

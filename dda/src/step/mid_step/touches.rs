@@ -61,7 +61,9 @@ impl Blocks {
     /// Way of a block within `dt` (s) at most, weight included; m.
     pub(super) fn approach(&self, b: usize, dt: f64) -> f64 {
         let body = &self.state.kinematics[b];
-        let speed = body.velocity.norm() + body.spin.norm() * self.constants.radius[b];
+        let strain_rate = body.strain_rate.map_or(0.0, |rate| rate.norm());
+        let turning = body.spin.norm() + strain_rate;
+        let speed = body.velocity.norm() + turning * self.constants.radius[b];
         match self.is_driven(b) {
             true => (speed + self.constants.settings.gravity.norm() * dt) * dt,
             false => speed * dt,
