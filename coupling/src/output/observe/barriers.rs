@@ -11,7 +11,7 @@ mod forces;
 use std::collections::VecDeque;
 use std::path::Path;
 
-use riprap_dda::Integrator;
+use riprap_dda::{Integrator, Load};
 use serde::{Deserialize, Serialize};
 
 use super::{ObserveError, Observer, Schedule};
@@ -265,7 +265,7 @@ impl Record {
         let mut whole = [[Thrust::default(); 3]; 2];
         for (k, &b) in barrier.blocks.iter().enumerate() {
             let centroid = world.blocks.centroid(b);
-            let thrust = |load| Thrust::of(load, &centroid, barrier);
+            let thrust = |load: &Load| Thrust::of(load, &centroid, barrier);
             let accounted = Accounted::of(b, world);
             let before = std::mem::replace(&mut state.accounted[k], accounted);
             let [solid, fluid] = accounted.since(&before).map(|load| thrust(&load));
