@@ -179,7 +179,8 @@ impl Site<'_> {
         let extents: Vec<[[f64; 2]; 3]> = (blocks.iter())
             .map(|&b| extent(&self.blocks[b].shape, &axes))
             .collect();
-        let extent = extents.iter().fold(NOTHING, |all, of| joined(&all, of));
+        let mut extent = extents.iter().fold(NOTHING, |all, of| joined(&all, of));
+        extent[1] = self.within_domain(extent[1], &axes);
         let height = extent[2][1] - extent[2][0];
         let cell = self.asked.cell.unwrap_or_else(|| self.chosen_cell(height));
         let lowest_edge = axes[0] * extent[0][0]
@@ -206,6 +207,20 @@ impl Site<'_> {
             openings,
             grain: self.grain,
             slope_weight: (NO_BED * gravity.norm() * released < along).then_some(along),
+        }
+    }
+
+    /// The part of a range across the flow (m) that is in the domain: blocks reach beyond a slice, and beyond walls of water.
+    fn within_domain(&self, [from, to]: [f64; 2], axes: &[Vec3; 3]) -> [f64; 2] {
+        let domain = &self.file.domain;
+        let corners = BoxFile {
+            min: domain.min,
+            max: domain.max,
+        };
+        let [low, high] = opening(&corners, axes).across;
+        match (from.max(low), to.min(high)) {
+            (from, to) if from < to => [from, to],
+            _ => [from, to],
         }
     }
 
