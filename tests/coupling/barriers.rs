@@ -65,7 +65,9 @@ fn fill(numerics: &str) -> String {
     let (sin, cos) = 35_f64.to_radians().sin_cos();
     let ball = |k: usize| {
         let (x, y) = (-RADIUS - 0.1 * (k / 2) as f64, [-RADIUS, RADIUS][k % 2]);
-        format!("(name: \"ball_{k}\", material: \"rock\", shape: Sphere(center: ({x}, {y}, {RADIUS}), radius: {RADIUS})),")
+        format!(
+            "(name: \"ball_{k}\", material: \"rock\", shape: Sphere(center: ({x}, {y}, {RADIUS}), radius: {RADIUS})),"
+        )
     };
     let balls: String = (0..6).map(ball).collect();
     format!(
@@ -95,23 +97,47 @@ fn fill(numerics: &str) -> String {
 fn is_static(text: &str, bound: f64) -> f64 {
     let folder = tempfile::tempdir().unwrap();
     let (summary, table, cells) = recorded(folder.path(), text);
-    let (sin, cos) = 35_f64.to_radians().sin_cos();
+    let sin = 35_f64.to_radians().sin();
     let force = 6.0 * mass(RADIUS) * G * sin;
     check("normal", last(&table, "solid.normal"), force, bound);
-    check("resultant", last(&table, "solid.largest_resultant"), force, bound);
-    check("of the block", last(&table, "plate.solid.normal"), force, bound);
+    check(
+        "resultant",
+        last(&table, "solid.largest_resultant"),
+        force,
+        bound,
+    );
+    check(
+        "of the block",
+        last(&table, "plate.solid.normal"),
+        force,
+        bound,
+    );
     assert!(last(&table, "solid.tangential") < bound * force);
     // two rows of spheres, a cell each
     check("local", last(&table, "solid.local"), 0.5 * force, bound);
     // the spheres sink into the bed by m g cos θ over the stiffness of 1e7 N/m, 1e-6 m of 0.05 m
-    let _ = cos;
     let moment = last(&table, "solid.moment");
     check("moment", moment, force * RADIUS, 1e-4);
     // sums over the cells in the order of the cells, of a few numbers: round-off
     let sum = |name: &str| of_cells(&cells, name).iter().sum::<f64>();
-    check("cells", sum("SolidLastNormal"), last(&table, "solid.largest_normal"), 1e-9);
-    check("impulse of cells", sum("SolidImpulse"), last(&table, "solid.impulse"), 1e-9);
-    check("at rest", summary["solid"]["at_rest"].as_f64().unwrap(), force, bound);
+    check(
+        "cells",
+        sum("SolidLastNormal"),
+        last(&table, "solid.largest_normal"),
+        1e-9,
+    );
+    check(
+        "impulse of cells",
+        sum("SolidImpulse"),
+        last(&table, "solid.impulse"),
+        1e-9,
+    );
+    check(
+        "at rest",
+        summary["solid"]["at_rest"].as_f64().unwrap(),
+        force,
+        bound,
+    );
     let share = summary["largest_over_slope_weight"].as_f64().unwrap();
     let peak = summary["solid"]["largest"].as_f64().unwrap();
     check("F*", share, peak / force, 1e-12);
@@ -129,7 +155,10 @@ fn a_static_fill_leans_on_its_barrier_with_its_slope_component() {
     // of the springs' vibration after 3 s of damping
     let springs = is_static(&fill("static_damping: MassProportional(40)"), 1e-9);
     // residual of the laws of contact at which a step is solved, over a chain of three contacts
-    let dynamics = is_static(&fill("blocks: ContactDynamics(time_step: 0.002, tolerance: 1e-9)"), 1e-6);
+    let dynamics = is_static(
+        &fill("blocks: ContactDynamics(time_step: 0.002, tolerance: 1e-9)"),
+        1e-6,
+    );
     check("contact dynamics over springs", dynamics, springs, 1e-6);
 }
 
@@ -168,11 +197,14 @@ fn the_impulse_of_a_bounce_is_twice_its_momentum_whatever_the_interval() {
             .map(|k| means[k] * (times[k] - times[k - 1]))
             .sum();
         check("sum of the means", sum, 6.0 * m, 1e-3);
-        // the sphere is linear; a step is a fiftieth of the oscillation or less: cos(π/50) = 0.998
+        // the spring is linear; steps are a twelfth of the impact: the last one before the top is within cos(π/24) = 0.991
         let force = 3.0 * (1e6 * m).sqrt();
         let peak = largest(&table, "solid.largest_normal");
-        check("largest step", peak, force, 5e-3);
-        println!("largest mean {:.3e} of {peak:.3e} N", largest(&table, "solid.normal"));
+        check("largest step", peak, force, 1e-2);
+        println!(
+            "largest mean {:.3e} of {peak:.3e} N",
+            largest(&table, "solid.normal")
+        );
         assert!(largest(&table, "solid.normal") < 0.999 * peak);
         assert_eq!(summary["solid"]["largest"].as_f64().unwrap(), peak);
         // the impact is between 0.15 s and a sum of steps later
@@ -182,7 +214,12 @@ fn the_impulse_of_a_bounce_is_twice_its_momentum_whatever_the_interval() {
         let impulses = of_cells(&cells, "SolidImpulse");
         let loaded: Vec<f64> = impulses.iter().copied().filter(|&i| i != 0.0).collect();
         assert_eq!(loaded.len(), 1);
-        check("impulse of the cell", loaded[0], last(&table, "solid.impulse"), 1e-9);
+        check(
+            "impulse of the cell",
+            loaded[0],
+            last(&table, "solid.impulse"),
+            1e-9,
+        );
         // 10 x 10 cells on the two large faces, 10 x 1 on the others
         assert_eq!(impulses.len(), 240);
         check("area", of_cells(&cells, "Area").iter().sum(), 2.4, 1e-12);
@@ -196,7 +233,12 @@ fn passes(summary: &Value, table: &TableData, m: f64) {
     check("speed", first(table, "upstream.speed"), 2.5, 1e-12);
     check("depth", first(table, "upstream.depth"), 1.2 + 0.52, 1e-12);
     check("mass", last(table, "passed.mass"), m, 1e-12);
-    check("energy", last(table, "downstream.kinetic"), 0.5 * m * 4.0, 1e-9);
+    check(
+        "energy",
+        last(table, "downstream.kinetic"),
+        0.5 * m * 4.0,
+        1e-9,
+    );
     assert_eq!(summary["passed_number"], 1);
     assert_eq!(summary["passed_share"], 0.5);
     let times = table.column("time").unwrap();
@@ -260,21 +302,26 @@ fn slices_of_openings_clog_once_they_are_calm_for_a_second() {
     assert_eq!(last(&slices, "arch_height"), 0.0);
     let wider = SLITS.replace("blocks: [\"pile_*\"]", "blocks: [\"pile_1\", \"pile_4\"]");
     let (summary, _, _) = recorded(folder.path(), &wider);
-    check("one opening", summary["openings"][0]["width"].as_f64().unwrap(), 1.3, 1e-12);
+    check(
+        "one opening",
+        summary["openings"][0]["width"].as_f64().unwrap(),
+        1.3,
+        1e-12,
+    );
     assert!(summary["openings"][1].is_null());
 }
 
-/// Water 0.5 m deep in a tank 0.4 m wide.
+/// Water 0.5 m deep in a tank 0.4 m wide, which the plate closes beyond its sides and floor: walls share the load of water in a corner.
 const TANK: &str = r#"(
     title: "still water against a plate",
     domain: (min: (-0.5, -0.5, -0.5), max: (1.5, 1, 1.2)),
     materials: [(name: "rock", density: 2500, friction_angle_deg: 30)],
     blocks: [
-        (name: "floor", material: "rock", motion: Fixed, shape: Box(min: (-0.3, -0.3, -0.3), max: (1.3, 0.7, 0))),
+        (name: "floor", material: "rock", motion: Fixed, shape: Box(min: (-0.3, -0.3, -0.3), max: (1, 0.7, 0))),
         (name: "back", material: "rock", motion: Fixed, shape: Box(min: (-0.3, -0.3, 0), max: (0, 0.7, 0.9))),
         (name: "right", material: "rock", motion: Fixed, shape: Box(min: (0, -0.3, 0), max: (1, 0, 0.9))),
         (name: "left", material: "rock", motion: Fixed, shape: Box(min: (0, 0.4, 0), max: (1, 0.7, 0.9))),
-        (name: "plate", material: "rock", motion: Fixed, shape: Box(min: (1, 0, 0), max: (1.3, 0.4, 0.9))),
+        (name: "plate", material: "rock", motion: Fixed, shape: Box(min: (1, -0.3, -0.3), max: (1.3, 0.7, 0.9))),
     ],
     fluid: (
         resolution: Spacing(0.05),
@@ -292,8 +339,18 @@ fn still_water_bears_on_a_plate_with_its_hydrostatic_force() {
     let force = 0.5 * 1000.0 * G * 0.5_f64.powi(2) * 0.4;
     // ten rows of particles: the free surface and the wall are known to a part of a row
     check("force", last(&table, "fluid.normal"), force, 0.05);
-    check("moment", last(&table, "fluid.moment"), force * 0.5 / 3.0, 0.08);
-    check("at rest", summary["fluid"]["at_rest"].as_f64().unwrap(), force, 0.05);
+    check(
+        "moment",
+        last(&table, "fluid.moment"),
+        force * 0.5 / 3.0,
+        0.08,
+    );
+    check(
+        "at rest",
+        summary["fluid"]["at_rest"].as_f64().unwrap(),
+        force,
+        0.05,
+    );
     assert_eq!(last(&table, "solid.resultant"), 0.0);
     assert_eq!(last(&table, "total.normal"), last(&table, "fluid.normal"));
     // the pressure at the middle of a cell times its area, cells of two spacings
@@ -334,10 +391,20 @@ fn part(text: &str, folder: &Path, until: u64) -> (Ending, Value) {
 /// Stopped within an impact, within a second of calm, and in water.
 #[test]
 fn a_resumed_run_has_the_same_records_of_barriers() {
-    let short = TANK.replace("duration: 1.2, settle: 1", "duration: 0.05").replace("0.1, frame", "0.01, frame");
+    let short = TANK
+        .replace("duration: 1.2, settle: 1", "duration: 0.05")
+        .replace("0.1, frame", "0.01, frame");
     for (text, until, files) in [
-        (bounce(0.004), 310, &["barrier_dam.csv", "barrier_dam.vtp"][..]),
-        (SLITS.to_owned(), 3000, &["barrier_dam.csv", "barrier_dam.vtp", "clogging_dam.csv"]),
+        (
+            bounce(0.004),
+            310,
+            &["barrier_dam.csv", "barrier_dam.vtp"][..],
+        ),
+        (
+            SLITS.to_owned(),
+            3000,
+            &["barrier_dam.csv", "barrier_dam.vtp", "clogging_dam.csv"],
+        ),
         (short, 10, &["barrier_dam.csv", "barrier_dam.vtp"]),
     ] {
         let folders = [(); 2].map(|()| tempfile::tempdir().unwrap());
@@ -358,17 +425,33 @@ fn wrong_barriers_are_explained_in_their_place() {
     let path = folder.path().join("scene.ron");
     let two = "barriers: [(name: \"dam\", blocks: [\"plate\"], flow: (0, 1, 0)), (name: \"dam\"";
     for (from, to, expected) in [
-        ("[\"plate\"]", "[\"plat\"]", "no block is called `plat`, did you mean `plate`?"),
+        (
+            "[\"plate\"]",
+            "[\"plat\"]",
+            "no block is called `plat`, did you mean `plate`?",
+        ),
         ("[\"plate\"]", "[\"pile_*\"]", "no block is called `pile_*`"),
         ("[\"plate\"]", "[\"ball\"]", "block `ball` is free to move"),
         ("[\"plate\"]", "[]", "barrier `dam` has no blocks"),
-        ("flow: (1, 0, 0)", "flow: (0, 0, 0)", "the direction of the flow has no direction"),
+        (
+            "flow: (1, 0, 0)",
+            "flow: (0, 0, 0)",
+            "the direction of the flow has no direction",
+        ),
         ("flow: (1, 0, 0), ", "", "flow"),
-        ("cell: 0.1", "cell: 3", "cells of 3 m are larger than its face of 1.000000 x 1.000000 m"),
+        (
+            "cell: 0.1",
+            "cell: 3",
+            "cells of 3 m are larger than its face of 1.000000 x 1.000000 m",
+        ),
         ("cell: 0.1", "cell: 0", "cell must be > 0"),
         ("cell: 0.1", "cell: 1e-5", "take larger ones"),
         ("\"dam\"", "\"a/b\"", "use letters, digits"),
-        ("ledger_interval: 0.3", "ledger_interval: 0", "ledger_interval must be > 0"),
+        (
+            "ledger_interval: 0.3",
+            "ledger_interval: 0",
+            "ledger interval must be > 0",
+        ),
         ("barriers: [(name: \"dam\"", two, "the name `dam` is taken"),
         (
             "shape: Box(min: (0, -0.5, 0), max: (0.1, 0.5, 1))",
@@ -385,13 +468,21 @@ fn wrong_barriers_are_explained_in_their_place() {
         assert_eq!(output.status.code(), Some(2), "{to}: {said}");
         // messages are wrapped to the width of a terminal
         let flat = said.replace("\n  │ ", " ");
-        assert!(flat.contains(expected) && said.contains("scene.ron:"), "{to}: {said}");
+        assert!(
+            flat.contains(expected) && said.contains("scene.ron:"),
+            "{to}: {said}"
+        );
     }
     // nothing can clog an opening narrower than a body
-    let narrow = SLITS.replace("max: (0.3, 0.2, 1.2)", "max: (0.3, 0.48, 1.2)").replace("(0.1, 0.35,", "(-0.5, 0.35,");
+    let narrow = SLITS
+        .replace("max: (0.3, 0.2, 1.2)", "max: (0.3, 0.48, 1.2)")
+        .replace("(0.1, 0.35,", "(-0.5, 0.35,");
     fs::write(&path, &narrow).unwrap();
     let output = riprap(&["check", path.to_str().unwrap()]);
     let said = words(&output).replace("\n  │ ", " ") + &String::from_utf8_lossy(&output.stdout);
     assert!(said.contains("opening 1 is 0.020000 m wide"), "{said}");
-    assert!(said.contains("in cells of 0.1000 m, openings of 0.020, 0.300, 0.300 m"), "{said}");
+    assert!(
+        said.contains("in cells of 0.1000 m, openings of 0.020, 0.300, 0.300 m"),
+        "{said}"
+    );
 }

@@ -37,8 +37,7 @@ impl Blocks {
                 }
             }
             for (k, _) in self.derived.surface_links.of(b) {
-                self.contacts.surface_pairs[k]
-                    .for_each_contact(&mut |contact| visit(b, &contact));
+                self.contacts.surface_pairs[k].for_each_contact(&mut |contact| visit(b, &contact));
             }
         }
         // contact dynamics has no list for each block; its points are few beside the work of solving them

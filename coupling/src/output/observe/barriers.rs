@@ -376,7 +376,11 @@ impl Record {
             // of either, the larger one
             _ => {
                 let [solid, fluid] = state.local_peak;
-                if solid.value < fluid.value { fluid } else { solid }
+                if solid.value < fluid.value {
+                    fluid
+                } else {
+                    solid
+                }
             }
         };
         let [by_bodies, by_water] = state.arrival;

@@ -103,10 +103,7 @@ fn mean_grain(file: &SceneFile, blocks: &[BlockDefinition]) -> Option<[f64; 2]> 
     let n = free().count();
     let diameter = |block: &BlockDefinition| (6.0 * block.shape.volume() / PI).cbrt();
     let sums = free().fold([0.0; 2], |[diameters, masses], block| {
-        [
-            diameters + diameter(block),
-            masses + mass(file, block),
-        ]
+        [diameters + diameter(block), masses + mass(file, block)]
     });
     (0 < n).then(|| sums.map(|sum| sum / n as f64))
 }
@@ -243,7 +240,11 @@ impl Site<'_> {
                 barrier.width(),
                 barrier.height()
             );
-            return Some(Problem::error(Code::ValueOutOfRange, self.path("cell"), what));
+            return Some(Problem::error(
+                Code::ValueOutOfRange,
+                self.path("cell"),
+                what,
+            ));
         }
         let [along, across, up] = barrier.extent.map(|[min, max]| (max - min) / cell);
         // both sides of the box around it: its own faces may be more, as of many piles, but not by much
@@ -319,7 +320,13 @@ fn extent(shape: &Shape, axes: &[Vec3; 3]) -> [[f64; 2]; 3] {
 fn opening(asked: &BoxFile, axes: &[Vec3; 3]) -> BarrierOpening {
     let (min, max) = (vec3(asked.min), vec3(asked.max));
     let corners = (0..8).map(|k| {
-        let of_axis = |axis: usize| if k >> axis & 1 == 0 { min[axis] } else { max[axis] };
+        let of_axis = |axis: usize| {
+            if k >> axis & 1 == 0 {
+                min[axis]
+            } else {
+                max[axis]
+            }
+        };
         Vec3::new(of_axis(0), of_axis(1), of_axis(2))
     });
     let [_, across, height] = corners.fold(NOTHING, |all, x| {
@@ -344,7 +351,11 @@ fn gaps(extents: &[[[f64; 2]; 3]], all: &[[f64; 2]; 3]) -> Vec<BarrierOpening> {
                 height,
             });
         }
-        reached = if reached.is_finite() { reached.max(to) } else { to };
+        reached = if reached.is_finite() {
+            reached.max(to)
+        } else {
+            to
+        };
     }
     gaps
 }

@@ -3,7 +3,7 @@
 //! Faces are those of the convex parts but for the ones inside of the same block. A face is divided by a grid over its bounding rectangle;
 //! a contact belongs to the cell that is nearest to its point on the face that its normal points out of.
 
-use riprap_dda::{BlockDefinition, Blocks, Polyhedron, Shape, Vec3, clipped_polygon};
+use riprap_dda::{BlockDefinition, Blocks, Motion, Polyhedron, Shape, Vec3, clipped_polygon};
 use riprap_sph::fluid::ContinuedPressure;
 use serde::{Deserialize, Serialize};
 
@@ -18,7 +18,7 @@ use crate::world::Water;
 const DRY: f64 = 0.05;
 /// Cosine of the angle between a face and the flow from which on it looks upstream.
 const UPSTREAM: f64 = 0.5;
-/// Distance of a probe from a face that finds whether it is inside of the block; × size of the part.
+/// Distance from a face of a probe that finds what lies on it; × size of the part, or height of the barrier.
 const PROBE: f64 = 1e-6;
 
 /// A face, in its place at the start.
@@ -111,8 +111,20 @@ pub(super) struct Grid {
     faces: Vec<Face>,
     /// First face of each block, and the number of all.
     first_face: Vec<usize>,
-    /// Of the part of each cell that is on the face: centroid at the start (m), area (m²) and number of the face.
-    cells: Vec<(Vec3, f64, usize)>,
+    cells: Vec<FaceCell>,
+}
+
+/// Part of a cell that is on its face.
+#[derive(Clone, Copy, Debug)]
+struct FaceCell {
+    /// Centroid, in its place at the start; m.
+    center: Vec3,
+    /// m².
+    area: f64,
+    /// Number of the face.
+    face: usize,
+    /// Whether another block that forces do not move lies on it, which keeps the water away.
+    is_covered: bool,
 }
 
 impl Grid {
@@ -127,12 +139,25 @@ impl Grid {
             }
             first_face.push(faces.len());
         }
+        let solids: Vec<&Polyhedron> = (definitions.iter())
+            .filter(|block| !matches!(block.motion, Motion::Free))
+            .flat_map(|block| match &block.shape {
+                Shape::Polyhedra(parts) => parts.as_slice(),
+                Shape::Sphere { .. } | Shape::Surface(_) => &[],
+            })
+            .collect();
         let mut cells = Vec::new();
         for (number, face) in faces.iter_mut().enumerate() {
             face.first = cells.len();
             cells.extend((0..face.n()).map(|cell| {
-                let (centroid, area) = centroid(&face.outline_of(cell), &face.normal);
-                (centroid, area, number)
+                let (center, area) = centroid(&face.outline_of(cell), &face.normal);
+                let probe = center + face.normal * (PROBE * barrier.height());
+                FaceCell {
+                    center,
+                    area,
+                    face: number,
+                    is_covered: solids.iter().any(|solid| holds(solid, &probe)),
+                }
             }));
         }
         Self {
@@ -162,11 +187,12 @@ fn is_inside(parts: &[Polyhedron], (k, face): (usize, usize)) -> bool {
         .collect();
     let normal = part.face_normal(face);
     let probe = centroid(&outline, &normal).0 + normal * (PROBE * part.size());
-    let holds = |other: &Polyhedron| {
-        (0..other.n_faces()).all(|face| other.plane_distance(face, &probe) <= 0.0)
-    };
     let mut others = parts.iter().enumerate().filter(|&(other, _)| other != k);
-    others.any(|(_, other)| holds(other))
+    others.any(|(_, other)| holds(other, &probe))
+}
+
+fn holds(solid: &Polyhedron, x: &Vec3) -> bool {
+    (0..solid.n_faces()).all(|face| solid.plane_distance(face, x) <= 0.0)
 }
 
 /// Centroid (m) and area (m²) of a convex polygon.
@@ -320,7 +346,11 @@ impl CellLoads {
             let cell = cell as usize;
             let is_wet = DRY <= share;
             local.has_arrived[1] |= is_wet;
-            let force = if is_wet { pressure * grid.cells[cell].1 } else { 0.0 };
+            let force = if is_wet {
+                pressure * grid.cells[cell].area
+            } else {
+                0.0
+            };
             local.largest[1] = local.largest[1].max(force.abs());
             self.fluid[cell].take((force, force.abs()), step.time, step.water);
         }
@@ -333,11 +363,11 @@ impl CellLoads {
             ..PolyData::default()
         };
         let (mut owner, mut upstream, mut shown) = (Vec::new(), Vec::new(), Vec::new());
-        for (cell, &(_, area, number)) in grid.cells.iter().enumerate() {
-            if area <= 0.0 {
+        for (cell, of_face) in grid.cells.iter().enumerate() {
+            if of_face.area <= 0.0 {
                 continue;
             }
-            let face = &grid.faces[number];
+            let face = &grid.faces[of_face.face];
             for corner in &face.outline_of(cell - face.first) {
                 let polygons = &mut data.polygons;
                 polygons.connectivity.push(data.points.len() as i32);
@@ -356,7 +386,7 @@ impl CellLoads {
             values: Values::F64(shown.iter().map(|&cell| value(cell)).collect()),
         };
         data.cell_data = vec![
-            numbers("Area".to_owned(), &|cell| grid.cells[cell].1),
+            numbers("Area".to_owned(), &|cell| grid.cells[cell].area),
             integers("BlockId", owner),
             integers("LooksUpstream", upstream),
         ];
@@ -394,7 +424,7 @@ impl Envelope {
 
 impl Grid {
     fn normal(&self, cell: usize) -> Vec3 {
-        self.faces[self.cells[cell].2].normal
+        self.faces[self.cells[cell].face].normal
     }
 }
 
@@ -413,16 +443,17 @@ impl Probe {
         let (_, middle) = face_lattice(&water.fluid);
         self.cells.clear();
         self.places.clear();
-        for (cell, (center, area, number)) in (0..).zip(&grid.cells) {
-            let face = &grid.faces[*number];
+        for (cell, of_face) in (0..).zip(&grid.cells) {
+            let (face, center) = (&grid.faces[of_face.face], of_face.center);
             // a slice is cut from prisms without ends
-            if *area <= 0.0 || middle.is_some() && 0.5 < face.normal.y.abs() {
+            let is_end = middle.is_some() && 0.5 < face.normal.y.abs();
+            if of_face.area <= 0.0 || of_face.is_covered || is_end {
                 continue;
             }
             let b = barrier.blocks[face.block];
             let mut place = match blocks.is_fixed(b) {
-                true => *center,
-                false => (blocks.pose(b) * nalgebra::Point3::from(*center)).coords,
+                true => center,
+                false => (blocks.pose(b) * nalgebra::Point3::from(center)).coords,
             };
             place.y = middle.unwrap_or(place.y);
             self.cells.push(cell);
