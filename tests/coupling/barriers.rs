@@ -327,7 +327,7 @@ const TANK: &str = r#"(
         resolution: Spacing(0.05),
         regions: [(name: "water", shape: Box(min: (0, 0, 0), max: (1, 0.4, 0.5)))],
     ),
-    barriers: [(name: "dam", blocks: ["plate"], flow: (1, 0, 0), foot: (1, 0.2, 0))],
+    barriers: [(name: "dam", blocks: ["plate"], flow: (1, 0, 0), foot: (1, 0.2, 0), upstream: 0.5)],
     time: (duration: 1.2, settle: 1),
     output: (ledger_interval: 0.1, frame_interval: 3),
 )"#;
@@ -337,13 +337,13 @@ fn still_water_bears_on_a_plate_with_its_hydrostatic_force() {
     let folder = tempfile::tempdir().unwrap();
     let (summary, table, cells) = recorded(folder.path(), TANK);
     let force = 0.5 * 1000.0 * G * 0.5_f64.powi(2) * 0.4;
-    // ten rows of particles: the free surface and the wall are known to a part of a row
+    // ten rows of particles, the free surface and the wall within a part of a row: measured 2.5 and 2.3 %
     check("force", last(&table, "fluid.normal"), force, 0.05);
     check(
         "moment",
         last(&table, "fluid.moment"),
         force * 0.5 / 3.0,
-        0.08,
+        0.05,
     );
     check(
         "at rest",
@@ -353,9 +353,9 @@ fn still_water_bears_on_a_plate_with_its_hydrostatic_force() {
     );
     assert_eq!(last(&table, "solid.resultant"), 0.0);
     assert_eq!(last(&table, "total.normal"), last(&table, "fluid.normal"));
-    // the pressure at the middle of a cell times its area, cells of two spacings
+    // the pressure at the middle of a cell times its area, cells of two spacings: measured 0.1 %
     let sum: f64 = of_cells(&cells, "FluidLastNormal").iter().sum();
-    check("cells", sum, last(&table, "fluid.normal"), 0.08);
+    check("cells", sum, last(&table, "fluid.normal"), 0.01);
     check("depth", last(&table, "upstream.depth"), 0.5, 0.02);
     // k_st of hydrostatic pressure, at the largest force of a step
     let ratio = summary["total"]["largest"].as_f64().unwrap() / force;
