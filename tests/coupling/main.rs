@@ -13,6 +13,7 @@ mod support;
 
 mod absorbing_pistons;
 mod amounts;
+mod barriers;
 mod block_forces;
 mod block_scenes;
 mod boundaries;

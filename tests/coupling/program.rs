@@ -348,6 +348,8 @@ fn a_run_by_force_leaves_nothing_of_the_old_one() {
             "--set",
             r#"reactions=[(name: "all", between: ("*", "*"))]"#,
             "--set",
+            r#"barriers=[(name: "slope", blocks: ["slope"], flow: (1, 0, 0))]"#,
+            "--set",
             "maps=(interval: 0.01)",
             // a plane has no maps
             "--set",
@@ -373,6 +375,8 @@ fn a_run_by_force_leaves_nothing_of_the_old_one() {
         "masses.csv",
         "counters.csv",
         "reactions.csv",
+        "barrier_slope.csv",
+        "barrier_slope.vtp",
         "maps.vtp",
         "maximum_elevation.asc",
         "first_arrival.asc",

@@ -1,6 +1,7 @@
 //! Observers: they sample the world when due and write files; they never change it.
 
 pub(crate) mod arrays;
+pub mod barriers;
 mod block_force;
 pub mod counters;
 mod crossing;

@@ -60,6 +60,12 @@ pub const MASSES: &str = "masses.csv";
 pub const COUNTERS: &str = "counters.csv";
 /// Contact forces between blocks.
 pub const REACTIONS: &str = "reactions.csv";
+/// Forces on barriers, their cells, and grains in their openings: what comes before and after the name.
+const OF_BARRIERS: [(&str, &str); 3] = [
+    ("barrier_", ".csv"),
+    ("barrier_", ".vtp"),
+    ("clogging_", ".csv"),
+];
 /// Maps of the water for ParaView.
 pub const MAPS: &str = "maps.vtp";
 /// Highest water, an ASCII grid.
@@ -129,6 +135,21 @@ const FILES: [&str; 29] = [
     PREVIOUS_CHECKPOINT,
     NEW_CHECKPOINT,
 ];
+
+/// Table of a barrier.
+pub fn barrier_table(name: &str) -> String {
+    format!("barrier_{name}.csv")
+}
+
+/// Cells of a barrier.
+pub fn barrier_cells(name: &str) -> String {
+    format!("barrier_{name}.vtp")
+}
+
+/// Table of the openings of a barrier.
+pub fn clogging(name: &str) -> String {
+    format!("clogging_{name}.csv")
+}
 
 /// Name of a frame.
 pub fn frame(stem: &str, number: u32) -> String {
@@ -277,6 +298,12 @@ fn is_written_by_runs(name: &str) -> bool {
         let extension = name.strip_prefix(stem);
         extension.is_some_and(|e| [".tif", ".prj"].contains(&e))
     };
+    let is_of_barrier = |(stem, extension): &(&str, &str)| {
+        let barrier = name
+            .strip_prefix(stem)
+            .and_then(|n| n.strip_suffix(extension));
+        barrier.is_some_and(|barrier| !barrier.is_empty())
+    };
     // a program that is killed leaves a file under its temporary name
     let hidden = name
         .strip_prefix('.')
@@ -284,6 +311,7 @@ fn is_written_by_runs(name: &str) -> bool {
     hidden.is_some_and(is_written_by_runs)
         || FRAMES.iter().any(|stem| is_frame(stem))
         || MAP_RASTERS.iter().any(|grid| is_map(grid))
+        || OF_BARRIERS.iter().any(is_of_barrier)
         || FILES.contains(&name)
 }
 
@@ -309,6 +337,8 @@ mod tests {
             "faces.pvd",
             "contacts.vtp.series",
             "masses.csv",
+            "barrier_dam.csv",
+            "clogging_dam.csv",
             "offenders.vtp",
             ".maps.vtp.partial",
             "first_arrival.tif",

@@ -10,6 +10,7 @@ use crate::files::vtk::replace_file;
 use crate::messages::Code;
 use crate::openings::Passed;
 use crate::output::observe::ObserveError;
+use crate::output::observe::barriers::BarrierResult;
 use crate::output::observe::counters::Counted;
 use crate::output::observe::reactions::LargestReaction;
 use crate::output::peaks::Peak;
@@ -134,6 +135,8 @@ pub struct Summary {
     pub counters: Vec<Counted>,
     /// Largest sum and largest single normal force of each reaction, with their times.
     pub reactions: Vec<LargestReaction>,
+    /// Arrival, peaks, values at rest, passage and clogging of each barrier.
+    pub barriers: Vec<BarrierResult>,
     /// Whether the account of energy closes, how well the waves are resolved, and what to look at.
     pub verdict: [String; 3],
     /// Hash of the final state: equal for equal runs, whatever the number of threads.

@@ -53,7 +53,8 @@ fn recorded(scene: &Scene) -> Vec<usize> {
             Quantity::BlockForce { block } => Some(block),
             _ => None,
         });
-    by_source.chain(of_gauges).collect()
+    let of_barriers = scene.barriers.iter().flat_map(|b| b.blocks.iter().copied());
+    by_source.chain(of_gauges).chain(of_barriers).collect()
 }
 
 /// Wave makers that absorb.

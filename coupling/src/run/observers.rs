@@ -4,6 +4,7 @@ use std::path::Path;
 
 use crate::files::table::Start;
 use crate::output::bodies;
+use crate::output::observe::barriers::{BarrierResult, Barriers};
 use crate::output::observe::counters::{BlockCounters, Counted};
 use crate::output::observe::forces::Forces;
 use crate::output::observe::frames::Frames;
@@ -32,6 +33,7 @@ pub(super) struct Observers {
     masses: Option<Masses>,
     counters: Option<BlockCounters>,
     reactions: Option<Reactions>,
+    barriers: Option<Barriers>,
     overview: OverviewData,
 }
 
@@ -80,6 +82,11 @@ impl Observers {
             } else {
                 Some(Reactions::new(folder, scene, start)?)
             },
+            barriers: if scene.barriers.is_empty() {
+                None
+            } else {
+                Some(Barriers::new(folder, scene, world, start)?)
+            },
             overview: OverviewData::new(scene, world),
         })
     }
@@ -96,9 +103,10 @@ impl Observers {
             masses,
             counters,
             reactions,
+            barriers,
             overview: _,
         } = self;
-        let observers: [Option<&dyn Observer>; 9] = [
+        let observers: [Option<&dyn Observer>; 10] = [
             Some(gauges),
             Some(ledgers),
             forces.as_ref().map(|forces| forces as _),
@@ -107,6 +115,7 @@ impl Observers {
             masses.as_ref().map(|masses| masses as _),
             counters.as_ref().map(|counters| counters as _),
             reactions.as_ref().map(|reactions| reactions as _),
+            barriers.as_ref().map(|barriers| barriers as _),
             Some(frames),
         ];
         observers.into_iter().flatten()
@@ -123,9 +132,10 @@ impl Observers {
             masses,
             counters,
             reactions,
+            barriers,
             overview: _,
         } = self;
-        let observers: [Option<&mut dyn Observer>; 9] = [
+        let observers: [Option<&mut dyn Observer>; 10] = [
             Some(gauges),
             Some(ledgers),
             forces.as_mut().map(|forces| forces as _),
@@ -134,6 +144,7 @@ impl Observers {
             masses.as_mut().map(|masses| masses as _),
             counters.as_mut().map(|counters| counters as _),
             reactions.as_mut().map(|reactions| reactions as _),
+            barriers.as_mut().map(|barriers| barriers as _),
             Some(frames),
         ];
         observers.into_iter().flatten()
@@ -158,6 +169,12 @@ impl Observers {
     pub fn largest_reactions(&self) -> Vec<LargestReaction> {
         let reactions = self.reactions.as_ref();
         reactions.map_or_else(Vec::new, Reactions::largest)
+    }
+
+    /// Results of each barrier so far.
+    pub fn barriers(&self) -> Vec<BarrierResult> {
+        let barriers = self.barriers.as_ref();
+        barriers.map_or_else(Vec::new, Barriers::results)
     }
 
     /// Records the last state of a run that ends early.
@@ -185,6 +202,9 @@ impl Observers {
         };
         if let Some(maps) = &self.maps {
             self.overview.add_maps(maps);
+        }
+        if let Some(barriers) = &self.barriers {
+            barriers.write_cells(folder, world)?;
         }
         self.overview.write(folder, world, subtitle)?;
         followed

@@ -110,6 +110,10 @@ impl Run<'_> {
                 .observers
                 .as_ref()
                 .map_or_else(Vec::new, Observers::largest_reactions),
+            barriers: self
+                .observers
+                .as_ref()
+                .map_or_else(Vec::new, Observers::barriers),
             verdict: <[String; 3]>::default(),
             state_hash: world.state_hash(),
             peak_memory: peak_memory(),

@@ -52,7 +52,7 @@ pub use openings::{AbsorberFile, InflowFile, OutflowFile};
 pub use output::{
     BlockField, BoxFile, CameraFile, FramesFile, OutputFile, WaterField, WaterFramesFile,
 };
-pub use records::{CounterFile, ReactionFile};
+pub use records::{BarrierFile, CounterFile, ReactionFile};
 pub use shapes::{PartFile, ShapeFile, SplitFile};
 pub use terrain::{
     ExcavationFile, FailureSurfaceFile, GapsFile, HeightsFile, OutlineFile, SlideFile, TerrainFile,
@@ -149,6 +149,9 @@ pub struct SceneFile {
     /// Contact forces between two blocks or groups of blocks.
     #[serde(default)]
     pub reactions: Vec<ReactionFile>,
+    /// Records of barriers: forces, peaks, passage and clogging.
+    #[serde(default)]
+    pub barriers: Vec<BarrierFile>,
     /// Output files and intervals.
     #[serde(default)]
     pub output: OutputFile,

@@ -9,6 +9,7 @@
 //!           → Scene
 //! ```
 
+mod barriers;
 mod expanded;
 mod materials;
 mod meshes;
@@ -74,6 +75,7 @@ impl Scene {
         problems.extend(expanded.warnings.iter().cloned());
         problems.extend(recording::unknown_blocks(file));
         problems.extend(sides::problems(file));
+        problems.extend(barriers::unknown_blocks(file));
         let names = Names::of(file);
         let solids = match Solids::of(file, &names, access, terrain) {
             Ok(solids) => solids,
@@ -131,6 +133,7 @@ impl Scene {
         let blocks = solids.definitions(file);
         let resting = sleep::resting(file, &blocks, &mut problems);
         let integrator = contact_dynamics::integrator(file, &blocks, &mut problems);
+        let barriers = barriers::barriers(file, &blocks, fluid.as_ref(), &mut problems);
         let warnings = without_errors(problems)?;
         let made = made(&source, file);
         let source = chosen_cuts(source, &expanded.rock_masses);
@@ -167,6 +170,7 @@ impl Scene {
             masses: recording::masses(file),
             counters: sides::counters(file),
             reactions: sides::reactions(file),
+            barriers,
             fluid,
             warnings,
             terrain: expanded.terrain,

@@ -93,6 +93,10 @@ pub fn values(scene: &SceneFile) -> Vec<Problem> {
         check.reaction(index, reaction);
     }
     check.unique("reactions", scene.reactions.iter().map(|r| r.name.as_str()));
+    for (index, barrier) in scene.barriers.iter().enumerate() {
+        check.barrier(index, barrier);
+    }
+    check.unique("barriers", scene.barriers.iter().map(|b| b.name.as_str()));
     if let Some(camera) = &scene.camera {
         check.camera(camera);
     }

@@ -1,45 +1,15 @@
 //! Balances of the whole system: contacts, energies, momentum, counts.
 
+use crate::contact::dynamics::kept::KeptImpulse;
 use crate::material::{Joint, SphereJoint};
-use crate::{BlockId, Blocks, Contact, ContactState, Energies, PartId, Vec3};
+use crate::{Blocks, Contact, ContactState, Energies, Vec3};
 
 impl Blocks {
     /// Contact points of the last step, sorted by parts; those of spheres after the others,
     /// those on surfaces last, the surface second. Of contact dynamics those that bear an impulse, all sorted by parts.
     pub fn contacts(&self) -> Vec<Contact> {
-        let blocks = |pair: (u32, u32)| (BlockId::from(pair.0), BlockId::from(pair.1));
-        let parts = |pair: (u32, u32)| (PartId::from(pair.0), PartId::from(pair.1));
-        let of_pairs = self.contacts.pairs.iter().flat_map(|pair| {
-            pair.history.points.iter().map(move |point| Contact {
-                blocks: blocks(pair.blocks),
-                parts: parts(pair.parts),
-                key: point.at.key,
-                point: point.at.position,
-                normal: pair.history.normal,
-                normal_force: point.normal_force,
-                shear_force: point.shear_force,
-                overlap: point.at.overlap,
-                state: point.state,
-            })
-        });
-        let of_spheres = self.touching_spheres().map(|k| {
-            let (pair, loads) = (
-                &self.contacts.sphere_pairs[k],
-                &self.contacts.sphere_loads[k],
-            );
-            let contact = &self.contacts.sphere_contacts[k];
-            Contact {
-                blocks: blocks(pair.blocks),
-                parts: parts(pair.parts),
-                key: 0,
-                point: loads.point,
-                normal: contact.normal,
-                normal_force: contact.normal_force,
-                shear_force: loads.force - contact.normal * contact.normal_force,
-                overlap: contact.overlap,
-                state: contact.state(),
-            }
-        });
+        let of_pairs = (0..self.contacts.pairs.len()).flat_map(|k| self.contacts_of_pair(k));
+        let of_spheres = self.touching_spheres().map(|k| self.sphere_contact(k));
         let mut contacts: Vec<Contact> = of_pairs.chain(of_spheres).collect();
         for pair in &self.contacts.surface_pairs {
             pair.for_each_contact(&mut |contact| contacts.push(contact));
@@ -50,6 +20,69 @@ impl Blocks {
             contacts.extend(bear.map(|(kept, key)| kept.contact(key)));
         }
         contacts
+    }
+
+    /// Visits the contact points of some blocks, in ascending order, after the last step: as [`Self::contacts`], but at the cost of
+    /// their own contacts alone, and without a list. A point between two of the blocks is visited for each of them.
+    pub fn for_each_contact_of(&self, blocks: &[usize], visit: &mut dyn FnMut(usize, &Contact)) {
+        for &b in blocks {
+            for (k, _) in self.derived.links.of(b) {
+                for contact in self.contacts_of_pair(k) {
+                    visit(b, &contact);
+                }
+            }
+            for (k, _) in self.derived.sphere_links.of(b) {
+                if self.contacts.sphere_marks[k].is_touching {
+                    visit(b, &self.sphere_contact(k));
+                }
+            }
+            for (k, _) in self.derived.surface_links.of(b) {
+                self.contacts.surface_pairs[k].for_each_contact(&mut |contact| visit(b, &contact));
+            }
+        }
+        // contact dynamics has no list for each block; its points are few beside the work of solving them
+        let bear = |kept: &&KeptImpulse| kept.state != ContactState::Open;
+        for kept in self.state.impulses.iter().filter(bear) {
+            for b in [kept.blocks.0, kept.blocks.1].map(|b| b as usize) {
+                if blocks.binary_search(&b).is_ok() {
+                    visit(b, &kept.contact(0));
+                }
+            }
+        }
+    }
+
+    fn contacts_of_pair(&self, k: usize) -> impl Iterator<Item = Contact> + '_ {
+        let pair = &self.contacts.pairs[k];
+        pair.history.points.iter().map(move |point| Contact {
+            blocks: (pair.blocks.0.into(), pair.blocks.1.into()),
+            parts: (pair.parts.0.into(), pair.parts.1.into()),
+            key: point.at.key,
+            point: point.at.position,
+            normal: pair.history.normal,
+            normal_force: point.normal_force,
+            shear_force: point.shear_force,
+            overlap: point.at.overlap,
+            state: point.state,
+        })
+    }
+
+    fn sphere_contact(&self, k: usize) -> Contact {
+        let (pair, loads) = (
+            &self.contacts.sphere_pairs[k],
+            &self.contacts.sphere_loads[k],
+        );
+        let contact = &self.contacts.sphere_contacts[k];
+        Contact {
+            blocks: (pair.blocks.0.into(), pair.blocks.1.into()),
+            parts: (pair.parts.0.into(), pair.parts.1.into()),
+            key: 0,
+            point: loads.point,
+            normal: contact.normal,
+            normal_force: contact.normal_force,
+            shear_force: loads.force - contact.normal * contact.normal_force,
+            overlap: contact.overlap,
+            state: contact.state(),
+        }
     }
 
     /// Number of contact points of the last step, without making their list.

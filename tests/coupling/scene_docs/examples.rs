@@ -93,6 +93,8 @@ examples! {
 Plane(name: "weir_1", point: (4, 0, 0), normal: (1, 0, 0), blocks: "pebble_")"#;
     ReactionFile: r#"// thrust of the pebbles on the wall
 (name: "thrust", between: ("pebble_*", "wall"), direction: (1, 0, 0))"#;
+    BarrierFile: r#"// a slit dam of two piles at the foot of a slope along x
+(name: "dam", blocks: ["pile_*"], flow: (1, 0, 0), cell: 0.05, upstream: 1)"#;
     InterfaceFile: "(walls: Particles, slip: None)";
     WallMethodFile: "Particles";
     SlipFile: "Friction(20)";

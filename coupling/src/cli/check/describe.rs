@@ -5,6 +5,7 @@ use std::fmt::Write as _;
 use super::facts::{Blocks, Water};
 use super::{kernel, landslide, water};
 use crate::scene::estimate::Estimate;
+use crate::scene::resolved::recording::Barrier;
 use crate::scene::resolved::{FluidScene, MeshSource, Scene};
 use crate::scene::terrain::Terrain;
 use crate::scene::terrain::triangles::Quality;
@@ -18,7 +19,7 @@ use riprap_sph::scheme::Viscosity;
 pub(super) type Line = (&'static str, String);
 
 /// Subjects of the report, in order.
-const SUBJECTS: [fn(&Scene) -> Vec<Line>; 14] = [
+const SUBJECTS: [fn(&Scene) -> Vec<Line>; 15] = [
     blocks,
     terrain,
     surfaces,
@@ -33,6 +34,7 @@ const SUBJECTS: [fn(&Scene) -> Vec<Line>; 14] = [
     water::wave_makers,
     meshes,
     borders,
+    barriers,
 ];
 
 /// Lines of the report.
@@ -385,6 +387,30 @@ fn borders(scene: &Scene) -> Vec<Line> {
         ));
     }
     lines
+}
+
+/// Size of each recorded barrier, and of its cells.
+fn barriers(scene: &Scene) -> Vec<Line> {
+    let line = |barrier: &Barrier| {
+        let openings: Vec<String> = (barrier.openings.iter())
+            .map(|opening| format!("{:.3}", opening.across[1] - opening.across[0]))
+            .collect();
+        let openings = match openings.is_empty() {
+            true => String::new(),
+            false => format!(", openings of {} m", openings.join(", ")),
+        };
+        let text = format!(
+            "`{}`: {} blocks, {:.3} x {:.3} m across the flow, in cells of {:.4} m{openings}; speed and depth over {:.3} m upstream",
+            barrier.name,
+            barrier.blocks.len(),
+            barrier.width(),
+            barrier.height(),
+            barrier.cell,
+            barrier.upstream
+        );
+        ("barrier", text)
+    };
+    scene.barriers.iter().map(line).collect()
 }
 
 fn time(scene: &Scene) -> Line {

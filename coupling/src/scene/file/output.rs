@@ -17,7 +17,7 @@ pub struct OutputFile {
     #[serde(default)]
     #[schemars(extend("x-unit" = "s", "exclusiveMinimum" = 0))]
     pub gauge_interval: Option<f64>,
-    /// Interval of rows in `blocks.csv`, `energy.csv`, `masses.csv`, `counters.csv` and `reactions.csv`; s. `gauge_interval` when left out.
+    /// Interval of rows in `blocks.csv`, `energy.csv`, `masses.csv`, `counters.csv`, `reactions.csv` and those of barriers; s. `gauge_interval` when left out.
     #[serde(default)]
     #[schemars(extend("x-unit" = "s", "exclusiveMinimum" = 0))]
     pub ledger_interval: Option<f64>,

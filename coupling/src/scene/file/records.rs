@@ -1,9 +1,9 @@
-//! Schema of counters of blocks and of reactions between them.
+//! Schema of counters of blocks, of reactions between them, and of records of barriers.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::Triple;
+use super::{BoxFile, Triple};
 
 /// Counter of the free blocks that pass a plane or are in a box, each by its centroid. `counters.csv` has two columns of each,
 /// those that have passed (were there at t = 0 or after any step since) and those inside now; `summary.json` has the first and
@@ -72,4 +72,35 @@ pub struct ReactionFile {
     #[serde(default)]
     #[schemars(extend("x-unit" = "-"))]
     pub direction: Option<Triple>,
+}
+
+/// Record of a barrier: a check dam, a row of piles, a pier, a gallery, a breakwater. `barrier_NAME.csv` has the force of contacts and of
+/// water on it and on each of its blocks, as means and as the largest of a step, and what passes it; `barrier_NAME.vtp` the largest loads of
+/// the cells of its faces; `clogging_NAME.csv` the grains in its openings; `summary.json` arrival, peaks, values at rest and coefficients.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct BarrierFile {
+    /// Name, a part of the names of its files.
+    pub name: String,
+    /// Fixed or prescribed blocks that it consists of, each by its name or by the beginning of names with an asterisk (`"pile_*"`).
+    pub blocks: Vec<String>,
+    /// Direction of the flow toward it, along the bed, of any length but zero.
+    #[schemars(extend("x-unit" = "-"))]
+    pub flow: Triple,
+    /// Point about which moments are taken; m. The middle of the lowest edge on the upstream side when left out.
+    #[serde(default)]
+    #[schemars(extend("x-unit" = "m"))]
+    pub foot: Option<Triple>,
+    /// Side of the square cells of its faces; m. Two particle spacings with water, half of the mean diameter of the free blocks without,
+    /// when left out.
+    #[serde(default)]
+    #[schemars(extend("x-unit" = "m", "exclusiveMinimum" = 0))]
+    pub cell: Option<f64>,
+    /// Length of the reach upstream in which speed and depth of the flow are measured; m. Its height when left out.
+    #[serde(default)]
+    #[schemars(extend("x-unit" = "m", "exclusiveMinimum" = 0))]
+    pub upstream: Option<f64>,
+    /// Openings watched for clogging. The gaps between its blocks when left out; `[]`: none.
+    #[serde(default)]
+    pub openings: Option<Vec<BoxFile>>,
 }

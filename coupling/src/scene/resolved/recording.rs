@@ -51,7 +51,7 @@ pub struct Output {
     pub face_frames: Sampling,
     /// Interval of rows in `gauges.csv`; s.
     pub gauge_interval: f64,
-    /// Interval of rows in `blocks.csv`, `energy.csv`, `masses.csv`, `counters.csv` and `reactions.csv`; s.
+    /// Interval of rows in `blocks.csv`, `energy.csv`, `masses.csv`, `counters.csv`, `reactions.csv` and those of barriers; s.
     pub ledger_interval: f64,
     /// Arrays in the water files.
     pub water_fields: Vec<WaterField>,
@@ -214,6 +214,59 @@ pub struct Reaction {
     pub between: [Vec<usize>; 2],
     /// Unit vector along which the sum has a column of its own.
     pub direction: Option<Vec3>,
+}
+
+/// Blocks recorded as a barrier.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Barrier {
+    /// Part of the names of its files.
+    pub name: String,
+    /// Numbers of its blocks, ascending.
+    pub blocks: Vec<usize>,
+    /// Name of each of them.
+    pub block_names: Vec<String>,
+    /// Unit vectors along the flow, across it, and from the bed up.
+    pub axes: [Vec3; 3],
+    /// Box around its blocks at the start along these axes; m.
+    pub extent: [[f64; 2]; 3],
+    /// Point about which moments are taken; m.
+    pub foot: Vec3,
+    /// Side of the cells of its faces; m.
+    pub cell: f64,
+    /// Length of the reach upstream; m.
+    pub upstream: f64,
+    /// Its openings.
+    pub openings: Vec<BarrierOpening>,
+    /// Mean diameter and mass of the free blocks; `None` without any; m, kg.
+    pub grain: Option<[f64; 2]>,
+    /// Weight of the free blocks times the sine of the slope along the flow; `None` where that is not above zero; N.
+    pub slope_weight: Option<f64>,
+}
+
+/// Opening of a barrier, by coordinates along its axes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BarrierOpening {
+    /// Sides across the flow; m.
+    pub across: [f64; 2],
+    /// Floor and top; m.
+    pub height: [f64; 2],
+}
+
+impl Barrier {
+    /// Coordinates of a point along its axes; m.
+    pub fn coordinates(&self, x: &Vec3) -> [f64; 3] {
+        self.axes.map(|axis| axis.dot(x))
+    }
+
+    /// Width across the flow, openings included; m.
+    pub fn width(&self) -> f64 {
+        self.extent[1][1] - self.extent[1][0]
+    }
+
+    /// Height; m.
+    pub fn height(&self) -> f64 {
+        self.extent[2][1] - self.extent[2][0]
+    }
 }
 
 /// Camera of `riprap render`.
