@@ -108,12 +108,11 @@ def scene(piles, words, args):
          region: Box(min: ({FRONT - along:.6g}, {left:.6g}, 0), max: ({FRONT:g}, {WIDTH - left:.6g}, {10 * SPACING:.6g})),
          diameter: (0.095, 0.105), spacing: {SPACING}, jitter: 0, count: {args.grains}, seed: {args.seed}),
     ],
-    reactions: [
-        (name: "barrier", between: ("grain_*", "pile_*"), direction: (-1, 0, 0)),
-        (name: "walls", between: ("grain_*", "wall"), direction: (-1, 0, 0)),
-    ],
+    barriers: [(name: "barrier", blocks: ["pile_*"], flow: (1, 0, 0), upstream: 1)],
+    // all that carries the grains
+    reactions: [(name: "walls", between: ("grain_*", "wall"), direction: (1, 0, 0))],
     time: (duration: {args.duration:g}),
-    output: (frame_interval: 0.5, gauge_interval: 0.02, ledger_interval: 0.02),
+    output: (frame_interval: 0.5, gauge_interval: 0.02, ledger_interval: 0.1),
     camera: (position: (2, -12, 7), look_at: (7, 1, 0.5), field_of_view_deg: 40),
 )
 """
