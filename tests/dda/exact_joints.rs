@@ -1,7 +1,9 @@
 //! Exact joints of contact dynamics: N17, N18 and N24 of contact dynamics, statics in closed form, breaking, contradictions.
 
+use crate::mid_step::joint;
 use crate::setup::{
-    Random, assert_below, assert_close, ball, block, cuboid, down, floor, moving, on_threads, rock,
+    Random, assert_below, assert_close, ball, block, cuboid, down, floor, moving, on_slope,
+    on_threads, rock,
 };
 use nalgebra::{Matrix3, Rotation3};
 use riprap_dda::contact_dynamics::bilateral::{Bilateral, Rod};
@@ -797,6 +799,55 @@ fn longest_error(blocks: &Blocks) -> f64 {
         }
     }
     worst
+}
+
+/// Two bars hang from a corner and are joined at a corner where their ends touch with friction: what they lose is friction and impact, and
+/// neither makes energy. A contact at the joint would say twice what the joint says, and press as it likes.
+#[test]
+fn a_joint_at_a_corner_that_touches_makes_no_energy() {
+    let bar = |top: f64| {
+        block(
+            cuboid([-0.1, -0.1, top - 1.0], [0.1, 0.1, top]),
+            Motion::Free,
+        )
+    };
+    let gravity = on_slope(0.3);
+    let mut blocks = Blocks::new(
+        vec![bar(0.0), bar(-1.0)],
+        vec![joint(0.5, 0.0)],
+        settings(gravity, 1e-8),
+    )
+    .unwrap();
+    let joints = [
+        Attachment::HeldPoint {
+            block: 0,
+            point: Vec3::new(0.1, 0.1, 0.0),
+        },
+        Attachment::BallJoint {
+            blocks: (0, 1),
+            point: Vec3::new(0.1, 0.1, -1.0),
+        },
+    ];
+    blocks.attach(&joints).unwrap();
+    let start = blocks.energies();
+    let mut highest: f64 = 0.0;
+    for k in 0..2000 {
+        let time = 1e-3 * f64::from(k);
+        crate::mid_step::run(&mut blocks, (time, time + 1e-3), 1e-3);
+        let now = blocks.energies();
+        let stored = |e: &riprap_dda::Energies| e.kinetic + e.potential;
+        highest = highest.max(stored(&now) - stored(&start));
+    }
+    let end = blocks.energies();
+    let fallen = start.potential - end.potential;
+    println!(
+        "friction {:.2e}, damping {:.2e}, joints {:.2e}, highest {highest:.1e} of {fallen:.1} J",
+        end.friction, end.damping, end.joint_correction
+    );
+    assert!(highest < 1e-3 * fallen, "{highest}");
+    assert!(-1e-3 * fallen < end.friction && -1e-3 * fallen < end.damping);
+    assert!(end.joint_correction.abs() < 1e-2 * fallen);
+    assert_eq!(blocks.solved_steps().n_unsolved, 0);
 }
 
 /// N23: the same bits with 1, 2 and 8 threads, and through a checkpoint.

@@ -10,6 +10,7 @@
 //! mean then, and what it is in a step has a place of its own in the account.
 
 use super::closing::{Closing, JointRow};
+use super::touches::Touch;
 use crate::blocks::attachments::End;
 use crate::blocks::attachments::exact_joints::{ExactJoint, Tie};
 use crate::contact::dynamics::bilateral::{Bilateral, Rod};
@@ -20,6 +21,8 @@ use crate::{BlockId, Blocks, Vec3};
 
 /// Error of position that a step may leave, × size of the smaller block: a joint beyond it contradicts another one.
 const OPEN: f64 = 1e-3;
+/// Distance from a joint within which two blocks have no contact, × size of the smaller one.
+const AT_JOINT: f64 = 1e-2;
 /// Distance from its strength within which a rod breaks, × the strength.
 const AT_STRENGTH: f64 = 1e-9;
 
@@ -32,6 +35,29 @@ impl JointRow {
 }
 
 impl Blocks {
+    /// Drops the points of two blocks at the place of a joint between them, which says already how they move there: both rows together
+    /// have no bound on what they press.
+    pub(super) fn drop_touches_at_joints(&self, touches: &mut Vec<Touch>) {
+        for joint in &self.state.attachments.joints {
+            let (first, Some(second)) = joint.blocks() else {
+                continue;
+            };
+            if joint.is_broken || matches!(joint.tie, Tie::Rod { .. }) {
+                continue;
+            }
+            let place = self.place_of(&joint.end);
+            let sizes = [first, second].map(|b| &self.constants.size[self.parts_of(b as usize)]);
+            let size = sizes
+                .into_iter()
+                .flatten()
+                .fold(f64::INFINITY, |a, b| a.min(*b));
+            touches.retain(|touch| {
+                let is_between = touch.blocks == [first, second] || touch.blocks == [second, first];
+                !is_between || AT_JOINT * size < (touch.position - place).norm()
+            });
+        }
+    }
+
     /// Rows of the joints, after all others.
     pub(super) fn add_joints(&self, closing: &mut Closing, dt: f64) {
         for (k, joint) in self.state.attachments.joints.iter().enumerate() {

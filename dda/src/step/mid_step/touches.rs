@@ -41,6 +41,7 @@ impl Blocks {
         let mut found = self.touches_of_polyhedra(dt);
         self.add_touches_of_spheres(dt, &mut found);
         found.par_extend(self.touches_on_surfaces(dt));
+        self.drop_touches_at_joints(&mut found);
         self.recall_slip(&mut found);
         let limits = self.constants.overlap_limits();
         let mut worst = (0.0, (0, 0));
