@@ -9,7 +9,7 @@ use riprap_sph::{Dimensions, Fluid, NoBoundary, ParticleId, Precision, Scheme, S
 use crate::rock::{G, Random, cuboid, down, floor, free, placed, rock};
 use crate::row::{Failure, Length, Row, Trial, sweep};
 use crate::tank::{self, Tank, max_speed};
-use riprap::time_step::{Cause, TimeStep};
+use riprap::time_step::{BlockSteps, Cause, TimeStep};
 
 pub const TRIALS: &[Trial] = &[
     Trial {
@@ -406,7 +406,7 @@ fn in_a_tank(name: &str, blocks: String, length: Length) -> Result<Row, Failure>
                 world.step(TimeStep {
                     dt,
                     cause: Cause::Sound,
-                    block_substeps: ((dt / limits.blocks).ceil() as u32).max(1),
+                    of_blocks: BlockSteps::Inside(((dt / limits.blocks).ceil() as u32).max(1)),
                 })?;
                 fastest = fastest.max(max_speed(&world));
             }
