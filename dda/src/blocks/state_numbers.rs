@@ -63,21 +63,7 @@ impl Blocks {
             f(f64::from(pair.parts.1));
             pair.for_each_state_f64(f);
         }
-        for kept in &self.state.impulses {
-            f(f64::from(kept.parts.0));
-            f(f64::from(kept.parts.1));
-            let both = kept.impulse.iter().chain(kept.torque.iter());
-            both.for_each(|&c| f(c));
-            f(f64::from(u8::from(kept.has_slipped)));
-        }
-        f(self.state.bonds.len() as f64);
-        f(self.state.spanned.owed);
-        for outside in &self.state.outside {
-            let both = outside.force.iter().chain(outside.torque.iter());
-            both.for_each(|&c| f(c));
-        }
-        let stretches = self.state.outside_stretch.iter();
-        stretches.flat_map(|of| of.iter()).for_each(|&c| f(c));
+        self.for_each_of_contact_dynamics(f);
         for deformable in &self.state.deformables {
             deformable.for_each_state_f64(f);
         }
@@ -91,5 +77,27 @@ impl Blocks {
         self.state.totals.rolling_impulse.iter().for_each(|&c| f(c));
         f(self.state.totals.impulse_exchanged);
         f(self.state.totals.max_overlap_over_size);
+    }
+
+    /// Impulses of the last step of contact dynamics, and what waits for the next one.
+    fn for_each_of_contact_dynamics(&self, f: &mut dyn FnMut(f64)) {
+        for kept in &self.state.impulses {
+            f(f64::from(kept.parts.0));
+            f(f64::from(kept.parts.1));
+            let both = kept.impulse.iter().chain(kept.torque.iter());
+            both.for_each(|&c| f(c));
+            f(f64::from(u8::from(kept.has_slipped)));
+        }
+        f(self.state.bonds.len() as f64);
+        if !self.state.outside.is_empty() {
+            f(self.state.spanned.owed);
+            f(self.state.spanned.period);
+        }
+        for outside in self.state.outside.iter().chain(&self.state.spanned.ahead) {
+            let both = outside.force.iter().chain(outside.torque.iter());
+            both.for_each(|&c| f(c));
+        }
+        let stretches = self.state.outside_stretch.iter();
+        stretches.flat_map(|of| of.iter()).for_each(|&c| f(c));
     }
 }
