@@ -229,6 +229,9 @@ impl Bodies {
         }
     }
 
+    // apart, so that the sums of rigid bodies stay short
+    #[cold]
+    #[inline(never)]
     fn relative_by_strain(&self, point: &Point, velocities: &BodyVelocities) -> Vec3 {
         let side = |arm: &Arm| {
             let strains = arm.and_then(|(body, arm)| Some((self.straining_number(body)?, arm)));
@@ -249,15 +252,20 @@ impl Bodies {
         }
     }
 
-    /// Adds an impulse (N s) and its first moment (N m s) on the `k`-th body that strains.
+    /// Adds an impulse (N s) at `arm` (m), or a torque (N m s), on the `k`-th body that strains.
+    #[cold]
+    #[inline(never)]
     pub(super) fn push_straining(
         &self,
         (body, k): (u32, usize),
         velocities: &mut BodyVelocities,
-        (impulse, moment): (&Vec3, &Matrix3<f64>),
+        (impulse, arm, is_torque): (&Vec3, &Vec3, bool),
     ) {
-        let velocity = self.rigid[body as usize].of_centroid() * impulse;
-        let gradient = self.straining[k].gradient(moment);
+        let velocity = match is_torque {
+            true => Vec3::zeros(),
+            false => self.rigid[body as usize].of_centroid() * impulse,
+        };
+        let gradient = self.straining[k].gradient(&first_moment(impulse, arm, is_torque));
         velocities.add((body as usize, k), (&velocity, &gradient));
     }
 

@@ -195,6 +195,7 @@ impl Delassus for BodyContacts {
         self.bodies.at_rest()
     }
 
+    #[inline]
     fn velocity(&self, velocities: &Self::Velocities, a: usize) -> Vec3 {
         self.bodies.relative(&self.points[a], velocities)
     }
@@ -209,13 +210,8 @@ impl Delassus for BodyContacts {
         for (arm, impulse) in arms.iter().zip([-on_b, on_b]) {
             if let Some((body, arm)) = arm {
                 if let Some(k) = self.bodies.straining_number(*body) {
-                    let push = match is_torque {
-                        true => Vec3::zeros(),
-                        false => impulse,
-                    };
-                    let moment = first_moment(&impulse, arm, *is_torque);
-                    self.bodies
-                        .push_straining((*body, k), velocities, (&push, &moment));
+                    let push = (&impulse, arm, *is_torque);
+                    self.bodies.push_straining((*body, k), velocities, push);
                     continue;
                 }
                 let (impulse, moment) = match is_torque {
