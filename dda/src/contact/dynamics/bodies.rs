@@ -23,6 +23,7 @@ pub struct Body {
 
 impl Body {
     /// Velocity and spin by an impulse (N s) and its moment (N m s); m/s, rad/s.
+    #[inline]
     pub fn kicked(&self, impulse: &Vec3, moment: &Vec3) -> [Vec3; 2] {
         let free = self.freedom.map_or(*impulse, |freedom| freedom * impulse);
         [free * self.inverse_mass, self.inverse_inertia * moment]
