@@ -2,15 +2,14 @@
 
 use std::fs;
 use std::path::Path;
-use std::sync::atomic::{AtomicBool, Ordering};
 
-use riprap::checkpoint;
 use riprap::files::table::{TableData, read_table};
-use riprap::run::{Ending, Event, Plan, run as run_scene};
+use riprap::run::Ending;
+use riprap::summary::Summary;
 use riprap::vtk::{self, PolyData, Values};
 use serde_json::{Value, json};
 
-use crate::support::scene::resolved;
+use crate::records::part;
 use crate::support::{riprap, run, words};
 
 const G: f64 = 9.81;
@@ -417,26 +416,6 @@ fn still_water_bears_on_a_plate_with_its_hydrostatic_force() {
     assert_eq!(summary["passed_share"], Value::Null);
 }
 
-/// Runs a scene into a folder until a step, or to its end, and from its checkpoint if there is one.
-fn part(text: &str, folder: &Path, until: u64) -> (Ending, Value) {
-    let from = checkpoint::newest(folder, &Default::default()).unwrap();
-    let plan = Plan {
-        from: from.map(|(checkpoint, _)| checkpoint),
-        ..Plan::new(folder)
-    };
-    let stop = AtomicBool::new(false);
-    let mut tell = |event: Event| {
-        if let Event::Step(progress) = event
-            && progress.steps == until
-        {
-            stop.store(true, Ordering::Relaxed);
-        }
-    };
-    let mut scene = resolved(text).unwrap();
-    let (summary, ending) = run_scene(&mut scene, plan, &stop, &mut tell).unwrap();
-    (ending, json!(summary.barriers))
-}
-
 /// Stopped within an impact, within a second of calm, and in water.
 #[test]
 fn a_resumed_run_has_the_same_records_of_barriers() {
@@ -458,9 +437,10 @@ fn a_resumed_run_has_the_same_records_of_barriers() {
     ] {
         let folders = [(); 2].map(|()| tempfile::tempdir().unwrap());
         let [whole, parts] = [0, 1].map(|k| folders[k].path());
-        let expected = part(&text, whole, u64::MAX);
-        assert_eq!(part(&text, parts, until).0, Ending::Interrupted);
-        assert_eq!(part(&text, parts, u64::MAX), expected);
+        let scene = (text.as_str(), |summary: &Summary| json!(summary.barriers));
+        let expected = part(scene, whole, u64::MAX);
+        assert_eq!(part(scene, parts, until).0, Ending::Interrupted);
+        assert_eq!(part(scene, parts, u64::MAX), expected);
         for file in files {
             let read = |folder: &Path| fs::read(folder.join(file)).unwrap();
             assert!(read(parts) == read(whole), "{file}");

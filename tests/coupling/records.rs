@@ -7,6 +7,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use riprap::checkpoint;
 use riprap::files::table::{TableData, read_table};
 use riprap::run::{Ending, Event, Plan, run as run_scene};
+use riprap::summary::Summary;
 use serde_json::{Value, json};
 
 use crate::support::scene::resolved;
@@ -134,8 +135,12 @@ fn falling_spheres_are_counted_to_the_step() {
     rows("never.passed", &|_| 0.0);
 }
 
-/// Runs a scene into a folder until a step, or to its end, and from its checkpoint if there is one; its counters and reactions.
-fn part(text: &str, folder: &Path, until: u64) -> (Ending, [Value; 2]) {
+/// Runs a scene into a folder until a step, or to its end, and from its checkpoint if there is one; `records` of its summary.
+pub fn part(
+    (text, records): (&str, impl Fn(&Summary) -> Value),
+    folder: &Path,
+    until: u64,
+) -> (Ending, Value) {
     let from = checkpoint::newest(folder, &Default::default()).unwrap();
     let plan = Plan {
         from: from.map(|(checkpoint, _)| checkpoint),
@@ -151,8 +156,7 @@ fn part(text: &str, folder: &Path, until: u64) -> (Ending, [Value; 2]) {
     };
     let mut scene = resolved(text).unwrap();
     let (summary, ending) = run_scene(&mut scene, plan, &stop, &mut tell).unwrap();
-    let records = [json!(summary.counters), json!(summary.reactions)];
-    (ending, records)
+    (ending, records(&summary))
 }
 
 /// Stopped between the first passage and the last, and on the way to rest.
@@ -164,9 +168,12 @@ fn a_resumed_run_has_the_same_records() {
     ] {
         let folders = [(); 2].map(|()| tempfile::tempdir().unwrap());
         let [whole, parts] = [0, 1].map(|k| folders[k].path());
-        let expected = part(text, whole, u64::MAX);
-        assert_eq!(part(text, parts, 640).0, Ending::Interrupted);
-        assert_eq!(part(text, parts, u64::MAX), expected);
+        let scene = (text, |summary: &Summary| {
+            json!([summary.counters, summary.reactions])
+        });
+        let expected = part(scene, whole, u64::MAX);
+        assert_eq!(part(scene, parts, 640).0, Ending::Interrupted);
+        assert_eq!(part(scene, parts, u64::MAX), expected);
         assert_eq!(expected.0, Ending::Completed);
         for table in tables {
             let read = |folder: &Path| fs::read_to_string(folder.join(table)).unwrap();
