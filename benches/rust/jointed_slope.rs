@@ -31,6 +31,7 @@ fn slope(n_blocks: f64) -> Result<Blocks, Failure> {
         joint_stiffness: None,
         shear_stiffness_ratio: 0.8,
         rolling_friction: 0.0,
+        twisting_friction: 0.0,
         elastic: None,
     };
     // Aligned with the slope: one set lies in it, two stand on it.

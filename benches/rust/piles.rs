@@ -71,6 +71,7 @@ impl Pile {
             joint_stiffness: None,
             shear_stiffness_ratio: self.shear_stiffness_ratio,
             rolling_friction: 0.0,
+            twisting_friction: 0.0,
             elastic: None,
         };
         let mut random = Random::new(1);

@@ -43,6 +43,7 @@
 //!     joint_stiffness: None,
 //!     shear_stiffness_ratio: 0.8,
 //!     rolling_friction: 0.0,
+//!     twisting_friction: 0.0,
 //!     elastic: None,
 //! };
 //! let block = |from: [f64; 3], to: [f64; 3], motion| -> Result<BlockDefinition, riprap_dda::PolyhedronError> {

@@ -58,6 +58,8 @@ pub struct Material {
     pub shear_stiffness_ratio: f64,
     /// Resistance of spheres to rolling, ≥ 0: torque over normal force and effective radius; –.
     pub rolling_friction: f64,
+    /// Resistance of spheres to twisting about the normal, ≥ 0: torque over normal force and effective radius; –.
+    pub twisting_friction: f64,
     /// Elastic moduli.
     pub elastic: Option<Elastic>,
 }
@@ -78,6 +80,7 @@ impl Material {
             Property::ContactStiffness => Some(self.contact_stiffness),
             Property::ShearStiffnessRatio => Some(self.shear_stiffness_ratio),
             Property::RollingFriction => Some(self.rolling_friction),
+            Property::TwistingFriction => Some(self.twisting_friction),
             Property::YoungModulus => elastic(|e| e.young_modulus),
             Property::Viscosity => elastic(|e| e.viscosity),
             Property::PoissonRatio => elastic(|e| e.poisson_ratio),

@@ -28,6 +28,8 @@ pub enum Property {
     ShearStiffnessRatio,
     /// Rolling resistance of spheres.
     RollingFriction,
+    /// Twisting resistance of spheres.
+    TwistingFriction,
     /// Young's modulus.
     YoungModulus,
     /// Viscosity of the strain rate.
@@ -68,7 +70,7 @@ pub enum Interval {
 
 impl PropertyRange {
     /// Ranges of all properties.
-    pub const ALL: [Self; 14] = {
+    pub const ALL: [Self; 15] = {
         use Interval::{Acute, Between, NotNegative, Positive, Unit, UpTo};
         use Property::*;
         [
@@ -93,6 +95,7 @@ impl PropertyRange {
                 "",
             ),
             Self::new(RollingFriction, "rolling_friction", NotNegative, ""),
+            Self::new(TwistingFriction, "twisting_friction", NotNegative, ""),
             Self::new(YoungModulus, "young_modulus", Positive, "Pa"),
             Self::new(Viscosity, "viscosity", NotNegative, "Pa s"),
             Self::new(PoissonRatio, "poisson_ratio", Between(-1.0, 0.5), ""),
@@ -197,6 +200,7 @@ mod tests {
                 "contact_stiffness: must be > 0 N/m",
                 "shear_stiffness_ratio: must be >= 0",
                 "rolling_friction: must be >= 0",
+                "twisting_friction: must be >= 0",
                 "young_modulus: must be > 0 Pa",
                 "viscosity: must be >= 0 Pa s",
                 "poisson_ratio: must be above -1 and below 0.5",

@@ -119,6 +119,7 @@ fn step_limit_with_damping() {
             restitution: e,
             shear_stiffness_ratio: 0.0,
             rolling_friction: 0.0,
+            twisting_friction: 0.0,
             ..elastic()
         };
         let weight = 2500.0 * G;
@@ -154,6 +155,7 @@ fn critical_step_is_safe_and_not_timid() {
     let material = Material {
         shear_stiffness_ratio: 0.8,
         rolling_friction: 0.0,
+        twisting_friction: 0.0,
         ..elastic()
     };
     let stone = block(cuboid([0.0, 0.0, -1e-3], [1.0, 1.0, 0.999]), Motion::Free);

@@ -376,6 +376,15 @@ fn what_contact_dynamics_does_not_model_is_refused() {
     };
     assert!(!refused(rolling, right) && refused(rolling, own));
     assert!(refused(rock(), settings(down(), 0.0)));
+    let twisting = Material {
+        twisting_friction: 0.1,
+        ..rock()
+    };
+    let springs = Settings {
+        integrator: Integrator::CentralDifference,
+        ..right
+    };
+    assert!(!refused(rock(), springs) && !refused(twisting, right) && refused(twisting, springs));
 }
 
 /// A floor that moves at 1 m/s takes a block along that lies on it at rest: by friction to v/(μ g), then as one. Half of its work becomes heat.

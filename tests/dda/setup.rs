@@ -21,6 +21,7 @@ pub fn rock() -> Material {
         joint_stiffness: None,
         shear_stiffness_ratio: 0.8,
         rolling_friction: 0.0,
+        twisting_friction: 0.0,
         elastic: None,
     }
 }

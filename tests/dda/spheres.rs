@@ -458,6 +458,7 @@ fn two_pressed(law: RollingLaw, spins: [f64; 2]) -> Blocks {
         tensile_strength: None,
         restitution: None,
         rolling_friction: Some(0.0),
+        twisting_friction: Some(0.0),
     };
     Blocks::with_joints(all, vec![material; 2], &[joint], settings).unwrap()
 }

@@ -15,6 +15,7 @@ fn pile(random: &mut Random, settings: Settings) -> Option<Blocks> {
         contact_stiffness: 1e8,
         shear_stiffness_ratio: 0.3 + 0.7 * random.next(),
         rolling_friction: 0.0,
+        twisting_friction: 0.0,
         ..rock()
     };
     let n = 2 + (random.next() * 3.0) as usize;

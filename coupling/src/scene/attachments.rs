@@ -120,6 +120,7 @@ pub(super) fn joints(file: &SceneFile, names: &Names) -> Vec<JointOverride> {
             tensile_strength: joint.tensile_strength,
             restitution: joint.restitution,
             rolling_friction: joint.rolling_friction,
+            twisting_friction: joint.twisting_friction,
         })
         .collect()
 }

@@ -27,6 +27,7 @@ pub(super) fn integrator(
         solver,
     } = file.numerics.blocks
     else {
+        problems.extend(twisting_of_springs(file));
         return Integrator::CentralDifference;
     };
     problems.extend(not_modeled(file));
@@ -60,6 +61,19 @@ fn step_for(blocks: &[BlockDefinition], gravity: &Vec3, duration: f64) -> f64 {
     let smallest = smallest.fold(f64::INFINITY, f64::min);
     // infinite without gravity and without free blocks
     (STEP * (smallest / gravity.norm()).sqrt()).min(SHARE_OF_DURATION * duration)
+}
+
+/// Errors of a resistance to twisting, which springs do not have.
+fn twisting_of_springs(file: &SceneFile) -> Vec<Problem> {
+    let message = "springs do not resist twisting; take `numerics.blocks: ContactDynamics()`, or leave `twisting_friction` out";
+    let refuse = |path| Problem::error(Code::IncompatibleOptions, path, message);
+    let materials = (file.materials.iter().enumerate())
+        .filter(|(_, material)| 0.0 < material.twisting_friction)
+        .map(|(index, _)| format!("materials[{index}].twisting_friction"));
+    let joints = (file.joints.iter().enumerate())
+        .filter(|(_, joint)| joint.twisting_friction.is_some_and(|mu| 0.0 < mu))
+        .map(|(index, _)| format!("joints[{index}].twisting_friction"));
+    materials.chain(joints).map(refuse).collect()
 }
 
 /// Errors of models that only springs have.

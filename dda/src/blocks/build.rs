@@ -62,6 +62,7 @@ impl Blocks {
         this.find_candidates();
         match settings.integrator {
             Integrator::CentralDifference => {
+                this.check_central_difference()?;
                 this.bond_pairs();
                 this.evaluate_contacts(0.0, &mut |_| {});
             }
@@ -74,6 +75,19 @@ impl Blocks {
             }
         }
         Ok(this)
+    }
+
+    /// Refuses what springs do not model.
+    fn check_central_difference(&self) -> Result<(), BlockError> {
+        let mut joints = self.constants.initial_joints.iter();
+        match joints.any(|j| 0.0 < j.spheres.twisting_friction) {
+            true => Err(BlockError::Setting {
+                field: "integrator",
+                value: f64::NAN,
+                rule: "springs do not resist twisting: take contact dynamics, or leave `twisting_friction` at 0",
+            }),
+            false => Ok(()),
+        }
     }
 
     /// Refuses what contact dynamics does not model.

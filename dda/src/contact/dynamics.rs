@@ -14,6 +14,7 @@
 //! ```text
 //! |S| ≤ μ_r R_n;   |S| < μ_r R_n ⇒ V = 0;   |S| = μ_r R_n ⇒ V = −λ S, λ ≥ 0
 //! ```
+//! Twisting resistance is the same along the normal, with `V = R̃ ω_n` and a coefficient `μ_w` of its own.
 //!
 //! With `Û = (U_n + μ|U_t|, U_t)` of De Saxcé & Feng (1998) it is one statement: `R` in the cone `K_μ`, `Û` in its dual, at right angles.
 //! Joints are rows like contacts, with all of space or a line as their cone; so are bonds, until they break.
@@ -45,7 +46,7 @@ pub const UNSOLVED: f64 = 1e-2;
 /// Rows that one thread takes at a time.
 const ROWS_AT_A_TIME: usize = 1024;
 
-/// The contacts of a step, rolling resistance and joints, whose rows follow each other; vectors in the local frames (n, t1, t2).
+/// The contacts of a step, their resistance to spin and joints, whose rows follow each other; vectors in the local frames (n, t1, t2).
 #[derive(Clone, Debug)]
 pub struct ContactProblem<D> {
     /// From impulses to velocities.
@@ -54,19 +55,30 @@ pub struct ContactProblem<D> {
     pub free_velocity: Vec<Vec3>,
     /// Coefficient of friction; one per contact; –, >= 0.
     pub friction: Vec<f64>,
-    /// Rolling resistance of contacts.
+    /// Rolling and twisting resistance of contacts.
     pub rolling: Vec<Rolling>,
     /// Laws of joints and bonds.
     pub joints: Vec<Bilateral>,
 }
 
-/// Rolling resistance of a contact.
+/// Resistance of a contact to relative spin.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rolling {
     /// The contact.
     pub contact: u32,
-    /// `μ_r`; –.
+    /// `μ_r` or `μ_w`; –.
     pub coefficient: f64,
+    /// The spin that it resists.
+    pub axis: SpinAxis,
+}
+
+/// Direction of a relative spin at a contact.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SpinAxis {
+    /// Across the normal: rolling.
+    Across,
+    /// Along the normal: twisting.
+    Along,
 }
 
 /// Kind of a row.
@@ -121,7 +133,10 @@ impl<D: Delassus> ContactProblem<D> {
             Row::Contact(friction) => one_contact::impulse(w, b, friction, slip),
             Row::Rolling(rolling) => {
                 let bound = rolling.bound(|contact| impulses[contact].x);
-                one_contact::rolling_impulse(w, b, bound, slip)
+                match rolling.axis {
+                    SpinAxis::Across => one_contact::rolling_impulse(w, b, bound, slip),
+                    SpinAxis::Along => one_contact::twisting_impulse(w, b, bound),
+                }
             }
             Row::Joint(joint) => joint.impulse(w, b),
         }
@@ -153,12 +168,16 @@ impl<D: Delassus> ContactProblem<D> {
         }
     }
 
-    /// Mass that a row feels: `3/tr W_aa`, of a rod `1/W_nn`; kg. 1 where impulses move nothing.
+    /// Mass that a row feels: `3/tr W_aa`, of a rod and of twisting `1/W_nn`; kg. 1 where impulses move nothing.
     #[inline]
     fn mass(&self, a: usize) -> f64 {
         let w = self.operator.diagonal(a);
         let (n, compliance) = match self.row(a) {
-            Row::Joint(Bilateral::Rod(_)) => (1.0, w[(0, 0)]),
+            Row::Joint(Bilateral::Rod(_))
+            | Row::Rolling(Rolling {
+                axis: SpinAxis::Along,
+                ..
+            }) => (1.0, w[(0, 0)]),
             _ => (3.0, w.trace()),
         };
         if 0.0 < compliance {

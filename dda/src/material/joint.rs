@@ -28,6 +28,8 @@ pub struct JointOverride {
     pub restitution: Option<f64>,
     /// Resistance of spheres to rolling, ≥ 0: torque over normal force and effective radius; –.
     pub rolling_friction: Option<f64>,
+    /// Resistance of spheres to twisting about the normal, ≥ 0: torque over normal force and effective radius; –.
+    pub twisting_friction: Option<f64>,
 }
 
 impl JointOverride {
@@ -46,6 +48,7 @@ pub(super) struct Strength {
     pub tensile_strength: f64,
     pub restitution: f64,
     pub rolling_friction: f64,
+    pub twisting_friction: f64,
 }
 
 impl Strength {
@@ -59,6 +62,7 @@ impl Strength {
             tensile_strength: first.tensile_strength.min(second.tensile_strength),
             restitution: first.restitution.min(second.restitution),
             rolling_friction: 0.5 * (first.rolling_friction + second.rolling_friction),
+            twisting_friction: 0.5 * (first.twisting_friction + second.twisting_friction),
         }
     }
 
@@ -75,6 +79,7 @@ impl Strength {
             tensile_strength: by.tensile_strength.unwrap_or(self.tensile_strength),
             restitution: by.restitution.unwrap_or(self.restitution),
             rolling_friction: by.rolling_friction.unwrap_or(self.rolling_friction),
+            twisting_friction: by.twisting_friction.unwrap_or(self.twisting_friction),
         }
     }
 
@@ -88,6 +93,7 @@ impl Strength {
             Property::TensileStrength => Some(self.tensile_strength),
             Property::Restitution => Some(self.restitution),
             Property::RollingFriction => Some(self.rolling_friction),
+            Property::TwistingFriction => Some(self.twisting_friction),
             Property::Density
             | Property::JointStiffness
             | Property::ContactStiffness
@@ -195,7 +201,7 @@ impl Joint {
     }
 
     /// Between two materials the smaller friction, cohesion, tensile strength and restitution apply, and the mean
-    /// rolling friction, unless overridden; the springs act as halves in series, so that equal
+    /// rolling and twisting friction, unless overridden; the springs act as halves in series, so that equal
     /// materials keep their value:
     ///
     /// ```text

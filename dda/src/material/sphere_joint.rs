@@ -51,6 +51,8 @@ pub(crate) struct SphereJoint {
     pub dynamic_friction: f64,
     /// `μ_r`; –.
     pub rolling_friction: f64,
+    /// `μ_w`; –.
+    pub twisting_friction: f64,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -100,6 +102,7 @@ impl SphereJoint {
             static_friction: strength.friction_angle.tan(),
             dynamic_friction: strength.residual_friction_angle.tan(),
             rolling_friction: strength.rolling_friction,
+            twisting_friction: strength.twisting_friction,
         }
     }
 

@@ -360,6 +360,7 @@ mod tests {
             joint_stiffness: None,
             shear_stiffness_ratio: 0.5,
             rolling_friction: 0.0,
+            twisting_friction: 0.0,
             elastic: None,
         };
         let body = |shape, motion| BlockDefinition {

@@ -200,6 +200,7 @@ mod tests {
             joint_stiffness: None,
             shear_stiffness_ratio: 0.8,
             rolling_friction: 0.0,
+            twisting_friction: 0.0,
             elastic: None,
         };
         let body = BlockDefinition {

@@ -56,6 +56,11 @@ pub struct MaterialFile {
     #[serde(default)]
     #[schemars(extend("x-unit" = "-", "minimum" = 0))]
     pub rolling_friction: f64,
+    /// Twisting resistance of spheres, about the normal of a contact: torque over normal force and effective radius. Between two
+    /// materials the mean applies. By contact dynamics only.
+    #[serde(default)]
+    #[schemars(extend("x-unit" = "-", "minimum" = 0))]
+    pub twisting_friction: f64,
     /// Elastic moduli, required by deformable blocks and Hertz's law; rigid blocks ignore them.
     #[serde(default)]
     pub elastic: Option<ElasticFile>,
@@ -113,6 +118,11 @@ pub struct JointFile {
     #[serde(default)]
     #[schemars(extend("x-unit" = "-", "minimum" = 0))]
     pub rolling_friction: Option<f64>,
+    /// Twisting resistance of spheres, about the normal of a contact: torque over normal force and effective radius. By contact
+    /// dynamics only.
+    #[serde(default)]
+    #[schemars(extend("x-unit" = "-", "minimum" = 0))]
+    pub twisting_friction: Option<f64>,
     /// Rows of time and remaining fraction of the tangent of the friction angles, with linear interpolation: a slope
     /// that weakens until it fails; full strength when left out; s, -.
     #[serde(default)]

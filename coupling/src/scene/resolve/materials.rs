@@ -46,6 +46,7 @@ pub(super) fn materials(
         joint_stiffness: m.joint_stiffness,
         shear_stiffness_ratio: m.shear_stiffness_ratio,
         rolling_friction: m.rolling_friction,
+        twisting_friction: m.twisting_friction,
         elastic: m.elastic.map(|e| Elastic {
             young_modulus: e.young_modulus,
             poisson_ratio: e.poisson_ratio,

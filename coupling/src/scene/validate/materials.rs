@@ -123,6 +123,7 @@ fn in_file(property: Property) -> (&'static str, &'static str) {
         Property::ContactStiffness => ("contact_stiffness", "contact stiffness"),
         Property::ShearStiffnessRatio => ("shear_stiffness_ratio", "shear stiffness ratio"),
         Property::RollingFriction => ("rolling_friction", "rolling friction"),
+        Property::TwistingFriction => ("twisting_friction", "twisting friction"),
         Property::YoungModulus => ("elastic.young_modulus", "Young's modulus"),
         Property::Viscosity => ("elastic.viscosity", "viscosity"),
         Property::PoissonRatio => ("elastic.poisson_ratio", "Poisson's ratio"),
@@ -144,6 +145,7 @@ impl MaterialFile {
             Property::ContactStiffness => self.contact_stiffness,
             Property::ShearStiffnessRatio => Some(self.shear_stiffness_ratio),
             Property::RollingFriction => Some(self.rolling_friction),
+            Property::TwistingFriction => Some(self.twisting_friction),
             Property::YoungModulus => self.elastic.map(|e| e.young_modulus),
             Property::Viscosity => self.elastic.map(|e| e.viscosity),
             Property::PoissonRatio => self.elastic.map(|e| e.poisson_ratio),
@@ -162,6 +164,7 @@ impl JointFile {
             Property::TensileStrength => self.tensile_strength,
             Property::Restitution => self.restitution,
             Property::RollingFriction => self.rolling_friction,
+            Property::TwistingFriction => self.twisting_friction,
             Property::Density
             | Property::JointStiffness
             | Property::ContactStiffness

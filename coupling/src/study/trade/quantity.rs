@@ -56,6 +56,11 @@ pub enum Take {
         /// Its end; s.
         to: f64,
     },
+    /// Time at which the record first reaches a level from below, linearly interpolated; s.
+    Arrival {
+        /// In the unit of the column.
+        level: f64,
+    },
     /// First crest above a level: the highest value before the record falls to half of that height.
     FirstCrest {
         /// Level at rest, in the unit of the column.
@@ -98,6 +103,7 @@ impl Take {
             Self::Rate { from, to } => {
                 Some((series.at(to)? - series.at(from)?) / (to - from)).filter(|r| r.is_finite())
             }
+            Self::Arrival { level } => arrival(series, level),
             Self::FirstCrest { level } => first_crest(series, level),
             Self::Period { level, from } => period(series, level, from),
         }
@@ -145,6 +151,16 @@ fn harmonic(series: &Series, period: f64, from: f64, to: f64) -> Option<f64> {
     }
     let fitted = normal.cholesky()?.solve(&right);
     Some(2.0 * fitted[2].hypot(fitted[3]))
+}
+
+fn arrival(series: &Series, level: f64) -> Option<f64> {
+    let samples: Vec<(f64, f64)> = series.samples().filter(|(_, v)| v.is_finite()).collect();
+    let k = samples.iter().position(|(_, v)| level <= *v)?;
+    let Some(before) = k.checked_sub(1) else {
+        return Some(samples[k].0);
+    };
+    let ((t, v), (u, w)) = (samples[before], samples[k]);
+    Some(t + (u - t) * (level - v) / (w - v))
 }
 
 fn first_crest(series: &Series, level: f64) -> Option<f64> {
@@ -212,6 +228,7 @@ mod tests {
             Take::Mean { from: 0.0, to: 4.0 },
             Take::Maximum { from: 0.0, to: 4.0 },
             Take::At(1.0),
+            Take::Arrival { level: 0.0 },
             Take::FirstCrest { level: 0.0 },
             Take::Period {
                 level: 0.0,
@@ -220,6 +237,17 @@ mod tests {
         ] {
             assert_eq!(take.of(&gaps), None, "{take:?}");
         }
+    }
+
+    #[test]
+    fn the_arrival_is_the_first_time_at_a_level() {
+        // exact: the record is linear on each side of its top at 2 s
+        let hill = series(|t| 1.0 - (t - 2.0).abs());
+        let arrival = |level: f64| Take::Arrival { level }.of(&hill);
+        assert!((arrival(0.2345).unwrap() - 1.2345).abs() < 1e-12);
+        // one that begins above the level is there from its start
+        assert_eq!(arrival(-2.0), Some(0.0));
+        assert_eq!(arrival(1.1), None);
     }
 
     #[test]

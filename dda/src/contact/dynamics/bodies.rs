@@ -84,6 +84,13 @@ impl Point {
         torques
     }
 
+    /// Torque along the normal of a contact, as an impulse at the end of a length (m).
+    pub fn twisting(contact: &Self, length: f64) -> Self {
+        let mut torque = Self::turning(contact, length);
+        torque.frame.columns_mut(1, 2).fill(0.0);
+        torque
+    }
+
     /// Velocity of B seen from A, of velocity and spin of each body (m/s, rad/s); m/s.
     #[inline]
     pub(super) fn relative(&self, of_bodies: &[[Vec3; 2]]) -> Vec3 {

@@ -20,7 +20,7 @@ pub(crate) struct KeptImpulse {
     pub gap: f64,
     /// On the second; N s.
     pub impulse: Vec3,
-    /// Of rolling resistance, on the second; N m s.
+    /// Of rolling and twisting resistance, on the second; N m s.
     pub torque: Vec3,
     /// Of the step; s.
     pub dt: f64,

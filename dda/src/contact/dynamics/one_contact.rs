@@ -76,6 +76,15 @@ pub fn rolling_impulse(w: &Matrix3<f64>, b: &Vec3, bound: f64, slip: &mut f64) -
     Vec3::new(0.0, found.y, found.z)
 }
 
+/// Impulse (N s) of at most a bound along the normal that holds free velocity `b` (m/s) there, or slides against it.
+pub fn twisting_impulse(w: &Matrix3<f64>, b: &Vec3, bound: f64) -> Vec3 {
+    let compliance = w[(0, 0)];
+    if !(0.0 < bound && 0.0 < compliance) {
+        return Vec3::zeros();
+    }
+    Vec3::x() * (-b.x / compliance).clamp(-bound, bound)
+}
+
 /// The contact with its normal direction eliminated.
 struct Tangential {
     /// `H`; 1/kg.

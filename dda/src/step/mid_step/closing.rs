@@ -2,9 +2,9 @@
 
 use super::touches::Touch;
 use crate::contact::detection::spheres::effective_radius;
-use crate::contact::dynamics::Rolling;
 use crate::contact::dynamics::bilateral::Rod;
 use crate::contact::dynamics::bodies::{Arm, Bodies, Body, BodyVelocities, Point};
+use crate::contact::dynamics::{Rolling, SpinAxis};
 use crate::{Blocks, Vec3};
 
 /// Impact speed below which there is no restitution, over `g dt`.
@@ -96,25 +96,36 @@ impl Blocks {
         (self.is_driven(block as usize)).then(|| (block, position - centroid))
     }
 
-    /// Rows of rolling resistance, after those of the touches.
+    /// Rows of rolling and twisting resistance, after those of the touches.
     fn add_rolling(&self, closing: &mut Closing) {
         for (a, touch) in closing.touches.iter().enumerate() {
-            if touch.rolling_friction <= 0.0 {
-                continue;
-            }
-            let [i, j] = [touch.parts.0, touch.parts.1].map(|p| &self.derived.parts[p as usize]);
-            let point = Point::rolling(&closing.points[a], effective_radius((i, j)));
+            let parts = [touch.parts.0, touch.parts.1].map(|p| &self.derived.parts[p as usize]);
             let [i, j] = touch.blocks.map(|b| self.state.kinematics[b as usize].spin);
-            let now = point.frame.tr_mul(&(j - i));
-            let more = closing.bodies.relative(&point, &closing.gains);
-            closing.points.push(point);
-            closing.before.push(now);
-            closing.gained.push(more);
-            closing.free.push(now + more);
-            closing.rolling.push(Rolling {
-                contact: a as u32,
-                coefficient: touch.rolling_friction,
-            });
+            for (axis, coefficient) in [
+                (SpinAxis::Across, touch.rolling_friction),
+                (SpinAxis::Along, touch.twisting_friction),
+            ] {
+                if coefficient <= 0.0 {
+                    continue;
+                }
+                let length = effective_radius((parts[0], parts[1]));
+                let contact = &closing.points[a];
+                let point = match axis {
+                    SpinAxis::Across => Point::rolling(contact, length),
+                    SpinAxis::Along => Point::twisting(contact, length),
+                };
+                let now = point.frame.tr_mul(&(j - i));
+                let more = closing.bodies.relative(&point, &closing.gains);
+                closing.points.push(point);
+                closing.before.push(now);
+                closing.gained.push(more);
+                closing.free.push(now + more);
+                closing.rolling.push(Rolling {
+                    contact: a as u32,
+                    coefficient,
+                    axis,
+                });
+            }
         }
     }
 

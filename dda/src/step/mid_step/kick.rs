@@ -176,7 +176,7 @@ impl Blocks {
         self.keep_joints(&solved.joints, rows, dt);
     }
 
-    /// Work of contacts, of rolling resistance, and of bonds, which is damping; joints book their own.
+    /// Work of contacts, of rolling and twisting resistance, and of bonds, which is damping; joints book their own.
     fn book_work(&mut self, solved: &Solved) {
         let n_bounded = solved.touches.len() + solved.problem.rolling.len();
         let [mut friction, mut damping] = [0.0; 2];
@@ -186,7 +186,12 @@ impl Blocks {
                 damping -= impulse.dot(mean);
                 continue;
             }
-            damping -= impulse.x * mean.x;
+            let along_normal = impulse.x * mean.x;
+            // of a contact a hit, else twisting
+            match a < solved.touches.len() {
+                true => damping -= along_normal,
+                false => friction -= along_normal,
+            }
             friction -= impulse.y * mean.y + impulse.z * mean.z;
         }
         let totals = &mut self.state.totals;
@@ -271,7 +276,7 @@ impl Blocks {
     }
 }
 
-/// Contacts that resist rolling, and their torques on B (N m s), of their rows.
+/// Contacts that resist rolling or twisting, and their torques on B (N m s), of their rows.
 fn torques(rolling: &[Rolling], points: &[Point], impulses: &[Vec3]) -> Vec<(u32, Vec3)> {
     (rolling.iter().zip(points.iter().zip(impulses)))
         .map(|(rolling, (point, impulse))| (rolling.contact, point.frame * impulse))

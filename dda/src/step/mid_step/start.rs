@@ -33,9 +33,10 @@ impl Blocks {
             ..
         } = closing;
         let mut impulses = vec![Vec3::zeros(); points.len()];
-        let mut row_of = vec![None; touches.len()];
+        // two at most, one across the normal and one along it
+        let mut resisting = vec![[None; 2]; touches.len()];
         for (row, rolling) in (touches.len()..).zip(rolling) {
-            row_of[rolling.contact as usize] = Some(row);
+            resisting[rolling.contact as usize][rolling.axis as usize] = Some(row);
         }
         let mut first = 0;
         for group in touches.chunk_by(|a, b| a.parts == b.parts) {
@@ -49,9 +50,10 @@ impl Blocks {
                 if let Some((k, _)) = nearest {
                     let at = first + k;
                     impulses[at] += points[at].frame.tr_mul(&kept.impulse) * (dt / kept.dt);
-                    if let Some(row) = row_of[at] {
+                    for row in resisting[at].into_iter().flatten() {
                         let frame = &points[row].frame;
-                        let square = frame.column(1).norm_squared();
+                        let column = frame.column_iter().map(|c| c.norm_squared());
+                        let square = column.fold(0.0, f64::max);
                         impulses[row] += frame.tr_mul(&kept.torque) * (dt / (kept.dt * square));
                     }
                 }
@@ -88,7 +90,7 @@ impl Blocks {
             })
             .collect();
         for (contact, torque) in torques {
-            found[*contact as usize].torque = *torque;
+            found[*contact as usize].torque += *torque;
         }
         self.note_slip(touches, &mut found);
         let mut kept = std::mem::take(&mut self.state.impulses);

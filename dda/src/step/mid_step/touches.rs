@@ -33,6 +33,8 @@ pub(crate) struct Touch {
     pub restitution: f64,
     /// Rolling resistance of a sphere; –.
     pub rolling_friction: f64,
+    /// Twisting resistance of a sphere; –.
+    pub twisting_friction: f64,
 }
 
 impl Blocks {
@@ -151,6 +153,7 @@ impl Blocks {
             has_slipped: pair.history.is_broken,
             restitution: joint.restitution,
             rolling_friction: 0.0,
+            twisting_friction: 0.0,
         };
         patch.manifold.points.iter().map(of).collect()
     }
@@ -208,6 +211,7 @@ impl Blocks {
                 has_slipped: false,
                 restitution: joint.restitution,
                 rolling_friction: joint.spheres.rolling_friction,
+                twisting_friction: joint.spheres.twisting_friction,
             });
         }
     }
@@ -243,15 +247,19 @@ impl Blocks {
             reach: self.approach_of(pair.blocks, dt),
         };
         let joint = self.joint_between(pair.parts);
-        let (friction, rolling_friction) = match part(pair.parts.0) {
+        let (friction, rolling_friction, twisting_friction) = match part(pair.parts.0) {
             Part::Polyhedron(body) => {
                 found.find(&ground, body);
-                (joint.friction, 0.0)
+                (joint.friction, 0.0, 0.0)
             }
             Part::Sphere { center, radius } => {
                 found.find_sphere(&ground, (center, *radius));
                 let law = &joint.spheres;
-                (law.static_friction, law.rolling_friction)
+                (
+                    law.static_friction,
+                    law.rolling_friction,
+                    law.twisting_friction,
+                )
             }
             Part::Surface(_) => return Vec::new(),
         };
@@ -265,6 +273,7 @@ impl Blocks {
             has_slipped: false,
             restitution: joint.restitution,
             rolling_friction,
+            twisting_friction,
         };
         found.points.iter().map(of).collect()
     }
