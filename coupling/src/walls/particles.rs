@@ -13,6 +13,7 @@
 
 mod buried;
 mod points;
+mod surface;
 
 use nalgebra::Matrix3;
 use riprap_dda::{BlockDefinition, Blocks, Load};
@@ -26,6 +27,7 @@ use super::thin_solids::ThinSolids;
 use crate::saved::{Read, Saved};
 use buried::Buried;
 use points::Solids;
+use surface::FacesAbove;
 
 /// The walls of all blocks.
 #[derive(Clone, Debug)]
@@ -40,6 +42,7 @@ pub struct ParticleWalls {
     /// Position of each moving point relative to the centroid of its block, in the axes and the shape of the start; m.
     local: Vec<Vec3>,
     buried: Buried,
+    above: FacesAbove,
     /// Present centroid and gradient of each block; m.
     frames: Vec<Frame>,
     /// Position and velocity of each moving point at the start of the step; m, m/s.
@@ -115,8 +118,11 @@ impl ParticleWalls {
             let frame = &frames[b as usize];
             frame.gradient.transpose() * (x - frame.centroid)
         };
+        let axes = |b: u32, v: &Vec3| frames[b as usize].gradient.transpose() * v;
+        let reach = sampler.lattice.support_radius;
         let placed = points.blocks.iter().zip(&points.samples);
         let mut walls = Self {
+            above: FacesAbove::new(&points, (definitions, blocks), reach, axes),
             buried: Buried::new(&points, (definitions, blocks), (&standing.inside, &sampler)),
             fixed,
             fixed_block: fixed_points.blocks.into_boxed_slice(),
@@ -396,12 +402,13 @@ impl ParticleWalls {
         self.loads.fill(FluidLoad::default());
         self.power = 0.0;
         let (loads, block, power) = (&mut self.loads, &self.block, &mut self.power);
-        let (places, frames) = ((&self.local, &self.buried), &self.frames);
+        let (places, frames, above) = ((&self.local, &self.buried), &self.frames, &self.above);
         self.moving
             .visit_reactions(fluid, |w, _, [pressure, viscous]| {
                 let b = block[w] as usize;
                 let arm = frames[b].arm(places, w);
                 loads[b].add(&pressure, &viscous, &arm);
+                loads[b].stretch += above.more_stretch(w, &pressure, &frames[b].gradient);
                 if !blocks.is_free(b) {
                     let x = frames[b].centroid + arm;
                     *power -= (pressure + viscous).dot(&blocks.velocity_at(b, &x));
