@@ -75,6 +75,7 @@
 
 pub mod boundary;
 pub mod error;
+pub mod exact_sum;
 pub mod fluid;
 mod id;
 pub mod kernel;

@@ -12,6 +12,7 @@ mod drops;
 mod flow;
 mod invariants;
 mod mud;
+mod parts;
 mod stepping;
 mod support;
 mod surface;

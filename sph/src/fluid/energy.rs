@@ -3,7 +3,8 @@
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use crate::{CHUNK, Fluid, Vec3};
+use crate::exact_sum::{self, ExactSum, Reduce};
+use crate::{CHUNK, Fluid, ParticleId, Particles, Vec3};
 
 /// Energies of the fluid; J.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -52,18 +53,79 @@ where
     partial.into_iter().fold(T::default(), |sum, x| sum + x)
 }
 
+/// Sums over the particles of the fluid, or of the part of it that a process has; exact until they are asked for.
+#[derive(Clone, Debug, Default)]
+pub struct ParticleSums {
+    /// Number of particles.
+    pub count: u64,
+    /// `Σ m`; kg.
+    pub mass: ExactSum,
+    /// `Σ m v`; kg m/s.
+    pub momentum: [ExactSum; 3],
+    /// `Σ m v²`; J.
+    pub twice_kinetic: ExactSum,
+    /// `Σ m g·x`; J.
+    pub work_of_gravity: ExactSum,
+    /// Energy of compression; J.
+    pub internal: ExactSum,
+}
+
+impl Reduce for ParticleSums {
+    fn merge(&mut self, other: &Self) {
+        let Self {
+            count,
+            mass,
+            momentum,
+            twice_kinetic,
+            work_of_gravity,
+            internal,
+        } = self;
+        *count += other.count;
+        mass.merge(&other.mass);
+        momentum.merge(&other.momentum);
+        twice_kinetic.merge(&other.twice_kinetic);
+        work_of_gravity.merge(&other.work_of_gravity);
+        internal.merge(&other.internal);
+    }
+}
+
 impl Fluid {
+    /// Sums over all particles at their current positions and velocities.
+    pub fn particle_sums(&self) -> ParticleSums {
+        self.particle_sums_of(|_| true)
+    }
+
+    /// Sums over the particles that `is_own` says yes to: a process that has copies of its neighbors' particles leaves these out.
+    pub fn particle_sums_of(&self, is_own: impl Fn(ParticleId) -> bool + Sync) -> ParticleSums {
+        let Particles {
+            id,
+            position,
+            velocity,
+            mass,
+            density,
+            ..
+        } = self.particles();
+        let (gravity, state) = (self.settings().gravity, self.state_equation());
+        let n = mass.len();
+        // the mass of others is left out of all sums
+        let own = |a: usize| if is_own(id[a]) { mass[a] } else { 0.0 };
+        ParticleSums {
+            count: fixed_order_sum(n, |a| u64::from(is_own(id[a]))),
+            mass: ExactSum::over(n, own),
+            momentum: exact_sum::vectors_over(n, |a| velocity[a] * own(a)),
+            twice_kinetic: ExactSum::over(n, |a| own(a) * velocity[a].norm_squared()),
+            work_of_gravity: ExactSum::over(n, |a| own(a) * gravity.dot(&position[a])),
+            internal: ExactSum::over(n, |a| own(a) * state.specific_energy(density[a])),
+        }
+    }
+
     /// Energies at the current positions and velocities; J.
     pub fn energies(&self) -> Energies {
-        let particles = self.particles();
-        let mass = &particles.mass;
-        let gravity = self.settings().gravity;
-        let state = self.state_equation();
-        let n = particles.len();
+        let sums = self.particle_sums();
         Energies {
-            kinetic: 0.5 * fixed_order_sum(n, |a| mass[a] * particles.velocity[a].norm_squared()),
-            potential: -fixed_order_sum(n, |a| mass[a] * gravity.dot(&particles.position[a])),
-            internal: fixed_order_sum(n, |a| mass[a] * state.specific_energy(particles.density[a])),
+            kinetic: 0.5 * sums.twice_kinetic.value(),
+            potential: -sums.work_of_gravity.value(),
+            internal: sums.internal.value(),
             viscous: self.viscous_loss(),
             bulk: self.bulk_loss(),
             diffusive: self.diffusive_loss(),
@@ -74,15 +136,14 @@ impl Fluid {
     /// Mass of all particles; kg.
     pub fn mass(&self) -> f64 {
         let mass = &self.particles.mass;
-        fixed_order_sum(mass.len(), |a| mass[a])
+        ExactSum::over(mass.len(), |a| mass[a]).value()
     }
 
     /// Momentum `Σ m v`; kg m/s.
     pub fn momentum(&self) -> Vec3 {
         let (velocity, mass) = (&self.particles().velocity, &self.particles().mass);
-        // nalgebra's vectors have no Default: sum their components as one array
-        let sum = fixed_order_sum(velocity.len(), |a| Sum3((velocity[a] * mass[a]).into()));
-        Vec3::from(sum.0)
+        let sums = exact_sum::vectors_over(velocity.len(), |a| velocity[a] * mass[a]);
+        Vec3::from(sums.map(|sum| sum.value()))
     }
 
     /// Water that left the domain since the ledger was opened.
@@ -126,24 +187,12 @@ impl Fluid {
     pub fn density_error_rms(&self) -> f64 {
         let (density, reference) = (&self.particles.density, self.settings.reference_density);
         let excess = |a: usize| (density[a] / reference - 1.0).max(0.0);
-        let sum = fixed_order_sum(density.len(), |a| excess(a).powi(2));
+        let sum = ExactSum::over(density.len(), |a| excess(a).powi(2)).value();
         let count = fixed_order_sum(density.len(), |a| u64::from(reference < density[a]));
         if count == 0 {
             0.0
         } else {
             (sum / count as f64).sqrt()
         }
-    }
-}
-
-/// Three numbers that add up.
-#[derive(Clone, Copy, Default)]
-struct Sum3([f64; 3]);
-
-impl std::ops::Add for Sum3 {
-    type Output = Self;
-
-    fn add(self, other: Self) -> Self {
-        Self([0, 1, 2].map(|axis| self.0[axis] + other.0[axis]))
     }
 }

@@ -26,6 +26,7 @@
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
+use crate::exact_sum::ExactSum;
 use crate::fluid::energy::fixed_order_sum;
 use crate::fluid::exchange::Exchange;
 use crate::neighbors::cells::{CellGrid, ROW_SPLIT};
@@ -587,7 +588,7 @@ impl Fluid {
         let (rests, mass) = (&sleep.rests, &self.particles.mass);
         let is_awake = |a: usize| rests[a] == Rest::Awake;
         let n = fixed_order_sum(rests.len(), |a| usize::from(is_awake(a)));
-        let mass = fixed_order_sum(rests.len(), |a| if is_awake(a) { mass[a] } else { 0.0 });
+        let mass = ExactSum::over(rests.len(), |a| if is_awake(a) { mass[a] } else { 0.0 }).value();
         sleep.awake = (n, mass);
         sleep.find_still();
         self.sleep = Some(sleep);
