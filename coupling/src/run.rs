@@ -29,6 +29,7 @@ use std::time::{Duration, Instant};
 use crate::files::table::Start;
 use crate::output::checkpoint_file::{self as checkpoint, Checkpoint, Written};
 use crate::output::observe::ObserveError;
+use crate::output::observe::frames::FrameFiles;
 use crate::output::run_folder;
 use crate::output::summary::Summary;
 use crate::saved::Saved;
@@ -283,8 +284,21 @@ impl<'a> Run<'a> {
         })
     }
 
-    /// Takes steps until the end.
+    /// Takes steps until the end; then all frames are on disk.
     fn until(
+        &mut self,
+        stop: &AtomicBool,
+        tell: &mut dyn FnMut(Event),
+    ) -> Result<Ending, RunError> {
+        let ending = self.step_until(stop, tell);
+        let written = self.await_frames();
+        self.notices.drain(..).for_each(&mut *tell);
+        let ending = ending?;
+        written?;
+        Ok(ending)
+    }
+
+    fn step_until(
         &mut self,
         stop: &AtomicBool,
         tell: &mut dyn FnMut(Event),
@@ -379,15 +393,32 @@ impl<'a> Run<'a> {
         };
         let start = Instant::now();
         let observed = observers.observe(&self.world);
-        let files = observers.frames.take_new();
+        let written = observers.frames.take_written();
         let wall = start.elapsed().as_secs_f64();
         self.costs.output += wall;
         self.reserve.add_output(wall);
-        if !files.is_empty() {
-            let time = self.world.time();
-            self.notices.push(Event::Frame { time, files });
-        }
-        observed
+        observed.and(written).map(|files| self.announce(files))
+    }
+
+    /// Waits for frames that are being written.
+    fn await_frames(&mut self) -> Result<(), ObserveError> {
+        let Some(observers) = &mut self.observers else {
+            return Ok(());
+        };
+        let start = Instant::now();
+        let awaited = observers.frames.wait();
+        let written = observers.frames.take_written();
+        self.costs.output += start.elapsed().as_secs_f64();
+        awaited.and(written).map(|files| self.announce(files))
+    }
+
+    /// Notes frames that are on disk.
+    fn announce(&mut self, written: Vec<FrameFiles>) {
+        let events = written.into_iter().map(|FrameFiles { time, names }| {
+            let files = names;
+            Event::Frame { time, files }
+        });
+        self.notices.extend(events);
     }
 
     /// Whether the water is still coming to rest before t = 0.
@@ -456,7 +487,7 @@ impl<'a> Run<'a> {
     /// Writes the last good state to disk, unless it is there.
     fn write_checkpoint(&mut self) -> Result<(), ObserveError> {
         let start = Instant::now();
-        let Some(observers) = &self.observers else {
+        let Some(observers) = &mut self.observers else {
             return Ok(());
         };
         let Some(good) = self.last_good.as_mut().filter(|good| good.is_unwritten()) else {

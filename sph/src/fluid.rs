@@ -25,6 +25,7 @@ mod skin;
 pub(crate) mod sleep;
 mod sort;
 pub(crate) mod sums;
+mod surface;
 mod symmetry;
 mod viscosity;
 pub(crate) mod wall_sums;

@@ -40,7 +40,7 @@ const SPH: &[&[&str]] = &[
     &["particles", "scheme"],
     &["kernel"],
     &["simd"],
-    &["rheology", "state_equation", "chunks"],
+    &["rheology", "state_equation", "chunks", "exact_sum"],
     &["error"],
     &["id"],
 ];

@@ -1,6 +1,7 @@
 //! Observers: they sample the world when due and write files; they never change it.
 
 pub(crate) mod arrays;
+mod background;
 pub mod barriers;
 mod block_force;
 pub mod counters;
@@ -88,12 +89,12 @@ pub trait Observer {
     /// None is expected: the format accepts any state.
     fn save(&self, out: Vec<u8>) -> Saved;
 
-    /// Flushes its files to disk, so that they survive a power failure.
+    /// Flushes its files to disk, so that they survive a power failure; waits for those that are being written.
     ///
     /// # Errors
     ///
     /// [`ObserveError`] names the file.
-    fn sync(&self) -> Result<(), ObserveError>;
+    fn sync(&mut self) -> Result<(), ObserveError>;
 
     /// Restores its state from the front of a byte buffer and removes later output; returns the
     /// rest of the bytes.

@@ -192,6 +192,8 @@ impl Observers {
         world: &World,
         subtitle: String,
     ) -> Result<(), ObserveError> {
+        // that of files of an earlier moment comes first
+        let synced = self.sync();
         let followed = match &mut self.trajectories {
             None => Ok(()),
             Some(trajectories) => {
@@ -207,12 +209,12 @@ impl Observers {
             barriers.write_cells(folder, world)?;
         }
         self.overview.write(folder, world, subtitle)?;
-        followed
+        synced.and(followed)
     }
 
     /// Flushes the file to disk, so that it survives a power failure.
-    pub fn sync(&self) -> Result<(), ObserveError> {
-        self.all().try_for_each(Observer::sync)
+    pub fn sync(&mut self) -> Result<(), ObserveError> {
+        self.all_mut().try_for_each(|observer| observer.sync())
     }
 
     /// Appends their states to a byte buffer.

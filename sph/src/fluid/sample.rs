@@ -1,7 +1,5 @@
 //! Fields of the fluid at any point, for gauges.
 
-use std::array;
-
 use nalgebra::Matrix3;
 
 use crate::kernel::{Dimensions, Kernel, PointKernel};
@@ -18,12 +16,6 @@ pub struct Sample {
     pub velocity: Vec3,
 }
 
-/// Share of the full kernel sum above which a point is under water: a half at a plane surface.
-const WET_SHARE: f64 = 0.5;
-/// Largest kernel sum of an isolated particle: less is not water.
-const DROP_SHARE: f64 = 0.2;
-/// A column is water where the kernel is filled to this share somewhere: at a wall it is half full.
-const COLUMN_SHARE: f64 = 0.4;
 /// Kernel sum below which there are too few particles for a value. It is one eighth for a point in the corner of three
 /// walls.
 const LEAST_SHARE: f64 = 0.1;
@@ -151,79 +143,6 @@ impl Fluid {
         })
     }
 
-    /// Elevation of the free surface at a point (x, y) in plan view; `None` when dry; m.
-    ///
-    /// The highest crossing of half the kernel sum, so that a drop in the air is not a surface; near a
-    /// wall, which occupies a part of the kernel, half of the largest kernel sum within two supports
-    /// below. Spray less than two supports thick with air below it is not a surface where there is water under both; a film
-    /// on a bed is.
-    pub fn surface_elevation(&self, x: f64, y: f64) -> Option<f64> {
-        let mut surface = None;
-        let mut below = f64::INFINITY;
-        while let Some((top, bottom)) = self.highest_water(x, y, below) {
-            surface = Some(top);
-            let Some(bottom) = bottom else { break };
-            below = bottom;
-        }
-        surface
-    }
-
-    /// Top of the highest water under an elevation at a point in plan view, and its bottom unless that is more than two
-    /// supports down; m.
-    fn highest_water(&self, x: f64, y: f64, below: f64) -> Option<(f64, Option<f64>)> {
-        let step = 0.25 * self.settings().smoothing_length;
-        let support = self.settings().support_radius();
-        let lowest = self.grid().min().z;
-        let share = |z: f64| self.filled_share(&Vec3::new(x, y, z));
-        let mut upper = (self.highest_near(x, y, below)? + support).min(below);
-        loop {
-            let lower = upper - step;
-            if lower < lowest {
-                return None;
-            }
-            if DROP_SHARE <= share(lower) {
-                let shares: [f64; 17] = array::from_fn(|k| share(lower - k as f64 * step));
-                let fullest = shares.into_iter().fold(0.0, f64::max);
-                if COLUMN_SHARE <= fullest {
-                    let threshold = WET_SHARE * fullest.min(1.0);
-                    while share(upper - step) < threshold {
-                        upper -= step;
-                    }
-                    let top = bisect(upper - step, upper, |z| threshold <= share(z));
-                    let bottom = shares.iter().position(|share| *share < DROP_SHARE);
-                    return Some((top, bottom.map(|k| lower - k as f64 * step)));
-                }
-            }
-            upper = lower;
-        }
-    }
-
-    /// Elevation of the highest particle within the support of a vertical line and below an elevation (m); images in planes
-    /// of symmetry are farther than their originals; m.
-    fn highest_near(&self, x: f64, y: f64, below: f64) -> Option<f64> {
-        let grid = self.grid();
-        let support = self.settings().support_radius();
-        let mut runs = [Run::default(); MAX_RUNS];
-        for k in (0..grid.counts()[2]).rev() {
-            let point = self.in_plane(Vec3::new(x, y, grid.cell_center([0, 0, k]).z));
-            let n = grid.runs_within(&point, support + self.moved(), &mut runs);
-            let highest = runs[..n]
-                .iter()
-                .flat_map(|run| {
-                    let shift = grid.image_shift(run.image);
-                    (run.start..run.end).map(move |b| self.particles().position[b as usize] + shift)
-                })
-                .filter(|p| (p.x - x).powi(2) + (p.y - point.y).powi(2) < support * support)
-                .map(|p| p.z)
-                .filter(|z| *z < below)
-                .fold(f64::NEG_INFINITY, f64::max);
-            if highest.is_finite() {
-                return Some(highest);
-            }
-        }
-        None
-    }
-
     /// Calls `visit` with each particle, and each image in planes of symmetry, within the support of a point.
     fn for_each_near(&self, point: &Vec3, mut visit: impl FnMut(&Near)) {
         let (grid, settings) = (self.grid(), self.settings());
@@ -265,18 +184,4 @@ impl Fluid {
         }
         point
     }
-}
-
-/// Bisection of a condition that holds at `lower` but not at `upper`.
-fn bisect(mut lower: f64, mut upper: f64, holds: impl Fn(f64) -> bool) -> f64 {
-    // twelve halvings: a four-thousandth of the first interval
-    for _ in 0..12 {
-        let middle = 0.5 * (lower + upper);
-        if holds(middle) {
-            lower = middle;
-        } else {
-            upper = middle;
-        }
-    }
-    0.5 * (lower + upper)
 }

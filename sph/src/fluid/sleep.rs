@@ -95,6 +95,9 @@ struct Tile {
     time_at_rest: f64,
     #[serde(skip)]
     seen: Seen,
+    /// Times that particles in it were found awake, in this process.
+    #[serde(skip)]
+    n_stirred: u64,
 }
 
 /// Statistics of the awake particles in a tile.
@@ -558,6 +561,7 @@ impl Fluid {
             };
             let tile = &mut sleep.tiles[number];
             (tile.is_dry, tile.has_awake) = (is_dry, has_awake);
+            tile.n_stirred += u64::from(has_awake);
         }
         for number in 0..sleep.tiles.len() {
             let tile = sleep.tiles[number];
@@ -593,6 +597,36 @@ impl Fluid {
         sleep.find_still();
         self.sleep = Some(sleep);
         self.lists.forget();
+    }
+
+    /// A number that stays the same for as long as nothing moves within the support of the vertical through a point in plan view (m);
+    /// `None` while something may. It is one of this process: checkpoints do not have it.
+    pub fn stillness(&self, x: f64, y: f64) -> Option<u64> {
+        let sleep = self.sleep.as_ref()?;
+        let grid = &self.grid;
+        let reach = self.settings.support_radius() + self.widest_skin;
+        let (low, high) = ([x - reach, y - reach], [x + reach, y + reach]);
+        let is_cut = (0..2).any(|axis| {
+            let start = grid.min()[axis];
+            let end = start + grid.extent()[axis];
+            grid.periodic()[axis] && (low[axis] < start || end < high[axis])
+        });
+        if is_cut {
+            return None;
+        }
+        let [low, high] = [low, high].map(|[x, y]| grid.coordinates_of(&Vec3::new(x, y, 0.0)));
+        let range = |axis| sleep.tile_along(axis, low[axis])..=sleep.tile_along(axis, high[axis]);
+        let mut n_stirred = 0;
+        for j in range(1) {
+            for i in range(0) {
+                let tile = &sleep.tiles[j * sleep.counts[0] + i];
+                if tile.has_awake {
+                    return None;
+                }
+                n_stirred += tile.n_stirred;
+            }
+        }
+        Some(n_stirred)
     }
 
     /// Treatment of each particle; empty if all are awake.

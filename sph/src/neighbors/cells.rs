@@ -360,6 +360,28 @@ impl CellGrid {
         n
     }
 
+    /// The runs of particles of one layer of cells that may be within `radius` of the vertical through a position, in a fixed
+    /// order; returns their number. The radius must not exceed that of the grid.
+    pub(crate) fn runs_beside(
+        &self,
+        position: &Vec3,
+        layer: usize,
+        radius: f64,
+        runs: &mut [Run; MAX_RUNS],
+    ) -> usize {
+        let [_, j, _] = self.coordinates_of(position);
+        let mut n = 0;
+        for (dy, square) in (-1..).zip(self.squared_distances(1, position.y, j)) {
+            let chord2 = radius * radius - square;
+            if let (true, Some((row, sy))) = (0.0 <= chord2, self.step(1, j, dy)) {
+                let first = self.cell_at([0, row, layer]);
+                let reach = chord2.sqrt();
+                self.push_row(first, 3 * sy + 9, position.x, reach, runs, &mut n);
+            }
+        }
+        n
+    }
+
     /// Squared distances along an axis from a coordinate to the cells before, at and after `cell`; m².
     ///
     /// Points outside of the grid belong to the outermost cells, which extend to infinity, so that

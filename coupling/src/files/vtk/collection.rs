@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 ///
 /// Neither format can be appended to, so both are rewritten after each frame and renamed once complete: the
 /// animation can be opened during the run, and after a crash.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Collection {
     pvd: PathBuf,
     series: PathBuf,
@@ -30,11 +30,20 @@ impl Collection {
     /// # Errors
     /// [`VtkError::Data`] if `time` is not finite, [`VtkError::Io`] if writing fails.
     pub fn push(&mut self, time: f64, file_name: impl Into<String>) -> Result<(), VtkError> {
+        self.add(time, file_name)?;
+        self.write()
+    }
+
+    /// Adds a file that is yet to be written: [`Self::write`] follows once it is there.
+    ///
+    /// # Errors
+    /// [`VtkError::Data`] if `time` is not finite.
+    pub fn add(&mut self, time: f64, file_name: impl Into<String>) -> Result<(), VtkError> {
         if !time.is_finite() {
             return Err(VtkError::data(&self.pvd)(Fault::Time { time }));
         }
         self.frames.push((time, file_name.into()));
-        self.rewrite()
+        Ok(())
     }
 
     /// The frames so far: time (s) and file.
@@ -59,10 +68,14 @@ impl Collection {
             }
             return Ok(());
         }
-        self.rewrite()
+        self.write()
     }
 
-    fn rewrite(&self) -> Result<(), VtkError> {
+    /// Rewrites both files, once the frames exist.
+    ///
+    /// # Errors
+    /// [`VtkError::Io`] if writing fails.
+    pub fn write(&self) -> Result<(), VtkError> {
         replace_file(&self.pvd, &[self.pvd_text().as_bytes()])?;
         replace_file(&self.series, &[self.series_text().as_bytes()])
     }

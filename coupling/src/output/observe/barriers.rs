@@ -398,7 +398,7 @@ impl Observer for Barriers {
         postcard::to_extend(&(self.schedule, lengths, states), out)
     }
 
-    fn sync(&self) -> Result<(), ObserveError> {
+    fn sync(&mut self) -> Result<(), ObserveError> {
         for record in &self.records {
             record.table.sync()?;
             if let Some(table) = &record.clogging {

@@ -144,7 +144,7 @@ impl Observer for BlockCounters {
         postcard::to_extend(&(self.schedule, self.table.length(), &self.counts), out)
     }
 
-    fn sync(&self) -> Result<(), ObserveError> {
+    fn sync(&mut self) -> Result<(), ObserveError> {
         self.table.sync()?;
         Ok(())
     }

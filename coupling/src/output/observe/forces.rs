@@ -220,7 +220,7 @@ impl Observer for Forces {
         postcard::to_extend(&(self.schedule, lengths, &self.tracks), out)
     }
 
-    fn sync(&self) -> Result<(), ObserveError> {
+    fn sync(&mut self) -> Result<(), ObserveError> {
         self.forces.sync()?;
         self.contacts.sync()?;
         Ok(())

@@ -1,10 +1,12 @@
-//! VTK frames: water, blocks, contacts and pressures on faces.
+//! VTK frames: water, blocks, contacts and pressures on faces. They are copied from the world and written beside the run.
 
 use std::path::{Path, PathBuf};
 
+use rayon::prelude::*;
 use riprap_dda::Vec3;
 
 use super::arrays::{integers, scalars, single, vectors};
+use super::background::Background;
 use super::face_pressures::face_pressures;
 use super::{ObserveError, Observer, Schedule};
 use crate::files::vtk::{self, Array, Collection, PolyData, Polygons, Values};
@@ -76,8 +78,23 @@ pub struct Frames {
     streams: Vec<Stream>,
     /// Of a world without any.
     none: Schedule,
-    /// Files since they were last asked for.
-    new: Vec<String>,
+    background: Background<FrameFiles>,
+}
+
+/// Frames of one time on disk.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FrameFiles {
+    /// Simulated time; s.
+    pub time: f64,
+    /// Names within the run folder.
+    pub names: Vec<String>,
+}
+
+/// A frame to be written, and the collection that lists it then.
+struct Pending {
+    name: String,
+    data: PolyData,
+    list: Collection,
 }
 
 impl Frames {
@@ -122,16 +139,29 @@ impl Frames {
                 })
                 .collect(),
             none: Schedule::every(output.frame_interval),
-            new: Vec::new(),
+            background: Background::new(),
         })
     }
 
-    /// Names of the files written since the last call.
-    pub fn take_new(&mut self) -> Vec<String> {
-        std::mem::take(&mut self.new)
+    /// Files written since the last call, oldest first.
+    ///
+    /// # Errors
+    ///
+    /// The first failure among them.
+    pub fn take_written(&mut self) -> Result<Vec<FrameFiles>, ObserveError> {
+        self.background.take_written()
     }
 
-    /// Writes a frame of each kind for which `is_wanted`.
+    /// Waits until all frames are on disk.
+    ///
+    /// # Errors
+    ///
+    /// The first failure among them.
+    pub fn wait(&mut self) -> Result<(), ObserveError> {
+        self.background.wait()
+    }
+
+    /// Hands over a frame of each kind for which `is_wanted`.
     fn write(
         &mut self,
         world: &World,
@@ -140,6 +170,7 @@ impl Frames {
         let time = world.time();
         let (water_fields, block_fields) = (&self.water_fields, &self.block_fields);
         let labels = &self.labels;
+        let mut pending = Vec::new();
         for stream in &mut self.streams {
             if !is_wanted(&stream.schedule) {
                 continue;
@@ -155,12 +186,27 @@ impl Frames {
                 (Kind::Contacts, _) => contact_points(world, sampling),
             };
             let name = run_folder::frame(stream.stem(), stream.next());
-            vtk::write(&self.folder.join(&name), &PolyData { time, ..data })?;
-            stream.collection.push(time, name.clone())?;
+            stream.collection.add(time, name.clone())?;
             stream.schedule.done(time);
-            self.new.push(name);
+            pending.push(Pending {
+                name,
+                data: PolyData { time, ..data },
+                list: stream.collection.clone(),
+            });
         }
-        Ok(())
+        if pending.is_empty() {
+            return Ok(());
+        }
+        let folder = self.folder.clone();
+        self.background.put(move || {
+            let mut names = Vec::new();
+            for Pending { name, data, list } in pending {
+                vtk::write(&folder.join(&name), &data)?;
+                list.write()?;
+                names.push(name);
+            }
+            Ok(FrameFiles { time, names })
+        })
     }
 }
 
@@ -197,12 +243,14 @@ impl Observer for Frames {
         postcard::to_extend(&saved, out)
     }
 
-    fn sync(&self) -> Result<(), ObserveError> {
+    fn sync(&mut self) -> Result<(), ObserveError> {
         // each file is synced before it is renamed
-        Ok(())
+        self.background.wait()
     }
 
     fn read<'a>(&mut self, bytes: &'a [u8]) -> Result<&'a [u8], ObserveError> {
+        // a state restored within a run: frames on their way are removed as later ones, or were failures that ended it
+        self.background.wait()?;
         type Listed = [Option<(Schedule, Vec<(f64, String)>)>; 4];
         let (listed, rest) = postcard::take_from_bytes::<Listed>(bytes)?;
         for (kind, saved) in KINDS.into_iter().zip(listed) {
@@ -235,7 +283,7 @@ fn water_points(water: &Water, fields: &[WaterField], sampling: &Sampling) -> Po
             && sampling.holds(&particles.position[a])
     };
     let mut order: Vec<u32> = (0..particles.len() as u32).filter(is_shown).collect();
-    order.sort_unstable_by_key(|&a| particles.id[a as usize]);
+    order.par_sort_unstable_by_key(|&a| particles.id[a as usize]);
     let order = order.iter().map(|&a| a as usize);
     let column = |values: &[f64]| order.clone().map(|a| values[a] as f32).collect();
     let point_data = fields

@@ -221,7 +221,7 @@ impl Observer for Gauges {
         postcard::to_extend(&(self.schedule, table, memories), out)
     }
 
-    fn sync(&self) -> Result<(), ObserveError> {
+    fn sync(&mut self) -> Result<(), ObserveError> {
         self.table.sync()?;
         Ok(())
     }

@@ -208,7 +208,7 @@ impl Observer for Ledgers {
         postcard::to_extend(&(self.schedule, self.energy.length(), lengths), out)
     }
 
-    fn sync(&self) -> Result<(), ObserveError> {
+    fn sync(&mut self) -> Result<(), ObserveError> {
         self.energy.sync()?;
         let others = [&self.blocks, &self.solution, &self.joints];
         others.into_iter().flatten().try_for_each(Table::sync)?;

@@ -10,6 +10,7 @@ use rayon::prelude::*;
 use riprap_dda::{Blocks, Vec3};
 use riprap_sph::Fluid;
 
+use super::background::Background;
 use super::{ObserveError, Observer, Schedule};
 use crate::files::vtk::{self, Array, PolyData, Polygons, Values};
 use crate::output::run_folder;
@@ -57,6 +58,23 @@ pub struct Maps {
     highest: Vec<f64>,
     /// Still water and arrivals.
     arrival: Arrival,
+    /// Last reading of the surface at each point (m), with the stillness of the water then.
+    read: Vec<(Option<u64>, f64)>,
+    background: Background<()>,
+}
+
+/// Maps of one moment, to be written.
+struct Sheets {
+    folder: PathBuf,
+    /// The ground with the heights of the sheet; m.
+    ground: Grid,
+    origin: (f64, f64, f64),
+    crs: Option<Crs>,
+    /// s.
+    time: f64,
+    highest: Vec<f64>,
+    arrival: Vec<f64>,
+    inundation: Vec<f64>,
 }
 
 impl Maps {
@@ -101,19 +119,26 @@ impl Maps {
                 .collect(),
             at_start: none.clone(),
             arrival: Arrival::at(none.len()),
+            read: vec![(None, f64::NAN); none.len()],
+            background: Background::new(),
             highest: none,
             ground,
         }
     }
 
-    /// Current elevation of the surface; m.
-    fn surface(&self, fluid: &Fluid) -> Vec<f64> {
+    /// Current elevation of the surface, read again only where the water may have moved; m.
+    fn surface(&mut self, fluid: &Fluid) -> Vec<f64> {
         let points: Vec<[usize; 2]> = self.ground.points().collect();
-        points
-            .par_iter()
-            .map(|&point| {
-                let [x, y] = self.ground.place(point);
-                fluid.surface_elevation(x, y).unwrap_or(f64::NAN)
+        let ground = &self.ground;
+        (self.read.par_iter_mut().zip(&points))
+            .map(|((before, surface), &point)| {
+                let [x, y] = ground.place(point);
+                let stillness = fluid.stillness(x, y);
+                if stillness.is_none() || stillness != *before {
+                    *surface = fluid.surface_elevation(x, y).unwrap_or(f64::NAN);
+                    *before = stillness;
+                }
+                *surface
             })
             .collect()
     }
@@ -197,23 +222,33 @@ impl Maps {
         }
     }
 
+    /// Maps so far, at a time (s).
+    fn sheets(&self, time: f64) -> Sheets {
+        Sheets {
+            folder: self.folder.clone(),
+            ground: self.ground.clone(),
+            origin: self.origin,
+            crs: self.crs.clone(),
+            time,
+            highest: self.highest_over_still(),
+            arrival: self.arrival.time.clone(),
+            inundation: self.inundation(),
+        }
+    }
+}
+
+impl Sheets {
     /// Writes all maps.
     ///
     /// # Errors
     ///
     /// [`ObserveError`] names the file.
-    pub fn write(&self, time: f64) -> Result<(), ObserveError> {
-        let (highest, inundation) = (self.highest_over_still(), self.inundation());
-        let raised = |heights: &[f64]| {
-            heights
-                .iter()
-                .map(|z| z + self.origin.2)
-                .collect::<Vec<_>>()
-        };
+    fn write(self) -> Result<(), ObserveError> {
+        let raised = self.highest.iter().map(|z| z + self.origin.2).collect();
         for (name, values) in [
-            (run_folder::MAXIMUM_ELEVATION, raised(&highest)),
-            (run_folder::FIRST_ARRIVAL, self.arrival.time.clone()),
-            (run_folder::INUNDATION_DEPTH, inundation.clone()),
+            (run_folder::MAXIMUM_ELEVATION, raised),
+            (run_folder::FIRST_ARRIVAL, self.arrival.clone()),
+            (run_folder::INUNDATION_DEPTH, self.inundation.clone()),
         ] {
             let mut map = MapGrid {
                 grid: Grid {
@@ -225,20 +260,17 @@ impl Maps {
             map.grid.shift([self.origin.0, self.origin.1]);
             rasters::write(&self.folder.join(name), &map)?;
         }
-        let on_land = [
-            ("MaximumElevation", &highest),
-            ("FirstArrival", &self.arrival.time),
-            ("InundationDepth", &inundation),
-        ];
-        vtk::write(
-            &self.folder.join(run_folder::MAPS),
-            &self.sheet(time, &on_land),
-        )?;
+        vtk::write(&self.folder.join(run_folder::MAPS), &self.on_land())?;
         Ok(())
     }
 
     /// The ground with values at its points.
-    fn sheet(&self, time: f64, fields: &[(&str, &Vec<f64>)]) -> PolyData {
+    fn on_land(&self) -> PolyData {
+        let fields = [
+            ("MaximumElevation", &self.highest),
+            ("FirstArrival", &self.arrival),
+            ("InundationDepth", &self.inundation),
+        ];
         let grid = &self.ground;
         let lowest = grid.range().0;
         let lowest = if lowest.is_finite() { lowest } else { 0.0 };
@@ -267,7 +299,7 @@ impl Maps {
             points: points.collect(),
             polygons,
             point_data: fields.iter().map(of).collect(),
-            time,
+            time: self.time,
             ..PolyData::default()
         }
     }
@@ -323,7 +355,8 @@ impl Observer for Maps {
             *highest = highest.max(surface);
         }
         self.schedule.done(world.time());
-        self.write(world.time())
+        let sheets = self.sheets(world.time());
+        self.background.put(move || sheets.write())
     }
 
     fn save(&self, out: Vec<u8>) -> Saved {
@@ -331,9 +364,9 @@ impl Observer for Maps {
         postcard::to_extend(&state, out)
     }
 
-    fn sync(&self) -> Result<(), ObserveError> {
+    fn sync(&mut self) -> Result<(), ObserveError> {
         // each file is complete before it is renamed
-        Ok(())
+        self.background.wait()
     }
 
     fn read<'a>(&mut self, bytes: &'a [u8]) -> Result<&'a [u8], ObserveError> {

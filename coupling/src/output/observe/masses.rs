@@ -102,7 +102,7 @@ impl Observer for Masses {
         postcard::to_extend(&(self.schedule, self.table.length()), out)
     }
 
-    fn sync(&self) -> Result<(), ObserveError> {
+    fn sync(&mut self) -> Result<(), ObserveError> {
         self.table.sync()?;
         Ok(())
     }

@@ -190,7 +190,7 @@ impl Observer for Reactions {
         postcard::to_extend(&(self.schedule, self.table.length(), &self.extremes), out)
     }
 
-    fn sync(&self) -> Result<(), ObserveError> {
+    fn sync(&mut self) -> Result<(), ObserveError> {
         self.table.sync()?;
         Ok(())
     }

@@ -221,7 +221,7 @@ impl Observer for Trajectories {
         postcard::to_extend(&(self.schedule, lengths, &self.tracks), out)
     }
 
-    fn sync(&self) -> Result<(), ObserveError> {
+    fn sync(&mut self) -> Result<(), ObserveError> {
         self.samples.sync()?;
         self.blocks.sync()?;
         Ok(())
