@@ -67,13 +67,14 @@ impl Fluid {
 
     fn remove_escaped(&mut self) -> u64 {
         let margin = OUTSIDE * self.settings.mean_spacing();
-        let keep = &mut self.scratch.keep;
-        keep.clear();
-        keep.extend((self.particles.position.iter()).map(|x| self.grid.contains(x, margin)));
-        if keep.iter().all(|&inside| inside) {
+        let (positions, grid) = (&self.particles.position, &self.grid);
+        let is_inside = |x: &Vec3| grid.contains(x, margin);
+        if positions.par_iter().with_min_len(CHUNK).all(is_inside) {
             return 0;
         }
-        let keep = std::mem::take(keep);
+        let mut keep = std::mem::take(&mut self.scratch.keep);
+        keep.clear();
+        keep.extend(positions.iter().map(is_inside));
         let mut gone = 0;
         for (a, _) in keep.iter().enumerate().filter(|(_, inside)| !**inside) {
             let content = self.content(a);

@@ -28,6 +28,9 @@ pub struct Run {
     pub image: u8,
 }
 
+/// Ranges of cells that are sorted at once, at most: each looks through all particles.
+const MOST_RANGES: usize = 16;
+
 /// The image that is the domain itself.
 pub const OWN_IMAGE: u8 = 13;
 
@@ -305,21 +308,56 @@ impl CellGrid {
             .with_min_len(4096)
             .for_each(|(c, x)| *c = self.cell_of(x) as u32);
         self.clear();
-        for &c in cell.iter() {
-            self.starts[c as usize + 1] += 1;
-        }
+        // each thread takes a range of cells and looks through all particles for its own: nothing is shared
+        let n_ranges = rayon::current_num_threads().min(MOST_RANGES);
+        let n_cells = self.n_cells();
+        let (counts, cell) = (&mut self.starts[1..], &*cell);
+        let width = n_cells.div_ceil(n_ranges);
+        counts
+            .par_chunks_mut(width)
+            .enumerate()
+            .for_each(|(range, counts)| {
+                let first = (range * width) as u32;
+                for &c in cell {
+                    if let Some(count) = counts.get_mut(c.wrapping_sub(first) as usize) {
+                        *count += 1;
+                    }
+                }
+            });
         for c in 1..self.starts.len() {
             self.starts[c] += self.starts[c - 1];
         }
-        // each start serves as the write cursor of its cell and ends where the next cell starts;
-        // shifting the table back by one restores the starts without a second array
-        for (a, &c) in cell.iter().enumerate() {
-            let place = &mut self.starts[c as usize];
-            order[*place as usize] = a as u32;
-            *place += 1;
+        // ranges of about equal numbers of particles, each with its part of the order
+        let mut parts = Vec::with_capacity(n_ranges);
+        let (mut rest, mut first) = (order.as_mut_slice(), 0);
+        for range in 1..=n_ranges {
+            let share = (positions.len() * range / n_ranges) as u32;
+            let end = match range == n_ranges {
+                true => n_cells,
+                false => self
+                    .starts
+                    .partition_point(|&start| start < share)
+                    .min(n_cells),
+            };
+            let end = end.max(first);
+            let n = (self.starts[end] - self.starts[first]) as usize;
+            let (part, others) = rest.split_at_mut(n);
+            parts.push((first..end, part));
+            (rest, first) = (others, end);
         }
-        self.starts.rotate_right(1);
-        self.starts[0] = 0;
+        let starts = &self.starts;
+        parts.into_par_iter().for_each(|(range, part)| {
+            let before = starts[range.start];
+            // where the next particle of each cell goes
+            let mut places: Vec<u32> = starts[range.clone()].iter().map(|s| s - before).collect();
+            let first = range.start as u32;
+            for (a, &c) in cell.iter().enumerate() {
+                if let Some(place) = places.get_mut(c.wrapping_sub(first) as usize) {
+                    part[*place as usize] = a as u32;
+                    *place += 1;
+                }
+            }
+        });
     }
 
     /// The runs of particles that may be within `radius` of a position, in a fixed order, those of one

@@ -129,6 +129,7 @@ fn pressures_on_faces_are_those_of_still_water() {
     };
     let mut frames = Frames::new(folder.path(), &scene, &world).unwrap();
     frames.observe(&world).unwrap();
+    frames.sync().unwrap();
     let data = vtk::read(&folder.path().join("faces_00000.vtp")).unwrap();
     let (blocks, pressures) = match (&data.cell_data[0].values, &data.cell_data[1].values) {
         (Values::I32(blocks), Values::F32(pressures)) => (blocks, pressures),
