@@ -13,8 +13,10 @@ mod render;
 mod report;
 mod run;
 mod schema;
+mod serve;
 mod shell;
 mod study;
+mod sweep;
 mod told;
 
 use std::ffi::OsString;
@@ -92,9 +94,15 @@ enum Command {
     /// Measure error against cost for settings of a scene.
     #[command(alias = "trade")]
     Study(study::Arguments),
+    /// Run a scene many times with inputs from a design, here or on a cluster.
+    Sweep(sweep::Arguments),
+    /// Write tables, exceedance curves and sensitivities of a sweep.
+    Collect(sweep::Collect),
+    /// Serve a sweep as a model to tools of uncertainty quantification (UM-Bridge).
+    Serve(serve::Arguments),
     /// Explain errors and warnings by the codes behind them.
     Explain(explain::Arguments),
-    /// Print the JSON schema of scenes or studies.
+    /// Print the JSON schema of scenes, studies or sweeps.
     Schema(schema::Arguments),
     /// Write completions of a shell.
     Completions(shell::Completions),
@@ -164,6 +172,9 @@ fn run_command(asked: Command, program: &Program) -> Exit {
         Command::Inspect(arguments) => inspect::execute(&arguments),
         Command::Compare(arguments) => compare::execute(&arguments),
         Command::Study(arguments) => study::execute(&arguments, program),
+        Command::Sweep(arguments) => sweep::execute(&arguments, program),
+        Command::Collect(arguments) => sweep::collect(&arguments),
+        Command::Serve(arguments) => serve::execute(&arguments, program),
         Command::Explain(arguments) => explain::execute(&arguments),
         Command::Schema(arguments) => schema::execute(&arguments),
         Command::Completions(arguments) => shell::completions(&arguments, command()),

@@ -11,7 +11,7 @@ use crate::support::killed::{TANK, spawn};
 use crate::support::{riprap, summary, words};
 
 /// Water thrown down at two thirds of its speed of sound: where it hits the floor it is compressed by more than it may be.
-const THROWN: &str = r#"(
+pub const THROWN: &str = r#"(
     title: "Thrown",
     domain: (min: (-0.3, 0, -0.3), max: (0.9, 0.1, 2), dimensions: Two),
     materials: [(name: "rock", density: 2400, friction_angle_deg: 30)],

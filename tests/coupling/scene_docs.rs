@@ -1,4 +1,5 @@
-//! `docs/reference/scene` documents every field of scenes, `benches/trade/README.md` every field of studies, and nothing else.
+//! `docs/reference/scene` documents every field of scenes, `benches/trade/README.md` of studies, `docs/reference/sweeps.md` of sweeps,
+//! and nothing else.
 //!
 //! The pages of scenes are generated from the schema: `RIPRAP_UPDATE=1 cargo test --release --test coupling scene_docs` writes them.
 
@@ -28,6 +29,12 @@ fn study_source() -> String {
     ["file.rs", "quantity.rs"]
         .map(|name| std::fs::read_to_string(root.join(name)).unwrap())
         .concat()
+}
+
+/// Source of the schema of sweeps.
+fn sweep_source() -> String {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("src/study/sweep");
+    std::fs::read_to_string(root.join("file.rs")).unwrap()
 }
 
 /// Fields of a schema as `Struct.field`, read from its source in its order: what the derive sees.
@@ -103,6 +110,7 @@ fn the_tables_and_the_schemas_are_the_same() {
         return;
     }
     let studies = std::fs::read_to_string(at("benches/trade/README.md")).unwrap();
+    let sweeps = std::fs::read_to_string(at("docs/reference/sweeps.md")).unwrap();
     for (source, file, text, least) in [
         (
             schema_source(),
@@ -111,6 +119,7 @@ fn the_tables_and_the_schemas_are_the_same() {
             80,
         ),
         (study_source(), "benches/trade/README.md", studies, 40),
+        (sweep_source(), "docs/reference/sweeps.md", sweeps, 30),
     ] {
         let schema: BTreeSet<String> = fields_in_order(&source).into_iter().collect();
         let documented = documented_fields(&text);

@@ -25,4 +25,13 @@ impl Program {
             }
         }
     }
+
+    /// The same, word by word, for scripts.
+    pub(super) fn words(&self) -> io::Result<Vec<String>> {
+        let command = self.command()?;
+        let all = std::iter::once(command.get_program()).chain(command.get_args());
+        Ok(all
+            .map(|word| word.to_string_lossy().into_owned())
+            .collect())
+    }
 }

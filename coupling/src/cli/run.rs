@@ -30,7 +30,7 @@ use crate::scene::parse::Override;
 use crate::scene::{self, resolve::Scene};
 use json::JsonEvents;
 use progress::{ProgressLine, Teller};
-use wall_time::wall_time;
+pub(super) use wall_time::wall_time;
 
 /// Run a scene into a folder.
 #[derive(Debug, clap::Args)]
@@ -284,7 +284,7 @@ fn overrides(arguments: &Arguments) -> Vec<Override> {
 }
 
 /// Sets the number of threads.
-fn start_threads(threads: Option<usize>) -> Result<(), Exit> {
+pub(super) fn start_threads(threads: Option<usize>) -> Result<(), Exit> {
     let Some(threads) = threads else {
         return Ok(());
     };

@@ -4,6 +4,13 @@ use serde_json::Value;
 
 use crate::messages::Code;
 
+/// Grade of an account of energy that does not close.
+const POOR: &str = "poor: refine, or take smaller steps, before you use its numbers";
+/// Beginning of the line of doubts.
+const TO_LOOK_AT: &str = "to look at: ";
+/// Its words without a doubt.
+const NOTHING: &str = "nothing stands out";
+
 /// Share of the energy exchanged, unexplained, introduced at walls or lost by particles put back, up to which an account is good, and
 /// up to which it is fair: chosen, so that speeds and run-up, which go with the root of an energy, are within 1 and 5 %.
 const GOOD: f64 = 0.02;
@@ -31,6 +38,12 @@ pub fn verdict(summary: &Value) -> [String; 3] {
         resolution(summary).1,
         to_look_at(&points(summary)),
     ]
+}
+
+/// Whether a line of a verdict asks for a look at the run before its numbers are used.
+pub fn is_doubt(line: &str) -> bool {
+    let doubts = line.strip_prefix(TO_LOOK_AT);
+    doubts.is_some_and(|words| !words.starts_with(NOTHING)) || line.contains(POOR)
 }
 
 /// Codes of the doubts in the three lines.
@@ -82,7 +95,7 @@ fn account(summary: &Value) -> Finding {
     let grade = match share {
         share if share <= GOOD => "good",
         share if share <= FAIR => "fair: speeds and run-up may be off by half of that share",
-        _ => "poor: refine, or take smaller steps, before you use its numbers",
+        _ => POOR,
     };
     let words = format!(
         "energy: of {} exchanged {:.1} % are unexplained, {:.1} % introduced at walls, {:.1} % lost by particles put back: {grade}",
@@ -221,8 +234,8 @@ fn points(summary: &Value) -> Vec<Finding> {
 fn to_look_at(points: &[Finding]) -> String {
     let words: Vec<&str> = points.iter().map(|(_, words)| words.as_str()).collect();
     match points.is_empty() {
-        true => "to look at: nothing stands out; overview.svg and gauges.csv".to_owned(),
-        false => format!("to look at: {}", words.join("; ")),
+        true => format!("{TO_LOOK_AT}{NOTHING}; overview.svg and gauges.csv"),
+        false => format!("{TO_LOOK_AT}{}", words.join("; ")),
     }
 }
 

@@ -6,7 +6,7 @@ use std::time::Duration;
 const LARGEST: f64 = 1e9;
 
 /// Reads `90`, `90s`, `45min`, `2h`, `3h30m`, `1:30:00` or `45:00`.
-pub(super) fn wall_time(text: &str) -> Result<Duration, String> {
+pub(in crate::cli) fn wall_time(text: &str) -> Result<Duration, String> {
     let seconds = match text.contains(':') {
         true => clock(text),
         false => units(text),

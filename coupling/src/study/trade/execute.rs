@@ -7,13 +7,13 @@
 use std::collections::BTreeSet;
 use std::io;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Condvar, Mutex, PoisonError};
+use std::sync::atomic::AtomicBool;
 
 use serde::{Deserialize, Serialize};
 
 use super::plan::{Planned, Study};
 use crate::messages::{Code, Coded, of_writing};
+use crate::study::jobs::{Means, Progress, run_all};
 
 /// Result of a completed run, as written.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -42,24 +42,6 @@ pub enum ExecuteError {
         /// Error of the operating system.
         source: io::Error,
     },
-}
-
-/// Resources for concurrent runs.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Means {
-    /// Runs at once, one thread each.
-    pub workers: usize,
-    /// Largest sum of the estimated memory of concurrent runs; bytes. A run that needs more runs alone.
-    pub memory: u64,
-}
-
-/// Progress of a study.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Progress {
-    /// Completed runs.
-    pub ended: usize,
-    /// Total number.
-    pub all: usize,
 }
 
 /// The folder of a run.
@@ -107,45 +89,17 @@ pub fn execute(study: &Study, runs: &Path, executor: Executor) -> Result<bool, E
         .copied()
         .filter(|run| ended(&folder_of(runs, run)).is_none())
         .collect();
-    let all = unique.len();
-    let queue = Queue {
-        state: Mutex::new(State {
-            ended: all - waiting.len(),
-            waiting,
-            used: 0,
-            under_way: 0,
-            error: None,
-        }),
-        changed: Condvar::new(),
-        memory: means.memory,
+    let (all, n_before) = (unique.len(), unique.len() - waiting.len());
+    let told = |ended: usize| {
+        let ended = n_before + ended;
+        tell(Progress { ended, all });
     };
-    let told = |ended| tell(Progress { ended, all });
-    told(queue.lock().ended);
-    std::thread::scope(|scope| {
-        for _ in 0..means.workers.max(1) {
-            scope.spawn(|| {
-                while let Some(run) = queue.next(stop) {
-                    let made = make(run, &folder_of(runs, run), runner);
-                    if let Some(ended) = queue.done(run, made) {
-                        told(ended);
-                    }
-                }
-            });
-        }
-    });
-    let state = queue
-        .state
-        .into_inner()
-        .unwrap_or_else(PoisonError::into_inner);
-    match state.error {
-        Some(error) => Err(error),
-        None => {
-            let has_ended = |run: &&&Planned| ended(&folder_of(runs, run)).is_some();
-            let keys = unique.iter().filter(has_ended).map(|run| run.key.as_str());
-            clear_remains(runs, &keys.collect());
-            Ok(state.ended == all)
-        }
-    }
+    let execute = |run: &Planned| make(run, &folder_of(runs, run), runner);
+    let is_complete = run_all(waiting, means, stop, &execute, &told)?;
+    let has_ended = |run: &&&Planned| ended(&folder_of(runs, run)).is_some();
+    let keys = unique.iter().filter(has_ended).map(|run| run.key.as_str());
+    clear_remains(runs, &keys.collect());
+    Ok(is_complete)
 }
 
 /// Executes one run and records its end; returns whether it is complete.
@@ -186,70 +140,6 @@ fn clear_remains(runs: &Path, ended: &BTreeSet<&str>) {
         if is_remains && key.is_some_and(|key| ended.contains(key.as_str())) {
             // an orphan process that still writes recreates it, without harm
             let _ = std::fs::remove_dir_all(path);
-        }
-    }
-}
-
-/// Waiting runs, and the memory of active ones.
-struct Queue<'a> {
-    state: Mutex<State<'a>>,
-    changed: Condvar,
-    memory: u64,
-}
-
-struct State<'a> {
-    waiting: Vec<&'a Planned>,
-    used: u64,
-    under_way: usize,
-    ended: usize,
-    error: Option<ExecuteError>,
-}
-
-impl<'a> Queue<'a> {
-    fn lock(&self) -> std::sync::MutexGuard<'_, State<'a>> {
-        // a worker that panicked leaves valid numbers
-        self.state.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
-    /// The first run with sufficient memory, in the order of the design; waits for one.
-    fn next(&self, stop: &AtomicBool) -> Option<&'a Planned> {
-        let mut state = self.lock();
-        loop {
-            if stop.load(Ordering::Relaxed) || state.error.is_some() || state.waiting.is_empty() {
-                return None;
-            }
-            let is_alone = state.under_way == 0;
-            let fits = |run: &&Planned| state.used + run.memory <= self.memory;
-            let found = state.waiting.iter().position(fits);
-            if let Some(k) = found.or(is_alone.then_some(0)) {
-                let run = state.waiting.remove(k);
-                state.used += run.memory;
-                state.under_way += 1;
-                return Some(run);
-            }
-            state = self
-                .changed
-                .wait(state)
-                .unwrap_or_else(PoisonError::into_inner);
-        }
-    }
-
-    /// Releases the memory of a run; returns the number of completed runs, if it is complete.
-    fn done(&self, run: &Planned, made: Result<bool, ExecuteError>) -> Option<usize> {
-        let mut state = self.lock();
-        state.used -= run.memory;
-        state.under_way -= 1;
-        self.changed.notify_all();
-        match made {
-            Ok(true) => {
-                state.ended += 1;
-                Some(state.ended)
-            }
-            Ok(false) => None,
-            Err(error) => {
-                state.error.get_or_insert(error);
-                None
-            }
         }
     }
 }

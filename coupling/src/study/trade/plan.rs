@@ -6,13 +6,13 @@ use std::str::FromStr;
 use super::file::{DesignFile, KnobFile, StudyFile, TruthFile};
 use super::outcome::Outcome;
 use super::search;
-use crate::build_info::COMMIT;
 use crate::messages::{Code, Message};
 use crate::scene;
-use crate::scene::error::{Problem, SceneError, Severity};
+use crate::scene::error::{Problem, SceneError};
 use crate::scene::estimate::Estimate;
 use crate::scene::parse::{self, Override};
-use crate::scene::resolve::Scene;
+use crate::study::jobs::Job;
+use crate::study::scenes::{block_named, faults, key};
 
 /// Largest number of runs of a study: more is a typing error.
 const MOST_RUNS: usize = 10_000;
@@ -336,22 +336,9 @@ fn planned(study: &StudyFile, case: &Path, choice: &[usize]) -> Result<Planned, 
     };
     let overrides = overrides.map_err(|message| (place.clone(), message))?;
     let (scene, _) =
-        scene::load(case, &overrides).map_err(|error| (place.clone(), of_errors(&error, case)))?;
-    let block = match &study.output.block {
-        None => None,
-        Some(name) => {
-            let names: Vec<&str> = scene.block_names.iter().map(String::as_str).collect();
-            let found = names.iter().position(|other| other == name);
-            let unknown = || {
-                let hint = parse::suggestion(name, &names);
-                (
-                    "output.block".to_owned(),
-                    format!("no block named `{name}`{hint}"),
-                )
-            };
-            Some(found.ok_or_else(unknown)?)
-        }
-    };
+        scene::load(case, &overrides).map_err(|error| (place.clone(), faults(&error, case)))?;
+    let block = block_named(study.output.block.as_deref(), &scene)
+        .map_err(|message| ("output.block".to_owned(), message))?;
     let key = key(&scene, case).map_err(|message| (place, message))?;
     Ok(Planned {
         choice: choice.to_vec(),
@@ -362,34 +349,8 @@ fn planned(study: &StudyFile, case: &Path, choice: &[usize]) -> Result<Planned, 
     })
 }
 
-/// Errors of a scene with their places, without its warnings.
-fn of_errors(error: &SceneError, case: &Path) -> String {
-    let found = error.located().iter();
-    let errors = found.filter(|one| one.severity == Severity::Error);
-    let lines = errors.map(|one| {
-        format!(
-            "{}:{}:{}: {}",
-            case.display(),
-            one.line,
-            one.column,
-            one.message
-        )
-    });
-    lines.collect::<Vec<_>>().join("\n")
-}
-
-/// Of the scene with every default written out, the files that it names, and the program.
-fn key(scene: &Scene, case: &Path) -> Result<String, String> {
-    let text = scene.to_text().map_err(|error| error.to_string())?;
-    let mut hasher = blake3::Hasher::new();
-    hasher.update(text.as_bytes());
-    hasher.update(COMMIT.as_bytes());
-    let folder = case.parent().unwrap_or(Path::new("."));
-    for file in scene.referenced_files() {
-        let path = folder.join(file);
-        let bytes = std::fs::read(&path)
-            .map_err(|error| format!("cannot read {}: {error}", path.display()))?;
-        hasher.update(&bytes);
+impl Job for Planned {
+    fn memory(&self) -> u64 {
+        self.memory
     }
-    Ok(hasher.finalize().to_hex()[..16].to_owned())
 }

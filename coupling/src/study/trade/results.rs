@@ -4,7 +4,7 @@ use std::io;
 use std::path::Path;
 
 use super::execute::{ended, folder_of};
-use super::file::{StudyFile, TruthFile};
+use super::file::{OutputFile, StudyFile, TruthFile};
 use super::front::{Point, error_per_doubling, front};
 use super::outcome::{Cost, CostOf, Outcome, point};
 use super::plan::{Planned, Skipped, Study, finest};
@@ -55,17 +55,7 @@ pub fn judge(
     folder: &Path,
 ) -> Result<(Option<f64>, Option<f64>), String> {
     let output = &study.output;
-    let path = folder.join(&output.file);
-    let value = || {
-        let mut table = read_table(&path).map_err(|error| error.to_string())?;
-        if let Some(block) = block {
-            table = of_block(table, block).map_err(|error| error.to_string())?;
-        }
-        let series =
-            Series::from_table(&table, &output.column).map_err(|error| error.to_string())?;
-        let taken = output.take.and_then(|take| take.of(&series));
-        taken.ok_or_else(|| format!("`{}` does not contain the requested data", output.column))
-    };
+    let value = || value_of(output, block, folder);
     let relative = |truth: f64, scale: &Option<f64>| {
         let value = value()?;
         let scale = scale.unwrap_or(truth).abs();
@@ -86,7 +76,7 @@ pub fn judge(
                 to: window.map(|(_, to)| to),
                 ..Options::default()
             };
-            let record = study_folder.join(file);
+            let (path, record) = (folder.join(&output.file), study_folder.join(file));
             let reports = compare_files(&path, &record, Some(&output.column), options)
                 .map_err(|error| error.to_string())?;
             let error = reports
@@ -95,6 +85,22 @@ pub fn judge(
             Ok((None, error))
         }
     }
+}
+
+/// Evaluated quantity of a run, from its folder; of one block, in a table with rows of several.
+///
+/// # Errors
+///
+/// A message if the run has no such value.
+pub fn value_of(output: &OutputFile, block: Option<usize>, folder: &Path) -> Result<f64, String> {
+    let path = folder.join(&output.file);
+    let mut table = read_table(&path).map_err(|error| error.to_string())?;
+    if let Some(block) = block {
+        table = of_block(table, block).map_err(|error| error.to_string())?;
+    }
+    let series = Series::from_table(&table, &output.column).map_err(|error| error.to_string())?;
+    let taken = output.take.and_then(|take| take.of(&series));
+    taken.ok_or_else(|| format!("`{}` does not contain the requested data", output.column))
 }
 
 /// The rows of a table for one block.
