@@ -4,6 +4,7 @@ mod accuracy;
 mod check;
 mod compare;
 mod explain;
+mod handoff;
 mod inspect;
 mod new;
 mod paraview;
@@ -100,6 +101,8 @@ enum Command {
     Collect(sweep::Collect),
     /// Serve a sweep as a model to tools of uncertainty quantification (UM-Bridge).
     Serve(serve::Arguments),
+    /// Hand the water of a run over to a solver of the far field.
+    Handoff(handoff::Arguments),
     /// Explain errors and warnings by the codes behind them.
     Explain(explain::Arguments),
     /// Print the JSON schema of scenes, studies or sweeps.
@@ -175,6 +178,7 @@ fn run_command(asked: Command, program: &Program) -> Exit {
         Command::Sweep(arguments) => sweep::execute(&arguments, program),
         Command::Collect(arguments) => sweep::collect(&arguments),
         Command::Serve(arguments) => serve::execute(&arguments, program),
+        Command::Handoff(arguments) => handoff::execute(&arguments),
         Command::Explain(arguments) => explain::execute(&arguments),
         Command::Schema(arguments) => schema::execute(&arguments),
         Command::Completions(arguments) => shell::completions(&arguments, command()),

@@ -29,6 +29,7 @@ mod floating;
 mod frame_kinds;
 mod geometry;
 mod guide;
+mod handoff;
 mod hostile;
 mod in_memory;
 mod inspect;

@@ -15,7 +15,7 @@ const COUPLING: &[&[&str]] = &[
     &["cli"],
     &["study"],
     &["run"],
-    &["picture"],
+    &["picture", "handoff"],
     &["output"],
     &["scene"],
     &["world"],

@@ -1,7 +1,7 @@
 //! Maps of wave impact: highest water, arrival time, inundation depth.
 
 mod arrival;
-mod rasters;
+pub(crate) mod rasters;
 
 use std::path::{Path, PathBuf};
 

@@ -17,7 +17,7 @@ const NO_DATA: f64 = -9999.0;
 /// # Errors
 ///
 /// [`ObserveError`] names the file.
-pub(super) fn write(path: &Path, map: &MapGrid) -> Result<(), ObserveError> {
+pub(crate) fn write(path: &Path, map: &MapGrid) -> Result<(), ObserveError> {
     replace_file(path, &[ascii(map).as_bytes()])?;
     let image = path.with_extension("tif");
     let content = geotiff::written(map).map_err(|error| ObserveError::Write {
