@@ -38,6 +38,9 @@ pub(crate) struct Arguments {
     /// Side of a cell in meters; two particle spacings when left out.
     #[arg(long, value_name = "M")]
     cell: Option<f64>,
+    /// Level of rest in meters; that of the scene, its highest water at the start, when left out.
+    #[arg(long, value_name = "Z", allow_negative_numbers = true)]
+    level: Option<f64>,
     /// Files to write; netcdf and esri when left out. A section has section.csv alone.
     #[arg(long, value_name = "FORMAT", value_delimiter = ',')]
     format: Vec<Format>,
@@ -109,7 +112,7 @@ fn hand_over(arguments: &Arguments) -> Result<Exit, Exit> {
     };
     let raster = raster(arguments, &settings, spacing)?;
     let columns = columns(raster, water, &ground_with_blocks(&world.blocks));
-    let level = fluid.lattice.still_water_level;
+    let level = arguments.level.unwrap_or(fluid.lattice.still_water_level);
     let gravity = settings.gravity.norm();
     let found = fitness(&columns, water, level, gravity);
     let folder = arguments

@@ -103,6 +103,8 @@ pub struct WallParticles {
     points: AnyPoints,
     /// Cells that hold points, in order, each with one past its last point.
     occupied: Vec<(u32, u32)>,
+    /// Of each occupied cell, whether water and whether awake water is near it; scratch.
+    looks: Vec<(bool, bool)>,
     /// Cells whose fluid may be within the support of a point.
     near: Vec<u32>,
     /// Fluid particles near points, but those that sleep, and points near fluid.
@@ -115,6 +117,9 @@ pub struct WallParticles {
     listed: Listed,
     scratch: Scratch,
 }
+
+/// Occupied cells that one thread looks at.
+const CELLS_AT_ONCE: usize = 256;
 
 /// Points near fluid; no sum reads the others.
 #[derive(Clone, Debug, Default)]
@@ -180,6 +185,7 @@ impl WallParticles {
             sorted_facets: Vec::new(),
             points: AnyPoints::default(),
             occupied: Vec::new(),
+            looks: Vec::new(),
             near: Vec::new(),
             nearby_particles: Vec::new(),
             wet: WetPoints::default(),
@@ -366,17 +372,22 @@ impl WallParticles {
         wet.all.clear();
         wet.wet_and_awake.clear();
         wet.is_partial = fluid.may_sleep() && self.known_at == fluid.changes_of_rest();
-        let mut n_in_cells = Vec::new();
-        let mut start = 0;
-        for &(cell, end) in &self.occupied {
-            let points = start..end as usize;
-            start = points.end;
+        let look = |&(cell, _): &(u32, u32)| {
             let (mut is_wet, mut is_awake) = (false, false);
             cells.rows_round(cell as usize, |row| {
                 let particles = cells.particles_in_row(row);
                 is_wet |= !particles.is_empty();
                 is_awake |= !particles.is_empty() && !fluid.is_still(particles);
             });
+            (is_wet, is_awake)
+        };
+        let cells_at_once = self.occupied.par_iter().with_min_len(CELLS_AT_ONCE);
+        cells_at_once.map(look).collect_into_vec(&mut self.looks);
+        let mut n_in_cells = Vec::new();
+        let mut start = 0;
+        for (&(cell, end), &(is_wet, is_awake)) in self.occupied.iter().zip(&self.looks) {
+            let points = start..end as usize;
+            start = points.end;
             if is_wet {
                 n_in_cells.push((cell, points.len() as u32));
                 wet.all.extend_from_slice(&self.order[points.clone()]);

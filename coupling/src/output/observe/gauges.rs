@@ -5,6 +5,7 @@ mod present;
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use rayon::prelude::*;
 use riprap_dda::{Blocks, SurfacePoint};
 use riprap_sph::{Dimensions, Fluid, Vec3};
 
@@ -464,6 +465,9 @@ fn spacing(fluid: &Fluid) -> f64 {
     }
 }
 
+/// Particles that one thread looks at.
+const AT_ONCE: usize = 1024;
+
 /// Largest value of a function over the wetted surfaces near a line; NaN if all is dry.
 ///
 /// Water touches a fixed surface where a particle within a spacing of the line is within 1.5 spacings of it; `measure` takes
@@ -473,23 +477,22 @@ fn farthest(
     fluid: Option<&Fluid>,
     blocks: &Blocks,
     line: &Line,
-    measure: impl Fn(&SurfacePoint, &Vec3) -> Option<f64>,
+    measure: impl Fn(&SurfacePoint, &Vec3) -> Option<f64> + Sync,
 ) -> f64 {
     let Some(fluid) = fluid else { return f64::NAN };
     let spacing = spacing(fluid);
     let reach = TOUCHING_DISTANCE * spacing;
     let ground: Vec<usize> = blocks.fixed_parts().collect();
-    let mut touching: Vec<(f64, Vec3)> = Vec::new();
-    for x in &fluid.particles().position {
-        if line.distance([x.x, x.y]) > spacing {
-            continue;
-        }
+    let touch = |x: &Vec3| {
         let values = ground.iter().filter_map(|&part| {
             let surface = blocks.surface_point_within(part, x, reach)?;
             measure(&surface, x)
         });
-        touching.extend(values.reduce(f64::max).map(|value| (value, *x)));
-    }
+        values.reduce(f64::max).map(|value| (value, *x))
+    };
+    let positions = fluid.particles().position.par_iter().with_min_len(AT_ONCE);
+    let beside = positions.filter(|x| line.distance([x.x, x.y]) <= spacing);
+    let mut touching: Vec<(f64, Vec3)> = beside.filter_map(touch).collect();
     touching.sort_by(|a, b| b.0.total_cmp(&a.0));
     let has_company = |&(k, (_, x)): &(usize, &(f64, Vec3))| {
         let others = touching.iter().enumerate();
