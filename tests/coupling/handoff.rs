@@ -176,3 +176,155 @@ fn what_cannot_be_handed_over_is_said() {
     run(&case("arch.ron"), &out, &["--until", "0.01"]);
     assert!(refused(&[out.to_str().unwrap()]).contains("no water to hand over"));
 }
+
+/// A column of water collapses in a closed box: no block drives it, so that the run hands over at its end or at given times.
+const COLLAPSE: &str = r#"(
+    title: "A column of water falls apart",
+    domain: (min: (-0.2, -0.2, -0.2), max: (2.2, 0.8, 1.2)),
+    materials: [(name: "rock", density: 2400, friction_angle_deg: 30)],
+    blocks: [
+        (name: "floor", material: "rock", motion: Fixed, shape: Box(min: (-0.2, -0.2, -0.2), max: (2.2, 0.8, 0))),
+        (name: "west", material: "rock", motion: Fixed, shape: Box(min: (-0.2, -0.2, 0), max: (0, 0.8, 1.2))),
+        (name: "east", material: "rock", motion: Fixed, shape: Box(min: (2, -0.2, 0), max: (2.2, 0.8, 1.2))),
+        (name: "south", material: "rock", motion: Fixed, shape: Box(min: (0, -0.2, 0), max: (2, 0, 1.2))),
+        (name: "north", material: "rock", motion: Fixed, shape: Box(min: (0, 0.6, 0), max: (2, 0.8, 1.2))),
+    ],
+    fluid: (resolution: Spacing(0.05), regions: [(name: "water", shape: Box(min: (0, 0, 0), max: (0.8, 0.6, 0.6)))]),
+    handoff: (
+        times: At([0.3, 0.1]), cell: 0.1, level: 0.2, formats: [NetCdf, Geoclaw, Swash],
+        lines: [(name: "middle", from: (0.8, 0), to: (0.8, 0.6))],
+    ),
+    output: (gauge_interval: 0.02),
+    time: (duration: 0.4),
+)"#;
+
+fn read(folder: &Path, name: &str) -> Vec<u8> {
+    std::fs::read(folder.join(name)).unwrap_or_else(|error| panic!("{name}: {error}"))
+}
+
+/// The flow out of a column through a line is what the column loses; a run that is stopped and resumed hands over the same bits.
+#[test]
+fn a_run_hands_over_at_its_times_and_records_its_lines() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = folder.path().join("scene.ron");
+    std::fs::write(&scene, COLLAPSE).unwrap();
+    let whole = folder.path().join("whole");
+    run(&scene, &whole, &[]);
+    let path = whole.join("handoff_lines.csv");
+    let rows = table(&path);
+    // to the right of a line to the north is east
+    let passed: f64 = rows
+        .windows(2)
+        .map(|pair| 0.5 * (pair[0][3] + pair[1][3]) * (pair[1][0] - pair[0][0]))
+        .sum();
+    let mut beyond = Vec::new();
+    for at in ["t_0.1", "t_0.3"] {
+        let text = read(&whole, &format!("handoff/{at}/handoff.json"));
+        let numbers: Value = serde_json::from_slice(&text).unwrap();
+        assert_eq!(numbers["reason"], "Given");
+        assert_eq!(numbers["still_water_level_m"], 0.2);
+        let text =
+            String::from_utf8(read(&whole, &format!("handoff/{at}/geoclaw/hu.xyz"))).unwrap();
+        let eta =
+            String::from_utf8(read(&whole, &format!("handoff/{at}/geoclaw/eta.xyz"))).unwrap();
+        let value = |line: &str| line.rsplit(' ').next().unwrap().parse::<f64>().unwrap();
+        let x = |line: &str| line.split(' ').next().unwrap().parse::<f64>().unwrap();
+        // over the bed, which is 0.2 m below the level
+        let volume = eta
+            .lines()
+            .filter(|line| 0.8 < x(line))
+            .map(|line| value(line) + 0.2)
+            // tops of walls are higher
+            .filter(|depth| *depth < 0.6)
+            .map(|depth| depth * 0.01);
+        beyond.push(volume.sum::<f64>());
+        assert!(
+            text.lines().map(value).sum::<f64>() > 0.0,
+            "it runs to the east"
+        );
+    }
+    // 0.3 s of the 0.4 s; the strip and the cells are one to two spacings wide, a twentieth of what has passed
+    let until: f64 = rows
+        .windows(2)
+        .filter(|pair| pair[1][0] < 0.31)
+        .map(|pair| 0.5 * (pair[0][3] + pair[1][3]) * (pair[1][0] - pair[0][0]))
+        .sum();
+    assert!((until / beyond[1] - 1.0).abs() < 0.15, "{until} {beyond:?}");
+    assert!(until < passed && beyond[0] < beyond[1]);
+    // faster below than above: the front runs along the floor
+    let last = rows.last().unwrap();
+    assert!(
+        last[4..].iter().all(|u| 0.0 < *u) && last[13] < last[5],
+        "{last:?}"
+    );
+    let series = String::from_utf8(read(&whole, "handoff/t_0.3/swash/middle_u10.txt")).unwrap();
+    assert!(series.starts_with("000000.000 0.000000\n"), "{series}");
+    let input = String::from_utf8(read(&whole, "handoff/t_0.3/swash/INPUT")).unwrap();
+    assert!(
+        input.contains("REG -0.150 -0.150 0. 23 9 0.1 0.1"),
+        "{input}"
+    );
+    // in two pieces
+    let pieces = folder.path().join("pieces");
+    run(&scene, &pieces, &["--until", "0.2"]);
+    run(&scene, &pieces, &["--resume", "--until", "0.4"]);
+    for name in [
+        "handoff_lines.csv",
+        "handoff/t_0.1/handoff.nc",
+        "handoff/t_0.3/handoff.nc",
+        "handoff/t_0.3/handoff.json",
+        "handoff/t_0.3/swash/middle_discharge.txt",
+    ] {
+        assert!(read(&whole, name) == read(&pieces, name), "{name}");
+    }
+}
+
+/// A block that plunges into a lake: the hand-off is made once it drives the water no more.
+#[test]
+fn a_wave_is_handed_over_once_it_is_made() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = folder.path().join("scene.ron");
+    let lake = COLLAPSE
+        .replace("times: At([0.3, 0.1]), cell: 0.1, level: 0.2, formats: [NetCdf, Geoclaw, Swash],", "")
+        .replace("max: (0.8, 0.6, 0.6)", "max: (2, 0.6, 0.4)")
+        .replace("\n    ],\n    fluid", "\n        (name: \"stone\", material: \"rock\", shape: Box(min: (0.1, 0.1, 0.45), max: (0.4, 0.5, 0.65)), velocity: (0, 0, -1.5)),\n    ],\n    fluid")
+        .replace("duration: 0.4", "duration: 1.5");
+    std::fs::write(&scene, &lake).unwrap();
+    let out = folder.path().join("run");
+    run(&scene, &out, &[]);
+    let numbers: Value = serde_json::from_slice(&read(&out, "handoff/handoff.json")).unwrap();
+    assert_eq!(numbers["reason"], "PowerSpent", "{numbers}");
+    let [power, largest] = ["power_w", "largest_power_w"].map(|key| numbers[key].as_f64().unwrap());
+    assert!(power < 0.01 * largest, "{numbers}");
+    let time = numbers["time_s"].as_f64().unwrap();
+    assert!(0.1 < time && time < 1.0, "{time}");
+    // an absorbing layer beside the splash takes the crest before that
+    let layered = lake.replace(
+        "    handoff:",
+        "    absorbers: [(name: \"end\", min: (0.7, 0, 0), max: (2, 0.6, 1), towards: XMax)],\n    handoff:",
+    );
+    std::fs::write(&scene, layered).unwrap();
+    let early = folder.path().join("early");
+    run(&scene, &early, &[]);
+    let numbers: Value = serde_json::from_slice(&read(&early, "handoff/handoff.json")).unwrap();
+    assert_eq!(numbers["reason"], "WaveAtAbsorber", "{numbers}");
+    assert!(numbers["time_s"].as_f64().unwrap() < time, "{numbers}");
+}
+
+#[test]
+fn mistakes_in_a_hand_off_are_said() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = folder.path().join("scene.ron");
+    let said = |old: &str, new: &str| {
+        assert!(COLLAPSE.contains(old));
+        std::fs::write(&scene, COLLAPSE.replace(old, new)).unwrap();
+        let output = riprap(&["check", scene.to_str().unwrap()]);
+        assert_eq!(output.status.code(), Some(2), "{}", words(&output));
+        words(&output)
+    };
+    assert!(said("At([0.3, 0.1])", "At([0.3, -4])").contains("-4 s is before the start"));
+    assert!(said("to: (0.8, 0.6))", "to: (0.8, 0))").contains("begins and ends at the same place"));
+    assert!(said("\"middle\"", "\"the middle\"").contains("use letters, digits"));
+    assert!(said("cell: 0.1,", "cell: 0,").contains("handoff: cell"));
+    assert!(said("[NetCdf,", "[NetCDF,").contains("NetCdf"));
+}

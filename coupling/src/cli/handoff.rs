@@ -2,27 +2,26 @@
 
 use std::path::{Path, PathBuf};
 
-use serde_json::json;
-
 use super::{Exit, failed, refused, report_scene_error, show};
-use crate::handoff::columns::{Columns, Raster, Water, columns, ground_with_blocks};
-use crate::handoff::fitness::{Fitness, elevation, fitness};
-use crate::handoff::formats::Sheet;
+use crate::files::table::read_table;
+use crate::handoff::columns::Columns;
+use crate::handoff::fitness::elevation;
+use crate::handoff::package::{Package, Request, Setting};
 use crate::handoff::propagator::Waves;
+use crate::handoff::readiness::Reason;
 use crate::messages::{Code, Message, of_writing};
 use crate::output::checkpoint_file as checkpoint;
-use crate::output::observe::ObserveError;
 use crate::output::run_folder;
 use crate::run::Run;
 use crate::scene;
-use crate::scene::resolve::Scene;
+use crate::scene::resolve::{HANDOFF_CELL, Scene};
+use crate::scene::resolved::recording::HandoffFormat;
 use crate::study::trade::results::write;
-use crate::world::World;
 
-/// Cell over the particle spacing, unless one is asked for.
-const CELL: f64 = 2.0;
-/// Times of a look.
-const LOOKS: usize = 20;
+/// Times of a look: one while a long wave passes so many cells, within limits.
+const LOOK: f64 = 1.0;
+const FEWEST_LOOKS: f64 = 20.0;
+const MOST_LOOKS: f64 = 200.0;
 
 /// Hand the water of a run over to a solver of the far field.
 ///
@@ -35,18 +34,21 @@ pub(crate) struct Arguments {
     /// Folder of the files; handoff in the run folder when left out.
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
-    /// Side of a cell in meters; two particle spacings when left out.
+    /// Side of a cell in meters; that of the scene's `handoff` or two particle spacings when left out.
     #[arg(long, value_name = "M")]
     cell: Option<f64>,
-    /// Level of rest in meters; that of the scene, its highest water at the start, when left out.
+    /// Level of rest in meters; that of the scene's `handoff` or its highest water at the start when left out.
     #[arg(long, value_name = "Z", allow_negative_numbers = true)]
     level: Option<f64>,
-    /// Files to write; netcdf and esri when left out. A section has section.csv alone.
+    /// Files to write; those of the scene's `handoff`, or netcdf and esri, when left out. A section has section.csv alone.
     #[arg(long, value_name = "FORMAT", value_delimiter = ',')]
     format: Vec<Format>,
     /// Carry the waves on for a time in seconds, linearly over the mean depth, and write their crest to look.csv: a first look.
     #[arg(long, value_name = "T")]
     look: Option<f64>,
+    /// Place whose surface is in look.csv, too, in the scene's coordinates; may be repeated, and be outside of the domain.
+    #[arg(long, value_name = "X,Y", value_parser = place, requires = "look", allow_hyphen_values = true)]
+    at: Vec<[f64; 2]>,
 }
 
 /// Format of the files.
@@ -58,8 +60,35 @@ enum Format {
     Esri,
     /// FUNWAVE-TVD: depth, surface, velocities, input.txt.
     Funwave,
-    /// GeoClaw: topography, surface, discharges.
+    /// GeoClaw: topography, surface, discharges, and the code that reads them.
     Geoclaw,
+    /// SWASH: bottom, water level, current, series of the lines of the scene's `handoff`, INPUT.
+    Swash,
+}
+
+impl From<Format> for HandoffFormat {
+    fn from(format: Format) -> Self {
+        match format {
+            Format::Netcdf => Self::NetCdf,
+            Format::Esri => Self::Esri,
+            Format::Funwave => Self::Funwave,
+            Format::Geoclaw => Self::Geoclaw,
+            Format::Swash => Self::Swash,
+        }
+    }
+}
+
+/// `X,Y`.
+fn place(text: &str) -> Result<[f64; 2], String> {
+    let numbers = text
+        .split(',')
+        .map(|word| word.trim().parse::<f64>().map_err(|_| word));
+    match numbers.collect::<Result<Vec<f64>, &str>>().as_deref() {
+        Ok(&[x, y]) if x.is_finite() && y.is_finite() => Ok([x, y]),
+        _ => Err(format!(
+            "`{text}` is no place; write X,Y in meters, such as 0,2000"
+        )),
+    }
 }
 
 pub(crate) fn execute(arguments: &Arguments) -> Exit {
@@ -97,47 +126,45 @@ fn hand_over(arguments: &Arguments) -> Result<Exit, Exit> {
         run.step().map_err(failed)?;
     }
     let world = run.world();
-    let (Some(water), Some(fluid)) = (&world.water, &settings.fluid) else {
+    let (setting, formats) = setting(arguments, &settings)?;
+    let Some(package) = setting.package(world) else {
         let message = "the run has no water to hand over";
         return Err(refused(Message::new(Code::UnusableArgument, message)));
     };
-    let particles = water.fluid.particles();
-    let spacing = fluid.walls.particle_spacing;
-    let water = Water {
-        position: &particles.position,
-        velocity: &particles.velocity,
-        mass: &particles.mass,
-        volume: water.fluid.particle_volume(),
-        spacing,
+    let lines = settings
+        .handoff
+        .as_ref()
+        .map_or_else(Vec::new, |asked| asked.lines.clone());
+    let table = arguments.run.join(run_folder::HANDOFF_LINES);
+    let records = match table.exists() {
+        true => Some(read_table(&table).map_err(failed)?),
+        false => None,
     };
-    let raster = raster(arguments, &settings, spacing)?;
-    let columns = columns(raster, water, &ground_with_blocks(&world.blocks));
-    let level = arguments.level.unwrap_or(fluid.lattice.still_water_level);
-    let gravity = settings.gravity.norm();
-    let found = fitness(&columns, water, level, gravity);
     let folder = arguments
         .output
         .clone()
-        .unwrap_or_else(|| arguments.run.join("handoff"));
-    let sheet = Sheet {
-        columns: &columns,
-        title: &settings.title,
-        origin: settings
-            .terrain
-            .as_ref()
-            .map_or((0.0, 0.0, 0.0), |terrain| terrain.origin),
-        crs: settings
-            .terrain
-            .as_ref()
-            .and_then(|terrain| terrain.crs.as_ref()),
-        level,
-        time: world.time(),
+        .unwrap_or_else(|| arguments.run.join(run_folder::HANDOFF));
+    let reason = if is_complete {
+        Reason::EndOfRun
+    } else {
+        Reason::Given
     };
-    write_files(arguments, &sheet, &folder).map_err(failed)?;
-    write_numbers(&found, &sheet, world, &folder).map_err(failed)?;
-    show(&words(&found, &sheet, &folder));
+    let request = Request {
+        folder: &folder,
+        formats: &formats,
+        lines: (&lines, records.as_ref()),
+        reason: (reason, None),
+    };
+    setting.write(&package, world, request).map_err(failed)?;
+    show(&words(&package, world.time(), &folder));
     if let Some(time) = arguments.look {
-        look(&sheet, (time, gravity), &folder).map_err(failed)?;
+        let gravity = settings.gravity.norm();
+        look(
+            arguments,
+            (&package, setting.level),
+            (world.time(), time, gravity),
+            &folder,
+        )?;
     }
     Ok(Exit::Done)
 }
@@ -151,109 +178,51 @@ fn is_complete(run: &Path) -> bool {
         .is_some_and(|summary| summary["completed"] == true)
 }
 
-/// Cells over the domain.
-fn raster(arguments: &Arguments, scene: &Scene, spacing: f64) -> Result<Raster, Exit> {
-    let cell = arguments.cell.unwrap_or(CELL * spacing);
+/// Cells, level and files, from the arguments, else from the scene.
+fn setting(arguments: &Arguments, scene: &Scene) -> Result<(Setting, Vec<HandoffFormat>), Exit> {
+    let Some(fluid) = &scene.fluid else {
+        let message = "the run has no water to hand over";
+        return Err(refused(Message::new(Code::UnusableArgument, message)));
+    };
+    let spacing = fluid.walls.particle_spacing;
+    let asked = scene.handoff.as_ref();
+    let cell = arguments
+        .cell
+        .unwrap_or_else(|| asked.map_or(HANDOFF_CELL * spacing, |asked| asked.cell));
     if !(spacing <= cell && cell.is_finite()) {
         let message =
             format!("--cell {cell}: a column is at least a particle spacing wide, {spacing} m");
         return Err(refused(Message::new(Code::UnusableArgument, message)));
     }
-    let (min, max) = (scene.domain.min, scene.domain.max);
-    let size = [max.x - min.x, max.y - min.y];
-    let is_section = scene.fluid.as_ref().is_some_and(|fluid| {
-        matches!(
-            fluid.settings.dimensions,
-            riprap_sph::Dimensions::Two { .. }
-        )
-    });
-    let n = size.map(|size| ((size / cell).ceil() as usize).max(1));
-    Ok(match is_section {
-        true => Raster {
-            n: [n[0], 1],
-            corner: [min.x, min.y],
-            side: [cell, size[1]],
-        },
-        false => Raster {
-            n,
-            corner: [min.x, min.y],
-            side: [cell; 2],
-        },
-    })
-}
-
-fn write_files(arguments: &Arguments, sheet: &Sheet, folder: &Path) -> Result<(), ObserveError> {
-    std::fs::create_dir_all(folder).map_err(|source| ObserveError::Write {
-        path: folder.display().to_string(),
-        source,
-    })?;
-    if sheet.columns.raster.n[1] == 1 {
-        return sheet.write_section(folder);
-    }
-    let usual = [Format::Netcdf, Format::Esri];
-    let formats = if arguments.format.is_empty() {
-        &usual
-    } else {
-        arguments.format.as_slice()
+    let still = fluid.lattice.still_water_level;
+    let level = arguments
+        .level
+        .unwrap_or_else(|| asked.map_or(still, |asked| asked.level));
+    let formats = match asked {
+        _ if !arguments.format.is_empty() => arguments.format.iter().map(|f| (*f).into()).collect(),
+        Some(asked) => asked.formats.clone(),
+        None => vec![HandoffFormat::NetCdf, HandoffFormat::Esri],
     };
-    formats.iter().try_for_each(|format| match format {
-        Format::Netcdf => sheet.write_netcdf(folder),
-        Format::Esri => sheet.write_esri(folder),
-        Format::Funwave => sheet.write_funwave(folder),
-        Format::Geoclaw => sheet.write_geoclaw(folder),
-    })
+    let setting = Setting::new(scene, cell, level).ok_or(Exit::BadInput)?;
+    Ok((setting, formats))
 }
 
-/// `handoff.json`: fitness, and both sides of what is conserved.
-fn write_numbers(
-    found: &Fitness,
-    sheet: &Sheet,
-    world: &World,
-    folder: &Path,
-) -> Result<(), Message> {
-    let columns = sheet.columns;
-    let sum = |axis: usize| columns.momentum.iter().map(|p| p[axis]).sum::<f64>();
-    let mut momentum = [0.0; 2];
-    let mut volume = 0.0;
-    if let Some(water) = &world.water {
-        let particles = water.fluid.particles();
-        volume = particles.len() as f64 * water.fluid.particle_volume();
-        for (mass, v) in particles.mass.iter().zip(&particles.velocity) {
-            momentum[0] += mass * v.x;
-            momentum[1] += mass * v.y;
-        }
-    }
-    let text = json!({
-        "time_s": sheet.time,
-        "still_water_level_m": sheet.level,
-        "cells": columns.raster.n,
-        "cell_m": columns.raster.side,
-        "volume_of_columns_m3": columns.volume.iter().sum::<f64>(),
-        "volume_of_particles_m3": volume,
-        "momentum_of_columns_kg_m_per_s": [sum(0), sum(1)],
-        "momentum_of_particles_kg_m_per_s": momentum,
-        "fitness": found,
-    });
-    let path = folder.join("handoff.json");
-    write(&path, format!("{text:#}\n").as_bytes()).map_err(|error| {
-        let words = format!("cannot write {}: {error}", path.display());
-        Message::new(of_writing(&error), words)
-    })
-}
-
-fn words(found: &Fitness, sheet: &Sheet, folder: &Path) -> String {
+fn words(package: &Package, time: f64, folder: &Path) -> String {
+    let found = &package.fitness;
     let [above, below] = found.volume_above_and_below;
+    let n = package.columns.raster.n;
     format!(
-        "t = {:.3} s, {} by {} cells\n  \
-         columns carry {:.0} % of the kinetic energy; kd {:.2}; {:.2} of what waves of that length have\n  \
+        "t = {time:.3} s, {} by {} cells\n  \
+         columns carry {:.0} % of the kinetic energy; kd {:.2}; {:.2} of what waves of that length have; \
+         pressure at the bed {:.0} % off the weight of the water\n  \
          {} of {} wet cells break; {above:.4e} m3 above the level of rest, {below:.4e} below; energy {:.3e} J\n  \
          {}\nfiles are in {}",
-        sheet.time,
-        sheet.columns.raster.n[0],
-        sheet.columns.raster.n[1],
+        n[0],
+        n[1],
         100.0 * found.column_share,
         found.kd,
         found.quality,
+        100.0 * found.pressure_deviation,
         found.breaking_cells,
         found.wet_cells,
         found.kinetic_energy + found.potential_energy,
@@ -262,38 +231,67 @@ fn words(found: &Fitness, sheet: &Sheet, folder: &Path) -> String {
     )
 }
 
-/// `look.csv`: the highest crest over time, by linear waves over the mean depth.
-fn look(sheet: &Sheet, (time, gravity): (f64, f64), folder: &Path) -> Result<(), Message> {
-    let columns: &Columns = sheet.columns;
-    let eta = elevation(columns, sheet.level);
+/// `look.csv`: the highest crest and the surface at places over time, by linear waves over the mean depth.
+fn look(
+    arguments: &Arguments,
+    (package, level): (&Package, f64),
+    (now, time, gravity): (f64, f64, f64),
+    folder: &Path,
+) -> Result<(), Exit> {
+    let columns = &package.columns;
+    let eta = elevation(columns, level);
     let wet: Vec<f64> = (0..eta.len())
-        .filter(|&cell| 0.0 < columns.depth[cell] && columns.ground[cell] < sheet.level)
-        .map(|cell| sheet.level - columns.ground[cell])
+        .filter(|&cell| 0.0 < columns.depth[cell] && columns.ground[cell] < level)
+        .map(|cell| level - columns.ground[cell])
         .collect();
     let depth = wet.iter().sum::<f64>() / wet.len().max(1) as f64;
-    let waves = Waves::new(
-        (&eta, &columns.velocity),
-        (columns.raster.n, columns.raster.side),
-        depth,
-        gravity,
-    );
-    let mut text = "time [s],crest [m],x [m],y [m]\n".to_owned();
-    for k in 0..=LOOKS {
-        let after = time * k as f64 / LOOKS as f64;
-        let surface = waves.after(after);
-        let crest = (0..surface.len()).max_by(|&a, &b| surface[a].total_cmp(&surface[b]));
-        if let Some(cell) = crest {
-            let [x, y] = columns.raster.center(cell);
-            text += &format!("{},{},{x},{y}\n", sheet.time + after, surface[cell]);
+    let state = (eta.as_slice(), columns.velocity.as_slice());
+    let Some(waves) = Waves::new(state, columns.raster, (depth, gravity), time) else {
+        let message = format!(
+            "--look {time}: the waves would cross more cells than fit; take a shorter time or a larger --cell than {}",
+            columns.raster.side[0]
+        );
+        return Err(refused(Message::new(Code::UnusableArgument, message)));
+    };
+    for at in &arguments.at {
+        if waves.place(*at).is_none() {
+            let message = format!(
+                "--at {},{}: no wave gets there in {time} s; look further or nearer",
+                at[0], at[1]
+            );
+            return Err(refused(Message::new(Code::UnusableArgument, message)));
         }
+    }
+    let mut text = "time [s],crest [m],x [m],y [m]".to_owned();
+    for (k, _) in arguments.at.iter().enumerate() {
+        text += &format!(",at_{} [m]", k + 1);
+    }
+    text += "\n";
+    let looks = (time / (LOOK * time_of_a_cell(columns, depth, gravity)))
+        .ceil()
+        .clamp(FEWEST_LOOKS, MOST_LOOKS) as usize;
+    for k in 0..=looks {
+        let after = time * k as f64 / looks as f64;
+        let surface = waves.after(after);
+        let ([x, y], crest) = surface.highest();
+        text += &format!("{},{crest},{x},{y}", now + after);
+        for at in &arguments.at {
+            text += &format!(",{}", surface.at(*at));
+        }
+        text += "\n";
     }
     let path = folder.join("look.csv");
     write(&path, text.as_bytes()).map_err(|error| {
         let words = format!("cannot write {}: {error}", path.display());
-        Message::new(of_writing(&error), words)
+        failed(Message::new(of_writing(&error), words))
     })?;
     show(&format!(
         "look.csv: linear waves over {depth:.2} m of water, {time} s further"
     ));
     Ok(())
+}
+
+/// Time in which a long wave passes a cell; s.
+fn time_of_a_cell(columns: &Columns, depth: f64, gravity: f64) -> f64 {
+    columns.raster.side[0] / (gravity * depth).sqrt()
 }

@@ -11,6 +11,8 @@ const SAMPLES: usize = 8;
 const LEAST_OPEN: f64 = 0.25;
 /// Height of FUNWAVE's velocities under the surface at rest over the depth; –: Kennedy et al. (2001), Coastal Engineering 42.
 const ALPHA: f64 = 0.531;
+/// Height of the particles whose pressure is continued to the bed; × particle spacing.
+const BESIDE_BED: f64 = 2.0;
 /// Weight of particles, from which a velocity is fitted over the depth.
 const LEAST_WEIGHT: f64 = 3.0;
 
@@ -32,6 +34,8 @@ pub struct Water<'a> {
     pub position: &'a [Vec3],
     /// m/s.
     pub velocity: &'a [Vec3],
+    /// Pa.
+    pub pressure: &'a [f64],
     /// kg.
     pub mass: &'a [f64],
     /// Volume of each; m³.
@@ -61,6 +65,8 @@ pub struct Columns {
     pub velocity: Vec<[f64; 2]>,
     /// Velocity at 0.531 of the depth below the surface, for Boussinesq solvers; m/s.
     pub velocity_alpha: Vec<[f64; 2]>,
+    /// Pressure at the bed, from the particles within two spacings of it; NaN where dry; Pa.
+    pub bed_pressure: Vec<f64>,
     /// Extent of the particles in height over the depth; much above 1 where a crest breaks; –.
     pub stretch: Vec<f64>,
 }
@@ -80,6 +86,15 @@ impl Raster {
     pub fn center(&self, cell: usize) -> [f64; 2] {
         let place = [cell % self.n[0], cell / self.n[0]];
         [0, 1].map(|axis| self.corner[axis] + (place[axis] as f64 + 0.5) * self.side[axis])
+    }
+
+    /// Cell of a place; `None` outside of all.
+    pub fn cell_at(&self, at: [f64; 2]) -> Option<usize> {
+        let is_inside = (0..2).all(|axis| {
+            let along = at[axis] - self.corner[axis];
+            (0.0..self.n[axis] as f64 * self.side[axis]).contains(&along)
+        });
+        is_inside.then(|| self.cell_of(at))
     }
 
     /// Cell of a place, the nearest one of a place outside.
@@ -125,7 +140,9 @@ struct Sums {
 /// V = Σ w V_a,  M = Σ w m_a,  P = Σ w m_a v_a;     h = V/A,  η = ground + h,  U = P/M;  dry where h < a half spacing
 /// ```
 /// `w` is a quadratic B-spline of a cell along each side. `A` and the ground are of what is below water, spread by the same `w`.
-pub fn columns(raster: Raster, water: Water, ground: &Ground) -> Columns {
+///
+/// The pressure at the bed continues that of its particles by the weight of the water (of gravity, m/s²) between them.
+pub fn columns(raster: Raster, water: Water, ground: &Ground, gravity: f64) -> Columns {
     let n = raster.n_cells();
     let mut sums = vec![Sums::default(); n];
     let mut range = vec![[f64::INFINITY, f64::NEG_INFINITY]; n];
@@ -160,9 +177,11 @@ pub fn columns(raster: Raster, water: Water, ground: &Ground) -> Columns {
         surface: vec![f64::NAN; n],
         velocity: vec![[0.0; 2]; n],
         velocity_alpha: vec![[0.0; 2]; n],
+        bed_pressure: vec![f64::NAN; n],
         stretch: vec![0.0; n],
     };
     let beds = beds(&raster, water, ground);
+    let mut is_wet = vec![false; n];
     for cell in 0..n {
         let Bed { area, height, dry } = beds[cell];
         let depth = columns.volume[cell] / area;
@@ -180,9 +199,46 @@ pub fn columns(raster: Raster, water: Water, ground: &Ground) -> Columns {
         columns.velocity[cell] = mean;
         let z = bed + (1.0 - ALPHA) * depth;
         columns.velocity_alpha[cell] = sums.at(z, water.spacing).unwrap_or(mean);
+        is_wet[cell] = true;
         columns.stretch[cell] = (range[cell][1] - range[cell][0] + water.spacing) / depth;
     }
+    press(&mut columns, water, (&is_wet, gravity));
     columns
+}
+
+/// Fills in the pressure at the bed of wet cells.
+///
+/// ```text
+/// p = Σ (p_a + ρ g (z_a − bed)) / n      over the particles of the cell within two spacings of the bed
+/// ```
+fn press(columns: &mut Columns, water: Water, (is_wet, gravity): (&[bool], f64)) {
+    let mut sums = vec![[0.0; 2]; is_wet.len()];
+    let density = water.mass.first().map_or(0.0, |mass| mass / water.volume);
+    for (x, pressure) in water.position.iter().zip(water.pressure) {
+        let cell = columns.raster.cell_of([x.x, x.y]);
+        let height = x.z - columns.ground[cell];
+        if is_wet[cell] && height < BESIDE_BED * water.spacing {
+            sums[cell][0] += 1.0;
+            sums[cell][1] += pressure + density * gravity * height;
+        }
+    }
+    for (pressure, [n, sum]) in columns.bed_pressure.iter_mut().zip(sums) {
+        *pressure = sum / n;
+    }
+}
+
+/// Volume of the water in each cell; m³.
+pub fn volumes(raster: Raster, water: Water) -> Vec<f64> {
+    let mut volumes = vec![0.0; raster.n_cells()];
+    for x in water.position {
+        let across = raster.weights(x.y, 1);
+        for (i, along) in raster.weights(x.x, 0) {
+            for (j, across) in across {
+                volumes[j * raster.n[0] + i] += along * across * water.volume;
+            }
+        }
+    }
+    volumes
 }
 
 impl Sums {

@@ -11,6 +11,8 @@ const SHALLOW: f64 = 0.9;
 const DISPERSIVE: f64 = 3.0;
 /// Range of the quality in which a flow is that of waves.
 const QUALITY: std::ops::RangeInclusive<f64> = 0.9..=1.1;
+/// Depth from which the pressure at the bed is looked at; × particle spacing.
+const DEEP: f64 = 3.0;
 /// Stretch of a column above which its crest breaks.
 const BREAKING: f64 = 1.5;
 
@@ -23,6 +25,9 @@ pub struct Fitness {
     pub kd: f64,
     /// q = r_h kd/tanh(kd), 1 for linear waves of that length; –.
     pub quality: f64,
+    /// Departure of the pressure at the bed from the weight of the water above it, p/(ρ g h) − 1, as the root mean square over wet cells of
+    /// three spacings and more; 0 in shallow water; –.
+    pub pressure_deviation: f64,
     /// Cells whose crest breaks: particles over more than 1.5 depths.
     pub breaking_cells: usize,
     /// Wet cells.
@@ -92,12 +97,20 @@ pub fn fitness(columns: &Columns, water: Water, level: f64, gravity: f64) -> Fit
     let kd = mean_wave_number(columns, &raised) * sum / f64::from(n.max(1));
     let column_share = of_columns / kinetic_energy;
     let quality = column_share * kd / kd.tanh();
+    let hydrostatic = density * gravity;
+    let (n_deep, squares) = wet
+        .iter()
+        .filter(|&&cell| DEEP * water.spacing <= columns.depth[cell])
+        .map(|&cell| columns.bed_pressure[cell] / (hydrostatic * columns.depth[cell]) - 1.0)
+        .filter(|deviation| deviation.is_finite())
+        .fold((0, 0.0), |(n, sum), d| (n + 1, sum + d * d));
     let breaking = wet.iter().filter(|&&cell| BREAKING < columns.stretch[cell]);
     let above = |sign: f64| raised.iter().map(|eta| (sign * eta).max(0.0) * area).sum();
     Fitness {
         column_share,
         kd,
         quality,
+        pressure_deviation: (squares / f64::from(n_deep)).sqrt(),
         breaking_cells: breaking.count(),
         wet_cells: wet.len(),
         volume_above_and_below: [above(1.0), above(-1.0)],

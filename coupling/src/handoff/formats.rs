@@ -5,6 +5,7 @@
 //! | `handoff.nc` | south to north, cell centers in map coordinates | of the map |
 //! | `*.asc`, `*.tif` | north to south | of the map |
 //! | `funwave/*.txt` | south to north | over the level of rest; depth positive down |
+//! | `swash/*.txt` | south to north | over the level of rest; bottom positive down |
 //! | `geoclaw/topo.tt3` | north to south | over the level of rest |
 //! | `geoclaw/*.xyz` | x y value from the north-west corner, row by row | over the level of rest |
 //! | `section.csv` | along x | of the scene |
@@ -22,7 +23,7 @@ use crate::scene::crs::Crs;
 use crate::scene::terrain::grid::{Grid, MapGrid};
 
 /// Missing value in files of text.
-const NO_DATA: f64 = -9999.0;
+pub(super) const NO_DATA: f64 = -9999.0;
 
 /// Columns with their place on the map and in time.
 #[derive(Clone, Copy, Debug)]
@@ -39,15 +40,19 @@ pub struct Sheet<'a> {
     pub level: f64,
     /// s.
     pub time: f64,
+    /// m/s².
+    pub gravity: f64,
+    /// Whether the center of each cell is in an absorbing layer.
+    pub is_absorbing: &'a [bool],
 }
 
 impl Sheet<'_> {
-    fn n(&self) -> [usize; 2] {
+    pub(super) fn n(&self) -> [usize; 2] {
         self.columns.raster.n
     }
 
     /// Centers of cells along an axis in map coordinates; m.
-    fn centers(&self, axis: usize) -> Vec<f64> {
+    pub(super) fn centers(&self, axis: usize) -> Vec<f64> {
         let raster = &self.columns.raster;
         let origin = [self.origin.0, self.origin.1][axis];
         let at = |k: usize| origin + raster.corner[axis] + (k as f64 + 0.5) * raster.side[axis];
@@ -59,7 +64,7 @@ impl Sheet<'_> {
     }
 
     /// Rows of text from the south or the north.
-    fn rows(&self, values: &[f64], from_north: bool) -> String {
+    pub(super) fn rows(&self, values: &[f64], from_north: bool) -> String {
         let rows: Vec<&[f64]> = values.chunks(self.n()[0]).collect();
         let line = |row: &&[f64]| {
             let words: Vec<String> = row.iter().map(|&x| number(x)).collect();
@@ -72,7 +77,7 @@ impl Sheet<'_> {
     }
 
     /// Lines `x y value` from the north-west corner.
-    fn triplets(&self, values: &[f64]) -> String {
+    pub(super) fn triplets(&self, values: &[f64]) -> String {
         let (x, y) = (self.centers(0), self.centers(1));
         let mut text = String::new();
         for (y, row) in y.iter().zip(values.chunks(self.n()[0])).rev() {
@@ -84,7 +89,7 @@ impl Sheet<'_> {
     }
 
     /// Ground over the level of rest, high where there is none; m.
-    fn bed(&self) -> Vec<f64> {
+    pub(super) fn bed(&self) -> Vec<f64> {
         let ground = self.columns.ground.iter();
         ground
             .map(|z| {
@@ -98,7 +103,7 @@ impl Sheet<'_> {
     }
 
     /// Surface over the level of rest, the ground where that is higher and dry; m.
-    fn eta(&self) -> Vec<f64> {
+    pub(super) fn eta(&self) -> Vec<f64> {
         let cells = self.columns.surface.iter().zip(self.bed());
         cells
             .map(|(z, bed)| if z.is_finite() { z - self.level } else { bed })
@@ -145,6 +150,9 @@ impl Sheet<'_> {
         let columns = self.columns;
         let [u, v] = [0, 1].map(|axis| self.component(&columns.velocity, axis));
         let [u_alpha, v_alpha] = [0, 1].map(|axis| self.component(&columns.velocity_alpha, axis));
+        let absorbing: Vec<f64> = (self.is_absorbing.iter())
+            .map(|&is| f64::from(u8::from(is)))
+            .collect();
         let system = self.crs.map_or("unknown", |crs| crs.wkt.as_str());
         let file = netcdf::File {
             dimensions: vec![("y", ny), ("x", nx)],
@@ -176,6 +184,13 @@ impl Sheet<'_> {
                     &raised(&columns.ground),
                 ),
                 field("depth", "", "depth of the water", "m", &columns.depth),
+                field(
+                    "absorbing",
+                    "",
+                    "1 in layers that absorb waves, whose water is not to be handed over",
+                    "1",
+                    &absorbing,
+                ),
                 field(
                     "u",
                     "sea_water_x_velocity",
@@ -275,35 +290,6 @@ impl Sheet<'_> {
         Ok(())
     }
 
-    /// Topography, surface and discharges for GeoClaw.
-    ///
-    /// # Errors
-    ///
-    /// [`ObserveError`] names the file.
-    pub fn write_geoclaw(&self, folder: &Path) -> Result<(), ObserveError> {
-        let folder = made(&folder.join("geoclaw"))?;
-        let ([nx, ny], side) = (self.n(), self.columns.raster.side[0]);
-        let head = format!(
-            "{nx} ncols\n{ny} nrows\n{:.3} xllcenter\n{:.3} yllcenter\n{side} cellsize\n{NO_DATA} nodata_value\n",
-            self.centers(0)[0],
-            self.centers(1)[0]
-        );
-        let topography = head + &self.rows(&self.bed(), true);
-        replace_file(&folder.join("topo.tt3"), &[topography.as_bytes()])?;
-        let discharge = |axis: usize| -> Vec<f64> {
-            let cells = self.columns.depth.iter().zip(&self.columns.velocity);
-            cells.map(|(h, v)| h * v[axis]).collect()
-        };
-        for (name, values) in [
-            ("eta.xyz", self.eta()),
-            ("hu.xyz", discharge(0)),
-            ("hv.xyz", discharge(1)),
-        ] {
-            replace_file(&folder.join(name), &[self.triplets(&values).as_bytes()])?;
-        }
-        Ok(())
-    }
-
     /// `section.csv`, for a section.
     ///
     /// # Errors
@@ -336,7 +322,7 @@ fn number(value: f64) -> String {
 }
 
 /// A folder, made.
-fn made(folder: &Path) -> Result<std::path::PathBuf, ObserveError> {
+pub(super) fn made(folder: &Path) -> Result<std::path::PathBuf, ObserveError> {
     std::fs::create_dir_all(folder).map_err(|source| ObserveError::Write {
         path: folder.display().to_string(),
         source,
@@ -374,6 +360,7 @@ mod tests {
                 [0.0, 0.0],
             ],
             velocity_alpha: vec![[1.5, 0.0]; 6],
+            bed_pressure: vec![f64::NAN; 6],
             stretch: vec![1.0; 6],
         }
     }
@@ -392,6 +379,8 @@ mod tests {
             crs: None,
             level: 0.05,
             time: 12.5,
+            gravity: 9.81,
+            is_absorbing: &[false; 6],
         };
         let at = folder.path();
         sheet.write_funwave(at).unwrap();

@@ -6,41 +6,65 @@
 
 use rustfft::num_complex::Complex;
 
+use super::columns::Raster;
 use super::spectrum::Spectrum;
 
-/// Cells over the raster along each side: waves that leave do not come back before they have crossed what is added.
-const PADDING: usize = 2;
+/// Most cells of a transform.
+const MOST_CELLS: usize = 1 << 24;
 
-/// State of linear waves on a raster.
+/// State of linear waves on a raster and around it.
 #[derive(Clone, Debug)]
 pub struct Waves {
     /// Surface.
     surface: Spectrum,
     /// Potential at the surface.
     potential: Spectrum,
-    /// Cells of the raster without padding.
-    n: [usize; 2],
+    /// The raster with cells around it.
+    raster: Raster,
     /// m.
     depth: f64,
     /// m/s².
     gravity: f64,
 }
 
+/// Surface over the level of rest at one time.
+#[derive(Clone, Debug)]
+pub struct Surface {
+    /// Where it is.
+    pub raster: Raster,
+    /// m.
+    pub elevation: Vec<f64>,
+}
+
 impl Waves {
-    /// Waves with a surface over the level of rest (m) and mean velocities over the depth (m/s) on a raster with a constant depth (m).
+    /// Waves with a surface over the level of rest (m) and mean velocities over the depth (m/s) on a raster, over a constant depth (m)
+    /// under gravity (m/s²). Around the raster are as many cells as long waves pass in `time` (s), so that none leaves on one side and
+    /// comes back on the other; `None` where these are too many.
     pub fn new(
         (surface, velocity): (&[f64], &[[f64; 2]]),
-        (n, side): ([usize; 2], [f64; 2]),
-        depth: f64,
-        gravity: f64,
-    ) -> Self {
-        let padded = n.map(|n| if n == 1 { 1 } else { PADDING * n });
+        raster: Raster,
+        (depth, gravity): (f64, f64),
+        time: f64,
+    ) -> Option<Self> {
+        let way = (gravity * depth).sqrt() * time;
+        let beside = [0, 1].map(|axis| match raster.n[axis] {
+            1 => 0,
+            _ => (way / raster.side[axis]).ceil() as usize + 1,
+        });
+        let n = [0, 1].map(|axis| raster.n[axis].saturating_add(beside[axis].saturating_mul(2)));
+        if MOST_CELLS < n[0].saturating_mul(n[1]) {
+            return None;
+        }
         let spread = |value: &dyn Fn(usize) -> f64| {
-            let mut all = vec![0.0; padded[0] * padded[1]];
-            for cell in 0..n[0] * n[1] {
-                all[cell / n[0] * padded[0] + cell % n[0]] = value(cell);
+            let mut all = vec![0.0; n[0] * n[1]];
+            for cell in 0..raster.n_cells() {
+                let [i, j] = [
+                    cell % raster.n[0] + beside[0],
+                    cell / raster.n[0] + beside[1],
+                ];
+                all[j * n[0] + i] = value(cell);
             }
-            Spectrum::of(&all, padded, side)
+            Spectrum::of(&all, n, raster.side)
         };
         let [u, v] = [0, 1].map(|axis| spread(&|cell| velocity[cell][axis]));
         let surface = spread(&|cell| surface[cell]);
@@ -57,17 +81,27 @@ impl Waves {
                 false => Complex::default(),
             };
         }
-        Self {
+        Some(Self {
             surface,
             potential,
-            n,
+            raster: Raster {
+                n,
+                corner: [0, 1]
+                    .map(|axis| raster.corner[axis] - beside[axis] as f64 * raster.side[axis]),
+                side: raster.side,
+            },
             depth,
             gravity,
-        }
+        })
     }
 
-    /// Surface over the level of rest after a time (s), on the raster without padding; m.
-    pub fn after(&self, time: f64) -> Vec<f64> {
+    /// Cell of a place; `None` outside of all.
+    pub fn place(&self, at: [f64; 2]) -> Option<usize> {
+        self.raster.cell_at(at)
+    }
+
+    /// Surface after a time (s).
+    pub fn after(&self, time: f64) -> Surface {
         let mut surface = self.surface.clone();
         for (index, value) in surface.values.iter_mut().enumerate() {
             let [kx, ky] = self.surface.wave_vector(index);
@@ -79,14 +113,32 @@ impl Waves {
                 *value = *value * cos + self.potential.values[index] * (rise * sin / omega);
             }
         }
-        let columns = surface.n[0];
-        let all = surface.inverted();
-        let cell = |k: usize| all[k / self.n[0] * columns + k % self.n[0]];
-        (0..self.n[0] * self.n[1]).map(cell).collect()
+        Surface {
+            raster: self.raster,
+            elevation: surface.inverted(),
+        }
+    }
+}
+
+impl Surface {
+    /// Place (m) and elevation (m) of the highest cell.
+    pub fn highest(&self) -> ([f64; 2], f64) {
+        let elevation = &self.elevation;
+        let cells = 0..elevation.len();
+        let highest = cells.max_by(|&a, &b| elevation[a].total_cmp(&elevation[b]));
+        let cell = highest.unwrap_or(0);
+        (self.raster.center(cell), elevation[cell])
+    }
+
+    /// Elevation of the cell at a place; NaN outside; m.
+    pub fn at(&self, place: [f64; 2]) -> f64 {
+        let cell = self.raster.cell_at(place);
+        cell.map_or(f64::NAN, |cell| self.elevation[cell])
     }
 }
 
 #[cfg(test)]
+#[expect(clippy::unwrap_used, reason = "a test may fail")]
 mod tests {
     use super::*;
 
@@ -105,7 +157,15 @@ mod tests {
             .iter()
             .map(|z| [omega * z / (k * depth), 0.0])
             .collect();
-        let waves = Waves::new((&surface, &velocity), ([n, 1], [side, 1.0]), depth, gravity);
+        let raster = Raster {
+            n: [n, 1],
+            corner: [0.0; 2],
+            side: [side, 1.0],
+        };
+        let time = 100.0;
+        let state = (surface.as_slice(), velocity.as_slice());
+        let waves = Waves::new(state, raster, (depth, gravity), time).unwrap();
+        let beside = (waves.raster.n[0] - n) / 2;
         let center = |surface: &[f64]| {
             let energy: f64 = surface.iter().map(|z| z * z).sum();
             let moment: f64 = surface
@@ -115,9 +175,10 @@ mod tests {
                 .sum();
             (moment / energy, energy)
         };
-        let ((from, before), time) = (center(&surface), 100.0);
-        let later = waves.after(time);
-        let (to, after) = center(&later);
+        let (from, before) = center(&surface);
+        let later = waves.after(time).elevation;
+        let later = &later[beside..beside + n];
+        let (to, after) = center(later);
         let group = 0.5 * omega / k * (1.0 + 2.0 * k * depth / (2.0 * k * depth).sinh());
         // the velocities of a packet are those of its middle wave number, to (1/(k width))² of it
         assert!(((to - from) / time / group - 1.0).abs() < 0.01);
@@ -127,9 +188,10 @@ mod tests {
             .fold(0.0_f64, |most, z| most.max(z.abs()));
         assert!(back < 0.02, "{back}");
         // at once it is what was given
-        let same = waves.after(0.0);
+        let same = waves.after(0.0).elevation;
         assert!(
-            same.iter()
+            same[beside..]
+                .iter()
                 .zip(&surface)
                 .all(|(a, b)| (a - b).abs() < 1e-12)
         );

@@ -10,6 +10,7 @@ use crate::world::ground::Ground;
 struct Lattice {
     position: Vec<Vec3>,
     velocity: Vec<Vec3>,
+    pressure: Vec<f64>,
     mass: Vec<f64>,
     spacing: f64,
 }
@@ -26,6 +27,7 @@ impl Lattice {
         velocity: impl Fn(f64, f64) -> Vec3,
     ) -> Self {
         let mut position = Vec::new();
+        let mut pressure = Vec::new();
         let at = |k: usize| (k as f64 + 0.5) * spacing;
         let n = [length, width].map(|side| (side / spacing).round() as usize);
         for i in 0..n[0] {
@@ -35,6 +37,7 @@ impl Lattice {
             for j in 0..n[1] {
                 let z = |k: usize| (k as f64 + 0.5) * height / rows as f64;
                 position.extend((0..rows).map(|k| Vec3::new(at(i), at(j), z(k))));
+                pressure.extend((0..rows).map(|k| DENSITY * GRAVITY * (height - z(k))));
             }
         }
         let velocity = position.iter().map(|x| velocity(x.x, x.z)).collect();
@@ -42,6 +45,7 @@ impl Lattice {
         Self {
             position,
             velocity,
+            pressure,
             mass,
             spacing,
         }
@@ -51,6 +55,7 @@ impl Lattice {
         Water {
             position: &self.position,
             velocity: &self.velocity,
+            pressure: &self.pressure,
             mass: &self.mass,
             volume: self.spacing.powi(3),
             spacing: self.spacing,
@@ -77,12 +82,13 @@ fn raster(side: f64, [length, width]: [f64; 2]) -> Raster {
 fn a_still_basin_is_still() {
     let size = [4.0, 2.0];
     let lattice = Lattice::new(0.1, size, |_| 1.0, |_, _| Vec3::zeros());
-    let found = columns(raster(0.2, size), lattice.water(), &flat());
+    let found = columns(raster(0.2, size), lattice.water(), &flat(), GRAVITY);
     for (cell, surface) in found.surface.iter().enumerate() {
         // whole particles a cell: uniform up to the walls
         assert!((surface - 1.0).abs() < 1e-12, "{cell}: {surface}");
         assert_eq!(found.velocity[cell], [0.0; 2]);
         assert!((found.stretch[cell] - 1.0).abs() < 1e-12);
+        assert!((found.bed_pressure[cell] / (DENSITY * GRAVITY) - 1.0).abs() < 1e-12);
     }
 }
 
@@ -98,7 +104,7 @@ fn volume_and_momentum_are_those_of_the_particles() {
     );
     let mut raster = raster(0.19, [2.85, 1.9]);
     raster.corner = [0.08, 0.05];
-    let found = columns(raster, lattice.water(), &flat());
+    let found = columns(raster, lattice.water(), &flat(), GRAVITY);
     let n = lattice.position.len() as f64;
     let volume = n * lattice.spacing.powi(3);
     assert!((found.volume.iter().sum::<f64>() / volume - 1.0).abs() < 1e-12);
@@ -136,7 +142,7 @@ fn a_solitary_wave_keeps_its_area_and_celerity() {
         corner: [0.0; 2],
         side: [0.1, width],
     };
-    let found = columns(raster, lattice.water(), &flat());
+    let found = columns(raster, lattice.water(), &flat(), GRAVITY);
     let raised: f64 = found.surface.iter().map(|z| z - d).sum();
     let area = raised * raster.side[0];
     let exact = 4.0 * d * (h * d / 3.0).sqrt() * (1.0 + h / d).sqrt();
@@ -176,7 +182,7 @@ fn the_share_of_kinetic_energy_is_that_of_linear_waves() {
             corner: [0.0; 2],
             side: [length / (length / spacing / 2.0).round(), 2.0 * spacing],
         };
-        let mut found = columns(raster, lattice.water(), &flat());
+        let mut found = columns(raster, lattice.water(), &flat(), GRAVITY);
         // the surface is too low for particles to show
         for cell in 0..raster.n_cells() {
             found.surface[cell] += a * (k * raster.center(cell)[0]).sin();

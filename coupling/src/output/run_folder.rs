@@ -60,6 +60,10 @@ pub const MASSES: &str = "masses.csv";
 pub const COUNTERS: &str = "counters.csv";
 /// Contact forces between blocks.
 pub const REACTIONS: &str = "reactions.csv";
+/// Flow through the lines of a hand-off.
+pub const HANDOFF_LINES: &str = "handoff_lines.csv";
+/// Folder of what is handed over to a solver of the far field.
+pub const HANDOFF: &str = "handoff";
 /// Forces on barriers, their cells, and grains in their openings: what comes before and after the name.
 const OF_BARRIERS: [(&str, &str); 3] = [
     ("barrier_", ".csv"),
@@ -104,7 +108,7 @@ pub const FACE_FRAMES: &str = "faces";
 pub const FRAMES: [&str; 4] = [WATER_FRAMES, BLOCK_FRAMES, CONTACT_FRAMES, FACE_FRAMES];
 
 /// All files with a name of their own.
-const FILES: [&str; 29] = [
+const FILES: [&str; 30] = [
     CASE,
     SUMMARY,
     PROGRESS,
@@ -125,6 +129,7 @@ const FILES: [&str; 29] = [
     MASSES,
     COUNTERS,
     REACTIONS,
+    HANDOFF_LINES,
     MAPS,
     MAXIMUM_ELEVATION,
     FIRST_ARRIVAL,
@@ -271,7 +276,7 @@ fn clean(folder: &Path) -> Result<(), RunFolderError> {
         .map_err(RunFolderError::io("read", folder))?;
     for path in entries.flatten().map(|entry| entry.path()) {
         let name = path.file_name().unwrap_or_default().to_string_lossy();
-        let removed = if name == RENDERED && path.is_dir() {
+        let removed = if [RENDERED, HANDOFF].contains(&name.as_ref()) && path.is_dir() {
             std::fs::remove_dir_all(&path)
         } else if is_written_by_runs(&name) {
             std::fs::remove_file(&path)

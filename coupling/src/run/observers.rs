@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use crate::files::table::Start;
+use crate::handoff::observer::HandOver;
 use crate::output::bodies;
 use crate::output::observe::barriers::{BarrierResult, Barriers};
 use crate::output::observe::counters::{BlockCounters, Counted};
@@ -34,6 +35,7 @@ pub(super) struct Observers {
     counters: Option<BlockCounters>,
     reactions: Option<Reactions>,
     barriers: Option<Barriers>,
+    handoff: Option<HandOver>,
     overview: OverviewData,
 }
 
@@ -87,6 +89,10 @@ impl Observers {
             } else {
                 Some(Barriers::new(folder, scene, world, start)?)
             },
+            handoff: match &scene.handoff {
+                None => None,
+                Some(asked) => HandOver::new(folder, asked, (scene, world), start)?,
+            },
             overview: OverviewData::new(scene, world),
         })
     }
@@ -104,9 +110,10 @@ impl Observers {
             counters,
             reactions,
             barriers,
+            handoff,
             overview: _,
         } = self;
-        let observers: [Option<&dyn Observer>; 10] = [
+        let observers: [Option<&dyn Observer>; 11] = [
             Some(gauges),
             Some(ledgers),
             forces.as_ref().map(|forces| forces as _),
@@ -116,6 +123,7 @@ impl Observers {
             counters.as_ref().map(|counters| counters as _),
             reactions.as_ref().map(|reactions| reactions as _),
             barriers.as_ref().map(|barriers| barriers as _),
+            handoff.as_ref().map(|handoff| handoff as _),
             Some(frames),
         ];
         observers.into_iter().flatten()
@@ -133,9 +141,10 @@ impl Observers {
             counters,
             reactions,
             barriers,
+            handoff,
             overview: _,
         } = self;
-        let observers: [Option<&mut dyn Observer>; 10] = [
+        let observers: [Option<&mut dyn Observer>; 11] = [
             Some(gauges),
             Some(ledgers),
             forces.as_mut().map(|forces| forces as _),
@@ -145,6 +154,7 @@ impl Observers {
             counters.as_mut().map(|counters| counters as _),
             reactions.as_mut().map(|reactions| reactions as _),
             barriers.as_mut().map(|barriers| barriers as _),
+            handoff.as_mut().map(|handoff| handoff as _),
             Some(frames),
         ];
         observers.into_iter().flatten()
@@ -207,6 +217,9 @@ impl Observers {
         }
         if let Some(barriers) = &self.barriers {
             barriers.write_cells(folder, world)?;
+        }
+        if let Some(handoff) = &self.handoff {
+            handoff.finish(world)?;
         }
         self.overview.write(folder, world, subtitle)?;
         synced.and(followed)

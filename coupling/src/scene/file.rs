@@ -12,6 +12,7 @@ mod bulk;
 mod conversions;
 mod fluid;
 mod gauges;
+mod handoff;
 mod interface;
 mod materials;
 mod numerics;
@@ -40,6 +41,7 @@ pub use fluid::{
     ResolutionFile, RheologyFile,
 };
 pub use gauges::{ForcesFile, GaugeFile, GaugeKindFile, MapsFile, MassFile, TrajectoriesFile};
+pub use handoff::{HandoffFile, HandoffFormat, HandoffLineFile, HandoffTimesFile};
 pub use interface::{InterfaceFile, SlipFile, WallMethodFile};
 pub use materials::{ElasticFile, JointFile, MaterialFile};
 pub use numerics::{
@@ -152,6 +154,9 @@ pub struct SceneFile {
     /// Records of barriers: forces, peaks, passage and clogging.
     #[serde(default)]
     pub barriers: Vec<BarrierFile>,
+    /// Hand-off of the water to a solver of the far field; none when left out.
+    #[serde(default)]
+    pub handoff: Option<HandoffFile>,
     /// Output files and intervals.
     #[serde(default)]
     pub output: OutputFile,

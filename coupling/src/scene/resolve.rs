@@ -47,6 +47,7 @@ pub use super::resolved::{FluidScene, Made, Scene};
 use super::sliding::warn_about_bends;
 use super::{contact_dynamics, estimate, fluid, sleep, symmetry};
 use expanded::expand;
+pub(crate) use recording::HANDOFF_CELL;
 use solids::Solids;
 
 /// Customary safety factor of the block step on the bound from the contact network.
@@ -171,6 +172,7 @@ impl Scene {
             counters: sides::counters(file),
             reactions: sides::reactions(file),
             barriers,
+            handoff: recording::handoff(file, fluid.as_ref()),
             fluid,
             warnings,
             terrain: expanded.terrain,

@@ -20,7 +20,7 @@ use crate::openings::Openings;
 use crate::walls::WallMethod;
 use crate::walls::penalty::WallSettings;
 use crate::world::{OutOfDomain, Weakening};
-use recording::{Barrier, Counter, Gauge, Maps, Output, Reaction, TrackedMass, Tracking};
+use recording::{Barrier, Counter, Gauge, Handoff, Maps, Output, Reaction, TrackedMass, Tracking};
 use register::Register;
 
 /// A scene that can run; constant during the run.
@@ -92,6 +92,8 @@ pub struct Scene {
     pub reactions: Vec<Reaction>,
     /// Barriers with records of their own.
     pub barriers: Vec<Barrier>,
+    /// Hand-off of the water; `None`: not in the run.
+    pub handoff: Option<Handoff>,
     /// Doubtful points that do not stop the scene.
     pub warnings: Vec<Problem>,
     /// Blocks of rock masses, slides and grains; `None` without.

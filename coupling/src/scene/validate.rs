@@ -97,6 +97,9 @@ pub fn values(scene: &SceneFile) -> Vec<Problem> {
         check.barrier(index, barrier);
     }
     check.unique("barriers", scene.barriers.iter().map(|b| b.name.as_str()));
+    if let Some(handoff) = &scene.handoff {
+        check.handoff(handoff, scene);
+    }
     if let Some(camera) = &scene.camera {
         check.camera(camera);
     }

@@ -5,9 +5,9 @@ use riprap_sph::scheme::Viscosity;
 
 use super::crs::Crs;
 use super::file::{
-    AbsorberFile, BlockIntegratorFile, ContactSolverFile, FluidFile, ForcesFile, InterfaceFile,
-    MapsFile, NumericsFile, OutputFile, RestingFile, SceneFile, SleepingFile, StepBoundFile,
-    TerrainFile, TrajectoriesFile, ViscosityFile,
+    AbsorberFile, BlockIntegratorFile, ContactSolverFile, FluidFile, ForcesFile, HandoffFile,
+    InterfaceFile, MapsFile, NumericsFile, OutputFile, RestingFile, SceneFile, SleepingFile,
+    StepBoundFile, TerrainFile, TrajectoriesFile, ViscosityFile,
 };
 use super::fluid::chosen_viscosity;
 use super::parse;
@@ -78,6 +78,11 @@ impl Scene {
                 .maps
                 .clone()
                 .map(|maps| written_maps(maps, self.maps)),
+            handoff: source.handoff.clone().map(|handoff| HandoffFile {
+                cell: self.handoff.as_ref().map(|chosen| chosen.cell),
+                level: self.handoff.as_ref().map(|chosen| chosen.level),
+                ..handoff
+            }),
             output: written_output(&source.output, &self.output, fluid),
             ..source.clone()
         }

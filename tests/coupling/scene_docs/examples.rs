@@ -86,6 +86,10 @@ examples! {
     GaugeKindFile: "SurfaceElevation";
     ForcesFile: r#"(blocks: ["caisson"], interval: 0.01)"#;
     TrajectoriesFile: "(interval: 0.02)";
+    HandoffFile: r#"(times: Auto, formats: [NetCdf, Geoclaw], lines: [(name: "mouth", from: (-400, 600), to: (500, 600))])"#;
+    HandoffTimesFile: "At([20, 24, 28])";
+    HandoffFormat: "Geoclaw";
+    HandoffLineFile: r#"(name: "mouth", from: (-400, 600), to: (500, 600))"#;
     MapsFile: "(spacing: 10, arrival_threshold: 0.1)";
     MassFile: r#"// blocks slide.0001, slide.0002 and so on
 (name: "slide", blocks: "slide.")"#;

@@ -5,15 +5,15 @@ use riprap_sph::Dimensions;
 use crate::messages::Code;
 use crate::scene::error::Problem;
 use crate::scene::file::{
-    BlockFile, BoxFile, FramesFile, GaugeFile, MapsFile, MotionFile, OutputFile, SceneFile,
-    WaterField, vec3,
+    BlockFile, BoxFile, FramesFile, GaugeFile, HandoffLineFile, HandoffTimesFile, MapsFile,
+    MotionFile, OutputFile, SceneFile, WaterField, vec3,
 };
 use crate::scene::names::Names;
 use crate::scene::parse::suggestion;
 use crate::scene::resolved::FluidScene;
 use crate::scene::resolved::recording::{
-    Gauge, Maps, NOTICED_RISE, Output, PlanLine, PressureGauge, Quantity, Sampling, TrackedMass,
-    Tracking,
+    Gauge, Handoff, HandoffTimes, Maps, NOTICED_RISE, Output, PlanLine, PressureGauge, Quantity,
+    Sampling, TrackedMass, Tracking,
 };
 
 /// Number of frames in a run.
@@ -24,6 +24,8 @@ const GAUGE_ROWS: f64 = 500.0;
 const TRAJECTORY_SAMPLES: f64 = 1000.0;
 /// Spacing of the points of maps, which resolves every wave that the water resolves; × particle spacing.
 const MAP_SPACING: f64 = 2.0;
+/// Side of the cells of a hand-off; × particle spacing.
+pub(crate) const HANDOFF_CELL: f64 = 2.0;
 /// Samples of the water for maps in a run.
 const MAP_SAMPLES: f64 = 200.0;
 
@@ -218,6 +220,36 @@ pub(super) fn maps(file: &SceneFile, fluid: Option<&FluidScene>) -> Option<Maps>
         spacing: spacing.unwrap_or(MAP_SPACING * water),
         interval: interval.unwrap_or(file.time.duration / MAP_SAMPLES),
         arrival_threshold: arrival_threshold.unwrap_or(NOTICED_RISE * water),
+    })
+}
+
+/// Hand-off of the water; none without water, which validation refuses.
+pub(super) fn handoff(file: &SceneFile, fluid: Option<&FluidScene>) -> Option<Handoff> {
+    let asked = file.handoff.as_ref()?;
+    let fluid = fluid?;
+    let line = |line: &HandoffLineFile| {
+        let place = PlanLine {
+            from: [line.from.0, line.from.1],
+            to: [line.to.0, line.to.1],
+        };
+        (line.name.clone(), place)
+    };
+    Some(Handoff {
+        times: match &asked.times {
+            HandoffTimesFile::Auto => HandoffTimes::Auto,
+            HandoffTimesFile::At(times) => {
+                let mut times = times.clone();
+                times.sort_by(f64::total_cmp);
+                HandoffTimes::At(times)
+            }
+            HandoffTimesFile::Never => HandoffTimes::At(Vec::new()),
+        },
+        cell: asked
+            .cell
+            .unwrap_or(HANDOFF_CELL * fluid.walls.particle_spacing),
+        level: asked.level.unwrap_or(fluid.lattice.still_water_level),
+        formats: asked.formats.clone(),
+        lines: asked.lines.iter().map(line).collect(),
     })
 }
 

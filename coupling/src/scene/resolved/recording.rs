@@ -2,7 +2,7 @@
 
 use riprap_dda::Vec3;
 
-pub use crate::scene::file::{BlockField, WaterField};
+pub use crate::scene::file::{BlockField, HandoffFormat, WaterField};
 use crate::scene::file::{CameraFile, vec3};
 
 /// Rise of the water that counts as arrival unless a scene says otherwise; × particle spacing.
@@ -267,6 +267,30 @@ impl Barrier {
     pub fn height(&self) -> f64 {
         self.extent[2][1] - self.extent[2][0]
     }
+}
+
+/// Hand-off of the water to a solver of the far field.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Handoff {
+    /// Instants.
+    pub times: HandoffTimes,
+    /// Side of a cell; m.
+    pub cell: f64,
+    /// Level of rest; m.
+    pub level: f64,
+    /// Files to write.
+    pub formats: Vec<HandoffFormat>,
+    /// Names of lines, and where they are.
+    pub lines: Vec<(String, PlanLine)>,
+}
+
+/// Instants of a hand-off.
+#[derive(Clone, Debug, PartialEq)]
+pub enum HandoffTimes {
+    /// By the power of the blocks and the place of the crest.
+    Auto,
+    /// In order; s.
+    At(Vec<f64>),
 }
 
 /// Camera of `riprap render`.

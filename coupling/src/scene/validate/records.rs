@@ -2,7 +2,9 @@
 
 use super::checks::Checks;
 use crate::messages::Code;
-use crate::scene::file::{BarrierFile, CounterFile, ReactionFile, SceneFile};
+use crate::scene::file::{
+    BarrierFile, CounterFile, HandoffFile, HandoffTimesFile, ReactionFile, SceneFile,
+};
 
 impl Checks {
     pub(super) fn counter(&mut self, index: usize, counter: &CounterFile, scene: &SceneFile) {
@@ -50,5 +52,52 @@ impl Checks {
             let path = path(&format!("openings[{k}]"));
             self.extent(&path, &who, (opening.min, opening.max));
         }
+    }
+
+    pub(super) fn handoff(&mut self, handoff: &HandoffFile, scene: &SceneFile) {
+        self.positive("handoff.cell", "handoff: cell", handoff.cell);
+        if scene.fluid.is_none() {
+            let what = "a hand-off is of water, but the scene has none".to_owned();
+            self.refuse(Code::NeedsWater, "handoff", what);
+        }
+        if let HandoffTimesFile::At(times) = &handoff.times {
+            for &time in times {
+                let end = scene.time.duration;
+                if !(0.0 <= time && time.is_finite()) {
+                    let what = format!(
+                        "handoff: {time} s is before the start of the run; take a time from 0 on"
+                    );
+                    self.refuse(Code::ValueOutOfRange, "handoff.times", what);
+                } else if end < time {
+                    let what = format!(
+                        "handoff: the run ends at {end} s, before {time} s, of which there will be nothing"
+                    );
+                    self.warn(Code::OptionWithoutEffect, "handoff.times", what);
+                }
+            }
+        }
+        for (k, line) in handoff.lines.iter().enumerate() {
+            if line.from == line.to {
+                let what = format!(
+                    "line `{}` of the hand-off begins and ends at the same place; give it a length",
+                    line.name
+                );
+                self.refuse(
+                    Code::ValueOutOfRange,
+                    format!("handoff.lines[{k}].to"),
+                    what,
+                );
+            }
+            let is_part_of_file_names = |c: char| c.is_ascii_alphanumeric() || "_-".contains(c);
+            if !line.name.chars().all(is_part_of_file_names) {
+                let what = format!(
+                    "line `{}` of the hand-off: its files have its name; use letters, digits, `_` and `-`",
+                    line.name
+                );
+                self.refuse(Code::UnusableName, format!("handoff.lines[{k}].name"), what);
+            }
+        }
+        let names = handoff.lines.iter().map(|line| line.name.as_str());
+        self.unique("handoff.lines", names);
     }
 }
