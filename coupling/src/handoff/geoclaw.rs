@@ -50,8 +50,10 @@ impl Sheet<'_> {
 
     fn setrun(&self) -> String {
         let raster = &self.columns.raster;
-        let low = [0, 1].map(|axis| self.centers(axis)[0] - 0.5 * raster.side[axis]);
-        let high = [0, 1].map(|axis| low[axis] + raster.n[axis] as f64 * raster.side[axis]);
+        // topography is known between the centers of the raster's cells
+        let low = [0, 1].map(|axis| self.centers(axis)[0]);
+        let n = raster.n.map(|n| n.saturating_sub(1));
+        let high = [0, 1].map(|axis| low[axis] + n[axis] as f64 * raster.side[axis]);
         let deepest = self.columns.depth.iter().copied().fold(0.0, f64::max);
         let step = FIRST_STEP * raster.side[0] / (self.gravity * deepest).sqrt();
         let title = self.title.replace(['\n', '"', '\\'], " ");
@@ -62,8 +64,8 @@ impl Sheet<'_> {
             ("{east}", high[0].to_string()),
             ("{south}", low[1].to_string()),
             ("{north}", high[1].to_string()),
-            ("{nx}", raster.n[0].to_string()),
-            ("{ny}", raster.n[1].to_string()),
+            ("{nx}", n[0].to_string()),
+            ("{ny}", n[1].to_string()),
             ("{step}", step.to_string()),
             ("{gravity}", self.gravity.to_string()),
             ("{middle_x}", (0.5 * (low[0] + high[0])).to_string()),

@@ -1,7 +1,7 @@
 """{title}, handed over at {time} s: a run of GeoClaw on one level, to be extended.
 
-Elevations are over the level of rest. Take a larger domain and append its topography before topo.tt3, which has the ground with the
-blocks on it; topography listed later is not preferred: GeoClaw takes the finest.
+Elevations are over the level of rest. For a larger domain enlarge `lower`, `upper` and `num_cells` and append its topography: where
+files overlap GeoClaw takes the finest, so that topo.tt3, which has the ground with the blocks on it, counts if the other is coarser.
 """
 
 
