@@ -249,7 +249,13 @@ impl<'a> Run<'a> {
     /// Whether the run has reached its end.
     pub fn is_over(&self) -> bool {
         let left = self.scene.duration - self.world.time();
-        !self.is_settling() && left <= ROUND_OFF * self.scene.duration
+        !self.is_settling() && (left <= ROUND_OFF * self.scene.duration || self.is_at_rest())
+    }
+
+    /// Whether nothing has moved for the time that the scene asks for.
+    fn is_at_rest(&self) -> bool {
+        let asked = self.scene.stop_at_rest.zip(self.counters.at_rest_since);
+        asked.is_some_and(|([_, time], since)| time <= self.world.time() - since)
     }
 
     /// Takes a step, or falls back to the last good state.
@@ -363,6 +369,9 @@ impl<'a> Run<'a> {
             Stage::Running => {
                 self.world.step(step)?;
                 self.counters.count(step);
+                if let Some([speed, _]) = self.scene.stop_at_rest {
+                    self.counters.watch_rest(&self.world, speed);
+                }
                 self.check_stability()?;
             }
         }

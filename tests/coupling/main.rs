@@ -48,6 +48,7 @@ mod random_scenes;
 mod records;
 mod render;
 mod report;
+mod rest;
 mod rockfall;
 mod run_json;
 mod scene_docs;

@@ -429,7 +429,7 @@ mod tests {
         let bytes = std::fs::read(at.join("handoff.nc")).unwrap();
         // doubles of y first, after the header, from the south
         let double = |at: usize| f64::from_be_bytes(bytes[at..at + 8].try_into().unwrap());
-        let data = bytes.len() - (2 + 3) * 8 - 7 * 6 * 4;
+        let data = bytes.len() - (2 + 3) * 8 - 8 * 6 * 4;
         assert!((double(data) - 221.0).abs() < 1e-12 && (double(data + 8) - 223.0).abs() < 1e-12);
         assert!((double(data + 16) - 111.0).abs() < 1e-12);
         let first = data + 5 * 8;

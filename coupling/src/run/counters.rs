@@ -37,6 +37,8 @@ pub(super) struct Counters {
     pub mass_at_start: f64,
     pub detector: BlowUpDetector,
     pub reduction: StepReduction,
+    /// Time since which nothing moves; `None` while something does, or where nobody asks; s.
+    pub at_rest_since: Option<f64>,
 }
 
 impl Counters {
@@ -52,7 +54,16 @@ impl Counters {
             mass_at_start: fluid.map_or(0.0, Fluid::mass),
             detector: BlowUpDetector::default(),
             reduction: StepReduction::default(),
+            at_rest_since: None,
         }
+    }
+
+    /// Notes whether anything is faster than a speed (m/s).
+    pub fn watch_rest(&mut self, world: &World, speed: f64) {
+        self.at_rest_since = match is_moving(world, speed) {
+            true => None,
+            false => self.at_rest_since.or(Some(world.time())),
+        };
     }
 
     /// Counts a step.
@@ -61,6 +72,22 @@ impl Counters {
         self.dt_max = self.dt_max.max(step.dt);
         *self.governed.entry(step.cause).or_default() += 1;
     }
+}
+
+/// Whether any block that can move or any water is faster than a speed (m/s).
+fn is_moving(world: &World, speed: f64) -> bool {
+    let blocks = &world.blocks;
+    let moves = |b: usize| {
+        let turning = blocks.angular_velocity(b).norm() * blocks.radius(b);
+        !blocks.is_removed(b) && speed < blocks.velocity(b).norm() + turning
+    };
+    let water = world.water.as_ref();
+    let flows = || {
+        let fluid = &water?.fluid;
+        let mut velocities = fluid.particles().velocity.iter();
+        Some(velocities.any(|v| speed * speed < v.norm_squared()))
+    };
+    (0..blocks.n_blocks()).any(moves) || flows() == Some(true)
 }
 
 /// Wall times and counts, undone steps included; s.

@@ -40,7 +40,10 @@ impl Run<'_> {
             precision: precision(self.scene).to_owned(),
             stepping: format!("{:?}", world.stepping()),
             completed: matches!(ending, Ok(Ending::Completed)),
-            stop_reason: stop_reason(ending),
+            stop_reason: match ending {
+                Ok(Ending::Completed) if self.is_at_rest() => "completed: at rest".to_owned(),
+                _ => stop_reason(ending),
+            },
             simulated_time: world.time(),
             wall_time,
             settling_wall_time: costs.settling,

@@ -362,6 +362,23 @@ pub struct TimeFile {
     #[serde(default)]
     #[schemars(extend("x-unit" = "s", "exclusiveMinimum" = 0))]
     pub wall_limit: Option<f64>,
+    /// Ends the run before its duration once nothing moves any more; it always takes its duration when left out.
+    #[serde(default)]
+    pub stop_at_rest: Option<RestFile>,
+}
+
+/// Rest that ends a run: no block that can move and no water is faster than a speed. A block that is only about to move, as its joint
+/// weakens later, is at rest, too.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RestFile {
+    /// Largest speed at rest, of any point of a block; m/s.
+    #[schemars(extend("x-unit" = "m/s", "exclusiveMinimum" = 0))]
+    pub speed: f64,
+    /// Time for which it must hold; s.
+    #[serde(default = "one")]
+    #[schemars(extend("x-unit" = "s", "exclusiveMinimum" = 0))]
+    pub time: f64,
 }
 
 fn standard_gravity() -> Triple {

@@ -146,6 +146,7 @@ impl Scene {
             duration: file.time.duration,
             settle: file.time.settle,
             wall_limit: file.time.wall_limit,
+            stop_at_rest: file.time.stop_at_rest.map(|rest| [rest.speed, rest.time]),
             expected_speed,
             fastest_flow: expected_speed.max(front_speed),
             block_names: file.blocks.iter().map(|b| b.name.clone()).collect(),

@@ -38,6 +38,8 @@ pub struct Scene {
     pub settle: f64,
     /// Wall time that a run may take; s.
     pub wall_limit: Option<f64>,
+    /// Speed below which nothing moves (m/s), and the time for which it must hold (s), to end the run; `None`: it takes its duration.
+    pub stop_at_rest: Option<[f64; 2]>,
     /// Fastest motion expected, from which sound speed and stiffnesses follow; m/s.
     pub expected_speed: f64,
     /// Fastest motion expected, fronts of water that nothing holds at the start included; m/s.

@@ -47,6 +47,7 @@ examples! {
     OutOfDomainFile: "Fail";
     DimensionsFile: "Two";
     TimeFile: "(duration: 8, settle: 1)";
+    RestFile: "(speed: 1e-3, time: 0.5)";
     MaterialFile: r#"(name: "granite", density: 2650, friction_angle_deg: 35, cohesion: 2e5, restitution: 0.4,
  elastic: (young_modulus: 5e10, poisson_ratio: 0.25))"#;
     ElasticFile: "(young_modulus: 5e10, poisson_ratio: 0.25)";

@@ -41,6 +41,16 @@ impl Checks {
             ),
             ("time.duration", "duration", Some(time.duration)),
             ("time.wall_limit", "wall limit", time.wall_limit),
+            (
+                "time.stop_at_rest.speed",
+                "speed at rest",
+                time.stop_at_rest.map(|rest| rest.speed),
+            ),
+            (
+                "time.stop_at_rest.time",
+                "time at rest",
+                time.stop_at_rest.map(|rest| rest.time),
+            ),
         ] {
             self.positive(path, what, value);
         }
