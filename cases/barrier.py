@@ -111,6 +111,8 @@ def scene(piles, words, args):
     barriers: [(name: "barrier", blocks: ["pile_*"], flow: (1, 0, 0), upstream: 1)],
     // all that carries the grains
     reactions: [(name: "walls", between: ("grain_*", "wall"), direction: (1, 0, 0))],
+    // a bound of the step by eigenvalues: a third of the steps that sums over contacts ask for
+    numerics: (block_step_bound: Eigenvalues),
     time: (duration: {args.duration:g}),
     output: (frame_interval: 0.5, gauge_interval: 0.02, ledger_interval: 0.1),
     camera: (position: (2, -12, 7), look_at: (7, 1, 0.5), field_of_view_deg: 40),

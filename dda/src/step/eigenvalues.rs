@@ -14,11 +14,15 @@ use crate::contact::spread::Spread;
 use crate::contact::spring::Spring;
 use crate::geometry::bounds;
 use crate::motion::kinematics::Kinematics;
+use crate::motion::rigid::is_isotropic;
 use crate::{Blocks, Vec3};
 use nalgebra::{Matrix3, Matrix6};
 
 /// Steps within which a pair that is apart counts as about to touch; every step asks anew.
 pub(super) const HORIZON: f64 = 2.0;
+
+/// Square of the sine between arm and normal below which a spring is central; –.
+const CENTRAL: f64 = 1e-20;
 
 /// Symmetric matrix of the forces and torques of a block that answer its velocity and spin.
 #[derive(Clone, Copy, Default)]
@@ -90,17 +94,36 @@ impl Response {
         self.rotation += inertia * across + rotation * more;
     }
 
+    /// Adds a spring whose normal passes through the centroid, as those of spheres do: along it nothing turns.
+    ///
+    /// ```text
+    /// r × n = 0,   r² − r rᵀ = r² (1 − n nᵀ)
+    /// ```
+    fn add_central(&mut self, (r, product): (&Vec3, &Matrix3<f64>), [along, across]: [f64; 2]) {
+        self.translation += Matrix3::from_diagonal_element(across) + product * (along - across);
+        self.mixed += r.cross_matrix() * across;
+        self.rotation += (Matrix3::identity() - product) * (across * r.norm_squared());
+    }
+
     /// Bound of the largest eigenvalue of `M⁻¹ K`, at most 1.25 times it: `(tr A⁸)^⅛`.
-    fn largest_rate(&self, body: &Kinematics) -> Option<f64> {
-        let root = body.inverse_inertia.cholesky()?.l();
+    fn largest_rate(&self, body: &Kinematics, is_isotropic: bool) -> Option<f64> {
+        let (mixed, rotation) = if is_isotropic {
+            let inverse = body.inverse_inertia[(0, 0)];
+            (self.mixed * inverse.sqrt(), self.rotation * inverse)
+        } else {
+            let root = body.inverse_inertia.cholesky()?.l();
+            (
+                root.transpose() * self.mixed,
+                root.transpose() * self.rotation * root,
+            )
+        };
         let mut a = Matrix6::zeros();
-        let mixed = root.transpose() * self.mixed * body.inverse_mass.sqrt();
+        let mixed = mixed * body.inverse_mass.sqrt();
         a.fixed_view_mut::<3, 3>(0, 0)
             .copy_from(&(self.translation * body.inverse_mass));
         a.fixed_view_mut::<3, 3>(3, 0).copy_from(&mixed);
         a.fixed_view_mut::<3, 3>(0, 3).copy_from(&mixed.transpose());
-        a.fixed_view_mut::<3, 3>(3, 3)
-            .copy_from(&(root.transpose() * self.rotation * root));
+        a.fixed_view_mut::<3, 3>(3, 3).copy_from(&rotation);
         let trace = a.trace();
         if trace <= 0.0 {
             return Some(0.0);
@@ -150,9 +173,10 @@ impl Blocks {
                 held.add(body, pair.springs(self.joint_between(pair.parts)), ONCE);
             }
         }
+        let is_isotropic = is_isotropic(&self.constants.inertia[b]);
         Some(Rates {
-            stiffness: of_spheres.stiffness + held.stiffness.largest_rate(body)?,
-            damping: of_spheres.damping + held.damping.largest_rate(body)?,
+            stiffness: of_spheres.stiffness + held.stiffness.largest_rate(body, is_isotropic)?,
+            damping: of_spheres.damping + held.damping.largest_rate(body, is_isotropic)?,
         })
     }
 
@@ -259,8 +283,15 @@ impl Held {
 
     fn add(&mut self, body: &Kinematics, springs: impl IntoIterator<Item = Spring>, times: Rates) {
         for spring in springs {
-            let products = Products::of(&(spring.point - body.centroid), &spring.normal);
+            let (r, normal) = (spring.point - body.centroid, spring.normal);
             let of = |sides: [f64; 2], times: f64| sides.map(|side| side * times);
+            if r.cross(&normal).norm_squared() <= CENTRAL * r.norm_squared() {
+                let place = (&r, &(normal * normal.transpose()));
+                (self.stiffness).add_central(place, of(spring.stiffness, times.stiffness));
+                (self.damping).add_central(place, of(spring.dashpot, times.damping));
+                continue;
+            }
+            let products = Products::of(&r, &normal);
             (self.stiffness).add(&products, of(spring.stiffness, times.stiffness));
             (self.damping).add(&products, of(spring.dashpot, times.damping));
         }
