@@ -302,7 +302,7 @@ fn what_cannot_go_on_says_why_and_changes_nothing() {
         ),
         (
             &newer,
-            "is a checkpoint of format 7, and this riprap reads format 6",
+            "is a checkpoint of format 8, and this riprap reads format 7",
         ),
         (&b"solid cube"[..], "is not a checkpoint of riprap"),
     ] {
